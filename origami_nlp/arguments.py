@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import os
+import time
 from numbers import Integral, Real
 from typing import Any
 
@@ -76,6 +77,13 @@ def check_number(name: str, value: Any, low: float = -math.inf, high: float = ma
         }[math.isfinite(low), math.isfinite(high)]
         raise OptionError(f"{name} = {shown(value)} must be a finite number{span}")
     return number
+
+
+def check_until(seconds: Any) -> float:
+    """Return when the time of a search is over (`time.monotonic`), infinity for None."""
+    if seconds is None:
+        return math.inf
+    return time.monotonic() + check_number("seconds", seconds, 0.0)
 
 
 def check_flag(name: str, value: object) -> None:

@@ -4,6 +4,9 @@ Each message is one line that names the field, the value found, and the fix.  Th
 an `OrigamiError` into that line and exit code 2; anything else is a bug of ours.
 """
 
+OUT_OF_TIME = "interrupted by the time limit"
+"""What is said of all that a time limit ended."""
+
 
 class Interrupted(KeyboardInterrupt):
     """A search that the user interrupted.
@@ -11,7 +14,7 @@ class Interrupted(KeyboardInterrupt):
     Parameters
     ----------
     result
-        What it had found, whole, as if it had ended for time.
+        What it had found, whole, as if its time had been over.
     """
 
     def __init__(self, result: object) -> None:

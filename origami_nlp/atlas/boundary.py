@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from origami_nlp.arguments import check_type, check_whole
+from origami_nlp.arguments import check_type, check_until, check_whole
 from origami_nlp.atlas.event_curve import (
     MEETS,
     EventPoint,
@@ -23,6 +23,7 @@ from origami_nlp.atlas.family import Over, family_of, parse_nearby, parse_over
 from origami_nlp.atlas.find import follow_family
 from origami_nlp.atlas.plane import Plane
 from origami_nlp.atlas.records import Interval
+from origami_nlp.errors import OUT_OF_TIME
 from origami_nlp.numerics import BESIDE, STATIONARY
 from origami_nlp.path import Hold, Node, Tally, Web
 from origami_nlp.pattern import Scene, scene_to_dict
@@ -123,6 +124,9 @@ class Boundaries(Told):
         What was followed over one parameter: each event there lies on a curve.
     seconds
         Of wall time.
+    interrupted
+        Whether the time was over before all was followed: curves are those until then, and minima are not counted on
+        lines that were not followed whole.
 
     Examples
     --------
@@ -138,6 +142,7 @@ class Boundaries(Told):
     curves: tuple[EventCurve, ...]
     lines: tuple[CountedLine, ...]
     seconds: float
+    interrupted: bool = False
 
     PICTURE = "draw_boundaries"
 
@@ -164,8 +169,14 @@ class Boundaries(Told):
                 f"{i.minima} ({_shown(along, i.t[0])} to {_shown(along, i.t[1])})"
                 for i in line.intervals
             )
-            yield Words(f"{other.name} = {_shown(other, line.t)}: minima {counts}")
+            yield Words(f"{other.name} = {_shown(other, line.t)}: minima {counts or 'not counted'}")
         yield Words(f"{self.seconds:.1f} s; events that no line meets are not here.", "dim")
+        if self.interrupted:
+            yield Words(
+                f"{OUT_OF_TIME}: curves are those until then; on lines that were not followed whole minima are not "
+                "counted",
+                "bold",
+            )
 
     def to_dict(self) -> dict[str, Any]:
         """Return it as plain JSON data."""
@@ -180,6 +191,7 @@ class Boundaries(Told):
             "curves": to_plain(self.curves),
             "lines": to_plain(self.lines),
             "seconds": self.seconds,
+            "interrupted": self.interrupted,
         }
 
 
@@ -196,6 +208,7 @@ def find_boundaries(
     across: int = 1,
     seed: int = 0,
     effort: str = "normal",
+    seconds: float | None = None,
 ) -> Boundaries:
     """Follow the events over one parameter through a second one.
 
@@ -215,6 +228,8 @@ def find_boundaries(
         stays as it is, which no line meets.
     seed, effort
         Of the searches.
+    seconds
+        Wall time; what was followed by then is returned, `Boundaries.interrupted` tells.  None: no limit.
 
     Returns
     -------
@@ -236,29 +251,39 @@ def find_boundaries(
     check_type("scene", scene, Scene)
     check_whole("lines", lines, 1, MOST_LINES)
     check_whole("across", across, 0, MOST_LINES)
-    begin = time.perf_counter()
+    begin, until = time.perf_counter(), check_until(seconds)
     a = parse_nearby(event) if isinstance(event, str) else event
     b = parse_over(over) if isinstance(over, str) else over
     plane, tally = Plane(scene, (a, b)), Tally()
     curves: list[EventCurve] = []
-    counted = []
+    counted: list[CountedLine] = []
     ends = plane.corner, plane.corner + plane.size
     where = np.linspace(ends[0][1], ends[1][1], lines) if lines > 1 else [np.mean(ends, axis=0)[1]]
     inside = np.linspace(ends[0][0], ends[1][0], across + 2)[1:-1]
-    for axis, values in ((0, where), (1, inside)):
-        for u in map(float, values):
-            family = plane.family(plane.overs[1 - axis].t_of(u), axis)
-            atlas = follow_family(family, full_space=False, seed=seed, effort=effort)
-            assert atlas.web is not None  # of one that was just followed
-            met = _events_on(plane, atlas.web, axis, u, curves, tally)
-            names = plane.overs[axis].name, plane.overs[1 - axis].t_of(u)
-            counted.append(CountedLine(*names, atlas.intervals, met))
-    _from_ends(plane, curves, tally)
-    return Boundaries(scene, (a, b), tuple(curves), tuple(counted), time.perf_counter() - begin)
+    for axis, u in [*((0, u) for u in where), *((1, u) for u in inside)]:
+        if time.monotonic() > until:
+            break
+        family = plane.family(plane.overs[1 - axis].t_of(u), axis)
+        atlas = follow_family(family, full_space=False, seed=seed, effort=effort, until=until)
+        assert atlas.web is not None  # of one that was just followed
+        met = _events_on(plane, atlas.web, axis, u, curves, tally, until)
+        names = plane.overs[axis].name, plane.overs[1 - axis].t_of(u)
+        counted.append(CountedLine(*names, () if atlas.interrupted else atlas.intervals, met))
+    _from_ends(plane, curves, tally, until)
+    late = time.monotonic() > until or not all(line.intervals for line in counted)
+    return Boundaries(
+        scene, (a, b), tuple(curves), tuple(counted), time.perf_counter() - begin, late
+    )
 
 
 def _events_on(
-    plane: Plane, web: Web, axis: int, u: float, curves: list[EventCurve], tally: Tally
+    plane: Plane,
+    web: Web,
+    axis: int,
+    u: float,
+    curves: list[EventCurve],
+    tally: Tally,
+    until: float,
 ) -> tuple[tuple[float, int], ...]:
     """Follow the events of a line that lie on no curve yet; return where events are, and on which curves."""
     met: list[tuple[float, int]] = []
@@ -284,7 +309,7 @@ def _events_on(
             continue
         known = next((c.id for c in curves if _lies_on(tracer, c, first, 1 - axis)), 0)
         if not known:
-            points, ends = follow_event(tracer, first)
+            points, ends = follow_event(tracer, first, until)
             known = len(curves) + 1
             contact = tracer.contact
             words = (
@@ -300,7 +325,7 @@ def _events_on(
     return tuple(sorted(met))
 
 
-def _from_ends(plane: Plane, curves: list[EventCurve], tally: Tally) -> None:
+def _from_ends(plane: Plane, curves: list[EventCurve], tally: Tally, until: float) -> None:
     """Follow the events that begin where a curve meets another one: on short lines from its last state."""
     looked: list[CurvePoint] = []
     for curve in curves:  # grows
@@ -309,9 +334,11 @@ def _from_ends(plane: Plane, curves: list[EventCurve], tally: Tally) -> None:
                 continue
             looked.append(point)
             for axis in (0, 1):
+                if time.monotonic() > until:
+                    return
                 web, u = _short_line(plane, point, axis)
                 if len(curves) < MOST_CURVES:
-                    _events_on(plane, web, axis, u, curves, tally)
+                    _events_on(plane, web, axis, u, curves, tally, until)
 
 
 def _same(plane: Plane, a: CurvePoint, b: CurvePoint) -> bool:

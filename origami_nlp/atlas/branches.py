@@ -20,10 +20,10 @@ from origami_nlp.atlas.records import (
 )
 from origami_nlp.kkt import State
 from origami_nlp.numerics import TOUCHES
-from origami_nlp.path import Equilibrium, Node, Web
+from origami_nlp.path import AGAIN, LATE, Equilibrium, Node, Web
 from origami_nlp.programme import Contact
 
-QUIET = ("start", "range", "corner", "stable again")
+QUIET = ("start", "range", "corner", AGAIN, LATE)
 """Nodes at which nothing happens."""
 Chain = list[tuple[int, bool]]
 """Arcs in order, each with whether it is run from its start to its end."""

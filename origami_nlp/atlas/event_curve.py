@@ -8,12 +8,15 @@ in either of them.
 
 from __future__ import annotations
 
+import math
+import time
 from dataclasses import dataclass, replace
 from typing import Protocol
 
 import numpy as np
 
 from origami_nlp.atlas.plane import Plane
+from origami_nlp.errors import OUT_OF_TIME
 from origami_nlp.numerics import ROUNDED, STATIONARY
 from origami_nlp.path import (
     Equilibrium,
@@ -133,13 +136,18 @@ class EventTracer:
         return b if b is not None and abs(b.ahead) <= STATIONARY else None
 
 
-def follow_event(tracer: Tracer, first: EventPoint) -> tuple[list[EventPoint], tuple[str, str]]:
-    """Follow an event both ways through the plane; return its points in order, and why they end."""
+def follow_event(
+    tracer: Tracer, first: EventPoint, until: float = math.inf
+) -> tuple[list[EventPoint], tuple[str, str]]:
+    """Follow an event both ways through the plane; return its points in order, and why they end.
+
+    until: when the time is over (`time.monotonic`).
+    """
     along = _direction(tracer, first)
     if along is None:
         return [first], ("no second point",) * 2
-    back, why_back = _one_way(tracer, first, -along)
-    ahead, why = _one_way(tracer, first, along)
+    back, why_back = _one_way(tracer, first, -along, until)
+    ahead, why = _one_way(tracer, first, along, until)
     return [*reversed(back), first, *ahead], (why_back, why)
 
 
@@ -159,12 +167,16 @@ def _direction(tracer: Tracer, first: EventPoint) -> np.ndarray | None:
     return None
 
 
-def _one_way(tracer: Tracer, first: EventPoint, along: np.ndarray) -> tuple[list[EventPoint], str]:
+def _one_way(
+    tracer: Tracer, first: EventPoint, along: np.ndarray, until: float
+) -> tuple[list[EventPoint], str]:
     plane = tracer.plane
     out: list[EventPoint] = []
     here, h, moved = first, FIRST, np.zeros(len(first.frame.state))
     cusps = 0
     while len(out) < MOST:
+        if time.monotonic() > until:
+            return out, OUT_OF_TIME
         normal = np.array([-along[1], along[0]])
         guess = here.point + h * along * plane.size
         there = tracer.at(guess, normal, here.frame.state + h * moved)

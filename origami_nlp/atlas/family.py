@@ -16,7 +16,7 @@ from functools import cached_property, lru_cache
 
 import numpy as np
 
-from origami_nlp.errors import OptionError
+from origami_nlp.errors import AngleError, OptionError
 from origami_nlp.numerics import RESOLVED
 from origami_nlp.path import ParameterLine, line_between
 from origami_nlp.pattern import Scene, Vertex, parse_angle
@@ -107,9 +107,9 @@ def parse_over(text: str) -> Over:
     Raises
     ------
     OptionError
-        If it is not written so, or the range is empty.
+        If it is not written so, an end is no number, or the range is empty.
     AngleError
-        If an end is no number.
+        If an end of a range of angles is no angle.
 
     Examples
     --------
@@ -162,7 +162,12 @@ def _number(text: str, name: str) -> float:
     match = _DEGREES.fullmatch(text.strip())
     if match:
         return math.radians(parse_angle(match[1], name))
-    return parse_angle(text.strip(), name)
+    try:
+        return parse_angle(text.strip(), name)
+    except AngleError:
+        if UNITS.get(_kind(name.partition("+")[0]), "rad") == "rad":
+            raise
+        raise OptionError(f"over: {name} = {text.strip()!r} must be a finite number") from None
 
 
 @dataclass(frozen=True, eq=False)

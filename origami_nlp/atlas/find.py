@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from dataclasses import replace
 from functools import cached_property
@@ -9,14 +10,14 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from origami_nlp.arguments import check_flag, check_type, check_whole
+from origami_nlp.arguments import check_flag, check_type, check_until, check_whole
 from origami_nlp.atlas.branches import branches_of, chains_of, widest_gap
 from origami_nlp.atlas.family import SAMPLES, Family, Over, family_of, parse_over
 from origami_nlp.atlas.judging import Touching, breaking_eigenvalue, parts_of
 from origami_nlp.atlas.records import Check, Cost, PathBranch
 from origami_nlp.atlas.result import Atlas
 from origami_nlp.critical import find_critical_points
-from origami_nlp.errors import OptionError
+from origami_nlp.errors import OUT_OF_TIME, OptionError
 from origami_nlp.kkt import State, classify
 from origami_nlp.minima import MinimaResult, check_prove, find_minima_of_each, full_scene
 from origami_nlp.numerics import SETTLED
@@ -25,6 +26,8 @@ from origami_nlp.pattern import Scene, Vertex
 from origami_nlp.space import find_space
 
 MOST_CHECKS = 100
+JUDGING = 0.1
+"""Share of a time limit that is kept for judging what was followed."""
 
 
 def follow(
@@ -39,6 +42,7 @@ def follow(
     effort: str = "normal",
     seed: int = 0,
     max_starts: int = 100_000,
+    seconds: float | None = None,
 ) -> Atlas:
     """Follow the minima of a scene over a parameter.
 
@@ -66,6 +70,8 @@ def follow(
         `find_minima`; where one freedom is left, searches are complete without it.
     effort, seed, max_starts
         Of the searches.
+    seconds
+        Wall time; what was followed by then is judged and returned, `Atlas.interrupted` tells.  None: no limit.
 
     Returns
     -------
@@ -89,6 +95,7 @@ def follow(
     check_type("scene", scene, Scene)
     stated = parse_over(over) if isinstance(over, str) else over
     check_type("over", stated, Over)
+    until = check_until(seconds)
     first, *others = (
         follow_family(
             family_of(one, stated),
@@ -100,10 +107,14 @@ def follow(
             effort=effort,
             seed=seed,
             max_starts=max_starts,
+            until=until,
         )
         for one in scene.of_each_winding
     )
-    return replace(first, others=tuple(others)) if others else first
+    if not others:
+        return first
+    late = any(atlas.interrupted for atlas in (first, *others))
+    return replace(first, others=tuple(others), interrupted=late)
 
 
 def follow_family(
@@ -118,8 +129,12 @@ def follow_family(
     seed: int = 0,
     max_starts: int = 100_000,
     steps: Steps | None = None,
+    until: float = math.inf,
 ) -> Atlas:
-    """Follow the minima of a family of scenes; arguments as for `follow`, steps: of the tracer."""
+    """Follow the minima of a family of scenes; arguments as for `follow`.
+
+    steps: of the tracer.  until: when the time is over (`time.monotonic`).
+    """
     check_whole("checks", checks, 1, MOST_CHECKS)
     for name, flag in (
         ("through_folds", through_folds),
@@ -129,12 +144,12 @@ def follow_family(
         check_flag(name, flag)
     check_prove("prove", prove)
     search = {"effort": effort, "seed": seed, "max_starts": max_starts, "prove": prove}
-    survey = _Survey(family, through_folds, full_space, morse, search, steps)
+    survey = _Survey(family, through_folds, full_space, morse, search, steps, until)
     survey.web.add_flat()
     ends = [family.over.low, family.over.high]
     middle = family.over.t_of(0.5 * (survey.web.low + survey.web.high))
     survey.check(([middle] if checks == 1 else [*ends, middle])[:checks])
-    while len(survey.checks) < checks:
+    while len(survey.checks) < checks and not survey.web.late:
         s = widest_gap(survey.web, [family.over.s_of(c.t) for c in survey.checks])
         if s is None:
             break
@@ -153,6 +168,7 @@ class _Survey:
         morse: bool,
         search: dict[str, object],
         steps: Steps | None,
+        until: float,
     ) -> None:
         self._begin = time.perf_counter()
         self.family, self.over, self._morse, self._search = family, family.over, morse, search
@@ -163,6 +179,8 @@ class _Survey:
         self._touching: Touching = {}
         symmetric = not self._scene.group.is_trivial
         functions = [("breaks-symmetry", self.across)] if full_space and symmetric else []
+        # some of the time is for judging what was followed
+        turn = until if math.isinf(until) else until - JUDGING * (until - time.monotonic())
         self.web = Web(
             family.line,
             low,
@@ -170,6 +188,7 @@ class _Survey:
             steps=steps or STEPS,
             through_folds=through_folds,
             functions=functions,
+            until=turn,
         )
         self.checks: list[Check] = []
         self.alarms: list[str] = []
@@ -194,9 +213,12 @@ class _Survey:
 
     def check(self, values: list[float]) -> None:
         """Search at some values at once; follow what is new at one after the other, and compare."""
-        begin = time.perf_counter()
+        if self.web.late:
+            return
+        begin, until = time.perf_counter(), self.web.steps.until
+        left = None if math.isinf(until) else max(until - time.monotonic(), 0.0)
         scenes = [self.family.scene(t) for t in values]
-        results = find_minima_of_each(scenes, **self._search)  # type: ignore[arg-type]
+        results = find_minima_of_each(scenes, seconds=left, **self._search)  # type: ignore[arg-type]
         seconds = time.perf_counter() - begin
         self._begin += seconds
         for t, result in zip(values, results, strict=True):
@@ -205,7 +227,7 @@ class _Survey:
     def _compare(self, t: float, result: MinimaResult, seconds: float) -> None:
         """Follow what is new among the minima of a search that took so long, and note what does not fit."""
         begin = time.perf_counter()
-        morse = self._identity(result.scene, result) if self._morse else ""
+        morse = self._identity(result.scene, result) if self._morse and not self.web.late else ""
         more = time.perf_counter() - begin
         seconds, self._begin = seconds + more, self._begin + more
         model, s = result.model, self.over.s_of(t)
@@ -309,11 +331,14 @@ class _Survey:
             self.family,
             web,
             begun,
+            interrupted=web.interrupted or any(c.complete == OUT_OF_TIME for c in self.checks),
         )
 
 
 def _complete(result: MinimaResult) -> str:
-    """Say why the minima of a search are all, "" where that is not known."""
+    """Say why the minima of a search are all, or that its time was over; "" where that is not known."""
+    if result.search.stopped_by == "time":
+        return OUT_OF_TIME
     if result.completeness is not None:
         return result.completeness.status
     return "traced" if result.search.complete else ""

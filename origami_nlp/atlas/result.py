@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 from origami_nlp.atlas.family import Family, Over, family_of
 from origami_nlp.atlas.judging import states_at
 from origami_nlp.atlas.records import Check, Cost, Interval, PathBranch, PathEvent, StateAt
-from origami_nlp.errors import OptionError
+from origami_nlp.errors import OUT_OF_TIME, OptionError
 from origami_nlp.folding import folded_frame, frames_to_fold
 from origami_nlp.numerics import SAME
 from origami_nlp.path import Web
@@ -59,6 +59,9 @@ class Atlas(Told, Turnable):
     others
         Atlases of the symmetric states that wind more often round their axis (`Scene.windings`), one for each winding:
         branches, events and intervals of this one are about states that wind once.
+    interrupted
+        Whether the time was over before all was followed: branches and checks are those until then, and intervals count
+        what was followed.
 
     Examples
     --------
@@ -79,6 +82,7 @@ class Atlas(Told, Turnable):
     web: Web | None
     branch_of_arc: dict[int, int]
     others: tuple[Atlas, ...] = ()
+    interrupted: bool = False
 
     PICTURE, READ = "draw_atlas", SCHEMA
 
@@ -138,6 +142,7 @@ class Atlas(Told, Turnable):
     def summary(self) -> str:
         """Return one line."""
         found = f"{len(self.branches)} branches, {len(self.events)} events over {self.over.name}"
+        found += f", {OUT_OF_TIME}" if self.interrupted else ""
         return found + (f", {len(self.alarms)} alarms" if self.alarms else "")
 
     def table(self) -> Table:
@@ -193,6 +198,11 @@ class Atlas(Told, Turnable):
             "dim",
         )
         yield from (Words(f"alarm: {line}", "bold") for line in self.alarms)
+        if self.interrupted:
+            yield Words(
+                f"{OUT_OF_TIME}: branches and checks are those until then; intervals count what was followed",
+                "bold",
+            )
         for other in self.others:
             yield Words(
                 f"states that wind {other.scene.winding} times round the axis of {self.scene.group.name}"
@@ -243,6 +253,7 @@ class Atlas(Told, Turnable):
             "checks": to_plain(self.checks),
             "alarms": list(self.alarms),
             "cost": to_plain(self.cost),
+            "interrupted": self.interrupted,
             **({"others": [other.to_dict() for other in self.others]} if self.others else {}),
         }
 
@@ -262,4 +273,7 @@ class Atlas(Told, Turnable):
         alarms = tuple(map(str, data.get("alarms", ())))
         family = family_of(scene, over)
         others = tuple(cls._read(other) for other in data.get("others", ()))
-        return cls(scene, over, branches, events, checks, alarms, cost, family, None, {}, others)
+        late = bool(data.get("interrupted"))
+        return cls(
+            scene, over, branches, events, checks, alarms, cost, family, None, {}, others, late
+        )

@@ -9,10 +9,9 @@ import typer
 from origami_nlp.cli import options as o
 from origami_nlp.cli.output import Output
 from origami_nlp.cli.source import Source, takes_scene
-from origami_nlp.cli.timed import bounded
+from origami_nlp.cli.timed import end_of
 
 
-@bounded
 @takes_scene(o.SceneFile)
 def boundary(
     scene: Source,
@@ -30,6 +29,7 @@ def boundary(
     ] = 3,
     effort: o.Effort = "normal",
     seed: o.Seed = 0,
+    seconds: o.Seconds = None,
     figure: o.FigureFile = None,
     json: o.JsonFile = None,
 ) -> None:
@@ -37,7 +37,10 @@ def boundary(
     from origami_nlp.atlas import draw_boundaries, find_boundaries
 
     out = Output(json=json, figure=figure)
-    found = find_boundaries(scene.read(), event, over, lines=lines, seed=seed, effort=effort)
+    found = find_boundaries(
+        scene.read(), event, over, lines=lines, seed=seed, effort=effort, seconds=seconds
+    )
     found.tell(out.console)
     out.write("json", found.to_dict)
     out.save("figure", draw_boundaries, found)
+    end_of(found)

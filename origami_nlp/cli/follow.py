@@ -9,10 +9,8 @@ import typer
 from origami_nlp.cli import options as o
 from origami_nlp.cli.followed import follows
 from origami_nlp.cli.source import Source, takes_scene
-from origami_nlp.cli.timed import bounded
 
 
-@bounded
 @takes_scene(o.SceneFile)
 @follows
 def follow(

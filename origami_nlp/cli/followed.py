@@ -9,12 +9,14 @@ from typing import Any
 
 from origami_nlp.cli import options as o
 from origami_nlp.cli.output import Output
+from origami_nlp.cli.timed import end_of
 
 SEARCH = {
     "full_space": (o.FullSpace, True),
     "effort": (o.Effort, "normal"),
     "seed": (o.Seed, 0),
     "max_starts": (o.MaxStarts, 100_000),
+    "seconds": (o.Seconds, None),
 }
 """Options of the searches, with what they are where nothing is said."""
 FILES = {"figure": o.FigureFile, "json": o.JsonFile, "fold": o.PathsFold, "html": o.HtmlFile}
@@ -42,6 +44,7 @@ def follows(command: Callable[..., Any]) -> Callable[..., None]:
         out.save("figure", draw, found)
         out.save("fold", write_frames, found)
         out.turn(found)
+        end_of(found)
 
     run.__signature__ = stated.replace(parameters=[*own, *more])  # type: ignore[attr-defined]
     return run

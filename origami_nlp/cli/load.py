@@ -10,11 +10,9 @@ from origami_nlp.cli import options as o
 from origami_nlp.cli.followed import follows
 from origami_nlp.cli.loads import Creases, ForceOn, Held, PullOf, load_number, work_of
 from origami_nlp.cli.source import Source, takes_scene
-from origami_nlp.cli.timed import bounded, keep, paused
 from origami_nlp.errors import OptionError
 
 
-@bounded
 @takes_scene(o.SceneFile)
 @follows
 def load(
@@ -44,7 +42,7 @@ def load(
     A FOLD file of several vertices is loaded as a whole, as a rigid sheet, unless --vertex names one of them; its
     states are searched as by `pattern`.  A vertex without --crease is loaded by the scene's own forces.
     """
-    from origami_nlp.loading import SECONDS, load_path
+    from origami_nlp.loading import load_path
     from origami_nlp.pattern import Scene
 
     what = scene.read_whole()
@@ -62,10 +60,6 @@ def load(
             )
         work = work_of(what, crease, pull, force, held)
     end = to if to == "snap" else load_number(to)
-    with paused() as left:
-        found = load_path(
-            what, work, to=end, state=state, back=back, confirm=confirm,
-            seconds=SECONDS if left is None else left, **search,
-        )  # fmt: skip
-        keep(found)
-    return found
+    return load_path(
+        what, work, to=end, state=state, back=back, confirm=confirm, **search
+    )  # fmt: skip

@@ -13,6 +13,7 @@ from origami_nlp.cli import options as o
 from origami_nlp.cli.loads import Creases, ForceOn, Held, PullOf, load_number, work_of
 from origami_nlp.cli.output import Output
 from origami_nlp.cli.source import spring_options
+from origami_nlp.cli.timed import end_of
 from origami_nlp.errors import Interrupted, OptionError
 
 if TYPE_CHECKING:
@@ -65,6 +66,7 @@ def pattern(
     no_contact: Annotated[
         bool, typer.Option("--no-contact", help="With --minima: facets may cross.")
     ] = False,
+    noise: o.Noise = None,
     seconds: Annotated[
         float,
         typer.Option(
@@ -110,6 +112,8 @@ def pattern(
             "--load needs one of --crease K, --pull V,W and --force V,X,Y,Z" if load else
             f"--{given[0]} says what --load is: give --load too"
         )  # fmt: skip
+    if noise is not None and not minima:
+        raise OptionError("--noise counts which stable states survive errors: give --minima too")
     sheet = _read(file, frame, stiffness, rest_angle, rest_angles, per_length)
     seen = overview(sheet, seed)
     seen.tell(out.console)
@@ -119,7 +123,7 @@ def pattern(
     found: Any = None
     if minima:
         try:
-            found = find_states(sheet, starts, seed, not no_contact, _left(until))
+            found = find_states(sheet, starts, seed, not no_contact, _left(until), noise=noise)
         except Interrupted as stopped:  # what was found is told and written all the same
             found = stopped.result
         found.tell(out.console)
@@ -141,6 +145,8 @@ def pattern(
     _Files(seen, motion, found, loaded).write(out)
     if interrupted:
         raise KeyboardInterrupt
+    if loaded is not None:
+        end_of(loaded)
 
 
 def _left(until: float) -> float:

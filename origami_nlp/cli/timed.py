@@ -15,6 +15,7 @@ from typing import Any
 import typer
 
 from origami_nlp.cli import options as o
+from origami_nlp.errors import OUT_OF_TIME
 
 ENDED = 124
 """Exit code, that of `timeout`."""
@@ -48,6 +49,12 @@ def paused() -> Iterator[float | None]:
     _arm(_end[0] - time.monotonic())
 
 
+def end_of(found: Any) -> None:
+    """End a command whose result is told and written, with the exit code of one whose time was over where it was."""
+    if found.interrupted:
+        raise typer.Exit(ENDED)
+
+
 def bounded(command: Callable[..., None]) -> Callable[..., None]:
     """Give a command the option ``--seconds``."""
     stated = inspect.signature(command, eval_str=True)
@@ -77,7 +84,7 @@ def _tell(seconds: float | None, given: dict[str, Any]) -> None:
     for result in _kept:
         result.tell(console)
     console.print(
-        f"interrupted by the time limit (--seconds {seconds:g}): "
+        f"{OUT_OF_TIME} (--seconds {seconds:g}): "
         + ("what stands above was found; the rest of the command" if _kept else "the command")
         + " did not come to its end, and files that it had not written are not written"
     )

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from typing import Any, Literal, Self
 
 from origami_nlp.files import Brief
+from origami_nlp.numerics import residual_words
 from origami_nlp.pattern import Scene, scene_from_dict, scene_to_dict
 from origami_nlp.show import Piece, Table, Told, from_plain, pick
 
@@ -237,7 +238,7 @@ class CriticalPoints(Told):
                 p.kind,
                 "-" if p.index is None else str(p.index),
                 f"{p.contribution:+d}" if p.contribution else "0",
-                f"{p.residual:.0e}",
+                residual_words(p.residual),
             )
             for number, p in enumerate(shown, start=1)
         ]

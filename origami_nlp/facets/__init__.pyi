@@ -19,7 +19,6 @@ from .layers import (
     round_vertex as round_vertex,
 )
 from .meeting import touches_at as touches_at
-from .orders import Orders as Orders
 from .posed import independent_rows as independent_rows, pose as pose
 from .poses import Poses as Poses
 from .sheet import Sheet as Sheet

@@ -22,9 +22,9 @@ import numpy as np
 from origami_nlp.facets.equations import PatternEquations
 from origami_nlp.facets.features import Features
 from origami_nlp.facets.layers import MOST_PAIRS, Layers, pose_layers
-from origami_nlp.facets.orders import Orders
 from origami_nlp.facets.stacks import Stack, Unclear
 from origami_nlp.facets.touches import Placed, Touch
+from origami_nlp.folding import Orders, Rules
 from origami_nlp.numerics import CLOSES, INSIDE, cross
 
 Point: TypeAlias = tuple[float, float, float]
@@ -114,7 +114,10 @@ class Faces:
         self.reason, self.known, self.open = "", list[tuple[int, bool]](), list[int]()
         self._sheet, self._phi = sheet, phi
         self._told: dict[int, list[Touch]] = {}
-        self._stack, self._orders = Stack(sheet.crossings, phi, sheet.check_time), Orders(0, ())
+        self._stack, self._orders = (
+            Stack(sheet.crossings, phi, sheet.check_time),
+            Orders(Rules(0, ())),
+        )
         if not len(self._stack.pairs):
             return
         if len(self._stack.pairs) > MOST_PAIRS:

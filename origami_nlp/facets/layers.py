@@ -11,9 +11,8 @@ import numpy as np
 
 from origami_nlp.errors import FoldFileError, OrigamiError
 from origami_nlp.facets.equations import PatternEquations
-from origami_nlp.facets.orders import Orders
 from origami_nlp.facets.stacks import Stack, Unclear
-from origami_nlp.folding import examine
+from origami_nlp.folding import MOST_NODES, Orders, Rules, examine
 from origami_nlp.numerics import ANSWERED, CLOSES
 from origami_nlp.pattern import Loop, Pattern, Vertex
 
@@ -174,7 +173,7 @@ def _posed(stack: Stack) -> tuple[Orders, list[tuple[int, ...]]] | Layers:
         if not rule[0]:
             why = f"{_facets(stack, pieces)} pass through each other along a crease"
             return Layers("crosses", why, many)
-    orders = Orders(len(stack.pairs), rules)
+    orders = Orders(Rules(len(stack.pairs), rules), MOST_NODES)
     for unknown, value, crease in stack.known():
         bad = orders.assume({unknown: value})
         if bad != -1:

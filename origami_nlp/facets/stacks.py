@@ -20,13 +20,13 @@ import itertools
 import math
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from functools import cached_property
 from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
 from origami_nlp.facets.crossings import Crossings, boxes_that_meet
-from origami_nlp.facets.orders import Rule
+from origami_nlp.folding import TRANSITIVE, Rule, not_interleaved
 from origami_nlp.numerics import ANSWERED, cross
 
 if TYPE_CHECKING:
@@ -41,7 +41,6 @@ GRID = 1e-3
 Pair = tuple[int, int]
 End: TypeAlias = tuple[int, np.ndarray]
 """Of a passage: a piece, and the direction in which it leaves the line."""
-Ranks = tuple[int, int, int, int]
 
 
 class Unclear(Exception):
@@ -322,15 +321,16 @@ class Stack:
         rank = {r: n for n, r in enumerate(sorted(set(ray), key=lambda r: turned[r]))}
         # on a ray, what is above comes later, counter-clockwise about the axis, or earlier
         later = [bool(self.up[p] @ cross(axis, way) > 0) for p, way in ends]
-        pairs, flips = [], []
+        pairs: dict[Pair, int] = {}
+        level = []
         for k, m in itertools.combinations(range(4), 2):
             if ray[k] == ray[m]:
-                pairs.append(_pair(ends[k][0], ends[m][0]))
-                flips.append((ends[k][0] > ends[m][0]) == later[k])
+                (i, _), (j, _) = ends[k], ends[m]
+                which = pairs.setdefault(_pair(i, j), len(pairs))
+                level.append((k, m, which, (i > j) == later[k]))
         if any(pair not in self.unknown for pair in pairs):
             raise Unclear
-        order = tuple(rank[r] for r in ray)
-        allowed = _not_interleaved(order, tuple(flips))  # type: ignore[arg-type]
+        allowed = not_interleaved(tuple(rank[r] for r in ray), tuple(level))
         if not pairs and allowed:
             return None
         return tuple(self.unknown[pair] for pair in pairs), allowed
@@ -347,39 +347,5 @@ class Stack:
         return tuple((f, g, s.pop()) for (f, g), s in sorted(found.items()) if len(s) == 1)
 
 
-TRANSITIVE = frozenset(
-    v
-    for v in itertools.product((False, True), repeat=3)
-    if v not in {(True, True, False), (False, False, True)}
-)
-
-
 def _pair(i: int, j: int) -> Pair:
     return (i, j) if i < j else (j, i)
-
-
-@lru_cache(maxsize=4096)
-def _not_interleaved(ranks: Ranks, flips: tuple[bool, ...]) -> frozenset[tuple[bool, ...]]:
-    """Go through orders of four ends round a line, ends 0 and 1 of one passage, 2 and 3 of the other.
-
-    Ranks of their half planes, counter-clockwise; `flips`: of each pair on one half plane, whether its unknown being
-    true means that the first comes earlier.
-    """
-    level = [(k, m) for k, m in itertools.combinations(range(4), 2) if ranks[k] == ranks[m]]
-    allowed = set()
-    for values in itertools.product((False, True), repeat=len(level)):
-        after = dict(zip(level, values, strict=True))
-        place = [0] * 4
-        for k, m in itertools.combinations(range(4), 2):
-            first_later = (
-                after[k, m] != flips[level.index((k, m))]
-                if (k, m) in after
-                else ranks[k] > ranks[m]
-            )
-            place[k if first_later else m] += 1
-        if sorted(place) != [0, 1, 2, 3]:
-            continue  # no order
-        low, high = sorted(place[:2])
-        if sum(low < p < high for p in place[2:]) != 1:
-            allowed.add(values)
-    return frozenset(allowed)

@@ -24,6 +24,14 @@ from .fold_frames import (
     save_fold as save_fold,
 )
 from .layers import LayerProblem as LayerProblem, layer_problem as layer_problem, ordered as ordered
+from .orders import (
+    MOST_NODES as MOST_NODES,
+    TRANSITIVE as TRANSITIVE,
+    Orders as Orders,
+    Rule as Rule,
+    Rules as Rules,
+    not_interleaved as not_interleaved,
+)
 from .vertex_list import (
     VertexList as VertexList,
     list_vertices as list_vertices,

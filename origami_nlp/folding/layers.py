@@ -17,7 +17,7 @@ from functools import cached_property, lru_cache
 
 import numpy as np
 
-from origami_nlp.folding.orders import Orders, Tables
+from origami_nlp.folding.orders import TRANSITIVE, Allowed, Orders, Rules, not_interleaved
 from origami_nlp.numerics import cross
 
 Strand = tuple[int, int]
@@ -29,15 +29,8 @@ Passage = tuple[tuple[Strand, int], tuple[Strand, int]]
 Pair = tuple[Strand, Strand]
 """Two strands of one segment, smaller first: the boolean 'the first is left of the second'."""
 
-Table = tuple[tuple[Pair, ...], frozenset[tuple[bool, ...]]]
+Table = tuple[tuple[Pair, ...], Allowed]
 """Pairs, and the truth values that they may take together."""
-
-TRANSITIVE = frozenset(
-    v
-    for v in itertools.product((False, True), repeat=3)
-    if v not in ((True, True, False), (False, False, True))
-)
-"""Values of a < b, b < c, a < c: not a < b < c < a, nor its mirror image."""
 
 
 @dataclass
@@ -55,19 +48,35 @@ class LayerProblem:
     feasible
         False where no order exists whatever the pairs.
     ready
-        The tables made ready for questions, where that was done before.
+        The number of each pair, and the tables as rules, where that was done before.
     """
 
     segments: dict[tuple[int, int], list[tuple[Strand, int]]]
     tables: list[Table] = field(default_factory=list)
     fixed: dict[Pair, bool] = field(default_factory=dict)
     feasible: bool = True
-    ready: Tables[Pair] | None = None
+    ready: tuple[dict[Pair, int], Rules] | None = None
 
     @cached_property
-    def _orders(self) -> Orders[Pair]:
-        """Made when the first question is asked: the tables are complete then."""
-        return Orders(self.ready or Tables(self.tables), self.fixed)
+    def numbered(self) -> tuple[dict[Pair, int], Rules]:
+        """The number of each pair that tables name, and the tables as rules; asked for when they are complete."""
+        if self.ready is not None:
+            return self.ready
+        number: dict[Pair, int] = {}
+        rules = [
+            (tuple(number.setdefault(pair, len(number)) for pair in pairs), allowed)
+            for pairs, allowed in self.tables
+        ]
+        return number, Rules(len(number), rules)
+
+    @cached_property
+    def _orders(self) -> Orders | None:
+        """What rules and folds leave open; None where they contradict each other."""
+        number, rules = self.numbered
+        orders = Orders(rules)
+        given = {number[pair]: v for pair, v in self.fixed.items() if pair in number}
+        good = self.feasible and orders.settle() < 0 and orders.assume(given) == -1
+        return orders if good else None
 
     @cached_property
     def _symmetric(self) -> dict[object, LayerProblem]:
@@ -75,15 +84,18 @@ class LayerProblem:
 
     def solvable(self, assume: dict[Pair, bool] | None = None) -> bool:
         """Tell whether some layer order exists (that also has the orders in `assume`)."""
-        if not self.feasible:
+        asked = assume or {}
+        if self._orders is None or any(self.fixed.get(pair, v) != v for pair, v in asked.items()):
             return False
-        return self._orders.possible(assume or {})
+        number, _ = self.numbered
+        return self._orders.possible({number[p]: v for p, v in asked.items() if p in number})
 
     def order(self) -> dict[Pair, bool] | None:
         """Return one layer order, 'the first is left of the second' for each pair, or None if there is none."""
-        found = self._orders.answer() if self.feasible else None
-        if found is None:
+        values = None if self._orders is None else self._orders.solve()
+        if values is None:
             return None
+        found = {pair: values[k] for pair, k in self.numbered[0].items()} | self.fixed
         for strands in self.segments.values():  # two strands alone in a segment may be in no table
             for (a, _), (b, _) in itertools.combinations(strands, 2):
                 found.setdefault(ordered(a, b)[0], True)
@@ -241,7 +253,7 @@ def _posed(walk: tuple[Step, ...], around: Around) -> LayerProblem:
         for a, b, c in itertools.combinations(sorted(s for s, _ in strands), 3):
             problem.tables.append((((a, b), (b, c), (a, c)), TRANSITIVE))
     _add_passages(problem, walk, dict(around))
-    problem.ready = Tables(problem.tables)
+    problem.ready = problem.numbered
     return problem
 
 
@@ -304,55 +316,17 @@ def _turning(creases: np.ndarray, w: int, far: set[int]) -> tuple[int, ...]:
     return tuple(turned[first:] + turned[:first])
 
 
-def _interleaving_table(
-    w: int, place: dict[int, int], one: Passage, two: Passage
-) -> tuple[tuple[Pair, ...], frozenset[tuple[bool, ...]]] | None:
+def _interleaving_table(w: int, place: dict[int, int], one: Passage, two: Passage) -> Table | None:
     """Return the pairs that two passages compare at node w, and the values that keep them apart."""
     ends = [*one, *two]
     rank = {v: k for k, v in enumerate(sorted({v for _, v in ends}, key=place.__getitem__))}
-    names = sorted({s for s, _ in ends})
-    pairs, allowed = _interleaving_pattern(
-        tuple(rank[v] for _, v in ends),
-        tuple(names.index(s) for s, _ in ends),
-        tuple(w < v for _, v in ends),
-    )
-    if not pairs and allowed:
-        return None
-    return tuple((names[a], names[b]) for a, b in pairs), allowed
-
-
-@lru_cache(maxsize=4096)
-def _interleaving_pattern(
-    segment: tuple[int, ...], strand: tuple[int, ...], starts_here: tuple[bool, ...]
-) -> tuple[tuple[tuple[int, int], ...], frozenset[tuple[bool, ...]]]:
-    """Enumerate the orders of the four ends of two passages around a node (ends 0, 1 and ends 2, 3).
-
-    segment: rank of each end's segment, counter-clockwise.  strand: number of its strand.  starts_here: whether
-    the segment's direction leaves the node.  Returns the pairs of strands to compare and their allowed values.
-    """
-    pairs = []
+    pairs: dict[Pair, int] = {}
+    level = []
     for k, m in itertools.combinations(range(4), 2):
-        if segment[k] == segment[m] and strand[k] != strand[m]:
-            pair = (min(strand[k], strand[m]), max(strand[k], strand[m]))
-            if pair not in pairs:
-                pairs.append(pair)
-    allowed = set()
-    for values in itertools.product((False, True), repeat=len(pairs)):
-        left = dict(zip(pairs, values, strict=True))
-
-        def before(k: int, m: int, left: dict[tuple[int, int], bool] = left) -> bool:
-            """Tell whether end k comes before end m, counter-clockwise around the node."""
-            if segment[k] != segment[m]:
-                return segment[k] < segment[m]
-            a, b = strand[k], strand[m]
-            is_left = left[a, b] if a < b else not left[b, a]
-            # left of the segment's direction is counter-clockwise where it starts, clockwise at its end
-            return is_left != starts_here[k]
-
-        order = [sum(before(m, k) for m in range(4) if m != k) for k in range(4)]
-        if sorted(order) != [0, 1, 2, 3]:
-            continue  # not an order: transitivity forbids these values anyway
-        a, b = sorted(order[:2])
-        if sum(a < o < b for o in order[2:]) != 1:
-            allowed.add(values)
-    return tuple(pairs), frozenset(allowed)
+        (a, far), (b, other) = ends[k], ends[m]
+        if far == other and a != b:
+            pair, swapped = ordered(a, b)
+            # left of the segment's direction is counter-clockwise, so later, where it starts; earlier at its end
+            level.append((k, m, pairs.setdefault(pair, len(pairs)), (w < far) == swapped))
+    allowed = not_interleaved(tuple(rank[v] for _, v in ends), tuple(level))
+    return (tuple(pairs), allowed) if pairs or not allowed else None

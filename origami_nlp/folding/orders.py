@@ -1,147 +1,217 @@
-"""Truth values that tables of constraints allow together: propagation, and search where that does not decide.
+"""Which of two layers is above, for many pairs at once: rules propagated, parts that share no rule searched one by one.
 
-A table names a few unknowns and lists the values that they may take together.  Rules are looked up, not derived: what
-the known values of a table force is the same wherever a table of that kind stands.
+An unknown is a truth value: the first of a pair lies above, or left of, the second.  A rule names a few unknowns and
+lists the values that they may take together, so that what known values force is looked up, not derived: it is the same
+wherever a rule of that kind stands.  Two rules are those of every stack of paper: an order is transitive, and two
+passages of paper through a line (or a point of a polygon) do not interleave.
 """
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Iterable, Mapping
+import itertools
+import math
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import lru_cache
-from typing import Generic, TypeVar
 
-Name = TypeVar("Name", bound=Hashable)
+MOST_NODES = 5_000
+"""Guesses of a search in each part, where there may be many."""
+
+Allowed = frozenset[tuple[bool, ...]]
+Rule = tuple[tuple[int, ...], Allowed]
+"""Unknowns, and the values that they may take together."""
 Values = list[int]
 """Of each unknown: 0, 1, or -1 while it is not known."""
 
+TRANSITIVE: Allowed = frozenset(
+    v
+    for v in itertools.product((False, True), repeat=3)
+    if v not in ((True, True, False), (False, False, True))
+)
+"""Values of a < b, b < c, a < c: not a < b < c < a, nor its mirror image."""
 
-class Tables(Generic[Name]):
-    """Tables made ready for questions: unknowns numbered, and the tables that name each of them.
+
+class Rules:
+    """Rules made ready for questions.
 
     Parameters
     ----------
-    tables
-        Each a tuple of unknowns (anything hashable) and the values that they may take together.
+    count
+        Number of unknowns.
+    rules
+        What their values must obey.
     """
 
-    def __init__(
-        self, tables: Iterable[tuple[tuple[Name, ...], frozenset[tuple[bool, ...]]]]
-    ) -> None:
-        self.number: dict[Name, int] = {}
-        self.rules: list[tuple[tuple[int, ...], frozenset[int]]] = []
-        for names, allowed in tables:
-            unknowns = tuple(self.number.setdefault(n, len(self.number)) for n in names)
-            self.rules.append((unknowns, _bits(allowed)))
-        self.used: list[list[int]] = [[] for _ in self.number]
+    def __init__(self, count: int, rules: Iterable[Rule]) -> None:
+        self.rules = [(unknowns, _bits(allowed)) for unknowns, allowed in rules]
+        self.of: list[list[int]] = [[] for _ in range(count)]
         for k, (unknowns, _) in enumerate(self.rules):
             for u in unknowns:
-                self.used[u].append(k)
+                self.of[u].append(k)
 
 
-class Orders(Generic[Name]):
-    """Answers of one set of tables; every answer found is kept, since it also answers later questions.
+class Orders:
+    """Unknowns under rules; every answer found is kept, since it also answers later questions.
 
     Parameters
     ----------
-    tables
-        The constraints.
-    fixed
-        Values that are given.
+    rules
+        What their values must obey.
+    most
+        Guesses of a search in each part; with more it is given up.
+
+    Attributes
+    ----------
+    values
+        What is known so far.
     """
 
-    def __init__(self, tables: Tables[Name], fixed: Mapping[Name, bool]) -> None:
-        self._number, self._tables, self._used = tables.number, tables.rules, tables.used
-        self._free = {name: value for name, value in fixed.items() if name not in self._number}
-        start = [-1] * len(self._number)
-        pending = set(range(len(self._tables)))
-        good = self._assign(start, self._known(fixed)) and self._propagate(start, pending)
-        self._start: Values | None = start if good else None
+    def __init__(self, rules: Rules, most: float = math.inf) -> None:
+        self._rules, self._of, self._most = rules.rules, rules.of, most
+        self.values: Values = [-1] * len(self._of)
         self._answers: list[Values] = []
         self._impossible: set[tuple[int, int]] = set()
 
-    def _known(self, values: Mapping[Name, bool]) -> list[tuple[int, int]]:
-        return [(self._number[n], int(v)) for n, v in values.items() if n in self._number]
+    def settle(self) -> int:
+        """Fill in what all rules force; the rule that cannot be obeyed, or -1."""
+        return self._propagate(self.values, range(len(self._rules)))
 
-    def possible(self, assume: Mapping[Name, bool]) -> bool:
-        """Tell whether there is an answer with the values in `assume`."""
-        if any(self._free.get(name, value) != value for name, value in assume.items()):
-            return False
-        known = self._known(assume)
-        if any(all(answer[u] == v for u, v in known) for answer in self._answers):
+    def assume(self, known: Mapping[int, bool]) -> int:
+        """Set unknowns, and what follows: the rule that cannot be obeyed, or -1; -2 where a value was forced before.
+
+        Parameters
+        ----------
+        known
+            Values of unknowns.
+        """
+        if any(self.values[u] == 1 - v for u, v in known.items()):
+            return -2
+        for u, v in known.items():
+            self.values[u] = int(v)
+        return self._propagate(self.values, [k for u in known for k in self._of[u]])
+
+    def possible(self, known: Mapping[int, bool]) -> bool:
+        """Tell whether there is an answer with some values, all that rules force being settled.
+
+        Parameters
+        ----------
+        known
+            Values of unknowns.
+
+        Raises
+        ------
+        TimeoutError
+            If the search is given up.
+        """
+        some = [(u, int(v)) for u, v in known.items()]
+        if any(all(answer[u] == v for u, v in some) for answer in self._answers):
             return True
-        if not self._impossible.isdisjoint(known):
+        if not self._impossible.isdisjoint(some):
             return False
-        if self._find(known) is not None:
-            return True
-        if len(known) == 1:
-            self._impossible.add(known[0])
-        return False
+        before = list(self.values)
+        found = self._found() if self.assume(known) == -1 else None
+        self.values = before
+        if found is None and len(some) == 1:
+            self._impossible.add(some[0])
+        return found is not None
 
-    def answer(self) -> dict[Name, bool] | None:
-        """Return the first answer in the order of the tables, false before true; None where there is none."""
-        found = self._find(())
-        if found is None:
-            return None
-        named = {name: bool(found[k]) for name, k in self._number.items()}
-        return {**named, **self._free}
+    def solve(self) -> list[bool] | None:
+        """Return values that obey every rule, None where there are none.
 
-    def _find(self, known: Iterable[tuple[int, int]]) -> Values | None:
-        if self._start is None:
-            return None
-        values = list(self._start)
-        found = self._search(values) if self._assign(values, known) else None
-        if found is not None:
-            self._answers.append(found)
+        Raises
+        ------
+        TimeoutError
+            If the search is given up.
+        """
+        found = None if self.settle() >= 0 else self._found()
+        return None if found is None else [bool(v) for v in found]
+
+    def count(self) -> int:
+        """Return how many answers there are.
+
+        Raises
+        ------
+        TimeoutError
+            If the search is given up.
+        """
+        if self.settle() >= 0:
+            return 0
+        total = 1
+        for part in self._parts():
+            total *= sum(1 for _ in self._each(part))
+        return total
+
+    def _found(self) -> Values | None:
+        """Decide the unknowns that are left, all that is forced being settled."""
+        found = list(self.values)
+        for part in self._parts():
+            first = next(self._each(part), None)
+            if first is None:
+                return None
+            for u in part:
+                found[u] = first[u]
+        self._answers.append(found)
         return found
 
-    def _search(self, values: Values) -> Values | None:
-        """Decide the unknowns that are left one after the other; `values` agree with every table so far."""
-        for unknowns, _ in self._tables:
-            for u in unknowns:
-                if values[u] < 0:
-                    for v in (0, 1):
-                        trial = list(values)
-                        found = self._search(trial) if self._assign(trial, [(u, v)]) else None
-                        if found is not None:
-                            return found
-                    return None
-        return values
+    def _parts(self) -> list[list[int]]:
+        """Return the unknowns that are left, in groups that share no rule; of each group the most bound first."""
+        groups, seen = [], set[int]()
+        for first in (u for u, v in enumerate(self.values) if v < 0):
+            if first in seen:
+                continue
+            group, todo = [], [first]
+            seen.add(first)
+            while todo:
+                group.append(todo.pop())
+                near = (u for k in self._of[group[-1]] for u in self._rules[k][0])
+                new = {u for u in near if self.values[u] < 0} - seen
+                seen |= new
+                todo += new
+            groups.append(sorted(group, key=lambda u: (-len(self._of[u]), u)))
+        return groups
 
-    def _assign(self, values: Values, known: Iterable[tuple[int, int]]) -> bool:
-        """Set values and what follows from them (in place); False where they contradict each other."""
-        pending: set[int] = set()
-        for u, v in known:
-            if values[u] < 0:
-                values[u] = v
-                pending.update(self._used[u])
-            elif values[u] != v:
-                return False
-        return self._propagate(values, pending)
+    def _each(self, part: Sequence[int]) -> Iterator[Values]:
+        """Go through the answers of one part, depth first, false before true."""
+        nodes, stack = 0, [list(self.values)]
+        while stack:
+            values = stack.pop()
+            unknown = next((u for u in part if values[u] < 0), None)
+            if unknown is None:
+                yield values
+                continue
+            nodes += 1
+            if nodes > self._most:
+                raise TimeoutError
+            for guess in (1, 0):
+                more = list(values)
+                more[unknown] = guess
+                if self._propagate(more, self._of[unknown]) < 0:
+                    stack.append(more)
 
-    def _propagate(self, values: Values, waiting: set[int]) -> bool:
-        """Look at the tables `waiting`, and at those of every value that follows."""
-        while waiting:
-            unknowns, allowed = self._tables[waiting.pop()]
+    def _propagate(self, values: Values, waiting: Iterable[int]) -> int:
+        """Fill in what rules force, in place: the rule that cannot be obeyed, or -1."""
+        pending = dict.fromkeys(waiting)
+        while pending:
+            k, _ = pending.popitem()
+            unknowns, allowed = self._rules[k]
             mask = value = 0
-            for k, u in enumerate(unknowns):
+            for n, u in enumerate(unknowns):
                 if values[u] >= 0:
-                    mask |= 1 << k
-                    value |= values[u] << k
+                    mask |= 1 << n
+                    value |= values[u] << n
             forced = _forced(allowed, mask, value, len(unknowns))
             if forced is None:
-                return False
-            for k, v in forced:
-                u = unknowns[k]
-                if values[u] < 0:
-                    values[u] = v
-                    waiting.update(self._used[u])
-                elif values[u] != v:  # the same unknown twice in a table
-                    return False
-        return True
+                return k
+            for n, v in forced:
+                u = unknowns[n]
+                if values[u] == 1 - v:  # the same unknown twice in a rule
+                    return k
+                values[u] = v
+                pending.update(dict.fromkeys(self._of[u]))
+        return -1
 
 
 @lru_cache(maxsize=4096)
-def _bits(allowed: frozenset[tuple[bool, ...]]) -> frozenset[int]:
+def _bits(allowed: Allowed) -> frozenset[int]:
     """Write each tuple of values as one number, the first value as the lowest bit."""
     return frozenset(sum(int(v) << k for k, v in enumerate(values)) for values in allowed)
 
@@ -160,3 +230,39 @@ def _forced(
         either |= v
     free = (k for k in range(count) if not mask >> k & 1)
     return tuple((k, both >> k & 1) for k in free if (both >> k & 1) == (either >> k & 1))
+
+
+@lru_cache(maxsize=4096)
+def not_interleaved(
+    rays: tuple[int, ...], pairs: tuple[tuple[int, int, int, bool], ...]
+) -> Allowed:
+    """Return the values of unknowns for which two passages do not interleave: ends 0, 1 of one and 2, 3 of the other.
+
+    Parameters
+    ----------
+    rays
+        Of each of the four ends the place of its half line, counter-clockwise; ends on one half line are compared.
+    pairs
+        Of ends k < m on one half line: k, m, the position of their unknown, and whether its being true means that k
+        comes first.
+
+    Returns
+    -------
+    frozenset of tuple of bool
+        In the order of the unknowns.
+    """
+    allowed = set()
+    for values in itertools.product(
+        (False, True), repeat=1 + max((p[2] for p in pairs), default=-1)
+    ):
+        level = {(k, m): values[which] == first for k, m, which, first in pairs}
+        place = [0] * 4
+        for k, m in itertools.combinations(range(4), 2):
+            ahead = level[k, m] if (k, m) in level else rays[k] < rays[m]
+            place[m if ahead else k] += 1
+        if sorted(place) != [0, 1, 2, 3]:
+            continue  # not an order: transitivity forbids these values anyway
+        low, high = sorted(place[:2])
+        if sum(low < p < high for p in place[2:]) != 1:
+            allowed.add(values)
+    return frozenset(allowed)

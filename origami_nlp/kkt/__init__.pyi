@@ -21,6 +21,7 @@ from .escape import (
     TREE as TREE,
     Escape as Escape,
     Terrain as Terrain,
+    Way as Way,
     barriers as barriers,
     energy_scale as energy_scale,
     level_of as level_of,

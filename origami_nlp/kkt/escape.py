@@ -16,7 +16,7 @@ from typing import Final, Literal, NamedTuple, Protocol
 import numpy as np
 
 from origami_nlp.files import Brief
-from origami_nlp.numerics import BESIDE, LEVEL, SHALLOW
+from origami_nlp.numerics import BESIDE, LEVEL, SHALLOW, coarse
 
 Method = Literal[
     "exact (traced)", "merge tree", "upper bound (descents)", "not determined", "isolated"
@@ -39,8 +39,8 @@ class Escape(Brief):
     Attributes
     ----------
     barrier
-        Energy that has to be put in [the scene's units]; inf where no way leads to another state; nan where it is not
-        determined.
+        Energy that has to be put in [the scene's units], an upper bound of a vertex rounded up to two digits; inf where
+        no way leads to another state; nan where it is not determined.  Under an imposed symmetry ways keep it.
     method
         ``exact (traced)`` (curves of one freedom), ``merge tree`` (of a graph of states, with exact passes),
         ``upper bound (descents)`` (an explicit way out: there may be lower ones), ``isolated`` (no other state is near:
@@ -115,6 +115,8 @@ class Way(NamedTuple):
 class Terrain(Protocol):
     """States with descents between them; states of `minima` [M, n] by number.
 
+    One with a method `middles` is asked for the middles of many steps at once: `between` for each, or None.
+
     floor: energies over a state that are not told apart from nothing.  worth: heights above this are made lower where
     a pass shows how.
     """
@@ -186,7 +188,7 @@ def ways_out(
     _sharpen(terrain, [p for parts in partings.values() for p in parts[:confirmed]], sections)
     ways = {}
     for k, parts in partings.items():
-        lowest = sorted(parts[:confirmed], key=lambda p: p.height)
+        lowest = sorted(parts[:confirmed], key=_rank)
         found = (_way(terrain, part) for part in lowest)
         way = next(filter(None, found), None)
         if way is not None:
@@ -223,7 +225,12 @@ def _partings(terrain: Terrain, which: Sequence[int]) -> dict[int, list[_Parting
         before = list(ray[:first])
         part = _Parting(k, before, before[-1], ray[first], top)
         out.setdefault(k, []).append(part)
-    return {k: sorted(parts, key=lambda p: p.height) for k, parts in out.items()}
+    return {k: sorted(parts, key=_rank) for k, parts in out.items()}
+
+
+def _rank(part: _Parting) -> float:
+    """Return the height, such that of those that are equal but for rounding the one found first comes first."""
+    return float(coarse(np.array([part.height]))[0])
 
 
 def _away(terrain: Terrain, starts: Sequence[tuple[int, np.ndarray]]) -> np.ndarray:
@@ -290,19 +297,33 @@ def _highest(terrain: Terrain, k: int, states: np.ndarray) -> tuple[float, np.nd
         cut = [i for i in range(len(d)) if d[i] > LONG]
         if not cut and cuts < MOST_CUTS:
             high = (i for i in range(len(d)) if most[i] > enough)
-            cut = sorted(high, key=lambda i: -most[i])[:A_ROUND]
+            told = coarse(np.array(most))
+            cut = sorted(high, key=lambda i: -told[i])[:A_ROUND]
         if not cut:
             return max(top, *most), x[int(np.argmax(u))]
         cuts += len(cut)
-        for i in sorted(cut, reverse=True):
-            inner = terrain.between(x[i], x[i + 1], np.array([0.5]))
-            if inner is None or max(terrain.distance(inner[0], y) for y in (x[i], x[i + 1])) > (
-                ASIDE * d[i]
-            ):
+        cut.sort()
+        halves = _middles(terrain, np.array([x[i] for i in cut]), np.array([x[i + 1] for i in cut]))
+        if halves is None:
+            return None
+        rises = terrain.rise(k, halves).tolist()
+        for i, y, rise in list(zip(cut, halves, rises, strict=True))[::-1]:
+            if max(terrain.distance(y, z) for z in (x[i], x[i + 1])) > ASIDE * d[i]:
                 return None
-            x.insert(i + 1, inner[0])
-            u.insert(i + 1, float(terrain.rise(k, inner)[0]))
-            slope.insert(i + 1, terrain.slope(inner[0]))
+            x.insert(i + 1, y)
+            u.insert(i + 1, rise)
+            slope.insert(i + 1, terrain.slope(y))
+
+
+def _middles(terrain: Terrain, a: np.ndarray, b: np.ndarray) -> np.ndarray | None:
+    """Return closed states half way from states a to states b, [S, n]; None where one is lacking."""
+    if hasattr(terrain, "middles"):
+        together: np.ndarray | None = terrain.middles(a, b)
+        return together
+    found = [terrain.between(y, z, np.array([0.5])) for y, z in zip(a, b, strict=True)]
+    return (
+        None if any(y is None for y in found) else np.array([y[0] for y in found if y is not None])
+    )
 
 
 LONGER = 2.0

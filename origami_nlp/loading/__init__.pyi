@@ -1,6 +1,6 @@
 from .driver import Driver as Driver, VertexDriver as VertexDriver
 from .figure import draw_load as draw_load
-from .find import SECONDS as SECONDS, load_path as load_path
+from .find import load_path as load_path
 from .records import Confirmed as Confirmed, Leg as Leg, LoadPoint as LoadPoint, Snap as Snap
 from .result import LoadPath as LoadPath
 from .sheet import PatternDriver as PatternDriver

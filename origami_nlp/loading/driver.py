@@ -81,14 +81,14 @@ class Driver(Protocol):
     @property
     def unloaded(self) -> Any: ...  # noqa: D102
     def conjugate(self, fold_angles: np.ndarray) -> np.ndarray: ...  # noqa: D102
-    def line(self, until: float = math.inf) -> ParameterLine: ...  # noqa: D102
+    def line(self) -> ParameterLine: ...  # noqa: D102
     def full_line(self) -> ParameterLine | None: ...  # noqa: D102
     def steps(self, steps: Steps | None) -> Steps: ...  # noqa: D102
     def begin(  # noqa: D102
         self, state: Any, search: Search
     ) -> tuple[Driver, int, np.ndarray]: ...
     def down(  # noqa: D102
-        self, line: ParameterLine, s: float, node: Node, near: float
+        self, line: ParameterLine, s: float, node: Node, near: float, until: float
     ) -> tuple[np.ndarray, Classification] | str: ...
     def beside(self, t: float) -> float: ...  # noqa: D102
     def states_at(self, t: float, search: Search) -> list[np.ndarray] | None: ...  # noqa: D102
@@ -208,8 +208,8 @@ class VertexDriver:
         """What is loaded."""
         return self.scene.label or repr(self.scene.vertex)
 
-    def line(self, until: float = math.inf) -> ParameterLine:
-        """Return the programmes of the scene over t; until: of no use here."""
+    def line(self) -> ParameterLine:
+        """Return the programmes of the scene over t."""
         return self._line(self.scene)
 
     def full_line(self) -> ParameterLine | None:
@@ -267,7 +267,7 @@ class VertexDriver:
         return result.minima
 
     def down(
-        self, line: ParameterLine, s: float, node: Node, near: float
+        self, line: ParameterLine, s: float, node: Node, near: float, until: float
     ) -> tuple[np.ndarray, Classification] | str:
         """Descend at s from the end of a state to a minimum farther away than `near` [rad], or say why not."""
         try:

@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 import math
-import time
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from origami_nlp.arguments import check_flag, check_number, check_whole, shown
+from origami_nlp.arguments import check_flag, check_number, check_until, check_whole, shown
 from origami_nlp.atlas import Over, PathEvent, branches_of, chains_of, parts_of
-from origami_nlp.errors import OptionError, OutOfTime
+from origami_nlp.errors import OUT_OF_TIME, OptionError, OutOfTime
 from origami_nlp.facets import Work
 from origami_nlp.kkt import State, classify
 from origami_nlp.loading.driver import Driver, Search, VertexDriver
@@ -22,12 +22,10 @@ from origami_nlp.loading.route import Way, given, let_go, position, restabilises
 from origami_nlp.loading.sheet import PatternDriver, work_on
 from origami_nlp.modes import breaking_stiffness
 from origami_nlp.numerics import SETTLED
-from origami_nlp.path import Equilibrium, EquilibriumCurve, Steps, Web, is_equilibrium
+from origami_nlp.path import LATE, Equilibrium, EquilibriumCurve, Steps, Web, is_equilibrium
 from origami_nlp.pattern import Pattern, Scene, as_pattern
 from origami_nlp.sheets import SheetState
 
-SECONDS = 300.0
-"""For a path and its searches, of wall time."""
 MOST_SNAPS = 20
 """Of one path: more are taken for a mistake."""
 
@@ -46,7 +44,7 @@ def load_path(
     max_starts: int = 100_000,
     starts: int = 40,
     steps: Steps | None = None,
-    seconds: float = SECONDS,
+    seconds: float | None = None,
 ) -> LoadPath:
     """Load a stable state of a vertex or of a pattern by a torque or a force, and follow it.
 
@@ -80,8 +78,8 @@ def load_path(
     steps
         Of the tracer; of a pattern lengths are root mean squares over creases.
     seconds
-        Wall time for all of it, give or take a second or two: what was followed by then is kept, and what was left
-        out is named.
+        Wall time for all of it, give or take a second or two: what was followed by then is returned, with an alarm that
+        says what was left out.  None: no limit.
 
     Returns
     -------
@@ -117,7 +115,7 @@ def load_path(
     if (isinstance(to, str) and to != "snap") or to == 0:
         raise OptionError(f"to = {shown(to)} must be a load other than 0, or 'snap'")
     ends = [-far, far] if to == "snap" else [check_number("to", to)]
-    search = Search(options, time.monotonic() + check_number("seconds", seconds, 0.0))
+    search = Search(options, check_until(seconds))
     driver, number, x = driver.begin(state, search)
     job = _Job(driver, min(0.0, *ends), max(0.0, *ends), full_space, steps, search.until)
     try:
@@ -127,13 +125,11 @@ def load_path(
                 job.between(0.0, end)
                 job.go(*arrived, 0.0, once=False)
                 job.between(*ends)
-    except OutOfTime:
-        if not job.ways:
-            raise OptionError(
-                f"seconds = {seconds:g}: the time was over before a leg of the path was followed: give more"
-            ) from None
-        job.alarms.append(
-            f"ended for time, {seconds:g} s: the path goes on from where it ends here"
+    except OutOfTime:  # of a descent
+        job.alarms.append(f"{OUT_OF_TIME}: the path goes on from where it ends here")
+    if not job.ways:
+        raise OptionError(
+            f"seconds = {seconds or 0:g}: the time was over before a leg of the path was followed: give more"
         )
     return job.path(number, search if confirm else None)
 
@@ -156,14 +152,14 @@ class _Job:
         self._known: dict[int, tuple[Equilibrium, float]] = {}
         functions = [("breaks-symmetry", self.across)] if self._full else []
         self.web = Web(
-            driver.line(until),
+            driver.line(),
             low,
             high,
             steps=driver.steps(steps),
             functions=functions,
             lazy=driver.lazy,
+            until=until,
         )
-        self.web.tally.until = until
         self.ways: list[tuple[Way, float, int | None]] = []
         self.falls: list[tuple[int, float, np.ndarray, str, str]] = []
         self.alarms: list[str] = []
@@ -221,6 +217,11 @@ class _Job:
         self.begin(x, s, toward)
         for _ in range(MOST_SNAPS):
             way = walk(self.web, x, s, toward, end, self.across)
+            if self.web.interrupted and (way is None or way.why in (LATE, "snap")):
+                if way is not None and len(way.frames) > 1:
+                    self.ways.append((replace(way, why=LATE), toward, None))
+                self.alarms.append(f"{OUT_OF_TIME}: the path goes on from where it ends here")
+                return None
             if way is None:
                 self.alarms.append(f"no stable states lead on from load {s:.9g}")
                 return None
@@ -250,10 +251,6 @@ class _Job:
     def path(self, state: int, search: Search | None) -> LoadPath:
         """Judge what was followed, and pack it; that takes as long as it takes."""
         web = self.web
-        web.tally.until = math.inf
-        web.line.programme.until = math.inf  # type: ignore[attr-defined]
-        for frame in (f for arc in web.arcs for f in arc.frames):
-            frame.programme.until = math.inf  # type: ignore[attr-defined]
         parts = {k: parts_of(arc, not self.driver.lazy) for k, arc in enumerate(web.arcs)}
         branches, events = branches_of(web, self.over, chains_of(web), parts, self.across)
         for branch in branches:
@@ -345,7 +342,7 @@ class _Job:
             if states is None:
                 return None
             if search.cut:
-                self.alarms.append(f"ended for time: snap {k + 1} was not confirmed by searches")
+                self.alarms.append(f"{OUT_OF_TIME}: snap {k + 1} was not confirmed by searches")
                 return None
             minima.append(len(states))
             apart = [float(np.abs(x - state).max()) for x in states] if state is not None else []

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import numpy as np
 
 from origami_nlp.atlas import PathBranch, PathEvent
+from origami_nlp.errors import OUT_OF_TIME
 from origami_nlp.loading.driver import Driver, FramedState, read_vertex
 from origami_nlp.loading.records import Leg, Snap
 from origami_nlp.loading.sheet import read_pattern_driver
@@ -93,6 +94,11 @@ class LoadPath(Told, Turnable):
     evaluations: int
 
     PICTURE, TURNED, READ = "draw_load", "turn_path", SCHEMA
+
+    @property
+    def interrupted(self) -> bool:
+        """Whether the time was over before the path came to its end, or its snaps were confirmed; an alarm says so."""
+        return any(line.startswith(OUT_OF_TIME) for line in self.alarms)
 
     @property
     def label(self) -> str:
@@ -233,6 +239,7 @@ class LoadPath(Told, Turnable):
             "branches": to_plain(self.branches),
             "events": to_plain(self.events),
             "alarms": list(self.alarms),
+            "interrupted": self.interrupted,
             "cost": {"steps": self.steps, "evaluations": self.evaluations},
         }
 

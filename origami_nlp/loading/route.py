@@ -11,7 +11,7 @@ import numpy as np
 from origami_nlp.kkt import Classification
 from origami_nlp.loading.driver import Driver
 from origami_nlp.numerics import SETTLED
-from origami_nlp.path import Equilibrium, Web
+from origami_nlp.path import LATE, Equilibrium, Web
 
 OVER = (1e-5, 1e-4, 1e-3)
 """How far beyond a snap, over the load there or the whole range, the state is let go: the first from which it comes to
@@ -124,6 +124,8 @@ def _why(web: Web, node: int, end: float) -> str:
     found = web.nodes[node]
     if abs(found.s - end) <= SETTLED * (1 + abs(end)):
         return "range"
+    if found.type == LATE:
+        return LATE
     if (
         found.type in WALL
         or (found.type == "slides" and not found.located)
@@ -141,7 +143,7 @@ def let_go(
     span = max(abs(float(point[-1])), 1e-3 * (web.high - web.low))
     for share in OVER:
         s = float(point[-1]) + toward * share * span
-        end = driver.down(web.line, s, web.nodes[node], 10 * share)
+        end = driver.down(web.line, s, web.nodes[node], 10 * share, web.steps.until)
         if not isinstance(end, str):
             return end[0], s, end[1]
         why = end or why

@@ -98,13 +98,9 @@ class PatternDriver:
         """Return what the load works on at states [..., n]."""
         return self.work.conjugate(fold_angles)
 
-    def line(self, until: float = math.inf) -> ParameterLine:
-        """Return the programmes of the pattern over t; a load that could turn all springs is one [rad] in the metric.
-
-        until: value of `time.monotonic` after which their evaluation raises `OutOfTime`.
-        """
+    def line(self) -> ParameterLine:
+        """Return the programmes of the pattern over t; a load that could turn all springs is one [rad] long."""
         sheet = Sheet(self.pattern).under(self.work, 0.0)
-        sheet.until = until
         none = np.zeros(sheet.size)
         change = Parameters(none[:0], none, none, none, Worked(self.work, 1 / sheet.scale))  # type: ignore[arg-type]
         weight = math.sqrt(sheet.size) * self.arm / float(self.pattern.stiffness.sum())
@@ -147,16 +143,17 @@ class PatternDriver:
 
     @staticmethod
     def _states(pattern: Pattern, search: Search) -> tuple[SheetState, ...]:
-        left = math.inf if search.left is None else search.left
-        found = find_states(pattern, **search.options, seconds=left, escape=False)
+        limit: dict[str, Any] = {} if search.left is None else {"seconds": search.left}
+        found = find_states(pattern, **search.options, **limit, escape=False)
         search.cut = bool(found.search.left_out)
         return found.minima
 
     def down(
-        self, line: ParameterLine, s: float, node: Node, near: float
+        self, line: ParameterLine, s: float, node: Node, near: float, until: float
     ) -> tuple[np.ndarray, Classification] | str:
         """Descend at s from the end of a state to one farther away than `near` [rad], or say why there is none."""
         loaded: Any = line.at(s)
+        loaded.until = until
         phi, touching = node.point[:-1], any(not c.is_limit for c in node.held)
         begun: np.ndarray | None = phi
         if node.type == "slides":  # lower states are beside where a facet ends, unless others hold

@@ -42,12 +42,25 @@ from .ipopt import (
     confirm_posed as confirm_posed,
     gaps_of as gaps_of,
 )
-from .minimum import Minimum as Minimum, Rejected as Rejected, SearchReport as SearchReport
+from .minimum import (
+    TRIALS as TRIALS,
+    Minimum as Minimum,
+    Rejected as Rejected,
+    SearchReport as SearchReport,
+    Survival as Survival,
+)
 from .multistart import (
     FEW_PAIRS as FEW_PAIRS,
     MOST_PAIR_ROUNDS as MOST_PAIR_ROUNDS,
     run_one as run_one,
     solve_without_crossing as solve_without_crossing,
+)
+from .noise import (
+    GROWTH as GROWTH,
+    check_noise as check_noise,
+    count_survivals as count_survivals,
+    drawn_errors as drawn_errors,
+    survival_words as survival_words,
 )
 from .one_freedom import Traced as Traced, trace as trace
 from .pinches import close_pinched as close_pinched
@@ -57,6 +70,7 @@ from .result import (
     MinimaResult as MinimaResult,
 )
 from .stability import (
+    barrier_words as barrier_words,
     shallow_words as shallow_words,
     softest_words as softest_words,
     stability_words as stability_words,

@@ -23,6 +23,7 @@ from origami_nlp.kkt import (
     level_of,
     newton,
     project,
+    rounded_up,
     ways_out,
 )
 from origami_nlp.minima.descents import Descents
@@ -30,7 +31,7 @@ from origami_nlp.minima.minimum import Minimum
 from origami_nlp.minima.one_freedom import Traced
 from origami_nlp.minima.samples import Samples
 from origami_nlp.minima.traced_passes import TracedPasses, traced_passes
-from origami_nlp.numerics import BESIDE, CLOSES, FOLLOWED, LEVEL, SETTLED, SHALLOW
+from origami_nlp.numerics import BESIDE, CLOSES, FOLLOWED, LEVEL, RESOLVED, SETTLED, SHALLOW
 from origami_nlp.programme import Contact, Model
 
 MOST_STATES = 8
@@ -61,15 +62,19 @@ class VertexTerrain:
         self._closed: dict[bytes, tuple[Contact, ...]] = {}
         scale = energy_scale(np.array(model.scene.stiffness))
         self.floor, self.worth = FLOOR * scale, SHALLOW * scale
+        self._noise = LEVEL * np.maximum(model.energies(minima), model.scale)
+        self._landed: dict[bytes, np.ndarray] = {}
 
     def rise(self, k: int, states: np.ndarray) -> np.ndarray:
         """Energies over that of a minimum."""
-        x = self.minima[k]
-        return np.array([self.model.energy_change(x, y) for y in states])
+        return self._over(self.minima[k], states)
+
+    def _over(self, at: np.ndarray, states: np.ndarray) -> np.ndarray:
+        return self.model.scale * self.model.parameters.energy_change(at, states)
 
     def slope(self, x: np.ndarray) -> float:
         """Norm of the torques, in the metric of all fold angles."""
-        gradient = self.model.local(x).gradient / self.model.root
+        gradient = self.model.parameters.torque(x) / self.model.root
         return self.model.scale * float(np.linalg.norm(gradient))
 
     def distance(self, a: np.ndarray, b: np.ndarray) -> float:
@@ -89,10 +94,7 @@ class VertexTerrain:
 
     def is_lower(self, k: int, x: np.ndarray) -> bool:
         """Whether a state has less energy than a minimum."""
-        at = self.minima[k]
-        return self.model.energy_change(at, x) < -LEVEL * max(
-            self.model.energy(at), self.model.scale
-        )
+        return bool(self.rise(k, x) < -self._noise[k])
 
     def is_way(self, k: int, end: np.ndarray) -> bool:
         """Whether an end is another state, of no more energy; of any for a state than which none listed has less."""
@@ -101,14 +103,9 @@ class VertexTerrain:
             return False
         # known to `BESIDE` only: that is no more energy as well as can be told
         slack = (self.slope(end) + self.slope(at)) * BESIDE
-        lowest = not any(
-            self.is_lower(k, y) or self._level(at, y) for i, y in enumerate(self.minima) if i != k
-        )
-        return lowest or self.model.energy_change(at, end) <= slack
-
-    def _level(self, at: np.ndarray, y: np.ndarray) -> bool:
-        noise = LEVEL * max(self.model.energy(at), self.model.scale)
-        return abs(self.model.energy_change(at, y)) <= noise
+        others = np.arange(len(self.minima)) != k
+        lowest = not (self.rise(k, self.minima[others]) <= self._noise[k]).any()
+        return lowest or bool(self.rise(k, end) <= slack)
 
     def rays(self, which: Sequence[int]) -> list[tuple[int, np.ndarray]]:
         """Fold each crease on and back, go along soft modes, to the flat state and on from there, and to other minima.
@@ -163,6 +160,9 @@ class VertexTerrain:
             length = np.where(aimed[live], np.minimum(step, left), step)[:, None]
             move = length * way / np.maximum(left, 1e-300)[:, None] / model.root
             want = np.clip(at[live] + move, -model.bound, model.bound)
+            arrives = aimed[live] & (left <= step)
+            # nothing beside it: at the flat state closure has no rank, and rounding would choose a side
+            want[arrives] = goal[live][arrives]
             still = (goal[live] != 0) & driven[live, None]
             y, residual = project(model, want, held, frozen=still, steps=MOST_STEPS)
             y = np.clip(y, -model.bound, model.bound)
@@ -177,22 +177,45 @@ class VertexTerrain:
             at[live] = y
             for r in live:
                 paths[r].append(at[r].copy())
+            # a ray has left its state once it is lower; to the flat state it goes on: it is gone back from others
+            left_for_good = self._over(self.minima[owner[live]], y) < -self._noise[owner[live]]
+            live = live[~left_for_good | ~goal[live].any(axis=1)]
             gone += step
             step = min(2 * step, LARGEST)
         return [(int(k), np.array(path)) for k, path in zip(owner, paths, strict=True)]
 
     def between(self, a: np.ndarray, b: np.ndarray, shares: np.ndarray) -> np.ndarray | None:
         """States between two, with the contacts held that both hold."""
-        model = self.model
         held = self._held(a, b)
-        x, residual = project(model, a + shares[:, None] * (b - a), held)
+        longest = np.full(len(shares), np.abs(b - a).max())
+        x = self._closed_at(a + shares[:, None] * (b - a), longest, held)
+        # facets that lie on each other along the whole step have one order in it
+        return None if x is None or (held and self.model.refuses(x[len(x) // 2])) else x
+
+    def middles(self, a: np.ndarray, b: np.ndarray) -> np.ndarray | None:
+        """States half way from each of a to each of b, [S, n], as `between`; None where one is lacking."""
+        held = [self._held(y, z) for y, z in zip(a, b, strict=True)]
+        out = np.empty_like(a)
+        for rows in dict.fromkeys(held):
+            some = [i for i, h in enumerate(held) if h == rows]
+            step = b[some] - a[some]
+            x = self._closed_at(a[some] + 0.5 * step, np.abs(step).max(axis=1), rows)
+            if x is None or (rows and any(self.model.refuses(y) for y in x)):
+                return None
+            out[some] = x
+        return out
+
+    def _closed_at(
+        self, want: np.ndarray, longest: np.ndarray, held: tuple[Contact, ...]
+    ) -> np.ndarray | None:
+        """Close states [S, n] with contacts held, moved by `longest` [S] at most; None where one is no state."""
+        model = self.model
+        x, residual = project(model, want, held)
         x = np.clip(x, -model.bound, model.bound)
-        long = np.abs(x - (a + shares[:, None] * (b - a))).max() > np.abs(b - a).max() + CLOSES
+        long = (np.abs(x - want).max(axis=1) > longest + CLOSES).any()
         if long or (residual > FOLLOWED).any() or (np.abs(model.closure(x)[0]) > CLOSES).any():
             return None
-        # facets that lie on each other along the whole step have one order in it
-        crosses = not model.admissible(x).all() or (held and model.refuses(x[len(x) // 2]))
-        if crosses:
+        if not model.admissible(x).all():
             return None
         for y in x:  # what a step holds, its middle holds
             self._closed[y.tobytes()] = held
@@ -203,9 +226,18 @@ class VertexTerrain:
         shut = np.where(np.abs(states) == math.pi, np.sign(states), 0).astype(int)
         shut *= self.model.has_limits
         out = np.full(states.shape, math.nan)
-        # at the flat state closure has no rank, and steps no direction
-        some = np.flatnonzero(states.any(axis=1))
-        self._land(states, shut, some, out)
+        # at the flat state closure has no rank, steps no direction: rounding would choose one
+        left = np.abs(states).max(axis=1) > RESOLVED
+        for y in self.minima:
+            stays = left & (np.abs(states - y).max(axis=1) <= RESOLVED)
+            out[stays], left[stays] = y, False
+        # rays share states: to the flat state, and from there
+        keys = [x.tobytes() for x in states]
+        new = {keys[i]: i for i in np.flatnonzero(left) if keys[i] not in self._landed}
+        self._land(states, shut, np.array(sorted(new.values()), dtype=int), out)
+        self._landed |= {key: out[i] for key, i in new.items()}
+        for i in np.flatnonzero(left):
+            out[i] = self._landed[keys[i]]
         return out
 
     def _land(
@@ -354,7 +386,8 @@ def _bounded(
     loose = [k for k in range(len(minima)) if not isolated[k]]
     sought = [] if why else loose[:MOST_STATES]
     modes = [_modes(model, m) for m in minima]
-    ways = ways_out(VertexTerrain(model, states, modes), sought) if len(minima) else {}
+    terrain = VertexTerrain(model, states, modes)
+    ways = ways_out(terrain, sought) if sought else {}
     heights = np.full((len(minima),) * 2, math.inf)
     beyond = np.full(len(minima), math.inf)
     for k, way in ways.items():
@@ -364,6 +397,8 @@ def _bounded(
             heights[k, way.to] = energies[k] + way.height
     level = level_of(energies, scale)
     found = []
+    group = model.scene.group
+    kept = "" if group.is_trivial else f"; among states with symmetry {group.name}"
     for k, (barrier, to) in enumerate(barriers(energies, heights, level, scale, beyond)):
         if isolated[k]:
             found.append(Escape(math.inf, ALONE, NOTHING_NEAR))
@@ -376,13 +411,14 @@ def _bounded(
                 reason = "no other state is known that it could be left for"
             found.append(Escape(math.nan, OPEN, reason))
             continue
-        barrier = max(barrier, FLOOR * scale)
+        # two digits: more of a bound hang on where steps were cut
+        barrier = float(rounded_up(max(barrier, FLOOR * scale)))
         top = model.expand(ways[k].top) if k in ways and ways[k].to == to else ()
         found.append(
             Escape(
                 barrier,
                 BOUND,
-                "an explicit way out climbs so high; lower ones are not excluded",
+                f"an explicit way out climbs so high; lower ones are not excluded{kept}",
                 to + 1,
                 tuple(map(float, top)),
                 barrier < SHALLOW * scale,

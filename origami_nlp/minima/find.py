@@ -14,23 +14,24 @@ from origami_nlp.arguments import (
     check_angles,
     check_callback,
     check_flag,
-    check_number,
     check_type,
+    check_until,
     check_whole,
     shown,
 )
-from origami_nlp.errors import OptionError
+from origami_nlp.errors import OUT_OF_TIME, OptionError
 from origami_nlp.kkt import (
     Classification,
     State,
     passing_moment,
 )
-from origami_nlp.minima.full_space import judge_in_full_space, not_judged
+from origami_nlp.minima.full_space import FullSpace, judge_in_full_space, not_judged
 from origami_nlp.minima.ipopt import MOST_CONFIRMED, Confirmation, confirm
 from origami_nlp.minima.job import Job, Progress
 from origami_nlp.minima.minimum import Minimum, Rejected
+from origami_nlp.minima.noise import check_noise
 from origami_nlp.minima.proved import check_prove
-from origami_nlp.minima.record import Answer, Record, close_orbit
+from origami_nlp.minima.record import BREAKDOWNS, Answer, Record, close_orbit
 from origami_nlp.minima.result import MinimaResult
 from origami_nlp.minima.starts import effort_of
 from origami_nlp.minima.windings import (
@@ -49,8 +50,6 @@ FEWEST_STARTS = 1
 """Starts that are made whatever the stopping rule says."""
 MOST_STARTS = 100_000
 """Default cap on starts; the report says when the search stopped there."""
-MOST_NOISE = 10.0
-"""Degrees: with more, errors are no longer small beside sector angles."""
 
 
 def check_options(seed: object, max_starts: object, fewest_starts: object = FEWEST_STARTS) -> None:
@@ -115,11 +114,12 @@ def find_minima(
         Also decide each minimum in the full contact-admissible space, symmetry-breaking motions
         included.
     prove
-        Prove that the list is complete: True, or seconds of processor time that this may take; False: do not try.
+        Prove that the list is complete: True (in at most 2 million boxes, about a minute), or seconds of processor time
+        that this may take; False: do not try.
         Without being asked it is tried where it is cheap: within fold limits, up to two freedoms.
     seconds
         Wall time after which the search goes no further, and what is left is not judged in the full space; a proof gets
-        what is left, counted in processor time.  The report says so, and the answer
+        what is left.  The report says so, and the answer
         depends on the machine.  None: the effort alone bounds it.
     escape
         Say what it takes to leave each minimum (`Minimum.escape`): with one freedom exactly, otherwise by descents out
@@ -157,12 +157,9 @@ def find_minima(
     wanted = effort_of(effort)
     check_flag("full", full)
     check_prove("prove", prove)
-    until = math.inf
-    if seconds is not None:
-        until = time.monotonic() + check_number("seconds", seconds, 0.0)
+    until = check_until(seconds)
     check_flag("escape", escape)
-    if noise is not None:
-        check_number("noise", noise, 0.0, MOST_NOISE)
+    check_noise(noise)
     check_whole("workers", workers, 1)
     check_callback("progress", progress)
     guesses = _check_guesses(guesses, scene.degree)
@@ -178,6 +175,7 @@ def find_minima_of_each(
     effort: str = "normal",
     max_starts: int = MOST_STARTS,
     prove: bool | float | None = None,
+    seconds: float | None = None,
 ) -> list[MinimaResult]:
     """Return what `find_minima` finds for each of some scenes, in less time where they have one vertex.
 
@@ -187,8 +185,8 @@ def find_minima_of_each(
     ----------
     scenes
         The scenes.
-    seed, effort, max_starts, prove
-        As for `find_minima`.
+    seed, effort, max_starts, prove, seconds
+        As for `find_minima`; seconds are those of all searches together.
 
     Returns
     -------
@@ -213,7 +211,9 @@ def find_minima_of_each(
     check_prove("prove", prove)
     for scene in scenes:
         check_type("scenes", scene, Scene)
-    each = [jobs_of(scene, seed, wanted, (FEWEST_STARTS, max_starts), None) for scene in scenes]
+    until = check_until(seconds)
+    starts = FEWEST_STARTS, max_starts
+    each = [jobs_of(scene, seed, wanted, starts, None, until) for scene in scenes]
     finish_all(each)
     return [_result(jobs, effort, prove, False) for jobs in each]
 
@@ -304,22 +304,25 @@ def _confirmed(model: Model, answer: Answer, record: Record) -> Confirmation | N
     if model.size > MOST_CONFIRMED or model.freedom < 0:
         return None
     state = State(model, answer.polished.x)
-    solver = confirm(model, state.on(answer.polished.rows or state.pieces[0]))
-    record.solves += 1
-    record.statuses[solver.status] += 1
-    record.iterations += solver.iterations
-    return solver
+    with record.surviving("a confirmation by IPOPT"):
+        solver = confirm(model, state.on(answer.polished.rows or state.pieces[0]))
+        record.solves += 1
+        record.statuses[solver.status] += 1
+        record.iterations += solver.iterations
+        return solver
+    return None
 
 
 def _in_full_space(scene: Scene, minima: list[Minimum], until: float) -> list[Minimum]:
     """Add the verdict in the full space to each minimum; undecided, by name, where the time is over."""
     states = tuple(np.array(m.fold_angles) for m in minima)
-    return [
-        replace(
-            m,
-            full_space=judge_in_full_space(scene, x, states)
-            if time.monotonic() <= until
-            else not_judged("interrupted by the time limit before it was judged"),
-        )
-        for m, x in zip(minima, states, strict=True)
-    ]
+
+    def verdict(x: np.ndarray) -> FullSpace:
+        if time.monotonic() > until:
+            return not_judged(f"{OUT_OF_TIME} before it was judged")
+        try:
+            return judge_in_full_space(scene, x, states)
+        except BREAKDOWNS as error:
+            return not_judged(f"linear algebra failed where it was judged: {error}")
+
+    return [replace(m, full_space=verdict(x)) for m, x in zip(minima, states, strict=True)]

@@ -15,6 +15,7 @@ from origami_nlp.minima.minimum import Minimum, SearchReport
 from origami_nlp.minima.picture import compose
 from origami_nlp.minima.stability import (
     asked,
+    barrier_head,
     count_words,
     isolated_foldings,
     not_asked_words,
@@ -31,6 +32,7 @@ from origami_nlp.minima.telling import (
     search_lines,
     undecided_lines,
 )
+from origami_nlp.numerics import residual_words
 from origami_nlp.pattern import Scene
 from origami_nlp.show import KINDS, Cell, Table, Words, inline_image
 
@@ -75,7 +77,14 @@ def as_html(
 
 
 def _table(scene: Scene, minima: tuple[Minimum, ...], freedom: int) -> Table:
-    heads = ["#", f"energy [{UNIT}]", "kind", "dimension", "softest [N m/rad]", f"barrier [{UNIT}]"]
+    heads = [
+        "#",
+        f"energy [{UNIT}]",
+        "kind",
+        "dimension",
+        "softest [N m/rad]",
+        f"{barrier_head(scene)} [{UNIT}]",
+    ]
     heads += ["fold angles [deg]", "contacts", "hits"]
     grouped = isolated_foldings(minima)
     noise = any(m.survival is not None for m in minima)
@@ -124,9 +133,11 @@ def _degrees(angle: float) -> str:
 def _certificates(minima: tuple[Minimum, ...]) -> str:
     lines = ["<details><summary>Certificates and residuals</summary><ol>"]
     for m in minima:
-        residuals = f"closure {m.closure_residual:.0e}, KKT {m.kkt_residual:.0e}"
+        residuals = (
+            f"closure {residual_words(m.closure_residual)}, KKT {residual_words(m.kkt_residual)}"
+        )
         lines.append(
-            f"<li>{escape(m.certificate)} [{residuals}]<br>{escape(stiffness_words(m))}</li>"
+            f"<li>{escape(m.certificate)} [{escape(residuals)}]<br>{escape(stiffness_words(m))}</li>"
         )
     return "\n".join([*lines, "</ol></details>"])
 

@@ -89,16 +89,21 @@ class Job:
 
     def list_states(self) -> None:
         """Judge the states that no descent finds: isolated flat foldings, hinge sets, states that cannot move."""
-        model = self.model
-        self.foldings = flat_foldings(model)
-        states = itertools.chain(rest_state(model), hinge_minima(model), self.foldings)
+        model, record = self.model, self.record
+        self.foldings = list(record.unbroken("flat foldings", flat_foldings, model))
+        rest = record.unbroken("the rest state", rest_state, model)
+        states = itertools.chain(
+            rest, record.unbroken("hinge sets", hinge_minima, model), self.foldings
+        )
         if model.freedom <= 0:
-            states = itertools.chain(states, rigid_states(model, self.seed))
+            rigid = record.unbroken("states that cannot move", rigid_states, model, self.seed)
+            states = itertools.chain(states, rigid)
         for x in states:
             if self._late():
                 return
-            if self.record.known(x) is None:
-                self.record.answers.append(listed(model, x))
+            if record.known(x) is None:
+                with record.surviving("a listed state"):
+                    record.answers.append(listed(model, x))
 
     def _stationary_at(self, x: np.ndarray) -> Answer | None:
         """Return the stationary state next to a guess, judged: a minimum before others; None where there is none."""
@@ -160,8 +165,10 @@ class Job:
         under = self._under()
         limits = self.turn, self.until
         with Search(self.model, self.record, under, workers, self._tell, limits) as search:
-            search.also_from(flat_minima(self.model))
-            search.also_from(folded_minima(self.model, self.foldings))
+            with self.record.surviving("starts beside the flat state"):
+                search.also_from(flat_minima(self.model))
+            with self.record.surviving("starts beside flat foldings"):
+                search.also_from(folded_minima(self.model, self.foldings))
             if guesses:
                 yield from search.run(search.closed(np.array(guesses), touching=True))
             rounds = Rounds(under[0] if under else self.model, self.seed, self.effort)
@@ -204,21 +211,27 @@ class Job:
         return self.stopped_by == "time"
 
     def _traced(self) -> bool:
-        """Judge all that the curves of one freedom hold; tells whether they were resolved."""
-        traced = self.traced = trace(self.model)
+        """Judge all that the curves of one freedom hold; tells whether they were resolved, and all of it judged."""
+        broken = self.record.failed.total()
+        with self.record.surviving("curves of one freedom"):
+            self.traced = trace(self.model)
+        if (traced := self.traced) is None:
+            return False
         exact = np.isin(traced.origins, EXACT)
         for x, contacts, stands in zip(traced.states, traced.contacts, exact, strict=True):
-            end = Solve(x, "", 0, math.nan, np.ones(self.model.size), None)
-            state = polish(self.model, end, contacts)
-            if stands and not (state.converged and np.abs(state.x - x).max() <= SAME):
-                # Newton leaves or cannot resolve a state where closure is singular: it is judged where it was found
-                state = exact_state(self.model, x)
-            answer, new = self.record.file(self.model, state)
-            answer.listed = True
-            if new:
-                judge(self.model, answer)
-        self.complete = traced.reason if traced.complete and not self.model.scene.loads else ""
-        return traced.complete
+            with self.record.surviving("a candidate on a curve"):
+                end = Solve(x, "", 0, math.nan, np.ones(self.model.size), None)
+                state = polish(self.model, end, contacts)
+                if stands and not (state.converged and np.abs(state.x - x).max() <= SAME):
+                    # Newton leaves or cannot resolve a state where closure is singular: it is judged where it was found
+                    state = exact_state(self.model, x)
+                answer, new = self.record.file(self.model, state)
+                answer.listed = True
+                if new:
+                    judge(self.model, answer)
+        whole = traced.complete and self.record.failed.total() == broken
+        self.complete = traced.reason if whole and not self.model.scene.loads else ""
+        return whole
 
     def _under(self) -> tuple[Model, Labels] | None:
         """Pose the scene under labels that do not depend on how it was labelled; None where it is as well as is."""

@@ -29,6 +29,9 @@ class Survival(Brief):
         Trials in which the state could be followed, and was a certified minimum with full errors.
     trials
         All.
+    springs
+        Of patterns whose closure has as many equations as creases: trials kept with errors of the springs alone; with
+        errors of positions rigid facets of such a sheet do not fold.
 
     Examples
     --------
@@ -41,9 +44,11 @@ class Survival(Brief):
     degrees: float
     kept: int
     trials: int
+    springs: int | None = None
 
     def __str__(self) -> str:
-        return f"{self.kept} of {self.trials}"
+        alone = "" if self.springs is None else f" (springs {self.springs})"
+        return f"{self.kept} of {self.trials}{alone}"
 
 
 @dataclass(frozen=True, repr=False)
@@ -213,7 +218,8 @@ class SearchReport(Brief):
     stalled
         Descents that ended nowhere.
     failed
-        Descents whose end is no state (it does not close), or at which linear algebra broke down, by reason.
+        What was left out, by reason: ends of descents that are no state (they do not close), and parts of the search,
+        named, at which linear algebra broke down.
     seen_once
         Minima that one drawn start reached.
     quiet

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
+from typing import TypeVar
 
 import numpy as np
 
+from origami_nlp.arguments import check_number
 from origami_nlp.kkt import Solve, State, classify, follow, polish, project
 from origami_nlp.minima.full_space import full_scene
 from origami_nlp.minima.minimum import TRIALS, Minimum, Survival
@@ -15,10 +17,102 @@ from origami_nlp.numerics import CLOSES
 from origami_nlp.pattern import canonical_labels
 from origami_nlp.programme import Model, Parameters
 
-STEPS = 4
-"""In which errors grow from nothing to their size."""
+M = TypeVar("M")
+
+MOST_NOISE = 10.0
+"""Degrees: with more, errors are no longer small beside sector angles."""
+GROWTH = 0.25, 0.5, 0.75, 1.0
+"""Shares of the errors: from one to the next states are followed."""
 FARTHEST = 0.2
 """A state that moves further in one of these steps [rad] has jumped."""
+
+
+def check_noise(noise: float | None) -> None:
+    """Check the size of random errors.
+
+    Parameters
+    ----------
+    noise
+        In degrees, or None for none.
+
+    Raises
+    ------
+    OptionError
+        If it is no number from 0 to `MOST_NOISE`.
+    """
+    if noise is not None:
+        check_number("noise", noise, 0.0, MOST_NOISE)
+
+
+def drawn_errors(trial: int, kinds: int, size: int) -> np.ndarray:
+    """Return standard normal numbers, the same for every state: for rest angles, stiffnesses, and what is measured.
+
+    Parameters
+    ----------
+    trial
+        Which draw.
+    kinds
+        Of errors.
+    size
+        Numbers of each, in an order of creases that labels do not change.
+
+    Returns
+    -------
+    numpy.ndarray
+        Shape [kinds, size].
+    """
+    return np.random.default_rng(trial).normal(size=(kinds, size))
+
+
+def count_survivals(
+    states: Sequence[np.ndarray],
+    way: Callable[[int], Sequence[M]],
+    beside: Callable[[M, np.ndarray], np.ndarray | None],
+) -> list[int]:
+    """Follow states as errors grow, and count the draws in which each is a minimum to the end.
+
+    Parameters
+    ----------
+    states
+        Of the exact problem, [N] each.
+    way
+        Problems of a draw, by its number, the errors of which grow by `GROWTH`.
+    beside
+        The certified minimum of a problem beside a state, or None.
+
+    Returns
+    -------
+    list of int
+        Of `TRIALS` draws, for each state.
+    """
+    kept = [0] * len(states)
+    for trial in range(TRIALS):
+        problems = way(trial)
+        for k, x in enumerate(states):
+            kept[k] += _survives(problems, x, beside)
+    return kept
+
+
+def survival_words(degrees: float, measured: str) -> str:
+    """Say what was counted.
+
+    Parameters
+    ----------
+    degrees
+        Size of the errors.
+    measured
+        What is measured and has errors, beside stiffnesses, in words.
+
+    Returns
+    -------
+    str
+        A sentence below the table.
+    """
+    return (
+        f"survives: those of {TRIALS} draws of random errors, {degrees:g} degrees (standard deviation) of {measured} "
+        f"and {math.radians(degrees):.2g} of stiffnesses, in which the state could be followed, as the errors grow, to "
+        "a certified minimum"
+    )
 
 
 def with_survival(model: Model, minima: Sequence[Minimum], degrees: float) -> list[Minimum]:
@@ -42,13 +136,11 @@ def with_survival(model: Model, minima: Sequence[Minimum], degrees: float) -> li
         With `survival`.
     """
     exact = Model(full_scene(model.scene))
-    kept = np.zeros(len(minima), dtype=int)
+    size = math.radians(degrees)
     states = [np.array(m.fold_angles) for m in minima]
-    ways = [_noisy(exact, math.radians(degrees), trial) for trial in range(TRIALS)]
-    for k, x in enumerate(states):
-        kept[k] = sum(_survives(way, x) for way in ways)
+    kept = count_survivals(states, lambda trial: _noisy(exact, size, trial), _beside)
     return [
-        replace(m, survival=Survival(degrees, int(many), TRIALS))
+        replace(m, survival=Survival(degrees, many, TRIALS))
         for m, many in zip(minima, kept, strict=True)
     ]
 
@@ -56,11 +148,11 @@ def with_survival(model: Model, minima: Sequence[Minimum], degrees: float) -> li
 def _noisy(exact: Model, size: float, trial: int) -> list[Model]:
     """Return programmes with one draw of errors, which grow from one to the next."""
     labels = canonical_labels(exact.scene)
-    rng, n = np.random.default_rng(trial), exact.scene.degree
+    rest, stiffness, sectors = drawn_errors(trial, 3, exact.scene.degree)
     # a rest angle turns with the sheet when labels are of its other side
-    rest = size * labels.back(rng.normal(size=n))
-    stiffness = size * labels.sign * labels.back(rng.normal(size=n))
-    sectors = rng.normal(size=n)[np.argsort(labels.facets)]
+    rest = size * labels.back(rest)
+    stiffness = size * labels.sign * labels.back(stiffness)
+    sectors = sectors[np.argsort(labels.facets)]
     sectors = size * (sectors - sectors.mean())
     p = exact.parameters
     at = np.array(exact.scene.vertex.sector_angles)
@@ -75,14 +167,16 @@ def _noisy(exact: Model, size: float, trial: int) -> list[Model]:
             ),
             at + t * sectors,
         )
-        for t in np.arange(1, STEPS + 1) / STEPS
+        for t in GROWTH
     ]
 
 
-def _survives(way: Sequence[Model], x: np.ndarray) -> bool:
+def _survives(
+    way: Sequence[M], x: np.ndarray, beside: Callable[[M, np.ndarray], np.ndarray | None]
+) -> bool:
     """Tell whether a state [N] can be followed, and is a minimum at the end."""
-    for model in way:
-        new = _beside(model, x)
+    for problem in way:
+        new = beside(problem, x)
         if new is None or np.abs(new - x).max() > FARTHEST:
             return False
         x = new

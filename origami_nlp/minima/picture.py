@@ -27,9 +27,8 @@ from origami_nlp.chart import (
     norm_of,
     outline_of,
 )
-from origami_nlp.kkt import OPEN
 from origami_nlp.minima.minimum import Minimum
-from origami_nlp.minima.stability import NOT_ASKED, count_words, verdict
+from origami_nlp.minima.stability import NOT_ASKED, barrier_words, count_words, verdict
 from origami_nlp.pattern import Scene
 from origami_nlp.show import (
     RING,
@@ -309,15 +308,7 @@ def _state_title(number: int, minimum: Minimum, freedom: int) -> str:
     known = "" if minimum.full_space is None else f", {minimum.full_space.verdict}"
     if minimum.shallow:
         kind = f"{minimum.kind}, shallow"
-    return f"{number}:  U = {minimum.energy:.4g} {UNIT}{known}\n{kind}\n{_barrier_words(minimum)}"
-
-
-def _barrier_words(minimum: Minimum) -> str:
-    e = minimum.escape
-    if e is None or not e.known:
-        return "" if e is None or e.method != OPEN else "barrier not determined"
-    words = e.words()
-    return f"barrier {words if words[0] == '<' else '= ' + words} {UNIT}".replace("<=", "\u2264")
+    return f"{number}:  U = {minimum.energy:.4g} {UNIT}{known}\n{kind}\n{barrier_words(minimum.escape, UNIT)}"
 
 
 def _notes(minima: tuple[Minimum, ...], chart: Landscape, places: list[Place]) -> list[str]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import time
 from collections import Counter
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
@@ -10,6 +11,7 @@ from dataclasses import replace
 import numpy as np
 
 from origami_nlp.arguments import check_number
+from origami_nlp.errors import OUT_OF_TIME
 from origami_nlp.kkt import Solve, exact_beside, polish, project
 from origami_nlp.minima.completeness import Added, Completeness, Open
 from origami_nlp.minima.record import BREAKDOWNS, Answer, Record, closes, judge, listed
@@ -31,6 +33,12 @@ FEW_FREEDOMS = 2
 """Freedoms up to which it is tried without being asked; 1 where facets may touch and there is no symmetry."""
 UNASKED = 100_000
 """Boxes after which a proof that nobody asked for gives up."""
+ASKED = 2_000_000
+"""Boxes after which one that was asked for without a time gives up: three times what degree 6 takes, a minute.
+
+Vertices within 1e-6 of the regular hexagon would take far more: with every other crease at +-pi the three others lie
+nearly on one line, and nearly closed states fill a surface.
+"""
 
 
 def check_prove(name: str, value: object) -> None:
@@ -47,7 +55,7 @@ def check_prove(name: str, value: object) -> None:
 
 
 def prove_complete(
-    model: Model, record: Record, wanted: bool | float | None, left: float | None = None
+    model: Model, record: Record, wanted: bool | float | None, until: float = math.inf
 ) -> Completeness | None:
     """Try to prove that the minima on record are all; what is missing is added to the record.
 
@@ -58,9 +66,10 @@ def prove_complete(
     record
         Of the search; gets further answers.
     wanted
-        True, or seconds that it may take; None: where it is cheap; False: not at all.
-    left
-        Seconds that are left for all; None: no limit.
+        True: in at most `ASKED` boxes; or the seconds of processor time that it may take; None: where it is cheap;
+        False: not at all.
+    until
+        When the time of the search is over (`time.monotonic`).
 
     Returns
     -------
@@ -74,12 +83,11 @@ def prove_complete(
     if refused:
         return Completeness("not-proved", refused)
     try:
-        if wanted is None:
-            proof = prove(model, seconds=left, most=UNASKED)
+        if wanted is None or wanted is True:
+            proof = prove(model, most=ASKED if wanted else UNASKED, until=until)
         else:
-            given = math.inf if wanted is True else float(wanted)
-            proof = prove(model, seconds=given if left is None else min(given, left))
-        return hold_against(model, record, proof)
+            proof = prove(model, seconds=float(wanted), until=until)
+        return hold_against(model, record, proof, until)
     except BREAKDOWNS as error:
         return Completeness("not-proved", f"linear algebra failed on the way: {error}")
 
@@ -105,7 +113,9 @@ def is_cheap(model: Model) -> bool:
     return not why_not(model) and 0 < model.freedom <= (1 if touching else FEW_FREEDOMS)
 
 
-def hold_against(model: Model, record: Record, proof: Proof) -> Completeness:
+def hold_against(
+    model: Model, record: Record, proof: Proof, until: float = math.inf
+) -> Completeness:
     """Hold what a search has on record against a proof; what the proof has and the record lacks is judged and filed.
 
     Parameters
@@ -116,6 +126,8 @@ def hold_against(model: Model, record: Record, proof: Proof) -> Completeness:
         Of the search; gets further answers.
     proof
         Of the same model.
+    until
+        When the time is over (`time.monotonic`): what is not judged by then stays open.
 
     Returns
     -------
@@ -134,8 +146,17 @@ def hold_against(model: Model, record: Record, proof: Proof) -> Completeness:
     limits = model
     if model.scene.contact != "fold-limits":
         limits = Model(replace(model.scene, contact="fold-limits"))
+
+    def open_region(cluster: Cluster) -> Open:
+        return _region(model, np.array(cluster.lower), np.array(cluster.upper), OUT_OF_TIME)
+
     singular = _merged(
-        [_stands_alone(model, limits, record, cluster, added) for cluster in proof.singular]
+        [
+            open_region(cluster)
+            if time.monotonic() > until
+            else _stands_alone(model, limits, record, cluster, added)
+            for cluster in proof.singular
+        ]
     )
     if proof.flat_radius and proof.flat_is_minimum is None:
         flat = np.zeros(model.size)
@@ -149,7 +170,10 @@ def hold_against(model: Model, record: Record, proof: Proof) -> Completeness:
                 proof.flat,
             )
         )
-    undecided += [_judged(model, record, cluster, added) for cluster in proof.undecided]
+    undecided += [
+        open_region(cluster) if time.monotonic() > until else _judged(model, record, cluster, added)
+        for cluster in proof.undecided
+    ]
     for answer in record.minima:
         if not _covered(answer.polished.x, proof):
             against.append(
@@ -365,7 +389,9 @@ def _status(
 def _why_not(proof: Proof, undecided: list[Open], against: list[str], left: list[Open]) -> str:
     why = [*against]
     if not proof.finished:
-        why.append("time was up, or the number of boxes")
+        why.append(
+            "time was up, or the number of boxes" + (f": {proof.left}" if proof.left else "")
+        )
     if undecided:
         energies = [r.energy for r in undecided]
         many = "a region is" if len(undecided) == 1 else f"{len(undecided)} regions are"

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 from collections import Counter
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -23,7 +25,7 @@ from origami_nlp.kkt import (
 from origami_nlp.numerics import BESIDE, CLOSES, SAME
 from origami_nlp.programme import Contact, Model, Programme
 
-BREAKDOWNS = (np.linalg.LinAlgError, FloatingPointError)
+BREAKDOWNS = (np.linalg.LinAlgError, ArithmeticError)
 """How linear algebra fails at one state: that state is counted and named, and the search goes on."""
 
 
@@ -51,6 +53,12 @@ class Answer:
     def is_minimum(self) -> bool:
         """Whether it was judged to be a minimum."""
         return self.what is not None and self.what.verdict == "minimum"
+
+    @property
+    def gives_way(self) -> bool:
+        """Whether it was listed, never polished, and judged not to be stationary."""
+        unpolished = self.listed and math.isnan(self.polished.kkt_residual)
+        return unpolished and self.what is not None and self.what.verdict == "not stationary"
 
 
 @dataclass
@@ -109,6 +117,21 @@ class Record:
         near = np.flatnonzero(self._apart(x) <= SAME)
         return self.answers[near[0]] if len(near) else None
 
+    @contextmanager
+    def surviving(self, what: str) -> Iterator[None]:
+        """Let a search go on where linear algebra breaks down in the body: it is counted, `what` and why."""
+        try:
+            yield
+        except BREAKDOWNS as error:
+            self.failed[f"{what}: {error}"] += 1
+
+    def unbroken(
+        self, what: str, make: Callable[..., Iterable[np.ndarray]], *arguments: object
+    ) -> Iterator[np.ndarray]:
+        """Yield what `make` makes until linear algebra breaks down there: that is counted, the rest is left out."""
+        with self.surviving(what):
+            yield from make(*arguments)
+
     def settle(
         self, model: Model, end: Solve, guess: tuple[Contact, ...] | None = None
     ) -> tuple[Answer, bool]:
@@ -133,7 +156,9 @@ class Record:
     def file(self, model: Programme, polished: Polished) -> tuple[Answer, bool]:
         """File a polished state under the answer that it is, or as a new one; tells whether it has to be judged.
 
-        What Newton could not polish is taken for the exact state next to it, where there is one.
+        What Newton could not polish is taken for the exact state next to it, where there is one.  A listed state
+        that is not stationary gives way to the stationary one that Newton finds next to it: with data that are
+        symmetric but for 1e-10 the lowest state of a hinge set is so far from the minimum.
         """
         if not polished.converged:
             polished = self._exact_beside(polished) or exact_beside(model, polished)
@@ -141,7 +166,7 @@ class Record:
         may = self._apart(polished.x) <= max(BESIDE, polished.uncertainty + widest)
         for known in (self.answers[k] for k in np.flatnonzero(may)):
             if _is_same(known.polished, polished):
-                better = polished.converged and not known.polished.converged
+                better = polished.converged and (not known.polished.converged or known.gives_way)
                 if better:
                     known.polished = polished
                 return known, better
@@ -178,7 +203,8 @@ def close_orbit(model: Model, record: Record, answer: Answer) -> None:
             judge(model, image)
         assert image.what is not None and answer.what is not None
         if image.what.verdict == "undecided":
-            image.what = of_image(State(model, image.polished.x), answer.what)
+            with record.surviving("an image under a symmetry of the scene"):
+                image.what = of_image(State(model, image.polished.x), answer.what)
         elif not image.is_minimum:
             why = f"an image under a symmetry of the scene is {image.what.verdict}"
             answer.what = Classification("undecided", None, why, 0)

@@ -114,7 +114,18 @@ class MinimaResult(Told, Turnable):
         )
 
     def state_of(self, minimum: Minimum) -> State:
-        """Return a minimum, one of `minima`, as a state of its programme."""
+        """Return a minimum as a state of its programme.
+
+        Parameters
+        ----------
+        minimum
+            One of `minima`.
+
+        Returns
+        -------
+        State
+            With its contacts, multipliers and curvature.
+        """
         model = self.model_of(minimum)
         return State(model, model.reduce(np.array(minimum.fold_angles)))
 
@@ -282,4 +293,6 @@ def _minimum_to_dict(m: Minimum) -> dict[str, Any]:
     for name in ("full_space", "solver", "escape", "survival"):
         if data[name] is None:
             del data[name]
+    if m.survival is not None:
+        del data["survival"]["springs"]  # of patterns
     return data

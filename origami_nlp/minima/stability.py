@@ -11,7 +11,7 @@ import math
 from collections import Counter
 from collections.abc import Sequence
 
-from origami_nlp.kkt import BOUND, Escape, rounded_up
+from origami_nlp.kkt import BOUND, OPEN, Escape, rounded_up
 from origami_nlp.minima.minimum import Minimum
 from origami_nlp.numerics import SHALLOW
 from origami_nlp.pattern import Scene
@@ -106,7 +106,11 @@ def softest_words(softest: float) -> str:
 def stiffness_words(minimum: Minimum) -> str:
     """Say in a line how stiff a minimum is and what it takes to leave it."""
     forces = [c.multiplier for c in minimum.contacts]
-    return stability_words(minimum.softest, forces, minimum.local_dimension == 0, minimum.escape)
+    isolated = minimum.local_dimension == 0
+    words = stability_words(minimum.softest, forces, isolated, minimum.escape)
+    if minimum.full_space is not None and minimum.full_space.verdict == "unstable":
+        words += "; in the full space, where it is unstable, nothing has to be put in to leave it"
+    return words
 
 
 def stability_words(
@@ -129,6 +133,32 @@ def stability_words(
     most = "at most " if e.method == BOUND else ""
     to = f", towards #{e.to}" if e.to else ", towards a state that is not listed"
     return f"{stiff}; escape barrier {most}{number} J{to}: {e.method}{', shallow' * e.shallow}"
+
+
+def barrier_head(scene: Scene) -> str:
+    """Name the column of barriers: under an imposed symmetry ways out keep it, "barrier (D1)"."""
+    return "barrier" if scene.group.is_trivial else f"barrier ({scene.group.name})"
+
+
+def barrier_words(e: Escape | None, unit: str) -> str:
+    """Say an escape barrier in a line of a picture's title; empty where there is nothing to say.
+
+    Parameters
+    ----------
+    e
+        The barrier, if it was asked for.
+    unit
+        Of energy.
+
+    Returns
+    -------
+    str
+        "barrier = 0.0123 J", with a sign for bounds, or that it is not determined.
+    """
+    if e is None or not e.known:
+        return "" if e is None or e.method != OPEN else "barrier not determined"
+    words = e.words()
+    return f"barrier {words if words[0] == '<' else '= ' + words} {unit}".replace("<=", "\u2264")
 
 
 def asked(minima: Sequence[Minimum]) -> bool:

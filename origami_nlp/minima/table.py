@@ -7,6 +7,7 @@ from collections.abc import Sequence
 
 from origami_nlp.minima.result import MinimaResult
 from origami_nlp.minima.stability import verdict
+from origami_nlp.numerics import residual_words
 from origami_nlp.show import short_label
 
 SUMMARY_HEADS = (
@@ -45,8 +46,10 @@ def summary_row(r: MinimaResult) -> tuple[str, ...]:
         ", ".join(f"{kinds.count(kind)} {kind}" for kind in dict.fromkeys(kinds)),
         str(r.search.starts),
         str(failed),
-        f"{max((m.closure_residual for m in r.minima), default=0):.0e}",
-        f"{max((m.kkt_residual for m in r.minima if not math.isnan(m.kkt_residual)), default=0):.0e}",
+        residual_words(max((m.closure_residual for m in r.minima), default=0)),
+        residual_words(
+            max((m.kkt_residual for m in r.minima if not math.isnan(m.kkt_residual)), default=0)
+        ),
         f"{r.search.seconds:.2f}",
     )
 

@@ -7,12 +7,15 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from origami_nlp.errors import OUT_OF_TIME
 from origami_nlp.kkt import ContactForce
 from origami_nlp.minima.flags import ResultFlags
 from origami_nlp.minima.full_space import FullSpace
-from origami_nlp.minima.minimum import TRIALS, Minimum, SearchReport
+from origami_nlp.minima.minimum import Minimum, SearchReport
+from origami_nlp.minima.noise import survival_words
 from origami_nlp.minima.stability import (
     asked,
+    barrier_head,
     count_words,
     isolated_foldings,
     not_asked_words,
@@ -22,7 +25,7 @@ from origami_nlp.minima.stability import (
     verdict,
 )
 from origami_nlp.minima.stopping import unseen_share
-from origami_nlp.numerics import BALANCED, EPS
+from origami_nlp.numerics import BALANCED, STATIONARY, residual_words
 from origami_nlp.pattern import Scene
 from origami_nlp.show import Cell, Table, Words
 
@@ -56,7 +59,7 @@ def contact_words(contact: ContactForce) -> str:
 def moment_words(moment: Sequence[float], residual: float, degree: int) -> str:
     """Say which moment passes round the vertex, or that there is no such one."""
     largest = max(map(abs, moment))
-    vector = ", ".join(f"{v:.6g}" if abs(v) > EPS * largest else "0" for v in moment)
+    vector = ", ".join(f"{v:.6g}" if abs(v) > STATIONARY * largest else "0" for v in moment)
     if residual > BALANCED * (1 + largest):
         return (
             f"no one moment passes round the vertex: ({vector}) N m leaves up to {residual:.2g} N m at a free "
@@ -64,7 +67,7 @@ def moment_words(moment: Sequence[float], residual: float, degree: int) -> str:
         )
     return (
         f"one moment passes round the vertex: ({vector}) N m, seen from the facet between creases {degree} and 1, "
-        f"residual {residual:.0e} N m"
+        f"residual {residual_words(residual)} N m"
     )
 
 
@@ -78,7 +81,17 @@ def states_table(scene: Scene, minima: Sequence[Minimum], freedom: int) -> Table
         f"symmetry {scene.group.name}, contact {scene.contact}"
     )
     full = asked(minima)
-    heads = ["#", "energy [J]", "kind", "dimension", "softest", "barrier", "closure", "KKT", "hits"]
+    heads = [
+        "#",
+        "energy [J]",
+        "kind",
+        "dimension",
+        "softest",
+        barrier_head(scene),
+        "closure",
+        "KKT",
+        "hits",
+    ]
     grouped = isolated_foldings(minima)
     noise = any(m.survival is not None for m in minima)
     if full:
@@ -97,8 +110,8 @@ def states_table(scene: Scene, minima: Sequence[Minimum], freedom: int) -> Table
             freedom_words(m.local_dimension, freedom),
             softest_words(m.softest),
             m.escape.words() if m.escape else "-",
-            f"{m.closure_residual:.0e}",
-            "-" if math.isnan(m.kkt_residual) else f"{m.kkt_residual:.0e}",
+            residual_words(m.closure_residual),
+            residual_words(m.kkt_residual),
             str(m.hits),
         ]
         if full:
@@ -149,10 +162,7 @@ def state_lines(scene: Scene, minima: Sequence[Minimum]) -> list[str]:
             lines += [f"   {words}" for words in full_space_lines(m.full_space)]
     if any(m.survival is not None for m in minima):
         degrees = max(m.survival.degrees for m in minima if m.survival)
-        lines.append(
-            f"survives: those of {TRIALS} scenes with random errors, {degrees:g} degrees (standard deviation) of rest "
-            f"and sector angles and {math.radians(degrees):.2g} of stiffnesses, into which the state could be followed"
-        )
+        lines.append(survival_words(degrees, "rest and sector angles"))
     if grouped:
         lines.append(
             f"#{number_words(grouped)}: {len(grouped)} isolated flat foldings, each crease open or shut and no other "
@@ -192,7 +202,7 @@ def search_lines(s: SearchReport) -> list[str]:
         lines.append(f"no minimum at the guess {angles} deg: {r.verdict}: {r.reason}")
     if s.failed:
         reasons = ", ".join(f"{why} {count}" for why, count in s.failed.items())
-        lines.append(f"ends of descents that are no state: {reasons}")
+        lines.append(f"left out, as no state or where linear algebra failed: {reasons}")
     ended = [f"{name} {count}" for name, count in sorted(s.outcomes.items()) if count]
     if ended:
         lines.append("starts ended at: " + ", ".join(ended))
@@ -214,7 +224,7 @@ def completeness_lines(s: SearchReport) -> list[str]:
         return [f"complete: {s.complete}"]
     if s.stopped_by == "time":
         return [
-            "interrupted by the time limit: not all of these starts were followed down, nor all of their ends judged"
+            f"{OUT_OF_TIME}: not all of these starts were followed down, nor all of their ends judged"
         ]
     lines = []
     if s.every_corner:

@@ -13,7 +13,7 @@ from origami_nlp.kkt import ContactForce
 from origami_nlp.minima.minimum import Minimum
 from origami_nlp.minima.stability import asked, verdict
 from origami_nlp.minima.telling import contact_words, full_space_lines, moment_words
-from origami_nlp.numerics import SETTLED
+from origami_nlp.numerics import SETTLED, residual_words
 from origami_nlp.pattern import Scene, Vertex
 from origami_nlp.programme import Model
 from origami_nlp.show import (
@@ -129,12 +129,11 @@ def _station(model: Model, k: int, m: Minimum, judged: bool) -> Station:
     letters = [LETTERS[n % len(LETTERS)] for n in range(len(m.contacts))]
     known = f", {verdict(model.scene, m)}" if judged else ""
     angles = ", ".join(f"{a:.3f}" for a in np.round(np.degrees(m.fold_angles), 3) + 0.0)
-    kkt = "-" if math.isnan(m.kkt_residual) else f"{m.kkt_residual:.0e}"
     lines = [
         f"fold angles of creases 1..{vertex.degree} [deg]: {angles}",
         *(f"contact {x}: {contact_words(c)}" for x, c in zip(letters, m.contacts, strict=True)),
         m.certificate,
-        f"residuals: closure {m.closure_residual:.0e}, KKT {kkt}; hits {m.hits}",
+        f"residuals: closure {residual_words(m.closure_residual)}, KKT {residual_words(m.kkt_residual)}; hits {m.hits}",
     ]
     if m.moment is not None:
         lines.append(moment_words(m.moment, m.moment_residual, vertex.degree))

@@ -15,10 +15,10 @@ from typing import Any, Self
 
 import numpy as np
 
-from origami_nlp.errors import OptionError
+from origami_nlp.errors import OUT_OF_TIME, OptionError
 from origami_nlp.minima.find import find_minima
 from origami_nlp.minima.result import MinimaResult
-from origami_nlp.numerics import TYPED
+from origami_nlp.numerics import TYPED, residual_words
 from origami_nlp.pattern import Alike, Labels, Scene, group_alike
 from origami_nlp.show import Piece, Table, Told
 
@@ -172,7 +172,7 @@ def _labels(creases: list[int], over: bool) -> Labels:
 
 def _largest(values: Iterator[float]) -> str:
     known = [v for v in values if np.isfinite(v)]
-    return f"{max(known):.0e}" if known else "-"
+    return residual_words(max(known)) if known else "-"
 
 
 def find_vertexwise(
@@ -229,7 +229,7 @@ def _line(one: Alike, result: MinimaResult) -> str:
     """Say what was found at a class of equal vertices."""
     many = len(one.numbers) > 1
     lowest = f", lowest {result.minima[0].energy:.6g} J" if result.minima else ""
-    late = "; interrupted by the time limit" if result.search.stopped_by == "time" else ""
+    late = f"; {OUT_OF_TIME}" if result.search.stopped_by == "time" else ""
     return (
         f"{'vertices' if many else 'vertex'} {', '.join(map(str, one.numbers))}: "
         f"{len(result.minima)} minima{lowest}{late}"

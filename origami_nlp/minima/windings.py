@@ -14,6 +14,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from origami_nlp.errors import OUT_OF_TIME
 from origami_nlp.kkt import OPEN, Escape
 from origami_nlp.minima.completeness import Completeness
 from origami_nlp.minima.escape import with_escapes
@@ -21,6 +22,7 @@ from origami_nlp.minima.job import Job, Progress
 from origami_nlp.minima.minimum import Minimum, Rejected, SearchReport
 from origami_nlp.minima.noise import with_survival
 from origami_nlp.minima.proved import is_cheap, prove_complete
+from origami_nlp.minima.record import BREAKDOWNS
 from origami_nlp.minima.search import finish
 from origami_nlp.minima.starts import Effort
 from origami_nlp.pattern import Scene
@@ -79,7 +81,7 @@ def prove_each(jobs: Sequence[Job], wanted: bool | float | None) -> Completeness
     """Try to prove that the minima on record are all, of every winding; arguments and result as of `prove_complete`."""
     first = jobs[0].model
     if len(jobs) == 1 or (wanted is None and not is_cheap(first)):
-        return prove_complete(first, jobs[0].record, wanted, _left(jobs[0]))
+        return prove_complete(first, jobs[0].record, wanted, jobs[0].until)
     until = math.inf
     if wanted is not None and not isinstance(wanted, bool):
         until = time.process_time() + wanted
@@ -87,16 +89,11 @@ def prove_each(jobs: Sequence[Job], wanted: bool | float | None) -> Completeness
     for job in jobs:
         if until < math.inf:
             wanted = max(until - time.process_time(), 0.0)
-        one = prove_complete(job.model, job.record, wanted, _left(job))
+        one = prove_complete(job.model, job.record, wanted, job.until)
         if one is None:
             return None
         found.append(one)
     return _joined([job.model.structure.winding for job in jobs], found)
-
-
-def _left(job: Job) -> float | None:
-    """Seconds that a search has left for its proof; None: no limit."""
-    return None if math.isinf(job.until) else max(job.until - time.monotonic(), 0.0)
 
 
 def _joined(windings: Sequence[int], found: Sequence[Completeness]) -> Completeness:
@@ -128,10 +125,14 @@ def escapes_of_each(jobs: Sequence[Job], minima: Sequence[Minimum]) -> list[Mini
     for job, which in _apart(jobs, minima):
         some = [minima[k] for k in which]
         if time.monotonic() > job.until:
-            late = Escape(math.nan, OPEN, "interrupted by the time limit")
+            late = Escape(math.nan, OPEN, OUT_OF_TIME)
             some = [replace(m, escape=late) for m in some]
         else:
-            some = with_escapes(job.model, some, job.traced)
+            try:
+                some = with_escapes(job.model, some, job.traced)
+            except BREAKDOWNS as error:
+                broken = Escape(math.nan, OPEN, f"linear algebra failed: {error}")
+                some = [replace(m, escape=broken) for m in some]
         for k, m in zip(which, some, strict=True):
             assert m.escape is not None
             to = which[m.escape.to - 1] + 1 if m.escape.to else 0
@@ -173,7 +174,7 @@ def join_reports(windings: Sequence[int], reports: Sequence[SearchReport]) -> Se
         return reports[0]
     first = reports[0]
     counted: dict[str, Counter[str]] = {}
-    for name in ("statuses", "outcomes", "by_source"):
+    for name in ("statuses", "outcomes", "by_source", "failed"):
         counted[name] = Counter()
         for r in reports:
             counted[name].update(getattr(r, name))
@@ -193,6 +194,8 @@ def join_reports(windings: Sequence[int], reports: Sequence[SearchReport]) -> Se
         iterations=sum(r.iterations for r in reports),
         effort=first.effort,
         by_source=dict(counted["by_source"]),
+        refused=tuple(why for r in reports for why in r.refused),
+        failed=dict(sorted(counted["failed"].items())),
         stalled=sum(r.stalled for r in reports),
         seen_once=sum(r.seen_once for r in reports),
         quiet=min((r.quiet for r in drawn), default=0),

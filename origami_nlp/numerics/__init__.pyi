@@ -17,7 +17,12 @@ from .linear import (
 )
 from .merge_tree import Merge as Merge, MergeTree as MergeTree, merge_tree as merge_tree
 from .roots import bracketed_roots as bracketed_roots, distinct as distinct
-from .rounding import coarse as coarse, first_largest as first_largest, rank as rank
+from .rounding import (
+    coarse as coarse,
+    first_largest as first_largest,
+    rank as rank,
+    residual_words as residual_words,
+)
 from .tolerances import (
     ANSWERED as ANSWERED,
     BALANCED as BALANCED,

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
 
-from origami_nlp.numerics.tolerances import CHOSEN, ROUNDED
+from origami_nlp.numerics.tolerances import CHOSEN, ROUNDED, STATIONARY
 
 
 def rank(energy: float, fold_angles: Sequence[float]) -> tuple[float, ...]:
@@ -31,6 +32,30 @@ def rank(energy: float, fold_angles: Sequence[float]) -> tuple[float, ...]:
     True
     """
     return (round(energy, 9) + 0.0, *(round(float(a), 7) + 0.0 for a in fold_angles))
+
+
+def residual_words(residual: float) -> str:
+    """Return a residual as it is printed: below what counts as zero its digits are what rounding leaves.
+
+    Parameters
+    ----------
+    residual
+        Of closure, or of balance relative to the largest torque; nan where there is none.
+
+    Returns
+    -------
+    str
+        One digit, the bound `STATIONARY` where it is no larger, or ``"-"``.
+
+    Examples
+    --------
+    >>> from origami_nlp.numerics import residual_words
+    >>> residual_words(3e-17), residual_words(2.4e-7), residual_words(float("nan"))
+    ('<1e-11', '2e-07', '-')
+    """
+    if math.isnan(residual):
+        return "-"
+    return f"<{STATIONARY:.0e}" if residual <= STATIONARY else f"{residual:.0e}"
 
 
 def first_largest(a: np.ndarray) -> np.ndarray:

@@ -1,3 +1,4 @@
+from .arcs import AGAIN as AGAIN, LATE as LATE, RANGE as RANGE, Arc as Arc, Node as Node
 from .curve import (
     BoundaryCurve as BoundaryCurve,
     HeldCurve as HeldCurve,
@@ -20,7 +21,6 @@ from .line import (
     line_between as line_between,
     load_line as load_line,
 )
-from .nodes import Arc as Arc, Node as Node
 from .system import Hold as Hold, Tally as Tally
 from .tracer import (
     SINGULAR as SINGULAR,
@@ -31,4 +31,4 @@ from .tracer import (
     trace as trace,
     trace_ahead as trace_ahead,
 )
-from .web import RANGE as RANGE, STEPS as STEPS, Web as Web
+from .web import STEPS as STEPS, Web as Web

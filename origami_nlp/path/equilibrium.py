@@ -126,7 +126,7 @@ class EquilibriumCurve:
 
     def system(self, point: np.ndarray, multipliers: np.ndarray | None = None) -> System:
         """Evaluate the KKT system at (x, s)."""
-        self.tally.evaluate()
+        self.tally.evaluations += 1
         return system_at(self.line, point, self.hold, multipliers)
 
     def solve(self, point: np.ndarray, row: Row) -> tuple[np.ndarray, System] | None:

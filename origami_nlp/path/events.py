@@ -30,7 +30,7 @@ from origami_nlp.numerics import (
 )
 from origami_nlp.path.equilibrium import Equilibrium, EquilibriumCurve
 from origami_nlp.path.flat import AT_FLAT, crossing, flat_passage
-from origami_nlp.path.halves import is_equilibrium
+from origami_nlp.path.halves import is_equilibrium, judged
 from origami_nlp.programme import Contact
 
 BISECTIONS = 24
@@ -254,3 +254,21 @@ def _eigenvalue_passes(curve: EquilibriumCurve, a: Equilibrium, b: Equilibrium, 
         return found_at("branching", _between(frame, a, b), eigenvalue(frame))
     fewer = min(a.index, b.index)  # one side has it as the largest, the other as the smallest
     return pole(curve, a, b, lambda f: float(f.eigenvalues[-1 if f.index == fewer else 0]))
+
+
+def change_of_verdict(
+    curve: EquilibriumCurve, a: Equilibrium, b: Equilibrium, verdict: str
+) -> tuple[Equilibrium, Found]:
+    """Bisect on the verdict of states that no multiplier judges."""
+    root = curve.root
+    low, high, good, other = 0.0, float(a.tangent @ (root * (b.x - a.x))), a, judged(b)
+    while high - low > STATIONARY:
+        middle = 0.5 * (low + high)
+        frame = curve.beside(a, middle)
+        if frame is not None and judged(frame) == verdict:
+            low, good = middle, frame
+        else:
+            high = middle
+    why = f"{verdict} before, {other} beyond: by bisection on the verdict"
+    ends = verdict == "minimum" and other in ("saddle", "not stationary")
+    return good, Found("branching" if ends else "singular", good, None, np.nan, False, why)

@@ -9,8 +9,6 @@ Rows of one vertex are independent, or those that are are chosen (`Hold.closure`
 
 from __future__ import annotations
 
-import math
-import time
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -18,7 +16,6 @@ from typing import Any
 import numpy as np
 from scipy import sparse
 
-from origami_nlp.errors import OutOfTime
 from origami_nlp.kkt import Classification, State, classify
 from origami_nlp.numerics import (
     CURVED,
@@ -43,20 +40,10 @@ class Hold:
 
 @dataclass
 class Tally:
-    """What following cost: steps accepted, and evaluations of the KKT system.
-
-    until: value of `time.monotonic` after which an evaluation raises `OutOfTime`.
-    """
+    """What following cost: steps accepted, and evaluations of the KKT system."""
 
     steps: int = 0
     evaluations: int = 0
-    until: float = math.inf
-
-    def evaluate(self) -> None:
-        """Count an evaluation, if there is time for it."""
-        if self.until < math.inf and time.monotonic() > self.until:
-            raise OutOfTime
-        self.evaluations += 1
 
 
 class System:

@@ -8,11 +8,14 @@ those of the metric y = root x; with unit tangent y' and bend y'' the predictor 
 from __future__ import annotations
 
 import math
+import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Generic, Protocol, TypeVar
 
 import numpy as np
+
+from origami_nlp.errors import OUT_OF_TIME
 
 CLOSED_CURVE = "closed curve"
 """Why a curve ends that comes back to its first point."""
@@ -62,7 +65,7 @@ class Steps:
     first, longest, shortest: steps; an end is found to the shortest.  turn: the tangent turns by about this
     much [rad] a step; a step that turns it by more than `sharpest` is halved.  growth: longest step over the one
     before.  together: steps made before ends are looked for, in all of them at once.  most: points one way.
-    far: length one way.
+    far: length one way.  until: when no further step is made (`time.monotonic`).
     """
 
     first: float
@@ -74,6 +77,7 @@ class Steps:
     together: int = 1
     most: int = 10**6
     far: float = math.inf
+    until: float = math.inf
 
 
 @dataclass(frozen=True)
@@ -152,7 +156,7 @@ def trace(curve: Curve[F], first: F, steps: Steps, ends: Sequence[End[F]] = ()) 
     """Trace a curve both ways from the frame `first`; once around where it is closed.
 
     It ends at the first of `ends` (the first in their order where two come at once), where it is singular, and after
-    `steps.most` points or the length `steps.far`.  None where the curve does not turn around.
+    `steps.most` points, the length `steps.far` or the time `steps.until`.  None where the curve does not turn around.
     """
     ahead, lengths, end = trace_ahead(curve, first, steps, ends)
     behind: list[F] = []
@@ -176,6 +180,8 @@ def trace_ahead(
     here, at, h = first, 0.0, steps.first
     found: End[F] | None = None  # an end that lies within the next step
     while len(frames) < steps.most and at < steps.far:
+        if time.monotonic() > steps.until:
+            return frames, s, OUT_OF_TIME
         ahead, after = _ahead(curve, here, h, steps, 1 if found else steps.together)
         kept, end = _before([step.frame for step in ahead], ends)
         for step in ahead[:kept]:

@@ -8,17 +8,21 @@ the number of unstable directions stay the same.
 from __future__ import annotations
 
 import itertools
+import math
+import time
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
 
-from origami_nlp.numerics import BESIDE, RANK, ROUNDED, SETTLED, STATIONARY
+from origami_nlp.numerics import BESIDE, RANK, ROUNDED, SETTLED
+from origami_nlp.path.arcs import AGAIN, EVENT, LATE, RANGE, START, Arc, Node
 from origami_nlp.path.contact_events import first_contact_event, other_piece_leaves
 from origami_nlp.path.equilibrium import Equilibrium, EquilibriumCurve
 from origami_nlp.path.events import (
     Found,
+    change_of_verdict,
     flat_crossed,
     folds_and_branchings,
     multipliers_pass_infinity,
@@ -34,7 +38,6 @@ from origami_nlp.path.halves import (
     turned,
 )
 from origami_nlp.path.line import ParameterLine
-from origami_nlp.path.nodes import Arc, Node
 from origami_nlp.path.redundant import system_at
 from origami_nlp.path.system import Tally
 from origami_nlp.path.tracer import ALIGNED, CLOSED_CURVE, End, Steps, trace_ahead
@@ -43,7 +46,6 @@ STEPS = Steps(first=1e-2, longest=0.15, shortest=1e-9, turn=0.1, sharpest=0.3)
 """Some 20 to 100 steps for a branch; the tangent turns by at most 17 degrees a step."""
 MOST_STEPS, MOST_ARCS = 2000, 400
 """Of one arc, and arcs of one web: a path that needs more is stopped by name."""
-START, RANGE, EVENT, PAUSED = "start", "range", "event", "stable again"
 
 
 Functions = Callable[[Equilibrium], float]
@@ -67,6 +69,8 @@ class Web:
     lazy
         Whether stable states beyond unstable ones, and what branches off, are left until they are asked for
         (`resume`).
+    until
+        When following ends (`time.monotonic`), wherever it is.
 
     Attributes
     ----------
@@ -74,6 +78,8 @@ class Web:
         In the order in which they were found.
     tally
         What it cost.
+    interrupted
+        Whether the time was over before all that comes of the states given was followed.
     """
 
     def __init__(
@@ -86,15 +92,23 @@ class Web:
         through_folds: bool = True,
         functions: Sequence[tuple[str, Functions]] = (),
         lazy: bool = False,
+        until: float = math.inf,
     ) -> None:
         self.lazy = lazy
         self.line, self.low, self.high = line, low, high
-        self.steps = replace(steps, most=MOST_STEPS)
+        self.steps = replace(steps, most=MOST_STEPS, until=until)
+        self.interrupted = False
         self.through_folds, self.functions = through_folds, tuple(functions)
         self.nodes: list[Node] = []
         self.arcs: list[Arc] = []
         self.tally = Tally()
         self.root = np.append(line.programme.root, line.weight)
+
+    @property
+    def late(self) -> bool:
+        """Whether the time is over; then what was to be followed is not."""
+        self.interrupted |= time.monotonic() > self.steps.until
+        return self.interrupted
 
     @cached_property
     def flat(self) -> list[tuple[float, np.ndarray]]:
@@ -146,12 +160,12 @@ class Web:
     def _follow_all(self, todo: list[tuple[int, int]]) -> None:
         """Follow half-branches, as positions of node and half, and all that comes of them."""
         before = len(self.arcs)
-        while todo and len(self.arcs) - before < MOST_ARCS:
+        while todo and len(self.arcs) - before < MOST_ARCS and not self.late:
             number, k = todo.pop()
             if k not in self.nodes[number].used:
                 self.nodes[number].used.append(k)
                 todo += self._follow(number, self.nodes[number].halves[k])
-        if todo:
+        if todo and not self.interrupted:
             self.nodes[todo[0][0]].why = f"more than {MOST_ARCS} arcs"
 
     def resume(self, number: int, toward: float) -> bool:
@@ -166,7 +180,7 @@ class Web:
 
     def add_flat(self) -> None:
         """Follow the minima that are born where curves pass the flat state."""
-        for s, direction in self.flat:
+        for s, direction in [] if self.late else self.flat:
             for frame in beside_flat(self.line, s, direction, self.tally):
                 if frame is None or frame.index or not self.low <= frame.s <= self.high:
                     continue
@@ -206,7 +220,7 @@ class Web:
             return todo
         number, _ = self._node(stop)
         self._arc(begun, here, number, half.signed)
-        if stop.type == PAUSED:
+        if stop.type == AGAIN:
             node = self.nodes[number]
             node.halves.append(replace(half, frame=stop.frame))
             node.left.append(len(node.halves) - 1)
@@ -291,7 +305,7 @@ class Web:
             return len(frames)
 
         def meet_stable(a: Equilibrium, b: Equilibrium) -> Equilibrium:
-            stop.append(Found(PAUSED, b, None, 0.0, True))
+            stop.append(Found(AGAIN, b, None, 0.0, True))
             return b
 
         ends = [End(before_flat, EVENT, meet_flat), End(before, EVENT, meet)]
@@ -306,6 +320,9 @@ class Web:
         last = frames[-1] if frames else half.frame
         if why == CLOSED_CURVE:
             return frames, Found(START, last, None, 0.0, True)
+        if why == LATE:
+            self.interrupted = True
+            return frames, Found(LATE, last, None, 0.0, True)
         return frames, Found("singular", last, None, np.nan, False, why)
 
     def _first(
@@ -330,14 +347,14 @@ class Web:
             assert event is not None
             return frame, event
         if verdict and judged(b) != verdict:
-            return _change_of_verdict(curve, a, b, verdict)
+            return change_of_verdict(curve, a, b, verdict)
         return b, Found(RANGE, b, None, 0.0, True)
 
     def _node(self, event: Found) -> tuple[int, bool]:
         """Return the node of an event, and whether it was there before."""
         point = event.frame.x if event.point is None else event.point
         for k, node in enumerate(self.nodes):
-            if (node.type == START) != (event.type == START) or event.type == RANGE:
+            if (node.type == START) != (event.type == START) or event.type in (RANGE, LATE):
                 continue
             # a branching is known to the root of rounding only along its branches
             crude = node.type == event.type == "branching"
@@ -421,21 +438,3 @@ def _likest(halves: Sequence[Half], along: np.ndarray) -> list[int]:
     across = [float(h.frame.tangent @ along) for h in halves]
     best = max(across, default=0.0)
     return [across.index(best)] if best > ALIGNED else []
-
-
-def _change_of_verdict(
-    curve: EquilibriumCurve, a: Equilibrium, b: Equilibrium, verdict: str
-) -> tuple[Equilibrium, Found]:
-    """Bisect on the verdict of states that no multiplier judges."""
-    root = curve.root
-    low, high, good, other = 0.0, float(a.tangent @ (root * (b.x - a.x))), a, judged(b)
-    while high - low > STATIONARY:
-        middle = 0.5 * (low + high)
-        frame = curve.beside(a, middle)
-        if frame is not None and judged(frame) == verdict:
-            low, good = middle, frame
-        else:
-            high = middle
-    why = f"{verdict} before, {other} beyond: by bisection on the verdict"
-    ends = verdict == "minimum" and other in ("saddle", "not stationary")
-    return good, Found("branching" if ends else "singular", good, None, np.nan, False, why)

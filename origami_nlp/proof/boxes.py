@@ -147,6 +147,7 @@ def prune(
     small: float = SMALL,
     most: float = math.inf,
     seconds: float | None = None,
+    until: float = math.inf,
     recorder: Recorder | None = None,
 ) -> Left:
     """Treat boxes until each is excluded, small, or near the flat state.
@@ -165,6 +166,8 @@ def prune(
         Stop after this many boxes.
     seconds
         Stop after so much processor time.
+    until
+        Stop then (`time.monotonic`).
     recorder
         Where to record the tree, if at all.
 
@@ -176,7 +179,7 @@ def prune(
     stack, found = [start], []
     boxes = flats = 0
     end = math.inf if seconds is None else time.process_time() + seconds
-    while stack and boxes < most and time.process_time() < end:
+    while stack and boxes < most and time.process_time() < end and time.monotonic() < until:
         batch = joined(list(_popped(stack)))
         boxes += len(batch)
         done, again = _shrunk(posed, batch, small, recorder)

@@ -46,6 +46,7 @@ def prove(
     seconds: float | None = None,
     most: float = math.inf,
     record: bool = False,
+    until: float = math.inf,
 ) -> Proof:
     """Find every critical point of a scene within fold limits, by branch and prune and certificates of all roots.
 
@@ -59,6 +60,8 @@ def prove(
         Stop after this many boxes (which, unlike a time, stops at the same place everywhere).
     record
         Whether to keep the tree of boxes.
+    until
+        Stop then (`time.monotonic`), as after `seconds`.
 
     Returns
     -------
@@ -84,7 +87,9 @@ def prove(
     start = strata(posed.size)
     recorder = Recorder(len(start)) if record else None
     near = flat.radius or (RADII[0] if model.scene.group.is_trivial else 0.0)
-    left = prune(posed, start, flat=near, most=most, seconds=seconds, recorder=recorder)
+    left = prune(
+        posed, start, flat=near, most=most, seconds=seconds, until=until, recorder=recorder
+    )
     system = System(model)
     roots, held, number, rest, more = certified(system, posed, left.candidates, near, recorder)
     # a root with a free angle at its limit is none of the open stratum: the state belongs to others
@@ -130,6 +135,7 @@ def prove(
         flat.radius,
         flat.minimum,
         recorder.tree(posed.size, posed.minor_creases, posed.twins) if recorder else None,
+        left=most_left(model, left.open),
     )
 
 
@@ -275,6 +281,18 @@ def clusters(boxes: Boxes) -> Iterator[np.ndarray]:
         count, label = connected_components(graph, directed=False)
         for k in range(count):
             yield group[label[cell.ravel()] == k]
+
+
+def most_left(model: Model, boxes: Boxes) -> str:
+    """Say which creases are at +-pi in most of the boxes that were left; "" where none are, or no box was left."""
+    if not len(boxes):
+        return ""
+    shut, count = np.unique(boxes.pins.T != 0, axis=0, return_counts=True)
+    creases = np.flatnonzero(shut[int(count.argmax())][model.variable_of_crease]) + 1
+    numbers = ", ".join(map(str, creases.tolist()))
+    return (
+        f"most are left with crease{'s' * (len(creases) > 1)} {numbers} at +-pi" if numbers else ""
+    )
 
 
 def by_stratum(boxes: Boxes) -> Iterator[np.ndarray]:

@@ -118,6 +118,8 @@ class Proof:
         False where the flat state is shown to be none; None: not decided here.
     tree
         All boxes, if they were recorded.
+    left
+        Where most boxes were left when it ended, in words; "" where none were, or no variable is at +-pi there.
     crossing
         Critical points within fold limits, or at touches, that full contact does not admit: left out of `points`.
     """
@@ -133,6 +135,7 @@ class Proof:
     flat_is_minimum: bool | None
     tree: Tree | None
     crossing: int = 0
+    left: str = ""
 
     @property
     def minima(self) -> tuple[CriticalPoint, ...]:

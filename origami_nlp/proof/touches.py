@@ -96,6 +96,7 @@ def prove(
     seconds: float | None = None,
     most: float = math.inf,
     record: bool = False,
+    until: float = math.inf,
 ) -> Proof:
     """Find every critical point of a scene within fold limits or with full contact.
 
@@ -109,6 +110,8 @@ def prove(
         Stop after this many boxes, touches apart (which, unlike a time, stops at the same place everywhere).
     record
         Whether to keep the tree of boxes; with full contact there is none.
+    until
+        Stop then (`time.monotonic`), as after `seconds`.
 
     Returns
     -------
@@ -130,13 +133,13 @@ def prove(
     check_type("model", model, Model)
     model.scene.check_no_forces("a proof")
     if model.scene.contact != "full":
-        return prove_within_limits(model, seconds=seconds, most=most, record=record)
+        return prove_within_limits(model, seconds=seconds, most=most, record=record, until=until)
     started = time.process_time()
     limits = prove_within_limits(
-        Model(replace(model.scene, contact="fold-limits")), seconds=seconds, most=most
+        Model(replace(model.scene, contact="fold-limits")), seconds=seconds, most=most, until=until
     )
     over = None if seconds is None else max(seconds - (time.process_time() - started), 0.0)
-    return with_touches(model, limits, seconds=over)
+    return with_touches(model, limits, seconds=over, until=until)
 
 
 def why_not(model: Model) -> str:
@@ -230,7 +233,9 @@ def _on_each_other(model: Model, touches: tuple[Row, ...]) -> bool:
     return False
 
 
-def with_touches(model: Model, limits: Proof, *, seconds: float | None = None) -> Proof:
+def with_touches(
+    model: Model, limits: Proof, *, seconds: float | None = None, until: float = math.inf
+) -> Proof:
     """Turn a proof within fold limits into one with full contact.
 
     Parameters
@@ -241,6 +246,8 @@ def with_touches(model: Model, limits: Proof, *, seconds: float | None = None) -
         The proof of the same scene with contact "fold-limits".
     seconds
         Stop after so much processor time; what is left then is undecided.
+    until
+        Stop then (`time.monotonic`), as after `seconds`.
 
     Returns
     -------
@@ -261,6 +268,7 @@ def with_touches(model: Model, limits: Proof, *, seconds: float | None = None) -
             stratum.start,
             most=MOST_BOXES - treated,
             seconds=max(end - time.process_time(), 0.0),
+            until=until,
         )
         treated += left.boxes
         finished &= not len(left.open)

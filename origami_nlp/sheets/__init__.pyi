@@ -41,6 +41,7 @@ from .judgement import (
 from .labels import Labels as Labels, find_labels as find_labels
 from .marks import touch_places as touch_places
 from .motion import Motion as Motion, find_motion as find_motion
+from .noise import is_overdetermined as is_overdetermined
 from .pinned import press_along as press_along, press_off as press_off
 from .pops import pop_rows as pop_rows
 from .pressing import press as press

@@ -7,12 +7,13 @@ proportion to the distance, where curves meet.  Between two samples that is a sh
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 
 import numpy as np
 
 from origami_nlp.facets import Sheet
 from origami_nlp.kkt import TangentCone
-from origami_nlp.numerics import CLOSES, dense
+from origami_nlp.numerics import CLOSES, RESOLVED, dense
 from origami_nlp.sheets.branches import list_branches
 from origami_nlp.sheets.interpolant import Interpolant, second
 
@@ -160,3 +161,11 @@ def split(sheet: Sheet, phi: np.ndarray, ways: TangentCone) -> TangentCone:
                 ):
                     lines.append(line)
     return TangentCone(np.array(lines).reshape(-1, sheet.size), tuple(families), ways.reason)
+
+
+def into_family(phi: np.ndarray, basis: np.ndarray, side: np.ndarray) -> Iterator[np.ndarray]:
+    """Yield directions [n] from a state into a family of closed states with a basis [n, t], away from limits."""
+    inward = basis @ (basis.T @ (-np.sign(phi) * (np.abs(phi) > math.pi - RESOLVED)))
+    for k in range(4):
+        d = basis @ (basis.T @ ((-1.0) ** k * np.roll(side, k // 2)))
+        yield inward / max(np.abs(inward).max(), 1e-300) + 0.2 * d / np.abs(d).max()

@@ -19,6 +19,7 @@ from matplotlib.patheffects import withStroke
 
 from origami_nlp.errors import OptionError
 from origami_nlp.facets import Crossings, Sheet, order_layers
+from origami_nlp.minima import barrier_words
 from origami_nlp.numerics import CLOSES
 from origami_nlp.pattern import Pattern
 from origami_nlp.sheets.counts import MOVES, Overview
@@ -417,7 +418,8 @@ def draw_found(found: SheetResult, path: Any = None) -> Figure:
     """
     if not found.minima:
         raise OptionError("no stable state was found: there is nothing to draw")
-    states = [(s.title(k), s.fold_angles) for k, s in enumerate(found.minima, start=1)]
+    words = [f"{s.title(k)}\n{barrier_words(s.escape, 'J')}" for k, s in enumerate(found.minima, 1)]
+    states = [(w.rstrip(), s.fold_angles) for w, s in zip(words, found.minima, strict=True)]
     contacts = [s.contacts for s in found.minima]
     return draw_states(found.pattern, states, found.pattern.name, path, contacts=contacts)
 

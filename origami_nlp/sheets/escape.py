@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -17,15 +18,18 @@ from origami_nlp.kkt import (
     OPEN,
     TRACED,
     Escape,
+    Way,
     barriers,
     energy_scale,
     level_of,
     ways_out,
 )
-from origami_nlp.numerics import SETTLED, SHALLOW
+from origami_nlp.numerics import BESIDE, INDEPENDENT, SETTLED, SHALLOW, coarse, nearest
+from origami_nlp.sheets.contacts import closed_contacts
 from origami_nlp.sheets.curve_passes import CurvePasses, curve_passes
 from origami_nlp.sheets.curves import Curves
 from origami_nlp.sheets.descent import AT_LIMIT
+from origami_nlp.sheets.labels import image
 from origami_nlp.sheets.starts import creases_around
 from origami_nlp.sheets.state import SheetState
 from origami_nlp.sheets.terrain import SheetTerrain
@@ -34,6 +38,10 @@ MOST_CREASES = 60
 """Creases up to which ways out are sought by descents."""
 MOST_DESCENTS, A_STATE = 60, 15
 """Descents in all, and for each state out of which ways are sought."""
+GRID = FLOOR / 100
+"""Share of `energy_scale` to which heights of ways are known."""
+MOST_OPENED = 3
+"""Directions that open contacts of a state."""
 SECTIONS, MOST_CONFIRMED = 3, 3
 """Of `kkt.ways_out`: a descent takes some ten milliseconds."""
 
@@ -83,26 +91,35 @@ def _escapes(
     if sheet.size > MOST_CREASES:
         why = f"more than {MOST_CREASES} creases: ways out are not sought"
     loose = [k for k, s in enumerate(minima) if s.freedoms > 0 and k not in exact]
+    symmetries = curves.labels.symmetries(sheet.pattern)
+    images = _images(at, symmetries)
+    alone = [k for k in loose if images[k].of == k]
     most = min(most, MOST_DESCENTS)
     many = -(-most // A_STATE)
-    last = energies[loose[:many]].max(initial=-math.inf) + level
+    last = energies[alone[:many]].max(initial=-math.inf) + level
     sought = [] if why else [k for k in loose if energies[k] <= last]
     ways = {}
     beyond = np.full(len(at), math.inf)
     if sought and len(at) > 1:
-        modes = [_modes(sheet, s) for s in minima]
-        terrain = SheetTerrain(
-            sheet, at, contact, modes, creases_around(sheet.pattern, curves.labels), most
-        )
+        out_of = [k for k in sought if k in alone]
+        vertices = creases_around(sheet.pattern, curves.labels)
+        around = {k: _apart(vertices, at[k], symmetries) for k in out_of}
+        leaving = {
+            k: [*_modes(sheet, minima[k]), *_openings(sheet, at[k], contact)] for k in out_of
+        }
+        terrain = SheetTerrain(sheet, at, contact, leaving, around, most)
         try:
-            ways = ways_out(terrain, sought, SECTIONS, MOST_CONFIRMED)
+            found = _of_first(ways_out(terrain, out_of, SECTIONS, MOST_CONFIRMED), images)
+            ways = {k: images[k].way(found[images[k].of]) for k in loose if images[k].of in found}
         except OutOfTime:
             why = "interrupted by the time limit"
     for k, way in ways.items():
         if way.to < 0:
             beyond[k] = way.height
         else:
-            heights[k, way.to] = min(heights[k, way.to], energies[k] + way.height)
+            # upwards, by less than any bound: of ways equally high rounding chooses none
+            height = math.ceil((energies[k] + way.height) / (GRID * scale)) * GRID * scale
+            heights[k, way.to] = min(heights[k, way.to], height)
     out = []
     for k, (barrier, to) in enumerate(barriers(energies, heights, level, scale, beyond)):
         if k in exact:
@@ -156,6 +173,90 @@ def _exact(
     return found
 
 
+class _Image(NamedTuple):
+    """A state that a symmetry of the sheet makes of state `of`; to: what it makes of each, -1 where not listed."""
+
+    of: int
+    symmetry: tuple[np.ndarray, float] | None
+    to: Sequence[int]
+
+    def way(self, way: Way) -> Way:
+        """Return the image of a way."""
+        if self.symmetry is None:
+            return way
+        return Way(
+            way.height, image(self.symmetry, way.top), self.to[way.to] if way.to >= 0 else -1
+        )
+
+    def back(self, way: Way) -> Way:
+        """Return the way whose image this is."""
+        if self.symmetry is None:
+            return way
+        creases, sign = self.symmetry
+        to = list(self.to).index(way.to) if way.to in self.to else -1
+        return Way(way.height, sign * way.top[creases], to if way.to >= 0 else -1)
+
+
+def _of_first(ways: Mapping[int, Way], images: Sequence[_Image]) -> dict[int, Way]:
+    """Return the lowest way of each state that is no image, among its own and those of its images."""
+    out: dict[int, Way] = {}
+    for k, way in ways.items():
+        first, back = images[k].of, images[k].back(way)
+        if first not in out or back.height < out[first].height:
+            out[first] = back
+    return out
+
+
+def _images(at: np.ndarray, symmetries: Sequence[tuple[np.ndarray, float]]) -> list[_Image]:
+    """Return for each state [M, n] the first one of which it is an image: ways out are sought of that alone."""
+    found: dict[int, _Image] = {}
+    for k in range(len(at)):
+        if k in found:
+            continue
+        found[k] = _Image(k, None, ())
+        for symmetry in symmetries:
+            apart = np.abs(image(symmetry, at)[:, None] - at).max(axis=2)
+            to = np.where(apart.min(axis=1) <= BESIDE, apart.argmin(axis=1), -1).tolist()
+            if to[k] >= 0:
+                found.setdefault(to[k], _Image(k, symmetry, to))
+    return [found[k] for k in range(len(at))]
+
+
+def _apart(
+    vertices: Sequence[list[int]], x: np.ndarray, symmetries: Sequence[tuple[np.ndarray, float]]
+) -> list[list[int]]:
+    """Return creases round vertices without those that a symmetry of a state [n] makes of others."""
+    kept, seen = [], set()
+    own = [s for s in symmetries if np.abs(image(s, x) - x).max() <= BESIDE]
+    for creases in vertices:
+        if frozenset(creases) not in seen:
+            kept.append(creases)
+            seen |= {frozenset(to[creases].tolist()) for to, _ in own}
+    return kept
+
+
+def _openings(sheet: Sheet, phi: np.ndarray, contact: bool) -> list[np.ndarray]:
+    """Return directions that open contacts of a state as fast as closure lets them, and close none: all, and each.
+
+    Of single ones those that cost least, where several are alike all of them.
+    """
+    rows = closed_contacts(sheet, phi, contact)
+    if not len(rows.gaps):
+        return []
+    z = sheet.kernel(phi)
+    slopes = rows.slopes @ z
+    lengths = np.linalg.norm(slopes, axis=1)
+    free = lengths > INDEPENDENT
+    slopes = slopes[free] / lengths[free, None]
+    ways = (nearest(way, slopes, np.zeros(len(slopes))) for way in (slopes.sum(axis=0), *slopes))
+    out = [z @ y for y in ways if y is not None and np.abs(y).max(initial=0.0) > SETTLED]
+    out = [coarse(d / np.linalg.norm(d)) for d in out]
+    costs = np.round([float(sheet.torque(phi) @ d) for d in out[1:]], 6)
+    return [*out[:1], *(d for d, c in zip(out[1:], costs, strict=True) if c == costs.min())][
+        :MOST_OPENED
+    ]
+
+
 def _modes(sheet: Sheet, state: SheetState) -> list[np.ndarray]:
     """Return the softest motions of a state that closure allows, shut creases held, where they are single."""
     phi = state.fold_angles
@@ -165,4 +266,5 @@ def _modes(sheet: Sheet, state: SheetState) -> list[np.ndarray]:
     values, vectors = np.linalg.eigh(z.T @ (sheet.hessian(phi, lam) @ z))
     if not len(values) or (len(values) > 1 and values[1] - values[0] <= SETTLED):
         return []
-    return [z @ vectors[:, 0]]
+    mode = coarse(z @ vectors[:, 0])
+    return [mode, -mode]

@@ -20,11 +20,11 @@ from origami_nlp.arguments import check_flag, check_number, check_whole
 from origami_nlp.errors import Interrupted, OptionError, OutOfTime
 from origami_nlp.facets import MOST_DENSE, Sheet
 from origami_nlp.kkt import TangentCone
-from origami_nlp.minima import find_minima
+from origami_nlp.minima import check_noise
 from origami_nlp.numerics import CLOSES, RESOLVED, SAME, rank
 from origami_nlp.pattern import Pattern, as_pattern
 from origami_nlp.sheets.branches import list_branches
-from origami_nlp.sheets.crossroads import split, ways_from
+from origami_nlp.sheets.crossroads import into_family, split, ways_from
 from origami_nlp.sheets.curve import tangents
 from origami_nlp.sheets.curves import ON_CURVE, Curves, Traced
 from origami_nlp.sheets.descent import Descended, descend
@@ -33,10 +33,11 @@ from origami_nlp.sheets.flat_folded import list_flat_folded, ways_out
 from origami_nlp.sheets.interpolant import wells
 from origami_nlp.sheets.judgement import beside, judge, singular_beside, stationary_beside
 from origami_nlp.sheets.labels import find_labels, image
+from origami_nlp.sheets.noise import NOISE, with_survival
 from origami_nlp.sheets.pinned import press_along, press_off
 from origami_nlp.sheets.pressing import UNTOLD, press
 from origami_nlp.sheets.result import BARRIERS, MEETINGS, OF_VERTEX, POPS, WAYS_OUT, SheetResult
-from origami_nlp.sheets.starts import close, drawn, given, lowest_on, popped_starts, scene_of
+from origami_nlp.sheets.starts import close, drawn, given, lowest_on, of_vertex, popped_starts
 from origami_nlp.sheets.state import SheetState
 from origami_nlp.sheets.tally import Tally
 
@@ -63,6 +64,7 @@ def find_states(
     contact: bool = True,
     seconds: float = SECONDS,
     escape: bool = True,
+    noise: float | None = None,
 ) -> SheetResult:
     """Find the stable states of a pattern.
 
@@ -80,6 +82,8 @@ def find_states(
         Wall time for the search, give or take a second or two: what was left out is named.
     escape
         Say what it takes to leave each minimum (`SheetState.escape`).
+    noise
+        Degrees: how many random errors of springs and vertices each minimum survives (`SheetState.survival`).
 
     Returns
     -------
@@ -104,6 +108,7 @@ def find_states(
     starts, seed = check_whole("starts", starts, 0), check_whole("seed", seed, 0)
     check_number("seconds", seconds, 0.0)
     check_flag("escape", escape)
+    check_noise(noise)
     if not pattern.creases:
         raise OptionError("the pattern has no crease: there is nothing to fold")
     search = _Search(pattern, contact, seconds)
@@ -121,6 +126,8 @@ def find_states(
     search.part("images of minima under symmetries", search.add_images)
     if escape:
         search.part(BARRIERS, search.add_escapes)
+    if noise is not None:
+        search.part(NOISE, search.add_survival, noise)
     found = SheetResult(pattern, search.states(), search.tally.summary(search.curves.found))
     if found.search.interrupted:
         raise Interrupted(found)
@@ -139,8 +146,7 @@ class _Search:
         self._symmetries = self.labels.symmetries(pattern)
         self.curves = Curves(self.sheet, self.labels, contact)
         self.tally = Tally()
-        rng = np.random.default_rng(0)
-        self._side = self.labels.drawn(rng.normal(size=pattern.creases))
+        self._side = self.labels.drawn(np.random.default_rng(0).normal(size=pattern.creases))
 
     def part(self, what: str, work: Callable[..., None], *given: Any) -> bool:
         """Do a part of the search; False, and noted as left out, where time or the user ends it before."""
@@ -189,8 +195,7 @@ class _Search:
                 self.tally.unfinished += 1
             elif not self.known(end.phi):
                 self.add(self._judged(end.phi))
-            held = press_off(self.sheet, end.path) if self.contact else None
-            if held is not None:
+            if self.contact and (held := press_off(self.sheet, end.path)) is not None:
                 self.press(held)
             if not end.saddles:
                 return
@@ -222,6 +227,11 @@ class _Search:
         states, most = self._by_energy(), self.tally.starts
         self.tally.judged = with_escapes(self.curves, states, self.contact, most)
         self.sheet.check_time()
+
+    def add_survival(self, degrees: float) -> None:
+        """Add how many random errors each minimum survives."""
+        states, given = self._by_energy(), (self.contact, degrees)
+        self.tally.judged = with_survival(self.sheet, self.labels, states, *given)
 
     def states(self) -> tuple[SheetState, ...]:
         """Return what was judged, by energy; states of one energy in an order that labels do not change."""
@@ -314,9 +324,8 @@ class _Search:
 
     def _leave_flat_folded(self, states: np.ndarray) -> None:
         """Go all ways out of flat-folded states [S, n]."""
-        sheet = self.sheet
-        for phi, ways in ways_out(sheet.pattern, states, sheet.check_time):
-            self._leave(phi, split(sheet, phi, ways))
+        for phi, ways in ways_out(self.sheet.pattern, states, self.sheet.check_time):
+            self._leave(phi, split(self.sheet, phi, ways))
 
     def _leave(self, phi: np.ndarray, ways: TangentCone) -> None:
         """Go all ways out of a state."""
@@ -345,26 +354,17 @@ class _Search:
             if lowest is not None and not self.known(lowest):
                 self.add(judge(sheet, lowest, self.contact))
             return
-        inward = basis @ (basis.T @ (-np.sign(phi) * (np.abs(phi) > math.pi - RESOLVED)))
-        for k in range(4):
-            d = basis @ (basis.T @ ((-1.0) ** k * np.roll(self._side, k // 2)))
-            d = inward / max(np.abs(inward).max(), 1e-300) + 0.2 * d / np.abs(d).max()
+        for d in into_family(phi, basis, self._side):
             self.explore(phi + OUT * d / np.abs(d).max())
 
     def round_the_vertex(self, seed: int) -> None:
         """Judge the minima that the search for single vertices finds, where there is but one."""
-        pattern = self.sheet.pattern
-        scene, creases = scene_of(pattern, self.contact)
-        if scene is None:
-            return
         # half of the time that is left: what is found is to be judged, and there are other starts
         seconds = max(0.5 * (self.sheet.until - time.monotonic()), 0.0)
-        result = find_minima(scene, seed=seed, prove=False, escape=False, seconds=seconds)
-        if result.search.stopped_by == "time":
+        states, whole = of_vertex(self.sheet.pattern, self.contact, seed, seconds)
+        if not whole:
             self.tally.left_out[OF_VERTEX] = None
-        for found in result.minima:
-            phi = np.zeros(pattern.creases)
-            phi[creases] = found.fold_angles
+        for phi in states:
             self.tally.of_vertex += 1
             if not self.known(phi):
                 self.add(self._judged(phi))

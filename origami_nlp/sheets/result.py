@@ -8,11 +8,13 @@ from dataclasses import asdict, dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
+from origami_nlp.errors import OUT_OF_TIME
 from origami_nlp.facets import MOST_DENSE, Sheet
 from origami_nlp.kkt import State
-from origami_nlp.minima import shallow_words, softest_words, stability_words
+from origami_nlp.minima import shallow_words, softest_words, stability_words, survival_words
 from origami_nlp.numerics import STATIONARY, rank
 from origami_nlp.pattern import Pattern, pattern_from_dict, pattern_to_dict
+from origami_nlp.sheets.noise import is_overdetermined, measured_words
 from origami_nlp.sheets.state import SheetState
 from origami_nlp.sheets.stress import find_stress
 from origami_nlp.show import Content, Piece, Table, Told, Turnable, from_plain, inline_image
@@ -113,7 +115,7 @@ class SheetSearch:
     def words(self) -> Iterator[str]:
         """Say it."""
         if self.left_out:
-            why = "interrupted" if self.interrupted else "ended for time"
+            why = "interrupted" if self.interrupted else OUT_OF_TIME
             yield f"{why}, not through with: {', '.join(self.left_out)}"
         if self.lines or self.families:
             what = "family" if self.families == 1 else "families"
@@ -222,7 +224,18 @@ class SheetResult(Told, Turnable):
         return Sheet(self.pattern)
 
     def state_of(self, state: SheetState) -> State:
-        """Return one of `states` as a state of the programme."""
+        """Return a state as one of the programme.
+
+        Parameters
+        ----------
+        state
+            One of `states`.
+
+        Returns
+        -------
+        State
+            With its contacts, multipliers and curvature.
+        """
         return State(self.problem, state.fold_angles)
 
     @property
@@ -261,6 +274,7 @@ class SheetResult(Told, Turnable):
     def table(self) -> Table:
         """Return the minima as a table."""
         rows = []
+        noise = any(s.survival is not None for s in self.minima)
         for k, s in enumerate(self.minima, 1):
             barrier = s.escape.words() if s.escape else "-"
             barrier += ", shallow" * s.shallow
@@ -274,9 +288,10 @@ class SheetResult(Told, Turnable):
                 words.append(f"fold limit of {shown}")
             touching = "; ".join(words)
             cells = [f"{s.energy:.10g}", str(s.kind), str(s.freedoms), softest_words(s.softest)]
-            rows.append([str(k), *cells, barrier, touching])
-        heads = "state", "energy", "kind", "freedoms", "softest", "barrier", "contacts"
-        return Table(heads, rows, title=self._title(), columns="lrlrrrl")
+            rows.append([str(k), *cells, barrier, *[str(s.survival)] * noise, touching])
+        heads = ["state", "energy", "kind", "freedoms", "softest", "barrier"]
+        heads += [*["survives"] * noise, "contacts"]
+        return Table(heads, rows, title=self._title(), columns=f"lrlrrr{'r' * noise}l")
 
     def _title(self) -> str:
         shallow = sum(s.shallow for s in self.minima)
@@ -296,6 +311,7 @@ class SheetResult(Told, Turnable):
                 yield f"state {k}: {words}"
             if touches:
                 yield f"state {k} touches: " + "; ".join(touches)
+        yield from self._survivals()
         for s in self.crossing:
             yield f"energy {s.energy:.6g}: no state of paper, {s.certificate}"
         for s in self.undecided:
@@ -314,6 +330,18 @@ class SheetResult(Told, Turnable):
                 "are not (rigid facets leave them open)"
             )
         yield "modelled: rigid facets without thickness, springs at creases; the way to a state may cross"
+
+    def _survivals(self) -> Iterator[str]:
+        """Say what the column of survivals counts."""
+        degrees = next((s.survival.degrees for s in self.minima if s.survival), None)
+        if degrees is None:
+            return
+        yield survival_words(degrees, measured_words(self.pattern))
+        if is_overdetermined(self.pattern):
+            yield (
+                "closure has as many equations as there are creases, and with errors of positions rigid facets do not "
+                'fold: "springs" counts draws that are survived with errors of rest angles and stiffnesses alone'
+            )
 
     def _repr_html_(self) -> str:
         """Return what is told, and the minima drawn, for Jupyter."""

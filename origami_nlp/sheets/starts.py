@@ -9,6 +9,7 @@ from itertools import product
 import numpy as np
 
 from origami_nlp.facets import Sheet, round_vertex
+from origami_nlp.minima import find_minima
 from origami_nlp.numerics import CLOSES, RESOLVED, SAME, nearest
 from origami_nlp.pattern import Contact, Pattern, Scene
 from origami_nlp.sheets.curve import SHUT
@@ -52,6 +53,20 @@ def scene_of(pattern: Pattern, contact: bool) -> tuple[Scene | None, list[int]]:
     stiffness, rest = (tuple(x[creases].tolist()) for x in (pattern.stiffness, pattern.rest))
     kind: Contact = "full" if contact else "fold-limits"
     return Scene(vertex, stiffness, rest, "none", kind), creases
+
+
+def of_vertex(
+    pattern: Pattern, contact: bool, seed: int, seconds: float
+) -> tuple[list[np.ndarray], bool]:
+    """Return the minima that the search for single vertices finds, [n] each, and whether it came to its end."""
+    scene, creases = scene_of(pattern, contact)
+    if scene is None:
+        return [], True
+    result = find_minima(scene, seed=seed, prove=False, escape=False, seconds=seconds)
+    states = np.zeros((len(result.minima), pattern.creases))
+    for phi, found in zip(states, result.minima, strict=True):
+        phi[creases] = found.fold_angles
+    return list(states), result.search.stopped_by != "time"
 
 
 def drawn(sheet: Sheet, labels: Labels, rng: np.random.Generator, k: int) -> np.ndarray:

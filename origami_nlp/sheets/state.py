@@ -10,6 +10,8 @@ import numpy as np
 
 from origami_nlp.files import Brief
 from origami_nlp.kkt import ALONE, TRACED, Escape, Kind, Verdict
+from origami_nlp.minima import Survival
+from origami_nlp.show import from_plain
 
 
 @dataclass(frozen=True, repr=False)
@@ -131,6 +133,8 @@ class SheetState(Brief):
         motion resists with; inf where contacts leave nothing free.
     escape
         Of a minimum, how much energy it takes to leave it; None where it was not asked for.
+    survival
+        Of a minimum, how many random errors of the sheet it survives, where that was asked for (``noise``).
     """
 
     fold_angles: np.ndarray = field(repr=False)
@@ -146,6 +150,7 @@ class SheetState(Brief):
     certificate: str
     softest: float = math.nan
     escape: Escape | None = None
+    survival: Survival | None = None
 
     @property
     def refuted(self) -> bool:
@@ -191,6 +196,7 @@ class SheetState(Brief):
             "certificate": self.certificate,
             "softest": self.softest if math.isfinite(self.softest) else None,
             "escape": _plain(self.escape),
+            **({"survival": asdict(self.survival)} if self.survival else {}),
         }
 
     @classmethod
@@ -228,6 +234,7 @@ class SheetState(Brief):
             str(data["certificate"]),
             unknown if data.get("softest") is None else float(data["softest"]),
             _escape(data.get("escape")),
+            from_plain(Survival, data["survival"]) if "survival" in data else None,
         )
 
 

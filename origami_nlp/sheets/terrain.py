@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 
@@ -13,8 +13,8 @@ from origami_nlp.kkt import (
     FLOOR,
     energy_scale,
 )
-from origami_nlp.numerics import BESIDE, CLOSES, LEVEL, SETTLED, SHALLOW
-from origami_nlp.sheets.descent import AT_LIMIT, descend
+from origami_nlp.numerics import BESIDE, CLOSES, LEVEL, SETTLED, SHALLOW, coarse
+from origami_nlp.sheets.descent import AT_LIMIT, Descended, descend
 from origami_nlp.sheets.pops import is_jump, pop_rows
 from origami_nlp.sheets.pressing import press
 
@@ -46,16 +46,17 @@ class SheetTerrain:
         sheet: Sheet,
         minima: np.ndarray,
         contact: bool,
-        modes: Sequence[list[np.ndarray]],
-        around: Sequence[list[int]],
+        leaving: Mapping[int, list[np.ndarray]],
+        around: Mapping[int, Sequence[list[int]]],
         most: int,
     ) -> None:
         self._around, self._left, self._half = around, most, most / 2
-        self.sheet, self.minima, self.contact, self._modes = sheet, minima, contact, modes
+        self.sheet, self.minima, self.contact, self._leaving = sheet, minima, contact, leaving
         self._pops = pop_rows(sheet.pattern)
         scale = energy_scale(sheet.pattern.stiffness)
         self.floor, self.worth = FLOOR * scale, SHALLOW * scale
         self._landed: dict[bytes, np.ndarray] = {}
+        self._gone: dict[bytes, Descended | None] = {}
 
     def _change(self, a: np.ndarray, b: np.ndarray) -> float:
         """Energy of a state over that of another, without the rounding of either."""
@@ -144,24 +145,27 @@ class SheetTerrain:
         self._left -= 1
         if self._left < 0:
             return np.full(len(x), math.nan)
-        try:
-            end = press(self.sheet, x, keep=True) if self.contact else descend(self.sheet, x)
-        except (np.linalg.LinAlgError, ArithmeticError):
-            return np.full(len(x), math.nan)
-        return end.phi if end.arrived else np.full(len(x), math.nan)
+        end = self._descent(x)
+        return end.phi if end is not None and end.arrived else np.full(len(x), math.nan)
+
+    def _descent(self, x: np.ndarray) -> Descended | None:
+        """Go down from a state, once; None where linear algebra fails on the way."""
+        key = x.tobytes()
+        if key not in self._gone:
+            try:
+                end = press(self.sheet, x, keep=True) if self.contact else descend(self.sheet, x)
+                self._gone[key] = end
+            except (np.linalg.LinAlgError, ArithmeticError):
+                self._gone[key] = None
+        return self._gone[key]
 
     def path_down(self, state: np.ndarray, until: Callable[[np.ndarray], bool]) -> np.ndarray:
         """Go down step by step; `state` alone where a step leaves closed admissible states, or climbs over it."""
-        try:
-            path = (
-                press(self.sheet, state, keep=True).path
-                if self.contact
-                else descend(self.sheet, state).path
-            )
-        except (np.linalg.LinAlgError, ArithmeticError):
+        end = self._descent(state)
+        if end is None:
             return state[None]
         out = [state]
-        for x in path[1:] if path else ():
+        for x in end.path[1:]:
             while self.distance(out[-1], x) > DENSE:
                 share = DENSE / self.distance(out[-1], x)
                 inner = self.between(out[-1], x, np.array([0.9 * share]))
@@ -189,13 +193,12 @@ class SheetTerrain:
         return found
 
     def rays(self, which: Sequence[int]) -> list[tuple[int, np.ndarray]]:
-        """Go along the softest mode both ways, pop each vertex, go to the flat state and on, and to other states."""
+        """Go along soft modes, open contacts, pop vertices, go to the flat state and on, and to other states."""
         out, to_flat = [], {}
         for k in which:
             x = self.minima[k]
-            for mode in self._modes[k]:
-                out += [(k, self._walk(x, None, side * mode)) for side in (1.0, -1.0)]
-            out += [(k, self._popped(x, np.array(creases))) for creases in self._around]
+            out += [(k, self._walk(x, None, way)) for way in self._leaving[k]]
+            out += [(k, self._popped(x, np.array(creases))) for creases in self._around[k]]
             for target in [np.zeros(len(x)), *self._others(k)]:
                 out.append((k, self._walk(x, target, None)))
                 if not out[-1][1][-1].any():
@@ -210,7 +213,7 @@ class SheetTerrain:
         """Go from states of least energy with one vertex flat down to both sides: backwards, these are ways out."""
         out: list[tuple[int, np.ndarray]] = []
         seen: list[np.ndarray] = []
-        for k, creases in itertools.product(which, self._around):
+        for k, creases in ((j, creases) for j in which for creases in self._around[j]):
             x = self.minima[k]
             if self._left < self._half:
                 break
@@ -301,7 +304,9 @@ class SheetTerrain:
                 break
             length = step if goal is None else min(step, left)
             held = None if goal is None else (path[-1] == goal) & (goal == 0)
-            new = self._step(path[-1], path[-1] + length / left * way, held)
+            move = length / left * way
+            # straight ahead rounding would grow from step to step
+            new = self._step(path[-1], path[-1] + (coarse(move) if goal is None else move), held)
             if new is None:
                 break
             moved = float(np.linalg.norm(new - path[-1]))

@@ -354,3 +354,9 @@ def test_a_whole_range_with_its_checks_costs_about_five_searches_at_one_point(al
         seconds(lambda: follow(scene, "ratio=0.01:100")) / seconds(searches) for _ in range(7)
     ]
     assert sorted(ratios)[3] < most, ratios
+
+
+@pytest.mark.parametrize("text", ["ratio=a:2", "ratio=1:2:3", "ratio=nan:1", "loads=x:1"])
+def test_an_end_of_a_range_that_is_no_number_is_not_called_an_angle(text):
+    with pytest.raises(OptionError, match="must be a finite number"):
+        parse_over(text)

@@ -1,13 +1,29 @@
 """``--seconds`` bounds the wall time of every command that searches; what was found until then is told, by name."""
 
+import itertools
+import json
 import time
+from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
-from origami_nlp import Scene, Vertex, examples, find_minima
+from origami_nlp import (
+    Model,
+    Scene,
+    Vertex,
+    examples,
+    find_boundaries,
+    find_minima,
+    follow,
+    load,
+    load_path,
+)
 from origami_nlp.cli import app
 from origami_nlp.cli.timed import ENDED
+from origami_nlp.errors import OUT_OF_TIME, OptionError
+from origami_nlp.proof import prove
 from tests.command_line import run, scene_file
 
 SEARCHES = (
@@ -62,7 +78,7 @@ def test_what_is_not_judged_in_the_full_space_is_undecided_by_name():
 
 @pytest.mark.parametrize(
     "words",
-    [("barriers",), ("space",), ("follow", "--over", "creases.stiffness[1]=0.01:0.02")],
+    [("barriers",), ("space",)],
 )
 def test_a_command_whose_time_is_over_tells_what_it_has(tmp_path, words):
     scene = scene_file(tmp_path, examples.degree6("pi/3", 1))
@@ -71,6 +87,77 @@ def test_a_command_whose_time_is_over_tells_what_it_has(tmp_path, words):
     assert done.code == ENDED and not out.exists()
     assert "interrupted by the time limit (--seconds 0.01)" in " ".join(done.out.split())
     assert "Traceback" not in done.out + done.err
+
+
+COMMANDS = {
+    "follow": ("--over", "ratio=1:10", "--checks", "1", "--max-starts", "16"),
+    "load": ("--crease", "1", "--to", "-0.15", "--max-starts", "16"),
+    "boundary": ("--event", "ratio=1:10", "--over", "alpha=74deg:75deg", "--lines", "1"),
+}
+
+
+def clock_of_tracers(monkeypatch):
+    """Let tracers see an hour more after ten steps, so that a curve is cut on every machine."""
+    calls = itertools.count()
+    clock = SimpleNamespace(monotonic=lambda: time.monotonic() + 3600.0 * (next(calls) >= 10))
+    monkeypatch.setattr("origami_nlp.path.tracer.time", clock)
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_what_was_followed_until_the_time_was_over_is_told_and_written(tmp_path, monkeypatch, name):
+    clock_of_tracers(monkeypatch)
+    scene, out = scene_file(tmp_path, examples.degree6("5*pi/12")), tmp_path / "out.json"
+    figure = tmp_path / "out.png"
+    files = "--json", out, "--figure", figure
+    done = run(name, scene, *COMMANDS[name], "--seconds", 1000, *files)
+    assert done.code == ENDED and figure.exists(), done
+    assert "interrupted by the time limit" in " ".join(done.out.split())
+    data = json.loads(out.read_text())
+    assert data["interrupted"]
+    if name == "boundary":
+        assert all(line["intervals"] == [] for line in data["lines"])
+    else:
+        states = [p for b in data["branches"] for p in b["points"]]
+        assert 5 < len(states) <= 12
+        assert load(out).interrupted
+
+
+def test_states_of_a_path_that_was_cut_are_those_of_the_whole_one(monkeypatch):
+    """And where it was cut no event is: it is no limit point, and nothing snaps there."""
+    scene, few = examples.degree6("5*pi/12"), {"max_starts": 16, "confirm": False}
+    whole = load_path(scene, 1, to=-0.15, **few)
+    clock_of_tracers(monkeypatch)
+    cut = load_path(scene, 1, to=-0.15, seconds=1000.0, **few)
+    (leg,) = cut.legs
+    assert leg.why == OUT_OF_TIME and not cut.snaps and not cut.events
+    assert "snap" in str(cut) and "no snap" in str(cut)
+    known = {p.t: p.fold_angles for p in whole.legs[0].points}
+    assert len(leg.points) > 5 and all(known[p.t] == p.fold_angles for p in leg.points)
+
+
+def test_a_time_that_is_over_before_a_path_begins_is_said():
+    with pytest.raises(OptionError, match="the time was over before"):
+        load_path(examples.degree6("5*pi/12"), 1, to=-0.15, seconds=0.0)
+
+
+def test_nothing_followed_is_no_count_of_nothing():
+    found = find_boundaries(
+        examples.degree6("5*pi/12"), "ratio=1:10", "alpha=74deg:75deg", seconds=0.0
+    )
+    assert found.interrupted and not found.curves
+    assert all(not line.intervals for line in found.lines)
+    atlas = follow(examples.degree6("5*pi/12"), "ratio=1:10", seconds=0.0)
+    assert atlas.interrupted and not atlas.branches and "time limit" in str(atlas)
+
+
+def test_a_proof_inside_a_time_limit_keeps_to_wall_time(monkeypatch):
+    """Processor time that stands still, as where another process has the processor, ends nothing; the clock does."""
+    monkeypatch.setattr(time, "process_time", lambda: 0.0)
+    model = Model(replace(examples.degree6("pi/4"), symmetry="none"))
+    begin = time.perf_counter()
+    proof = prove(model, until=time.monotonic() + 0.3)
+    assert not proof.finished and proof.undecided
+    assert time.perf_counter() - begin < 30.0
 
 
 @pytest.mark.parametrize("value", ["-1", "nan", "inf", "soon"])

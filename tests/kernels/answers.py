@@ -74,7 +74,7 @@ def gallery() -> Iterator[Question]:
     """The patterns known by name, as vertices and as sheets."""
     for name in o.examples.BY_NAME:
         yield name, lambda name=name: o.find_minima(o.examples.by_name(name), full=True)
-    for name in ("miura:2x2", "waterbomb:1x2", "squaretwist"):
+    for name in ("miura:2x2", "waterbomb:1x2", "squaretwist", "yoshimura:2x2"):  # barriers too
         yield (
             f"sheet {name}",
             lambda name=name: o.find_states(o.examples.pattern(name), starts=6),

@@ -13,6 +13,7 @@ import subprocess
 import sys
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cache
 from typing import Any
 
 from tests.kernels.answers import GROUPS, RESIDUAL, SECONDS
@@ -34,8 +35,9 @@ NEAR = 1e-6
 """Numbers that differ by no more, absolutely or relatively, are equal: half the digits of a double."""
 
 
+@cache
 def answers_on(kernel: str, group: str, part: str = ":") -> dict[str, dict[str, Any]]:
-    """Ask a group of questions in a process of its own that runs on a kernel."""
+    """Ask a group of questions in a process of its own that runs on a kernel; the same are asked once."""
     environment = {**os.environ, "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
     done = subprocess.run(
         [sys.executable, "-m", "tests.kernels.answers", group, part],

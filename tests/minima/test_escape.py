@@ -13,7 +13,7 @@ import pytest
 
 from origami_nlp import Scene, Vertex, examples, find_barriers, find_minima, load
 from origami_nlp.kkt import ALONE, BOUND, TRACED, TREE, energy_scale
-from origami_nlp.minima.escape import with_escapes
+from origami_nlp.minima.escape import VertexTerrain, with_escapes
 from origami_nlp.numerics import SHALLOW
 
 DEGREES = 0.06
@@ -140,6 +140,67 @@ def test_bounds_are_never_below_the_merge_tree(angle, ratio, contact):
         if m.local_dimension:
             assert exact.escape.method == TREE
             assert not m.escape.known or m.escape.barrier >= exact.escape.barrier * (1 - 1e-6)
+
+
+def rounded_otherwise(function, rng):
+    """What linear algebra answers, off by a rounding of the largest entry: as another kernel may round."""
+
+    def off(a):
+        if not isinstance(a, np.ndarray) or a.dtype.kind != "f" or not a.size or not a.ndim:
+            return a
+        size = np.abs(a).max(axis=(-2, -1) if a.ndim >= 3 else -1, keepdims=True)
+        return a + 2e-16 * size * rng.uniform(-1, 1, a.shape) * (a != 0)
+
+    def answer(*args, **options):
+        found = function(*args, **options)
+        if not isinstance(found, tuple):
+            return off(found)
+        parts = [off(a) for a in found]
+        return type(found)(*parts) if hasattr(found, "_fields") else tuple(parts)
+
+    return answer
+
+
+@pytest.mark.parametrize("seed", [1, 4])
+def test_rounding_chooses_no_way_out(seed, monkeypatch):
+    """Ways over the flat state, where closure has no rank: rounding was to say on which of its sides they ended."""
+    scene = examples.degree6("5*pi/12", ratio=100)
+    result = find_minima(scene, prove=False)
+    rng = np.random.default_rng(seed)
+    for name in ("pinv", "lstsq", "inv", "eigh", "svd", "solve", "qr"):
+        monkeypatch.setattr(np.linalg, name, rounded_otherwise(getattr(np.linalg, name), rng))
+    again = with_escapes(result.model, result.minima)
+    for m, other in zip(result.minima, again, strict=True):
+        a, b = m.escape, other.escape
+        assert (a.barrier, a.method, a.to, a.shallow) == (b.barrier, b.method, b.to, b.shallow)
+        assert np.abs(np.subtract(a.top, b.top)).max() < 1e-6
+    assert [m.escape.method for m in again] == [BOUND] * 3
+
+
+def test_middles_of_many_steps_are_those_of_each():
+    result = find_minima(examples.degree6("pi/3", ratio=1), prove=False, escape=False)
+    model = result.model
+    states = np.array([model.reduce(np.array(m.fold_angles)) for m in result.minima])
+    terrain = VertexTerrain(model, states, [[] for _ in states])
+    # 2: a handle, on which contacts stay closed; the others fold freely
+    rays = [ray for k, ray in terrain.rays([0, 2]) if len(ray) > 5]
+    a, b = (np.array([ray[i] for ray in rays]) for i in (4, 5))
+    each = [terrain.between(y, z, np.array([0.5])) for y, z in zip(a, b, strict=True)]
+    closed = [i for i, y in enumerate(each) if y is not None]
+    assert len(closed) > 10
+    together = terrain.middles(a[closed], b[closed])
+    assert np.abs(together - np.array([each[i][0] for i in closed])).max() < 1e-12
+
+
+def test_barriers_among_symmetric_states_say_so():
+    scene = examples.degree6("pi/3", ratio=1)
+    result = find_minima(scene, prove=False, full=True)
+    assert "barrier (D1)" in result.table().heads and "barrier (D1) [J]" in result._repr_html_()
+    assert all(m.escape.why.endswith("among states with symmetry D1") for m in result.minima)
+    assert [m.full_space.verdict for m in result.minima].count("unstable") == 1
+    assert str(result).count("nothing has to be put in to leave it") == 1
+    free = find_minima(examples.waterbomb(symmetry="none"), prove=False)
+    assert "barrier" in free.table().heads and "symmetry" not in free.minima[0].escape.why
 
 
 def noisy(seed):

@@ -10,6 +10,7 @@ from scipy.spatial.transform import Rotation
 
 from origami_nlp import Model, Scene, Vertex, find_minima
 from origami_nlp.proof.touches import MOST_BOXES, touch_strata
+from tests.independent.sheet import product_of_folds
 
 pi = math.pi
 APART = (0.0, 1e-3, 1e-6, 1e-10)
@@ -60,6 +61,21 @@ def test_a_regular_pentagon_with_full_contact_is_decided_or_refused():
     """It took 5 million boxes: on some strata with touches there were curves of states."""
     check((5, 0.0, 0), seeds=())
     assert proved(5, 0.0, 0).completeness.boxes < 400_000
+
+
+def test_a_hexagon_nearly_regular_is_refused_with_where_boxes_are_left(monkeypatch):
+    """With every other crease shut the other three lie nearly on one line: nearly closed states fill a surface.
+
+    The product of rotations shows it: to 1e-6 it closes wherever the three others sum to pi.
+    """
+    scene = near(6, 1e-6, 1, "random", "fold-limits")
+    for a, b in np.random.default_rng(3).uniform(-1, 1, (20, 2)):
+        turned = product_of_folds(scene.vertex.sector_angles, [pi, a, pi, b, pi, pi - a - b])
+        assert np.abs(turned - np.eye(3)).max() < 1e-5
+    monkeypatch.setattr("origami_nlp.minima.proved.ASKED", 60_000)
+    known = find_minima(scene, prove=True, max_starts=16, escape=False).completeness
+    assert 60_000 <= known.boxes < 70_000 and known.status == "not-proved"
+    assert "the number of boxes: most are left with creases 1, 3, 5 at +-pi" in known.reason
 
 
 @pytest.mark.slow
@@ -135,3 +151,22 @@ def test_strata_that_are_left_out_are_those_of_equal_sectors():
     assert starts == [7] * 5  # two of the five creases, both ways, say it already
     starts = [len(s.start) for s in touch_strata(Model(near(5, 1e-3, 0))) if len(s.touches) == 1]
     assert starts == [11] * 5
+
+
+@pytest.mark.parametrize("contact", ["fold-limits", "full"])
+def test_data_within_rounding_of_a_regular_hexagon_have_its_minima(contact):
+    """Descents ended 1e-10 from a listed state that is not stationary, and were taken for it."""
+    exact, close = (
+        find_minima(near(6, apart, 1, "equal", contact), prove=False, escape=False).minima
+        for apart in (0.0, 1e-10)
+    )
+    assert len(exact) == len(close) == (17 if contact == "fold-limits" else 3)
+    for m in close:
+        apart = [np.abs(np.subtract(m.fold_angles, n.fold_angles)).max() for n in exact]
+        assert min(apart) < 1e-8
+
+
+@pytest.mark.slow
+def test_the_proof_for_a_hexagon_within_rounding_of_the_regular_one_contradicts_nothing():
+    known = proved(6, 1e-10, 1, "equal", "fold-limits").completeness
+    assert "does not confirm" not in known.reason

@@ -13,6 +13,7 @@ from pathlib import Path
 import matplotlib
 
 import origami_nlp as o
+from origami_nlp.minima import barrier_words
 from origami_nlp.sheets import SheetResult, SheetState, draw_states
 
 DOCS = Path(__file__).parent.parent.parent / "docs"
@@ -31,7 +32,9 @@ HEAD = f"""# Sheets by name
 
 Whole sheets with their springs, and the stable states of least energy of each: up to {SHOWN} energies, one state
 drawn for each. Energies are in millijoules: stiffnesses have the geometric mean 0.025 N m/rad, but for the metasheet.
-"States" counts those of this energy that the search found, which images under symmetries of the sheet are among.
+"States" counts those of this energy that the search found, which images under symmetries of the sheet are among. The
+barrier is what it takes to leave the first of them, see [patterns](how_to/pattern.md): "<=" is an upper bound, "?" is
+not determined.
 
 ```bash
 origami-nlp pattern metasheet:4x4 --minima --starts {STARTS} --figure metasheet.png
@@ -60,12 +63,13 @@ def rows(result: SheetResult) -> list[str]:
     lines = []
     for k, states in enumerate(groups(result), 1):
         first = states[0]
+        barrier = first.escape.words() if first.escape else "-"
         touches = {c.where for c in first.contacts if c.corners}
         shut = sum(c.type == "fold-limit" for c in first.contacts)
         held = [f"{len(touches)} pair{'s' * (len(touches) > 1)} of facets"] * bool(touches)
         held += [f"{shut} fold limit{'s' * (shut > 1)}"] * bool(shut)
         energy = f"{1e3 * first.energy:.6g}" if first.energy > 1e-12 else "0"
-        cells = k, energy, len(states), first.kind, first.freedoms, ", ".join(held)
+        cells = k, energy, len(states), first.kind, first.freedoms, barrier, ", ".join(held)
         lines.append("| " + " | ".join(map(str, cells)) + " |")
     return lines
 
@@ -81,8 +85,8 @@ def section(name: str, result: SheetResult, seconds: float) -> str:
         "",
         f"![states of {name}](figures/sheets/{file}.png)",
         "",
-        "| # | energy [mJ] | states | kind | freedoms | held by |",
-        "|---|---:|---:|---|---:|---|",
+        "| # | energy [mJ] | states | kind | freedoms | barrier [J] | held by |",
+        "|---|---:|---:|---|---:|---:|---|",
         *rows(result),
         "",
         f"{count}, {len(result.undecided)} not decided; {seconds:.1f} s. Of the search:",
@@ -91,6 +95,12 @@ def section(name: str, result: SheetResult, seconds: float) -> str:
         "",
     ]
     return "\n".join(lines)
+
+
+def title(number: int, state: SheetState) -> str:
+    """The title of a state's picture: energy, kind and escape barrier."""
+    head = f"{number}: {1e3 * state.energy:.4g} mJ, {state.kind}{', shallow' * state.shallow}"
+    return f"{head}\n{barrier_words(state.escape, 'J')}".rstrip()
 
 
 def main(names: list[str]) -> None:
@@ -103,8 +113,8 @@ def main(names: list[str]) -> None:
         result = solve(name)
         seconds = time.process_time() - start
         shown = [states[0] for states in groups(result)]
-        titles = [f"{k}: {1e3 * s.energy:.4g} mJ, {s.kind}" for k, s in enumerate(shown, 1)]
-        states = [(title, s.fold_angles) for title, s in zip(titles, shown, strict=True)]
+        titles = [title(k, s) for k, s in enumerate(shown, 1)]
+        states = [(words, s.fold_angles) for words, s in zip(titles, shown, strict=True)]
         figure = draw_states(result.pattern, states, name, contacts=[s.contacts for s in shown])
         figure.savefig(FIGURES / f"{name.replace(':', '_')}.png", dpi=100)
         parts.append(section(name, result, seconds))

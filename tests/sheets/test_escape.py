@@ -7,8 +7,11 @@ import numpy as np
 import pytest
 
 import origami_nlp as o
-from origami_nlp.kkt import BOUND, TRACED
-from origami_nlp.sheets import SheetResult, find_states
+from origami_nlp.facets import Sheet
+from origami_nlp.kkt import BOUND, TRACED, Way
+from origami_nlp.sheets import SheetResult, find_labels, find_states
+from origami_nlp.sheets.escape import _images, _openings
+from origami_nlp.sheets.labels import image
 from tests.sheets.relabelled import relabelled
 
 PASS = 0.372454
@@ -46,6 +49,49 @@ def test_a_square_twist_is_left_through_the_flat_state() -> None:
             assert state.energy + state.escape.barrier >= flat_energy(pattern) - 1e-9
             assert state.energy + state.escape.barrier <= flat_energy(pattern) * 1.01
     assert known >= 2
+
+    equal = {}
+    for state in found.minima:
+        equal.setdefault(round(state.energy, 9), []).append(state.escape)
+    images = max(equal.values(), key=len)
+    assert len(images) == 4 and {e.words() for e in images} == {images[0].words()} != {"?"}
+    tops = {tuple(np.round(np.abs(e.top), 6)) for e in images if e.top}
+    assert all(len(e.top) in (0, pattern.creases) for e in images) and tops
+
+
+def test_a_way_goes_to_an_image_and_back() -> None:
+    """Along a symmetry and back again it is the same; the end goes where the symmetry takes it."""
+    pattern = o.examples.pattern("squaretwist")
+    labels = find_labels(pattern)
+    x, seen = np.random.default_rng(0).normal(size=pattern.creases), 0
+    for symmetry in labels.symmetries(pattern):
+        at = np.array([x, image(symmetry, x)])
+        first, second = _images(at, labels.symmetries(pattern))
+        assert (first.of, second.of) == (0, 0)
+        # a quarter turn takes the image elsewhere: only half turns and mirrors lead to a listed state
+        if (second.to[1] if second.symmetry else -1) == 0:
+            way = Way(0.5, np.arange(1.0, pattern.creases + 1), 1)
+            assert second.way(way).to == 0
+            assert np.allclose(second.back(second.way(way)).top, way.top)
+            assert second.back(second.way(way)).to == 1
+            seen += 1
+    assert seen
+
+
+def test_directions_open_contacts_and_close_none(yoshimura: SheetResult) -> None:
+    """Of a state that two fold limits hold, each is opened by some direction, along closed states to first order."""
+    state = yoshimura.minima[1]
+    phi, sheet = state.fold_angles, Sheet(yoshimura.pattern)
+    shut = np.flatnonzero(np.abs(phi) == np.pi)
+    ways = _openings(sheet, phi, True)
+    assert len(shut) == 2 and 1 <= len(ways) <= 3
+    opened = np.array([-np.sign(phi[shut]) * way[shut] for way in ways])
+    assert opened.min() > -1e-4 and (opened.max(axis=0) > 0.1).all()
+    for way in ways:
+        assert np.linalg.norm(way) == pytest.approx(1.0, abs=1e-3)
+        assert sheet.residual(phi + 1e-4 * way) < 1e-7
+    terrain_ways = _openings(sheet, np.array(yoshimura.minima[0].fold_angles), True)
+    assert terrain_ways == []  # nothing touches there
 
 
 @pytest.fixture(scope="module")

@@ -10,7 +10,8 @@ import pytest
 
 import origami_nlp as o
 from origami_nlp import Vertex, examine
-from origami_nlp.facets import Orders, Sheet, Stack, check_orders, order_layers
+from origami_nlp.facets import Sheet, Stack, check_orders, order_layers
+from origami_nlp.folding import Orders, Rules
 from origami_nlp.pattern import frame_pattern, parse_fold
 from origami_nlp.sheets import judge, overview, sheet_frame, sheet_to_fold
 from tests.fold_files import others
@@ -193,7 +194,7 @@ def test_ways_to_fold_stamps_are_as_many_as_is_known(size):
         phi = math.pi * np.array(signs)
         if sheet.residual(phi) < 1e-12 and sheet.closure.on_sheet(phi):
             stack = Stack(sheet.crossings, phi)
-            orders = Orders(len(stack.pairs), [rule for rule, _ in stack.rules()])
+            orders = Orders(Rules(len(stack.pairs), [rule for rule, _ in stack.rules()]))
             if all(orders.assume({u: v}) == -1 for u, v, _ in stack.known()):
                 total += orders.count()
     assert total == STAMPS[size]

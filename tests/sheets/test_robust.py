@@ -117,7 +117,7 @@ def test_a_sheet_of_4096_facets_within_ten_seconds():
     begun = time.monotonic()
     done = subprocess.run(command, capture_output=True, text=True, check=True)
     assert time.monotonic() - begun < 20.0
-    assert "ended for time" in done.stdout
+    assert "interrupted by the time limit" in done.stdout
     assert resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss < 1e6
 
 
@@ -163,7 +163,8 @@ def test_a_minimum_on_the_other_side_of_a_vertex(labels):
     pattern = yoshimura()
     if labels is not None:
         pattern, *_ = relabelled(pattern, labels)
-    found = find_states(pattern, starts=40 if labels else 16, seed=labels or 0)
+    starts = 40 if labels else 10
+    found = find_states(pattern, starts=starts, seed=labels or 0, escape=False)
     energies = [round(s.energy, 3) for s in found.minima]
     assert {4.372, 4.450, 24.599, 32.343} <= set(energies)
     signs = [tuple(np.sign(pop_rows(found.pattern) @ s.fold_angles)) for s in found.minima]

@@ -174,7 +174,10 @@ def test_a_search_ends_in_its_time_and_says_what_it_left_out(name, size, part):
     assert time.process_time() - begin < 2 * seconds + 4
     assert part in found.search.left_out
     said = str(found)
-    assert "ended for time, not through with" in said and "sampled, not exhausted" in said
+    assert (
+        "interrupted by the time limit, not through with" in said
+        and "sampled, not exhausted" in said
+    )
     assert "every well" not in said and "and the ways out of each" not in said
     for state in found.states:  # what was found is whole
         again = judge(Sheet(pattern), state.fold_angles)
@@ -213,6 +216,6 @@ def test_an_interrupted_search_keeps_what_it_found(monkeypatch, tmp_path):
 
 def test_a_search_that_has_time_leaves_nothing_out():
     found = find_states(strip(3), starts=1, contact=False, seconds=60.0)
-    assert not found.search.left_out and "ended for time" not in str(found)
+    assert not found.search.left_out and "time limit" not in str(found)
     nothing = find_states(strip(3), starts=1, contact=False, seconds=0.0)
     assert not nothing.states and "starts that the pattern gives" in nothing.search.left_out

@@ -6,11 +6,14 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from origami_nlp.errors import OUT_OF_TIME
 from origami_nlp.numerics import SETTLED
 from origami_nlp.path.equilibrium import Equilibrium, EquilibriumCurve
 from origami_nlp.path.halves import Half
 from origami_nlp.path.system import Tally
 from origami_nlp.programme import Contact
+
+START, RANGE, EVENT, LATE, AGAIN = "start", "range", "event", OUT_OF_TIME, "stable again"
 
 
 @dataclass(eq=False)
@@ -19,7 +22,8 @@ class Node:
 
     type: ``fold``, ``nonsmooth-fold``, ``closes``, ``leaves``, ``branching``, ``breaks-symmetry``, ``singular``;
     ``slides``, ``touches``; ``start`` (of a state given), ``range`` (an end of what is followed), ``corner`` (the
-    contacts held change, the states do not turn) or ``stable again`` (stable states beyond unstable ones, not followed further yet) where nothing happens.
+    contacts held change, the states do not turn), `AGAIN` (stable states beyond unstable ones, not followed further
+    yet) or `LATE` (the time was over) where nothing happens.
     point: (x, s).  contact, value, residual: what closes or leaves, values of the event's function and of the KKT
     system.  located: whether both are rounding.  why: in words, where it is not, or where nothing goes on.  between:
     values of s between which it lies, where only that is known.

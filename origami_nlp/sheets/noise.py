@@ -1,0 +1,256 @@
+"""How many random errors of what was made a state of a sheet survives: followed from the exact sheet.
+
+Sector angles cannot be wrong one by one: round every vertex they sum to 360 degrees, and facets share sides.  What has
+errors are the **positions of vertices** in the flat sheet: with them it still is a flat sheet of the same facets.  Each
+crease is lengthened and turned about its middle at random, and a vertex moved by what its creases say together, so that
+neither numbering nor the sheet's place matters; the size is such that sector angles round interior vertices have errors
+of the size that is asked for (root mean square in each draw).
+
+Closure of a sheet with as many equations as creases, such as one of 3 x 3 quadrilaterals, holds beside the flat state
+for special positions only.  With errors rigid facets do not fold there, as paper that bends a little does: for such
+sheets it is counted besides what errors of the springs alone leave.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+
+from origami_nlp.facets import MOST_DENSE, Sheet
+from origami_nlp.minima import (
+    GROWTH,
+    TRIALS,
+    Survival,
+    count_survivals,
+    drawn_errors,
+)
+from origami_nlp.numerics import CLOSES, cross
+from origami_nlp.pattern import Pattern
+from origami_nlp.sheets.contacts import closed_contacts
+from origami_nlp.sheets.descent import descend
+from origami_nlp.sheets.judgement import judge
+from origami_nlp.sheets.labels import Labels
+from origami_nlp.sheets.pressing import press
+from origami_nlp.sheets.rows import Rows, balanced, polish
+from origami_nlp.sheets.starts import close
+from origami_nlp.sheets.state import SheetState
+
+NOISE = "random errors that states survive"
+"""Part of a search that its time may end."""
+OPENED = 1.0, 0.99, 0.97, 0.94
+"""Of a state's fold angles, from where it is gone down."""
+
+
+class _Step(NamedTuple):
+    """A sheet with errors, and the one with smaller errors before it."""
+
+    before: Sheet
+    after: Sheet
+
+
+def with_survival(
+    sheet: Sheet, labels: Labels, states: Sequence[SheetState], contact: bool, degrees: float
+) -> list[SheetState]:
+    """Follow the minima of a sheet into sheets with random errors.
+
+    Parameters
+    ----------
+    sheet
+        The exact one.
+    labels
+        Of its creases.
+    states
+        Judged.
+    contact
+        Whether facets must not cross.
+    degrees
+        Standard deviation of the errors: of rest and sector angles in degrees, of stiffnesses as a share, in radians.
+
+    Returns
+    -------
+    list of SheetState
+        With `survival` where they are minima.
+    """
+    flat, size = flattened(sheet), math.radians(degrees)
+    minima = [s.fold_angles for s in states if s.verdict == "minimum"]
+
+    def counts(corners: np.ndarray | None) -> list[int]:
+        def way(trial: int) -> list[_Step]:
+            sheets = [sheet, *_noisy(sheet, corners, labels, size, trial)]
+            return [_Step(a, b) for a, b in pairwise(sheets)]
+
+        return count_survivals(minima, way, _follower(contact))
+
+    kept = counts(flat)
+    alone = counts(None) if flat is not None and is_overdetermined(sheet.pattern) else None
+    told = iter(
+        Survival(degrees, many, TRIALS, None if alone is None else alone[k])
+        for k, many in enumerate(kept)
+    )
+    return [replace(s, survival=next(told)) if s.verdict == "minimum" else s for s in states]
+
+
+def is_overdetermined(pattern: Pattern) -> bool:
+    """Tell whether closure has as many equations as creases: then folded states are there for special positions only.
+
+    Parameters
+    ----------
+    pattern
+        The pattern.
+
+    Returns
+    -------
+    bool
+        Three equations a vertex, six a hole.
+
+    Examples
+    --------
+    >>> import origami_nlp as o
+    >>> from origami_nlp.sheets import is_overdetermined
+    >>> [is_overdetermined(o.examples.pattern(*p)) for p in (("miura", 2, 2), ("miura", 3, 3), ("waterbomb", 2, 2))]
+    [False, True, False]
+    """
+    return bool(
+        pattern.vertices and 3 * len(pattern.vertices) + 6 * len(pattern.holes) >= pattern.creases
+    )
+
+
+def measured_words(pattern: Pattern) -> str:
+    """Say what has errors besides the stiffnesses.
+
+    Parameters
+    ----------
+    pattern
+        The pattern.
+
+    Returns
+    -------
+    str
+        Rest angles, and sector angles where the pattern is a flat sheet.
+    """
+    if flattened(Sheet(pattern)) is None:
+        return "rest angles (not of sector angles: the pattern does not lie flat)"
+    return "rest angles, of sector angles (vertices moved in the flat sheet)"
+
+
+def flattened(sheet: Sheet) -> np.ndarray | None:
+    """Return the corners of a sheet where it lies flat, [V, 3]; None where it does not."""
+    pattern, zero = sheet.pattern, np.zeros(sheet.size)
+    if pattern.is_flat:
+        return pattern.corners
+    return None if sheet.residual(zero) > CLOSES else sheet.crossings.poses.corners(zero)
+
+
+def displacements(
+    pattern: Pattern, labels: Labels, lengthened: np.ndarray, turned: np.ndarray
+) -> np.ndarray:
+    """Return by how much corners of a flat sheet move, so that sector angles change by one radian, root mean square.
+
+    Parameters
+    ----------
+    pattern
+        With flat corners.
+    labels
+        Of its creases.
+    lengthened, turned
+        Drawn in the order of labels: by how much creases become longer, over their lengths, and turn, [n] each.
+
+    Returns
+    -------
+    numpy.ndarray
+        Vectors in the plane, [V, 3], linear in what was drawn but for their size; zero where nothing depends on them.
+    """
+    ring = pattern.corners[list(pattern.polygons[0])]
+    normal = cross(ring - ring[0], np.roll(ring, -1, axis=0) - ring[0]).sum(axis=0)
+    normal = normal / np.linalg.norm(normal)
+    along = pattern.corners[pattern.ends[:, 1]] - pattern.corners[pattern.ends[:, 0]]
+    # seen in the mirror, creases turn the other way
+    hand = -1.0 if labels.mirrored else 1.0
+    grows, turns = (labels.sign * labels.drawn(x) for x in (lengthened, hand * turned))
+    half = 0.5 * (grows[:, None] * along + turns[:, None] * np.cross(normal, along))
+    moved = np.zeros_like(pattern.corners)
+    np.add.at(moved, pattern.ends[:, 0], -half)
+    np.add.at(moved, pattern.ends[:, 1], half)
+    change = moved[pattern.ends[:, 1]] - moved[pattern.ends[:, 0]]
+    azimuth = np.cross(along, change) @ normal / pattern.lengths**2
+    sectors = [
+        azimuth[list(loop.creases)] - np.roll(azimuth[list(loop.creases)], 1)
+        for loop in pattern.vertices
+    ]
+    size = float(np.sqrt(np.mean(np.concatenate(sectors) ** 2))) if sectors else 0.0
+    return moved / size if size else 0.0 * moved
+
+
+def _noisy(
+    sheet: Sheet, corners: np.ndarray | None, labels: Labels, size: float, trial: int
+) -> list[Sheet]:
+    """Return sheets with one draw of errors, which grow from one to the next; exact positions without corners."""
+    rest, stiffness, lengthened, turned = drawn_errors(trial, 4, sheet.size)
+    rest, stiffness = labels.drawn(rest), labels.sign * labels.drawn(stiffness)
+    exact, moved = sheet.pattern, np.zeros(3)
+    if corners is not None:
+        exact = replace(exact, corners=corners, reference=np.zeros(sheet.size))
+        moved = displacements(exact, labels, lengthened, turned)
+    out = []
+    for t in GROWTH:
+        made = Sheet(
+            replace(
+                exact,
+                corners=exact.corners + t * size * moved,
+                stiffness=exact.stiffness * np.exp(t * size * stiffness),
+                rest=exact.rest + t * size * rest,
+            )
+        )
+        made.until = sheet.until
+        out.append(made)
+    return out
+
+
+def _follower(contact: bool) -> Callable[[_Step, np.ndarray], np.ndarray | None]:
+    """Return what goes from a minimum to the one beside it of a sheet with slightly larger errors."""
+
+    def beside(step: _Step, x: np.ndarray) -> np.ndarray | None:
+        try:
+            tried = (find(step, x, contact) for find in (_solved, _gone_down))
+            return next((y for y in tried if y is not None), None)
+        except (np.linalg.LinAlgError, ArithmeticError):
+            return None
+
+    return beside
+
+
+def _certified(sheet: Sheet, x: np.ndarray | None, contact: bool) -> np.ndarray | None:
+    state = None if x is None else judge(sheet, x, contact)
+    return state.fold_angles if state is not None and state.verdict == "minimum" else None
+
+
+def _solved(step: _Step, x: np.ndarray, contact: bool) -> np.ndarray | None:
+    """Solve for the minimum with the same contacts pushing; the flat state stays where it is."""
+    before, after = step
+    if not x.any():
+        return _certified(after, x, contact)
+    if after.size > MOST_DENSE:
+        return None
+    rows = closed_contacts(before, x, contact)
+    forces, _, _ = balanced(before, x, rows, before.kernel(x))
+    near = Rows.at(after, x, rows.limits, rows.touches)
+    return _certified(after, polish(after, x, near, forces), contact)
+
+
+def _gone_down(step: _Step, x: np.ndarray, contact: bool) -> np.ndarray | None:
+    """Go downhill from a closed state beside one: where creases are shut and open ones are, errors may leave none."""
+    sheet, pressed = step.after, contact and step.after.size <= MOST_DENSE
+    for share in OPENED:
+        start = close(sheet, share * x)
+        if start is None or (pressed and sheet.crossings.find(start)):
+            continue
+        end = press(sheet, start, keep=True) if pressed else descend(sheet, start)
+        found = _certified(sheet, end.phi, contact) if end.arrived else None
+        if found is not None:
+            return found
+    return None
