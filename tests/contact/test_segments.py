@@ -140,7 +140,7 @@ def test_a_curve_with_more_freedom_is_a_geodesic_in_the_softest_direction() -> N
         (2.8, -1.0, 1.3, -2.9, 1.0, 0.4),
         "none",
     )
-    result = o.find_minima(scene, max_starts=16, fewest_starts=16, prove=False)
+    result = o.find_minima(scene, max_starts=16, fewest_starts=16, prove=False, escape=False)
     model = result.model
     pinned = [m for m in result.minima if m.kind == "contact-pinned"]
     assert pinned, [m.kind for m in result.minima]
@@ -182,7 +182,7 @@ def test_segments_do_not_depend_on_the_unit_of_stiffness() -> None:
     scaled = o.Scene(
         scene.vertex, tuple(1000 * k for k in scene.stiffness), scene.rest_angles, "D2"
     )
-    other = find_segments(o.find_minima(scaled, prove=False))
+    other = find_segments(o.find_minima(scaled, prove=False, escape=False))
     one = segments("fold limit")
     assert len(other.segments) == len(one.segments)
     for a, b in zip(other.segments, one.segments, strict=True):
@@ -198,7 +198,7 @@ def test_thresholds_are_monotone() -> None:
 
 def test_no_boundary_without_contact() -> None:
     scene = o.examples.degree6("pi/4", 1.0, contact="none")
-    report = find_segments(o.find_minima(scene, prove=False), every_boundary=True)
+    report = find_segments(o.find_minima(scene, prove=False, escape=False), every_boundary=True)
     assert report.curves == () and report.segments == () and report.length == 0
     title = draw_segments(report)._suptitle.get_text()  # type: ignore[attr-defined]
     assert "no metastable" in " ".join(title.lower().split())

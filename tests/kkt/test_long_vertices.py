@@ -21,7 +21,7 @@ def draw(n, seed=0, contact="fold-limits"):
 
 @pytest.mark.parametrize("n", [26, pytest.param(50, marks=pytest.mark.slow)])
 def test_polished_as_with_all_rows(n, monkeypatch):
-    found = find_minima(draw(n, 1), max_starts=120, effort="quick", prove=False)
+    found = find_minima(draw(n, 1), max_starts=120, effort="quick", prove=False, escape=False)
     model, many = found.model, 0
     for minimum in found.minima[:: max(1, len(found.minima) // 6)]:
         x = np.array(minimum.fold_angles)
@@ -77,7 +77,7 @@ def folded(scene, phi):
 @pytest.mark.parametrize("n", [5, 9, pytest.param(30, marks=pytest.mark.slow)])
 def test_one_moment_in_the_frame_of_every_facet(n):
     scene = draw(n)
-    found = find_minima(scene, max_starts=60, effort="quick", prove=False)
+    found = find_minima(scene, max_starts=60, effort="quick", prove=False, escape=False)
     for minimum in found.minima[:4]:
         phi = np.array(minimum.fold_angles)
         frames, creases = folded(scene, phi)

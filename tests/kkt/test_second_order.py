@@ -69,7 +69,7 @@ def test_the_flat_state_of_a_rigid_vertex_is_certified(seed: int) -> None:
     if sectors.max() >= math.pi:
         pytest.skip("a sector of pi or more")
     scene = Scene(Vertex(tuple(sectors.tolist())), rng.uniform(0.1, 9, 3), rng.uniform(-3, 3, 3))
-    (flat,) = find_minima(scene, prove=False).minima
+    (flat,) = find_minima(scene, prove=False, escape=False).minima
     assert (
         flat.fold_angles == (0.0, 0.0, 0.0) and "closure leaves to second order" in flat.certificate
     )

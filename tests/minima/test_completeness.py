@@ -50,11 +50,11 @@ def states(result):
 
 
 def check_comes_back(monkeypatch, scene, k):
-    whole = find_minima(scene, prove=True)
+    whole = find_minima(scene, prove=True, escape=False)
     assert whole.completeness.proved, list(whole.completeness.lines())
     with monkeypatch.context() as patch:
         gone = forget(patch, lambda minima: minima[k : k + 1])
-        result = find_minima(scene, prove=True)
+        result = find_minima(scene, prove=True, escape=False)
     assert np.abs(states(result) - states(whole)).max() <= 1e-9
     assert result.completeness.status == "proved"
     back = np.array([new.fold_angles for new in result.completeness.added])
@@ -74,15 +74,17 @@ def test_a_minimum_that_the_search_forgets_comes_back_by_name(monkeypatch, degre
 def test_any_minimum_comes_back(monkeypatch, seed, degree):
     """Fifty trials, each with another minimum."""
     scene = generic(seed, degree)
-    check_comes_back(monkeypatch, scene, seed % len(find_minima(scene, prove=False).minima))
+    check_comes_back(
+        monkeypatch, scene, seed % len(find_minima(scene, prove=False, escape=False).minima)
+    )
 
 
 def test_all_minima_come_back_if_the_search_found_none(monkeypatch):
     scene = generic(2, 4)
-    whole = find_minima(scene)
+    whole = find_minima(scene, escape=False)
     with monkeypatch.context() as patch:
         forget(patch, lambda minima: minima)
-        result = find_minima(scene)
+        result = find_minima(scene, escape=False)
     assert np.abs(states(result) - states(whole)).max() <= 1e-9
     assert len(result.completeness.added) == len(whole.minima)
 
@@ -90,7 +92,10 @@ def test_all_minima_come_back_if_the_search_found_none(monkeypatch):
 def test_a_search_that_is_short_of_the_proof_shows_the_alarm():
     """A minimum 0.1 degrees from the flat state, in which 206 starts of a usual search do not end."""
     scene = generic(24, 5)
-    searched, whole = find_minima(scene, prove=False), find_minima(scene)
+    searched, whole = (
+        find_minima(scene, prove=False, escape=False),
+        find_minima(scene, escape=False),
+    )
     (missed,) = whole.completeness.added
     assert len(whole.minima) == len(searched.minima) + 1
     assert np.abs(states(searched) - missed.fold_angles).max(axis=1).min() > 1e-3
@@ -113,14 +118,14 @@ def test_a_listed_state_that_is_no_minimum_is_an_alarm(monkeypatch):
 
     with monkeypatch.context() as patch:
         patch.setattr(windings, "prove_complete", prove_wrong)
-        result = find_minima(scene, prove=True)
+        result = find_minima(scene, prove=True, escape=False)
     assert result.completeness.status == "not-proved"
     assert "the proof refutes a listed minimum" in result.completeness.reason
 
 
 def test_json_carries_it():
     scene = generic(1, 4)
-    result = find_minima(scene)
+    result = find_minima(scene, escape=False)
     data = json.loads(json.dumps(result.to_dict()))
     c = data["completeness"]
     assert {
@@ -138,9 +143,9 @@ def test_json_carries_it():
 
 
 def test_where_it_is_not_asked_for_and_dear_it_is_not_tried():
-    assert find_minima(generic(1, 4), prove=False).completeness is None
-    assert find_minima(generic(1, 6), max_starts=16).completeness is None
-    assert find_minima(generic(1, 4, "none"), max_starts=16).completeness is None
+    assert find_minima(generic(1, 4), prove=False, escape=False).completeness is None
+    assert find_minima(generic(1, 6), max_starts=16, escape=False).completeness is None
+    assert find_minima(generic(1, 4, "none"), max_starts=16, escape=False).completeness is None
 
 
 @pytest.mark.parametrize(
@@ -151,13 +156,13 @@ def test_where_it_is_not_asked_for_and_dear_it_is_not_tried():
     ],
 )
 def test_what_cannot_be_proved_is_refused_with_the_reason(scene, why):
-    result = find_minima(scene, max_starts=16, prove=True)
+    result = find_minima(scene, max_starts=16, prove=True, escape=False)
     assert result.completeness.status == "not-proved" and why in result.completeness.reason
     assert "complete: proved" not in str(result)
 
 
 def test_when_time_is_up_nothing_is_claimed():
-    result = find_minima(generic(1, 6), max_starts=16, prove=0.2)
+    result = find_minima(generic(1, 6), max_starts=16, prove=0.2, escape=False)
     c = result.completeness
     assert c.status == "not-proved" and "time was up" in c.reason and c.boxes > 0 and c.undecided
     assert "complete: proved" not in str(result)
@@ -182,12 +187,12 @@ def test_the_command_proves_and_writes_what_check_proof_confirms(tmp_path):
 @pytest.mark.parametrize("value", [-1, "yes", math.nan])
 def test_prove_is_a_flag_or_seconds(value):
     with pytest.raises(OptionError, match="prove = "):
-        find_minima(generic(1, 4), prove=value)
+        find_minima(generic(1, 4), prove=value, escape=False)
 
 
 @pytest.mark.parametrize("scene", thinned(examples.panels(), 6))
 def test_panels_within_fold_limits(scene):
-    result = find_minima(replace(scene, contact="fold-limits"))
+    result = find_minima(replace(scene, contact="fold-limits"), escape=False)
     c = result.completeness
     assert c.status in ("proved", "proved-except-singular"), list(c.lines())
     assert not c.added

@@ -85,7 +85,10 @@ def test_labels_change_nothing(labels):
     for scene in (vertex(6, 4, "fold-limits"), vertex(6, 2, "full")):
         new = Labels(*labels, 6)
         other = new.relabelled(scene)
-        one, two = (find_minima(s, seed=3, effort="quick", prove=False) for s in (scene, other))
+        one, two = (
+            find_minima(s, seed=3, effort="quick", prove=False, escape=False)
+            for s in (scene, other)
+        )
         mapped = sorted(new.back(np.array(m.fold_angles)).tolist() for m in two.minima)
         assert len(one.minima) == len(two.minima)
         assert np.allclose(sorted(m.fold_angles for m in one.minima), mapped, atol=1e-10)
@@ -112,7 +115,9 @@ def test_workers_change_nothing(monkeypatch):
     monkeypatch.setattr(search, "FIRST_BATCH", 50)
     monkeypatch.setattr(search, "BATCH", 100)
     scene = vertex(6, 6, "fold-limits")
-    alone, shared = (find_minima(scene, workers=w, effort="quick", prove=False) for w in (1, 2))
+    alone, shared = (
+        find_minima(scene, workers=w, effort="quick", prove=False, escape=False) for w in (1, 2)
+    )
     assert [(m.fold_angles, m.hits) for m in alone.minima] == [
         (m.fold_angles, m.hits) for m in shared.minima
     ]
@@ -120,13 +125,15 @@ def test_workers_change_nothing(monkeypatch):
 
 def test_effort_and_what_it_says():
     scene = vertex(6, 6, "fold-limits")
-    quick, normal = (find_minima(scene, effort=e, prove=False) for e in ("quick", "normal"))
+    quick, normal = (
+        find_minima(scene, effort=e, prove=False, escape=False) for e in ("quick", "normal")
+    )
     assert quick.search.starts < normal.search.starts and normal.search.stopped_by == "rule"
     assert len(quick.minima) <= len(normal.minima)
     assert f"draw less than {3 / normal.search.quiet:.2g}" in str(normal)
     assert "expected undiscovered" not in str(normal) and "complete" not in str(normal)
     assert normal.search.every_corner and "is decided" in str(normal)
-    one = find_minima(vertex(4, 1, "full"), prove=False)
+    one = find_minima(vertex(4, 1, "full"), prove=False, escape=False)
     assert one.search.stopped_by == "complete" and "complete: one freedom" in str(one)
     assert all(m.solver.agrees and m.solver.iterations <= 1 for m in normal.minima)
 
@@ -140,7 +147,7 @@ def test_all_corners_is_said_only_where_all_were_tried():
         rounds = Rounds(model, 0, EFFORTS[effort])
         every = len(vertices(model, 10**6, np.random.default_rng(0)))
         assert rounds.every_corner == (rounds.corners == every)
-    capped = find_minima(examples.degree6("pi/3", 1), max_starts=16, prove=False)
+    capped = find_minima(examples.degree6("pi/3", 1), max_starts=16, prove=False, escape=False)
     assert capped.search.corners < 18 and not capped.search.every_corner
     assert "leave without freedom" not in str(capped)
 

@@ -85,9 +85,9 @@ CASES = [
 
 
 def states(scene):
-    return np.array([m.fold_angles for m in find_minima(scene, prove=False).minima]).reshape(
-        -1, scene.degree
-    )
+    return np.array(
+        [m.fold_angles for m in find_minima(scene, prove=False, escape=False).minima]
+    ).reshape(-1, scene.degree)
 
 
 @shared

@@ -83,7 +83,7 @@ def test_the_judge_accepts_true_minima_and_refutes_states_beside_them(contact):
     scene = Scene(Vertex(tuple(sectors.tolist())), np.ones(5), rest, "none", contact)
     claim = Sheet.of(scene)
     refuted = 0
-    for m in find_minima(scene, max_starts=12, fewest_starts=6, prove=False).minima:
+    for m in find_minima(scene, max_starts=12, fewest_starts=6, prove=False, escape=False).minima:
         assert not judge(claim, m.fold_angles, 600).false
         x = base(claim, np.array(m.fold_angles))
         for distance in (1e-4, 1e-2):
@@ -173,7 +173,7 @@ def test_no_state_beside_the_closed_book_of_a_miura_vertex(degrees):
     """Sectors (a, a, pi - a, pi - a), springs at rest at +-pi: two minima, both flat foldings."""
     a = math.radians(degrees)
     scene = Scene(Vertex((a, a, pi - a, pi - a)), (1,) * 4, (pi, pi, -pi, pi), "none")
-    result = find_minima(scene, prove=False)
+    result = find_minima(scene, prove=False, escape=False)
     assert not failures(result)
     energies = [m.energy for m in result.minima]
     assert energies == pytest.approx([0.0, 4 * pi**2], abs=1e-12)
@@ -200,7 +200,7 @@ def test_the_count_of_minima_changes_once_as_relations_become_exact(distances):
     for d in distances:
         h = pi / 2
         scene = Scene(Vertex((h + d, h - d, h + d, h - d)), **COLLAPSING, symmetry="none")
-        result = find_minima(scene, max_starts=64, fewest_starts=64, prove=False)
+        result = find_minima(scene, max_starts=64, fewest_starts=64, prove=False, escape=False)
         assert not failures(result, 300), d
         resolved = bool(np.ptp(scene.vertex.sector_angles) > 1e-14)
         counts.setdefault(resolved, {})[d] = len(result.minima)
@@ -218,16 +218,16 @@ def test_the_count_of_minima_changes_once_as_relations_become_exact(distances):
 def test_next_to_pi_third(sign):
     """alpha_1 = pi/3 +- d: 1e-10 away the minima are those of pi/3, or as many as 1e-6 away."""
     scene = examples.degree6(pi / 3 + sign * 1e-10, 1.0)
-    near = find_minima(scene, prove=False)
+    near = find_minima(scene, prove=False, escape=False)
     assert not failures(near, 600)
     if abs(scene.vertex.sector_angles[0] - pi / 3) < 1e-14:
         # the assignment, and so the rest angles, differ on both sides
         exact = find_minima(
-            replace(scene, vertex=Vertex(("pi/3",) * 6), relations=None), prove=False
+            replace(scene, vertex=Vertex(("pi/3",) * 6), relations=None), prove=False, escape=False
         )
         assert len(near.minima) == len(exact.minima)
     else:
-        away = find_minima(examples.degree6(pi / 3 + sign * 1e-6, 1.0), prove=False)
+        away = find_minima(examples.degree6(pi / 3 + sign * 1e-6, 1.0), prove=False, escape=False)
         assert len(near.minima) == len(away.minima)
 
 
@@ -236,7 +236,7 @@ def test_a_book_at_rest_hardly_open(angle):
     """Its rest state is the minimum, to rounding; below the accuracy of contacts (1e-8), to that."""
     rest = (angle, 0.0, 0.0, angle, 0.0, 0.0)
     scene = Scene(Vertex(("pi/4", "pi/2", "pi/4") * 2), (1.0,) * 6, rest, "D1")
-    result = find_minima(scene, max_starts=128, prove=False)
+    result = find_minima(scene, max_starts=128, prove=False, escape=False)
     assert not failures(result, 600)
     lowest = result.minima[0]
     assert np.abs(np.subtract(lowest.fold_angles, rest)).max() <= (1e-14 if angle > 1e-8 else 1e-8)
@@ -341,7 +341,7 @@ SEEN_FALSE = [
 
 @pytest.mark.parametrize(("name", "vertex"), thinned(SEEN_FALSE[:2], 2))
 def test_vertices_of_files_where_false_states_were_seen(name, vertex):
-    result = find_minima(scene_in(name, vertex), prove=False)
+    result = find_minima(scene_in(name, vertex), prove=False, escape=False)
     assert result.minima and not failures(result, 600)
 
 
@@ -350,7 +350,8 @@ def test_vertices_of_files_where_false_states_were_seen(name, vertex):
 def test_three_seeds_find_the_same_energies(name, vertex):
     scene = scene_in(name, vertex)
     energies = [
-        [m.energy for m in find_minima(scene, seed=s, prove=False).minima] for s in range(3)
+        [m.energy for m in find_minima(scene, seed=s, prove=False, escape=False).minima]
+        for s in range(3)
     ]
     assert len({len(e) for e in energies}) == 1
     assert np.ptp(energies, axis=0).max() <= 1e-12 * scene.degree * pi**2
@@ -372,7 +373,7 @@ def test_every_minimum_of_every_vertex_of_the_files_stands(place):
     scene = scene_in(name, vertex, frame)
     seen = {}
     for seed in range(3):
-        result = find_minima(scene, seed=seed, prove=False)
+        result = find_minima(scene, seed=seed, prove=False, escape=False)
         assert not failures(result, COUNT, seen), f"seed {seed}"
 
 

@@ -61,7 +61,9 @@ def nearest(x, states):
 def found_by_starts(scene, seeds=2, starts=64):
     model, out = Model(scene), []
     for seed in range(seeds):
-        for m in find_minima(scene, seed=seed, fewest_starts=starts, prove=False).minima:
+        for m in find_minima(
+            scene, seed=seed, fewest_starts=starts, prove=False, escape=False
+        ).minima:
             out.append(model.reduce(np.array(m.fold_angles)))
     return out
 
@@ -267,7 +269,7 @@ def test_isolated_states_are_judged_where_they_are_found():
         polish(model, Solve(x, "traced", 0, 0.0, np.zeros(4), None), ()).converged for x in alone
     ]
     assert not any(polished)
-    result = find_minima(scene, prove=False)
+    result = find_minima(scene, prove=False, escape=False)
     others = (*result.search.undecided, *result.search.rejected)
     states = np.array([s.fold_angles for s in (*result.minima, *others)])
     assert all(nearest(x, states) == 0 for x in alone)

@@ -47,7 +47,7 @@ def lacks(d, scene, result, starts, without=False, seed=0):
         found = found[admissible(d.sectors, found, "full")]
     if without:
         free = find_minima(
-            replace(scene, symmetry="none"), prove=False, max_starts=100, seconds=1.5
+            replace(scene, symmetry="none"), prove=False, max_starts=100, seconds=1.5, escape=False
         )
         every = np.array([m.fold_angles for m in free.minima]).reshape(-1, len(d.orbit))
         mean = np.array([np.bincount(d.orbit, x) for x in every]).reshape(-1, len(d.rest))
@@ -59,7 +59,7 @@ def lacks(d, scene, result, starts, without=False, seed=0):
 
 
 def test_the_star_is_listed_first():
-    result = find_minima(STAR)
+    result = find_minima(STAR, escape=False)
     lowest = result.minima[0]
     assert STAR.group.name == "D4" and len(result.minima) == 4
     assert np.degrees(lowest.fold_angles) == pytest.approx([131.0604] * 8, abs=1e-4)
@@ -67,7 +67,7 @@ def test_the_star_is_listed_first():
     assert result.completeness.proved and "winding 1 or 3 times" in result.completeness.over
     assert sorted(m.winding for m in result.minima) == [1, 1, 3, 3]
     # it stands without its symmetry as well
-    free = find_minima(replace(STAR, symmetry="none"), prove=False, max_starts=200)
+    free = find_minima(replace(STAR, symmetry="none"), prove=False, max_starts=200, escape=False)
     assert np.abs(np.subtract(free.minima[0].fold_angles, lowest.fold_angles)).max() < 1e-9
 
 
@@ -80,7 +80,7 @@ def test_the_command_says_which_states_it_ranges_over(tmp_path):
 
 
 def test_a_result_is_read_back_with_its_windings(tmp_path):
-    result = find_minima(STAR, prove=False)
+    result = find_minima(STAR, prove=False, escape=False)
     path = tmp_path / "star.json"
     result.save(path)
     again = MinimaResult.load(path)
@@ -92,7 +92,7 @@ def test_a_result_is_read_back_with_its_windings(tmp_path):
 
 def test_one_winding_may_be_asked_for():
     one = replace(STAR, winding=3)
-    assert [m.winding for m in find_minima(one).minima] == [3, 3]
+    assert [m.winding for m in find_minima(one, escape=False).minima] == [3, 3]
     assert scene_from_dict(scene_to_dict(one)) == one
     assert [s.winding for s in STAR.of_each_winding] == [None, 3]
     for wrong in (2, 5, True, "3"):
@@ -114,10 +114,10 @@ def test_where_nothing_winds_there_is_one_search():
 
 
 def test_a_guess_goes_to_its_winding():
-    star = find_minima(STAR, prove=False).minima[0]
+    star = find_minima(STAR, prove=False, escape=False).minima[0]
     away = np.array(star.fold_angles) + 0.05 * np.tile([1, -1], 4)
     d = replace(STAR, rest_angles=tuple(np.array(STAR.rest_angles) - 0.01))
-    found = find_minima(d, guesses=[away], max_starts=1, prove=False)
+    found = find_minima(d, guesses=[away], max_starts=1, prove=False, escape=False)
     assert found.minima[0].winding == 3
 
 
@@ -131,7 +131,7 @@ def test_a_period_may_close_by_itself():
         np.array([3.0, 3.0]),
     )
     scene = Scene(Vertex(("pi/3",) * 6), (1, 2) * 3, (3.0,) * 6, "D3", "fold-limits")
-    result = find_minima(scene)
+    result = find_minima(scene, escape=False)
     assert any(
         m.winding == 3 and np.abs(np.abs(m.fold_angles) - math.pi).max() == 0 for m in result.minima
     )
@@ -144,7 +144,7 @@ def test_a_period_may_close_by_itself():
 def test_more_equations_than_fold_angles_are_no_programme_for_a_solver(capfd):
     """Two fold angles, three equations where states wind three times: IPOPT is not asked, and prints nothing."""
     scene = Scene(Vertex(("pi/3",) * 6), (1, 2) * 3, (3.0,) * 6, "C3", "fold-limits")
-    beyond = [m for m in find_minima(scene).minima if m.winding == 3]
+    beyond = [m for m in find_minima(scene, escape=False).minima if m.winding == 3]
     assert beyond and all(m.solver is None for m in beyond)
     assert "overconstrained" not in "".join(capfd.readouterr())
 
@@ -154,7 +154,7 @@ def test_more_equations_than_fold_angles_are_no_programme_for_a_solver(capfd):
 def test_the_flat_state_winds_once(group, contact):
     n = int(group[1])
     scene = Scene(Vertex((2 * math.pi / n,) * n), (1.0,) * n, (1.5,) * n, group, contact)
-    result = find_minima(scene)
+    result = find_minima(scene, escape=False)
     assert {m.winding for m in result.minima} > {1}
     for m in result.minima:
         model = result.model_of(m)
@@ -165,7 +165,7 @@ def test_the_flat_state_winds_once(group, contact):
 @pytest.mark.parametrize("number", [4, 5, 7, 9, 12, 20, 22, 27, 31, 38])
 def test_symmetric_lists_hold_what_descents_on_the_whole_vertex_find(number):
     d, scene = drawn(number, most=9)
-    missing, _ = lacks(d, scene, find_minima(scene), 40)
+    missing, _ = lacks(d, scene, find_minima(scene, escape=False), 40)
     assert not len(missing), np.degrees(missing)
 
 
@@ -183,7 +183,7 @@ def study(numbers, say=lambda line: None):
     told, false = Counter(), []
     for number in numbers:
         d, scene = drawn(number)
-        result = find_minima(scene)
+        result = find_minima(scene, escape=False)
         missing, found = lacks(d, scene, result, 100, without=True)
         known = result.completeness
         status = known.status if known else result.search.stopped_by

@@ -19,7 +19,7 @@ SCENE = examples.degree6("5*pi/12", ratio=1)
 
 @cache
 def minima():
-    return find_minima(SCENE, max_starts=32, prove=False)
+    return find_minima(SCENE, max_starts=32, prove=False, escape=False)
 
 
 @cache
@@ -82,7 +82,7 @@ def test_distances_converge_with_the_square_of_the_step():
 
 def test_loaded_contacts_stay_closed_and_states_without_one_hessian_say_why():
     pinned = find_minima(
-        replace(SCENE, preload=(-0.138, 0, 0, 0, 0, 0)), max_starts=32, prove=False
+        replace(SCENE, preload=(-0.138, 0, 0, 0, 0, 0)), max_starts=32, prove=False, escape=False
     )
     found = find_modes(pinned, state=1).states[0]
     assert found.minimum.kind == "contact-pinned" and found.modes
@@ -90,7 +90,9 @@ def test_loaded_contacts_stay_closed_and_states_without_one_hessian_say_why():
     for mode in found.modes:
         assert np.abs(mode.along.states[:, (2, 4)] + np.pi).max() == 0
         assert not {c.index for end in mode.along.ends for c in end.contacts if c.is_limit} & {2, 4}
-    singular = find_modes(find_minima(examples.degree6("pi/3"), max_starts=16, prove=False))
+    singular = find_modes(
+        find_minima(examples.degree6("pi/3"), max_starts=16, prove=False, escape=False)
+    )
     assert all(s.why and not s.modes for s in singular.states)
     with pytest.raises(OptionError, match="1 to 3"):
         find_modes(pinned, state=4)

@@ -30,7 +30,9 @@ def states(proof) -> np.ndarray:
 def test_proved_minima_are_those_of_a_thorough_search(scene):
     proof = prove(Model(scene))
     assert proof.complete and proof.finished and not proof.singular
-    found = np.array([m.fold_angles for m in find_minima(scene, effort="thorough").minima])
+    found = np.array(
+        [m.fold_angles for m in find_minima(scene, effort="thorough", escape=False).minima]
+    )
     assert len(found) == len(proof.minima)
     far = np.abs(found[:, None] - states(proof)).max(axis=2)
     assert (far.min(axis=0) < 1e-8).all() and (far.min(axis=1) < 1e-8).all()
@@ -48,7 +50,9 @@ def test_three_freedoms_are_proved():
     scene = family_scene("fold-limits", 2)
     proof = prove(Model(scene))
     assert proof.complete and proof.boxes < 1_500_000
-    found = np.array([m.fold_angles for m in find_minima(scene, effort="thorough").minima])
+    found = np.array(
+        [m.fold_angles for m in find_minima(scene, effort="thorough", escape=False).minima]
+    )
     far = np.abs(found[:, None] - states(proof)).max(axis=2)
     assert (far.min(axis=1) < 1e-8).all()
 
@@ -211,7 +215,7 @@ def test_panels_leave_no_box(index):
     assert proof.finished and not proof.undecided
     assert proof.boxes < (12_000 if scene.degree == 6 else 3_000)
     boxes = [(np.array(c.lower), np.array(c.upper)) for c in proof.singular]
-    found = [model.reduce(np.array(m.fold_angles)) for m in find_minima(scene).minima]
+    found = [model.reduce(np.array(m.fold_angles)) for m in find_minima(scene, escape=False).minima]
     for x in found:
         proved = [p for p in proof.points if np.abs(np.array(p.x) - x).max() < 1e-7]
         assert all(p.is_minimum is not False for p in proved)
@@ -236,7 +240,7 @@ def test_vertices_with_creases_on_one_line_need_the_twin_rule(degrees):
     model = Model(Scene(Vertex.from_degrees(degrees), k, rest, "none", "fold-limits"))
     proof = prove(model)
     assert proof.finished and not proof.undecided
-    for minimum in find_minima(model.scene, effort="thorough").minima:
+    for minimum in find_minima(model.scene, effort="thorough", escape=False).minima:
         x = np.array(minimum.fold_angles)
         assert any(np.abs(x - np.array(p.x)).max() < 1e-7 for p in proof.minima) or any(
             (np.array(c.lower) - 1e-6 <= x).all() and (x <= np.array(c.upper) + 1e-6).all()

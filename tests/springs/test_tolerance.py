@@ -59,7 +59,7 @@ def check_lost(n, seed, pinned, draws=8, effort="normal"):
     before, after = (share * loss.percent for share in (0.99, 1.01))
     # 99 %: each state is there where it was followed to, and the search, which knows nothing of that, has it
     there = loss.scene(scene, before)
-    minima = find_minima(there, prove=False, effort=effort).minima
+    minima = find_minima(there, prove=False, effort=effort, escape=False).minima
     far = 0.0
     for name, phi in states.items():
         end = lost_at(line, phi, math.log1p(before / 100))
@@ -77,7 +77,7 @@ def check_lost(n, seed, pinned, draws=8, effort="normal"):
     assert end.event == loss.event
     assert 100 * math.expm1(end.s) == pytest.approx(loss.percent, rel=1e-6)
     assert np.abs(end.state - loss.fold_angles).max() < 1e-4
-    minima = find_minima(gone, prove=False, effort=effort).minima
+    minima = find_minima(gone, prove=False, effort=effort, escape=False).minima
     away = nearest(minima, loss.fold_angles, lambda m: closed(gone, m.fold_angles) == held)
     assert away > 2 * far, (away, far)
     return loss, far, away
