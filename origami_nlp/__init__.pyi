@@ -22,9 +22,7 @@ from .minima import (
     Minimum as Minimum,
     VertexwiseMinima as VertexwiseMinima,
     draw_minima as draw_minima,
-    find_minima as find_minima,
     find_vertexwise as find_vertexwise,
-    write_fold as write_fold,
 )
 from .modes import Modes as Modes, find_modes as find_modes
 from .pattern import (
@@ -42,13 +40,11 @@ from .pattern import (
 )
 from .programme import Model as Model
 from .results import (
-    classify as classify,
     draw as draw,
     load as load,
     save as save,
     to_frame as to_frame,
     view as view,
-    write_mesh as write_mesh,
 )
 from .sheets import (
     Motion as Motion,
@@ -60,4 +56,10 @@ from .sheets import (
 )
 from .space import Space as Space, find_space as find_space
 from .springs import Design as Design, design as design
+from .verbs import (
+    classify as classify,
+    find_minima as find_minima,
+    write_fold as write_fold,
+    write_mesh as write_mesh,
+)
 from .version import __version__ as __version__

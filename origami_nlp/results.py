@@ -5,26 +5,18 @@ The methods of results (`show.Result`) do the rest; `draw`, `view` and `save` ar
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from importlib import import_module
 from os import PathLike
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
-from origami_nlp.arguments import check_angles, check_type, shown
+from origami_nlp.arguments import check_type, shown
 from origami_nlp.errors import OptionError
-from origami_nlp.numerics import CLOSES
 from origami_nlp.show import Result, read_data
 
 if TYPE_CHECKING:
     import pandas
     from matplotlib.figure import Figure
 
-    from origami_nlp.kkt import Classification, State
-    from origami_nlp.minima import MinimaResult
-    from origami_nlp.pattern import Pattern, Scene
-    from origami_nlp.sheets import SheetResult
     from origami_nlp.show import TurnedPage
 
 _READ = {
@@ -48,91 +40,6 @@ _OF_A_PATTERN = (
     ("motion", "sheets", "Motion"),
 )
 """What ``origami-nlp pattern --json`` may write beside counts, by its key; what was asked for most stands first."""
-
-
-def classify(
-    what: State | Scene | Pattern | str | PathLike[str],
-    fold_angles: Sequence[float] | np.ndarray | None = None,
-    *,
-    polished: bool = True,
-) -> Classification:
-    """Classify a state of a vertex or of a pattern: a minimum, with its certificate and contacts, or why it is none.
-
-    Parameters
-    ----------
-    what
-        A scene, or a pattern (the name of an example such as ``"miura:4x4"``, or a FOLD file); or a `State` of either,
-        which says where it is itself.
-    fold_angles
-        Of every crease, of a closed state, shape [n] [rad].
-    polished
-        Whether the state is exact to rounding.
-
-    Returns
-    -------
-    Classification
-        The verdict with its certificate, contacts with multipliers, and a direction of descent where there is one.
-
-    Raises
-    ------
-    AngleError, OptionError
-        If `fold_angles` are not one number a crease, or do not close.
-
-    Examples
-    --------
-    >>> import origami_nlp as o
-    >>> found = o.find_states("metasheet:4x4", starts=2)
-    >>> pinned = o.classify(found.pattern, found.minima[-1].fold_angles)
-    >>> pinned.verdict, len(pinned.contacts), pinned.contacts[0].type
-    ('minimum', 2, 'edge-edge')
-    """
-    from origami_nlp import kkt
-    from origami_nlp.facets import Sheet
-    from origami_nlp.pattern import Scene, as_pattern
-    from origami_nlp.programme import Model
-
-    if isinstance(what, kkt.State):
-        return kkt.classify(what, polished=polished)
-    problem: Any = Model(what) if isinstance(what, Scene) else Sheet(as_pattern(what))  # type: ignore[arg-type]
-    many = len(problem.expand(np.zeros(problem.size)))
-    angles = check_angles("fold_angles", fold_angles, many, one=True)
-    state = kkt.State(problem, problem.reduce(angles))
-    if not state.residual <= CLOSES or np.abs(state.fold_angles - angles).max() > CLOSES:
-        raise OptionError(f"fold_angles do not close: residual {state.residual:.1e}")
-    return kkt.classify(state, polished=polished)
-
-
-def write_mesh(result: MinimaResult | SheetResult, target: str | PathLike[str]) -> None:
-    """Write the states of a vertex or pattern side by side as one triangle mesh, by way of trimesh (extra ``mesh``).
-
-    Parameters
-    ----------
-    result
-        Of `find_minima` or `find_states`.
-    target
-        The file, ``.obj``, ``.stl`` or ``.glb``.
-
-    Raises
-    ------
-    OptionError
-        If trimesh is not installed, the name ends in something else, there is no minimum, or the file cannot be
-        written.
-
-    Examples
-    --------
-    >>> import pathlib, tempfile, origami_nlp as o
-    >>> path = pathlib.Path(tempfile.mkdtemp(), "states.stl")
-    >>> o.write_mesh(o.find_states("miura:2x2", starts=1), path)
-    >>> path.stat().st_size > 0
-    True
-    """
-    from origami_nlp import minima, sheets
-
-    if isinstance(result, sheets.SheetResult):
-        states = [s.fold_angles for s in result.minima]
-        sheets.write_sheet_mesh(result.pattern, states, str(target))
-    else:
-        minima.write_mesh(result, str(target))
 
 
 def draw(result: Result, path: str | PathLike[str] | None = None) -> Figure:

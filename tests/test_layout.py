@@ -27,7 +27,7 @@ ORDER = (
     "version errors arguments workers files numerics closed_forms symbolic pattern folding programme kkt path "
     "show chart proof "
     "minima contact modes critical barriers space landscape atlas springs facets sheets "
-    "loading sweep results paper cli __main__"
+    "loading sweep results verbs paper cli __main__"
 ).split()
 """Files at the root, then rooms; each imports only from those before it."""
 BESIDE = ("symbolic", "benchmarks", "studies")

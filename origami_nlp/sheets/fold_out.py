@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -20,6 +20,9 @@ from origami_nlp.files import write_whole
 from origami_nlp.minima import check_mesh, join_meshes
 from origami_nlp.pattern import REST_KEY, STIFFNESS_KEY, Pattern
 from origami_nlp.version import __version__
+
+if TYPE_CHECKING:
+    from origami_nlp.sheets.result import SheetResult
 
 ROOM = 1.25
 """States of a mesh stand apart by this many sizes of the sheet."""
@@ -113,6 +116,26 @@ def sheet_frame(
         "faceOrders": [list(order) for order in layers.orders],
         **{f"origaminlp:{name}": value for name, value in more.items()},
     }
+
+
+def found_to_fold(found: SheetResult) -> dict[str, Any]:
+    """Return the minima of a pattern as FOLD data, a frame each.
+
+    Parameters
+    ----------
+    found
+        Of `find_states`.
+
+    Returns
+    -------
+    dict
+        As of `sheet_to_fold`.
+    """
+    frames = []
+    for k, state in enumerate(found.minima, start=1):
+        more = {name: v for name, v in state.to_dict().items() if name != "fold_angles"}
+        frames.append(sheet_frame(found.pattern, state.fold_angles, state.title(k), **more))
+    return sheet_to_fold(found.pattern, frames)
 
 
 def write_sheet_mesh(pattern: Pattern, states: Sequence[np.ndarray], target: str | Path) -> None:

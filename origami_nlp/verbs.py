@@ -1,0 +1,263 @@
+"""What people ask of a vertex and of a whole pattern alike: each question one function, whatever is folded.
+
+A scene is one vertex with its springs, symmetry and contact; a pattern a sheet of facets with its springs.  Each
+function hands over to the room that knows the one or the other.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from os import PathLike, fspath
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, overload
+
+import numpy as np
+
+from origami_nlp.arguments import check_angles, shown
+from origami_nlp.errors import OptionError
+from origami_nlp.numerics import CLOSES
+
+if TYPE_CHECKING:
+    from origami_nlp.kkt import Classification, State
+    from origami_nlp.minima import MinimaResult
+    from origami_nlp.pattern import Pattern, Scene
+    from origami_nlp.sheets import SheetResult
+
+STARTS = {"quick": 10, "normal": 40, "thorough": 160}
+"""Random starts in a row that find nothing new in a pattern, by effort; a scene has `minima.EFFORTS`."""
+_OF_A_PATTERN = {
+    "starts": "the effort says how many starts a vertex gets",
+    "contact": "a scene states its contact itself",
+}
+_OF_A_SCENE = {
+    "full": "states of a pattern keep no symmetry: each is judged among all of them",
+    "prove": "lists of a pattern are not proved",
+    "guesses": "a state of a pattern is judged by classify",
+    "max_starts": "of a pattern, starts says when the search ends",
+    "fewest_starts": "of a pattern, starts says when the search ends",
+    "workers": "a pattern is searched in one process",
+    "progress": "a pattern tells no progress",
+}
+"""What only the one or the other takes, and why."""
+
+
+@overload
+def find_minima(
+    scene: Scene,
+    *,
+    seed: int = ...,
+    effort: str = ...,
+    max_starts: int | None = ...,
+    fewest_starts: int | None = ...,
+    guesses: Sequence[np.ndarray] | None = ...,
+    full: bool | None = ...,
+    prove: bool | float | None = ...,
+    seconds: float | None = ...,
+    escape: bool = ...,
+    noise: float | None = ...,
+    workers: int | None = ...,
+    progress: Callable[[int, int, int], None] | None = ...,
+) -> MinimaResult: ...
+@overload
+def find_minima(
+    scene: Pattern | str | PathLike[str],
+    *,
+    seed: int = ...,
+    effort: str = ...,
+    starts: int | None = ...,
+    contact: bool | None = ...,
+    seconds: float | None = ...,
+    escape: bool = ...,
+    noise: float | None = ...,
+) -> SheetResult: ...
+def find_minima(
+    scene: Scene | Pattern | str | PathLike[str],
+    *,
+    seed: int = 0,
+    effort: str = "normal",
+    seconds: float | None = None,
+    escape: bool = True,
+    noise: float | None = None,
+    **others: Any,
+) -> MinimaResult | SheetResult:
+    """Find and classify the energy minima of a vertex or of a whole pattern: its stable states.
+
+    Parameters
+    ----------
+    scene
+        A scene, which is one vertex; or a pattern with all its vertices coupled: itself, the name of an example such as
+        ``"miura:4x4"``, or a FOLD file.
+    seed
+        Of the random starts; the same seed gives the same answer.
+    effort
+        ``"quick"``, ``"normal"`` or ``"thorough"``: how many starts find nothing new before the search stops.
+    seconds
+        Wall time after which the search goes no further: what is left out is named, and the answer depends on the
+        machine.  None: of a scene the effort alone bounds it, of a pattern 300 s.
+    escape
+        Say what it takes to leave each minimum (its ``escape``); False: do not.
+    noise
+        Standard deviation [degrees] of random errors: how many of 20 draws each minimum survives.
+    others
+        Of a scene alone: ``max_starts``, ``fewest_starts``, ``guesses``, ``full``, ``prove``, ``workers``,
+        ``progress``, see `minima.find_minima`.  Of a pattern alone: ``starts`` (random starts in a row that find
+        nothing new, in place of the effort) and ``contact`` (False: facets may cross), see `sheets.find_states`.
+
+    Returns
+    -------
+    MinimaResult or SheetResult
+        The minima in order of energy, and the record of the search.
+
+    Raises
+    ------
+    OptionError
+        If an argument is not what it must be, or the other kind alone takes it.
+
+    Examples
+    --------
+    >>> import origami_nlp as o
+    >>> [(m.kind, round(m.energy, 6)) for m in o.find_minima(o.examples.degree6("pi/4", ratio=0.01)).minima]
+    [('interior', 0.009086), ('contact-touching', 1.233701)]
+    >>> len(o.find_minima("metasheet:2x3", effort="quick", escape=False).minima)
+    5
+    """
+    from origami_nlp import minima, sheets
+    from origami_nlp.pattern import Scene, as_pattern
+
+    given = {name: value for name, value in others.items() if value is not None}
+    options: dict[str, Any] = {"seed": seed, "escape": escape, "noise": noise, **given}
+    if isinstance(scene, Scene):
+        _refuse(given, _OF_A_PATTERN, "scene")
+        return minima.find_minima(scene, effort=effort, seconds=seconds, **options)
+    _refuse(given, _OF_A_SCENE, "pattern")
+    if seconds is not None:
+        options["seconds"] = seconds
+    if effort not in STARTS:
+        raise OptionError(f"effort = {shown(effort)} is unknown: use one of {', '.join(STARTS)}")
+    pattern = as_pattern(Path(fspath(scene)) if isinstance(scene, PathLike) else scene, "scene")
+    return sheets.find_states(pattern, **{"starts": STARTS[effort], **options})
+
+
+def _refuse(given: dict[str, Any], wrong: dict[str, str], kind: str) -> None:
+    for name, value in given.items():
+        if name in wrong:
+            raise OptionError(f"{name} = {shown(value)} is not for a {kind}: {wrong[name]}")
+
+
+def classify(
+    what: State | Scene | Pattern | str | PathLike[str],
+    fold_angles: Sequence[float] | np.ndarray | None = None,
+    *,
+    polished: bool = True,
+) -> Classification:
+    """Classify a state of a vertex or of a pattern: a minimum, with its certificate and contacts, or why it is none.
+
+    Parameters
+    ----------
+    what
+        A scene, or a pattern (the name of an example such as ``"miura:4x4"``, or a FOLD file); or a `State` of either,
+        which says where it is itself.
+    fold_angles
+        Of every crease, of a closed state, shape [n] [rad].
+    polished
+        Whether the state is exact to rounding.
+
+    Returns
+    -------
+    Classification
+        The verdict with its certificate, contacts with multipliers, and a direction of descent where there is one.
+
+    Raises
+    ------
+    AngleError, OptionError
+        If `fold_angles` are not one number a crease, or do not close.
+
+    Examples
+    --------
+    >>> import origami_nlp as o
+    >>> found = o.find_states("metasheet:4x4", starts=2)
+    >>> pinned = o.classify(found.pattern, found.minima[-1].fold_angles)
+    >>> pinned.verdict, len(pinned.contacts), pinned.contacts[0].type
+    ('minimum', 2, 'edge-edge')
+    """
+    from origami_nlp import kkt
+    from origami_nlp.facets import Sheet
+    from origami_nlp.pattern import Scene, as_pattern
+    from origami_nlp.programme import Model
+
+    if isinstance(what, kkt.State):
+        return kkt.classify(what, polished=polished)
+    problem: Any = Model(what) if isinstance(what, Scene) else Sheet(as_pattern(what))  # type: ignore[arg-type]
+    many = len(problem.expand(np.zeros(problem.size)))
+    angles = check_angles("fold_angles", fold_angles, many, one=True)
+    state = kkt.State(problem, problem.reduce(angles))
+    if not state.residual <= CLOSES or np.abs(state.fold_angles - angles).max() > CLOSES:
+        raise OptionError(f"fold_angles do not close: residual {state.residual:.1e}")
+    return kkt.classify(state, polished=polished)
+
+
+def write_fold(result: MinimaResult | SheetResult, target: str | PathLike[str]) -> None:
+    """Write the states of a vertex or pattern as a FOLD file (spec 1.1), a folded frame each.
+
+    Parameters
+    ----------
+    result
+        Of `find_minima`.
+    target
+        The file, written whole or not at all; ``"-"`` for standard output.
+
+    Raises
+    ------
+    OptionError
+        If `result` is no result, or the file cannot be written.
+
+    Examples
+    --------
+    >>> import json, pathlib, tempfile, origami_nlp as o
+    >>> path = pathlib.Path(tempfile.mkdtemp(), "states.fold")
+    >>> o.write_fold(o.find_minima(o.examples.degree6("pi/4", ratio=0.01), max_starts=16), path)
+    >>> [frame["frame_title"] for frame in json.loads(path.read_text())["file_frames"]]
+    ['state 1: interior, 0.0090858 J', 'state 2: contact-touching, 1.2337 J']
+    >>> o.write_fold(o.find_minima("miura:2x2", starts=1), path)
+    >>> len(json.loads(path.read_text())["file_frames"]) > 0
+    True
+    """
+    from origami_nlp import folding, minima, sheets
+
+    if isinstance(result, sheets.SheetResult):
+        folding.save_fold(sheets.found_to_fold(result), fspath(target))
+    else:
+        minima.write_fold(result, fspath(target))
+
+
+def write_mesh(result: MinimaResult | SheetResult, target: str | PathLike[str]) -> None:
+    """Write the states of a vertex or pattern side by side as one triangle mesh, by way of trimesh (extra ``mesh``).
+
+    Parameters
+    ----------
+    result
+        Of `find_minima` or `find_states`.
+    target
+        The file, ``.obj``, ``.stl`` or ``.glb``.
+
+    Raises
+    ------
+    OptionError
+        If trimesh is not installed, the name ends in something else, there is no minimum, or the file cannot be
+        written.
+
+    Examples
+    --------
+    >>> import pathlib, tempfile, origami_nlp as o
+    >>> path = pathlib.Path(tempfile.mkdtemp(), "states.stl")
+    >>> o.write_mesh(o.find_states("miura:2x2", starts=1), path)
+    >>> path.stat().st_size > 0
+    True
+    """
+    from origami_nlp import minima, sheets
+
+    if isinstance(result, sheets.SheetResult):
+        states = [s.fold_angles for s in result.minima]
+        sheets.write_sheet_mesh(result.pattern, states, str(target))
+    else:
+        minima.write_mesh(result, str(target))

@@ -1,0 +1,47 @@
+"""One function a question, whether it is asked of a vertex or of a pattern."""
+
+import json
+
+import numpy as np
+import pytest
+
+import origami_nlp as o
+
+PATTERN = "metasheet:3x3"
+
+
+@pytest.fixture(scope="module")
+def found():
+    return o.find_minima(PATTERN, starts=4, escape=False)
+
+
+def test_a_scene_and_a_pattern_are_searched_by_one_function(found):
+    scene = o.examples.degree6("pi/4", ratio=0.01)
+    assert len(o.find_minima(scene, max_starts=16, escape=False).minima) == 2
+    same = o.find_states(PATTERN, starts=4, escape=False).minima
+    assert [m.energy for m in found.minima] == [m.energy for m in same]
+
+
+@pytest.mark.parametrize("name, value", [("prove", True), ("full", True), ("max_starts", 3)])
+def test_what_a_pattern_does_not_take_is_named(name, value):
+    with pytest.raises(o.OrigamiError, match=rf"^{name} = .* is not for a pattern: "):
+        o.find_minima(PATTERN, **{name: value})
+
+
+def test_what_a_scene_does_not_take_is_named():
+    with pytest.raises(o.OrigamiError, match=r"^contact = False is not for a scene: "):
+        o.find_minima(o.examples.waterbomb(), contact=False)
+    with pytest.raises(o.OrigamiError, match=r"^effort = 'much' is unknown: "):
+        o.find_minima(PATTERN, effort="much")
+
+
+def test_states_of_a_pattern_go_to_a_file_and_come_back(found, tmp_path):
+    path = tmp_path / "states.fold"
+    o.write_fold(found, path)
+    frames = json.loads(path.read_text())["file_frames"]
+    assert len(frames) == len(found.minima)
+    for frame, state in zip(frames, found.minima, strict=True):
+        angles = np.radians(frame["edges_foldAngle"][: len(state.fold_angles)])
+        assert np.abs(angles - state.fold_angles).max() < 1e-12
+    again = o.read_pattern(path)
+    assert o.classify(again, found.minima[0].fold_angles).verdict == "minimum"
