@@ -24,10 +24,9 @@ from itertools import chain
 from pathlib import Path
 from typing import Any
 
-from origami_nlp.sheet_loading import Pull
-
 import origami_nlp as o
 from origami_nlp import springs
+from origami_nlp.facets import Pull
 from origami_nlp.paper import cone
 from origami_nlp.sweep import load_states, parse_sweep, run_sweep
 from origami_nlp.symbolic import catalogue, report
@@ -106,8 +105,8 @@ def gallery() -> Iterator[Question]:
 
 def loads() -> Iterator[Question]:
     """Load paths of vertices and of patterns: snaps, back again, contact, several freedoms."""
-    from tests.sheet_loading.test_loads_in_contact import driven_sheet, sprung
-    from tests.sheet_loading.test_sheet_loads import SNAPPING, folded_miura
+    from tests.loading.test_loads_in_contact import driven_sheet, sprung
+    from tests.loading.test_sheet_loads import SNAPPING, folded_miura
 
     e = o.examples
     quick: dict[str, Any] = {"confirm": False, "effort": "quick", "max_starts": 24}
@@ -135,7 +134,7 @@ def loads() -> Iterator[Question]:
 
 def of_pattern(pattern: o.Pattern, load: Any, **options: Any) -> Any:
     """A load path of a pattern, however long it takes."""
-    return o.find_load_path(pattern, load, seconds=PATIENT, **options)
+    return o.load_path(pattern, load, seconds=PATIENT, **options)
 
 
 def paths() -> Iterator[Question]:
