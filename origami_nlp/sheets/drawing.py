@@ -15,6 +15,7 @@ import numpy as np
 from matplotlib.collections import LineCollection
 from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
+from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.patheffects import withStroke
 
 from origami_nlp.errors import OptionError
@@ -368,8 +369,8 @@ def draw_states(
     """
     shown = states[:MOST_DRAWN]
     columns = min(3, max(1, len(shown)))
-    rows = max(1, -(-len(shown) // columns))
-    figure = Figure(figsize=(4.4 * columns, 3.5 * rows + 0.8), layout="constrained")
+    size = (4.4 * columns, 3.5 * (rows := max(1, -(-len(shown) // columns))) + 0.9)
+    figure = Figure(figsize=size, layout=ConstrainedLayoutEngine(h_pad=0.1))
     for k, (name, phi) in enumerate(shown):
         axes = figure.add_subplot(rows, columns, k + 1)
         touches = contacts[k] if k < len(contacts) else ()
