@@ -17,7 +17,12 @@ def found():
 
 def test_a_scene_and_a_pattern_are_searched_by_one_function(found):
     scene = o.examples.degree6("pi/4", ratio=0.01)
-    assert len(o.find_minima(scene, max_starts=16, escape=False).minima) == 2
+    result = o.find_minima(scene, max_starts=16, escape=False)
+    assert len(result.minima) == 2
+    contacts = [c for m in result.to_dict()["minima"] for c in m["contacts"]]
+    assert contacts and not any(
+        "contact" in c for c in contacts
+    )  # the kernel's numbers stay inside
     same = o.find_states(PATTERN, starts=4, escape=False).minima
     assert [m.energy for m in found.minima] == [m.energy for m in same]
 

@@ -46,7 +46,9 @@ class ContactForce(Brief):
     multiplier: float
     multiplier_range: tuple[float, float]
     text: str
-    contact: Contact | None = field(default=None, repr=False, compare=False)
+    contact: Contact | None = field(
+        default=None, repr=False, compare=False, metadata={"plain": False}
+    )
 
     @property
     def unique(self) -> bool:

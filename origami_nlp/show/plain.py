@@ -168,7 +168,7 @@ def _read(hint: Any, value: Any, null: Mapping[str, float], name: str) -> Any:
 
 
 def _names(kind: Any) -> tuple[str, ...]:
-    """Return the fields of a dataclass or of a named tuple; none for other types."""
+    """Return the fields of a dataclass but those with ``plain`` false, or of a named tuple; none for other types."""
     if isinstance(kind, type) and is_dataclass(kind):
-        return tuple(f.name for f in fields(kind))
+        return tuple(f.name for f in fields(kind) if f.metadata.get("plain", True))
     return tuple(getattr(kind, "_fields", ()))
