@@ -237,6 +237,10 @@ a fold limit at exactly pi, such as flat-folded ones, need not be shallow and st
 With one freedom barriers are exact (all curves are traced), `find_barriers` has them from a merge tree with two, and
 `result.minima[0].escape` says the method, the state the way leads to, and where it is highest. "?" is *not determined*,
 with the reason in `escape.why`.
+
+Whole patterns: `origami-nlp pattern FILE --minima --noise 0.06`. Errors of sector angles move the vertices in the plane
+there, so that the sheet stays flat paper; where closure has as many equations as creases (3 x 3 quadrilaterals and more)
+nothing folds with such errors, and what survives errors of the springs alone is told beside.
 """
 
 
