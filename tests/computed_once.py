@@ -15,7 +15,7 @@ from typing import Any, TypeVar
 import pytest
 from filelock import FileLock
 
-from origami_nlp import Scene, examples, find_minima
+from origami_nlp import Scene, SheetResult, examples, find_minima, find_states
 from origami_nlp.barriers import Barriers, find_barriers
 from origami_nlp.chart import Boundary, trace_boundary
 from origami_nlp.minima import MinimaResult
@@ -82,6 +82,12 @@ def panel_result(scene: Scene, *, full: bool = False) -> MinimaResult:
 @shared
 def _searched(number: int) -> MinimaResult:
     return find_minima(PANELS[number], full=True)
+
+
+@shared
+def states(name: str, starts: int = 10) -> SheetResult:
+    """Return the states of a pattern by name, with what it takes to leave each."""
+    return find_states(name, starts=starts)
 
 
 @shared
