@@ -106,7 +106,7 @@ def _towards(
             share *= 0.9
             continue
         v = value(frame)
-        # regula falsi from the side of a; `pole` hands over 1 / value, which passes zero where the value passes infinity
+        # regula falsi from the side of a; `pole` hands over 1 / value, which is zero where the value is infinite
         if (v > 0) != (first > 0):
             high, last = step_length(a, frame, curve.root), v
             continue
