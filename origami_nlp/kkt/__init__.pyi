@@ -49,7 +49,6 @@ from .starts import (
     rigid_states as rigid_states,
 )
 from .state import State as State, Stratum as Stratum
-from .stationarity import distance_from_stationary as distance_from_stationary
 from .tangent_cone import (
     TangentCone as TangentCone,
     by_known as by_known,
