@@ -100,7 +100,7 @@ def fold_piece(
         ):  # turn the unrolled wedge so that its last mirror is where a flat one has it
             gap = ca.sum1(sectors) - math.pi / order
             q = quat.multiply(q, (ca.cos(gap / 2), 0, 0, ca.sin(gap / 2)))
-        # H n_k: eq. 2.5 and 2.8 leave out the fold angle of the last crease; here it is a variable, and turns this mirror
+        # H n_k: the last fold angle, which eq. 2.5 and 2.8 leave out, is a variable here and turns this mirror
         normal = quat.rotate(q, (ca.SX(exact_sine(order)), ca.SX(-exact_cosine(order)), ca.SX(0)))
         if order == 1:
             # H e2 = e2: H turns about e2, so that its axis has no part along e1 and e3
