@@ -41,7 +41,6 @@ from .polishing import (
 )
 from .projection import project as project
 from .state import State as State, Stratum as Stratum
-from .stationarity import distance_from_stationary as distance_from_stationary
 from .tangent_cone import (
     TangentCone as TangentCone,
     by_known as by_known,

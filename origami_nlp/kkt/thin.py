@@ -19,6 +19,7 @@ def thin_at(state: State) -> tuple[Contact, ...]:
     common: set[Contact] | None = None
     for rows in state.pieces:
         dimension, _, held = cone(state.on(rows).slopes @ z, rows)
+        # a piece of full dimension, or a point
         if dimension == z.shape[1] or dimension == 0:
             return ()
         common = set(held) if common is None else common & set(held)

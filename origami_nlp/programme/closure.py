@@ -86,6 +86,7 @@ def fold_piece(
         else:
             azimuth = azimuth + sectors[r - 1]
             flat = (ca.cos(azimuth), ca.sin(azimuth), ca.SX(0))
+        # deformed crease c_r = F_{r-1} b_r (paper, section 2): turned by the folds before it, not by its own
         rays.append(quat.rotate(q, flat))
         if has_crease[r]:
             half = fold_angles[used] / 2
@@ -99,8 +100,10 @@ def fold_piece(
         ):  # turn the unrolled wedge so that its last mirror is where a flat one has it
             gap = ca.sum1(sectors) - math.pi / order
             q = quat.multiply(q, (ca.cos(gap / 2), 0, 0, ca.sin(gap / 2)))
+        # paper, eq. 2.5 and 2.8, with the fold angle of the last crease as a variable too: it turns the last mirror
         normal = quat.rotate(q, (ca.SX(exact_sine(order)), ca.SX(-exact_cosine(order)), ca.SX(0)))
         if order == 1:
+            # H e2 = e2: H turns about e2, so that its axis has no part along e1 and e3
             equations = ca.vertcat(q[1], q[3])
         else:
             equations = normal[1] + exact_cosine(order)
@@ -109,6 +112,7 @@ def fold_piece(
         gap = ca.sum1(sectors) - 2 * math.pi / order
         q = quat.multiply(q, (ca.cos(gap / 2), 0, 0, ca.sin(gap / 2)))
     if order == 1:
+        # paper, eq. 2.3, F_N = I: q = +-1, a rotation by 0 or by 2 pi, which `sheet` tells apart
         return Folded(tuple(rays), q, None, ca.vertcat(q[1], q[2], q[3]), q[0])
     half_turn = math.pi / order
     turn = quat.multiply(q, (math.cos(half_turn), 0, 0, math.sin(half_turn)))

@@ -55,6 +55,7 @@ class StartStream:
         x = rng.uniform(-math.pi, math.pi, (BATCH, model.size))
         frozen = np.zeros_like(x, dtype=bool)
         if model.has_limits and model.size > 1:
+            # the chance that a uniform start lies at phi = +-pi is 0, and sets exist only there
             for row in range(3, BATCH, 4):
                 variable, value = next(self._faces)
                 x[row, variable] = value
