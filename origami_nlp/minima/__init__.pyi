@@ -48,6 +48,7 @@ from .minimum import (
     Rejected as Rejected,
     SearchReport as SearchReport,
     Survival as Survival,
+    contact_to_dict as contact_to_dict,
 )
 from .multistart import (
     FEW_PAIRS as FEW_PAIRS,
@@ -79,7 +80,6 @@ from .starts import EFFORTS as EFFORTS
 from .stopping import chao1 as chao1
 from .strip import draw_states as draw_states
 from .table import DEMO_HEADS as DEMO_HEADS, demo_rows as demo_rows
-from .telling import contact_words as contact_words
 from .touch_draws import (
     TouchStarts as TouchStarts,
     model_strata as model_strata,
