@@ -48,8 +48,8 @@ class ContactForce(Brief):
     place
         Of facets face to face, the point of the second one at which the force acts, in the sheet's reference state.
     contact
-        The contact itself, as the programme knows it; None where it was read from a file, and in the states of a pattern
-        that a search lists.
+        The contact itself, as the programme knows it; None where it was read from a file, and in the states of a
+        pattern that a search lists.
     """
 
     type: str

@@ -12,7 +12,7 @@ from origami_nlp.minima.near_flat import flat_minima
 from origami_nlp.pattern import panels
 from origami_nlp.programme import Model
 from tests.independent.rotations import fold, rotation_vector
-from tests.sheets.test_single_vertex import drawn
+from tests.minima.test_single_vertex import drawn
 
 MISSED = [(5, 272), (5, 275), (6, 101), (6, 187), (6, 207)]
 """Degree and seed of scenes, with fold limits, whose minimum next to flat no start of a default search reached."""

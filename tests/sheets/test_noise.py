@@ -13,7 +13,7 @@ from origami_nlp.sheets import SheetResult, find_labels, find_states
 from origami_nlp.sheets.angle_sums import angle_sums
 from origami_nlp.sheets.noise import displacements
 from origami_nlp.sheets.starts import scene_of
-from tests.sheets.relabelled import relabelled
+from tests.relabelled import relabelled
 
 
 def sectors(pattern) -> np.ndarray:

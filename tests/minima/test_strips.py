@@ -9,8 +9,8 @@ import pytest
 from origami_nlp.facets import Sheet
 from origami_nlp.pattern import Pattern, make_pattern
 from origami_nlp.sheets import find_states, judge
-from tests.sheets.patterns import strip
-from tests.sheets.strips import Strip
+from tests.independent.strips import Strip
+from tests.patterns import strip
 
 CORNERS = [
     [0.0, 0.0], [0.8965535563053896, -0.08030592138255313], [1.030530567092013, 0.5114251104710107],

@@ -24,7 +24,7 @@ from origami_nlp.sheets import (
 )
 from origami_nlp.show import BORDER, MOUNTAIN
 from tests.command_line import run
-from tests.sheets.patterns import miura, miura_angles
+from tests.patterns import miura, miura_angles
 
 
 def read(data):

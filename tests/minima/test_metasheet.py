@@ -15,8 +15,8 @@ import origami_nlp as o
 from origami_nlp.facets import Sheet
 from origami_nlp.pattern import Scene
 from origami_nlp.sheets import find_states, judge
-from tests.sheets.patterns import QUAD, metasheet
-from tests.sheets.trigonometry import quadrilateral, sectors
+from tests.independent.trigonometry import quadrilateral, sectors
+from tests.patterns import QUAD, metasheet
 
 STIFFNESS, REST = (0.005, 0.4627, 0.1299, 0.0321), (-2.163, 1.77, 2.755, 0.121)
 """Of creases along each side of the quadrilateral."""
@@ -51,7 +51,7 @@ def vertex_energy(folds):
 def test_without_contact_a_sheet_has_the_states_of_its_vertex(size):
     """All of them and no others; there are as many creases of each side: energies are multiples of the vertex's."""
     pytest.importorskip("fcl", reason="python-fcl, of the extra test")
-    from tests.sheets.rigid import Rigid
+    from tests.independent.rigid import Rigid
 
     pattern, classes = sprung(size)
     many = size * (size - 1) // 2
@@ -82,7 +82,7 @@ class Curves:
     """States of a metasheet over the fold angle of one side, by spherical trigonometry alone."""
 
     def __init__(self, size):
-        from tests.sheets.rigid import Rigid
+        from tests.independent.rigid import Rigid
 
         self.pattern, self.classes = sprung(size)
         self.sectors = vertex_sectors(self.pattern, self.classes)

@@ -9,8 +9,8 @@ from origami_nlp import Vertex, find_minima
 from origami_nlp.facets import Sheet
 from origami_nlp.pattern import Scene, make_pattern
 from origami_nlp.sheets import descend, find_states, follow_curve, judge, list_branches, tangents
-from tests.sheets.patterns import metasheet, miura, miura_angles, strip, wheel
-from tests.sheets.trigonometry import scan
+from tests.independent.trigonometry import scan
+from tests.patterns import metasheet, miura, miura_angles, strip, wheel
 
 VERTEX_SPRINGS = (0.005, 0.4627, 0.1299, 0.0321), (-2.163, 1.77, 2.755, 0.121)
 
@@ -164,7 +164,7 @@ def test_nothing_open_is_reported():
 @pytest.mark.slow
 def test_solves_that_converge_open_are_no_states():
     """40 random starts of a metasheet, closure elastic: IPOPT is satisfied with each, and most are open somewhere."""
-    from tests.sheets.planes import elastic
+    from tests.independent.planes import elastic
 
     pattern, classes = metasheet(4)
     k, rest = (np.array(v) for v in VERTEX_SPRINGS)

@@ -17,8 +17,8 @@ from origami_nlp.facets import Parallel, Placed, Sheet, Touch
 from origami_nlp.numerics import Normal
 from origami_nlp.pattern import Pattern, make_pattern
 from origami_nlp.sheets import Rows, draw_overview, draw_states, pop_rows
-from tests.sheets.patterns import miura, strip
-from tests.sheets.relabelled import relabelled
+from tests.patterns import miura, strip
+from tests.relabelled import relabelled
 
 FIND, ROWS = (importlib.import_module(f"origami_nlp.sheets.{name}") for name in ("find", "rows"))
 

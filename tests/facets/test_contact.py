@@ -20,7 +20,7 @@ from origami_nlp.sheets import (
     press,
     touch_places,
 )
-from tests.sheets.patterns import metasheet, wheel
+from tests.patterns import metasheet, wheel
 
 
 def sprung(name, size, seed, reach=3.1):
@@ -166,7 +166,7 @@ CASES = [
 def test_lower_states_beside_it_cross_by_another_library(name, size, seed):
     """Random closed states beside it, by matrices of rotations: what is lower, FCL finds crossing."""
     pytest.importorskip("fcl", reason="python-fcl, of the extra test")
-    from tests.sheets.rigid import Rigid
+    from tests.independent.rigid import Rigid
 
     sheet, state = held(name, size, seed)
     assert state.verdict == "minimum" and any(c.force > 1e-3 for c in state.contacts)
@@ -285,7 +285,7 @@ def test_planes_and_ipopt_end_in_the_same_state(name, size):
 
     From afar IPOPT ends in other basins, or at its iteration limit.
     """
-    from tests.sheets.planes import solve
+    from tests.independent.planes import solve
 
     sheet, start = sprung(name, size, 12)
     end = press(sheet, start)

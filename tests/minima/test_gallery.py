@@ -4,7 +4,7 @@ import re
 
 import pytest
 
-from tests.sheets import gallery
+from tests import gallery_of_patterns as gallery
 
 QUICK = "metasheet:4x4", "squaretwist"
 
@@ -19,6 +19,6 @@ def test_the_page_lists_the_states_that_are_found(name):
     page = gallery.PAGE.read_text()
     part = page[page.index(f"## {name}") :].split("\n## ")[0]
     table = re.findall(r"^\| \d.*$", part, re.M)
-    assert table and table == gallery.rows(result), "run python -m tests.sheets.gallery"
+    assert table and table == gallery.rows(result), "run python -m tests.gallery_of_patterns"
     picture = re.search(r"\((figures/\S+\.png)\)", part)
     assert picture and (gallery.DOCS / picture.group(1)).is_file()

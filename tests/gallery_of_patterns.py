@@ -1,6 +1,6 @@
 """The page of sheets by name: the lowest stable states of each, drawn and listed, as the code finds them now.
 
-Written by `python -m tests.sheets.gallery`; `tests/sheets/test_gallery.py` compares the page with what is found.
+Written by `python -m tests.gallery_of_patterns`; `tests/minima/test_gallery.py` compares the page with what is found.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ import origami_nlp as o
 from origami_nlp.minima import barrier_words
 from origami_nlp.sheets import SheetResult, SheetState, draw_states
 
-DOCS = Path(__file__).parent.parent.parent / "docs"
+DOCS = Path(__file__).parent.parent / "docs"
 PAGE, FIGURES = DOCS / "sheets.md", DOCS / "figures" / "sheets"
 STARTS, SHOWN = 10, 6
 SHEETS = {
@@ -43,7 +43,7 @@ origami-nlp pattern metasheet:4x4 --minima --starts {STARTS} --figure metasheet.
 Of sheets whose vertices have degree 4 the ways out of the flat state with one freedom are traced; of the others, and
 of what these ways do not lead to, starts are sampled: what is known of states that are not listed is said under each
 table ([limits](pattern_limits.md)). Written by
-`python -m tests.sheets.gallery`; seconds are processor time of one run.
+`python -m tests.gallery_of_patterns`; seconds are processor time of one run.
 """
 
 

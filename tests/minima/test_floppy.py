@@ -13,8 +13,8 @@ from origami_nlp.pattern import as_pattern
 from origami_nlp.sheets import find_states
 
 pytest.importorskip("fcl", reason="python-fcl, of the extra test")
-from tests.sheets.rigid import Rigid
-from tests.sheets.test_crossings_fcl import depth
+from tests.facets.test_crossings_fcl import depth
+from tests.independent.rigid import Rigid
 
 CASES = ["waterbomb:3x3", "yoshimura:3x3", "resch:1x2", "resch:2x2"]
 SHALLOW = 1e-11

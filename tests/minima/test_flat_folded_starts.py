@@ -27,7 +27,7 @@ from origami_nlp.sheets import (
     wells,
 )
 from tests.command_line import run
-from tests.sheets.patterns import metasheet, miura, strip, wheel
+from tests.patterns import metasheet, miura, strip, wheel
 
 
 def _closes(sectors, phi):

@@ -9,7 +9,7 @@ import origami_nlp as o
 from origami_nlp.facets import MOST_DENSE, Closure, Crossings, Sheet
 from origami_nlp.numerics import dense
 from origami_nlp.sheets import list_branches
-from tests.sheets.patterns import metasheet, miura, miura_angles, strip
+from tests.patterns import metasheet, miura, miura_angles, strip
 
 HOLE = ((1, 2), (1, 3), (2, 2), (2, 3))
 

@@ -9,8 +9,8 @@ from origami_nlp import examples
 from origami_nlp.pattern import read_pattern
 from origami_nlp.sheets import find_states
 from tests.fold_files import others
-from tests.sheets.patterns import metasheet, strip
-from tests.sheets.relabelled import relabelled
+from tests.patterns import metasheet, strip
+from tests.relabelled import relabelled
 
 COPIES = {
     "renumbered": {},

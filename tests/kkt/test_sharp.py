@@ -8,9 +8,9 @@ import pytest
 
 from origami_nlp.facets import Sheet
 from origami_nlp.sheets import find_states, judge, list_branches
-from tests.sheets.patterns import grid, metasheet, wheel
-from tests.sheets.rigid import Rigid
-from tests.sheets.trigonometry import quadrilateral
+from tests.independent.rigid import Rigid
+from tests.independent.trigonometry import quadrilateral
+from tests.patterns import grid, metasheet, wheel
 
 
 @pytest.mark.parametrize("seed", range(6))

@@ -8,7 +8,7 @@ import origami_nlp as o
 from origami_nlp.facets import Sheet, independent_rows, pose
 from origami_nlp.kkt import State, classify
 from origami_nlp.sheets import confirm_minimum, judge
-from tests.sheets.patterns import miura
+from tests.patterns import miura
 
 
 @pytest.fixture(scope="module")

@@ -4,7 +4,7 @@ import io
 from dataclasses import replace
 
 from origami_nlp import Vertex, examples
-from origami_nlp.sheets.drawing import draw_states
+from origami_nlp.sheets import draw_states
 from origami_nlp.springs import Target, Targets, design, draw_design
 
 NAME = r"a $\frac{$ b_c ^ \x"

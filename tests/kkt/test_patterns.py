@@ -11,7 +11,7 @@ import origami_nlp as o
 from origami_nlp import Model, Scene, State, Vertex, classify
 from origami_nlp.facets import Sheet
 from origami_nlp.kkt import loop_modes, newton, tangent_cone
-from tests.sheets.patterns import miura, miura_angles, wheel
+from tests.patterns import miura, miura_angles, wheel
 
 COUNTS = {  # states as a separate judgement of patterns decided on them: minima, none, facets that cross, not decided
     "metasheet:3x3": (2, 1, 1, 0),

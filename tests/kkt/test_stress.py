@@ -6,7 +6,7 @@ from scipy.spatial.transform import Rotation
 
 from origami_nlp.facets import Sheet
 from origami_nlp.sheets import descend, find_stress, judge
-from tests.sheets.patterns import metasheet, miura, miura_angles
+from tests.patterns import metasheet, miura, miura_angles
 
 RANK = 1e-6
 """Of differences: singular values that vanish are below 1e-9 here, others above 1e-3."""

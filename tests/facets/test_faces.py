@@ -13,7 +13,7 @@ from origami_nlp import Model, Scene, State, Vertex, classify, examine
 from origami_nlp.facets import Faces, Lying, Placed, Sheet, order_layers
 from origami_nlp.programme import vertices
 from origami_nlp.sheets import closed_contacts, judge, singular_beside, touch_places
-from tests.sheets.patterns import grid, miura, miura_angles, wheel
+from tests.patterns import grid, miura, miura_angles, wheel
 
 
 def stacked(seed):
@@ -126,7 +126,7 @@ def test_gaps_at_corners_of_overlaps_by_matrices_and_shapely(shut):
     pytest.importorskip("fcl", reason="python-fcl, of the extra test: matrices are with it")
     from shapely import MultiPoint, Polygon
 
-    from tests.sheets.rigid import Rigid
+    from tests.independent.rigid import Rigid
 
     pattern, phi = _miura()
     if shut == "partly":

@@ -16,7 +16,7 @@ from origami_nlp.pattern import frame_pattern, parse_fold
 from origami_nlp.sheets import judge, overview, sheet_frame, sheet_to_fold
 from tests.fold_files import others
 from tests.independent.lattice_chains import is_paper
-from tests.sheets.patterns import grid, miura, miura_angles, wheel
+from tests.patterns import grid, miura, miura_angles, wheel
 
 
 @pytest.mark.parametrize("degree", [4, 6])

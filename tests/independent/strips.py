@@ -17,7 +17,7 @@ from itertools import product
 import numpy as np
 from scipy.optimize import brentq
 
-from tests.sheets.trigonometry import sectors
+from tests.independent.trigonometry import sectors
 
 
 class Strip:
