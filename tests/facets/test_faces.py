@@ -11,6 +11,7 @@ from scipy.spatial.transform import Rotation
 import origami_nlp as o
 from origami_nlp import Model, Scene, State, Vertex, classify, examine
 from origami_nlp.facets import Faces, Lying, Placed, Sheet, order_layers
+from origami_nlp.kkt import contact_forces
 from origami_nlp.programme import vertices
 from origami_nlp.sheets import closed_contacts, judge, singular_beside, touch_places
 from tests.patterns import grid, miura, miura_angles, wheel
@@ -329,7 +330,10 @@ def test_contacts_face_to_face_are_told_in_the_coordinates_of_the_user():
     sheet, moved = Sheet(pattern), Sheet(replace(pattern, corners=pattern.corners - by))
     moved.origin = by
     one, two = (
-        [c for c in judge(s, phi).contacts if c.type == "face-face"] for s in (sheet, moved)
+        contact_forces(
+            State(s, phi), [s.contact_of(t) for t in Faces(s, phi).touches(0, above=True)]
+        )
+        for s in (sheet, moved)
     )
     assert one and [c.place for c in two] == [pytest.approx(c.place) for c in one]
     assert [c.words() for c in two] == [c.words() for c in one]
