@@ -38,7 +38,6 @@ from .judgement import (
     judge as judge,
     singular_beside as singular_beside,
 )
-from .labels import Labels as Labels, find_labels as find_labels
 from .marks import touch_places as touch_places
 from .motion import Motion as Motion, find_motion as find_motion
 from .noise import is_overdetermined as is_overdetermined
