@@ -132,7 +132,7 @@ def test_places_of_touch_are_on_both_facets():
         assert len(places) == len(touches) > 1
         x = sheet.crossings.poses.polygons(state.fold_angles)
         for place, contact in zip(places, touches, strict=True):
-            for facet in contact.where:
+            for facet in (f - 1 for f in contact.facets):
                 corners = x[facet]
                 normal = np.cross(corners[1] - corners[0], corners[2] - corners[0])
                 normal /= np.linalg.norm(normal)
@@ -143,7 +143,7 @@ def test_places_of_touch_are_on_both_facets():
             sheet.pattern, [("", state.fold_angles)], "", contacts=[state.contacts]
         )
         labels = {t.get_text() for t in figure.axes[0].texts}
-        assert labels == {"|".join(str(f + 1) for f in c.where) for c in touches}
+        assert labels == {"|".join(map(str, c.facets)) for c in touches}
 
 
 CASES = [

@@ -180,7 +180,7 @@ def test_with_contact_those_survive_that_a_scan_finds(size, kinds):
 def distance(curves, phi, contact):
     """Of the two facets that touch: the least over their sides, brute force."""
     x = curves.body.polygons(phi)
-    one, other = (x[f] for f in contact.where)
+    one, other = (x[f - 1] for f in contact.facets)
     best = math.inf
     for p, q in zip(one, np.roll(one, -1, axis=0), strict=True):
         for r, s in zip(other, np.roll(other, -1, axis=0), strict=True):

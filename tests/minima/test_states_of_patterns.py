@@ -128,7 +128,7 @@ def test_touching_facets_hold_a_state():
     # force times the opening of the gap is the energy that the springs lose, by differences over the distance of edges
     step = 1e-5
     a, b = (at(state.fold_angles[driven[0]] + s) for s in (step, 2 * step))
-    gap = [_distance(sheet, x, state.contacts[0].where) for x in (a, b)]
+    gap = [_distance(sheet, x, [f - 1 for f in state.contacts[0].facets]) for x in (a, b)]
     force = (pattern.energy(b) - pattern.energy(a)) / (gap[1] - gap[0])
     assert state.contacts[0].force == pytest.approx(force, rel=1e-4)
     assert (pattern.energy(b) - pattern.energy(a)) / step == pytest.approx(4.395, abs=1e-3)

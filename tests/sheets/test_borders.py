@@ -131,7 +131,7 @@ def test_labels_and_place_do_not_matter():
         assert (again.verdict, again.kind) == (state.verdict, state.kind)
         assert again.eigenvalue == pytest.approx(state.eigenvalue, rel=1e-9)
         both = [
-            sorted((c.type, c.force, *(c.between or ())) for c in s.contacts)
+            sorted((c.type, c.force, *c.multiplier_range) for c in s.contacts)
             for s in (state, again)
         ]
         for one, two in zip(*both, strict=True):

@@ -7,11 +7,10 @@ import numpy as np
 import pytest
 
 import origami_nlp as o
-from origami_nlp.facets import Sheet
+from origami_nlp.facets import Sheet, find_labels, image
 from origami_nlp.kkt import BOUND, TRACED, Way
-from origami_nlp.sheets import SheetResult, find_labels, find_states
+from origami_nlp.sheets import SheetResult, find_states
 from origami_nlp.sheets.escape import _images, _openings
-from origami_nlp.sheets.labels import image
 from tests.computed_once import states
 from tests.relabelled import relabelled
 

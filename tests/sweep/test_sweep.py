@@ -362,13 +362,13 @@ def test_a_local_dask_cluster_gives_the_same(stores, tmp_path, text):
 # ---------------------------------------------------------------- the file, the figure
 
 
-@pytest.mark.parametrize("suffix", ["png", "pdf"])
-def test_figures(finished, tmp_path, suffix):
-    figure = draw_sweep(finished, tmp_path / f"a.{suffix}")
+def test_figures(finished):
+    figure = draw_sweep(finished)
     titles = {axes.get_title() for axes in figure.axes}
     kinds = {k for k in load_states(finished).kind}
     assert "all minima" in titles and kinds <= titles
-    assert (tmp_path / f"a.{suffix}").stat().st_size > 1000
+    figure.savefig(tmp_path / "a.png")
+    assert (tmp_path / "a.png").stat().st_size > 1000
 
 
 def test_chains_cover_every_scene_once():

@@ -8,9 +8,9 @@ import pytest
 from mpmath import matrix, mp, mpf
 
 import origami_nlp as o
-from origami_nlp.kkt import flat_foldings
-from origami_nlp.minima.near_folded import folded_minima
 from origami_nlp.programme import Model
+from origami_nlp.starts import flat_foldings
+from origami_nlp.starts.near_folded import folded_minima
 from tests.proof.fifty_digits import turn_x, turn_z
 
 
