@@ -362,7 +362,7 @@ def test_a_local_dask_cluster_gives_the_same(stores, tmp_path, text):
 # ---------------------------------------------------------------- the file, the figure
 
 
-def test_figures(finished):
+def test_figures(finished, tmp_path):
     figure = draw_sweep(finished)
     titles = {axes.get_title() for axes in figure.axes}
     kinds = {k for k in load_states(finished).kind}
