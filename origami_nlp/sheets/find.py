@@ -142,7 +142,7 @@ class _Search:
         self.labels, self.contact = find_labels(pattern), contact
         self.sheet = Sheet(self.labels.arranged(pattern))
         self.sheet.until = until
-        self._middle = pattern.corners.mean(axis=0)
+        self.sheet.origin = pattern.corners.mean(axis=0)
         self._symmetries = self.labels.symmetries(pattern)
         self.curves = Curves(self.sheet, self.labels, contact)
         self.tally = Tally()
@@ -238,7 +238,7 @@ class _Search:
 
     def states(self) -> tuple[SheetState, ...]:
         """Return what was judged, by energy; states of one energy in an order that labels do not change."""
-        return tuple(s.moved(self._middle) for s in self._by_energy())
+        return tuple(self._by_energy())
 
     def _by_energy(self) -> list[SheetState]:
         by_key = sorted(self.tally.judged, key=lambda s: self.labels.key(s.fold_angles))
