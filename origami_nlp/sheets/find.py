@@ -39,7 +39,7 @@ from origami_nlp.sheets.pressing import UNTOLD, press
 from origami_nlp.sheets.result import BARRIERS, MEETINGS, OF_VERTEX, POPS, WAYS_OUT, SheetResult
 from origami_nlp.sheets.state import SheetState
 from origami_nlp.sheets.tally import Tally
-from origami_nlp.starts import Given, Grown, Popped, StartFamily, Uniform, UniformShut
+from origami_nlp.starts import Given, Popped, families_in_turn
 
 OUT = 0.2
 """First step out of a state where curves meet, of the longest fold angle [rad]."""
@@ -146,9 +146,7 @@ class _Search:
         self._symmetries = self.labels.symmetries(pattern)
         self.curves = Curves(self.sheet, self.labels, contact)
         self.tally = Tally()
-        anywhere = Uniform(self.labels)
-        grown = Grown(self.sheet, self.labels) if pattern.is_flat else anywhere
-        self._families: tuple[StartFamily, ...] = grown, anywhere, UniformShut(self.labels)
+        self._families = families_in_turn(self.sheet, self.labels)
         self._side = self.labels.drawn(np.random.default_rng(0).normal(size=pattern.creases))
 
     def part(self, what: str, work: Callable[..., None], *given: Any) -> bool:

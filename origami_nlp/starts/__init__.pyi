@@ -5,7 +5,7 @@ from .crossings import Crossings as Crossings, model_rows as model_rows
 from .family import Listed as Listed, StartFamily as StartFamily
 from .foldings import FlatFoldings as FlatFoldings, flat_foldings as flat_foldings
 from .given import Given as Given
-from .grown import Grown as Grown
+from .grown import Grown as Grown, families_in_turn as families_in_turn
 from .hinge_sets import HingeSets as HingeSets
 from .moments import Moments as Moments, is_chain as is_chain
 from .near_corners import NearCorners as NearCorners

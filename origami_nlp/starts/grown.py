@@ -1,4 +1,4 @@
-"""States of a pattern grown out of the flat one."""
+"""States of a pattern grown out of the flat one, and the families that are drawn in turn with it."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from origami_nlp.facets import Labels, Sheet
 from origami_nlp.numerics import CLOSES, RESOLVED
 from origami_nlp.starts.family import StartFamily
 from origami_nlp.starts.samples import Samples
+from origami_nlp.starts.uniform import Uniform, UniformShut
 
 
 class Grown(StartFamily):
@@ -50,3 +51,10 @@ class Grown(StartFamily):
                 break
             phi = new
         return phi
+
+
+def families_in_turn(sheet: Sheet, labels: Labels) -> tuple[StartFamily, ...]:
+    """Return the families of random starts of a pattern, from which one start each is drawn in turn."""
+    anywhere = Uniform(labels)
+    grown = Grown(sheet, labels) if sheet.pattern.is_flat else anywhere
+    return grown, anywhere, UniformShut(labels)
