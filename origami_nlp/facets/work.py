@@ -165,8 +165,8 @@ class Torque:
 
     def loaded(self, t: float) -> Pattern:
         """Return the pattern whose springs are wound by the torque, their rest angles where that puts them."""
+        # U - t phi has the torque k (phi - phi0) - t: the rest angle moves by t / k
         return replace(
-            # U - t phi has the torque k (phi - phi0) - t: the rest angle moves by t / k
             self.pattern, rest=self.pattern.rest + t * self._share / self.pattern.stiffness
         )
 
