@@ -10,7 +10,7 @@ import pytest
 import origami_nlp as o
 from origami_nlp import Model, Scene, State, Vertex, classify
 from origami_nlp.facets import Sheet
-from origami_nlp.kkt import loop_modes, newton, tangent_cone
+from origami_nlp.kkt import loop_modes, tangent_cone
 from tests.computed_once import states
 from tests.patterns import miura, miura_angles, wheel
 
@@ -77,15 +77,6 @@ def test_the_same_contact_has_one_multiplier_or_a_range():
     one, two = what.contacts
     assert what.kind == "degenerate" and one.multiplier == pytest.approx(two.multiplier, rel=1e-9)
     assert one.multiplier_range == pytest.approx((0.0, 2 * one.multiplier), abs=1e-9)
-
-
-def test_newton_of_the_kernel_returns_to_a_state_in_contact():
-    problem, state = held_state()
-    rng = np.random.default_rng(0)
-    start = state.x + 1e-4 * rng.normal(size=problem.size)
-    back, multipliers = newton(problem, start, state.contacts.base)
-    assert back is not None and back.closure_residual < 1e-13
-    assert np.abs(back.x - state.x).max() < 1e-9 and multipliers.min() > 0
 
 
 def test_rows_that_always_depend_on_each_other_are_no_loss_of_rank():
