@@ -12,7 +12,7 @@ from origami_nlp import Model, Scene, State, Vertex, classify
 from origami_nlp.facets import Sheet
 from origami_nlp.kkt import loop_modes, tangent_cone
 from tests.computed_once import states
-from tests.patterns import miura, miura_angles, wheel
+from tests.patterns import miura, miura_angles, strip, wheel
 
 COUNTS = {  # states as a separate judgement of patterns decided on them: minima, none, facets that cross, not decided
     "metasheet:3x3": (2, 1, 1, 0),
@@ -108,6 +108,17 @@ def test_the_tangent_cone_holds_the_tangents_of_curves_and_little_else():
     (loop, *_) = problem.loops(np.zeros(problem.size))
     modes = loop_modes(loop)
     assert modes is not None and [m.shape[1] for m in modes] == [1, 1]
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_closed_states_follow_the_lines_of_a_generic_pattern_to_second_order(seed):
+    pattern = strip(seed)
+    problem = Sheet(pattern)
+    cone = tangent_cone(problem.loops(np.zeros(problem.size)), problem.size)
+    assert cone.split and len(cone.lines) == 4 and not cone.families
+    for line in cone.lines:
+        near, far = (np.abs(problem.closure.values(h * line)).max() for h in (1e-3, 2e-3))
+        assert near < 1e-8 and far == pytest.approx(8 * near, rel=0.1)  # it misses by h^3
 
 
 @pytest.mark.parametrize("seed", range(4))
