@@ -41,6 +41,7 @@ def crossings_of(chart: Chart, branch: int, size: int) -> tuple[np.ndarray, np.n
     inside = np.concatenate([a for a, _ in pairs])
     beyond = np.concatenate([b for _, b in pairs])
     at_edge = allowed(chart, branch, beyond[:, 0], beyond[:, 1])[0]
+    # admissible up to the edge of the chart: the edge itself is the boundary there
     inside = np.where(at_edge[:, None], beyond, inside)
     inside = last_allowed(chart, branch, inside, beyond)
     states = allowed(chart, branch, inside[:, 0], inside[:, 1])[1]

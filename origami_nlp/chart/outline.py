@@ -172,6 +172,7 @@ def _segments(grid: _Grid, cells: np.ndarray, good: np.ndarray) -> list[Any]:
     inside = np.asarray(grid.good(a))[:, None]
     a, b = np.where(inside, a, b), np.where(inside, b, a)
     a = last_allowed(grid.chart, grid.branch, a, b)
+    # two opposite corners good, two not: which pair hangs together is decided by the middle of the cell
     centre = np.asarray(grid.good(grid.points(cells + 0.5)))
     pairs, first = [], np.searchsorted(cell, np.arange(len(cells)))
     for k, start in enumerate(first.tolist()):

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from origami_nlp.arguments import check_number, shown
 from origami_nlp.errors import FoldFileError
@@ -36,7 +36,7 @@ def check_fold_springs(frame: Frame, stiffness: float, rest_angle: float, rest_a
 
 def fold_springs(
     frame: Frame,
-    edges: Sequence[int],
+    edges: ArrayLike,
     measured: np.ndarray,
     stiffness: float,
     rest_angle: float,
@@ -46,20 +46,20 @@ def fold_springs(
 
     measured: the angles at which a folded form is folded [rad], [n]; NaN where they are not known.
     """
-    at = list(edges)
+    at = np.asarray(edges, dtype=np.intp)
     k = np.where(np.isnan(frame.stiffness[at]), stiffness, frame.stiffness[at])
     stated = (frame.rest_angles[at], frame.fold_angles[at])
     ways = {"file": stated, "measured": (measured,), None: (*stated, measured)}[rest_angles]
     letters = [{"M": -rest_angle, "V": rest_angle}.get(frame.assignment[e], 0.0) for e in at]
     rest = np.full(len(at), math.nan)
-    for way in (*ways, letters):
+    for way in (*ways, np.array(letters)):
         rest = np.where(np.isnan(rest), way, rest)
     return k, np.clip(rest, -math.pi, math.pi)
 
 
-def are_silent(frame: Frame, edges: Sequence[int]) -> bool:
+def are_silent(frame: Frame, edges: ArrayLike) -> bool:
     """Tell whether the file gives no angle of some edges, neither a fold angle nor a rest angle."""
-    at = list(edges)
+    at = np.asarray(edges, dtype=np.intp)
     return bool((np.isnan(frame.fold_angles[at]) & np.isnan(frame.rest_angles[at])).all())
 
 

@@ -67,16 +67,25 @@ class ClosedContacts:
 class ContactWords:
     """Who touches in a contact.
 
-    type: ``fold-limit``, ``mirror``, ``axis`` or ``facet-pair``.
+    type: ``fold-limit``; of a vertex ``mirror``, ``axis`` or ``facet-pair``; of a pattern ``vertex-face``,
+    ``edge-edge`` or ``face-face``.
     creases: 1-based, all images under the symmetry included for creases at a fold limit.
-    facets: 1-based; a facet pair names its two facets.
+    facets: 1-based; a facet pair names its two facets, a touch in a pattern that of the face first.
     text: the contact in words.
+    corners: of a touch in a pattern, 1-based: the corner that is on a face and three of the face, or two ends of each
+    side.
+    side: of facets face to face, as in faceOrders of a FOLD file: +1 where the second one lies on the side of the first
+    one's normal, -1 where it lies on the other; else 0.
+    place: of facets face to face, the point of the second one at which the force acts, in the sheet's reference state.
     """
 
     type: str
     creases: tuple[int, ...]
     facets: tuple[int, ...]
     text: str
+    corners: tuple[int, ...] = ()
+    side: int = 0
+    place: tuple[float, ...] = ()
 
 
 def contact_words(model: Posed, contact: Contact, rays: Rays) -> ContactWords:

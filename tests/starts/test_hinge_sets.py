@@ -12,9 +12,9 @@ import pytest
 import origami_nlp
 from origami_nlp import MinimaResult
 from origami_nlp.kkt import State, classify
-from origami_nlp.minima.find import Rejected
-from origami_nlp.minima.hinges import hinge_minima
+from origami_nlp.minima import Rejected
 from origami_nlp.programme import Model
+from origami_nlp.starts.hinge_sets import hinge_minima
 from tests.independent.rotations import about
 
 

@@ -15,11 +15,11 @@ from origami_nlp.folding import (
     stack_rule,
     tip_depths,
 )
-from origami_nlp.minima.crossings import model_rows
-from origami_nlp.minima.pinches import close_pinched, free_parameters
-from origami_nlp.minima.touches import MOST_TOUCHES, TouchStrata, list_strata
 from origami_nlp.numerics import FOLLOWED, OUTSIDE
 from origami_nlp.programme import Model
+from origami_nlp.starts.crossings import model_rows
+from origami_nlp.starts.pinches import close_pinched, free_parameters
+from origami_nlp.starts.touch_strata import MOST_TOUCHES, TouchStrata, list_strata
 
 DRAWS = 8
 """States drawn on a stratum at a time."""

@@ -10,15 +10,9 @@ import pytest
 from origami_nlp import Scene, Vertex, examine
 from origami_nlp.errors import SceneError
 from origami_nlp.folding import find_crossings, fold_vertex
-from origami_nlp.minima import (
-    close_pinched,
-    count_strata,
-    list_strata,
-    model_rows,
-    model_strata,
-    touch_starts,
-)
+from origami_nlp.minima import count_strata
 from origami_nlp.programme import Model
+from origami_nlp.starts import close_pinched, list_strata, model_rows, model_strata, touch_starts
 from tests.independent.admissible import admissible
 from tests.independent.arcs import corner_determinants
 from tests.independent.neighbours import Problem

@@ -14,9 +14,9 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from origami_nlp.kkt import State
-from origami_nlp.minima.near_flat import NEAR, on_cone
 from origami_nlp.numerics import RANK, SETTLED, null_space
 from origami_nlp.programme import Model
+from origami_nlp.starts.near_flat import NEAR, on_cone
 
 MOST_SHUT = 2
 """Variables shut in a folding: with more there are more contacts than a state beside it could leave."""

@@ -13,11 +13,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from origami_nlp.errors import OptionError
-from origami_nlp.minima.crossings import model_rows
-from origami_nlp.minima.moment_starts import MomentStarts
-from origami_nlp.minima.samples import Samples, joined
-from origami_nlp.minima.touch_draws import TouchStarts, touch_starts
 from origami_nlp.programme import OPEN, Model, random_strata, vertex_candidates, vertices
+from origami_nlp.starts.crossings import model_rows
+from origami_nlp.starts.moments import MomentStarts
+from origami_nlp.starts.samples import Samples, joined
+from origami_nlp.starts.touches import TouchStarts, touch_starts
 
 CORNER, INTERIOR, SUBSET, STRATUM, TOUCH, MOMENT = range(6)
 """Sources of starts."""

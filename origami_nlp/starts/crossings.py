@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from origami_nlp.folding import find_crossings, pair_depths, pair_rows, stack_depths, stack_rule
-from origami_nlp.minima.touches import Row
 from origami_nlp.numerics import OUTSIDE, TOUCHES, cross, first_largest
 from origami_nlp.programme import OPEN, Folded, Model
+from origami_nlp.starts.touch_strata import Row
 
 NAMELESS = -2
 """Something crosses, but no gap of the model undoes it."""

@@ -8,9 +8,9 @@ import pytest
 from scipy.optimize import minimize
 
 from origami_nlp import Scene, Vertex, find_minima
-from origami_nlp.minima.near_flat import flat_minima
 from origami_nlp.pattern import panels
 from origami_nlp.programme import Model
+from origami_nlp.starts.near_flat import flat_minima
 from tests.independent.rotations import fold, rotation_vector
 from tests.minima.test_single_vertex import drawn
 

@@ -14,10 +14,10 @@ import math
 
 import numpy as np
 
-from origami_nlp.minima.closing import Closing
-from origami_nlp.minima.samples import Samples
 from origami_nlp.numerics import CLOSES, SAME
 from origami_nlp.programme import Model, MomentMap
+from origami_nlp.starts.closing import Closing
+from origami_nlp.starts.samples import Samples
 
 STEPS = 30
 """Steps of Newton; most of those that converge do so in ten."""

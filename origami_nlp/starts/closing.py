@@ -8,9 +8,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from origami_nlp.minima.samples import Samples
 from origami_nlp.numerics import EPS, OUTSIDE, RANK, ROUNDED
 from origami_nlp.programme import OPEN, Folded, Kinematics, Model, Parameters
+from origami_nlp.starts.samples import Samples
 
 EXPLORED = 1e-11
 """Closure and held gaps of states on their way."""

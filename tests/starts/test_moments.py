@@ -8,8 +8,8 @@ import pytest
 
 from origami_nlp import Model, Scene, State, Vertex, find_minima
 from origami_nlp.kkt import Solve, classify, polish, project
-from origami_nlp.minima.moment_starts import MomentStarts, find_zeros
 from origami_nlp.programme import MomentMap, fold_limit
+from origami_nlp.starts.moments import MomentStarts, find_zeros
 
 
 def draw(n, seed=0, equal=False):

@@ -20,8 +20,8 @@ import math
 
 import numpy as np
 
-from origami_nlp.minima.touches import Family
 from origami_nlp.programme import close_three
+from origami_nlp.starts.touch_strata import Family
 
 
 def free_parameters(
