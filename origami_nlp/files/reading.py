@@ -102,13 +102,53 @@ def parse_toml(text: str, what: str, error: type[OrigamiError]) -> dict[str, Any
 def read_toml(
     source: str | Path, largest: int, what: str, error: type[OrigamiError]
 ) -> dict[str, Any]:
-    """Read the tables of a TOML file that a user names; otherwise as `read_limited` and `parse_toml`."""
+    """Read the tables of a TOML file that a user names.
+
+    Parameters
+    ----------
+    source, largest
+        As for `read_limited`.
+    what
+        How messages call it, such as "scene".
+    error
+        Class of the complaint.
+
+    Returns
+    -------
+    dict
+        Its tables.
+
+    Raises
+    ------
+    error
+        As of `read_limited` and `parse_toml`.
+    """
     raw = read_limited(source, largest, what, error)
     return parse_toml(as_text(raw, f"{what} {str(source)!r}", error), what, error)
 
 
 def as_text(raw: bytes, what: str, error: type[OrigamiError]) -> str:
-    """Return the text that the bytes of a file are; complain of `what` where they are none."""
+    """Return the text that the bytes of a file are.
+
+    Parameters
+    ----------
+    raw
+        The bytes.
+    what
+        How a message calls the file, with its name.
+    error
+        Class of the complaint.
+
+    Returns
+    -------
+    str
+        They read as UTF-8.
+
+    Raises
+    ------
+    error
+        If they are none.
+    """
     try:
         return raw.decode()
     except UnicodeDecodeError as problem:
@@ -159,7 +199,29 @@ def check_tables(
 def one_of(
     table: Mapping[str, Any], name: str, keys: Collection[str], error: type[OrigamiError]
 ) -> str:
-    """Return which one of some keys a table has; complain of `name` where there are none or several."""
+    """Return which one of some keys a table has.
+
+    Parameters
+    ----------
+    table
+        Of a file.
+    name
+        How messages call it.
+    keys
+        Of which it must have one.
+    error
+        Class of the complaint.
+
+    Returns
+    -------
+    str
+        The one.
+
+    Raises
+    ------
+    error
+        If it has none of them, or several.
+    """
     given = [key for key in keys if key in table]
     if len(given) != 1:
         raise error(
