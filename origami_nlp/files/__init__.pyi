@@ -1,6 +1,14 @@
 from .brief import Brief as Brief, Full as Full, brief as brief, cut as cut
 from .console import PAGE as PAGE, Screen as Screen, screen as screen
-from .reading import parse_toml as parse_toml, read_limited as read_limited
+from .plain import (
+    OneBased as OneBased,
+    Unbounded as Unbounded,
+    check_schema as check_schema,
+    from_plain as from_plain,
+    pick as pick,
+    to_plain as to_plain,
+)
+from .reading import parse_toml as parse_toml, read_json as read_json, read_limited as read_limited
 from .text import is_unicode as is_unicode, printable as printable
 from .writing import (
     check_outputs as check_outputs,

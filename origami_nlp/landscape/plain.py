@@ -12,9 +12,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from origami_nlp.errors import OptionError
+from origami_nlp.files import check_schema, pick, to_plain
 from origami_nlp.landscape.exact import ExactLandscape
 from origami_nlp.pattern import Scene, scene_from_dict, scene_to_dict
-from origami_nlp.show import check_schema, pick, to_plain
 
 if TYPE_CHECKING:
     from origami_nlp.barriers import Barriers

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field
 
-from origami_nlp.files import Brief
+from origami_nlp.files import Brief, Unbounded
 from origami_nlp.kkt import ContactForce, Escape, Kind
 from origami_nlp.minima.coverage import StrataCount
 from origami_nlp.minima.flags import StateFlags
@@ -246,7 +246,7 @@ class SearchReport(Brief):
     iterations: int = field(default=0, kw_only=True)
     statuses: dict[str, int]
     outcomes: dict[str, int]
-    expected_undiscovered: float
+    expected_undiscovered: Unbounded
     stopped_by: str
     seconds: float
     seed: int

@@ -8,10 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from origami_nlp.files import Brief
+from origami_nlp.files import Brief, from_plain
 from origami_nlp.kkt import ALONE, TRACED, Escape, Kind, Verdict
 from origami_nlp.minima import Survival
-from origami_nlp.show import from_plain
 
 
 @dataclass(frozen=True, repr=False)
