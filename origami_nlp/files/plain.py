@@ -3,7 +3,8 @@
 A key is the name of its field.  nan and inf, which JSON does not have, are null: nan is read back, or inf where the
 type is `Unbounded`.  Indices that are 0-based in arrays, `OneBased`, are 1-based in files.  Properties that a class
 names in ``ALSO`` are written too, and left alone when they are read; a field whose metadata say ``plain=False`` is not
-written, one with ``omit=True`` only where it is not its default.  A class with `_to_plain` and `_from_plain` has plain
+written, one with ``omit=True`` only where it is not its default.  Of several classes the one that is meant stands under
+``type``.  A class with `_to_plain` and `_from_plain` has plain
 data of its own, and so has one that names in ``PLAIN`` the functions of its room that write and read it.
 """
 
@@ -14,12 +15,14 @@ from collections.abc import Callable
 from dataclasses import fields, is_dataclass
 from functools import cache
 from importlib import import_module
+from types import UnionType
 from typing import (
     TYPE_CHECKING,
     Annotated,
     Any,
     Literal,
     TypeVar,
+    Union,
     get_args,
     get_origin,
     get_type_hints,
@@ -253,6 +256,15 @@ def _converter() -> Converter:
 
         return read
 
+    def reads_union(kind: Any) -> Callable[[Any, Any], Any]:
+        named = {one.__name__: one for one in get_args(kind)}
+
+        def read(value: Any, _: Any) -> Any:
+            data = dict(_of(dict, value, "an object"))
+            return made.structure(data, named[_one_of(tuple(named), data.pop("type"))])
+
+        return read
+
     made.register_unstructure_hook(float, lambda v: float(v) if math.isfinite(v) else None)
     for kind in (int, bool):
         made.register_unstructure_hook(kind, kind)
@@ -266,6 +278,10 @@ def _converter() -> Converter:
     made.register_structure_hook_factory(lambda t: get_origin(t) is tuple, reads_tuple)
     made.register_structure_hook_factory(
         lambda t: get_origin(t) is Literal, lambda t: lambda v, _: _one_of(get_args(t), v)
+    )
+    made.register_structure_hook_factory(_is_union, reads_union)
+    made.register_unstructure_hook_func(
+        _is_union, lambda v: {"type": type(v).__name__, **to_plain(v)}
     )
     made.register_unstructure_hook_factory(is_dataclass, writes)
     made.register_unstructure_hook_factory(
@@ -295,6 +311,10 @@ def _by_value(kind: Any) -> Callable[[Any], Any]:
     if not isinstance(kind, type):
         return to_plain
     raise TypeError(f"{getattr(kind, '__name__', kind)} has no plain form")
+
+
+def _is_union(kind: Any) -> bool:
+    return get_origin(kind) in (Union, UnionType) and all(map(is_dataclass, get_args(kind)))
 
 
 def _of_room(kind: Any, which: int) -> Callable[[Any], Any]:

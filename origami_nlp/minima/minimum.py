@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
+from typing import Any
 
-from origami_nlp.files import Brief, Unbounded
+from origami_nlp.files import Brief, Unbounded, to_plain
 from origami_nlp.kkt import ContactForce, Escape, Kind
 from origami_nlp.minima.coverage import StrataCount
 from origami_nlp.minima.flags import StateFlags
@@ -49,6 +50,12 @@ class Survival(Brief):
     def __str__(self) -> str:
         alone = "" if self.springs is None else f" (springs {self.springs})"
         return f"{self.kept} of {self.trials}{alone}"
+
+
+def contact_to_dict(contact: ContactForce) -> dict[str, Any]:
+    """Return a contact as plain data: of creases, facets, corners, side and place what there is."""
+    touching = ("creases", "facets", "corners", "side", "place")
+    return {k: v for k, v in to_plain(contact).items() if v or k not in touching}
 
 
 @dataclass(frozen=True, repr=False)

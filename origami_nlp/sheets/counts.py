@@ -1,6 +1,6 @@
 """What a pattern is: how much there is of it, how many freedoms it has flat and folded, and what is odd.
 
-JSON schema ``origami-nlp/pattern/1``: vertices and edges are numbered from 0 as in the file, angles in radians.
+In JSON vertices and edges are numbered from 0 as in the file, angles in radians.
 """
 
 from __future__ import annotations
