@@ -8,7 +8,15 @@ from .plain import (
     pick as pick,
     to_plain as to_plain,
 )
-from .reading import parse_toml as parse_toml, read_json as read_json, read_limited as read_limited
+from .reading import (
+    as_text as as_text,
+    check_tables as check_tables,
+    one_of as one_of,
+    parse_toml as parse_toml,
+    read_json as read_json,
+    read_limited as read_limited,
+    read_toml as read_toml,
+)
 from .text import is_unicode as is_unicode, printable as printable
 from .writing import (
     check_outputs as check_outputs,

@@ -1,8 +1,8 @@
 """Minima of every vertex of a crease pattern, each on its own, equal vertices once.
 
-In JSON ``classes`` holds a result for each class of equal vertices, in the labels of its first vertex; ``vertices`` says of each vertex its class (from 1) and its labels:
-crease i of the class is crease ``creases[i]`` (from 1) of the vertex, with the opposite fold angle where ``over``
-is true.
+In JSON ``classes`` holds a result for each class of equal vertices, in the labels of its first vertex; ``vertices``
+says of each vertex its class (from 1) and its labels: crease i of the class is crease ``creases[i]`` (from 1) of the
+vertex, with the opposite fold angle where ``over`` is true.
 """
 
 from __future__ import annotations
