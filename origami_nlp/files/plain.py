@@ -40,6 +40,8 @@ T = TypeVar("T")
 
 Unbounded = Annotated[float, "null is inf"]
 """A number that may be inf."""
+Finite = Annotated[float, "never null"]
+"""A number that is known."""
 OneBased = Annotated[int, "1-based in files"]
 """An index, 0-based in arrays."""
 
@@ -248,7 +250,7 @@ def _converter() -> Converter:
 
         def read(value: Any, _: Any) -> Any:
             listed = _of(list, value, wanted)
-            if several and kinds[0] is float and all(type(v) is float for v in listed):
+            if several and kinds[0] in (float, Finite) and all(type(v) is float for v in listed):
                 return tuple(map(_number, listed))
             if not several and len(listed) != len(kinds):
                 raise _Unfit(value, wanted)
@@ -299,6 +301,7 @@ def _converter() -> Converter:
     made.register_structure_hook_func(
         lambda t: t == Unbounded, lambda v, _: math.inf if v is None else _number(v)
     )
+    made.register_structure_hook_func(lambda t: t == Finite, lambda v, _: _number(v))
     made.register_structure_hook_func(
         lambda t: t == OneBased, lambda v, _: int(_of(int, v, "a whole number")) - 1
     )
@@ -330,7 +333,7 @@ def _of(kind: type, value: Any, expected: str) -> Any:
 
 
 def _one_of(words: tuple[Any, ...], value: Any) -> Any:
-    if value in words:
+    if any(value == word and type(value) is type(word) for word in words):
         return value
     raise _Unfit(value, "one of " + ", ".join(map(repr, words)))
 

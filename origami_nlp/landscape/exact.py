@@ -58,10 +58,17 @@ class Stretch:
     """
 
     branch: int
-    points: np.ndarray = field(repr=False)
+    points: np.ndarray = field(repr=False, metadata={"plain": False})
     length: float
     contacts: tuple[str, ...]
     hidden: bool
+
+    ALSO = ("ends",)
+
+    @property
+    def ends(self) -> tuple[np.ndarray, np.ndarray]:
+        """Its first and its last point on the chart."""
+        return self.points[0], self.points[-1]
 
 
 @dataclass(frozen=True, repr=False)
@@ -93,13 +100,14 @@ class ExactLandscape(Told, Turnable):
     """
 
     result: MinimaResult
-    chart: Landscape
+    chart: Landscape = field(metadata={"plain": False})
     boundary: Boundary | None
-    regions: tuple[MultiPolygon, ...]
+    regions: tuple[MultiPolygon, ...] = field(metadata={"plain": False})
     places: tuple[Place, ...]
     metastable: tuple[Stretch, ...]
 
-    PICTURE = "draw_landscape"
+    PICTURE, SCHEMA, READS = "draw_landscape", "origami_nlp/landscape/1", False
+    ALSO = ("counts",)
 
     @property
     def counts(self) -> tuple[int, int | None, int | None]:
