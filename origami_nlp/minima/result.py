@@ -13,10 +13,10 @@ from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 
-from origami_nlp.kkt import ALONE, TRACED, State
+from origami_nlp.kkt import State
 from origami_nlp.minima.completeness import Completeness
 from origami_nlp.minima.flags import ResultFlags
-from origami_nlp.minima.minimum import Minimum, SearchReport, contact_to_dict
+from origami_nlp.minima.minimum import JudgedState, SearchReport
 from origami_nlp.minima.stability import NOT_ASKED, verdict
 from origami_nlp.minima.telling import (
     flag_lines,
@@ -83,7 +83,7 @@ class MinimaResult(Told, Turnable):
 
     scene: Scene
     model: Model
-    minima: tuple[Minimum, ...]
+    minima: tuple[JudgedState, ...]
     search: SearchReport
     completeness: Completeness | None = None
 
@@ -113,7 +113,7 @@ class MinimaResult(Told, Turnable):
             stability_not_asked=any(verdict(scene, m) == NOT_ASKED for m in self.minima),
         )
 
-    def state_of(self, minimum: Minimum) -> State:
+    def state_of(self, minimum: JudgedState) -> State:
         """Return a minimum as a state of its programme.
 
         Parameters
@@ -129,7 +129,7 @@ class MinimaResult(Told, Turnable):
         model = self.model_of(minimum)
         return State(model, model.reduce(np.array(minimum.fold_angles)))
 
-    def model_of(self, minimum: Minimum) -> Model:
+    def model_of(self, minimum: JudgedState) -> Model:
         """Return the programme that a minimum is a state of: that of its winding.
 
         Parameters
@@ -224,7 +224,7 @@ class MinimaResult(Told, Turnable):
             "search": to_plain(self.search),
             "completeness": self.completeness and to_plain(self.completeness),
             "flags": self.flags.to_dict(),
-            "minima": [_minimum_to_dict(m) for m in self.minima],
+            "minima": [m.to_dict() for m in self.minima],
         }
 
     def _rows(self) -> Iterator[dict[str, object]]:
@@ -271,26 +271,8 @@ class MinimaResult(Told, Turnable):
         completeness = from_plain(Completeness, known) if known else None
         minima = []
         for m in data["minima"]:
-            found = from_plain(Minimum, m, NULL)
-            if found.escape is not None and found.escape.method in (TRACED, ALONE):
-                if math.isnan(found.escape.barrier):  # null in JSON: no way out
-                    found = replace(found, escape=replace(found.escape, barrier=math.inf))
-            minima.append(found)
+            minima.append(JudgedState.from_dict({"verdict": "minimum", **m}))
         return cls(scene, Model(scene), tuple(minima), search, completeness)
 
     def _repr_html_(self) -> str:
         return self.to_html()
-
-
-def _minimum_to_dict(m: Minimum) -> dict[str, Any]:
-    data = {**to_plain(m), "flags": m.flags.to_dict()}
-    if m.winding == 1:
-        del data["winding"]
-    data["contacts"] = [contact_to_dict(c) for c in m.contacts]
-    data["softest_stiffness"] = to_plain(m.softest)
-    for name in ("full_space", "solver", "escape", "survival"):
-        if data[name] is None:
-            del data[name]
-    if m.survival is not None:
-        del data["survival"]["springs"]  # of patterns
-    return data

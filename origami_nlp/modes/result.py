@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from origami_nlp.files import Brief
-from origami_nlp.minima import MinimaResult, Minimum
+from origami_nlp.minima import JudgedState, MinimaResult
 from origami_nlp.modes.geodesic import Geodesic, Reach
 from origami_nlp.pattern import scene_to_dict
 from origami_nlp.show import Piece, Table, Told, pick
@@ -91,7 +91,7 @@ class StateModes(Brief):
     """
 
     number: int
-    minimum: Minimum
+    minimum: JudgedState
     held: tuple[str, ...]
     modes: tuple[Mode, ...]
     coupling: float

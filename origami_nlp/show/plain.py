@@ -60,7 +60,12 @@ def to_plain(value: Any) -> Any:
         return {key: to_plain(entry) for key, entry in value.items()}
     names = _names(type(value))
     if names:
-        return {name: to_plain(getattr(value, name)) for name in names}
+        left_out = {
+            f.name
+            for f in (fields(value) if is_dataclass(value) else ())
+            if f.metadata.get("omit") and getattr(value, f.name) == f.default
+        }
+        return {name: to_plain(getattr(value, name)) for name in names if name not in left_out}
     if isinstance(value, list | tuple):
         return [to_plain(entry) for entry in value]
     raise TypeError(f"{type(value).__name__} has no plain form")
