@@ -61,7 +61,9 @@ def contact_barriers():
     scene = Scene(Vertex(a), *springs, "D1", "full")
     return once(
         "barriers-contact",
-        lambda: find_barriers(scene, find_minima(scene, max_starts=24), spacing=COARSE),
+        lambda: find_barriers(
+            scene, find_minima(scene, max_starts=24, escape=False), spacing=COARSE
+        ),
     )
 
 
@@ -394,7 +396,7 @@ def test_other_vertices_work_as_well():
     a = (0.9, 1.1, math.pi - 2.0, math.pi - 2.0, 1.1, 0.9)
     rest = (-2.0, 1.0, 1.3, 0.7, 1.3, 1.0)
     scene = Scene(Vertex(a), (0.02, 0.03, 0.01, 0.05, 0.01, 0.03), rest, "D1", "full")
-    found = find_barriers(scene, find_minima(scene, max_starts=24), spacing=COARSE)
+    found = find_barriers(scene, find_minima(scene, max_starts=24, escape=False), spacing=COARSE)
     sides = side_of_flat(np.array([m.fold_angles for m in found.result.minima]))
     flat = found.result.model.energy(np.zeros(4))
     for p in found.passes:

@@ -76,6 +76,7 @@ def test_survivals_are_told_and_kept(yoshimura: SheetResult) -> None:
     assert [s.survival for s in again.minima] == [s.survival for s in yoshimura.minima]
 
 
+@pytest.mark.slow
 def test_labels_change_no_survival(yoshimura: SheetResult) -> None:
     copy, _, _ = relabelled(yoshimura.pattern, 3, mirror=True)
     found = find_states(copy, starts=4, escape=False, noise=0.5)
