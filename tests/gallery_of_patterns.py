@@ -114,7 +114,7 @@ def main(names: list[str]) -> None:
         seconds = time.process_time() - start
         shown = [states[0] for states in groups(result)]
         titles = [title(k, s) for k, s in enumerate(shown, 1)]
-        states = [(words, s.fold_angles) for words, s in zip(titles, shown, strict=True)]
+        states = [(words, s.phi) for words, s in zip(titles, shown, strict=True)]
         figure = draw_states(result.pattern, states, name, contacts=[s.contacts for s in shown])
         figure.savefig(FIGURES / f"{name.replace(':', '_')}.png", dpi=100)
         parts.append(section(name, result, seconds))
