@@ -166,6 +166,7 @@ class PatternContacts(PatternEquations):
         rows = [*dict.fromkeys((*sure, *more))]
         if len(rows) == len(sure):
             return sure
+        # along closed motions: a contact may follow from others only there
         keep = needed_rows(self.local(x).openings(rows)[1] @ self.kernel(x), len(sure))
         return tuple(c for c, on in zip(rows, keep, strict=True) if on)
 
@@ -180,6 +181,7 @@ class PatternContacts(PatternEquations):
     def about_to_close(self, x: np.ndarray, length: float) -> tuple[Contact, ...]:
         """Return contacts that are open, but closed by a step of `length` [rad] at most."""
         slack = math.pi - np.abs(x)
+        # twice the step: room for the way back onto closure
         near = np.flatnonzero((slack > TOUCHES) & (slack <= 2 * length))
         found = [fold_limit(int(v), x[v]) for v in near]
         if self.touching:

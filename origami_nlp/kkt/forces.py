@@ -121,6 +121,7 @@ def _carried(state: State, rows: tuple[Contact, ...], m: Multipliers) -> tuple[C
             text += " (so " + ", ".join(sorted(set(also[contact]))) + ")"
         # one multiplier of the reduced programme stands for all images of a contact; scaled energies become the scene's
         unit = model.scale / model.weight(contact)
+        # where nothing balances there are no multipliers: the state is isolated, any contact may carry any moment >= 0
         values = (m.smallest[r], m.lower[r], m.upper[r]) if stationary else (0.0, 0.0, math.inf)
         moment, *spread = (float(v * unit) for v in values)
         touching = who.creases, who.facets, who.corners, who.side, who.place

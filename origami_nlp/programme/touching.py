@@ -128,6 +128,7 @@ def rays_together(
         if contact.is_limit or (gap := model.structure.gaps[contact.index]).pair is None:
             continue
         k, j = gap.rays
+        # two rays on each other: the ray k, and an end of the facet that it lies on
         for end in (j, (j + 1) % n):
             if np.linalg.norm(rays[k] - rays[end]) <= RANK:
                 together.setdefault((min(k, end), max(k, end)), []).append(contact)
@@ -202,6 +203,7 @@ def closed_contacts(
     layers = _Layers(model, x, tolerance)
     for indices in of_pair.values():
         options = _pair_pieces(model, layers, at, gaps, indices, tolerance)
+        # a way that closes nothing: the pair is apart at this state, whatever the other ways say
         if () in options:
             continue  # the pair is strictly apart
         kept = set()
@@ -250,6 +252,8 @@ def _pair_pieces(
                 if abs(value) <= tolerance
                 and _on_arc(rays, structure.gaps[e].rays[0], j, tolerance)
             ]
+            # two planes, two sides: four ways in which two arcs may be kept from crossing; each asks both ends to one
+            # side
             options.add(tuple(Contact("gap", same[e], side) for e in touching))
     if not options:  # crossing within the tolerance of the caller: nothing to say here
         return {()}
@@ -286,6 +290,7 @@ class _Layers:
             one = [(s, d) for s, d in strands if s[0] == first]
             two = [(s, d) for s, d in strands if s[0] == second]
             if one and two:
+                # layers that other folds force: only one side is then a piece of the feasible set
                 left = problem.forced_side(one[0][0], two[0][0])
                 # the normal c_j x c_{j+1} of a facet points to the left of its direction, seen from outside
                 return left * two[0][1], -left * one[0][1]

@@ -23,6 +23,7 @@ import numpy as np
 from origami_nlp.folding import fold_vertex
 from origami_nlp.numerics import CLOSES, LEVEL, OUTSIDE, ROUNDED, cross
 from origami_nlp.programme import Model
+from origami_nlp.starts.family import Listed
 
 MOST_VARIABLES = 8
 """Sets are listed for up to this many variables (3^8 = 6,561 patterns)."""
@@ -32,27 +33,43 @@ MOST_STATES = 2000
 """Lowest states of sets that are kept, those of lowest energy first."""
 
 
-def hinge_minima(model: Model) -> list[np.ndarray]:
-    """Return the lowest state [n] of each polytope of states that hinge about one line.
+class HingeSets(Listed):
+    """The lowest state of each polytope of states that hinge about one line.
 
     Only those strictly within the polytope: its faces belong to sets with fewer hinges, its corners to the
     flat foldings.  Candidates only: whether facets cross is not asked here.
+
+    Parameters
+    ----------
+    model
+        Of any scene.
     """
-    n = model.size
-    if not model.has_limits or n > MOST_VARIABLES:
-        return []
-    states: list[np.ndarray] = []
-    for fixed, moving, turn, c in _sets(model):
-        x = _lowest_of(model, fixed, moving, turn, c)
-        if x is None:
-            continue
-        lowest = x[moving]
-        # a hinge at +-pi is shut: that state belongs to another set
-        inside = (math.pi - np.abs(lowest) > OUTSIDE).all()
-        if inside and np.abs(model.closure(x)[0]).max() <= CLOSES:
-            states.append(x)  # (a piece of a symmetric state may close once round, or wind)
-    states.sort(key=model.energy)
-    return states[:MOST_STATES]
+
+    name = "hinge sets"
+    sentence = "lowest of all that hinge about one line"
+
+    def __init__(self, model: Model) -> None:
+        self.size = model.size
+        self._model = model
+
+    def states(self) -> list[np.ndarray]:
+        """List them by energy."""
+        model = self._model
+        n = model.size
+        if not model.has_limits or n > MOST_VARIABLES:
+            return []
+        states: list[np.ndarray] = []
+        for fixed, moving, turn, c in _sets(model):
+            x = _lowest_of(model, fixed, moving, turn, c)
+            if x is None:
+                continue
+            lowest = x[moving]
+            # a hinge at +-pi is shut: that state belongs to another set
+            inside = (math.pi - np.abs(lowest) > OUTSIDE).all()
+            if inside and np.abs(model.closure(x)[0]).max() <= CLOSES:
+                states.append(x)  # (a piece of a symmetric state may close once round, or wind)
+        states.sort(key=model.energy)
+        return states[:MOST_STATES]
 
 
 def _sets(model: Model) -> Iterator[tuple[np.ndarray, np.ndarray, np.ndarray, float]]:
@@ -60,6 +77,7 @@ def _sets(model: Model) -> Iterator[tuple[np.ndarray, np.ndarray, np.ndarray, fl
     n, group = model.size, model.variable_of_crease
     for moving, shut, line, sigma, q in zip(*_books(model), strict=True):
         turn = np.bincount(group, sigma * moving[group], n)[moving]
+        # hinges turn back what the shut folds turn about the line, modulo 4 pi: q = +1
         needed = -2 * math.atan2(q[1:] @ line, q[0])
         reach = float(np.abs(turn).sum()) * math.pi
         size = model.multiplicity[shut]
@@ -87,6 +105,7 @@ def _books(model: Model) -> tuple[np.ndarray, ...]:
     hinges, flat = kinds[:, group] == 2, kinds[:, group] == 0
     line = creases[np.arange(len(kinds)), hinges.argmax(axis=1)]
     on_line = np.linalg.norm(cross(creases, line[:, None]), axis=-1) <= CLOSES
+    # or hinges could not turn back what the shut folds turn
     about_it = np.linalg.norm(cross(q[:, 1:], line), axis=-1) <= CLOSES
     # a flat crease on the line may turn as well: part of a larger set
     book = about_it & (on_line | ~hinges).all(axis=1) & ~(on_line & flat).any(axis=1)
@@ -135,6 +154,7 @@ def _lowest(weight: np.ndarray, rest: np.ndarray, turn: np.ndarray, c: float) ->
         return np.clip(rest + s * slope, -math.pi, math.pi)
 
     used = turn != 0
+    # turn . at(s) is piecewise linear and does not fall: c lies between two bends, where hinges reach their limits
     bends = np.concatenate([(b - rest[used]) / slope[used] for b in (-math.pi, math.pi)])
     bends = np.sort(bends)
     values = np.array([turn @ at(s) for s in bends])

@@ -20,7 +20,7 @@ from origami_nlp.minima import find_minima
 from origami_nlp.numerics import merge_tree
 from origami_nlp.pattern import Scene, Vertex, examples
 from origami_nlp.programme import Model
-from origami_nlp.starts import StartStream
+from origami_nlp.starts import Projected
 from tests.computed_once import barriers_with_handles, once, panel_result
 from tests.independent.flood import ChartGrid
 from tests.independent.search_manifold import Piece
@@ -149,7 +149,7 @@ def test_no_admissible_state_but_the_flat_one_is_level(make, alpha):
     # area to the left 2 pi - sum phi, length 2 pi: equal areas only on the great circle
     model = Model(make(alpha, 1, symmetry="none"))
     seen = {1: 0, -1: 0}
-    for start in itertools.islice(StartStream(model, 0), 150):
+    for start in itertools.islice(Projected(model).starts(np.random.default_rng(0)), 150):
         if start.feasible and not model.refuses(start.x):
             phi = model.expand(start.x)
             area = 2 * math.pi - phi.sum()

@@ -155,13 +155,13 @@ def test_the_estimate_is_no_more_than_what_is_missing_in_the_mean():
 def test_descent_from_random_states_ends_at_a_listed_minimum():
     """An independent look at completeness: downhill from anywhere leads to a state that was found."""
     rng = np.random.default_rng(0)
-    from origami_nlp.starts import StartStream
+    from origami_nlp.starts import Projected
 
     for scene in examples.panels()[::8]:
         result = panel_result(scene)
         model = result.model
         listed = [model.reduce(np.array(m.fold_angles)) for m in result.minima]
-        stream = StartStream(model, int(rng.integers(1 << 30)))
+        stream = Projected(model).starts(np.random.default_rng(int(rng.integers(1 << 30))))
         tried = 0
         while tried < 8:
             start = next(stream)

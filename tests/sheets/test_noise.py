@@ -11,8 +11,8 @@ import origami_nlp as o
 from origami_nlp.facets import Sheet, find_labels
 from origami_nlp.sheets import SheetResult, find_states
 from origami_nlp.sheets.angle_sums import angle_sums
+from origami_nlp.sheets.closed import scene_of
 from origami_nlp.sheets.noise import displacements
-from origami_nlp.sheets.starts import scene_of
 from tests.relabelled import relabelled
 
 
