@@ -195,7 +195,18 @@ class JudgedState(Brief):
         )
 
     def title(self, number: int) -> str:
-        """Name the state, of some number, by its kind and energy."""
+        """Name the state by its kind and energy.
+
+        Parameters
+        ----------
+        number
+            Of the state, from 1.
+
+        Returns
+        -------
+        str
+            Such as "state 1: interior, 0.0090858 J", with the verdict in the full space where that was asked for.
+        """
         full = f", {self.full_space.verdict}" if self.full_space else ""
         kind = f"{self.kind or self.verdict}{', shallow' * self.shallow}"
         return f"state {number}: {kind}, {self.energy:.6g} J{full}"
