@@ -10,14 +10,13 @@ from typing import Any, Literal
 
 import numpy as np
 
-from origami_nlp.files import Brief
+from origami_nlp.files import Brief, Unbounded, from_plain, to_plain
 from origami_nlp.kkt import ALONE, OMIT, TRACED, ContactForce, Escape, Kind, Verdict
 from origami_nlp.minima.coverage import StrataCount
 from origami_nlp.minima.flags import StateFlags
 from origami_nlp.minima.full_space import FullSpace
 from origami_nlp.minima.ipopt import Confirmation
 from origami_nlp.numerics import CLOSES, STATIONARY
-from origami_nlp.show import from_plain, to_plain
 
 TRIALS = 20
 """Scenes with random errors that minima are followed into."""
@@ -136,7 +135,7 @@ class JudgedState(Brief):
     fold_angles: tuple[float, ...]
     verdict: Verdict
     certificate: str
-    kind: Kind | Literal[""] = ""
+    kind: Literal[Kind, ""] = ""
     local_dimension: int = 0
     freedoms: int = field(default=-1, metadata=OMIT)
     closure_residual: float = math.nan
@@ -230,7 +229,7 @@ class JudgedState(Brief):
     def to_dict(self) -> dict[str, Any]:
         """Return plain data; facets and creases 1-based, what is not known is None."""
         return to_plain(self) | {
-            "flags": self.flags.to_dict(),
+            "flags": to_plain(self.flags),
             "softest_stiffness": to_plain(self.softest),
         }
 
@@ -250,10 +249,11 @@ class JudgedState(Brief):
 
         Raises
         ------
-        KeyError, TypeError, ValueError
+        OptionError
             If an entry is missing or wrong.
         """
-        found = from_plain(cls, data, {"multiplier_range": math.inf})
+        own = {k: v for k, v in data.items() if k not in ("flags", "softest_stiffness")}
+        found = from_plain(cls, own, "minima")
         e = found.escape
         if e is not None and e.method in (TRACED, ALONE) and math.isnan(e.barrier):
             return replace(found, escape=replace(e, barrier=math.inf))  # no way out
@@ -321,7 +321,7 @@ class SearchReport(Brief):
     iterations: int = field(default=0, kw_only=True)
     statuses: dict[str, int]
     outcomes: dict[str, int]
-    expected_undiscovered: float
+    expected_undiscovered: Unbounded
     stopped_by: str
     seconds: float
     seed: int
