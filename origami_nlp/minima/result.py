@@ -191,10 +191,6 @@ class MinimaResult(Told, Turnable):
         return turn_minima(self.scene, self.model, self.minima, tuple(self.told()), chart)
 
     def _to_plain(self) -> dict[str, Any]:
-        relations = to_plain(self.scene.relations)
-        for key in ("made_exact", "different"):
-            found = getattr(self.scene.relations, key)
-            relations[key] = [{**to_plain(r), "text": r.text} for r in found]
         return {
             "scene": scene_to_dict(self.scene),
             "model": pick(
@@ -203,7 +199,7 @@ class MinimaResult(Told, Turnable):
                 "equalities=equation_count",
                 "inequalities=inequality_count",
                 "contact_pairs",
-                geometry=relations,
+                geometry=self.scene.relations,
                 left_out=[pick(item, "what", "why") for item in self.model.left_out],
             ),
             "search": to_plain(self.search),
