@@ -206,8 +206,7 @@ class _Files:
         self.pattern = seen.pattern
         self.states: list[tuple[str, Any, tuple[str, ...], dict[str, Any]]] = []
         for k, s in enumerate(found.minima if found else (), start=1):
-            more = {name: v for name, v in s.to_dict().items() if name != "fold_angles"}
-            self.states.append((s.title(k), s.fold_angles, s.lines(), more))
+            self.states.append((s.title(k), s.phi, s.lines(), s.frame_entries()))
         if found is None and motion is None and loaded is None:
             phi = seen.pattern.reference if seen.folded is None else seen.folded
             title = f"folded: {seen.start}" if seen.start else "as in the file"

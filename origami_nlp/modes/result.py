@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from origami_nlp.files import Brief
-from origami_nlp.minima import MinimaResult, Minimum
+from origami_nlp.minima import JudgedState, MinimaResult
 from origami_nlp.modes.geodesic import Geodesic
 from origami_nlp.show import Piece, Table, Told
 
@@ -64,7 +64,7 @@ class StateModes(Brief):
     """
 
     number: int
-    minimum: Minimum
+    minimum: JudgedState
     held: tuple[str, ...]
     modes: tuple[Mode, ...]
     coupling: float
