@@ -108,7 +108,11 @@ def pick(value: Any, *keys: str, **more: Any) -> dict[str, Any]:
 
 
 def from_plain(
-    kind: type[T], data: Any, what: str = "", error: type[OrigamiError] = OptionError
+    kind: type[T],
+    data: Any,
+    what: str = "",
+    error: type[OrigamiError] = OptionError,
+    at: str = "",
 ) -> T:
     """Read a dataclass or named tuple back from what `to_plain` wrote.
 
@@ -122,6 +126,8 @@ def from_plain(
         How messages call the whole, such as a file.
     error
         Class of the complaint.
+    at
+        Path to the data within the whole, such as ``"search"``.
 
     Returns
     -------
@@ -137,7 +143,7 @@ def from_plain(
     try:
         return _converter().structure(data, kind)
     except (ValueError, TypeError, LookupError, AttributeError, ExceptionGroup) as problem:
-        raise error(": ".join(filter(None, (what, _told(problem))))) from None
+        raise error(": ".join(filter(None, (what, _told(problem, at))))) from None
 
 
 def check_schema(
@@ -185,6 +191,8 @@ def _told(problem: BaseException, path: str = "") -> str:
             path += f"[{index + 1 if isinstance(index, int) else index!r}]"
     if isinstance(problem, BaseValidationError):
         return _told(problem.exceptions[0], path)
+    if isinstance(problem, OrigamiError) and not path:
+        return str(problem)
     where = path or "data"
     if isinstance(problem, KeyError):
         key = str(problem.args[0])

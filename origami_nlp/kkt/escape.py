@@ -69,6 +69,10 @@ class Escape(Brief):
     top: tuple[float, ...] = field(default=(), repr=False)
     shallow: bool = False
 
+    def __post_init__(self) -> None:
+        if math.isnan(self.barrier) and self.method in (TRACED, ALONE):  # read from a file
+            object.__setattr__(self, "barrier", math.inf)  # no way out
+
     @property
     def known(self) -> bool:
         """Whether there is a number."""
