@@ -8,12 +8,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from os import PathLike, fspath
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
 
-from origami_nlp.arguments import check_angles, shown
+from origami_nlp.arguments import check_angles, refuse
 from origami_nlp.errors import OptionError
 from origami_nlp.numerics import CLOSES
 
@@ -23,8 +22,6 @@ if TYPE_CHECKING:
     from origami_nlp.pattern import Pattern, Scene
     from origami_nlp.sheets import SheetResult
 
-STARTS = {"quick": 10, "normal": 40, "thorough": 160}
-"""Random starts in a row that find nothing new in a pattern, by effort; a scene has `minima.EFFORTS`."""
 _OF_A_PATTERN = {
     "starts": "the effort says how many starts a vertex gets",
     "contact": "a scene states its contact itself",
@@ -33,7 +30,6 @@ _OF_A_SCENE = {
     "full": "states of a pattern keep no symmetry: each is judged among all of them",
     "prove": "lists of a pattern are not proved",
     "guesses": "a state of a pattern is judged by classify",
-    "max_starts": "of a pattern, starts says when the search ends",
     "fewest_starts": "of a pattern, starts says when the search ends",
     "workers": "a pattern is searched in one process",
     "progress": "a pattern tells no progress",
@@ -43,7 +39,7 @@ _OF_A_SCENE = {
 
 @overload
 def find_minima(
-    scene: Scene,
+    origami: Scene,
     *,
     seed: int = ...,
     effort: str = ...,
@@ -60,10 +56,11 @@ def find_minima(
 ) -> MinimaResult: ...
 @overload
 def find_minima(
-    scene: Pattern | str | PathLike[str],
+    origami: Pattern | str | PathLike[str],
     *,
     seed: int = ...,
     effort: str = ...,
+    max_starts: int | None = ...,
     starts: int | None = ...,
     contact: bool | None = ...,
     seconds: float | None = ...,
@@ -71,10 +68,11 @@ def find_minima(
     noise: float | None = ...,
 ) -> SheetResult: ...
 def find_minima(
-    scene: Scene | Pattern | str | PathLike[str],
+    origami: Scene | Pattern | str | PathLike[str],
     *,
     seed: int = 0,
     effort: str = "normal",
+    max_starts: int | None = None,
     seconds: float | None = None,
     escape: bool = True,
     noise: float | None = None,
@@ -84,13 +82,15 @@ def find_minima(
 
     Parameters
     ----------
-    scene
-        A scene, which is one vertex; or a pattern with all its vertices coupled: itself, the name of an example such as
-        ``"miura:4x4"``, or a FOLD file.
+    origami
+        A scene, which is one vertex, or a scene file; or a pattern with all its vertices coupled: itself, the name of
+        an example such as ``"miura:4x4"``, or a FOLD file.
     seed
         Of the random starts; the same seed gives the same answer.
     effort
         ``"quick"``, ``"normal"`` or ``"thorough"``: how many starts find nothing new before the search stops.
+    max_starts
+        Cap on starts; None: what the effort says.
     seconds
         Wall time after which the search goes no further: what is left out is named, and the answer depends on the
         machine.  None: of a scene the effort alone bounds it, of a pattern 300 s.
@@ -99,7 +99,7 @@ def find_minima(
     noise
         Standard deviation [degrees] of random errors: how many of 20 draws each minimum survives.
     others
-        Of a scene alone: ``max_starts``, ``fewest_starts``, ``guesses``, ``full``, ``prove``, ``workers``,
+        Of a scene alone: ``fewest_starts``, ``guesses``, ``full``, ``prove``, ``workers``,
         ``progress``, see `minima.find_minima`.  Of a pattern alone: ``starts`` (random starts in a row that find
         nothing new, in place of the effort) and ``contact`` (False: facets may cross), see `sheets.find_states`.
 
@@ -122,30 +122,26 @@ def find_minima(
     5
     """
     from origami_nlp import minima, sheets
-    from origami_nlp.pattern import Scene, as_pattern
+    from origami_nlp.pattern import Scene, as_origami
 
-    given = {name: value for name, value in others.items() if value is not None}
-    options: dict[str, Any] = {"seed": seed, "escape": escape, "noise": noise, **given}
-    if isinstance(scene, Scene):
-        _refuse(given, _OF_A_PATTERN, "scene")
-        return minima.find_minima(scene, effort=effort, seconds=seconds, **options)
-    _refuse(given, _OF_A_SCENE, "pattern")
-    if seconds is not None:
-        options["seconds"] = seconds
-    if effort not in STARTS:
-        raise OptionError(f"effort = {shown(effort)} is unknown: use one of {', '.join(STARTS)}")
-    pattern = as_pattern(Path(fspath(scene)) if isinstance(scene, PathLike) else scene, "scene")
-    return sheets.find_states(pattern, **{"starts": STARTS[effort], **options})
-
-
-def _refuse(given: dict[str, Any], wrong: dict[str, str], kind: str) -> None:
-    for name, value in given.items():
-        if name in wrong:
-            raise OptionError(f"{name} = {shown(value)} is not for a {kind}: {wrong[name]}")
+    stated = as_origami(origami)
+    options: dict[str, Any] = {
+        "effort": effort,
+        "seconds": seconds,
+        "escape": escape,
+        "noise": noise,
+    }
+    given = {"max_starts": max_starts, **others}
+    options |= {"seed": seed, **{name: value for name, value in given.items() if value is not None}}
+    if isinstance(stated, Scene):
+        refuse("scene", _OF_A_PATTERN, **given)
+        return minima.find_minima(stated, **options)
+    refuse("pattern", _OF_A_SCENE, **given)
+    return sheets.find_states(stated, **options)
 
 
 def classify(
-    what: State | Scene | Pattern | str | PathLike[str],
+    origami: State | Scene | Pattern | str | PathLike[str],
     fold_angles: Sequence[float] | np.ndarray | None = None,
     *,
     polished: bool = True,
@@ -154,9 +150,8 @@ def classify(
 
     Parameters
     ----------
-    what
-        A scene, or a pattern (the name of an example such as ``"miura:4x4"``, or a FOLD file); or a `State` of either,
-        which says where it is itself.
+    origami
+        A scene or a pattern, as `find_minima` takes it; or a `State` of either, which says where it is itself.
     fold_angles
         Of every crease, of a closed state, shape [n] [rad].
     polished
@@ -175,19 +170,20 @@ def classify(
     Examples
     --------
     >>> import origami_nlp as o
-    >>> found = o.find_states("metasheet:4x4", starts=2)
+    >>> found = o.find_minima("metasheet:4x4", starts=2)
     >>> pinned = o.classify(found.pattern, found.minima[-1].fold_angles)
     >>> pinned.verdict, len(pinned.contacts), pinned.contacts[0].type
     ('minimum', 2, 'edge-edge')
     """
     from origami_nlp import kkt
     from origami_nlp.facets import Sheet
-    from origami_nlp.pattern import Scene, as_pattern
+    from origami_nlp.pattern import Scene, as_origami
     from origami_nlp.programme import Model
 
-    if isinstance(what, kkt.State):
-        return kkt.classify(what, polished=polished)
-    problem: Any = Model(what) if isinstance(what, Scene) else Sheet(as_pattern(what))  # type: ignore[arg-type]
+    if isinstance(origami, kkt.State):
+        return kkt.classify(origami, polished=polished)
+    stated = as_origami(origami)
+    problem: Any = Model(stated) if isinstance(stated, Scene) else Sheet(stated)
     many = len(problem.expand(np.zeros(problem.size)))
     angles = check_angles("fold_angles", fold_angles, many, one=True)
     state = kkt.State(problem, problem.reduce(angles))
@@ -236,7 +232,7 @@ def write_mesh(result: MinimaResult | SheetResult, target: str | PathLike[str]) 
     Parameters
     ----------
     result
-        Of `find_minima` or `find_states`.
+        Of `find_minima`.
     target
         The file, ``.obj``, ``.stl`` or ``.glb``.
 
@@ -250,7 +246,7 @@ def write_mesh(result: MinimaResult | SheetResult, target: str | PathLike[str]) 
     --------
     >>> import pathlib, tempfile, origami_nlp as o
     >>> path = pathlib.Path(tempfile.mkdtemp(), "states.stl")
-    >>> o.write_mesh(o.find_states("miura:2x2", starts=1), path)
+    >>> o.write_mesh(o.find_minima("miura:2x2", starts=1), path)
     >>> path.stat().st_size > 0
     True
     """

@@ -264,7 +264,7 @@ def find_boundaries(
         if time.monotonic() > until:
             break
         family = plane.family(plane.overs[1 - axis].t_of(u), axis)
-        atlas = follow_family(family, full_space=False, seed=seed, effort=effort, until=until)
+        atlas = follow_family(family, full=False, seed=seed, effort=effort, until=until)
         assert atlas.web is not None  # of one that was just followed
         met = _events_on(plane, atlas.web, axis, u, curves, tally, until)
         names = plane.overs[axis].name, plane.overs[1 - axis].t_of(u)

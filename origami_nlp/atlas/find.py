@@ -36,7 +36,7 @@ def follow(
     *,
     checks: int = 3,
     through_folds: bool = True,
-    full_space: bool = True,
+    full: bool = True,
     morse: bool = False,
     prove: bool | float = False,
     effort: str = "normal",
@@ -61,7 +61,7 @@ def follow(
         Number of searches.
     through_folds
         Whether states are followed on through folds, where they are saddles until they turn again.
-    full_space
+    full
         Whether events at which a symmetric state loses its stability without the symmetry are located.
     morse
         Whether the Morse identity is checked at each check (two symmetric freedoms and full contact only).
@@ -86,7 +86,7 @@ def follow(
     Examples
     --------
     >>> import origami_nlp as o
-    >>> atlas = o.follow(o.examples.degree6("pi/3"), "ratio=0.2:1", checks=1, max_starts=16, full_space=False)
+    >>> atlas = o.follow(o.examples.degree6("pi/3"), "ratio=0.2:1", checks=1, max_starts=16, full=False)
     >>> [(event.type, round(event.t, 6)) for event in atlas.events]
     [('closes', 0.355732)]
     >>> [state.kind for state in atlas.at(0.3)]
@@ -101,7 +101,7 @@ def follow(
             family_of(one, stated),
             checks=checks,
             through_folds=through_folds,
-            full_space=full_space,
+            full=full,
             morse=morse,
             prove=prove,
             effort=effort,
@@ -122,7 +122,7 @@ def follow_family(
     *,
     checks: int = 3,
     through_folds: bool = True,
-    full_space: bool = True,
+    full: bool = True,
     morse: bool = False,
     prove: bool | float = False,
     effort: str = "normal",
@@ -138,13 +138,13 @@ def follow_family(
     check_whole("checks", checks, 1, MOST_CHECKS)
     for name, flag in (
         ("through_folds", through_folds),
-        ("full_space", full_space),
+        ("full", full),
         ("morse", morse),
     ):
         check_flag(name, flag)
     check_prove("prove", prove)
     search = {"effort": effort, "seed": seed, "max_starts": max_starts, "prove": prove}
-    survey = _Survey(family, through_folds, full_space, morse, search, steps, until)
+    survey = _Survey(family, through_folds, full, morse, search, steps, until)
     survey.web.add_flat()
     ends = [family.over.low, family.over.high]
     middle = family.over.t_of(0.5 * (survey.web.low + survey.web.high))
@@ -164,7 +164,7 @@ class _Survey:
         self,
         family: Family,
         through_folds: bool,
-        full_space: bool,
+        full: bool,
         morse: bool,
         search: dict[str, object],
         steps: Steps | None,
@@ -172,13 +172,13 @@ class _Survey:
     ) -> None:
         self._begin = time.perf_counter()
         self.family, self.over, self._morse, self._search = family, family.over, morse, search
-        self._full = full_space
+        self._full = full
         low, high = self.over.s_of(self.over.low), self.over.s_of(self.over.high)
         self._scene = family.scene(self.over.low)
         self._across: WeakKeyDictionary[Equilibrium, float] = WeakKeyDictionary()
         self._touching: Touching = {}
         symmetric = not self._scene.group.is_trivial
-        functions = [("breaks-symmetry", self.across)] if full_space and symmetric else []
+        functions = [("breaks-symmetry", self.across)] if full and symmetric else []
         # some of the time is for judging what was followed
         turn = until if math.isinf(until) else until - JUDGING * (until - time.monotonic())
         self.web = Web(

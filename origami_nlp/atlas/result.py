@@ -66,7 +66,7 @@ class Atlas(Told, Turnable):
     Examples
     --------
     >>> import origami_nlp as o
-    >>> atlas = o.follow(o.examples.degree6("pi/4"), "ratio=1:1.1", checks=1, full_space=False)
+    >>> atlas = o.follow(o.examples.degree6("pi/4"), "ratio=1:1.1", checks=1, full=False)
     >>> [interval.minima for interval in atlas.intervals], [branch.kind_ranges[0].kind for branch in atlas.branches]
     ([2], ['interior', 'contact-touching'])
     """

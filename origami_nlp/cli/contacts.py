@@ -27,7 +27,7 @@ def contacts(
     segments: Annotated[
         bool, typer.Option("--segments", help="Also follow the contact boundaries (metastability).")
     ] = False,
-    max_starts: o.MaxStarts = 100_000,
+    max_starts: o.MaxStarts = None,
     effort: o.Effort = "normal",
     workers: o.Workers = 1,
 ) -> None:

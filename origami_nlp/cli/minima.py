@@ -25,7 +25,7 @@ def minima(
     mesh: o.StatesMesh = None,
     html: o.HtmlFile = None,
     animate: o.AnimateFile = None,
-    max_starts: o.MaxStarts = 100_000,
+    max_starts: o.MaxStarts = None,
     effort: o.Effort = "normal",
     workers: o.Workers = 1,
     seconds: o.Seconds = None,

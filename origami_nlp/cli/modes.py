@@ -24,7 +24,7 @@ def modes(
     json: o.JsonFile = None,
     markdown: o.MarkdownFile = None,
     figure: o.FigureFile = None,
-    max_starts: o.MaxStarts = 100_000,
+    max_starts: o.MaxStarts = None,
     effort: o.Effort = "normal",
     workers: o.Workers = 1,
 ) -> None:

@@ -21,8 +21,8 @@ def _seed(value: int) -> int:
     return check_whole("seed", value, 0)
 
 
-def _max_starts(value: int) -> int:
-    return check_whole("max_starts", value, 1)
+def _max_starts(value: int | None) -> int | None:
+    return None if value is None else check_whole("max_starts", value, 1)
 
 
 def _workers(value: int | None) -> int | None:
@@ -185,7 +185,7 @@ Seed = Annotated[
     int, typer.Option(metavar="N", callback=_seed, help="Seed of all that is drawn at random.")
 ]
 MaxStarts = Annotated[
-    int, typer.Option(metavar="N", callback=_max_starts, help="Cap on random starts.")
+    int | None, typer.Option(metavar="N", callback=_max_starts, help="Cap on random starts.")
 ]
 Seconds = Annotated[
     float | None,
@@ -235,8 +235,13 @@ Effort = Annotated[
         help="Starts, and how often each minimum is to be reached before the search stops.",
     ),
 ]
-FullSpace = Annotated[
-    bool, typer.Option(help="Locate where a state loses stability without its symmetry.")
+FullOrNot = Annotated[
+    bool | None,
+    typer.Option(
+        "--full/--no-full",
+        help="Judge in the full space too, where the symmetry may break.",
+        show_default=False,
+    ),
 ]
 Workers = Annotated[
     int,

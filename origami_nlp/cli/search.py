@@ -27,7 +27,8 @@ def search(scene: Scene, name: str | None, **options: Any) -> MinimaResult:
         with paused() as left:
             if left is not None:
                 options["seconds"] = left
-            result = find_minima(scene, progress=report, **options)
+            given = {name: value for name, value in options.items() if value is not None}
+            result = find_minima(scene, progress=report, **given)
             keep(result)
         return result
 

@@ -75,7 +75,7 @@ from .stability import (
     softest_words as softest_words,
     stability_words as stability_words,
 )
-from .starts import EFFORTS as EFFORTS
+from .starts import EFFORTS as EFFORTS, effort_of as effort_of
 from .stopping import chao1 as chao1
 from .strip import draw_states as draw_states
 from .table import DEMO_HEADS as DEMO_HEADS, demo_rows as demo_rows

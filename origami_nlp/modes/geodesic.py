@@ -16,7 +16,7 @@ import numpy as np
 
 from origami_nlp.files import Brief
 from origami_nlp.kkt import State, Stratum
-from origami_nlp.numerics import FOLLOWED, NEAR_CONTACT
+from origami_nlp.numerics import DEPENDENT, FOLLOWED, NEAR_CONTACT
 from origami_nlp.programme import Contact
 
 STEP = 0.02
@@ -155,7 +155,7 @@ def _tried(here: Stratum, v: np.ndarray, h: float) -> tuple[tuple[Stratum, np.nd
         f, jacobian = model.constraints(y, here.contacts)
         if np.abs(f).max() <= FOLLOWED:
             break
-        pull = np.linalg.lstsq(jacobian / model.root @ rows.T, f, rcond=None)[0]
+        pull = np.linalg.lstsq(jacobian / model.root @ rows.T, f, rcond=DEPENDENT)[0]
         y = y - rows.T @ pull / model.root
     else:
         return None, "no state that closes lies beyond"

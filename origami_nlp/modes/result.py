@@ -15,7 +15,7 @@ import numpy as np
 from origami_nlp.files import Brief
 from origami_nlp.minima import MinimaResult, Minimum
 from origami_nlp.modes.geodesic import Geodesic, Reach
-from origami_nlp.pattern import scene_to_dict
+from origami_nlp.sheets import SheetResult, SheetState
 from origami_nlp.show import Piece, Table, Told, pick
 
 if TYPE_CHECKING:
@@ -91,7 +91,7 @@ class StateModes(Brief):
     """
 
     number: int
-    minimum: Minimum
+    minimum: Minimum | SheetState
     held: tuple[str, ...]
     modes: tuple[Mode, ...]
     coupling: float
@@ -110,7 +110,7 @@ class StateModes(Brief):
 
 @dataclass(frozen=True, repr=False)
 class Modes(Told):
-    """How the minima of a scene give way.
+    """How the minima of a vertex or a pattern give way.
 
     Attributes
     ----------
@@ -127,11 +127,18 @@ class Modes(Told):
     [0.25223]
     """
 
-    result: MinimaResult
+    result: MinimaResult | SheetResult
     states: tuple[StateModes, ...]
 
     PICTURE = "draw_modes"
     READ = SCHEMA
+
+    @property
+    def label(self) -> str:
+        """Whose minima these are."""
+        if isinstance(self.result, SheetResult):
+            return self.result.pattern.name or "pattern"
+        return self.result.scene.label or f"degree {self.result.scene.degree}"
 
     def table(self) -> Table:
         """Return one row a mode: eigenvalue, how far to the first contact each way, and the energy there."""
@@ -148,11 +155,8 @@ class Modes(Told):
                         f"{low.rise:.4g}, {high.rise:.4g}",
                     ]
                 )
-        scene = self.result.scene
         heads = ["mode", "block", "eigenvalue [N m/rad]", "to contact [rad]", "rise there [J]"]
-        title = (
-            f"{scene.label or scene.vertex!r}: energy along the modes of {len(self.states)} minima"
-        )
+        title = f"{self.label}: energy along the modes of {len(self.states)} minima"
         return Table(heads, rows, title, "llrrr")
 
     def told(self) -> Iterator[Piece]:
@@ -178,12 +182,11 @@ class Modes(Told):
         """Return plain JSON data."""
         return {
             "schema": SCHEMA,
-            "scene": scene_to_dict(self.result.scene),
             "minima": self.result.to_dict(),
             "states": [
                 {
                     **pick(s, "state=number", "energy=minimum.energy", "kind=minimum.kind"),
-                    "fold_angles": list(s.minimum.fold_angles),
+                    "fold_angles": list(map(float, s.minimum.fold_angles)),
                     **pick(s, "held", "coupling", "why"),
                     "modes": [m.to_dict() for m in s.modes],
                 }
@@ -193,7 +196,8 @@ class Modes(Told):
 
     @classmethod
     def _read(cls, data: dict[str, Any]) -> Self:
-        result = MinimaResult.from_dict(data["minima"])
+        found: Any = SheetResult if "pattern" in data["minima"] else MinimaResult
+        result = found.from_dict(data["minima"])
         states = tuple(
             StateModes(
                 int(s["state"]),

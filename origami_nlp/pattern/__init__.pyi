@@ -55,6 +55,6 @@ from .sheet_data import (
     pattern_from_dict as pattern_from_dict,
     pattern_to_dict as pattern_to_dict,
 )
-from .stated import as_pattern as as_pattern
+from .stated import as_origami as as_origami, as_pattern as as_pattern
 from .vertex import Vertex as Vertex
 from .windings import windings_of as windings_of

@@ -11,7 +11,6 @@ import math
 import time
 from collections.abc import Callable
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -20,7 +19,7 @@ from origami_nlp.arguments import check_flag, check_number, check_whole
 from origami_nlp.errors import Interrupted, OptionError, OutOfTime
 from origami_nlp.facets import MOST_DENSE, Sheet
 from origami_nlp.kkt import TangentCone
-from origami_nlp.minima import check_noise
+from origami_nlp.minima import check_noise, effort_of
 from origami_nlp.numerics import CLOSES, RESOLVED, SAME, rank
 from origami_nlp.pattern import Pattern, as_pattern
 from origami_nlp.sheets.branches import list_branches
@@ -58,32 +57,34 @@ FAILURES = np.linalg.LinAlgError, ArithmeticError
 
 
 def find_states(
-    pattern: Pattern | str | Path,
-    starts: int = 40,
+    pattern: Pattern | str,
+    starts: int | None = None,
     seed: int = 0,
     contact: bool = True,
-    seconds: float = SECONDS,
+    seconds: float | None = None,
     escape: bool = True,
     noise: float | None = None,
+    *,
+    effort: str = "normal",
+    max_starts: int | None = None,
 ) -> SheetResult:
     """Find the stable states of a pattern.
 
     Parameters
     ----------
     pattern
-        With its springs; the name of an example such as ``"miura:4x4"``, or a FOLD file.
+        As `as_pattern` takes it.
     starts
         Random starts in a row that find no other minimum or curve, then the search ends; ten times as many at most.
+        None: as many as the effort says (`minima.EFFORTS`).
     seed
         Of the random starts: numbers of creases, the sheet's place and the side it is seen from change nothing.
     contact
         Whether facets must not cross; without, only fold limits count.
     seconds
-        Wall time for the search, give or take a second or two: what was left out is named.
-    escape
-        Say what it takes to leave each minimum (`SheetState.escape`).
-    noise
-        Degrees: how many random errors of springs and vertices each minimum survives (`SheetState.survival`).
+        Wall time for the search, give or take a second or two: what was left out is named.  None: 300 s.
+    escape, noise, effort, max_starts
+        As for `minima.find_minima`; errors are those of springs and of the positions of vertices.
 
     Returns
     -------
@@ -93,20 +94,22 @@ def find_states(
     Raises
     ------
     OptionError
-        If `starts` or `seed` is no count, `seconds` is negative, or the pattern has no crease.
+        If an argument is not what it must be, or the pattern has no crease.
     Interrupted
         If the user interrupts it: a `KeyboardInterrupt` whose ``result`` holds what was found.
 
     Examples
     --------
-    >>> import origami_nlp as o
-    >>> found = o.find_states(o.examples.pattern("metasheet", 2, 3), starts=4)
-    >>> all(state.closure_residual < 1e-12 for state in found.minima)
-    True
+    >>> from origami_nlp.sheets import find_states
+    >>> len(find_states("metasheet:2x3", starts=4).minima)
+    5
     """
     pattern = as_pattern(pattern)
-    starts, seed = check_whole("starts", starts, 0), check_whole("seed", seed, 0)
-    check_number("seconds", seconds, 0.0)
+    starts = effort_of(effort).in_a_row if starts is None else check_whole("starts", starts, 0)
+    most = MOST_DRAWN * starts if max_starts is None else check_whole("max_starts", max_starts, 1)
+    check_whole("seed", seed, 0)
+    seconds = SECONDS if seconds is None else check_number("seconds", seconds, 0.0)
+    check_flag("contact", contact)
     check_flag("escape", escape)
     check_noise(noise)
     if not pattern.creases:
@@ -119,7 +122,7 @@ def find_states(
     if len(pattern.vertices) == 1 and not pattern.holes:
         search.part(OF_VERTEX, search.round_the_vertex, seed)
     rng = np.random.default_rng(seed)
-    for k in range(MOST_DRAWN * starts):
+    for k in range(min(MOST_DRAWN * starts, most)):
         if not search.part("random starts", search.draw, rng, k) or search.tally.since == starts:
             break
     search.part(POPS, search.pop, MOST_POPPED * starts)

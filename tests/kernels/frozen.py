@@ -142,7 +142,7 @@ def paths() -> Iterator[Question]:
     e = o.examples
     asked: tuple[tuple[o.Scene, str, dict[str, Any]], ...] = (
         (e.degree6("pi/3"), "ratio=0.2:5", {}),
-        (e.degree6("pi/4"), "alpha=40deg:pi/3", {"full_space": False}),
+        (e.degree6("pi/4"), "alpha=40deg:pi/3", {"full": False}),
         (generic(5, 1), "creases.rest_angles[1]=-1:1", {}),
         (e.degree8("pi/6"), "torque[1]=-0.6:-0.4", {}),
     )

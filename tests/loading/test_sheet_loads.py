@@ -56,7 +56,7 @@ def folded_miura(m, n, k=(1.0, 1.0), rest=(REST, REST), near=0.8):
 )
 def test_a_vertex_as_a_pattern_snaps_where_the_vertex_does(to, back, count):
     scene = o.examples.degree6("5*pi/12", ratio=1)
-    quick = {"confirm": False, "full_space": False, "effort": "quick", "max_starts": 24}
+    quick = {"confirm": False, "full": False, "effort": "quick", "max_starts": 24}
     pattern = wheel(scene.vertex.sector_angles)
     pattern = pattern.with_springs(list(scene.stiffness), list(scene.rest_angles))
     one = o.load_path(scene, 1, to=to, back=back, **quick)
@@ -227,7 +227,7 @@ def test_the_load_falls_back_from_a_snap():
     scene = o.examples.degree6("5*pi/12", ratio=1)
     pattern = wheel(scene.vertex.sector_angles)
     pattern = pattern.with_springs(list(scene.stiffness), list(scene.rest_angles))
-    quick = {"confirm": False, "full_space": False, "effort": "quick", "max_starts": 24}
+    quick = {"confirm": False, "full": False, "effort": "quick", "max_starts": 24}
     one = o.load_path(scene, 1, to=-0.2, back=True, **quick)
     start = settled(pattern, one.legs[0].points[0].fold_angles)
     path = o.load_path(pattern, 1, state=start, back=True, confirm=False)
