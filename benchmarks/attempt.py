@@ -8,10 +8,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from origami_nlp.kkt import StartStream
 from origami_nlp.minima import FEW_PAIRS, MOST_PAIR_ROUNDS
 from origami_nlp.numerics import ANSWERED
 from origami_nlp.programme import Model, Solvable
+from origami_nlp.starts import StartStream
 
 Pairs = tuple[tuple[int, int], ...]
 

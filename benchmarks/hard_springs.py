@@ -11,11 +11,12 @@ import numpy as np
 from benchmarks.hard_case import HardCase, Measured, Outcome
 from benchmarks.hard_flat import exact_state, known_state
 from origami_nlp.errors import SceneError
-from origami_nlp.kkt import StartStream, State
+from origami_nlp.kkt import State
 from origami_nlp.minima import MinimaResult, find_minima
 from origami_nlp.numerics import EPS, ROUNDED
 from origami_nlp.pattern import Scene, Vertex, examples
 from origami_nlp.programme import Model
+from origami_nlp.starts import StartStream
 
 
 def against_50_digits(setting: str, result: MinimaResult, bound: float) -> Outcome:

@@ -24,8 +24,8 @@ import origami_nlp
 PACKAGE = Path(origami_nlp.__file__).parent
 ROOT = PACKAGE.parent
 ORDER = (
-    "version errors arguments workers files numerics closed_forms symbolic pattern folding programme kkt path "
-    "show chart proof facets "
+    "version errors arguments workers files numerics closed_forms symbolic pattern folding programme kkt facets "
+    "starts path show chart proof "
     "minima sheets contact modes critical barriers space landscape atlas springs "
     "loading sweep results verbs paper cli __main__"
 ).split()

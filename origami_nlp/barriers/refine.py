@@ -23,9 +23,10 @@ from origami_nlp.barriers.passes import (
     slide,
 )
 from origami_nlp.barriers.thin import thin_curves
-from origami_nlp.kkt import State, flat_foldings, thin_at
+from origami_nlp.kkt import State, thin_at
 from origami_nlp.numerics import LEVEL, SAME, Merge, MergeTree, merge_tree
 from origami_nlp.programme import Model
+from origami_nlp.starts import flat_foldings
 
 MOST_ROUNDS = 6
 

@@ -1,7 +1,7 @@
 """The paper's coordinates of a scene with two symmetric freedoms, from the generated closed forms.
 
 - D_1, degree 6: (phi_2, phi_3), the fold angles between the mirror creases; one branch
-  (`closed_forms.degree6`, paper eq. phi1-6-fold).
+  (`closed_forms.degree6`, paper, eq. 3.2, phi1-6-fold).
 - D_n, n >= 2, wedge of three creases (degree 4 n): (phi_2, elevation upsilon of crease 1, paper's sign:
   F_1 = Q(e2, upsilon) Q(b_1, phi_1/2)), two branches (`closed_forms.wedge3`, of states that wind once).
 

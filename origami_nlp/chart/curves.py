@@ -13,10 +13,11 @@ import math
 
 import numpy as np
 
-from origami_nlp.kkt import StartStream, project
+from origami_nlp.kkt import project
 from origami_nlp.numerics import CLOSES, OUTSIDE
 from origami_nlp.pattern import Scene
 from origami_nlp.programme import Model, Programme
+from origami_nlp.starts import StartStream
 
 STARTS = 96
 """Projected random states from which curves are looked for; the same every time."""

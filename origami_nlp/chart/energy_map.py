@@ -3,7 +3,7 @@
 Three forms, by the scene's symmetric degrees of freedom:
 
 - D_1, degree 6 (two freedoms): (phi_2, phi_3), the fold angles between the mirror creases; the rest
-  from `closed_forms.degree6` (paper, eq. phi1-6-fold).
+  from `closed_forms.degree6` (paper, eq. 3.2, phi1-6-fold).
 - D_n, n >= 2, wedge of three creases (degree 4 n; two freedoms): (phi_2, elevation upsilon of crease
   1, paper's sign: F_1 = Q(e2, upsilon) Q(b_1, phi_1/2)), two branches, from `closed_forms.wedge3`.
 - one freedom: the curves of closed states, traced numerically, over one of their fold angles.

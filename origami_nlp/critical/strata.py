@@ -16,10 +16,11 @@ import numpy as np
 from origami_nlp.critical.edges import Edge, trace_edges
 from origami_nlp.critical.link import RADII, Link, closed_rows, link_of
 from origami_nlp.errors import OptionError
-from origami_nlp.kkt import State, flat_foldings, project
+from origami_nlp.kkt import State, project
 from origami_nlp.numerics import CLOSES, FOLLOWED, OUTSIDE, RANK, SETTLED, distinct
 from origami_nlp.pattern import Scene, Vertex
 from origami_nlp.programme import Model, Programme
+from origami_nlp.starts import flat_foldings
 
 FACE_SAMPLES = 8192
 """Random states that are projected onto closure; those in X are spread over its faces."""

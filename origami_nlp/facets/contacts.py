@@ -82,6 +82,7 @@ class PatternContacts(PatternEquations):
 
     def contact_of(self, touch: Touch) -> Contact:
         """Return the contact of a touch."""
+        # one number for both sides, whichever facet passed on which: a curve of states keeps its contacts by number
         same = replace(touch, sign=1.0)
         number = self._numbers.setdefault(same, len(self._touches))
         if number == len(self._touches):
@@ -135,6 +136,8 @@ class PatternContacts(PatternEquations):
 
         def closed(pair: int, above: bool) -> list[Contact]:
             every = faces.touches(pair, above)
+            # of points that lie on the other facet only those count that touch: facets may be level at a side, and open
+            # beyond
             near = CLOSES * self.crossings.size
             return [self.contact_of(t) for t in every if t.gap(place) <= near]
 
@@ -143,6 +146,7 @@ class PatternContacts(PatternEquations):
         base = self._needed(x, (*limits, *meeting), known)
         edges = choices(self.features, place)
         branches: list[tuple[tuple[Contact, ...], ...]]
+        # a choice: one of these gaps stays open, whichever; the set of states is the union over them
         branches = [tuple((self.contact_of(t),) for t in choice) for choice in edges]
         branches += [(tuple(closed(k, False)), tuple(closed(k, True))) for k in faces.open]
         whole = not (meeting or known or branches or faces.reason)

@@ -46,6 +46,7 @@ def touches_at(problem: PatternEquations, x: np.ndarray, shut: np.ndarray) -> li
 def _opened_by(problem: PatternEquations, row: np.ndarray, x: np.ndarray, shut: np.ndarray) -> bool:
     """Tell whether a gap with this slope opens as creases at their limits do, and by nothing else."""
     tiny = INDEPENDENT * problem.crossings.size
+    # -side d(gap)/dphi >= 0 for creases at their limits, and nothing for the rest: the limits imply the gap
     others = np.abs(np.delete(row, shut)).max(initial=0.0)
     return bool(others <= tiny and (-np.sign(x[shut]) * row[shut]).min(initial=0.0) >= -tiny)
 
@@ -53,6 +54,7 @@ def _opened_by(problem: PatternEquations, row: np.ndarray, x: np.ndarray, shut: 
 def _seen_otherwise(problem: PatternEquations, touch: Touch) -> Iterator[Touch]:
     """Go through facets that have the features of a touch: walks between some of them cross fewer creases."""
     rings = problem.features.rings
+    # on closed states a gap does not depend on the walk, but its slope names other creases
     ends = touch.corners[:1] if touch.type == "vertex-face" else touch.corners[2:]
     a, b = touch.facets
     yield touch
@@ -113,6 +115,7 @@ def needed_rows(slopes: np.ndarray, sure: int) -> np.ndarray:
     for k in sorted((k for k in extra if keep[k]), key=lambda k: round(lengths[k], 9)):
         keep[k] = False
         others = columns[:, keep]
+        # Farkas: a_k d >= 0 follows from the others exactly where a_k is a sum of them with factors >= 0
         left = others @ nonnegative_least_squares(others, columns[:, k]) - columns[:, k]
         keep[k] = float(np.abs(left).max(initial=0.0)) > INDEPENDENT
     return keep

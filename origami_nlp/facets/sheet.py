@@ -159,6 +159,7 @@ class Sheet(PatternContacts):
         """Hessian of weight U - multipliers . (closure, openings) over `scale` at a state, [n, n]; dense."""
         m = self.closure.count
         if weight:
+            # weight U - lam . c = weight (U - (lam / weight) . c)
             h = weight * dense(self.hessian(x, multipliers[:m] / weight))
         else:
             h = -dense(self.closure.hessian(x, multipliers[:m]))
@@ -182,6 +183,7 @@ class Sheet(PatternContacts):
             if force and not contact.is_limit:
                 touch, place = self.touch(contact), self.placed(x)
                 creases, _ = touch.slopes(place)
+                # openings are gaps over the sheet's size
                 h[np.ix_(creases, creases)] += force / self.crossings.size * touch.bends(place)
         return h
 
@@ -303,6 +305,7 @@ class Sheet(PatternContacts):
         """Differentiate the KKT system along a change of `parameters.vector`: of springs and load alone."""
         stiffness, rest, load = change[: 3 * self.size].reshape(3, -1)
         p = self.parameters
+        # d(k (phi - phi0) - load); closure and gaps do not depend on springs and loads
         torque = stiffness * (x - p.rest) - p.stiffness * rest - load
         if self._dead is not None:
             torque = torque - change[-1] * self._dead.work.gradient(x)

@@ -42,11 +42,13 @@ class _Walk:
         axes, origins = np.zeros_like(self.axes), np.zeros_like(self.origins)
         for i, angle in enumerate(phi[self.creases] - self.reference):
             axes[i], origins[i] = turn @ self.axes[i], turn @ self.origins[i] + shift
+            # motions are x -> turn x + shift; the turn about an axis through o is x -> o + r (x - o)
             after = _rotation(self.axes[i], angle)
             shift = shift + turn @ (self.origins[i] - after @ self.origins[i])
             turn = turn @ after
         x = turn @ self.corner + shift
         first = cross(axes, x - origins)
+        # a_i x (a_j x (x - o_j)) for i <= j; the earlier crease carries the later one
         second = cross(axes[:, None], np.broadcast_to(first, (len(axes), *first.shape)))
         upper = np.triu(np.ones((len(axes), len(axes)), bool))[..., None]
         second = np.where(upper, second, second.swapaxes(0, 1))
@@ -155,6 +157,7 @@ class Torque:
 
     def room(self, t: float) -> float:
         """Return what makes U - t w positive: it completes the square."""
+        # k/2 (phi - phi0)^2 - t phi = k/2 (phi - phi0 - t/k)^2 - t phi0 - t^2 / (2 k)
         i = np.array(self.creases) - 1
         p = self.pattern
         return float(np.sum(t * p.rest[i] + t * t / (2 * p.stiffness[i])))
@@ -237,6 +240,7 @@ class Pull:
         here, walk = self._seen
         x, first, second = walk.place(phi)
         far = float(np.linalg.norm(x - here))
+        # |x|'' = (x' . x' - (x' . e)^2) / |x| + x'' . e with e = x / |x|
         along = first @ (x - here) / far
         out = np.zeros((len(phi), len(phi)))
         inner = (first @ first.T - np.outer(along, along)) / far + second @ (x - here) / far

@@ -177,6 +177,7 @@ def _step(state: State, length: float) -> tuple[np.ndarray, float] | None:
         while step * size >= SHORTEST:
             y = _closed(model, x + step * d, held)
             change = math.inf if y is None else model.energy_change(x, y) / model.scale
+            # sufficient decrease (Nocedal & Wright, 3.4), measured after the way back to closure
             if y is not None and change < DECREASE * step * slope and not model.refuses(y):
                 if best is None or change < best[0]:
                     best = (change, y, step * size)
@@ -188,6 +189,7 @@ def _step(state: State, length: float) -> tuple[np.ndarray, float] | None:
 def _pull(piece: Stratum) -> np.ndarray:
     """Minimise grad U . d + d'Kd/2 over the linearised feasible set: gap + gradient . d >= 0 for each contact."""
     state = piece.state
+    # with y = K^(1/2) d this is a projection: the step of sequential quadratic programming, K in place of the Hessian
     root = np.sqrt(state.programme.parameters.stiffness)  # the stiffness metric
     z = null_space(state.local.closure_jacobian / root)
     gaps, slopes = state.local.openings(piece.contacts)

@@ -412,6 +412,7 @@ def barriers(
         direct = math.inf if beyond is None else float(beyond[k])
         out.append(found if found[0] <= direct else (direct, -1))
     for k, (barrier, _) in enumerate(out):
+        # the lowest state has no lower one to go to: its barrier is that to any other that is not shallow
         if math.isinf(barrier) and (energies >= energies[k] - level).all():
             deep = np.array([b >= SHALLOW * scale for b, _ in out])
             deep[k] = False
@@ -430,6 +431,7 @@ def _least(heights: np.ndarray, which: np.ndarray, energy: float) -> tuple[float
 
 def _closed(heights: np.ndarray) -> np.ndarray:
     """Return heights [M, M] of ways over other states as well, where these are lower."""
+    # least height over all ways: the recursion of Floyd and Warshall with (min, max) in place of (min, +)
     h = np.minimum(heights, heights.T)
     for k in range(len(h)):
         h = np.minimum(h, np.maximum(h[:, k : k + 1], h[k]))

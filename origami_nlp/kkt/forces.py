@@ -80,6 +80,7 @@ def _carried(state: State, rows: tuple[Contact, ...], m: Multipliers) -> tuple[C
         text = who.text
         if contact in also:
             text += " (so " + ", ".join(sorted(set(also[contact]))) + ")"
+        # one multiplier of the reduced programme stands for all images of a contact; scaled energies become the scene's
         unit = model.scale / model.weight(contact)
         values = (m.smallest[r], m.lower[r], m.upper[r]) if stationary else (0.0, 0.0, math.inf)
         moments = [float(v * unit) for v in values]

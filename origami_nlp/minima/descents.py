@@ -21,12 +21,20 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from origami_nlp.minima.closing import EXPLORED, Closing, Point, balance
-from origami_nlp.minima.crossings import Crossings
-from origami_nlp.minima.samples import Ends, Samples, joined, put
 from origami_nlp.minima.sweeps import sweep
 from origami_nlp.numerics import CHOSEN, ROUNDED, TOUCHES, coarse, first_largest
 from origami_nlp.programme import OPEN, Model, Parameters
+from origami_nlp.starts import (
+    EXPLORED,
+    Closing,
+    Crossings,
+    Ends,
+    Point,
+    Samples,
+    balance,
+    joined,
+    put,
+)
 
 FLAT_SLOPE = 1e-10
 """Torque that is left where a descent has converged, relative to the largest that balance."""

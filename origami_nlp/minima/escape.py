@@ -29,10 +29,10 @@ from origami_nlp.kkt import (
 from origami_nlp.minima.descents import Descents
 from origami_nlp.minima.minimum import Minimum
 from origami_nlp.minima.one_freedom import Traced
-from origami_nlp.minima.samples import Samples
 from origami_nlp.minima.traced_passes import TracedPasses, traced_passes
 from origami_nlp.numerics import BESIDE, CLOSES, FOLLOWED, LEVEL, RESOLVED, SETTLED, SHALLOW
 from origami_nlp.programme import Contact, Model
+from origami_nlp.starts import Samples
 
 MOST_STATES = 8
 """Minima, images of one another counted once, out of which ways are sought: those of lowest energy."""

@@ -9,22 +9,10 @@ from collections.abc import Callable
 
 import numpy as np
 
-from origami_nlp.kkt import (
-    Polished,
-    Solve,
-    flat_foldings,
-    polish,
-    polished_nearby,
-    project,
-    rest_state,
-    rigid_states,
-)
+from origami_nlp.kkt import Polished, Solve, polish, polished_nearby, project
 from origami_nlp.minima.coverage import StrataCount, count_strata
-from origami_nlp.minima.hinges import hinge_minima
 from origami_nlp.minima.minimum import Rejected, SearchReport
 from origami_nlp.minima.multistart import run_starts
-from origami_nlp.minima.near_flat import flat_minima
-from origami_nlp.minima.near_folded import folded_minima
 from origami_nlp.minima.one_freedom import EXACT, Traced, trace
 from origami_nlp.minima.record import (
     BREAKDOWNS,
@@ -36,11 +24,23 @@ from origami_nlp.minima.record import (
     listed,
 )
 from origami_nlp.minima.search import Search, Work
-from origami_nlp.minima.starts import CORNER, SOURCES, Effort, Rounds, is_chain
 from origami_nlp.minima.stopping import chao1
 from origami_nlp.numerics import BESIDE, CLOSES, DESIGN_SNAP, NEAR_CONTACT, SAME
 from origami_nlp.pattern import Labels, canonical_labels
 from origami_nlp.programme import Model
+from origami_nlp.starts import (
+    CORNER,
+    SOURCES,
+    Effort,
+    Rounds,
+    flat_foldings,
+    flat_minima,
+    folded_minima,
+    hinge_minima,
+    is_chain,
+    rest_state,
+    rigid_states,
+)
 
 MOST_BATCHED = 24
 """Variables up to which descents are made in batches with symmetry or facets that may touch; above, IPOPT solves from

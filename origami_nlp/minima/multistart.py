@@ -6,11 +6,12 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from origami_nlp.kkt import Solve, StartStream
+from origami_nlp.kkt import Solve
 from origami_nlp.minima.ipopt import solve
 from origami_nlp.minima.record import Answer, Record
 from origami_nlp.numerics import ANSWERED, SAME
 from origami_nlp.programme import Model, Solvable
+from origami_nlp.starts import StartStream
 
 MOST_PAIR_ROUNDS = 4
 FEW_PAIRS = 6

@@ -13,11 +13,10 @@ import numpy as np
 from origami_nlp.kkt import Solve, State
 from origami_nlp.minima.descents import Descents
 from origami_nlp.minima.record import Answer, Record, close_orbit, judge
-from origami_nlp.minima.samples import Ends, Samples, joined
-from origami_nlp.minima.starts import DRAWN, GIVEN, SOURCES
 from origami_nlp.numerics import NEAR_CONTACT, ROUNDED, SAME
 from origami_nlp.pattern import Labels
 from origami_nlp.programme import OPEN, Contact, Model, fold_limit
+from origami_nlp.starts import DRAWN, GIVEN, SOURCES, Ends, Samples, joined
 from origami_nlp.workers import stop_workers, worker_pool
 
 FIRST_BATCH, BATCH = 256, 4096

@@ -19,9 +19,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from origami_nlp.minima.closing import Point
-from origami_nlp.minima.samples import Samples
 from origami_nlp.numerics import EPS, cross
+from origami_nlp.starts import Point, Samples
 
 LEAST_PIVOT = 1e-2
 """Pivots (1 for springs alone) are at least this."""

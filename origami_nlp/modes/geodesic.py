@@ -164,7 +164,10 @@ def _tried(here: Stratum, v: np.ndarray, h: float) -> tuple[tuple[Stratum, np.nd
     chord = model.root * (y - x)
     if not SHORTEST * h <= np.linalg.norm(chord) <= h / SHORTEST:
         return None, "no state that closes lies beyond"
-    if refused := model.refuses(y):
+    refused = model.refuses(y)
+    if refused and not model.doubt(
+        y
+    ):  # facets that are all but on each other end no way: what they lie on does
         return None, refused
     there = here.state.at(y).on(here.contacts)
     along = there.tangent @ (there.tangent.T @ chord)

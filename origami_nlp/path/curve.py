@@ -55,17 +55,20 @@ class Point:
     @property
     def slope(self) -> float:
         """dU/ds, scaled energy."""
+        # paper, eq. 3.5
         return float(self.stratum.state.gradient @ self.tangent)
 
     @property
     def stiffness(self) -> float:
         """d2U/ds2, scaled energy."""
+        # paper, eq. 3.6: the multipliers stand for grad U . y''
         return float(self.tangent @ self.stratum.hessian @ self.tangent)
 
     @property
     def springs(self) -> float:
         """t . K t alone, scaled energy."""
         p = self.stratum.state.programme
+        # stiffness sums over the creases of a variable; y = sqrt(multiplicity) x divides by their number
         return float(self.tangent @ (p.parameters.stiffness / p.multiplicity * self.tangent))
 
     @cached_property
@@ -178,6 +181,7 @@ def evaluate(held: Stratum, along: np.ndarray | None = None) -> Point | None:
             return None
         tangent = tangent / size
     turning = np.array([_second(held, i, tangent) for i in range(len(held.jacobian))])
+    # C y'' = -t' (Hess c) t; the solution of smallest norm is normal to the set: a geodesic
     bend = -np.linalg.lstsq(held.jacobian, turning, rcond=RANK)[0]
     return Point(held, tangent, bend, z.shape[1])
 

@@ -231,6 +231,7 @@ class Web:
         self, curve: EquilibriumCurve, a: Equilibrium, b: Equilibrium, here: int
     ) -> list[Found]:
         """Return what comes inside a step, in order: events, and states given that lie there; not the node `here`."""
+        # order of events: by the length along the tangent at a, the same for all of them
         length = float(a.tangent @ (self.root * (b.x - a.x)))
         found = []
         for node in self.nodes:
@@ -331,6 +332,7 @@ class Web:
         """Return the first event between a, which is followed, and b, which is not."""
         end = self.low if b.s < self.low else self.high if b.s > self.high else None
         if end is not None:
+            # a guess; where Newton at s fails, bisection along the curve finds the end
             share = (end - a.s) / (b.s - a.s)
             guess = a.x + share * (b.x - a.x)
             beyond = curve.at(guess, end, a.tangent) or curve.between(a, b, end)
@@ -358,6 +360,7 @@ class Web:
                 continue
             # a branching is known to the root of rounding only along its branches
             crude = node.type == event.type == "branching"
+            # met before along another arc: the arcs are joined there
             if _near(self.root, node.point, point, BESIDE if crude else SETTLED):
                 return k, True
         node = Node(
@@ -404,6 +407,7 @@ class Web:
             node.type = "corner"  # another contact of a dependent set takes over
         elif not onward:
             node.why = node.why or "no equilibrium goes on from there"
+        # every way on goes back in s: a minimum and a saddle meet at the contact, without a zero eigenvalue
         elif all(v * back.frame.ahead > 0 for v in ahead):
             node.type = "nonsmooth-fold"
         if node.type == "nonsmooth-fold" and not self.through_folds:

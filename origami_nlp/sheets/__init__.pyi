@@ -39,7 +39,6 @@ from .judgement import (
     singular_beside as singular_beside,
     told_contact as told_contact,
 )
-from .labels import Labels as Labels, find_labels as find_labels
 from .marks import touch_places as touch_places
 from .motion import Motion as Motion, find_motion as find_motion
 from .noise import is_overdetermined as is_overdetermined

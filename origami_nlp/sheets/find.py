@@ -17,9 +17,9 @@ import numpy as np
 
 from origami_nlp.arguments import check_flag, check_number, check_whole
 from origami_nlp.errors import Interrupted, OptionError, OutOfTime
-from origami_nlp.facets import MOST_DENSE, Sheet
+from origami_nlp.facets import MOST_DENSE, Sheet, find_labels, image
 from origami_nlp.kkt import TangentCone
-from origami_nlp.minima import check_noise, effort_of
+from origami_nlp.minima import check_noise
 from origami_nlp.numerics import CLOSES, RESOLVED, SAME, rank
 from origami_nlp.pattern import Pattern, as_pattern
 from origami_nlp.sheets.branches import list_branches
@@ -31,7 +31,6 @@ from origami_nlp.sheets.escape import with_escapes
 from origami_nlp.sheets.flat_folded import list_flat_folded, ways_out
 from origami_nlp.sheets.interpolant import wells
 from origami_nlp.sheets.judgement import beside, judge, singular_beside, stationary_beside
-from origami_nlp.sheets.labels import find_labels, image
 from origami_nlp.sheets.noise import NOISE, with_survival
 from origami_nlp.sheets.pinned import press_along, press_off
 from origami_nlp.sheets.pressing import UNTOLD, press
@@ -39,6 +38,7 @@ from origami_nlp.sheets.result import BARRIERS, MEETINGS, OF_VERTEX, POPS, WAYS_
 from origami_nlp.sheets.starts import close, drawn, given, lowest_on, of_vertex, popped_starts
 from origami_nlp.sheets.state import SheetState
 from origami_nlp.sheets.tally import Tally
+from origami_nlp.starts import effort_of
 
 OUT = 0.2
 """First step out of a state where curves meet, of the longest fold angle [rad]."""

@@ -21,7 +21,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from origami_nlp.facets import MOST_DENSE, Sheet
+from origami_nlp.facets import MOST_DENSE, Labels, Sheet
 from origami_nlp.minima import (
     GROWTH,
     TRIALS,
@@ -34,7 +34,6 @@ from origami_nlp.pattern import Pattern
 from origami_nlp.sheets.contacts import closed_contacts
 from origami_nlp.sheets.descent import descend
 from origami_nlp.sheets.judgement import judge
-from origami_nlp.sheets.labels import Labels
 from origami_nlp.sheets.pressing import press
 from origami_nlp.sheets.rows import Rows, balanced, polish
 from origami_nlp.sheets.starts import close

@@ -8,12 +8,11 @@ from itertools import product
 
 import numpy as np
 
-from origami_nlp.facets import Sheet, round_vertex
+from origami_nlp.facets import Labels, Sheet, round_vertex
 from origami_nlp.minima import find_minima
 from origami_nlp.numerics import CLOSES, RESOLVED, SAME, nearest
 from origami_nlp.pattern import Contact, Pattern, Scene
 from origami_nlp.sheets.curve import SHUT
-from origami_nlp.sheets.labels import Labels
 
 POPPED = (1.0, -1.0), (1.0, -0.3), (0.3, -1.0), (0.3, -0.3)
 """Where a vertex is popped: what all folds are multiplied by, and those round it besides."""

@@ -98,7 +98,7 @@ def test_plain_data_have_the_stated_keys(atlas):
 
 
 def test_a_picture_frames_and_words(atlas, tmp_path):
-    draw_atlas(atlas, tmp_path / "atlas.png")
+    atlas.draw(tmp_path / "atlas.png")
     assert (tmp_path / "atlas.png").stat().st_size > 10_000
     frames = atlas.to_fold()["file_frames"]
     assert len(frames) == sum(len(b.points) for b in atlas.branches)

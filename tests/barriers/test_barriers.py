@@ -15,11 +15,12 @@ from origami_nlp.barriers.thin import thin_curves
 from origami_nlp.closed_forms import degree6
 from origami_nlp.critical import find_critical_points
 from origami_nlp.errors import OptionError
-from origami_nlp.kkt import StartStream, State, follow, project
+from origami_nlp.kkt import State, follow, project
 from origami_nlp.minima import find_minima
 from origami_nlp.numerics import merge_tree
 from origami_nlp.pattern import Scene, Vertex, examples
 from origami_nlp.programme import Model
+from origami_nlp.starts import StartStream
 from tests.computed_once import barriers_with_handles, once, panel_result
 from tests.independent.flood import ChartGrid
 from tests.independent.search_manifold import Piece

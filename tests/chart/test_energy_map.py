@@ -11,8 +11,8 @@ from origami_nlp.chart import chart_of, landscape, wedge_elevation
 from origami_nlp.chart.axes import fill_outwards
 from origami_nlp.closed_forms import wedge3
 from origami_nlp.folding import examine, fold_vertex
-from origami_nlp.kkt import StartStream
 from origami_nlp.programme import Model
+from origami_nlp.starts import StartStream
 from tests.computed_once import panel_result, thinned
 
 CLOSURE = 1e-12  # |vec q| of completed states, away from the places where charts end

@@ -16,8 +16,8 @@ from origami_nlp.facets import DeadForce, Pull, Sheet, Torque
 from origami_nlp.pattern import make_pattern
 from origami_nlp.sheets import descend, judge
 from tests.command_line import run
-from tests.sheets.patterns import miura, miura_angles, strip, wheel
-from tests.sheets.trigonometry import strip_states
+from tests.independent.trigonometry import strip_states
+from tests.patterns import miura, miura_angles, strip, wheel
 
 GAMMA, REST = math.radians(70), 1.2
 

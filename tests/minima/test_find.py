@@ -155,7 +155,7 @@ def test_the_estimate_is_no_more_than_what_is_missing_in_the_mean():
 def test_descent_from_random_states_ends_at_a_listed_minimum():
     """An independent look at completeness: downhill from anywhere leads to a state that was found."""
     rng = np.random.default_rng(0)
-    from origami_nlp.kkt import StartStream
+    from origami_nlp.starts import StartStream
 
     for scene in examples.panels()[::8]:
         result = panel_result(scene)

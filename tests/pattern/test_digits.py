@@ -10,7 +10,7 @@ from origami_nlp.facets import Poses, Sheet
 from origami_nlp.pattern import examples, frame_pattern, parse_fold
 from origami_nlp.sheets import find_states, judge
 from tests.fold_files import others
-from tests.sheets.relabelled import relabelled
+from tests.relabelled import relabelled
 
 
 def turned(name, digits, rows=None, columns=None, angle=0.3):

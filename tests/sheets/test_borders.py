@@ -14,7 +14,7 @@ from origami_nlp.facets import Placed, Sheet, order_layers
 from origami_nlp.pattern import Scene, make_pattern
 from origami_nlp.sheets import closed_choices, judge, press
 from origami_nlp.sheets.rows import Rows, polish
-from tests.sheets.patterns import wheel
+from tests.patterns import wheel
 
 SIXTH = np.full(6, math.pi / 3)
 SHUT = np.arange(6) == 5
@@ -57,7 +57,7 @@ def meeting():
 
 def test_of_each_choice_one_gap_stays_open_exactly_where_another_library_finds_no_crossing():
     pytest.importorskip("fcl", reason="python-fcl, of the extra test")
-    from tests.sheets.rigid import Rigid
+    from tests.independent.rigid import Rigid
 
     both = [0, 0]
     pushed = [(sheet, state.fold_angles) for sheet, state in pressed()[:3]]

@@ -7,12 +7,11 @@ import numpy as np
 import pytest
 
 import origami_nlp as o
-from origami_nlp.facets import Sheet
+from origami_nlp.facets import Sheet, find_labels, image
 from origami_nlp.kkt import BOUND, TRACED, Way
-from origami_nlp.sheets import SheetResult, find_labels, find_states
+from origami_nlp.sheets import SheetResult, find_states
 from origami_nlp.sheets.escape import _images, _openings
-from origami_nlp.sheets.labels import image
-from tests.sheets.relabelled import relabelled
+from tests.relabelled import relabelled
 
 PASS = 0.372454
 """Lowest pass of yoshimura:2x2, by the least energy with its vertex flat, from which descents reach both states."""

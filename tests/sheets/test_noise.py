@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 
 import origami_nlp as o
-from origami_nlp.facets import Sheet
-from origami_nlp.sheets import SheetResult, find_labels, find_states
+from origami_nlp.facets import Sheet, find_labels
+from origami_nlp.sheets import SheetResult, find_states
 from origami_nlp.sheets.angle_sums import angle_sums
 from origami_nlp.sheets.noise import displacements
 from origami_nlp.sheets.starts import scene_of
-from tests.sheets.relabelled import relabelled
+from tests.relabelled import relabelled
 
 
 def sectors(pattern) -> np.ndarray:

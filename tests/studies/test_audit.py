@@ -11,7 +11,7 @@ import pytest
 from origami_nlp.closed_forms import wedge3
 from origami_nlp.errors import OptionError, SceneFileError
 from origami_nlp.folding import examine
-from origami_nlp.kkt import State, distance_from_stationary, project
+from origami_nlp.kkt import State, project
 from origami_nlp.minima import find_minima
 from origami_nlp.pattern import examples
 from origami_nlp.programme import Model
@@ -23,7 +23,7 @@ from studies import (
     read_candidates,
 )
 from studies.__main__ import app
-from studies.audit import CAUSES, PanelAudit
+from studies.audit import CAUSES, PanelAudit, distance_from_stationary
 from studies.audit_table import HEADS, totals
 from studies.chart_states import chart_end, chart_point
 from studies.closing import closing_alphas, mean_of_rows

@@ -372,15 +372,15 @@ def test_examples_files_and_lists(tmp_path):
         parse_sweep({"scene": {"file": "no.toml"}, "axes": [{"set": "x", "values": [1]}]}, tmp_path)
 
 
-@pytest.mark.parametrize("suffix", ["png", "pdf"])
-def test_figures(finished, tmp_path, suffix):
+def test_figures(finished, tmp_path):
     from origami_nlp.sweep import draw_sweep
 
-    figure = draw_sweep(finished, tmp_path / f"a.{suffix}")
+    figure = draw_sweep(finished)
     titles = {axes.get_title() for axes in figure.axes}
     kinds = {k for k in load_states(finished).kind}
     assert "all minima" in titles and kinds <= titles
-    assert (tmp_path / f"a.{suffix}").stat().st_size > 1000
+    figure.savefig(tmp_path / "a.png")
+    assert (tmp_path / "a.png").stat().st_size > 1000
 
 
 def test_chains_cover_every_scene_once():
