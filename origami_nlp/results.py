@@ -34,12 +34,6 @@ _READ = {
     "origami-nlp/pattern/1": ("sheets", "Overview"),
     "origami-nlp/motion/1": ("sheets", "Motion"),
 }
-_OF_A_PATTERN = (
-    ("minima", "sheets", "SheetResult"),
-    ("load", "loading", "LoadPath"),
-    ("motion", "sheets", "Motion"),
-)
-"""What ``origami-nlp pattern --json`` may write beside counts, by its key; what was asked for most stands first."""
 
 
 def draw(result: Result, path: str | PathLike[str] | None = None) -> Figure:
@@ -157,8 +151,8 @@ def load(path: str | PathLike[str]) -> Any:
     Returns
     -------
     Result
-        By the schema that the file names.  Of what ``origami-nlp pattern`` writes: the stable states if there are some,
-        else the load path, else the motion, else the counts.
+        By the schema that the file names.  Of what ``origami-nlp pattern`` writes: the motion if it is there, else the
+        counts.
 
     Raises
     ------
@@ -179,11 +173,8 @@ def load(path: str | PathLike[str]) -> Any:
         known = ", ".join(_READ)
         raise OptionError(f"schema = {shown(schema)} in {path} cannot be read back: use {known}")
     room, name = _READ[schema]
-    if name == "Overview":
-        for key, one, other in _OF_A_PATTERN:
-            if key in data:
-                room, name, data = one, other, data if key == "minima" else data[key]
-                break
+    if name == "Overview" and "motion" in data:
+        name, data = "Motion", data["motion"]
     return getattr(import_module(f"origami_nlp.{room}"), name).from_dict(data)
 
 

@@ -6,22 +6,24 @@ function hands over to the room that knows the one or the other.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from os import PathLike, fspath
 from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
 
-from origami_nlp.arguments import check_angles, refuse
+from origami_nlp.arguments import check_angles, refuse, shown
 from origami_nlp.errors import OptionError
 from origami_nlp.numerics import CLOSES
 
 if TYPE_CHECKING:
     from origami_nlp.kkt import Classification, State
-    from origami_nlp.minima import MinimaResult
+    from origami_nlp.minima import MinimaResult, VertexwiseMinima
     from origami_nlp.pattern import Pattern, Scene
     from origami_nlp.sheets import SheetResult
 
+CONTACTS = {"full": True, "fold-limits": False}
+"""What a pattern's contact may be: whether facets must not cross; folds end at pi always."""
 _OF_A_PATTERN = {
     "starts": "the effort says how many starts a vertex gets",
     "contact": "a scene states its contact itself",
@@ -62,13 +64,15 @@ def find_minima(
     effort: str = ...,
     max_starts: int | None = ...,
     starts: int | None = ...,
-    contact: bool | None = ...,
+    contact: str | None = ...,
     seconds: float | None = ...,
     escape: bool = ...,
     noise: float | None = ...,
 ) -> SheetResult: ...
+@overload
+def find_minima(origami: Mapping[int, Scene], **options: Any) -> VertexwiseMinima: ...
 def find_minima(
-    origami: Scene | Pattern | str | PathLike[str],
+    origami: Scene | Pattern | str | PathLike[str] | Mapping[int, Scene],
     *,
     seed: int = 0,
     effort: str = "normal",
@@ -77,14 +81,15 @@ def find_minima(
     escape: bool = True,
     noise: float | None = None,
     **others: Any,
-) -> MinimaResult | SheetResult:
+) -> MinimaResult | SheetResult | VertexwiseMinima:
     """Find and classify the energy minima of a vertex or of a whole pattern: its stable states.
 
     Parameters
     ----------
     origami
         A scene, which is one vertex, or a scene file; or a pattern with all its vertices coupled: itself, the name of
-        an example such as ``"miura:4x4"``, or a FOLD file.
+        an example such as ``"miura:4x4"``, or a FOLD file.  Or several scenes by the numbers of vertices, as
+        `read_fold_scenes` returns them: each by itself, equal ones once.
     seed
         Of the random starts; the same seed gives the same answer.
     effort
@@ -101,12 +106,12 @@ def find_minima(
     others
         Of a scene alone: ``fewest_starts``, ``guesses``, ``full``, ``prove``, ``workers``,
         ``progress``, see `minima.find_minima`.  Of a pattern alone: ``starts`` (random starts in a row that find
-        nothing new, in place of the effort) and ``contact`` (False: facets may cross), see `sheets.find_states`.
+        nothing new, in place of the effort) and ``contact`` (``"full"``, or ``"fold-limits"``: facets may cross).
 
     Returns
     -------
-    MinimaResult or SheetResult
-        The minima in order of energy, and the record of the search.
+    MinimaResult, SheetResult or VertexwiseMinima
+        The minima in order of energy, and the record of the search; of several scenes one for each that differs.
 
     Raises
     ------
@@ -124,7 +129,7 @@ def find_minima(
     from origami_nlp import minima, sheets
     from origami_nlp.pattern import Scene, as_origami
 
-    stated = as_origami(origami)
+    stated = origami if isinstance(origami, Mapping) else as_origami(origami)
     options: dict[str, Any] = {
         "effort": effort,
         "seconds": seconds,
@@ -133,11 +138,23 @@ def find_minima(
     }
     given = {"max_starts": max_starts, **others}
     options |= {"seed": seed, **{name: value for name, value in given.items() if value is not None}}
-    if isinstance(stated, Scene):
+    if isinstance(stated, Scene | Mapping):
         refuse("scene", _OF_A_PATTERN, **given)
-        return minima.find_minima(stated, **options)
+        one = isinstance(stated, Scene)
+        find: Any = minima.find_minima if one else minima.find_vertexwise
+        return find(stated, **options)  # type: ignore[no-any-return]
     refuse("pattern", _OF_A_SCENE, **given)
+    if "contact" in options:
+        options["contact"] = _facets_apart(options["contact"])
     return sheets.find_states(stated, **options)
+
+
+def _facets_apart(contact: object) -> bool:
+    """Tell whether facets of a pattern must not cross."""
+    if not isinstance(contact, str) or contact not in CONTACTS:
+        known = " or ".join(map(repr, CONTACTS))
+        raise OptionError(f"contact = {shown(contact)} must be {known} for a pattern")
+    return CONTACTS[contact]
 
 
 def classify(

@@ -25,6 +25,10 @@ def _max_starts(value: int | None) -> int | None:
     return None if value is None else check_whole("max_starts", value, 1)
 
 
+def _starts(value: int | None) -> int | None:
+    return None if value is None else check_whole("starts", value, 0)
+
+
 def _workers(value: int | None) -> int | None:
     return None if value is None else check_whole("workers", value, 1)
 
@@ -74,6 +78,22 @@ def _rest_angle(value: str | None) -> str | None:
 SceneFile = Annotated[
     str,
     typer.Argument(metavar="SCENE", help="Scene file (TOML), FOLD file, or - for either on stdin."),
+]
+OrigamiFile = Annotated[
+    str,
+    typer.Argument(
+        metavar="ORIGAMI",
+        help="What is folded: a vertex by its scene file (TOML), a pattern by its FOLD file, - for either on stdin, or "
+        "an example by name, such as miura:8x8.",
+    ),
+]
+OrigamiUnlessPanels = Annotated[
+    str | None,
+    typer.Argument(
+        metavar="ORIGAMI",
+        help="What is folded: a vertex by its scene file (TOML), a pattern by its FOLD file, - for either on stdin, or "
+        "an example by name, such as miura:8x8; leave out with --panels.",
+    ),
 ]
 SceneUnlessPanels = Annotated[
     str | None,
@@ -186,6 +206,14 @@ Seed = Annotated[
 ]
 MaxStarts = Annotated[
     int | None, typer.Option(metavar="N", callback=_max_starts, help="Cap on random starts.")
+]
+Starts = Annotated[
+    int | None,
+    typer.Option(
+        metavar="N",
+        callback=_starts,
+        help="Of a pattern: random starts in a row that find nothing new, then the search ends (default: by --effort).",
+    ),
 ]
 Seconds = Annotated[
     float | None,
@@ -301,6 +329,14 @@ FoldContact = Annotated[
     typer.Option(
         **_one_of("full", "fold-limits", "none"),
         help="FOLD file: full, fold-limits or none (default full).",
+    ),
+]
+PerLength = Annotated[
+    bool | None,
+    typer.Option(
+        "--per-length",
+        help="FOLD file: stiffness is per length [N/rad], times the length of the crease.",
+        show_default=False,
     ),
 ]
 FoldStiffness = Annotated[

@@ -202,7 +202,7 @@ class SheetResult(Told, Turnable):
     Examples
     --------
     >>> import origami_nlp as o
-    >>> found = o.find_states(o.examples.pattern("metasheet", 2, 3), starts=4)
+    >>> found = o.find_minima(o.examples.pattern("metasheet", 2, 3), starts=4)
     >>> found.search.starts >= 4
     True
     """
@@ -361,29 +361,6 @@ class SheetResult(Told, Turnable):
             "refuted": [s.to_dict() for s in self.states if s.refuted],
             "search": asdict(self.search),
         }
-
-    @classmethod
-    def from_dict(cls, data: dict[str, Any]) -> Self:
-        """Rebuild a result from `to_dict`, or from what ``pattern --minima --json`` wrote.
-
-        Parameters
-        ----------
-        data
-            What `to_dict` returned.
-
-        Returns
-        -------
-        SheetResult
-            The same.
-
-        Raises
-        ------
-        OptionError
-            If it holds no states of a sheet, or an entry is missing or wrong.
-        """
-        if isinstance(data, dict) and "minima" in data:  # the command writes them beside counts
-            data = {**data, "schema": SCHEMA}
-        return super().from_dict(data)
 
     @classmethod
     def _read(cls, data: dict[str, Any]) -> Self:

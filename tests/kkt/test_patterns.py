@@ -30,7 +30,7 @@ FAST = "metasheet:3x3", "miura:2x3", "yoshimura:2x2"
     "name", [n if n in FAST else pytest.param(n, marks=pytest.mark.slow) for n in COUNTS]
 )
 def test_states_are_decided_as_by_a_judgement_of_patterns_alone(name):
-    found = o.find_states(name, starts=10)
+    found = o.find_minima(name, starts=10)
     many = Counter(s.verdict for s in found.states)
     refuted = many["saddle"] + many["not stationary"]
     told = many["minimum"], refuted, many["not admissible"], many["undecided"]
@@ -44,7 +44,7 @@ def test_states_are_decided_as_by_a_judgement_of_patterns_alone(name):
 
 def held_state():
     """A metasheet whose facets touch: its problem, the state, and its contacts."""
-    found = o.find_states("metasheet:4x4", starts=2)
+    found = o.find_minima("metasheet:4x4", starts=2)
     state = next(s for s in found.minima if s.contacts)
     problem = Sheet(found.pattern)
     return problem, State(problem, state.fold_angles)

@@ -64,7 +64,7 @@ def test_a_sweep_is_its_sheets(finished):
         rest, k = (0.8, 0.001) if not index else (1.2, 0.1)
         sheet = o.examples.pattern("degree6").with_springs(0.01, rest)
         sheet = sheet.with_springs(np.where(sheet.signs < 0, k, 0.01).tolist())
-        alone = o.find_states(sheet, starts=2)
+        alone = o.find_minima(sheet, starts=2)
         here = states[states.scene == index]
         assert np.array_equal(here["energy"], [m.energy for m in alone.minima])
         assert list(here["dimension"]) == [m.freedoms for m in alone.minima]
