@@ -124,7 +124,9 @@ def full_pass(
     at = np.array(symmetric.fold_angles)
     path = symmetric.path
     model = Model(full_scene(scene))
+    # an explicit path bounds the barrier from above, whatever else there is
     upper = float(model.energies(model.reduce(path)).max())
+    # every path passes both ends; each further bound holds for all paths too, so the largest counts
     bounds = [(max(model.energy(model.reduce(s)) for s in states), "the higher of the two minima")]
     open_sets: list[str] = []
     side = side_of_flat(np.array(states))
@@ -156,6 +158,7 @@ def full_pass(
     if upper <= lower + slack:
         verdict = "same"
     else:
+        # two directions down: a path goes round such a state lower
         verdict = "lower" if index is not None and index > 1 else "open"
     return FullPass(
         *numbers, symmetric.energy, upper, lower, symmetric.pass_kind, verdict, index, why

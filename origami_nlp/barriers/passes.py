@@ -167,10 +167,12 @@ def critical_at(state: State) -> Critical | None:
         scale = max(1e-300, float(np.abs(b.eigenvalues).max(initial=0.0)))
         below = int((b.eigenvalues < -CURVED * scale).sum())
         if below >= index:
+            # where pieces meet the largest index counts: down on one of them is down
             index, direction = below, b.direction
     if not state.regular:
         kind: PassKind = "flat state" if np.abs(x).max() <= SAME else "singular"
     elif len(judged) > 1 or len(judged[0].rows) >= model.freedom:
+        # as many contacts as freedoms leave a point, where the energy need not be stationary
         kind = "corner"
     else:
         kind = "contact saddle" if judged[0].rows else "saddle"
@@ -210,6 +212,7 @@ def both_sides(
         return None
     sides = []
     for sign in (1.0, -1.0):
+        # far enough off the pass that the energy falls by more than rounding, near enough not to jump to another valley
         for off in OFF:
             held = pass_.rows if pass_.kind == "contact saddle" else ()
             y, residual = project(model, pass_.x + sign * off * pass_.direction, held)

@@ -146,6 +146,7 @@ class RefinedGraph:
         at = edges.index(merge.edge)
         near = vertices[max(0, at - 6) : at + 8]
         starts = np.vstack([g.middle[merge.edge], g.states[near]])
+        # height over the higher of the two valleys that meet
         depth = merge.height - max(
             min(g.energy[k] for k in merge.first), min(g.energy[k] for k in merge.second)
         )
@@ -159,6 +160,7 @@ class RefinedGraph:
             if sides is None:
                 continue
             ends = [s.lands_on for s in sides]
+            # the evidence: descents down both sides land in valleys that this merge joins
             apart = any(a in merge.first and b in merge.second for a, b in (ends, ends[::-1]))
             if apart:
                 best = (u, c, sides)
@@ -181,6 +183,7 @@ class RefinedGraph:
                 break
             if v in g.edges[found.edge] or close_by[found.edge] > 4 * self.spacing:
                 break
+            # just above the pass, so that the tree takes the pass itself
             height[found.edge] = np.nextafter(level, math.inf) if level else 0.0
         self.graph = replace(g, height=height)
 

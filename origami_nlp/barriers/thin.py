@@ -103,6 +103,7 @@ def last_thin(
         middle, residual = project(thin.programme, 0.5 * (low + high), held)
         if residual > CLOSES or max(np.abs(middle - end).max() for end in (low, high)) >= apart:
             break
+        # invariant: `low` is thin, `high` is not
         if is_thin(thin.at(middle)):
             low = middle
         else:

@@ -182,6 +182,7 @@ def _handles(chart: Chart, branch: Branch) -> tuple[np.ndarray, ...]:
             (t, border, branch.energy[edge, cell]),
         ):
             states = chart.fold_angles(0, x, y)
+            # a 1-handle: the border point is admissible, the cell inside of it is not
             alone = np.isnan(inside) & admissible(scene, states)
             # facets lie on each other there: the layers decide
             alone[alone] = [examine(scene.vertex, phi).admissible for phi in states[alone]]
@@ -200,6 +201,7 @@ def _wedge(chart: Chart, size: int) -> Landscape:
     for k, sign in enumerate(chart.signs):
         # a coarse look first: each branch fills only a part of the elevations
         coarse = cells(-reach, reach, 81)
+        # broadcast: phi_2 along columns, elevations along rows
         look = chart.fold_angles(k, cells(-math.pi, math.pi, 81), coarse[:, None])
         rows = np.flatnonzero(np.isfinite(look).all(axis=-1).any(axis=1))
         low, high = -reach, reach

@@ -111,6 +111,7 @@ def _side(model: Programme, edge: Edge) -> int:
         return 0
     values = model.local(circles[0].x).openings((edge.row,))[0][:, 0]
     inside = circles[0].inside
+    # both signs: a slit, with X on either side; none: a handle
     signs = np.unique(np.sign(values[inside & (np.abs(values) > OUTSIDE)]))
     return int(signs[0]) if len(signs) == 1 else 0
 

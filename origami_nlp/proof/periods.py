@@ -81,6 +81,7 @@ class Period:
         closure = padded(
             first.centre - self.level, first.slopes, first.error, 2.0 + 0 * first.centre, 4
         )
+        # one equation: rank [G | t] <= 1, its minors are G_a t_b - G_b t_a
         terms = [[(a, slopes[b], 1.0), (b, slopes[a], -1.0)] for a, b in self.minor_creases]
         minors = sums_of_torques(self, terms, middle, half)
         asked = all_free(self.minor_creases, pins)
@@ -116,6 +117,7 @@ class Period:
             slopes = new.slopes[..., :-1, :].copy()
             slopes[:, start, crease] += new.slopes[:, start, -1]
             q = Affine(new.centre, slopes, new.error)
+            # half angles, as quaternions take them
             sector = 0.5 * self.sectors[crease][:, None]
             q = mixed(q, np.cos(sector), _times_z(q), np.sin(sector))
         return q

@@ -69,6 +69,7 @@ def parts(count: int, triangles: np.ndarray, extra: np.ndarray) -> list[Part]:
     for k in range(number):
         euler = int(v[k] - e[k] + f[k])
         dimension = 2 if f[k] else (1 if e[k] else 0)
+        # b_0 - b_1 + b_2 = chi with b_0 = 1
         holes = 1 + int(closed[k]) - euler
         found.append(Part(np.flatnonzero(of == k), dimension, euler, int(closed[k]), holes))
     return sorted(found, key=lambda part: (-part.dimension, -len(part.vertices)))

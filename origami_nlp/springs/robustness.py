@@ -262,6 +262,7 @@ def _worst(
         found = look(signs, most)
         if found < most:
             best, most = signs, found
+    # coordinate descent over the corners of a cube, in random order: a local worst
     better = most > SETTLED
     while better:
         better = False
@@ -295,7 +296,9 @@ def _fastest(scene: Scene, phi: np.ndarray) -> list[np.ndarray]:
     except np.linalg.LinAlgError:
         return []
     k, wound = np.array(scene.stiffness), np.array(scene.wound_angles)
+    # d(torque) = k (phi - phi0) ds for the stiffness e^s k, -k phi0 ds for the rest angle (1 + s) phi0
     change = np.hstack([np.diag(k * (phi - wound)), np.diag(-k * wound)]) / model.root[:, None]
+    # a load is the negative of a torque: dx = -(response) d(torque)
     moved = -(modes.T @ held.tangent.T @ states @ change)
     rows = [*moved, *-moved, *(forces @ change)]
     return [np.where(row < 0, -1.0, 1.0) for row in rows]

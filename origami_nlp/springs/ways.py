@@ -171,6 +171,7 @@ def height(model: Model, way: Way) -> tuple[float, np.ndarray]:
         point = evaluate(State(model, x).on(()), way.tangents[k])
         if point is None or point.stiffness >= 0:
             break
+        # Newton on dU/ds = 0
         h = float(np.clip(-point.slope / point.stiffness, -0.05, 0.05))
         y, residual = project(model, x + (h * point.tangent + h**2 / 2 * point.bend) / model.root)
         if residual > CLOSES:
@@ -242,6 +243,7 @@ class Passes:
         """Row of the second derivative of the energy along a way."""
         model = self.targets.model
         row = slope_row(model, way.states[k], way.bends[k] / model.root, self.kind, self.places)
+        # paper, eq. 3.6: t . K t + grad U . y'', linear in k and tau where the curve is given
         np.add.at(row, self.places.stiffness.start + self.kind, way.tangents[k] ** 2)
         return row
 
@@ -309,6 +311,7 @@ class Passes:
         if slopes:
             out.append(Rows(POSITIVE, np.array(slopes), np.zeros(len(slopes)), words))
         if way.regular[p]:
+            # a pass: level and bent down there, rising before and falling behind
             bend = -self.curvature(way, p)
             bend[self.places.margin] -= BESIDE_PASS
             out.append(Rows(EQUAL, self.slope(way, p)[None], np.zeros(1), f"{words}: level there"))

@@ -242,6 +242,7 @@ def _minima_of(
     inside = polish(side, ratio, signs)
     tied = np.nonzero(signs.end == 0)[0]
     bend = side.at(side.end[tied], tied).curvature(ratio)
+    # the energy falls to the end, or is level there and curves up: the end is a minimum of the closed branch
     pinned = np.union1d(np.nonzero(signs.end < 0)[0], tied[bend > 0])
     rows = np.concatenate([signs.rows, pinned])
     s = np.concatenate([inside, side.end[pinned]])
