@@ -153,7 +153,7 @@ def test_modes_of_a_miura_run_along_its_closed_form(tmp_path):
     for state in (s for s in modes.states if len(s.modes) == 1):
         (mode,) = state.modes
         g, at = mode.along, int(np.flatnonzero(mode.along.s == 0)[0])
-        tan = np.tan(g.states[1:-1] / 2)
+        tan = np.tan(g.states[np.abs(g.states).max(axis=1) < 3] / 2)
         long = np.abs(tan) > np.abs(tan).max(axis=1, keepdims=True) * 0.75
         share = np.abs(tan / np.abs(tan).max(axis=1, keepdims=True))
         assert np.abs(share[long] - 1).max() < 1e-9 and np.abs(share[~long] - 0.5).max() < 1e-9
