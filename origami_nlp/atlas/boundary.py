@@ -19,8 +19,9 @@ from origami_nlp.atlas.event_curve import (
     Tracer,
     follow_event,
 )
-from origami_nlp.atlas.family import Over, family_of, parse_nearby, parse_over
+from origami_nlp.atlas.family import family_of
 from origami_nlp.atlas.find import follow_family
+from origami_nlp.atlas.over import Over, parse_nearby, parse_over
 from origami_nlp.atlas.plane import Plane
 from origami_nlp.atlas.records import Interval
 from origami_nlp.errors import OUT_OF_TIME

@@ -117,7 +117,7 @@ def _panel(atlas: Atlas, axes: Any, label: str, value: Callable[[PathPoint], flo
         axes.plot(
             _shown(atlas, event.t),
             at,
-            MARKS[event.type],
+            MARKS.get(event.type, "x"),
             color="black",
             ms=4.5,
             mfc="white" if event.type == "leaves" else "black",

@@ -9,14 +9,22 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from origami_nlp.atlas.family import Family, Over, family_of
+from origami_nlp.atlas.family import Family, family_of
 from origami_nlp.atlas.judging import states_at
+from origami_nlp.atlas.over import Over
+from origami_nlp.atlas.patterns import pattern_family
 from origami_nlp.atlas.records import Check, Cost, Interval, PathBranch, PathEvent, StateAt
 from origami_nlp.errors import OUT_OF_TIME, OptionError
-from origami_nlp.folding import folded_frame, frames_to_fold
 from origami_nlp.numerics import SAME
 from origami_nlp.path import Web
-from origami_nlp.pattern import Scene, scene_from_dict, scene_to_dict
+from origami_nlp.pattern import (
+    Pattern,
+    Scene,
+    pattern_from_dict,
+    pattern_to_dict,
+    scene_from_dict,
+    scene_to_dict,
+)
 from origami_nlp.show import (
     Content,
     Piece,
@@ -43,7 +51,7 @@ class Atlas(Told, Turnable):
     Attributes
     ----------
     scene
-        The scene that the others differ from.
+        The scene, or the pattern, that the others differ from.
     over
         The parameter and its range.
     branches, events, checks
@@ -71,7 +79,7 @@ class Atlas(Told, Turnable):
     ([2], ['interior', 'contact-touching'])
     """
 
-    scene: Scene
+    scene: Scene | Pattern
     over: Over
     branches: tuple[PathBranch, ...]
     events: tuple[PathEvent, ...]
@@ -132,8 +140,8 @@ class Atlas(Told, Turnable):
             raise OptionError(
                 f"value = {value:g} is outside what was followed, {over.low:g} to {over.high:g}"
             )
-        scene, s = self.family.scene(value), over.s_of(value)
-        here = states_at(scene, value, s, self.web, self.branches, self.branch_of_arc)
+        problem, s = self.family.problem(self.family.scene(value)), over.s_of(value)
+        here = states_at(problem, value, s, self.web, self.branches, self.branch_of_arc)
         more = (state for other in self.others for state in other.at(value))
         return (
             tuple(sorted((*here, *more), key=lambda state: state.energy)) if self.others else here
@@ -221,25 +229,21 @@ class Atlas(Told, Turnable):
 
     def to_fold(self) -> dict[str, Any]:
         """Return the points of all branches as FOLD data (spec 1.1), one frame each, in order."""
-        over, frames = self.over, []
-        scenes: dict[float, Scene] = {}
+        over, states = self.over, []
         for branch in self.branches:
             for k, point in enumerate(branch.points):
-                if point.t not in scenes:
-                    scenes[point.t] = self.family.scene_of(point.t)
                 kind = next(r.kind for r in branch.kind_ranges if r.points[0] <= k <= r.points[1])
                 title = f"branch {branch.id}, {over.name} = {point.t:.9g}: {kind}"
                 more = {"branch": branch.id, "parameter": point.t, "energy": point.energy}
-                scene = scenes[point.t]
-                frames.append(folded_frame(scene, point.fold_angles, title, **more, kind=kind))
-        return frames_to_fold(self.family.scene(over.low), frames)
+                states.append((point.t, point.fold_angles, title, {**more, "kind": kind}))
+        return self.family.to_fold(states)
 
     def to_dict(self) -> dict[str, Any]:
         """Return it as plain JSON data."""
         over = self.over
         return {
             "schema": SCHEMA,
-            "scene": scene_to_dict(self.scene),
+            **self._subject(),
             "parameter": {
                 "name": over.name,
                 "unit": over.unit,
@@ -257,13 +261,24 @@ class Atlas(Told, Turnable):
             **({"others": [other.to_dict() for other in self.others]} if self.others else {}),
         }
 
+    def _subject(self) -> dict[str, Any]:
+        """Return what is folded, as plain data."""
+        if isinstance(self.scene, Scene):
+            return {"scene": scene_to_dict(self.scene)}
+        example = {"example": self.family.example} if self.family.example else {}  # type: ignore[attr-defined]
+        return {"pattern": pattern_to_dict(self.scene), **example}
+
     @classmethod
     def _read(cls, data: dict[str, Any]) -> Self:
         """Rebuild all but what `at` needs."""
         unbounded = {"range": math.inf, "expected_undiscovered": math.inf}
         p = data["parameter"]
         over = Over(p["name"], float(p["from"]), float(p["to"]), p["unit"], p["scale"] == "log")
-        scene = scene_from_dict(data["scene"])
+        scene: Any = (
+            scene_from_dict(data["scene"])
+            if "scene" in data
+            else pattern_from_dict(data["pattern"])
+        )
         branches = tuple(from_plain(PathBranch, b, unbounded) for b in data["branches"])
         events = tuple(from_plain(PathEvent, e) for e in data["events"])
         checks = tuple(from_plain(Check, c, unbounded) for c in data["checks"])
@@ -271,7 +286,11 @@ class Atlas(Told, Turnable):
         if over.name.startswith("loads"):
             raise OptionError("an atlas over forces cannot be read back: follow it anew")
         alarms = tuple(map(str, data.get("alarms", ())))
-        family = family_of(scene, over)
+        family = (
+            family_of(scene, over)
+            if "scene" in data
+            else pattern_family(data.get("example", scene), over)
+        )
         others = tuple(cls._read(other) for other in data.get("others", ()))
         late = bool(data.get("interrupted"))
         return cls(

@@ -302,7 +302,7 @@ Over = Annotated[
     typer.Option(
         metavar="NAME=FROM:TO",
         help="The parameter to follow states over: ratio, alpha, creases.stiffness[1], creases.rest_angles[1] or "
-        "vertex.sector_angles[1]; angles as 0.5, pi/6 or 30deg.",
+        "vertex.sector_angles[1]; of a pattern mountains.stiffness or vertices.x[5] too; angles as 0.5, pi/6 or 30deg.",
     ),
 ]
 

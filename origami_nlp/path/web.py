@@ -201,6 +201,8 @@ class Web:
                 number, known = self._node(event)
                 begun.append(event.frame)
                 self._arc(begun, here, number, half.signed)
+                if event.type == "singular":
+                    return todo
                 if known:
                     self._arrive(number, event.frame)
                     return todo
