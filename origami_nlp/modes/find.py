@@ -14,7 +14,7 @@ from origami_nlp.kkt import State, Stratum
 from origami_nlp.minima import MinimaResult, Minimum, full_scene, group_average, mode_symmetry
 from origami_nlp.modes.geodesic import geodesic
 from origami_nlp.modes.result import BREAKING, Mode, Modes, StateModes
-from origami_nlp.numerics import BALANCED
+from origami_nlp.numerics import BALANCED, first_largest
 from origami_nlp.pattern import Scene
 from origami_nlp.programme import Contact, Model
 from origami_nlp.sheets import SheetResult, SheetState
@@ -97,8 +97,8 @@ def modes_of(
     for name, basis in blocks:
         values, vectors = np.linalg.eigh(basis.T @ h @ basis)
         for value, vector in zip(values, (z @ basis @ vectors).T, strict=True):
-            # an eigenvector has no sign of its own: its largest entry is made positive
-            d = vector * np.sign(vector[np.abs(vector).argmax()])
+            # an eigenvector has no sign of its own: its largest entry, of equal ones the first, is made positive
+            d = vector * np.sign(vector[first_largest(np.abs(vector))])
             keeps = "" if scene is None or scene.group.is_trivial else mode_symmetry(scene, d)
             # h and its eigenvectors are in the metric of all fold angles, so values are stiffnesses in N m/rad^2
             stiffness = float(value * programme.scale)

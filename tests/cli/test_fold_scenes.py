@@ -143,7 +143,7 @@ def test_all_vertices_of_a_sheet_equal_ones_once(sheet, tmp_path):
     with pytest.raises(o.OrigamiError, match="vertex = 99"):
         found.at(99)
     with pytest.raises(o.OrigamiError, match="dictionary of scenes"):
-        o.find_minima([])
+        o.find_minima({})
     for option in ("--figure", "--fold", "--mesh"):
         target = tmp_path / ("a.png" if option == "--figure" else "a.obj")
         code, _, err = run("minima", sheet, "--each-vertex", option, target)

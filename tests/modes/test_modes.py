@@ -151,6 +151,8 @@ def test_modes_of_a_miura_run_along_its_closed_form(tmp_path):
     curves = [m for s in modes.states for m in s.modes if s.minimum.freedoms == 1]
     assert curves
     for state in (s for s in modes.states if len(s.modes) == 1):
+        if np.abs(state.minimum.fold_angles).min() < 0.05:
+            continue  # folded in half along lines: another motion
         (mode,) = state.modes
         g, at = mode.along, int(np.flatnonzero(mode.along.s == 0)[0])
         tan = np.tan(g.states[np.abs(g.states).max(axis=1) < 3] / 2)
