@@ -95,15 +95,15 @@ def measure(scene: Scene, seed: int = 0) -> TimeBudget:
     with ExitStack() as stack:
         for owner, name, stage in (
             (record, "classify", "judging"),
-            (job, "flat_foldings", "foldings and hinges"),
-            (job, "hinge_minima", "foldings and hinges"),
+            (job.FlatFoldings, "states", "foldings and hinges"),
+            (job.HingeSets, "states", "foldings and hinges"),
             (job, "polish", "polish"),
             (record, "polish", "polish"),
             (find, "confirm", "IPOPT confirms"),
             (ipopt, "build_warm", "building"),
             (descents.Descents, "run", "descents"),
             (rounds.Rounds, "_round", "starts"),
-            (rounds, "vertices", "starts"),
+            (rounds.Corners, "draw", "starts"),
         ):
             stack.enter_context(_wrapped(owner, name, partial(watch.timed, stage)))
         begin = time.process_time()

@@ -15,7 +15,7 @@ from typing import Any, TypeVar
 import pytest
 from filelock import FileLock
 
-from origami_nlp import Scene, examples, find_minima
+from origami_nlp import Scene, SheetResult, examples, find_minima
 from origami_nlp.barriers import Barriers, find_barriers
 from origami_nlp.chart import Boundary, trace_boundary
 from origami_nlp.minima import MinimaResult
@@ -82,6 +82,14 @@ def panel_result(scene: Scene, *, full: bool = False) -> MinimaResult:
 @shared
 def _searched(number: int) -> MinimaResult:
     return find_minima(PANELS[number], full=True)
+
+
+@shared
+def states(name: str) -> SheetResult:
+    """Return the states of a pattern by name, with what it takes to leave each, as its page has them."""
+    from tests.gallery_of_patterns import solve
+
+    return solve(name)
 
 
 @shared

@@ -64,7 +64,7 @@ def rows(result: SheetResult) -> list[str]:
     for k, states in enumerate(groups(result), 1):
         first = states[0]
         barrier = first.escape.words() if first.escape else "-"
-        touches = {c.where for c in first.contacts if c.corners}
+        touches = {c.facets for c in first.contacts if c.corners}
         shut = sum(c.type == "fold-limit" for c in first.contacts)
         held = [f"{len(touches)} pair{'s' * (len(touches) > 1)} of facets"] * bool(touches)
         held += [f"{shut} fold limit{'s' * (shut > 1)}"] * bool(shut)

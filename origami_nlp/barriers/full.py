@@ -154,6 +154,7 @@ def full_pass(
     index = None
     if symmetric.pass_kind in ("saddle", "contact saddle", "corner"):
         critical = critical_at(State(model, model.reduce(at)))
+        # directions of negative curvature, symmetry-breaking ones included
         index = critical.index if critical else None
     if upper <= lower + slack:
         verdict = "same"
@@ -203,6 +204,7 @@ def exits(at: State, known: Sequence[np.ndarray] = (), spacing: float = EXIT_SPA
         dimension = max(dimension, tangent.shape[1])
         for step in _steps(tangent):
             y, residual = project(model, here.x + spacing * step, held)
+            # samples about `spacing` apart: a step back to where one has been is no step
             near = np.linalg.norm(np.array(seen) - y, axis=1).min() < 0.7 * spacing
             if residual > CLOSES or near:
                 continue

@@ -200,6 +200,7 @@ def slide(
     except ValueError:
         return None
     near = [float(np.abs(path.end - m).max()) for m in minima]
+    # None: a minimum that is not listed, or a descent that stopped on its way
     lands = int(np.argmin(near)) if near and min(near) <= ENDS else None
     return Descent(path.states, lands)
 
@@ -237,6 +238,7 @@ def leg_is_below(
     out = []
     for want in top + t * (x - top):
         y, residual = project(model, want)
+        # a chord between two states at +-pi leaves the limit by rounding
         over = np.flatnonzero(np.abs(y) > model.bound)
         if model.has_limits and len(over):  # between two states on a wall: stay on it
             y, residual = project(model, y, [fold_limit(int(v), y[v]) for v in over])

@@ -71,6 +71,7 @@ class RefinedGraph:
                     links.append((v, int(here[gap.argmin()])))
                 elif v < len(self.minima) and gap.min() <= 0.03:
                     near = np.argsort(gap)[:2]
+                    # a minimum between two samples of the curve is joined to both
                     links += [(v, int(here[k])) for k in near]
             at += len(curve.states)
         self._add(np.empty((0, self.model.size)), links)
@@ -154,6 +155,7 @@ class RefinedGraph:
         for c in critical_near(self.model, starts, 3 * self.spacing):
             u = self.model.energy(c.x)
             # the parabolas of the graph may be a little low; anything much higher is another pass
+            # KKT points of index 1 near the top of the rough path: the lowest that parts the two sides
             if u > merge.height + 0.2 * depth or (best is not None and u >= best[0]):
                 continue
             sides = both_sides(self.model, c, self.minima)

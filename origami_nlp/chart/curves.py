@@ -17,7 +17,7 @@ from origami_nlp.kkt import project
 from origami_nlp.numerics import CLOSES, OUTSIDE
 from origami_nlp.pattern import Scene
 from origami_nlp.programme import Model, Programme
-from origami_nlp.starts import StartStream
+from origami_nlp.starts import Projected
 
 STARTS = 96
 """Projected random states from which curves are looked for; the same every time."""
@@ -48,7 +48,7 @@ def trace_curves(scene: Scene, step: float) -> list[np.ndarray]:
     """
     model = Model(scene)
     curves: list[np.ndarray] = []
-    for start in itertools.islice(StartStream(model, 0), STARTS):
+    for start in itertools.islice(Projected(model).starts(np.random.default_rng(0)), STARTS):
         x, residual = _correct(model, start.x)
         if residual > CLOSES or np.abs(x).max() > math.pi + OUTSIDE:
             continue

@@ -132,6 +132,7 @@ def _corners(model: Programme, rng: np.random.Generator) -> list[np.ndarray]:
             continue
         start = rng.uniform(-math.pi, math.pi, (CORNER_SEEDS, model.size))
         x, residual = project(model, start, pair)
+        # Newton onto closure and two contacts: isolated where all gradients are independent
         x = x[(residual <= FOLLOWED) & model.admissible(x)]
         if not len(x):
             continue

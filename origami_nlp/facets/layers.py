@@ -175,6 +175,7 @@ def _posed(stack: Stack) -> tuple[Orders, list[tuple[int, ...]]] | Layers:
             return Layers("crosses", why, many)
     orders = Orders(Rules(len(stack.pairs), rules), MOST_NODES)
     for unknown, value, crease in stack.known():
+        # -1: nothing speaks against it; -2: it was forced otherwise before; else the rule that cannot be obeyed
         bad = orders.assume({unknown: value})
         if bad != -1:
             both = stack.pairs[unknown].tolist() if bad == -2 else about[bad]

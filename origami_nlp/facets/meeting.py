@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -121,11 +121,14 @@ def needed_rows(slopes: np.ndarray, sure: int) -> np.ndarray:
     return keep
 
 
-def touch_words(touch: Touch) -> str:
-    """Say what touches, 1-based; of two sides that of the lower facet first, from whichever they were found."""
+def touch_words(touch: Touch, place: Sequence[float]) -> str:
+    """Say what touches, 1-based; of two sides that of the lower facet first, from whichever they were found.
+
+    place: of facets face to face, the point of the second one in the user's coordinates.
+    """
     a, b = (f + 1 for f in touch.facets)
     if isinstance(touch, Lying):
-        at = ", ".join(f"{x:.4g}" for x in touch.place)
+        at = ", ".join(f"{x:.4g}" for x in place)
         which = "front" if touch.sign > 0 else "back"
         return f"facet {b} flat on the {which} of facet {a} at ({at})"
     p, q, r, s = (c + 1 for c in touch.corners)

@@ -237,6 +237,7 @@ class Sheet(PatternContacts):
             return ""
         place, shut = self.placed(x), np.flatnonzero(math.pi - np.abs(x) <= TOUCHES)
         gaps = (t.gap(place) / self.crossings.size for t in touches_at(self, x, shut))
+        # rounding of a closed state is some `CLOSES`: what reaches in deeper is no closed contact
         deepest = min([self.faces(x).reach(), *gaps])
         if deepest >= -10 * CLOSES:
             return ""

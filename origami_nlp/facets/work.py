@@ -67,6 +67,7 @@ def _facets_at(pattern: Pattern, corner: int) -> list[int]:
 def _walk(pattern: Pattern, held: int, corner: int) -> _Walk:
     """Return the walk from a facet to the nearest one that has the corner."""
     poses = Poses(pattern)
+    # fewer turns, fewer terms; all walks agree on closed states
     path = min((poses.path(held, f) for f in _facets_at(pattern, corner)), key=len)
     creases = np.array([c for c, _ in path], int)
     senses = np.array([s for _, s in path], float)
@@ -164,6 +165,7 @@ class Torque:
 
     def loaded(self, t: float) -> Pattern:
         """Return the pattern whose springs are wound by the torque, their rest angles where that puts them."""
+        # U - t phi has the torque k (phi - phi0) - t: the rest angle moves by t / k
         return replace(
             self.pattern, rest=self.pattern.rest + t * self._share / self.pattern.stiffness
         )
@@ -232,6 +234,7 @@ class Pull:
         here, walk = self._seen
         x, first, _ = walk.place(phi)
         out = np.zeros(len(phi))
+        # d|x - a| = (x - a) . dx / |x - a|
         out[walk.creases] = first @ (x - here) / np.linalg.norm(x - here)
         return out
 

@@ -252,6 +252,7 @@ def metastable_stretches(result: MinimaResult, boundary: Boundary) -> tuple[Stre
     angles = [np.array(m.fold_angles) for m in result.minima]
     out = []
     for number, line in enumerate(boundary.lines):
+        # the line is geometry; energy, slope and stiffness along it are the scene's
         curve = with_energy(result.model, line)
         if len(curve.s) < 3:
             continue

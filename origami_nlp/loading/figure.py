@@ -12,10 +12,10 @@ from matplotlib.lines import Line2D
 
 from origami_nlp.arguments import check_type
 from origami_nlp.atlas import COLOURS, MARKS
-from origami_nlp.kkt import State, contact_forces
+from origami_nlp.kkt import ContactForce, State, contact_forces
 from origami_nlp.loading.result import LoadPath
 from origami_nlp.pattern import Pattern
-from origami_nlp.sheets import SheetContact, draw_sheet, told_contact
+from origami_nlp.sheets import draw_sheet
 from origami_nlp.show import label_text
 
 PICTURE_WIDTH = 9.6
@@ -89,7 +89,7 @@ def _place_sheets(figure: Any, path: LoadPath, pattern: Pattern) -> None:
         axes.set_title(title, fontsize=9)
 
 
-def carried_at(sheet: Any, phi: np.ndarray) -> tuple[SheetContact, ...]:
+def carried_at(sheet: Any, phi: np.ndarray) -> tuple[ContactForce, ...]:
     """Return the closed contacts of an equilibrium [n] and what they carry; none of sheets too large for a kernel."""
     if sheet.sparse:
         return ()
@@ -97,7 +97,7 @@ def carried_at(sheet: Any, phi: np.ndarray) -> tuple[SheetContact, ...]:
     contacts = tuple(
         dict.fromkeys((*found.base, *(c for b in found.branches for o in b for c in o)))
     )
-    return tuple(told_contact(sheet, c) for c in contact_forces(State(sheet, phi), contacts))
+    return contact_forces(State(sheet, phi), contacts)
 
 
 def _lines(path: LoadPath) -> tuple[list[str], float]:

@@ -46,6 +46,7 @@ from .minimum import (
     Rejected as Rejected,
     SearchReport as SearchReport,
     Survival as Survival,
+    contact_to_dict as contact_to_dict,
 )
 from .multistart import (
     FEW_PAIRS as FEW_PAIRS,
@@ -75,7 +76,6 @@ from .stability import (
 from .stopping import chao1 as chao1
 from .strip import draw_states as draw_states
 from .table import DEMO_HEADS as DEMO_HEADS, demo_rows as demo_rows
-from .telling import contact_words as contact_words
 from .traced_passes import TracedPasses as TracedPasses
 from .turned import (
     CELLS as CELLS,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Generator, Iterator, Sequence
+from collections.abc import Callable, Generator, Iterable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import replace
 
@@ -77,8 +77,8 @@ class Search:
         elif self._pool is not None:
             self._pool.shutdown(cancel_futures=True)
 
-    def also_from(self, x: np.ndarray) -> None:
-        """Start from states [K, n] of the scene with the next batch; like guesses, they are not counted."""
+    def also_from(self, x: Iterable[np.ndarray]) -> None:
+        """Start from states [n] of the scene with the next batch; like guesses, they are not counted."""
         self._below += list(x)
 
     def run(self, starts: Samples | None = None) -> Work:

@@ -173,6 +173,7 @@ def evaluate(held: Stratum, along: np.ndarray | None = None) -> Point | None:
     if along is None:
         tangent = z[:, 0]
         if z.shape[1] > 1:
+            # the softest direction of the set that keeps the contacts
             tangent = z @ np.linalg.eigh(z.T @ held.hessian @ z)[1][:, 0]
     else:
         tangent = z @ (z.T @ along)
@@ -276,6 +277,7 @@ def boundary_of(
         slope=programme.scale * signs * np.array([p.slope for p in points]),
         stiffness=programme.scale * np.array([p.stiffness for p in points]),
         springs=programme.scale * np.array([p.springs for p in points]),
+        # moment at each single contact
         multipliers=programme.scale * np.array([p.multipliers for p in points]) / weights,
         pressed=np.array([p.pressed for p in points]),
         start=ends[0],

@@ -234,6 +234,7 @@ class Posed(Full):
         phi = np.asarray(fold_angles, dtype=float)
         out = np.zeros((*phi.shape[:-1], self.size))
         for crease, v in enumerate(self.variable_of_crease):
+            # mean over the orbit: the projection onto symmetric fold angles
             out[..., v] += phi[..., crease]
         return out / self.multiplicity
 

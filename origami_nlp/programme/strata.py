@@ -110,6 +110,7 @@ def _solved(
         return close_by(piece, True, x, solve)
     turns, family = piece.fewer_turns(x, np.sort(solve, axis=1))
     np.put_along_axis(x, np.sort(solve, axis=1), turns, axis=1)
+    # fewer unknowns than equations: solved from the first ones, the others hold or do not
     inside = (np.abs(x) <= math.pi + OUTSIDE).all(axis=1)
     x = at_limits(piece, x[:, None], inside[:, None], solve)[:, 0]
     return x, inside & (piece.misses(x) <= ROUNDED), family

@@ -156,6 +156,7 @@ def _balanced(model: Model, x: np.ndarray, line: list[int], axes: np.ndarray) ->
     p = model.parameters
     stiffness, rest = p.stiffness[line], p.rest[line] + p.load[line] / p.stiffness[line]
     t = np.sign(axes @ axes[0]) * shares(model)[line] / shares(model)[line[0]]
+    # t . x is a multiple of pi/2 where the facets beyond the line are in one plane with, or square to, those before it
     quarter = 0.5 * math.pi
     total = quarter * np.rint(t @ x / quarter)
     # least sum k (x - rest)^2 / 2 with t . x = total: k (x - rest) = mu t, the same moment mu along the line
@@ -180,6 +181,7 @@ def _decide(
         for k, s in enumerate(strata):
             mine = left.stratum == k
             if given_up[k] or not beside[mine].all():
+                # boxes of directions left: the midpoint of one is named
                 what = "whole sets of directions"
                 if not given_up[k]:
                     u = (0.5 * (left.lower + left.upper))[mine & ~beside][0]

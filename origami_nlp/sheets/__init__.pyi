@@ -37,7 +37,6 @@ from .interpolant import (
 from .judgement import (
     judge as judge,
     singular_beside as singular_beside,
-    told_contact as told_contact,
 )
 from .marks import touch_places as touch_places
 from .motion import Motion as Motion, find_motion as find_motion
@@ -47,7 +46,7 @@ from .pops import pop_rows as pop_rows
 from .pressing import press as press
 from .result import SheetResult as SheetResult, SheetSearch as SheetSearch
 from .rows import Rows as Rows
-from .state import SheetContact as SheetContact, SheetState as SheetState
+from .state import SheetState as SheetState
 from .stress import Stress as Stress, find_stress as find_stress
 from .turnable import (
     sheet_content as sheet_content,

@@ -29,9 +29,9 @@ from origami_nlp.sheets.contacts import closed_contacts
 from origami_nlp.sheets.curve_passes import CurvePasses, curve_passes
 from origami_nlp.sheets.curves import Curves
 from origami_nlp.sheets.descent import AT_LIMIT
-from origami_nlp.sheets.starts import creases_around
 from origami_nlp.sheets.state import SheetState
 from origami_nlp.sheets.terrain import SheetTerrain
+from origami_nlp.starts import creases_around
 
 MOST_CREASES = 60
 """Creases up to which ways out are sought by descents."""

@@ -23,6 +23,7 @@ from origami_nlp.minima import check_noise
 from origami_nlp.numerics import CLOSES, RESOLVED, SAME, rank
 from origami_nlp.pattern import Pattern, as_pattern
 from origami_nlp.sheets.branches import list_branches
+from origami_nlp.sheets.closed import close, lowest_on, of_vertex
 from origami_nlp.sheets.crossroads import into_family, split, ways_from
 from origami_nlp.sheets.curve import tangents
 from origami_nlp.sheets.curves import ON_CURVE, Curves, Traced
@@ -35,10 +36,9 @@ from origami_nlp.sheets.noise import NOISE, with_survival
 from origami_nlp.sheets.pinned import press_along, press_off
 from origami_nlp.sheets.pressing import UNTOLD, press
 from origami_nlp.sheets.result import BARRIERS, MEETINGS, OF_VERTEX, POPS, WAYS_OUT, SheetResult
-from origami_nlp.sheets.starts import close, drawn, given, lowest_on, of_vertex, popped_starts
 from origami_nlp.sheets.state import SheetState
 from origami_nlp.sheets.tally import Tally
-from origami_nlp.starts import effort_of
+from origami_nlp.starts import Given, Popped, effort_of, families_in_turn
 
 OUT = 0.2
 """First step out of a state where curves meet, of the longest fold angle [rad]."""
@@ -75,8 +75,7 @@ def find_states(
     pattern
         As `as_pattern` takes it.
     starts
-        Random starts in a row that find no other minimum or curve, then the search ends; ten times as many at most.
-        None: as many as the effort says (`minima.EFFORTS`).
+        Random starts in a row that find no other minimum or curve, ten times as many at most; None: as `effort` says.
     seed
         Of the random starts: numbers of creases, the sheet's place and the side it is seen from change nothing.
     contact
@@ -107,9 +106,8 @@ def find_states(
     pattern = as_pattern(pattern)
     starts = effort_of(effort).in_a_row if starts is None else check_whole("starts", starts, 0)
     most = MOST_DRAWN * starts if max_starts is None else check_whole("max_starts", max_starts, 1)
-    check_whole("seed", seed, 0)
-    seconds = SECONDS if seconds is None else check_number("seconds", seconds, 0.0)
-    check_flag("contact", contact)
+    seed = check_whole("seed", seed, 0)
+    seconds = check_number("seconds", SECONDS if seconds is None else seconds, 0.0)
     check_flag("escape", escape)
     check_noise(noise)
     if not pattern.creases:
@@ -117,8 +115,8 @@ def find_states(
     search = _Search(pattern, contact, seconds)
     if pattern.is_flat:
         search.part("ways out of the flat state", search.from_crossroads)
-    for start in given(search.sheet.pattern):
-        search.part("starts that the pattern gives", search.explore, start)
+    for start in Given(search.sheet.pattern).states():
+        search.part(Given.name, search.explore, start)
     if len(pattern.vertices) == 1 and not pattern.holes:
         search.part(OF_VERTEX, search.round_the_vertex, seed)
     rng = np.random.default_rng(seed)
@@ -145,10 +143,11 @@ class _Search:
         self.labels, self.contact = find_labels(pattern), contact
         self.sheet = Sheet(self.labels.arranged(pattern))
         self.sheet.until = until
-        self._middle = pattern.corners.mean(axis=0)
+        self.sheet.origin = pattern.corners.mean(axis=0)
         self._symmetries = self.labels.symmetries(pattern)
         self.curves = Curves(self.sheet, self.labels, contact)
         self.tally = Tally()
+        self._families = families_in_turn(self.sheet, self.labels)
         self._side = self.labels.drawn(np.random.default_rng(0).normal(size=pattern.creases))
 
     def part(self, what: str, work: Callable[..., None], *given: Any) -> bool:
@@ -238,7 +237,7 @@ class _Search:
 
     def states(self) -> tuple[SheetState, ...]:
         """Return what was judged, by energy; states of one energy in an order that labels do not change."""
-        return tuple(s.moved(self._middle) for s in self._by_energy())
+        return tuple(self._by_energy())
 
     def _by_energy(self) -> list[SheetState]:
         by_key = sorted(self.tally.judged, key=lambda s: self.labels.key(s.fold_angles))
@@ -280,7 +279,7 @@ class _Search:
                 return
             phi = waiting[0]
             popped += [phi, *(image(symmetry, phi) for symmetry in self._symmetries)]
-            for start in popped_starts(self.sheet.pattern, self.labels, phi):
+            for start in Popped(self.sheet.pattern, self.labels, phi).states():
                 if self.tally.popped == most:
                     return
                 self.tally.popped += 1
@@ -375,7 +374,8 @@ class _Search:
     def draw(self, rng: np.random.Generator, k: int) -> None:
         """Make a random start."""
         before = self._found()
-        self.explore(drawn(self.sheet, self.labels, rng, k))
+        (start,) = self._families[k % len(self._families)].draw(rng, 1).x
+        self.explore(start)
         self.tally.drawn += 1
         self.tally.outside += len(self.curves.found) - before[1]
         self.tally.since = self.tally.since + 1 if self._found() == before else 0

@@ -31,12 +31,12 @@ from origami_nlp.minima import (
 )
 from origami_nlp.numerics import CLOSES, cross
 from origami_nlp.pattern import Pattern
+from origami_nlp.sheets.closed import close
 from origami_nlp.sheets.contacts import closed_contacts
 from origami_nlp.sheets.descent import descend
 from origami_nlp.sheets.judgement import judge
 from origami_nlp.sheets.pressing import press
 from origami_nlp.sheets.rows import Rows, balanced, polish
-from origami_nlp.sheets.starts import close
 from origami_nlp.sheets.state import SheetState
 
 NOISE = "random errors that states survive"

@@ -86,6 +86,7 @@ def _closed_surfaces(triangles: np.ndarray, of: np.ndarray, number: int) -> np.n
     edges, of_triangle = edges_of(triangles)
     uses = np.bincount(of_triangle.ravel(), minlength=len(edges))
     assert uses.max() <= 2, "an edge borders three triangles"
+    # modulo 2: a piece without a border edge is a cycle of triangles
     face = surface_pieces(triangles)
     open_piece = np.zeros(face.max() + 1, dtype=bool)
     open_piece[face[(uses[of_triangle] == 1).any(axis=1)]] = True
@@ -111,6 +112,7 @@ def spots(count: int, triangles: np.ndarray, extra: np.ndarray) -> list[Spot]:
     corner_vertex = triangles.ravel()
     after, before = np.roll(triangles, -1, axis=1).ravel(), np.roll(triangles, 1, axis=1).ravel()
     who = np.arange(3 * f)
+    # two corners at one vertex share an edge there exactly if they share its other end
     key = np.concatenate(
         [corner_vertex * (count + 1) + after, corner_vertex * (count + 1) + before]
     )

@@ -135,6 +135,7 @@ def lost_at(line: ParameterLine, start: np.ndarray, most: float) -> Ended:
         ahead = [
             (a.high, k)
             for k, a in enumerate(web.arcs)
+            # arcs of minima that lead on from here to larger s
             if a.index == 0 and node in (a.start, a.end) and a.low >= s - SETTLED and a.high > s
         ]
         if not ahead:
@@ -165,6 +166,7 @@ def _in_place(line: ParameterLine, start: np.ndarray, most: float) -> Ended:
         return Ended(most, "kept", start)
     while high - low > max(SETTLED, 1e-3 * high):
         middle = 0.5 * (low + high)
+        # invariant: certainly a minimum at `low`, not certainly at `high`
         low, high = (middle, high) if stays(middle) else (low, middle)
     return Ended(low, MOVES, start)
 

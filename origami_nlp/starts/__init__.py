@@ -1,16 +1,28 @@
-"""Where searches start: one file a family of starts, drawn, listed, or beside a singular state.
+"""Where searches start: one file a family, all with the interface of `StartFamily`, drawn in `rounds` for a vertex.
 
-| file | where its starts lie |
-| --- | --- |
-| `rounds` | the families of a vertex in rounds, with how many of each |
-| `touches` | on strata where creases touch facets (`touch_strata` lists them, `pinches` closes them) |
-| `moments` | where creases balance random moments |
-| `near_flat`, `near_folded` | beside the flat state and flat foldings, where second order puts a minimum |
-| `foldings`, `hinge_sets`, `rest`, `rigid` | exact states: flat foldings, lowest on hinges, rest state, isolated ones |
-| `projected`, `on_limits` | random fold angles, projected onto closure; with one or two creases shut |
+| family | of | its starts |
+| --- | --- | --- |
+| `Corners` | vertex | where fold limits leave no freedom |
+| `Interior` | vertex | with nothing closed |
+| `NearCorners` | vertex | corners with some of their creases let go |
+| `Strata` | vertex | with random creases at their fold limits |
+| `Touches` | vertex | where creases touch facets |
+| `Moments` | vertex | where creases balance a random moment |
+| `Projected` | vertex | random fold angles, projected onto closure |
+| `NearFlat` | vertex | where second order puts a minimum beside the flat state |
+| `NearFolded` | vertex | where second order puts a minimum beside a flat folding |
+| `FlatFoldings` | vertex | every fold angle 0 or +-pi |
+| `HingeSets` | vertex | lowest of all that hinge about one line |
+| `RestState` | vertex | the rest angles, where they close |
+| `RigidStates` | vertex | isolated states of what has no freedom |
+| `Given` | pattern | what the file states, mountains and valleys folded, rest angles |
+| `Grown` | pattern | grown out of the flat state |
+| `Uniform` | pattern | any fold angles |
+| `UniformShut` | pattern | any fold angles, some creases shut |
+| `Popped` | pattern | a minimum with one vertex on its other side |
 
 `samples` are states with the contacts that they hold, `closing` brings them onto closure and these contacts, and
-`crossings` tells where facets cross.
+`crossings` tells where facets cross; `touch_strata` lists the strata with touches, which `pinches` closes.
 """
 
 import lazy_loader

@@ -9,6 +9,7 @@ import numpy as np
 
 from origami_nlp.numerics import CLOSES
 from origami_nlp.programme import Programme
+from origami_nlp.starts.family import Listed
 
 MOST_FLAT_VARIABLES = 9
 """Flat foldings are listed for up to this many variables (3^9 = 19683 candidates)."""
@@ -26,3 +27,24 @@ def flat_foldings(model: Programme) -> list[np.ndarray]:
     x = math.pi * np.array(list(places))
     closed = np.abs(model.closure(x)[0]).max(axis=1) <= CLOSES
     return [state for state in x[closed] if model.on_sheet(state)]
+
+
+class FlatFoldings(Listed):
+    """Every flat folding of a model (`flat_foldings`).
+
+    Parameters
+    ----------
+    model
+        Of any scene.
+    """
+
+    name = "flat foldings"
+    sentence = "every fold angle 0 or +-pi"
+
+    def __init__(self, model: Programme) -> None:
+        self.size = model.size
+        self._model = model
+
+    def states(self) -> list[np.ndarray]:
+        """List them."""
+        return flat_foldings(self._model)

@@ -23,6 +23,7 @@ import numpy as np
 from origami_nlp.folding import fold_vertex
 from origami_nlp.numerics import CLOSES, LEVEL, OUTSIDE, ROUNDED, cross
 from origami_nlp.programme import Model
+from origami_nlp.starts.family import Listed
 
 MOST_VARIABLES = 8
 """Sets are listed for up to this many variables (3^8 = 6,561 patterns)."""
@@ -32,27 +33,43 @@ MOST_STATES = 2000
 """Lowest states of sets that are kept, those of lowest energy first."""
 
 
-def hinge_minima(model: Model) -> list[np.ndarray]:
-    """Return the lowest state [n] of each polytope of states that hinge about one line.
+class HingeSets(Listed):
+    """The lowest state of each polytope of states that hinge about one line.
 
     Only those strictly within the polytope: its faces belong to sets with fewer hinges, its corners to the
     flat foldings.  Candidates only: whether facets cross is not asked here.
+
+    Parameters
+    ----------
+    model
+        Of any scene.
     """
-    n = model.size
-    if not model.has_limits or n > MOST_VARIABLES:
-        return []
-    states: list[np.ndarray] = []
-    for fixed, moving, turn, c in _sets(model):
-        x = _lowest_of(model, fixed, moving, turn, c)
-        if x is None:
-            continue
-        lowest = x[moving]
-        # a hinge at +-pi is shut: that state belongs to another set
-        inside = (math.pi - np.abs(lowest) > OUTSIDE).all()
-        if inside and np.abs(model.closure(x)[0]).max() <= CLOSES:
-            states.append(x)  # (a piece of a symmetric state may close once round, or wind)
-    states.sort(key=model.energy)
-    return states[:MOST_STATES]
+
+    name = "hinge sets"
+    sentence = "lowest of all that hinge about one line"
+
+    def __init__(self, model: Model) -> None:
+        self.size = model.size
+        self._model = model
+
+    def states(self) -> list[np.ndarray]:
+        """List them by energy."""
+        model = self._model
+        n = model.size
+        if not model.has_limits or n > MOST_VARIABLES:
+            return []
+        states: list[np.ndarray] = []
+        for fixed, moving, turn, c in _sets(model):
+            x = _lowest_of(model, fixed, moving, turn, c)
+            if x is None:
+                continue
+            lowest = x[moving]
+            # a hinge at +-pi is shut: that state belongs to another set
+            inside = (math.pi - np.abs(lowest) > OUTSIDE).all()
+            if inside and np.abs(model.closure(x)[0]).max() <= CLOSES:
+                states.append(x)  # (a piece of a symmetric state may close once round, or wind)
+        states.sort(key=model.energy)
+        return states[:MOST_STATES]
 
 
 def _sets(model: Model) -> Iterator[tuple[np.ndarray, np.ndarray, np.ndarray, float]]:

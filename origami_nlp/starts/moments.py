@@ -17,6 +17,7 @@ import numpy as np
 from origami_nlp.numerics import CLOSES, SAME
 from origami_nlp.programme import Model, MomentMap
 from origami_nlp.starts.closing import Closing
+from origami_nlp.starts.family import StartFamily
 from origami_nlp.starts.samples import Samples
 
 STEPS = 30
@@ -31,33 +32,37 @@ SPREAD = (0.3, 10.0)
 """Moments are drawn from this times the smallest to this times the largest that matters."""
 
 
-class MomentStarts:
-    """Samples near stationary states, from random moments.
+def is_chain(model: Model) -> bool:
+    """Tell whether fold limits are all that can touch in a vertex without symmetry: what `Moments` ask for."""
+    return model.scene.group.is_trivial and not model.structure.gaps
+
+
+class Moments(StartFamily):
+    """Closed states near stationary ones, from random moments.
 
     Parameters
     ----------
     model
-        Without symmetry, its only contacts fold limits.
-    rng
-        Of the draws.
+        Without symmetry, its only contacts fold limits (`is_chain`).
     """
 
-    def __init__(self, model: Model, rng: np.random.Generator) -> None:
-        self.map, self._rng, self._closing = MomentMap(model), rng, Closing(model)
+    name = "moments"
+    sentence = "where creases balance a random moment"
 
-    def draw(self, count: int) -> np.ndarray:
-        """Draw moments over `Model.scale`, shape [count, 3]."""
-        u = self._rng.normal(size=(count, 3))
+    def __init__(self, model: Model) -> None:
+        self.map, self._closing = MomentMap(model), Closing(model)
+
+    def moments(self, rng: np.random.Generator, many: int) -> np.ndarray:
+        """Draw moments over `Model.scale`, shape [many, 3]."""
+        u = rng.normal(size=(many, 3))
         low, high = SPREAD[0] * self.map.smallest, SPREAD[1] * self.map.largest
-        length = np.exp(self._rng.uniform(math.log(low), math.log(high), (count, 1)))
+        length = np.exp(rng.uniform(math.log(low), math.log(high), (many, 1)))
         return np.asarray(u * (length / np.linalg.norm(u, axis=1, keepdims=True)))
 
-    def samples(self, count: int, source: int) -> Samples:
-        """Return closed samples of the source with this number, from `count` moments: at most as many."""
-        m, _ = find_zeros(self.map, self.draw(count))
-        x = self.map.shoot(m, slope=False).x
-        shut = np.where(np.abs(x) == math.pi, np.sign(x), 0).astype(int)
-        s = self._closing.close(Samples.on(x, shut, source=source))
+    def draw(self, rng: np.random.Generator, many: int) -> Samples:
+        """Return closed states from as many moments; fewer where some do not close."""
+        m, _ = find_zeros(self.map, self.moments(rng, many))
+        s = self._closing.close(Samples.at_limits(self.map.shoot(m, slope=False).x))
         value, _ = self._closing.kinematics.closure(self._closing.kinematics.fold(s.x))
         return s[np.abs(value).max(axis=1) <= SAME]
 

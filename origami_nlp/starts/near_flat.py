@@ -21,6 +21,7 @@ import numpy as np
 
 from origami_nlp.numerics import RANK
 from origami_nlp.programme import Model
+from origami_nlp.starts.family import Listed
 
 NEAR = 1.0
 """Largest fold angle of a state that second order says something about [rad]."""
@@ -31,37 +32,43 @@ BEYOND = np.logspace(-4, 7, 200)
 HALVINGS = 50
 
 
-def flat_minima(model: Model) -> np.ndarray:
-    """Return the minima of a scene's springs on the second-order cone of closed states at the flat state.
+class NearFlat(Listed):
+    """The minima of a scene's springs on the second-order cone of closed states at the flat state.
 
     Parameters
     ----------
     model
-        Of any scene; none are returned where the flat state is no state of it, or has more than one second-order
+        Of any scene; there are none where the flat state is no state of it, or has more than one second-order
         equation.
-
-    Returns
-    -------
-    numpy.ndarray
-        Closed to second order, [K, n] [rad]; the tip of the cone is not among them.
     """
-    flat, n = np.zeros(model.size), model.size
-    value, jacobian = model.closure(flat)
-    none = np.zeros((0, n))
-    if np.abs(value).max(initial=0.0) > RANK or not model.on_sheet(flat):
-        return none
-    root = np.sqrt(model.parameters.stiffness)
-    u, sizes, vt = np.linalg.svd(jacobian / root)
-    rank = int((sizes > RANK * sizes.max(initial=1e-300)).sum())
-    if len(u) - rank != 1 or n - rank < 2:
-        return none
-    no_gaps = np.zeros(len(model.structure.gaps))
-    form = model.hessian(flat, u[:, rank], no_gaps, 0.0) / np.outer(root, root)
-    kernel = vt[rank:].T
-    y, _ = on_cone(kernel.T @ form @ kernel, kernel.T @ (model.parameters.torque(flat) / root))
-    x = y @ kernel.T / root
-    size = np.abs(x).max(axis=1)
-    return np.asarray(x[(size > RANK) & (size <= NEAR)])
+
+    name = "starts beside the flat state"
+    sentence = "where second order puts a minimum beside the flat state"
+
+    def __init__(self, model: Model) -> None:
+        self.size = model.size
+        self._model = model
+
+    def states(self) -> np.ndarray:
+        """Return them closed to second order, [K, n] [rad]; the tip of the cone is not among them."""
+        model = self._model
+        flat, n = np.zeros(model.size), model.size
+        value, jacobian = model.closure(flat)
+        none = np.zeros((0, n))
+        if np.abs(value).max(initial=0.0) > RANK or not model.on_sheet(flat):
+            return none
+        root = np.sqrt(model.parameters.stiffness)
+        u, sizes, vt = np.linalg.svd(jacobian / root)
+        rank = int((sizes > RANK * sizes.max(initial=1e-300)).sum())
+        if len(u) - rank != 1 or n - rank < 2:
+            return none
+        no_gaps = np.zeros(len(model.structure.gaps))
+        form = model.hessian(flat, u[:, rank], no_gaps, 0.0) / np.outer(root, root)
+        kernel = vt[rank:].T
+        y, _ = on_cone(kernel.T @ form @ kernel, kernel.T @ (model.parameters.torque(flat) / root))
+        x = y @ kernel.T / root
+        size = np.abs(x).max(axis=1)
+        return np.asarray(x[(size > RANK) & (size <= NEAR)])
 
 
 def on_cone(form: np.ndarray, torque: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

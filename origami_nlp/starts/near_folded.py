@@ -16,6 +16,7 @@ import numpy as np
 from origami_nlp.kkt import State
 from origami_nlp.numerics import RANK, SETTLED, null_space
 from origami_nlp.programme import Model
+from origami_nlp.starts.family import Listed
 from origami_nlp.starts.near_flat import NEAR, on_cone
 
 MOST_SHUT = 2
@@ -26,8 +27,8 @@ INSIDE = (1e-3, 2e-2)
 """Starts are moved off the contacts held by these shares of their distance: closing them may push them beyond."""
 
 
-def folded_minima(model: Model, foldings: Sequence[np.ndarray]) -> np.ndarray:
-    """Return starts beside flat foldings where second order says that the springs have a minimum.
+class NearFolded(Listed):
+    """Starts beside flat foldings where second order says that the springs have a minimum.
 
     Parameters
     ----------
@@ -35,22 +36,28 @@ def folded_minima(model: Model, foldings: Sequence[np.ndarray]) -> np.ndarray:
         Of any scene.
     foldings
         Its flat foldings, [n] each; of images under its own symmetries only the first is looked at.
-
-    Returns
-    -------
-    numpy.ndarray
-        Closed to second order, shape [K, n] [rad].
     """
-    found: list[np.ndarray] = []
-    done: list[np.ndarray] = []
-    for x in foldings:
-        if not 0 < np.count_nonzero(x) <= MOST_SHUT or _known(model, done, x):
-            continue
-        done.append(x)
-        state = State(model, x)
-        if not state.refused:
-            found += _beside(state)
-    return np.array(found).reshape(-1, model.size)
+
+    name = "starts beside flat foldings"
+    sentence = "where second order puts a minimum beside a flat folding"
+
+    def __init__(self, model: Model, foldings: Sequence[np.ndarray]) -> None:
+        self.size = model.size
+        self._model, self._foldings = model, foldings
+
+    def states(self) -> np.ndarray:
+        """Return them closed to second order, shape [K, n] [rad]."""
+        model = self._model
+        found: list[np.ndarray] = []
+        done: list[np.ndarray] = []
+        for x in self._foldings:
+            if not 0 < np.count_nonzero(x) <= MOST_SHUT or _known(model, done, x):
+                continue
+            done.append(x)
+            state = State(model, x)
+            if not state.refused:
+                found += _beside(state)
+        return np.array(found).reshape(-1, model.size)
 
 
 def _known(model: Model, done: list[np.ndarray], x: np.ndarray) -> bool:

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import itertools
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,6 +18,8 @@ import numpy as np
 from origami_nlp.kkt import project
 from origami_nlp.numerics import CLOSES
 from origami_nlp.programme import Programme
+from origami_nlp.starts.family import StartFamily
+from origami_nlp.starts.samples import Samples
 
 BATCH = 64
 """Starts that are drawn and projected together."""
@@ -30,34 +33,41 @@ class Start:
     feasible: bool
 
 
-class StartStream:
-    """An endless, seeded stream of starting states."""
+class Projected(StartFamily):
+    """Random fold angles projected onto closure.
 
-    def __init__(self, model: Programme, seed: int) -> None:
+    Parameters
+    ----------
+    model
+        Of any scene.
+    """
+
+    name = "interior"
+    sentence = "random fold angles, projected onto closure"
+
+    def __init__(self, model: Programme) -> None:
         self._model = model
-        self._rng = np.random.default_rng(seed)
-        self._buffer: list[Start] = []
-        self._faces = itertools.cycle(
-            [(v, side) for v in range(model.size) for side in (-math.pi, math.pi)]
-        )
 
-    def __iter__(self) -> StartStream:
-        return self
+    def draw(self, rng: np.random.Generator, many: int) -> Samples:
+        """Return the first of `starts`."""
+        return Samples.on(np.array([start.x for start in itertools.islice(self.starts(rng), many)]))
 
-    def __next__(self) -> Start:
-        if not self._buffer:
-            self._buffer = self._draw()
-        return self._buffer.pop()
+    def starts(self, rng: np.random.Generator) -> Iterator[Start]:
+        """Yield starts without end."""
+        size = self._model.size
+        faces = itertools.cycle([(v, side) for v in range(size) for side in (-math.pi, math.pi)])
+        while True:
+            yield from self._batch(rng, faces)
 
-    def _draw(self) -> list[Start]:
+    def _batch(self, rng: np.random.Generator, faces: Iterator[tuple[int, float]]) -> list[Start]:
         """Draw a batch: feasible starts where there are enough, else the others too."""
-        model, rng = self._model, self._rng
+        model = self._model
         x = rng.uniform(-math.pi, math.pi, (BATCH, model.size))
         frozen = np.zeros_like(x, dtype=bool)
         if model.has_limits and model.size > 1:
             # the chance that a uniform start lies at phi = +-pi is 0, and sets exist only there
             for row in range(3, BATCH, 4):
-                variable, value = next(self._faces)
+                variable, value = next(faces)
                 x[row, variable] = value
                 frozen[row, variable] = True
         x, residual = project(model, x, frozen=frozen)
@@ -67,4 +77,4 @@ class StartStream:
         keep = feasible | frozen.any(axis=1)
         if keep.sum() < BATCH // 8:
             keep[:] = True
-        return [Start(x[k].copy(), bool(feasible[k])) for k in np.flatnonzero(keep)[::-1]]
+        return [Start(x[k].copy(), bool(feasible[k])) for k in np.flatnonzero(keep)]

@@ -6,40 +6,37 @@ from the interior, but a start on their own stratum, with its contacts held, oft
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from origami_nlp.errors import OptionError
-from origami_nlp.programme import OPEN, Model, random_strata, vertex_candidates, vertices
+from origami_nlp.programme import Model, vertex_candidates
+from origami_nlp.starts.corners import Corners
 from origami_nlp.starts.crossings import model_rows
-from origami_nlp.starts.moments import MomentStarts
+from origami_nlp.starts.family import StartFamily
+from origami_nlp.starts.moments import Moments, is_chain
+from origami_nlp.starts.near_corners import NearCorners
 from origami_nlp.starts.samples import Samples, joined
-from origami_nlp.starts.touches import TouchStarts, touch_starts
+from origami_nlp.starts.strata import Interior, Strata
+from origami_nlp.starts.touches import Touches
 
-CORNER, INTERIOR, SUBSET, STRATUM, TOUCH, MOMENT = range(6)
-"""Sources of starts."""
-DRAWN = (INTERIOR, SUBSET, STRATUM, TOUCH, MOMENT)
+FAMILIES = (Corners, Interior, NearCorners, Strata, Touches, Moments)
+"""Of starts that are counted; the numbers of sources are places here."""
+CORNER, INTERIOR = 0, 1
+SOURCES = tuple(family.name for family in FAMILIES)
+"""Their names."""
+DRAWN = tuple(k for k in range(len(FAMILIES)) if k != CORNER)
 """Those that are drawn anew: only how often these reach a minimum says how likely another was missed."""
-GIVEN = 6
-"""States that are given, guesses, minima of second order beside the flat state, either side of saddles: not counted."""
-SOURCES = ("corners", "interior", "near corners", "strata", "touches", "moments")
-"""Their names, in the order of their numbers."""
-
-
+GIVEN = len(FAMILIES)
+"""Source of states that are given, guesses, minima of second order, either side of saddles: not counted."""
 MOST_WITH_CORNERS = 24
 """Creases up to which corners are started from: with more there are too many that nothing holds."""
 FEWEST_FOR_MOMENTS = 16
 """Creases from which moments are started from as well: with 10 and 12 they found no more in the same time."""
 OTHERS = 8
 """With more creases, one start in so many is no moment."""
-
-
-def is_chain(model: Model) -> bool:
-    """Tell whether fold limits are all that can touch in a vertex without symmetry: what `MomentStarts` ask for."""
-    return model.scene.group.is_trivial and not model.structure.gaps
 
 
 @dataclass(frozen=True)
@@ -103,32 +100,46 @@ class Rounds:
         self._model, self._effort = model, effort
         self._rng = np.random.default_rng(seed)
         self._long = model.size > MOST_WITH_CORNERS
-        corners = np.zeros((0, model.size))
-        self._corners = corners if self._long else vertices(model, effort.corners, self._rng)
+        self._corners = Samples.on(np.zeros((0, model.size)))
+        if not self._long:
+            self._corners = self._drawn(Corners(model), effort.corners)
         self.corners = len(self._corners)
         self.every_corner = 0 < vertex_candidates(model) <= effort.corners
-        self._touch = model.scene.group.is_trivial and bool(model_rows(model))
-        self.touches: TouchStarts | None = None
-        share = 0.6 if self._touch else 1.25  # touches are a third kind of start
-        self._moments = MomentStarts(model, self._rng) if is_chain(model) else None
-        self._a_round = round(
-            share * effort.a_round * min(2.5 ** min(max(model.freedom - 1, 0), 9), 64)
-        )
+        touching = model.scene.group.is_trivial and bool(model_rows(model))
+        self.touches = Touches(model) if touching else None
+        self._interior = Interior(model)
+        share = 0.6 if touching else 1.25  # touches are a third kind of start
+        freedom = min(max(model.freedom - 1, 0), 9)
+        self._a_round = round(share * effort.a_round * min(2.5**freedom, 64))
         if self._long:  # a descent takes longer
             self._a_round = 1 + self._a_round * MOST_WITH_CORNERS // model.size
+        self._each = list(self._families(Moments(model) if is_chain(model) else None))
+
+    def _families(self, moments: Moments | None) -> Iterator[tuple[StartFamily, int]]:
+        """Yield the families of every round, with how many starts of each."""
+        model = self._model
+        if self._long and moments is not None:
+            yield moments, self._a_round
+            yield self._interior, 1 + self._a_round // OTHERS
+        elif not model.has_limits:
+            yield self._interior, 8 * self._a_round  # each shape in several lifts
+        else:
+            yield Strata(model), self._a_round
+            if self.corners:
+                yield NearCorners(self._corners), self._a_round
+            if self.touches is not None:
+                yield self.touches, self._a_round
+            if moments is not None and model.size >= FEWEST_FOR_MOMENTS:
+                yield moments, self._a_round
 
     def __iter__(self) -> Iterator[Samples]:
         """Yield round after round."""
         if self._long:
             yield from (self._mixed(self._round()) for _ in range(self._effort.rounds))
             return
-        interior = self._effort.interior
-        if not self._model.has_limits:
-            interior *= 8  # nothing but the interior, and each shape in several lifts
-        inside = random_strata(self._model, self._rng, interior, 0)
-        first = [Samples.on(inside, source=INTERIOR)]
-        if len(self._corners):
-            first.append(Samples.on(self._corners, _shut(self._corners), source=CORNER))
+        # without limits there is nothing but the interior, and each shape in several lifts
+        interior = self._effort.interior * (1 if self._model.has_limits else 8)
+        first = [self._drawn(self._interior, interior), self._corners]
         # batches cost by the call more than by the sample: the first rounds go with them
         yield self._mixed(*first, *(self._round() for _ in range(self._effort.hits)))
         for _ in range(self._effort.rounds - self._effort.hits):
@@ -140,45 +151,9 @@ class Rounds:
         return some[self._rng.permutation(len(some))]
 
     def _round(self) -> Samples:
-        count = self._a_round
-        if self._long and self._moments is not None:
-            return self._balanced(self._moments, count)
-        if not self._model.has_limits:
-            return Samples.on(random_strata(self._model, self._rng, 8 * count, 0), source=INTERIOR)
-        drawn = random_strata(self._model, self._rng, count)
-        parts = [Samples.on(drawn, _shut(drawn), hold=True, source=STRATUM)]
-        if len(self._corners):
-            parts.append(self._near_corners(count))
-        if self._touch:
-            parts.append(self._touching(count))
-        if self._moments is not None and self._model.size >= FEWEST_FOR_MOMENTS:
-            parts.append(self._moments.samples(count, MOMENT))
-        return joined(*parts)
+        return joined(*(self._drawn(family, many) for family, many in self._each))
 
-    def _balanced(self, moments: MomentStarts, count: int) -> Samples:
-        """States near balance from random moments, and a few others from the interior."""
-        inside = random_strata(self._model, self._rng, 1 + count // OTHERS, 0)
-        return joined(moments.samples(count, MOMENT), Samples.on(inside, source=INTERIOR))
-
-    def _touching(self, count: int) -> Samples:
-        """States on strata with touches, their contacts held until they have converged."""
-        self.touches = new = touch_starts(self._model, self._rng, count, self.touches)
-        sides = np.where(new.gaps == OPEN, 1, new.touches[..., 2])
-        hold, source = np.ones(len(new), dtype=bool), np.full(len(new), TOUCH)
-        springs = np.zeros(len(new), dtype=int)
-        return Samples(new.x, new.act.astype(int), new.gaps, sides, hold, source, springs)
-
-    def _near_corners(self, count: int) -> Samples:
-        """Corners with a random subset of their creases let go."""
-        rng = self._rng
-        x = self._corners[rng.integers(len(self._corners), size=count)]
-        shut = _shut(x)
-        closed = shut != 0
-        order = np.where(closed, rng.random(x.shape), 2.0).argsort(axis=1).argsort(axis=1)
-        keep = (rng.random(count) * closed.sum(axis=1)).astype(int)  # fewer than all
-        return Samples.on(x, np.where(order < keep[:, None], shut, 0), hold=True, source=SUBSET)
-
-
-def _shut(x: np.ndarray) -> np.ndarray:
-    """Creases of states [K, n] at their fold limits: -1, 0 or 1."""
-    return np.where(np.abs(x) == math.pi, np.sign(x), 0).astype(int)
+    def _drawn(self, family: StartFamily, many: int) -> Samples:
+        """Draw starts, with the number of their source."""
+        s = family.draw(self._rng, many)
+        return replace(s, source=np.full(len(s), SOURCES.index(family.name)))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
 
@@ -57,6 +58,11 @@ class Samples:
             np.full(k, source),
             np.zeros(k, dtype=int),
         )
+
+    @classmethod
+    def at_limits(cls, x: np.ndarray, *, hold: bool = False) -> Samples:
+        """Make samples that hold the creases that are at their fold limits."""
+        return cls.on(x, np.where(np.abs(x) == math.pi, np.sign(x), 0), hold=hold)
 
     def __getitem__(self, which: np.ndarray) -> Samples:
         return Samples(*(getattr(self, f.name)[which] for f in fields(self)))

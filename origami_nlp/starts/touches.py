@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -16,9 +16,11 @@ from origami_nlp.folding import (
     tip_depths,
 )
 from origami_nlp.numerics import FOLLOWED, OUTSIDE
-from origami_nlp.programme import Model
+from origami_nlp.programme import OPEN, Model
 from origami_nlp.starts.crossings import model_rows
+from origami_nlp.starts.family import StartFamily
 from origami_nlp.starts.pinches import close_pinched, free_parameters
+from origami_nlp.starts.samples import Samples
 from origami_nlp.starts.touch_strata import MOST_TOUCHES, TouchStrata, list_strata
 
 DRAWS = 8
@@ -68,6 +70,35 @@ class TouchStarts:
 
     def __len__(self) -> int:
         return len(self.x)
+
+
+class Touches(StartFamily):
+    """Closed states on strata with touches, which they hold until the descent has converged.
+
+    Parameters
+    ----------
+    model
+        Of a scene without symmetry.
+
+    Attributes
+    ----------
+    found
+        The last answer of `touch_starts`, whose counts hold those before; None before the first.
+    """
+
+    name = "touches"
+    sentence = "where creases touch facets"
+
+    def __init__(self, model: Model) -> None:
+        self._model = model
+        self.found: TouchStarts | None = None
+
+    def draw(self, rng: np.random.Generator, many: int) -> Samples:
+        """Draw states on the strata that were tried least (`touch_starts`)."""
+        self.found = new = touch_starts(self._model, rng, many, self.found)
+        sides = np.where(new.gaps == OPEN, 1, new.touches[..., 2])
+        s = Samples.on(new.x, new.act, hold=True)
+        return replace(s, slots=new.gaps, sides=sides)
 
 
 def model_strata(model: Model) -> TouchStrata:

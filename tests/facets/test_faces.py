@@ -11,8 +11,9 @@ from scipy.spatial.transform import Rotation
 import origami_nlp as o
 from origami_nlp import Model, Scene, State, Vertex, classify, examine
 from origami_nlp.facets import Faces, Lying, Placed, Sheet, order_layers
+from origami_nlp.kkt import contact_forces
 from origami_nlp.programme import vertices
-from origami_nlp.sheets import SheetContact, closed_contacts, judge, singular_beside, touch_places
+from origami_nlp.sheets import closed_contacts, judge, singular_beside, touch_places
 from tests.patterns import grid, miura, miura_angles, wheel
 
 
@@ -198,7 +199,7 @@ def test_lower_states_beside_stacked_minima_are_no_paper():
 
     sheet, scene = held()
     rng, lower, count = np.random.default_rng(0), 0, 0
-    for m in find_minima(scene, prove=False).minima:
+    for m in find_minima(scene, prove=False, escape=False).minima:
         phi = np.array(m.fold_angles)
         faces = Faces(sheet, phi)
         if not (faces.known or faces.open):
@@ -228,7 +229,8 @@ def test_ends_of_a_bird_base_are_held_by_its_layers():
     pattern = o.examples.pattern("birdbase")
     rest = rng.uniform(-3.1, 3.1, pattern.creases)
     pattern = pattern.with_springs(list(rng.uniform(0.3, 2, pattern.creases)), list(rest))
-    found, sheet, pressed, lower = o.find_minima(pattern, starts=1), Sheet(pattern), 0, 0
+    found, sheet = o.find_minima(pattern, starts=1, escape=False), Sheet(pattern)
+    pressed, lower = 0, 0
     assert all(s.verdict != "undecided" for s in found.states)
     for state in found.minima:
         phi = state.fold_angles
@@ -277,7 +279,7 @@ def test_forces_act_on_both_facets_of_a_sheet_that_lies_anywhere():
     """Contacts of states that a search has found, of a sheet that is not about its middle."""
     sheet, _ = held()
     corners = sheet.pattern.corners + np.array([3.0, -2.0, 0.0])
-    found = o.find_minima(replace(sheet.pattern, corners=corners), starts=0)
+    found = o.find_minima(replace(sheet.pattern, corners=corners), starts=0, escape=False)
     lying = 0
     for state in found.minima:
         faces = [c for c in state.contacts if c.type == "face-face"]
@@ -285,7 +287,7 @@ def test_forces_act_on_both_facets_of_a_sheet_that_lies_anywhere():
         for contact, place in zip(
             faces, touch_places(found.pattern, state.fold_angles, faces), strict=True
         ):
-            for facet in contact.where:
+            for facet in (f - 1 for f in contact.facets):
                 ring = list(found.pattern.polygons[facet])
                 a, b, c = x(np.full(3, facet), np.array(ring))
                 shares = np.linalg.lstsq(np.column_stack([b - a, c - a]), place - a, rcond=None)[0]
@@ -322,9 +324,22 @@ def test_facets_that_reach_into_each_other_in_a_stack_are_seen():
     assert beyond * sheet.crossings.size == pytest.approx(-0.6e-7, rel=1e-6)
 
 
-def test_contacts_face_to_face_are_told_and_read_again():
-    contact = SheetContact("face-face", (3, 1), 2.0, (), (1.0, math.inf), -1, (0.5, 0.25, 0.0))
-    assert contact.words() == (
-        "facet 2 flat on the back of facet 4 at (0.5, 0.25, 0): force 2, not unique: 1 to inf"
+def test_contacts_face_to_face_are_told_in_the_coordinates_of_the_user():
+    """Of a sheet that was moved, as a search does: words and place are those of the sheet as it was given."""
+    pattern = _rolled([0.0, 0.0]).pattern
+    by, phi = np.array([3.0, -2.0, 0.0]), np.array([math.pi, -math.pi])
+    sheet, moved = Sheet(pattern), Sheet(replace(pattern, corners=pattern.corners - by))
+    moved.origin = by
+    one, two = (
+        contact_forces(
+            State(s, phi), [s.contact_of(t) for t in Faces(s, phi).touches(0, above=True)]
+        )
+        for s in (sheet, moved)
     )
-    assert SheetContact.from_dict(contact.to_dict()) == contact
+    assert one and [c.place for c in two] == [pytest.approx(c.place) for c in one]
+    assert [c.words() for c in two] == [c.words() for c in one]
+    found = one[0]
+    side = "front" if found.side > 0 else "back"
+    at = ", ".join(f"{x:.4g}" for x in found.place)
+    lies = f"facet {found.facets[1]} flat on the {side} of facet {found.facets[0]} at ({at})"
+    assert found.words().startswith(f"{lies}: force {found.force:.4g} N m per unit of length")

@@ -94,10 +94,11 @@ class Rigid:
             (low[:, None] <= high).all(axis=2) & (low <= high[:, None]).all(axis=2), -1
         )
         pairs = [(j, i) for i, j in np.argwhere(overlap).tolist()]
-        return [(j, i) for j, i in pairs if (j, i) not in beside and _collide(x[i], x[j])]
+        return [(j, i) for j, i in pairs if (j, i) not in beside and collide(x[i], x[j])]
 
 
-def _collide(a, b):
+def collide(a, b):
+    """Tell whether the library finds one polygon in another, but for corners that they share."""
     a, b = _without(a, b), _without(b, a)
     return fcl.collide(_mesh(a), _mesh(b), fcl.CollisionRequest(), fcl.CollisionResult()) > 0
 
@@ -119,3 +120,15 @@ def _without(corners, other):
         before, after = corners[i - 1], corners[(i + 1) % len(corners)]
         out += [x + CUT * (before - x), x + CUT * (after - x)] if shared[i] else [x]
     return np.array(out)
+
+
+def depth(a, b):
+    """Shortest translation along an axis (normals, normals of sides, products of sides) that parts two polygons."""
+    sides = [np.roll(x, -1, axis=0) - x for x in (a, b)]
+    normals = [np.cross(e[0], e[1]) for e in sides]
+    axes = [*normals, *np.cross(sides[0][:, None], sides[1][None]).reshape(-1, 3)]
+    axes += [np.cross(n, e) for n, es in zip(normals, sides, strict=True) for e in es]
+    axes = np.array([x / np.linalg.norm(x) for x in axes if np.linalg.norm(x) > 1e-9])
+    of_a, of_b = a @ axes.T, b @ axes.T
+    overlap = np.minimum(of_a.max(0) - of_b.min(0), of_b.max(0) - of_a.min(0))
+    return overlap.min()

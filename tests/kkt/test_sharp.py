@@ -70,7 +70,7 @@ def test_a_flat_sheet_that_no_way_leads_out_of_is_stable():
     pattern = grid(points).with_springs(1.0, list(rng.uniform(-1, 1, 12)))
     flat = judge(Sheet(pattern), np.zeros(12))
     assert (flat.verdict, flat.kind) == ("minimum", "degenerate")
-    found = find_states(pattern, starts=1)
+    found = find_states(pattern, starts=1, escape=False)
     (only,) = found.minima
     assert not only.fold_angles.any()
     assert only.kkt_residual > 1e-3 and "are unique" not in str(found)  # nothing balances it

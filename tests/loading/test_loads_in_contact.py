@@ -17,7 +17,7 @@ from origami_nlp.facets import Sheet, Torque
 from origami_nlp.numerics import STATIONARY
 from origami_nlp.path import Steps
 from origami_nlp.sheets import judge, press
-from tests.independent.rigid import Rigid, _collide
+from tests.independent.rigid import Rigid, collide
 from tests.independent.trigonometry import quadrilateral
 from tests.patterns import QUAD, metasheet
 
@@ -48,7 +48,7 @@ class Turned(Rigid):
         p, shut = self.p, np.abs(phi) == math.pi
         stacked = {tuple(sorted(pair)) for pair in zip(p.left[shut], p.right[shut], strict=True)}
         pairs = (pair for pair in combinations(range(len(x)), 2) if pair not in stacked)
-        return [pair for pair in pairs if _collide(*(x[k] for k in pair))]
+        return [pair for pair in pairs if collide(*(x[k] for k in pair))]
 
 
 # ---------------------------------------------------------------- one freedom, in closed form

@@ -5,6 +5,7 @@ import re
 import pytest
 
 from tests import gallery_of_patterns as gallery
+from tests.computed_once import states
 
 QUICK = "metasheet:4x4", "squaretwist"
 
@@ -13,7 +14,7 @@ QUICK = "metasheet:4x4", "squaretwist"
     "name", [n if n in QUICK else pytest.param(n, marks=pytest.mark.slow) for n in gallery.SHEETS]
 )
 def test_the_page_lists_the_states_that_are_found(name):
-    result = gallery.solve(name)
+    result = states(name)
     assert all(s.closure_residual < 1e-12 for s in result.minima)
     assert result._repr_html_().count("<img") == 1
     page = gallery.PAGE.read_text()

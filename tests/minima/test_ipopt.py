@@ -66,7 +66,7 @@ def test_unique_multipliers_are_equal():
             assert said.reason == "closure loses rank"
             continue
         assert said.solver.agrees and said.left < 1e-6
-        if all(c.between is None for c in minimum.contacts):
+        if all(c.unique for c in minimum.contacts):
             ours, theirs = said.forces
             assert theirs == pytest.approx(ours, abs=1e-5)
             told += 1

@@ -14,7 +14,7 @@ from origami_nlp import MinimaResult
 from origami_nlp.kkt import State, classify
 from origami_nlp.minima import Rejected
 from origami_nlp.programme import Model
-from origami_nlp.starts.hinge_sets import hinge_minima
+from origami_nlp.starts.hinge_sets import HingeSets
 from tests.independent.rotations import about
 
 
@@ -50,7 +50,7 @@ def test_hinge_sets_hold_the_lowest_states_along_them(parts: tuple[int, ...]) ->
         symmetry="none",
     )
     model = Model(scene)
-    states = hinge_minima(model)
+    states = HingeSets(model).states()
     assert states
 
     def misses(phi: np.ndarray) -> float:

@@ -9,7 +9,7 @@ import pytest
 from origami_nlp import Model, Scene, State, Vertex, find_minima
 from origami_nlp.kkt import Solve, classify, polish, project
 from origami_nlp.programme import MomentMap, fold_limit
-from origami_nlp.starts.moments import MomentStarts, find_zeros
+from origami_nlp.starts.moments import Moments, find_zeros
 
 
 def draw(n, seed=0, equal=False):
@@ -38,8 +38,8 @@ def test_every_minimum_is_a_zero_of_the_map(n):
 def zeros_that_are_minima(scene, count, seed):
     """Minima among the zeros that Newton finds from random moments, judged one by one."""
     model = Model(scene)
-    starts = MomentStarts(model, np.random.default_rng(seed))
-    m, miss = find_zeros(starts.map, starts.draw(count))
+    starts = Moments(model)
+    m, miss = find_zeros(starts.map, starts.moments(np.random.default_rng(seed), count))
     x = starts.map.shoot(m[miss < 1e-9]).x
     x = x[np.unique(np.round(x / 1e-6), axis=0, return_index=True)[1]]
     minima = []

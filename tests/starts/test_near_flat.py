@@ -10,7 +10,7 @@ from scipy.optimize import minimize
 from origami_nlp import Scene, Vertex, find_minima
 from origami_nlp.pattern import panels
 from origami_nlp.programme import Model
-from origami_nlp.starts.near_flat import flat_minima
+from origami_nlp.starts.near_flat import NearFlat
 from tests.independent.rotations import fold, rotation_vector
 from tests.minima.test_single_vertex import drawn
 
@@ -44,7 +44,7 @@ def polished(scene, x):
 @pytest.mark.parametrize(("degree", "seed"), [(5, 275), (6, 101)])
 def test_second_order_is_close_to_the_minimum(degree, seed):
     scene = drawn(seed, degree, "fold-limits")
-    x = flat_minima(Model(scene))
+    x = NearFlat(Model(scene)).states()
     (near,) = x[np.abs(x).max(axis=1) < 0.12]
     size = float(np.abs(near).max())
     end, residual = polished(scene, near)
@@ -68,7 +68,7 @@ def test_the_search_lists_all_that_it_missed(degree, seed, contact):
 
 def test_labels_and_sides_change_nothing():
     scene = drawn(101, 6, "fold-limits")
-    x = flat_minima(Model(scene))
+    x = NearFlat(Model(scene)).states()
     order = np.roll(np.arange(6), -2)
     other = Scene(
         Vertex(tuple(np.array(scene.vertex.sector_angles)[order].tolist())),
@@ -77,7 +77,7 @@ def test_labels_and_sides_change_nothing():
         "none",
         "fold-limits",
     )
-    y = flat_minima(Model(other))
+    y = NearFlat(Model(other)).states()
     assert len(x) == len(y) > 0
     for state in -x[:, order]:
         assert np.abs(y - state).max(axis=1).min() < 1e-9
@@ -85,9 +85,9 @@ def test_labels_and_sides_change_nothing():
 
 def test_nothing_where_the_flat_state_is_none():
     cone = Scene(Vertex((1.2,) * 4, False), (1.0,) * 4, (0.0,) * 4)
-    assert len(flat_minima(Model(cone))) == 0
+    assert len(NearFlat(Model(cone)).states()) == 0
     still = Scene(Vertex((math.pi / 3,) * 6), (1.0,) * 6, (0.0,) * 6, "none", "full")
-    assert len(flat_minima(Model(still))) == 0
+    assert len(NearFlat(Model(still)).states()) == 0
 
 
 def test_symmetric_springs_have_pairs_or_nothing():
@@ -96,7 +96,7 @@ def test_symmetric_springs_have_pairs_or_nothing():
     found = 0
     for scene in scenes:
         free = replace(scene, symmetry="none", contact="fold-limits")
-        x = flat_minima(Model(free))
+        x = NearFlat(Model(free)).states()
         for state in x:
             found += 1
             image = np.roll(state[::-1], 1)  # about crease 1

@@ -10,7 +10,7 @@ from mpmath import matrix, mp, mpf
 import origami_nlp as o
 from origami_nlp.programme import Model
 from origami_nlp.starts import flat_foldings
-from origami_nlp.starts.near_folded import folded_minima
+from origami_nlp.starts.near_folded import NearFolded
 from tests.proof.fifty_digits import turn_x, turn_z
 
 
@@ -18,7 +18,7 @@ from tests.proof.fifty_digits import turn_x, turn_z
 def pair():
     """What a search lists beside foldings, with a seed whose drawn starts reach none of it."""
     scene = replace(o.examples.degree6(math.radians(63.22), 1.2445), symmetry="none", mirror=None)
-    found = o.find_minima(scene, prove=False, seed=2, max_starts=24).minima
+    found = o.find_minima(scene, prove=False, seed=2, max_starts=24, escape=False).minima
     half = [m for m in found if beside(m.fold_angles) < 0.1]
     return scene, [np.array(m.fold_angles) for m in half], half
 
@@ -38,7 +38,7 @@ def test_a_search_lists_the_pair_whatever_its_seed(pair):
 def test_second_order_is_close_to_it(pair):
     scene, states, _ = pair
     model = Model(scene)
-    starts = folded_minima(model, flat_foldings(model))
+    starts = NearFolded(model, flat_foldings(model)).states()
     apart = min(np.abs(starts - state).max(axis=1).min() for state in states)
     assert apart < 2 * beside(states[0]) ** 2
 
@@ -46,7 +46,7 @@ def test_second_order_is_close_to_it(pair):
 def test_nothing_beside_foldings_of_a_generic_vertex():
     scene = o.Scene(o.Vertex.from_degrees((50, 70, 75, 85, 80)), (1,) * 5, (1, 1, -1, 1, 1))
     model = Model(scene)
-    assert len(folded_minima(model, flat_foldings(model))) == 0
+    assert len(NearFolded(model, flat_foldings(model)).states()) == 0
 
 
 def test_it_is_a_state_in_many_digits(pair):

@@ -236,6 +236,7 @@ class EnergyAt:
         """(A, B)."""
         s, n, rest = self.s, self.side.flaps, self.side.rest.even
         a = self._own(self.side.valleys)
+        # even creases: -2 s at valley flaps, 2 s at mountain flaps (paper, eq. 4.4)
         even = 0.5 * (a * (2 * s + rest) ** 2 + (n - a) * (2 * s - rest) ** 2)
         return self._odd(self.creases.energy), even
 
@@ -316,6 +317,7 @@ def finite_quotient(odd: Any, even: Any) -> np.ndarray:
     """Return r with odd + r even = 0; nan where no finite r does it."""
     with np.errstate(divide="ignore", invalid="ignore"):
         r = -odd / even
+    # B' = 0: no ratio, or any
     return np.where(np.isfinite(r), r, np.nan)
 
 

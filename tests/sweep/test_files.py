@@ -1,8 +1,7 @@
-"""Sweeps of patterns: each is its sheet alone; answers depend on neither workers nor interruptions."""
+"""What a file of a sweep may say, of scenes and of patterns."""
 
 import json
 import tomllib
-import warnings
 
 import numpy as np
 import pytest
@@ -12,105 +11,11 @@ from origami_nlp.errors import OrigamiError
 from origami_nlp.facets import Sheet, order_layers
 from origami_nlp.pattern import pattern_from_dict, pattern_to_dict
 from origami_nlp.sheets import sheet_frame, sheet_to_fold
-from origami_nlp.sweep import (
-    draw_sweep,
-    load_states,
-    load_sweep,
-    parse_sweep,
-    read_sweep,
-    run_sweep,
-)
+from origami_nlp.sweep import parse_sweep, read_sweep, run_sweep
 from origami_nlp.sweep.run import run_scene
+from origami_nlp.sweep.store import read_table
 from tests.command_line import run
-from tests.sweep.test_sweep import Inline, answers
-
-SMALL = """
-[pattern]
-example = "degree6"
-stiffness = 0.01
-[[axes]]
-set = "creases.rest_angles"
-values = [0.8, 1.2]
-[[axes]]
-set = "mountains.stiffness"
-from = 0.001
-to = 0.1
-count = 2
-scale = "log"
-[search]
-starts = 2
-"""
-
-
-def small(**search):
-    data = tomllib.loads(SMALL)
-    data["search"] |= search
-    return parse_sweep(data)
-
-
-@pytest.fixture(scope="module")
-def finished(tmp_path_factory):
-    folder = tmp_path_factory.mktemp("sheets")
-    report = run_sweep(small(), folder, executor=Inline())
-    assert report.counts == {"done": 4} and not report.interrupted
-    return folder
-
-
-@pytest.mark.slow
-def test_a_sweep_is_its_sheets(finished):
-    states, counts = load_states(finished), load_sweep(finished)
-    assert counts["count"].shape == (2, 2)
-    for index in (0, 3):
-        rest, k = (0.8, 0.001) if not index else (1.2, 0.1)
-        sheet = o.examples.pattern("degree6").with_springs(0.01, rest)
-        sheet = sheet.with_springs(np.where(sheet.signs < 0, k, 0.01).tolist())
-        alone = o.find_minima(sheet, starts=2)
-        here = states[states.scene == index]
-        assert np.array_equal(here["energy"], [m.energy for m in alone.minima])
-        assert list(here["dimension"]) == [m.freedoms for m in alone.minima]
-    assert draw_sweep(finished).axes
-
-
-@pytest.mark.slow
-def test_an_interrupted_sweep_goes_on_to_the_same_answers(finished, tmp_path):
-    class Interrupted(Inline):
-        left = 2
-
-        def submit(self, fn, /, *args, **kwargs):
-            if not self.left:
-                raise KeyboardInterrupt
-            self.left -= 1
-            return super().submit(fn, *args, **kwargs)
-
-    first = run_sweep(small(), tmp_path, executor=Interrupted(), workers=1)
-    assert first.interrupted and first.ran < 4
-    second = run_sweep(small(), tmp_path, executor=Inline())
-    assert second.ran == 4 - first.ran and not second.interrupted
-    assert answers(tmp_path) == answers(finished)
-
-
-@pytest.mark.slow
-def test_two_processes_say_what_one_says(finished, tmp_path):
-    assert run_sweep(small(), tmp_path, workers=2).counts == {"done": 4}
-    assert answers(tmp_path) == answers(finished)
-
-
-@pytest.mark.slow
-def test_a_local_dask_cluster_says_what_one_process_says(finished, tmp_path):
-    distributed = pytest.importorskip(
-        "distributed", reason='dask is not installed: pip install "origami_nlp[sweep]"'
-    )
-    spec = tmp_path / "sweep.toml"
-    spec.write_text(SMALL)
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # of the cluster's own start and end
-        with distributed.LocalCluster(
-            n_workers=2, threads_per_worker=1, processes=True, dashboard_address=None
-        ) as cluster:
-            address = cluster.scheduler_address
-            code, out, err = run("sweep", spec, "--out", tmp_path / "o", "--dask", address)
-    assert code == 0, (out, err)
-    assert answers(tmp_path / "o") == answers(finished)
+from tests.sweep.test_sweep import FEW, PATTERNS, SMALL, Inline
 
 
 def test_orders_of_layers_of_a_file_are_those_of_every_sheet(tmp_path):
@@ -185,11 +90,11 @@ def test_places_of_a_pattern(tmp_path):
 )
 def test_what_is_wrong_is_named(change, word):
     with pytest.raises(OrigamiError, match=word):
-        parse_sweep(tomllib.loads(SMALL) | change)
+        parse_sweep(tomllib.loads(PATTERNS) | change)
 
 
 def test_a_sheet_that_cannot_be_made_is_invalid():
-    data = tomllib.loads(SMALL)
+    data = tomllib.loads(PATTERNS)
     data["axes"][0] = {"set": "alpha", "values": [1.0, 4.0]}
     assert run_scene(parse_sweep(data), 2, ()).status == "invalid"
 
@@ -197,7 +102,7 @@ def test_a_sheet_that_cannot_be_made_is_invalid():
 @pytest.mark.slow
 def test_the_command_says_when_it_was_interrupted(tmp_path, monkeypatch):
     file = tmp_path / "sheets.toml"
-    file.write_text(SMALL)
+    file.write_text(PATTERNS)
     monkeypatch.setattr("origami_nlp.sweep.run.worker_pool", lambda workers: _Broken())
     code, out, _ = run("sweep", file, "--out", tmp_path / "out", "--workers", "1")
     assert code == 130 and "goes on from here" in out
@@ -211,3 +116,85 @@ class _Broken(Inline):
 
     def submit(self, fn, /, *args, **kwargs):
         raise KeyboardInterrupt
+
+
+def test_scenes_that_cannot_be_made_are_recorded(tmp_path):
+    text = FEW.replace('values = ["pi/4", 1.2]', "values = [1.2, 4.0]")
+    report = run_sweep(parse_sweep(tomllib.loads(text)), tmp_path, executor=Inline())
+    assert report.counts == {"done": 2, "invalid": 2}
+    names, rows = read_table(tmp_path, "scenes")
+    assert "rest_angles[1]" in dict(zip(names, rows[-1], strict=True))["reason"]
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        (("[search]", "[serach]"), ["[serach]", "[search]"]),
+        (("starts = 4", "starts = 0"), ["search.starts", "at least 1"]),
+        (("starts = 4", "stats = 4"), ["'stats'", "starts"]),
+        (('scale = "log"', 'scale = "cubic"'), ["axes[2].scale", "linear or log"]),
+        (("from = 0.1", "from = -1"), ["axes[2]", "above 0"]),
+        (("count = 6", "count = 0"), ["axes[2].count"]),
+        (("count = 6", "count = 100000000"), ["axes[2].count"]),
+        (("count = 6\n", "\n"), ["axes[2].count is missing"]),
+        (('"creases.stiffness[2]"', '"creases.stiffness[9]"'), ["stiffness[9]", "6 entries"]),
+        (('"creases.stiffness[2]"', '"creases.stiffness"'), ["is a list"]),
+        (('"creases.stiffness[2]"', '"__class__.x[1]"'), ["not in the scene"]),
+        (('name = "k"', 'name = "rest"'), ["two axes", "'rest'"]),
+        (('["pi/4", 1.2]', '["pi/4", "x"]'), ["axes[1].values[2]", "'x'"]),
+        (('["pi/4", 1.2]', "[]"), ["axes[1].values"]),
+        (('"D3"', '"D7"'), ["D7"]),
+        (("[search]", "[search]\nmode = 'list'"), ["equally many", "rest: 2", "k: 6"]),
+        (("[[axes]]", "[axes]"), ["TOML"]),
+    ],
+)
+def test_mistakes_get_one_line(tmp_path, change, words):
+    spec = tmp_path / "s.toml"
+    assert change[0] in SMALL
+    spec.write_text(SMALL.replace(*change, 1))
+    code, _, err = run("sweep", spec, "--out", tmp_path / "o")
+    assert code == 2 and err.count("\n") == 1
+    assert all(word in err for word in words), err
+    assert not (tmp_path / "o").exists()
+
+
+def test_examples_files_and_lists(tmp_path):
+    text = """[scene]
+        example = "degree6"
+        [[axes]]
+        set = "alpha"
+        values = ["pi/4", "pi/3"]
+        [[axes]]
+        set = "ratio"
+        values = [1, 5]
+        """
+    sweep = parse_sweep(tomllib.loads(text + '[search]\nmode = "list"\n'))
+    assert sweep.count == 2 and sweep.parameters(1) == {"alpha": np.pi / 3, "ratio": 5.0}
+    assert sweep.scene(1).vertex.sector_angles[0] == pytest.approx(np.pi / 3)
+    (tmp_path / "scene.toml").write_text(
+        SMALL.split("[[axes]]")[0].replace("[scene]\n", "").replace("scene.", "")
+    )
+    (tmp_path / "s.toml").write_text(
+        '[scene]\nfile = "scene.toml"\n[[axes]]\nset = "creases.stiffness[1]"\nvalues = [1]\n'
+    )
+    assert read_sweep(tmp_path / "s.toml").scene(0).degree == 6
+    with pytest.raises(OrigamiError, match="cannot be read"):
+        parse_sweep({"scene": {"file": "no.toml"}, "axes": [{"set": "x", "values": [1]}]}, tmp_path)
+
+
+def test_places_of_loads():
+    scene = {
+        "vertex": {"sector_angles_deg": [96, 95, 92, 77]},
+        "creases": {"stiffness": [1, 1, 1, 1], "rest_angles": [2.4, 2.4, 0.9, 0.7]},
+        "model": {"held_facet": 1},
+        "loads": [{"crease": 3, "distance": 1, "force": [-1.0, -0.2, -0.15]}],
+    }
+    axes = [
+        {"set": "loads[1].force[3]", "values": [-0.3, 0.1]},
+        {"set": "loads[1].distance", "values": [1, 2]},
+    ]
+    (load,) = parse_sweep({"scene": scene, "axes": axes}).scene(3).loads
+    assert load.force == (-1.0, -0.2, 0.1) and load.distance == 2.0
+    for place in ("loads[2].force[1]", "loads[1].force", "loads[1].force[4]", "loads[1].nope"):
+        with pytest.raises(OrigamiError, match="loads"):
+            parse_sweep({"scene": scene, "axes": [{"set": place, "values": [1]}]})
