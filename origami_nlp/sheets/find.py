@@ -106,7 +106,7 @@ def find_states(
     pattern = as_pattern(pattern)
     starts = effort_of(effort).in_a_row if starts is None else check_whole("starts", starts, 0)
     most = MOST_DRAWN * starts if max_starts is None else check_whole("max_starts", max_starts, 1)
-    seed = check_whole("seed", seed, 0)
+    rng = np.random.default_rng(check_whole("seed", seed, 0))
     seconds = check_number("seconds", SECONDS if seconds is None else seconds, 0.0)
     check_flag("escape", escape)
     check_noise(noise)
@@ -119,7 +119,6 @@ def find_states(
         search.part(Given.name, search.explore, start)
     if len(pattern.vertices) == 1 and not pattern.holes:
         search.part(OF_VERTEX, search.round_the_vertex, seed)
-    rng = np.random.default_rng(seed)
     for k in range(min(MOST_DRAWN * starts, most)):
         if not search.part("random starts", search.draw, rng, k) or search.tally.since == starts:
             break
@@ -129,7 +128,7 @@ def find_states(
         search.part(BARRIERS, search.add_escapes)
     if noise is not None:
         search.part(NOISE, search.add_survival, noise)
-    found = SheetResult(pattern, search.states(), search.tally.summary(search.curves.found))
+    found = search.result(pattern)
     if found.search.interrupted:
         raise Interrupted(found)
     return found
@@ -235,9 +234,10 @@ class _Search:
         states, given = self._by_energy(), (self.contact, degrees)
         self.tally.judged = with_survival(self.sheet, self.labels, states, *given)
 
-    def states(self) -> tuple[SheetState, ...]:
+    def result(self, pattern: Pattern) -> SheetResult:
         """Return what was judged, by energy; states of one energy in an order that labels do not change."""
-        return tuple(self._by_energy())
+        curves = tuple(self.curves.found)
+        return SheetResult(pattern, tuple(self._by_energy()), self.tally.summary(curves), curves)
 
     def _by_energy(self) -> list[SheetState]:
         by_key = sorted(self.tally.judged, key=lambda s: self.labels.key(s.fold_angles))

@@ -198,6 +198,8 @@ class SheetResult(Told, Turnable):
         All that was judged, by energy: minima, and what crosses or is undecided.
     search
         How they were looked for.
+    curves
+        Those with one freedom that were traced; none of a result that was read from a file.
 
     Examples
     --------
@@ -210,6 +212,7 @@ class SheetResult(Told, Turnable):
     pattern: Pattern
     states: tuple[SheetState, ...] = field(repr=False)
     search: SheetSearch
+    curves: tuple[Any, ...] = field(default=(), repr=False)
 
     PICTURE, READ = "draw_found", SCHEMA
 
