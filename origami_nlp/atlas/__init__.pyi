@@ -7,10 +7,11 @@ from .boundary import (
 from .branches import branches_of as branches_of, chains_of as chains_of
 from .family import Family as Family, family_of as family_of
 from .figure import (
-    COLOURS as COLOURS,
-    MARKS as MARKS,
     draw_atlas as draw_atlas,
     draw_boundaries as draw_boundaries,
+    draw_ranges as draw_ranges,
+    event_look as event_look,
+    kinds_legend as kinds_legend,
 )
 from .find import follow as follow, follow_family as follow_family
 from .fold_out import write_frames as write_frames

@@ -66,17 +66,12 @@ def turn_branches(
         title = f"event {e.id}: {e.type} at {where}"
         shown = poser.folded(e.t, e.fold_angles, energy), poser.view(e.t, e.fold_angles)
         stations.append(Station(title, *shown, lines=tuple(filter(None, said))))
-        at.append((len(at), _told(over, e.t), energy))
-    label = " ".join(
-        filter(
-            None, (over.name, f"[{'deg' if over.unit == 'rad' else over.unit}]" * bool(over.unit))
-        )
-    )
-    tracks = [track for b in branches for track in _tracks(over, poser, b, label)]
+        at.append((len(at), over.drawn(e.t), energy))
+    tracks = [track for b in branches for track in _tracks(over, poser, b)]
     points = [np.stack([t.parameter, [state.energy for state in t.states]], axis=1) for t in tracks]
     none = np.empty(0)
     panel = Panel(
-        f"Energy over {over.name}", (label, "energy [J]"), none, none, None, (), tuple(at)
+        f"Energy over {over.name}", (over.axis, "energy [J]"), none, none, None, (), tuple(at)
     )
     steps = "Each step is an equilibrium, polished; on which of them is a minimum, see the title of the path."
     return turn_paths(poser.name, poser.body, stations, tracks, points, panel, told, steps)
@@ -181,11 +176,7 @@ def _poser(family: Family) -> _Poser:
     return _PatternPoser(family) if isinstance(family, PatternFamily) else _VertexPoser(family)
 
 
-def _told(over: Over, t: float) -> float:
-    return math.degrees(t) if over.unit == "rad" else t
-
-
-def _tracks(over: Over, poser: _Poser, branch: PathBranch, label: str) -> list[Track]:
+def _tracks(over: Over, poser: _Poser, branch: PathBranch) -> list[Track]:
     """Return the stretches of a branch on which the parameter runs one way."""
     t = np.array([p.t for p in branch.points])
     steps = np.sign(np.diff(t))
@@ -198,5 +189,6 @@ def _tracks(over: Over, poser: _Poser, branch: PathBranch, label: str) -> list[T
         kinds = [r.kind for r in branch.kind_ranges if r.points[0] < b and r.points[1] > a]
         ends = " to ".join(over.shown(v) for v in (t[a], t[b]))
         title = f"branch {branch.id}, {ends}: {', '.join(dict.fromkeys(kinds))}"
-        out.append(poser.track(title, points, [_told(over, p.t) for p in points], label))
+        values = [over.drawn(p.t) for p in points]
+        out.append(poser.track(title, points, values, over.axis))
     return out
