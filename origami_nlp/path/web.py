@@ -202,9 +202,7 @@ class Web:
                 number, known = self._node(event)
                 begun.append(event.frame)
                 self._arc(begun, here, number, half.signed)
-                if event.type == "singular":
-                    return todo
-                if known:
+                if known or event.type == "singular":
                     self._arrive(number, event.frame)
                     return todo
                 begun, here = [event.frame], number
