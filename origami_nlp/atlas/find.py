@@ -365,6 +365,7 @@ class _Survey:
             web,
             begun,
             interrupted=web.interrupted or any(c.complete == OUT_OF_TIME for c in self.checks),
+            example=getattr(self.family, "example", ""),
         )
 
 

@@ -6,8 +6,8 @@ import itertools
 import math
 from collections import Counter
 from collections.abc import Iterator
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from dataclasses import dataclass, field
+from typing import Any
 
 from origami_nlp.atlas.family import Family, family_of
 from origami_nlp.atlas.judging import states_at
@@ -17,29 +17,9 @@ from origami_nlp.atlas.records import Check, Cost, Interval, PathBranch, PathEve
 from origami_nlp.errors import OUT_OF_TIME, OptionError
 from origami_nlp.numerics import SAME
 from origami_nlp.path import Web
-from origami_nlp.pattern import (
-    Pattern,
-    Scene,
-    pattern_from_dict,
-    pattern_to_dict,
-    scene_from_dict,
-    scene_to_dict,
-)
-from origami_nlp.show import (
-    Content,
-    Piece,
-    Table,
-    Told,
-    Turnable,
-    Words,
-    from_plain,
-    to_plain,
-)
+from origami_nlp.pattern import Pattern, Scene
+from origami_nlp.show import Content, Piece, Table, Told, Turnable, Words
 
-if TYPE_CHECKING:
-    from typing import Self
-
-SCHEMA = "origami-nlp/atlas/1"
 COMPLETE = {"proved": "proved to be all", "traced": "all that the curves of its one freedom hold"}
 """How it is said that a check is complete."""
 
@@ -70,6 +50,8 @@ class Atlas(Told, Turnable):
     interrupted
         Whether the time was over before all was followed: branches and checks are those until then, and intervals count
         what was followed.
+    example
+        Of patterns over an option of an example, its name; "" elsewhere.
 
     Examples
     --------
@@ -86,13 +68,26 @@ class Atlas(Told, Turnable):
     checks: tuple[Check, ...]
     alarms: tuple[str, ...]
     cost: Cost
-    family: Family
-    web: Web | None
-    branch_of_arc: dict[int, int]
+    family: Family = field(default=None, metadata={"plain": False})  # type: ignore[assignment]
+    web: Web | None = field(default=None, metadata={"plain": False})
+    branch_of_arc: dict[int, int] = field(default_factory=dict, metadata={"plain": False})
     others: tuple[Atlas, ...] = ()
     interrupted: bool = False
+    example: str = field(default="", metadata={"omit": True})
 
-    PICTURE, READ = "draw_atlas", SCHEMA
+    PICTURE, SCHEMA = "draw_atlas", "origami_nlp/follow/1"
+    ALSO = ("intervals",)
+
+    def __post_init__(self) -> None:
+        if self.family is None:  # read from a file
+            if self.over.name.startswith("loads"):
+                raise OptionError("an atlas over forces cannot be read back: follow it anew")
+            made: Any = (
+                family_of(self.scene, self.over)
+                if isinstance(self.scene, Scene)
+                else pattern_family(self.example or self.scene, self.over)
+            )
+            object.__setattr__(self, "family", made)
 
     @property
     def intervals(self) -> tuple[Interval, ...]:
@@ -237,62 +232,3 @@ class Atlas(Told, Turnable):
                 more = {"branch": branch.id, "parameter": point.t, "energy": point.energy}
                 states.append((point.t, point.fold_angles, title, {**more, "kind": kind}))
         return self.family.to_fold(states)
-
-    def to_dict(self) -> dict[str, Any]:
-        """Return it as plain JSON data."""
-        over = self.over
-        return {
-            "schema": SCHEMA,
-            **self._subject(),
-            "parameter": {
-                "name": over.name,
-                "unit": over.unit,
-                "from": over.low,
-                "to": over.high,
-                "scale": "log" if over.log else "linear",
-            },
-            "branches": to_plain(self.branches),
-            "events": to_plain(self.events),
-            "intervals": to_plain(self.intervals),
-            "checks": to_plain(self.checks),
-            "alarms": list(self.alarms),
-            "cost": to_plain(self.cost),
-            "interrupted": self.interrupted,
-            **({"others": [other.to_dict() for other in self.others]} if self.others else {}),
-        }
-
-    def _subject(self) -> dict[str, Any]:
-        """Return what is folded, as plain data."""
-        if isinstance(self.scene, Scene):
-            return {"scene": scene_to_dict(self.scene)}
-        example = {"example": self.family.example} if self.family.example else {}  # type: ignore[attr-defined]
-        return {"pattern": pattern_to_dict(self.scene), **example}
-
-    @classmethod
-    def _read(cls, data: dict[str, Any]) -> Self:
-        """Rebuild all but what `at` needs."""
-        unbounded = {"range": math.inf, "expected_undiscovered": math.inf}
-        p = data["parameter"]
-        over = Over(p["name"], float(p["from"]), float(p["to"]), p["unit"], p["scale"] == "log")
-        scene: Any = (
-            scene_from_dict(data["scene"])
-            if "scene" in data
-            else pattern_from_dict(data["pattern"])
-        )
-        branches = tuple(from_plain(PathBranch, b, unbounded) for b in data["branches"])
-        events = tuple(from_plain(PathEvent, e) for e in data["events"])
-        checks = tuple(from_plain(Check, c, unbounded) for c in data["checks"])
-        cost = from_plain(Cost, data["cost"])
-        if over.name.startswith("loads"):
-            raise OptionError("an atlas over forces cannot be read back: follow it anew")
-        alarms = tuple(map(str, data.get("alarms", ())))
-        family = (
-            family_of(scene, over)
-            if "scene" in data
-            else pattern_family(data.get("example", scene), over)
-        )
-        others = tuple(cls._read(other) for other in data.get("others", ()))
-        late = bool(data.get("interrupted"))
-        return cls(
-            scene, over, branches, events, checks, alarms, cost, family, None, {}, others, late
-        )

@@ -13,11 +13,12 @@ import numpy as np
 from origami_nlp.barriers.full import FullPass
 from origami_nlp.barriers.graph import StateGraph
 from origami_nlp.barriers.passes import Pass, PassKind
+from origami_nlp.files import pick, to_plain
 from origami_nlp.folding import folded_frame, frames_to_fold, path_frames
 from origami_nlp.minima import MinimaResult
 from origami_nlp.pattern import Scene
 from origami_nlp.sheets import SheetResult, sheet_frame, sheet_to_fold
-from origami_nlp.show import Content, Piece, Table, Told, Turnable, pick, short_label, to_plain
+from origami_nlp.show import Content, Piece, Table, Told, Turnable, short_label
 
 HEADS = (
     "from",

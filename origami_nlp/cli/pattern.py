@@ -78,7 +78,7 @@ class _Files:
             frames += [
                 sheet_frame(
                     self.pattern,
-                    self.motion.phi[k],
+                    self.motion.fold_angles[k],
                     f"folding motion, {number} of {len(shown)}",
                     energy=float(self.motion.energy[k]),
                     path="folding motion",
@@ -93,7 +93,7 @@ class _Files:
 
         states = [phi for _, phi in self.states]
         if self.motion is not None:
-            states += [self.motion.phi[k] for k in self.motion.shown(6)]
+            states += [self.motion.fold_angles[k] for k in self.motion.shown(6)]
         write_sheet_mesh(self.pattern, states, file)
 
     def _page(self, file: str) -> None:
@@ -102,7 +102,7 @@ class _Files:
 
         states: list[Any] = [(title, phi, ()) for title, phi in self.states]
         if self.motion is not None:
-            states = [(f"end: {self.motion.end}", self.motion.phi[-1], ())]
+            states = [(f"end: {self.motion.end}", self.motion.fold_angles[-1], ())]
         told = [one for one in (self.motion, self.seen) if one is not None]
         pieces = [piece for one in told for piece in one.told()]
         TurnedPage(sheet_content(self.pattern, states, self.motion, pieces)).save(file)

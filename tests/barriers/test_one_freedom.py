@@ -46,7 +46,7 @@ def wells(alpha=1.4):
     """A Miura with two wells on one side of flat: its small folds turn over when the large ones are all but shut."""
     plain = o.examples.pattern("miura:2x3", alpha=alpha)
     motion = o.find_motion(plain)
-    phi = motion.phi[len(motion.phi) // 2]
+    phi = motion.fold_angles[len(motion.fold_angles) // 2]
     large = np.abs(phi) > 0.9 * np.abs(phi).max()
     rest = np.sign(phi) * np.where(large, 0.6, 2.9)
     stiffness = np.where(large, 0.9, 1.0)
