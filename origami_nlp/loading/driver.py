@@ -17,7 +17,7 @@ from origami_nlp.arguments import check_whole
 from origami_nlp.errors import OptionError
 from origami_nlp.folding import folded_frame, frames_to_fold
 from origami_nlp.kkt import Classification, follow
-from origami_nlp.minima import Minimum, find_minima, full_scene
+from origami_nlp.minima import JudgedState, find_minima, full_scene
 from origami_nlp.path import Node, ParameterLine, Steps, load_line
 from origami_nlp.pattern import Scene, dead_loads
 from origami_nlp.programme import Model, Parameters
@@ -223,6 +223,7 @@ class VertexDriver:
             loaded = model.variable_of_crease[np.array(self.creases) - 1]
             return load_line(model, np.bincount(loaded, minlength=model.size) / model.scale)
         assert p.dead is not None
+        # over t only the forces change: the points stay
         still = replace(p.dead, points=np.zeros_like(p.dead.points))
         zeros = [np.zeros_like(v) for v in (p.sectors, p.stiffness, p.rest, p.load)]
         change = Parameters(zeros[0], zeros[1], zeros[2], zeros[3], still)
@@ -260,7 +261,7 @@ class VertexDriver:
             driver = replace(self, scene=replace(self.scene, winding=start.winding))
         return driver, state, Model(driver.scene).reduce(np.array(start.fold_angles))
 
-    def _minima(self, t: float, search: Search) -> Sequence[Minimum]:
+    def _minima(self, t: float, search: Search) -> Sequence[JudgedState]:
         scene, left = self.scene_at(t), search.left
         result = find_minima(scene, prove=False, escape=False, seconds=left, **search.options)
         search.cut = result.search.stopped_by == "time"

@@ -11,13 +11,13 @@ from origami_nlp.arguments import check_type, check_whole
 from origami_nlp.errors import OptionError
 from origami_nlp.facets import MOST_DENSE
 from origami_nlp.kkt import State, Stratum
-from origami_nlp.minima import MinimaResult, Minimum, full_scene, group_average, mode_symmetry
+from origami_nlp.minima import JudgedState, MinimaResult, full_scene, group_average, mode_symmetry
 from origami_nlp.modes.geodesic import geodesic
 from origami_nlp.modes.result import BREAKING, Mode, Modes, StateModes
 from origami_nlp.numerics import BALANCED, first_largest
 from origami_nlp.pattern import Scene
 from origami_nlp.programme import Contact, Model
-from origami_nlp.sheets import SheetResult, SheetState
+from origami_nlp.sheets import SheetResult
 
 
 def find_modes(result: MinimaResult | SheetResult, *, state: int | None = None) -> Modes:
@@ -74,9 +74,7 @@ def find_modes(result: MinimaResult | SheetResult, *, state: int | None = None) 
     return Modes(result, tuple(found))
 
 
-def modes_of(
-    state: State, scene: Scene | None, number: int, minimum: Minimum | SheetState
-) -> StateModes:
+def modes_of(state: State, scene: Scene | None, number: int, minimum: JudgedState) -> StateModes:
     """Return the modes of one minimum, posed without symmetry; `scene` is that of a vertex."""
     if state.programme.sparse:
         why = f"a pattern of more than {MOST_DENSE} creases is too large for eigenvectors"

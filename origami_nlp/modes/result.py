@@ -11,9 +11,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from origami_nlp.files import Brief
-from origami_nlp.minima import MinimaResult, Minimum
+from origami_nlp.minima import JudgedState, MinimaResult
 from origami_nlp.modes.geodesic import Geodesic
-from origami_nlp.sheets import SheetResult, SheetState
+from origami_nlp.sheets import SheetResult
 from origami_nlp.show import Piece, Table, Told
 
 BREAKING = "breaking"
@@ -65,7 +65,7 @@ class StateModes(Brief):
     """
 
     number: int
-    minimum: Minimum | SheetState
+    minimum: JudgedState
     held: tuple[str, ...]
     modes: tuple[Mode, ...]
     coupling: float

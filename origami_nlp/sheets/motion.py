@@ -185,6 +185,7 @@ def find_motion(
     z = sheet.kernel(seen.folded)
     curve = follow_curve(sheet, seen.folded, z @ (z.T @ seen.folded))
     here = int(np.linalg.norm(curve.phi - seen.folded, axis=1).argmin())
+    # both ways were followed: from the least folded state on, through the one that was found
     least = int(np.linalg.norm(curve.phi[: here + 1], axis=1).argmin())
     states = curve.phi[least:]
     if curve.ends[1].startswith("lost"):
@@ -233,6 +234,7 @@ def _until_touch(sheet: Sheet, phi: np.ndarray) -> tuple[np.ndarray, tuple[int, 
         if k == 0:
             raise OptionError("facets cross from the start: there is no motion of paper to show")
         a, b = phi[k - 1], state
+        # no facets cross at a, some do at b
         for _ in range(BISECTED):
             middle, residual = sheet.project(0.5 * (a + b))
             if residual > CLOSES:
