@@ -31,8 +31,6 @@ from origami_nlp.minima import MinimaResult
 from origami_nlp.show import Content, Line, Piece, Table, Told, Turnable
 
 if TYPE_CHECKING:
-    from shapely import MultiPolygon
-
     from origami_nlp.barriers import Barriers
 
 PIECE = 0.01
@@ -84,7 +82,7 @@ class ExactLandscape(Told, Turnable):
     boundary
         Contact boundaries; None where they are not traced (contact other than full).
     regions
-        Admissible region of each branch of the chart; () where the boundary is not traced.
+        Admissible region of each branch of the chart (`shapely.MultiPolygon`); () where the boundary is not traced.
     places
         Of the minima on the chart.
     metastable
@@ -102,7 +100,7 @@ class ExactLandscape(Told, Turnable):
     result: MinimaResult
     chart: Landscape = field(metadata={"plain": False})
     boundary: Boundary | None
-    regions: tuple[MultiPolygon, ...] = field(metadata={"plain": False})
+    regions: tuple[Any, ...] = field(metadata={"plain": False})
     places: tuple[Place, ...]
     metastable: tuple[Stretch, ...]
 
