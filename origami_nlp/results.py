@@ -173,7 +173,7 @@ def load(path: str | PathLike[str]) -> Any:
         if schema == f"origami_nlp/{verb}/1" and key in data:
             inside = data[key] if key == "motion" else data
             kind: type[Result] = getattr(import_module(f"origami_nlp.{room}"), name)
-            return kind.from_dict(inside, shown(str(path)))
+            return kind.from_dict(inside, repr(str(path)))
     known = ", ".join(dict.fromkeys(f"origami_nlp/{verb}/1" for verb, *_ in _READ))
     raise OptionError(f"schema = {shown(schema)} in {path} cannot be read back: use {known}")
 
