@@ -373,7 +373,8 @@ class SheetResult(Told, Turnable):
         stressed = ("self_stress", "multipliers", "closure_torques", "closure_torques_unique")
         states: list[JudgedState] = []
         for key in ("minima", "undecided", "crossing", "refuted"):
-            own = [{k: v for k, v in s.items() if k not in stressed} for s in data[key]]
+            listed = from_plain(tuple[dict[str, Any], ...], data[key], at=key)
+            own = [{k: v for k, v in s.items() if k not in stressed} for s in listed]
             states += from_plain(tuple[JudgedState, ...], own, at=key)
         pattern = pattern_from_dict(data["pattern"])
         scale = float(pattern.stiffness.mean()) if pattern.creases else 1.0
