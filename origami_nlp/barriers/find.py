@@ -30,6 +30,9 @@ from origami_nlp.numerics import MergeTree
 from origami_nlp.pattern import Scene
 from origami_nlp.programme import Model
 
+SPACINGS = (0.02, 0.5)
+"""Smallest and largest spacing of a mesh [rad]."""
+
 MOST_UNLISTED = 3
 """Basins of the graph that are followed downhill."""
 SPACING = 0.12
@@ -84,7 +87,7 @@ def find_barriers(
     if result is not None:
         check_type("result", result, MinimaResult)
     check_flag("full", full)
-    check_number("spacing", spacing, 0.02, 0.5)
+    check_number("spacing", spacing, *SPACINGS)
     check_whole("seed", seed, 0)
     check_freedoms(scene)
     model = Model(scene)

@@ -22,7 +22,7 @@ from origami_nlp.arguments import check_angles, check_number, check_type, shown
 from origami_nlp.errors import OptionError
 from origami_nlp.folding.crossings import depths_at, facet_heights
 from origami_nlp.folding.layers import layer_problem
-from origami_nlp.numerics import TOUCHES, cross, first_largest, quaternion as quat
+from origami_nlp.numerics import NONZERO, TOUCHES, cross, first_largest, quaternion as quat
 from origami_nlp.pattern import Vertex
 
 LARGEST_TOLERANCE = 0.01
@@ -126,8 +126,8 @@ def crossing_depth(first: np.ndarray, second: np.ndarray) -> np.ndarray:
     a, b = first[..., 0, :], first[..., 1, :]
     c, d = second[..., 0, :], second[..., 1, :]
     n1, n2 = cross(a, b), cross(c, d)
-    n1 = n1 / np.maximum(np.linalg.norm(n1, axis=-1, keepdims=True), 1e-300)
-    n2 = n2 / np.maximum(np.linalg.norm(n2, axis=-1, keepdims=True), 1e-300)
+    n1 = n1 / np.maximum(np.linalg.norm(n1, axis=-1, keepdims=True), NONZERO)
+    n2 = n2 / np.maximum(np.linalg.norm(n2, axis=-1, keepdims=True), NONZERO)
     s = np.stack(
         [
             np.einsum("...i,...i", n1, c),

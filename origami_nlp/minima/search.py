@@ -13,7 +13,7 @@ import numpy as np
 from origami_nlp.kkt import Solve, State
 from origami_nlp.minima.descents import Descents
 from origami_nlp.minima.record import Answer, Record, close_orbit, judge
-from origami_nlp.numerics import NEAR_CONTACT, ROUNDED, SAME
+from origami_nlp.numerics import ALIKE, NEAR_CONTACT, ROUNDED, SAME
 from origami_nlp.pattern import Labels
 from origami_nlp.programme import OPEN, Contact, Model, fold_limit
 from origami_nlp.starts import DRAWN, GIVEN, SOURCES, Ends, Samples, joined
@@ -22,8 +22,6 @@ from origami_nlp.workers import stop_workers, worker_pool
 FIRST_BATCH, BATCH = 256, 4096
 """Descents made at once: at first, for early answers (where nothing can cross: each step of a few costs little there),
 and at most from then on."""
-ALIKE = 3e-5
-"""Ends of descents that differ by no more [rad] are judged once."""
 BREAKDOWN = "linear algebra broke down on the way"
 """Why a descent failed that has no end."""
 DOWN = 0.05

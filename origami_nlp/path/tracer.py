@@ -16,6 +16,7 @@ from typing import Generic, Protocol, TypeVar
 import numpy as np
 
 from origami_nlp.errors import OUT_OF_TIME
+from origami_nlp.numerics import NONZERO
 
 CLOSED_CURVE = "closed curve"
 """Why a curve ends that comes back to its first point."""
@@ -235,7 +236,7 @@ def _ahead(
         here = moved[0]
         ahead.append(_Step(here, moved[1], h))
         # the turn of unit tangents is their angle, to second order: the next step shall turn by `steps.turn`
-        h = min(steps.longest, h * min(steps.growth, steps.turn / max(turn, 1e-300)))
+        h = min(steps.longest, h * min(steps.growth, steps.turn / max(turn, NONZERO)))
     return ahead, h
 
 

@@ -19,7 +19,7 @@ import numpy as np
 from origami_nlp.arguments import shown
 from origami_nlp.errors import VertexError
 from origami_nlp.files import Full, cut
-from origami_nlp.numerics import CLOSES, RESOLVED, ROUNDED, TYPED
+from origami_nlp.numerics import CLOSES, PLACES, RESOLVED, ROUNDED, TYPED
 from origami_nlp.pattern.angles import format_angle, parse_angles
 
 
@@ -147,7 +147,7 @@ class Vertex(Full):
             raise VertexError(f"directions[{i}] = {d[i - 1].tolist()} is not a direction")
         azimuth = np.arctan2(d[:, 1], d[:, 0])
         sectors = np.mod(np.roll(azimuth, -1) - azimuth, 2 * math.pi)
-        if abs(math.fsum(sectors) - 2 * math.pi) > 1e-6:
+        if abs(math.fsum(sectors) - 2 * math.pi) > PLACES:
             raise VertexError("directions are not in counter-clockwise order: sort them by azimuth")
         return cls(tuple(sectors.tolist()))
 

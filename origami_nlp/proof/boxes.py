@@ -24,7 +24,7 @@ from typing import Protocol
 
 import numpy as np
 
-from origami_nlp.numerics import DEPENDENT, RANK, first_largest
+from origami_nlp.numerics import DEPENDENT, NONZERO, RANK, first_largest
 from origami_nlp.proof.affine import TINY, UNIT, Affine, variables
 from origami_nlp.proof.chains import Rows
 from origami_nlp.proof.tree import Kind, Recorder
@@ -337,7 +337,7 @@ def _inverse_of_pivots(a: np.ndarray, posed: Posed) -> np.ndarray:
     for p in range(posed.pivots):
         chosen[:, p] = best = first_largest((rest * rest).sum(axis=1))
         u = rest[k, :, best]
-        u = u / np.maximum(np.sqrt((u * u).sum(axis=1)), 1e-300)[:, None]
+        u = u / np.maximum(np.sqrt((u * u).sum(axis=1)), NONZERO)[:, None]
         # Gram and Schmidt with pivoting: each column chosen is the largest of what the others leave
         rest = rest - u[:, :, None] * (u[:, None, :] @ rest)
     square = np.take_along_axis(rows, chosen[:, None, :], axis=2)

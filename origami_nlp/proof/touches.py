@@ -47,7 +47,7 @@ import numpy as np
 
 from origami_nlp.arguments import check_type
 from origami_nlp.kkt import State, classify
-from origami_nlp.numerics import RESOLVED, SUMMED
+from origami_nlp.numerics import RESOLVED, SUMMED, TYPED
 from origami_nlp.programme import Model
 from origami_nlp.proof.apart import APART, CROSSED, Signs
 from origami_nlp.proof.boxes import SMALL, Boxes, Posed, prune, strata
@@ -146,7 +146,7 @@ def prove(
 def why_not(model: Model) -> str:
     """Say why touches of a model are not proved here; "" where they are."""
     s, freedom = model.structure, model.freedom
-    if max(model.scene.vertex.sector_angles) >= math.pi - 1e-9:
+    if max(model.scene.vertex.sector_angles) >= math.pi - TYPED:
         return "a sector of 180 degrees or more"
     rays = len(s.has_crease)
     if s.kind == "C" and s.order > 1:

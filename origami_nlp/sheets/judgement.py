@@ -9,7 +9,7 @@ import numpy as np
 
 from origami_nlp.facets import MOST_DENSE, Sheet
 from origami_nlp.kkt import Classification, State, classify
-from origami_nlp.numerics import ANSWERED, BESIDE, CLOSES, STATIONARY
+from origami_nlp.numerics import ANSWERED, BESIDE, CLOSES, NONZERO, STATIONARY
 from origami_nlp.sheets.descent import AT_LIMIT
 from origami_nlp.sheets.rows import Rows, polish
 from origami_nlp.sheets.state import SheetState
@@ -79,7 +79,7 @@ def _told(sheet: Sheet, blank: SheetState, what: Classification) -> SheetState:
     missing = what.stationarity
     if math.isnan(missing):
         missing = float(np.abs(sheet.along(phi, sheet.torque(phi))).max(initial=0.0))
-    largest = max(float(np.abs(sheet.torque(phi)).max(initial=0.0)), 1e-300)
+    largest = max(float(np.abs(sheet.torque(phi)).max(initial=0.0)), NONZERO)
     lowest = min(what.eigenvalues, default=math.inf) / sheet.scale
     return replace(
         blank,

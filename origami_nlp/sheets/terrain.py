@@ -11,6 +11,7 @@ import numpy as np
 from origami_nlp.facets import Sheet
 from origami_nlp.kkt import (
     FLOOR,
+    GOES,
     energy_scale,
 )
 from origami_nlp.numerics import BESIDE, CLOSES, LEVEL, SETTLED, SHALLOW, coarse
@@ -310,7 +311,7 @@ class SheetTerrain:
             if new is None:
                 break
             moved = float(np.linalg.norm(new - path[-1]))
-            if not 0.05 * length < moved < 3 * length:
+            if not GOES[0] * length < moved < GOES[1] * length:
                 break
             if goal is None:
                 along = new - path[-1]

@@ -1,5 +1,5 @@
 from . import rounds as rounds
-from .closing import EXPLORED as EXPLORED, Closing as Closing, Point as Point, balance as balance
+from .closing import Closing as Closing, Point as Point, balance as balance
 from .corners import Corners as Corners
 from .crossings import Crossings as Crossings, model_rows as model_rows
 from .family import Listed as Listed, StartFamily as StartFamily
