@@ -21,8 +21,8 @@ import numpy as np
 
 from origami_nlp.errors import OptionError
 from origami_nlp.folding import examine, fold_vertex
-from origami_nlp.numerics import CLOSES, RANK, RESOLVED, ROUNDED, TYPED
-from origami_nlp.paper.events import SEEN, Event, System, find_events, walls_of
+from origami_nlp.numerics import CLOSES, RANK, RESOLVED, ROUNDED, SETTLED, TYPED
+from origami_nlp.paper.events import Event, System, find_events, walls_of
 from origami_nlp.paper.family import Signature, Sweep, Transition, Witness
 from origami_nlp.pattern import Scene, degree6, degree8
 from origami_nlp.space import MeshError, Space, chain_of, find_space
@@ -221,7 +221,7 @@ def _coincident(
             for j in range(i + 1, n):
                 here = np.linalg.norm(c[i] - c[j])
                 # on each other at this sector angle, apart at the next one with the same fold angles
-                if here < SEEN and np.linalg.norm(beside[i] - beside[j]) > SIDE / 2:
+                if here < SETTLED and np.linalg.norm(beside[i] - beside[j]) > SIDE / 2:
                     pairs.add((i + 1, j + 1))
     return tuple(sorted(pairs))
 

@@ -31,7 +31,7 @@ STIFFNESS_KEY = "edges_origaminlp:stiffness"
 REST_KEY = "edges_origaminlp:restAngle"
 PRELOAD_KEY = "edges_origaminlp:preload"
 LOADS_KEY, HELD_KEY = "origaminlp:loads", "origaminlp:heldFacet"
-LARGEST = 1e50
+FARTHEST = 1e50
 """Coordinates, and their inverses, whose fourth powers are numbers."""
 FOLDS = "MVUF"
 """Assignments of edges about which the sheet may fold (F: flat, joined again unless facets need it)."""
@@ -358,9 +358,9 @@ def _coords(value: object) -> tuple[np.ndarray, bool]:
     if not len(out):
         raise FoldFileError("vertices_coords is empty: no geometry to analyse")
     # products of four lengths must be numbers, of small facets too
-    if np.abs(out).max() > LARGEST:
+    if np.abs(out).max() > FARTHEST:
         raise FoldFileError("vertices_coords exceed 1e50: rescale the pattern")
-    if 0.0 < np.ptp(out, axis=0).max() < 1 / LARGEST:
+    if 0.0 < np.ptp(out, axis=0).max() < 1 / FARTHEST:
         raise FoldFileError("vertices_coords span less than 1e-50: rescale the pattern")
     return out, wide
 

@@ -11,8 +11,8 @@ import numpy as np
 
 from origami_nlp.arguments import check_type
 from origami_nlp.errors import FoldFileError
-from origami_nlp.numerics import TYPED
-from origami_nlp.pattern.crease_pattern import APART, CLOSED
+from origami_nlp.numerics import PLACES, TYPED
+from origami_nlp.pattern.crease_pattern import APART
 from origami_nlp.pattern.digits import made_exact
 from origami_nlp.pattern.fold_file import LOADS_KEY, PRELOAD_KEY, Frame, read_fold
 from origami_nlp.pattern.fold_notes import NOISE, listed
@@ -394,7 +394,7 @@ class _Sheet:
             sign = {"M": -1.0, "V": 1.0}.get(frame.assignment[e], 0.0)
             if said and not math.isnan(said):
                 sign = math.copysign(1.0, said)
-            if math.pi - abs(angle) < CLOSED:
+            if math.pi - abs(angle) < PLACES:
                 # facets of a valley lie on the sides of each other's normals
                 lie = lies.get(_side(left[side], left[side[::-1]]), 0.0)
                 votes += sign * lie
@@ -402,7 +402,7 @@ class _Sheet:
                 if not sign:
                     unsure.append(int(frame.numbers[e]))
                 angle = math.copysign(math.pi, sign or 1.0)
-            elif abs(angle) > CLOSED:
+            elif abs(angle) > PLACES:
                 votes += sign * math.copysign(1.0, angle)
             phi[side] = angle
         note = f"shut creases {listed(unsure)} without assignment or fold angle: taken for valleys"

@@ -11,9 +11,8 @@ from matplotlib.patheffects import withStroke
 
 from origami_nlp.facets import Crossings
 from origami_nlp.kkt import ContactForce
-from origami_nlp.numerics import INDEPENDENT
+from origami_nlp.numerics import CARRIES, INDEPENDENT
 from origami_nlp.pattern import Pattern
-from origami_nlp.sheets.rows import LOADED
 from origami_nlp.show import IDLE, PUSHES
 
 if TYPE_CHECKING:
@@ -133,4 +132,4 @@ def touch_legend(contacts: Iterable[ContactForce]) -> list[Line2D]:
 def _how(contact: ContactForce) -> str:
     """Tell how a contact pushes, by the least and the largest force that balance the springs."""
     least, most = contact.multiplier_range
-    return PUSH if least > LOADED else SHARE if most > LOADED else REST
+    return PUSH if least > CARRIES else SHARE if most > CARRIES else REST

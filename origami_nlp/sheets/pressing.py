@@ -20,21 +20,20 @@ from typing import Literal, TypeAlias
 import numpy as np
 
 from origami_nlp.facets import MOST_DENSE, Placed, Sheet, Touch, choices
-from origami_nlp.numerics import CLOSES, DECREASE, INSIDE, LEVEL, NONZERO, ROUNDED, null_space
+from origami_nlp.numerics import (
+    CARRIES,
+    CLOSES,
+    DECREASE,
+    INSIDE,
+    LEVEL,
+    NONZERO,
+    ROUNDED,
+    null_space,
+)
 from origami_nlp.sheets.descent import TRUST, Descended
 from origami_nlp.sheets.judgement import classified
 from origami_nlp.sheets.pops import is_jump, pop_rows
-from origami_nlp.sheets.rows import (
-    CLOSE,
-    LOADED,
-    NEAR,
-    STILL,
-    Rows,
-    balanced,
-    polish,
-    put_back,
-    quadratic,
-)
+from origami_nlp.sheets.rows import CLOSE, NEAR, STILL, Rows, balanced, polish, put_back, quadratic
 
 MOST_PAIRS = 1_000
 """Pairs of facets that face each other closely: more are refused."""
@@ -135,7 +134,7 @@ class _Press:
             if end == "still":
                 return Descended(self.phi, True, step, end)
             if end == "lower" or (
-                end != "held" and self._step(rows, z, hessian, rows.only(forces > LOADED))
+                end != "held" and self._step(rows, z, hessian, rows.only(forces > CARRIES))
             ):
                 continue
             slips += 1
@@ -189,13 +188,13 @@ class _Press:
         forces, hessian, left = balanced(sheet, self.phi, at, z)
         if np.abs(left).max(initial=0.0) > 1e3 * STILL * (1 + np.abs(forces).max(initial=0.0)):
             return "not settled"
-        free = z @ null_space(at.slopes[forces > LOADED] @ z)
+        free = z @ null_space(at.slopes[forces > CARRIES] @ z)
         if free.shape[1]:
             values, vectors = np.linalg.eigh(free.T @ hessian @ free)
             if values[0] < -FLAT and self._off(at, free @ vectors[:, 0]):
                 return "lower"
         met = {t.key for t, _ in self.features.facing(self.place, 2 * NEAR, INSIDE)}
-        pushing = forces[len(at.limits) :] > LOADED
+        pushing = forces[len(at.limits) :] > CARRIES
         if all(t.key in met for t, on in zip(at.touches, pushing, strict=True) if on):
             return "still"
         return self._judged()
@@ -247,7 +246,7 @@ class _Press:
             forces, hessian, left = balanced(sheet, self.phi, rows, z)
             if np.abs(left).max(initial=0.0) < SETTLING and self._polished(rows, forces):
                 return self._judged()
-            slope, pushing = z.T @ sheet.torque(self.phi), rows.slopes[forces > LOADED]
+            slope, pushing = z.T @ sheet.torque(self.phi), rows.slopes[forces > CARRIES]
             d = z @ quadratic(z.T @ hessian @ z, slope, rows, z, pushing)
             share = min(1.0, reach / max(float(np.abs(d).max(initial=0.0)), NONZERO))
             new = put_back(sheet, self.phi + share * d, rows)

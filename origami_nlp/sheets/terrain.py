@@ -14,8 +14,8 @@ from origami_nlp.kkt import (
     GOES,
     energy_scale,
 )
-from origami_nlp.numerics import BESIDE, CLOSES, LEVEL, SETTLED, SHALLOW, coarse
-from origami_nlp.sheets.descent import AT_LIMIT, Descended, descend
+from origami_nlp.numerics import BESIDE, CLOSES, LEVEL, OUTSIDE, SETTLED, SHALLOW, coarse
+from origami_nlp.sheets.descent import Descended, descend
 from origami_nlp.sheets.pops import is_jump, pop_rows
 from origami_nlp.sheets.pressing import press
 
@@ -104,7 +104,7 @@ class SheetTerrain:
     ) -> np.ndarray | None:
         """Close a start beside state a; None where that is no admissible state, or past a vertex's flat state."""
         start = np.clip(start, -math.pi, math.pi)
-        shut = np.abs(start) >= math.pi - AT_LIMIT
+        shut = np.abs(start) >= math.pi - OUTSIDE
         shut = shut if held is None else shut | held
         x, residual = self.sheet.project(start, shut)
         if residual > CLOSES and held is None and shut.any():
@@ -117,7 +117,7 @@ class SheetTerrain:
     def between(self, a: np.ndarray, b: np.ndarray, shares: np.ndarray) -> np.ndarray | None:
         """States between two; creases that both have shut stay so."""
         out = []
-        shut = (np.abs(a) >= math.pi - AT_LIMIT) & (a == b)
+        shut = (np.abs(a) >= math.pi - OUTSIDE) & (a == b)
         flat = (a == 0) & (b == 0)
         for share in shares:
             start = a + share * (b - a)
