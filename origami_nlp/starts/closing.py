@@ -115,6 +115,7 @@ class Closing:
             used = p.rows.shape[1] - m
             forces = s.sides[:, :used] * p.multipliers[:, m:]
             curved += self.kinematics.gaps_hessian(p.at, s.slots[:, :used], forces)
+        # in y = sqrt(k) phi the springs have the unit matrix: H = 1 - sum lam_i Hess c_i / (root root')
         own, dead = np.eye(s.x.shape[1]), self.model.parameters.dead
         if dead is not None:
             curved = curved - dead.hessian(self.model.parameters.sectors, s.x)
@@ -132,12 +133,14 @@ class Closing:
             if not len(todo):
                 break
             rows = rows[far] * (shut[todo] == 0)[:, None]
+            # shortest Gauss-Newton step on the free creases: rows' (rows rows')^-1 value
             move = (rows.transpose(0, 2, 1) @ (gram_inverse(rows) @ value[..., None]))[..., 0]
             length = np.abs(move).max(axis=1)
             x[todo] -= move / np.maximum(1.0, length)[:, None]
             left = length > QUADRATIC  # the next residual is the square of this
             if self.model.has_limits:
                 over = (np.abs(x[todo]) > math.pi + ROUNDED) & (shut[todo] == 0)
+                # far from closure a step may leave the limits and come back
                 over &= (length <= SETTLING)[:, None]
                 k, v = todo[over.any(axis=1)], over.any(axis=1)
                 side = np.sign(x[k])
@@ -154,6 +157,7 @@ def balance(s: Samples, at: Folded, rows: np.ndarray, torque: np.ndarray) -> Poi
     """Find the multipliers of rows [K, r, n] that balance a torque [K, n] best on the free creases."""
     free_rows = rows * (s.shut == 0)[:, None]
     inverse = gram_inverse(free_rows)
+    # least squares; creases at their limits carry whatever torque is left over
     lam = (inverse @ (free_rows @ torque[..., None]))[..., 0]
     left = torque - (lam[:, None] @ rows)[:, 0]
     return Point(at, rows, torque, lam, left, free_rows, inverse)
@@ -170,11 +174,14 @@ def gram_inverse(rows: np.ndarray) -> np.ndarray:
     diagonal = a[:, d, d]
     trace = diagonal.sum(axis=1)
     a[:, d, d] += np.where(diagonal == 0, 1.0, ROUNDED**2 * trace[:, None])
+    # shifted in rounding only, so that singular matrices do not raise; those are replaced below
     inverse = _inverted(a + EPS * trace[:, None, None] * np.eye(len(d)))
     largest = np.abs(inverse[:, d, d]).max(axis=1, initial=0.0)
+    # not (<=), so that infinite and undefined inverses count as poor
     poor = np.flatnonzero(~(largest * np.maximum(trace, 1.0) <= POOR))
     if len(poor):
         value, vector = np.linalg.eigh(a[poor])
+        # eigenvalues of rows rows' are squares of singular values
         keep = value > RANK**2 * value[:, -1:]
         over = np.where(keep, 1 / np.where(keep, value, 1.0), 0.0)
         inverse[poor] = (vector * over[:, None]) @ vector.transpose(0, 2, 1)

@@ -113,10 +113,12 @@ class Crossings:
         which, rows = first_largest(found.depth), np.arange(len(bad))
         ray, facet = found.row[rows, which].T
         gap[bad] = np.where(ray < 0, NAMELESS, self._gap[ray, facet])
+        # the row must change its sign
         side[bad] = -np.sign(found.value[rows, which]).astype(int)
         depth[bad] = deep[bad]
 
     def _of_walls(self, at: Folded, gap: np.ndarray, side: np.ndarray, depth: np.ndarray) -> None:
+        # first mirror: the plane y = 0; last one: spanned by the two last rays, as it was carried along
         normal = cross(at.rays[:, -1], at.rays[:, -2])
         rays = at.rays[:, self._ray]
         value = np.where(self._last, (rays @ normal[..., None])[..., 0], rays[..., 1])

@@ -77,6 +77,7 @@ def _sets(model: Model) -> Iterator[tuple[np.ndarray, np.ndarray, np.ndarray, fl
     n, group = model.size, model.variable_of_crease
     for moving, shut, line, sigma, q in zip(*_books(model), strict=True):
         turn = np.bincount(group, sigma * moving[group], n)[moving]
+        # hinges turn back what the shut folds turn about the line, modulo 4 pi: q = +1
         needed = -2 * math.atan2(q[1:] @ line, q[0])
         reach = float(np.abs(turn).sum()) * math.pi
         size = model.multiplicity[shut]
@@ -104,6 +105,7 @@ def _books(model: Model) -> tuple[np.ndarray, ...]:
     hinges, flat = kinds[:, group] == 2, kinds[:, group] == 0
     line = creases[np.arange(len(kinds)), hinges.argmax(axis=1)]
     on_line = np.linalg.norm(cross(creases, line[:, None]), axis=-1) <= CLOSES
+    # or hinges could not turn back what the shut folds turn
     about_it = np.linalg.norm(cross(q[:, 1:], line), axis=-1) <= CLOSES
     # a flat crease on the line may turn as well: part of a larger set
     book = about_it & (on_line | ~hinges).all(axis=1) & ~(on_line & flat).any(axis=1)
@@ -152,6 +154,7 @@ def _lowest(weight: np.ndarray, rest: np.ndarray, turn: np.ndarray, c: float) ->
         return np.clip(rest + s * slope, -math.pi, math.pi)
 
     used = turn != 0
+    # turn . at(s) is piecewise linear and does not fall: c lies between two bends, where hinges reach their limits
     bends = np.concatenate([(b - rest[used]) / slope[used] for b in (-math.pi, math.pi)])
     bends = np.sort(bends)
     values = np.array([turn @ at(s) for s in bends])

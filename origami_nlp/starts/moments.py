@@ -84,6 +84,7 @@ def find_zeros(chain: MomentMap, m: np.ndarray) -> tuple[np.ndarray, np.ndarray]
         shot = chain.shoot(new)
         assert shot.slope is not None
         now = np.linalg.norm(shot.miss, axis=1)
+        # sufficient decrease of |miss|, in proportion to the share of the step
         good = now < miss[live] * (1 - DECREASE * part)
         share[live] = np.where(good, np.minimum(1.0, MORE * share[live]), FEWER * part)
         taken = live[good]
@@ -94,6 +95,7 @@ def find_zeros(chain: MomentMap, m: np.ndarray) -> tuple[np.ndarray, np.ndarray]
 
 def _solved(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     """Return a^-1 b of matrices [K, 3, 3] and vectors [K, 3] by cofactors; not finite where a is singular."""
+    # Cramer's rule: columns of the adjugate are cross products of two rows
     rows = [np.cross(a[:, i - 2], a[:, i - 1]) for i in range(3)]
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         determinant = (a[:, 0] * rows[0]).sum(axis=1, keepdims=True)

@@ -27,6 +27,7 @@ class NearCorners(StartFamily):
         """Draw corners, and of each how many of its creases it holds, fewer than all, and which."""
         s = self._corners[rng.integers(len(self._corners), size=many)]
         closed = s.shut != 0
+        # place of each closed crease in a random order; open ones (2.0) come last
         order = np.where(closed, rng.random(s.x.shape), 2.0).argsort(axis=1).argsort(axis=1)
         keep = (rng.random(many) * closed.sum(axis=1)).astype(int)
         return Samples.on(s.x, np.where(order < keep[:, None], s.shut, 0), hold=True)

@@ -63,6 +63,7 @@ class NearFlat(Listed):
         if len(u) - rank != 1 or n - rank < 2:
             return none
         no_gaps = np.zeros(len(model.structure.gaps))
+        # F: second derivative of s . c alone, without energy and gaps, over sqrt(k) sqrt(k)'
         form = model.hessian(flat, u[:, rank], no_gaps, 0.0) / np.outer(root, root)
         kernel = vt[rank:].T
         y, _ = on_cone(kernel.T @ form @ kernel, kernel.T @ (model.parameters.torque(flat) / root))
@@ -88,6 +89,7 @@ def on_cone(form: np.ndarray, torque: np.ndarray) -> tuple[np.ndarray, np.ndarra
     if not (len(a) > 1 and a[0] < -RANK and a[-1] > RANK):
         return np.zeros((0, len(a))), np.zeros(0)  # the cone is its tip alone
     g = axes.T @ torque
+    # exactly 0 where symmetry makes it so: such an axis has no pole in h, see `_aside`
     g[np.abs(g) <= RANK * np.abs(g).max()] = 0.0
     found = [*_roots(a, g), *_aside(a, g)]
     y = np.array([y for y, _ in found]).reshape(-1, len(a)) @ axes.T
@@ -138,6 +140,7 @@ def _aside(a: np.ndarray, g: np.ndarray) -> Iterator[tuple[np.ndarray, float]]:
         if at.sum() != 1 or g[at].any():
             continue
         y = np.where(at, 0.0, -g / np.where(at, 1.0, factor))
+        # what y'Fy = 0 leaves for the component along the axis
         square = -float((a * y**2).sum()) / float(a[at][0])
         if square > 0:
             yield y + np.where(at, np.sqrt(square), 0.0), float(lam)

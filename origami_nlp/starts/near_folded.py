@@ -72,6 +72,7 @@ def _beside(state: State) -> Iterator[np.ndarray]:
     root = np.sqrt(model.parameters.stiffness)
     u, sizes, vt = np.linalg.svd(state.local.closure_jacobian / root)
     rank = int((sizes > RANK * sizes.max(initial=NONZERO)).sum())
+    # one lost rank: the combination s of closure is unique, and so is the cone
     if pieces is None or len(pieces) > MOST_PIECES or len(u) - rank != 1:
         return
     kernel = vt[rank:].T
@@ -102,9 +103,11 @@ def _held(
     some, lam = on_cone(z.T @ form @ z, z.T @ torque)
     for y, multiplier in zip(some @ z.T, lam, strict=True):
         size = float(np.linalg.norm(y))
+        # gradient of the Lagrangian: moments >= 0 of the rows held must balance it
         left = y + torque + multiplier * (form @ y)
         push = np.linalg.lstsq(a[held].T, left, rcond=None)[0]
         opens = np.delete(a @ y, held)
         if RANK < size <= NEAR and (push > 0).all() and (opens > -RANK * size).all():
+            # opens every row held at the same rate and leaves the others as they are
             off = np.linalg.lstsq(a, np.isin(np.arange(len(a)), held).astype(float), rcond=None)[0]
             yield from (y + share * size * off for share in (INSIDE if held else (0.0,)))

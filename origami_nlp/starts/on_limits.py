@@ -34,6 +34,7 @@ def states_on_limits(model: Programme, rng: np.random.Generator) -> list[np.ndar
         for v, s in pattern:
             x[row, v], frozen[row, v] = s * math.pi, True
     x, residual = project(model, x, frozen=frozen)
+    # what closing moved onto a limit, to rounding, is at the limit
     x = np.where(np.abs(np.abs(x) - math.pi) <= OUTSIDE, np.sign(x) * math.pi, x)
     good = (residual <= CLOSES) & (np.abs(x) <= math.pi).all(axis=1)
     return [state for state in x[good] if model.on_sheet(state)]

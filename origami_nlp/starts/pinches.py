@@ -63,6 +63,7 @@ def free_parameters(
     turns = rng.uniform(-math.pi, math.pi, (count, n + 2 * pinches))
     rank = rng.random(turns.shape)
     turns[:, :n] = np.where(shut, np.copysign(math.pi, turns[:, :n]), turns[:, :n])
+    # the three turns of lowest rank close a piece: those of touches first, never those that are held
     rank[:, :n] += 2.0 * shut
     rank[:, n:] -= 1.0
     if family.pinched[0].flat:
@@ -117,8 +118,10 @@ def close_pinched(
         parent = np.array([w.parents[t] for w in family.pinched])[way]
         whole = one + two
         closed = tip[row]
+        # pieces on the same side of the touch, and |phi_k| <= pi (module docstring)
         good &= (one * two > 0) & ((np.abs(whole) >= math.pi) | closed)
         signs[:, t] = np.sign(one)
+        # the sheet q = +1
         whole = whole - np.copysign(2 * math.pi, one)
         whole = np.where(closed, -np.copysign(math.pi, one), whole)
         turns[np.arange(len(row)), parent] = whole
@@ -163,6 +166,7 @@ def _close_piece(
     chosen = np.sort(np.argsort(order, axis=1)[:, :3], axis=1)
     given = np.where(there, turns[every, turn], 0.0)
     np.put_along_axis(given, chosen, 0.0, axis=1)
+    # Q(u_1, t_1) Q(u_2, t_2) Q(u_3, t_3) product = -1, u the axes as carried with these three turns 0
     axes, product = _walk(given, length)
     u = axes[every, chosen]
     target = product * np.array([-1.0, 1.0, 1.0, 1.0])  # minus the conjugate

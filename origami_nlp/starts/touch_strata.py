@@ -81,6 +81,7 @@ def pinch(whole: Pinched, degree: int, rows: Collection[Row]) -> list[Pinched]:
         m = len(piece)
         for a, b in itertools.product(range(m), repeat=2):
             row = whole.crease(piece[a][0], degree), piece[b][1]
+            # pieces of (a - b) and m + 1 - (a - b) corners (mod m), three at least in each
             if not 3 <= (a - b) % m <= m - 2 or row not in rows:
                 continue
             turn, facet, start, end = piece[b]
@@ -162,9 +163,11 @@ def _family(ways: list[Pinched], n: int, most: int) -> Family:
     masks = np.zeros((len(chosen), n), bool)
     for mask, creases in zip(masks, chosen, strict=True):
         mask[creases] = True
+    # bookkeeping: `used` counts shut creases by piece, `left` how many each piece can spare
     way_of, shut, tip_shut = [], [], []
     for t, way in enumerate(ways):
         own = [np.isin(np.arange(n), [c[0] for c in piece]) for piece in way.pieces]
+        # three turns close a piece, so that all others may be shut
         room = np.array([len(piece) - 3 for piece in way.pieces])
         tips = [k for k, _ in way.touches] if not way.flat else []
         good = ~masks[:, tips].any(axis=1)

@@ -258,6 +258,7 @@ def faulty(model: Model, x: np.ndarray, act: np.ndarray, touches: np.ndarray) ->
     """Tell which states [K, n] do not close, do not touch as they say, or have facets that cross, [K]."""
     vertex = model.scene.vertex
     rays, q = fold_vertex(vertex, x)
+    # (q[0] < 0 closes as well, with a turn by 2 pi too many)
     bad = (np.abs(q[:, 1:]).max(axis=1) > FOLLOWED) | (q[:, 0] < 0)
     used = touches[:, :, 2] != 0
     values = row_values(rays, touches[:, :, 0], touches[:, :, 1])
