@@ -21,10 +21,10 @@ if TYPE_CHECKING:
     from origami_nlp.kkt import Classification, State
     from origami_nlp.minima import MinimaResult
     from origami_nlp.pattern import Pattern, Scene
+    from origami_nlp.proof import ProofOptions
     from origami_nlp.sheets import SheetResult
+    from origami_nlp.starts import SearchOptions
 
-STARTS = {"quick": 10, "normal": 40, "thorough": 160}
-"""Random starts in a row that find nothing new in a pattern, by effort; a scene has `minima.EFFORTS`."""
 _OF_A_PATTERN = {
     "starts": "the effort says how many starts a vertex gets",
     "contact": "a scene states its contact itself",
@@ -47,11 +47,12 @@ def find_minima(
     *,
     seed: int = ...,
     effort: str = ...,
+    options: SearchOptions | None = ...,
     max_starts: int | None = ...,
     fewest_starts: int | None = ...,
     guesses: Sequence[np.ndarray] | None = ...,
     full: bool | None = ...,
-    prove: bool | float | None = ...,
+    prove: bool | float | ProofOptions | None = ...,
     seconds: float | None = ...,
     escape: bool = ...,
     noise: float | None = ...,
@@ -64,6 +65,7 @@ def find_minima(
     *,
     seed: int = ...,
     effort: str = ...,
+    options: SearchOptions | None = ...,
     starts: int | None = ...,
     contact: bool | None = ...,
     seconds: float | None = ...,
@@ -75,6 +77,7 @@ def find_minima(
     *,
     seed: int = 0,
     effort: str = "normal",
+    options: SearchOptions | None = None,
     seconds: float | None = None,
     escape: bool = True,
     noise: float | None = None,
@@ -91,6 +94,8 @@ def find_minima(
         Of the random starts; the same seed gives the same answer.
     effort
         ``"quick"``, ``"normal"`` or ``"thorough"``: how many starts find nothing new before the search stops.
+    options
+        All that steers the search, in place of the effort: `starts.SearchOptions`.
     seconds
         Wall time after which the search goes no further: what is left out is named, and the answer depends on the
         machine.  None: of a scene the effort alone bounds it, of a pattern 300 s.
@@ -123,19 +128,25 @@ def find_minima(
     """
     from origami_nlp import minima, sheets
     from origami_nlp.pattern import Scene, as_pattern
+    from origami_nlp.starts import options_of
 
     given = {name: value for name, value in others.items() if value is not None}
-    options: dict[str, Any] = {"seed": seed, "escape": escape, "noise": noise, **given}
+    asked = options_of(effort, options)
+    both: dict[str, Any] = {
+        "options": options,
+        "seed": seed,
+        "escape": escape,
+        "noise": noise,
+        **given,
+    }
     if isinstance(scene, Scene):
         _refuse(given, _OF_A_PATTERN, "scene")
-        return minima.find_minima(scene, effort=effort, seconds=seconds, **options)
+        return minima.find_minima(scene, effort=effort, seconds=seconds, **both)
     _refuse(given, _OF_A_SCENE, "pattern")
     if seconds is not None:
-        options["seconds"] = seconds
-    if effort not in STARTS:
-        raise OptionError(f"effort = {shown(effort)} is unknown: use one of {', '.join(STARTS)}")
+        both["seconds"] = seconds
     pattern = as_pattern(Path(fspath(scene)) if isinstance(scene, PathLike) else scene, "scene")
-    return sheets.find_states(pattern, **{"starts": STARTS[effort], **options})
+    return sheets.find_states(pattern, **{"starts": asked.starts, **both})
 
 
 def _refuse(given: dict[str, Any], wrong: dict[str, str], kind: str) -> None:

@@ -21,8 +21,9 @@ from origami_nlp.errors import OUT_OF_TIME, OptionError
 from origami_nlp.kkt import State, classify
 from origami_nlp.minima import MinimaResult, check_prove, find_minima_of_each, full_scene
 from origami_nlp.numerics import SETTLED
-from origami_nlp.path import STEPS, Equilibrium, ParameterLine, Steps, Web
+from origami_nlp.path import STEPS, ContinuationOptions, Equilibrium, ParameterLine, Web
 from origami_nlp.pattern import Scene, Vertex
+from origami_nlp.proof import ProofOptions
 from origami_nlp.space import find_space
 
 MOST_CHECKS = 100
@@ -38,10 +39,11 @@ def follow(
     through_folds: bool = True,
     full_space: bool = True,
     morse: bool = False,
-    prove: bool | float = False,
+    prove: bool | float | ProofOptions = False,
     effort: str = "normal",
     seed: int = 0,
     max_starts: int = 100_000,
+    options: ContinuationOptions | None = None,
     seconds: float | None = None,
 ) -> Atlas:
     """Follow the minima of a scene over a parameter.
@@ -70,6 +72,8 @@ def follow(
         `find_minima`; where one freedom is left, searches are complete without it.
     effort, seed, max_starts
         Of the searches.
+    options
+        Of the continuation: lengths of steps, points and arcs at most.
     seconds
         Wall time; what was followed by then is judged and returned, `Atlas.interrupted` tells.  None: no limit.
 
@@ -107,6 +111,7 @@ def follow(
             effort=effort,
             seed=seed,
             max_starts=max_starts,
+            options=options,
             until=until,
         )
         for one in scene.of_each_winding
@@ -124,16 +129,16 @@ def follow_family(
     through_folds: bool = True,
     full_space: bool = True,
     morse: bool = False,
-    prove: bool | float = False,
+    prove: bool | float | ProofOptions = False,
     effort: str = "normal",
     seed: int = 0,
     max_starts: int = 100_000,
-    steps: Steps | None = None,
+    options: ContinuationOptions | None = None,
     until: float = math.inf,
 ) -> Atlas:
     """Follow the minima of a family of scenes; arguments as for `follow`.
 
-    steps: of the tracer.  until: when the time is over (`time.monotonic`).
+    options: of the continuation.  until: when the time is over (`time.monotonic`).
     """
     check_whole("checks", checks, 1, MOST_CHECKS)
     for name, flag in (
@@ -143,8 +148,9 @@ def follow_family(
     ):
         check_flag(name, flag)
     check_prove("prove", prove)
+    check_type("options", STEPS if options is None else options, ContinuationOptions)
     search = {"effort": effort, "seed": seed, "max_starts": max_starts, "prove": prove}
-    survey = _Survey(family, through_folds, full_space, morse, search, steps, until)
+    survey = _Survey(family, through_folds, full_space, morse, search, options, until)
     survey.web.add_flat()
     ends = [family.over.low, family.over.high]
     middle = family.over.t_of(0.5 * (survey.web.low + survey.web.high))
@@ -167,7 +173,7 @@ class _Survey:
         full_space: bool,
         morse: bool,
         search: dict[str, object],
-        steps: Steps | None,
+        steps: ContinuationOptions | None,
         until: float,
     ) -> None:
         self._begin = time.perf_counter()

@@ -10,7 +10,14 @@ from typing import Any
 
 import numpy as np
 
-from origami_nlp.arguments import check_flag, check_number, check_until, check_whole, shown
+from origami_nlp.arguments import (
+    check_flag,
+    check_number,
+    check_type,
+    check_until,
+    check_whole,
+    shown,
+)
 from origami_nlp.atlas import Over, PathEvent, branches_of, chains_of, parts_of
 from origami_nlp.errors import OUT_OF_TIME, OptionError, OutOfTime
 from origami_nlp.facets import Work
@@ -22,7 +29,14 @@ from origami_nlp.loading.route import Way, given, let_go, position, restabilises
 from origami_nlp.loading.sheet import PatternDriver, work_on
 from origami_nlp.modes import breaking_stiffness
 from origami_nlp.numerics import SETTLED
-from origami_nlp.path import LATE, Equilibrium, EquilibriumCurve, Steps, Web, is_equilibrium
+from origami_nlp.path import (
+    LATE,
+    ContinuationOptions,
+    Equilibrium,
+    EquilibriumCurve,
+    Web,
+    is_equilibrium,
+)
 from origami_nlp.pattern import Pattern, Scene, as_pattern
 from origami_nlp.sheets import SheetState
 
@@ -43,7 +57,7 @@ def load_path(
     seed: int = 0,
     max_starts: int = 100_000,
     starts: int = 40,
-    steps: Steps | None = None,
+    options: ContinuationOptions | None = None,
     seconds: float | None = None,
 ) -> LoadPath:
     """Load a stable state of a vertex or of a pattern by a torque or a force, and follow it.
@@ -75,8 +89,8 @@ def load_path(
         Of the searches.
     starts
         Of the searches of patterns, see `find_states`.
-    steps
-        Of the tracer; of a pattern lengths are root mean squares over creases.
+    options
+        Of the continuation; of a pattern lengths are root mean squares over creases.
     seconds
         Wall time for all of it, give or take a second or two: what was followed by then is returned, with an alarm that
         says what was left out.  None: no limit.
@@ -102,22 +116,25 @@ def load_path(
     [0.05]
     """
     driver: Driver
-    options: dict[str, Any]
+    asked: dict[str, Any]
     if isinstance(what, Scene):
         driver = VertexDriver(what, load)  # type: ignore[arg-type]
-        options = {"effort": effort, "seed": seed, "max_starts": max_starts}
+        asked = {"effort": effort, "seed": seed, "max_starts": max_starts}
     else:
         driver = PatternDriver(work_on(as_pattern(what), load))
-        options = {"starts": check_whole("starts", starts, 0), "seed": check_whole("seed", seed, 0)}
+        asked = {"starts": check_whole("starts", starts, 0), "seed": check_whole("seed", seed, 0)}
+    check_type(
+        "options", ContinuationOptions() if options is None else options, ContinuationOptions
+    )
     for name, flag in (("back", back), ("confirm", confirm), ("full_space", full_space)):
         check_flag(name, flag)
     far = driver.farthest
     if (isinstance(to, str) and to != "snap") or to == 0:
         raise OptionError(f"to = {shown(to)} must be a load other than 0, or 'snap'")
     ends = [-far, far] if to == "snap" else [check_number("to", to)]
-    search = Search(options, check_until(seconds))
+    search = Search(asked, check_until(seconds))
     driver, number, x = driver.begin(state, search)
-    job = _Job(driver, min(0.0, *ends), max(0.0, *ends), full_space, steps, search.until)
+    job = _Job(driver, min(0.0, *ends), max(0.0, *ends), full_space, options, search.until)
     try:
         for end in ends:
             arrived = job.go(x, 0.0, end, once=to == "snap")
@@ -143,7 +160,7 @@ class _Job:
         low: float,
         high: float,
         full_space: bool,
-        steps: Steps | None,
+        steps: ContinuationOptions | None,
         until: float,
     ) -> None:
         self.driver, self.low, self.high = driver, low, high

@@ -15,7 +15,7 @@ from origami_nlp.facets import DeadForce, Pull, Sheet, Torque, Work, Worked
 from origami_nlp.kkt import Classification, State, classify
 from origami_nlp.loading.driver import CUT, SIDE, STEPS, Driver, FramedState, Poser, Search
 from origami_nlp.numerics import NEARLY, SAME
-from origami_nlp.path import Node, ParameterLine, Steps
+from origami_nlp.path import ContinuationOptions, Node, ParameterLine
 from origami_nlp.pattern import Pattern, pattern_from_dict, pattern_to_dict
 from origami_nlp.programme import Parameters
 from origami_nlp.sheets import (
@@ -106,7 +106,7 @@ class PatternDriver:
     def full_line(self) -> None:
         """None: no symmetry is imposed."""
 
-    def steps(self, steps: Steps | None) -> Steps:
+    def steps(self, steps: ContinuationOptions | None) -> ContinuationOptions:
         """Return the steps of the tracer, whose lengths are stated as root mean squares over creases."""
         rms, size = steps or STEPS, math.sqrt(self.pattern.creases)
         return replace(rms, first=size * rms.first, longest=size * rms.longest)

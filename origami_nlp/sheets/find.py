@@ -39,18 +39,10 @@ from origami_nlp.sheets.pressing import UNTOLD, press
 from origami_nlp.sheets.result import BARRIERS, MEETINGS, OF_VERTEX, POPS, WAYS_OUT, SheetResult
 from origami_nlp.sheets.state import SheetState
 from origami_nlp.sheets.tally import Tally
-from origami_nlp.starts import Given, Popped, families_in_turn
+from origami_nlp.starts import Given, Popped, SearchOptions, families_in_turn, options_of
 
 OUT = 0.2
 """First step out of a state where curves meet, of the longest fold angle [rad]."""
-MOST_TRACED = 250
-"""Creases up to which curves are traced; descents beyond."""
-MOST_DRAWN = 10
-"""Random starts in all, over those that are to find nothing new."""
-MOST_POPPED = 2
-"""Starts with a vertex popped in all, over the random starts that are to find nothing new."""
-MOST_CURVES = 64
-"""That are traced, beside images of them."""
 SECONDS = 300.0
 """For a search, of wall time."""
 FAILURES = np.linalg.LinAlgError, ArithmeticError
@@ -59,12 +51,13 @@ FAILURES = np.linalg.LinAlgError, ArithmeticError
 
 def find_states(
     pattern: Pattern | str | Path,
-    starts: int = 40,
+    starts: int | None = None,
     seed: int = 0,
     contact: bool = True,
     seconds: float = SECONDS,
     escape: bool = True,
     noise: float | None = None,
+    options: SearchOptions | None = None,
 ) -> SheetResult:
     """Find the stable states of a pattern.
 
@@ -74,6 +67,7 @@ def find_states(
         With its springs; the name of an example such as ``"miura:4x4"``, or a FOLD file.
     starts
         Random starts in a row that find no other minimum or curve, then the search ends; ten times as many at most.
+        None: as the options say.
     seed
         Of the random starts: numbers of creases, the sheet's place and the side it is seen from change nothing.
     contact
@@ -84,6 +78,8 @@ def find_states(
         Say what it takes to leave each minimum (`SheetState.escape`).
     noise
         Degrees: how many random errors of springs and vertices each minimum survives (`SheetState.survival`).
+    options
+        All else that steers the search.
 
     Returns
     -------
@@ -105,13 +101,15 @@ def find_states(
     True
     """
     pattern = as_pattern(pattern)
-    starts, seed = check_whole("starts", starts, 0), check_whole("seed", seed, 0)
+    asked = options_of("normal", options)
+    starts = asked.starts if starts is None else check_whole("starts", starts, 0)
+    seed = check_whole("seed", seed, 0)
     check_number("seconds", seconds, 0.0)
     check_flag("escape", escape)
     check_noise(noise)
     if not pattern.creases:
         raise OptionError("the pattern has no crease: there is nothing to fold")
-    search = _Search(pattern, contact, seconds)
+    search = _Search(pattern, contact, seconds, asked)
     if pattern.is_flat:
         search.part("ways out of the flat state", search.from_crossroads)
     for start in Given(search.sheet.pattern).states():
@@ -119,10 +117,10 @@ def find_states(
     if len(pattern.vertices) == 1 and not pattern.holes:
         search.part(OF_VERTEX, search.round_the_vertex, seed)
     rng = np.random.default_rng(seed)
-    for k in range(MOST_DRAWN * starts):
+    for k in range(asked.most_drawn * starts):
         if not search.part("random starts", search.draw, rng, k) or search.tally.since == starts:
             break
-    search.part(POPS, search.pop, MOST_POPPED * starts)
+    search.part(POPS, search.pop, asked.most_popped * starts)
     search.part("images of minima under symmetries", search.add_images)
     if escape:
         search.part(BARRIERS, search.add_escapes)
@@ -137,7 +135,10 @@ def find_states(
 class _Search:
     """A search on its way."""
 
-    def __init__(self, pattern: Pattern, contact: bool, seconds: float = SECONDS) -> None:
+    def __init__(
+        self, pattern: Pattern, contact: bool, seconds: float, options: SearchOptions
+    ) -> None:
+        self.options = options
         until = time.monotonic() + seconds
         self.labels, self.contact = find_labels(pattern), contact
         self.sheet = Sheet(self.labels.arranged(pattern))
@@ -404,10 +405,10 @@ class _Search:
     def _enter(self, phi: np.ndarray) -> None:
         """Trace the curve through a closed state, or go downhill from it."""
         sheet, tally = self.sheet, self.tally
-        if sheet.size > MOST_TRACED or (z := tangents(sheet, phi)).shape[1] != 1:
+        if sheet.size > self.options.most_traced or (z := tangents(sheet, phi)).shape[1] != 1:
             self.settle(phi)
         elif phi not in self.curves:
-            if tally.traced == MOST_CURVES:
+            if tally.traced == self.options.most_curves:
                 tally.not_traced += 1
                 self.settle(phi)
                 return

@@ -29,7 +29,7 @@ BESIDE_THE_TABLE = {
         critical/edges.KNOWN critical/edges.STEPS critical/link.RADII facets/faces.ASIDE
         kkt/descent.RESCUE kkt/descent.SHORTEST kkt/descent.TRIED kkt/level.BESIDE_FLAT
         kkt/neighbours.RADII kkt/neighbours.STEPS kkt/refutation.FAR kkt/refutation.STEPS
-        landscape/exact.PIECE loading/driver.SIDE loading/driver.STEPS loading/route.LEAST_SPAN
+        landscape/exact.PIECE loading/driver.SIDE loading/route.LEAST_SPAN
         loading/route.OVER minima/descents.ESCAPE minima/descents.SHORTEST
         minima/escape.SMALLEST minima/one_freedom.ASIDE minima/search.DOWN modes/geodesic.STEP
         paper/transitions.BRACKET paper/transitions.MARGIN paper/transitions.SIDE
@@ -127,8 +127,8 @@ BESIDE_THE_TABLE = {
         numerics/factors.WEIGHT
     """,
     "widths, radii and shares of boxes in proofs, whose claims do not rest on them": """
-        proof/boxes.EXACT proof/boxes.SMALL proof/boxes.WIDER proof/check_bounds.BLUNT
-        proof/check_forms.THIN proof/complete.LOW proof/complete.NEAR proof/complete.SMALLER
+        proof/boxes.EXACT proof/boxes.WIDER proof/check_bounds.BLUNT
+        proof/check_forms.THIN proof/complete.LOW proof/complete.NEAR
         proof/flat.NARROW proof/flat.RADII proof/roots.FAR proof/roots.SHARES proof/roots.WITHIN
         proof/singular.RADII proof/wedges.SHORTEST
     """,
