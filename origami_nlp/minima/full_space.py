@@ -57,7 +57,7 @@ class FullSpace(Brief):
     certificate
         Why, in words.
     kind, local_dimension
-        As in `Minimum`, in the full space (stable states only).
+        As in `JudgedState`, in the full space (stable states only).
     hessian_eigenvalues
         Of the Hessian of the Lagrangian on the closed states' tangent space [N m/rad]; empty where closure loses rank.
     breaking_eigenvalues

@@ -81,8 +81,8 @@ def prove_complete(
     if refused:
         return Completeness("not-proved", refused)
     try:
-        options = wanted if isinstance(wanted, ProofOptions) else ProofOptions()
-        if wanted is None or wanted is True or wanted is options:
+        if wanted is None or wanted is True or isinstance(wanted, ProofOptions):
+            options = wanted if isinstance(wanted, ProofOptions) else ProofOptions()
             most = UNASKED if wanted is None else options.boxes
             proof = prove(model, most=most, until=until, options=options)
         else:

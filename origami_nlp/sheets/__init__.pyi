@@ -46,7 +46,6 @@ from .pops import pop_rows as pop_rows
 from .pressing import press as press
 from .result import SheetResult as SheetResult, SheetSearch as SheetSearch
 from .rows import Rows as Rows
-from .state import SheetState as SheetState
 from .stress import Stress as Stress, find_stress as find_stress
 from .turnable import (
     sheet_content as sheet_content,

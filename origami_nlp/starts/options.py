@@ -83,8 +83,10 @@ class SearchOptions:
     most_curves: int = 64
 
     def __post_init__(self) -> None:
-        from_zero = ("interior", "most_with_corners", "most_batched", "starts", "most_popped")
-        from_zero += ("most_traced", "most_curves", "fewest_for_moments")
+        from_zero = (
+            *("interior", "most_with_corners", "fewest_for_moments", "most_batched"),
+            *("starts", "most_popped", "most_traced", "most_curves"),
+        )
         for name, value in vars(self).items():
             if name == "judging":
                 check_number(name, value, 0.0, 1.0)

@@ -10,7 +10,8 @@ import pytest
 import origami_nlp as o
 from origami_nlp import Model, Scene, State, Vertex, classify
 from origami_nlp.facets import Sheet
-from origami_nlp.kkt import loop_modes, tangent_cone
+from origami_nlp.kkt import judge_branch, loop_modes, tangent_cone
+from origami_nlp.kkt.refutation import follow_descent
 from tests.computed_once import states
 from tests.patterns import miura, miura_angles, strip, wheel
 
@@ -38,7 +39,7 @@ def test_states_are_decided_as_by_a_judgement_of_patterns_alone(name):
     assert told == COUNTS[name]
     problem = Sheet(found.pattern)
     for state in found.states:  # in the numbering of the file, not that of the search
-        again = classify(State(problem, state.fold_angles))
+        again = classify(State(problem, state.phi))
         assert (again.verdict == "minimum") == (state.verdict == "minimum")
         assert again.kind == state.kind
 
@@ -48,7 +49,7 @@ def held_state():
     found = states("metasheet:4x4")
     state = next(s for s in found.minima if s.contacts)
     problem = Sheet(found.pattern)
-    return problem, State(problem, state.fold_angles)
+    return problem, State(problem, state.phi)
 
 
 def test_derivatives_of_a_pattern_in_contact_are_those_of_its_values():
@@ -77,6 +78,19 @@ def test_the_same_contact_has_one_multiplier_or_a_range():
     one, two = what.contacts
     assert what.kind == "degenerate" and one.multiplier == pytest.approx(two.multiplier, rel=1e-9)
     assert one.multiplier_range == pytest.approx((0.0, 2 * one.multiplier), abs=1e-9)
+
+
+def test_lower_states_that_are_reached_through_facets_refute_nothing():
+    """Downhill from a state that contact holds, as if it did not: there are such states, and facets cross in each."""
+    problem, state = held_state()
+    assert state.contacts.base and not state.contacts.complete
+    free = judge_branch(state.on(()))
+    assert free.verdict == "not stationary" and free.direction is not None
+    assert follow_descent(state, free) is None
+    through = State(Sheet(problem.pattern, contact=False), state.x)
+    lower = follow_descent(through, judge_branch(through.on(())))
+    assert lower is not None and lower.gain > 0 and problem.crossings.find(lower.state)
+    assert problem.energy(lower.state) == pytest.approx(problem.energy(state.x) - lower.gain)
 
 
 def test_rows_that_always_depend_on_each_other_are_no_loss_of_rank():
@@ -143,7 +157,7 @@ def test_a_vertex_is_a_pattern_with_one_vertex(seed):
 def test_one_verb_classifies_both():
     scene = o.examples.degree6("pi/4", ratio=0.01)
     minimum = o.find_minima(scene, max_starts=16, escape=False).minima[0]
-    assert o.classify(scene, minimum.fold_angles).kind == minimum.kind
+    assert o.classify(scene, minimum.phi).kind == minimum.kind
     pattern = o.examples.pattern("miura", 2, 2)
     with pytest.raises(o.OrigamiError, match="all 4 fold angles"):
         o.classify(pattern, [0.0])
