@@ -51,10 +51,8 @@ from origami_nlp.numerics import (
 )
 from origami_nlp.programme import Programme
 
-LEAST_DAMPING = 1e-2
-"""Share of a step towards a critical load below which the search for it is given up."""
-SOFT = 1e-2
-"""Stiffness, over that without load, up to which a load path that ends has softened."""
+LEAST_DAMPING, SOFT = 1e-2, 1e-2
+"""Share of a step at which the search for a critical load gives up, and of the stiffness without load that is soft."""
 ASIDE = 1e-3
 """The re-solves of a check use the critical load times 1 -+ this."""
 MOST_REFINEMENTS = 60

@@ -31,8 +31,6 @@ STIFFNESS_KEY = "edges_origaminlp:stiffness"
 REST_KEY = "edges_origaminlp:restAngle"
 PRELOAD_KEY = "edges_origaminlp:preload"
 LOADS_KEY, HELD_KEY = "origaminlp:loads", "origaminlp:heldFacet"
-FARTHEST = 1e50
-"""Coordinates, and their inverses, whose fourth powers are numbers."""
 FOLDS = "MVUF"
 """Assignments of edges about which the sheet may fold (F: flat, joined again unless facets need it)."""
 _LEGACY = {"edges_foldAngles": "edges_foldAngle", "edges_assignments": "edges_assignment"}
@@ -358,9 +356,9 @@ def _coords(value: object) -> tuple[np.ndarray, bool]:
     if not len(out):
         raise FoldFileError("vertices_coords is empty: no geometry to analyse")
     # products of four lengths must be numbers, of small facets too
-    if np.abs(out).max() > FARTHEST:
+    if np.abs(out).max() > 1e50:
         raise FoldFileError("vertices_coords exceed 1e50: rescale the pattern")
-    if 0.0 < np.ptp(out, axis=0).max() < 1 / FARTHEST:
+    if 0.0 < np.ptp(out, axis=0).max() < 1 / 1e50:
         raise FoldFileError("vertices_coords span less than 1e-50: rescale the pattern")
     return out, wide
 

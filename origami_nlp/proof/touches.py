@@ -42,6 +42,7 @@ import math
 import time
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -134,19 +135,12 @@ def prove(
     """
     check_type("model", model, Model)
     model.scene.check_no_forces("a proof")
+    asked: dict[str, Any] = {"seconds": seconds, "most": most, "until": until, "options": options}
     if model.scene.contact != "full":
-        return prove_within_limits(
-            model, seconds=seconds, most=most, record=record, until=until, options=options
-        )
+        return prove_within_limits(model, record=record, **asked)
     started = time.process_time()
     # strata without touches
-    limits = prove_within_limits(
-        Model(replace(model.scene, contact="fold-limits")),
-        seconds=seconds,
-        most=most,
-        until=until,
-        options=options,
-    )
+    limits = prove_within_limits(Model(replace(model.scene, contact="fold-limits")), **asked)
     over = None if seconds is None else max(seconds - (time.process_time() - started), 0.0)
     return with_touches(model, limits, seconds=over, until=until, options=options)
 
