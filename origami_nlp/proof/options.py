@@ -21,6 +21,8 @@ class ProofOptions:
         needs.
     touching_boxes
         Boxes for all sets of touches together, some 50,000 a second.
+    isolated_boxes
+        Candidates of a set of touches up to which they are taken for isolated points, and not for a curve.
     batch
         Boxes that are treated together: fewer take longer, more take more memory.
     smallest
@@ -48,13 +50,14 @@ class ProofOptions:
 
     boxes: int = 2_000_000
     touching_boxes: int = 1_000_000
+    isolated_boxes: int = 5_000
     batch: int = 2_000
     smallest: float = 1e-5
     smaller: tuple[float, ...] = (1e-7, 1e-9)
     smaller_boxes: int = 20_000
 
     def __post_init__(self) -> None:
-        for name in ("boxes", "touching_boxes", "batch", "smaller_boxes"):
+        for name in ("boxes", "touching_boxes", "isolated_boxes", "batch", "smaller_boxes"):
             check_whole(name, getattr(self, name), 1)
         check_number("smallest", self.smallest, RESOLVED, 0.1)
         for width in self.smaller:

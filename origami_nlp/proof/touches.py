@@ -67,9 +67,6 @@ from origami_nlp.proof.roots import Roots
 from origami_nlp.proof.touch_roots import TouchSystem
 from origami_nlp.proof.touching_rows import Row, TouchedVertex, TouchedWedge
 
-MOST = 5_000
-"""Small boxes of a set of touches from which on they are no isolated points."""
-
 
 @dataclass(frozen=True, eq=False)
 class Stratum:
@@ -289,7 +286,7 @@ def with_touches(
             why = f"the time, or the number of boxes, was up; {names}"
             undecided.append(cluster_of(model, left.open[group], why))
         # critical points that are isolated leave few boxes
-        if len(left.candidates) > MOST:
+        if len(left.candidates) > options.isolated_boxes:
             for group in by_stratum(left.candidates):
                 undecided.append(cluster_of(model, left.candidates[group], f"a curve; {names}"))
             continue

@@ -39,12 +39,12 @@ class SearchOptions:
         above, IPOPT solves from one start after the other.
     judging
         Share of a time limit that is kept for judging the ends of descents.
-    starts
+    in_a_row
         Of a pattern: random starts in a row that find nothing new, then the search ends.
     most_drawn
-        Of a pattern: random starts in all, over `starts`.
+        Of a pattern: random starts in all, over `in_a_row`.
     most_popped
-        Of a pattern: starts with a vertex popped, over `starts`.
+        Of a pattern: starts with a vertex popped, over `in_a_row`.
     most_traced
         Creases of a pattern up to which curves are traced; descents beyond.
     most_curves
@@ -76,7 +76,7 @@ class SearchOptions:
     fewest_for_moments: int = 16
     most_batched: int = 24
     judging: float = 0.3
-    starts: int = 40
+    in_a_row: int = 40
     most_drawn: int = 10
     most_popped: int = 2
     most_traced: int = 250
@@ -85,7 +85,7 @@ class SearchOptions:
     def __post_init__(self) -> None:
         from_zero = (
             *("interior", "most_with_corners", "fewest_for_moments", "most_batched"),
-            *("starts", "most_popped", "most_traced", "most_curves"),
+            *("in_a_row", "most_popped", "most_traced", "most_curves"),
         )
         for name, value in vars(self).items():
             if name == "judging":
@@ -98,11 +98,11 @@ class SearchOptions:
 
 EFFORTS = {
     "quick": SearchOptions(
-        corners=256, interior=32, a_round=8, rounds=1, hits=1, quiet=1, starts=10
+        corners=256, interior=32, a_round=8, rounds=1, hits=1, quiet=1, in_a_row=10
     ),
     "normal": SearchOptions(),
     "thorough": SearchOptions(
-        corners=16384, interior=512, a_round=64, rounds=40, hits=4, quiet=4, starts=160
+        corners=16384, interior=512, a_round=64, rounds=40, hits=4, quiet=4, in_a_row=160
     ),
 }
 """By name."""

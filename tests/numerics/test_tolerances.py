@@ -22,7 +22,7 @@ DRAWN = "chart/axes show/ figure drawing picture strip panel segments_figure pha
 """Modules, rooms, and names of modules in any room, whose small numbers are sizes in pictures."""
 BESIDE_THE_TABLE = {
     "lengths of steps, and of first, last and tried ones [rad, or shares of a range]": """
-        atlas/boundary.AROUND atlas/event_curve.CUSP atlas/event_curve.FIRST
+        atlas/boundary.AROUND atlas/patterns.SHARE atlas/event_curve.CUSP atlas/event_curve.FIRST
         atlas/event_curve.LONGEST atlas/event_curve.REACHES atlas/event_curve.SHORTEST
         barriers/find.SPACINGS barriers/passes.OFF chart/boundary_lines.ASIDE
         chart/boundary_walk.STEPS chart/chart.AROUND cli/timed.SHORTEST contact/margin.ASIDE

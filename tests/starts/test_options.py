@@ -53,15 +53,15 @@ def test_an_effort_is_its_options():
 
 def test_fields_of_a_search_of_a_pattern_have_their_effect():
     def search(**changed):
-        options = SearchOptions(**{"starts": 1, **changed})
+        options = SearchOptions(**{"in_a_row": 1, **changed})
         return o.find_minima("metasheet:2x2", options=options, escape=False).search
 
     plain = search()
-    assert search(starts=3).drawn > plain.drawn
+    assert search(in_a_row=3).drawn > plain.drawn
     assert search(most_traced=0).curves == 0 < plain.curves
     assert search(most_curves=1).not_traced > plain.not_traced
     assert search(most_popped=0).popped == 0 < plain.popped
-    assert search(starts=0).drawn == 0
+    assert search(in_a_row=0).drawn == 0
 
 
 def test_fields_of_continuation_have_their_effect():
