@@ -30,7 +30,7 @@ SHARE = 1e-3
 KEPT = 64
 """Programmes of a line that are kept: a point, what it is differentiated by, and the points before."""
 CREASES = 6
-"""ContinuationOptions and weights of `path` are those of so many creases; their lengths grow as the root of the number."""
+"""Steps and weights of `path` are those of so many creases; their lengths grow as the root of the number."""
 
 
 class Moved(Sheet):
