@@ -48,6 +48,7 @@ def draw_barriers(*several: Barriers, columns: int = 2) -> Figure:
 
     from matplotlib.figure import Figure
 
+    from origami_nlp.minima import judged
     from origami_nlp.show import minima_legend, passes_legend
 
     shapes: dict[Tree, list[Barriers]] = {}
@@ -68,7 +69,7 @@ def draw_barriers(*several: Barriers, columns: int = 2) -> Figure:
         if k % columns == 0:
             ax.set_ylabel("energy [J]")
     drawn = [alike[0] for alike in shapes.values()]
-    found = [(m.kind, _judged(m)) for b in drawn for m in b.result.minima]
+    found = [(m.kind, judged(b.scene, m)) for b in drawn for m in b.result.minima]
     handles = minima_legend(found, STAR)
     handles += passes_legend((j.pass_kind for b in drawn for j in b.merges), STAR)
     figure.legend(
@@ -113,10 +114,6 @@ def shape_of(barriers: Barriers) -> Tree:
     return (*sorted(map(bare, groups.values()), key=repr), *[()] * alone)
 
 
-def _judged(minimum: Any) -> str | None:
-    return minimum.full_space.verdict if minimum.full_space else None
-
-
 def merge_tree_axes(ax: Axes, barriers: Barriers) -> None:
     """Draw the merge tree of one scene.
 
@@ -134,6 +131,7 @@ def merge_tree_axes(ax: Axes, barriers: Barriers) -> None:
     """
     from matplotlib.axes import Axes
 
+    from origami_nlp.minima import judged
     from origami_nlp.show import INK, label_text, mark_minimum, pass_look
 
     check_type("ax", ax, Axes)
@@ -174,7 +172,7 @@ def merge_tree_axes(ax: Axes, barriers: Barriers) -> None:
         for leaf in leaves:
             at[leaf], top[leaf], branch[leaf] = middle, join.energy, leaves
     for k, m in enumerate(minima, start=1):
-        mark_minimum(ax, (place[k], m.energy), m.kind, _judged(m), STAR)
+        mark_minimum(ax, (place[k], m.energy), m.kind, judged(barriers.scene, m), STAR)
         ax.annotate(
             f"#{k}\n{m.energy:.4g}",
             (place[k], m.energy),

@@ -40,6 +40,12 @@ from .ipopt import (
     confirm_posed as confirm_posed,
     gaps_of as gaps_of,
 )
+from .marks import (
+    Drawn as Drawn,
+    drawn_minima as drawn_minima,
+    mark_minima as mark_minima,
+    marks_legend as marks_legend,
+)
 from .minimum import (
     TRIALS as TRIALS,
     Minimum as Minimum,
@@ -69,6 +75,7 @@ from .result import (
 )
 from .stability import (
     barrier_words as barrier_words,
+    judged as judged,
     shallow_words as shallow_words,
     softest_words as softest_words,
     stability_words as stability_words,

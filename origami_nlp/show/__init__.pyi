@@ -41,6 +41,7 @@ from .plain import (
 )
 from .pose import Pose as Pose, pose_state as pose_state
 from .result import Result as Result, read_data as read_data
+from .stacked import MARGIN as MARGIN, StackedFigure as StackedFigure
 from .style import (
     BAND as BAND,
     HANDLE as HANDLE,
