@@ -6,6 +6,7 @@ They are of the code under test: the folder belongs to one run of pytest and end
 import dataclasses
 import functools
 import hashlib
+import inspect
 import pickle
 import re
 from collections.abc import Callable, Sequence
@@ -15,14 +16,17 @@ from typing import Any, TypeVar
 import pytest
 from filelock import FileLock
 
-from origami_nlp import Scene, SheetResult, examples, find_minima
+from origami_nlp import Scene, SheetResult, examples, minima
 from origami_nlp.barriers import Barriers, find_barriers
 from origami_nlp.chart import Boundary, trace_boundary
-from origami_nlp.minima import MinimaResult
+from origami_nlp.minima import MinimaResult, Minimum
 from origami_nlp.programme import Model
 
 T = TypeVar("T")
 PANELS = examples.panels()
+SEARCH = minima.find_minima
+"""The true one: where this module imports it nothing stands in its place yet."""
+DEFAULTS = {name: p.default for name, p in inspect.signature(SEARCH).parameters.items()}
 folder: Path | None = None
 """Where the processes of this run share results; set by `conftest.py` before the first test."""
 
@@ -60,11 +64,29 @@ def by_scene(compute: Callable[..., T]) -> Callable[..., T]:
     def ask(stated: Scene | Model, *arguments: Any, **options: Any) -> T:
         if {"seconds", "record"} & set(options):
             return compute(stated, *arguments, **options)
-        scene = stated if isinstance(stated, Scene) else stated.scene
-        numbers = [] if stated is scene else stated.parameters.vector.tolist()
-        asked = repr((dataclasses.asdict(scene) | {"name": ""}, numbers, arguments, options))
-        name = f"{compute.__name__}-{hashlib.sha256(asked.encode()).hexdigest()}"
+        name = _question(compute, stated, arguments, options)
         return once(name, lambda: compute(stated, *arguments, **options))
+
+    return ask
+
+
+def _question(compute: Callable[..., Any], stated: Scene | Model, *what: Any) -> str:
+    """A name of what a function is asked of a scene, or of its model."""
+    scene = stated if isinstance(stated, Scene) else stated.scene
+    numbers = [] if stated is scene else stated.parameters.vector.tolist()
+    asked = repr((dataclasses.asdict(scene) | {"name": ""}, numbers, *what))
+    return f"{compute.__name__}-{hashlib.sha256(asked.encode()).hexdigest()}"
+
+
+def by_minima(compute: Callable[..., list[Minimum]]) -> Callable[..., list[Minimum]]:
+    """Compute what it takes to leave minima once per run for each list of them, the same to the last bit."""
+
+    @functools.wraps(compute)
+    def ask(model: Model, minima: Sequence[Minimum], traced: Any = None) -> list[Minimum]:
+        states = [x.hex() for m in minima for x in m.fold_angles]
+        name = _question(compute, model, states, traced is None)
+        found = once(name, lambda: [m.escape for m in compute(model, minima, traced)])
+        return [dataclasses.replace(m, escape=e) for m, e in zip(minima, found, strict=True)]
 
     return ask
 
@@ -81,7 +103,18 @@ def panel_result(scene: Scene, *, full: bool = False) -> MinimaResult:
 
 @shared
 def _searched(number: int) -> MinimaResult:
-    return find_minima(PANELS[number], full=True)
+    return SEARCH(PANELS[number], full=True)
+
+
+_kept = by_scene(SEARCH)
+
+
+def minima_once(scene: Scene, **options: Any) -> MinimaResult:
+    """Return `find_minima(scene, **options)`, the same for the same question; no progress is told."""
+    asked = {k: v for k, v in options.items() if k != "progress" and v != DEFAULTS[k]}
+    if scene in PANELS and set(asked) <= {"full"}:
+        return panel_result(scene, **asked)
+    return _kept(scene, **asked)
 
 
 @shared

@@ -26,12 +26,12 @@ from origami_nlp.barriers.flaps import flap_exit
 from origami_nlp.barriers.graph import side_of_flat
 from origami_nlp.barriers.passes import Pass, PassKind, critical_at
 from origami_nlp.barriers.thin import last_thin
+from origami_nlp.files import pick
 from origami_nlp.kkt import State, project, thin_at
 from origami_nlp.minima import full_scene
 from origami_nlp.numerics import CLOSES, OUTSIDE, null_space
 from origami_nlp.pattern import Scene
 from origami_nlp.programme import Contact, Model
-from origami_nlp.show import pick
 
 EXIT_SPACING = math.pi / 12
 """Distance of the samples of a thin set [rad]."""

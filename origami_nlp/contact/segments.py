@@ -22,13 +22,14 @@ from typing import Any
 import numpy as np
 
 from origami_nlp.chart import BoundaryLine, chart_of, trace_boundary, with_energy
+from origami_nlp.files import pick
 from origami_nlp.kkt import State, Stratum
 from origami_nlp.minima import MinimaResult
 from origami_nlp.numerics import BESIDE, NEAR_CONTACT
 from origami_nlp.path import BoundaryCurve, correct, follow_boundary
 from origami_nlp.pattern import Scene, scene_to_dict
 from origami_nlp.programme import Contact, Model
-from origami_nlp.show import Told, pick
+from origami_nlp.show import Told
 
 SLOPE = 5e-3
 """Largest |dU/ds| / (pi sum k) of a metastable segment (the paper's tolerance for stationarity)."""

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from origami_nlp.files import Brief
+from origami_nlp.files import Brief, Unbounded
 from origami_nlp.kkt.certificates import BranchJudgement
 from origami_nlp.kkt.multipliers import Multipliers
 from origami_nlp.kkt.state import State
@@ -54,7 +54,7 @@ class ContactForce(Brief):
 
     type: str
     multiplier: float
-    multiplier_range: tuple[float, float]
+    multiplier_range: tuple[float, Unbounded]
     text: str
     creases: tuple[int, ...] = ()
     facets: tuple[int, ...] = ()

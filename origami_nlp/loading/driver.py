@@ -19,7 +19,7 @@ from origami_nlp.folding import folded_frame, frames_to_fold
 from origami_nlp.kkt import Classification, follow
 from origami_nlp.minima import Minimum, find_minima, full_scene
 from origami_nlp.path import Node, ParameterLine, Steps, load_line
-from origami_nlp.pattern import Scene, dead_loads, scene_from_dict, scene_to_dict
+from origami_nlp.pattern import Scene, dead_loads
 from origami_nlp.programme import Model, Parameters
 from origami_nlp.show import Body, Folded, vertex_body, vertex_folded, vertex_track, vertex_view
 
@@ -92,7 +92,6 @@ class Driver(Protocol):
     ) -> tuple[np.ndarray, Classification] | str: ...
     def beside(self, t: float) -> float: ...  # noqa: D102
     def states_at(self, t: float, search: Search) -> list[np.ndarray] | None: ...  # noqa: D102
-    def to_dict(self) -> dict[str, Any]: ...  # noqa: D102
     def to_fold(self, states: Sequence[FramedState]) -> dict[str, Any]: ...  # noqa: D102
     def poser(self) -> Poser: ...  # noqa: D102
 
@@ -122,6 +121,7 @@ class VertexDriver:
 
     scene: Scene
     crease: int | None
+    ALSO = ("name", "unit", "coordinate", "creases")
     lazy = False
     WAY = ""
     arm = 1.0
@@ -286,10 +286,6 @@ class VertexDriver:
         """Return the fold angles of the minima at t."""
         return [np.array(m.fold_angles) for m in self._minima(t, search)]
 
-    def to_dict(self) -> dict[str, Any]:
-        """Return what is loaded as plain data; see `read_driver`."""
-        return {"scene": scene_to_dict(self.scene)}
-
     def to_fold(self, states: Sequence[FramedState]) -> dict[str, Any]:
         """Return states as frames of FOLD data (spec 1.1)."""
         frames = [folded_frame(self.scene, phi, title, **more) for title, phi, more in states]
@@ -309,9 +305,3 @@ class VertexDriver:
             lambda phi: vertex_view(vertex, phi),
             track,
         )
-
-
-def read_vertex(data: dict[str, Any]) -> VertexDriver:
-    """Return a driver from the plain data of a load path."""
-    creases = data["parameter"]["creases"]
-    return VertexDriver(scene_from_dict(data["scene"]), int(creases[0]) if creases else None)

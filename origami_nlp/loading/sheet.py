@@ -16,7 +16,7 @@ from origami_nlp.kkt import Classification, State, classify
 from origami_nlp.loading.driver import CUT, SIDE, STEPS, Driver, FramedState, Poser, Search
 from origami_nlp.numerics import SAME
 from origami_nlp.path import Node, ParameterLine, Steps
-from origami_nlp.pattern import Pattern, pattern_from_dict, pattern_to_dict
+from origami_nlp.pattern import Pattern
 from origami_nlp.programme import Parameters
 from origami_nlp.sheets import (
     Descended,
@@ -46,6 +46,7 @@ class PatternDriver:
     """
 
     work: Work
+    ALSO = ("name", "unit", "coordinate")
     lazy = True
     WAY = "facets do not cross at the states of the path, nor at those of ways down; between states it is not asked"
 
@@ -185,22 +186,6 @@ class PatternDriver:
             return None
         return [m.fold_angles for m in self._states(self.work.loaded(t), search)]
 
-    def to_dict(self) -> dict[str, Any]:
-        """Return what is loaded, and how, as plain data; see `read_driver`."""
-        work = self.work
-        load: dict[str, Any] = {"kind": type(work).__name__}
-        if isinstance(work, Torque):
-            load["creases"] = list(work.creases)
-        elif isinstance(work, Pull):
-            load["corners"] = list(work.corners)
-        else:
-            load |= {
-                "corner": work.corner,
-                "direction": list(work.direction),
-                "held": work.held,
-            }
-        return {"pattern": pattern_to_dict(self.pattern), "load": load}
-
     def to_fold(self, states: Sequence[FramedState]) -> dict[str, Any]:
         """Return states as frames of FOLD data."""
         frames = (sheet_frame(self.pattern, phi, title, **more) for title, phi, more in states)
@@ -235,15 +220,3 @@ def work_on(pattern: Pattern, load: Any) -> Work:
         return load
     several = isinstance(load, Sequence) and not isinstance(load, str)
     return Torque(pattern, tuple(load) if several else (load,))
-
-
-def read_pattern_driver(data: dict[str, Any]) -> PatternDriver:
-    """Return a driver from the plain data of a load path."""
-    pattern, load = pattern_from_dict(data["pattern"]), data["load"]
-    if load["kind"] == "Torque":
-        return PatternDriver(Torque(pattern, tuple(map(int, load["creases"]))))
-    if load["kind"] == "Pull":
-        a, b = map(int, load["corners"])
-        return PatternDriver(Pull(pattern, (a, b)))
-    x, y, z = map(float, load["direction"])
-    return PatternDriver(DeadForce(pattern, int(load["corner"]), (x, y, z), int(load["held"])))

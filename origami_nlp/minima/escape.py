@@ -129,6 +129,7 @@ class VertexTerrain:
             if not np.abs(path[-1]).max() and (k not in to_flat or len(path) < len(to_flat[k])):
                 to_flat[k] = path
         for k, path in to_flat.items():
+            # down to the flat state, and up a path on which another minimum came to it
             out += [
                 (k, np.concatenate([path, back[-2::-1]])) for j, back in to_flat.items() if j != k
             ]
@@ -138,6 +139,7 @@ class VertexTerrain:
         """Return the other minima that are nearest to one."""
         apart = np.linalg.norm(self.model.root * (self.minima - self.minima[k]), axis=1)
         apart[k] = math.inf
+        # all at the distance of the last one: labels do not choose among them
         last = np.sort(apart)[min(NEAREST, len(apart)) - 1]
         near = (apart <= last * (1 + SETTLED)) & np.isfinite(apart)
         return np.asarray(self.minima[near])
@@ -169,6 +171,7 @@ class VertexTerrain:
             moved = np.linalg.norm(y - at[live], axis=1)
             good = (residual <= FOLLOWED) & (moved > 0.05 * length[:, 0]) & (moved < 3 * step)
             good &= np.abs(model.closure(y)[0]).max(axis=1, initial=0.0) <= CLOSES
+            # a target that is reached ends its ray
             good &= left > 0
             good[good] = model.admissible(y[good])
             live, y = live[good], y[good]
@@ -303,6 +306,7 @@ def with_escapes(
     energies = np.array([m.energy for m in minima])
     isolated = [m.local_dimension == 0 for m in minima]
     scale = energy_scale(np.array(model.scene.stiffness))
+    # exact where every curve of states is known: barriers are then read off a finite graph
     found = None
     if traced is not None and traced.complete and model.has_limits and not model.scene.loads:
         passes = traced_passes(model, traced.curves, traced.branches, states, energies)
@@ -404,6 +408,7 @@ def _bounded(
             found.append(Escape(math.inf, ALONE, NOTHING_NEAR))
             continue
         if math.isinf(barrier):
+            # that no way was found does not make the barrier infinite: it is not determined
             reason = why or "no descent from beside it ended at a state of lower energy"
             if not why and k not in sought:
                 reason = f"more than {MOST_STATES} minima: sought for those of lowest energy"

@@ -243,6 +243,7 @@ class Job:
             # the first round holds several: where there is more to find, one that found nothing is wanted as well
             few = self.model.freedom <= FEW_FREEDOMS and self.model.has_limits
             return quiet > 0 or few
+        # Chao's estimate of the minima that nothing has reached yet, from those reached once and twice
         return quiet >= self.effort.quiet and chao1(hits) < 0.5
 
     def _one_by_one(self) -> None:

@@ -6,14 +6,13 @@ import math
 from dataclasses import dataclass, field
 from typing import Any
 
-from origami_nlp.files import Brief
+from origami_nlp.files import Brief, Unbounded, to_plain
 from origami_nlp.kkt import ContactForce, Escape, Kind
 from origami_nlp.minima.coverage import StrataCount
 from origami_nlp.minima.flags import StateFlags
 from origami_nlp.minima.full_space import FullSpace
 from origami_nlp.minima.ipopt import Confirmation
 from origami_nlp.numerics import CLOSES, STATIONARY
-from origami_nlp.show import to_plain
 
 TRIALS = 20
 """Scenes with random errors that minima are followed into."""
@@ -254,7 +253,7 @@ class SearchReport(Brief):
     iterations: int = field(default=0, kw_only=True)
     statuses: dict[str, int]
     outcomes: dict[str, int]
-    expected_undiscovered: float
+    expected_undiscovered: Unbounded
     stopped_by: str
     seconds: float
     seed: int

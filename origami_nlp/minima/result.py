@@ -1,4 +1,4 @@
-"""What a search for minima returns, how it tells itself, and its JSON, schema ``origami-nlp/minima/2``.
+"""What a search for minima returns, how it tells itself, and its JSON.
 
 In JSON indices are 1-based, as in the paper; angles in radians; energies and moments in the scene's units.
 A multiplier range that never ends, or a residual that does not apply, is null.
@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 
+from origami_nlp.files import from_plain, pick, to_plain
 from origami_nlp.kkt import ALONE, TRACED, State
 from origami_nlp.minima.completeness import Completeness
 from origami_nlp.minima.flags import ResultFlags
@@ -28,26 +29,13 @@ from origami_nlp.minima.telling import (
 )
 from origami_nlp.pattern import Relations, Scene, scene_from_dict, scene_to_dict
 from origami_nlp.programme import Model
-from origami_nlp.show import (
-    Content,
-    Piece,
-    Table,
-    Told,
-    Turnable,
-    Words,
-    from_plain,
-    pick,
-    to_plain,
-)
+from origami_nlp.show import Content, Piece, Table, Told, Turnable, Words
 
 if TYPE_CHECKING:
     from origami_nlp.chart import Landscape
 
-SCHEMA, BEFORE = "origami-nlp/minima/2", "origami-nlp/minima/1"
 SUCCESS = "Solve_Succeeded"
 """What IPOPT says where it converged."""
-NULL = {"expected_undiscovered": math.inf, "multiplier_range": math.inf}
-"""What null stands for, by field; nan elsewhere."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -87,7 +75,7 @@ class MinimaResult(Told, Turnable):
     search: SearchReport
     completeness: Completeness | None = None
 
-    PICTURE, READ = "draw_minima", SCHEMA
+    PICTURE, SCHEMA = "draw_minima", "origami_nlp/minima/1"
 
     @property
     def flags(self) -> ResultFlags:
@@ -203,14 +191,12 @@ class MinimaResult(Told, Turnable):
 
         return turn_minima(self.scene, self.model, self.minima, tuple(self.told()), chart)
 
-    def to_dict(self) -> dict[str, Any]:
-        """Return a result as plain JSON data."""
+    def _to_plain(self) -> dict[str, Any]:
         relations = to_plain(self.scene.relations)
         for key in ("made_exact", "different"):
             found = getattr(self.scene.relations, key)
             relations[key] = [{**to_plain(r), "text": r.text} for r in found]
         return {
-            "schema": SCHEMA,
             "scene": scene_to_dict(self.scene),
             "model": pick(
                 self.model,
@@ -223,7 +209,7 @@ class MinimaResult(Told, Turnable):
             ),
             "search": to_plain(self.search),
             "completeness": self.completeness and to_plain(self.completeness),
-            "flags": self.flags.to_dict(),
+            "flags": to_plain(self.flags),
             "minima": [_minimum_to_dict(m) for m in self.minima],
         }
 
@@ -238,40 +224,18 @@ class MinimaResult(Told, Turnable):
             yield row | {f"phi_{k}": v for k, v in enumerate(m.fold_angles, start=1)}
 
     @classmethod
-    def from_dict(cls, data: dict[str, Any]) -> Self:
-        """Rebuild a result from `to_dict`, or from what was written before states had escape barriers.
-
-        Parameters
-        ----------
-        data
-            What `to_dict` returned.
-
-        Returns
-        -------
-        MinimaResult
-            The same.
-
-        Raises
-        ------
-        OptionError
-            If it holds no minima, or an entry is missing or wrong.
-        """
-        if isinstance(data, dict) and data.get("schema") == BEFORE:
-            data = {**data, "schema": SCHEMA}
-        return super().from_dict(data)
-
-    @classmethod
-    def _read(cls, data: dict[str, Any]) -> Self:
+    def _from_plain(cls, data: dict[str, Any]) -> Self:
         """Rebuild all but the model, which is posed anew from the scene."""
         scene = scene_from_dict(data["scene"])
         if "geometry" in data["model"]:
             scene = replace(scene, relations=from_plain(Relations, data["model"]["geometry"]))
-        search = from_plain(SearchReport, data["search"], NULL)
+        search = from_plain(SearchReport, data["search"], "search")
         known = data.get("completeness")
         completeness = from_plain(Completeness, known) if known else None
         minima = []
         for m in data["minima"]:
-            found = from_plain(Minimum, m, NULL)
+            own = {k: v for k, v in m.items() if k not in ("flags", "softest_stiffness")}
+            found = from_plain(Minimum, own, "minima")
             if found.escape is not None and found.escape.method in (TRACED, ALONE):
                 if math.isnan(found.escape.barrier):  # null in JSON: no way out
                     found = replace(found, escape=replace(found.escape, barrier=math.inf))
@@ -283,7 +247,7 @@ class MinimaResult(Told, Turnable):
 
 
 def _minimum_to_dict(m: Minimum) -> dict[str, Any]:
-    data = {**to_plain(m), "flags": m.flags.to_dict()}
+    data = {**to_plain(m), "flags": to_plain(m.flags)}
     if m.winding == 1:
         del data["winding"]
     data["contacts"] = [contact_to_dict(c) for c in m.contacts]

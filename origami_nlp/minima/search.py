@@ -174,6 +174,7 @@ class Search:
         drawn, counted = np.isin(source, DRAWN), source != GIVEN
         number = self.record.drawn + np.cumsum(drawn)  # of drawn starts up to each
         while len(which) and time.monotonic() <= self._until:
+            # all ends that are one state as its first, then those that are left
             same = np.abs(x[which] - x[which[0]]).max(axis=1) <= ALIKE
             hit, which = which[same], which[~same]
             answer, new = self._answer_at(ends.samples, int(hit[0]))

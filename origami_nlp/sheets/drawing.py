@@ -443,7 +443,7 @@ def draw_motion(motion: Motion, path: Any = None) -> Figure:
     states = []
     # where nothing moves beginning and end are one state
     for k in motion.shown(6) if motion.arc[-1] > 0 else [0]:
-        phi = motion.phi[k]
+        phi = motion.fold_angles[k]
         largest = math.degrees(float(np.abs(phi).max()))
         states.append((f"{motion.arc[k]:.2f} rad along, largest fold {largest:.0f} deg", phi))
     title = f"{motion.pattern.name}: {fill(motion.end, 90)}"

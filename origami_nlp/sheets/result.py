@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from origami_nlp.errors import OUT_OF_TIME
 from origami_nlp.facets import MOST_DENSE, Sheet
+from origami_nlp.files import from_plain
 from origami_nlp.kkt import State
 from origami_nlp.minima import shallow_words, softest_words, stability_words, survival_words
 from origami_nlp.numerics import STATIONARY, rank
@@ -17,12 +18,11 @@ from origami_nlp.pattern import Pattern, pattern_from_dict, pattern_to_dict
 from origami_nlp.sheets.noise import is_overdetermined, measured_words
 from origami_nlp.sheets.state import SheetState
 from origami_nlp.sheets.stress import find_stress
-from origami_nlp.show import Content, Piece, Table, Told, Turnable, from_plain, inline_image
+from origami_nlp.show import Content, Piece, Table, Told, Turnable, inline_image
 
 if TYPE_CHECKING:
     from typing import Self
 
-SCHEMA = "origami_nlp.sheet_states/1"
 WAYS_OUT = "ways out of flat-folded states"
 MEETINGS = "ways out of states where curves meet"
 OF_VERTEX = "the search for single vertices"
@@ -211,7 +211,7 @@ class SheetResult(Told, Turnable):
     states: tuple[SheetState, ...] = field(repr=False)
     search: SheetSearch
 
-    PICTURE, READ = "draw_found", SCHEMA
+    PICTURE, SCHEMA = "draw_found", "origami_nlp/minima/1"
 
     def turned(self) -> Content:
         """Return its stable states as plain data, see `view`."""
@@ -350,10 +350,8 @@ class SheetResult(Told, Turnable):
             return told
         return f"{told}\n{inline_image(self.draw(), 'stable states of the sheet', 75)}"
 
-    def to_dict(self) -> dict[str, Any]:
-        """Return plain data."""
+    def _to_plain(self) -> dict[str, Any]:
         return {
-            "schema": SCHEMA,
             "pattern": pattern_to_dict(self.pattern),
             "minima": [self._stressed(s) for s in self.minima],
             "undecided": [s.to_dict() for s in self.undecided],
@@ -363,13 +361,15 @@ class SheetResult(Told, Turnable):
         }
 
     @classmethod
-    def from_dict(cls, data: dict[str, Any]) -> Self:
+    def from_dict(cls, data: dict[str, Any], what: str = "") -> Self:
         """Rebuild a result from `to_dict`, or from what ``pattern --minima --json`` wrote.
 
         Parameters
         ----------
         data
             What `to_dict` returned.
+        what
+            How messages call it, such as a file.
 
         Returns
         -------
@@ -382,11 +382,11 @@ class SheetResult(Told, Turnable):
             If it holds no states of a sheet, or an entry is missing or wrong.
         """
         if isinstance(data, dict) and "minima" in data:  # the command writes them beside counts
-            data = {**data, "schema": SCHEMA}
-        return super().from_dict(data)
+            data = {**data, "schema": cls.SCHEMA}
+        return super().from_dict(data, what)
 
     @classmethod
-    def _read(cls, data: dict[str, Any]) -> Self:
+    def _from_plain(cls, data: dict[str, Any]) -> Self:
         groups = [data[key] for key in ("minima", "undecided", "crossing", "refuted")]
         states = [SheetState.from_dict(s) for group in groups for s in group]
         pattern = pattern_from_dict(data["pattern"])

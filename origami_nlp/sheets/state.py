@@ -8,10 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from origami_nlp.files import Brief
+from origami_nlp.files import Brief, from_plain
 from origami_nlp.kkt import ALONE, TRACED, ContactForce, Escape, Kind, Verdict
 from origami_nlp.minima import Survival, contact_to_dict
-from origami_nlp.show import from_plain
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -140,10 +139,7 @@ class SheetState(Brief):
             float(data["closure_residual"]),
             math.nan if missing is None else float(missing),
             unknown if lowest is None else float(lowest),
-            tuple(
-                from_plain(ContactForce, c, {"multiplier_range": math.inf})
-                for c in data["contacts"]
-            ),
+            tuple(from_plain(ContactForce, c) for c in data["contacts"]),
             tuple((int(a) - 1, int(b) - 1) for a, b in data["crossings"]),
             str(data["certificate"]),
             unknown if data.get("softest") is None else float(data["softest"]),

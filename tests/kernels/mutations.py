@@ -74,11 +74,17 @@ MUTATIONS = [
         "hessian = model.lagrangian_hessian(local.x, -multipliers, rows)\n",
         ("kkt",),
     ),
-    Mutation(  # lower by more than rounding
+    Mutation(  # a lower state that is reached through facets refutes nothing
         "kkt/refutation.py",
-        "if change < -noise:",
-        "if change < noise:",
+        "        if model.refuses(y):\n",
+        "        if False:\n",
         ("kkt", "facets"),
+    ),
+    Mutation(  # downhill
+        "kkt/refutation.py",
+        "falls = slope < -INDEPENDENT",
+        "falls = slope > -INDEPENDENT",
+        ("kkt",),
     ),
     Mutation(  # the two lines on which a form of rank two vanishes
         "kkt/tangent_cone.py",

@@ -10,9 +10,10 @@ import pytest
 import origami_nlp as o
 from origami_nlp import Model, Scene, State, Vertex, classify
 from origami_nlp.facets import Sheet
-from origami_nlp.kkt import loop_modes, newton, tangent_cone
+from origami_nlp.kkt import judge_branch, loop_modes, tangent_cone
+from origami_nlp.kkt.refutation import follow_descent
 from tests.computed_once import states
-from tests.patterns import miura, miura_angles, wheel
+from tests.patterns import miura, miura_angles, strip, wheel
 
 COUNTS = {  # states as a separate judgement of patterns decided on them: minima, none, facets that cross, not decided
     "metasheet:3x3": (2, 1, 1, 0),
@@ -79,13 +80,17 @@ def test_the_same_contact_has_one_multiplier_or_a_range():
     assert one.multiplier_range == pytest.approx((0.0, 2 * one.multiplier), abs=1e-9)
 
 
-def test_newton_of_the_kernel_returns_to_a_state_in_contact():
+def test_lower_states_that_are_reached_through_facets_refute_nothing():
+    """Downhill from a state that contact holds, as if it did not: there are such states, and facets cross in each."""
     problem, state = held_state()
-    rng = np.random.default_rng(0)
-    start = state.x + 1e-4 * rng.normal(size=problem.size)
-    back, multipliers = newton(problem, start, state.contacts.base)
-    assert back is not None and back.closure_residual < 1e-13
-    assert np.abs(back.x - state.x).max() < 1e-9 and multipliers.min() > 0
+    assert state.contacts.base and not state.contacts.complete
+    free = judge_branch(state.on(()))
+    assert free.verdict == "not stationary" and free.direction is not None
+    assert follow_descent(state, free) is None
+    through = State(Sheet(problem.pattern, contact=False), state.x)
+    lower = follow_descent(through, judge_branch(through.on(())))
+    assert lower is not None and lower.gain > 0 and problem.crossings.find(lower.state)
+    assert problem.energy(lower.state) == pytest.approx(problem.energy(state.x) - lower.gain)
 
 
 def test_rows_that_always_depend_on_each_other_are_no_loss_of_rank():
@@ -117,6 +122,17 @@ def test_the_tangent_cone_holds_the_tangents_of_curves_and_little_else():
     (loop, *_) = problem.loops(np.zeros(problem.size))
     modes = loop_modes(loop)
     assert modes is not None and [m.shape[1] for m in modes] == [1, 1]
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_closed_states_follow_the_lines_of_a_generic_pattern_to_second_order(seed):
+    pattern = strip(seed)
+    problem = Sheet(pattern)
+    cone = tangent_cone(problem.loops(np.zeros(problem.size)), problem.size)
+    assert cone.split and len(cone.lines) == 4 and not cone.families
+    for line in cone.lines:
+        near, far = (np.abs(problem.closure.values(h * line)).max() for h in (1e-3, 2e-3))
+        assert near < 1e-8 and far == pytest.approx(8 * near, rel=0.1)  # it misses by h^3
 
 
 @pytest.mark.parametrize("seed", range(4))

@@ -1,16 +1,20 @@
-"""A state and a stratum: derivatives against differences, and one state against many."""
+"""A state and a stratum, of vertices and of patterns: derivatives against differences, and one state against many."""
 
 from __future__ import annotations
 
 import math
 import pickle
+from collections import Counter
 
 import numpy as np
 import pytest
 
-from origami_nlp import Model, Scene, State, Vertex, examples, find_minima
+from origami_nlp import Model, Scene, State, Vertex, classify, examples, find_states
+from origami_nlp.facets import Sheet
 from origami_nlp.kkt import newton, project
-from tests.computed_once import panel_result
+from origami_nlp.programme import Programme
+from tests.computed_once import panel_result, states
+from tests.patterns import strip, wheel
 
 SCENES = {
     "wedge": examples.degree6("pi/3", 1),
@@ -19,36 +23,82 @@ SCENES = {
     "rotation": Scene(Vertex((math.pi / 3,) * 6), (1.0, 2.0) * 3, (0.4, -0.3) * 3, symmetry="C3"),
     "no contact": examples.degree6("pi/3", 1, contact="none"),
 }
+PROBLEMS = {name: lambda s=scene: Model(s) for name, scene in SCENES.items()}
+PROBLEMS["pattern"] = lambda: Sheet(strip(3))
 
 
-def some_state(model: Model, seed: int = 0) -> np.ndarray:
-    x = np.random.default_rng(seed).uniform(-1.5, 1.5, model.size)
-    y, residual = project(model, x)
+def some_state(problem: Programme) -> np.ndarray:
+    x = np.random.default_rng(0).uniform(-1.5, 1.5, problem.size)
+    y, residual = project(problem, x)
     assert residual < 1e-13
     return y
 
 
-@pytest.mark.parametrize("name", SCENES)
+@pytest.mark.parametrize("name", PROBLEMS)
 def test_derivatives_are_those_of_the_values(name: str) -> None:
-    model = Model(SCENES[name]).loaded(np.linspace(-0.2, 0.3, Model(SCENES[name]).size))
-    x = some_state(model)
-    contacts = (*model.limits[:2], *model.every_gap[:3])
+    problem = PROBLEMS[name]()
+    problem = problem.loaded(np.linspace(-0.2, 0.3, problem.size))
+    x = some_state(problem)
+    contacts = (*problem.limits[:2], *problem.every_gap[:3])
     rng = np.random.default_rng(1)
-    weights = rng.normal(size=model.equation_count + len(contacts))
+    weights = rng.normal(size=problem.equation_count + len(contacts))
 
     def lagrangian(y: np.ndarray) -> float:
-        return model.energy(y) / model.scale - float(weights @ model.constraints(y, contacts)[0])
+        values = problem.constraints(y, contacts)[0]
+        return problem.energy(y) / problem.scale - float(weights @ values)
 
     h = 1e-4
-    _, jac = model.constraints(x, contacts)
-    slope = model.local(x).gradient - jac.T @ weights
-    hessian = model.lagrangian_hessian(x, weights, contacts)
+    _, jac = problem.constraints(x, contacts)
+    slope = problem.local(x).gradient - jac.T @ weights
+    hessian = problem.lagrangian_hessian(x, weights, contacts)
     for _ in range(4):
-        d = rng.normal(size=model.size)
+        d = rng.normal(size=problem.size)
         d /= np.linalg.norm(d)
         ahead, here, behind = (lagrangian(x + s * h * d) for s in (1, 0, -1))
         assert (ahead - behind) / (2 * h) == pytest.approx(slope @ d, abs=1e-6)
         assert (ahead - 2 * here + behind) / h**2 == pytest.approx(d @ hessian @ d, abs=1e-4)
+
+
+def least_curvature(problem: Programme, x: np.ndarray, h: float = 1e-3) -> float:
+    """Smallest eigenvalue of second differences of the energy along closed states."""
+    z = State(problem, x).kernel
+
+    def bend(d: np.ndarray) -> float:
+        rises = [problem.energy_change(x, project(problem, x + s * h * d)[0]) for s in (1, -1)]
+        return sum(rises) / h**2
+
+    own = [bend(d) for d in z.T]
+    sums = np.array([[bend(a + b) for b in z.T] for a in z.T])
+    return float(np.linalg.eigvalsh((sums - np.add.outer(own, own)) / 2)[0])
+
+
+SECTORS = 1.1, 1.3, 1.2, 1.4, math.tau - 5.0
+
+
+@pytest.mark.parametrize("kind", ["vertex", "pattern"])
+def test_saddles_are_told_from_minima(kind: str) -> None:
+    """Closed states with springs that any multipliers of closure balance: what they are is left to curvature."""
+
+    def problem(k: np.ndarray, rest: np.ndarray) -> Programme:
+        if kind == "vertex":
+            return Model(Scene(Vertex(SECTORS), tuple(k), tuple(rest), "none", "fold-limits"))
+        return Sheet(wheel(SECTORS).with_springs(list(k), list(rest)), contact=False)
+
+    rng, seen, free = np.random.default_rng(0), Counter(), problem(np.ones(5), np.zeros(5))
+    while seen.total() < 40:
+        x, residual = project(free, rng.uniform(-0.8, 0.8, 5))
+        k, weights = 10 ** rng.uniform(-1.5, 0.5, 5), rng.normal(size=3)
+        if residual > 1e-12:
+            continue
+        off = free.local(x).closure_jacobian.T @ weights / k
+        rest = x - off * ((3.14 + np.sign(off) * x) / np.abs(off)).min()  # as far as springs go
+        made = problem(k, rest)
+        what, least = classify(State(made, x)), least_curvature(made, x)
+        assert what.verdict == ("minimum" if least > 0 else "saddle"), (least, what.reason)
+        if what.verdict == "minimum":
+            assert min(what.eigenvalues) == pytest.approx(least, rel=1e-3, abs=1e-4)
+        seen[what.verdict] += 1
+    assert min(seen.values()) >= 3 and len(seen) == 2
 
 
 @pytest.mark.parametrize("name", SCENES)
@@ -98,12 +148,35 @@ def test_a_stratum_is_what_the_minima_say() -> None:
                 assert stiffness == pytest.approx(min(m.hessian_eigenvalues), rel=1e-9)
 
 
-def test_a_load_moves_the_minimum_as_its_response_says() -> None:
-    result = find_minima(examples.degree6("pi/4", 1), max_starts=16, prove=False, escape=False)
-    model = result.model
-    x = model.reduce(np.array(result.minima[0].fold_angles))
-    _, motion = State(model, x).on().response()
-    load = 1e-5 * np.linspace(-1, 1, model.size)
-    moved, _ = newton(model.loaded(model.root * load), x, ())
+@pytest.mark.parametrize("kind", ["vertex", "pattern"])
+def test_a_load_moves_the_minimum_as_its_response_says(kind: str) -> None:
+    if kind == "vertex":
+        result = panel_result(examples.degree6("pi/4", 1))
+        problem = result.model
+        x = problem.reduce(np.array(result.minima[0].fold_angles))
+    else:
+        problem = Sheet(strip(3))
+        found = find_states(strip(3), starts=0, escape=False)
+        x = next(s.fold_angles for s in found.minima if s.kind == "interior")
+    _, motion = State(problem, x).on().response()
+    load = 1e-5 * np.linspace(-1, 1, problem.size)
+    moved, _ = newton(problem.loaded(problem.root * load), x, ())
     assert moved is not None and moved.converged
-    assert model.root * (moved.x - x) == pytest.approx(motion @ load, abs=1e-8)
+    assert problem.root * (moved.x - x) == pytest.approx(motion @ load, abs=1e-8)
+
+
+@pytest.mark.parametrize("kind", ["vertex", "pattern"])
+def test_newton_returns_to_a_state_in_contact(kind: str) -> None:
+    if kind == "vertex":
+        result = panel_result(examples.degree6("pi/3", 1))
+        problem, (held, *_) = result.model, result.minima
+        x = problem.reduce(np.array(held.fold_angles))
+    else:
+        found = states("metasheet:4x4")
+        problem, held = Sheet(found.pattern), next(s for s in found.minima if s.contacts)
+        x = held.fold_angles
+    assert held.contacts
+    start = x + 1e-4 * np.random.default_rng(0).normal(size=problem.size)
+    back, multipliers = newton(problem, start, State(problem, x).pieces[0])
+    assert back is not None and back.closure_residual < 1e-13
+    assert np.abs(back.x - x).max() < 1e-9 and multipliers.min() > 0

@@ -391,7 +391,7 @@ def test_the_command_writes_all_of_it(tmp_path):
     assert code == 0, err
     assert "stable to the end of the range" in out
     data = json.loads(files["json"].read_text())["load"]
-    assert data["schema"] == "origami-nlp/load/1" and data["parameter"]["unit"] == "N"
+    assert data["schema"] == "origami_nlp/load/1" and data["driver"]["unit"] == "N"
     frames = json.loads(files["fold"].read_text())["file_frames"]
     assert len(frames) == len(data["legs"][0]["points"])
     assert all(file.stat().st_size > 1000 for file in files.values())
@@ -400,7 +400,9 @@ def test_the_command_writes_all_of_it(tmp_path):
     sheet = tmp_path / "sheet.fold"
     code, out, err = run("load", sheet, "--crease", "1", "--to", "0.05", "--json", "-")
     assert code == 0, err
-    assert json.loads(out)["load"] == {"kind": "Torque", "creases": [1]}
+    driver = json.loads(out)["driver"]
+    assert driver["type"] == "PatternDriver" and driver["work"]["type"] == "Torque"
+    assert driver["work"]["creases"] == [1]
     for more, word in ((), "--pull"), (("--crease", "1", "--symmetry", "D1"), "--vertex"):
         code, _, err = run("load", sheet, *more)
         assert code == 2 and word in err
