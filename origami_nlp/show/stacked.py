@@ -17,7 +17,7 @@ MARGIN = 0.2
 LINE, SMALL = 0.17, 9.0
 """Height of a line of small text [in], and its font size [points]."""
 ENTRY = 1.95
-"""Width of an entry of the legend [in]."""
+"""Width of an entry of the legend at most [in]."""
 
 
 class StackedFigure:
@@ -56,7 +56,8 @@ class StackedFigure:
             for note in notes
             for line in textwrap.wrap(note, int(13.5 * width), break_on_hyphens=False)
         ]
-        columns = max(1, int((width - 2 * MARGIN) / ENTRY))
+        longest = max((len(h.get_label()) for h in handles), default=0)
+        columns = max(1, int((width - 2 * MARGIN) / min(ENTRY, 0.55 + 0.06 * longest)))
         legend = 0.23 * math.ceil(len(handles) / columns)
         self._top = 0.25 + 0.25 * len(head) if head else 0.1
         height = self._top + body + 0.1 + legend + 0.08 + LINE * len(words) + 0.12
