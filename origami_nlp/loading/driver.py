@@ -223,6 +223,7 @@ class VertexDriver:
             loaded = model.variable_of_crease[np.array(self.creases) - 1]
             return load_line(model, np.bincount(loaded, minlength=model.size) / model.scale)
         assert p.dead is not None
+        # over t only the forces change: the points stay
         still = replace(p.dead, points=np.zeros_like(p.dead.points))
         zeros = [np.zeros_like(v) for v in (p.sectors, p.stiffness, p.rest, p.load)]
         change = Parameters(zeros[0], zeros[1], zeros[2], zeros[3], still)

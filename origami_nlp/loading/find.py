@@ -186,6 +186,7 @@ class _Job:
         def verdict(k: int) -> str:
             return classify(self._in_full_space(way.frames[k])).verdict
 
+        # asked at three places, then bisected: between two of them the verdict is taken to change once
         good = -1
         for k in sorted({0, last // 2, last}):
             bad = verdict(k)

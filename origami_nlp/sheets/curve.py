@@ -118,6 +118,7 @@ def _advance(
     sheet: Sheet, phi: np.ndarray, d: np.ndarray, bend: np.ndarray, h: float
 ) -> tuple[np.ndarray, np.ndarray] | None:
     """Step by h along d and project back; None where that is not the same branch any more."""
+    # predictor to second order: the bend is that of the last step
     new, residual = sheet.project(phi + h * d + 0.5 * h * h * bend, steps=12)
     if residual > CLOSES or not sheet.closure.on_sheet(new):
         return None

@@ -233,6 +233,7 @@ def _until_touch(sheet: Sheet, phi: np.ndarray) -> tuple[np.ndarray, tuple[int, 
         if k == 0:
             raise OptionError("facets cross from the start: there is no motion of paper to show")
         a, b = phi[k - 1], state
+        # no facets cross at a, some do at b
         for _ in range(BISECTED):
             middle, residual = sheet.project(0.5 * (a + b))
             if residual > CLOSES:

@@ -176,6 +176,7 @@ def displacements(
     np.add.at(moved, pattern.ends[:, 0], -half)
     np.add.at(moved, pattern.ends[:, 1], half)
     change = moved[pattern.ends[:, 1]] - moved[pattern.ends[:, 0]]
+    # turn of each crease in the plane, to first order
     azimuth = np.cross(along, change) @ normal / pattern.lengths**2
     sectors = [
         azimuth[list(loop.creases)] - np.roll(azimuth[list(loop.creases)], 1)
