@@ -19,7 +19,7 @@ from filelock import FileLock
 from origami_nlp import Scene, SheetResult, examples, minima
 from origami_nlp.barriers import Barriers, find_barriers
 from origami_nlp.chart import Boundary, trace_boundary
-from origami_nlp.minima import MinimaResult, Minimum
+from origami_nlp.minima import JudgedState, MinimaResult
 from origami_nlp.programme import Model
 
 T = TypeVar("T")
@@ -78,11 +78,11 @@ def _question(compute: Callable[..., Any], stated: Scene | Model, *what: Any) ->
     return f"{compute.__name__}-{hashlib.sha256(asked.encode()).hexdigest()}"
 
 
-def by_minima(compute: Callable[..., list[Minimum]]) -> Callable[..., list[Minimum]]:
+def by_minima(compute: Callable[..., list[JudgedState]]) -> Callable[..., list[JudgedState]]:
     """Compute what it takes to leave minima once per run for each list of them, the same to the last bit."""
 
     @functools.wraps(compute)
-    def ask(model: Model, minima: Sequence[Minimum], traced: Any = None) -> list[Minimum]:
+    def ask(model: Model, minima: Sequence[JudgedState], traced: Any = None) -> list[JudgedState]:
         states = [x.hex() for m in minima for x in m.fold_angles]
         name = _question(compute, model, states, traced is None)
         found = once(name, lambda: [m.escape for m in compute(model, minima, traced)])

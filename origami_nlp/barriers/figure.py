@@ -48,7 +48,6 @@ def draw_barriers(*several: Barriers, columns: int = 2) -> Figure:
 
     from matplotlib.figure import Figure
 
-    from origami_nlp.minima import judged
     from origami_nlp.show import minima_legend, passes_legend
 
     shapes: dict[Tree, list[Barriers]] = {}
@@ -69,7 +68,7 @@ def draw_barriers(*several: Barriers, columns: int = 2) -> Figure:
         if k % columns == 0:
             ax.set_ylabel("energy [J]")
     drawn = [alike[0] for alike in shapes.values()]
-    found = [(m.kind, judged(b.scene, m)) for b in drawn for m in b.result.minima]
+    found = [(m.kind, _judged(m)) for b in drawn for m in b.result.minima]
     handles = minima_legend(found, STAR)
     handles += passes_legend((j.pass_kind for b in drawn for j in b.merges), STAR)
     figure.legend(
@@ -114,6 +113,11 @@ def shape_of(barriers: Barriers) -> Tree:
     return (*sorted(map(bare, groups.values()), key=repr), *[()] * alone)
 
 
+def _judged(minimum: Any) -> str | None:
+    full = getattr(minimum, "full_space", None)
+    return full.verdict if full else None
+
+
 def merge_tree_axes(ax: Axes, barriers: Barriers) -> None:
     """Draw the merge tree of one scene.
 
@@ -131,7 +135,6 @@ def merge_tree_axes(ax: Axes, barriers: Barriers) -> None:
     """
     from matplotlib.axes import Axes
 
-    from origami_nlp.minima import judged
     from origami_nlp.show import INK, label_text, mark_minimum, pass_look
 
     check_type("ax", ax, Axes)
@@ -172,7 +175,7 @@ def merge_tree_axes(ax: Axes, barriers: Barriers) -> None:
         for leaf in leaves:
             at[leaf], top[leaf], branch[leaf] = middle, join.energy, leaves
     for k, m in enumerate(minima, start=1):
-        mark_minimum(ax, (place[k], m.energy), m.kind, judged(barriers.scene, m), STAR)
+        mark_minimum(ax, (place[k], m.energy), m.kind, _judged(m), STAR)
         ax.annotate(
             f"#{k}\n{m.energy:.4g}",
             (place[k], m.energy),
@@ -189,7 +192,7 @@ def merge_tree_axes(ax: Axes, barriers: Barriers) -> None:
     ax.set_yticks([y for y in ax.get_yticks() if 0 <= y <= max(reach) + 0.1 * span])
     ax.spines[["top", "right", "bottom"]].set_visible(False)
     ax.tick_params(labelsize=8)
-    ax.set_title(label_text(barriers.scene.label), fontsize=9.5)
+    ax.set_title(label_text(barriers.label), fontsize=9.5)
 
 
 def leaf_order(count: int, merges: tuple[Join, ...]) -> list[int]:

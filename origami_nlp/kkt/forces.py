@@ -15,6 +15,9 @@ from origami_nlp.kkt.state import State
 from origami_nlp.numerics import BALANCED
 from origami_nlp.programme import Contact
 
+OMIT = {"omit": True}
+"""Of a field that is written to files only where it is not its default."""
+
 
 @dataclass(frozen=True, repr=False)
 class ContactForce(Brief):
@@ -56,11 +59,11 @@ class ContactForce(Brief):
     multiplier: float
     multiplier_range: tuple[float, Unbounded]
     text: str
-    creases: tuple[int, ...] = ()
-    facets: tuple[int, ...] = ()
-    corners: tuple[int, ...] = ()
-    side: int = 0
-    place: tuple[float, ...] = ()
+    creases: tuple[int, ...] = field(default=(), metadata=OMIT)
+    facets: tuple[int, ...] = field(default=(), metadata=OMIT)
+    corners: tuple[int, ...] = field(default=(), metadata=OMIT)
+    side: int = field(default=0, metadata=OMIT)
+    place: tuple[float, ...] = field(default=(), metadata=OMIT)
     contact: Contact | None = field(
         default=None, repr=False, compare=False, metadata={"plain": False}
     )

@@ -17,7 +17,7 @@ from origami_nlp.arguments import check_whole
 from origami_nlp.errors import OptionError
 from origami_nlp.folding import folded_frame, frames_to_fold
 from origami_nlp.kkt import Classification, follow
-from origami_nlp.minima import Minimum, find_minima, full_scene
+from origami_nlp.minima import JudgedState, find_minima, full_scene
 from origami_nlp.path import Node, ParameterLine, Steps, load_line
 from origami_nlp.pattern import Scene, dead_loads
 from origami_nlp.programme import Model, Parameters
@@ -37,7 +37,7 @@ class Search:
     Attributes
     ----------
     options
-        Of `find_minima` or `find_states`.
+        Of `find_minima`.
     until
         Value of `time.monotonic` at which the time is over.
     cut
@@ -261,7 +261,7 @@ class VertexDriver:
             driver = replace(self, scene=replace(self.scene, winding=start.winding))
         return driver, state, Model(driver.scene).reduce(np.array(start.fold_angles))
 
-    def _minima(self, t: float, search: Search) -> Sequence[Minimum]:
+    def _minima(self, t: float, search: Search) -> Sequence[JudgedState]:
         scene, left = self.scene_at(t), search.left
         result = find_minima(scene, prove=False, escape=False, seconds=left, **search.options)
         search.cut = result.search.stopped_by == "time"

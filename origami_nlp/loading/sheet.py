@@ -14,13 +14,13 @@ from origami_nlp.errors import OptionError
 from origami_nlp.facets import DeadForce, Pull, Sheet, Torque, Work, Worked
 from origami_nlp.kkt import Classification, State, classify
 from origami_nlp.loading.driver import CUT, SIDE, STEPS, Driver, FramedState, Poser, Search
+from origami_nlp.minima import JudgedState
 from origami_nlp.numerics import SAME
 from origami_nlp.path import Node, ParameterLine, Steps
 from origami_nlp.pattern import Pattern
 from origami_nlp.programme import Parameters
 from origami_nlp.sheets import (
     Descended,
-    SheetState,
     descend,
     find_states,
     judge,
@@ -118,7 +118,7 @@ class PatternDriver:
     def begin(self, state: Any, search: Search) -> tuple[Driver, int, np.ndarray]:
         """Return the driver, the number of the stable state (0 where it was given itself), and its fold angles."""
         number = 0
-        if not isinstance(state, SheetState):
+        if not isinstance(state, JudgedState):
             number = check_whole("state", state, 1)
             found = self._states(self.pattern, search)
             if not found and not search.cut:
@@ -140,10 +140,10 @@ class PatternDriver:
                 f"pull = {a}, {b}: these vertices lie on each other in the state that is loaded: no line leads from "
                 "one to the other"
             )
-        return self, number, state.fold_angles
+        return self, number, state.phi
 
     @staticmethod
-    def _states(pattern: Pattern, search: Search) -> tuple[SheetState, ...]:
+    def _states(pattern: Pattern, search: Search) -> tuple[JudgedState, ...]:
         limit: dict[str, Any] = {} if search.left is None else {"seconds": search.left}
         found = find_states(pattern, **search.options, **limit, escape=False)
         search.cut = bool(found.search.left_out)
@@ -184,7 +184,7 @@ class PatternDriver:
         """Return the fold angles of the stable states at t; None under forces, which no search takes."""
         if not isinstance(self.work, Torque):
             return None
-        return [m.fold_angles for m in self._states(self.work.loaded(t), search)]
+        return [m.phi for m in self._states(self.work.loaded(t), search)]
 
     def to_fold(self, states: Sequence[FramedState]) -> dict[str, Any]:
         """Return states as frames of FOLD data."""

@@ -48,11 +48,9 @@ from .marks import (
 )
 from .minimum import (
     TRIALS as TRIALS,
-    Minimum as Minimum,
-    Rejected as Rejected,
+    JudgedState as JudgedState,
     SearchReport as SearchReport,
     Survival as Survival,
-    contact_to_dict as contact_to_dict,
 )
 from .multistart import (
     FEW_PAIRS as FEW_PAIRS,
@@ -75,7 +73,6 @@ from .result import (
 )
 from .stability import (
     barrier_words as barrier_words,
-    judged as judged,
     shallow_words as shallow_words,
     softest_words as softest_words,
     stability_words as stability_words,
@@ -83,7 +80,7 @@ from .stability import (
 from .stopping import chao1 as chao1
 from .strip import draw_states as draw_states
 from .table import DEMO_HEADS as DEMO_HEADS, demo_rows as demo_rows
-from .traced_passes import TracedPasses as TracedPasses
+from .traced_passes import TracedPasses as TracedPasses, traced_passes as traced_passes
 from .turned import (
     CELLS as CELLS,
     images as images,

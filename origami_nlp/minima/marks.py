@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 from matplotlib.lines import Line2D
 
 from origami_nlp.chart import Place
-from origami_nlp.minima.minimum import Minimum
+from origami_nlp.minima.minimum import JudgedState
 from origami_nlp.minima.stability import judged
 from origami_nlp.pattern import Scene
 from origami_nlp.show import RING, label_marks, mark_minimum, minima_legend
@@ -36,7 +36,9 @@ class Drawn(NamedTuple):
     place: Place
 
 
-def drawn_minima(scene: Scene, minima: Sequence[Minimum], places: Sequence[Place]) -> list[Drawn]:
+def drawn_minima(
+    scene: Scene, minima: Sequence[JudgedState], places: Sequence[Place]
+) -> list[Drawn]:
     """Return the minima that a chart has a place for.
 
     Parameters

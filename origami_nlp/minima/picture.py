@@ -24,7 +24,7 @@ from origami_nlp.chart import (
     outline_of,
 )
 from origami_nlp.minima.marks import Drawn, drawn_minima, mark_minima, marks_legend
-from origami_nlp.minima.minimum import Minimum
+from origami_nlp.minima.minimum import JudgedState
 from origami_nlp.minima.stability import barrier_words, count_words, verdict
 from origami_nlp.pattern import Scene
 from origami_nlp.show import (
@@ -78,7 +78,7 @@ class _Row:
     height: float
 
 
-def compose(chart: Landscape, minima: tuple[Minimum, ...], freedom: int) -> Figure:
+def compose(chart: Landscape, minima: tuple[JudgedState, ...], freedom: int) -> Figure:
     """Draw minima on the landscape of their scene, and each of them folded.
 
     freedom: degrees of freedom of the symmetric states.
@@ -127,7 +127,7 @@ def _panels(chart: Landscape) -> _Panels:
 
 
 def _rows(
-    scene: Scene, shown: tuple[Minimum, ...], panels: _Panels
+    scene: Scene, shown: tuple[JudgedState, ...], panels: _Panels
 ) -> tuple[list[_Row], float, float]:
     """Arrange the drawings: rows of them, and the width and height of all that is below the title."""
     shares = [CELL * drawn_height(scene.vertex, m.fold_angles) for m in shown]
@@ -203,7 +203,7 @@ def _draw_panels(
         colour_bar(image, stack.axes(x, 0.1, 0.14, panels.height - 0.2))
 
 
-def _title(scene: Scene, minima: tuple[Minimum, ...]) -> list[str]:
+def _title(scene: Scene, minima: tuple[JudgedState, ...]) -> list[str]:
     who = scene.label or f"degree {scene.degree}"
     subscript = str(scene.group.order).translate(str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉"))
     group = f"{scene.group.kind}{subscript}"
@@ -213,7 +213,7 @@ def _title(scene: Scene, minima: tuple[Minimum, ...]) -> list[str]:
     return [found, f"{symmetry}{contact[scene.contact]}"]
 
 
-def _state_title(number: int, minimum: Minimum, freedom: int) -> str:
+def _state_title(number: int, minimum: JudgedState, freedom: int) -> str:
     kind: str = minimum.kind
     if minimum.local_dimension < freedom:
         kind += {0: ", isolated point", 1: ", on a 1-handle"}.get(
@@ -225,7 +225,7 @@ def _state_title(number: int, minimum: Minimum, freedom: int) -> str:
     return f"{number}:  U = {minimum.energy:.4g} {UNIT}{known}\n{kind}\n{barrier_words(minimum.escape, UNIT)}"
 
 
-def _notes(minima: tuple[Minimum, ...], chart: Landscape, places: list[Place]) -> list[str]:
+def _notes(minima: tuple[JudgedState, ...], chart: Landscape, places: list[Place]) -> list[str]:
     """Say what the picture leaves out or cannot show."""
     notes = []
     if chart.kind == "none":

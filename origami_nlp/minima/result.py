@@ -6,7 +6,6 @@ A multiplier range that never ends, or a residual that does not apply, is null.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, Self
@@ -14,10 +13,10 @@ from typing import TYPE_CHECKING, Any, Self
 import numpy as np
 
 from origami_nlp.files import from_plain, pick, to_plain
-from origami_nlp.kkt import ALONE, TRACED, State
+from origami_nlp.kkt import State
 from origami_nlp.minima.completeness import Completeness
 from origami_nlp.minima.flags import ResultFlags
-from origami_nlp.minima.minimum import Minimum, SearchReport, contact_to_dict
+from origami_nlp.minima.minimum import JudgedState, SearchReport
 from origami_nlp.minima.stability import NOT_ASKED, verdict
 from origami_nlp.minima.telling import (
     flag_lines,
@@ -71,7 +70,7 @@ class MinimaResult(Told, Turnable):
 
     scene: Scene
     model: Model
-    minima: tuple[Minimum, ...]
+    minima: tuple[JudgedState, ...]
     search: SearchReport
     completeness: Completeness | None = None
 
@@ -101,7 +100,7 @@ class MinimaResult(Told, Turnable):
             stability_not_asked=any(verdict(scene, m) == NOT_ASKED for m in self.minima),
         )
 
-    def state_of(self, minimum: Minimum) -> State:
+    def state_of(self, minimum: JudgedState) -> State:
         """Return a minimum as a state of its programme.
 
         Parameters
@@ -117,7 +116,7 @@ class MinimaResult(Told, Turnable):
         model = self.model_of(minimum)
         return State(model, model.reduce(np.array(minimum.fold_angles)))
 
-    def model_of(self, minimum: Minimum) -> Model:
+    def model_of(self, minimum: JudgedState) -> Model:
         """Return the programme that a minimum is a state of: that of its winding.
 
         Parameters
@@ -192,10 +191,6 @@ class MinimaResult(Told, Turnable):
         return turn_minima(self.scene, self.model, self.minima, tuple(self.told()), chart)
 
     def _to_plain(self) -> dict[str, Any]:
-        relations = to_plain(self.scene.relations)
-        for key in ("made_exact", "different"):
-            found = getattr(self.scene.relations, key)
-            relations[key] = [{**to_plain(r), "text": r.text} for r in found]
         return {
             "scene": scene_to_dict(self.scene),
             "model": pick(
@@ -204,13 +199,13 @@ class MinimaResult(Told, Turnable):
                 "equalities=equation_count",
                 "inequalities=inequality_count",
                 "contact_pairs",
-                geometry=relations,
+                geometry=self.scene.relations,
                 left_out=[pick(item, "what", "why") for item in self.model.left_out],
             ),
             "search": to_plain(self.search),
             "completeness": self.completeness and to_plain(self.completeness),
             "flags": to_plain(self.flags),
-            "minima": [_minimum_to_dict(m) for m in self.minima],
+            "minima": [m.to_dict() for m in self.minima],
         }
 
     def _rows(self) -> Iterator[dict[str, object]]:
@@ -234,27 +229,8 @@ class MinimaResult(Told, Turnable):
         completeness = from_plain(Completeness, known) if known else None
         minima = []
         for m in data["minima"]:
-            own = {k: v for k, v in m.items() if k not in ("flags", "softest_stiffness")}
-            found = from_plain(Minimum, own, "minima")
-            if found.escape is not None and found.escape.method in (TRACED, ALONE):
-                if math.isnan(found.escape.barrier):  # null in JSON: no way out
-                    found = replace(found, escape=replace(found.escape, barrier=math.inf))
-            minima.append(found)
+            minima.append(JudgedState.from_dict(m))
         return cls(scene, Model(scene), tuple(minima), search, completeness)
 
     def _repr_html_(self) -> str:
         return self.to_html()
-
-
-def _minimum_to_dict(m: Minimum) -> dict[str, Any]:
-    data = {**to_plain(m), "flags": to_plain(m.flags)}
-    if m.winding == 1:
-        del data["winding"]
-    data["contacts"] = [contact_to_dict(c) for c in m.contacts]
-    data["softest_stiffness"] = to_plain(m.softest)
-    for name in ("full_space", "solver", "escape", "survival"):
-        if data[name] is None:
-            del data[name]
-    if m.survival is not None:
-        del data["survival"]["springs"]  # of patterns
-    return data

@@ -12,6 +12,7 @@ from .curve import (
     follow_curve as follow_curve,
     tangents as tangents,
 )
+from .curve_passes import curve_passes as curve_passes
 from .descent import Descended as Descended, descend as descend
 from .drawing import (
     draw_found as draw_found,
@@ -46,7 +47,6 @@ from .pops import pop_rows as pop_rows
 from .pressing import press as press
 from .result import SheetResult as SheetResult, SheetSearch as SheetSearch
 from .rows import Rows as Rows
-from .state import SheetState as SheetState
 from .stress import Stress as Stress, find_stress as find_stress
 from .turnable import (
     sheet_content as sheet_content,

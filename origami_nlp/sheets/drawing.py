@@ -403,7 +403,7 @@ def draw_found(found: SheetResult, path: Any = None) -> Figure:
     Parameters
     ----------
     found
-        Of `find_states`.
+        Of `find_minima`.
     path
         Where to save the picture, if anywhere.
 
@@ -420,7 +420,7 @@ def draw_found(found: SheetResult, path: Any = None) -> Figure:
     if not found.minima:
         raise OptionError("no stable state was found: there is nothing to draw")
     words = [f"{s.title(k)}\n{barrier_words(s.escape, 'J')}" for k, s in enumerate(found.minima, 1)]
-    states = [(w.rstrip(), s.fold_angles) for w, s in zip(words, found.minima, strict=True)]
+    states = [(w.rstrip(), s.phi) for w, s in zip(words, found.minima, strict=True)]
     contacts = [s.contacts for s in found.minima]
     return draw_states(found.pattern, states, found.pattern.name, path, contacts=contacts)
 

@@ -11,7 +11,6 @@ import math
 import time
 from collections.abc import Callable
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -20,7 +19,7 @@ from origami_nlp.arguments import check_flag, check_number, check_whole
 from origami_nlp.errors import Interrupted, OptionError, OutOfTime
 from origami_nlp.facets import MOST_DENSE, Sheet, find_labels, image
 from origami_nlp.kkt import TangentCone
-from origami_nlp.minima import check_noise
+from origami_nlp.minima import JudgedState, check_noise
 from origami_nlp.numerics import CLOSES, RESOLVED, SAME, rank
 from origami_nlp.pattern import Pattern, as_pattern
 from origami_nlp.sheets.branches import list_branches
@@ -37,9 +36,8 @@ from origami_nlp.sheets.noise import NOISE, with_survival
 from origami_nlp.sheets.pinned import press_along, press_off
 from origami_nlp.sheets.pressing import UNTOLD, press
 from origami_nlp.sheets.result import BARRIERS, MEETINGS, OF_VERTEX, POPS, WAYS_OUT, SheetResult
-from origami_nlp.sheets.state import SheetState
 from origami_nlp.sheets.tally import Tally
-from origami_nlp.starts import Given, Popped, families_in_turn
+from origami_nlp.starts import Given, Popped, effort_of, families_in_turn
 
 OUT = 0.2
 """First step out of a state where curves meet, of the longest fold angle [rad]."""
@@ -58,32 +56,33 @@ FAILURES = np.linalg.LinAlgError, ArithmeticError
 
 
 def find_states(
-    pattern: Pattern | str | Path,
-    starts: int = 40,
+    pattern: Pattern | str,
+    starts: int | None = None,
     seed: int = 0,
     contact: bool = True,
-    seconds: float = SECONDS,
+    seconds: float | None = None,
     escape: bool = True,
     noise: float | None = None,
+    *,
+    effort: str = "normal",
+    max_starts: int | None = None,
 ) -> SheetResult:
     """Find the stable states of a pattern.
 
     Parameters
     ----------
     pattern
-        With its springs; the name of an example such as ``"miura:4x4"``, or a FOLD file.
+        As `as_pattern` takes it.
     starts
-        Random starts in a row that find no other minimum or curve, then the search ends; ten times as many at most.
+        Random starts in a row that find no other minimum or curve, ten times as many at most; None: as `effort` says.
     seed
         Of the random starts: numbers of creases, the sheet's place and the side it is seen from change nothing.
     contact
         Whether facets must not cross; without, only fold limits count.
     seconds
-        Wall time for the search, give or take a second or two: what was left out is named.
-    escape
-        Say what it takes to leave each minimum (`SheetState.escape`).
-    noise
-        Degrees: how many random errors of springs and vertices each minimum survives (`SheetState.survival`).
+        Wall time for the search, give or take a second or two: what was left out is named.  None: 300 s.
+    escape, noise, effort, max_starts
+        As for `minima.find_minima`; errors are those of springs and of the positions of vertices.
 
     Returns
     -------
@@ -93,20 +92,21 @@ def find_states(
     Raises
     ------
     OptionError
-        If `starts` or `seed` is no count, `seconds` is negative, or the pattern has no crease.
+        If an argument is not what it must be, or the pattern has no crease.
     Interrupted
         If the user interrupts it: a `KeyboardInterrupt` whose ``result`` holds what was found.
 
     Examples
     --------
-    >>> import origami_nlp as o
-    >>> found = o.find_states(o.examples.pattern("metasheet", 2, 3), starts=4)
-    >>> all(state.closure_residual < 1e-12 for state in found.minima)
-    True
+    >>> from origami_nlp.sheets import find_states
+    >>> len(find_states("metasheet:2x3", starts=4).minima)
+    5
     """
     pattern = as_pattern(pattern)
-    starts, seed = check_whole("starts", starts, 0), check_whole("seed", seed, 0)
-    check_number("seconds", seconds, 0.0)
+    starts = effort_of(effort).in_a_row if starts is None else check_whole("starts", starts, 0)
+    most = MOST_DRAWN * starts if max_starts is None else check_whole("max_starts", max_starts, 1)
+    rng = np.random.default_rng(check_whole("seed", seed, 0))
+    seconds = check_number("seconds", SECONDS if seconds is None else seconds, 0.0)
     check_flag("escape", escape)
     check_noise(noise)
     if not pattern.creases:
@@ -118,8 +118,7 @@ def find_states(
         search.part(Given.name, search.explore, start)
     if len(pattern.vertices) == 1 and not pattern.holes:
         search.part(OF_VERTEX, search.round_the_vertex, seed)
-    rng = np.random.default_rng(seed)
-    for k in range(MOST_DRAWN * starts):
+    for k in range(min(MOST_DRAWN * starts, most)):
         if not search.part("random starts", search.draw, rng, k) or search.tally.since == starts:
             break
     search.part(POPS, search.pop, MOST_POPPED * starts)
@@ -128,7 +127,7 @@ def find_states(
         search.part(BARRIERS, search.add_escapes)
     if noise is not None:
         search.part(NOISE, search.add_survival, noise)
-    found = SheetResult(pattern, search.states(), search.tally.summary(search.curves.found))
+    found = search.result(pattern)
     if found.search.interrupted:
         raise Interrupted(found)
     return found
@@ -174,13 +173,13 @@ class _Search:
 
     def known(self, phi: np.ndarray) -> bool:
         """Tell whether a state was judged."""
-        return any(np.abs(phi - s.fold_angles).max() <= 10 * SAME for s in self.tally.judged)
+        return any(np.abs(phi - s.phi).max() <= 10 * SAME for s in self.tally.judged)
 
-    def add(self, state: SheetState) -> None:
+    def add(self, state: JudgedState) -> None:
         """Keep a state, once."""
         if state.freedoms < 0:  # it does not close, or is beyond a limit
             self.tally.open += 1
-        elif not self.known(state.fold_angles):
+        elif not self.known(state.phi):
             self.tally.judged.append(state)
 
     def settle(self, phi: np.ndarray) -> None:
@@ -201,7 +200,7 @@ class _Search:
             if not end.saddles:
                 return
 
-    def _judged(self, phi: np.ndarray) -> SheetState:
+    def _judged(self, phi: np.ndarray) -> JudgedState:
         """Judge the end of a descent; where torque is left, or closing leaves it loose, the state beside it."""
         state = judge(self.sheet, phi, self.contact)
         better = beside(self.sheet, state)
@@ -221,7 +220,7 @@ class _Search:
             if state.verdict == "minimum":
                 self.add(state)
                 return
-            self.add(replace(state, verdict="undecided", kind=None, certificate=why))
+            self.add(replace(state, verdict="undecided", kind="", certificate=why))
 
     def add_escapes(self) -> None:
         """Add what it takes to leave each minimum."""
@@ -234,12 +233,13 @@ class _Search:
         states, given = self._by_energy(), (self.contact, degrees)
         self.tally.judged = with_survival(self.sheet, self.labels, states, *given)
 
-    def states(self) -> tuple[SheetState, ...]:
+    def result(self, pattern: Pattern) -> SheetResult:
         """Return what was judged, by energy; states of one energy in an order that labels do not change."""
-        return tuple(self._by_energy())
+        curves = tuple(self.curves.found)
+        return SheetResult(pattern, tuple(self._by_energy()), self.tally.summary(curves), curves)
 
-    def _by_energy(self) -> list[SheetState]:
-        by_key = sorted(self.tally.judged, key=lambda s: self.labels.key(s.fold_angles))
+    def _by_energy(self) -> list[JudgedState]:
+        by_key = sorted(self.tally.judged, key=lambda s: self.labels.key(s.phi))
         return sorted(by_key, key=lambda s: rank(s.energy / self.sheet.scale, ()))
 
     def _from_popped(self, start: np.ndarray) -> None:
@@ -256,7 +256,7 @@ class _Search:
         """Judge images of minima under symmetries of the sheet with its springs."""
         for symmetry in self._symmetries:
             for state in [s for s in self.tally.judged if s.verdict == "minimum"]:
-                self.attempt(self.settle, image(symmetry, state.fold_angles))
+                self.attempt(self.settle, image(symmetry, state.phi))
 
     def pop(self, most: int) -> None:
         """Start from each minimum with one vertex popped, the lowest first, what that leads to among them.
@@ -268,11 +268,11 @@ class _Search:
         while True:
             self.sheet.check_time()
             waiting = [
-                s.fold_angles
+                s.phi
                 for s in self._by_energy()
                 if s.verdict == "minimum"
-                and s.fold_angles.any()
-                and not any(np.abs(s.fold_angles - x).max() <= 10 * SAME for x in popped)
+                and s.phi.any()
+                and not any(np.abs(s.phi - x).max() <= 10 * SAME for x in popped)
             ]
             if not waiting:
                 return
@@ -349,6 +349,7 @@ class _Search:
             return
         d = basis @ (basis.T @ self._side)
         d /= np.abs(d).max()
+        # closed at unequal distances both ways along a generic direction: taken for a plane of closed states
         if max(sheet.residual(phi + 0.7 * d), sheet.residual(phi - 1.1 * d)) <= 10 * CLOSES:
             tally.planes.append((basis, off))
             lowest = lowest_on(sheet, phi, basis)
@@ -431,8 +432,7 @@ class _Search:
         known = {"minimum": ON_CURVE, "not admissible": ON_CURVE}
         known |= dict.fromkeys(("saddle", "not stationary"), 10 * SAME)
         judged = any(
-            np.abs(well - s.fold_angles).max() <= known.get(s.verdict, -1.0)
-            for s in self.tally.judged
+            np.abs(well - s.phi).max() <= known.get(s.verdict, -1.0) for s in self.tally.judged
         )
         if not judged and (closed := close(self.sheet, well)) is not None:
             beside = stationary_beside(self.sheet, closed)
@@ -441,7 +441,7 @@ class _Search:
                     self.add(self._judged(beside))
                 # where curves meet, a state that is no minimum says nothing of wells beside it on one of them
                 judged = any(
-                    np.abs(beside - s.fold_angles).max() <= 10 * SAME
+                    np.abs(beside - s.phi).max() <= 10 * SAME
                     and (s.verdict in ("minimum", "not admissible") or s.freedoms == 1)
                     for s in self.tally.judged
                     if s.verdict in known

@@ -12,11 +12,16 @@ from origami_nlp.errors import OUT_OF_TIME
 from origami_nlp.facets import MOST_DENSE, Sheet
 from origami_nlp.files import from_plain
 from origami_nlp.kkt import State
-from origami_nlp.minima import shallow_words, softest_words, stability_words, survival_words
+from origami_nlp.minima import (
+    JudgedState,
+    shallow_words,
+    softest_words,
+    stability_words,
+    survival_words,
+)
 from origami_nlp.numerics import STATIONARY, rank
 from origami_nlp.pattern import Pattern, pattern_from_dict, pattern_to_dict
 from origami_nlp.sheets.noise import is_overdetermined, measured_words
-from origami_nlp.sheets.state import SheetState
 from origami_nlp.sheets.stress import find_stress
 from origami_nlp.show import Content, Piece, Table, Told, Turnable, inline_image
 
@@ -198,18 +203,21 @@ class SheetResult(Told, Turnable):
         All that was judged, by energy: minima, and what crosses or is undecided.
     search
         How they were looked for.
+    curves
+        Those with one freedom that were traced; none of a result that was read from a file.
 
     Examples
     --------
     >>> import origami_nlp as o
-    >>> found = o.find_states(o.examples.pattern("metasheet", 2, 3), starts=4)
+    >>> found = o.find_minima(o.examples.pattern("metasheet", 2, 3), starts=4)
     >>> found.search.starts >= 4
     True
     """
 
     pattern: Pattern
-    states: tuple[SheetState, ...] = field(repr=False)
+    states: tuple[JudgedState, ...] = field(repr=False)
     search: SheetSearch
+    curves: tuple[Any, ...] = field(default=(), repr=False)
 
     PICTURE, SCHEMA = "draw_found", "origami_nlp/minima/1"
 
@@ -223,7 +231,7 @@ class SheetResult(Told, Turnable):
         """The programme that its states are states of."""
         return Sheet(self.pattern)
 
-    def state_of(self, state: SheetState) -> State:
+    def state_of(self, state: JudgedState) -> State:
         """Return a state as one of the programme.
 
         Parameters
@@ -236,34 +244,34 @@ class SheetResult(Told, Turnable):
         State
             With its contacts, multipliers and curvature.
         """
-        return State(self.problem, state.fold_angles)
+        return State(self.problem, state.phi)
 
     @property
-    def minima(self) -> tuple[SheetState, ...]:
+    def minima(self) -> tuple[JudgedState, ...]:
         """Certified minima, by energy."""
         return self._with("minimum")
 
     @property
-    def undecided(self) -> tuple[SheetState, ...]:
+    def undecided(self) -> tuple[JudgedState, ...]:
         """States that are stationary as far as could be told, without a certificate."""
         return self._with("undecided")
 
     @property
-    def crossing(self) -> tuple[SheetState, ...]:
+    def crossing(self) -> tuple[JudgedState, ...]:
         """States in which facets pass through each other: no states of paper."""
         return self._with("not admissible")
 
-    def _with(self, verdict: str) -> tuple[SheetState, ...]:
+    def _with(self, verdict: str) -> tuple[JudgedState, ...]:
         return tuple(s for s in self.states if s.verdict == verdict)
 
-    def _stressed(self, state: SheetState) -> dict[str, Any]:
+    def _stressed(self, state: JudgedState) -> dict[str, Any]:
         """Return a state as plain data, with what closure carries in it."""
         rows = 3 * len(self.pattern.vertices) + 6 * len(self.pattern.holes)
         data = {**state.to_dict(), "self_stress": rows - self.pattern.creases + state.freedoms}
         if self.pattern.creases > MOST_DENSE or not all(c.is_limit for c in state.contacts):
             return data
         held = [c.creases[0] - 1 for c in state.contacts]
-        stress = find_stress(Sheet(self.pattern), state.fold_angles, held)
+        stress = find_stress(Sheet(self.pattern), state.phi, held)
         return {
             **data,
             "multipliers": stress.multipliers.tolist(),
@@ -306,7 +314,7 @@ class SheetResult(Told, Turnable):
             touches = [c.words() for c in state.contacts if not c.is_limit]
             if state.escape is not None:
                 forces = [c.force for c in state.contacts]
-                isolated = state.freedoms == 0
+                isolated = state.local_dimension == 0
                 words = stability_words(state.softest, forces, isolated, state.escape)
                 yield f"state {k}: {words}"
             if touches:
@@ -361,34 +369,14 @@ class SheetResult(Told, Turnable):
         }
 
     @classmethod
-    def from_dict(cls, data: dict[str, Any], what: str = "") -> Self:
-        """Rebuild a result from `to_dict`, or from what ``pattern --minima --json`` wrote.
-
-        Parameters
-        ----------
-        data
-            What `to_dict` returned.
-        what
-            How messages call it, such as a file.
-
-        Returns
-        -------
-        SheetResult
-            The same.
-
-        Raises
-        ------
-        OptionError
-            If it holds no states of a sheet, or an entry is missing or wrong.
-        """
-        if isinstance(data, dict) and "minima" in data:  # the command writes them beside counts
-            data = {**data, "schema": cls.SCHEMA}
-        return super().from_dict(data, what)
-
-    @classmethod
     def _from_plain(cls, data: dict[str, Any]) -> Self:
         groups = [data[key] for key in ("minima", "undecided", "crossing", "refuted")]
-        states = [SheetState.from_dict(s) for group in groups for s in group]
+        stressed = ("self_stress", "multipliers", "closure_torques", "closure_torques_unique")
+        states = [
+            JudgedState.from_dict({k: v for k, v in s.items() if k not in stressed})
+            for group in groups
+            for s in group
+        ]
         pattern = pattern_from_dict(data["pattern"])
         scale = float(pattern.stiffness.mean()) if pattern.creases else 1.0
         by_energy = tuple(sorted(states, key=lambda s: rank(s.energy / scale, ())))

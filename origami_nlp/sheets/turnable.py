@@ -100,7 +100,7 @@ def turn_found(found: SheetResult) -> Content:
     Parameters
     ----------
     found
-        Of `find_states`.
+        Of `find_minima`.
 
     Returns
     -------
@@ -114,7 +114,7 @@ def turn_found(found: SheetResult) -> Content:
     """
     if not found.minima:
         raise OptionError("no stable state was found: there is nothing to turn")
-    states = [(s.title(k), s.fold_angles, s.lines()) for k, s in enumerate(found.minima, start=1)]
+    states = [(s.title(k), s.phi, s.lines()) for k, s in enumerate(found.minima, start=1)]
     return sheet_content(found.pattern, states, None, tuple(found.told()))
 
 

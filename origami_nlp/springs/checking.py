@@ -9,7 +9,7 @@ import numpy as np
 
 from origami_nlp.barriers import find_barriers
 from origami_nlp.kkt import State, classify
-from origami_nlp.minima import MinimaResult, Minimum
+from origami_nlp.minima import JudgedState, MinimaResult
 from origami_nlp.numerics import DESIGN_FOUND, SETTLED
 from origami_nlp.pattern import Scene
 from origami_nlp.programme import Model
@@ -118,7 +118,7 @@ def _states(
     return tuple(held), failed, ours
 
 
-def _found(placed: Placed, phi: np.ndarray, far: float, m: Minimum) -> HeldState:
+def _found(placed: Placed, phi: np.ndarray, far: float, m: JudgedState) -> HeldState:
     verdict = m.full_space.verdict if m.full_space else None
     return _held(placed, phi, far, m.energy, m.kind, m.certificate, verdict)
 
@@ -186,6 +186,7 @@ def _barriers(
     out = []
     for b in targets.barriers:
         if freedom == 1:
+            # one way serves both directions: its top is the same
             way = ways[(b.start, b.end)] if (b.start, b.end) in ways else ways[(b.end, b.start)]
             top, x = height(model, way)
             phi = tuple(model.expand(x).tolist())

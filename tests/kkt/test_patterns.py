@@ -1,19 +1,17 @@
 """A pattern as a problem of the kernel: derivatives by differences, dependent rows, one answer with single vertices."""
 
-import math
 from collections import Counter
-from itertools import product
 
 import numpy as np
 import pytest
 
 import origami_nlp as o
-from origami_nlp import Model, Scene, State, Vertex, classify
+from origami_nlp import State, classify
 from origami_nlp.facets import Sheet
 from origami_nlp.kkt import judge_branch, loop_modes, tangent_cone
 from origami_nlp.kkt.refutation import follow_descent
 from tests.computed_once import states
-from tests.patterns import miura, miura_angles, strip, wheel
+from tests.patterns import miura, miura_angles, strip
 
 COUNTS = {  # states as a separate judgement of patterns decided on them: minima, none, facets that cross, not decided
     "metasheet:3x3": (2, 1, 1, 0),
@@ -39,7 +37,7 @@ def test_states_are_decided_as_by_a_judgement_of_patterns_alone(name):
     assert told == COUNTS[name]
     problem = Sheet(found.pattern)
     for state in found.states:  # in the numbering of the file, not that of the search
-        again = classify(State(problem, state.fold_angles))
+        again = classify(State(problem, state.phi))
         assert (again.verdict == "minimum") == (state.verdict == "minimum")
         assert again.kind == state.kind
 
@@ -49,7 +47,7 @@ def held_state():
     found = states("metasheet:4x4")
     state = next(s for s in found.minima if s.contacts)
     problem = Sheet(found.pattern)
-    return problem, State(problem, state.fold_angles)
+    return problem, State(problem, state.phi)
 
 
 def test_derivatives_of_a_pattern_in_contact_are_those_of_its_values():
@@ -135,29 +133,10 @@ def test_closed_states_follow_the_lines_of_a_generic_pattern_to_second_order(see
         assert near < 1e-8 and far == pytest.approx(8 * near, rel=0.1)  # it misses by h^3
 
 
-@pytest.mark.parametrize("seed", range(4))
-def test_a_vertex_is_a_pattern_with_one_vertex(seed):
-    """Flat foldings of a vertex of degree 4, where closure loses rank: both problems have the same answers."""
-    rng = np.random.default_rng(seed)
-    a, b = rng.uniform(0.5, 1.4), rng.uniform(1.6, 2.6)
-    sectors = a, b, math.pi - a, math.pi - b
-    k, told = rng.uniform(0.5, 2, 4), []
-    for phi in math.pi * np.array(list(product((-1.0, 1.0), repeat=4))):
-        rest = np.clip(phi + rng.uniform(-2.5, 2.5, 4), -3, 3)
-        problem = Sheet(wheel(sectors).with_springs(list(k), list(rest)), contact=False)
-        if problem.residual(phi) > 1e-12 or not problem.on_sheet(phi):
-            continue
-        scene = Scene(Vertex(sectors), tuple(k), tuple(rest), "none", "fold-limits")
-        one, two = classify(State(Model(scene), phi)), classify(State(problem, phi))
-        assert (one.verdict, one.kind) == (two.verdict, two.kind)
-        told.append(one.verdict)
-    assert "minimum" in told
-
-
 def test_one_verb_classifies_both():
     scene = o.examples.degree6("pi/4", ratio=0.01)
     minimum = o.find_minima(scene, max_starts=16, escape=False).minima[0]
-    assert o.classify(scene, minimum.fold_angles).kind == minimum.kind
+    assert o.classify(scene, minimum.phi).kind == minimum.kind
     pattern = o.examples.pattern("miura", 2, 2)
     with pytest.raises(o.OrigamiError, match="all 4 fold angles"):
         o.classify(pattern, [0.0])

@@ -148,7 +148,7 @@ def test_states_of_a_miura_across_shut_rows():
     assert [s for s in listed.minima if abs(s.energy - 0.3977455470597) < 1e-9]
     for seed in range(3):
         for s in find_states(pattern, starts=40, seed=seed, escape=False).minima:
-            assert any(np.abs(s.fold_angles - t.fold_angles).max() < 1e-6 for t in listed.minima)
+            assert any(np.abs(s.phi - t.phi).max() < 1e-6 for t in listed.minima)
 
 
 def test_one_facet_has_nothing_to_fold():
@@ -180,7 +180,7 @@ def test_a_search_ends_in_its_time_and_says_what_it_left_out(name, size, part):
     )
     assert "every well" not in said and "and the ways out of each" not in said
     for state in found.states:  # what was found is whole
-        again = judge(Sheet(pattern), state.fold_angles)
+        again = judge(Sheet(pattern), state.phi)
         assert (again.verdict, again.kind) == (state.verdict, state.kind)
     assert SheetResult.from_dict(found.to_dict()).search == found.search
 
@@ -208,7 +208,7 @@ def test_an_interrupted_search_keeps_what_it_found(monkeypatch, tmp_path):
     assert "interrupted, not through with: random starts" in str(found)
     assert [m.energy for m in found.minima] == pytest.approx([m.energy for m in whole.minima])
     file = tmp_path / "found.json"
-    code, out, err = run("pattern", "metasheet:3x3", "--minima", "--json", file)
+    code, out, err = run("minima", "metasheet:3x3", "--json", file)
     assert code == 130 and "interrupted" in err and f"written: {file}" in out
     again = o.load(file)
     assert again.search.interrupted and len(again.minima) == len(found.minima)

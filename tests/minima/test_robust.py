@@ -11,12 +11,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from origami_nlp import find_states, load_path, overview
+from origami_nlp import load_path
 from origami_nlp.errors import OptionError
 from origami_nlp.facets import Parallel, Placed, Sheet, Touch
 from origami_nlp.numerics import Normal
 from origami_nlp.pattern import Pattern, make_pattern
-from origami_nlp.sheets import Rows, draw_overview, draw_states, pop_rows
+from origami_nlp.sheets import Rows, find_states, pop_rows
 from tests.patterns import miura, strip
 from tests.relabelled import relabelled
 
@@ -33,7 +33,7 @@ def hinge(rest: float) -> Pattern:
 def test_one_crease(rest):
     """There is no row of closure that could lose rank: searches and load paths met an index out of bounds."""
     found = find_states(hinge(rest), starts=2, escape=False)
-    assert [s.fold_angles.tolist() for s in found.minima] == [[pytest.approx(rest)]]
+    assert [s.phi.tolist() for s in found.minima] == [[pytest.approx(rest)]]
     assert found.search.curves == found.search.complete == 1
     path = load_path(hinge(0.5), 1, to=0.2, starts=2)
     assert path.legs[0].points[-1].fold_angles[0] == pytest.approx(0.7)
@@ -83,15 +83,6 @@ def test_a_failure_is_counted_and_ends_nothing(monkeypatch):
     assert any("every well" in words for words in whole.search.words())
 
 
-def test_names_that_are_no_formulas():
-    pattern = replace(strip(0), name=r"$\frac{$ a name")
-    for figure in (
-        draw_overview(overview(pattern)),
-        draw_states(pattern, [(r"$\frac{$", np.zeros(pattern.creases))], pattern.name),
-    ):
-        figure.canvas.draw()
-
-
 def test_seconds_are_those_of_a_clock():
     """The ways out of a sheet of 1,104 creases are not gone through in half a second, nor is more time taken."""
     begun = time.monotonic()
@@ -108,9 +99,8 @@ def test_a_sheet_of_4096_facets_within_ten_seconds():
         sys.executable,
         "-m",
         "origami_nlp",
-        "pattern",
+        "minima",
         "miura:64x64",
-        "--minima",
         "--seconds",
         "10",
     ]
@@ -167,7 +157,7 @@ def test_a_minimum_on_the_other_side_of_a_vertex(labels):
     found = find_states(pattern, starts=starts, seed=labels or 0, escape=False)
     energies = [round(s.energy, 3) for s in found.minima]
     assert {4.372, 4.450, 24.599, 32.343} <= set(energies)
-    signs = [tuple(np.sign(pop_rows(found.pattern) @ s.fold_angles)) for s in found.minima]
+    signs = [tuple(np.sign(pop_rows(found.pattern) @ s.phi)) for s in found.minima]
     assert len(set(signs)) == 4
     assert found.search.popped > 0
     assert any("with one vertex popped" in words for words in found.search.words())
