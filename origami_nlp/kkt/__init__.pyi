@@ -8,6 +8,7 @@ from .classification import (
     of_image as of_image,
 )
 from .descent import (
+    LOADED as LOADED,
     Followed as Followed,
     follow as follow,
     polished_nearby as polished_nearby,
@@ -15,15 +16,13 @@ from .descent import (
 from .escape import (
     ALONE as ALONE,
     BOUND as BOUND,
-    FLOOR as FLOOR,
     OPEN as OPEN,
     TRACED as TRACED,
     TREE as TREE,
     Escape as Escape,
-    Terrain as Terrain,
     Way as Way,
     barriers as barriers,
-    energy_scale as energy_scale,
+    bounds as bounds,
     level_of as level_of,
     rounded_up as rounded_up,
     ways_out as ways_out,
@@ -56,6 +55,13 @@ from .tangent_cone import (
     combine as combine,
     loop_modes as loop_modes,
     tangent_cone as tangent_cone,
+)
+from .terrain import (
+    FARTHEST as FARTHEST,
+    FLOOR as FLOOR,
+    Terrain as Terrain,
+    energy_scale as energy_scale,
+    over_flat as over_flat,
 )
 from .thin import (
     states_on_limits as states_on_limits,

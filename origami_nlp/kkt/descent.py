@@ -23,11 +23,13 @@ from origami_nlp.kkt.state import State, Stratum
 from origami_nlp.numerics import (
     BESIDE,
     CLOSES,
+    DEPENDENT,
     INDEPENDENT,
     LEVEL,
     NEAR_CONTACT,
     ROUNDED,
     nearest,
+    nonnegative_least_squares,
     null_space,
 )
 from origami_nlp.programme import Contact, Programme
@@ -40,6 +42,10 @@ NEAR = 3e-5
 """Contacts open by less [rad] are slid along."""
 MOST_GUESSES = 8
 """Sets of closed contacts that are tried when the end of a path is polished."""
+SOFTEST = 1e-6
+"""Of curvatures in steps, over the mean stiffness."""
+LOADED = 1e-9
+"""Multipliers over the mean stiffness above which a contact pushes."""
 SHORTEST = 1e-6
 """A path that cannot take a step this long [rad] has arrived, or is stuck."""
 
@@ -69,11 +75,17 @@ def follow(
     model: Programme,
     start: np.ndarray,
     *,
+    curved: bool = False,
+    longest: float = LONGEST,
     most_steps: int = 2000,
     most_rescues: int = 12,
     until: Callable[[np.ndarray], bool] | None = None,
+    leads: Callable[[np.ndarray, np.ndarray], bool] | None = None,
 ) -> Followed:
     """Follow the state `start` [n] downhill, `until` a state on the way is far enough: that one is not judged.
+
+    Steps are downhill in the metric of the springs or, `curved`, Newton's: fewer, and from farther.  They are at most
+    `longest` [rad]; those that `leads`, of a state and the next, refuses are made shorter.
 
     Where no step along the linearised cone is possible but the state is no minimum (several contacts meet), a lower
     admissible neighbour is searched on small spheres, at most `most_rescues` times.
@@ -85,31 +97,34 @@ def follow(
     """
     x, residual = project(model, np.asarray(start, dtype=float), ())
     x = np.clip(x, -model.bound, model.bound)
-    if residual > CLOSES or model.refuses(x):
-        raise ValueError(f"the start is not a closed, admissible state: closure {residual:.1e}")
+    refused = f"closure {residual:.1e}" if residual > CLOSES else model.refuses(x)
+    if refused:
+        raise ValueError(f"the start is not a closed, admissible state: {refused}")
     states = [x]
-    length = LONGEST
+    length = longest
     rescues = 0
     while len(states) < most_steps:
         if until is not None and until(x):
             path = np.array(states)
             return Followed(path, model.energies(path), x, STOPPED)
         # wider than the shortest step, so that a path that cannot come closer slides along the contact
-        moved = _step(State(model, x, NEAR), length)
+        moved = _step(State(model, x, NEAR), length, curved, leads)
         if moved is not None:
             x, taken = moved
             states.append(x)
-            length = min(LONGEST, 2 * taken)
+            length = min(longest, 2 * taken)
             continue
         end = _level_with(model, x)
         what = classify(State(model, x if end is None else end), polished=end is not None)
         if what.verdict == "minimum" or rescues == most_rescues:
             break
         rescues += 1
-        lower = _lower_neighbour(State(model, x), what.descent)
+        lower = what.lower
+        if lower is None:
+            lower = _lower_neighbour(State(model, x), what.descent)
         if lower is None:
             break
-        x, length = lower, LONGEST
+        x, length = lower, longest
         states.append(x)
     else:
         end = _level_with(model, x)
@@ -157,7 +172,12 @@ def _closed(
     return y if closes else None
 
 
-def _step(state: State, length: float) -> tuple[np.ndarray, float] | None:
+def _step(
+    state: State,
+    length: float,
+    curved: bool,
+    leads: Callable[[np.ndarray, np.ndarray], bool] | None,
+) -> tuple[np.ndarray, float] | None:
     """Take one admissible step down, of at most `length`; None if there is none."""
     model, x = state.programme, state.x
     choices = state.pieces
@@ -167,7 +187,7 @@ def _step(state: State, length: float) -> tuple[np.ndarray, float] | None:
     for rows in (*tries, *choices):
         if best is not None and rows in choices:
             break  # only where looking ahead to contacts that will close led nowhere
-        d = _pull(state.on(rows))
+        d = _pull(state.on(rows), curved)
         size = float(np.linalg.norm(d))
         if size < ROUNDED:
             continue
@@ -177,7 +197,10 @@ def _step(state: State, length: float) -> tuple[np.ndarray, float] | None:
         while step * size >= SHORTEST:
             y = _closed(model, x + step * d, held)
             change = math.inf if y is None else model.energy_change(x, y) / model.scale
-            if y is not None and change < DECREASE * step * slope and not model.refuses(y):
+            lower = y is not None and change < DECREASE * step * slope
+            if lower and leads is not None and not leads(x, y):
+                lower = False
+            if y is not None and lower and not model.refuses(y):
                 if best is None or change < best[0]:
                     best = (change, y, step * size)
                 break
@@ -185,28 +208,40 @@ def _step(state: State, length: float) -> tuple[np.ndarray, float] | None:
     return None if best is None else best[1:]
 
 
-def _pull(piece: Stratum) -> np.ndarray:
-    """Minimise grad U . d + d'Kd/2 over the linearised feasible set: gap + gradient . d >= 0 for each contact."""
+def _pull(piece: Stratum, curved: bool) -> np.ndarray:
+    """Minimise grad U . d + d'Hd/2 over the linearised feasible set: gap + gradient . d >= 0 for each contact.
+
+    H is the stiffness of the springs or, `curved`, the Hessian of the Lagrangian with multipliers of the contacts that
+    are closed, its negative curvatures turned round.  They are so along what contacts that push leave free, and across
+    it apart: what a gap adds to the curvature across would otherwise stiffen directions along which the energy hardly
+    curves.
+    """
     state = piece.state
-    root = np.sqrt(state.programme.parameters.stiffness)  # the stiffness metric
-    z = null_space(state.local.closure_jacobian / root)
-    gaps, slopes = state.local.openings(piece.contacts)
-    a = slopes / root @ z
-    cost = z.T @ (state.local.gradient / root)
-    if not len(a):
-        return -(z @ cost) / root
-    y = nearest(-cost, a, -np.maximum(gaps, 0.0))
-    return np.zeros(len(root)) if y is None else (z @ y) / root
+    p, z, gaps, slopes = state.programme, state.kernel, piece.openings, piece.slopes
+    cost, rows = z.T @ state.gradient, slopes @ z
+    free, h = np.eye(len(cost)), np.diag(p.parameters.stiffness / p.root**2)
+    if curved:
+        close, forces = gaps <= state.tolerance, np.zeros(len(gaps))
+        forces[close] = nonnegative_least_squares(rows[close].T, cost)
+        rest = state.gradient - slopes.T @ forces
+        multipliers = np.linalg.lstsq(state.jacobian.T, rest, rcond=DEPENDENT)[0]
+        h = piece.hessian_with(np.append(multipliers, forces))
+        free = null_space(rows[forces > LOADED])
+    scaled = []  # d = z scaled y, with y'y/2 the quadratic form
+    for basis in (z @ free, z @ null_space(free.T)):
+        values, vectors = np.linalg.eigh(basis.T @ h @ basis)
+        scaled.append(basis @ vectors / np.sqrt(np.maximum(np.abs(values), SOFTEST)))
+    whole = np.hstack(scaled)
+    y = nearest(-whole.T @ state.gradient, slopes @ whole, -np.maximum(gaps, 0.0))
+    return np.zeros(len(state.x)) if y is None else whole @ y / p.root
 
 
 def _kept(piece: Stratum, d: np.ndarray) -> tuple[Contact, ...]:
-    """Return the contacts that a direction keeps closed."""
-    _, slopes = piece.state.local.openings(piece.contacts)
-    return tuple(
-        c
-        for c, g in zip(piece.contacts, slopes, strict=True)
-        if abs(g @ d) <= INDEPENDENT * np.linalg.norm(d)
-    )
+    """Return the closed contacts that a direction keeps closed."""
+    values, slopes = piece.state.local.openings(piece.contacts)
+    stays = np.abs(slopes @ d) <= INDEPENDENT * np.linalg.norm(d)
+    stays &= values <= piece.state.tolerance
+    return tuple(c for c, on in zip(piece.contacts, stays, strict=True) if on)
 
 
 def _level_with(model: Programme, x: np.ndarray) -> np.ndarray | None:

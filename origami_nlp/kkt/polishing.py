@@ -191,7 +191,10 @@ def newton(
     best: tuple[float, Polished, np.ndarray] | None = None
     for _ in range(MOST_STEPS):
         local = model.local(x)
-        values, gradients = local.openings(rows)
+        try:
+            values, gradients = local.openings(rows)
+        except ArithmeticError:  # where sides run along each other there is no gap between them
+            return None, np.zeros(0)
         system = (_limits_out if many else _with_rows)(model, local, rows, gradients)
         multipliers, stationarity = system.multipliers, system.stationarity
         m = len(local.closure)

@@ -34,8 +34,7 @@ from origami_nlp.sheets.interpolant import wells
 from origami_nlp.sheets.judgement import beside, judge, singular_beside, stationary_beside
 from origami_nlp.sheets.labels import find_labels, image
 from origami_nlp.sheets.noise import NOISE, with_survival
-from origami_nlp.sheets.pinned import press_along, press_off
-from origami_nlp.sheets.pressing import UNTOLD, press
+from origami_nlp.sheets.pressing import UNTOLD, press, press_along, press_off
 from origami_nlp.sheets.result import BARRIERS, MEETINGS, OF_VERTEX, POPS, WAYS_OUT, SheetResult
 from origami_nlp.sheets.starts import close, drawn, given, lowest_on, of_vertex, popped_starts
 from origami_nlp.sheets.state import SheetState

@@ -8,10 +8,10 @@ from dataclasses import replace
 import numpy as np
 
 from origami_nlp.facets import MOST_DENSE, Lying, Sheet
-from origami_nlp.kkt import Classification, ContactForce, State, classify
+from origami_nlp.kkt import Classification, ContactForce, State, classify, newton
 from origami_nlp.numerics import ANSWERED, BESIDE, CLOSES, STATIONARY
+from origami_nlp.programme import fold_limit
 from origami_nlp.sheets.descent import AT_LIMIT
-from origami_nlp.sheets.rows import Rows, polish
 from origami_nlp.sheets.state import SheetContact, SheetState
 
 NEAREST = 1e-5
@@ -166,6 +166,6 @@ def stationary_beside(sheet: Sheet, phi: np.ndarray) -> np.ndarray | None:
     """
     if sheet.size > MOST_DENSE:
         return None
-    limits = np.flatnonzero(np.abs(np.abs(phi) - math.pi) <= AT_LIMIT)
-    better = polish(sheet, phi, Rows.at(sheet, phi, limits, ()), np.ones(len(limits)))
-    return None if better is None or np.abs(better - phi).max() >= BESIDE else better
+    shut = np.flatnonzero(np.abs(np.abs(phi) - math.pi) <= AT_LIMIT)
+    better, _ = newton(sheet, phi, tuple(fold_limit(int(v), phi[v]) for v in shut))
+    return None if better is None or np.abs(better.x - phi).max() >= BESIDE else better.x

@@ -10,8 +10,8 @@ from matplotlib.lines import Line2D
 from matplotlib.patheffects import withStroke
 
 from origami_nlp.facets import Crossings
+from origami_nlp.kkt import LOADED
 from origami_nlp.pattern import Pattern
-from origami_nlp.sheets.rows import LOADED
 from origami_nlp.sheets.state import SheetContact
 from origami_nlp.show import IDLE, PUSHES
 

@@ -10,10 +10,11 @@ from scipy.optimize import linprog
 
 import origami_nlp as o
 from origami_nlp import find_minima
-from origami_nlp.facets import Placed, Sheet, order_layers
+from origami_nlp.facets import Placed, Sheet, choices, order_layers
+from origami_nlp.kkt import newton
 from origami_nlp.pattern import Scene, make_pattern
-from origami_nlp.sheets import closed_choices, judge, press
-from origami_nlp.sheets.rows import Rows, polish
+from origami_nlp.programme import fold_limit
+from origami_nlp.sheets import judge, press
 from tests.sheets.patterns import wheel
 
 SIXTH = np.full(6, math.pi / 3)
@@ -34,10 +35,16 @@ def pressed():
             start, _ = sheet.project(start, SHUT)
             z = sheet.kernel(start, [5])
             start = start - 0.5 * z @ (z.T @ sheet.torque(start))
-        phi = polish(sheet, start, Rows.at(sheet, start, np.array([5]), ()), np.ones(1))
-        if phi is not None and np.abs(phi).max() <= math.pi and not sheet.crossings.find(phi):
-            out.append((sheet, judge(sheet, phi)))
+        done, _ = newton(sheet, start, (fold_limit(5, math.pi),))
+        if done is not None and np.abs(phi := done.x).max() <= math.pi:
+            if not sheet.crossings.find(phi):
+                out.append((sheet, judge(sheet, phi)))
     return out
+
+
+def closed_choices(sheet, phi):
+    """What keeps facets apart that meet at borders: of each choice one gap at least stays open."""
+    return choices(sheet.features, Placed(sheet.crossings.poses, phi))
 
 
 @cache

@@ -14,13 +14,14 @@ import pytest
 from origami_nlp import find_states, load_path, overview
 from origami_nlp.errors import OptionError
 from origami_nlp.facets import Parallel, Placed, Sheet, Touch
+from origami_nlp.kkt import newton, project
 from origami_nlp.numerics import Normal
 from origami_nlp.pattern import Pattern, make_pattern
-from origami_nlp.sheets import Rows, draw_overview, draw_states, pop_rows
+from origami_nlp.sheets import draw_overview, draw_states, pop_rows
 from tests.sheets.patterns import miura, strip
 from tests.sheets.relabelled import relabelled
 
-FIND, ROWS = (importlib.import_module(f"origami_nlp.sheets.{name}") for name in ("find", "rows"))
+FIND = importlib.import_module("origami_nlp.sheets.find")
 
 
 def hinge(rest: float) -> Pattern:
@@ -48,10 +49,10 @@ def test_sides_along_each_other_have_no_gap():
     for of in (touch.gap, touch.slopes, touch.bends):
         with pytest.raises(Parallel):
             of(place)
-    none = Rows.at(sheet, np.zeros(2), np.zeros(0, int), ())
-    assert ROWS.put_back(sheet, np.zeros(2), none, [touch]) is None
-    assert ROWS.put_back(sheet, np.zeros(2), none) is not None
-    assert ROWS.polish(sheet, np.zeros(2), replace(none, touches=(touch,)), np.ones(1)) is None
+    contact = sheet.contact_of(touch)
+    assert project(sheet, np.zeros(2), [contact])[1] == math.inf
+    assert project(sheet, np.zeros(2))[1] == 0.0
+    assert newton(sheet, np.zeros(2), (contact,))[0] is None
 
 
 def test_rows_of_very_different_lengths():
