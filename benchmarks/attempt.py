@@ -8,10 +8,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from origami_nlp.kkt import StartStream
 from origami_nlp.minima import FEW_PAIRS, MOST_PAIR_ROUNDS
 from origami_nlp.numerics import ANSWERED
 from origami_nlp.programme import Model, Solvable
+from origami_nlp.starts import Projected
 
 Pairs = tuple[tuple[int, int], ...]
 
@@ -81,7 +81,7 @@ def draw_starts(model: Solvable, seed: int, count: int) -> tuple[list[StartPoint
     """Return the package's starts for `seed`, and the seconds that one took to draw and project."""
     rng = np.random.default_rng([seed, 1])
     begin = time.process_time()
-    stream = StartStream(model, seed)
+    stream = Projected(model).starts(np.random.default_rng(seed))
     states = [next(stream).x for _ in range(count)]
     seconds = (time.process_time() - begin) / count
     pairs = model.structure.pairs

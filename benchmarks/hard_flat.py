@@ -9,7 +9,7 @@ import numpy as np
 
 from benchmarks.hard_case import HardCase, Measured, Outcome
 from benchmarks.reference import Reference, Unsolved, solve_reference
-from origami_nlp.kkt import BATCH, State, classify, polish, project
+from origami_nlp.kkt import State, classify, polish, project
 from origami_nlp.minima import (
     MinimaResult,
     Minimum,
@@ -20,6 +20,7 @@ from origami_nlp.minima import (
 from origami_nlp.numerics import CLOSES, EPS, ROUNDED, SAME
 from origami_nlp.pattern import Scene, Vertex, examples, parse_angles
 from origami_nlp.programme import Model
+from origami_nlp.starts import BATCH
 
 
 def _vertex(sectors: tuple[str, ...]) -> Vertex:

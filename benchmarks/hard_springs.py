@@ -11,11 +11,12 @@ import numpy as np
 from benchmarks.hard_case import HardCase, Measured, Outcome
 from benchmarks.hard_flat import exact_state, known_state
 from origami_nlp.errors import SceneError
-from origami_nlp.kkt import StartStream, State
+from origami_nlp.kkt import State
 from origami_nlp.minima import MinimaResult, find_minima
 from origami_nlp.numerics import EPS, ROUNDED
 from origami_nlp.pattern import Scene, Vertex, examples
 from origami_nlp.programme import Model
+from origami_nlp.starts import Projected
 
 
 def against_50_digits(setting: str, result: MinimaResult, bound: float) -> Outcome:
@@ -129,7 +130,7 @@ def _rest_states() -> Iterator[Outcome]:
         vertex = Vertex(tuple(sectors.tolist()))
         trial = Scene(vertex, (1.0,) * degree, (0.0,) * degree, "none", "fold-limits")
         model = Model(trial)
-        for start in StartStream(model, seed):
+        for start in Projected(model).starts(np.random.default_rng(seed)):
             if start.feasible and not model.refuses(start.x) and np.abs(start.x).max() < 3.0:
                 break
         scene = replace(trial, rest_angles=tuple(start.x.tolist()))

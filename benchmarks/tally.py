@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from benchmarks.judging import Outcome
-from origami_nlp.minima import EFFORTS
+from origami_nlp.starts import EFFORTS
 
 FEWEST_STARTS = 128
 """Starts before a method is taken to have found what it can."""

@@ -85,8 +85,9 @@ def _wrapped(owner: Any, name: str, wrap: Callable[[Any], Any]) -> Iterator[None
 
 def measure(scene: Scene, seed: int = 0) -> TimeBudget:
     """Search a scene once, with everything built anew, and return where the time went."""
-    from origami_nlp.minima import descents, find, ipopt, job, record, starts
+    from origami_nlp.minima import descents, find, ipopt, job, record
     from origami_nlp.programme import compiled as structure
+    from origami_nlp.starts import rounds
 
     watch = _Stopwatch()
     for cached in (structure.compile_structure, ipopt.build_solver, ipopt.build_warm):
@@ -94,15 +95,15 @@ def measure(scene: Scene, seed: int = 0) -> TimeBudget:
     with ExitStack() as stack:
         for owner, name, stage in (
             (record, "classify", "judging"),
-            (job, "flat_foldings", "foldings and hinges"),
-            (job, "hinge_minima", "foldings and hinges"),
+            (job.FlatFoldings, "states", "foldings and hinges"),
+            (job.HingeSets, "states", "foldings and hinges"),
             (job, "polish", "polish"),
             (record, "polish", "polish"),
             (find, "confirm", "IPOPT confirms"),
             (ipopt, "build_warm", "building"),
             (descents.Descents, "run", "descents"),
-            (starts.Rounds, "_round", "starts"),
-            (starts, "vertices", "starts"),
+            (rounds.Rounds, "_round", "starts"),
+            (rounds.Corners, "draw", "starts"),
         ):
             stack.enter_context(_wrapped(owner, name, partial(watch.timed, stage)))
         begin = time.process_time()

@@ -24,9 +24,9 @@ import origami_nlp
 PACKAGE = Path(origami_nlp.__file__).parent
 ROOT = PACKAGE.parent
 ORDER = (
-    "version errors arguments workers files numerics closed_forms symbolic pattern folding programme kkt path "
-    "show chart proof "
-    "minima contact modes critical barriers space landscape atlas springs facets sheets "
+    "version errors arguments workers files numerics closed_forms symbolic pattern folding programme kkt facets "
+    "starts path show chart proof "
+    "minima contact modes critical barriers space landscape atlas springs sheets "
     "loading sweep results verbs paper cli __main__"
 ).split()
 """Files at the root, then rooms; each imports only from those before it."""

@@ -368,6 +368,7 @@ def _systems(web: Web, number: int, node: Node) -> Iterator[tuple[Hold, Contact 
     holds = [
         arc.frames[len(arc.frames) // 2].hold for arc in web.arcs if number in (arc.start, arc.end)
     ]
+    # one system serves both sides: without the contact, where its opening vanishes
     least = min(holds, key=lambda hold: len(hold.contacts))
     if node.contact is None:
         yield least, None
@@ -385,6 +386,7 @@ def _lies_on(tracer: Tracer, curve: EventCurve, first: EventPoint, axis: int) ->
     if (words or "").split(" (")[0] != curve.contact.split(" (")[0]:
         return False  # rays that lie on each other close with either of their openings
     u = first.point[axis]
+    # a change of sign: the curve passes the value u between two of its points
     at = [plane.overs[axis].s_of(p.t[axis]) - u for p in curve.points]
     angles = first.frame.programme.expand(first.frame.state)
     for p, q, da, db in zip(curve.points, curve.points[1:], at, at[1:], strict=False):

@@ -52,6 +52,7 @@ def chains_of(web: Web) -> list[Chain]:
         return chain
 
     for node, arcs in sorted(meeting.items()):
+        # ends of branches: where one arc ends, or three and more meet
         if len(arcs) != 2:
             out += [walk(k, node) for k in arcs if k in left]
     for k in range(len(web.arcs)):
@@ -143,6 +144,7 @@ def _branch(
         arc = web.arcs[k]
         frames = arc.frames if forward else arc.frames[::-1]
         last = len(frames) - 1
+        # positions in the whole branch
         begin = len(points) - bool(points)  # arcs share the point at which they meet
         dependent = _dependent(arc.frames[last // 2])
         points += [point_of(f, over, across, dependent) for f in frames[bool(points) :]]
@@ -194,6 +196,7 @@ def point_of(
         held = zip(frame.hold.contacts, frame.forces.tolist(), strict=True)
         spread = _spread(frame.seen, dependent) if dependent else {}
         for contact, value in held:
+            # moment at each single contact, in the scene's units
             unit = p.scale / p.weight(contact)
             low, high = spread.get(contact, (value, value))
             forces.append(

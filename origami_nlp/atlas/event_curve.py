@@ -127,6 +127,7 @@ class EventTracer:
         for _ in range(FOLD_STEPS):
             if b is None or abs(b.ahead) <= ROUNDED or b.ahead == a.ahead:
                 break
+            # secant step to ds/dl = 0 from b, in the length along its tangent
             h = float(b.tangent @ (curve.root * (a.x - b.x))) * b.ahead / (b.ahead - a.ahead)
             if abs(h) <= ROUNDED:
                 break
@@ -177,6 +178,7 @@ def _one_way(
     while len(out) < MOST:
         if time.monotonic() > until:
             return out, OUT_OF_TIME
+        # pseudo-arclength in the plane: the next point is looked for on a line across the direction
         normal = np.array([-along[1], along[0]])
         guess = here.point + h * along * plane.size
         there = tracer.at(guess, normal, here.frame.state + h * moved)
@@ -189,6 +191,7 @@ def _one_way(
             h /= 2
             if h >= SHORTEST:
                 continue
+            # at a cusp of folds two fold curves meet tangentially: steps in the plane cannot turn by pi
             there = _past_cusp(tracer, here, along, moved)
             if there is None or cusps == MOST_CUSPS:
                 return out, "singular, or no such event beyond"
@@ -262,6 +265,7 @@ def _at_edge(tracer: Tracer, a: EventPoint, b: EventPoint) -> EventPoint | None:
     normal = np.zeros(2)
     normal[1 - k] = 1.0
     at = p + shares[k] * (q - p)
+    # on the edge to the last bit
     at[k] = round(at[k])
     state = a.frame.state + shares[k] * (b.frame.state - a.frame.state)
     return tracer.at(plane.corner + at * plane.size, normal, state)

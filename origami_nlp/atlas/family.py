@@ -231,10 +231,12 @@ class Family:
     def winding(self, s: float) -> float:
         """Return the energy that it took to wind preloaded springs at s, which states on the line do not count."""
         p, scale = self.line.at(s).parameters, self.line.programme.scale
+        # k/2 (phi - phi0 - l/k)^2 = k/2 (phi - phi0)^2 - l phi + l phi0 + l^2 / (2 k)
         return scale * float(np.sum(p.load * (p.rest + 0.5 * p.load / p.stiffness)))
 
     def _check(self, posed: list[Model], where: np.ndarray) -> None:
         """Complain where the numbers of scenes are not linear in s."""
+        # equal steps of s: numbers that are linear change by the same from scene to scene
         change = np.diff([linear_numbers(m.parameters) for m in posed], axis=0)
         apart = np.abs(change - np.median(change, axis=0)).max(axis=1)
         if apart.max() > RESOLVED:
@@ -336,6 +338,7 @@ def _over_ratio(scene: Scene) -> Callable[[float], Scene]:
             "over = 'ratio' is the stiffness of mountains over that of valleys: the scene has only one of them"
         )
     log = np.log(k)
+    # k_m / k_v = r, their geometric mean unchanged (paper, section 3: k_m = 0.025 sqrt(r), k_v = 0.025 / sqrt(r))
     now = log[mountain].mean() - log[~mountain].mean()
     side = np.where(mountain, 0.5, -0.5)
 
@@ -411,6 +414,7 @@ def _with_sector(
             f"vertex.sector_angles[{entry + 1}]: its images are all facets of the sheet"
         )
     if scene.vertex.flat:
+        # the sum stays 2 pi
         out[others] -= len(images) * (t - out[entry]) / len(others)
     out[images] = t
     return tuple(out.tolist())

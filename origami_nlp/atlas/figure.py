@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import os
 from collections.abc import Callable
 from typing import Any
 
@@ -12,12 +11,11 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from origami_nlp.arguments import check_path, check_type
+from origami_nlp.arguments import check_type
 from origami_nlp.atlas.boundary import FLAT, Boundaries
 from origami_nlp.atlas.records import PathPoint
 from origami_nlp.atlas.result import Atlas
 from origami_nlp.atlas.smooth import smooth
-from origami_nlp.files import save_figure
 from origami_nlp.show import INKS, KINDS, label_text
 
 SADDLE = "#56B4E9"
@@ -37,15 +35,13 @@ WIDE = 60.0
 """Energies whose largest is so many times the smallest are drawn on a logarithmic scale."""
 
 
-def draw_atlas(atlas: Atlas, path: str | os.PathLike[str] | None = None) -> Figure:
-    """Draw the branches of an atlas, and save the figure if a path is given.
+def draw_atlas(atlas: Atlas) -> Figure:
+    """Draw the branches of an atlas.
 
     Parameters
     ----------
     atlas
         Of `follow`.
-    path
-        Where to save (``.png``, ``.pdf``, ``.svg``, ...), or None.
 
     Returns
     -------
@@ -56,11 +52,9 @@ def draw_atlas(atlas: Atlas, path: str | os.PathLike[str] | None = None) -> Figu
     Raises
     ------
     OptionError
-        If `atlas` is none, or the file cannot be written.
+        If `atlas` is none.
     """
     check_type("atlas", atlas, Atlas)
-    if path is not None:
-        check_path("path", path)
     crease = _telling_crease(atlas)
     panels: list[tuple[str, Callable[[PathPoint], float]]] = [
         ("energy [J]", lambda p: p.energy),
@@ -80,8 +74,6 @@ def draw_atlas(atlas: Atlas, path: str | os.PathLike[str] | None = None) -> Figu
             rows[-1].set_xscale("log")
         rows[-1].set_xlim(*(_shown(atlas, t) for t in (atlas.over.low, atlas.over.high)))
         _legend(atlas, figure)
-    if path is not None:
-        save_figure(figure, path, 200)
     return figure
 
 
@@ -220,15 +212,13 @@ def _legend(atlas: Atlas, figure: Figure) -> None:
         )
 
 
-def draw_boundaries(boundaries: Boundaries, path: str | os.PathLike[str] | None = None) -> Figure:
+def draw_boundaries(boundaries: Boundaries) -> Figure:
     """Draw the curves of events over two parameters, with the number of minima between them.
 
     Parameters
     ----------
     boundaries
         Of `find_boundaries`.
-    path
-        Where to save (``.png``, ``.pdf``, ``.svg``, ...), or None.
 
     Returns
     -------
@@ -239,11 +229,9 @@ def draw_boundaries(boundaries: Boundaries, path: str | os.PathLike[str] | None 
     Raises
     ------
     OptionError
-        If `boundaries` are none, or the file cannot be written.
+        If `boundaries` are none.
     """
     check_type("boundaries", boundaries, Boundaries)
-    if path is not None:
-        check_path("path", path)
     up, across = boundaries.overs
 
     def shown(over: Any, t: float) -> float:
@@ -289,6 +277,4 @@ def draw_boundaries(boundaries: Boundaries, path: str | os.PathLike[str] | None 
                 scale("log")
         if boundaries.curves:
             figure.legend(loc="outside upper center", ncols=1, frameon=False, fontsize=8)
-    if path is not None:
-        save_figure(figure, path, 200)
     return figure

@@ -234,6 +234,7 @@ class _Survey:
         new, met, followed = 0, [], self._minima(s)
         for minimum in result.minima:
             x = model.reduce(np.array(minimum.fold_angles))
+            # not explained by any branch: it begins one
             if _nearest(followed, x) > SETTLED:
                 if _nearest([f for _, f in self.web.states_at(s)], x) <= SETTLED:
                     self.alarms.append(
@@ -247,6 +248,7 @@ class _Survey:
         for frame in followed:
             if min((np.abs(frame.state - x).max() for x in met), default=1.0) > SETTLED:
                 what = classify(State(model, frame.state))
+                # a followed state that is a minimum and that the search has not found
                 missed += what.verdict == "minimum"
                 if what.verdict != "minimum":
                     self.alarms.append(

@@ -49,10 +49,12 @@ def parts_of(arc: Arc, ends: bool = True) -> list[Part]:
         while high - low > 1:
             middle = (low + high) // 2
             known[middle] = _judged(arc.frames[middle])
+            # one change between a and b is assumed; events, where kinds change as a rule, cut arcs already
             low, high = (middle, high) if known[middle][0] == known[a][0] else (low, middle)
         cuts.append(high)
     out = []
     for first, end in zip(cuts, [*cuts[1:], last], strict=True):
+        # the judged frame nearest to the middle of the part
         k = min((k for k in known if first <= k <= end), key=lambda k: abs(2 * k - first - end))
         out.append(Part(first, end, *known[k]))
     return out

@@ -62,6 +62,7 @@ class Plane:
         first = (posed[-1, 0] - posed[0, 0]) / self.size[0]
         second = (posed[0, -1] - posed[0, 0]) / self.size[1]
         i, j = (self.size[k] * shares for k in (0, 1))
+        # what two edges of the plane say of its inside
         flat_plane = posed[0, 0] + i[:, None, None] * first + j[None, :, None] * second
         if np.abs(flat_plane - posed).max() > RESOLVED:
             raise OptionError(
@@ -81,6 +82,7 @@ class Plane:
         none = np.zeros(0) if m.dead is None else m.dead.vector
         lengths = [len(v) for v in (m.sectors, m.stiffness, m.rest, m.load, none)]
         cut = np.cumsum(lengths)
+        # logarithms of stiffness among them: log-linear along every line
         at = p.origin + (point - self.corner) @ p.slopes
         sectors, k, rest, load, dead, angles = np.split(at, cut)
         d_sectors, d_k, d_rest, d_load, d_dead, change = np.split(direction @ p.slopes, cut)

@@ -84,6 +84,7 @@ def find_regions(
         inside = numbers == number
         if inside.mean() < LEAST:
             continue
+        # the pad makes edges of the plane count as borders
         depth = distance_transform_edt(np.pad(inside, 1))[1:-1, 1:-1]
         deepest = np.unravel_index(int(depth.argmax()), depth.shape)
         found = _on_lines(boundaries, plane, inside)
@@ -97,6 +98,7 @@ def find_regions(
             found.append(dict(Counter(str(m.kind) for m in result.minima)))
             cells = np.indices(depth.shape)
             far = np.hypot(*(c - a for c, a in zip(cells, at, strict=True)))
+            # the next check goes where it is far from borders and from the checks before
             depth = np.minimum(depth, far)
         kinds, *seen = (dict(sorted(k.items())) for k in found)
         where = plane.values(plane.corner + (np.array(deepest) + 0.5) / CELLS * plane.size)

@@ -51,6 +51,7 @@ def smooth(curve: EventCurve, overs: tuple[Over, Over]) -> np.ndarray:
     chords = np.diff(s / size, axis=0)
     lengths = np.linalg.norm(chords, axis=1)
     along = chords / lengths[:, None]
+    # in shares of the ranges, so that units do not decide what is a corner
     turns = np.arccos(np.clip((along[1:] * along[:-1]).sum(axis=1), -1.0, 1.0))
     cuts = [0, *(np.flatnonzero(turns > CORNER) + 1), len(s) - 1]
     at = np.append(0.0, np.cumsum(lengths))

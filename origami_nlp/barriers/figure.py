@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from os import PathLike
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -22,9 +21,7 @@ Tree = tuple[Any, ...]
 """A branch of a merge tree: () is a leaf, otherwise kind of pass, its energy as written, and its branches."""
 
 
-def draw_barriers(
-    *several: Barriers, path: str | PathLike[str] | None = None, columns: int = 2
-) -> Figure:
+def draw_barriers(*several: Barriers, columns: int = 2) -> Figure:
     """Draw the merge tree of a scene, or of several scenes each tree of another shape once.
 
     Two trees have one shape if the same kinds of passes join as many minima in the same way.
@@ -33,8 +30,6 @@ def draw_barriers(
     ----------
     several
         Of `find_barriers`.
-    path
-        Where to save, or None.
     columns
         Trees side by side.
 
@@ -46,14 +41,13 @@ def draw_barriers(
     Raises
     ------
     OptionError
-        If there is nothing to draw, or the file cannot be written.
+        If there is nothing to draw.
     """
     if not several:
         raise OptionError("several = () must be at least one result of find_barriers")
 
     from matplotlib.figure import Figure
 
-    from origami_nlp.files import save_figure
     from origami_nlp.show import minima_legend, passes_legend
 
     shapes: dict[Tree, list[Barriers]] = {}
@@ -84,8 +78,6 @@ def draw_barriers(
         fontsize=9,
         frameon=False,
     )
-    if path is not None:
-        save_figure(figure, path)
     return figure
 
 

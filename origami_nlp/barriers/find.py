@@ -91,6 +91,7 @@ def find_barriers(
     if result is None:
         result = find_minima(scene.of_one_winding, seed=seed, full=full, prove=False, escape=False)
     # no path within the symmetry leads from one winding to another
+    # each winding is a programme of its own
     here = tuple(m for m in result.minima if m.winding == model.structure.winding)
     if len(here) < len(result.minima):
         result = replace(result, minima=here)
@@ -179,6 +180,7 @@ def _pass_between(work: RefinedGraph, tree: MergeTree, i: int, j: int) -> Pass:
     at = State(model, x)
     critical = critical_at(at) if kind not in ("mesh", "flat state", "singular") else None
     sides = side_of_flat(model.expand(np.array([work.minima[i], work.minima[j]])))
+    # one minimum above the flat state, one below
     if kind == "flat state" and sides[0] * sides[1] < 0 and model.scene.contact == "full":
         why = "proved: admissible states above and below the flat state meet there only"
     elif work.only_exit(v, i, j):

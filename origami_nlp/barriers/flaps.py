@@ -70,9 +70,11 @@ def flap_exit(scene: Scene, fold_angles: np.ndarray) -> FlapExit | None:
         if (
             np.abs(phi[shut] - side * math.pi).max() > TOUCHES
             or np.abs(sectors[shut] - sectors[shut - 1]).max() > CLOSES
+            # step 1: the gaps g_j = pi + s phi(h_j) sum to 2 pi
             or abs(phi[hinges].sum() + side * math.pi) > 3 * TOUCHES
         ):
             continue
+        # step 2: thin where some g_j > pi
         wide = hinges[side * phi[hinges] > TOUCHES]
         if len(wide) != 1:
             return None
@@ -80,8 +82,10 @@ def flap_exit(scene: Scene, fold_angles: np.ndarray) -> FlapExit | None:
         k, rest = np.array(scene.stiffness), np.array(scene.wound_angles)
         # least of k_1 (x - r_1)^2 + k_2 (-s pi - x - r_2)^2 over the segment
         x = (k[one] * rest[one] + k[two] * (-side * math.pi - rest[two])) / (k[one] + k[two])
+        # step 4: a parabola on a segment is least at its vertex, or at the end next to it
         x = float(np.clip(x, *sorted((0.0, -side * math.pi))))
         out = np.zeros(6)
+        # step 3: phi(h_j) = 0 at every way out
         out[shut], out[one], out[two] = side * math.pi, x, -side * math.pi - x
         numbers = tuple((shut + 1).tolist())
         return FlapExit(numbers, int(wide[0]) + 1, float(scene.energy(out)), out)

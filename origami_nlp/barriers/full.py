@@ -124,7 +124,9 @@ def full_pass(
     at = np.array(symmetric.fold_angles)
     path = symmetric.path
     model = Model(full_scene(scene))
+    # an explicit path bounds the barrier from above, whatever else there is
     upper = float(model.energies(model.reduce(path)).max())
+    # every path passes both ends; each further bound holds for all paths too, so the largest counts
     bounds = [(max(model.energy(model.reduce(s)) for s in states), "the higher of the two minima")]
     open_sets: list[str] = []
     side = side_of_flat(np.array(states))
@@ -152,10 +154,12 @@ def full_pass(
     index = None
     if symmetric.pass_kind in ("saddle", "contact saddle", "corner"):
         critical = critical_at(State(model, model.reduce(at)))
+        # directions of negative curvature, symmetry-breaking ones included
         index = critical.index if critical else None
     if upper <= lower + slack:
         verdict = "same"
     else:
+        # two directions down: a path goes round such a state lower
         verdict = "lower" if index is not None and index > 1 else "open"
     return FullPass(
         *numbers, symmetric.energy, upper, lower, symmetric.pass_kind, verdict, index, why
@@ -200,6 +204,7 @@ def exits(at: State, known: Sequence[np.ndarray] = (), spacing: float = EXIT_SPA
         dimension = max(dimension, tangent.shape[1])
         for step in _steps(tangent):
             y, residual = project(model, here.x + spacing * step, held)
+            # samples about `spacing` apart: a step back to where one has been is no step
             near = np.linalg.norm(np.array(seen) - y, axis=1).min() < 0.7 * spacing
             if residual > CLOSES or near:
                 continue

@@ -110,6 +110,7 @@ def grow(
         if count >= most:
             complete = False
             break
+        # breadth first: the frontier are the states of the last round, and no cell holds two
         new = _step_out(model, frontier, spacing, occupied, within)
         if not len(new):
             break
@@ -211,6 +212,7 @@ def _cut_back(model: Programme, inside: np.ndarray, outside: np.ndarray) -> np.n
         good &= np.linalg.norm(y - want, axis=1) <= 0.6 * step
         good[good] = model.admissible(y[good])
         best[good] = y[good]
+        # bisection for all at once; it ends at one boundary of the admissible set, not always the nearest
         low, high = np.where(good, middle, low), np.where(good, high, middle)
     return best[low > 0.05]
 
@@ -219,10 +221,12 @@ def _join(model: Model, x: np.ndarray, spacing: float) -> tuple[np.ndarray, np.n
     """Return the edges [E, 2] between neighbours, the state half-way [E, n], and the height [E] of each."""
     edges = _near(x, spacing)
     side = side_of_flat(model.expand(x)) if model.scene.contact == "full" else np.zeros(len(x))
+    # an edge from above the flat state to below it would skip the only state that joins them
     edges = edges[side[edges[:, 0]] * side[edges[:, 1]] >= 0]
     a, b = x[edges[:, 0]], x[edges[:, 1]]
     length = np.linalg.norm(a - b, axis=1)
     middle, good = _reach(model, 0.5 * (a + b), STRAY * length)
+    # an estimate of the energy along the edge: refinement makes the passes that matter exact
     height = parabola_top(model.energies(a), model.energies(middle), model.energies(b))
     # along a bent boundary the middle is outside: go round it on either side, by two shorter legs
     for sign in (1.0, -1.0):
@@ -257,6 +261,7 @@ def _near(x: np.ndarray, spacing: float) -> np.ndarray:
     most = int(np.unique(sorted_key, return_counts=True)[1].max())
     pairs = []
     for offset in itertools.product((-1, 0, 1), repeat=x.shape[1]):
+        # cells as one number: neighbours differ by a constant; each pair of offsets v, -v is looked at once
         shift = int(np.array(offset) @ weight)
         if shift < 0 or (shift == 0 and any(offset)):
             continue

@@ -167,10 +167,12 @@ def critical_at(state: State) -> Critical | None:
         scale = max(1e-300, float(np.abs(b.eigenvalues).max(initial=0.0)))
         below = int((b.eigenvalues < -CURVED * scale).sum())
         if below >= index:
+            # where pieces meet the largest index counts: down on one of them is down
             index, direction = below, b.direction
     if not state.regular:
         kind: PassKind = "flat state" if np.abs(x).max() <= SAME else "singular"
     elif len(judged) > 1 or len(judged[0].rows) >= model.freedom:
+        # as many contacts as freedoms leave a point, where the energy need not be stationary
         kind = "corner"
     else:
         kind = "contact saddle" if judged[0].rows else "saddle"
@@ -198,6 +200,7 @@ def slide(
     except ValueError:
         return None
     near = [float(np.abs(path.end - m).max()) for m in minima]
+    # None: a minimum that is not listed, or a descent that stopped on its way
     lands = int(np.argmin(near)) if near and min(near) <= ENDS else None
     return Descent(path.states, lands)
 
@@ -210,6 +213,7 @@ def both_sides(
         return None
     sides = []
     for sign in (1.0, -1.0):
+        # far enough off the pass that the energy falls by more than rounding, near enough not to jump to another valley
         for off in OFF:
             held = pass_.rows if pass_.kind == "contact saddle" else ()
             y, residual = project(model, pass_.x + sign * off * pass_.direction, held)
@@ -234,6 +238,7 @@ def leg_is_below(
     out = []
     for want in top + t * (x - top):
         y, residual = project(model, want)
+        # a chord between two states at +-pi leaves the limit by rounding
         over = np.flatnonzero(np.abs(y) > model.bound)
         if model.has_limits and len(over):  # between two states on a wall: stay on it
             y, residual = project(model, y, [fold_limit(int(v), y[v]) for v in over])

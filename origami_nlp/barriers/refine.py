@@ -23,9 +23,10 @@ from origami_nlp.barriers.passes import (
     slide,
 )
 from origami_nlp.barriers.thin import thin_curves
-from origami_nlp.kkt import State, flat_foldings, thin_at
+from origami_nlp.kkt import State, thin_at
 from origami_nlp.numerics import LEVEL, SAME, Merge, MergeTree, merge_tree
 from origami_nlp.programme import Model
+from origami_nlp.starts import flat_foldings
 
 MOST_ROUNDS = 6
 
@@ -70,6 +71,7 @@ class RefinedGraph:
                     links.append((v, int(here[gap.argmin()])))
                 elif v < len(self.minima) and gap.min() <= 0.03:
                     near = np.argsort(gap)[:2]
+                    # a minimum between two samples of the curve is joined to both
                     links += [(v, int(here[k])) for k in near]
             at += len(curve.states)
         self._add(np.empty((0, self.model.size)), links)
@@ -145,6 +147,7 @@ class RefinedGraph:
         at = edges.index(merge.edge)
         near = vertices[max(0, at - 6) : at + 8]
         starts = np.vstack([g.middle[merge.edge], g.states[near]])
+        # height over the higher of the two valleys that meet
         depth = merge.height - max(
             min(g.energy[k] for k in merge.first), min(g.energy[k] for k in merge.second)
         )
@@ -152,12 +155,14 @@ class RefinedGraph:
         for c in critical_near(self.model, starts, 3 * self.spacing):
             u = self.model.energy(c.x)
             # the parabolas of the graph may be a little low; anything much higher is another pass
+            # KKT points of index 1 near the top of the rough path: the lowest that parts the two sides
             if u > merge.height + 0.2 * depth or (best is not None and u >= best[0]):
                 continue
             sides = both_sides(self.model, c, self.minima)
             if sides is None:
                 continue
             ends = [s.lands_on for s in sides]
+            # the evidence: descents down both sides land in valleys that this merge joins
             apart = any(a in merge.first and b in merge.second for a, b in (ends, ends[::-1]))
             if apart:
                 best = (u, c, sides)
@@ -180,6 +185,7 @@ class RefinedGraph:
                 break
             if v in g.edges[found.edge] or close_by[found.edge] > 4 * self.spacing:
                 break
+            # just above the pass, so that the tree takes the pass itself
             height[found.edge] = np.nextafter(level, math.inf) if level else 0.0
         self.graph = replace(g, height=height)
 

@@ -12,10 +12,11 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from origami_nlp.kkt import State, project, states_on_limits, thin_at
+from origami_nlp.kkt import State, project, thin_at
 from origami_nlp.numerics import CLOSES
 from origami_nlp.path import follow_boundary
 from origami_nlp.programme import Contact, Model
+from origami_nlp.starts import states_on_limits
 
 ON_CURVE = 0.02
 """A state this close [rad] to a curve with the same closed contacts lies on it."""
@@ -102,6 +103,7 @@ def last_thin(
         middle, residual = project(thin.programme, 0.5 * (low + high), held)
         if residual > CLOSES or max(np.abs(middle - end).max() for end in (low, high)) >= apart:
             break
+        # invariant: `low` is thin, `high` is not
         if is_thin(thin.at(middle)):
             low = middle
         else:

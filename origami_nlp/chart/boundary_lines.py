@@ -172,6 +172,8 @@ def _pieces(model: Model, line: BoundaryLine, lines: list[BoundaryLine]) -> list
         if away[k] <= SETTLED:
             cuts.add(k)
         elif away[k] <= STEPS.longest and 0 < k < len(s) - 1:
+            # the nearest point lies before or behind the corner: it goes in between the two neighbours that it
+            # separates
             k += bool(away[k + 1] < away[k - 1])
             at, points = np.insert(at, k, x, axis=0), np.insert(points, k, point, axis=0)
             s = np.insert(
@@ -184,6 +186,7 @@ def _pieces(model: Model, line: BoundaryLine, lines: list[BoundaryLine]) -> list
         if s[b] - s[a] < SHORT or b - a < 2:
             continue
         middle = State(model, at[(a + b) // 2])
+        # what is closed in the middle of a piece is closed all along it; at its ends more is
         rows = middle.pieces[0] or line.rows
         here = slice(a, b + 1)
         out.append(

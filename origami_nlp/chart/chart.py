@@ -1,7 +1,7 @@
 """The paper's coordinates of a scene with two symmetric freedoms, from the generated closed forms.
 
 - D_1, degree 6: (phi_2, phi_3), the fold angles between the mirror creases; one branch
-  (`closed_forms.degree6`, paper eq. phi1-6-fold).
+  (`closed_forms.degree6`, paper, eq. 3.2, phi1-6-fold).
 - D_n, n >= 2, wedge of three creases (degree 4 n): (phi_2, elevation upsilon of crease 1, paper's sign:
   F_1 = Q(e2, upsilon) Q(b_1, phi_1/2)), two branches (`closed_forms.wedge3`, of states that wind once).
 
@@ -176,11 +176,13 @@ def wedge_elevation(scene: Scene, fold_angles: np.ndarray) -> np.ndarray:
     n = scene.group.order
     azimuth, h = 0.0, quat.IDENTITY
     for r, ray in enumerate(scene.group.rays):
+        # half of the turn: phi_2 / 2, and phi / 4 at both mirrors, which halve the fold
         half = fold_angles[..., crease_number(scene, r) - 1] / (2 if r == 1 else 4)
         axis = (math.cos(azimuth), math.sin(azimuth), 0.0)
         h = quat.multiply(h, quat.fold(np.cos(half), np.sin(half), axis))
         azimuth += ray.sector
     normal = quat.rotate(h, (math.sin(math.pi / n), -math.cos(math.pi / n), 0.0))
+    # upsilon > 0 lowers crease 1, where the paper says that it elevates it (docs/errata.md, 1)
     return np.arctan2(normal[2], normal[0])
 
 
@@ -196,6 +198,7 @@ def _branches(chart: Chart, phi: np.ndarray, x: float, y: float) -> tuple[int, .
         error[~np.isin(point.reason, (Reason.OK, Reason.FOLD))] = np.inf
         misfit.append(float(error.min()))
         own.append(bool(point.own_side[0]))
+    # branches meet where J = 0: next to it each explains the state nearly as well
     tie = abs(misfit[0] - misfit[1]) < TIE if np.isfinite(misfit).all() else misfit[0] == misfit[1]
     order = [0, 1] if misfit[0] <= misfit[1] else [1, 0]
     if tie:

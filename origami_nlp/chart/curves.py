@@ -13,10 +13,11 @@ import math
 
 import numpy as np
 
-from origami_nlp.kkt import StartStream, project
+from origami_nlp.kkt import project
 from origami_nlp.numerics import CLOSES, OUTSIDE
 from origami_nlp.pattern import Scene
 from origami_nlp.programme import Model, Programme
+from origami_nlp.starts import Projected
 
 STARTS = 96
 """Projected random states from which curves are looked for; the same every time."""
@@ -47,7 +48,7 @@ def trace_curves(scene: Scene, step: float) -> list[np.ndarray]:
     """
     model = Model(scene)
     curves: list[np.ndarray] = []
-    for start in itertools.islice(StartStream(model, 0), STARTS):
+    for start in itertools.islice(Projected(model).starts(np.random.default_rng(0)), STARTS):
         x, residual = _correct(model, start.x)
         if residual > CLOSES or np.abs(x).max() > math.pi + OUTSIDE:
             continue
@@ -76,6 +77,7 @@ def _tangent(model: Programme, x: np.ndarray, before: np.ndarray | None) -> np.n
     null = vt[int((s > CROSSING).sum()) :]
     if before is None:
         return null[0] if len(null) == 1 else None
+    # before a crossing the kernel is a plane that holds both tangents: the old direction, projected, picks one
     t = null.T @ (null @ before)
     length = float(np.linalg.norm(t))
     return t / length if length > 0.1 else before
@@ -110,6 +112,7 @@ def _walk(
 
 def _end_point(model: Programme, x: np.ndarray, y: np.ndarray) -> np.ndarray | None:
     """Where the curve from x to y meets |phi| = pi, or None if Newton does not say."""
+    # share of the step at which each fold angle reaches the limit that it is moving to
     room = (math.pi - np.sign(y) * x) / np.maximum(np.abs(y - x), 1e-300)
     room[np.abs(y) <= math.pi] = math.inf
     k = int(np.argmin(room))

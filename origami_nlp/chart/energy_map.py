@@ -3,7 +3,7 @@
 Three forms, by the scene's symmetric degrees of freedom:
 
 - D_1, degree 6 (two freedoms): (phi_2, phi_3), the fold angles between the mirror creases; the rest
-  from `closed_forms.degree6` (paper, eq. phi1-6-fold).
+  from `closed_forms.degree6` (paper, eq. 3.2, phi1-6-fold).
 - D_n, n >= 2, wedge of three creases (degree 4 n; two freedoms): (phi_2, elevation upsilon of crease
   1, paper's sign: F_1 = Q(e2, upsilon) Q(b_1, phi_1/2)), two branches, from `closed_forms.wedge3`.
 - one freedom: the curves of closed states, traced numerically, over one of their fold angles.
@@ -182,6 +182,7 @@ def _handles(chart: Chart, branch: Branch) -> tuple[np.ndarray, ...]:
             (t, border, branch.energy[edge, cell]),
         ):
             states = chart.fold_angles(0, x, y)
+            # a 1-handle: the border point is admissible, the cell inside of it is not
             alone = np.isnan(inside) & admissible(scene, states)
             # facets lie on each other there: the layers decide
             alone[alone] = [examine(scene.vertex, phi).admissible for phi in states[alone]]
@@ -200,6 +201,7 @@ def _wedge(chart: Chart, size: int) -> Landscape:
     for k, sign in enumerate(chart.signs):
         # a coarse look first: each branch fills only a part of the elevations
         coarse = cells(-reach, reach, 81)
+        # broadcast: phi_2 along columns, elevations along rows
         look = chart.fold_angles(k, cells(-math.pi, math.pi, 81), coarse[:, None])
         rows = np.flatnonzero(np.isfinite(look).all(axis=-1).any(axis=1))
         low, high = -reach, reach

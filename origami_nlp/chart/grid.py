@@ -37,8 +37,10 @@ def crossings_of(chart: Chart, branch: int, size: int) -> tuple[np.ndarray, np.n
     inside = np.concatenate([a for a, _ in pairs])
     beyond = np.concatenate([b for _, b in pairs])
     at_edge = allowed(chart, branch, beyond[:, 0], beyond[:, 1])[0]
+    # admissible up to the edge of the chart: the edge itself is the boundary there
     inside = np.where(at_edge[:, None], beyond, inside)
     for _ in range(BISECTIONS):
+        # invariant: `inside` has an admissible state, `beyond` has none
         middle = (inside + beyond) / 2
         ok = allowed(chart, branch, middle[:, 0], middle[:, 1])[0][:, None]
         inside, beyond = np.where(ok, middle, inside), np.where(ok, beyond, middle)

@@ -173,6 +173,7 @@ def _segments(grid: _Grid, cells: np.ndarray, good: np.ndarray) -> list[Any]:
         middle = (a + b) / 2
         ok = np.asarray(grid.good(middle))[:, None]
         a, b = np.where(ok, middle, a), np.where(ok, b, middle)
+    # two opposite corners good, two not: which pair hangs together is decided by the middle of the cell
     centre = np.asarray(grid.good(grid.points(cells + 0.5)))
     pairs, first = [], np.searchsorted(cell, np.arange(len(cells)))
     for k, start in enumerate(first.tolist()):

@@ -43,6 +43,7 @@ def admissible_region(scene: Scene, boundary: Boundary, branch: int) -> MultiPol
         if line.branch != branch or line.thin or line.hidden:
             continue
         points = line.points.copy()
+        # ends of lines are known to `CORNER` only: those of one corner are made one point, or faces would not close
         points[0], points[-1] = corner(points[0]), corner(points[-1])
         pieces.append(shapely.LineString(points))
     faces = list(shapely.polygonize([shapely.unary_union(pieces)]).geoms) if pieces else []

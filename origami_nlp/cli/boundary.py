@@ -42,5 +42,5 @@ def boundary(
     )
     found.tell(out.console)
     out.write("json", found.to_dict)
-    out.save("figure", draw_boundaries, found)
+    out.write("figure", draw_boundaries, found)
     end_of(found)

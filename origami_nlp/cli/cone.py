@@ -113,13 +113,13 @@ def draw(
         word = parse_flaps(flaps, degree)
         branch = ConeBranch(word, -1 if any(v < 0 for v in angles) else 1, end)
         steps = [share * branch.end * branch.direction for share in (0.25, 0.5, 0.75, 1.0)]
-        out.save("figure", draw_branch, branch, angles or steps)
+        out.write("figure", draw_branch, branch, angles or steps)
     elif degree is None:
         raise OptionError("--degree is missing: give a degree, or an assignment with --flaps")
     elif len(angles) > 1:
         raise OptionError("--elevation is given twice: all foldings are drawn at one elevation")
     else:
-        out.save("figure", draw_foldings, check_degree(degree), angles[0] if angles else 0.45)
+        out.write("figure", draw_foldings, check_degree(degree), angles[0] if angles else 0.45)
 
 
 def phase(
@@ -159,7 +159,7 @@ def phase(
     print_diagram(diagram, out.console)
     out.write("csv", map_as_csv, diagram)
     out.write("json", diagram_to_dict, diagram)
-    out.save("figure", draw_phase, diagram)
+    out.write("figure", draw_phase, diagram)
 
 
 def full(

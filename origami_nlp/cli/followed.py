@@ -41,7 +41,7 @@ def follows(command: Callable[..., Any]) -> Callable[..., None]:
         found = command(**given)
         found.tell(out.console)
         out.write("json", found.to_dict)
-        out.save("figure", draw, found)
+        out.write("figure", draw, found)
         out.save("fold", write_frames, found)
         out.turn(found)
         end_of(found)

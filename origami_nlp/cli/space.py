@@ -26,4 +26,4 @@ def space(
         found = find_space(stated, rings)
     found.tell(out.console)
     out.write("json", found.to_dict)
-    out.save("figure", draw_space, found)
+    out.write("figure", draw_space, found)

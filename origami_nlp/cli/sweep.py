@@ -53,7 +53,7 @@ def sweep(
     if failed:
         output.say("failed scenes are tried again by the same command; reasons are in the store")
     output.written(out)
-    output.save("figure", draw_sweep, out)
+    output.write("figure", draw_sweep, out)
     if failed:
         raise typer.Exit(1)
 

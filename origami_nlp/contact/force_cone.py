@@ -35,6 +35,7 @@ def distance_to_boundary(b: np.ndarray, c: np.ndarray) -> tuple[float, np.ndarra
     span = u[:, :rank]
     g, p = span.T @ g, span.T @ c
     best: tuple[float, np.ndarray] | None = None
+    # a facet of the cone is spanned by rank - 1 of its generators, and has all others on one side
     for chosen in itertools.combinations(range(g.shape[1]), rank - 1):
         wall = g[:, list(chosen)]
         _, s, vt = np.linalg.svd(wall.T) if rank > 1 else (None, np.zeros(0), np.eye(1))
@@ -42,6 +43,7 @@ def distance_to_boundary(b: np.ndarray, c: np.ndarray) -> tuple[float, np.ndarra
             continue
         inward = vt[-1]
         for w in (inward, -inward):
+            # w . p is the distance of p from that facet's plane, negative outside; the smallest over all facets counts
             if (w @ g >= -TOLERANCE).all() and (best is None or w @ p < best[0]):
                 best = (float(w @ p), span @ w)
     return best

@@ -219,6 +219,7 @@ def _cap(model: Programme) -> float:
 
 def under_load(model: Programme, load: np.ndarray) -> Any:
     """The model with energy U - load . y, for a load [n] in the metric of all N fold angles, over `scale`."""
+    # work is the same in both metrics: load . y = (root load) . x
     return model.loaded(model.root * load)
 
 
@@ -230,6 +231,7 @@ def moments_of(model: Programme, load: np.ndarray) -> tuple[float, ...]:
 def _regular(piece: Stratum, check: bool) -> LoadMargin:
     model, rows = piece.state.programme, piece.contacts
     response, _ = piece.response()
+    # mu_i + D_i . f = 0 is a plane of loads at the distance mu_i / |D_i|
     margins = piece.forces / np.maximum(np.linalg.norm(response, axis=1), 1e-300)
     best: tuple[float, np.ndarray, _Event] | None = None
     for i in range(len(rows)):
@@ -288,6 +290,7 @@ def _refine(piece: Stratum, i: int, response: np.ndarray) -> np.ndarray:
         d, mu = here.response()[0][i], here.forces[i]
         step = float(np.linalg.norm(trial - load))
         load, y = trial, solved.x
+        # foot of the normal from 0 to the plane mu + D . (f - load) = 0: at the fixed point f is parallel to D
         wanted = d * (d @ load - mu) / (d @ d)
         if step <= 1e-9 * np.linalg.norm(load) and damping == 1.0:
             return load / np.linalg.norm(load)
@@ -317,6 +320,7 @@ def _critical(piece: Stratum, direction: np.ndarray, cap: float) -> _Event:
         solved, mu = newton(loaded, near, rows)
         if solved is None or not solved.converged or np.linalg.norm(solved.x - near) > FARTHEST:
             return None
+        # the first of three ends: a contact pulls, the tangential stiffness is gone, another contact closes
         if mu.min() < 0:
             return solved.x, "opens", int(mu.argmin())
         if State(loaded, solved.x).on(rows).stiffness <= 0:
@@ -355,6 +359,7 @@ def _orbit(piece: Stratum, v: int, response: np.ndarray, cap: float) -> CreaseMa
     for sign in (1.0, -1.0):
         direction = np.zeros(model.size)
         direction[v] = sign
+        # dmu/dtau
         slope = response @ direction
         falls = slope < -1e-14
         predicted = np.min(-piece.forces[falls] / slope[falls]) if falls.any() else math.inf
@@ -402,6 +407,7 @@ def _dependent(piece: Stratum, check: bool) -> LoadMargin:
         piece.state.gradient,
     )
     gradients = piece.slopes @ z  # in the tangent space of closure
+    # the pull is balanced while it lies in the cone {A' mu: mu >= 0}; leaving that, some contact would have to pull
     found = distance_to_boundary(gradients.T, z.T @ pull)
     names = "; ".join(model.name(row) for row in rows)
     if found is None:

@@ -15,7 +15,7 @@ from origami_nlp.contact.segments import STIFFNESS, SegmentReport
 from origami_nlp.errors import OptionError
 from origami_nlp.files import Brief
 from origami_nlp.kkt import ContactForce
-from origami_nlp.minima import CELLS, MinimaResult, contact_words
+from origami_nlp.minima import CELLS, MinimaResult
 from origami_nlp.pattern import scene_to_dict
 from origami_nlp.show import Content, Piece, Table, Told, Turnable, Words, pick, to_plain
 
@@ -162,7 +162,7 @@ class ContactReport(Told, Turnable):
                 str(state.number),
                 f"{state.minimum.energy:.6g}",
                 state.minimum.kind,
-                "\n".join(contact_words(c) for c in state.contacts),
+                "\n".join(c.words() for c in state.contacts),
                 state.stiffness_words(),
                 margin_number(state.margin),
             )
@@ -175,7 +175,7 @@ class ContactReport(Told, Turnable):
         yield self.table()
         for state in self.states:
             yield Words(f"#{state.number}", "bold")
-            yield from (f"   contact {contact_words(c)}" for c in state.contacts)
+            yield from (f"   contact {c.words()}" for c in state.contacts)
             yield from (f"   {line}" for line in margin_lines(state.margin))
             for crease in state.margin.creases:
                 names, up, down = crease_cells(crease)

@@ -279,6 +279,7 @@ def _on_known(held: Stratum, curves: list[BoundaryCurve]) -> int | None:
         if distance[k] > step:
             continue
         # the same boundary may be described by other contacts: they stay closed along it
+        # three points to either side
         near = at[[max(k - 3, 0), min(k + 3, len(at) - 1)]]
         values, _ = model.local(near).openings(held.contacts)
         if np.abs(values).max() <= NEAR_CONTACT:
@@ -337,9 +338,11 @@ def flat_parts(
     list of Segment
         In order of arclength.
     """
+    # paper, eq. 3.5 and 3.6, free of units
     steep = np.abs(curve.slope) / (math.pi * total)
     bent = np.abs(curve.stiffness) / total
     excess = np.maximum(steep / slope, bent / stiffness) - 1
+    # runs of true: where the difference is 1 one begins, where it is -1 one has ended
     flat = (excess <= 0) & curve.pressed
     out = []
     edges = np.flatnonzero(np.diff(np.r_[False, flat, False].astype(int)))
@@ -377,6 +380,7 @@ def _edge(curve: BoundaryCurve, excess: np.ndarray, inside: int, outside: int) -
         return float(curve.s[inside])
     part = 1.0
     if excess[outside] > 0:
+        # linear in between: `excess` changes sign at the end of the segment
         part = -excess[inside] / (excess[outside] - excess[inside])
     if not curve.pressed[outside]:  # where the moment that changes sign vanishes
         here, there = curve.multipliers[inside], curve.multipliers[outside]

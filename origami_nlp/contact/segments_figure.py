@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import os
 import textwrap
 from typing import Any
 
@@ -12,32 +11,24 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from origami_nlp.contact.segments import SegmentReport
-from origami_nlp.files import save_figure
 from origami_nlp.show import BAND, INK, METASTABLE, label_text, patch
 
 MOST_CURVES = 4
 """Boundaries drawn; the figure says how many there are more."""
 
 
-def draw_segments(report: SegmentReport, path: str | os.PathLike[str] | None = None) -> Figure:
+def draw_segments(report: SegmentReport) -> Figure:
     """Draw U(s), dU/ds, d2U/ds2 and the contact moment along boundaries, those with metastable parts first.
 
     Parameters
     ----------
     report
         Of `find_segments`.
-    path
-        Where to save, or None.
 
     Returns
     -------
     matplotlib.figure.Figure
         One column a boundary.
-
-    Raises
-    ------
-    OptionError
-        If the ending of `path` names no known picture format.
     """
     shown = list(range(len(report.curves)))
     marked = {segment.curve for segment in report.segments}
@@ -67,8 +58,6 @@ def draw_segments(report: SegmentReport, path: str | os.PathLike[str] | None = N
         figure.legend(
             handles=handles, loc="outside lower center", ncols=ncols, fontsize=9, frameon=False
         )
-    if path is not None:
-        save_figure(figure, path)
     return figure
 
 

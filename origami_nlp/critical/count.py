@@ -31,6 +31,8 @@ def count_links(
     stiffness, rest = springs.stiffness, springs.rest
     counts = [link.lower(stiffness, rest) for link in links]
     chi, empty, whole = counts[-1]
+    # 1 for a minimum (chi 0), -1 for a saddle (two lower arcs), 1 for a maximum (a whole circle has chi 0), 0 for
+    # regular
     contribution = 1 - chi
     radii = " and ".join(f"{link.radius:g}" for link in links)
     how = f"sampled link at radii {radii} rad"
@@ -55,6 +57,7 @@ def _first_order(links: tuple[Link, ...], stiffness: np.ndarray, rest: np.ndarra
         pull = stiffness * (link.center - rest)
         firm = SHARP * float(np.linalg.norm(pull))
         for circle in link.circles:
+            # where the slope decides, the sign of U - U(p) on the link is that of its part of first order in the radius
             slope = (circle.x - link.center) @ pull / link.radius
             step = circle.x - link.center
             change = slope * link.radius + 0.5 * (step * step) @ stiffness

@@ -207,6 +207,7 @@ def _cut(
     kept: list[Edge] = []
     begin, points, along = 0, x[:0], tangent[:0]
     for cell, at in [*cuts, (len(x) - 2, x[-1])]:
+        # invariant: `points` begins with the last event, `begin` is the first sample behind it
         points = np.concatenate([points, x[begin : cell + 1], at[None]])
         along = np.concatenate([along, tangent[begin : cell + 2]])
         if loop or np.abs(points[-1] - points[0]).max() > SETTLED:
@@ -218,6 +219,7 @@ def _cut(
 def _orientation(model: Programme, x: np.ndarray, tangent: np.ndarray, row: Contact) -> np.ndarray:
     """Return det (C; t), [M], C the Jacobian of closure and `row`: 0 where they lose rank."""
     _, jac = model.constraints(x, (row,))
+    # test function of a branch point (Kuznetsov, bordered systems): it changes sign where two curves cross
     return np.linalg.det(np.concatenate([jac, tangent[:, None]], axis=1))
 
 
@@ -248,6 +250,7 @@ def _inside(model: Programme, edge: Edge) -> list[Edge]:
         return [edge]
     if not layers.any():
         return []
+    # each sample takes the verdict of the nearest one whose layers were looked at
     good = layers[np.abs(np.arange(len(x))[:, None] - inner).argmin(axis=1)]
     good[1:-1] &= pairs
     begin = np.flatnonzero(good & ~np.concatenate([[False], good[:-1]]))

@@ -116,6 +116,7 @@ def _interior_points(
     starts = np.concatenate([strata.faces, *(edge.x[1:-1:2] for edge in strata.edges)])
     x, _, residual = _distinct(model, kkt_newton(model, starts))
     # Newton approaches a stationary flat state slowly and stops beside it: its vertex counts for it
+    # vertices at which closure loses rank: two circles of directions, or none
     tips = [v.x for v in strata.vertices if v.links and len(v.links[0].circles) != 1]
     out = []
     for state, error in zip((State(model, y) for y in x), residual, strict=True):
@@ -133,6 +134,7 @@ def _interior_points(
             regular: Kind = ("minimum", "saddle", "maximum")[index]
             if all_links and contribution != (-1) ** index:
                 doubts.append(f"link and index disagree at {in_degrees(state.x)}")
+            # Morse: a nondegenerate interior point of index k adds (-1)^k
             contribution, kind, how = (-1) ** index, regular, "reduced Hessian, index " + str(index)
         out.append(_point(state, index, contribution, "interior", kind, (), (), float(error), how))
     return out
@@ -202,6 +204,7 @@ def _edge_point(
         _, contribution, kind, how = count_links(model.parameters, links_of(state, doubts), doubts)
     if by_formula:
         pushes = side * push > 0
+        # mu < 0: U falls into X, the lower link is one arc, chi = 1, and the point adds nothing
         expected = (-1) ** index if pushes else 0  # type: ignore[operator]
         if all_links and contribution != expected:
             doubts.append(f"link and multiplier disagree at {in_degrees(state.x)}")
@@ -216,6 +219,7 @@ def _edge_point(
 def _unmet(model: Programme, edge: Edge, found: np.ndarray, vertices: np.ndarray) -> list[str]:
     """Name sign changes of dU/ds along an edge at which no critical point was found."""
     pull = model.parameters.torque(edge.x)
+    # a continuous dU/ds that changes sign has a zero in between: a check that shares nothing with Newton
     slope = np.einsum("kj,kj->k", pull, edge.tangent)
     size = BALANCED * float(np.abs(pull).max())
     known = np.concatenate([found, vertices])

@@ -87,6 +87,7 @@ class Link:
         chi, empty, whole = 0, True, True
         for circle in self.circles:
             step = circle.x - self.center
+            # U(x) - U(p) as a product, not as a difference: it goes as r^2, r = 2e-4
             change = (step * ((self.center - rest) + 0.5 * step)) @ stiffness
             low = circle.inside & (change < 0)
             chi += count_arcs(low)
@@ -194,16 +195,19 @@ def _placings(state: State, radius: float) -> list[Placing]:
         raise ValueError(f"closure loses {lost} ranks")
     left = u[:, -1]
     kernel = np.linalg.svd(jac)[2][len(sizes) - 1 :].T
+    # sum u_k Hess c_k
     hessian = model.lagrangian_hessian(x, -left, (), 0.0)
     form, axes = np.linalg.eigh(kernel.T @ hessian @ kernel)
     if np.abs(form).min() <= INDEPENDENT or len(form) != 3:
         raise ValueError("the quadratic form of closure is degenerate")
+    # three eigenvalues: two of one sign, and one of the other if the form is a cone
     sign = np.sign(np.median(np.sign(form)))
     alone = int(np.argmin(sign * form))
     if sign * form[alone] > 0:
         return []  # definite: closure isolates the state
     two = [i for i in range(3) if i != alone]
     axes = kernel @ axes
+    # lambda_0 + lambda_1 (s_1 cos)^2 + lambda_2 (s_2 sin)^2 = 0 with s_i^2 = |lambda_0 / lambda_i|
     stretch = np.sqrt(np.abs(form[alone]) / np.abs(form[two]))
 
     def cone(theta: np.ndarray, side: float) -> np.ndarray:
@@ -226,5 +230,6 @@ def _over_plane(
         if np.abs(g).max(initial=0.0) <= ROUNDED:
             break
         right = np.concatenate([-g, np.zeros((len(y), 2))], axis=1)
+        # Newton with the coordinates in the plane held: x(theta) over the circle, not the nearest closed state
         y = y + np.linalg.solve(np.concatenate([jac, fixed], axis=1), right[..., None])[..., 0]
     return y

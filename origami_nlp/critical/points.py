@@ -44,6 +44,7 @@ def kkt_newton(model: Programme, start: np.ndarray, rows: tuple[Contact, ...] = 
         pull = model.parameters.torque(y)
         f, jac = model.constraints(y, rows)
         gram = jac @ jac.transpose(0, 2, 1)
+        # least-squares multipliers by normal equations: next to singular states these fail, and so does Newton
         weights = _solve(gram, np.einsum("kij,kj->ki", jac, pull))
         stationarity = pull - np.einsum("kij,ki->kj", jac, weights)
         size = 1.0 + np.abs(pull).max(axis=1)
@@ -52,6 +53,7 @@ def kkt_newton(model: Programme, start: np.ndarray, rows: tuple[Contact, ...] = 
         )
         multipliers[todo] = weights[:, m:]
         system = np.zeros((len(todo), n + m + r, n + m + r))
+        # Newton-KKT (Nocedal & Wright, 18.6): saddles and maxima attract it as minima do
         system[:, :n, :n] = model.lagrangian_hessian(y, weights, rows)
         system[:, :n, n:] = -jac.transpose(0, 2, 1)
         system[:, n:, :n] = jac

@@ -16,10 +16,11 @@ import numpy as np
 from origami_nlp.critical.edges import Edge, trace_edges
 from origami_nlp.critical.link import RADII, Link, closed_rows, link_of
 from origami_nlp.errors import OptionError
-from origami_nlp.kkt import State, flat_foldings, project
+from origami_nlp.kkt import State, project
 from origami_nlp.numerics import CLOSES, FOLLOWED, OUTSIDE, RANK, SETTLED, distinct
 from origami_nlp.pattern import Scene, Vertex
 from origami_nlp.programme import Model, Programme
+from origami_nlp.starts import flat_foldings
 
 FACE_SAMPLES = 8192
 """Random states that are projected onto closure; those in X are spread over its faces."""
@@ -110,6 +111,7 @@ def _side(model: Programme, edge: Edge) -> int:
         return 0
     values = model.local(circles[0].x).openings((edge.row,))[0][:, 0]
     inside = circles[0].inside
+    # both signs: a slit, with X on either side; none: a handle
     signs = np.unique(np.sign(values[inside & (np.abs(values) > OUTSIDE)]))
     return int(signs[0]) if len(signs) == 1 else 0
 
@@ -130,6 +132,7 @@ def _corners(model: Programme, rng: np.random.Generator) -> list[np.ndarray]:
             continue
         start = rng.uniform(-math.pi, math.pi, (CORNER_SEEDS, model.size))
         x, residual = project(model, start, pair)
+        # Newton onto closure and two contacts: isolated where all gradients are independent
         x = x[(residual <= FOLLOWED) & model.admissible(x)]
         if not len(x):
             continue

@@ -12,6 +12,7 @@ from .equations import (
 )
 from .faces import Faces as Faces, Lying as Lying
 from .features import Features as Features
+from .labels import Labels as Labels, find_labels as find_labels, image as image
 from .layers import (
     Layers as Layers,
     check_orders as check_orders,

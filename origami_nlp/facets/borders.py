@@ -88,8 +88,10 @@ def _sides_on_faces(
     length = np.linalg.norm(end - start, axis=2)
     steep = rings.valid[a] & (np.abs(high - low) > STEEP * length)
     rise = np.where(steep, high - low, 1.0)
+    # where along the side its height over the plane is 0
     share = np.clip(-low / rise, 0.0, 1.0)
     point = start + share[..., None] * (end - start)
+    # distance of that point inside each border of the other piece, [K, side, border]
     depth = np.einsum("kqpi,kpi->kqp", point[:, :, None] - on[:, None], inward)
     depth = np.where(rings.valid[b][:, None], depth, np.inf)
     border = depth <= inside * crossings.size
@@ -103,9 +105,11 @@ def _sides_on_faces(
         sides = [(int(ids[b[p], j]), int(ids[b[p], rings.after[b[p], j]]), j)
                  for j in np.flatnonzero(border[p, i])]  # fmt: skip
         ends = share[p, i] * length[p, i] <= room, (1 - share[p, i]) * length[p, i] <= room
+        # the corner of the side that lies on the border, if its end does
         here = one if ends[0] else other if ends[1] else -1
         if here in ids[b[p]] or len(sides) + any(ends) < 2:
             continue  # a common corner stays one; what meets inside has a gap of its own
+        # an end that lies on the plane has a gap over the facet; each border beside it has one of its own
         gaps = []
         if any(ends):
             away = high[p, i] if ends[0] else low[p, i]

@@ -87,6 +87,7 @@ class _Form:
 
 def _form(rows: list[np.ndarray], columns: list[np.ndarray], m: int, n: int) -> _Form:
     """Lay out a matrix [m, n] for entries at these places; those at one place are added up."""
+    # row * n + column: sorted codes are the entries of a compressed row matrix, in order
     codes = np.concatenate(rows) * n + np.concatenate(columns)
     if n <= MOST_DENSE:
         return _Form(m, codes, np.zeros(0, int), np.zeros(0, int))
@@ -148,11 +149,13 @@ class Closure:
         q, turned = np.empty((count, d + 1, 4)), np.empty((count, d, 4))  # q_i and q_i (0, axis)
         q[:, 0] = 1.0, 0.0, 0.0, 0.0
         for i in range(d):
+            # q (cos + sin b) = cos q + sin (q b)
             turned[:, i] = np.einsum("kab,kb->ka", g.products[:, i], q[:, i])
             q[:, i + 1] = cos[:, i] * q[:, i] + sin[:, i] * turned[:, i]
         before = q[:, :-1]
         if g.points is None:
             return _Turned(q[:, -1], before, turned)
+        # a turn r about an axis through p is x -> p + r (x - p); carried by Q it adds Q p - Q r p to the translation
         near, far = _rotate(before, g.points), _rotate(q[:, 1:], g.points)
         t = np.zeros((count, d + 1, 3))
         np.cumsum(near - far, axis=1, out=t[:, 1:])
@@ -172,6 +175,7 @@ class Closure:
         for g, s in zip(self._groups, at or self.turned(phi), strict=True):
             out[g.rows[:, None] + np.arange(3)] = s.q[:, 1:]
             if s.t is not None:
+                # over the sheet's size, so that rows of translation are angles like those of rotation
                 out[g.rows[:, None] + np.arange(3, 6)] = s.t / self._size
         return out
 
@@ -212,6 +216,7 @@ class Closure:
 
     def _derivatives(self, s: _Turned) -> np.ndarray:
         """Derivative of a group's equations by each of its turns, [K, d, 3 or 6]."""
+        # vec(c q) = q0 c + c x qv, also off closure, where q is not 1
         q0, qv = s.q[:, 0], s.q[:, None, 1:]
         out = 0.5 * (q0[:, None, None] * s.c + cross(s.c, qv))
         if s.t is None or s.o is None:
@@ -250,6 +255,7 @@ class Closure:
         rows, columns = [np.zeros(0, int)], [np.zeros(0, int)]
         for g in self._groups:
             count, d = g.creases.shape
+            # creases that two loops share give entries at one place: they are added
             rows.append(np.broadcast_to(g.creases[:, :, None], (count, d, d)).ravel())
             columns.append(np.broadcast_to(g.creases[:, None, :], (count, d, d)).ravel())
         return _form(rows, columns, self.pattern.creases, self.pattern.creases)
@@ -274,6 +280,7 @@ class Closure:
                 arm = cross(s.c, s.t[:, None] - s.o)
                 h += np.einsum("ka,kija->kij", push, cross(s.c[:, :, None], arm[:, None]))
             d = h.shape[1]
+            # formulas hold for i before j in the walk: the upper triangle, mirrored
             upper = np.triu(np.ones((d, d), bool))
             h = np.where(upper, h, 0.0)
             h = h + h.swapaxes(1, 2) * ~np.eye(d, dtype=bool)

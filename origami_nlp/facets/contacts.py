@@ -39,11 +39,18 @@ class PatternContacts(PatternEquations):
         With its springs.
     contact
         Whether facets must not cross; without, only fold limits count.
+
+    Attributes
+    ----------
+    origin
+        Where the pattern's corners are counted from, [3]: of one that was moved to its middle, what to add to a place
+        before it is told.
     """
 
     def __init__(self, pattern: Pattern, contact: bool = True) -> None:
         super().__init__(pattern)
         self.contact = contact
+        self.origin = np.zeros(3)
         self._touches: list[tuple[Touch, Touch]] = []
         self._numbers: dict[Touch, int] = {}
         self._seen: dict[str, tuple[bytes, Any]] = {}
@@ -82,6 +89,7 @@ class PatternContacts(PatternEquations):
 
     def contact_of(self, touch: Touch) -> Contact:
         """Return the contact of a touch."""
+        # one number for both sides, whichever facet passed on which: a curve of states keeps its contacts by number
         same = replace(touch, sign=1.0)
         number = self._numbers.setdefault(same, len(self._touches))
         if number == len(self._touches):
@@ -135,6 +143,8 @@ class PatternContacts(PatternEquations):
 
         def closed(pair: int, above: bool) -> list[Contact]:
             every = faces.touches(pair, above)
+            # of points that lie on the other facet only those count that touch: facets may be level at a side, and open
+            # beyond
             near = CLOSES * self.crossings.size
             return [self.contact_of(t) for t in every if t.gap(place) <= near]
 
@@ -143,6 +153,7 @@ class PatternContacts(PatternEquations):
         base = self._needed(x, (*limits, *meeting), known)
         edges = choices(self.features, place)
         branches: list[tuple[tuple[Contact, ...], ...]]
+        # a choice: one of these gaps stays open, whichever; the set of states is the union over them
         branches = [tuple((self.contact_of(t),) for t in choice) for choice in edges]
         branches += [(tuple(closed(k, False)), tuple(closed(k, True))) for k in faces.open]
         whole = not (meeting or known or branches or faces.reason)
@@ -155,6 +166,7 @@ class PatternContacts(PatternEquations):
         rows = [*dict.fromkeys((*sure, *more))]
         if len(rows) == len(sure):
             return sure
+        # along closed motions: a contact may follow from others only there
         keep = needed_rows(self.local(x).openings(rows)[1] @ self.kernel(x), len(sure))
         return tuple(c for c, on in zip(rows, keep, strict=True) if on)
 
@@ -169,6 +181,7 @@ class PatternContacts(PatternEquations):
     def about_to_close(self, x: np.ndarray, length: float) -> tuple[Contact, ...]:
         """Return contacts that are open, but closed by a step of `length` [rad] at most."""
         slack = math.pi - np.abs(x)
+        # twice the step: room for the way back onto closure
         near = np.flatnonzero((slack > TOUCHES) & (slack <= 2 * length))
         found = [fold_limit(int(v), x[v]) for v in near]
         if self.touching:
@@ -199,7 +212,8 @@ class PatternContacts(PatternEquations):
         """Say in words which contact it is; creases, facets and corners 1-based."""
         if contact.is_limit:
             return f"phi = {'+' if contact.side > 0 else '-'}pi at crease {contact.index + 1}"
-        return touch_words(self.touch(contact))
+        touch = self.touch(contact)
+        return touch_words(touch, self._place(touch))
 
     def words(self, contact: Contact, x: np.ndarray) -> ContactWords:
         """Say who touches in a contact."""
@@ -207,7 +221,16 @@ class PatternContacts(PatternEquations):
             return ContactWords("fold-limit", (contact.index + 1,), (), self.name(contact))
         touch = self.touch(contact)
         a, b = (f + 1 for f in touch.facets)
-        return ContactWords(touch.type, (), (a, b), self.name(contact))
+        corners = () if isinstance(touch, Lying) else tuple(c + 1 for c in touch.corners)
+        side = int(touch.sign) if isinstance(touch, Lying) else 0
+        text, place = self.name(contact), self._place(touch)
+        return ContactWords(touch.type, (), (a, b), text, corners, side, place)
+
+    def _place(self, touch: Touch) -> tuple[float, ...]:
+        """Return where the second of two facets that lie face to face is pressed, in the user's coordinates."""
+        if not isinstance(touch, Lying):
+            return ()
+        return tuple((np.array(touch.place) + self.origin).tolist())
 
     def margin(self, contact: Contact, x: np.ndarray) -> float:
         """How far inside each other the features of a contact are at a state, over their size; see `Features`."""

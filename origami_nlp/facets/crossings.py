@@ -44,6 +44,7 @@ class Crossings:
         """Codes of pairs of convex facets that share a crease: their planes meet in its line alone."""
         p = self.pattern
         whole = np.bincount(self.facet, minlength=p.facets) == 1
+        # of convex facets only: pieces of others may meet elsewhere on the line of the crease
         low, high = np.minimum(p.left, p.right), np.maximum(p.left, p.right)
         return np.unique((low * p.facets + high)[whole[low] & whole[high]])
 
@@ -117,6 +118,7 @@ def boxes_that_meet(low: np.ndarray, high: np.ndarray) -> tuple[np.ndarray, np.n
     """Return the pairs of boxes [K, 3] that have a point in common, by sorting and sweeping."""
     axis = int(np.ptp(low, axis=0).argmax())
     order = np.argsort(low[:, axis], kind="stable")
+    # along the axis on which boxes are spread most, each box meets those that begin before it ends
     ends = np.searchsorted(low[order, axis], high[order, axis], side="right")
     many = ends - np.arange(len(order)) - 1
     i = np.repeat(np.arange(len(order)), many)
@@ -151,6 +153,7 @@ def cross_each_other(a: np.ndarray, b: np.ndarray, deep: float) -> np.ndarray:
     through_a, low_a, high_a = _chord(a, normal_b, origin, line, deep)
     through_b, low_b, high_b = _chord(b, normal_a, a[:, :1], line, deep)
     # places along the line, both from the first corner of b
+    # chords are measured from different corners: the one of b from a's, and the other way round
     shift = np.einsum("ki,ki->k", a[:, 0] - b[:, 0], line)
     overlap = np.minimum(high_a, high_b + shift) - np.maximum(low_a, low_b + shift)
     return through_a & through_b & (overlap > deep)
@@ -169,6 +172,7 @@ def _chord(
     h = np.einsum("kqi,ki->kq", x - origin, normal)
     through = (h.max(axis=1) > deep) & (h.min(axis=1) < -deep)
     h2 = np.roll(h, -1, axis=1)
+    # half open: a corner in the plane counts for one of its sides, so that a convex polygon has two cuts or none
     cut = ((h > 0) & (h2 <= 0)) | ((h <= 0) & (h2 > 0))
     with np.errstate(invalid="ignore", divide="ignore"):
         s = np.where(cut, h / (h - h2), 0.0)
@@ -212,6 +216,7 @@ def convex_parts(
             ):
                 break
         else:
+            # no ear but for rounding (corners on one line): the corner that turns most
             i = max(
                 range(len(ring)),
                 key=lambda i: turn(ring[i - 1], ring[i], ring[(i + 1) % len(ring)]),

@@ -187,6 +187,7 @@ class PatternEquations:
         else:
             lam = normal.multipliers(g)
             balance = g - normal.jacobian.T @ lam
+        # grad U = J' lam + mu (-side): opening pi - side phi has the slope -side, and mu >= 0 pushes the crease open
         limits = np.array([-math.copysign(1.0, phi[i]) * balance[i] for i in held])
         balance[held] = 0.0
         return lam, limits, balance
@@ -261,6 +262,7 @@ class PatternEquations:
         j = self.closure.jacobian(phi)
         # on the side with fewer rows; eliminated without exchange, a symmetric matrix has as many positive pivots as
         # eigenvalues (Sylvester).  Lanczos' method would miss copies of zeros where there are many.
+        # eigenvalues of J'J are squares of singular values
         square = j @ j.T if j.shape[0] < j.shape[1] else j.T @ j
         shift = max(SQUARED, below**2)
         lu = splu(sparse.csc_array(square - shift * sparse.eye_array(square.shape[0])), **SYMMETRIC)

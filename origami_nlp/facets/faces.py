@@ -219,8 +219,10 @@ class Faces:
         found: list[tuple[np.ndarray, Touch | None]] = []
         feature: Touch | None
         for of, on, sense in ((one, other, 1.0), (other, one, -1.0)):
+            # corners of the overlap: corners of either piece inside the other one, and sides that cross
             for x, corner, depth in zip(of.x, of.corners, on.depth(of.x), strict=True):
                 if depth > room:
+                    # gaps are along the normal of the facet that stays, which may point up or down
                     sign = sense * float(np.sign(on.way @ up))
                     feature = Touch(
                         "vertex-face", (on.facet, of.facet), (corner, *on.triangle), sign
@@ -234,6 +236,7 @@ class Faces:
         ]
         kept: list[tuple[np.ndarray, Touch | None]] = []
         for x, feature in found:
+            # a corner on a border is also where sides cross: each point once
             if all(np.linalg.norm(x - y) > stack.near for y, _ in kept):
                 kept.append((x, feature))
         turn, shift = self._at.turn[one.facet], self._at.shift[one.facet]
@@ -283,6 +286,7 @@ def _crossings(
             lengths = float(np.linalg.norm(u)), float(np.linalg.norm(v))
             if abs(size) <= INSIDE * lengths[0] * lengths[1]:
                 continue  # as good as parallel: corners tell what there is
+            # a + s u = c + t v in the common plane
             s, t = (float(cross(c - a, y) @ up) / size for y in (v, u))
             if not (0 < s < 1 and 0 < t < 1):
                 continue

@@ -61,6 +61,7 @@ class Features:
         size = np.linalg.norm(
             cross((x - x[:, :1])[:, :, None], (x - x[:, :1])[:, None]), axis=3
         ).reshape(count, -1)
+        # the triangle from the first corner with the largest area stands for the plane
         best = size.argmax(axis=1)
         low, high = np.minimum(best // q, best % q), np.maximum(best // q, best % q)
         rows = np.arange(count)
@@ -185,11 +186,13 @@ class Features:
             )
             far = np.linalg.norm(of - of[k, at_a[:, None]], axis=2)
             far = np.where(far > 0, far, 1.0)
+            # about a common corner lengths scale: sines of angles take their place
             depth /= far[:, :, None]
             steep = height / far
             opposite = np.where(place == first, steep[k, last], steep[k, first])
             lean = np.stack([opposite - steep] * 2)
         depth = np.where(bound[:, None], depth, np.inf)
+        # a cut inside a facet is no border: corners on it are inside, whichever part they are looked up in
         depth += np.where(rings.border[b], 0.0, 2 * INSIDE)[:, None]
         sign, told = _side(height / size, lean.sum(axis=0))
         good = good & told & (np.abs(height) < reach * size) & (depth.min(axis=2) > room)
@@ -212,6 +215,7 @@ class Features:
         u, v = (of[k, rings.after[a]] - of)[:, :, None], (on[k, rings.after[b]] - on)[:, None]
         r = on[:, None] - of[:, :, None]
         w = cross(u, v)
+        # feet of the common normal of two lines: a + s u and c + t v with s = (r x v) . w / w^2, t = (r x u) . w / w^2
         square = (w * w).sum(axis=3)
         lengths = (u * u).sum(axis=3) * (v * v).sum(axis=3)
         good = (
@@ -224,6 +228,7 @@ class Features:
         w = w / np.sqrt(square)[..., None]
         gap = (r * w).sum(axis=3) / size
         good &= np.abs(gap) < reach
+        # in which direction of the common normal the middle of either piece lies
         heart_a = np.einsum("kpri,kpri->kpr", of.mean(axis=1)[:, None, None] - of[:, :, None], w)
         heart_b = np.einsum("kpri,kpri->kpr", on.mean(axis=1)[:, None, None] - on[:, None], w)
         sign, told = _side(gap, (heart_b - heart_a) / size)
@@ -281,5 +286,6 @@ class Features:
 
 def _side(gap: np.ndarray, lean: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return signs that make gaps positive where facets are apart, and whether they are told; all over the size."""
+    # a gap near 0 has the sign of rounding: the rest of the facet, which leans to one side, tells
     body = (np.abs(gap) < CLOSE) & (np.abs(lean) > 10 * CLOSE)
     return np.sign(np.where(body, lean, gap)), body | (np.abs(gap) > APART)

@@ -175,6 +175,7 @@ def _posed(stack: Stack) -> tuple[Orders, list[tuple[int, ...]]] | Layers:
             return Layers("crosses", why, many)
     orders = Orders(Rules(len(stack.pairs), rules), MOST_NODES)
     for unknown, value, crease in stack.known():
+        # -1: nothing speaks against it; -2: it was forced otherwise before; else the rule that cannot be obeyed
         bad = orders.assume({unknown: value})
         if bad != -1:
             both = stack.pairs[unknown].tolist() if bad == -2 else about[bad]
@@ -222,6 +223,7 @@ def _conflict(
     bare, bad = list(orders.values), -1
     core: list[tuple[int, int, int]] = []
     while True:
+        # core first, then the others: what fails is added to the core, until a statement of the core fails by itself
         orders.values = list(bare)
         for one in (*core, *stated):
             bad = _assume(stack, orders, one)
@@ -242,6 +244,7 @@ def _assume(stack: Stack, orders: Orders, order: tuple[int, int, int]) -> int:
     known = {}
     for k in np.flatnonzero(((i == f) & (j == g)) | ((i == g) & (j == f))).tolist():
         a, b = (int(p) for p in (stack.pairs[k] if i[k] == f else stack.pairs[k][::-1]))
+        # FOLD: f lies on the side to which g's normal points where s = 1; `up` is one normal for the whole stack
         unknown, value = stack.said(a, b, (s > 0) == (stack.normal[b] @ stack.up[b] > 0))
         known[unknown] = value
     return orders.assume(known)
@@ -273,6 +276,7 @@ def round_vertex(pattern: Pattern, loop: Loop) -> Vertex | None:
     """Return an interior vertex with its creases in the order of its loop; None where no `Vertex` describes it."""
     ends = pattern.corners[pattern.ends[list(loop.creases)]]
     here = pattern.corners[loop.vertex]
+    # whichever end of the crease is the vertex, the sum of both less twice the vertex is the other one
     out = ends.sum(axis=1) - 2 * here
     out /= np.linalg.norm(out, axis=1, keepdims=True)
     after = np.roll(out, -1, axis=0)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -46,6 +46,7 @@ def touches_at(problem: PatternEquations, x: np.ndarray, shut: np.ndarray) -> li
 def _opened_by(problem: PatternEquations, row: np.ndarray, x: np.ndarray, shut: np.ndarray) -> bool:
     """Tell whether a gap with this slope opens as creases at their limits do, and by nothing else."""
     tiny = INDEPENDENT * problem.crossings.size
+    # -side d(gap)/dphi >= 0 for creases at their limits, and nothing for the rest: the limits imply the gap
     others = np.abs(np.delete(row, shut)).max(initial=0.0)
     return bool(others <= tiny and (-np.sign(x[shut]) * row[shut]).min(initial=0.0) >= -tiny)
 
@@ -53,6 +54,7 @@ def _opened_by(problem: PatternEquations, row: np.ndarray, x: np.ndarray, shut: 
 def _seen_otherwise(problem: PatternEquations, touch: Touch) -> Iterator[Touch]:
     """Go through facets that have the features of a touch: walks between some of them cross fewer creases."""
     rings = problem.features.rings
+    # on closed states a gap does not depend on the walk, but its slope names other creases
     ends = touch.corners[:1] if touch.type == "vertex-face" else touch.corners[2:]
     a, b = touch.facets
     yield touch
@@ -113,16 +115,20 @@ def needed_rows(slopes: np.ndarray, sure: int) -> np.ndarray:
     for k in sorted((k for k in extra if keep[k]), key=lambda k: round(lengths[k], 9)):
         keep[k] = False
         others = columns[:, keep]
+        # Farkas: a_k d >= 0 follows from the others exactly where a_k is a sum of them with factors >= 0
         left = others @ nonnegative_least_squares(others, columns[:, k]) - columns[:, k]
         keep[k] = float(np.abs(left).max(initial=0.0)) > INDEPENDENT
     return keep
 
 
-def touch_words(touch: Touch) -> str:
-    """Say what touches, 1-based; of two sides that of the lower facet first, from whichever they were found."""
+def touch_words(touch: Touch, place: Sequence[float]) -> str:
+    """Say what touches, 1-based; of two sides that of the lower facet first, from whichever they were found.
+
+    place: of facets face to face, the point of the second one in the user's coordinates.
+    """
     a, b = (f + 1 for f in touch.facets)
     if isinstance(touch, Lying):
-        at = ", ".join(f"{x:.4g}" for x in touch.place)
+        at = ", ".join(f"{x:.4g}" for x in place)
         which = "front" if touch.sign > 0 else "back"
         return f"facet {b} flat on the {which} of facet {a} at ({at})"
     p, q, r, s = (c + 1 for c in touch.corners)

@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 
 def independent_rows(sheet: Sheet, phi: np.ndarray) -> np.ndarray:
     """Return the numbers of closure equations that span all of them at a state [n], ascending."""
+    # pivoting puts independent equations first
     _, r, order = qr(dense(sheet.jacobian(phi)).T, mode="economic", pivoting=True)
     return np.sort(order[: int((np.abs(np.diag(r)) > RANK).sum())])
 
@@ -83,6 +84,7 @@ def _loop(sheet: Sheet, turns: ca.SX, loop: Loop) -> ca.SX:
         half, point = 0.5 * turns[crease], ca.DM(p.corners[p.ends[crease, 0]])
         fold = ca.vertcat(ca.cos(half), ca.sin(half) * ca.DM(sign * p.directions[crease]))
         after = _product(q, fold)
+        # as in `closure`: the axis passes through `point`
         shift += _turned(q, point) - _turned(after, point)
         q = after
     return ca.vertcat(q[1:], shift)

@@ -32,6 +32,7 @@ class Poses:
         self._graph = sparse.csr_array((np.ones(2 * n), both), shape=(f, f))
         middle = self.centres.mean(axis=0)
         self.root = int(np.linalg.norm(self.centres - middle, axis=1).argmin())
+        # shortest walks from the middle: errors grow with the number of turns
         order, before = breadth_first_order(self._graph, self.root, directed=False)
         across: dict[tuple[int, int], tuple[int, float]] = {}
         for c, (a, b) in enumerate(zip(pattern.left.tolist(), pattern.right.tolist(), strict=True)):
@@ -134,6 +135,7 @@ class Poses:
 
 def rotations(axes: np.ndarray, angles: np.ndarray) -> np.ndarray:
     """Return rotation matrices [K, 3, 3] about unit axes [K, 3] by angles [K] [rad] (Rodrigues)."""
+    # R = 1 + sin a K + (1 - cos a) K^2, 1 - cos a as 2 sin^2(a / 2): no cancellation next to the reference state
     k = np.zeros((len(axes), 3, 3))
     k[:, 0, 1], k[:, 0, 2], k[:, 1, 2] = -axes[:, 2], axes[:, 1], -axes[:, 0]
     k -= k.swapaxes(1, 2)

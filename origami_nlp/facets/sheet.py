@@ -159,6 +159,7 @@ class Sheet(PatternContacts):
         """Hessian of weight U - multipliers . (closure, openings) over `scale` at a state, [n, n]; dense."""
         m = self.closure.count
         if weight:
+            # weight U - lam . c = weight (U - (lam / weight) . c)
             h = weight * dense(self.hessian(x, multipliers[:m] / weight))
         else:
             h = -dense(self.closure.hessian(x, multipliers[:m]))
@@ -182,6 +183,7 @@ class Sheet(PatternContacts):
             if force and not contact.is_limit:
                 touch, place = self.touch(contact), self.placed(x)
                 creases, _ = touch.slopes(place)
+                # openings are gaps over the sheet's size
                 h[np.ix_(creases, creases)] += force / self.crossings.size * touch.bends(place)
         return h
 
@@ -235,6 +237,7 @@ class Sheet(PatternContacts):
             return ""
         place, shut = self.placed(x), np.flatnonzero(math.pi - np.abs(x) <= TOUCHES)
         gaps = (t.gap(place) / self.crossings.size for t in touches_at(self, x, shut))
+        # rounding of a closed state is some `CLOSES`: what reaches in deeper is no closed contact
         deepest = min([self.faces(x).reach(), *gaps])
         if deepest >= -10 * CLOSES:
             return ""
@@ -303,6 +306,7 @@ class Sheet(PatternContacts):
         """Differentiate the KKT system along a change of `parameters.vector`: of springs and load alone."""
         stiffness, rest, load = change[: 3 * self.size].reshape(3, -1)
         p = self.parameters
+        # d(k (phi - phi0) - load); closure and gaps do not depend on springs and loads
         torque = stiffness * (x - p.rest) - p.stiffness * rest - load
         if self._dead is not None:
             torque = torque - change[-1] * self._dead.work.gradient(x)

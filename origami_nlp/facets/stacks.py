@@ -158,6 +158,7 @@ class Stack:
         """Tell which bodies are wider than `near`."""
         from shapely import area, length
 
+        # a strip of width w and length l has the area w l and the perimeter 2 l
         return np.asarray(area(body) > 0.5 * self.near * length(body))
 
     @cached_property
@@ -169,6 +170,7 @@ class Stack:
         size, (i, j) = len(self.x), self.pairs.T
         _, label = connected_components(coo_array((np.ones(len(i)), (i, j)), shape=(size, size)))
         _, first = np.unique(label, return_index=True)
+        # the first piece of each stack gives the direction; the others are turned to agree with it
         way = np.einsum("pi,pi->p", self.normal, self.normal[first[label]])
         return np.asarray(self.normal * np.where(way < 0, -1.0, 1.0)[:, None])
 
@@ -223,6 +225,7 @@ class Stack:
         if not third:
             return
         n, k = np.array(third).T
+        # an order is transitive only where all three have an area in common
         both = self._common(self.pairs)[n]
         common = self._is_area(self._shared(both, self._drawn(k, self.pairs[n, 0])))
         for (i, j), m in zip(self.pairs[n[common]].tolist(), k[common].tolist(), strict=True):
@@ -246,6 +249,7 @@ class Stack:
         along /= length[:, None]
         first = self.x[piece, 0]
         off = [np.einsum("ki,ki->k", e[edge] - first, self.normal[piece]) for e in (b.start, b.end)]
+        # edges that lie in the plane of a piece they do not belong to: there its passage can be interleaved with theirs
         keep = ~own & (np.abs(off).max(axis=0, initial=0.0) <= self.near)
         edge, piece = edge[keep], piece[keep]
         side = cross(self.normal[piece], along[edge])
@@ -292,6 +296,7 @@ class Stack:
         """Return from where to where a line runs through a piece (0), or along its border (side on which it lies)."""
         x = self.x[p] - origin
         t, h = x @ along, x @ d
+        # heights over the line within the piece's plane: of both signs where the line runs through it
         h = np.where(np.abs(h) <= self.near, 0.0, h)
         on = t[h == 0.0].tolist()
         if h.max() > 0 > h.min():
@@ -310,6 +315,7 @@ class Stack:
         e1 = d[0] - (d[0] @ axis) * axis
         e2 = cross(axis, e1)
         turned = np.arctan2(d @ e2, d @ e1)
+        # ends of passages on one ray: pieces that lie on each other and leave the line in the same direction
         ray = list(range(4))
         for k, m in itertools.combinations(range(4), 2):
             i, j = ends[k][0], ends[m][0]

@@ -52,6 +52,7 @@ class Placed:
         p = poses.pattern
         self.poses = poses
         self.turn, self.shift = poses.motions(phi)
+        # the left facet holds its crease: either one would do at a closed state
         self.axes = np.einsum("nij,nj->ni", self.turn[p.left], p.directions)
         ends = p.corners[p.ends[:, 0]]
         self.origins = np.einsum("nij,nj->ni", self.turn[p.left], ends) + self.shift[p.left]
@@ -129,6 +130,7 @@ class Touch:
         if self.type != "edge-edge":
             normal, off = cross(p[2] - p[1], p[3] - p[1]), p[0] - p[1]
         else:
+            # |gap| is the distance of two lines; the volume r . (u x v) changes sign as they pass through each other
             normal, off = _across(p[1] - p[0], p[3] - p[2]), p[2] - p[0]
         return self.sign * float(off @ normal) / float(np.linalg.norm(normal))
 
@@ -145,6 +147,7 @@ class Touch:
         d = float(np.linalg.norm(w))
         turned = cross(c, v)
         volume = float(r @ w)
+        # d(V / d) = dV / d - V dd / d^2 with V = r . w, d = |w|, w = u x v, and dv = c x v, dr = c x (p - o)
         by_volume = cross(c, p[2] - o) @ w + turned @ cross(r, u)
         by_size = turned @ cross(w, u) / d
         return creases, self.sign * (by_volume / d - volume * by_size / d**2)
@@ -156,12 +159,14 @@ class Touch:
         if self.type != "edge-edge":
             normal = cross(p[2] - p[1], p[3] - p[1])
             normal /= np.linalg.norm(normal)
+            # n . (c_i x (c_j x (p - o_j))) = (n x c_i) . (c_j x (p - o_j)), i before j
             return self.sign * _mirrored(cross(normal, c) @ cross(c, p[0] - o).T)
         u, v, r = p[1] - p[0], p[3] - p[2], p[2] - p[0]
         w = _across(u, v)
         d, volume = float(np.linalg.norm(w)), float(r @ w)
         arms, turned = cross(c, p[2] - o), cross(c, v)
         across, base, beside = cross(u, turned), cross(r, u), cross(w, u)
+        # t, s: first derivatives of V and d; tt, ss: second ones; then the quotient rule twice
         t = arms @ w + turned @ base
         s = turned @ beside / d
         tt = _mirrored(cross(w, c) @ arms.T + cross(base, c) @ turned.T)

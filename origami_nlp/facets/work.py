@@ -42,11 +42,13 @@ class _Walk:
         axes, origins = np.zeros_like(self.axes), np.zeros_like(self.origins)
         for i, angle in enumerate(phi[self.creases] - self.reference):
             axes[i], origins[i] = turn @ self.axes[i], turn @ self.origins[i] + shift
+            # motions are x -> turn x + shift; the turn about an axis through o is x -> o + r (x - o)
             after = _rotation(self.axes[i], angle)
             shift = shift + turn @ (self.origins[i] - after @ self.origins[i])
             turn = turn @ after
         x = turn @ self.corner + shift
         first = cross(axes, x - origins)
+        # a_i x (a_j x (x - o_j)) for i <= j; the earlier crease carries the later one
         second = cross(axes[:, None], np.broadcast_to(first, (len(axes), *first.shape)))
         upper = np.triu(np.ones((len(axes), len(axes)), bool))[..., None]
         second = np.where(upper, second, second.swapaxes(0, 1))
@@ -65,6 +67,7 @@ def _facets_at(pattern: Pattern, corner: int) -> list[int]:
 def _walk(pattern: Pattern, held: int, corner: int) -> _Walk:
     """Return the walk from a facet to the nearest one that has the corner."""
     poses = Poses(pattern)
+    # fewer turns, fewer terms; all walks agree on closed states
     path = min((poses.path(held, f) for f in _facets_at(pattern, corner)), key=len)
     creases = np.array([c for c, _ in path], int)
     senses = np.array([s for _, s in path], float)
@@ -155,12 +158,14 @@ class Torque:
 
     def room(self, t: float) -> float:
         """Return what makes U - t w positive: it completes the square."""
+        # k/2 (phi - phi0)^2 - t phi = k/2 (phi - phi0 - t/k)^2 - t phi0 - t^2 / (2 k)
         i = np.array(self.creases) - 1
         p = self.pattern
         return float(np.sum(t * p.rest[i] + t * t / (2 * p.stiffness[i])))
 
     def loaded(self, t: float) -> Pattern:
         """Return the pattern whose springs are wound by the torque, their rest angles where that puts them."""
+        # U - t phi has the torque k (phi - phi0) - t: the rest angle moves by t / k
         return replace(
             self.pattern, rest=self.pattern.rest + t * self._share / self.pattern.stiffness
         )
@@ -229,6 +234,7 @@ class Pull:
         here, walk = self._seen
         x, first, _ = walk.place(phi)
         out = np.zeros(len(phi))
+        # d|x - a| = (x - a) . dx / |x - a|
         out[walk.creases] = first @ (x - here) / np.linalg.norm(x - here)
         return out
 
@@ -237,6 +243,7 @@ class Pull:
         here, walk = self._seen
         x, first, second = walk.place(phi)
         far = float(np.linalg.norm(x - here))
+        # |x|'' = (x' . x' - (x' . e)^2) / |x| + x'' . e with e = x / |x|
         along = first @ (x - here) / far
         out = np.zeros((len(phi), len(phi)))
         inner = (first @ first.T - np.outer(along, along)) / far + second @ (x - here) / far

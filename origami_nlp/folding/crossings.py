@@ -67,6 +67,7 @@ def find_crossings(
     ends = _ends(_pairs(pairs), n)
     table, v = ends[0], _off_planes(rays, *ends)
     a_row = _is_row(table, n) if real is None else real
+    # the smallest of the four belongs to the end nearest to the common point
     nearest = first_largest(np.where(a_row, -np.abs(v), -np.inf))  # [K, P]
     at = np.arange(len(table))
     row = np.where(a_row.any(axis=-1, keepdims=True), table[at, nearest], -1)
@@ -106,6 +107,7 @@ def depths_at(heights: np.ndarray, pairs: Sequence[tuple[int, int]] | np.ndarray
     return _depth(heights[table[:, :, 1], table[:, :, 0]] * _SIGNS)
 
 
+# of j and j + 1 on facet i, i and i + 1 on facet j: where ends alternate, heights times these have one sign
 _SIGNS = np.array([1.0, -1.0, -1.0, 1.0])
 
 

@@ -52,7 +52,7 @@ class Embedding:
 
 
 def fold_vertex(vertex: Vertex, fold_angles: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Fold a vertex with its last facet held fixed (paper, eq. fold-map).
+    """Fold a vertex with its last facet held fixed (paper, eq. 2.1, fold-map).
 
     Parameters
     ----------
@@ -86,6 +86,7 @@ def fold_vertex(vertex: Vertex, fold_angles: np.ndarray) -> tuple[np.ndarray, np
     q = tuple(np.full(phi.shape[:-1], v, dtype=float) for v in quat.IDENTITY)
     creases = []
     for i, b in enumerate(vertex.creases):
+        # c_i = F_{i-1} b_i, the folds before it (paper, section 2)
         creases.append(np.stack(quat.rotate(q, b), axis=-1))
         q = quat.multiply(q, quat.fold(np.cos(half[..., i]), np.sin(half[..., i]), b))
     if not vertex.flat:

@@ -68,8 +68,10 @@ def crimped(sectors: tuple[float, ...], letters: str) -> bool | None:
         a, s = a[i:] + a[:i], s[i:] + s[:i]  # the smallest is the second
         if a[1] > min(a[0], a[2]) - FLAT:
             return None
+        # Big-Little-Big: with one letter both neighbours lie on the same side of the small sector, and collide
         if s[1] == s[2]:
             return False
+        # the crimp: three sectors become one, and its two creases cancel in the alternating sum and in the count
         a, s = [a[0] - a[1] + a[2], *a[3:]], s[0] + s[3:]
     return s[0] == s[1]
 

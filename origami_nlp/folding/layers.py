@@ -155,6 +155,7 @@ def _image(
     arc, piece = strand
     if not mirrored:
         return (arc + shift) % degree, piece
+    # facet i lies between creases i and i + 1, which go to shift - i and shift - i - 1; its pieces are met backwards
     target = (shift - arc - 1) % degree
     return target, pieces[target] - 1 - piece
 
@@ -199,6 +200,7 @@ def layer_problem(
     n = len(creases)
     node = np.arange(n)
     if n > 1:
+        # nodes are classes of creases that coincide, also through a third one
         gram = np.linalg.norm(creases[:, None] - creases[None], axis=-1)
         for i, j in zip(*np.nonzero(np.triu(gram <= tolerance, 1)), strict=True):
             node[node == node[j]] = node[i]
@@ -274,6 +276,7 @@ def _nodes_on_arcs(
     some = np.flatnonzero(near.any(axis=1))
     a, b, normal = a[some], b[some], normal[some]
     length = np.arctan2(sine[some], np.einsum("ij,ij->i", a, b))
+    # azimuth of each node along the arc from its first end; only those in the plane of the arc count
     along = np.arctan2(cross(normal, a) @ c.T, a @ c.T)
     inside = near[some] & (along > 0) & (along < length[:, None])
     for i, on, at in zip(some.tolist(), inside, along, strict=True):
@@ -308,6 +311,7 @@ def _turning(creases: np.ndarray, w: int, far: set[int]) -> tuple[int, ...]:
     if len(ends) < 3:
         return tuple(ends)
     c = creases[w]
+    # any frame of the tangent plane: only the cyclic order is used
     x = cross(c, [1.0, 0.0, 0.0] if abs(c[0]) < 0.9 else [0.0, 1.0, 0.0])
     x /= np.linalg.norm(x)
     y = cross(c, x)

@@ -135,6 +135,7 @@ class Orders:
         """
         if self.settle() >= 0:
             return 0
+        # parts share no rule: their answers combine freely
         total = 1
         for part in self._parts():
             total *= sum(1 for _ in self._each(part))
@@ -181,6 +182,7 @@ class Orders:
             nodes += 1
             if nodes > self._most:
                 raise TimeoutError
+            # last in, first out: 0 is looked at first
             for guess in (1, 0):
                 more = list(values)
                 more[unknown] = guess
@@ -224,6 +226,7 @@ def _forced(
     fits = [v for v in allowed if v & mask == value]
     if not fits:
         return None
+    # a bit that is 1 in every value that fits, or 0 in every one, is forced
     both, either = fits[0], fits[0]
     for v in fits:
         both &= v
@@ -262,6 +265,8 @@ def not_interleaved(
             place[m if ahead else k] += 1
         if sorted(place) != [0, 1, 2, 3]:
             continue  # not an order: transitivity forbids these values anyway
+        # ends in cyclic order: two passages interleave where exactly one end of the other lies between those of the
+        # first
         low, high = sorted(place[:2])
         if sum(low < p < high for p in place[2:]) != 1:
             allowed.add(values)

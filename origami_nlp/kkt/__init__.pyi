@@ -1,4 +1,3 @@
-from . import starts as starts
 from .certificates import judge_branch as judge_branch
 from .classification import (
     Classification as Classification,
@@ -40,15 +39,7 @@ from .polishing import (
     polish as polish,
 )
 from .projection import project as project
-from .starts import (
-    BATCH as BATCH,
-    StartStream as StartStream,
-    flat_foldings as flat_foldings,
-    rest_state as rest_state,
-    rigid_states as rigid_states,
-)
 from .state import State as State, Stratum as Stratum
-from .stationarity import distance_from_stationary as distance_from_stationary
 from .tangent_cone import (
     TangentCone as TangentCone,
     by_known as by_known,
@@ -64,6 +55,5 @@ from .terrain import (
     over_flat as over_flat,
 )
 from .thin import (
-    states_on_limits as states_on_limits,
     thin_at as thin_at,
 )

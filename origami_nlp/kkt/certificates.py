@@ -116,16 +116,21 @@ def _judge(piece: Stratum, stationary: float) -> BranchJudgement:
         )
 
     if dimension == 0:
+        # the tangent cone lies in the linearised one, whatever constraints do (Nocedal & Wright, lemma 12.2)
         return say("minimum", "isolated: the linearised feasible cone is a point", 3)
     if multipliers.residual > stationary * size:
         why = "" if regular else _rises(piece)
         if why:
             return say("minimum", why, 5)
+        # Farkas: some direction of the linearised cone descends.  It is followed by states where closure has full rank
+        # and one direction opens all contacts at once (no row held): the constraint qualification of Mangasarian and
+        # Fromovitz; elsewhere it may lead nowhere
         d = _descent(z, a, state.gradient)
         verdict: Verdict = "not stationary" if regular and not held else "undecided"
         more = [] if regular else state.tangent_cone.slopes(state.gradient, a)[1]
         return say(verdict, "no multipliers >= 0 balance the springs", 0, (), d / root, more)
     # one solution that presses on enough contacts does; all ranges are looked for only where none does
+    # critical cone (Nocedal & Wright, 12.53): mu_i > 0 keeps contact i closed
     loaded = multipliers.found > 10 * stationary * size
     y = null_space(a[loaded] @ z)
     if y.shape[1]:
@@ -138,7 +143,9 @@ def _judge(piece: Stratum, stationary: float) -> BranchJudgement:
         )
     best: tuple[float, np.ndarray, np.ndarray] | None = None
     shifted = _shifts(state, y)
+    # theorem 12.6 holds with any one multiplier that balances; each is tried, with each shift of closure's own
     for mu in multipliers.vertices:
+        # mu fixes the multipliers of closure up to the left kernel of J
         lam = np.linalg.lstsq(state.jacobian.T, state.gradient - a.T @ mu, rcond=INDEPENDENT)[0]
         h = s.T @ piece.hessian_with(np.concatenate([lam, mu])) @ s
         values, vectors = np.linalg.eigh(h + shifted)
@@ -166,6 +173,8 @@ def _judge(piece: Stratum, stationary: float) -> BranchJudgement:
             values,
             modes=vectors,
         )
+    # curvature was asked for on the span of the critical cone; only a direction of the cone itself makes a saddle, and
+    # the necessary condition (theorem 12.5) needs independent gradients: full rank, one multiplier
     weak = a[~loaded]
     for column in range(vectors.shape[1]):
         if values[column] >= -CURVED * scale:
@@ -213,6 +222,7 @@ def cone(
         y /= np.linalg.norm(y)
         if (rows @ y > INDEPENDENT).all():
             return t, y, ()
+    # each round opens what can be opened; the sum of such directions opens all of them, and is in the relative interior
     interior, closed = np.zeros(t), np.ones(r, dtype=bool)
     while closed.any():
         y = nearest_in_cone(rows[closed].sum(axis=0), rows)
@@ -246,5 +256,6 @@ def _shifts(state: State, y: np.ndarray) -> np.ndarray:
     """
     t = y.shape[1]
     sizes = np.concatenate([np.linspace(-4, 4, 33), [-64, -16, 16, 64]])
+    # w' J = 0: lam + s w balances as well, and takes s w . Hess c off the Hessian of the Lagrangian
     forms = (y.T @ q @ y for q in state.second_order)
     return np.concatenate([np.zeros((1, t, t)), *(-sizes[:, None, None] * q for q in forms)])

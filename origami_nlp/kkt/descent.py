@@ -197,6 +197,7 @@ def _step(
         while step * size >= SHORTEST:
             y = _closed(model, x + step * d, held)
             change = math.inf if y is None else model.energy_change(x, y) / model.scale
+            # sufficient decrease (Nocedal & Wright, 3.4), measured after the way back to closure
             lower = y is not None and change < DECREASE * step * slope
             if lower and leads is not None and not leads(x, y):
                 lower = False
@@ -219,6 +220,7 @@ def _pull(piece: Stratum, curved: bool) -> np.ndarray:
     state = piece.state
     p, z, gaps, slopes = state.programme, state.kernel, piece.openings, piece.slopes
     cost, rows = z.T @ state.gradient, slopes @ z
+    # sequential quadratic programming, with K in place of the Hessian where that is not asked for
     free, h = np.eye(len(cost)), np.diag(p.parameters.stiffness / p.root**2)
     if curved:
         close, forces = gaps <= state.tolerance, np.zeros(len(gaps))
@@ -227,7 +229,7 @@ def _pull(piece: Stratum, curved: bool) -> np.ndarray:
         multipliers = np.linalg.lstsq(state.jacobian.T, rest, rcond=DEPENDENT)[0]
         h = piece.hessian_with(np.append(multipliers, forces))
         free = null_space(rows[forces > LOADED])
-    scaled = []  # d = z scaled y, with y'y/2 the quadratic form
+    scaled = []  # d = scaled y, with y'y/2 the quadratic form: what is left is a projection
     for basis in (z @ free, z @ null_space(free.T)):
         values, vectors = np.linalg.eigh(basis.T @ h @ basis)
         scaled.append(basis @ vectors / np.sqrt(np.maximum(np.abs(values), SOFTEST)))

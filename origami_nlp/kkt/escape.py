@@ -187,6 +187,7 @@ def _away(terrain: Terrain, starts: Sequence[tuple[int, np.ndarray]]) -> np.ndar
 
 def _sharpen(terrain: Terrain, parts: Sequence[_Parting], sections: int) -> None:
     """Cut the steps in which descents part finer, those of several states together."""
+    # each round cuts the step in which descents part into sections + 1
     even = np.arange(1, sections + 1) / (sections + 1)
     # what is left in the first step may be left much sooner
     narrow = 4.0 ** np.arange(-sections, 0)
@@ -268,6 +269,7 @@ def _way(terrain: Terrain, part: _Parting) -> Way | None:
     down = terrain.path_down(part.high, lambda x: terrain.is_lower(k, x))
     lower = terrain.is_lower(k, down[-1])
     # it went on until it was lower: where that leads is what descents in batches say
+    # lower than the state: any state that this descends to has been reached without climbing
     last = terrain.land(down[-1:])[0] if lower else down[-1]
     to = _listed(terrain, last) if np.isfinite(last).all() else -1
     if any(terrain.distance(a, b) > JUMP for a, b in itertools.pairwise(down)):
@@ -294,6 +296,7 @@ def _over_passes(terrain: Terrain, back: np.ndarray, down: np.ndarray) -> list[n
     apart = np.linalg.norm(back[:, None] - down[None], axis=2)
     near = apart <= 2 * max(float(apart[0, 0]), TOGETHER)
     j = int(np.flatnonzero(near.any(axis=0))[-1])
+    # the last state of `down` that is near the other descent, and the nearest one of that
     i = int(apart[:, j].argmin())
     ways = []
     for middle in ([], *([x] for x in terrain.passes(back[i], down[j]))):
@@ -340,6 +343,7 @@ def barriers(
         direct = math.inf if beyond is None else float(beyond[k])
         out.append(found if found[0] <= direct else (direct, -1))
     for k, (barrier, _) in enumerate(out):
+        # the lowest state has no lower one to go to: its barrier is that to any other that is not shallow
         if math.isinf(barrier) and (energies >= energies[k] - level).all():
             deep = np.array([b >= SHALLOW * scale for b, _ in out])
             deep[k] = False
@@ -358,6 +362,7 @@ def _least(heights: np.ndarray, which: np.ndarray, energy: float) -> tuple[float
 
 def _closed(heights: np.ndarray) -> np.ndarray:
     """Return heights [M, M] of ways over other states as well, where these are lower."""
+    # least height over all ways: the recursion of Floyd and Warshall with (min, max) in place of (min, +)
     h = np.minimum(heights, heights.T)
     for k in range(len(h)):
         h = np.minimum(h, np.maximum(h[:, k : k + 1], h[k]))
@@ -418,6 +423,7 @@ def bounds(
         if k in told:
             out.append(told[k])
         elif math.isinf(barrier):
+            # that no way was found does not make the barrier infinite: it is not determined
             out.append(Escape(math.nan, OPEN, unknown(k)))
         else:
             # two digits: more of a bound hang on where steps were cut

@@ -23,29 +23,44 @@ class ContactForce(Brief):
     Attributes
     ----------
     type
-        ``fold-limit``, ``mirror``, ``axis`` or ``facet-pair``.
-    creases
-        Who touches, 1-based, all images under the symmetry included for creases at a fold limit; empty for a
-        facet pair.
-    facets
-        The two facets of a facet pair, 1-based (their touching crease is in `text`).
+        ``fold-limit``; of a vertex ``mirror``, ``axis`` or ``facet-pair``; of a pattern ``vertex-face``, ``edge-edge``
+        or ``face-face``.
     multiplier
-        Moment [N m per rad of opening, in the scene's units] at each single contact, positive where it pushes; where
-        contacts are dependent, the entry of the multiplier vector of smallest norm.
+        Lagrange multiplier of the contact, positive where it pushes: a moment [N m per rad of opening, in the scene's
+        units] at each single contact, where facets of a pattern touch a force [N m per unit of length]; where contacts
+        are dependent, the entry of the multiplier vector of smallest norm.
     multiplier_range
         Smallest and largest value over the set of multipliers; inf where unbounded.
     text
         The contact in words.
+    creases
+        Who touches, 1-based, all images under the symmetry included for creases at a fold limit; empty where facets
+        touch.
+    facets
+        The two facets that touch, 1-based, of a pattern that of the face first; of a vertex their touching crease is in
+        `text`.
+    corners
+        Where facets of a pattern touch, 1-based: the corner that is on a face and three of the face, or two ends of
+        each side; else empty.
+    side
+        Of facets face to face, as in faceOrders of a FOLD file: +1 where the second one lies on the side of the first
+        one's normal, -1 where it lies on the other; else 0.
+    place
+        Of facets face to face, the point of the second one at which the force acts, in the sheet's reference state.
     contact
-        The contact itself, as the programme knows it; None where it was read from a file.
+        The contact itself, as the programme knows it; None where it was read from a file, and in the states of a
+        pattern that a search lists.
     """
 
     type: str
-    creases: tuple[int, ...]
-    facets: tuple[int, ...]
     multiplier: float
     multiplier_range: tuple[float, float]
     text: str
+    creases: tuple[int, ...] = ()
+    facets: tuple[int, ...] = ()
+    corners: tuple[int, ...] = ()
+    side: int = 0
+    place: tuple[float, ...] = ()
     contact: Contact | None = field(
         default=None, repr=False, compare=False, metadata={"plain": False}
     )
@@ -55,6 +70,27 @@ class ContactForce(Brief):
         """Whether the moment is one number, and not any of a range."""
         low, high = self.multiplier_range
         return math.isclose(low, high, rel_tol=1e-9, abs_tol=1e-300)
+
+    @property
+    def force(self) -> float:
+        """The `multiplier`: what the contact carries, positive where it pushes."""
+        return self.multiplier
+
+    @property
+    def is_limit(self) -> bool:
+        """Whether it is a fold limit, and not facets that touch."""
+        return self.type == "fold-limit"
+
+    def words(self) -> str:
+        """Say what touches, 1-based, and the moment or force that it carries, or the range of it."""
+        of_pattern = self.type in ("vertex-face", "edge-edge", "face-face")
+        what, unit = ("force", "N m per unit of length") if of_pattern else ("moment", "N m")
+        said = f"{self.text}: {what} {self.multiplier:.4g} {unit}"
+        if self.unique:
+            return said
+        low, high = self.multiplier_range
+        top = "inf" if math.isinf(high) else f"{high:.4g}"
+        return f"{said} (any of {low:.4g} to {top})"
 
 
 def contact_forces(state: State, contacts: Sequence[Contact]) -> tuple[ContactForce, ...]:
@@ -80,13 +116,14 @@ def _carried(state: State, rows: tuple[Contact, ...], m: Multipliers) -> tuple[C
         text = who.text
         if contact in also:
             text += " (so " + ", ".join(sorted(set(also[contact]))) + ")"
+        # one multiplier of the reduced programme stands for all images of a contact; scaled energies become the scene's
         unit = model.scale / model.weight(contact)
+        # where nothing balances there are no multipliers: the state is isolated, any contact may carry any moment >= 0
         values = (m.smallest[r], m.lower[r], m.upper[r]) if stationary else (0.0, 0.0, math.inf)
-        moments = [float(v * unit) for v in values]
-        spread = (moments[1], moments[2])
-        out.append(
-            ContactForce(who.type, who.creases, who.facets, moments[0], spread, text, contact)
-        )
+        moment, *spread = (float(v * unit) for v in values)
+        touching = who.creases, who.facets, who.corners, who.side, who.place
+        between = spread[0], spread[1]
+        out.append(ContactForce(who.type, moment, between, text, *touching, contact))
     return tuple(out)
 
 

@@ -146,6 +146,7 @@ def smallest_curvature(h: sparse.sparray, j: sparse.sparray) -> tuple[float, np.
     way : numpy.ndarray
         Its vector, [n].
     """
+    # Finsler: on the kernel of J the penalty adds nothing, so that what is positive with it is positive there
     whole = (sparse.csc_array(h) + PENALTY * sparse.csc_array(j).T @ sparse.csc_array(j)).tocsc()
     # below every eigenvalue (Gershgorin; J'J adds none below), the closest one is the smallest
     below = -float(np.abs(sparse.csr_array(h)).sum(axis=1).max()) - 1.0
@@ -155,5 +156,6 @@ def smallest_curvature(h: sparse.sparray, j: sparse.sparray) -> tuple[float, np.
     except ArpackNoConvergence:
         return math.nan, np.zeros(n)
     vector = vectors[:, 0]
+    # an eigenvalue lies within the residual of a unit vector's Rayleigh quotient
     left = float(np.linalg.norm(whole @ vector - values[0] * vector))
     return float(values[0] - left), vector

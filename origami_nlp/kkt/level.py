@@ -42,6 +42,7 @@ def _met_once(state: State, d: np.ndarray) -> bool:
         if residual > CLOSES or np.abs(x * p.root / far - d).max() > 10 * BESIDE_FLAT:
             return False
         values = np.linalg.svd(p.closure(x)[1] / p.root, compute_uv=False)
+        # n - 1 singular values do not vanish where one freedom is left, and the last of them tells how sharply
         across = len(x) - 2  # of all directions but the one along the curve the weakest
         held.append(float(values[across]) if 0 <= across < len(values) else 0.0)
     return held[1] > RANK and held[0] < 3 * held[1]

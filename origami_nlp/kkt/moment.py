@@ -69,6 +69,7 @@ def passing_moment(scene: Scene, fold_angles: np.ndarray) -> PassingMoment | Non
     c, t, root = creases[free], torque[free], np.sqrt(stiffness[free])
     if len(c) < 3 or np.linalg.svd(c, compute_uv=False)[2] <= RANK:
         return None
+    # weighed by 1 / k_i: what is left is measured by the energy that each spring by itself would release
     m = np.linalg.lstsq(c / root[:, None], t / root, rcond=None)[0]
     # what closing to `CLOSES` leaves of a component is 0
     x, y, z = np.where(np.abs(m) <= CLOSES * stiffness[free].max(), 0.0, m).tolist()

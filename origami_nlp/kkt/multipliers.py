@@ -94,6 +94,7 @@ class Multipliers:
         """Some extreme solutions, shape [v, r], for second-order tests."""
         if self._equations is None:
             return self._corners
+        # mu enters the Hessian of the Lagrangian linearly, so that corners show more than the inside; rays are left out
         return np.vstack([self.smallest, self._corners])
 
 
@@ -107,10 +108,12 @@ def find_multipliers(b: np.ndarray, c: np.ndarray, tolerance: float = STATIONARY
     size = 1.0 + float(np.abs(c).max(initial=0.0))
     if r == 0:
         return Multipliers(float(np.abs(c).max(initial=0.0)), True, np.zeros(0))
+    # full column rank of B is linear independence of closure and contacts (LICQ; Nocedal & Wright, definition 12.4)
     u, singular, vt = np.linalg.svd(b)
     rank = int((singular > INDEPENDENT).sum())
     if rank == r:
         mu = np.linalg.lstsq(b, c, rcond=None)[0]
+        # the residual is that of max(mu, 0): a contact that pulls is missing balance, not a negative push
         clipped = np.where(np.abs(mu) <= 0.1 * tolerance * size, 0.0, mu)
         residual = float(np.abs(b @ np.maximum(mu, 0.0) - c).max())
         return Multipliers(residual, True, clipped)
@@ -138,6 +141,7 @@ def smallest_norm(b: np.ndarray, found: np.ndarray) -> np.ndarray:
     if size == 0.0 or kernel.shape[1] == 0:
         return found
     unit = found / size
+    # the part of a solution that lies in the row space is the same for all of them
     p = unit - kernel @ (kernel.T @ unit)
     z = nearest(np.zeros(kernel.shape[1]), kernel, -p)
     if z is None:

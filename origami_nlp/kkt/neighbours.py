@@ -108,6 +108,7 @@ def _neighbours(
     limits = [row for row in rows if row.is_limit]
     # a gap is held at zero whatever its side; two creases that lie on each other may turn as one hinge
     gaps = list({row.index: row for row in rows if not row.is_limit}.values())
+    # inside; on one limit, on two, on all; on one gap; on creases that lie on each other
     strata: list[tuple[Contact, ...]] = [(), *((row,) for row in limits)]
     strata += list(itertools.combinations(limits, 2))
     if len(limits) > 2:
@@ -151,6 +152,7 @@ def _sphere(
 ) -> np.ndarray:
     """Return states about each radius from x on one stratum, of `TOGETHER` random directions each."""
     model, x = state.programme, state.x
+    # normal deviates, scaled to one length: uniform on the sphere
     d = rng.normal(size=(TOGETHER * len(radii), model.size))
     radius = np.repeat(radii, TOGETHER)
     for row in limits:  # step into the fold limits, not out of them

@@ -114,6 +114,7 @@ def exact_beside(model: Programme, state: Polished) -> Polished:
     exact = Polished(y, (), float(residual), math.nan, True)
     if frozen.all() and residual <= CLOSES:
         return exact
+    # a crease put at 0 is free to turn; only at +-pi is it held
     shut = frozen & (flat != 0) & model.has_limits
     rows = tuple(fold_limit(int(v), flat[v]) for v in np.flatnonzero(shut))
     along, _ = newton(model, exact.x, rows)
@@ -201,7 +202,7 @@ def newton(
         # relative to the size of the terms that cancel
         size = 1.0 + np.abs(local.gradient).max()
         kkt = max(float(np.abs(stationarity).max()) / size, float(np.abs(values).max(initial=0.0)))
-        closure = float(np.abs(local.closure).max())
+        closure = float(np.abs(local.closure).max(initial=0.0))
         step = system.step(np.append(local.closure, values))
         length = float(np.linalg.norm(step))
         if not math.isfinite(length) or length > LONGEST_STEP:
@@ -214,7 +215,7 @@ def newton(
             resolved = bool(reached) and u <= RESOLVED * _distance_to_singular(system.jacobian)
             y = _closed_exactly(model, x)
             if (y != x).any():
-                closure = float(np.abs(model.closure(y)[0]).max())
+                closure = float(np.abs(model.closure(y)[0]).max(initial=0.0))
             state = Polished(y, rows, closure, float(kkt), resolved, u)
             best = (merit, state, multipliers[m:])
         elif best[1].converged:
@@ -243,9 +244,11 @@ class _System:
         """Return Newton's step [n] for values [m + r] of closure and rows."""
         count, n = self.jacobian.shape
         corner = np.zeros((count, count))
+        # Newton-KKT system (Nocedal & Wright, 18.6); multipliers come from least squares anew, so their step is dropped
         system = np.block([[self.hessian, -self.jacobian.T], [self.jacobian, corner]])
         left = self.stationarity if self.free is None else self.stationarity[self.free]
         right = -np.concatenate([left, values[:count]])
+        # rows may depend on each other: the solution of smallest norm
         if self.free is None:
             return np.linalg.lstsq(system, right, rcond=ROUNDED)[0][:n]
         step = np.zeros(len(self.free))
@@ -260,6 +263,7 @@ def _with_rows(
     model: Programme, local: Local, rows: tuple[Contact, ...], gradients: np.ndarray
 ) -> _System:
     jacobian = np.vstack([local.closure_jacobian, gradients])
+    # least-squares multipliers: a function of x alone, right to first order off the KKT point
     multipliers = np.linalg.lstsq(jacobian.T, local.gradient, rcond=DEPENDENT)[0]
     hessian = model.lagrangian_hessian(local.x, multipliers, rows)
     return _System(multipliers, local.gradient - jacobian.T @ multipliers, hessian, jacobian)

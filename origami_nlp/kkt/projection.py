@@ -57,6 +57,7 @@ def project(
         still = ~frozen if frozen is not None else None
         before = math.inf
         for step in range(steps + 1):
+            # the retraction of the paper's eq. A8, with normal directions taken at each iterate, not at the first state
             try:
                 f, jac = programme.constraints(x, contacts)
             except ArithmeticError:  # where sides run along each other there is no gap between them
@@ -65,6 +66,7 @@ def project(
             if residual <= ROUNDED or step == steps or (step > 1 and residual > stalls * before):
                 break
             before = residual
+            # columns of what is frozen are zero, so that the step of smallest norm does not move it
             jac = jac / root if still is None else jac / root * still
             move = np.linalg.lstsq(jac, f, rcond=dependent)[0]
             x = x - move * (min(1.0, LONGEST / max(float(np.linalg.norm(move)), 1e-300)) / root)

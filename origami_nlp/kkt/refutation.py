@@ -139,6 +139,7 @@ def follow_level(state: State) -> Lower | None:
     rays = generators(np.vstack([state.on(limits).slopes @ z, -up]))
     if rays is None or not len(rays):
         return None
+    # of several forms one is enough: what the others forbid does not close, and is dropped when it is followed
     y = level_directions(state.second_order[0], rays)
     slope = y @ up
     falls = slope < -INDEPENDENT * (1.0 + np.abs(up).max())
@@ -169,6 +170,7 @@ def _follow(
     y, residual = project(model, x + step * directions, held, frozen=still)
     change = np.array([model.energy_change(x, end) for end in y])
     good = (residual <= FOLLOWED) & (np.linalg.norm(y - x, axis=1) < 3 * step)
+    # a tenth of the decrease to first order: less may be what the projection changed
     good &= (change < 0.1 * step * slope) & (slope < 0)
     good[good] = model.admissible(y[good])
     for k in np.flatnonzero(good):

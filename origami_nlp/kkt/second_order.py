@@ -68,6 +68,7 @@ def extreme_rays(rows: np.ndarray) -> np.ndarray | None:
     first = _independent(rows)
     if first is None:
         return None
+    # columns of the inverse: each lies on all of these rows but one
     rays = np.linalg.inv(rows[first]).T
     rays /= np.linalg.norm(rays, axis=1, keepdims=True)
     used = list(first)
@@ -108,6 +109,7 @@ def _on_cut_edges(rays: np.ndarray, value: np.ndarray, rows: np.ndarray) -> np.n
     Two rays span an edge exactly when no third one lies on all the rows that hold both.
     """
     t = rows.shape[1]
+    # which rows hold which ray; an edge of a cone in t dimensions lies on t - 2 of them
     on = np.abs(rays @ rows[:-1].T) <= INDEPENDENT
     one, other = np.flatnonzero(value > INDEPENDENT), np.flatnonzero(value < -INDEPENDENT)
     i, j = (m.ravel() for m in np.meshgrid(one, other, indexing="ij"))
@@ -130,6 +132,7 @@ def generators(rows: np.ndarray) -> np.ndarray | None:
 
     The extreme rays, and where the cone holds lines, those of its part across them and the lines both ways.
     """
+    # d and -d both in the cone: rows d = 0
     lines = null_space(rows, INDEPENDENT)
     across = null_space(lines.T, INDEPENDENT)
     if not lines.shape[1]:

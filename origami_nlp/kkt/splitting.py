@@ -42,6 +42,7 @@ def judge_by_splitting(
             continue
         choices = choices or _Choices(state)
         free = choices.open(rows)
+        # a set that ignores a choice holds more states: where its way down closes every option, the choice forbids it
         passed = [
             k for d in (b.direction, *b.more) if d is not None for k in choices.passed(free, d)
         ]

@@ -82,6 +82,7 @@ class State:
         if p.redundant and not p.sparse:  # whose metric is that of all fold angles
             return cast(np.ndarray, p.kernel(self.x))
         _, values, vt = self._factors
+        # paper, eq. A6: C dphi = 0, of dimension N - 3 at a regular state of a vertex without symmetry
         return vt[int((values > RANK).sum()) :].T
 
     @cached_property
@@ -97,6 +98,7 @@ class State:
         """Forms Q [t, t] on `kernel` where closure loses rank: d' Q d = 0 in every direction that states follow."""
         p = self.programme
         u, values, _ = self._factors
+        # w with w' J = 0: rank C < 3, the singular states that the paper's appendix A does not classify
         lost = u.T[int((values > RANK).sum()) :]
         unit = np.outer(p.root, p.root)
         z = self.kernel
@@ -281,6 +283,7 @@ class Stratum:
         """
         p = self.state.programme
         h = p.lagrangian_hessian(self.state.x, multipliers, self.contacts)
+        # y = root x is linear: derivatives by y are those by x over root
         return h / np.outer(p.root, p.root)
 
     @cached_property
@@ -303,6 +306,7 @@ class Stratum:
         system = np.block(
             [[self.hessian, -self.jacobian.T], [self.jacobian, np.zeros((count,) * 2)]]
         )
+        # H dx - C' dnu = dload and C dx = 0: the implicit function theorem on the KKT system
         right = np.vstack([np.eye(n), np.zeros((count, n))])
         solution = np.linalg.lstsq(system, right, rcond=ROUNDED)[0]
         return solution[n + len(self.state.jacobian) :], solution[:n]

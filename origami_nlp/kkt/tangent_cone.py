@@ -97,6 +97,7 @@ class TangentCone:
         lengths = np.linalg.norm(rows, axis=1)
         steep = RISES * float(np.abs(gradient).max(initial=0.0))
         rises, falling, dimension = True, [], 0
+        # to second order a motion and its opposite are alike; contacts and the energy tell them apart
         for d in (s * line for line in self.lines for s in (1.0, -1.0)):
             if (rows @ d < -RISES * lengths).any():
                 continue
@@ -184,6 +185,7 @@ def combine(
             wide = _widened(basis, len(new))
             here = wide[rows]
             for mode in modes[v]:
+                # what this choice has so far must lie in the mode of the next loop: the kernel of its part across that
                 outside = here - mode @ (mode.T @ here)
                 if np.abs(outside).max(initial=0.0) < RANK:
                     after.append(wide)
@@ -227,6 +229,7 @@ def loop_modes(loop: LoopClosure) -> list[np.ndarray] | None:
     rank = int((values > RANK).sum())
     found = [vt[rank:].T]
     for w in u[:, rank:].T:
+        # w' J = 0, so that w . c has no part of first order, and d' (sum w_k Hess c_k) d is the first that counts
         form = np.einsum("k,kij->ij", w, loop.hessians)
         parts = [_split(form, basis) for basis in found]
         if any(p is None for p in parts):

@@ -125,6 +125,7 @@ class Terrain(ABC):
         """The other states that are nearest to one, [S, n]."""
         apart = np.linalg.norm(self.programme.root * (self.minima - self.minima[k]), axis=1)
         apart[k] = math.inf
+        # all at the distance of the last one: labels do not choose among them
         last = np.sort(apart)[min(NEAREST, len(apart)) - 1]
         near = (apart <= last * (1 + SETTLED)) & np.isfinite(apart)
         return np.asarray(self.minima[near])
@@ -147,6 +148,7 @@ def over_flat(paths: Iterable[tuple[int, np.ndarray]]) -> list[tuple[int, np.nda
     for k, path in paths:
         if not np.abs(path[-1]).max() and (k not in to_flat or len(path) < len(to_flat[k])):
             to_flat[k] = path
+    # down to the flat state, and up a path on which another state came to it
     return [
         (k, np.concatenate([path, back[-2::-1]]))
         for k, path in to_flat.items()

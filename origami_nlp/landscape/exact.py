@@ -110,6 +110,7 @@ class ExactLandscape(Told, Turnable):
         verdicts = [m.full_space.verdict for m in self.result.minima if m.full_space]
         if len(verdicts) < len(self.result.minima):
             return len(self.result.minima), None, None
+        # the paper's triplet N_sym -> N_nr -> N_full: undecided ones are not ruled out
         stable = verdicts.count("stable")
         return len(verdicts), stable + verdicts.count("undecided"), stable
 
@@ -238,6 +239,7 @@ def find_landscape(
     if chart.kind != "area" or scene.contact != "full":
         return ExactLandscape(result, chart, None, (), places, ())
     boundary = boundary or trace_boundary(scene)
+    # the grid colours; what it colours is cut by these polygons
     regions = tuple(admissible_region(scene, boundary, k) for k in range(len(chart.branches)))
     return ExactLandscape(
         result, chart, boundary, regions, places, metastable_stretches(result, boundary)
@@ -250,10 +252,12 @@ def metastable_stretches(result: MinimaResult, boundary: Boundary) -> tuple[Stre
     angles = [np.array(m.fold_angles) for m in result.minima]
     out = []
     for number, line in enumerate(boundary.lines):
+        # the line is geometry; energy, slope and stiffness along it are the scene's
         curve = with_energy(result.model, line)
         if len(curve.s) < 3:
             continue
         for part in flat_parts(curve, number, total, SLOPE, STIFFNESS, angles):
+            # linear between points of the line, which lie on the boundary to rounding
             s = np.linspace(part.start, part.end, 2 + int(part.length / PIECE))
             points = np.stack([np.interp(s, line.s, line.points[:, i]) for i in (0, 1)], axis=-1)
             out.append(Stretch(line.branch, points, part.length, line.contacts, line.hidden))

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import os
 import textwrap
 from typing import Any
 
@@ -13,11 +12,10 @@ from matplotlib.lines import Line2D
 
 from origami_nlp.arguments import check_type
 from origami_nlp.atlas import COLOURS, MARKS
-from origami_nlp.files import save_figure
-from origami_nlp.kkt import State, contact_forces
+from origami_nlp.kkt import ContactForce, State, contact_forces
 from origami_nlp.loading.result import LoadPath
 from origami_nlp.pattern import Pattern
-from origami_nlp.sheets import SheetContact, draw_sheet, told_contact
+from origami_nlp.sheets import draw_sheet
 from origami_nlp.show import label_text
 
 PICTURE_WIDTH = 9.6
@@ -29,15 +27,13 @@ OTHER_MARK = "P"
 OTHER, PATH, SNAP = "#cc79a7", "#222222", "#c1121f"
 
 
-def draw_load(path: LoadPath, target: str | os.PathLike[str] | None = None) -> Figure:
+def draw_load(path: LoadPath) -> Figure:
     """Draw load against angle, and the energy of the states that are passed; of a pattern also the sheet round snaps.
 
     Parameters
     ----------
     path
         Of `load_path`.
-    target
-        Where to save (``.png``, ``.pdf``, ``.svg``, ...), or None.
 
     Returns
     -------
@@ -49,7 +45,7 @@ def draw_load(path: LoadPath, target: str | os.PathLike[str] | None = None) -> F
     Raises
     ------
     OptionError
-        If `path` is none, or the file cannot be written.
+        If `path` is none.
     """
     check_type("path", path, LoadPath)
     height, tall = _height(path), 0.0 if path.pattern is None else TALL
@@ -59,8 +55,6 @@ def draw_load(path: LoadPath, target: str | os.PathLike[str] | None = None) -> F
         upper, lower = figure.subfigures(2, 1, height_ratios=(height, tall))  # type: ignore[misc]
         _place_sheets(lower, path, path.pattern)
     _place(upper, path)
-    if target is not None:
-        save_figure(figure, target)
     return figure
 
 
@@ -95,7 +89,7 @@ def _place_sheets(figure: Any, path: LoadPath, pattern: Pattern) -> None:
         axes.set_title(title, fontsize=9)
 
 
-def carried_at(sheet: Any, phi: np.ndarray) -> tuple[SheetContact, ...]:
+def carried_at(sheet: Any, phi: np.ndarray) -> tuple[ContactForce, ...]:
     """Return the closed contacts of an equilibrium [n] and what they carry; none of sheets too large for a kernel."""
     if sheet.sparse:
         return ()
@@ -103,7 +97,7 @@ def carried_at(sheet: Any, phi: np.ndarray) -> tuple[SheetContact, ...]:
     contacts = tuple(
         dict.fromkeys((*found.base, *(c for b in found.branches for o in b for c in o)))
     )
-    return tuple(told_contact(sheet, c) for c in contact_forces(State(sheet, phi), contacts))
+    return contact_forces(State(sheet, phi), contacts)
 
 
 def _lines(path: LoadPath) -> tuple[list[str], float]:

@@ -4,12 +4,10 @@ from . import (
     ipopt as ipopt,
     record as record,
     search as search,
-    starts as starts,
     table as table,
 )
 from .completeness import Added as Added, Completeness as Completeness, Open as Open
 from .coverage import StrataCount as StrataCount, count_strata as count_strata
-from .crossings import model_rows as model_rows
 from .escape import VertexTerrain as VertexTerrain, with_merge_tree as with_merge_tree
 from .figure import draw_minima as draw_minima
 from .find import (
@@ -48,6 +46,7 @@ from .minimum import (
     Rejected as Rejected,
     SearchReport as SearchReport,
     Survival as Survival,
+    contact_to_dict as contact_to_dict,
 )
 from .multistart import (
     FEW_PAIRS as FEW_PAIRS,
@@ -63,7 +62,6 @@ from .noise import (
     survival_words as survival_words,
 )
 from .one_freedom import Traced as Traced, trace as trace
-from .pinches import close_pinched as close_pinched
 from .proved import check_prove as check_prove
 from .record import Answer as Answer, Record as Record
 from .result import (
@@ -75,17 +73,9 @@ from .stability import (
     softest_words as softest_words,
     stability_words as stability_words,
 )
-from .starts import EFFORTS as EFFORTS
 from .stopping import chao1 as chao1
 from .strip import draw_states as draw_states
 from .table import DEMO_HEADS as DEMO_HEADS, demo_rows as demo_rows
-from .telling import contact_words as contact_words
-from .touch_draws import (
-    TouchStarts as TouchStarts,
-    model_strata as model_strata,
-    touch_starts as touch_starts,
-)
-from .touches import TouchStrata as TouchStrata, list_strata as list_strata
 from .traced_passes import TracedPasses as TracedPasses
 from .turned import (
     CELLS as CELLS,

@@ -7,8 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from origami_nlp.minima.touch_draws import TouchStarts
-from origami_nlp.minima.touches import Row
+from origami_nlp.starts import Row, TouchStarts
 
 
 @dataclass(frozen=True)

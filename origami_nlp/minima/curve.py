@@ -68,6 +68,7 @@ class Sections:
         more = (...,) + (None,) * (where.ndim - 1)
         (s0, s1), a, b = self.part.T, self.low[more], self.high[more]
         s = s0[more] + (s1 - s0)[more] * (1 + where) / 2
+        # where a curve turns back, x goes as sqrt(angle - end): with angle - end ~ (1 + s)^2 it is analytic in s
         left, right = self.turns.T
         up = a + (b - a) * ((1 + s) / 2) ** 2
         down = b - (b - a) * ((1 - s) / 2) ** 2
@@ -129,6 +130,7 @@ class Curves:
         axes, end = self.piece.fold(x * self.piece.share)
         axes = axes.transpose(2, 0, 1)  # [K, n, 3]
         axes = axes * self.piece.share[:, None]
+        # the null vector of closure's rows: signed minors of a 3 x 4 matrix, cross product of two rows, gradient turned
         if self.model.equation_count == 3:
             volume = [
                 np.sum(cross(axes[:, i], axes[:, j]) * axes[:, k], axis=1)
@@ -244,6 +246,7 @@ class Curves:
             # next to a crossing states are known to EPS / size, and tangents to EPS / size^2
             fine = error <= ACCURACY + 4 * EPS / np.maximum(size.min(axis=1), EPS) ** 2
             fine &= (odd == odd[:, :1]).all(axis=1)
+            # another driver answers for what moves much faster than this one
             slow = (error <= 0.02) & (share < 0.8 * SLOW)
             wanted = open_.wanted.ravel() & ~self._beyond(x, odd)
             keep = np.flatnonzero(wanted & fine & ~slow)
@@ -262,6 +265,8 @@ class Curves:
             open_ = replace(open_, wanted=(wanted & ~fine & ~slow).reshape(-1, 2))
             ends = open_.angle(np.tile([-1.0, 1.0], (len(open_.low), 1)))
             left = open_.wanted.any(axis=1)
+            # inside a piece that is a failure; next to its ends lies a meeting of completions, which is listed by
+            # itself
             tiny = left & (np.abs(ends[:, 1] - ends[:, 0]) <= RESOLVED)
             for k in np.flatnonzero(tiny):
                 if min(ends[k, 0] - open_.low[k], open_.high[k] - ends[k, 1]) > RESOLVED:
@@ -288,6 +293,7 @@ def _joined(parts: list[Branches]) -> Branches:
 
 def _error(values: np.ndarray) -> np.ndarray:
     """How far series of values [B, NODES + checks, n] are from having converged, [B]."""
+    # a small tail alone can be aliasing: values between the nodes have to agree as well
     series = np.einsum("kj,bjn->bkn", TO_SERIES, values[:, :NODES])
     tail = np.abs(series[:, -3:]).max(axis=(1, 2))
     at_checks = np.einsum("ck,bkn->bcn", AT_CHECKS, series)

@@ -21,12 +21,20 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from origami_nlp.minima.closing import EXPLORED, Closing, Point, balance
-from origami_nlp.minima.crossings import Crossings
-from origami_nlp.minima.samples import Ends, Samples, joined, put
 from origami_nlp.minima.sweeps import sweep
 from origami_nlp.numerics import CHOSEN, ROUNDED, TOUCHES, coarse, first_largest
 from origami_nlp.programme import OPEN, Model, Parameters
+from origami_nlp.starts import (
+    EXPLORED,
+    Closing,
+    Crossings,
+    Ends,
+    Point,
+    Samples,
+    balance,
+    joined,
+    put,
+)
 
 FLAT_SLOPE = 1e-10
 """Torque that is left where a descent has converged, relative to the largest that balance."""
@@ -217,6 +225,7 @@ class Descents:
     def _on_stratum(self, s: Samples, p: Point) -> np.ndarray:
         """Hessian along the stratum of each sample, the identity across it, [K, n, n]."""
         n = s.x.shape[1]
+        # projector on the null space of the rows on free creases, 1 - A'(A A')^-1 A (Nocedal and Wright, section 16.3)
         projector = -p.free_rows.transpose(0, 2, 1) @ p.inverse @ p.free_rows
         projector[:, np.arange(n), np.arange(n)] += s.shut == 0
         h = projector @ self.closing.hessian(s, p) @ projector + np.eye(n) - projector
@@ -256,6 +265,7 @@ class Descents:
     ) -> tuple[Samples, Point, np.ndarray, np.ndarray]:
         """Let go the contact that pulls most, where it pulls enough; returns also the gradient of its opening."""
         n = s.x.shape[1]
+        # positive where a multiplier has the wrong sign: energy falls as the contact opens
         pull = np.concatenate([s.shut * p.left, -p.multipliers[:, self._m :]], axis=1)
         pull = pull / size[:, None]
         worst = first_largest(pull)
@@ -327,8 +337,10 @@ class Descents:
         at, value, _ = self.closing.rows(trial)
         good = np.abs(value).max(axis=1) <= EXPLORED
         good &= (np.abs(trial.x) <= self.model.bound + ROUNDED).all(axis=1) & (at.sheet > 0)
+        # closing may have gone to states far from where the step led
         good &= np.abs(trial.x - before.x).max(axis=1) < 2 * REACH
         now, e = self.closing.springs(trial).energy(trial.x), before.energy
+        # sufficient decrease (Nocedal and Wright, eq. 3.4), with slack for the rounding of energies
         lower = now <= e + 1e-4 * np.minimum(before.slope, 0) + 1e-11 * (1 + e)
         good &= lower | (before.escaped & (now <= e + 1e-9))
         gap, side = self.crossings.of(at, trial.x, trial.shut)
@@ -385,6 +397,7 @@ def _direction(h: np.ndarray, down: np.ndarray) -> np.ndarray:
     if len(b):
         value, vector = np.linalg.eigh(h[b])
         part = np.einsum("kij,ki->kj", vector, down[b])
+        # |eigenvalues| in place of eigenvalues: always downhill (Nocedal and Wright, section 3.4)
         d[b] = -np.einsum("kij,kj->ki", vector, part / np.maximum(np.abs(value), 1e-2))
     return np.asarray(d)
 
@@ -392,6 +405,7 @@ def _direction(h: np.ndarray, down: np.ndarray) -> np.ndarray:
 def _lowest(h: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Lowest eigenvalues [K], and of their eigenvectors the one nearest to a fixed direction, [K, n]."""
     values, vectors = np.linalg.eigh(h)
+    # eigenvectors of equal eigenvalues are arbitrary; what they span of a fixed vector is not
     near = np.where(values <= values[:, :1] + CHOSEN * np.abs(values).max(axis=1)[:, None], 1, 0)
     fixed = np.cos(np.arange(1, h.shape[1] + 1))
     v = np.einsum("kij,kj,kj->ki", vectors, near, np.einsum("kij,i->kj", vectors, fixed))

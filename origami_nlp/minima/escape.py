@@ -29,10 +29,10 @@ from origami_nlp.kkt import (
 from origami_nlp.minima.descents import Descents
 from origami_nlp.minima.minimum import Minimum
 from origami_nlp.minima.one_freedom import Traced
-from origami_nlp.minima.samples import Samples
 from origami_nlp.minima.traced_passes import TracedPasses, traced_passes
 from origami_nlp.numerics import CLOSES, FOLLOWED, RESOLVED, SHALLOW
 from origami_nlp.programme import Contact, Model
+from origami_nlp.starts import Samples
 
 MOST_STATES = 8
 """Minima, images of one another counted once, out of which ways are sought: those of lowest energy."""
@@ -116,6 +116,7 @@ class VertexTerrain(Terrain):
             moved = np.linalg.norm(y - at[live], axis=1)
             good = (residual <= FOLLOWED) & (moved > 0.05 * length[:, 0]) & (moved < 3 * step)
             good &= np.abs(model.closure(y)[0]).max(axis=1, initial=0.0) <= CLOSES
+            # a target that is reached ends its ray
             good &= left > 0
             good[good] = model.admissible(y[good])
             live, y = live[good], y[good]
@@ -250,6 +251,7 @@ def with_escapes(
     energies = np.array([m.energy for m in minima])
     isolated = [m.local_dimension == 0 for m in minima]
     scale = energy_scale(np.array(model.scene.stiffness))
+    # exact where every curve of states is known: barriers are then read off a finite graph
     found = None
     if traced is not None and traced.complete and model.has_limits and not model.scene.loads:
         passes = traced_passes(model, traced.curves, traced.branches, states, energies)

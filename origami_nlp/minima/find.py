@@ -33,7 +33,6 @@ from origami_nlp.minima.noise import check_noise
 from origami_nlp.minima.proved import check_prove
 from origami_nlp.minima.record import BREAKDOWNS, Answer, Record, close_orbit
 from origami_nlp.minima.result import MinimaResult
-from origami_nlp.minima.starts import effort_of
 from origami_nlp.minima.windings import (
     escapes_of_each,
     finish_all,
@@ -45,6 +44,7 @@ from origami_nlp.minima.windings import (
 from origami_nlp.numerics import rank
 from origami_nlp.pattern import Scene
 from origami_nlp.programme import Model
+from origami_nlp.starts import effort_of
 
 FEWEST_STARTS = 1
 """Starts that are made whatever the stopping rule says."""

@@ -224,6 +224,7 @@ def hessian_spectra(
     lam = np.linalg.lstsq(state.jacobian.T, balance, rcond=None)[0]
     h = z.T @ piece.hessian_with(np.concatenate([lam, mu.smallest])) @ z
     average = group_average(scene)
+    # coordinates c on the kernel with no symmetric part: average z c = 0
     breaking = null_space(average @ z, INDEPENDENT)
     scale = state.programme.scale
     full = np.linalg.eigvalsh(h) * scale

@@ -25,7 +25,6 @@ from origami_nlp.minima.stability import (
     verdict,
 )
 from origami_nlp.minima.telling import (
-    contact_words,
     flag_lines,
     freedom_words,
     scene_lines,
@@ -105,7 +104,7 @@ def _table(scene: Scene, minima: tuple[Minimum, ...], freedom: int) -> Table:
             softest_words(m.softest),
             m.escape.words() if m.escape else "-",
             ", ".join(_degrees(a) for a in m.fold_angles),
-            "\n".join(contact_words(c) for c in m.contacts) or "none closed",
+            "\n".join(c.words() for c in m.contacts) or "none closed",
             str(m.hits),
         ]
         if full:

@@ -9,22 +9,10 @@ from collections.abc import Callable
 
 import numpy as np
 
-from origami_nlp.kkt import (
-    Polished,
-    Solve,
-    flat_foldings,
-    polish,
-    polished_nearby,
-    project,
-    rest_state,
-    rigid_states,
-)
+from origami_nlp.kkt import Polished, Solve, polish, polished_nearby, project
 from origami_nlp.minima.coverage import StrataCount, count_strata
-from origami_nlp.minima.hinges import hinge_minima
 from origami_nlp.minima.minimum import Rejected, SearchReport
 from origami_nlp.minima.multistart import run_starts
-from origami_nlp.minima.near_flat import flat_minima
-from origami_nlp.minima.near_folded import folded_minima
 from origami_nlp.minima.one_freedom import EXACT, Traced, trace
 from origami_nlp.minima.record import (
     BREAKDOWNS,
@@ -36,11 +24,24 @@ from origami_nlp.minima.record import (
     listed,
 )
 from origami_nlp.minima.search import Search, Work
-from origami_nlp.minima.starts import CORNER, SOURCES, Effort, Rounds, is_chain
 from origami_nlp.minima.stopping import chao1
 from origami_nlp.numerics import BESIDE, CLOSES, DESIGN_SNAP, NEAR_CONTACT, SAME
 from origami_nlp.pattern import Labels, canonical_labels
 from origami_nlp.programme import Model
+from origami_nlp.starts import (
+    CORNER,
+    SOURCES,
+    Effort,
+    FlatFoldings,
+    HingeSets,
+    Listed,
+    NearFlat,
+    NearFolded,
+    RestState,
+    RigidStates,
+    Rounds,
+    is_chain,
+)
 
 MOST_BATCHED = 24
 """Variables up to which descents are made in batches with symmetry or facets that may touch; above, IPOPT solves from
@@ -90,14 +91,11 @@ class Job:
     def list_states(self) -> None:
         """Judge the states that no descent finds: isolated flat foldings, hinge sets, states that cannot move."""
         model, record = self.model, self.record
-        self.foldings = list(record.unbroken("flat foldings", flat_foldings, model))
-        rest = record.unbroken("the rest state", rest_state, model)
-        states = itertools.chain(
-            rest, record.unbroken("hinge sets", hinge_minima, model), self.foldings
-        )
+        self.foldings = record.states_of(FlatFoldings(model))
+        families: list[Listed] = [RestState(model), HingeSets(model)]
+        states = [x for family in families for x in record.states_of(family)] + self.foldings
         if model.freedom <= 0:
-            rigid = record.unbroken("states that cannot move", rigid_states, model, self.seed)
-            states = itertools.chain(states, rigid)
+            states += record.states_of(RigidStates(model, self.seed))
         for x in states:
             if self._late():
                 return
@@ -165,10 +163,8 @@ class Job:
         under = self._under()
         limits = self.turn, self.until
         with Search(self.model, self.record, under, workers, self._tell, limits) as search:
-            with self.record.surviving("starts beside the flat state"):
-                search.also_from(flat_minima(self.model))
-            with self.record.surviving("starts beside flat foldings"):
-                search.also_from(folded_minima(self.model, self.foldings))
+            for family in (NearFlat(self.model), NearFolded(self.model, self.foldings)):
+                search.also_from(self.record.states_of(family))
             if guesses:
                 yield from search.run(search.closed(np.array(guesses), touching=True))
             rounds = Rounds(under[0] if under else self.model, self.seed, self.effort)
@@ -201,8 +197,8 @@ class Job:
             return
         tried = self.record.by_source[SOURCES[CORNER]]  # a cap on starts leaves some out
         self.corners = tried, rounds.every_corner and tried == rounds.corners
-        if rounds.touches is not None:
-            self.strata, _ = count_strata(rounds.touches, search.minima_on_touches())
+        if rounds.touches is not None and rounds.touches.found is not None:
+            self.strata, _ = count_strata(rounds.touches.found, search.minima_on_touches())
 
     def _late(self) -> bool:
         """Tell whether the time is over, and remember it."""
@@ -247,6 +243,7 @@ class Job:
             # the first round holds several: where there is more to find, one that found nothing is wanted as well
             few = self.model.freedom <= FEW_FREEDOMS and self.model.has_limits
             return quiet > 0 or few
+        # Chao's estimate of the minima that nothing has reached yet, from those reached once and twice
         return quiet >= self.effort.quiet and chao1(hits) < 0.5
 
     def _one_by_one(self) -> None:

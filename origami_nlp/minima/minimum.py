@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
+from typing import Any
 
 from origami_nlp.files import Brief
 from origami_nlp.kkt import ContactForce, Escape, Kind
@@ -12,6 +13,7 @@ from origami_nlp.minima.flags import StateFlags
 from origami_nlp.minima.full_space import FullSpace
 from origami_nlp.minima.ipopt import Confirmation
 from origami_nlp.numerics import CLOSES, STATIONARY
+from origami_nlp.show import to_plain
 
 TRIALS = 20
 """Scenes with random errors that minima are followed into."""
@@ -49,6 +51,12 @@ class Survival(Brief):
     def __str__(self) -> str:
         alone = "" if self.springs is None else f" (springs {self.springs})"
         return f"{self.kept} of {self.trials}{alone}"
+
+
+def contact_to_dict(contact: ContactForce) -> dict[str, Any]:
+    """Return a contact as plain data: of creases, facets, corners, side and place what there is."""
+    touching = ("creases", "facets", "corners", "side", "place")
+    return {k: v for k, v in to_plain(contact).items() if v or k not in touching}
 
 
 @dataclass(frozen=True, repr=False)

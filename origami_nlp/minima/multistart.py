@@ -6,11 +6,12 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from origami_nlp.kkt import Solve, StartStream
+from origami_nlp.kkt import Solve
 from origami_nlp.minima.ipopt import solve
 from origami_nlp.minima.record import Answer, Record
 from origami_nlp.numerics import ANSWERED, SAME
 from origami_nlp.programme import Model, Solvable
+from origami_nlp.starts import Projected
 
 MOST_PAIR_ROUNDS = 4
 FEW_PAIRS = 6
@@ -20,10 +21,10 @@ FEW_PAIRS = 6
 def run_starts(model: Model, seed: int, record: Record) -> Iterator[Answer | None]:
     """Run starts for ever, one for each `next`; yields the answer if it has to be judged, else None."""
     pairs = model.structure.pairs
-    for start in StartStream(model, seed):
+    for start in Projected(model).starts(np.random.default_rng(seed)):
         record.starts += 1
         record.feasible_starts += start.feasible
-        record.by_source["interior"] += 1
+        record.by_source[Projected.name] += 1
         record.drawn += 1
         # Minima that a facet pair pins can be reached only by solves that respect the pair from the start: without it
         # a solve passes through the facets and ends elsewhere.  With many pairs every second start does without.

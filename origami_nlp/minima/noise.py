@@ -153,6 +153,7 @@ def _noisy(exact: Model, size: float, trial: int) -> list[Model]:
     rest = size * labels.back(rest)
     stiffness = size * labels.sign * labels.back(stiffness)
     sectors = sectors[np.argsort(labels.facets)]
+    # the sum of sector angles stays
     sectors = size * (sectors - sectors.mean())
     p = exact.parameters
     at = np.array(exact.scene.vertex.sector_angles)

@@ -151,10 +151,12 @@ def lifts(model: Model, curves: Curves, branches: Branches) -> list[tuple[Branch
         some = branches.take((keys == key).all(axis=1))
         odd, pinned = bool(key[0]), key[1:]
         # a variable that stands at +-pi is written as +pi or -pi by rounding
+        # whole turns that lead to other fold angles within the bound
         more = pinned | (curves.period < 2 * model.bound)
         options = [(-1.0, 0.0, 1.0) if many else (0.0,) for many in more]
         turns = np.array(list(itertools.product(*options)))
         if curves.sheets:
+            # each whole turn changes the sign of q: as many as lead to q = +1
             turns = turns[turns.sum(axis=1) % 2 == odd]
         turns = curves.period * turns
         if len(turns):
@@ -165,6 +167,7 @@ def lifts(model: Model, curves: Curves, branches: Branches) -> list[tuple[Branch
 def _add_stationary(curves: Curves, b: Branches, lift: np.ndarray, found: _Found) -> None:
     """Add all states where the slope of the energy rises through zero, or touches it."""
     model = curves.model
+    # dE/ds = sum_i G_i t_i along the unit tangent; springs are linear, so that a turn adds stiffness * turn
     torque = model.parameters.torque(b.x) * b.tangents
     more = model.parameters.stiffness * b.tangents
     series = np.einsum("kj,bj->bk", TO_SERIES, torque.sum(axis=2))
@@ -173,12 +176,14 @@ def _add_stationary(curves: Curves, b: Branches, lift: np.ndarray, found: _Found
     scale = (
         np.abs(torque).sum(axis=2).max(axis=1)[:, None] + 1e-12 * model.parameters.stiffness.max()
     )
+    # |T_k| <= 1: no root where the constant is larger than the sum of all other coefficients
     may = np.abs(series[..., 0]) <= np.abs(series[..., 1:]).sum(axis=2) + 1e-12 * scale
     which, lifts = np.nonzero(may)
     k, where, slope = roots(series[which, lifts])
     which, lifts = which[k], lifts[k]
     driver = b.sections.driver[which]
     way = np.sign(np.take_along_axis(b.tangents[which, NODES // 2], driver[:, None], 1)[:, 0])
+    # position runs with the driver, s with the tangent: `way` is the sign between them
     rising = way * slope > -UNPOLISHED * np.broadcast_to(scale, may.shape)[which, lifts]
     which, lifts, where = which[rising], lifts[rising], where[rising]
     for x in _at(curves, b.take(which), where, lift[lifts]):
@@ -194,6 +199,7 @@ def _at(curves: Curves, b: Branches, where: np.ndarray, lift: np.ndarray) -> np.
     x, _, _ = curves.states(b.sections.driver, angle)
     x = x[np.arange(len(where)), b.side]
     nodes = np.cos(np.outer(np.arccos(np.clip(where, -1, 1)), np.arange(NODES)))
+    # the series only says which whole turns the exact state takes
     near = np.einsum("bk,kj,bjn->bn", nodes, TO_SERIES, b.x)
     x = x + curves.period * np.round((near - x) / curves.period)
     x = np.where(b.pinned, np.copysign(curves.period / 2, near), x) + lift
@@ -247,6 +253,7 @@ def _crossings(curves: Curves) -> list[np.ndarray]:
         states = np.where(
             np.abs(np.abs(states) - exact) <= RESOLVED, np.copysign(exact, states), states
         )
+    # no tangent where the rows of closure depend on each other
     states = states[curves.tangents(states)[1] <= RANK]
     turns = curves.period * np.array(list(itertools.product((-1.0, 0.0, 1.0), repeat=model.size)))
     out = []
@@ -261,6 +268,7 @@ def _crossings(curves: Curves) -> list[np.ndarray]:
             inside = np.abs(y + steps).max(axis=1) <= (
                 math.pi + CLOSES if model.has_limits else math.inf
             )
+            # no minimum where the energy falls along a branch that leaves it
             torque = model.parameters.torque(y)
             if not (steps[inside] @ torque < -1e-2 * shift * np.abs(torque).max()).any():
                 out.append(y)
@@ -281,6 +289,7 @@ def _add_contacts(curves: Curves, branches: Branches, found: _Found) -> None:
             for contact in model.gaps:
                 series = np.einsum("kj,bj->bk", TO_SERIES, values[..., contact.index])
                 size = np.abs(series).sum(axis=1)
+                # as for the slope; gaps that stay closed along a piece (size 0) have no end there
                 may = np.flatnonzero((2 * np.abs(series[:, 0]) <= size + SETTLED) & (size > CLOSES))
                 k, where, _ = roots(series[may])
                 which = may[k]

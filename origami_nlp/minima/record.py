@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 
@@ -24,6 +24,7 @@ from origami_nlp.kkt import (
 )
 from origami_nlp.numerics import BESIDE, CLOSES, SAME
 from origami_nlp.programme import Contact, Model, Programme
+from origami_nlp.starts import Listed
 
 BREAKDOWNS = (np.linalg.LinAlgError, ArithmeticError)
 """How linear algebra fails at one state: that state is counted and named, and the search goes on."""
@@ -125,12 +126,11 @@ class Record:
         except BREAKDOWNS as error:
             self.failed[f"{what}: {error}"] += 1
 
-    def unbroken(
-        self, what: str, make: Callable[..., Iterable[np.ndarray]], *arguments: object
-    ) -> Iterator[np.ndarray]:
-        """Yield what `make` makes until linear algebra breaks down there: that is counted, the rest is left out."""
-        with self.surviving(what):
-            yield from make(*arguments)
+    def states_of(self, family: Listed) -> list[np.ndarray]:
+        """List the states [n] of a family; none where linear algebra breaks down, which is counted by its name."""
+        with self.surviving(family.name):
+            return list(family.states())
+        return []
 
     def settle(
         self, model: Model, end: Solve, guess: tuple[Contact, ...] | None = None

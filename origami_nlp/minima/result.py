@@ -16,7 +16,7 @@ import numpy as np
 from origami_nlp.kkt import ALONE, TRACED, State
 from origami_nlp.minima.completeness import Completeness
 from origami_nlp.minima.flags import ResultFlags
-from origami_nlp.minima.minimum import Minimum, SearchReport
+from origami_nlp.minima.minimum import Minimum, SearchReport, contact_to_dict
 from origami_nlp.minima.stability import NOT_ASKED, verdict
 from origami_nlp.minima.telling import (
     flag_lines,
@@ -271,8 +271,7 @@ class MinimaResult(Told, Turnable):
         completeness = from_plain(Completeness, known) if known else None
         minima = []
         for m in data["minima"]:
-            contacts = [{"creases": (), "facets": (), **c} for c in m["contacts"]]
-            found = from_plain(Minimum, {**m, "contacts": contacts}, NULL)
+            found = from_plain(Minimum, m, NULL)
             if found.escape is not None and found.escape.method in (TRACED, ALONE):
                 if math.isnan(found.escape.barrier):  # null in JSON: no way out
                     found = replace(found, escape=replace(found.escape, barrier=math.inf))
@@ -287,8 +286,7 @@ def _minimum_to_dict(m: Minimum) -> dict[str, Any]:
     data = {**to_plain(m), "flags": m.flags.to_dict()}
     if m.winding == 1:
         del data["winding"]
-    for contact in data["contacts"]:  # who touches: creases or facets
-        del contact["facets" if contact["creases"] else "creases"]
+    data["contacts"] = [contact_to_dict(c) for c in m.contacts]
     data["softest_stiffness"] = to_plain(m.softest)
     for name in ("full_space", "solver", "escape", "survival"):
         if data[name] is None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Generator, Iterator, Sequence
+from collections.abc import Callable, Generator, Iterable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import replace
 
@@ -13,11 +13,10 @@ import numpy as np
 from origami_nlp.kkt import Solve, State
 from origami_nlp.minima.descents import Descents
 from origami_nlp.minima.record import Answer, Record, close_orbit, judge
-from origami_nlp.minima.samples import Ends, Samples, joined
-from origami_nlp.minima.starts import DRAWN, GIVEN, SOURCES
 from origami_nlp.numerics import NEAR_CONTACT, ROUNDED, SAME
 from origami_nlp.pattern import Labels
 from origami_nlp.programme import OPEN, Contact, Model, fold_limit
+from origami_nlp.starts import DRAWN, GIVEN, SOURCES, Ends, Samples, joined
 from origami_nlp.workers import stop_workers, worker_pool
 
 FIRST_BATCH, BATCH = 256, 4096
@@ -78,8 +77,8 @@ class Search:
         elif self._pool is not None:
             self._pool.shutdown(cancel_futures=True)
 
-    def also_from(self, x: np.ndarray) -> None:
-        """Start from states [K, n] of the scene with the next batch; like guesses, they are not counted."""
+    def also_from(self, x: Iterable[np.ndarray]) -> None:
+        """Start from states [n] of the scene with the next batch; like guesses, they are not counted."""
         self._below += list(x)
 
     def run(self, starts: Samples | None = None) -> Work:
@@ -175,6 +174,7 @@ class Search:
         drawn, counted = np.isin(source, DRAWN), source != GIVEN
         number = self.record.drawn + np.cumsum(drawn)  # of drawn starts up to each
         while len(which) and time.monotonic() <= self._until:
+            # all ends that are one state as its first, then those that are left
             same = np.abs(x[which] - x[which[0]]).max(axis=1) <= ALIKE
             hit, which = which[same], which[~same]
             answer, new = self._answer_at(ends.samples, int(hit[0]))

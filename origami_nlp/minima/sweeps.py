@@ -19,9 +19,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from origami_nlp.minima.closing import Point
-from origami_nlp.minima.samples import Samples
 from origami_nlp.numerics import EPS, cross
+from origami_nlp.starts import Point, Samples
 
 LEAST_PIVOT = 1e-2
 """Pivots (1 for springs alone) are at least this."""
@@ -79,6 +78,7 @@ def sweep(s: Samples, p: Point, root: np.ndarray) -> Sweep:
     size = np.linalg.norm(bent, axis=1)
     bent /= np.maximum(size, 1e-300)[:, None]
     turn = np.cumsum(a * bent[..., None], axis=1) - a * bent[..., None]
+    # bent' H bent: H is the unit matrix and twice its part above the diagonal
     curvature = 1 + 2 * np.einsum("kj,kjx,kjx->k", bent, turn, bend)
     none = (back.first < 0) | (size <= EPS)
     bent[none], curvature[none] = 0.0, 1.0
@@ -98,17 +98,20 @@ class _Backward:
         stiff = STIFF * (1 / np.maximum(largest, 1e-300) + np.abs(lam).max(axis=1))
         # value: half a quadratic form of (theta, multipliers), and its linear part in the last column
         v = np.zeros((6, 7, count))
+        # at the end: stiff |theta|^2 / 2 + multipliers . theta
         for i in range(3):
             v[i, i], v[i, i + 3], v[i + 3, i] = stiff, 1.0, 1.0
         self._row, self._pivot = np.empty((n, 7, count)), np.empty((n, count))
         self.first = np.full(count, -1)
         for j in range(n - 1, -1, -1):
+            # theta_(j+1) = theta_j + a_j d_j put into the value: `row` is what multiplies d_j, `pivot` what d_j^2 / 2
             row = (v[:3] * self._a[j][:, None]).sum(axis=0)
             pivot = 1 + (row[:3] * self._a[j]).sum(axis=0)
             row[:3] += bend[j]
             row[6] += down[:, j]
             self.first = np.where((self.first < 0) & (pivot <= 0), j, self.first)
             self._row[j], self._pivot[j] = row, np.maximum(np.abs(pivot), LEAST_PIVOT)
+            # minimised over d_j: a Schur complement
             v -= row[:6, None] * (row / self._pivot[j])
         self._value = v
 
@@ -119,6 +122,7 @@ class _Backward:
         if down:
             w = self._value[3:, 3:].transpose(2, 0, 1)
             size = np.abs(w).max(axis=(1, 2))[:, None, None]
+            # stationary in the multipliers; shifted by rounding for creases that all lie on one line or in one plane
             matrix = w[..., :3] - (4 * EPS * size + 1e-300) * np.eye(3)
             theta[3:6] = -np.linalg.solve(matrix, w[..., 3:])[..., 0].T
             theta[6] = 1.0

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 
 import numpy as np
 
 from origami_nlp.errors import OUT_OF_TIME
-from origami_nlp.kkt import ContactForce
 from origami_nlp.minima.flags import ResultFlags
 from origami_nlp.minima.full_space import FullSpace
 from origami_nlp.minima.minimum import Minimum, SearchReport
@@ -43,17 +41,6 @@ def freedom_words(dimension: int, full: int) -> str:
     if dimension == full:
         return f"{dimension}"
     return {0: "0 isolated", 1: "1 handle"}.get(dimension, f"{dimension} of {full}")
-
-
-def contact_words(contact: ContactForce) -> str:
-    """Describe one contact with its moment, or the range of it."""
-    touch = contact.type in ("vertex-face", "edge-edge", "face-face")  # of a pattern
-    what, unit = ("force", "N m per unit of length") if touch else ("moment", "N m")
-    if contact.unique:
-        return f"{contact.text}: {what} {contact.multiplier:.4g} {unit}"
-    low, high = contact.multiplier_range
-    top = "inf" if math.isinf(high) else f"{high:.4g}"
-    return f"{contact.text}: {what} {contact.multiplier:.4g} {unit} (any of {low:.4g} to {top})"
 
 
 def moment_words(moment: Sequence[float], residual: float, degree: int) -> str:
@@ -148,7 +135,7 @@ def state_lines(scene: Scene, minima: Sequence[Minimum]) -> list[str]:
         if m.winding > 1:
             lines.append(f"   winds {m.winding} times round the axis of {scene.group.name}")
         for c in m.contacts:
-            lines.append(f"   contact {contact_words(c)}")
+            lines.append(f"   contact {c.words()}")
         lines.append(f"   {m.certificate}")
         if m.escape is not None:
             lines.append(f"   {stiffness_words(m)}")

@@ -104,10 +104,12 @@ def traced_passes(
     states = p.at(which, where)
     inside = (np.abs(states) <= math.pi + SETTLED).all(axis=1)
     step = np.flatnonzero((which[1:] == which[:-1]) & (where[1:] > where[:-1]))
+    # between two cuts all states are admissible or none is: the middle one stands for them
     good = step[_admissible(model, p, which[step], (where[step] + where[step + 1]) / 2)]
     again = np.flatnonzero((which[1:] == which[:-1]) & (where[1:] == where[:-1]))
     nodes = np.concatenate([states, minima])
     value = np.concatenate([[model.energy(x) for x in states], energies])
+    # cuts that are one state, on several pieces
     pairs = cKDTree(nodes).query_pairs(SETTLED, p=np.inf, output_type="ndarray")
     edges = np.concatenate(
         [np.column_stack([good, good + 1]), np.column_stack([again, again + 1]), pairs]
@@ -145,6 +147,7 @@ def _cuts(model: Model, p: _Pieces) -> tuple[np.ndarray, np.ndarray]:
         which.append(pieces[k])
         where.append(at)
 
+    # dE/ds along the tangent
     torque = model.parameters.torque(p.x) * p.tangents
     add(np.einsum("kj,bj->bk", TO_SERIES, torque.sum(axis=2)), many)
     for v in range(model.size):
@@ -171,6 +174,7 @@ def _ends_on(p: _Pieces) -> tuple[np.ndarray, np.ndarray]:
     middle, reach = p.series[:, 0], np.abs(p.series[:, 1:]).sum(axis=1) + SETTLED
     found = []
     for k in np.array_split(many, max(1, -(-many.size * ends.size // CHUNK))):
+        # series stay within the sum of their coefficients about the mean: a box about each piece
         on = (np.abs(ends[None] - middle[k][:, None]) <= reach[k][:, None]).all(axis=2)
         piece, end = np.nonzero(on)
         found.append(np.stack([k[piece], end]))
@@ -179,6 +183,7 @@ def _ends_on(p: _Pieces) -> tuple[np.ndarray, np.ndarray]:
     goal = ends[end, driver]
     low, high = np.full(len(piece), -1.0), np.full(len(piece), 1.0)
     rows = np.arange(len(piece))
+    # the driver's fold angle rises with the position
     for _ in range(HALVINGS):
         mid = (low + high) / 2
         below = p.at(piece, mid)[rows, driver] < goal

@@ -12,7 +12,7 @@ from origami_nlp.chart import Landscape, chart_of, chart_points, landscape
 from origami_nlp.kkt import ContactForce
 from origami_nlp.minima.minimum import Minimum
 from origami_nlp.minima.stability import asked, verdict
-from origami_nlp.minima.telling import contact_words, full_space_lines, moment_words
+from origami_nlp.minima.telling import full_space_lines, moment_words
 from origami_nlp.numerics import SETTLED, residual_words
 from origami_nlp.pattern import Scene, Vertex
 from origami_nlp.programme import Model
@@ -131,7 +131,7 @@ def _station(model: Model, k: int, m: Minimum, judged: bool) -> Station:
     angles = ", ".join(f"{a:.3f}" for a in np.round(np.degrees(m.fold_angles), 3) + 0.0)
     lines = [
         f"fold angles of creases 1..{vertex.degree} [deg]: {angles}",
-        *(f"contact {x}: {contact_words(c)}" for x, c in zip(letters, m.contacts, strict=True)),
+        *(f"contact {x}: {c.words()}" for x, c in zip(letters, m.contacts, strict=True)),
         m.certificate,
         f"residuals: closure {residual_words(m.closure_residual)}, KKT {residual_words(m.kkt_residual)}; hits {m.hits}",
     ]
@@ -155,7 +155,7 @@ def _mark(model: Model, letter: str, contact: ContactForce) -> Mark:
     if not math.isclose(low, high, rel_tol=1e-9, abs_tol=1e-300):
         moment = f"{low:.3g} to {high:.3g} N m" if math.isfinite(high) else f"≥ {low:.3g} N m"
     at = (tuple(c - 1 for c in creases), tuple(f - 1 for f in facets))
-    return Mark(f"{letter} {moment}", f"contact {letter}: {contact_words(contact)}", high > 0, *at)
+    return Mark(f"{letter} {moment}", f"contact {letter}: {contact.words()}", high > 0, *at)
 
 
 def _descents(vertex: Vertex, minima: Sequence[Minimum]) -> list[Track]:

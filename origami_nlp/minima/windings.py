@@ -24,9 +24,9 @@ from origami_nlp.minima.noise import with_survival
 from origami_nlp.minima.proved import is_cheap, prove_complete
 from origami_nlp.minima.record import BREAKDOWNS
 from origami_nlp.minima.search import finish
-from origami_nlp.minima.starts import Effort
 from origami_nlp.pattern import Scene
 from origami_nlp.programme import Model
+from origami_nlp.starts import Effort
 
 STOPPED = ("complete", "rule", "cap", "time")
 """Why searches stop, from the best reason to the worst."""

@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import itertools
-import os
 import textwrap
 from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
 
-from origami_nlp.files import save_figure
 from origami_nlp.modes.result import BREAKING, Modes, StateModes
 from origami_nlp.show import label_text
 
@@ -20,7 +18,7 @@ MOST_MEDIANS = 3.0
 """The axis ends at this many medians of the distances to contact; numbers of longer modes are in the legend."""
 
 
-def draw_modes(found: Modes, path: str | os.PathLike[str] | None = None) -> Figure:
+def draw_modes(found: Modes) -> Figure:
     """Draw eigenvalues and energy along the modes; one row a minimum, symmetry-breaking modes dashed.
 
     Dots are where something touches; where a mode has the parabola of its eigenvalue, thin lines show it.
@@ -29,18 +27,11 @@ def draw_modes(found: Modes, path: str | os.PathLike[str] | None = None) -> Figu
     ----------
     found
         Of `find_modes`.
-    path
-        Where to save, or None.
 
     Returns
     -------
     matplotlib.figure.Figure
         The figure.
-
-    Raises
-    ------
-    OptionError
-        If the ending of `path` names no known picture format.
     """
     shown = [s for s in found.states if s.modes]
     left_out = len(found.states) - len(shown[:MOST_STATES])
@@ -62,8 +53,6 @@ def draw_modes(found: Modes, path: str | os.PathLike[str] | None = None) -> Figu
         for axis, label in zip(axes[-1], ("mode", "distance along the mode  [rad]"), strict=True):
             axis.set_xlabel(label, fontsize=9)
         figure.tight_layout(rect=(0, 0, 1, 1 - 0.1 / figure.get_figheight()))
-    if path is not None:
-        save_figure(figure, path)
     return figure
 
 

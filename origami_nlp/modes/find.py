@@ -84,8 +84,10 @@ def modes_of(model: Model, scene: Scene, number: int, minimum: Minimum) -> State
     for name, basis in blocks:
         values, vectors = np.linalg.eigh(basis.T @ h @ basis)
         for value, vector in zip(values, (z @ basis @ vectors).T, strict=True):
+            # an eigenvector has no sign of its own: its largest entry is made positive
             d = vector * np.sign(vector[np.abs(vector).argmax()])
             keeps = "" if scene.group.is_trivial else mode_symmetry(scene, d)
+            # h and its eigenvectors are in the metric of all fold angles, so values are stiffnesses in N m/rad^2
             modes.append(Mode(float(value * model.scale), d, name, keeps, geodesic(held, d)))
     return StateModes(number, minimum, names, tuple(modes), coupling * model.scale, "")
 
@@ -151,6 +153,7 @@ def _blocks(
     if scene.group.is_trivial:
         return [("", np.eye(len(h)))], 0.0
     average = group_average(scene)
+    # a projector that commutes with the tangent space's has the eigenvalues 1 (symmetric) and 0 (breaking) on it
     share, vectors = np.linalg.eigh(z.T @ average @ z)
     breaking, kept = vectors[:, share <= 0.5], vectors[:, share > 0.5]
     between = np.abs(kept.T @ h @ breaking).max(initial=0.0)

@@ -124,6 +124,7 @@ def _one_way(held: Stratum, v: np.ndarray, step: float) -> _Way:
     s, x = [0.0], [held.state.x]
     here, why = held, ""
     while s[-1] < farthest:
+        # invariant: `here` is admissible, and a step of length `low` from it is; one of `high` is not
         after, why = _tried(here, v, step)
         if after is None:
             break
@@ -155,6 +156,7 @@ def _tried(here: Stratum, v: np.ndarray, h: float) -> tuple[tuple[Stratum, np.nd
         f, jacobian = model.constraints(y, here.contacts)
         if np.abs(f).max() <= FOLLOWED:
             break
+        # RATTLE: back onto closure along the rows at x, so that the step is normal to the set where it began
         pull = np.linalg.lstsq(jacobian / model.root @ rows.T, f, rcond=None)[0]
         y = y - rows.T @ pull / model.root
     else:
@@ -162,11 +164,13 @@ def _tried(here: Stratum, v: np.ndarray, h: float) -> tuple[tuple[Stratum, np.nd
     for contact in here.contacts:
         contact.hold(y)
     chord = model.root * (y - x)
+    # a pull back that changes the length of the step so much has found another sheet of closed states
     if not SHORTEST * h <= np.linalg.norm(chord) <= h / SHORTEST:
         return None, "no state that closes lies beyond"
     if refused := model.refuses(y):
         return None, refused
     there = here.state.at(y).on(here.contacts)
+    # the velocity for the next step: the chord, without what the rows at y forbid
     along = there.tangent @ (there.tangent.T @ chord)
     return (there, along / np.linalg.norm(along)), ""
 

@@ -62,6 +62,7 @@ class Factor:
             n = jacobian.shape[1]
             whole = np.zeros((n + m, n + m), order="F")
             whole[:n, :n], whole[:n, n:], whole[n:, :n] = dense(matrix), across, jacobian
+            # the diagonal from entry (n, n) on
             whole.T.flat[n * (n + m + 1) :: n + m + 1] = -WEIGHT
             lu, pivots, _ = lapack.dgetrf(whole, overwrite_a=True)
             self._solve = lambda b: lapack.dgetrs(lu, pivots, b)[0]
@@ -108,6 +109,7 @@ class Normal:
 
     def step(self, c: np.ndarray) -> np.ndarray:
         """Return the shortest d with J d = c, [n]; along singular vectors whose values are small a share of it."""
+        # J' (J J' + eps)^-1 c
         return self.jacobian.T @ self._solve(c)
 
     def whole_step(self, c: np.ndarray) -> np.ndarray:
@@ -121,6 +123,8 @@ class Normal:
         lam = np.zeros(self.jacobian.shape[0])
         before = math.inf
         for _ in range(MOST_TIMES):
+            # iterated Tikhonov regularisation: what the weight leaves of each singular direction shrinks by w / (w +
+            # s^2)
             step = self._solve(self.jacobian @ (g - self.jacobian.T @ lam))
             lam += step
             size = float(np.abs(step).max(initial=0.0))

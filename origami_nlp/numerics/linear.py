@@ -34,6 +34,7 @@ def nonnegative_least_squares(b: np.ndarray, c: np.ndarray) -> np.ndarray:
     b, c = b / largest, c / size
     free, barred = np.zeros(r, dtype=bool), np.zeros(r, dtype=bool)
     for _ in range(10 * r + 10):
+        # negative gradient of |B mu - c|^2 / 2: complementary to mu at the answer (Kuhn and Tucker)
         pull = b.T @ (c - b @ mu)
         pull[free | barred] = -np.inf
         new = int(pull.argmax())
@@ -47,6 +48,7 @@ def nonnegative_least_squares(b: np.ndarray, c: np.ndarray) -> np.ndarray:
             if not blocked.any():
                 mu = trial
                 break
+            # go towards the trial until the first entry vanishes
             share = mu[blocked] / np.maximum(mu[blocked] - trial[blocked], 1e-300)
             mu = mu + float(share.min()) * (trial - mu)
             mu[blocked & (mu <= 1e-14 * mu.max())] = 0.0
@@ -64,6 +66,7 @@ def nearest_in_cone(point: np.ndarray, rows: np.ndarray) -> np.ndarray:
 
     Of all directions d of the cone with |d| = 1 it has the largest product with `point`, which is its length.
     """
+    # y = point + rows' mu with mu >= 0, rows y >= 0 and mu . rows y = 0
     return point + rows.T @ nonnegative_least_squares(rows.T, -point)
 
 
@@ -83,6 +86,7 @@ def nearest(point: np.ndarray, rows: np.ndarray, lower: np.ndarray) -> np.ndarra
     left = e @ pressing - f
     if abs(left[-1]) <= 1e-12:
         return None
+    # least distance programming: the residual of the least-squares problem is the answer, but for a factor
     y = point - size * (left[:-1] / left[-1])
     on = pressing > 0  # where rows meet at sharp angles, the rows that hold say it more precisely
     return y + np.linalg.lstsq(rows[on], lower[on] - rows[on] @ y, rcond=1e-12)[0]
@@ -169,6 +173,7 @@ def _programme(b: np.ndarray, inside: np.ndarray, bounded: np.ndarray) -> np.nda
     for k, sign in [(k, 1.0) for k in range(r)] + [(k, -1.0) for k in np.flatnonzero(bounded)]:
         for _ in range(MOST_PIVOTS):
             table = np.linalg.solve(b[:, basis], np.column_stack([b, c]))
+            # reduced costs of the objective sign mu_k
             cost = -sign * (basis == k) @ table[:, :r]
             cost[k] += sign
             cost[basis] = 0.0

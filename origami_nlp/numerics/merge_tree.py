@@ -89,6 +89,7 @@ def merge_tree(
 
     def find(v: int) -> int:
         while parent[v] != v:
+            # path halving
             parent[v] = parent[parent[v]]
             v = parent[v]
         return v
@@ -104,6 +105,7 @@ def merge_tree(
             continue
         forest.setdefault(a, []).append((b, edge))
         forest.setdefault(b, []).append((a, edge))
+        # elder rule
         if energy[lowest[one]] > energy[lowest[two]]:
             one, two = two, one  # the elder, lower one lives on
         mine, yours = members.get(one, ()), members.pop(two, ())

@@ -25,6 +25,7 @@ def bracketed_roots(f: Callable[[np.ndarray], np.ndarray], low: Any, high: Any) 
         better = np.abs(fc) < least
         best, least = np.where(better, c, best), np.where(better, np.abs(fc), least)
         crosses = (fc > 0) != (fb > 0)
+        # Illinois: an end that stays has its value halved, so that both ends move
         a, fa = np.where(crosses, b, a), np.where(crosses, fb, 0.5 * fa)
         b, fb = c, fc
         if ((np.abs(b - a) <= 4e-16 * (1 + np.abs(b))) | (fb == 0)).all():

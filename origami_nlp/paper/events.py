@@ -145,6 +145,7 @@ class System:
         self.count = equations.numel()
         lam = ca.SX.sym("lam", self.count)
         jx, ja = ca.jacobian(equations, x), ca.jacobian(equations, alpha)
+        # KKT of the sector angle itself: alpha is stationary among states with these walls closed, grad alpha = J' lam
         f = ca.vertcat(equations, jx.T @ lam, ca.dot(ja, lam) - 1)
         z = ca.vertcat(x, alpha, lam)
         self._residual = ca.Function("f", [z], [f])
@@ -186,6 +187,7 @@ def _equations(
     from origami_nlp.programme import fold_piece
 
     one, two = (np.array(chain_of(make(a)).sectors) for a in (middle, 0.5 * middle))
+    # two scenes of the family give both coefficients
     slope = np.round((one - two) / (0.5 * middle), 9)  # sector angles are a + b alpha, b an integer
     start = one - slope * middle
     sectors = ca.vertcat(*(start[i] + slope[i] * alpha for i in range(len(one))))
@@ -229,6 +231,7 @@ def _polished(
     scene = make(alpha)
     phi = np.clip(x, -math.pi, math.pi)[list(scene.group.orbit)]
     creases, q = fold_vertex(scene.vertex, phi)
+    # closed as the sheet q = +1, and no facets through each other
     if q[0] < 0 or np.linalg.norm(q[1:]) > RESOLVED or _deepest(creases) > SEEN:
         return None
     curve = np.linalg.svd(system.jacobian(z), compute_uv=False)[-1] < SEEN

@@ -105,6 +105,7 @@ def find_transitions(
     low, high = MARGIN, math.pi / 2 - MARGIN
     rng = np.random.default_rng(seed)
     step = (high - low) / samples
+    # drawn within their cells: nothing special happens just at a sample
     angles = low + step * (np.arange(samples) + rng.uniform(0.2, 0.8, samples))
     signatures = []
     for k, alpha in enumerate(angles):
@@ -219,6 +220,7 @@ def _coincident(
         for i in range(n):
             for j in range(i + 1, n):
                 here = np.linalg.norm(c[i] - c[j])
+                # on each other at this sector angle, apart at the next one with the same fold angles
                 if here < SEEN and np.linalg.norm(beside[i] - beside[j]) > SIDE / 2:
                     pairs.add((i + 1, j + 1))
     return tuple(sorted(pairs))
@@ -232,6 +234,7 @@ def _witnesses(make: Callable[[float], Scene], alpha: float, event: Event) -> li
     found = []
     for gone in range(len(event.walls)):
         kept = tuple(w for k, w in enumerate(event.walls) if k != gone)
+        # one contact let go: the others hold states on both sides of the transition
         system = System(make, alpha, chain, [walls[w] for w in kept])
         states = [_held(system, x, a) for a in (alpha - SIDE, alpha, alpha + SIDE)]
         if any(s is None for s in states):

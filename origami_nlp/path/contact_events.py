@@ -64,6 +64,7 @@ def _first_leaving(curve: EquilibriumCurve, a: Equilibrium, b: Equilibrium) -> F
         def force(f: Equilibrium, k: int = int(k)) -> float:
             return float(f.forces[k])
 
+        # a sign may also change through infinity, where held contacts become dependent
         if is_zero(force, frame, a, b):
             share = force(frame) / frame.system.size
             event = found_at("leaves", frame, share, a.hold.contacts[k])
@@ -174,6 +175,7 @@ def _closing(curve: EquilibriumCurve, a: Equilibrium, b: Equilibrium) -> tuple[E
         if _margin(frame, contact) <= 0.0:
             continue
         h = step_length(a, frame, curve.root)
+        # a state is refused where another contact was passed before this one closed: it is not the first
         if not frame.seen.refused:
             met.append((h, _rate(curve, frame, contact), frame, contact))
         elif not frame.programme.crossed(frame.state) and not frame.programme.beyond(frame.state):
@@ -247,6 +249,7 @@ def _candidates(
         return rows
     opening = p.local(good.state).openings(rows)[0]
     slopes, moved = opening_rates(curve, good.x, tuple(rows))
+    # openings over rates: how far along the tangent each contact is, to first order
     rate = -(slopes @ good.tangent[:-1] + moved * good.ahead)
     away = np.where(rate > 0, opening / np.maximum(rate, 1e-300), np.inf)
     return [rows[k] for k in np.argsort(away.round(9), kind="stable")[:MOST_TRIED]]

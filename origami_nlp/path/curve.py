@@ -55,17 +55,20 @@ class Point:
     @property
     def slope(self) -> float:
         """dU/ds, scaled energy."""
+        # paper, eq. 3.5
         return float(self.stratum.state.gradient @ self.tangent)
 
     @property
     def stiffness(self) -> float:
         """d2U/ds2, scaled energy."""
+        # paper, eq. 3.6: the multipliers stand for grad U . y''
         return float(self.tangent @ self.stratum.hessian @ self.tangent)
 
     @property
     def springs(self) -> float:
         """t . K t alone, scaled energy."""
         p = self.stratum.state.programme
+        # stiffness sums over the creases of a variable; y = sqrt(multiplicity) x divides by their number
         return float(self.tangent @ (p.parameters.stiffness / p.multiplicity * self.tangent))
 
     @cached_property
@@ -170,6 +173,7 @@ def evaluate(held: Stratum, along: np.ndarray | None = None) -> Point | None:
     if along is None:
         tangent = z[:, 0]
         if z.shape[1] > 1:
+            # the softest direction of the set that keeps the contacts
             tangent = z @ np.linalg.eigh(z.T @ held.hessian @ z)[1][:, 0]
     else:
         tangent = z @ (z.T @ along)
@@ -178,6 +182,7 @@ def evaluate(held: Stratum, along: np.ndarray | None = None) -> Point | None:
             return None
         tangent = tangent / size
     turning = np.array([_second(held, i, tangent) for i in range(len(held.jacobian))])
+    # C y'' = -t' (Hess c) t; the solution of smallest norm is normal to the set: a geodesic
     bend = -np.linalg.lstsq(held.jacobian, turning, rcond=RANK)[0]
     return Point(held, tangent, bend, z.shape[1])
 
@@ -272,6 +277,7 @@ def boundary_of(
         slope=programme.scale * signs * np.array([p.slope for p in points]),
         stiffness=programme.scale * np.array([p.stiffness for p in points]),
         springs=programme.scale * np.array([p.springs for p in points]),
+        # moment at each single contact
         multipliers=programme.scale * np.array([p.multipliers for p in points]) / weights,
         pressed=np.array([p.pressed for p in points]),
         start=ends[0],

@@ -208,6 +208,7 @@ class EquilibriumCurve:
             chord = float(np.linalg.norm(self.root * (frame.x - last.x)))
             change = frame.tangent - last.tangent
             if STATIONARY < chord <= LONGEST and np.linalg.norm(change) <= LONGEST:
+                # arclength counts along this tangent: backwards where the last frame lies ahead
                 forward = (self.root * (frame.x - last.x)) @ frame.tangent
                 return change / np.copysign(chord, forward)
         return None
@@ -223,6 +224,7 @@ class EquilibriumCurve:
             return frame
 
         def plane(point: np.ndarray, system: System) -> tuple[np.ndarray, float]:
+            # pseudo-arclength (Keller): t . (y - y0) = h, a plane across the tangent
             return frame.tangent, h - float(frame.tangent @ (self.root * (point - frame.x)))
 
         ahead = frame.x + h * frame.tangent / self.root
@@ -235,6 +237,7 @@ class EquilibriumCurve:
         """Return the point of the curve at the parameter s, by Newton from (x, s') nearby."""
 
         def fixed(point: np.ndarray, system: System) -> tuple[np.ndarray, float]:
+            # natural parameter: Newton at fixed s, which fails next to limit points
             row = np.zeros(len(self.root))
             row[-1] = 1.0
             return row, (s - point[-1]) * self.line.weight
@@ -259,6 +262,7 @@ class EquilibriumCurve:
             if found is None:
                 return None
             frame = found
+            # bisection in the length from a: on this side of a fold s is a monotonic function of it
             low, high = (middle, high) if (frame.s < s) == (a.s < s) else (low, middle)
         at = frame.x.copy()
         at[-1] = s
@@ -274,6 +278,7 @@ class EquilibriumCurve:
             value, slope = p.local(point[:-1]).openings((contact,))
             none = np.zeros(p.equation_count + 1)
             moved = p.drift(point[:-1], none, (contact,), self.line.slope(float(point[-1])))[1][-1]
+            # opening(x, s) + slope . dx + d(opening)/ds ds = 0, as the row that fixes the point on the curve
             return np.append(slope[0] / p.root, moved / self.line.weight), -float(value[0])
 
         found = self.solve(frame.x, shut)

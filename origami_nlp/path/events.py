@@ -106,6 +106,7 @@ def _towards(
             share *= 0.9
             continue
         v = value(frame)
+        # regula falsi from the side of a; `pole` hands over 1 / value, which is zero where the value is infinite
         if (v > 0) != (first > 0):
             high, last = step_length(a, frame, curve.root), v
             continue
@@ -126,6 +127,7 @@ def folds_and_branchings(
     others: further functions, by the type of event that a change of their sign is.
     """
     out: list[Found] = []
+    # limit point (fold): ds/dl changes sign; at a simple one a single eigenvalue passes zero with it
     turns = a.ahead * b.ahead < 0
     if turns:
         frame = root_between(curve, a, b, lambda f: f.ahead)
@@ -181,6 +183,7 @@ def multipliers_pass_infinity(
     Ways cross there, at the flat state for one: closure does not balance what pulls along another of them, and the
     curve on the other side is not where the state must go.
     """
+    # nu = eta w / h + ... beside a state where closure loses rank: it changes sign with h
     if float(a.system.multipliers @ b.system.multipliers) >= 0:
         return None
     low, high, last, grown = 0.0, step_length(a, b, curve.root), a, np.inf
@@ -221,6 +224,7 @@ def _contacts_become_one(
     """
     held = curve.hold.contacts
     reach = 2 * float(np.linalg.norm(curve.root * (b.x - a.x)))
+    # two contacts are let go first, then more; where one of them closes again the others must do so too
     for count in range(len(held) - 1):
         for rest in itertools.combinations(held, len(held) - 2 - count):
             for contact in (c for c in held if c not in rest):
@@ -249,6 +253,7 @@ def _eigenvalue_passes(curve: EquilibriumCurve, a: Equilibrium, b: Equilibrium, 
     def eigenvalue(f: Equilibrium) -> float:
         return float(f.eigenvalues[k])
 
+    # next to a branch point the bordered matrix is all but singular
     frame = root_between(replace(curve, short=True), a, b, eigenvalue)
     if frame is not None and is_zero(eigenvalue, frame, a, b):
         return found_at("branching", _between(frame, a, b), eigenvalue(frame))

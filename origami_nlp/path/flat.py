@@ -59,6 +59,7 @@ def flat_passage(
         g' Q^-1 g there over the sizes of g and Q^-1, and the largest entry of closure and openings.
         None is returned instead of the three where no such state is near, or where more than one rank is lost.
     """
+    # every fold angle to the next multiple of pi: the flat state or a flat folding
     x = np.pi * np.round(near[:-1] / np.pi)
     if np.abs(x - near[:-1]).max() > FLAT:
         return None
@@ -119,6 +120,8 @@ def flat_roots(line: ParameterLine, low: float, high: float) -> list[tuple[float
         return np.array([np.nan if t is None else t[0] for t in tips])
 
     for degree in DEGREES:
+        # g is linear in loads and rest angles and Q does not change with them: a parabola; other lines need higher
+        # degrees
         terms = np.asarray(chebyshev.chebinterpolate(value, degree), dtype=float)  # type: ignore[type-var]
         size = np.abs(terms).max()
         if not np.isfinite(size) or size == 0.0:
@@ -187,6 +190,7 @@ def beside_flat(
     root = line.programme.root
     curve = EquilibriumCurve(line, free_hold(line), tally)
     out: list[Equilibrium | None] = []
+    # closed states x and -x come in pairs there, equilibria do not: each side is found by itself
     for sign in (1.0, -1.0):
         out.append(None)
         along = np.append(sign * direction, 0.0)
@@ -210,6 +214,7 @@ def _balance(system: System, first: list[np.ndarray]) -> float:
         return np.nan
     g, q, _ = forms
     size = np.abs(np.linalg.eigvalsh(q))
+    # times the smallest |eigenvalue| of Q: between -1 and 1, whatever the units of g and Q are
     return float(g @ np.linalg.solve(q, g) / (g @ g) * size.min())
 
 
@@ -235,10 +240,12 @@ def _forms(
         return None
     w, z = u[:, -1], vt[rank:].T
     first[:] = first or [w]
+    # a singular vector is known but for its sign, which Q and so g' Q^-1 g take along
     w = w * np.copysign(1.0, w @ first[0])
     p, hold, m = system.programme, system.hold, len(system.hold.closure)
     weights = np.zeros(p.equation_count + len(hold.contacts))
     weights[list(hold.closure)], weights[p.equation_count :] = w[:m], w[m:]
+    # weight 0 and multipliers -w: the second derivative of w' (closure, openings)
     hessian = p.lagrangian_hessian(system.x, -weights, hold.contacts, 0.0)
     q = z.T @ (hessian / np.outer(p.root, p.root)) @ z
     size = np.abs(np.linalg.eigvalsh(q))

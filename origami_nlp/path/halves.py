@@ -97,6 +97,7 @@ def _independent(
 ) -> tuple[tuple[Contact, ...], tuple[int, ...]]:
     """Return contacts and rows of closure that are independent and span all of them; contacts first."""
     held = state.on(rows)
+    # Gram and Schmidt: contacts come first, so that a dependent row is dropped from closure, which holds without it
     basis = np.zeros((0, len(state.x)))
     chosen: list[int] = []
     m = len(state.jacobian)
@@ -127,8 +128,10 @@ def _holds(state: State, piece: tuple[Contact, ...]) -> Iterator[Hold]:
     size = 1.0 + float(np.abs(state.gradient).max())
     if found.residual > BALANCED * size:
         return
+    # strictly active: every half-branch holds them; weakly active ones may open or press on, and are tried both ways
     must = [k for k in range(len(piece)) if found.unique and found.found[k] > BALANCED * size]
     optional = [k for k in range(len(piece)) if k not in must]
+    # no more contacts than freedoms: more would depend on each other
     most = state.kernel.shape[1] if p.redundant else len(state.x) - len(closure)
     sets = (
         (*must, *some)
@@ -181,9 +184,13 @@ def _along(
         along, force = (sign * v for v in found)
         opening = slopes @ along[:-1] + moved * along[-1]
         force = force[len(hold.closure) :][weak]
+        # complementarity along the curve: of a weak contact the multiplier may not fall where it is held, nor the
+        # opening
+        # where it is not
         if (force < -INDEPENDENT * system.size).any() or (opening < -INDEPENDENT).any():
             continue
         frame = Equilibrium(point, along, system)
+        # a weak multiplier that stays zero to first order says nothing
         signed = not (np.abs(force) <= INDEPENDENT * system.size).any()
         if line.programme.redundant:  # a tangent near by spares a factorisation or two a step
             curve.given[:] = [frame]

@@ -45,6 +45,7 @@ class ParameterLine:
         a, d = self.start, self.direction
         parameters = Parameters(
             a.sectors + s * d.sectors,
+            # log-linear: positive for every s, and even in both directions
             a.stiffness * np.exp(s * d.stiffness),
             a.rest + s * d.rest,
             a.load + s * d.load,
@@ -60,6 +61,7 @@ class ParameterLine:
         """Return the derivative of `Parameters.vector` by s."""
         a, d = self.start.stiffness, self.direction.stiffness
         out, first = self._slope.copy(), len(self.start.sectors)
+        # d(a e^(s d))/ds
         out[first : first + len(d)] = a * np.exp(s * d) * d
         return out
 

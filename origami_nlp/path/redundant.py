@@ -95,6 +95,8 @@ class RedundantSystem(System):
         h = sparse.csr_array(self.hessian)
         # below every eigenvalue (Gershgorin), the closest ones are the smallest
         below = -float(abs(h).sum(axis=1).max()) - 1.0
+        # H - below I > 0, and with rows of J as constraints its inverse on the kernel has eigenvalues 1 / (lambda -
+        # below)
         shifted = (h - below * sparse.eye_array(n)).tocsr()
         factor = Factor(shifted, self.jacobian)
 
@@ -160,6 +162,7 @@ class RedundantSystem(System):
     def direction(self, along: np.ndarray | None = None) -> tuple[np.ndarray, np.ndarray] | None:
         """Return the direction (dy, w ds) of the curve, of length 1, and the change of multipliers along it."""
         n, m = len(self.imbalance), len(self.values)
+        # bordered by (row, 1): the solution is the tangent over its cosine with the row
         row = np.append(np.zeros(n), 1.0) if along is None else along
         for _ in range(2):
             found = self._bordered(row)(np.zeros(n), 1.0, np.zeros(m))
@@ -181,6 +184,7 @@ class RedundantSystem(System):
         if self.programme.sparse:
             return None
         z, n = self.kernel, len(self.imbalance)
+        # on the kernel the KKT system is Z' H Z dz + Z' F_s ds = 0; multipliers follow
         inside = np.column_stack([z.T @ (self.hessian @ z), z.T @ self.drift])
         whole = np.vstack([inside, np.append(z.T @ along[:n], along[-1])])
         v = np.linalg.svd(whole)[2][-1]
@@ -194,6 +198,7 @@ class RedundantSystem(System):
         if step is None or way is None or not np.linalg.norm(way[0]) <= ASLANT:
             return None
         d, v = step[0], way[0]
+        # takes off what the step has along the curve, in multipliers as well
         share = float(d @ v) / float(v @ v)
         self.after = self.multipliers + step[1] - share * way[1]
         return self._in_variables(d - share * v)

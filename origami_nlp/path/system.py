@@ -140,6 +140,7 @@ class System:
         """Derivative of the system by (y, nu, w s), shape [n + k, n + k + 1]."""
         k, n = self.jacobian.shape
         out = np.zeros((n + k, n + k + 1))
+        # dF over (dy, dnu, w ds): one column more than rows, so that a regular point has one null vector, the tangent
         out[:n, :n], out[:n, n:-1], out[:n, -1] = self.hessian, -self.jacobian.T, self.drift
         out[n:, :n], out[n:, -1] = self.jacobian, self.moved
         return out
@@ -147,17 +148,20 @@ class System:
     @cached_property
     def eigenvalues(self) -> np.ndarray:
         """Of the Hessian on what closure and contacts leave free, ascending, scaled energy."""
+        # reduced Hessian Z' H Z (Nocedal & Wright, 16.2): its negative eigenvalues are the index of the state
         z = null_space(self.jacobian)
         return np.linalg.eigvalsh(z.T @ self.hessian @ z)
 
     @cached_property
     def _null(self) -> np.ndarray | None:
         _, values, vt = np.linalg.svd(self.matrix)
+        # rank lost: a branch point (two curves cross) or a singular one; no tangent is unique
         if values[-1] <= CURVED * values[0]:
             return None
         n = len(self.imbalance)
         v = vt[-1]
         size = float(np.hypot(np.linalg.norm(v[:n]), v[-1]))
+        # of unit length in state and parameter; where multipliers alone change there is no motion at all
         return v / size if size > SETTLED * np.linalg.norm(v) else None
 
     def direction(self, along: np.ndarray | None = None) -> tuple[np.ndarray, np.ndarray] | None:
@@ -177,6 +181,7 @@ class System:
     def other_direction(self, along: np.ndarray) -> np.ndarray | None:
         """Return the direction (dy, w ds) across one at a branching, of length 1."""
         n = len(self.imbalance)
+        # at a branch point the null space is a plane: the one more row leaves what is across `along` in it
         whole = np.vstack([self.matrix, self._row(along)])
         v = np.linalg.svd(whole)[2][-1]
         across = np.append(v[:n], v[-1])
@@ -201,6 +206,7 @@ class System:
         except np.linalg.LinAlgError:
             return None
         step, v = np.vstack([d[:n], d[-1:]]).T  # a step across `along`, and one along the curve
+        # Gauss-Newton in the sense of Moore and Penrose (Allgower & Georg): the step has no part along the curve
         step = step - (step @ v) / (v @ v) * v
         if not (np.isfinite(step).all() and np.linalg.norm(v) <= ASLANT):
             return None
@@ -217,6 +223,7 @@ class System:
         """
         n = len(self.imbalance)
         whole = np.vstack([self.matrix, self._row(row)])
+        # bordered system: regular at limit points, where the KKT matrix alone is singular
         minus = -np.concatenate([self.imbalance, self.values, [-right]])
         try:
             # at a branching the matrix is singular: no step along the other branch

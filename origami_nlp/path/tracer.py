@@ -136,6 +136,7 @@ def advance(curve: Curve[F], frame: F, h: float) -> tuple[F, float] | None:
     The arclength is exact to O(h^5); without a bend it is the chord.
     """
     root = curve.root
+    # Taylor to second order; lengths are those of y = root x, states are x
     ahead = frame.x + (h * frame.tangent + 0.5 * h * h * frame.bend) / root
     x = curve.correct(ahead)
     if x is None or np.linalg.norm(root * (x - ahead)) > ASIDE * h:
@@ -149,6 +150,7 @@ def advance(curve: Curve[F], frame: F, h: float) -> tuple[F, float] | None:
 
 
 def _arc(a: Frame, b: Frame, chord: float) -> float:
+    # an arc of curvature k over a chord c is c (1 + k^2 c^2 / 24 + ...), k^2 the mean of both ends
     return chord * (1 + 0.5 * float(a.bend @ a.bend + b.bend @ b.bend) * chord * chord / 24)
 
 
@@ -186,6 +188,7 @@ def trace_ahead(
         kept, end = _before([step.frame for step in ahead], ends)
         for step in ahead[:kept]:
             back = float(np.linalg.norm(curve.root * (step.frame.x - first.x)))
+            # invariant: `here` is the last point kept, `at` its arclength, and no end lies before it
             if len(frames) >= 3 and _is_back(curve, step, first, back):
                 if (first.x - step.frame.x) * curve.root @ step.frame.tangent > 0:
                     at += step.length
@@ -231,6 +234,7 @@ def _ahead(
             continue
         here = moved[0]
         ahead.append(_Step(here, moved[1], h))
+        # the turn of unit tangents is their angle, to second order: the next step shall turn by `steps.turn`
         h = min(steps.longest, h * min(steps.growth, steps.turn / max(turn, 1e-300)))
     return ahead, h
 

@@ -141,6 +141,7 @@ class Web:
         point = np.append(x, s)
         node = Node(START, point, halves=half_branches(self.line, point, self.tally, verdict))
         self.nodes.append(node)
+        # at an end of the range only the half-branches that lead inside are followed
         ends = {1.0: self.high, -1.0: self.low}
         inside = [
             k for k, h in enumerate(node.halves) if s != ends.get(float(np.sign(h.frame.ahead)))
@@ -205,6 +206,7 @@ class Web:
                     self._arrive(number, event.frame)
                     return todo
                 begun, here = [event.frame], number
+                # the other curve through the branch point, both ways
                 if event.type == "branching" and not self.lazy:
                     self.nodes[number].halves = branching_halves(curve, event.frame)
                     todo += [(number, k) for k in range(len(self.nodes[number].halves))]
@@ -231,6 +233,7 @@ class Web:
         self, curve: EquilibriumCurve, a: Equilibrium, b: Equilibrium, here: int
     ) -> list[Found]:
         """Return what comes inside a step, in order: events, and states given that lie there; not the node `here`."""
+        # order of events: by the length along the tangent at a, the same for all of them
         length = float(a.tangent @ (self.root * (b.x - a.x)))
         found = []
         for node in self.nodes:
@@ -331,6 +334,7 @@ class Web:
         """Return the first event between a, which is followed, and b, which is not."""
         end = self.low if b.s < self.low else self.high if b.s > self.high else None
         if end is not None:
+            # a guess; where Newton at s fails, bisection along the curve finds the end
             share = (end - a.s) / (b.s - a.s)
             guess = a.x + share * (b.x - a.x)
             beyond = curve.at(guess, end, a.tangent) or curve.between(a, b, end)
@@ -357,7 +361,9 @@ class Web:
             if (node.type == START) != (event.type == START) or event.type in (RANGE, LATE):
                 continue
             # a branching is known to the root of rounding only along its branches
+            # along a branch the eigenvalue vanishes to first order; across it states differ by its square root
             crude = node.type == event.type == "branching"
+            # met before along another arc: the arcs are joined there
             if _near(self.root, node.point, point, BESIDE if crude else SETTLED):
                 return k, True
         node = Node(
@@ -400,10 +406,13 @@ class Web:
             for k in onward
             if np.allclose(node.halves[k].frame.tangent, half.frame.tangent, atol=RANK)
         ]
+        # the same tangent with other contacts held: of a dependent set another one takes over, and the states do not
+        # turn
         if len(onward) == 1 and same and stop.type == "leaves":
             node.type = "corner"  # another contact of a dependent set takes over
         elif not onward:
             node.why = node.why or "no equilibrium goes on from there"
+        # every way on goes back in s: a minimum and a saddle meet at the contact, without a zero eigenvalue
         elif all(v * back.frame.ahead > 0 for v in ahead):
             node.type = "nonsmooth-fold"
         if node.type == "nonsmooth-fold" and not self.through_folds:
@@ -411,6 +420,7 @@ class Web:
             return []
         onward = [k for k in onward if k not in node.used]
         if self.lazy and half.frame.index:
+            # beyond unstable states: those that become stable there wait until they are asked for
             node.left += [k for k in onward if not node.halves[k].frame.index]
         return [(number, k) for k in onward if k not in node.left]
 

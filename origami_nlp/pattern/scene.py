@@ -325,7 +325,7 @@ class Scene(Full):
         return lines
 
     def energy(self, fold_angles: object) -> np.ndarray | float:
-        """Energy U = sum k_i/2 (phi_i - phi0_i)^2 (paper, eq. energy), phi0 the `wound_angles`, less the work of loads.
+        """Energy U = sum k_i/2 (phi_i - phi0_i)^2 (paper, eq. 3.1), phi0 the `wound_angles`, less the work of loads.
 
         With preload m this is sum k_i/2 (phi_i - rest_i)^2 - m_i (phi_i - rest_i) + m_i^2/(2 k_i): what it takes to
         wind the springs counts, so that the elastic energy is never negative.  Forces f at points p add -sum f . p,

@@ -97,6 +97,7 @@ def _mirror_gaps(scene: Scene, gaps: list[Gap], left: list[LeftOut]) -> None:
             else:
                 gaps.append(Gap("mirror", (r, side), None, 2 * group.order))
     if group.order >= 2:
+        # the mirror at the other end of the wedge is the wall that keeps a mirror ray on its own side of the axis
         gaps.append(Gap("axis", (0, 1), None, group.order))
         gaps.append(Gap("axis", (last, 0), None, group.order))
     left.append(
@@ -123,6 +124,7 @@ def _facet_pairs(scene: Scene, gaps: list[Gap], left: list[LeftOut]) -> tuple[tu
         for i in range(period):
             for j in range(i + 2, i + n - 1):
                 pair = (i, j % n)
+                # one pair for all of its images under C_n: fewer than n where a turn exchanges the two facets
                 images = {
                     tuple(sorted(((i + m * period) % n, (j + m * period) % n)))
                     for m in range(group.order)

@@ -4,7 +4,7 @@ All forms use half-angle sines and cosines only.  Conventions of the folded piec
 e1, and a mirror that runs through ray 1 stays the e1-e3 plane.
 
 - D_n wedge: H = Q(b_1, phi_1/2) Q(b_2, phi_2) ... Q(b_k, phi_k/2).  The mirror at the last ray must make the
-  angle pi/n with the first one (paper, eq. reflection-condition for n = 1 and
+  angle pi/n with the first one (paper, eq. 2.5, reflection-condition, for n = 1, and eq. 2.8,
   rotation-reflection-condition). With inward flat normals n_1 = e2 and n_k = (sin pi/n, -cos pi/n,
   0): n = 1 asks H e2 = e2, that is h_x = h_z = 0 (two equations); n >= 2 asks n_1 . H n_k =
   -cos(pi/n) (one equation).
@@ -86,6 +86,7 @@ def fold_piece(
         else:
             azimuth = azimuth + sectors[r - 1]
             flat = (ca.cos(azimuth), ca.sin(azimuth), ca.SX(0))
+        # deformed crease c_r = F_{r-1} b_r (paper, section 2): turned by the folds before it, not by its own
         rays.append(quat.rotate(q, flat))
         if has_crease[r]:
             half = fold_angles[used] / 2
@@ -99,8 +100,10 @@ def fold_piece(
         ):  # turn the unrolled wedge so that its last mirror is where a flat one has it
             gap = ca.sum1(sectors) - math.pi / order
             q = quat.multiply(q, (ca.cos(gap / 2), 0, 0, ca.sin(gap / 2)))
+        # H n_k: the last fold angle, which eq. 2.5 and 2.8 leave out, is a variable here and turns this mirror
         normal = quat.rotate(q, (ca.SX(exact_sine(order)), ca.SX(-exact_cosine(order)), ca.SX(0)))
         if order == 1:
+            # H e2 = e2: H turns about e2, so that its axis has no part along e1 and e3
             equations = ca.vertcat(q[1], q[3])
         else:
             equations = normal[1] + exact_cosine(order)
@@ -109,6 +112,7 @@ def fold_piece(
         gap = ca.sum1(sectors) - 2 * math.pi / order
         q = quat.multiply(q, (ca.cos(gap / 2), 0, 0, ca.sin(gap / 2)))
     if order == 1:
+        # paper, eq. 2.3, F_N = I: q = +-1, a rotation by 0 or by 2 pi, which `sheet` tells apart
         return Folded(tuple(rays), q, None, ca.vertcat(q[1], q[2], q[3]), q[0])
     half_turn = math.pi / order
     turn = quat.multiply(q, (math.cos(half_turn), 0, 0, math.sin(half_turn)))

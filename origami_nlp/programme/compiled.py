@@ -125,6 +125,7 @@ def compile_structure(structure: Structure) -> Functions:
     p = ca.vertcat(sectors, stiffness, rest, load, ca.vec(forces))
     piece = fold_piece(s.kind, s.turn, s.has_crease, x, sectors, s.flat_piece)
     sines = [ca.sin(sectors[i]) for i in range(sector_count)]
+    # paper, eq. 3.1; a variable stands for all creases of its orbit, whose stiffness is summed in k
     energy = 0.5 * ca.sum1(stiffness * (x - rest) ** 2) - ca.dot(load, x)
     for i, facet in enumerate(facets):
         energy -= quat.dot(
@@ -133,6 +134,7 @@ def compile_structure(structure: Structure) -> Functions:
     gaps = ca.vertcat(ca.SX(0, 1), *(gap_expression(g, piece, sines) for g in s.gaps))
     g = piece.equations
     lam, mu, weight = ca.SX.sym("lam", g.shape[0]), ca.SX.sym("mu", gaps.shape[0]), ca.SX.sym("s")
+    # signs as in IPOPT; `Model.lagrangian_hessian` has those of Nocedal & Wright (12.33), U - lam . g - mu . gaps
     lagrangian = weight * energy + ca.dot(lam, g) + ca.dot(mu, gaps)
     jac_g = ca.jacobian(g, x)
     return Functions(
@@ -154,6 +156,7 @@ def compile_structure(structure: Structure) -> Functions:
 def _carried(held: int, facet: int, x: ca.SX, sectors: ca.SX, point: ca.SX) -> Any:
     """Where a point of a facet is, seen from the facet that is held."""
     n = x.shape[0]
+    # from facet `held` to facet `facet` counter-clockwise: crease i + 1 parts facets i and i + 1
     chain = [(held + 1 + i) % n for i in range((facet - held) % n)]
     axes, flat = flat_points(chain, sectors, held, point, ca.cos, ca.sin)
     folds = [

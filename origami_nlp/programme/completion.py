@@ -175,6 +175,7 @@ class Piece:
         """Derivatives of the one equation of C_n and D_n, n >= 2, by turns about axes [K, n, 3]: [K, n]."""
         if self.kind == "C":
             return -0.5 * np.einsum("kni,ik->kn", axes, end[1:])
+        # (axis x h) . e2
         h = _rotated(end, self.normal)
         return axes[:, :, 2] * h[0][:, None] - axes[:, :, 0] * h[2][:, None]
 
@@ -189,6 +190,7 @@ class Piece:
             a, family = _azimuth(u[0], v, w)
             turns.append(a)
         if u and self.kind == "C":
+            # turns that are known are taken off from the left; what remains is the turn about the last axis
             q: Any = tuple(_inverse(end))
             for axis, a in zip(u, turns, strict=False):
                 q = quat.multiply(_turn(axis, -a), q)
@@ -206,6 +208,7 @@ class Piece:
         x[:, variable] = np.array([0.0, 2.0, -2.0]) * math.pi / 3 / self.share[variable]
         u, end = self.axes(x, np.tile(others, (3, 1)))
         if self.kind == "C" and self.order > 1:
+            # the two roots of `one_turn` are one where its `reach` is |cos(pi/n)|
             values = end[0] ** 2 + quat.dot(u[0], end[1:]) ** 2
             bounds = np.array([exact_cosine(self.order) ** 2])
         else:
@@ -213,6 +216,7 @@ class Piece:
             moving = int(np.ptp(sides, axis=1).argmax())
             values = sides[moving]
             first, second = np.arccos(np.clip(np.delete(sides[:, 0], moving), -1.0, 1.0))
+            # the triangle is flat where one side is the sum or the difference of the others: both completions are one
             bounds = np.cos([first + second, first - second])
         # values = mean + size cos(turn - start): one side of a triangle against the angle that faces it
         mean, even, odd = (
@@ -260,6 +264,8 @@ class Piece:
             toward, lost = _azimuth(u, v, E2)
             return [_principal(toward + sides * corner)], exists, lost
         along = quat.dot(u, end[1:])
+        # f0 cos(a/2) - (u . f) sin(a/2) = reach cos(a/2 + atan2(u . f, f0)) shall be cos(pi/n); the arc cosine of
+        # cos(pi/n) / reach is written as an arc tangent, since reach - |cos(pi/n)| is small next to double roots
         reach, cosine = np.hypot(end[0], along), exact_cosine(self.order)
         spare = _cleared(reach - abs(cosine))
         half = np.arctan2(np.sqrt(np.maximum(spare, 0.0) * (reach + abs(cosine))), cosine)
@@ -285,6 +291,7 @@ def _three_turns(
     u1: np.ndarray, u2: np.ndarray, u3: np.ndarray, target: np.ndarray, limits: bool
 ) -> Turns:
     """`close_three` on components [3, K], [4, K]."""
+    # the third turn leaves its own axis: the first two take u3 to T u3, and what is then left is a turn about u3
     (a, b), exists, family = _two_turns(u1, u2, u3, _rotated(target, u3))
     c = last_turn(u3, quat.multiply(_turn(u2, -b), quat.multiply(_turn(u1, -a), tuple(target))))
     wrong = np.abs(c) > math.pi + (OUTSIDE if limits else 0.0)
@@ -302,6 +309,8 @@ def _three_turns(
 
 def _two_turns(u1: Any, u2: Any, v: Any, w: Any) -> Turns:
     """Solve Q(u1, a) Q(u2, b) v = w."""
+    # triangle u1, u2, Q(u2, b) v: turns about u1 keep the distance from u1, so the third side is that from u1 to w;
+    # the corner at u2 says how far v turns from over u1, and the mirror image of the triangle is the second solution
     corner, exists = _corner(_between(u2, v), _between(u2, u1), _between(u1, w))
     toward, lost = _azimuth(u2, v, u1)
     b = _principal(toward + np.array([[1.0], [-1.0]]) * corner)
@@ -314,11 +323,13 @@ def last_turn(u: Any, q: Any) -> np.ndarray:
     return 2 * np.arctan2(quat.dot(u, q[1:]), q[0])
 
 
+# tan^2(A/2) = sin(s - b) sin(s - c) / (sin s sin(s - a)), s half the perimeter of the triangle with sides a, b, c
 def _corner(left: Any, right: Any, opposite: Any) -> tuple[np.ndarray, np.ndarray]:
     """Angle of a spherical triangle between two sides, and whether there is such a triangle."""
     half = (left + right + opposite) / 2
     less = [_cleared(half - side) for side in (left, right, opposite)]
     less.append(_cleared(math.pi - half))
+    # three triangle inequalities, and a perimeter of 2 pi at most
     exists = np.min(less, axis=0) >= 0
     sines = np.maximum(np.sin(less), 0.0)
     return 2 * np.arctan2(np.sqrt(sines[0] * sines[1]), np.sqrt(sines[2] * sines[3])), exists
@@ -331,6 +342,7 @@ def _cleared(value: np.ndarray) -> np.ndarray:
 
 def _between(u: np.ndarray, v: np.ndarray) -> np.ndarray:
     """Angle between unit vectors [3, K], as accurate next to 0 and pi as elsewhere."""
+    # tan(angle / 2) = |u - v| / |u + v|; the arc cosine of u . v would lose half of the digits at both ends
     apart, across = u - v, u + v
     return 2 * np.arctan2(np.sqrt((apart**2).sum(axis=0)), np.sqrt((across**2).sum(axis=0)))
 

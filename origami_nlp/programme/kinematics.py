@@ -133,11 +133,13 @@ class Kinematics:
                 self._over[index] = 1.0
         # in the order in which creases carry them along: p, q and r
         order = np.argsort(self._before[self._three], axis=1, kind="stable")
+        # an odd permutation of three rays changes the sign of their triple product
         even = (order[:, 1] - order[:, 0]) % 3 == 1
         self._three = np.take_along_axis(self._three, order, axis=1)
         self._over *= np.where(even, 1.0, -1.0)
         p, q, r = self._before[self._three].T[..., None]
         e = np.arange(len(self._variable))
+        # creases before p turn all three rays together, those from r on turn none: only what lies between counts
         self._spans = np.stack([(p <= e) & (e < q), (q <= e) & (e < r)], axis=1).astype(float)
 
     def fold(self, x: np.ndarray) -> Folded:
@@ -166,11 +168,13 @@ class Kinematics:
         if self._entries is None:
             normal = cross(at.rays[:, -1], at.rays[:, -2])
             value = normal[:, 1:2] + self._level
+            # crease i turns all that follows: dN/dphi_i = c_i x N, so d(e2 . N)/dphi_i = c_i . (N x e2)
             lever = np.stack([-normal[:, 2], np.zeros(len(c)), normal[:, 0]], axis=-1)  # N x e2
             return value, (c @ lever[:, :, None]).transpose(0, 2, 1)
         value = at.end[:, self._entries]
         if self._cyclic and self._order > 1:
             value = value - self._level
+        # dq/dphi_i = c_i q / 2, c_i as a quaternion without scalar part
         return value, 0.5 * self._levers(at)[..., 1:] @ c.transpose(0, 2, 1)
 
     def closure_hessian(self, at: Folded, weights: np.ndarray) -> np.ndarray:
@@ -179,6 +183,7 @@ class Kinematics:
         c = at.axes[:, : self._first] * f[:, None]
         if self._entries is None:
             normal = cross(at.rays[:, -1], at.rays[:, -2])
+            # e2 . (c_i x (c_j x N)) = (e2 x c_i) . (c_j x N) for i <= j: the earlier crease carries the later one
             arm = np.zeros_like(c)
             arm[..., 0], arm[..., 2] = c[..., 2], -c[..., 0]  # e2 x c_i
             h = weights[:, :, None] * (arm @ cross(c, normal[:, None]).transpose(0, 2, 1))

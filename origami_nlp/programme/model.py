@@ -99,17 +99,12 @@ class Model(Posed):
         return {k: v for k, v in self.__dict__.items() if k != "functions"}
 
     def loaded(self, load: np.ndarray) -> Model:
-        """Return the same programme with energy U - load . phi.
+        """Return the same programme with energy U - load . phi; it shares the compiled functions.
 
         Parameters
         ----------
         load
             Conjugate to the variables, over `scale`, shape [n].
-
-        Returns
-        -------
-        Model
-            It shares the compiled functions.
         """
         other = copy.copy(self)
         vars(other).pop("own_symmetries", None)
@@ -142,6 +137,7 @@ class Model(Posed):
         torque, closure, gaps = self.functions.drift(
             x, self.parameters.vector, multipliers[:m], mu, change
         )
+        # fold limits are at +-pi whatever the parameters are
         moved = [0.0 if c.is_limit else c.side * float(gaps[c.index, 0]) for c in contacts]
         return torque[:, 0], np.concatenate([closure[:, 0], moved])
 
@@ -288,12 +284,14 @@ class Model(Posed):
             Shape [..., n, n].
         """
         m = self.equation_count
+        # the compiled Hessian adds what the Lagrangian subtracts
         mu = -self.weights(contacts, multipliers[..., m:])
         return self.hessian(x, -multipliers[..., :m], mu, weight)
 
     def loops(self, x: np.ndarray) -> list[LoopClosure]:
         """Return closure to second order at a state [n]: one loop."""
         unit = np.eye(self.equation_count)
+        # weight 0 and multiplier -1: the Hessian of one equation alone
         bent = np.array([self.lagrangian_hessian(x, -w, (), 0.0) for w in unit])
         return [LoopClosure(np.arange(self.size), self.closure(x)[1], bent)]
 

@@ -87,6 +87,7 @@ class MomentMap:
         before = np.append(before[:-1], np.zeros(half - len(before) + 1))
         turns = np.stack([after, -before], axis=1)[..., None] / 2
         self._cosine, self._sine = np.cos(turns), np.sin(turns)
+        # the fixed facet N lies between both ends: the left half starts at crease 1, the right one at crease N
         last = math.pi - p.sectors[-1] / 2  # a whole turn less the last sector: on the sheet q = +1
         self._start = np.array([[1, 0, 0, 0], [math.cos(last), 0, 0, math.sin(last)]]).T[..., None]
 
@@ -125,13 +126,16 @@ class MomentMap:
         (w, w2), (a, b) = q[0], q[1:].swapaxes(0, 1)
         # right conj(left), the turn that is missed
         scalar = w2 * w + (a * b).sum(axis=0)
+        # scalar and vector of (w2, b) (w, -a): 0 and +-1 where both halves meet
         vector = w * b - w2 * a + _cross(a, b)
         sine = np.sqrt((vector * vector).sum(axis=0))
         angle = 2 * np.arctan2(sine, scalar)
+        # rotation vector: axis times angle; angle / sin(angle / 2) tends to 2 where nothing is missed
         miss = vector * np.where(sine > 0, angle / np.maximum(sine, 1e-300), 2.0)
         if theta is None:
             return Shot(x, miss.T, None, None)
         left, right = theta[:, :, 0], theta[:, :, 1]
+        # turns of the left half seen behind the miss: R v = v + 2 s (u x v) + 2 u x (u x v) for the quaternion (s, u)
         twice = 2 * _cross(vector[:, None], left)
         carried = left + scalar * twice + _cross(vector[:, None], twice)
         growth = np.abs(theta).max(axis=(0, 1, 2))
@@ -146,12 +150,14 @@ class MomentMap:
         q = np.broadcast_to(self._start, (4, 2, count))
         for i, (rest, soft) in enumerate(zip(self._rest, self._soft, strict=True)):
             w, a, b, c = q
+            # deformed crease R(q) e1: the frame moves along, so that each crease is its first axis
             crease = np.stack(
                 [w * w + a * a - b * b - c * c, 2 * (a * b + w * c), 2 * (a * c - w * b)]
             )
             free = rest + soft * (crease * m).sum(axis=0)
             phi = np.clip(free, -self._bound, self._bound)
             if theta is not None:
+                # dphi/dm = (c + Theta' (c x m)) / k of a free crease; 0 where a fold limit is active
                 give = np.where(phi == free, soft, 0.0)
                 by_m = give * (crease + (theta * _cross(crease, m)[:, None]).sum(axis=0))
                 by_m[:, 1] *= -1  # the right half is folded backwards

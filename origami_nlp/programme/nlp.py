@@ -43,6 +43,7 @@ def pose_apart(structure: Structure, pairs: Pairs) -> Nlp:
         normal = ca.SX.sym(f"n_{i}_{j}", 3)
         unknowns.append(normal)
         planes = separation_rows(f.piece, (i, j), [*ca.vertsplit(normal)])
+        # without |n| = 1 the plane n = 0 would separate everything
         rows += [ca.dot(normal, normal) - 1, planes]
         lower += [0.0] * PLANE_ROWS
         upper += [0.0] + [math.inf] * (PLANE_ROWS - 1)
@@ -56,6 +57,7 @@ def pose_with_gaps(structure: Structure, gaps: tuple[int, ...]) -> Nlp:
     f = compile_structure(structure)
     m = f.piece.equations.shape[0]
     rows = ca.vertcat(f.piece.equations, *(f.gaps[i] for i in gaps))
+    # no side is imposed: facets that touch may pass on either side, and a caller bounds the rows it has chosen
     free = [math.inf] * len(gaps)
     lower, upper = np.array([0.0] * m + [-v for v in free]), np.array([0.0] * m + free)
     return Nlp(f.x, f.p, f.energy, rows, lower, upper)
@@ -70,6 +72,7 @@ def separating_normal(rays: np.ndarray, pair: tuple[int, int]) -> np.ndarray:
     i, j = pair
     n = len(rays)
     corners = rays[[i, (i + 1) % n, j, (j + 1) % n]]
+    # a best separating plane of two arcs contains two of their four ends, or only keeps clear of both
     a, b = np.triu_indices(4, 1)
     normals = cross(corners[a], corners[b])
     length = np.linalg.norm(normals, axis=1)

@@ -58,6 +58,7 @@ class Parameters:
 
     def energy(self, x: np.ndarray) -> np.ndarray:
         """Energy of states [..., n] over `Model.scale`, the work of the load included, shape [...]."""
+        # paper, eq. 3.1
         energy = 0.5 * np.sum(self.stiffness * (x - self.rest) ** 2, axis=-1)
         energy = energy - np.einsum("...i,...i", x, self.load)
         return energy if self.dead is None else energy + self.dead.energy(self.sectors, x)
@@ -65,6 +66,7 @@ class Parameters:
     def energy_change(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
         """Energy of y less that of x, without cancellation for nearby states [..., n], shape [...]."""
         step = y - x
+        # (y - r)^2 - (x - r)^2 = (y - x) ((x - r) + (y - r)): the small difference is a factor, not a remainder
         torque = self.stiffness * ((x - self.rest) + 0.5 * step) - self.load
         change = np.sum(step * torque, axis=-1)
         if self.dead is None:
@@ -78,6 +80,7 @@ class Parameters:
         """
         if self.dead is not None:
             return np.full(x.shape[:-1], np.inf)
+        # U - load . phi is least at phi0 + load / k, where the torque is 0
         return 0.5 * np.sum(self.torque(x) ** 2 / self.stiffness, axis=-1)
 
     def torque(self, x: np.ndarray) -> np.ndarray:

@@ -108,6 +108,7 @@ class Posed(Full):
     def equation_count(self) -> int:
         """Number of loop-closure equations."""
         s = self.structure
+        # vec q = 0 without symmetry, H e2 = e2 with a mirror; a pie-shaped piece of n > 1 leaves one angle to be right
         one_turn = 3 if s.kind == "C" else 2
         return one_turn if s.order == s.winding else 1
 
@@ -162,6 +163,8 @@ class Posed(Full):
             return tuple(found)
         a = p.sectors
         for shift, mirrored, sign in itertools.product(range(n), (False, True), (1, -1)):
+            # crease i goes to shift - i, and its sector, between creases i and i + 1, to that between shift - i - 1 and
+            # shift - i
             order = (shift - i) % n if mirrored else (i + shift) % n
             sectors = a[(shift - i - 1) % n] if mirrored else a[order]
             if (shift, mirrored, sign) == (0, False, 1):
@@ -231,6 +234,7 @@ class Posed(Full):
         phi = np.asarray(fold_angles, dtype=float)
         out = np.zeros((*phi.shape[:-1], self.size))
         for crease, v in enumerate(self.variable_of_crease):
+            # mean over the orbit: the projection onto symmetric fold angles
             out[..., v] += phi[..., crease]
         return out / self.multiplicity
 

@@ -79,6 +79,7 @@ def vertices(model: Posed, most: int, rng: np.random.Generator) -> np.ndarray:
         return found[0]
     piece = Piece(model)
     for k, number in enumerate(many):
+        # half of the sample: the other half are the opposite signs
         share = most * number // (2 * sum(many))
         solve, signs = _candidates(n, k, rng, share if sum(many) > most else None)
         x = np.zeros((len(solve), n))
@@ -109,6 +110,7 @@ def _solved(
         return close_by(piece, True, x, solve)
     turns, family = piece.fewer_turns(x, np.sort(solve, axis=1))
     np.put_along_axis(x, np.sort(solve, axis=1), turns, axis=1)
+    # fewer unknowns than equations: solved from the first ones, the others hold or do not
     inside = (np.abs(x) <= math.pi + OUTSIDE).all(axis=1)
     x = at_limits(piece, x[:, None], inside[:, None], solve)[:, 0]
     return x, inside & (piece.misses(x) <= ROUNDED), family
@@ -159,6 +161,7 @@ def random_strata(
 def _draw(model: Posed, rng: np.random.Generator, count: int, closed: int) -> np.ndarray:
     """Draw `count` candidates and return a random completion of each that closes."""
     n, m = model.size, model.equation_count
+    # the first m are solved, the next `closed` are at +-pi, the others stay uniform
     order = rng.permuted(np.tile(np.arange(n), (count, 1)), axis=1)
     x = rng.uniform(-model.bound, model.bound, (count, n))
     held = math.pi * _random_signs(rng, count, closed)

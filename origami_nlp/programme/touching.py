@@ -67,16 +67,25 @@ class ClosedContacts:
 class ContactWords:
     """Who touches in a contact.
 
-    type: ``fold-limit``, ``mirror``, ``axis`` or ``facet-pair``.
+    type: ``fold-limit``; of a vertex ``mirror``, ``axis`` or ``facet-pair``; of a pattern ``vertex-face``,
+    ``edge-edge`` or ``face-face``.
     creases: 1-based, all images under the symmetry included for creases at a fold limit.
-    facets: 1-based; a facet pair names its two facets.
+    facets: 1-based; a facet pair names its two facets, a touch in a pattern that of the face first.
     text: the contact in words.
+    corners: of a touch in a pattern, 1-based: the corner that is on a face and three of the face, or two ends of each
+    side.
+    side: of facets face to face, as in faceOrders of a FOLD file: +1 where the second one lies on the side of the first
+    one's normal, -1 where it lies on the other; else 0.
+    place: of facets face to face, the point of the second one at which the force acts, in the sheet's reference state.
     """
 
     type: str
     creases: tuple[int, ...]
     facets: tuple[int, ...]
     text: str
+    corners: tuple[int, ...] = ()
+    side: int = 0
+    place: tuple[float, ...] = ()
 
 
 def contact_words(model: Posed, contact: Contact, rays: Rays) -> ContactWords:
@@ -119,6 +128,7 @@ def rays_together(
         if contact.is_limit or (gap := model.structure.gaps[contact.index]).pair is None:
             continue
         k, j = gap.rays
+        # two rays on each other: the ray k, and an end of the facet that it lies on
         for end in (j, (j + 1) % n):
             if np.linalg.norm(rays[k] - rays[end]) <= RANK:
                 together.setdefault((min(k, end), max(k, end)), []).append(contact)
@@ -193,6 +203,7 @@ def closed_contacts(
     layers = _Layers(model, x, tolerance)
     for indices in of_pair.values():
         options = _pair_pieces(model, layers, at, gaps, indices, tolerance)
+        # a way that closes nothing: the pair is apart at this state, whatever the other ways say
         if () in options:
             continue  # the pair is strictly apart
         kept = set()
@@ -241,6 +252,8 @@ def _pair_pieces(
                 if abs(value) <= tolerance
                 and _on_arc(rays, structure.gaps[e].rays[0], j, tolerance)
             ]
+            # two planes, two sides: four ways in which two arcs may be kept from crossing; each asks both ends to one
+            # side
             options.add(tuple(Contact("gap", same[e], side) for e in touching))
     if not options:  # crossing within the tolerance of the caller: nothing to say here
         return {()}
@@ -277,6 +290,7 @@ class _Layers:
             one = [(s, d) for s, d in strands if s[0] == first]
             two = [(s, d) for s, d in strands if s[0] == second]
             if one and two:
+                # layers that other folds force: only one side is then a piece of the feasible set
                 left = problem.forced_side(one[0][0], two[0][0])
                 # the normal c_j x c_{j+1} of a facet points to the left of its direction, seen from outside
                 return left * two[0][1], -left * one[0][1]

@@ -110,8 +110,10 @@ class Affine:
         """Multiply; xi_j^2 is in [0, 1], and the terms of xi_i xi_j and xi_j xi_i are bounded apart."""
         x, y = self, other
         mx, my = x.magnitude(), y.magnitude()
+        # x_j y_j xi_j^2 = x_j y_j (1 + eta) / 2: half of it goes to the centre, half to the error
         same = x.slopes * y.slopes
         centre = x.centre * y.centre + 0.5 * same.sum(axis=-2)
+        # (x0 + x1)(y0 + y1) = x0 y0 + (x0 y1 + y0 x1) + x1 y1
         slopes = x.centre[..., None, :] * y.slopes + y.centre[..., None, :] * x.slopes
         error = x.spread() * y.spread() - 0.5 * np.abs(same).sum(axis=-2)
         error = error + mx * y.error + my * x.error
@@ -239,6 +241,7 @@ def with_centre(cosine: np.ndarray, sine: np.ndarray, half: np.ndarray) -> Turn:
     ratio = np.clip(slope / np.where(half > 0, half, 1.0), 0.0, 1.0)
     at = np.arccos(ratio)
     # near its largest value the distance does not depend on `at` to first order
+    # 9 sqrt 3 = 15.5884...: rounded down, so that the bound is rounded up
     miss = np.minimum(half**3 * (1 / 15.588), np.sin(at) - ratio * at + 16 * TRIGONOMETRIC)
     return Turn(cosine, sine, 1.0 - spread, spread, slope, np.maximum(miss, 0.0))
 
@@ -259,6 +262,7 @@ def turned(x: Affine, y: Affine, by: Turn) -> Affine:
         Shape [..., K], one variable more.
     """
     mx, my = x.magnitude(), y.magnitude()
+    # sin t y = slope xi y + miss: of xi y only the centre of y stays linear, its slopes and error are of second order
     new = by.slope * y.centre
     cross = (by.slope[..., None, :] * y.slopes) if y.slopes.shape[-2] else y.slopes
     error = np.abs(cross).sum(axis=-2) + by.spread * mx + by.miss * my

@@ -63,6 +63,7 @@ class Signs:
     def __init__(self, model: Model, x: np.ndarray, radius: np.ndarray, pins: np.ndarray) -> None:
         self.model, self.pins = model, pins
         self.cyclic = model.structure.kind == "C"
+        # a root is known to its radius; pinned angles are +-pi exactly
         wide = np.where(pins == 0, radius[:, None], 0.0)
         low, high = np.nextafter(x - wide, -9.0), np.nextafter(x + wide, 9.0)
         folded = Piece(model).fold(low.T, high.T, pins.T)
@@ -117,6 +118,7 @@ class Signs:
         n, pins = self.off.shape[1], self.pins[r]
         if self.inside[r, k, j] <= 0:
             return 0
+        # neighbours of the ray that touches: both on one side, the facets stay on it; on two, they pass through
         before, after = self.off[r, (k - 1) % n, j], self.off[r, (k + 1) % n, j]
         if self._flat_flap(r, j + 1, j + 2, k - 1):
             before = pins[(j + 1) % n] or pins[(j + 2) % n]
@@ -136,6 +138,7 @@ class Signs:
     def _pair(self, r: int, i: int, j: int, touches: tuple[Row, ...]) -> int:
         """What facets i and j do at state r."""
         n, off = self.off.shape[1], self.off[r]
+        # the four numbers of the module docstring: both signs, no common point; one sign strictly, they cross
         v = [off[j, i], -off[(j + 1) % n, i], -off[i, j], off[(i + 1) % n, j]]
         if min(v) < 0 < max(v):
             return APART

@@ -101,6 +101,7 @@ class Site:
         seen = [i for i, s in enumerate(stratum) if not s] if lines else list(range(n))
         left, size, _ = np.linalg.svd(jacobian[:, seen])
         size = np.append(size, np.zeros(m))[:m]
+        # rows of left' J beyond the rank are zero: the normal ones
         self.rank = int((size > RANK).sum())
         if (size[self.rank :] > CLOSES).any():
             raise NotShown("its axes nearly lie in one plane")
@@ -136,6 +137,8 @@ class Site:
 
     def _planes(self) -> list[set[int]]:
         """Planes that each axis lies in, by number, 0 that of the first facet; none where lines cross."""
+        # walk round the vertex with a stack: a line of twins opens a plane at its first crease and closes it at its
+        # last
         plane, last, planes = 0, 0, [{0} for _ in self.point]
         back: list[tuple[list[int], int]] = []
         for i in range(len(self.point)):
@@ -203,6 +206,7 @@ class Site:
             if a < self.rank:
                 yield _Row(n, linear=j, base=CLOSES * n, error=s**3 / 6 if even else s**2 / 2)
             else:
+                # rest of order 3 (4 by parity) over r^2 / 2
                 error = s**4 / 12 if even else s**3 / 3
                 yield _Row(n, quadratic=h, base=CLOSES * n * n, error=error)
 
@@ -211,6 +215,7 @@ class Site:
         n, ki, kk = len(self.point), self.stiffness[i], t * self.stiffness[k]
         slope = np.zeros(n)
         slope[k], slope[i] = -kk, ki
+        # 0 at x* but for rounding: then the row holds divided by r, and for r >= SAME only
         miss = self.torque[i] - t * self.torque[k]
         rounding = SLACK * (ki + abs(kk))
         if abs(miss) <= rounding:
@@ -293,12 +298,15 @@ class _Minor:
             # expansion along the first column, G, and the last, the normal row
             sign = (-1.0) ** (a + b + (b > a) + rank)
             d = sign * float(np.linalg.det(np.delete(self.planar, (a, b), axis=0)) if rank else 1.0)
+            # det [G | J | H u] with G = G* + r K u: G* makes the part linear in u, K u the next one
             linear += d * self.torque[a] * h[b]
             quadratic[self.creases[a]] += d * self.stiffness[a] * h[b]
         root, stiff = math.sqrt(count), float(np.linalg.norm(self.stiffness))
         planar = np.linalg.norm(self.planar, axis=0)
         bend = float(np.linalg.norm(np.abs(h).sum(axis=1)))
         lever = site.lever * root
+        # what each column may be off, so that the determinant is (Hadamard) by prod (|A_c| + |E_c|) - prod |A_c| at
+        # most
         more_planar = lever * (s * s * radius**2 / 2 if even else s * radius)
         more_bend = lever * (s**3 * radius**2 / 6 if even else s * s * radius / 2)
         rests = np.abs(self.torque).max() <= SLACK * self.stiffness.max()
@@ -324,6 +332,7 @@ class _Minor:
                 for i in range(count)
             ]
         )
+        # det [G* | J], and its change along u by cofactors (Jacobi): sum_ic cof_ic dA_ic
         constant = float(cofactors[:, 0] @ self.torque)
         slope = np.einsum("ic,cij->j", cofactors[:, 1:], self.bends)
         slope[self.creases] += cofactors[:, 0] * self.stiffness

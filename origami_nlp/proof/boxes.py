@@ -216,6 +216,7 @@ def _shrunk(
 ) -> tuple[Boxes, Boxes]:
     """Exclude, contract, bisect what did not shrink by half: boxes that were small and are left, and all others."""
     rows = posed.rows(batch.lower, batch.upper, batch.pins)
+    # a row that differs from zero all over a box: no state there, or no critical one on this stratum
     closed = rows.closure.nonzero()
     critical = rows.critical.nonzero() & rows.asked
     out, no = closed.any(axis=0), critical.any(axis=0)
@@ -291,6 +292,7 @@ def _contracted(
     low2, high2 = _bounds(a, c, e, _least_squares(a, e))
     # a matrix that came out as NaN bounds nothing
     low, high = np.fmax(low, low2).T, np.fmin(high, high2).T
+    # outward: down for lower bounds, up for upper ones
     low = np.fmax(np.floor(low / GRID - OFF) * GRID, -1.0)
     high = np.fmin(np.ceil(high / GRID + OFF) * GRID, 1.0)
     empty = (low > high).any(axis=0)
@@ -314,6 +316,7 @@ def _bounds(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Bounds [K, n] of xi where c + a xi + e eta = 0, by the matrices y [K, n, R]."""
     _, count, n = a.shape
+    # xi = -Y c + (I - Y A) xi - Y e eta with |xi|, |eta| <= 1
     rest = -(y @ a)
     i = np.arange(n)
     rest[:, i, i] += 1.0
@@ -335,6 +338,7 @@ def _inverse_of_pivots(a: np.ndarray, posed: Posed) -> np.ndarray:
         chosen[:, p] = best = first_largest((rest * rest).sum(axis=1))
         u = rest[k, :, best]
         u = u / np.maximum(np.sqrt((u * u).sum(axis=1)), 1e-300)[:, None]
+        # Gram and Schmidt with pivoting: each column chosen is the largest of what the others leave
         rest = rest - u[:, :, None] * (u[:, None, :] @ rest)
     square = np.take_along_axis(rows, chosen[:, None, :], axis=2)
     volume = np.linalg.norm(square, axis=1).prod(axis=1)
@@ -357,5 +361,6 @@ def _least_squares(a: np.ndarray, e: np.ndarray) -> np.ndarray:
     turned = scaled.transpose(0, 2, 1)
     normal = turned @ scaled
     i = np.arange(a.shape[2])
+    # |xi| <= 1 counts as a row too: the matrix is regular whatever A is
     normal[:, i, i] += 1.0
     return np.linalg.solve(normal, turned) / e[:, None, :]

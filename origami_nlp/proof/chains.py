@@ -132,6 +132,7 @@ class Vertex:
             options = [
                 ((b - a) % n, (c - b) % n, b) for a, b, c in ((i, j, k), (j, k, i), (k, i, j))
             ]
+            # a cyclic shift does not change a triple product: the two shorter of the three arcs are folded
             back, on, middle = min(options, key=lambda o: (o[0] + o[1], abs(o[0] - o[1])))
             self.kinds.setdefault((back, on), []).append((number, middle))
         self.reach = max((max(kind) for kind in self.kinds), default=1)
@@ -178,6 +179,8 @@ class Vertex:
         # two folds by phi about creases that differ by d differ by |sin (phi / 2)| d
         sines = np.where(pins != 0, 1.0, np.minimum(1.0, 0.5 * (np.abs(middle) + half)))
         doubt = 2 * self.doubt_crease * sines.sum(axis=0)
+        # two unit quaternions are equal where their difference vanishes; q_left = -q_right, the other sheet, is far
+        # from 0
         gap = padded(
             left.centre - right.centre,
             np.concatenate([left.slopes, -back], axis=1),
@@ -216,6 +219,7 @@ class Vertex:
             number, j = (np.array(v) for v in zip(*members, strict=True))
             z, w = back[p - 1][:, j], on[q - 1][:, j]
             # Z' Z, the variables of Z' first
+            # (c_i, c_j, c_k) = Im(exp(i phi_j) Z' Z): ax, ay are real and imaginary part at the middle of phi_j
             x, y = complex_product(z, w)
             by = taken(turn, j)
             ax = mixed(x, by.cosine, y, -by.sine)
@@ -244,6 +248,7 @@ class Vertex:
         near = (j + way) % n
         by = taken(turn, near)
         for _ in range(self.reach - 1):
+            # axes seen from the next crease, one further on, turned by its fold and by the sector between
             x, y, z = (axis[i, near] for i in range(3))
             ay, az = mixed(y, by.cosine, z, -by.sine), mixed(y, by.sine, z, by.cosine)
             y, z = turned(ay, -az, by), turned(az, ay, by)
@@ -272,9 +277,11 @@ class Vertex:
             sign = 1.0 - 2.0 * (a % 2)
             i, w = self.fours[:, a], self.without[:, a]
             g, r = torque[i], lean[i]
+            # G_i and T_a may both hold xi_i: r own xi_i^2 = r own (1 + eta) / 2
             centre += sign * (g * t.centre[w] + 0.5 * r * own[:, a])
             slopes += sign * (g[:, None] * t.slopes[w])
             slopes[rows, i] += sign * r * t.centre[w]
+            # cofactor expansion of det [G | C] along G: signs alternate, T_a is the triple product without row a
             size = np.abs(g) + r
             error += size * t.error[w] + r * (
                 np.abs(t.slopes[w]).sum(axis=1) - 0.5 * np.abs(own[:, a])

@@ -140,6 +140,7 @@ def check_proof(
     every = (certificate, *certificate.others)
     replays = [Replay(one, progress or (lambda done, total: None)) for one in every]
     refused = ""
+    # the first refusal ends the check: nothing is confirmed in part
     for one, replay in zip(every, replays, strict=True):
         try:
             replay.run()

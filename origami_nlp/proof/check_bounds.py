@@ -69,12 +69,15 @@ class Bounds:
         square = np.concatenate([middle / error[:, None], np.eye(len(moving))])
         if not np.isfinite(square).all():
             return
+        # least squares of xi with |xi| <= 1 as rows of their own: doubles, a suggestion only
         suggested = np.linalg.pinv(square)[:, : len(rows)] / error
+        # from here on balls: whatever y is, y . rows vanishes where all rows do
         y = arb_mat([[arb(v) for v in line] for line in suggested.tolist()])
         slopes = (y * arb_mat([[f[1].get(j, ZERO) for j in moving] for f in rows])).tolist()
         centres = (y * arb_mat([[f[0]] for f in rows])).entries()
         for place, (j, line, centre) in enumerate(zip(moving, slopes, centres, strict=True)):
             own = line[place]
+            # a slope whose ball holds 0, or nearly, would divide by next to nothing
             if own.abs_lower() > own.abs_upper() / 2:
                 others = sum((v.abs_upper() for v in line), arb(0)) - own.abs_upper()
                 self.add(j, (AROUND * others - centre) / own)
@@ -144,6 +147,7 @@ class States(Bounds):
             sizes = [v.abs_upper() for v in row]
             sizes[zero] = ZERO
             total = sum(sizes, ZERO)
+            # |centre| > sum |coefficients|: the combination vanishes nowhere in the box
             if row[zero].abs_lower() > total:
                 self.empty = True
                 return
@@ -183,6 +187,7 @@ def suggestions(
     size = len(centre)
     wanted = [[float(r == c) for c in range(size)] for r in range(size)]
     if size == 2:
+        # normal to a column: that variable drops out
         wanted += [[-a[1], a[0]] for a in columns]
     elif size == 3:
         wanted += [list(centre)]

@@ -71,6 +71,7 @@ def isolated(sheet: Sheet, r0: float, most: int = MOST_BOXES) -> int | None:
         box = stack.pop()
         bounds = Bounds([j for j, (low, high) in enumerate(box) if low < high])
         bounds.add_rows(rows(sheet, box, arb(r0)))
+        # not excluded: narrowed, and cut at its widest side
         if not bounds.empty:
             box = bounds.narrowed(box)
             axis = max(range(n), key=lambda j: box[j][1] - box[j][0])
@@ -88,6 +89,7 @@ def rows(sheet: Sheet, box: Box, r0: Any) -> list[Form]:
     """Return what vanishes at a critical point r u: omega, zeta and the determinants, over a box of u."""
     n, square, half = sheet.count, SQUARE * r0 * r0, r0 / 2
     even = (1 + half.cos()) / 2 + AROUND * ((1 - half.cos()) / 2)
+    # s = sin(r u / 2) / r = u / 2 times sin(h)/h, h = r u / 2, which lies in [sin(r0/2)/(r0/2), 1]
     lowest = half.sin() / half
     slope = ((1 + lowest) / 2 + AROUND * ((1 - lowest) / 2)) / 2
     w, zeta, across, up = _fixed(1), _fixed(0), _fixed(0), _fixed(0)
@@ -112,6 +114,7 @@ def rows(sheet: Sheet, box: Box, r0: Any) -> list[Form]:
         )
         middle, radius = parts(*box[i])
         k, u = sheet.stiffness[i], (middle, {i: radius} if radius > 0 else {})
+        # r u_i is no linear form of the box: it goes into the ball
         torques.append((k * (AROUND * r0 - sheet.rest[i]), {}))  # |u_i| <= 1
         s, lifted = scaled(u, slope), scaled(zeta, square)
         w, zeta, across, up = (
@@ -160,6 +163,7 @@ def falls(sheet: Sheet) -> bool:
     basis = np.zeros((n, n - 2))
     basis[[a, b]], basis[others] = led, np.eye(n - 2)
     turned = np.triu(plane[0][:, None] * plane[1] - plane[1][:, None] * plane[0], 1)
+    # doubles: only where to look for directions with Q > 0 and Q < 0
     values, vectors = np.linalg.eigh(basis.T @ (turned + turned.T) @ basis)
     ups, downs = vectors[:, values > 0].T, vectors[:, values < 0].T
     starts = itertools.product(ups, [*downs, *-downs])
@@ -176,6 +180,7 @@ def _falls(
     a, b, c = uu - 2 * uv + vv, uv - uu, uu
     if not (c > 0 and vv < 0):
         return False
+    # the root of c + 2 b t + a t^2 without cancellation: c > 0 > c + 2 b + a
     t = c / (-b + (b * b - a * c).sqrt())
     way = [x + t * (y - x) for x, y in zip(u, v, strict=True)]
     torque = sum(

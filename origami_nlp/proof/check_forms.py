@@ -61,10 +61,12 @@ def circle(low: float, high: float, over: int) -> tuple[tuple[Any, Any], tuple[A
     if r == 0:
         return (cosine, arb(0)), (sine, arb(0))
     chord, end = r.sin_cos()
+    # cos t in [cos r, 1]
     even = (1 + end) / 2 + AROUND * ((1 - end) / 2)
     if (
         r < THIN
     ):  # sin t - s t is concave in t >= 0, zero at 0 and r, its second derivative within r
+        # a concave function that is 0 at both ends, |f''| <= r, is at most r r^2 / 8
         bulge = r**3 / 8
     else:
         s = chord / r
@@ -90,6 +92,7 @@ def linear(terms: Terms) -> list[Form]:
         if mask and mask & (mask - 1):
             for r, value in enumerate(column.entries()):
                 centres[r] += AROUND * value
+        # one bit: linear in one xi; several: a product of them, in [-1, 1]
         elif mask:
             for r, value in enumerate(column.entries()):
                 slopes[r][mask.bit_length() - 1] = value
@@ -130,6 +133,7 @@ def times(x: Form, y: Form) -> Form:
             slopes[j] = b * g[j]
         else:
             slopes[j] = a * h[j] + b * g[j]
+            # xi_j^2 in [0, 1]
             centre += g[j] * h[j] * SQUARE
     return centre + AROUND * spread, slopes
 

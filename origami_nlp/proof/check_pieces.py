@@ -93,6 +93,7 @@ class Chain(ABC):
                 arb_mat([[0, -x, -y, 0], [x, 0, 0, -y], [y, 0, 0, x], [0, y, -x, 0]])
             )
             self._axes.append(arb_mat([[x], [y], [0]]))
+            # rotation about b: b b' + cos (1 - b b') + sin [b]_x
             along = arb_mat([[x * x, x * y, 0], [x * y, y * y, 0], [0, 0, 0]])
             self._planes.append((along, one - along))
             self._crosses.append(arb_mat([[0, 0, y], [0, 0, -x], [-y, x, 0]]))
@@ -141,6 +142,7 @@ class Chain(ABC):
     def mixed(self, before: Terms, i: int, after: Terms) -> Form:
         """(u, b_i, v) of two vectors that share no xi."""
         beside = {mask: (-(self._crosses[i] * v)).transpose() for mask, v in before.items()}
+        # no angle in both: the product of two polynomials of degree one in each xi is one again
         pairs = itertools.product(beside.items(), after.items())
         return linear({low | high: u * v for (low, u), (high, v) in pairs})[0]
 
@@ -248,6 +250,7 @@ class Sheet(Chain):
         w, x, y, z = (float(v.mid()) for v in found[0].entries())
         for mask, column in carry(identity, right).items():
             found[mask] = found[mask] - column if mask in found else -column
+        # two unit quaternions differ along q to second order only, across it to first
         frame = [[w, x, y, z], [-x, w, -z, y], [-y, z, w, -x], [-z, -y, x, w]]  # q, i q, j q, k q
         return found, frame
 
@@ -286,6 +289,7 @@ class Sheet(Chain):
                 total += sign * self.sectors[i]
                 i = (i + 1) % self.count
             if i == last:
+                # the one integer in the ball, if there is one
                 whole = (total / arb.pi()).unique_fmpz()
                 if whole is not None:
                     return -1 if int(whole) % 2 else 1

@@ -123,6 +123,7 @@ class Stratum:
         z = [arb(x[i]) for i in self.free] + [arb(m) for m in moment]
         for _ in range(NEWTON):
             step = _inverse(self.jacobian(z)) * self.residual(z)
+            # Newton on midpoints: a suggestion, the box around it is what is shown
             z = [(a - b).mid() for a, b in zip(z, step.entries(), strict=True)]
             if all(b.contains(0) or abs(b) < TINY for b in step.entries()):
                 break
@@ -167,6 +168,7 @@ class Stratum:
         sizes = [2 * s.abs_upper() + TINY for s in start]
         for _ in range(GROWTHS):
             box = [a + AROUND * s for a, s in zip(z, sizes, strict=True)]
+            # Krawczyk's operator on the box; inside the box, it holds a zero of F
             found = image(box)
             if all(a.contains_interior(b) for a, b in zip(box, found, strict=True)):
                 # zeros stay in the image of every box that holds them and z
@@ -192,6 +194,7 @@ class Stratum:
         off = _identity(self.rank) - pseudo * columns
         sums = [sum((off[r, k].abs_upper() for k in rank), arb(0)) for r in rank]
         norm = max(sums, key=lambda v: float(v.upper()))
+        # |1 - P C| < 1 over the box: P C is regular, closure independent
         if not norm < 1:
             raise Refused(f"closure may be dependent within {radius:.3g} rad")
         size = len(self.free)
@@ -225,6 +228,7 @@ class Stratum:
         size = len(box)
         sizes = arb_mat([[left[r, k].abs_upper() for k in range(size)] for r in range(size)])
         try:
+            # weights v with |1 - Y J| v < v (Perron): the weighted norm below 1 that makes Y J regular
             weights = (_identity(size) - sizes).solve(_column([arb(1)] * size)).mid()
         except ZeroDivisionError:
             return False
@@ -241,6 +245,7 @@ class Stratum:
             itertools.combinations(free, self.rank),
             key=lambda some: float(abs(arb_mat([slopes[t] for t in some]).det()).mid()),
         )
+        # dx_led = -base^-1 (rest) dx_rest: a basis of the kernel of closure in balls
         base = arb_mat([[slopes[t][r] for t in led] for r in rank])
         if not abs(base.det()) > 0:
             return None
@@ -288,6 +293,7 @@ def _count(matrix: Any) -> int | None:
             return None
         count += sign < 0
         kept = [i for i in range(len(rows)) if i != p]
+        # Schur complement; by Sylvester's law signs of pivots are those of eigenvalues
         rows = [[rows[i][j] - rows[i][p] * rows[p][j] / rows[p][p] for j in kept] for i in kept]
     return count
 

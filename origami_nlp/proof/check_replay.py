@@ -151,6 +151,7 @@ class Replay:
         found: Located = stratum.locate(point.x, point.moment)
         off = [abs(a - arb(b)) for a, b in zip(found.x, point.x, strict=True)]
         near = [a for a, s in zip(off, point.stratum, strict=True) if not s]
+        # the true point lies in the ball found here, not at the doubles that are stated
         if not all(a <= point.radius for a in near):
             raise Refused(f"the true one is not within {point.radius:.3g} rad of what is stated")
         if not all(a < math.ulp(4.0) for a, s in zip(off, point.stratum, strict=True) if s):
@@ -206,6 +207,7 @@ class Replay:
                         f"point {number}: nothing shows that it is alone within "
                         f"{point.unique_radius:.3g} rad"
                     )
+            # slabs in turn, each beside the core in one angle: together they cover the shell
             box[j] = near
 
     # ------------------------------------------------------------ the tree
@@ -217,6 +219,7 @@ class Replay:
         boxes = iter(nodes.boxes)
         up = math.nextafter(math.pi, 4)
         place = 0
+        # preorder: the stack holds what is still to be covered of this stratum, and must be empty at its end
         for pins in itertools.product((0, 1, -1), repeat=n):
             stack: list[Box] = [tuple((s * math.pi,) * 2 if s else (-up, up) for s in pins)]
             while stack:
@@ -328,6 +331,7 @@ class Replay:
             if isinstance(one, Point):
                 low, high = _inner(one.x[j], one.unique_radius)
             else:
+                # listed as open in the certificate: nothing is claimed of it
                 low, high = one.lower[j], one.upper[j]
             if not (low <= box[j][0] and box[j][1] <= high):
                 raise Refused(f"is not inside the box of {name} {number + 1}")
@@ -350,6 +354,7 @@ class Replay:
                 if critical:
                     states.add_critical()
                 if not states.empty:
+                    # a point cannot be cut any further
                     if not free:
                         return False
                     stack += _halves(states.narrowed(one), _widest(one, free))

@@ -64,6 +64,7 @@ class SymmetricPiece(Chain):
         places = [r for r, ray in enumerate(rays) if ray.crease is not None]
         azimuths = [sum(self.gaps[:r], arb(0)) for r in places]
         if mirrors and rays[-1].crease is not None:
+            # exactly pi/n, whatever the sectors' last bits say
             azimuths[-1] = whole
         creases = [rays[r].crease for r in places]
         super().__init__(
@@ -153,6 +154,7 @@ class Wedge(SymmetricPiece):
         j, k = some[0], some[-1]
         if self.rank == 1:
             return self.mixed(self._back(j, box, pins), j, self._onward(j, box, pins))
+        # the product with fewer free angles has the smaller balls
         if sum(not s for s in pins[:k]) <= sum(not s for s in pins[j + 1 :]):
             return self.mixed(self._back(j, box, pins), j, self._onward(j, box, pins, k))
         return self.mixed(self._back(k, box, pins, j), k, self._onward(k, box, pins))
@@ -187,7 +189,9 @@ class Wedge(SymmetricPiece):
             return h[1::2], slopes, slopes, bends, sheet
         v = (turn * self.last).entries()
         by = [arb(1) / o for o in self.over]
+        # d(n_1 . v)/dx_i = n_1 . (c_i x v) / over, n_1 = e2
         slopes = [[b * cross(c, v)[1]] for b, c in zip(by, axes, strict=True)]
+        # c_i x (c_j x v), the earlier crease outside
         turned = [
             [[by[i] * by[j] * cross(axes[min(i, j)], cross(axes[max(i, j)], v))[1]] for j in n]
             for i in n

@@ -93,6 +93,7 @@ def prove(
     system = System(model)
     roots, held, number, rest, more = certified(system, posed, left.candidates, near, recorder)
     # a root with a free angle at its limit is none of the open stratum: the state belongs to others
+    # |phi| < pi for certain on the open stratum
     inside = (np.abs(roots.x) + roots.radius[:, None] < math.pi) | (roots.pins != 0)
     ends = np.flatnonzero(~inside.all(axis=1))
     order = np.argsort([model.energy(x) for x in roots.x], kind="stable")
@@ -171,6 +172,7 @@ def pose(model: Model) -> tuple[Posed, Flat]:
         vertex = Vertex(p.sectors, p.stiffness, p.rest)
         return vertex, flat_lemma(vertex)
     # torques per crease: variables stand for several, the model sums their springs
+    # the piece's closure is moved by one crease of each orbit
     k = p.stiffness / model.multiplicity
     flat = Flat(0.0, 0, None)
     if group.kind == "C" and turn == 1:  # every period closes by itself
@@ -250,8 +252,10 @@ def _point(model: Model, roots: Roots, i: int) -> CriticalPoint:
     decided: bool | None = None
     if bool((signs > 0).any()) or (index is not None and index > 0):
         decided = False
+    # strict complementarity and a positive definite reduced Hessian: second-order sufficiency (theorem 12.6)
     elif index == 0 and (signs[pins != 0] < 0).all():
         decided = True
+    # the moment is half of the multipliers of vec q (`kkt.moment`): dq/dphi = c q / 2
     half = 0.5 if model.equation_count == 3 else 1.0
     return CriticalPoint(
         tuple(x.tolist()),

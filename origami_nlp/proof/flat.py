@@ -112,6 +112,7 @@ class Cone:
         rows = np.arange(len(fours))
         for i, j in itertools.permutations(range(4), 2):
             p, q = (v for v in range(4) if v not in (i, j))
+            # rows i, p, q, j in the columns G, x, y, z: Laplace expansion along G and z
             sign = _sign((i, p, q, j))
             lever = self.before[fours[:, p], fours[:, q]]
             levers[rows, fours[:, i], fours[:, j]] = sign * lever
@@ -125,6 +126,7 @@ class Cone:
         error = np.stack([0 * k, planar, planar, radius**2 * many**3 / 6 + 3 * n * self.doubt])
         with_error = _permanents(size + error, fours)
         # a coefficient is a sum of at most n^2 products of these entries
+        # |det(A + E) - det A| <= per(|A| + E) - per(|A|): every product of the expansion taken with its absolute value
         self.off = with_error - _permanents(size, fours) + 16 * (n * n + 64) * UNIT * with_error
 
     def faces(self) -> Boxes:
@@ -143,6 +145,7 @@ class Cone:
         # r u' W u, to first order in u and r
         value, lever, curved = _form(self.second, u, du)
         bound = np.abs(self.second).sum(axis=(1, 2))[:, None]
+        # r u' W u about the middle: r value + dr value xi_r + 2 r (W u) . du xi_u, the rest goes to the error
         centre[2:] += r * value
         slopes[2:] += 2.0 * r * lever * du
         spread = 2.0 * np.abs(lever * du).sum(axis=1) + curved
@@ -221,6 +224,7 @@ def no_minimum(vertex: Vertex) -> bool | None:
     kernel = np.linalg.svd(b.T)[2][2:]  # [n - 2, n]
     _, vectors = np.linalg.eigh(0.5 * kernel @ (cross + cross.T) @ kernel.T)
     for share in (0.0, 0.1, -0.1, 0.3, -0.3):  # a direction may happen to be level
+        # directions with Q > 0 and Q < 0: largest and smallest eigenvalue on the kernel of the planar rows
         up, down = vectors[:, -1] + share * vectors[:, 0], vectors[:, 0] + share * vectors[:, -1]
         steps = [(u @ kernel) * -math.copysign(1.0, u @ kernel @ slope) for u in (up, down)]
         curved = [float(u @ cross @ u) for u in steps]

@@ -194,6 +194,7 @@ def _contracted(forms: Forms, error: np.ndarray, boxes: Boxes) -> tuple[np.ndarr
     bent = np.einsum("rij,kj->kri", forms.quadratic, m)
     value = forms.constant + m @ forms.linear.T + np.einsum("kri,ki->kr", bent, m)
     slope = forms.linear + 2 * bent
+    # |(u - m)' M (u - m)| <= d' |M| d
     bow = np.einsum("rij,ki,kj->kr", np.abs(forms.quadratic), d, d, optimize=True)
     error = error + bow
     spread = np.einsum("kri,ki->kr", np.abs(slope), d)
@@ -209,6 +210,7 @@ def _contracted(forms: Forms, error: np.ndarray, boxes: Boxes) -> tuple[np.ndarr
     y = d[:, :, None] * y * weight[:, None, :]
     size, n = np.abs(y), m.shape[1]
     count = 2 * (n + len(forms.constant))
+    # |u - m + Y v(m)| <= |Y| (error + d' |M| d) + |1 - Y s| d
     rest = np.abs(np.eye(n) - y @ slope)
     loose = np.einsum("kir,kr->ki", size, error + count * EPS * (np.abs(value) + spread + error))
     loose = (1 + count * EPS) * (loose + np.einsum("kij,kj->ki", rest, d))
@@ -249,6 +251,7 @@ def _tilted(rows: Forms, lower: np.ndarray, upper: np.ndarray, core: float, radi
     count = 4 * (len(value) + len(z))
     shrink = np.abs(np.eye(len(d)) - y @ slope) + count * EPS * (np.abs(y) @ np.abs(slope))
     shrink += _bowed(y, bow, d)
+    # contraction: |u - z| <= |Y| (...) + q |u - z|, hence the bound over 1 - q
     q = shrink.sum(axis=1).max() * (1 + count * EPS)
     if q >= 1:
         return False
@@ -260,6 +263,7 @@ def _tilted(rows: Forms, lower: np.ndarray, upper: np.ndarray, core: float, radi
         )
 
     tilt = rows.tilt_linear @ z + np.einsum("rij,i,j->r", rows.tilt_quadratic, z, z)
+    # combinations y of rows without a term linear in u - z
     null = np.linalg.svd(slope / size[:, None])[0][:, int(move.sum()) :]
     best = null @ (null.T @ (tilt / size)) / size
     weight = np.abs(best)
@@ -273,6 +277,7 @@ def _tilted(rows: Forms, lower: np.ndarray, upper: np.ndarray, core: float, radi
         other += weight @ rows.error * r * r + count * EPS * (weight @ value)
         return abs(float(best @ tilt)) * r * (1 - count * EPS) > other * (1 + count * EPS)
 
+    # a / r + b + c r is convex: largest at an end
     return beaten(core) and beaten(radius)
 
 

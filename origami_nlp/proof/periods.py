@@ -81,6 +81,7 @@ class Period:
         closure = padded(
             first.centre - self.level, first.slopes, first.error, 2.0 + 0 * first.centre, 4
         )
+        # one equation: rank [G | t] <= 1, its minors are G_a t_b - G_b t_a
         terms = [[(a, slopes[b], 1.0), (b, slopes[a], -1.0)] for a, b in self.minor_creases]
         minors = sums_of_torques(self, terms, middle, half)
         asked = all_free(self.minor_creases, pins)
@@ -94,6 +95,7 @@ class Period:
         left = self._chain(turn, [(start + i) % n for i in range(h)], boxes)
         right = self._chain(turn, [(start + i) % n for i in range(h, n)], boxes)
         signs = np.array([1.0, -1.0, -1.0, -1.0])[:, None, None]
+        # scalar of p q = p_0 q_0 - p_1 q_1 - p_2 q_2 - p_3 q_3: both halves as a dot product
         other = Affine(signs * right.centre, signs[..., None] * right.slopes, right.error)
         scalar = _dotted(left, other)
         order, signs = [1, 0, 3, 2], np.array([1.0, 1.0, 1.0, -1.0])[:, None, None]
@@ -114,8 +116,10 @@ class Period:
             x = mixed(a, by.cosine, b, by.sine)
             new = turned(x, _times_x(x), by)
             slopes = new.slopes[..., :-1, :].copy()
+            # start i reads the period from crease i on: the new variable is another crease for each start
             slopes[:, start, crease] += new.slopes[:, start, -1]
             q = Affine(new.centre, slopes, new.error)
+            # half angles, as quaternions take them
             sector = 0.5 * self.sectors[crease][:, None]
             q = mixed(q, np.cos(sector), _times_z(q), np.sin(sector))
         return q

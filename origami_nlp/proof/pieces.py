@@ -75,6 +75,7 @@ class Product:
     def slope(self, rays: Sequence[Moving], i: int) -> Affine | None:
         """Enclose its derivative by theta_i, [K]; None where it is zero."""
         vectors = [f.vector for f in self.factors]
+        # product rule: d v / d theta_i = c_i x v for the factors that crease i carries
         parts = [
             times([*vectors[:s], cross(rays[i].vector, v), *vectors[s + 1 :]])
             for s, v in enumerate(vectors)
@@ -182,12 +183,14 @@ class Piece:
         x, y, _ = frame
         across, along = Moving(_full(y, n), n), Moving(_full(x, n), n)
         if self.kind == "C":
+            # F e1 has no part along e2 and e3, F e2 none along e3: F is 1 or a half turn, which `sheet` tells apart
             zero = Product((e2, along)), Product((e3, along)), Product((e3, across))
             return Folded(tuple(rays), zero, (Product((e1, along)), Product((e2, across))), e2, e2)
         end = Moving(-across.vector, n)
         if self.order == 1:
             both = Product((e1, end)), Product((e3, end))
             return Folded(tuple(rays), both, (Product((e2, end)),), e2, end)
+        # n_1 . H n_k = -cos(pi / n)
         level = {2: 0.0, 3: -0.5}.get(self.order, -math.cos(math.pi / self.order))
         return Folded(tuple(rays), (Product((e2, end), level),), (), e2, end)
 

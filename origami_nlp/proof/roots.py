@@ -140,6 +140,7 @@ def certify(
     at = system.local(x, lam, pins)
     free = pins == 0
     sound = (free.sum(axis=1) >= m) & np.isfinite(at.jacobian).all(axis=(1, 2))
+    # Krawczyk's preconditioner: any Y is sound, an approximate inverse succeeds
     y = _inverse(np.where(sound[:, None, None], at.jacobian, np.eye(n + m)))
     reach = np.abs(y)
     wrong = (reach @ (np.abs(at.f) + at.fuzz)[:, :, None])[:, :, 0]
@@ -183,6 +184,7 @@ def _between(
     b = 0.99 * b
     root = np.sqrt(np.maximum(b * b - 4 * a * c, 0.0))
     fits = (b > 0) & (b * b > 4 * a * c)
+    # both roots of a t^2 - b t + c without cancellation: the smaller one is of the size of rounding
     low = np.where(fits, 2 * c / np.where(fits, b + root, 1.0), np.inf)
     high = np.where(fits, (b + root) / (2 * a), 0.0)
     low, high = np.where(rows, low, 0.0), np.where(rows, high, np.inf)
@@ -281,6 +283,7 @@ def different(roots: Roots, known: int = 0) -> Roots:
     for i in range(len(roots)):
         same = kept[:i] & (roots.pins[:i] == roots.pins[i]).all(axis=1)
         near = np.abs(roots.x[:i] - roots.x[i]).max(axis=1, initial=0.0) + roots.radius[i]
+        # two certified zeros in one box of uniqueness are one
         kept[i] = i < known or not (same & (near < roots.unique[:i])).any()
     return roots[np.flatnonzero(kept)]
 
@@ -299,6 +302,7 @@ def _index(
     if not len(which):
         return out
     r = np.where(np.isfinite(radius), radius, 1.0)
+    # entries of the KKT matrix at the root itself, which lies within r of where J was computed
     off = (r[:, None, None] * at.change(lean, r) + at.doubt())[which]
     j = at.jacobian[which].copy()
     j[:, :n, n:] *= -1.0  # symmetric: [[H, A'], [A, 0]]
@@ -320,6 +324,7 @@ def _index(
     disc = ((np.abs(product) + error) / (unit[:, :, None] * unit[:, None, :])).sum(axis=2)
     near_one = np.abs(vectors.transpose(0, 2, 1) @ vectors - np.eye(n + m)).sum(axis=2).max(axis=1)
     clear = (disc < 0.99).all(axis=1) & (near_one < 0.1)
+    # inertia of the KKT matrix = inertia of Z' H Z + (m, m, 0) (Nocedal & Wright, theorem 16.3)
     out[which] = np.where(clear, (diagonal < 0).sum(axis=1) - m, -1)
     return out
 
@@ -337,6 +342,7 @@ def _signs(
     size = np.abs(lam).sum(axis=1)[:, None]
     s = system.beta.sum()
     r = np.where(np.isfinite(radius), radius, 1.0)[:, None]
+    # G - A' lam changes by A' d lam and (A' - A) lam from the computed state to the root
     off = system.beta * (system.m * lean[:, None] * r + s * r * size) + fuzz
     force = pins * force
     return np.where(pins != 0, np.where(force > off, 1, np.where(force < -off, -1, 0)), 0)

@@ -156,8 +156,10 @@ def _balanced(model: Model, x: np.ndarray, line: list[int], axes: np.ndarray) ->
     p = model.parameters
     stiffness, rest = p.stiffness[line], p.rest[line] + p.load[line] / p.stiffness[line]
     t = np.sign(axes @ axes[0]) * shares(model)[line] / shares(model)[line[0]]
+    # t . x is a multiple of pi/2 where the facets beyond the line are in one plane with, or square to, those before it
     quarter = 0.5 * math.pi
     total = quarter * np.rint(t @ x / quarter)
+    # least sum k (x - rest)^2 / 2 with t . x = total: k (x - rest) = mu t, the same moment mu along the line
     return rest + t / stiffness * (total - t @ rest) / (t @ (t / stiffness))
 
 
@@ -166,6 +168,7 @@ def _decide(
 ) -> dict[Stratum, Isolation]:
     """Decide on all strata that a flat folding touches, or on one that a state with turned twins touches."""
     turns = np.rint(point / math.pi).astype(int).tolist()
+    # a crease at +-pi is either pinned or free and about to open: all strata whose closure holds the state
     touched = itertools.product(*[(0, t) if t else (0,) for t in turns])
     strata = [stratum] if lines else list(touched)
     site = Site(model, point, lines, stratum)
@@ -173,10 +176,12 @@ def _decide(
     for radius in RADII:
         forms, loose = site.forms(strata, radius)
         given_up, left = left_over(forms, radius)
+        # leading forms exclude most boxes, the next order those about their common zeros
         beside = none_beside(forms, left, SAME, radius)
         for k, s in enumerate(strata):
             mine = left.stratum == k
             if given_up[k] or not beside[mine].all():
+                # boxes of directions left: the midpoint of one is named
                 what = "whole sets of directions"
                 if not given_up[k]:
                     u = (0.5 * (left.lower + left.upper))[mine & ~beside][0]

@@ -70,6 +70,8 @@ class Local:
         m = self.a.shape[1]
         b, s = self.beta, self.beta.sum(axis=1)
         bb = b[:, :, None] * b[:, None, :]
+        # Taylor about z0: lam . g''' t and d lam . g'' are known, terms of order four, and of three times d lam,
+        # bounded
         later = within * (0.5 * self.size * s**2 + m * mu * s)
         corner = self.third + mu[:, None, None] * self.second.sum(axis=1)
         corner = corner + bb * later[:, None, None]
@@ -148,6 +150,7 @@ class System:
         jacobian[:, n:, :n] = a
         pinned = np.concatenate([~free, np.zeros((len(x), m), dtype=bool)], axis=1)
         jacobian[pinned] = 0.0
+        # rows and columns of pinned variables become those of 1: one shape of matrix for all strata
         jacobian.transpose(0, 2, 1)[pinned] = 0.0
         diagonal = np.arange(n + m)
         jacobian[:, diagonal, diagonal] += pinned
@@ -201,6 +204,7 @@ class System:
         n = self.n
         folded = self.kinematics.fold(x)
         c = folded.axes[:, :n] * self.beta[:, None]
+        # derivatives commute, products do not: the earlier crease stands on the left
         i, j, k = np.sort(np.indices((n, n, n)), axis=0)
         if self.entries is None:
             normal = cross(folded.rays[:, -1], folded.rays[:, -2])

@@ -135,6 +135,7 @@ def prove(
     if model.scene.contact != "full":
         return prove_within_limits(model, seconds=seconds, most=most, record=record, until=until)
     started = time.process_time()
+    # strata without touches
     limits = prove_within_limits(
         Model(replace(model.scene, contact="fold-limits")), seconds=seconds, most=most, until=until
     )
@@ -168,6 +169,7 @@ def touch_strata(model: Model) -> Iterator[Stratum]:
     patterns = strata(model.size)
     shut = (patterns.pins != 0).sum(axis=0)
     for touches in _sets(model):
+        # |P| + |T| <= f
         allowed = shut <= freedom - len(touches)
         if model.structure.kind == "C":
             p = model.parameters
@@ -332,6 +334,7 @@ def _again(
     """Whether a point is one with more creases shut that keep these gaps closed, so that it has been counted."""
     for other in known:
         apart = max(abs(a - b) for a, b in zip(point.x, other.x, strict=True))
+        # the other point's stratum lies in the closure of this one's: more creases shut, to the same sides
         finer = all(s in (0, t) for s, t in zip(point.stratum, other.stratum, strict=True))
         if finer and point.stratum != other.stratum and apart + other.radius < point.unique_radius:
             if all(_kept_closed(model, t, other.stratum) for t in touches):
@@ -420,6 +423,7 @@ def _decided(point: CriticalPoint, sides: tuple[int, ...]) -> CriticalPoint:
     pushes = tuple(side * force for side, force in zip(sides, point.forces, strict=True))
     # the multiplier is known to `doubt`: the share of the uniqueness box that the root may lie in
     doubt = point.unique_moment * point.radius / point.unique_radius
+    # side times multiplier: below 0 the energy falls as the contact opens
     leaves = any(push < -doubt for push in pushes)
     holds = all(push > doubt for push in pushes)
     inside = all(

@@ -84,6 +84,7 @@ class Kite:
         c, s, v = self.c, self.s, self.crease
         out: list[Affine | None] = [None] * self.size
         out[1] = ((s[1] * c[v]).scaled(self.cosine, 1e-15) + c[1] * s[v]).scaled(-0.5)
+        # d/dtheta of the last factor; d/dphi_2 above takes the 1/2 of the half angle
         out[v] = -((c[1] * s[v]).scaled(self.cosine, 1e-15) + s[1] * c[v])
         return out
 
@@ -175,6 +176,7 @@ class TouchedVertex(Vertex):
         closure = [self.closure(middle, half, pins)]
         slopes = []
         for k, j in self.touches:
+            # the same ray by two walks: both depend on fewer folds than the whole loop
             ahead = self._chain(middle, half, pins, j, k, 1)
             behind = self._chain(middle, half, pins, j, k, -1)
             closure.append(self._same_point(ahead[-1], behind[-1], j))
@@ -243,6 +245,7 @@ class TouchedVertex(Vertex):
         for step in range(1, (k - j) % n):
             i = (j + step) % n
             c, d = rays[step - 1], rays[-1]
+            # z . (c_i x c_k), the gap's slope by the fold of crease i
             w = c[0] * d[1] - c[1] * d[0]
             term = fours[self.number[tuple(m for m in range(n) if m != i)]] * w
             term = term if i % 2 == 0 else -term
@@ -282,6 +285,7 @@ def determinant(first: Affine, columns: Sequence[Sequence[Affine | None]]) -> Af
                 # expanded along the last column
                 term = term if (len(rows) - with_i.index(i)) % 2 == 0 else -term
                 grown[with_i] = grown[with_i] + term if with_i in grown else term
+        # invariant: minors[rows] is the determinant of these rows and the columns so far
         minors = grown
     return minors[tuple(range(n))]
 

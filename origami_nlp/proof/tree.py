@@ -133,6 +133,7 @@ class Recorder:
                 first[nodes], second[nodes] = child
             else:
                 first[nodes] = child
+        # recorded in the order of treatment, stored so that a reader needs one stack
         order = _preorder(self.strata, first.tolist(), second.tolist())
         kind, data = kind[order], data[order]
         none = np.zeros((0, size))

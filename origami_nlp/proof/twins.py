@@ -40,6 +40,7 @@ class Twin:
 def _sums(sectors: list[float], doubt: float, quarter: float) -> Iterator[tuple[int, float]]:
     """Alternating sums of the first 1, 2, ... sectors that are odd multiples of pi/2, or multiples of pi."""
     for count in range(1, len(sectors) + 1):
+        # each closed crease folds the walk back: sectors count forth and back in turn
         total = math.fsum((-1.0) ** i * a for i, a in enumerate(sectors[:count]))
         multiple = round((total - quarter) / math.pi)
         if abs(total - quarter - multiple * math.pi) <= (count + 1) * doubt:

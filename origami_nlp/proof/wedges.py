@@ -122,6 +122,7 @@ class Wedge:
         first = _mirrored(first)
         if self.order > 1:
             level = math.cos(math.pi / self.order)
+            # n_1 . N, both seen from the middle ray: each depends on half of the folds
             row = dot(first, last)
             return padded(
                 row.centre[None] + level,
@@ -130,6 +131,7 @@ class Wedge:
                 2.0 + 0 * row.centre[None],
                 4,
             )
+        # unit vectors: of the three rows one, along `first`, is of second order
         gap = first - last
         gap = Affine(gap.centre, gap.slopes, gap.error + 4 * self.doubt)
         return _in_frame(first.centre, gap)
@@ -140,6 +142,8 @@ class Wedge:
         assert variable is not None
         by = taken(turn, variable)
         z = dot(Affine(*(v[1:] for v in parts(before))), Affine(*(v[2:0:-1] for v in parts(after))))
+        # (y' + i z')(y + i z) of both vectors seen from the crease, the one before it in the mirror; then turned by its
+        # fold
         y0, y1 = before[1] * after[1], before[2] * after[2]
         y = y0 - y1
         ax = mixed(y, by.cosine, z, -by.sine)

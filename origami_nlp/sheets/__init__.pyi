@@ -36,16 +36,14 @@ from .interpolant import (
 from .judgement import (
     judge as judge,
     singular_beside as singular_beside,
-    told_contact as told_contact,
 )
-from .labels import Labels as Labels, find_labels as find_labels
 from .marks import touch_places as touch_places
 from .motion import Motion as Motion, find_motion as find_motion
 from .noise import is_overdetermined as is_overdetermined
 from .pops import pop_rows as pop_rows
 from .pressing import press as press, press_along as press_along, press_off as press_off
 from .result import SheetResult as SheetResult, SheetSearch as SheetSearch
-from .state import SheetContact as SheetContact, SheetState as SheetState
+from .state import SheetState as SheetState
 from .stress import Stress as Stress, find_stress as find_stress
 from .turnable import (
     sheet_content as sheet_content,

@@ -8,13 +8,12 @@ from functools import cached_property
 
 import numpy as np
 
-from origami_nlp.facets import Sheet
+from origami_nlp.facets import Labels, Sheet, image
 from origami_nlp.numerics import CLOSES
 from origami_nlp.sheets.clearance import Clearance, Stretches
 from origami_nlp.sheets.crossroads import dips
 from origami_nlp.sheets.curve import follow_curve
 from origami_nlp.sheets.interpolant import Interpolant, interpolate
-from origami_nlp.sheets.labels import Labels, image
 
 LONG = 0.08
 """Largest step along curves that polynomials fill in [rad]."""

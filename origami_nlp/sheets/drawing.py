@@ -20,13 +20,13 @@ from matplotlib.patheffects import withStroke
 
 from origami_nlp.errors import OptionError
 from origami_nlp.facets import Crossings, Sheet, order_layers
+from origami_nlp.kkt import ContactForce
 from origami_nlp.minima import barrier_words
 from origami_nlp.numerics import CLOSES
 from origami_nlp.pattern import Pattern
 from origami_nlp.sheets.counts import MOVES, Overview
 from origami_nlp.sheets.marks import mark_touches, touch_legend, touch_places, touching_facets
 from origami_nlp.sheets.motion import Motion
-from origami_nlp.sheets.state import SheetContact
 from origami_nlp.show import (
     BORDER,
     FLAT,
@@ -74,7 +74,7 @@ def draw_sheet(
     pattern: Pattern,
     fold_angles: np.ndarray,
     named: Sequence[int] = (),
-    contacts: Sequence[SheetContact] = (),
+    contacts: Sequence[ContactForce] = (),
 ) -> None:
     """Draw a folded sheet into axes, made bare here.
 
@@ -343,7 +343,7 @@ def draw_states(
     title: str,
     path: Any = None,
     named: Sequence[int] = (),
-    contacts: Sequence[Sequence[SheetContact]] = (),
+    contacts: Sequence[Sequence[ContactForce]] = (),
 ) -> Figure:
     """Draw states of a sheet side by side.
 

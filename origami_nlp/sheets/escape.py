@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from origami_nlp.errors import OutOfTime
-from origami_nlp.facets import Sheet
+from origami_nlp.facets import Sheet, image
 from origami_nlp.kkt import (
     ALONE,
     TRACED,
@@ -27,10 +27,9 @@ from origami_nlp.numerics import BESIDE, INDEPENDENT, SETTLED, SHALLOW, coarse, 
 from origami_nlp.sheets.curve_passes import CurvePasses, curve_passes
 from origami_nlp.sheets.curves import Curves
 from origami_nlp.sheets.descent import AT_LIMIT
-from origami_nlp.sheets.labels import image
-from origami_nlp.sheets.starts import creases_around
 from origami_nlp.sheets.state import SheetState
 from origami_nlp.sheets.terrain import SheetTerrain
+from origami_nlp.starts import creases_around
 
 MOST_CREASES = 60
 """Creases up to which ways out are sought by descents."""

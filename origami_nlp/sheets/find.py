@@ -18,12 +18,13 @@ import numpy as np
 
 from origami_nlp.arguments import check_flag, check_number, check_whole
 from origami_nlp.errors import Interrupted, OptionError, OutOfTime
-from origami_nlp.facets import MOST_DENSE, Sheet
+from origami_nlp.facets import MOST_DENSE, Sheet, find_labels, image
 from origami_nlp.kkt import TangentCone
 from origami_nlp.minima import check_noise
 from origami_nlp.numerics import CLOSES, RESOLVED, SAME, rank
 from origami_nlp.pattern import Pattern, as_pattern
 from origami_nlp.sheets.branches import list_branches
+from origami_nlp.sheets.closed import close, lowest_on, of_vertex
 from origami_nlp.sheets.crossroads import into_family, split, ways_from
 from origami_nlp.sheets.curve import tangents
 from origami_nlp.sheets.curves import ON_CURVE, Curves, Traced
@@ -32,13 +33,12 @@ from origami_nlp.sheets.escape import with_escapes
 from origami_nlp.sheets.flat_folded import list_flat_folded, ways_out
 from origami_nlp.sheets.interpolant import wells
 from origami_nlp.sheets.judgement import beside, judge, singular_beside, stationary_beside
-from origami_nlp.sheets.labels import find_labels, image
 from origami_nlp.sheets.noise import NOISE, with_survival
 from origami_nlp.sheets.pressing import UNTOLD, press, press_along, press_off
 from origami_nlp.sheets.result import BARRIERS, MEETINGS, OF_VERTEX, POPS, WAYS_OUT, SheetResult
-from origami_nlp.sheets.starts import close, drawn, given, lowest_on, of_vertex, popped_starts
 from origami_nlp.sheets.state import SheetState
 from origami_nlp.sheets.tally import Tally
+from origami_nlp.starts import Given, Popped, families_in_turn
 
 OUT = 0.2
 """First step out of a state where curves meet, of the longest fold angle [rad]."""
@@ -113,8 +113,8 @@ def find_states(
     search = _Search(pattern, contact, seconds)
     if pattern.is_flat:
         search.part("ways out of the flat state", search.from_crossroads)
-    for start in given(search.sheet.pattern):
-        search.part("starts that the pattern gives", search.explore, start)
+    for start in Given(search.sheet.pattern).states():
+        search.part(Given.name, search.explore, start)
     if len(pattern.vertices) == 1 and not pattern.holes:
         search.part(OF_VERTEX, search.round_the_vertex, seed)
     rng = np.random.default_rng(seed)
@@ -141,10 +141,11 @@ class _Search:
         self.labels, self.contact = find_labels(pattern), contact
         self.sheet = Sheet(self.labels.arranged(pattern))
         self.sheet.until = until
-        self._middle = pattern.corners.mean(axis=0)
+        self.sheet.origin = pattern.corners.mean(axis=0)
         self._symmetries = self.labels.symmetries(pattern)
         self.curves = Curves(self.sheet, self.labels, contact)
         self.tally = Tally()
+        self._families = families_in_turn(self.sheet, self.labels)
         self._side = self.labels.drawn(np.random.default_rng(0).normal(size=pattern.creases))
 
     def part(self, what: str, work: Callable[..., None], *given: Any) -> bool:
@@ -234,7 +235,7 @@ class _Search:
 
     def states(self) -> tuple[SheetState, ...]:
         """Return what was judged, by energy; states of one energy in an order that labels do not change."""
-        return tuple(s.moved(self._middle) for s in self._by_energy())
+        return tuple(self._by_energy())
 
     def _by_energy(self) -> list[SheetState]:
         by_key = sorted(self.tally.judged, key=lambda s: self.labels.key(s.fold_angles))
@@ -276,7 +277,7 @@ class _Search:
                 return
             phi = waiting[0]
             popped += [phi, *(image(symmetry, phi) for symmetry in self._symmetries)]
-            for start in popped_starts(self.sheet.pattern, self.labels, phi):
+            for start in Popped(self.sheet.pattern, self.labels, phi).states():
                 if self.tally.popped == most:
                     return
                 self.tally.popped += 1
@@ -371,7 +372,8 @@ class _Search:
     def draw(self, rng: np.random.Generator, k: int) -> None:
         """Make a random start."""
         before = self._found()
-        self.explore(drawn(self.sheet, self.labels, rng, k))
+        (start,) = self._families[k % len(self._families)].draw(rng, 1).x
+        self.explore(start)
         self.tally.drawn += 1
         self.tally.outside += len(self.curves.found) - before[1]
         self.tally.since = self.tally.since + 1 if self._found() == before else 0

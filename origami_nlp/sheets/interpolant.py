@@ -11,10 +11,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from origami_nlp.facets import Sheet
+from origami_nlp.facets import Sheet, image
 from origami_nlp.numerics import CLOSES
 from origami_nlp.sheets.curve import Curve
-from origami_nlp.sheets.labels import image
 
 FITS = 1e-6
 """Distance of the middle of a step from closed states, at most [rad]."""

@@ -7,12 +7,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from origami_nlp.facets import MOST_DENSE, Lying, Sheet
-from origami_nlp.kkt import Classification, ContactForce, State, classify, newton
+from origami_nlp.facets import MOST_DENSE, Sheet
+from origami_nlp.kkt import Classification, State, classify, newton
 from origami_nlp.numerics import ANSWERED, BESIDE, CLOSES, STATIONARY
 from origami_nlp.programme import fold_limit
 from origami_nlp.sheets.descent import AT_LIMIT
-from origami_nlp.sheets.state import SheetContact, SheetState
+from origami_nlp.sheets.state import SheetState
 
 NEAREST = 1e-5
 """Distance [rad] at which a state is told from a singular one: anything closes there to the square of its distance,
@@ -87,23 +87,11 @@ def _told(sheet: Sheet, blank: SheetState, what: Classification) -> SheetState:
         kind=what.kind,
         kkt_residual=missing / largest,
         eigenvalue=lowest if what.verdict == "minimum" else math.nan,
-        contacts=tuple(told_contact(sheet, c) for c in what.contacts),
+        # the numbers of their gaps are those of this programme alone
+        contacts=tuple(replace(c, contact=None) for c in what.contacts),
         crossings=sheet.crossed(phi) if what.verdict == "not admissible" else (),
         certificate=what.reason,
     )
-
-
-def told_contact(sheet: Sheet, found: ContactForce) -> SheetContact:
-    """Return a contact with what it carries, as a state of a pattern lists it."""
-    between = None if found.unique else found.multiplier_range
-    assert found.contact is not None
-    if found.contact.is_limit:
-        return SheetContact("fold-limit", (found.contact.index,), found.multiplier, (), between)
-    touch = sheet.touch(found.contact)
-    if isinstance(touch, Lying):
-        lies = (), between, int(touch.sign), touch.place
-        return SheetContact(touch.type, touch.facets, found.multiplier, *lies)
-    return SheetContact(touch.type, touch.facets, found.multiplier, touch.corners, between)
 
 
 def singular_beside(sheet: Sheet, phi: np.ndarray) -> np.ndarray | None:

@@ -10,9 +10,8 @@ from matplotlib.lines import Line2D
 from matplotlib.patheffects import withStroke
 
 from origami_nlp.facets import Crossings
-from origami_nlp.kkt import LOADED
+from origami_nlp.kkt import LOADED, ContactForce
 from origami_nlp.pattern import Pattern
-from origami_nlp.sheets.state import SheetContact
 from origami_nlp.show import IDLE, PUSHES
 
 if TYPE_CHECKING:
@@ -32,13 +31,13 @@ LOOKS: dict[str, dict[str, Any]] = {
 """Marks by how contacts push."""
 
 
-def touching_facets(contacts: Sequence[SheetContact]) -> list[int]:
+def touching_facets(contacts: Sequence[ContactForce]) -> list[int]:
     """Return the facets that touch, from 0, each once."""
-    return sorted({f for c in contacts if len(c.where) == 2 for f in c.where})
+    return sorted({f - 1 for c in contacts if not c.is_limit for f in c.facets})
 
 
 def touch_places(
-    pattern: Pattern, fold_angles: np.ndarray, contacts: Sequence[SheetContact]
+    pattern: Pattern, fold_angles: np.ndarray, contacts: Sequence[ContactForce]
 ) -> np.ndarray:
     """Return where facets touch in space.
 
@@ -65,13 +64,13 @@ def touch_places(
 
     places = []
     for contact in contacts:
-        if contact.type == "fold-limit":
+        if contact.is_limit:
             continue
-        a, b = contact.where
+        a, b = (f - 1 for f in contact.facets)
         if contact.type == "face-face":
             places.append(turn[b] @ np.array(contact.place) + shift[b])
             continue
-        p, q, r, s = contact.corners
+        p, q, r, s = (c - 1 for c in contact.corners)
         if contact.type == "vertex-face":
             end = point(p, b)
             ring = [
@@ -110,26 +109,26 @@ def _within(ring: Sequence[np.ndarray], start: np.ndarray, end: np.ndarray) -> f
 
 
 def mark_touches(
-    axes: Axes, view: np.ndarray, places: np.ndarray, contacts: Sequence[SheetContact]
+    axes: Axes, view: np.ndarray, places: np.ndarray, contacts: Sequence[ContactForce]
 ) -> None:
     """Draw the places of touch of `touch_places` [t, 3], seen by a view [3, 3], each as its contact pushes."""
     around = [withStroke(linewidth=2.5, foreground="white")]
-    touches = [c for c in contacts if len(c.where) == 2]
+    touches = [c for c in contacts if not c.is_limit]
     for k, ((x, y, _), contact) in enumerate(zip(places @ view.T, touches, strict=True)):
         axes.plot(x, y, **LOOKS[_how(contact)], path_effects=around, zorder=5)
-        a, b = (f + 1 for f in contact.where)
+        a, b = contact.facets
         up = 1 if k % 2 == 0 else -1
         axes.annotate(f"{a}|{b}", (x, y), xytext=(0, 9 * up), textcoords="offset points", ha="center",
                       va="bottom" if up > 0 else "top", fontsize=9, path_effects=around, zorder=6)  # fmt: skip
 
 
-def touch_legend(contacts: Iterable[SheetContact]) -> list[Line2D]:
+def touch_legend(contacts: Iterable[ContactForce]) -> list[Line2D]:
     """Return what the marks of contacts mean, those that occur."""
-    met = {_how(c) for c in contacts if len(c.where) == 2}
+    met = {_how(c) for c in contacts if not c.is_limit}
     return [Line2D([], [], label=how, **look) for how, look in LOOKS.items() if how in met]
 
 
-def _how(contact: SheetContact) -> str:
+def _how(contact: ContactForce) -> str:
     """Tell how a contact pushes, by the least and the largest force that balance the springs."""
-    least, most = contact.between or (contact.force, contact.force)
+    least, most = contact.multiplier_range
     return PUSH if least > LOADED else SHARE if most > LOADED else REST

@@ -21,7 +21,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from origami_nlp.facets import MOST_DENSE, Sheet
+from origami_nlp.facets import MOST_DENSE, Labels, Sheet
 from origami_nlp.kkt import LOADED, State, newton
 from origami_nlp.minima import (
     GROWTH,
@@ -32,11 +32,10 @@ from origami_nlp.minima import (
 )
 from origami_nlp.numerics import CLOSES, cross
 from origami_nlp.pattern import Pattern
+from origami_nlp.sheets.closed import close
 from origami_nlp.sheets.descent import descend
 from origami_nlp.sheets.judgement import judge
-from origami_nlp.sheets.labels import Labels
 from origami_nlp.sheets.pressing import press
-from origami_nlp.sheets.starts import close
 from origami_nlp.sheets.state import SheetState
 
 NOISE = "random errors that states survive"

@@ -260,9 +260,9 @@ class SheetResult(Told, Turnable):
         """Return a state as plain data, with what closure carries in it."""
         rows = 3 * len(self.pattern.vertices) + 6 * len(self.pattern.holes)
         data = {**state.to_dict(), "self_stress": rows - self.pattern.creases + state.freedoms}
-        if self.pattern.creases > MOST_DENSE or any(c.type != "fold-limit" for c in state.contacts):
+        if self.pattern.creases > MOST_DENSE or not all(c.is_limit for c in state.contacts):
             return data
-        held = [c.where[0] for c in state.contacts]
+        held = [c.creases[0] - 1 for c in state.contacts]
         stress = find_stress(Sheet(self.pattern), state.fold_angles, held)
         return {
             **data,
@@ -278,9 +278,9 @@ class SheetResult(Told, Turnable):
         for k, s in enumerate(self.minima, 1):
             barrier = s.escape.words() if s.escape else "-"
             barrier += ", shallow" * s.shallow
-            limits = [c.where[0] + 1 for c in s.contacts if c.type == "fold-limit"]
-            touched = dict.fromkeys(c.where for c in s.contacts if len(c.where) == 2)
-            pairs = [f"{a + 1}|{b + 1}" for a, b in touched]
+            limits = [k for c in s.contacts for k in c.creases]
+            touched = dict.fromkeys(c.facets for c in s.contacts if not c.is_limit)
+            pairs = [f"{a}|{b}" for a, b in touched]
             more = ", ..." if len(pairs) > 3 else ""
             words = [f"facets {', '.join(pairs[:3])}{more} touch"] if pairs else []
             if limits:
@@ -303,7 +303,7 @@ class SheetResult(Told, Turnable):
         """Say what was found, what was not decided, and how it was looked for."""
         yield self.table() if self.minima else self._title()
         for k, state in enumerate(self.minima, 1):
-            touches = [c.words() for c in state.contacts if c.type != "fold-limit"]
+            touches = [c.words() for c in state.contacts if not c.is_limit]
             if state.escape is not None:
                 forces = [c.force for c in state.contacts]
                 isolated = state.freedoms == 0

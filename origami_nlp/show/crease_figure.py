@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -14,7 +13,6 @@ from matplotlib.patheffects import withStroke
 
 from origami_nlp.arguments import check_type
 from origami_nlp.errors import OptionError
-from origami_nlp.files import save_figure
 from origami_nlp.pattern import Frame, fold_vertices
 from origami_nlp.show.drawing import MOUNTAIN, VALLEY
 
@@ -34,7 +32,6 @@ MOST_NUMBERS = 150
 
 def draw_pattern(
     frame: Frame,
-    path: str | os.PathLike[str] | None = None,
     *,
     highlight: Sequence[int] = (),
     axes: Axes | None = None,
@@ -45,8 +42,6 @@ def draw_pattern(
     ----------
     frame
         A flat one, of `read_fold`.
-    path
-        Where to save the picture, if anywhere.
     highlight
         Numbers of vertices to put in a frame.
     axes
@@ -60,7 +55,7 @@ def draw_pattern(
     Raises
     ------
     OptionError
-        If `frame` is none, or a folded form, or the file cannot be written.
+        If `frame` is none, or a folded form.
     """
     check_type("frame", frame, Frame)
     if frame.folded:
@@ -102,6 +97,4 @@ def draw_pattern(
     here.set_axis_off()
     if axes is None:
         figure.legend(handles=handles, loc="outside lower center", ncols=4, frameon=False)
-    if path is not None:
-        save_figure(figure, path, 200)
     return figure

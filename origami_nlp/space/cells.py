@@ -139,6 +139,7 @@ def _inner_states(sheets: Sheets, side: np.ndarray) -> tuple[np.ndarray, np.ndar
     inside = sides[:, 0] > 0
     for k, wrapped in enumerate(WRAPPED[chain.kind]):
         far = (np.abs(sides[:, k]) > math.pi / 2) & wrapped
+        # the state must be on the side of the wall on which its triangle is
         inside &= far | (states.walls[:, k] * sides[:, k] > 0)
     room = np.minimum(np.abs(states.walls).min(axis=1), chain.fold_margin(point))
     room = np.minimum(room, (math.pi - np.abs(states.wedge)).min(axis=1))
@@ -156,6 +157,7 @@ def _faces(sheets: Sheets, side: np.ndarray) -> np.ndarray:
     for k, wrapped in enumerate(WRAPPED[sheets.chain.kind]):
         differ = side[one, k] * side[two, k] < 0
         if wrapped:
+            # an angle modulo 2 pi: from +3 to -3 it passes pi, and not the wall at 0
             differ &= np.abs(side[one, k]) + np.abs(side[two, k]) < math.pi
         apart |= differ
     return label(len(sheets.triangles), np.column_stack([one, two])[~apart])
@@ -245,6 +247,7 @@ def _passes(sheets: Sheets, fold_angles: np.ndarray) -> bool:
 def _vertices_alone(sheets: Sheets, used: np.ndarray) -> np.ndarray:
     """Keys of admissible vertices on two walls or more that are on no other cell."""
     walls = sheets.on & ~(1 << SEAM)
+    # more than one bit is set
     several = (walls & (walls - 1)) != 0
     keys = []
     for s in (-1, 0, 1):

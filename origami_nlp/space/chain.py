@@ -106,14 +106,18 @@ class Chain:
         a = self.sectors[-1]
         y = tip @ self.last_normal
         foot = np.arctan2(tip @ self.up, tip @ self.last_along)
+        # tan delta = sqrt(sin^2 a - y^2) / cos a, from cos a = sqrt(1 - y^2) cos delta; the difference of squares as a
+        # product, since both sheets meet where it vanishes
         root = np.sqrt(np.maximum((math.sin(a) - y) * (math.sin(a) + y), 0.0))
         root = np.where(sheet == 0, 0.0, root)
         delta = np.arctan2(root, math.cos(a))
         place = foot + np.where(sheet == 0, 1, sheet) * delta
         last = np.cos(place)[..., None] * self.last_along + np.sin(place)[..., None] * self.up
         n1, n2 = np.cross(before, tip), np.cross(tip, last)
+        # fold angle from the normals of two facets about their crease, valley positive
         inner = np.arctan2(np.einsum("...i,...i", tip, np.cross(n1, n2)), (n1 * n2).sum(-1))
         side = np.cross(self.last_normal, last)
+        # from the last facet to its mirror image: half of the fold angle lies on this side
         half = np.arctan2(
             np.einsum("...i,...i", last, np.cross(n2, side)), np.einsum("...i,...i", n2, side)
         )

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import os
 import re
 from typing import Any
 
@@ -15,7 +14,6 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from origami_nlp.chart import crease_number
-from origami_nlp.files import save_figure
 from origami_nlp.show import HANDLE, INKS, RING, label_text, pi_label
 from origami_nlp.space.result import Space, SpaceMesh
 from origami_nlp.space.topology import edges_of, surface_pieces
@@ -30,7 +28,7 @@ TICKS = (-math.pi, -math.pi / 2, 0.0, math.pi / 2, math.pi)
 TICK_NAMES = tuple(pi_label(k, 2) for k in range(-2, 3))
 
 
-def draw_space(space: Space, path: str | os.PathLike[str] | None = None) -> Figure:
+def draw_space(space: Space) -> Figure:
     """Draw X: left in the coordinates of the paper's chart, right over three of the wedge's fold angles.
 
     Pieces of surface are filled, contact boundaries and handles are lines, pinch points pentagons; rings are points of
@@ -40,18 +38,11 @@ def draw_space(space: Space, path: str | os.PathLike[str] | None = None) -> Figu
     ----------
     space
         Of `find_space`.
-    path
-        Where to save, or None.
 
     Returns
     -------
     matplotlib.figure.Figure
         Two views.
-
-    Raises
-    ------
-    OptionError
-        If the ending of `path` names no known picture format.
     """
     figure = Figure(figsize=(11.2, 5.7), dpi=120, facecolor="white")
     mesh = space.mesh
@@ -62,8 +53,6 @@ def draw_space(space: Space, path: str | os.PathLike[str] | None = None) -> Figu
     used |= _draw_solid(solid, space, colour)
     figure.suptitle(_title(space), fontsize=11, y=0.965)
     _legend(figure, space, colour, used)
-    if path is not None:
-        save_figure(figure, path)
     return figure
 
 

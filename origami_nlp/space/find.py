@@ -123,6 +123,7 @@ def _chart(chain: Chain, cells: Cells) -> tuple[np.ndarray, np.ndarray]:
 def _sample(mesh: SpaceMesh, part: topology.Part) -> tuple[float, ...]:
     """The state of a component that keeps farthest from phi = +-pi and from the flat state."""
     wedge = mesh.wedge[part.vertices]
+    # any state of the component would do: one far from contacts and from flat can be told apart in a picture
     room = np.minimum(math.pi - np.abs(wedge).max(axis=1), np.abs(wedge).max(axis=1))
     free = mesh.on[part.vertices] == 0
     best = part.vertices[np.argmax(np.where(free, room, room - 2 * math.pi))]

@@ -175,6 +175,7 @@ def _cut(chain: Chain, surface: Surface, bit: int, function: Evaluate, period: f
     surface = surface._replace(on=surface.on | np.where(zero, 1 << bit, 0))
     value = np.where(zero, 0.0, value)
     a, b = edges_of(surface.triangles)[0].T
+    # a wrapped angle that jumps from near pi to near -pi does not pass 0
     cut = np.flatnonzero((value[a] * value[b] < 0) & (np.abs(value[a]) + np.abs(value[b]) < period))
     a, b = a[cut], b[cut]
     sheet = surface.between(a, b)
@@ -264,6 +265,7 @@ def _find_roots(
 
     for _ in range(BISECTIONS):
         t = 0.5 * (low + high)
+        # invariant: at `low` the wall's function has the sign that it has at a
         same = function(at(t), sheet) * at_a > 0
         low, high = np.where(same, t, low), np.where(same, high, t)
     return at(0.5 * (low + high))
@@ -300,6 +302,7 @@ def _double(surface: Surface, kept: np.ndarray) -> Surface:
     sheet = np.concatenate([sheet, -np.ones(count, dtype=sheet.dtype)])
     triangles = np.vstack([triangles, other[triangles]])
     if seam[triangles % count].all(axis=1).any():
+        # its two copies would be one triangle, and the surface no surface there
         raise MeshError("a triangle lies between seams: use a larger size")
     _, of_triangle = edges_of(triangles)
     if np.bincount(of_triangle.ravel()).max() > 2:
@@ -319,6 +322,7 @@ def _shorten(chain: Chain, surface: Surface, longest: float) -> Surface:
     long = np.flatnonzero((apart.max(axis=1) > longest) & (common & ~STRAIGHT == 0))
     a, b = a[long], b[long]
     seam_a, seam_b = _has(on[a], SEAM), _has(on[b], SEAM)
+    # next to the seam states go as the square root of the base point: a quarter of the way is half of it
     t = np.where(seam_a & ~seam_b, 0.25, np.where(seam_b & ~seam_a, 0.75, 0.5))[:, None]
     place = (1 - t) * base[a] + t * base[b]
     return surface.divided(long, place, common[long], surface.between(a, b))

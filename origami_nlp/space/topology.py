@@ -69,6 +69,7 @@ def parts(count: int, triangles: np.ndarray, extra: np.ndarray) -> list[Part]:
     for k in range(number):
         euler = int(v[k] - e[k] + f[k])
         dimension = 2 if f[k] else (1 if e[k] else 0)
+        # b_0 - b_1 + b_2 = chi with b_0 = 1
         holes = 1 + int(closed[k]) - euler
         found.append(Part(np.flatnonzero(of == k), dimension, euler, int(closed[k]), holes))
     return sorted(found, key=lambda part: (-part.dimension, -len(part.vertices)))
@@ -85,6 +86,7 @@ def _closed_surfaces(triangles: np.ndarray, of: np.ndarray, number: int) -> np.n
     edges, of_triangle = edges_of(triangles)
     uses = np.bincount(of_triangle.ravel(), minlength=len(edges))
     assert uses.max() <= 2, "an edge borders three triangles"
+    # modulo 2: a piece without a border edge is a cycle of triangles
     face = surface_pieces(triangles)
     open_piece = np.zeros(face.max() + 1, dtype=bool)
     open_piece[face[(uses[of_triangle] == 1).any(axis=1)]] = True
@@ -110,6 +112,7 @@ def spots(count: int, triangles: np.ndarray, extra: np.ndarray) -> list[Spot]:
     corner_vertex = triangles.ravel()
     after, before = np.roll(triangles, -1, axis=1).ravel(), np.roll(triangles, 1, axis=1).ravel()
     who = np.arange(3 * f)
+    # two corners at one vertex share an edge there exactly if they share its other end
     key = np.concatenate(
         [corner_vertex * (count + 1) + after, corner_vertex * (count + 1) + before]
     )

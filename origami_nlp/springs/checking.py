@@ -149,6 +149,7 @@ def _energies(targets: Targets, energy: dict[str, float]) -> list[str]:
     out = []
     for gap in targets.energies:
         d = energy[gap.upper] - energy[gap.lower]
+        # rounding of a difference of two energies
         room = BALANCE * (abs(energy[gap.upper]) + abs(energy[gap.lower]))
         if not gap.least - room <= d <= gap.most + room:
             out.append(

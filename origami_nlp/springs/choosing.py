@@ -143,9 +143,11 @@ def _exact(pool: _Pool, names: list[str], best: frozenset[str]) -> frozenset[str
         if some and (len(some), pool.margin(some)) > (len(best), pool.margin(best)):
             best = some
         for k, name in enumerate(rest):
+            # bound: with all that is left the set would not be larger
             if len(some) + len(rest) - k < len(best):
                 return
             if pool.margin(some | {name}) > 0:
+                # a set with a pair that cannot be held together cannot be held either
                 after = [n for n in rest[k + 1 :] if frozenset((name, n)) in pairs]
                 grow(some | {name}, after)
 

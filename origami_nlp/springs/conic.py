@@ -34,6 +34,7 @@ def smatrix(v: np.ndarray) -> np.ndarray:
 
 def svector(m: np.ndarray) -> np.ndarray:
     """Return the upper triangle of symmetric matrices [..., q, q], column by column, with <a, b> = tr(A B)."""
+    # off-diagonal entries count twice in tr(A B): the factor sqrt 2 makes it a dot product
     j, i = np.tril_indices(m.shape[-1])
     return np.where(i == j, m[..., i, j], m[..., i, j] * math.sqrt(2))
 
@@ -155,6 +156,7 @@ class Programme:
         settings.verbose = False
         settings.max_threads = 1
         c = np.pad(c, (0, self.size - len(c)))
+        # y = -left / |left|^2 has A' y = 0 and b . y = -1: A v + b = 0 has no solution (Fredholm)
         point, along, contradiction = self._on_equal()
         if contradiction is not None:
             return self._answer("PrimalInfeasible", point, c, np.zeros(0), contradiction, 0)
@@ -211,6 +213,7 @@ class Programme:
             ends = np.cumsum([len(r.b) for r in rows])
             parts |= zip(map(id, rows), np.split(equal, ends[:-1]), strict=True)
         duals = tuple(parts[id(r)] for r in self.rows)
+        # weak duality: c . v <= sum b . y for every feasible v, but for (c + sum A' y) . v, the residual
         left = float(np.abs(aim + self.pull(duals)).max())
         work = sum(float(r.b @ y) for r, y in zip(self.rows, duals, strict=True))
         if status == "PrimalInfeasible":

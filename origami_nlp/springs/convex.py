@@ -131,6 +131,7 @@ class Posed:
             now = size_of(torque)
             row = np.zeros(p.size)
             row[most] = self.targets.states[i].margin
+            # sizes |k (x - r)| and |k r|: torque out of balance by a share s of both
             row[now], row[wound] = -weight, -weight
             p.add(POSITIVE, row, 0.0, "torque out of balance")
         self.aim = np.pad(self.aim, (0, p.size - len(self.aim)))
@@ -158,6 +159,7 @@ class Posed:
         eye, none = np.eye(kinds), np.zeros((kinds, kinds))
         column = np.ones((kinds, 1))
         mean = np.zeros(v.size)
+        # homogeneous of degree one in (k, tau, 1): the mean stiffness is the unit, `scale` its inverse
         mean[v.stiffness] = self.count
         p.add(EQUAL, mean, -float(self.count.sum()), "the mean stiffness is 1")
         cap = np.zeros(v.size)
@@ -183,6 +185,7 @@ class Posed:
             extra = t.preload
         p.add(
             POSITIVE,
+            # phi0 = tau / k >= least as tau - least k >= 0: linear, since k > 0
             np.hstack([-least * eye, eye, extra * column]),
             np.zeros(kinds),
             tuple(f"{n}: rest angle at least {math.degrees(least):g} deg" for n in names),
@@ -244,6 +247,7 @@ class Posed:
         for j in range(len(x)):
             a = np.zeros((3, p.size))
             k, tau, w = v.stiffness.start + j, v.torque.start + j, u.start + j
+            # u k >= y^2 with u, k >= 0 is |(u - k, 2 y)| <= u + k, y = k x - tau
             a[0, [k, w]] = 1.0, 1.0
             a[1, [k, w]] = 1.0, -1.0
             a[2, [k, tau]] = 2 * x[j], -2.0
@@ -365,6 +369,7 @@ def springs_of(posed: Posed) -> Found:
         a = np.vstack([*equal, *pinned])
         b = np.concatenate([right, np.zeros(len(pinned))])
         for _ in range(3):
+            # step of least length back onto all equations; repeated, as one leaves rounding of its size
             v -= np.linalg.lstsq(a, a @ v - b, rcond=ROUNDED)[0]
         moved = np.abs(v - posed.answer.v)[: places.size].max()
         if np.abs(a @ v - b).max() <= ROUNDED * (1 + np.abs(v).max()) and moved <= MOVED:

@@ -88,6 +88,7 @@ class Balance:
         u, values, vt = np.linalg.svd(j)
         rank = int((values > RANK).sum())
         self.lost = u[:, rank:]
+        # (J')^+ by the singular vectors of J that are not lost
         self.to_closure = u[:, :rank] @ (vt[:rank] / values[:rank, None])
         held = stratum.contacts if loose else [c for c in stratum.contacts if c not in touching]
         self.tangent = state.on(tuple(held)).tangent
@@ -114,6 +115,7 @@ class Balance:
             return not len(along) or int(np.linalg.matrix_rank(along, INDEPENDENT)) == len(along)
         if self.lost.shape[1] > 1 or len(along):
             return False
+        # v C v = 0 needs both signs; Finsler's lemma then gives w with H - w C >= 0 where H >= 0 on these v
         values = self.lost_curvature
         return bool(values[0] < 0 < values[-1] and np.abs(values).min() > RANK)
 
@@ -140,6 +142,7 @@ class Balance:
         out = np.zeros((n, columns))
         rows = np.arange(n)
         out[rows, places.stiffness.start + self.kind] = self.root * x
+        # grad U = k x - tau per crease; a variable stands for root^2 of them, and the metric divides by root
         out[rows, places.torque.start + self.kind] = -self.root
         return out
 
@@ -170,6 +173,7 @@ class Balance:
         )
         balance = self.gradient(places, programme.size)
         balance[:, moments] -= self.stratum.slopes.T
+        # along the kernel of J alone: multipliers of closure need not be among the unknowns
         rows = _independent(self.kernel.T @ balance)
         programme.add(EQUAL, rows, np.zeros(len(rows)), f"{name} balances")
         model, x = self.stratum.state.programme, self.stratum.state.x
@@ -190,6 +194,7 @@ class Balance:
             pull = np.zeros((r, programme.size))
             pull[np.arange(r), np.arange(moments.start, moments.stop)] = 1.0
             along = np.einsum("pi,kpq,qj->kij", z, self.curvatures, z)
+            # Z' H Z as a matrix-valued linear function of the unknowns: lam is linear in them where x is fixed
             matrix = -np.einsum("kv,kij->vij", np.vstack([lam, pull]), along)
             for v, kind in enumerate(self.kind):
                 matrix[places.stiffness.start + kind] += np.outer(z[v], z[v])
@@ -226,6 +231,7 @@ def balances(
 def energy_row(model: Model, x: np.ndarray, kind: np.ndarray, places: Springs) -> np.ndarray:
     """Return the row whose product with the unknowns is the energy of x less that of phi = 0, [places.size]."""
     out = np.zeros(places.size)
+    # sum k/2 (x - phi0)^2 less sum k/2 phi0^2 = sum k x^2 / 2 - tau x: the square of phi0 would not be linear
     np.add.at(out, places.stiffness.start + kind, 0.5 * model.multiplicity * x**2)
     np.add.at(out, places.torque.start + kind, -model.multiplicity * x)
     return out

@@ -67,6 +67,7 @@ def cuts(targets: Targets, unwanted: np.ndarray) -> list[list[tuple[Rows, ...]]]
     few: list[list[tuple[Rows, ...]]] = [[] for _ in FEW]
     for walk, arrives in _downhill(targets, x, wanted):
         energies = [energy_row(model, y, kind, places) for y in walk]
+        # energies of states are linear in k and tau: "the energy falls at every step" is a set of linear rows
         rows = np.array([a - b for a, b in itertools.pairwise(energies)])
         lengths = np.linalg.norm(model.root * np.diff(walk, axis=0), axis=1)
         rows[:, places.margin] -= FALLS * lengths
@@ -182,6 +183,7 @@ def _crossing(model: Model, corner: np.ndarray, kind: np.ndarray) -> list[np.nda
     values, vectors = at.lost_modes
     if not values[0] < -RANK or not values[1] > RANK:
         return []
+    # v = sqrt(l_2) e_1 +- sqrt(-l_1) e_2: v C v = l_2 l_1 - l_1 l_2 = 0
     first, second = math.sqrt(values[1]) * vectors[:, 0], math.sqrt(-values[0]) * vectors[:, 1]
     ways = [at.kernel @ (first + s * second) for s in (1.0, -1.0)]
     return [v / float(np.linalg.norm(v)) / model.root for v in ways]

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import os
 from typing import Any
 
 import numpy as np
@@ -12,7 +11,6 @@ from matplotlib.figure import Figure
 
 from origami_nlp.arguments import check_type
 from origami_nlp.errors import OptionError
-from origami_nlp.files import save_figure
 from origami_nlp.show import MOUNTAIN, VALLEY, draw_state, label_text
 from origami_nlp.springs.result import Design
 
@@ -21,15 +19,13 @@ ACROSS = 5
 GREY = "#8a8a8a"
 
 
-def draw_design(design: Design, target: str | os.PathLike[str] | None = None) -> Figure:
+def draw_design(design: Design) -> Figure:
     """Draw the states of a design, its springs and its energies.
 
     Parameters
     ----------
     design
         With springs.
-    target
-        Where to save (``.png``, ``.pdf``, ``.svg``), or None.
 
     Returns
     -------
@@ -40,7 +36,7 @@ def draw_design(design: Design, target: str | os.PathLike[str] | None = None) ->
     Raises
     ------
     OptionError
-        If `design` is none or has no springs, or the file cannot be written.
+        If `design` is none or has no springs.
     """
     check_type("design", design, Design)
     if design.scene is None:
@@ -74,8 +70,6 @@ def draw_design(design: Design, target: str | os.PathLike[str] | None = None) ->
     axes = below.subplots(1, 3, width_ratios=(1, 1, 1.15))
     _springs(axes[0], axes[1], design)
     _levels(axes[2], design)
-    if target is not None:
-        save_figure(figure, target)
     return figure
 
 

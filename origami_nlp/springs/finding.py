@@ -142,6 +142,7 @@ class _Work:
             return solve(targets, more, calm=calm)
         best = self._best(targets, more, calm)
         for _ in range(TOPS):
+            # bounds hold at samples: a top between two of them that is too high becomes a sample
             if not best.feasible or not self.passes.see(Model(scene_of(targets, springs_of(best)))):
                 break
             best = self._best(targets, more, calm)
@@ -204,6 +205,7 @@ class _Work:
                 solved = [s for s in solved if s[0].feasible]
                 if solved:
                     posed, rows = max(solved, key=lambda s: _value(s[0]))
+                    # cuts add up: what one round cut away may not come back in the next
                     self.more = (*self.more, *rows)
                     break
         return posed
@@ -231,6 +233,7 @@ class _Work:
             tolerance, posed, calm, shares = found, other, price, tried
             return True
 
+        # the tolerance is no function that a programme maximises: a few programmes that favour it are tried
         for price in PRICES:
             better(price, shares)
         for _ in range(IMPROVEMENTS if len(shares) > 1 else 0):

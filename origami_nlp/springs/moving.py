@@ -72,6 +72,7 @@ def move_targets(targets: Targets, *, rounds: int = 40) -> Moved:
     model = targets.model
     start = [p.state.x for p in targets.placed]
     contacts = [p.state.pieces[0] for p in targets.placed]
+    # coordinates along the motions that keep the contacts; projection takes care of the rest
     bases = [
         State(model, x).on(c).tangent / model.root[:, None]
         for x, c in zip(start, contacts, strict=True)
@@ -103,6 +104,7 @@ def move_targets(targets: Targets, *, rounds: int = 40) -> Moved:
         key = y.tobytes()
         if key not in known:
             at = states(y)
+            # the best margin has kinks in the coordinates, and no derivative that is known: Nelder and Mead
             known[key] = 1e3 if at is None else -_margin(_question(targets, at))
         return known[key]
 

@@ -64,6 +64,7 @@ def solve(
         refuted = refuted and posed.refuted
         if posed.margin > best.margin:
             best = posed
+    # a refutation of all needs every subset tried
     best.every_refuted = refuted and tried == 2 ** sum(map(len, contacts))
     return best
 

@@ -84,6 +84,7 @@ def why_not(posed: Posed, tried: Works = works) -> Reason:
                 weights[words] = weights.get(words, 0.0) + abs(float(value))
     named = ("the mean stiffness is 1", "the margin has a cap")
     most = max((w for words, w in weights.items() if words not in named), default=0.0)
+    # rows with a dual that counts are those whose combination is contradictory
     heavy = sorted(
         ((w, words) for words, w in weights.items() if w > WEIGHTY * most and words not in named),
         reverse=True,
@@ -164,6 +165,7 @@ def _least(
     if not _works(tried, make(high)):
         return None
     for _ in range(steps):
+        # geometric: factors, not differences
         middle = math.sqrt(low * high)
         low, high = (low, middle) if _works(tried, make(middle)) else (middle, high)
     return high

@@ -135,6 +135,7 @@ def lost_at(line: ParameterLine, start: np.ndarray, most: float) -> Ended:
         ahead = [
             (a.high, k)
             for k, a in enumerate(web.arcs)
+            # arcs of minima that lead on from here to larger s
             if a.index == 0 and node in (a.start, a.end) and a.low >= s - SETTLED and a.high > s
         ]
         if not ahead:
@@ -165,6 +166,7 @@ def _in_place(line: ParameterLine, start: np.ndarray, most: float) -> Ended:
         return Ended(most, "kept", start)
     while high - low > max(SETTLED, 1e-3 * high):
         middle = 0.5 * (low + high)
+        # invariant: certainly a minimum at `low`, not certainly at `high`
         low, high = (middle, high) if stays(middle) else (low, middle)
     return Ended(low, MOVES, start)
 
@@ -262,6 +264,7 @@ def _worst(
         found = look(signs, most)
         if found < most:
             best, most = signs, found
+    # coordinate descent over the corners of a cube, in random order: a local worst
     better = most > SETTLED
     while better:
         better = False
@@ -295,7 +298,9 @@ def _fastest(scene: Scene, phi: np.ndarray) -> list[np.ndarray]:
     except np.linalg.LinAlgError:
         return []
     k, wound = np.array(scene.stiffness), np.array(scene.wound_angles)
+    # d(torque) = k (phi - phi0) ds for the stiffness e^s k, -k phi0 ds for the rest angle (1 + s) phi0
     change = np.hstack([np.diag(k * (phi - wound)), np.diag(-k * wound)]) / model.root[:, None]
+    # a load is the negative of a torque: dx = -(response) d(torque)
     moved = -(modes.T @ held.tangent.T @ states @ change)
     rows = [*moved, *-moved, *(forces @ change)]
     return [np.where(row < 0, -1.0, 1.0) for row in rows]

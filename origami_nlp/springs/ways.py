@@ -99,6 +99,7 @@ def _part(curve: BoundaryCurve, a: np.ndarray, b: np.ndarray) -> list[np.ndarray
     at = curve.states
     i = int(np.abs(at - a).max(axis=1).argmin())
     steps = np.diff(at, axis=0)
+    # nearest point of each step of the polyline to b
     share = np.einsum("ij,ij->i", b - at[:-1], steps) / np.einsum("ij,ij->i", steps, steps)
     on = at[:-1] + np.clip(share, 0, 1)[:, None] * steps
     j = int(np.abs(on - b).max(axis=1).argmin())
@@ -168,9 +169,11 @@ def height(model: Model, way: Way) -> tuple[float, np.ndarray]:
     if k in (0, len(energies) - 1) or not way.regular[k]:
         return best, x
     for _ in range(12):
+        # the tangent keeps the sense of the way
         point = evaluate(State(model, x).on(()), way.tangents[k])
         if point is None or point.stiffness >= 0:
             break
+        # Newton on dU/ds = 0
         h = float(np.clip(-point.slope / point.stiffness, -0.05, 0.05))
         y, residual = project(model, x + (h * point.tangent + h**2 / 2 * point.bend) / model.root)
         if residual > CLOSES:
@@ -242,6 +245,7 @@ class Passes:
         """Row of the second derivative of the energy along a way."""
         model = self.targets.model
         row = slope_row(model, way.states[k], way.bends[k] / model.root, self.kind, self.places)
+        # paper, eq. 3.6: t . K t + grad U . y'', linear in k and tau where the curve is given
         np.add.at(row, self.places.stiffness.start + self.kind, way.tangents[k] ** 2)
         return row
 
@@ -301,6 +305,7 @@ class Passes:
         """Rows of a pass at sample p: up to it, stationary there, down from it."""
         words = f"the only pass between {pair[0]} and {pair[1]} is the one prescribed"
         slopes = [
+            # rising before the pass, falling behind it: its only top
             math.copysign(1.0, p - k) * self.slope(way, k)
             for k in range(1, len(way.states) - 1)
             if k != p and way.regular[k]
@@ -309,6 +314,7 @@ class Passes:
         if slopes:
             out.append(Rows(POSITIVE, np.array(slopes), np.zeros(len(slopes)), words))
         if way.regular[p]:
+            # a pass: level and bent down there, rising before and falling behind
             bend = -self.curvature(way, p)
             bend[self.places.margin] -= BESIDE_PASS
             out.append(Rows(EQUAL, self.slope(way, p)[None], np.zeros(1), f"{words}: level there"))

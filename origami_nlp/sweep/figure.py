@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from pathlib import Path
 from typing import Any
 
@@ -11,9 +10,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from origami_nlp.arguments import check_path
 from origami_nlp.errors import SweepError
-from origami_nlp.files import save_figure
 from origami_nlp.show import KINDS, MISSING, label_text, patch
 from origami_nlp.sweep.load import sweep_grid
 
@@ -27,7 +24,7 @@ UNITS = {
 """Of a parameter, by the last word of its place in the scene."""
 
 
-def draw_sweep(folder: str | Path, path: str | os.PathLike[str] | None = None) -> Figure:
+def draw_sweep(folder: str | Path) -> Figure:
     """Draw a sweep over one parameter (stacked kinds) or two (a map of each kind that occurs).
 
     Scenes that are invalid, failed or not yet run are grey.
@@ -36,8 +33,6 @@ def draw_sweep(folder: str | Path, path: str | os.PathLike[str] | None = None) -
     ----------
     folder
         Of `run_sweep`.
-    path
-        Where to save, or None.
 
     Returns
     -------
@@ -48,11 +43,7 @@ def draw_sweep(folder: str | Path, path: str | os.PathLike[str] | None = None) -
     ------
     SweepError
         If the sweep has more than two dimensions, or the folder holds none.
-    OptionError
-        If the file cannot be written.
     """
-    if path is not None:
-        check_path("path", path)
     grid = sweep_grid(folder)
     names = list(grid["axes"])
     shape = grid["count"].shape
@@ -62,8 +53,6 @@ def draw_sweep(folder: str | Path, path: str | os.PathLike[str] | None = None) -
         )
     with mpl.rc_context({"font.size": 10, "axes.titlesize": 10}):
         figure = _curve(grid, names[0]) if len(shape) == 1 else _maps(grid, names)
-    if path is not None:
-        save_figure(figure, path)
     return figure
 
 

@@ -42,6 +42,7 @@ def _check_fold_map(statement: tuple[tuple[int, ...], ...]) -> Verdict:
     maps = [product([]), *(_facet_map(order) for order in statement)]
     residuals = []
     for j, crease in enumerate(_CREASES, start=1):
+        # no tear: facets j - 1 and j carry the crease between them to the same place
         left = maps[j - 1].rotate(planar(crease.pair))
         right = maps[j].rotate(planar(crease.pair))
         residuals += [a - b for a, b in zip(left, right, strict=True)]
@@ -120,6 +121,7 @@ def _check_groups(statement: tuple[str, ...]) -> Verdict:
 def _check_convention(statement: Any) -> Verdict:
     """F_N of the rotated convention, when the loop closes: statement is the angle's multiple."""
     q = circle(sp.Symbol("phi_1", real=True) / 4, "quarter1")
+    # cosine and sine of phi_1/2 in those of phi_1/4: everything is rational in the quarter angle
     full = about(E1, (q.c**2 - q.s**2, 2 * q.c * q.s))
     rest = full.inverse  # closure: Q(b_1, phi_1) * rest = 1
     rotated = about(E1, q.pair) * rest
@@ -195,6 +197,7 @@ def _check_mirrored_folds(statement: tuple[Any, Any]) -> Verdict:
     # the mirror image of a fold, crossed in the opposite sense, is the fold by the same angle
     rhs = [image.inverse.rotate(e) for e in (E1, E2, E3)]
     residuals = [a - c for x, y in zip(lhs, rhs, strict=True) for a, c in zip(x, y, strict=True)]
+    # the mirror sends crease i to 2 (N/2 + 1) - i
     index_ok = all(
         (2 * (n // 2 + 1) - (n // 2 + 1 + i) == n // 2 + 1 - i + shift)
         for n in range(4, 26, 2)

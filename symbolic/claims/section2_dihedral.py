@@ -36,6 +36,7 @@ def _check_group(statement: Any) -> Verdict:
     cases = []
     for h in range(1, 9):
         n = sp.sympify(statement).subs(_H, h)
+        # generated from one mirror and one turn: 2 h turns and 2 h mirrors
         order = 2 * h  # rotations by pi/h are rotations by 2 pi/(2h)
         group = generate([(1, 0), (0, 1)], order)
         cases.append(
@@ -120,6 +121,7 @@ def _check_ratio(statement: tuple[Any, Any]) -> Verdict:
     statement: (what must vanish, what must not be negative) in the components of c_k and b_k.
     """
     zero, sign = (sp.sympify(e) for e in statement)
+    # three places for c_k: in the half plane of the mirror, in the opposite one, and normal to it
     far = sp.Symbol("lambda", positive=True)  # c_k = (lambda b_k, height) or on the other side
     broken = []
     for h in range(1, 7):

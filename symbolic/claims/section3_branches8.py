@@ -178,6 +178,7 @@ def _branch_of(line: Any, fold_sign: int) -> int:
         gaps: list[Any] = []
         for v_sign in (1, -1):
             x, y = line_direction(line, "xy", v_sign, fold_sign, 1)
+            # A cos t + B sin t = C has (A C - B D, B C + A D) as directions of (cos t, sin t), D = +- the root
             root, sine = branch * v_sign * J / 4, v_sign * UPSILON.s
             gaps += [x * sine - 4 * (eq.A * eq.C - eq.B * root)]
             gaps += [y * sine - 4 * (eq.B * eq.C + eq.A * root)]
@@ -237,6 +238,7 @@ def _check_odd(statement: tuple[Any, Any]) -> Verdict:
             other = image[1] if fold_sign > 0 else image[0]
             x, y = line_direction(line, "xy", v_sign, fold_sign, 1)
             a, b = line_direction(other, "xy", -v_sign, -fold_sign, 1)
+            # (v, phi_2) -> (-v, -phi_2): sines change their sign
             flip = {HALF2.s: -HALF2.s, UPSILON.s: -UPSILON.s}
             a, b = (to_circles(e, CIRCLES).subs(flip, simultaneous=True) for e in (a, b))
             x, y = (to_circles(e, CIRCLES) for e in (x, y))
@@ -292,6 +294,7 @@ def _check_slope(statement: tuple[Any, ...]) -> Verdict:
     increasing = all(bool(a < b) for a, b in pairwise(values))
     # dv/dphi_2 = sin(2a) sin(phi_2)/2 / sqrt(1 - sin^2(2a) s^4) grows with sin(2a): derivative > 0
     g, s4 = sp.symbols("g s4", positive=True)
+    # slope^2 but for a factor without g = sin 2 alpha; it grows with g where this derivative is positive
     squared = sp.diff(g**2 / (1 - g**2 * s4), g)
     growth = sp.cancel(squared * (1 - g**2 * s4) ** 2 / (2 * g) - 1)
     return by_cases(

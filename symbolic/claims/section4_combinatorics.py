@@ -69,6 +69,7 @@ def orbit_count(flaps: int, action: Callable[[Word], list[Word]]) -> int:
         for start in starts:
             for _ in range(flaps):
                 seen[start] = 1
+                # cyclic shift of a word of bits
                 start = ((start << 1) & mask) | (start >> (flaps - 1))
     return count
 
@@ -90,6 +91,7 @@ def cycle_count(flaps: int, shift: int, mirrored: bool) -> int:
 def burnside(flaps: int, mirrors: bool) -> sp.Rational:
     """Orbits of 2-colourings by Burnside's lemma: the mean of 2^cycles over the group."""
     kinds = (False, True) if mirrors else (False,)
+    # a group element keeps a word that is constant on each of its cycles: 2^cycles of them
     total = sum(2 ** cycle_count(flaps, r, m) for r in range(flaps) for m in kinds)
     return sp.Rational(total, flaps * len(kinds))
 
@@ -245,6 +247,7 @@ def _fold_multiset(word: Word) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
     """Fold angles of odd and of even creases in the independent symbols rho_v, rho_m, |v|."""
     rv, rm, v = sp.symbols("rho_v rho_m v")
     partial = [rv if flap else rm for flap in word]
+    # paper, eq. 4.5
     odd = tuple(partial[i - 1] + partial[i] for i in range(len(word)))
     even = tuple(-2 * v if flap else 2 * v for flap in word)
     return odd, even
@@ -265,6 +268,7 @@ def _check_subgroup(statement: int) -> Verdict:
         cases.append(
             (f"odd and even fold angles of {word} differ", shape[0] != shape[1] or uniform)
         )
+        # orbit-stabilizer theorem for the rotations
         larger = len({s for s in shifts(word)}) * sum(s == word for s in shifts(word)) == 4
         cases.append((f"rotations of {word} lie in C_4", larger))
     order = 2 * statement

@@ -34,7 +34,7 @@ def minima(states):
 
 def compare(atlas, t, **search):
     """Assert that branches and a search have the same minima at t; a search may miss what is certified."""
-    found = o.find_minima(atlas.family.scene(t), prove=False, **search)
+    found = o.find_minima(atlas.family.scene(t), prove=False, **search, escape=False)
     branches = minima(atlas.at(t))
     for m in found.minima:
         apart = [np.abs(np.array(m.fold_angles) - b).max() for b in branches]
@@ -98,7 +98,7 @@ def test_plain_data_have_the_stated_keys(atlas):
 
 
 def test_a_picture_frames_and_words(atlas, tmp_path):
-    draw_atlas(atlas, tmp_path / "atlas.png")
+    atlas.draw(tmp_path / "atlas.png")
     assert (tmp_path / "atlas.png").stat().st_size > 10_000
     frames = atlas.to_fold()["file_frames"]
     assert len(frames) == sum(len(b.points) for b in atlas.branches)
@@ -347,7 +347,7 @@ def test_a_whole_range_with_its_checks_costs_about_five_searches_at_one_point(al
 
     def searches():
         for seed in range(5):
-            o.find_minima(scene, seed=seed, prove=False)
+            o.find_minima(scene, seed=seed, prove=False, escape=False)
 
     follow(scene, "ratio=0.01:100")  # compiled functions
     ratios = [

@@ -13,7 +13,6 @@ from origami_nlp.atlas import (
     CurvePoint,
     EventCurve,
     Plane,
-    draw_boundaries,
     find_boundaries,
     find_regions,
     follow_family,
@@ -86,7 +85,7 @@ def test_data_and_a_picture(contact, tmp_path):
     data = json.loads(json.dumps(contact.to_dict(), allow_nan=False))
     assert [p["name"] for p in data["parameters"]] == ["ratio", "alpha"]
     assert {"id", "type", "contact", "points", "ends"} <= set(data["curves"][0])
-    draw_boundaries(contact, tmp_path / "map.png")
+    contact.draw(tmp_path / "map.png")
     assert (tmp_path / "map.png").stat().st_size > 10_000
     assert "1 curves" in repr(contact)
 
@@ -130,7 +129,7 @@ def test_a_fold_turns_at_a_cusp_and_counts_change_across_it():
             scene = plane.family(a + math.radians(shift)).scene(r)
             near = [
                 m
-                for m in o.find_minima(scene, prove=False, effort="thorough").minima
+                for m in o.find_minima(scene, prove=False, effort="thorough", escape=False).minima
                 if np.abs(np.subtract(m.fold_angles, point.fold_angles)).max() < 0.8
             ]
             counts.append(len(near))

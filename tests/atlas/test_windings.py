@@ -28,7 +28,7 @@ def test_an_atlas_holds_the_states_of_every_winding(tmp_path):
     assert not atlas.alarms and not other.alarms and other.scene.winding == 3
     for t in (1.0, 1.2, 1.5):
         k = tuple(t if c % 2 == 0 else 2 for c in range(8))
-        searched = find_minima(replace(STAR, stiffness=k), prove=False)
+        searched = find_minima(replace(STAR, stiffness=k), prove=False, escape=False)
         stands = [s for s in atlas.at(t) if s.verdict == "minimum"]
         assert len(stands) == len(searched.minima) == 4
         for state, m in zip(stands, searched.minima, strict=True):
@@ -49,7 +49,7 @@ def test_a_load_path_keeps_the_winding_of_its_first_state():
 
 
 def test_contacts_and_barriers_are_those_of_the_winding():
-    result = find_minima(STAR, prove=False)
+    result = find_minima(STAR, prove=False, escape=False)
     (pinned,) = [k for k, m in enumerate(result.minima, 1) if m.contacts]
     assert result.minima[pinned - 1].winding == 3
     report = find_contacts(result)
@@ -62,7 +62,7 @@ def test_contacts_and_barriers_are_those_of_the_winding():
         "D4",
         "fold-limits",
     )
-    assert {m.winding for m in find_minima(two, prove=False).minima} == {1, 3}
+    assert {m.winding for m in find_minima(two, prove=False, escape=False).minima} == {1, 3}
     for scene in (two, replace(two, winding=3)):
         found = find_barriers(scene, spacing=0.5)
         assert {m.winding for m in found.result.minima} == {scene.winding or 1}
@@ -73,6 +73,8 @@ def test_contacts_and_barriers_are_those_of_the_winding():
 def test_pictures_place_the_states_of_their_winding(winding):
     from origami_nlp import draw_minima
 
-    result = find_minima(STAR if winding == 1 else replace(STAR, winding=3), prove=False)
+    result = find_minima(
+        STAR if winding == 1 else replace(STAR, winding=3), prove=False, escape=False
+    )
     figure = draw_minima(result, size=21)
     assert len(figure.axes) > 2

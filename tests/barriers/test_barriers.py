@@ -15,11 +15,12 @@ from origami_nlp.barriers.thin import thin_curves
 from origami_nlp.closed_forms import degree6
 from origami_nlp.critical import find_critical_points
 from origami_nlp.errors import OptionError
-from origami_nlp.kkt import StartStream, State, follow, project
+from origami_nlp.kkt import State, follow, project
 from origami_nlp.minima import find_minima
 from origami_nlp.numerics import merge_tree
 from origami_nlp.pattern import Scene, Vertex, examples
 from origami_nlp.programme import Model
+from origami_nlp.starts import Projected
 from tests.computed_once import barriers_with_handles, once, panel_result
 from tests.independent.flood import ChartGrid
 from tests.independent.search_manifold import Piece
@@ -60,7 +61,9 @@ def contact_barriers():
     scene = Scene(Vertex(a), *springs, "D1", "full")
     return once(
         "barriers-contact",
-        lambda: find_barriers(scene, find_minima(scene, max_starts=24), spacing=COARSE),
+        lambda: find_barriers(
+            scene, find_minima(scene, max_starts=24, escape=False), spacing=COARSE
+        ),
     )
 
 
@@ -146,7 +149,7 @@ def test_no_admissible_state_but_the_flat_one_is_level(make, alpha):
     # area to the left 2 pi - sum phi, length 2 pi: equal areas only on the great circle
     model = Model(make(alpha, 1, symmetry="none"))
     seen = {1: 0, -1: 0}
-    for start in itertools.islice(StartStream(model, 0), 150):
+    for start in itertools.islice(Projected(model).starts(np.random.default_rng(0)), 150):
         if start.feasible and not model.refuses(start.x):
             phi = model.expand(start.x)
             area = 2 * math.pi - phi.sum()
@@ -393,7 +396,7 @@ def test_other_vertices_work_as_well():
     a = (0.9, 1.1, math.pi - 2.0, math.pi - 2.0, 1.1, 0.9)
     rest = (-2.0, 1.0, 1.3, 0.7, 1.3, 1.0)
     scene = Scene(Vertex(a), (0.02, 0.03, 0.01, 0.05, 0.01, 0.03), rest, "D1", "full")
-    found = find_barriers(scene, find_minima(scene, max_starts=24), spacing=COARSE)
+    found = find_barriers(scene, find_minima(scene, max_starts=24, escape=False), spacing=COARSE)
     sides = side_of_flat(np.array([m.fold_angles for m in found.result.minima]))
     flat = found.result.model.energy(np.zeros(4))
     for p in found.passes:

@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 
 from origami_nlp.facets import Sheet
 from origami_nlp.sheets import press
-from tests.sheets.patterns import wheel
+from tests.patterns import wheel
 
 
 def link(sectors, phi) -> np.ndarray:

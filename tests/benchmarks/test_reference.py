@@ -94,7 +94,7 @@ def whole_rotation(scene, phi):
 )
 def test_references_close_and_balance_in_the_whole_vertex(scene):
     """Independent residual with 50 digits: the loop of all N folds closes; torques are in the row space of C."""
-    result = find_minima(scene, max_starts=40, prove=False)
+    result = find_minima(scene, max_starts=40, prove=False, escape=False)
     checked = 0
     for m in result.minima:
         model = result.model
@@ -137,7 +137,7 @@ def test_a_flat_folding_is_known_exactly_and_a_wrong_state_is_refused():
 
 def test_thin_sets_have_references_too():
     scene = panel_problems()[4].scene
-    result = find_minima(scene, max_starts=20, prove=False)
+    result = find_minima(scene, max_starts=20, prove=False, escape=False)
     thin = [m for m in result.minima if m.local_dimension == 1]
     assert thin
     for m in thin:

@@ -129,7 +129,7 @@ def test_a_union_goes_on_where_it_stopped(tmp_path):
 
 def test_foreign_and_own_searches_find_the_same_minima(known):
     found, _ = from_foreign(MODEL, METHODS["SLSQP"], 0, 0.4)
-    listed = find_minima(SCENE).minima
+    listed = find_minima(SCENE, escape=False).minima
     assert len(found) == len(listed) == len(known.members)
     for m in found:
         assert min(np.abs(np.subtract(m.fold_angles, k.fold_angles)).max() for k in listed) < 1e-8
@@ -153,7 +153,7 @@ def test_answers_are_counted_for_what_they_are(known):
 
 def test_the_reference_of_the_benchmark_holds_the_union(known, monkeypatch):
     """A main job that lists only its first minimum: the judge knows the others from the union, once each."""
-    job = find_minima(SCENE)
+    job = find_minima(SCENE, escape=False)
     short = replace(job, minima=job.minima[:1])
     monkeypatch.setattr(judging, "find_minima", lambda scene, **options: short)
     assert len(job.minima) > 1 and len(Judge.of(SCENE, 0).known) == 1

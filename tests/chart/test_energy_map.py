@@ -11,8 +11,8 @@ from origami_nlp.chart import chart_of, landscape, wedge_elevation
 from origami_nlp.chart.axes import fill_outwards
 from origami_nlp.closed_forms import wedge3
 from origami_nlp.folding import examine, fold_vertex
-from origami_nlp.kkt import StartStream
 from origami_nlp.programme import Model
+from origami_nlp.starts import Projected
 from tests.computed_once import panel_result, thinned
 
 CLOSURE = 1e-12  # |vec q| of completed states, away from the places where charts end
@@ -112,7 +112,7 @@ def near_finite(branch, x, y):
 def test_no_admissible_state_is_left_white(scene):
     """States found without the chart (random angles projected onto closure) lie on it, on its area."""
     chart, model = landscape(scene, 201), Model(scene)
-    stream = StartStream(model, 7)
+    stream = Projected(model).starts(np.random.default_rng(7))
     seen = 0
     while seen < 60:
         start = next(stream)
@@ -240,7 +240,7 @@ def test_curves(name):
     for b in chart.branches:
         np.testing.assert_allclose(b.energy, scene.energy(b.fold_angles), rtol=1e-13)
     model = Model(scene)
-    stream = StartStream(model, 11)
+    stream = Projected(model).starts(np.random.default_rng(11))
     starts = [next(stream) for _ in range(100)]
     free = [model.expand(s.x) for s in starts if s.feasible and np.abs(s.x).max() < 3.1]
     inside = [phi for phi in free if examine(scene.vertex, phi).admissible]

@@ -227,9 +227,9 @@ def test_json_is_plain_and_finite() -> None:
 
 def test_figure_marks_segments(tmp_path) -> None:  # type: ignore[no-untyped-def]
     path = tmp_path / "segments.png"
-    figure = draw_segments(segments("fold limit"), path)
+    figure = segments("fold limit").draw(path)
     assert path.stat().st_size > 10_000
     colours = [line.get_color() for axis in figure.axes for line in axis.lines]
     assert colours.count(METASTABLE) == 4  # one segment in each of four rows
     with pytest.raises(o.OrigamiError):
-        draw_segments(segments("fold limit"), tmp_path / "segments.txt")
+        segments("fold limit").draw(tmp_path / "segments.txt")

@@ -13,6 +13,7 @@ import tomllib
 import pytest
 from typer.main import get_command
 
+from tests.computed_once import minima_once
 from tests.documentation import shell
 from tests.documentation.pages import ROOT, blocks, inline_commands, markdown, name_of
 
@@ -23,6 +24,12 @@ PAGES = [
 DEAR = {"check_a_claim", "design", "loads", "many_scenes", "pattern", "sheets", "slow"}
 """Pages of several seconds: other tests run such commands; what they print waits for the long studies."""
 SLOW = [page for page in PAGES if any(b.run.startswith("slow") for b in blocks(page))]
+
+
+@pytest.fixture(autouse=True)
+def _searched_once(monkeypatch):
+    """Pages search the same scenes as other pages, and the panels that other tests have."""
+    monkeypatch.setattr("origami_nlp.minima.find_minima", minima_once)
 
 
 def run_block(block, names):

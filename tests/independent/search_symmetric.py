@@ -108,9 +108,11 @@ def _energy(weight: np.ndarray, rest: np.ndarray, x: np.ndarray) -> np.ndarray:
 
 def _times(p: np.ndarray, q: np.ndarray) -> np.ndarray:
     """Multiply quaternions [..., 4]."""
-    w, v = p[..., :1] * q[..., :1], np.cross(p[..., 1:], q[..., 1:])
-    w = w - (p[..., 1:] * q[..., 1:]).sum(axis=-1, keepdims=True)
-    return np.concatenate([w, p[..., :1] * q[..., 1:] + q[..., :1] * p[..., 1:] + v], axis=-1)
+    (a, b, c, d), (e, f, g, h) = np.moveaxis(p, -1, 0), np.moveaxis(q, -1, 0)
+    real, i = a * e - b * f - c * g - d * h, a * f + b * e + c * h - d * g
+    return np.stack(
+        [real, i, a * g - b * h + c * e + d * f, a * h + b * g - c * f + d * e], axis=-1
+    )
 
 
 def whole_vertex(drawn: Drawn, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

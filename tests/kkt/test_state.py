@@ -1,28 +1,20 @@
-"""A state and a stratum: derivatives against differences, one state against many, and two vertices as one programme."""
+"""A state and a stratum, of vertices and of patterns: derivatives against differences, and one state against many."""
 
 from __future__ import annotations
 
 import math
 import pickle
-from collections.abc import Sequence
-from dataclasses import replace
-from functools import cached_property
+from collections import Counter
 
 import numpy as np
 import pytest
 
-from origami_nlp import Model, Scene, State, Vertex, classify, examples, find_minima
+from origami_nlp import Model, Scene, State, Vertex, classify, examples, find_states
+from origami_nlp.facets import Sheet
 from origami_nlp.kkt import newton, project
-from origami_nlp.programme import (
-    ClosedContacts,
-    Contact,
-    ContactWords,
-    Local,
-    LoopClosure,
-    Parameters,
-    Programme,
-)
-from tests.computed_once import panel_result
+from origami_nlp.programme import Programme
+from tests.computed_once import panel_result, states
+from tests.patterns import strip, wheel
 
 SCENES = {
     "wedge": examples.degree6("pi/3", 1),
@@ -31,36 +23,82 @@ SCENES = {
     "rotation": Scene(Vertex((math.pi / 3,) * 6), (1.0, 2.0) * 3, (0.4, -0.3) * 3, symmetry="C3"),
     "no contact": examples.degree6("pi/3", 1, contact="none"),
 }
+PROBLEMS = {name: lambda s=scene: Model(s) for name, scene in SCENES.items()}
+PROBLEMS["pattern"] = lambda: Sheet(strip(3))
 
 
-def some_state(model: Model, seed: int = 0) -> np.ndarray:
-    x = np.random.default_rng(seed).uniform(-1.5, 1.5, model.size)
-    y, residual = project(model, x)
+def some_state(problem: Programme) -> np.ndarray:
+    x = np.random.default_rng(0).uniform(-1.5, 1.5, problem.size)
+    y, residual = project(problem, x)
     assert residual < 1e-13
     return y
 
 
-@pytest.mark.parametrize("name", SCENES)
+@pytest.mark.parametrize("name", PROBLEMS)
 def test_derivatives_are_those_of_the_values(name: str) -> None:
-    model = Model(SCENES[name]).loaded(np.linspace(-0.2, 0.3, Model(SCENES[name]).size))
-    x = some_state(model)
-    contacts = (*model.limits[:2], *model.every_gap[:3])
+    problem = PROBLEMS[name]()
+    problem = problem.loaded(np.linspace(-0.2, 0.3, problem.size))
+    x = some_state(problem)
+    contacts = (*problem.limits[:2], *problem.every_gap[:3])
     rng = np.random.default_rng(1)
-    weights = rng.normal(size=model.equation_count + len(contacts))
+    weights = rng.normal(size=problem.equation_count + len(contacts))
 
     def lagrangian(y: np.ndarray) -> float:
-        return model.energy(y) / model.scale - float(weights @ model.constraints(y, contacts)[0])
+        values = problem.constraints(y, contacts)[0]
+        return problem.energy(y) / problem.scale - float(weights @ values)
 
     h = 1e-4
-    _, jac = model.constraints(x, contacts)
-    slope = model.local(x).gradient - jac.T @ weights
-    hessian = model.lagrangian_hessian(x, weights, contacts)
+    _, jac = problem.constraints(x, contacts)
+    slope = problem.local(x).gradient - jac.T @ weights
+    hessian = problem.lagrangian_hessian(x, weights, contacts)
     for _ in range(4):
-        d = rng.normal(size=model.size)
+        d = rng.normal(size=problem.size)
         d /= np.linalg.norm(d)
         ahead, here, behind = (lagrangian(x + s * h * d) for s in (1, 0, -1))
         assert (ahead - behind) / (2 * h) == pytest.approx(slope @ d, abs=1e-6)
         assert (ahead - 2 * here + behind) / h**2 == pytest.approx(d @ hessian @ d, abs=1e-4)
+
+
+def least_curvature(problem: Programme, x: np.ndarray, h: float = 1e-3) -> float:
+    """Smallest eigenvalue of second differences of the energy along closed states."""
+    z = State(problem, x).kernel
+
+    def bend(d: np.ndarray) -> float:
+        rises = [problem.energy_change(x, project(problem, x + s * h * d)[0]) for s in (1, -1)]
+        return sum(rises) / h**2
+
+    own = [bend(d) for d in z.T]
+    sums = np.array([[bend(a + b) for b in z.T] for a in z.T])
+    return float(np.linalg.eigvalsh((sums - np.add.outer(own, own)) / 2)[0])
+
+
+SECTORS = 1.1, 1.3, 1.2, 1.4, math.tau - 5.0
+
+
+@pytest.mark.parametrize("kind", ["vertex", "pattern"])
+def test_saddles_are_told_from_minima(kind: str) -> None:
+    """Closed states with springs that any multipliers of closure balance: what they are is left to curvature."""
+
+    def problem(k: np.ndarray, rest: np.ndarray) -> Programme:
+        if kind == "vertex":
+            return Model(Scene(Vertex(SECTORS), tuple(k), tuple(rest), "none", "fold-limits"))
+        return Sheet(wheel(SECTORS).with_springs(list(k), list(rest)), contact=False)
+
+    rng, seen, free = np.random.default_rng(0), Counter(), problem(np.ones(5), np.zeros(5))
+    while seen.total() < 40:
+        x, residual = project(free, rng.uniform(-0.8, 0.8, 5))
+        k, weights = 10 ** rng.uniform(-1.5, 0.5, 5), rng.normal(size=3)
+        if residual > 1e-12:
+            continue
+        off = free.local(x).closure_jacobian.T @ weights / k
+        rest = x - off * ((3.14 + np.sign(off) * x) / np.abs(off)).min()  # as far as springs go
+        made = problem(k, rest)
+        what, least = classify(State(made, x)), least_curvature(made, x)
+        assert what.verdict == ("minimum" if least > 0 else "saddle"), (least, what.reason)
+        if what.verdict == "minimum":
+            assert min(what.eigenvalues) == pytest.approx(least, rel=1e-3, abs=1e-4)
+        seen[what.verdict] += 1
+    assert min(seen.values()) >= 3 and len(seen) == 2
 
 
 @pytest.mark.parametrize("name", SCENES)
@@ -110,241 +148,35 @@ def test_a_stratum_is_what_the_minima_say() -> None:
                 assert stiffness == pytest.approx(min(m.hessian_eigenvalues), rel=1e-9)
 
 
-class TwoVertices:
-    """Two vertices side by side, nothing shared: what a programme must offer, without being one vertex."""
-
-    sparse = redundant = False
-
-    def __init__(self, first: Model, second: Model) -> None:
-        assert first.scale == second.scale
-        self.parts, self.scale = (first, second), first.scale
-        self.cut = first.size
-        self.multiplicity = np.concatenate([first.multiplicity, second.multiplicity])
-        p, q = first.parameters, second.parameters
-        names = ("sectors", "stiffness", "rest", "load")
-        joined = (np.concatenate([getattr(p, n), getattr(q, n)]) for n in names)
-        self.parameters = Parameters(*joined)
-        self.size, self.bound = first.size + second.size, max(first.bound, second.bound)
-        self.equation_count = first.equation_count + second.equation_count
-        self.freedom, self.symmetry = self.size - self.equation_count, "C1"
-        self.has_limits = first.has_limits
-        self.step_noise = max(first.step_noise, second.step_noise)
-
-    @property
-    def root(self) -> np.ndarray:
-        return np.sqrt(self.multiplicity)
-
-    def split(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        return x[..., : self.cut], x[..., self.cut :]
-
-    def ours(self, part: int, contact: Contact) -> Contact:
-        shift = (self.cut if contact.is_limit else len(self.parts[0].every_gap)) if part else 0
-        return Contact(contact.kind, contact.index + shift, contact.side)
-
-    def theirs(self, contact: Contact) -> tuple[Model, int, Contact]:
-        first = self.cut if contact.is_limit else len(self.parts[0].every_gap)
-        part = int(contact.index >= first)
-        back = Contact(contact.kind, contact.index - part * first, contact.side)
-        return self.parts[part], part, back
-
-    def both(self, name: str) -> tuple[Contact, ...]:
-        return tuple(self.ours(k, c) for k, m in enumerate(self.parts) for c in getattr(m, name))
-
-    limits = cached_property(lambda self: self.both("limits"))
-    every_gap = cached_property(lambda self: self.both("every_gap"))
-    gaps = cached_property(lambda self: self.both("gaps"))
-
-    def expand(self, x: np.ndarray) -> np.ndarray:
-        return np.concatenate(
-            [m.expand(y) for m, y in zip(self.parts, self.split(x), strict=True)], axis=-1
-        )
-
-    def energy(self, x: np.ndarray) -> float:
-        return self.scale * float(self.parameters.energy(x))
-
-    def energies(self, x: np.ndarray) -> np.ndarray:
-        return self.scale * self.parameters.energy(x)
-
-    def energy_change(self, x: np.ndarray, y: np.ndarray) -> float:
-        return self.scale * float(self.parameters.energy_change(x, y))
-
-    def local(self, x: np.ndarray) -> Local:
-        a, b = (m.local(y) for m, y in zip(self.parts, self.split(x), strict=True))
-
-        def block(p: np.ndarray, q: np.ndarray) -> np.ndarray:
-            top = np.concatenate([p, np.zeros((*p.shape[:-1], q.shape[-1]))], axis=-1)
-            low = np.concatenate([np.zeros((*q.shape[:-1], p.shape[-1])), q], axis=-1)
-            return np.concatenate([top, low], axis=-2)
-
-        return Local(
-            x,
-            np.concatenate([a.gradient, b.gradient], axis=-1),
-            np.concatenate([a.closure, b.closure], axis=-1),
-            block(a.closure_jacobian, b.closure_jacobian),
-            np.concatenate([a.gaps, b.gaps], axis=-1),
-            block(a.gaps_jacobian, b.gaps_jacobian),
-        )
-
-    def closure(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        local = self.local(x)
-        return local.closure, local.closure_jacobian
-
-    def constraints(
-        self, x: np.ndarray, contacts: Sequence[Contact] = ()
-    ) -> tuple[np.ndarray, np.ndarray]:
-        local = self.local(x)
-        values, slopes = local.openings(contacts)
-        return (
-            np.concatenate([local.closure, values], axis=-1),
-            np.concatenate([local.closure_jacobian, slopes], axis=-2),
-        )
-
-    def lagrangian_hessian(
-        self,
-        x: np.ndarray,
-        multipliers: np.ndarray,
-        contacts: Sequence[Contact] = (),
-        weight: float = 1.0,
-    ) -> np.ndarray:
-        out = np.zeros((self.size, self.size))
-        m = self.parts[0].equation_count
-        lam = (multipliers[:m], multipliers[m : self.equation_count])
-        for part, (model, y) in enumerate(zip(self.parts, self.split(x), strict=True)):
-            own = [(k, self.theirs(c)) for k, c in enumerate(contacts)]
-            own = [(k, c) for k, (_, where, c) in own if where == part]
-            mu = multipliers[self.equation_count :][[k for k, _ in own]]
-            h = model.lagrangian_hessian(
-                y, np.concatenate([lam[part], mu]), [c for _, c in own], weight
-            )
-            here = slice(part * self.cut, part * self.cut + model.size)
-            out[here, here] = h
-        return out
-
-    def on_sheet(self, x: np.ndarray) -> bool:
-        return all(m.on_sheet(y) for m, y in zip(self.parts, self.split(x), strict=True))
-
-    def closed(
-        self, x: np.ndarray, tolerance: float = 1e-8, local: Local | None = None
-    ) -> ClosedContacts:
-        found = [m.closed(y, tolerance) for m, y in zip(self.parts, self.split(x), strict=True)]
-
-        def moved(part: int, contacts: Sequence[Contact]) -> tuple[Contact, ...]:
-            return tuple(self.ours(part, c) for c in contacts)
-
-        return ClosedContacts(
-            tuple(c for k, f in enumerate(found) for c in moved(k, f.base)),
-            tuple(tuple(moved(k, o) for o in b) for k, f in enumerate(found) for b in f.branches),
-            tuple(
-                (self.ours(k, a), self.ours(k, b))
-                for k, f in enumerate(found)
-                for a, b in f.implied
-            ),
-        )
-
-    def about_to_close(self, x: np.ndarray, length: float) -> tuple[Contact, ...]:
-        parts = zip(self.parts, self.split(x), strict=True)
-        return tuple(
-            self.ours(k, c) for k, (m, y) in enumerate(parts) for c in m.about_to_close(y, length)
-        )
-
-    def beyond(self, x: np.ndarray, tolerance: float = 1e-12) -> tuple[Contact, ...]:
-        parts = zip(self.parts, self.split(x), strict=True)
-        return tuple(
-            self.ours(k, c) for k, (m, y) in enumerate(parts) for c in m.beyond(y, tolerance)
-        )
-
-    def refuses(self, x: np.ndarray, tolerance: float = 1e-12) -> str:
-        parts = zip(self.parts, self.split(x), strict=True)
-        return "; ".join(filter(None, (m.refuses(y, tolerance) for m, y in parts)))
-
-    def admissible(self, x: np.ndarray, tolerance: float = 1e-12) -> np.ndarray:
-        a, b = (m.admissible(y, tolerance) for m, y in zip(self.parts, self.split(x), strict=True))
-        return a & b
-
-    @property
-    def own_symmetries(self) -> tuple[tuple[np.ndarray, int], ...]:
-        return ((np.arange(self.size), 1),)
-
-    def together(self, x: np.ndarray, contacts: Sequence[Contact]) -> list[tuple[Contact, ...]]:
-        return []
-
-    def name(self, contact: Contact) -> str:
-        model, part, own = self.theirs(contact)
-        return f"vertex {part + 1}: {model.name(own)}"
-
-    def weight(self, contact: Contact) -> int:
-        model, _, own = self.theirs(contact)
-        return model.weight(own)
-
-    def words(self, contact: Contact, x: np.ndarray) -> ContactWords:
-        model, part, own = self.theirs(contact)
-        return model.words(own, self.split(x)[part])
-
-    def guess(self, x: np.ndarray, pull: np.ndarray, pair_force: object) -> tuple[Contact, ...]:
-        raise NotImplementedError
-
-    def excess(self, x: np.ndarray) -> float:
-        return float(self.parameters.excess(x))
-
-    def check_time(self) -> None:
-        pass
-
-    def doubt(self, x: np.ndarray) -> str:
-        return ""
-
-    def to_second_order(self, contacts: tuple[Contact, ...]) -> tuple[Contact, ...]:
-        return contacts
-
-    def loops(self, x: np.ndarray) -> list[LoopClosure]:
-        return [
-            replace(loop, variables=loop.variables + k * self.cut)
-            for k, (model, part) in enumerate(zip(self.parts, self.split(x), strict=True))
-            for loop in model.loops(part)
-        ]
-
-    def creases_of(self, variable: int) -> tuple[int, ...]:
-        return (variable + 1,)
-
-    def loaded(self, load: np.ndarray) -> object:
-        raise NotImplementedError
-
-
-def test_two_vertices_stand_where_one_does() -> None:
-    """Minima, saddles and pinned states of two vertices are those of each, with the contacts of both."""
-    first, second = examples.degree6("pi/3", 1), examples.degree6("pi/4", 1)
-    one, two = panel_result(first), panel_result(second)
-    pair: Programme = TwoVertices(one.model, two.model)
-    kinds = set()
-    for m in one.minima:
-        for n in two.minima:
-            parts = [r.model.reduce(np.array(s.fold_angles)) for r, s in ((one, m), (two, n))]
-            state = State(pair, np.concatenate(parts))
-            what = classify(state)
-            assert what.verdict == "minimum", what.reason
-            assert what.local_dimension == m.local_dimension + n.local_dimension
-            assert state.energy == pytest.approx(m.energy + n.energy)
-            moments = sorted(c.multiplier for c in what.contacts)
-            wanted = sorted(c.multiplier for c in (*m.contacts, *n.contacts))
-            assert moments == pytest.approx(wanted, abs=1e-10)
-            kinds.add(what.kind)
-            if {m.kind, n.kind} <= {"interior", "contact-pinned"}:
-                polished, _ = newton(pair, state.x + 1e-4, state.pieces[0])
-                assert polished is not None and polished.converged
-                assert polished.x == pytest.approx(state.x, abs=1e-10)
-                kinds.add("polished")
-    assert len(kinds) == 4
-    free = np.concatenate(
-        [one.model.reduce(np.array(one.minima[0].fold_angles)), some_state(two.model)]
-    )
-    assert classify(State(pair, free)).verdict in ("not stationary", "not admissible")
-
-
-def test_a_load_moves_the_minimum_as_its_response_says() -> None:
-    result = find_minima(examples.degree6("pi/4", 1), max_starts=16, prove=False, escape=False)
-    model = result.model
-    x = model.reduce(np.array(result.minima[0].fold_angles))
-    _, motion = State(model, x).on().response()
-    load = 1e-5 * np.linspace(-1, 1, model.size)
-    moved, _ = newton(model.loaded(model.root * load), x, ())
+@pytest.mark.parametrize("kind", ["vertex", "pattern"])
+def test_a_load_moves_the_minimum_as_its_response_says(kind: str) -> None:
+    if kind == "vertex":
+        result = panel_result(examples.degree6("pi/4", 1))
+        problem = result.model
+        x = problem.reduce(np.array(result.minima[0].fold_angles))
+    else:
+        problem = Sheet(strip(3))
+        found = find_states(strip(3), starts=0, escape=False)
+        x = next(s.fold_angles for s in found.minima if s.kind == "interior")
+    _, motion = State(problem, x).on().response()
+    load = 1e-5 * np.linspace(-1, 1, problem.size)
+    moved, _ = newton(problem.loaded(problem.root * load), x, ())
     assert moved is not None and moved.converged
-    assert model.root * (moved.x - x) == pytest.approx(motion @ load, abs=1e-8)
+    assert problem.root * (moved.x - x) == pytest.approx(motion @ load, abs=1e-8)
+
+
+@pytest.mark.parametrize("kind", ["vertex", "pattern"])
+def test_newton_returns_to_a_state_in_contact(kind: str) -> None:
+    if kind == "vertex":
+        result = panel_result(examples.degree6("pi/3", 1))
+        problem, (held, *_) = result.model, result.minima
+        x = problem.reduce(np.array(held.fold_angles))
+    else:
+        found = states("metasheet:4x4")
+        problem, held = Sheet(found.pattern), next(s for s in found.minima if s.contacts)
+        x = held.fold_angles
+    assert held.contacts
+    start = x + 1e-4 * np.random.default_rng(0).normal(size=problem.size)
+    back, multipliers = newton(problem, start, State(problem, x).pieces[0])
+    assert back is not None and back.closure_residual < 1e-13
+    assert np.abs(back.x - x).max() < 1e-9 and multipliers.min() > 0

@@ -13,7 +13,6 @@ import origami_nlp as o
 from origami_nlp.barriers import find_barriers
 from origami_nlp.folding import examine, fold_vertex
 from origami_nlp.landscape.figure import joining_passes
-from origami_nlp.landscape.plain import LISTS, landscape_from_dict
 from origami_nlp.space import find_space
 from tests import computed_once
 from tests.command_line import run, scene_file
@@ -83,25 +82,6 @@ def test_json_is_consistent(written):
         assert np.linalg.norm(fold_vertex(scene.vertex, phi)[1][1:]) < 1e-12
     lowest = min(p["energy"] for p in data["critical_points"])
     assert lowest == pytest.approx(min(m["energy"] for m in data["minima"]), rel=1e-10)
-
-
-def test_json_round_trips(written):
-    data = strict((written / "l.json").read_text())
-    record = landscape_from_dict(data)
-    assert record.to_dict() == data
-    assert landscape_from_dict(strict(json.dumps(record.to_dict(), allow_nan=False))) == record
-    assert record.scene.vertex == o.examples.degree8("pi/6", 100.0).vertex
-    assert f"morse_sum={record.morse_sum}" in repr(record)
-
-
-@pytest.mark.parametrize("name", [*LISTS, "holes", "schema"])
-def test_json_that_is_not_of_the_schema(written, name):
-    data = strict((written / "l.json").read_text())
-    data[name] = "x"
-    with pytest.raises(o.OrigamiError, match=name):
-        landscape_from_dict(data)
-    with pytest.raises(o.OrigamiError, match="schema"):
-        landscape_from_dict([1])
 
 
 def test_arrays_hold_states(written):

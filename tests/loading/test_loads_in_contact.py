@@ -17,9 +17,9 @@ from origami_nlp.facets import Sheet, Torque
 from origami_nlp.numerics import STATIONARY
 from origami_nlp.path import Steps
 from origami_nlp.sheets import judge, press
-from tests.sheets.patterns import QUAD, metasheet
-from tests.sheets.rigid import Rigid, _collide
-from tests.sheets.trigonometry import quadrilateral
+from tests.independent.rigid import Rigid, collide
+from tests.independent.trigonometry import quadrilateral
+from tests.patterns import QUAD, metasheet
 
 FIRST_TOUCH = -2.0762838873
 """Angle of class 2 at which facets of the metasheet of 3 x 3 meet: a prototype's bisection, ten digits."""
@@ -48,7 +48,7 @@ class Turned(Rigid):
         p, shut = self.p, np.abs(phi) == math.pi
         stacked = {tuple(sorted(pair)) for pair in zip(p.left[shut], p.right[shut], strict=True)}
         pairs = (pair for pair in combinations(range(len(x)), 2) if pair not in stacked)
-        return [pair for pair in pairs if _collide(*(x[k] for k in pair))]
+        return [pair for pair in pairs if collide(*(x[k] for k in pair))]
 
 
 # ---------------------------------------------------------------- one freedom, in closed form

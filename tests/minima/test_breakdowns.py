@@ -36,11 +36,11 @@ def whole(scene):
 @pytest.mark.parametrize(
     ("room", "name", "told", "scene"),
     [
-        (job, "rest_state", "the rest state", TWO_FREEDOMS),
-        (job, "hinge_minima", "hinge sets", TWO_FREEDOMS),
-        (job, "flat_foldings", "flat foldings", TWO_FREEDOMS),
-        (job, "flat_minima", "starts beside the flat state", TWO_FREEDOMS),
-        (job, "folded_minima", "starts beside flat foldings", TWO_FREEDOMS),
+        (job.RestState, "states", "the rest state", TWO_FREEDOMS),
+        (job.HingeSets, "states", "hinge sets", TWO_FREEDOMS),
+        (job.FlatFoldings, "states", "flat foldings", TWO_FREEDOMS),
+        (job.NearFlat, "states", "starts beside the flat state", TWO_FREEDOMS),
+        (job.NearFolded, "states", "starts beside flat foldings", TWO_FREEDOMS),
         (job, "trace", "curves of one freedom", ONE_FREEDOM),
         (job, "polish", "a candidate on a curve", ONE_FREEDOM),
         (find, "confirm", "a confirmation by IPOPT", TWO_FREEDOMS),
@@ -49,7 +49,7 @@ def whole(scene):
 def test_one_part_that_fails_ends_no_search(monkeypatch, room, name, told, scene):
     """Where what it gives is found by other parts as well, the list is the same."""
     known = angles(whole(scene))
-    error = FAILURES[len(name) % 2]
+    error = FAILURES[len(told) % 2]
     monkeypatch.setattr(room, name, broken(error))
     found = find_minima(scene, max_starts=64, prove=False, escape=False)
     assert found.search.failed[f"{told}: {error}"] > 0 and f"{told}: {error}" in str(found)

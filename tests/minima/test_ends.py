@@ -12,9 +12,8 @@ from origami_nlp.kkt import Solve, polish
 from origami_nlp.minima import record, search
 from origami_nlp.minima.descents import Descents
 from origami_nlp.minima.search import Search
-from origami_nlp.minima.starts import Rounds, effort_of
-from origami_nlp.minima.touch_draws import model_strata, touch_starts
 from origami_nlp.numerics import CLOSES
+from origami_nlp.starts import Rounds, effort_of, model_strata, touch_starts
 from tests.independent.closing import EXTENDED
 from tests.independent.sheet import product_of_folds
 

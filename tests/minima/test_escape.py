@@ -6,6 +6,7 @@
 import json
 import math
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -15,6 +16,7 @@ from origami_nlp import Scene, Vertex, examples, find_barriers, find_minima, loa
 from origami_nlp.kkt import ALONE, BOUND, TRACED, TREE, energy_scale
 from origami_nlp.minima.escape import VertexTerrain, with_escapes
 from origami_nlp.numerics import SHALLOW
+from tests.computed_once import panel_result
 
 DEGREES = 0.06
 PAGE = Path(__file__).parents[2] / "docs" / "how_to" / "noise.md"
@@ -164,8 +166,7 @@ def rounded_otherwise(function, rng):
 @pytest.mark.parametrize("seed", [1, 4])
 def test_rounding_chooses_no_way_out(seed, monkeypatch):
     """Ways over the flat state, where closure has no rank: rounding was to say on which of its sides they ended."""
-    scene = examples.degree6("5*pi/12", ratio=100)
-    result = find_minima(scene, prove=False)
+    result = panel_result(examples.degree6("5*pi/12", ratio=100))
     rng = np.random.default_rng(seed)
     for name in ("pinv", "lstsq", "inv", "eigh", "svd", "solve", "qr"):
         monkeypatch.setattr(np.linalg, name, rounded_otherwise(getattr(np.linalg, name), rng))
@@ -178,7 +179,7 @@ def test_rounding_chooses_no_way_out(seed, monkeypatch):
 
 
 def test_middles_of_many_steps_are_those_of_each():
-    result = find_minima(examples.degree6("pi/3", ratio=1), prove=False, escape=False)
+    result = panel_result(examples.degree6("pi/3", ratio=1))
     model = result.model
     states = np.array([model.reduce(np.array(m.fold_angles)) for m in result.minima])
     terrain = VertexTerrain(model, states, [[] for _ in states])
@@ -193,14 +194,19 @@ def test_middles_of_many_steps_are_those_of_each():
 
 
 def test_barriers_among_symmetric_states_say_so():
-    scene = examples.degree6("pi/3", ratio=1)
-    result = find_minima(scene, prove=False, full=True)
+    result = panel_result(examples.degree6("pi/3", ratio=1), full=True)
     assert "barrier (D1)" in result.table().heads and "barrier (D1) [J]" in result._repr_html_()
     assert all(m.escape.why.endswith("among states with symmetry D1") for m in result.minima)
     assert [m.full_space.verdict for m in result.minima].count("unstable") == 1
     assert str(result).count("nothing has to be put in to leave it") == 1
-    free = find_minima(examples.waterbomb(symmetry="none"), prove=False)
+    free = waterbomb()
     assert "barrier" in free.table().heads and "symmetry" not in free.minima[0].escape.why
+
+
+@cache
+def waterbomb():
+    """The states of one that is exact."""
+    return find_minima(examples.waterbomb(symmetry="none"), prove=False)
 
 
 def noisy(seed):
@@ -269,7 +275,7 @@ def test_noise_makes_shallow_states_of_a_waterbomb_and_they_are_told_apart(tmp_p
 
 
 def test_the_exact_waterbomb_has_two_states_and_neither_is_shallow():
-    result = find_minima(examples.waterbomb(symmetry="none"), prove=False)
+    result = waterbomb()
     assert len(result.minima) == 2 and not any(m.shallow for m in result.minima)
     assert all(0.01 < m.escape.barrier < 1 for m in result.minima)
 
@@ -287,7 +293,7 @@ def test_softest_stiffness_is_that_of_its_mode():
     """Against a parabola through the energies of closed states along the mode."""
     from origami_nlp.kkt import project
 
-    result = find_minima(examples.degree6("pi/4", ratio=0.01), prove=False)
+    result = panel_result(examples.degree6("pi/4", ratio=0.01))
     m = result.minima[0]
     x, mode = (result.model.reduce(np.array(v)) for v in (m.fold_angles, m.softest_mode))
     assert np.linalg.norm(m.softest_mode) == pytest.approx(1.0)

@@ -37,7 +37,10 @@ def free():
     """A vertex without imposed symmetry: what the search finds is a minimum of the whole space."""
     vertex = o.Vertex(("pi/2", "pi/3", "pi/2", "2*pi/3"))
     scene = o.Scene(vertex, (1.0,) * 4, (1.0, -1.0, 1.0, 1.0), "none", "full")
-    return once("free", lambda: o.find_minima(scene, fewest_starts=16, max_starts=16, prove=False))
+    return once(
+        "free",
+        lambda: o.find_minima(scene, fewest_starts=16, max_starts=16, prove=False, escape=False),
+    )
 
 
 def words(figure):
@@ -112,7 +115,7 @@ def test_without_imposed_symmetry_a_minimum_is_a_stable_state(free):
 @pytest.mark.parametrize("contact", ["fold-limits", "none"])
 def test_with_less_than_full_contact_a_minimum_is_a_minimum(contact):
     scene = dataclasses.replace(SCENE, symmetry="none", contact=contact)
-    result = o.find_minima(scene, fewest_starts=4, max_starts=4, prove=False)
+    result = o.find_minima(scene, fewest_starts=4, max_starts=4, prove=False, escape=False)
     assert count_words(result.scene, result.minima, "no").endswith(("minima", "minimum"))
     assert "stable" not in count_words(result.scene, result.minima) and not not_asked_words(
         result.scene, result.minima

@@ -36,7 +36,7 @@ def check_states(frame, number, starts):
     """Find the states of a vertex; each must close, be embedded on the right sheet, and have no lower neighbour."""
     degree = next(v.degree for v in fold_vertices(frame)[0] if v.number == number)
     scene = scene_at(frame, number, symmetry="none" if degree <= LARGEST else "auto")
-    result = find_minima(scene, max_starts=starts, prove=False)
+    result = find_minima(scene, max_starts=starts, prove=False, escape=False)
     assert result.minima, scene
     p, rng = Problem.of(scene), np.random.default_rng(0)
     for m in result.minima:
@@ -49,7 +49,10 @@ def check_states(frame, number, starts):
     again_frame = parse_fold(json.dumps(minima_to_fold(result)))[0]
     (again_vertex,) = fold_vertices(again_frame)[0]
     again = find_minima(
-        scene_at(again_frame, 0, symmetry=scene.symmetry), max_starts=starts, prove=False
+        scene_at(again_frame, 0, symmetry=scene.symmetry),
+        max_starts=starts,
+        prove=False,
+        escape=False,
     )
     assert len(again.minima) == len(result.minima)
     shift = again_vertex.edges.index(0)

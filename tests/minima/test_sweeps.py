@@ -8,9 +8,9 @@ import pytest
 from origami_nlp import Model, Scene, Vertex
 from origami_nlp.minima import descents as descents_module
 from origami_nlp.minima.descents import Descents
-from origami_nlp.minima.samples import Samples
 from origami_nlp.minima.sweeps import sweep
 from origami_nlp.programme import random_strata
+from origami_nlp.starts import Samples
 
 
 def draw(n, seed=0, contact="fold-limits"):

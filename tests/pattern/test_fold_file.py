@@ -261,7 +261,7 @@ def test_minima_of_a_published_vertex():
     (path,) = others("fold_squaretwist_4xdeg4.fold")
     (one,) = read_fold(path)
     scene = scene_at(one, 2, symmetry="none")
-    result = find_minima(scene, prove=False)
+    result = find_minima(scene, prove=False, escape=False)
     best = result.minima[0]  # the folded form is at rest, up to the digits in the file
     assert best.energy < 1e-8
     assert np.abs(np.subtract(best.fold_angles, scene.rest_angles)).max() < 1e-4

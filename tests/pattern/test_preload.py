@@ -59,7 +59,7 @@ def test_files_and_sweeps_know_it(tmp_path):
     sweep = parse_sweep({"scene": data, "axes": [axis]})
     assert sweep.scene(0).preload == () and sweep.scene(1).preload == (0, 0, -4, 0)
     path = tmp_path / "states.fold"
-    found = find_minima(WOUND, prove=False)
+    found = find_minima(WOUND, prove=False, escape=False)
     write_fold(found, path)
     back = read_fold_scene(path, tell=lambda note: None, symmetry="none", contact="fold-limits")
     assert back.preload == WOUND.preload
@@ -104,7 +104,7 @@ def test_wrong_preload_is_refused_by_name(preload, word):
 
 
 def test_search_proof_and_its_check_agree_under_preload():
-    found = find_minima(WOUND, prove=False)
+    found = find_minima(WOUND, prove=False, escape=False)
     proof = prove(Model(WOUND), record=True)
     checked = check_proof(certificate_of(WOUND, proof))
     assert not checked.refused

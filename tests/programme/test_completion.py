@@ -7,9 +7,10 @@ import numpy as np
 import pytest
 
 from origami_nlp import Scene, Vertex
-from origami_nlp.kkt import flat_foldings, project
+from origami_nlp.kkt import project
 from origami_nlp.numerics import OUTSIDE, ROUNDED
 from origami_nlp.programme import Model, close_three, complete, random_strata, vertices
+from origami_nlp.starts import flat_foldings
 from tests.independent import rotations
 from tests.independent.scenes import SHAPES, build
 

@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 
 import origami_nlp as o
-from origami_nlp.facets import Sheet
+from origami_nlp.facets import Sheet, find_labels, image
 from origami_nlp.kkt import BOUND, TRACED, Way
-from origami_nlp.sheets import SheetResult, find_labels, find_states
+from origami_nlp.sheets import SheetResult, find_states
 from origami_nlp.sheets.escape import _images, _openings
-from origami_nlp.sheets.labels import image
-from tests.sheets.relabelled import relabelled
+from tests.computed_once import states
+from tests.relabelled import relabelled
 
 PASS = 0.372454
 """Lowest pass of yoshimura:2x2, by the least energy with its vertex flat, from which descents reach both states."""
@@ -24,8 +24,8 @@ def flat_energy(pattern) -> float:
 
 def test_one_freedom_passes_at_the_flat_state() -> None:
     """Both states of a metasheet are on curves that meet at the flat state alone, which is the pass."""
-    pattern = o.examples.pattern("metasheet", 3, 3)
-    found = find_states(pattern, starts=4)
+    found = states("metasheet:3x3")
+    pattern = found.pattern
     assert len(found.minima) == 2
     for state in found.minima:
         assert state.escape is not None and state.escape.method == TRACED
@@ -35,8 +35,8 @@ def test_one_freedom_passes_at_the_flat_state() -> None:
 
 def test_a_square_twist_is_left_through_the_flat_state() -> None:
     """Vertices of degree 4 change sides in the flat state only: no bound may be below it."""
-    pattern = o.examples.pattern("squaretwist")
-    found = find_states(pattern, starts=4)
+    found = states("squaretwist")
+    pattern = found.pattern
     signs = [
         [np.sign(round(s.fold_angles[list(v.creases)].sum(), 9)) for v in pattern.vertices]
         for s in found.minima
@@ -96,7 +96,7 @@ def test_directions_open_contacts_and_close_none(yoshimura: SheetResult) -> None
 
 @pytest.fixture(scope="module")
 def yoshimura() -> SheetResult:
-    return find_states(o.examples.pattern("yoshimura", 2, 2), starts=20)
+    return states("yoshimura:2x2")
 
 
 def test_a_bound_is_above_the_exact_pass_and_near_it(yoshimura: SheetResult) -> None:
@@ -133,7 +133,7 @@ def test_no_time_is_left_for_barriers() -> None:
 
 def test_labels_change_no_barrier(yoshimura: SheetResult) -> None:
     copy, _, _ = relabelled(yoshimura.pattern, 3, mirror=True)
-    found = find_states(copy, starts=20)
+    found = find_states(copy, starts=10)
     for one, other in zip(yoshimura.minima, found.minima, strict=True):
         assert one.escape is not None and other.escape is not None
         assert one.softest == pytest.approx(other.softest, rel=1e-6)

@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 
 import origami_nlp as o
-from origami_nlp.facets import Sheet
-from origami_nlp.sheets import SheetResult, find_labels, find_states
+from origami_nlp.facets import Sheet, find_labels
+from origami_nlp.sheets import SheetResult, find_states
 from origami_nlp.sheets.angle_sums import angle_sums
+from origami_nlp.sheets.closed import scene_of
 from origami_nlp.sheets.noise import displacements
-from origami_nlp.sheets.starts import scene_of
-from tests.sheets.relabelled import relabelled
+from tests.relabelled import relabelled
 
 
 def sectors(pattern) -> np.ndarray:
@@ -76,6 +76,7 @@ def test_survivals_are_told_and_kept(yoshimura: SheetResult) -> None:
     assert [s.survival for s in again.minima] == [s.survival for s in yoshimura.minima]
 
 
+@pytest.mark.slow
 def test_labels_change_no_survival(yoshimura: SheetResult) -> None:
     copy, _, _ = relabelled(yoshimura.pattern, 3, mirror=True)
     found = find_states(copy, starts=4, escape=False, noise=0.5)

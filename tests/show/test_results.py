@@ -30,7 +30,7 @@ def results():
     loaded = [o.load_path(scene, 1, to=0.01, **quick)]
     found.append(o.find_modes(result, state=1))
     sheet = o.examples.pattern("metasheet:2x3")
-    states = o.find_states(sheet, starts=1)
+    states = o.find_states(sheet, starts=1, escape=False)
     found += [states, o.overview(sheet), o.find_motion(sheet)]
     loaded.append(o.load_path(sheet, 1, to=0.01, state=states.minima[0]))
     found.append(o.paper.cone.phase_diagram(6, size=4))

@@ -13,7 +13,7 @@ from origami_nlp.cli import app
 from origami_nlp.errors import OptionError
 from origami_nlp.folding import examine, fold_vertex
 from origami_nlp.pattern import degree6, degree8, format_scene
-from origami_nlp.space import draw_space, find_space, topology
+from origami_nlp.space import find_space, topology
 from origami_nlp.space.chain import chain_of
 from origami_nlp.space.mesh import SEAM, mesh_sheets
 from tests.computed_once import once, thinned
@@ -282,7 +282,7 @@ def test_command_writes_json_and_figures(spaces, tmp_path):
     result = run(app, arguments)
     assert result.exit_code == 0, result.output
     assert figure.read_bytes().startswith(b"%PDF")
-    draw_space(spaces["6, pi/3"], tmp_path / "space.svg")
+    spaces["6, pi/3"].draw(tmp_path / "space.svg")
     assert (tmp_path / "space.svg").stat().st_size > 1000
     data = json.loads(out.read_text())
     assert data["schema"] == "origami-nlp/space/1"

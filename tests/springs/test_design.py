@@ -203,7 +203,7 @@ def test_examples_verify(name, tmp_path):
         crest = max(_between(found, 300))
         low = found.states[0].energy
         assert crest <= low + 0.02 + 1e-12 and crest == pytest.approx(low + 0.02, abs=1e-4)
-        o.springs.draw_design(found, tmp_path / "d.png")
+        o.draw(found, tmp_path / "d.png")
         assert (tmp_path / "d.png").stat().st_size > 10_000
     if ask.extra_states == "forbid":
         assert not found.extra_minima and found.minima.completeness is not None

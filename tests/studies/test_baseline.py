@@ -7,12 +7,13 @@ import numpy as np
 import pytest
 
 from origami_nlp.folding import fold_vertex
-from origami_nlp.kkt import State as StateOf, classify, distance_from_stationary, project
+from origami_nlp.kkt import State as StateOf, classify, project
 from origami_nlp.minima import FullSpace, Minimum, find_minima, full_scene
 from origami_nlp.numerics import null_space
 from origami_nlp.pattern import Scene, Vertex, examples
 from origami_nlp.programme import Model
 from studies import STEPS, appendix_a
+from studies.audit import distance_from_stationary
 from studies.baseline import EPS_GRADIENT, Baseline, crease_matrix
 from tests.computed_once import panel_result
 

@@ -72,6 +72,8 @@ class ConeBranch:
     @property
     def steep(self) -> int:
         """Number of flaps with the larger partial fold angle."""
+        # up: mountains are steep, down: valleys (paper, eq. 4.3; its modulus holds for |v| <= pi/2 - alpha only:
+        # docs/errata.md)
         return sum(f != self.direction for f in self.flaps)
 
     @property
@@ -88,6 +90,7 @@ class ConeBranch:
             return "steep flaps meet on the axis"
         if self.end_rule == "contract":
             return "the even crease of the steep flap stands on the axis (no contact yet)"
+        # opposite an even crease lies an even crease where N / 2 is even, else an odd one
         if self.degree % 4 == 0:
             return "folded flat, the steep flap on the flap opposite"
         return "the even crease of the steep flap meets the odd crease opposite"

@@ -79,6 +79,7 @@ def assignment_classes(degree: int) -> AssignmentClasses:
         if a <= n - a:
             number, row = n, []
             for j in range(1, runs + 1):
+                # (n/j) C(a-1, j-1) C(b-1, j-1) from j to j + 1: times (a - j)(b - j) / (j (j + 1)), b = n - a
                 row.append(number)  # the next number is a whole one, so // is exact
                 number = number * (a - j) * (n - a - j) // (j * (j + 1))
             start = len(multiplicity)
@@ -110,6 +111,7 @@ def odd_crease_numbers(
 ) -> np.ndarray:
     """Count the odd creases between two shallow, two steep, and two unlike flaps, shape of `steep` + (3,)."""
     j = np.asarray(changes) // 2
+    # j runs of each kind: p shallow flaps have p - j neighbours alike, and 2 j neighbours differ
     return np.stack([flaps - steep - j, steep - j, 2 * j], axis=-1).astype(float)
 
 

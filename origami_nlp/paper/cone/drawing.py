@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import textwrap
 from collections.abc import Sequence
 
@@ -10,7 +9,6 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from origami_nlp.errors import OptionError
-from origami_nlp.files import save_figure
 from origami_nlp.paper.cone.branches import ConeBranch
 from origami_nlp.paper.cone.classes import direction_name
 from origami_nlp.paper.cone.flaps import write_flaps
@@ -23,9 +21,7 @@ CELL, TITLE, LINE = 2.1, 0.42, 0.17
 MOST_DRAWN = 40
 
 
-def draw_foldings(
-    degree: int, elevation: float, path: str | os.PathLike[str] | None = None
-) -> Figure:
+def draw_foldings(degree: int, elevation: float) -> Figure:
     """Draw every folding that differs by more than a rotation, at one elevation.
 
     A branch that ends before the elevation is drawn at its end, and its title says so.
@@ -36,8 +32,6 @@ def draw_foldings(
         N, even, at least 6.
     elevation
         v, signed [rad].
-    path
-        Where to save, or None.
 
     Returns
     -------
@@ -64,13 +58,12 @@ def draw_foldings(
             title += f", ends at {_short(branch.end)}"
         states.append((branch, direction * size, title))
     note = f"degree {degree}, elevation {_short(elevation)} ({direction_name(direction)})"
-    return _sheet(states, note, path)
+    return _sheet(states, note)
 
 
 def draw_branch(
     branch: ConeBranch,
     elevations: Sequence[float],
-    path: str | os.PathLike[str] | None = None,
 ) -> Figure:
     """Draw states of one branch.
 
@@ -80,8 +73,6 @@ def draw_branch(
         Of `branch`.
     elevations
         v of each state, signed [rad].
-    path
-        Where to save, or None.
 
     Returns
     -------
@@ -93,7 +84,7 @@ def draw_branch(
         f"branch {branch!r}, symmetry {branch.symmetry}; ends at "
         f"{_short(branch.end)}: {branch.end_text}"
     )
-    return _sheet(states, note, path)
+    return _sheet(states, note)
 
 
 def _short(angle: float) -> str:
@@ -104,7 +95,6 @@ def _short(angle: float) -> str:
 def _sheet(
     states: Sequence[tuple[ConeBranch, float, str]],
     note: str,
-    path: str | os.PathLike[str] | None,
 ) -> Figure:
     """Draw states in rows below each other, with what the colours mean."""
     # of three or four columns those that fill the last row better
@@ -142,6 +132,4 @@ def _sheet(
         frameon=False,
         borderaxespad=0.2,
     )
-    if path is not None:
-        save_figure(figure, path)
     return figure

@@ -78,6 +78,7 @@ class OddCreases:
     @property
     def well(self) -> np.ndarray:
         """Energy of the flat state less that at s, without cancellation."""
+        # (pull^2 - (size + pull)^2) / 2
         return -self.size * (self.size / 2 + self.pull)
 
     @property
@@ -235,6 +236,7 @@ class EnergyAt:
         """(A, B)."""
         s, n, rest = self.s, self.side.flaps, self.side.rest.even
         a = self._own(self.side.valleys)
+        # even creases: -2 s at valley flaps, 2 s at mountain flaps (paper, eq. 4.4)
         even = 0.5 * (a * (2 * s + rest) ** 2 + (n - a) * (2 * s - rest) ** 2)
         return self._odd(self.creases.energy), even
 
@@ -247,6 +249,7 @@ class EnergyAt:
     @cached_property
     def wells(self) -> Pair:
         """(A, B) of the flat state less those at s, without cancellation."""
+        # B is a parabola about s_e: B(0) - B(s) = 2 n (s_e^2 - (s - s_e)^2)
         even = -2 * self.side.flaps * self.s * (self.s - 2 * self._vertex)
         return self._odd(self.creases.well), even
 
@@ -286,6 +289,7 @@ class EnergyAt:
     def fold(self) -> Any:
         """A'' B' - A' B'': zero where r(s) is stationary."""
         (da, db), (dda, ddb) = self.slopes, self.curvatures
+        # r(s) = -A'/B' has r' = 0 where A'' B' = A' B'': a minimum and a maximum meet
         return dda * db - da * ddb
 
     def depth(self, ratio: Any) -> Any:
@@ -305,6 +309,7 @@ class EnergyAt:
     def depth_gap(self, depth: float) -> Any:
         """Zero where a stationary point has the relative depth (times -B', so that it is smooth)."""
         (over_a, over_b), (da, db) = self.over(depth), self.slopes
+        # both A' + r B' = 0 and over_a + r over_b = 0 have the same r
         return over_b * da - over_a * db
 
 
@@ -312,6 +317,7 @@ def finite_quotient(odd: Any, even: Any) -> np.ndarray:
     """Return r with odd + r even = 0; nan where no finite r does it."""
     with np.errstate(divide="ignore", invalid="ignore"):
         r = -odd / even
+    # B' = 0: no ratio, or any
     return np.where(np.isfinite(r), r, np.nan)
 
 

@@ -240,8 +240,10 @@ def _minima_of(
         return _filled(side, multiplicity, ratio, none, none * 1.0, none == 1, none * 1.0), none
     signs = slope_signs(side, ratio)
     inside = polish(side, ratio, signs)
+    # F(end) = 0 but for rounding: what F does before it decides
     tied = np.nonzero(signs.end == 0)[0]
     bend = side.at(side.end[tied], tied).curvature(ratio)
+    # the energy falls to the end, or is level there and curves up: the end is a minimum of the closed branch
     pinned = np.union1d(np.nonzero(signs.end < 0)[0], tied[bend > 0])
     rows = np.concatenate([signs.rows, pinned])
     s = np.concatenate([inside, side.end[pinned]])

@@ -120,6 +120,7 @@ def _necklace_words(n: int) -> Iterator[tuple[int, ...]]:
         if last < 0:
             return
         word[last] = 1
+        # the next prenecklace: the last 0 becomes 1, and what stands before it is repeated
         period = last + 1
         for k in range(period, n):
             word[k] = word[k - period]
@@ -157,6 +158,7 @@ def number_of_foldings(degree: int, *, mirrors_differ: bool = True) -> int:
     (2192, 1224)
     """
     n = check_degree(degree) // 2
+    # necklaces, as the paper's table lists them; its eq. 4.6 counts bracelets (docs/errata.md)
     turned = sum(_totient(d) << (n // d) for d in range(1, n + 1) if n % d == 0) // n
     if mirrors_differ:
         return turned
@@ -164,6 +166,7 @@ def number_of_foldings(degree: int, *, mirrors_differ: bool = True) -> int:
         kept = n << ((n + 1) // 2)
     else:
         kept = (n // 2) * ((1 << (n // 2)) + (1 << (n // 2 + 1)))
+    # Burnside over the 2 n elements of D_n: bracelets, eq. 4.6
     return (n * turned + kept) // (2 * n)
 
 

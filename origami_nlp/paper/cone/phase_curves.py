@@ -139,6 +139,7 @@ def _explicit(branches: EnergyClass, nu: np.ndarray, depth: float) -> Iterator[P
         at_end = class_energy(branches, branches.end, nu)
         ratio = at_end.ratio_of_depth(depth)
         with np.errstate(invalid="ignore"):
+            # the energy falls to the end
             pinned = at_end.slope(ratio) <= 0
         ratio = np.where(pinned, ratio, np.nan)
         yield from _pieces(branches, "depth-at-end", nu, ratio, np.full_like(nu, branches.end))
@@ -155,6 +156,7 @@ def _traced(
     def condition(at: np.ndarray, rest_at: np.ndarray) -> np.ndarray:
         energy = class_energy(branches, at, rest_at)
         if kind == "fold":
+            # near nu_0 = 0 both conditions vanish as powers of it: divided, their zero sets have limits
             return energy.fold / rest_at**2
         return energy.depth_gap(depth) / np.abs(rest_at) ** 3
 

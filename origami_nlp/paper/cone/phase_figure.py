@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import os
 from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
@@ -13,8 +12,7 @@ from matplotlib.colors import BoundaryNorm, ListedColormap
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, MultipleLocator
 
-from origami_nlp.arguments import check_path, check_type
-from origami_nlp.files import save_figure
+from origami_nlp.arguments import check_type
 from origami_nlp.paper.cone.classes import EnergyClass
 from origami_nlp.paper.cone.energy import class_energy
 from origami_nlp.paper.cone.phase import PhaseDiagram
@@ -277,15 +275,13 @@ def legend(axes: Any) -> None:
         axes.legend(handles, words, fontsize=8, frameon=False, **place)
 
 
-def draw_phase(diagram: PhaseDiagram, path: str | os.PathLike[str] | None = None) -> Figure:
+def draw_phase(diagram: PhaseDiagram) -> Figure:
     """Draw a phase diagram: numbers of branch minima, how many are at an end, and the boundaries.
 
     Parameters
     ----------
     diagram
         Of `phase_diagram`.
-    path
-        Where to save, or None.
 
     Returns
     -------
@@ -295,11 +291,9 @@ def draw_phase(diagram: PhaseDiagram, path: str | os.PathLike[str] | None = None
     Raises
     ------
     OptionError
-        If `diagram` is none, or `path` is no path.
+        If `diagram` is none.
     """
     check_type("diagram", diagram, PhaseDiagram)
-    if path is not None:
-        check_path("path", path)
     counts = diagram.map
     words = "branch minima" if diagram.contact else "minima inside their branch"
     if counts.depth > 0:
@@ -326,8 +320,6 @@ def draw_phase(diagram: PhaseDiagram, path: str | os.PathLike[str] | None = None
     only = f": {diagram.numbers[0]} {words} everywhere" if one else ""
     who = f"cone of degree {diagram.degree}, {counts.branches} branches, rest state {counts.cone.rest}"
     figure.suptitle(who + only, fontsize=11, weight="bold")
-    if path is not None:
-        save_figure(figure, path)
     return figure
 
 

@@ -90,6 +90,7 @@ def _isolate(side: SideEnergy, ratio: float, end: float) -> SlopeSigns:
         at_nodes[np.abs(at_nodes[:, k]) <= TIE * scale, k] = 0.0
     start, stop = at_nodes[:, 0].copy(), at_nodes[:, -1].copy()
 
+    # where F' has one sign on a cell F has one zero at most; where |F(middle)| > width max |F'| it has none
     low, high = curvature_bounds(side, grid[:-1], grid[1:])
     slowest, fastest = side.weights @ low.T + even, side.weights @ high.T + even
     middle = side.at((grid[:-1] + grid[1:]) / 2).slope(ratio)
@@ -107,6 +108,7 @@ def _isolate(side: SideEnergy, ratio: float, end: float) -> SlopeSigns:
     for _ in range(HALVINGS):
         if not r.size:
             break
+        # cells that neither test decides are halved
         m = (a + b) / 2
         fm = side.at(m, r).slope(ratio)
         r, a, b = np.concatenate([r, r]), np.concatenate([a, m]), np.concatenate([m, b])
@@ -170,6 +172,7 @@ def _peaks(degree: int) -> tuple[float, float]:
     alpha = 2 * math.pi / degree
     k2 = (math.cos(alpha) / (1 + math.sin(alpha))) ** 2
     b = 3 * (1 - k2)
+    # the positive root of t^4 + b t^2 - K^2 = 0, without cancellation
     t2 = 2 * k2 / (b + math.sqrt(b * b + 4 * k2))
     big = math.tan(alpha) ** 2
     c = 1 + 2 * big

@@ -160,6 +160,7 @@ def full_space(
     for done, (folding, direction, kind, v) in enumerate(jobs, start=1):
         own = ConeBranch(folding.flaps, direction, cone.end)
         x = own.fold_angles(direction * v)
+        # k_odd = 1: energies per k_odd
         energy = float(scene.energy(x))
         states.append(
             JudgedMinimum(

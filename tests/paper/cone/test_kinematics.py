@@ -269,11 +269,8 @@ def test_foldings_are_listed(tmp_path):
         )
 
 
-@pytest.mark.parametrize("ending", ["png", "svg"])
-def test_foldings_are_drawn(tmp_path, ending):
-    target = tmp_path / f"cone.{ending}"
-    figure = cone.draw_foldings(6, 0.7, target)
-    assert target.stat().st_size > 5000
+def test_foldings_are_drawn():
+    figure = cone.draw_foldings(6, 0.7)
     titles = [text.get_text() for text in figure.texts]
     assert len(figure.axes) == 4 and sum("ends at π/6" in t for t in titles) == 3
     with pytest.raises(OptionError, match="to draw"):

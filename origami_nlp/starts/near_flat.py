@@ -1,0 +1,151 @@
+"""Minima beside the flat state, to second order: where descents from elsewhere seldom arrive.
+
+At the flat state closure c loses rank.  Near it closed states x obey J x = 0 and x'Fx = 0, F the second derivative of
+s . c for the one s with s J = 0, up to terms of third order.  Where rest angles all but cancel on that cone, a
+minimum is close to its tip, with a basin as small as its distance.  In the axes of F on the kernel of J, stationary
+states of the springs on the cone are y = -g / (1 + lam a), where y = sqrt(k) x, g is the torque at the flat state and
+a are the curvatures of F; lam solves one equation,
+
+    h(lam) = sum_i a_i (g_i / (1 + lam a_i))^2 = 0,
+
+which falls between the poles on both sides of lam = 0, so that it has one root there, the lowest state of the cone.
+Other minima have one negative 1 + lam a at most: their lam lies one interval further on either side.  Where symmetric
+springs do not pull along an axis, lam may be its pole, and states lean to either side of it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from origami_nlp.numerics import RANK
+from origami_nlp.programme import Model
+from origami_nlp.starts.family import Listed
+
+NEAR = 1.0
+"""Largest fold angle of a state that second order says something about [rad]."""
+PLACES = 0.5 - 0.5 * np.cos(np.linspace(0.0, np.pi, 202)[1:-1])
+"""Where h is looked at, as shares of an interval between poles: closer towards them."""
+BEYOND = np.logspace(-4, 7, 200)
+"""And beyond the last pole, in lengths of the interval about 0: lam grows as the state comes closer to flat."""
+HALVINGS = 50
+
+
+class NearFlat(Listed):
+    """The minima of a scene's springs on the second-order cone of closed states at the flat state.
+
+    Parameters
+    ----------
+    model
+        Of any scene; there are none where the flat state is no state of it, or has more than one second-order
+        equation.
+    """
+
+    name = "starts beside the flat state"
+    sentence = "where second order puts a minimum beside the flat state"
+
+    def __init__(self, model: Model) -> None:
+        self.size = model.size
+        self._model = model
+
+    def states(self) -> np.ndarray:
+        """Return them closed to second order, [K, n] [rad]; the tip of the cone is not among them."""
+        model = self._model
+        flat, n = np.zeros(model.size), model.size
+        value, jacobian = model.closure(flat)
+        none = np.zeros((0, n))
+        if np.abs(value).max(initial=0.0) > RANK or not model.on_sheet(flat):
+            return none
+        root = np.sqrt(model.parameters.stiffness)
+        u, sizes, vt = np.linalg.svd(jacobian / root)
+        rank = int((sizes > RANK * sizes.max(initial=1e-300)).sum())
+        if len(u) - rank != 1 or n - rank < 2:
+            return none
+        no_gaps = np.zeros(len(model.structure.gaps))
+        # F: second derivative of s . c alone, without energy and gaps, over sqrt(k) sqrt(k)'
+        form = model.hessian(flat, u[:, rank], no_gaps, 0.0) / np.outer(root, root)
+        kernel = vt[rank:].T
+        y, _ = on_cone(kernel.T @ form @ kernel, kernel.T @ (model.parameters.torque(flat) / root))
+        x = y @ kernel.T / root
+        size = np.abs(x).max(axis=1)
+        return np.asarray(x[(size > RANK) & (size <= NEAR)])
+
+
+def on_cone(form: np.ndarray, torque: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return what may be minima of |y|^2 / 2 + torque . y on the cone y' form y = 0, its tip left out.
+
+    Parameters
+    ----------
+    form, torque
+        Shapes [t, t] and [t].
+
+    Returns
+    -------
+    y, lam : numpy.ndarray
+        Shapes [K, t] and [K]: y + torque + lam form y = 0.
+    """
+    a, axes = np.linalg.eigh(form)
+    if not (len(a) > 1 and a[0] < -RANK and a[-1] > RANK):
+        return np.zeros((0, len(a))), np.zeros(0)  # the cone is its tip alone
+    g = axes.T @ torque
+    # exactly 0 where symmetry makes it so: such an axis has no pole in h, see `_aside`
+    g[np.abs(g) <= RANK * np.abs(g).max()] = 0.0
+    found = [*_roots(a, g), *_aside(a, g)]
+    y = np.array([y for y, _ in found]).reshape(-1, len(a)) @ axes.T
+    return y, np.array([lam for _, lam in found])
+
+
+def _poles(a: np.ndarray) -> list[np.ndarray]:
+    """Return the poles of h below 0 and above, outwards, those that are double left out with what is beyond."""
+    found = []
+    for side in (a[a > RANK], a[a < -RANK]):
+        poles = np.sort(np.abs(1.0 / side))[:2]
+        if len(poles) == 2 and poles[1] - poles[0] <= RANK * poles[0]:
+            poles = np.append(poles[:1], np.inf)
+        found.append(-np.sign(side[0]) * poles)
+    return found
+
+
+def _roots(a: np.ndarray, g: np.ndarray) -> Iterator[tuple[np.ndarray, float]]:
+    """Yield the states y with lam of the roots of h in the interval between poles about 0, and in those beside it."""
+    below, above = _poles(a)
+    wide = above[0] - below[0]
+    grids = [below[0] + wide * PLACES]
+    for side in (below, above):
+        if len(side) == 1:
+            grids.append(side[0] + np.sign(side[0]) * wide * BEYOND)
+        elif np.isfinite(side[1]):
+            grids.append(side[0] + (side[1] - side[0]) * PLACES)
+    for lam in grids:
+        h = _h(lam, a, g)
+        change = np.flatnonzero(h[1:] * h[:-1] < 0)
+        if not len(change):
+            continue
+        left, right, sign = lam[change], lam[change + 1], np.sign(h[change])
+        for _ in range(HALVINGS):
+            middle = 0.5 * (left + right)
+            here = np.sign(_h(middle, a, g)) == sign
+            left, right = np.where(here, middle, left), np.where(here, right, middle)
+        middle = 0.5 * (left + right)
+        yield from zip(-g / (1.0 + middle[:, None] * a), middle.tolist(), strict=True)
+
+
+def _aside(a: np.ndarray, g: np.ndarray) -> Iterator[tuple[np.ndarray, float]]:
+    """Yield states with lam, in pairs that lean to either side of an axis that nothing pulls along: lam is its pole."""
+    poles = np.concatenate(_poles(a))
+    for lam in poles[np.isfinite(poles)]:
+        factor = 1.0 + lam * a
+        at = np.abs(factor) <= RANK
+        if at.sum() != 1 or g[at].any():
+            continue
+        y = np.where(at, 0.0, -g / np.where(at, 1.0, factor))
+        # what y'Fy = 0 leaves for the component along the axis
+        square = -float((a * y**2).sum()) / float(a[at][0])
+        if square > 0:
+            yield y + np.where(at, np.sqrt(square), 0.0), float(lam)
+            yield y - np.where(at, np.sqrt(square), 0.0), float(lam)
+
+
+def _h(lam: np.ndarray, a: np.ndarray, g: np.ndarray) -> np.ndarray:
+    return np.asarray((a * (g / (1.0 + lam[:, None] * a)) ** 2).sum(axis=1))

@@ -1,0 +1,152 @@
+"""Where descents start: corners of the state space, strata between them, touches, the interior, and moments.
+
+Where starts begin matters more than how fast a descent is: minima with many closed contacts are hardly ever reached
+from the interior, but a start on their own stratum, with its contacts held, often reaches them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from origami_nlp.errors import OptionError
+from origami_nlp.programme import Model, vertex_candidates
+from origami_nlp.starts.corners import Corners
+from origami_nlp.starts.crossings import model_rows
+from origami_nlp.starts.family import StartFamily
+from origami_nlp.starts.moments import Moments, is_chain
+from origami_nlp.starts.near_corners import NearCorners
+from origami_nlp.starts.samples import Samples, joined
+from origami_nlp.starts.strata import Interior, Strata
+from origami_nlp.starts.touches import Touches
+
+FAMILIES = (Corners, Interior, NearCorners, Strata, Touches, Moments)
+"""Of starts that are counted; the numbers of sources are places here."""
+CORNER, INTERIOR = 0, 1
+SOURCES = tuple(family.name for family in FAMILIES)
+"""Their names."""
+DRAWN = tuple(k for k in range(len(FAMILIES)) if k != CORNER)
+"""Those that are drawn anew: only how often these reach a minimum says how likely another was missed."""
+GIVEN = len(FAMILIES)
+"""Source of states that are given, guesses, minima of second order, either side of saddles: not counted."""
+MOST_WITH_CORNERS = 24
+"""Creases up to which corners are started from: with more there are too many that nothing holds."""
+FEWEST_FOR_MOMENTS = 16
+"""Creases from which moments are started from as well: with 10 and 12 they found no more in the same time."""
+OTHERS = 8
+"""With more creases, one start in so many is no moment."""
+
+
+@dataclass(frozen=True)
+class Effort:
+    """How much time a search may take.
+
+    Attributes
+    ----------
+    corners
+        Candidates for corners of the state space: all of them up to this many, a sample beyond.
+    interior
+        Starts in the interior.
+    a_round
+        Starts of each kind in a round, for one degree of freedom; more with more, up to 64 times.
+    rounds
+        Rounds at most.
+    hits
+        How often rounds must have reached every minimum.
+    quiet
+        Rounds without a new minimum after which the search may stop although one was reached less often.
+    """
+
+    corners: int
+    interior: int
+    a_round: int
+    rounds: int
+    hits: int
+    quiet: int
+
+
+EFFORTS = {
+    "quick": Effort(corners=256, interior=32, a_round=8, rounds=1, hits=1, quiet=1),
+    "normal": Effort(corners=8192, interior=48, a_round=14, rounds=16, hits=2, quiet=2),
+    "thorough": Effort(corners=16384, interior=512, a_round=64, rounds=40, hits=4, quiet=4),
+}
+"""By name."""
+
+
+def effort_of(name: object) -> Effort:
+    """Return an effort by its name, or complain."""
+    if not isinstance(name, str) or name not in EFFORTS:
+        raise OptionError(f"effort = {name!r} is unknown: use one of {', '.join(EFFORTS)}")
+    return EFFORTS[name]
+
+
+class Rounds:
+    """Rounds of closed starts of a model, the same for the same seed.
+
+    The first holds the corners and the interior besides; each holds corners with some of their creases let go,
+    random strata, and touches; all but corners and the interior hold their contacts until they have converged.
+    """
+
+    def __init__(self, model: Model, seed: int, effort: Effort) -> None:
+        self._model, self._effort = model, effort
+        self._rng = np.random.default_rng(seed)
+        self._long = model.size > MOST_WITH_CORNERS
+        self._corners = Samples.on(np.zeros((0, model.size)))
+        if not self._long:
+            self._corners = self._drawn(Corners(model), effort.corners)
+        self.corners = len(self._corners)
+        self.every_corner = 0 < vertex_candidates(model) <= effort.corners
+        touching = model.scene.group.is_trivial and bool(model_rows(model))
+        self.touches = Touches(model) if touching else None
+        self._interior = Interior(model)
+        share = 0.6 if touching else 1.25  # touches are a third kind of start
+        freedom = min(max(model.freedom - 1, 0), 9)
+        self._a_round = round(share * effort.a_round * min(2.5**freedom, 64))
+        if self._long:  # a descent takes longer
+            self._a_round = 1 + self._a_round * MOST_WITH_CORNERS // model.size
+        self._each = list(self._families(Moments(model) if is_chain(model) else None))
+
+    def _families(self, moments: Moments | None) -> Iterator[tuple[StartFamily, int]]:
+        """Yield the families of every round, with how many starts of each."""
+        model = self._model
+        if self._long and moments is not None:
+            yield moments, self._a_round
+            yield self._interior, 1 + self._a_round // OTHERS
+        elif not model.has_limits:
+            yield self._interior, 8 * self._a_round  # each shape in several lifts
+        else:
+            yield Strata(model), self._a_round
+            if self.corners:
+                yield NearCorners(self._corners), self._a_round
+            if self.touches is not None:
+                yield self.touches, self._a_round
+            if moments is not None and model.size >= FEWEST_FOR_MOMENTS:
+                yield moments, self._a_round
+
+    def __iter__(self) -> Iterator[Samples]:
+        """Yield round after round."""
+        if self._long:
+            yield from (self._mixed(self._round()) for _ in range(self._effort.rounds))
+            return
+        # without limits there is nothing but the interior, and each shape in several lifts
+        interior = self._effort.interior * (1 if self._model.has_limits else 8)
+        first = [self._drawn(self._interior, interior), self._corners]
+        # batches cost by the call more than by the sample: the first rounds go with them
+        yield self._mixed(*first, *(self._round() for _ in range(self._effort.hits)))
+        for _ in range(self._effort.rounds - self._effort.hits):
+            yield self._mixed(self._round())
+
+    def _mixed(self, *parts: Samples) -> Samples:
+        """Samples in random order: of every kind from the first on, and alike whether early or late."""
+        some = joined(*parts)
+        return some[self._rng.permutation(len(some))]
+
+    def _round(self) -> Samples:
+        return joined(*(self._drawn(family, many) for family, many in self._each))
+
+    def _drawn(self, family: StartFamily, many: int) -> Samples:
+        """Draw starts, with the number of their source."""
+        s = family.draw(self._rng, many)
+        return replace(s, source=np.full(len(s), SOURCES.index(family.name)))

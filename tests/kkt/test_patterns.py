@@ -1,0 +1,152 @@
+"""A pattern as a problem of the kernel: derivatives by differences, dependent rows, one answer with single vertices."""
+
+import math
+from collections import Counter
+from itertools import product
+
+import numpy as np
+import pytest
+
+import origami_nlp as o
+from origami_nlp import Model, Scene, State, Vertex, classify
+from origami_nlp.facets import Sheet
+from origami_nlp.kkt import loop_modes, tangent_cone
+from tests.computed_once import states
+from tests.patterns import miura, miura_angles, strip, wheel
+
+COUNTS = {  # states as a separate judgement of patterns decided on them: minima, none, facets that cross, not decided
+    "metasheet:3x3": (2, 1, 1, 0),
+    "metasheet:4x4": (2, 1, 2, 0),
+    "metasheet:8x8": (2, 1, 3, 0),
+    "miura:2x3": (4, 9, 0, 0),
+    "miura:3x3": (54, 11, 2, 0),
+    "waterbomb:1x1": (2, 1, 0, 0),
+    "squaretwist": (8, 1, 0, 0),
+    "yoshimura:2x2": (2, 1, 0, 1),
+}
+FAST = "metasheet:3x3", "miura:2x3", "squaretwist", "yoshimura:2x2"
+
+
+@pytest.mark.parametrize(
+    "name", [n if n in FAST else pytest.param(n, marks=pytest.mark.slow) for n in COUNTS]
+)
+def test_states_are_decided_as_by_a_judgement_of_patterns_alone(name):
+    found = states(name)
+    many = Counter(s.verdict for s in found.states)
+    refuted = many["saddle"] + many["not stationary"]
+    told = many["minimum"], refuted, many["not admissible"], many["undecided"]
+    assert told == COUNTS[name]
+    problem = Sheet(found.pattern)
+    for state in found.states:  # in the numbering of the file, not that of the search
+        again = classify(State(problem, state.fold_angles))
+        assert (again.verdict == "minimum") == (state.verdict == "minimum")
+        assert again.kind == state.kind
+
+
+def held_state():
+    """A metasheet whose facets touch: its problem, the state, and its contacts."""
+    found = states("metasheet:4x4")
+    state = next(s for s in found.minima if s.contacts)
+    problem = Sheet(found.pattern)
+    return problem, State(problem, state.fold_angles)
+
+
+def test_derivatives_of_a_pattern_in_contact_are_those_of_its_values():
+    """Along closed states: elsewhere a gap hangs on the walk by which one facet is seen from the other."""
+    problem, state = held_state()
+    rows = state.contacts.base
+    assert any(not c.is_limit for c in rows)
+    piece, d, h = state.on(rows), state.kernel[:, 0], 1e-3
+    lam = piece.multipliers
+    assert np.abs(state.gradient - piece.jacobian.T @ lam).max() < 1e-10
+    ways = [problem.project(state.x + t * d)[0] for t in (h, 0.0, -h)]
+    values = [problem.constraints(y, rows)[0] for y in ways]
+    assert piece.jacobian @ d == pytest.approx((values[0] - values[2]) / (2 * h), abs=1e-5)
+    lagrangian = [
+        problem.energy_change(state.x, y) / problem.scale - lam @ v
+        for y, v in zip(ways, values, strict=True)
+    ]
+    bent = (lagrangian[0] - 2 * lagrangian[1] + lagrangian[2]) / h**2
+    assert d @ piece.hessian @ d == pytest.approx(bent, rel=1e-4)
+
+
+def test_the_same_contact_has_one_multiplier_or_a_range():
+    """Two equal contacts hold one freedom: any sum of their forces balances; the smallest norm halves it."""
+    _, state = held_state()
+    what = classify(state)
+    one, two = what.contacts
+    assert what.kind == "degenerate" and one.multiplier == pytest.approx(two.multiplier, rel=1e-9)
+    assert one.multiplier_range == pytest.approx((0.0, 2 * one.multiplier), abs=1e-9)
+
+
+def test_rows_that_always_depend_on_each_other_are_no_loss_of_rank():
+    pattern = miura(3, 4)
+    problem = Sheet(pattern)
+    folded, residual = problem.project(miura_angles(pattern, 4, 1.0))
+    state, flat = State(problem, folded), State(problem, np.zeros(problem.size))
+    assert residual < 1e-13
+    assert problem.rank(folded) < problem.equation_count and state.regular
+    assert state.kernel.shape[1] == 1 and not flat.regular
+
+
+def test_the_tangent_cone_holds_the_tangents_of_curves_and_little_else():
+    """Of a flat Miura sheet: the fold itself and every row or column by itself, found by walking."""
+    pattern = miura(2, 3)
+    problem = Sheet(pattern)
+    cone = tangent_cone(problem.loops(np.zeros(problem.size)), problem.size)
+    assert cone.split and not cone.reason
+    spans = [line[:, None] for line in cone.lines] + list(cone.families)
+    for zigzag in (0.02, -0.02):
+        phi, residual = problem.project(miura_angles(pattern, 3, zigzag))
+        d = phi / np.linalg.norm(phi)
+        assert residual < 1e-13
+        assert min(np.abs(d - b @ (b.T @ d)).max() for b in spans) < 1e-3
+    for b in spans:  # to second order closed states follow each
+        d = b @ np.random.default_rng(0).normal(size=b.shape[1])
+        far = 1e-3 * d / np.linalg.norm(d)
+        assert np.abs(problem.closure.values(far)).max() < 1e-8
+    (loop, *_) = problem.loops(np.zeros(problem.size))
+    modes = loop_modes(loop)
+    assert modes is not None and [m.shape[1] for m in modes] == [1, 1]
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_closed_states_follow_the_lines_of_a_generic_pattern_to_second_order(seed):
+    pattern = strip(seed)
+    problem = Sheet(pattern)
+    cone = tangent_cone(problem.loops(np.zeros(problem.size)), problem.size)
+    assert cone.split and len(cone.lines) == 4 and not cone.families
+    for line in cone.lines:
+        near, far = (np.abs(problem.closure.values(h * line)).max() for h in (1e-3, 2e-3))
+        assert near < 1e-8 and far == pytest.approx(8 * near, rel=0.1)  # it misses by h^3
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_a_vertex_is_a_pattern_with_one_vertex(seed):
+    """Flat foldings of a vertex of degree 4, where closure loses rank: both problems have the same answers."""
+    rng = np.random.default_rng(seed)
+    a, b = rng.uniform(0.5, 1.4), rng.uniform(1.6, 2.6)
+    sectors = a, b, math.pi - a, math.pi - b
+    k, told = rng.uniform(0.5, 2, 4), []
+    for phi in math.pi * np.array(list(product((-1.0, 1.0), repeat=4))):
+        rest = np.clip(phi + rng.uniform(-2.5, 2.5, 4), -3, 3)
+        problem = Sheet(wheel(sectors).with_springs(list(k), list(rest)), contact=False)
+        if problem.residual(phi) > 1e-12 or not problem.on_sheet(phi):
+            continue
+        scene = Scene(Vertex(sectors), tuple(k), tuple(rest), "none", "fold-limits")
+        one, two = classify(State(Model(scene), phi)), classify(State(problem, phi))
+        assert (one.verdict, one.kind) == (two.verdict, two.kind)
+        told.append(one.verdict)
+    assert "minimum" in told
+
+
+def test_one_verb_classifies_both():
+    scene = o.examples.degree6("pi/4", ratio=0.01)
+    minimum = o.find_minima(scene, max_starts=16, escape=False).minima[0]
+    assert o.classify(scene, minimum.fold_angles).kind == minimum.kind
+    pattern = o.examples.pattern("miura", 2, 2)
+    with pytest.raises(o.OrigamiError, match="all 4 fold angles"):
+        o.classify(pattern, [0.0])
+    with pytest.raises(o.OrigamiError, match="do not close"):
+        o.classify(pattern, [1.0, 1.0, 1.0, 1.0])
+    assert o.classify(pattern, np.zeros(4)).verdict in ("minimum", "not stationary")

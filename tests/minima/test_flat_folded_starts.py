@@ -1,0 +1,221 @@
+"""What a search of a sheet enumerates: flat-folded states, ways out of them, wells and touches between samples."""
+
+import importlib
+import itertools
+import math
+import time
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+import origami_nlp as o
+from origami_nlp import examples
+from origami_nlp.facets import Sheet
+from origami_nlp.pattern import make_pattern
+from origami_nlp.sheets import (
+    Clearance,
+    SheetResult,
+    find_states,
+    follow_curve,
+    interpolate,
+    judge,
+    list_branches,
+    list_flat_folded,
+    tangents,
+    wells,
+)
+from tests.command_line import run
+from tests.patterns import metasheet, miura, strip, wheel
+
+
+def _closes(sectors, phi):
+    """Whether a vertex closes, turning about each crease in turn: matrices of scipy."""
+    azimuth = np.concatenate([[0.0], np.cumsum(sectors)[:-1]])
+    turn = Rotation.identity()
+    for a, p in zip(azimuth, phi, strict=True):
+        turn = turn * Rotation.from_rotvec(p * np.array([math.cos(a), math.sin(a), 0.0]))
+    return turn.magnitude() < 1e-9
+
+
+@pytest.mark.parametrize("sectors", [(60, 80, 120, 100), (90, 90, 90, 90), (80, 95, 85, 100)])
+def test_flat_foldings_of_a_vertex(sectors):
+    """All 81 choices; on the paper's sheet are those with an odd number of mountains among four, or pleats."""
+    a = np.deg2rad(sectors)
+    pattern = wheel(a)
+    found = {
+        tuple(np.round(x / math.pi).astype(int).tolist())
+        for x in list_flat_folded(pattern, False).states
+    }
+    expected = set()
+    for choice in itertools.product((0, 1, -1), repeat=4):
+        signs = math.pi * np.array(choice, float)
+        folded = np.count_nonzero(signs)
+        mountains = int((signs < 0).sum())
+        # a turn of -pi is one of pi, but for the sheet it is on: a pleat folds both creases alike, four fold 3 : 1
+        if _closes(a, signs) and (folded != 2 or mountains != 1) and (folded != 4 or mountains % 2):
+            expected.add(choice)
+    assert found == expected
+
+
+def test_ways_across_a_shut_row():
+    """A Miura sheet with its first row shut folds on across it; a state there is found without random starts."""
+    pattern = examples.pattern("miura", 3, 3)
+    straight = np.abs(pattern.directions[:, 1]) < 1e-9
+    heights = pattern.corners[pattern.ends[:, 0], 1]
+    row = straight & (np.abs(heights - heights[straight].min()) < 1e-9)
+    phi = np.where(row, math.pi, 0.0)
+    sheet = Sheet(pattern)
+    assert sheet.residual(phi) < 1e-13
+    ways = list_branches(pattern, phi)
+    across = [d for d in ways.lines if np.abs(d[row]).max() < 1e-6]
+    assert across
+    for d in across:
+        closed, residual = sheet.project(phi + 0.3 * d / np.abs(d).max(), row)
+        assert residual < 1e-13 and np.abs(closed - phi).max() > 0.2
+        assert pattern.creases - sheet.rank(closed) == 1
+
+
+def test_all_wells_of_a_curve_in_long_steps():
+    """As a fine scan of its energy sees them."""
+    pattern = strip(0)
+    sheet = Sheet(pattern)
+    line = list_branches(pattern).lines[0]
+    phi, _ = sheet.project(0.2 * line / np.abs(line).max())
+    curve = interpolate(sheet, follow_curve(sheet, phi, tangents(sheet, phi)[:, 0], 0.3))
+    fine = np.array(
+        [
+            curve.at(k, u)
+            for k in range(len(curve.control))
+            for u in np.linspace(0, 1, 200, endpoint=False)
+        ]
+    )
+    energy = np.array([sheet.scaled_energy(x) for x in fine])
+    inside = np.flatnonzero((energy[1:-1] < energy[:-2]) & (energy[1:-1] < energy[2:])) + 1
+    found = [x for x in wells(sheet, curve) if np.abs(x).max() < math.pi - 1e-9]
+    assert len(found) == len(inside)
+    for i in inside:
+        assert min(np.abs(x - fine[i]).max() for x in found) < 5e-3
+    assert max(sheet.residual(x) for x in found) < 1e-5
+
+
+def test_gaps_are_no_larger_than_distances():
+    """Against the least distance of points spread over both facets."""
+    sheet = Sheet(miura(3, 3))
+    rng = np.random.default_rng(0)
+    clearance = Clearance(sheet)
+    for line in list_branches(sheet.pattern).lines[:2]:
+        phi, _ = sheet.project(1.5 * line / np.abs(line).max())
+        x = sheet.crossings.placed(phi)
+        gaps = clearance.gaps(x, np.full(len(clearance.first), np.inf))
+        weights = rng.dirichlet(np.full(4, 0.4), 300)
+        for k, (i, j) in enumerate(zip(clearance.first, clearance.second, strict=True)):
+            if set(sheet.crossings.pieces[i]) & set(sheet.crossings.pieces[j]):
+                continue
+            a, b = weights @ x[i], weights @ x[j]
+            assert 0 < gaps[k] <= np.linalg.norm(a[:, None] - b, axis=2).min() + 1e-12
+
+
+def test_the_unit_of_length_does_not_part_facets():
+    """By powers of two nothing rounds differently: along a motion the same facets are seen to cross."""
+    seen = []
+    for scale in (1.0, 2.0**-30):
+        pattern, _ = metasheet(3)
+        sheet = Sheet(replace(pattern, corners=scale * pattern.corners))
+        line = list_branches(pattern).lines[1]
+        phi, _ = sheet.project(0.2 * line / np.abs(line).max())
+        curve = interpolate(sheet, follow_curve(sheet, phi, tangents(sheet, phi)[:, 0], 0.3))
+        seen.append(Clearance(sheet).along(curve))
+    one, other = seen
+    assert one.unclear == other.unclear and (one.states == other.states).all()
+    assert (one.crosses == other.crosses).all() and one.crosses.any()
+
+
+def test_an_account_of_drawn_starts():
+    found = find_states(strip(3), starts=3, contact=False, escape=False)
+    assert found.search.drawn >= found.search.since == 3
+    assert any(
+        "3 of" in words and "found no other minimum" in words for words in found.search.words()
+    )
+
+
+@pytest.mark.slow
+def test_states_of_a_miura_across_shut_rows():
+    """Every minimum that random starts of any of three seeds lead to is found from what is enumerated."""
+    pattern = examples.pattern("miura", 3, 3)
+    listed = find_states(pattern, starts=0, escape=False)
+    assert [s for s in listed.minima if abs(s.energy - 0.3977455470597) < 1e-9]
+    for seed in range(3):
+        for s in find_states(pattern, starts=40, seed=seed, escape=False).minima:
+            assert any(np.abs(s.fold_angles - t.fold_angles).max() < 1e-6 for t in listed.minima)
+
+
+def test_one_facet_has_nothing_to_fold():
+    alone = make_pattern(np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]), [(0, 1, 2)])
+    with pytest.raises(o.OrigamiError, match="no crease"):
+        find_states(alone, starts=1)
+
+
+@pytest.mark.parametrize(
+    ("name", "size", "part"),
+    [
+        ("resch", (), "random starts"),
+        ("degree8", (), "the search for single vertices"),
+        ("miura", (3, 3), "ways out of flat-folded states"),
+        ("miura", (8, 8), "ways out of the flat state"),
+    ],
+)
+def test_a_search_ends_in_its_time_and_says_what_it_left_out(name, size, part):
+    """Each of them takes several seconds to its end, most of them tens."""
+    pattern = examples.pattern(name, *size).with_springs(1.0, 1.0)
+    seconds, begin = 0.4, time.process_time()
+    found = find_states(pattern, seconds=seconds)
+    assert time.process_time() - begin < 2 * seconds + 4
+    assert part in found.search.left_out
+    said = str(found)
+    assert (
+        "interrupted by the time limit, not through with" in said
+        and "sampled, not exhausted" in said
+    )
+    assert "every well" not in said and "and the ways out of each" not in said
+    for state in found.states:  # what was found is whole
+        again = judge(Sheet(pattern), state.fold_angles)
+        assert (again.verdict, again.kind) == (state.verdict, state.kind)
+    assert SheetResult.from_dict(found.to_dict()).search == found.search
+
+
+def stopped(monkeypatch, after):
+    """The user interrupts the search at this random start."""
+    search = importlib.import_module("origami_nlp.sheets.find")._Search
+    draw = search.draw
+
+    def drawn(self, rng, k):
+        if k == after:
+            raise KeyboardInterrupt
+        draw(self, rng, k)
+
+    monkeypatch.setattr(search, "draw", drawn)
+
+
+def test_an_interrupted_search_keeps_what_it_found(monkeypatch, tmp_path):
+    whole = find_states("metasheet:3x3", starts=2)
+    stopped(monkeypatch, 1)
+    with pytest.raises(KeyboardInterrupt) as end:  # as programs expect it
+        find_states("metasheet:3x3", starts=2)
+    found = end.value.result
+    assert found.search.interrupted and found.search.left_out[0] == "random starts"
+    assert "interrupted, not through with: random starts" in str(found)
+    assert [m.energy for m in found.minima] == pytest.approx([m.energy for m in whole.minima])
+    file = tmp_path / "found.json"
+    code, out, err = run("pattern", "metasheet:3x3", "--minima", "--json", file)
+    assert code == 130 and "interrupted" in err and f"written: {file}" in out
+    again = o.load(file)
+    assert again.search.interrupted and len(again.minima) == len(found.minima)
+
+
+def test_a_search_that_has_time_leaves_nothing_out():
+    found = find_states(strip(3), starts=1, contact=False, seconds=60.0)
+    assert not found.search.left_out and "time limit" not in str(found)
+    nothing = find_states(strip(3), starts=1, contact=False, seconds=0.0)
+    assert not nothing.states and "starts that the pattern gives" in nothing.search.left_out

@@ -1,0 +1,174 @@
+"""Nothing ends a search: one crease, sides that become parallel, linear algebra that fails, time; popped vertices."""
+
+import importlib
+import math
+import resource
+import subprocess
+import sys
+import time
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from origami_nlp import find_states, load_path, overview
+from origami_nlp.errors import OptionError
+from origami_nlp.facets import Parallel, Placed, Sheet, Touch
+from origami_nlp.kkt import newton, project
+from origami_nlp.numerics import Normal
+from origami_nlp.pattern import Pattern, make_pattern
+from origami_nlp.sheets import draw_overview, draw_states, pop_rows
+from tests.patterns import miura, strip
+from tests.relabelled import relabelled
+
+FIND = importlib.import_module("origami_nlp.sheets.find")
+
+
+def hinge(rest: float) -> Pattern:
+    """Two triangles: no vertex, no equation."""
+    square = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)]
+    return make_pattern(square, [(0, 1, 2), (0, 2, 3)]).with_springs([1.0], [rest])
+
+
+@pytest.mark.parametrize("rest", [0.5, math.pi])
+def test_one_crease(rest):
+    """There is no row of closure that could lose rank: searches and load paths met an index out of bounds."""
+    found = find_states(hinge(rest), starts=2, escape=False)
+    assert [s.fold_angles.tolist() for s in found.minima] == [[pytest.approx(rest)]]
+    assert found.search.curves == found.search.complete == 1
+    path = load_path(hinge(0.5), 1, to=0.2, starts=2)
+    assert path.legs[0].points[-1].fold_angles[0] == pytest.approx(0.7)
+
+
+def test_sides_along_each_other_have_no_gap():
+    """A trial state at which a gap is not defined is none; it was a division by zero."""
+    sheet = Sheet(miura(3, 1))
+    place = Placed(sheet.crossings.poses, np.zeros(2))
+    touch = Touch("edge-edge", (0, 2), (0, 1, 4, 5), 1.0)
+    assert {0, 1} <= sheet.features.rings[0] and {4, 5} <= sheet.features.rings[2]
+    for of in (touch.gap, touch.slopes, touch.bends):
+        with pytest.raises(Parallel):
+            of(place)
+    contact = sheet.contact_of(touch)
+    assert project(sheet, np.zeros(2), [contact])[1] == math.inf
+    assert project(sheet, np.zeros(2))[1] == 0.0
+    assert newton(sheet, np.zeros(2), (contact,))[0] is None
+
+
+def test_rows_of_very_different_lengths():
+    """Rounding of the square of the longest exceeds the weight: "J J' is not positive definite" it was."""
+    j, c = np.array([[1e8, 1e8, 0.0], [0.0, 0.3, 0.1], [1e8, 1e8, 0.0]]), np.array([1e3, 0.2, 1e3])
+    normal = Normal(j)
+    assert np.allclose(j @ normal.step(c), c, rtol=1e-4)
+    balanced = j.T @ normal.multipliers(j.T @ [1e-8, 2.0, 0.0])
+    assert np.allclose(balanced, j.T @ [1e-8, 2.0, 0.0], rtol=1e-6)
+
+
+def test_a_failure_is_counted_and_ends_nothing(monkeypatch):
+    pattern, descend, calls = strip(0), FIND.descend, []
+
+    def failing(*given, **named):
+        calls.append(1)
+        if len(calls) == 2:
+            raise np.linalg.LinAlgError("SVD did not converge")
+        return descend(*given, **named)
+
+    whole = find_states(pattern, starts=2, contact=False, escape=False)
+    monkeypatch.setattr(FIND, "descend", failing)
+    found = find_states(pattern, starts=2, contact=False, escape=False)
+    assert found.search.failed == ("LinAlgError: SVD did not converge",)
+    said = list(found.search.words())
+    assert "not decided: linear algebra failed 1 time, LinAlgError: SVD did not converge" in said
+    assert not any("every well" in words for words in said)
+    assert len(whole.minima) - 1 <= len(found.minima) <= len(whole.minima)
+    assert any("every well" in words for words in whole.search.words())
+
+
+def test_names_that_are_no_formulas():
+    pattern = replace(strip(0), name=r"$\frac{$ a name")
+    for figure in (
+        draw_overview(overview(pattern)),
+        draw_states(pattern, [(r"$\frac{$", np.zeros(pattern.creases))], pattern.name),
+    ):
+        figure.canvas.draw()
+
+
+def test_seconds_are_those_of_a_clock():
+    """The ways out of a sheet of 1,104 creases are not gone through in half a second, nor is more time taken."""
+    begun = time.monotonic()
+    found = find_states("miura:24x24", seconds=0.5)
+    assert found.search.left_out and time.monotonic() - begun < 6.0
+    with pytest.raises(OptionError, match="the time was over"):
+        load_path("metasheet:3x3", [1, 2], to=0.05, seconds=0.0)
+
+
+@pytest.mark.slow
+def test_a_sheet_of_4096_facets_within_ten_seconds():
+    """With its counts, and below 1 GB; the bound of time is that of an idle machine."""
+    command = [
+        sys.executable,
+        "-m",
+        "origami_nlp",
+        "pattern",
+        "miura:64x64",
+        "--minima",
+        "--seconds",
+        "10",
+    ]
+    begun = time.monotonic()
+    done = subprocess.run(command, capture_output=True, text=True, check=True)
+    assert time.monotonic() - begun < 20.0
+    assert "interrupted by the time limit" in done.stdout
+    assert resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss < 1e6
+
+
+SPRINGS = {
+    (1, 2): (1.03884, 1.71157), (1, 3): (4.27218, -1.16787), (2, 3): (0.31756, -0.27595), (3, 4): (4.24726,
+    -2.17164), (4, 5): (0.54521, -0.57494), (3, 5): (0.78101, -1.75973), (5, 6): (2.87597, -1.41046), (5, 7):
+    (0.74624, 1.48569), (3, 8): (1.17336, -1.30308), (2, 8): (0.21806, -0.08788), (5, 10): (2.26422, 2.85275),
+    (3, 10): (1.13084, 2.73953), (5, 11): (0.57760, 1.33393),
+}  # fmt: skip
+"""Of a Yoshimura pattern: stiffness [N m/rad] and rest angle [rad] by the corners of the crease."""
+PLACES = [
+    [0, 0],
+    [2, 0],
+    [1, 1],
+    [3, 1],
+    [4, 0],
+    [5, 1],
+    [6, 0],
+    [7, 1],
+    [2, 2],
+    [0, 2],
+    [4, 2],
+    [6, 2],
+]
+TRIANGLES = [
+    (0, 1, 2), (1, 3, 2), (1, 4, 3), (4, 5, 3), (4, 6, 5), (6, 7, 5), (2, 3, 8), (2, 8, 9), (3, 5, 10), (3, 10, 8),
+    (5, 7, 11), (5, 11, 10),
+]  # fmt: skip
+
+
+def yoshimura() -> Pattern:
+    return make_pattern(
+        np.array(PLACES) * (1.0, 3**-0.5),
+        TRIANGLES,
+        stiffness={side: k for side, (k, _) in SPRINGS.items()},
+        rest={side: r for side, (_, r) in SPRINGS.items()},
+    )
+
+
+@pytest.mark.parametrize("labels", [None, pytest.param(1, marks=pytest.mark.slow)])
+def test_a_minimum_on_the_other_side_of_a_vertex(labels):
+    """Both vertices up: random starts slide through crossing states to the other three, whatever labels and seed."""
+    pattern = yoshimura()
+    if labels is not None:
+        pattern, *_ = relabelled(pattern, labels)
+    starts = 40 if labels else 10
+    found = find_states(pattern, starts=starts, seed=labels or 0, escape=False)
+    energies = [round(s.energy, 3) for s in found.minima]
+    assert {4.372, 4.450, 24.599, 32.343} <= set(energies)
+    signs = [tuple(np.sign(pop_rows(found.pattern) @ s.fold_angles)) for s in found.minima]
+    assert len(set(signs)) == 4
+    assert found.search.popped > 0
+    assert any("with one vertex popped" in words for words in found.search.words())

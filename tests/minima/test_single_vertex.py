@@ -1,0 +1,101 @@
+"""A vertex is a pattern with one interior vertex: the search for vertices and the one for patterns, side by side."""
+
+import json
+import math
+
+import numpy as np
+import pytest
+
+import origami_nlp as o
+from origami_nlp import Scene, Vertex, find_minima
+from origami_nlp.facets import Sheet
+from origami_nlp.folding import frames_to_fold
+from origami_nlp.pattern import frame_pattern, panels, parse_fold, scene_pattern
+from origami_nlp.sheets import find_states, judge
+
+DECIDED = 1e-9
+"""Fold angles [rad], and energies over the mean stiffness, of one state found both ways."""
+
+
+def without_symmetry(scene, contact):
+    return Scene(scene.vertex, scene.stiffness, scene.rest_angles, "none", contact)
+
+
+def drawn(seed, degree, contact):
+    rng = np.random.default_rng(seed)
+    while True:
+        sectors = 0.15 + rng.dirichlet(np.full(degree, 2.0)) * (2 * math.pi - 0.15 * degree)
+        if sectors.max() < 3.0:
+            break
+    k, rest = 10 ** rng.uniform(-0.7, 0.7, degree), rng.uniform(-math.pi, math.pi, degree)
+    return Scene(Vertex(tuple(sectors)), k, rest, "none", contact)
+
+
+def compare(scene, starts=4):
+    """Judge the minima of a vertex as states of a pattern: what both searches list; verdicts of what was found."""
+    one = find_minima(scene, prove=False, escape=False)
+    pattern, full = scene_pattern(scene), scene.contact == "full"
+    sheet, verdicts = Sheet(pattern), []
+    for m in one.minima:
+        state = judge(sheet, np.array(m.fold_angles), full)
+        assert abs(state.energy - m.energy) <= DECIDED * (1 + abs(m.energy))
+        assert state.verdict in ("minimum", "undecided"), (m.kind, state.certificate)
+        if m.kind != "degenerate":  # for one vertex that says which set it is on, not what holds it
+            assert state.kind in (m.kind, None), state.certificate
+        verdicts.append(state.verdict)
+    known = [np.array(m.fold_angles) for m in one.minima]
+    found = find_states(pattern, starts=starts, contact=full, escape=False).minima
+    if len(found) > verdicts.count(
+        "minimum"
+    ):  # a default search misses some: they are there for a thorough one
+        more = find_minima(scene, prove=False, effort="thorough", escape=False).minima
+        known += [np.array(m.fold_angles) for m in more]
+    for state in found:
+        assert min(np.abs(state.fold_angles - phi).max() for phi in known) < DECIDED
+    assert len(found) >= verdicts.count("minimum")
+    return verdicts
+
+
+def test_a_scene_its_file_and_its_pattern_are_the_same():
+    scene = drawn(0, 5, "full")
+    pattern = scene_pattern(scene)
+    (frame,) = parse_fold(json.dumps(frames_to_fold(scene, [])))
+    again = frame_pattern(frame)
+    phi = np.random.default_rng(0).uniform(-1, 1, (3, 5))
+    for one in (pattern, again):
+        assert one.facets == one.creases == 5 and len(one.vertices) == 1
+        assert np.abs(one.energy(phi) - [scene.energy(p) for p in phi]).max() < 1e-12
+    assert np.abs(pattern.corners - again.corners).max() < 1e-15
+
+
+def test_what_a_pattern_has_not_is_refused():
+    cone = Scene(Vertex((1.2, 1.2, 1.2, 1.2), False), (1,) * 4, (0,) * 4)
+    with pytest.raises(o.OrigamiError, match="lie flat"):
+        scene_pattern(cone)
+    wound = Scene(Vertex(("pi/2",) * 4), (1,) * 4, (0,) * 4, preload=(1, 0, 1, 0))
+    with pytest.raises(o.OrigamiError, match="preload"):
+        scene_pattern(wound)
+
+
+@pytest.mark.parametrize("contact", ["fold-limits", "full"])
+def test_vertices_with_one_freedom_have_the_same_minima_both_ways(contact):
+    assert "undecided" not in compare(drawn(0, 4, contact))
+
+
+def test_vertices_with_more_freedoms_have_the_same_minima_both_ways():
+    assert "minimum" in compare(drawn(1, 5, "full"), starts=1)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("contact", ["fold-limits", "full"])
+@pytest.mark.parametrize("degree", [4, 5, 6])
+def test_20_vertices_are_judged_alike(degree, contact):
+    verdicts = [compare(drawn(seed, degree, contact), starts=20) for seed in range(100, 120)]
+    told = [v for one in verdicts for v in one]
+    assert told.count("undecided") <= 0.05 * len(told)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("panel", range(18))
+def test_panels_of_the_paper_are_judged_alike(panel):
+    compare(without_symmetry(panels()[panel], "full"))
