@@ -40,6 +40,7 @@ from .polishing import (
 )
 from .projection import project as project
 from .state import State as State, Stratum as Stratum
+from .stress import Stress as Stress, find_stress as find_stress
 from .tangent_cone import (
     TangentCone as TangentCone,
     by_known as by_known,

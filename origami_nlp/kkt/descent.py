@@ -198,10 +198,8 @@ def _step(
             y = _closed(model, x + step * d, held)
             change = math.inf if y is None else model.energy_change(x, y) / model.scale
             # sufficient decrease (Nocedal & Wright, 3.4), measured after the way back to closure
-            lower = y is not None and change < DECREASE * step * slope
-            if lower and leads is not None and not leads(x, y):
-                lower = False
-            if y is not None and lower and not model.refuses(y):
+            lower = change < DECREASE * step * slope
+            if y is not None and lower and (leads is None or leads(x, y)) and not model.refuses(y):
                 if best is None or change < best[0]:
                     best = (change, y, step * size)
                 break

@@ -34,6 +34,7 @@ from .interpolant import (
     wells as wells,
 )
 from .judgement import (
+    classified as classified,
     judge as judge,
     singular_beside as singular_beside,
 )
@@ -44,7 +45,6 @@ from .pops import pop_rows as pop_rows
 from .pressing import press as press, press_along as press_along, press_off as press_off
 from .result import SheetResult as SheetResult, SheetSearch as SheetSearch
 from .state import SheetState as SheetState
-from .stress import Stress as Stress, find_stress as find_stress
 from .turnable import (
     sheet_content as sheet_content,
     sheet_poser as sheet_poser,

@@ -55,7 +55,8 @@ def press(sheet: Sheet, phi: np.ndarray, keep: bool = False) -> Descended:
         found = follow(sheet, phi, curved=True, longest=longest, leads=leads)
     except ValueError as refused:
         return Descended(phi, False, 0, str(refused))
-    arrived = found.what.verdict == "minimum"
+    if arrived := found.what.verdict == "minimum":
+        sheet.kept("classified", found.end, lambda: found.what)
     path, why = tuple(found.states), "still" if arrived else UNTOLD
     return Descended(found.end, arrived, len(path) - 1, why, path=path)
 

@@ -10,13 +10,12 @@ from typing import TYPE_CHECKING, Any
 
 from origami_nlp.errors import OUT_OF_TIME
 from origami_nlp.facets import MOST_DENSE, Sheet
-from origami_nlp.kkt import State
+from origami_nlp.kkt import State, find_stress
 from origami_nlp.minima import shallow_words, softest_words, stability_words, survival_words
 from origami_nlp.numerics import STATIONARY, rank
 from origami_nlp.pattern import Pattern, pattern_from_dict, pattern_to_dict
 from origami_nlp.sheets.noise import is_overdetermined, measured_words
 from origami_nlp.sheets.state import SheetState
-from origami_nlp.sheets.stress import find_stress
 from origami_nlp.show import Content, Piece, Table, Told, Turnable, from_plain, inline_image
 
 if TYPE_CHECKING:
@@ -263,7 +262,7 @@ class SheetResult(Told, Turnable):
         if self.pattern.creases > MOST_DENSE or not all(c.is_limit for c in state.contacts):
             return data
         held = [c.creases[0] - 1 for c in state.contacts]
-        stress = find_stress(Sheet(self.pattern), state.fold_angles, held)
+        stress = find_stress(State(Sheet(self.pattern), state.fold_angles), held)
         return {
             **data,
             "multipliers": stress.multipliers.tolist(),
