@@ -12,10 +12,11 @@ from .family import (
     parse_over as parse_over,
 )
 from .figure import (
-    COLOURS as COLOURS,
-    MARKS as MARKS,
     draw_atlas as draw_atlas,
     draw_boundaries as draw_boundaries,
+    draw_ranges as draw_ranges,
+    event_look as event_look,
+    kinds_legend as kinds_legend,
 )
 from .find import follow as follow, follow_family as follow_family
 from .fold_out import write_frames as write_frames

@@ -83,6 +83,16 @@ class Over:
             return self.high
         return math.exp(s) if self.log else s
 
+    def drawn(self, t: float) -> float:
+        """Return a value as axes have it: angles in degrees."""
+        return math.degrees(t) if self.unit == "rad" else t
+
+    @property
+    def axis(self) -> str:
+        """The name for an axis, with its unit."""
+        unit = "deg" if self.unit == "rad" else self.unit
+        return f"{self.name} [{unit}]" if unit else self.name
+
     def shown(self, t: float, digits: int = 6) -> str:
         """Return a value in words, angles in degrees."""
         if self.unit == "rad":

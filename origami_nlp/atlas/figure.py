@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import matplotlib as mpl
@@ -13,7 +13,7 @@ from matplotlib.lines import Line2D
 
 from origami_nlp.arguments import check_type
 from origami_nlp.atlas.boundary import FLAT, Boundaries
-from origami_nlp.atlas.records import PathPoint
+from origami_nlp.atlas.records import PathBranch, PathPoint
 from origami_nlp.atlas.result import Atlas
 from origami_nlp.atlas.smooth import smooth
 from origami_nlp.show import INKS, KINDS, label_text
@@ -31,6 +31,8 @@ MARKS = {
     "breaks-symmetry": "P",
     "singular": "x",
 }
+OTHER_MARK = "P"
+"""Of events that only patterns have."""
 WIDE = 60.0
 """Energies whose largest is so many times the smallest are drawn on a logarithmic scale."""
 
@@ -68,21 +70,43 @@ def draw_atlas(atlas: Atlas) -> Figure:
         for axes, (label, value) in zip(rows, panels, strict=True):
             _panel(atlas, axes, label, value)
         _counts(atlas, rows[0])
-        unit = {"rad": " [deg]", "": ""}.get(atlas.over.unit, f" [{atlas.over.unit}]")
-        rows[-1].set_xlabel(label_text(atlas.over.name) + unit)
+        rows[-1].set_xlabel(label_text(atlas.over.axis))
         if atlas.over.log:
             rows[-1].set_xscale("log")
-        rows[-1].set_xlim(*(_shown(atlas, t) for t in (atlas.over.low, atlas.over.high)))
+        rows[-1].set_xlim(*(atlas.over.drawn(t) for t in (atlas.over.low, atlas.over.high)))
         _legend(atlas, figure)
     return figure
 
 
-def _shown(atlas: Atlas, t: float) -> float:
-    return math.degrees(t) if atlas.over.unit == "rad" else t
-
-
 def _moment(p: PathPoint) -> float:
     return max((m.value for m in p.multipliers), default=math.nan)
+
+
+def kind_look(kind: str) -> dict[str, Any]:
+    """Return how states of a kind are drawn, for ``Axes.plot``: minima by solid lines, others by dashed ones."""
+    ls, lw = ("-", 1.6) if kind in KINDS else ((0, (4, 2)), 1.1)
+    return {"color": COLOURS.get(kind, OTHER), "ls": ls, "lw": lw}
+
+
+def event_look(type: str) -> dict[str, Any]:
+    """Return how an event is marked, for ``Axes.plot``."""
+    face = "white" if type == "leaves" else "black"
+    marker = MARKS.get(type, OTHER_MARK)
+    return {"marker": marker, "ls": "none", "color": "black", "mfc": face, "ms": 4.5}
+
+
+def draw_ranges(axes: Any, branch: PathBranch, x: np.ndarray, y: np.ndarray) -> None:
+    """Draw the points of a branch, [m] each, range by range as their kinds are drawn."""
+    for r in branch.kind_ranges:
+        part = slice(r.points[0], r.points[1] + 1)
+        axes.plot(x[part], y[part], **kind_look(r.kind))
+
+
+def kinds_legend(branches: Sequence[PathBranch]) -> list[Line2D]:
+    """Return legend entries for the kinds of states on branches."""
+    kinds = dict.fromkeys(r.kind for b in branches for r in b.kind_ranges)
+    order = sorted(kinds, key=lambda k: [*COLOURS, k].index(k))
+    return [Line2D([], [], **kind_look(kind), label=kind) for kind in order]
 
 
 def _telling_crease(atlas: Atlas) -> int:
@@ -94,19 +118,11 @@ def _telling_crease(atlas: Atlas) -> int:
 def _panel(atlas: Atlas, axes: Any, label: str, value: Callable[[PathPoint], float]) -> None:
     drawn, stable = [], []
     for branch in atlas.branches:
-        t = np.array([_shown(atlas, p.t) for p in branch.points])
+        t = np.array([atlas.over.drawn(p.t) for p in branch.points])
         y = np.array([value(p) for p in branch.points])
         drawn.append(y)
-        for r in branch.kind_ranges:
-            part = slice(r.points[0], r.points[1] + 1)
-            stable += [y[part]] if r.stable else []
-            axes.plot(
-                t[part],
-                y[part],
-                color=COLOURS.get(r.kind, OTHER),
-                ls="-" if r.stable else (0, (4, 2)),
-                lw=1.6 if r.stable else 1.1,
-            )
+        draw_ranges(axes, branch, t, y)
+        stable += [y[slice(r.points[0], r.points[1] + 1)] for r in branch.kind_ranges if r.stable]
     axes.margins(y=0.1)  # for the numbers of events
     every = np.concatenate(drawn) if drawn else np.zeros(0)
     every = every[np.isfinite(every)]
@@ -114,18 +130,10 @@ def _panel(atlas: Atlas, axes: Any, label: str, value: Callable[[PathPoint], flo
         axes.set_yscale("log")
     for event in atlas.events:
         at = _event_value(atlas, event.id, value)
-        axes.plot(
-            _shown(atlas, event.t),
-            at,
-            MARKS[event.type],
-            color="black",
-            ms=4.5,
-            mfc="white" if event.type == "leaves" else "black",
-            zorder=5,
-        )
+        axes.plot(atlas.over.drawn(event.t), at, **event_look(event.type), zorder=5)
         axes.annotate(
             str(event.id),
-            (_shown(atlas, event.t), at),
+            (atlas.over.drawn(event.t), at),
             (3, 4),
             textcoords="offset points",
             fontsize=8,
@@ -175,41 +183,16 @@ def _counts(atlas: Atlas, axes: Any) -> None:
             fontweight="bold",
         )
     for cut in {t for i in atlas.intervals for t in i.t} - {over.low, over.high}:
-        axes.axvline(_shown(atlas, cut), color="#bbbbbb", lw=0.6, zorder=0)
+        axes.axvline(atlas.over.drawn(cut), color="#bbbbbb", lw=0.6, zorder=0)
 
 
 def _legend(atlas: Atlas, figure: Figure) -> None:
-    kinds = dict.fromkeys(r.kind for b in atlas.branches for r in b.kind_ranges)
-    lines = [
-        Line2D(
-            [],
-            [],
-            color=COLOURS.get(kind, OTHER),
-            label=kind,
-            ls="-" if kind in COLOURS and kind != "saddle" else (0, (4, 2)),
-        )
-        for kind in sorted(kinds, key=lambda k: [*COLOURS, k].index(k))
-    ]
-    marks = [
-        Line2D(
-            [],
-            [],
-            color="black",
-            marker=MARKS[type],
-            ls="none",
-            ms=4.5,
-            label=type,
-            mfc="white" if type == "leaves" else "black",
-        )
-        for type in dict.fromkeys(e.type for e in atlas.events)
-    ]
-    if lines or marks:
-        figure.legend(
-            handles=[*lines, *marks],
-            loc="outside upper center",
-            ncols=min(6, len(lines) + len(marks)),
-            frameon=False,
-        )
+    handles = kinds_legend(atlas.branches)
+    types = dict.fromkeys(e.type for e in atlas.events)
+    handles += [Line2D([], [], **event_look(type), label=type) for type in types]
+    if handles:
+        many = min(6, len(handles))
+        figure.legend(handles=handles, loc="outside upper center", ncols=many, frameon=False)
 
 
 def draw_boundaries(boundaries: Boundaries) -> Figure:
@@ -233,17 +216,13 @@ def draw_boundaries(boundaries: Boundaries) -> Figure:
     """
     check_type("boundaries", boundaries, Boundaries)
     up, across = boundaries.overs
-
-    def shown(over: Any, t: float) -> float:
-        return math.degrees(t) if over.unit == "rad" else t
-
     with mpl.rc_context({"font.size": 9}):
         figure = Figure(figsize=(6.4, 4.4), layout="constrained")
         axes = figure.subplots()
         for k, curve in enumerate(boundaries.curves):
             y, x = smooth(curve, boundaries.overs).T
-            x = np.array([shown(across, across.t_of(s)) for s in x])
-            y = np.array([shown(up, up.t_of(s)) for s in y])
+            x = np.array([across.drawn(across.t_of(s)) for s in x])
+            y = np.array([up.drawn(up.t_of(s)) for s in y])
             turns = "fold" in curve.type or curve.type == FLAT
             name = curve.contact.split(" (")[0]
             name = name or ("states pass the flat one" if curve.type == FLAT else "states fold")
@@ -262,17 +241,16 @@ def draw_boundaries(boundaries: Boundaries) -> Figure:
             for i in line.intervals:
                 a, b = (up.s_of(t) for t in i.t)
                 if b - a > 0.04 * (high - low):
-                    at = shown(across, line.t), shown(up, up.t_of(0.5 * (a + b)))
+                    at = across.drawn(line.t), up.drawn(up.t_of(0.5 * (a + b)))
                     side = {across.low: "left", across.high: "right"}.get(line.t, "center")
                     axes.text(*at, f" {i.minima} ", ha=side, va="center", fontweight="bold")
-        axes.set_xlim(*(shown(across, t) for t in (across.low, across.high)))
-        axes.set_ylim(*(shown(up, t) for t in (up.low, up.high)))
+        axes.set_xlim(*(across.drawn(t) for t in (across.low, across.high)))
+        axes.set_ylim(*(up.drawn(t) for t in (up.low, up.high)))
         for over, label, scale in (
             (across, axes.set_xlabel, axes.set_xscale),
             (up, axes.set_ylabel, axes.set_yscale),
         ):
-            unit = {"rad": " [deg]", "": ""}.get(over.unit, f" [{over.unit}]")
-            label(label_text(over.name) + unit)
+            label(label_text(over.axis))
             if over.log:
                 scale("log")
         if boundaries.curves:

@@ -236,6 +236,7 @@ class _Survey:
             x = model.reduce(np.array(minimum.fold_angles))
             # not explained by any branch: it begins one
             if _nearest(followed, x) > SETTLED:
+                # `followed` has the frames of index 0: what lies on another one is a saddle to the tracer
                 if _nearest([f for _, f in self.web.states_at(s)], x) <= SETTLED:
                     self.alarms.append(
                         f"{self.over.name} = {t:.9g}: a minimum lies on a branch of saddles"

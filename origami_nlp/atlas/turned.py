@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from origami_nlp.atlas.family import Family, Over
+from origami_nlp.atlas.family import Family
 from origami_nlp.atlas.records import PathBranch, PathEvent
 from origami_nlp.pattern import Vertex
 from origami_nlp.show import (
@@ -62,17 +62,12 @@ def turn_branches(
         view = vertex_view(scene.vertex, e.fold_angles)
         title = f"event {e.id}: {e.type} at {where}"
         stations.append(Station(title, folded, view, lines=tuple(filter(None, said))))
-        at.append((len(at), _told(over, e.t), energy))
-    label = " ".join(
-        filter(
-            None, (over.name, f"[{'deg' if over.unit == 'rad' else over.unit}]" * bool(over.unit))
-        )
-    )
-    tracks = [track for b in branches for track in _tracks(family, b, label)]
+        at.append((len(at), over.drawn(e.t), energy))
+    tracks = [track for b in branches for track in _tracks(family, b)]
     points = [np.stack([t.parameter, [state.energy for state in t.states]], axis=1) for t in tracks]
     none = np.empty(0)
     panel = Panel(
-        f"Energy over {over.name}", (label, "energy [J]"), none, none, None, (), tuple(at)
+        f"Energy over {over.name}", (over.axis, "energy [J]"), none, none, None, (), tuple(at)
     )
     steps = "Each step is an equilibrium, polished; on which of them is a minimum, see the title of the path."
     first = family.scene_of(over.low)
@@ -125,11 +120,7 @@ def turn_paths(
     return content.with_tracks(list(tracks), [list(points)])
 
 
-def _told(over: Over, t: float) -> float:
-    return math.degrees(t) if over.unit == "rad" else t
-
-
-def _tracks(family: Family, branch: PathBranch, label: str) -> list[Track]:
+def _tracks(family: Family, branch: PathBranch) -> list[Track]:
     """Return the stretches of a branch on which the parameter runs one way."""
     over, t = family.over, np.array([p.t for p in branch.points])
     steps = np.sign(np.diff(t))
@@ -152,8 +143,8 @@ def _tracks(family: Family, branch: PathBranch, label: str) -> list[Track]:
                 title,
                 [p.fold_angles for p in points],
                 [p.energy for p in points],
-                parameter=[_told(over, p.t) for p in points],
-                label=label,
+                parameter=[over.drawn(p.t) for p in points],
+                label=over.axis,
             )
         )
     return out

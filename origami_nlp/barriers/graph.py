@@ -249,33 +249,13 @@ def _join(model: Model, x: np.ndarray, spacing: float) -> tuple[np.ndarray, np.n
 
 
 def _near(x: np.ndarray, spacing: float) -> np.ndarray:
-    """Return the pairs of states closer than 1.8 cells, [E, 2]."""
-    cells = np.floor(x / spacing).astype(np.int64)
-    cells -= cells.min(axis=0) - 1
-    span = cells.max(axis=0) + 2
-    weight = np.concatenate([[1], np.cumprod(span[:-1])]).astype(np.int64)
-    key = cells @ weight
-    order = np.argsort(key, kind="stable")
-    sorted_key = key[order]
-    # several given states may share a cell: look at each of its members
-    most = int(np.unique(sorted_key, return_counts=True)[1].max())
-    pairs = []
-    for offset in itertools.product((-1, 0, 1), repeat=x.shape[1]):
-        # cells as one number: neighbours differ by a constant; each pair of offsets v, -v is looked at once
-        shift = int(np.array(offset) @ weight)
-        if shift < 0 or (shift == 0 and any(offset)):
-            continue
-        left = np.searchsorted(sorted_key, key + shift, side="left")
-        for m in range(most):
-            at = left + m
-            ok = at < len(x)
-            ok[ok] = sorted_key[at[ok]] == (key + shift)[ok]
-            a, b = np.flatnonzero(ok), order[at[ok]]
-            keep = a < b if shift == 0 else a != b
-            pairs.append(np.stack([a[keep], b[keep]], axis=1))
-    edges = np.vstack(pairs)
-    length = np.linalg.norm(x[edges[:, 0]] - x[edges[:, 1]], axis=1)
-    return np.unique(np.sort(edges[length <= 1.8 * spacing], axis=1), axis=0)
+    """Return the pairs of states closer than 1.8 cells, in cells that touch, [E, 2]."""
+    from scipy.spatial import cKDTree
+
+    edges = cKDTree(x).query_pairs(1.8 * spacing, output_type="ndarray")
+    cells = np.floor(x / spacing)
+    touch = np.abs(cells[edges[:, 0]] - cells[edges[:, 1]]).max(axis=1, initial=0.0) <= 1
+    return np.unique(edges[touch], axis=0)
 
 
 def _across(model: Programme, a: np.ndarray, b: np.ndarray) -> np.ndarray:

@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 import math
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from origami_nlp.chart.chart import Chart, admissible
+
+if TYPE_CHECKING:
+    from shapely import MultiPolygon
 
 BISECTIONS = 50
 """Halvings of the step between two cells: to rounding."""
@@ -39,13 +43,32 @@ def crossings_of(chart: Chart, branch: int, size: int) -> tuple[np.ndarray, np.n
     at_edge = allowed(chart, branch, beyond[:, 0], beyond[:, 1])[0]
     # admissible up to the edge of the chart: the edge itself is the boundary there
     inside = np.where(at_edge[:, None], beyond, inside)
-    for _ in range(BISECTIONS):
-        # invariant: `inside` has an admissible state, `beyond` has none
-        middle = (inside + beyond) / 2
-        ok = allowed(chart, branch, middle[:, 0], middle[:, 1])[0][:, None]
-        inside, beyond = np.where(ok, middle, inside), np.where(ok, beyond, middle)
+    inside = last_allowed(chart, branch, inside, beyond)
     states = allowed(chart, branch, inside[:, 0], inside[:, 1])[1]
     return inside, states
+
+
+def last_allowed(chart: Chart, branch: int, inside: np.ndarray, beyond: np.ndarray) -> np.ndarray:
+    """Bisect between chart points with an admissible state and others [k, 2]: the last ones with one, to rounding."""
+    for _ in range(BISECTIONS):
+        middle = (inside + beyond) / 2
+        ok = allowed(chart, branch, *middle.T)[0][:, None]
+        inside, beyond = np.where(ok, middle, inside), np.where(ok, beyond, middle)
+    return inside
+
+
+def faces_of(chart: Chart, branch: int, lines: list[Any], least: float) -> MultiPolygon:
+    """Return the faces between lines that hold an admissible state and have at least that area [rad^2]."""
+    import shapely
+
+    faces = shapely.polygonize([shapely.unary_union(lines)]).geoms if lines else []
+    inside = []
+    for face in faces:
+        at = face.representative_point()
+        if face.area >= least and allowed(chart, branch, np.array([at.x]), np.array([at.y]))[0][0]:
+            inside.append(face)
+    union = shapely.unary_union(inside) if inside else shapely.MultiPolygon()
+    return union if isinstance(union, shapely.MultiPolygon) else shapely.MultiPolygon([union])
 
 
 def allowed(

@@ -16,7 +16,7 @@ import numpy as np
 
 from origami_nlp.chart.boundary_lines import Boundary, trace_boundary
 from origami_nlp.chart.chart import Chart, chart_of
-from origami_nlp.chart.grid import BISECTIONS, allowed, chart_limits
+from origami_nlp.chart.grid import allowed, chart_limits, faces_of, last_allowed
 from origami_nlp.chart.region import admissible_region
 from origami_nlp.errors import OptionError
 from origami_nlp.pattern import Scene
@@ -146,7 +146,9 @@ def _bisected_region(chart: Chart, branch: int) -> MultiPolygon:
     mixed = np.asarray(good.any(axis=1) & ~good.all(axis=1))
     x0, x1, y0, y1 = grid.limits
     lines = [shapely.box(x0, y0, x1, y1).exterior]
-    return _kept(chart, branch, lines + _segments(grid, cells[mixed], good[mixed]))
+    # faces are larger than what the cells resolve
+    least = RESOLVED_CELLS * (x1 - x0) * (y1 - y0) / (SIZE * 2**HALVINGS) ** 2
+    return faces_of(chart, branch, lines + _segments(grid, cells[mixed], good[mixed]), least)
 
 
 def _beyond(grid: _Grid, cells: np.ndarray, good: np.ndarray) -> np.ndarray:
@@ -169,10 +171,7 @@ def _segments(grid: _Grid, cells: np.ndarray, good: np.ndarray) -> list[Any]:
     a, b = np.where(swap, b, a), np.where(swap, a, b)
     inside = np.asarray(grid.good(a))[:, None]
     a, b = np.where(inside, a, b), np.where(inside, b, a)
-    for _ in range(BISECTIONS):
-        middle = (a + b) / 2
-        ok = np.asarray(grid.good(middle))[:, None]
-        a, b = np.where(ok, middle, a), np.where(ok, b, middle)
+    a = last_allowed(grid.chart, grid.branch, a, b)
     # two opposite corners good, two not: which pair hangs together is decided by the middle of the cell
     centre = np.asarray(grid.good(grid.points(cells + 0.5)))
     pairs, first = [], np.searchsorted(cell, np.arange(len(cells)))
@@ -182,18 +181,3 @@ def _segments(grid: _Grid, cells: np.ndarray, good: np.ndarray) -> list[Any]:
             ends = ends[1:] + ends[:1]  # sides 3 and 0 meet at the corner to cut off, and 1 and 2
         pairs += [ends[i : i + 2] for i in range(0, len(ends), 2)]
     return list(shapely.linestrings(a[np.array(pairs, dtype=int).reshape(-1, 2)]))
-
-
-def _kept(chart: Chart, branch: int, lines: list[Any]) -> MultiPolygon:
-    """Return the faces between lines that hold an admissible point, and are larger than what the cells resolve."""
-    import shapely
-
-    x0, x1, y0, y1 = chart_limits(chart)
-    least = RESOLVED_CELLS * (x1 - x0) * (y1 - y0) / (SIZE * 2**HALVINGS) ** 2
-    inside = []
-    for face in shapely.polygonize([shapely.unary_union(lines)]).geoms:
-        at = face.representative_point()
-        if face.area > least and allowed(chart, branch, np.array([at.x]), np.array([at.y]))[0][0]:
-            inside.append(face)
-    union = shapely.unary_union(inside) if inside else shapely.MultiPolygon()
-    return union if isinstance(union, shapely.MultiPolygon) else shapely.MultiPolygon([union])

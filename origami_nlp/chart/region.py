@@ -8,7 +8,7 @@ import numpy as np
 
 from origami_nlp.chart.boundary_lines import CORNER, Boundary
 from origami_nlp.chart.chart import chart_of
-from origami_nlp.chart.grid import allowed
+from origami_nlp.chart.grid import faces_of
 from origami_nlp.pattern import Scene
 
 if TYPE_CHECKING:
@@ -46,13 +46,4 @@ def admissible_region(scene: Scene, boundary: Boundary, branch: int) -> MultiPol
         # ends of lines are known to `CORNER` only: those of one corner are made one point, or faces would not close
         points[0], points[-1] = corner(points[0]), corner(points[-1])
         pieces.append(shapely.LineString(points))
-    faces = list(shapely.polygonize([shapely.unary_union(pieces)]).geoms) if pieces else []
-    inside = []
-    for face in faces:
-        if face.area < SLIVER:
-            continue
-        at = face.representative_point()
-        if allowed(chart, branch, np.array([at.x]), np.array([at.y]))[0][0]:
-            inside.append(face)
-    union = shapely.unary_union(inside) if inside else shapely.MultiPolygon()
-    return union if isinstance(union, shapely.MultiPolygon) else shapely.MultiPolygon([union])
+    return faces_of(chart, branch, pieces, SLIVER)

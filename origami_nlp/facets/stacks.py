@@ -27,7 +27,7 @@ import numpy as np
 
 from origami_nlp.facets.crossings import Crossings, boxes_that_meet
 from origami_nlp.folding import TRANSITIVE, Rule, not_interleaved
-from origami_nlp.numerics import ANSWERED, cross
+from origami_nlp.numerics import ANSWERED, cross, groups
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -164,11 +164,7 @@ class Stack:
     @cached_property
     def up(self) -> np.ndarray:
         """Of each piece the normal of its plane that tells above from below: one for all that lie on each other."""
-        from scipy.sparse import coo_array
-        from scipy.sparse.csgraph import connected_components
-
-        size, (i, j) = len(self.x), self.pairs.T
-        _, label = connected_components(coo_array((np.ones(len(i)), (i, j)), shape=(size, size)))
+        label = groups(len(self.x), self.pairs)
         _, first = np.unique(label, return_index=True)
         # the first piece of each stack gives the direction; the others are turned to agree with it
         way = np.einsum("pi,pi->p", self.normal, self.normal[first[label]])

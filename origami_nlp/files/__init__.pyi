@@ -1,6 +1,13 @@
 from .brief import Brief as Brief, Full as Full, brief as brief, cut as cut
 from .console import PAGE as PAGE, Screen as Screen, screen as screen
-from .reading import parse_toml as parse_toml, read_limited as read_limited
+from .reading import (
+    as_text as as_text,
+    check_tables as check_tables,
+    one_of as one_of,
+    parse_toml as parse_toml,
+    read_limited as read_limited,
+    read_toml as read_toml,
+)
 from .text import is_unicode as is_unicode, printable as printable
 from .writing import (
     check_outputs as check_outputs,

@@ -6,10 +6,11 @@ import codecs
 import re
 import sys
 import tomllib
+from collections.abc import Collection, Mapping
 from pathlib import Path
 from typing import Any
 
-from origami_nlp.arguments import check_path
+from origami_nlp.arguments import check_path, shown
 from origami_nlp.errors import OrigamiError
 
 MOST_PARTS = 100
@@ -96,3 +97,134 @@ def parse_toml(text: str, what: str, error: type[OrigamiError]) -> dict[str, Any
         RecursionError,
     ) as problem:  # TOMLDecodeError, or an integer of too many digits
         raise error(f"{what} is not valid TOML: {str(problem).splitlines()[0]}") from None
+
+
+def read_toml(
+    source: str | Path, largest: int, what: str, error: type[OrigamiError]
+) -> dict[str, Any]:
+    """Read the tables of a TOML file that a user names.
+
+    Parameters
+    ----------
+    source, largest
+        As for `read_limited`.
+    what
+        How messages call it, such as "scene".
+    error
+        Class of the complaint.
+
+    Returns
+    -------
+    dict
+        Its tables.
+
+    Raises
+    ------
+    error
+        As of `read_limited` and `parse_toml`.
+    """
+    raw = read_limited(source, largest, what, error)
+    return parse_toml(as_text(raw, f"{what} {str(source)!r}", error), what, error)
+
+
+def as_text(raw: bytes, what: str, error: type[OrigamiError]) -> str:
+    """Return the text that the bytes of a file are.
+
+    Parameters
+    ----------
+    raw
+        The bytes.
+    what
+        How a message calls the file, with its name.
+    error
+        Class of the complaint.
+
+    Returns
+    -------
+    str
+        They read as UTF-8.
+
+    Raises
+    ------
+    error
+        If they are none.
+    """
+    try:
+        return raw.decode()
+    except UnicodeDecodeError as problem:
+        raise error(f"{what} is not UTF-8 text: {problem.reason}") from None
+
+
+def check_tables(
+    data: Mapping[str, Any],
+    known: Mapping[str, Collection[str]],
+    whole: str,
+    error: type[OrigamiError],
+    lists: Collection[str] = (),
+) -> None:
+    """Complain about what a file of tables cannot have.
+
+    Parameters
+    ----------
+    data
+        The tables.
+    known
+        Keys of each table; with none of a table they are not looked at.
+    whole
+        How messages begin to say which tables there are, such as "a scene has".
+    error
+        Class of the complaint.
+    lists
+        Tables that stand in lists.
+
+    Raises
+    ------
+    error
+        If a table or one of its keys is unknown, or a table is none.
+    """
+    for table, content in data.items():
+        if table not in known:
+            raise error(f"unknown table [{table}]: {whole} {', '.join(known)}")
+        many = isinstance(content, list)
+        entries = content if many else [content]
+        if many != (table in lists) or not all(isinstance(one, Mapping) for one in entries):
+            should = f"a list of tables: write [[{table}]]"
+            should = should if table in lists else f"a table: write [{table}]"
+            raise error(f"{table} = {shown(content)} must be {should}")
+        for key in (key for one in entries for key in one if known[table]):
+            if key not in known[table]:
+                raise error(f"unknown key {key!r} in [{table}]: it takes {', '.join(known[table])}")
+
+
+def one_of(
+    table: Mapping[str, Any], name: str, keys: Collection[str], error: type[OrigamiError]
+) -> str:
+    """Return which one of some keys a table has.
+
+    Parameters
+    ----------
+    table
+        Of a file.
+    name
+        How messages call it.
+    keys
+        Of which it must have one.
+    error
+        Class of the complaint.
+
+    Returns
+    -------
+    str
+        The one.
+
+    Raises
+    ------
+    error
+        If it has none of them, or several.
+    """
+    given = [key for key in keys if key in table]
+    if len(given) != 1:
+        raise error(
+            f"{name} needs exactly one of {', '.join(keys)}: found {', '.join(given) or 'none'}"
+        )
+    return given[0]

@@ -11,7 +11,6 @@ from .crossings import (
 )
 from .embedding import (
     LARGEST_TOLERANCE as LARGEST_TOLERANCE,
-    crossing_depth as crossing_depth,
     examine as examine,
     fold_vertex as fold_vertex,
 )

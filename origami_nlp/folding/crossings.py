@@ -76,7 +76,7 @@ def find_crossings(
 
 
 def pair_depths(rays: np.ndarray, pairs: Sequence[tuple[int, int]] | np.ndarray) -> np.ndarray:
-    """Return how deep pairs of facets cross (`crossing_depth`); facet i is the arc from ray i to the next.
+    """Return how deep pairs of facets cross, 0 where they do not; facet i is the arc from ray i to the next.
 
     Parameters
     ----------
@@ -88,7 +88,7 @@ def pair_depths(rays: np.ndarray, pairs: Sequence[tuple[int, int]] | np.ndarray)
     Returns
     -------
     numpy.ndarray
-        Sines, shape [..., P].
+        Sine of the smallest angle of an end off the other facet's plane, of facets that cross, shape [..., P].
     """
     return _depth(_off_planes(rays, *_ends(_pairs(pairs), rays.shape[-2])))
 
@@ -134,6 +134,7 @@ def _off_planes(
 
 
 def _depth(v: np.ndarray) -> np.ndarray:
+    # all of one sign: the ends alternate around a common point (mixed signs: they miss, or meet antipodally)
     return np.asarray(np.maximum(np.maximum(v.min(axis=-1), (-v).min(axis=-1)), 0.0))
 
 

@@ -22,7 +22,7 @@ from origami_nlp.arguments import check_angles, check_number, check_type, shown
 from origami_nlp.errors import OptionError
 from origami_nlp.folding.crossings import depths_at, facet_heights
 from origami_nlp.folding.layers import layer_problem
-from origami_nlp.numerics import TOUCHES, cross, first_largest, quaternion as quat
+from origami_nlp.numerics import TOUCHES, first_largest, quaternion as quat
 from origami_nlp.pattern import Vertex
 
 LARGEST_TOLERANCE = 0.01
@@ -108,37 +108,6 @@ def _fold_one(
         turn = vertex.excess / 2
         q = quat.multiply(q, (math.cos(turn), 0.0, 0.0, math.sin(turn)))
     return np.array(creases, dtype=float), np.array(q, dtype=float)
-
-
-def crossing_depth(first: np.ndarray, second: np.ndarray) -> np.ndarray:
-    """Return how deep two arcs of the unit sphere cross, 0 where they do not.
-
-    Parameters
-    ----------
-    first, second
-        Ends of the arcs (each shorter than pi), shape [..., 2, 3].
-
-    Returns
-    -------
-    numpy.ndarray
-        Sine of the smallest angle of an end off the other arc's plane, for arcs that cross, shape [...].
-    """
-    a, b = first[..., 0, :], first[..., 1, :]
-    c, d = second[..., 0, :], second[..., 1, :]
-    n1, n2 = cross(a, b), cross(c, d)
-    n1 = n1 / np.maximum(np.linalg.norm(n1, axis=-1, keepdims=True), 1e-300)
-    n2 = n2 / np.maximum(np.linalg.norm(n2, axis=-1, keepdims=True), 1e-300)
-    s = np.stack(
-        [
-            np.einsum("...i,...i", n1, c),
-            -np.einsum("...i,...i", n1, d),
-            -np.einsum("...i,...i", n2, a),
-            np.einsum("...i,...i", n2, b),
-        ],
-        axis=-1,
-    )
-    # all of one sign: the ends alternate around a common point (mixed signs: they miss, or meet antipodally)
-    return np.maximum(np.maximum(s.min(axis=-1), (-s).min(axis=-1)), 0.0)
 
 
 def _check_elements(elements: object) -> None:

@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from origami_nlp.arguments import check_type
-from origami_nlp.atlas import COLOURS, MARKS
+from origami_nlp.atlas import draw_ranges, event_look, kinds_legend
 from origami_nlp.kkt import ContactForce, State, contact_forces
 from origami_nlp.loading.result import LoadPath
 from origami_nlp.pattern import Pattern
@@ -22,9 +22,7 @@ PICTURE_WIDTH = 9.6
 """Of a picture [inches]."""
 TALL, MOST_DRAWN = 2.9, 4
 """Of the row of sheets [inches], and how many stand there."""
-OTHER_MARK = "P"
-"""Of events that only patterns have."""
-OTHER, PATH, SNAP = "#cc79a7", "#222222", "#c1121f"
+PATH, SNAP = "#222222", "#c1121f"
 
 
 def draw_load(path: LoadPath) -> Figure:
@@ -162,12 +160,7 @@ def _curve(axes: Any, path: LoadPath, shown: list[int]) -> None:
     for branch in path.branches:
         t = np.array([p.t for p in branch.points])
         x = _angles(path, [p.fold_angles for p in branch.points])
-        for r in branch.kind_ranges:
-            part = slice(r.points[0], r.points[1] + 1)
-            axes.plot(
-                x[part], t[part], color=COLOURS.get(r.kind, OTHER), lw=1.5 if r.stable else 1.1,
-                ls="-" if r.stable else (0, (4, 2)),
-            )  # fmt: skip
+        draw_ranges(axes, branch, x, t)
     for leg in path.legs:
         x, t = (
             _angles(path, [p.fold_angles for p in leg.points]),
@@ -188,16 +181,7 @@ def _curve(axes: Any, path: LoadPath, shown: list[int]) -> None:
         at = float(_angles(path, event.fold_angles))
         # the way back meets events where the way there did: their numbers stand beside each other
         named.setdefault((float(f"{at:.6g}"), float(f"{event.t:.6g}")), []).append(str(event.id))
-        face = "white" if event.type == "leaves" else "black"
-        axes.plot(
-            at,
-            event.t,
-            MARKS.get(event.type, OTHER_MARK),
-            color="black",
-            ms=4.5,
-            mfc=face,
-            zorder=5,
-        )
+        axes.plot(at, event.t, **event_look(event.type), zorder=5)
     for place, numbers in named.items():
         axes.annotate(", ".join(numbers), place, (4, 4), textcoords="offset points", fontsize=8)
     axes.set_ylim(*_range(path))
@@ -206,11 +190,7 @@ def _curve(axes: Any, path: LoadPath, shown: list[int]) -> None:
     axes.set_xlabel(where)
     axes.grid(True, lw=0.3, color="#dddddd")
     axes.tick_params(labelsize=8)
-    kinds = dict.fromkeys(r.kind for b in path.branches for r in b.kind_ranges)
-    handles = [
-        Line2D([], [], color=COLOURS.get(k, OTHER), label=k, ls="--" if k == "saddle" else "-")
-        for k in kinds
-    ]
+    handles = kinds_legend(path.branches)
     handles.append(Line2D([], [], color=PATH, lw=6, alpha=0.13, label="the path"))
     if path.snaps:
         handles.append(Line2D([], [], color=SNAP, label="snap"))

@@ -6,6 +6,7 @@ from .factors import (
     Normal as Normal,
     dense as dense,
 )
+from .groups import groups as groups
 from .linear import (
     extremes as extremes,
     nearest as nearest,

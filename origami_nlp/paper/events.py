@@ -21,7 +21,7 @@ from typing import Any
 
 import numpy as np
 
-from origami_nlp.folding import crossing_depth, examine, fold_vertex
+from origami_nlp.folding import examine, fold_vertex, pair_depths
 from origami_nlp.numerics import DEPENDENT, RESOLVED, quaternion as quat
 from origami_nlp.pattern import Scene
 from origami_nlp.space import Chain, chain_of
@@ -245,7 +245,5 @@ def _polished(
 def _deepest(creases: np.ndarray) -> float:
     """Depth of the deepest crossing of two non-adjacent facets."""
     n = len(creases)
-    arcs = np.stack([creases, np.roll(creases, -1, axis=0)], axis=1)
-    i, j = np.triu_indices(n, 2)
-    apart = ~((i == 0) & (j == n - 1))
-    return float(crossing_depth(arcs[i[apart]], arcs[j[apart]]).max())
+    pairs = [(i, j) for i, j in itertools.combinations(range(n), 2) if 2 <= j - i <= n - 2]
+    return float(pair_depths(creases, pairs).max())

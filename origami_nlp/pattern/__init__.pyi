@@ -49,6 +49,7 @@ from .scene_file import (
     read_scene as read_scene,
     scene_from_dict as scene_from_dict,
     scene_to_dict as scene_to_dict,
+    vertex_from_dict as vertex_from_dict,
 )
 from .sheet import Loop as Loop, Pattern as Pattern, make_pattern as make_pattern
 from .sheet_data import (

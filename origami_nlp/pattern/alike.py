@@ -79,6 +79,7 @@ def _match(first: Scene, other: Scene) -> tuple[Labels, float] | None:
     for start in range(n):
         for backward in (False, True):
             for over in (False, True):
+                # fold angles change sign where the sheet is turned over (`Labels.sign`), stiffness and sectors do not
                 labels = Labels(start, backward, over, n)
                 i = labels.creases
                 apart = max(

@@ -19,6 +19,7 @@ from origami_nlp.numerics import CLOSES, TYPED
 from origami_nlp.pattern.fold_file import FOLDS, Frame
 from origami_nlp.pattern.fold_notes import NOISE
 from origami_nlp.pattern.fold_rings import Rings
+from origami_nlp.pattern.fold_springs import stated_sign
 from origami_nlp.pattern.vertex import Vertex
 
 CLOSED = 1e-6
@@ -98,11 +99,9 @@ def fold_vertices(frame: Frame) -> tuple[tuple[FoldVertex, ...], tuple[str, ...]
         frame.folded
     ):  # which side valleys open to is a matter of how the faces run; the assignments decide
         votes = sum(
-            {"M": -1, "V": 1}.get(letter, _sign(stated)) * math.copysign(1.0, angle)
+            stated_sign(frame, e) * math.copysign(1.0, angle)
             for v in found
-            for letter, angle, stated in zip(
-                v.assignment, v.fold_angles, v.file_angles, strict=True
-            )
+            for e, angle in zip(np.searchsorted(frame.numbers, v.edges), v.fold_angles, strict=True)
             if CLOSED < abs(angle) < math.pi
         )
         if votes < 0:
@@ -144,10 +143,6 @@ def make_vertex(sectors: tuple[float, ...]) -> Vertex:
     if abs(total - 2 * math.pi) > NOISE * len(sectors):
         return Vertex(sectors, flat=False)
     return Vertex(tuple(a * (2 * math.pi / total) for a in sectors))
-
-
-def _sign(angle: float) -> float:
-    return 0.0 if math.isnan(angle) or angle == 0 else math.copysign(1.0, angle)
 
 
 # ---------------------------------------------------------------- one vertex
@@ -296,10 +291,7 @@ def _measured(
         before, after = unit[k - 1], unit[k]
         angle = math.atan2(float(d[k] @ np.cross(before, after)), float(before @ after))
         if math.pi - abs(angle) < CLOSED:
-            given = frame.fold_angles[e]
-            sign = {"M": -1.0, "V": 1.0}.get(frame.assignment[e], 0.0)
-            if not math.isnan(given) and given:
-                sign = math.copysign(1.0, given)
+            sign = stated_sign(frame, e)
             unsure |= sign == 0.0
             angle = math.copysign(math.pi, sign or 1.0)
         phi.append(angle)

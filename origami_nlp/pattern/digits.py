@@ -21,6 +21,7 @@ from scipy import sparse
 from scipy.sparse.linalg import splu
 
 from origami_nlp.numerics import EPS, RESOLVED, SUMMED, cross
+from origami_nlp.pattern.polygons import Side, rings, side
 
 ROUNDS = 8
 """Of Newton."""
@@ -37,7 +38,6 @@ MOST_ROUND = 12
 MOST_POLYGONS = 2_000
 """Up to which relations are looked for: some seconds."""
 
-Side = tuple[int, int]
 Term = tuple[int, float]
 
 
@@ -137,25 +137,17 @@ class _Sectors:
         self.before, self.here, self.after, self.polygon = np.array(flat).T
         self.lists = [np.array(p) for p in polygons]
         starts = {(v, w): i for i, (_, v, w, _) in enumerate(flat)}
-        joined = {tuple(sorted(s)) for s in joins}
+        joined = {side(*s) for s in joins}
         self.inside = np.zeros(len(flat), bool)
         sides = np.unique(np.sort(np.column_stack([self.here, self.after]), axis=1), axis=0)
         self.start, self.end = sides.T
-        # from the side to the next corner, counter-clockwise, to that to the one before
-        follows = [starts.get((v, u), -1) for u, v, _, _ in flat]
-        crease = [tuple(sorted((v, w))) not in joined for _, v, w, _ in flat]
-        self.rings: list[
-            list[list[int]]
-        ] = []  # of each interior vertex, its sectors, the corners of each
-        seen = np.zeros(len(flat), bool)
-        for i in range(len(flat)):
-            ring, k = [], i
-            while k >= 0 and not seen[k]:
-                seen[k] = True
-                ring.append(k)
-                k = follows[k]
+        crease = [side(v, w) not in joined for _, v, w, _ in flat]
+        # of each interior vertex, its sectors, the corners of each
+        self.rings: list[list[list[int]]] = []
+        for leaving in rings(polygons):
+            ring = [starts[s] for s in leaving]
             first = next((j for j, c in enumerate(ring) if crease[c]), None)
-            if k != i or not ring or first is None:
+            if first is None:
                 continue
             sectors: list[list[int]] = []
             for c in ring[first:] + ring[:first]:

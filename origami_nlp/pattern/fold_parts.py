@@ -8,8 +8,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from origami_nlp.errors import FoldFileError
-from origami_nlp.numerics import TYPED
+from origami_nlp.numerics import TYPED, groups
 from origami_nlp.pattern.fold_file import Frame
+from origami_nlp.pattern.polygons import sides_of
 
 Face = tuple[int, ...]
 
@@ -37,7 +38,7 @@ def check_parts(frame: Frame, faces: Sequence[Face], origin: Sequence[int]) -> N
     origin
         The vertex of the frame that each corner is.
     """
-    part = _parts(faces)
+    part = groups(len(faces), [(fs[0], g) for fs in sides_of(faces).values() for g in fs[1:]])
     count = int(part.max(initial=-1)) + 1
     if count > 1:
         own = [(f, tuple(origin[v] for v in face)) for f, face in enumerate(faces)]
@@ -46,22 +47,6 @@ def check_parts(frame: Frame, faces: Sequence[Face], origin: Sequence[int]) -> N
             f"the facets fall into {count} parts that no crease joins: "
             + (hint or "give each part a file of its own")
         )
-
-
-def _parts(faces: Sequence[Face]) -> np.ndarray:
-    """Number the groups of faces that have sides in common, [F]."""
-    from scipy.sparse import coo_array
-    from scipy.sparse.csgraph import connected_components
-
-    at: dict[frozenset[int], list[int]] = {}
-    for f, face in enumerate(faces):
-        for i, v in enumerate(face):
-            at.setdefault(frozenset((face[i - 1], v)), []).append(f)
-    links = [(fs[0], g) for fs in at.values() for g in fs[1:]]
-    one, other = np.array(links, int).reshape(-1, 2).T
-    size = len(faces)
-    graph = coo_array((np.ones(len(links)), (one, other)), shape=(size, size))
-    return np.asarray(connected_components(graph, directed=False)[1])
 
 
 def _hint(xy: np.ndarray, faces: list[tuple[int, Face]], part: np.ndarray) -> str:

@@ -10,6 +10,7 @@ from origami_nlp.errors import FoldFileError
 from origami_nlp.numerics import TYPED
 from origami_nlp.pattern.fold_file import FOLDS, Frame
 from origami_nlp.pattern.fold_notes import listed
+from origami_nlp.pattern.polygons import side, sides_of
 
 
 class Rings:
@@ -145,10 +146,7 @@ class Rings:
 def oriented(faces: Sequence[tuple[int, ...]]) -> tuple[list[tuple[int, ...]], int]:
     """Turn faces so that neighbours run along a common side in opposite directions; how many were turned."""
     faces = list(faces)
-    at: dict[frozenset[int], list[int]] = {}
-    for f, face in enumerate(faces):
-        for i in range(len(face)):
-            at.setdefault(frozenset((face[i - 1], face[i])), []).append(f)
+    at = sides_of(faces)
     done: set[int] = set()
     against = 0
     for seed in range(len(faces)):
@@ -159,7 +157,7 @@ def oriented(faces: Sequence[tuple[int, ...]]) -> tuple[list[tuple[int, ...]], i
             along = {(faces[f][i - 1], faces[f][i]) for i in range(len(faces[f]))}
             for a, b in along:
                 # once crossed, all that share a side are done
-                for g in at.pop(frozenset((a, b)), ()):
+                for g in at.pop(side(a, b), ()):
                     if g in done:
                         continue
                     done.add(g)

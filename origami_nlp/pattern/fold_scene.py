@@ -16,7 +16,12 @@ from origami_nlp.pattern.crease_pattern import FoldVertex, fold_vertices, make_v
 from origami_nlp.pattern.fold_file import LOADS_KEY, Frame, read_fold
 from origami_nlp.pattern.fold_notes import listed
 from origami_nlp.pattern.fold_rings import Rings
-from origami_nlp.pattern.fold_springs import LETTERS_ONLY, check_fold_springs
+from origami_nlp.pattern.fold_springs import (
+    LETTERS_ONLY,
+    are_silent,
+    check_fold_springs,
+    fold_springs,
+)
 from origami_nlp.pattern.scene import Contact, Scene
 
 NOISY = 1e-4
@@ -118,7 +123,7 @@ def read_fold_scenes(
 
 def scene_at(
     frame: Frame,
-    number: int,
+    number: int | FoldVertex,
     *,
     symmetry: str = "auto",
     contact: Contact = "full",
@@ -133,7 +138,7 @@ def scene_at(
     frame
         Of `read_fold`.
     number
-        Of the vertex, from 0, as in the file.
+        Of the vertex, from 0, as in the file; or the vertex, one of `fold_vertices`.
     symmetry, contact
         As for `Scene`.
     stiffness
@@ -159,24 +164,32 @@ def scene_at(
         If a value does not fit the vertex.
     """
     check_type("frame", frame, Frame)
-    check_whole("number", number, 0)
-    found, notes = fold_vertices(frame)
-    here = [v for v in found if v.number == number]
-    if not here:
-        some = listed([v.number for v in found], 12) or "none"
+    v = number if isinstance(number, FoldVertex) else _vertex_at(frame, number)
+    check_fold_springs(frame, stiffness, rest_angle, rest_angles)
+    if v.reason:
+        raise FoldFileError(f"vertex {v.number} cannot be analysed: {v.reason}")
+    at = np.searchsorted(frame.numbers, v.edges)
+    measured = np.array(v.fold_angles)
+    k, rest = fold_springs(frame, at, measured, stiffness, rest_angle, rest_angles)
+    if frame.loads and len(fold_vertices(frame)[0]) > 1:
         raise FoldFileError(
-            f"--vertex {shown(number)} {_what_it_is(frame, number)}: take an interior vertex with creases, "
-            f"there {'is' if len(found) == 1 else 'are'} {some}"
-            + ("" if found else "".join(f"; {note}" for note in notes))
+            f"{LOADS_KEY}: forces are on the creases of one vertex, and the frame has several: leave them out"
         )
-    return _scene(
-        frame,
-        here[0],
-        symmetry=symmetry,
-        contact=contact,
-        stiffness=stiffness,
-        rest_angle=rest_angle,
-        rest_angles=rest_angles,
+    if not all(isinstance(load, Mapping) for load in frame.loads):
+        raise FoldFileError(f"{LOADS_KEY} must be a list of objects, as [[loads]] of a scene file")
+    loads: dict[str, Any] = {"loads": frame.loads} if frame.loads else {}
+    if frame.loads and frame.held_facet is not None:
+        loads["held_facet"] = frame.held_facet
+    return Scene(
+        make_vertex(v.sector_angles),
+        tuple(k.tolist()),
+        tuple(rest.tolist()),
+        symmetry,
+        contact,
+        name=f"{frame.title or 'FOLD'}, vertex {v.number}",
+        symmetry_tolerance=NOISY,
+        preload=tuple(np.nan_to_num(frame.preload[at]).tolist()),
+        **loads,
     )
 
 
@@ -213,8 +226,8 @@ def vertex_scene(
                 f"origami-nlp vertices lists them{why}"
             )
         vertex = good[0]
-    scene = scene_at(frame, vertex, **options)
-    here = next(v for v in found if v.number == vertex)
+    here = _vertex_at(frame, vertex)
+    scene = scene_at(frame, here, **options)
     for note in (*frame.notes, *notes, *(f"vertex {vertex}: {note}" for note in here.notes)):
         tell(note)
     if _by_letters(frame, here, **options):
@@ -251,7 +264,7 @@ def vertex_scenes(
     scenes = {}
     for v in found:
         if not v.reason:
-            scenes[v.number] = _scene(frame, v, **options)
+            scenes[v.number] = scene_at(frame, v, **options)
         for note in (*v.notes, *([f"cannot be analysed: {v.reason}"] if v.reason else [])):
             tell(f"vertex {v.number}: {note}")
     if not scenes:
@@ -262,6 +275,21 @@ def vertex_scenes(
     if any(_by_letters(frame, v, **options) for v in found if v.number in scenes):
         tell(LETTERS_ONLY)
     return scenes
+
+
+def _vertex_at(frame: Frame, number: int) -> FoldVertex:
+    """Return the interior vertex of that number."""
+    check_whole("number", number, 0)
+    found, notes = fold_vertices(frame)
+    here = next((v for v in found if v.number == number), None)
+    if here is None:
+        some = listed([v.number for v in found], 12) or "none"
+        raise FoldFileError(
+            f"--vertex {shown(number)} {_what_it_is(frame, number)}: take an interior vertex with creases, "
+            f"there {'is' if len(found) == 1 else 'are'} {some}"
+            + ("" if found else "".join(f"; {note}" for note in notes))
+        )
+    return here
 
 
 def _what_it_is(frame: Frame, number: int) -> str:
@@ -283,58 +311,6 @@ def _by_letters(
     **_: Any,
 ) -> bool:
     """Tell whether M and V alone say that every crease of a vertex rests shut."""
-    at = np.searchsorted(frame.numbers, v.edges)
-    silent = np.isnan(frame.rest_angles[at]) & np.isnan(v.file_angles)
+    silent = are_silent(frame, np.searchsorted(frame.numbers, v.edges))
     letters = not frame.folded or rest_angles == "file"
-    return (
-        bool(silent.all()) and letters and set(v.assignment) <= {"M", "V"} and rest_angle == math.pi
-    )
-
-
-def _scene(
-    frame: Frame,
-    v: FoldVertex,
-    *,
-    symmetry: str = "auto",
-    contact: Contact = "full",
-    stiffness: float = 1.0,
-    rest_angle: float = math.pi,
-    rest_angles: str | None = None,
-) -> Scene:
-    """Make a scene of a vertex; parameters as for `scene_at`."""
-    check_fold_springs(frame, stiffness, rest_angle, rest_angles)
-    if v.reason:
-        raise FoldFileError(f"vertex {v.number} cannot be analysed: {v.reason}")
-    at = np.searchsorted(frame.numbers, v.edges)
-    k = np.where(np.isnan(frame.stiffness[at]), stiffness, frame.stiffness[at])
-    sign = np.array([{"M": -1.0, "V": 1.0}.get(a, 0.0) for a in v.assignment])
-    measured, letters = v.fold_angles, sign * rest_angle
-    choices = {
-        "file": (frame.rest_angles[at], v.file_angles, letters),
-        "measured": (measured,),
-        None: (frame.rest_angles[at], v.file_angles, measured, letters),
-    }
-    rest = np.full(v.degree, math.nan)
-    for choice in choices[rest_angles]:
-        rest = np.where(np.isnan(rest), choice, rest)
-    preload = np.nan_to_num(frame.preload[at])
-    if frame.loads and len(fold_vertices(frame)[0]) > 1:
-        raise FoldFileError(
-            f"{LOADS_KEY}: forces are on the creases of one vertex, and the frame has several: leave them out"
-        )
-    if not all(isinstance(load, Mapping) for load in frame.loads):
-        raise FoldFileError(f"{LOADS_KEY} must be a list of objects, as [[loads]] of a scene file")
-    loads: dict[str, Any] = {"loads": frame.loads} if frame.loads else {}
-    if frame.loads and frame.held_facet is not None:
-        loads["held_facet"] = frame.held_facet
-    return Scene(
-        make_vertex(v.sector_angles),
-        tuple(k.tolist()),
-        tuple(np.clip(rest, -math.pi, math.pi).tolist()),
-        symmetry,
-        contact,
-        name=f"{frame.title or 'FOLD'}, vertex {v.number}",
-        symmetry_tolerance=NOISY,
-        preload=tuple(preload.tolist()),
-        **loads,
-    )
+    return silent and letters and set(v.assignment) <= {"M", "V"} and rest_angle == math.pi

@@ -5,6 +5,9 @@ from __future__ import annotations
 import math
 from typing import Any
 
+import numpy as np
+from numpy.typing import ArrayLike
+
 from origami_nlp.arguments import check_number, shown
 from origami_nlp.errors import FoldFileError
 from origami_nlp.pattern.fold_file import Frame
@@ -29,3 +32,40 @@ def check_fold_springs(frame: Frame, stiffness: float, rest_angle: float, rest_a
             f"--rest-angles measured: frame {frame.number} is a crease pattern, on which no angle can be measured; "
             "--rest-angle gives the size for creases without an angle"
         )
+
+
+def fold_springs(
+    frame: Frame,
+    edges: ArrayLike,
+    measured: np.ndarray,
+    stiffness: float,
+    rest_angle: float,
+    rest_angles: str | None,
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return stiffness [N m/rad] and rest angle [rad] of some edges, [n] each; other parameters as for `frame_pattern`.
+
+    measured: the angles at which a folded form is folded [rad], [n]; NaN where they are not known.
+    """
+    at = np.asarray(edges, dtype=np.intp)
+    k = np.where(np.isnan(frame.stiffness[at]), stiffness, frame.stiffness[at])
+    stated = (frame.rest_angles[at], frame.fold_angles[at])
+    ways = {"file": stated, "measured": (measured,), None: (*stated, measured)}[rest_angles]
+    letters = [{"M": -rest_angle, "V": rest_angle}.get(frame.assignment[e], 0.0) for e in at]
+    rest = np.full(len(at), math.nan)
+    for way in (*ways, np.array(letters)):
+        rest = np.where(np.isnan(rest), way, rest)
+    return k, np.clip(rest, -math.pi, math.pi)
+
+
+def are_silent(frame: Frame, edges: ArrayLike) -> bool:
+    """Tell whether the file gives no angle of some edges, neither a fold angle nor a rest angle."""
+    at = np.asarray(edges, dtype=np.intp)
+    return bool((np.isnan(frame.fold_angles[at]) & np.isnan(frame.rest_angles[at])).all())
+
+
+def stated_sign(frame: Frame, edge: int) -> float:
+    """Return the sign of an edge's fold: of its angle in the file, else of its letter; 0 where neither says."""
+    angle = frame.fold_angles[edge]
+    if angle and not math.isnan(angle):
+        return math.copysign(1.0, angle)
+    return {"M": -1.0, "V": 1.0}.get(frame.assignment[edge], 0.0)

@@ -235,6 +235,7 @@ class DeadLoads:
             for c, axis in zip(turns, axes, strict=True):
                 before.append(quat.multiply(before[-1], _fold(x[..., c], axis)))
             for i, (c, axis) in enumerate(zip(turns, axes, strict=True)):
+                # R(y) p - R(x) p = 2 sin((y - x) / 2) a x R((x + y) / 2) p: no difference of large numbers
                 middle = quat.rotate(
                     _fold(0.5 * (x[..., c] + y[..., c]), axis), beyond[len(turns) - 1 - i]
                 )

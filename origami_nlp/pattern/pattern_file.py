@@ -11,18 +11,24 @@ import numpy as np
 
 from origami_nlp.arguments import check_type
 from origami_nlp.errors import FoldFileError
-from origami_nlp.numerics import TYPED
+from origami_nlp.numerics import TYPED, groups
 from origami_nlp.pattern.crease_pattern import APART, CLOSED
 from origami_nlp.pattern.digits import made_exact
 from origami_nlp.pattern.fold_file import LOADS_KEY, PRELOAD_KEY, Frame, read_fold
 from origami_nlp.pattern.fold_notes import NOISE, listed
 from origami_nlp.pattern.fold_parts import check_parts, check_sides
 from origami_nlp.pattern.fold_rings import Rings, check_drawing, coincident, oriented
-from origami_nlp.pattern.fold_springs import LETTERS_ONLY, check_fold_springs
+from origami_nlp.pattern.fold_springs import (
+    LETTERS_ONLY,
+    are_silent,
+    check_fold_springs,
+    fold_springs,
+    stated_sign,
+)
+from origami_nlp.pattern.polygons import Side, side, sides_of
 from origami_nlp.pattern.sheet import Pattern, make_pattern
 
 FORCES = f"{LOADS_KEY}: left out, forces of a file are those on one vertex"
-Side = tuple[int, int]
 
 
 def read_pattern(
@@ -129,21 +135,12 @@ def frame_pattern(
         sheet.orders = [(f, g, -s) for f, g, s in sheet.orders]
         sheet.notes.append("faces run the other way round than the assignments say: turned over")
         measured, _ = sheet.measured()
-    given = frame.fold_angles
     sheet.note_targets(measured)
-    k = np.where(np.isnan(frame.stiffness), stiffness, frame.stiffness)
-    letter = [{"M": -rest_angle, "V": rest_angle}.get(a, 0.0) for a in frame.assignment]
-
-    def rest(side: Side, e: int) -> float:
-        stated = (frame.rest_angles[e], given[e])
-        found = (measured.get(side, math.nan),)
-        kinds = {"file": stated, "measured": found, None: (*stated, *found)}[rest_angles]
-        value = next((v for v in kinds if not math.isnan(v)), letter[e])
-        return float(np.clip(value, -math.pi, math.pi))
-
-    silent = [np.isnan(given[e]) and np.isnan(frame.rest_angles[e]) for _, e in edges]
-    drawn = {frame.assignment[e] for _, e in edges} & set("MV")
-    if drawn and all(silent) and not frame.folded and rest_angle == math.pi:
+    creases, at = [s for s, _ in edges], [e for _, e in edges]
+    found = np.array([measured.get(s, math.nan) for s in creases])
+    k, rest = fold_springs(frame, at, found, stiffness, rest_angle, rest_angles)
+    drawn = {frame.assignment[e] for e in at} & set("MV")
+    if drawn and are_silent(frame, at) and not frame.folded and rest_angle == math.pi:
         sheet.notes.append(LETTERS_ONLY)
     return make_pattern(
         sheet.corners,
@@ -152,9 +149,9 @@ def frame_pattern(
         joins=sheet.joins,
         fold_angles=measured,
         numbers={s: int(frame.numbers[e]) for s, e in edges},
-        stiffness={s: float(k[e]) for s, e in edges},
-        rest={s: rest(s, e) for s, e in edges},
-        file_angles={s: float(given[e]) for s, e in edges},
+        stiffness=dict(zip(creases, k, strict=True)),
+        rest=dict(zip(creases, rest, strict=True)),
+        file_angles=dict(zip(creases, frame.fold_angles[at], strict=True)),
         name=frame.title or f"frame {frame.number}",
         notes=[*frame.notes, *sheet.notes, *([FORCES] if frame.loads else [])],
         orders=sheet.orders,
@@ -181,8 +178,8 @@ class _Sheet:
         self.polygons = self._faces() if frame.faces else self._walked()
         self._check_faces()
         self._cut()
-        sides = Counter(_side(p[i - 1], v) for p in self.polygons for i, v in enumerate(p))
-        shared = [s for s, count in sorted(sides.items()) if count > 1]
+        sides = sides_of(self.polygons)
+        shared = [s for s, polygons in sorted(sides.items()) if len(polygons) > 1]
         found = {s: self._edge(s) for s in shared}
         self.edge = {s: known for s, known in found.items() if known is not None}
         bare = [s for s in shared if s not in self.edge]
@@ -192,8 +189,8 @@ class _Sheet:
         self._note_borders(sides)
         self._make_exact()
 
-    def _edge(self, side: Side) -> int | None:
-        return self.number.get(_side(*(self.origin[v] for v in side)))
+    def _edge(self, ends: Side) -> int | None:
+        return self.number.get(side(*(self.origin[v] for v in ends)))
 
     def _is_joined(self, e: int) -> bool:
         f = self.frame
@@ -243,7 +240,7 @@ class _Sheet:
             ends = [i for i, v in enumerate(walk) if walk[i - 2] == v]
             if ends:
                 v = walk[ends[0] - 1]
-                e = self.number[_side(v, walk[ends[0]])]
+                e = self.number[side(v, walk[ends[0]])]
                 raise FoldFileError(
                     f"edges_vertices[{frame.numbers[e]}] ends within a facet, at vertex {v}: it cannot fold. Carry it "
                     "on to another crease or to the border, or leave it out"
@@ -255,7 +252,7 @@ class _Sheet:
                     "faces_vertices"
                 )
             letters = {
-                frame.assignment[self.number[_side(walk[i - 1], v)]] for i, v in enumerate(walk)
+                frame.assignment[self.number[side(walk[i - 1], v)]] for i, v in enumerate(walk)
             }
             if letters <= set("BC"):
                 holes += 1
@@ -294,44 +291,31 @@ class _Sheet:
     def _cut(self) -> None:
         """Give each piece of paper that meets at a vertex only, or across a cut, a corner of its own."""
         letters = self.frame.assignment
-        at: dict[Side, list[int]] = {}
-        for p, polygon in enumerate(self.polygons):
-            for i, v in enumerate(polygon):
-                at.setdefault(_side(polygon[i - 1], v), []).append(p)
-        parent = {(p, v): (p, v) for p, polygon in enumerate(self.polygons) for v in polygon}
-
-        def find(key: tuple[int, int]) -> tuple[int, int]:
-            while parent[key] != key:
-                parent[key] = key = parent[parent[key]]
-            return key
-
-        cuts, slit = 0, set()
-        for side, polygons in at.items():
-            known = self.number.get(side)
+        places = [(p, v) for p, polygon in enumerate(self.polygons) for v in polygon]
+        place = {key: k for k, key in enumerate(places)}
+        cuts, slit, joined = 0, set(), []
+        for ends, polygons in sides_of(self.polygons).items():
+            known = self.number.get(ends)
             if known is not None and letters[known] in "BC" and len(polygons) > 1:
                 cuts += 1
-                slit |= {*side}
+                slit |= {*ends}
                 continue
-            for other in polygons[1:]:
-                for v in side:
-                    parent[find((polygons[0], v))] = find((other, v))
-        corners = list(self.frame.coords)
-        self.origin = list(range(len(corners)))
-        number: dict[tuple[int, int], int] = {}
+            joined += [
+                (place[polygons[0], v], place[other, v]) for other in polygons[1:] for v in ends
+            ]
+        piece = groups(len(places), joined).tolist()
+        self.origin = list(range(len(self.frame.coords)))
+        number: dict[int, int] = {}
         taken: set[int] = set()
-
-        def corner(p: int, v: int) -> int:
-            root = find((p, v))
-            if root not in number:
-                number[root] = v if v not in taken else len(corners)
-                if v in taken:
-                    corners.append(corners[v])
-                    self.origin.append(v)
+        for (_, v), one in zip(places, piece, strict=True):
+            if one not in number:
+                number[one] = v if v not in taken else len(self.origin)
+                self.origin += [v] * (v in taken)
                 taken.add(v)
-            return number[root]
-
-        self.polygons = [tuple(corner(p, v) for v in q) for p, q in enumerate(self.polygons)]
-        self.corners = np.array(corners)
+        self.polygons = [
+            tuple(number[piece[place[p, v]]] for v in q) for p, q in enumerate(self.polygons)
+        ]
+        self.corners = self.frame.coords[self.origin]
         if cuts:
             self.notes.append(f"{cuts} edges B or C with facets on both sides are cuts")
         points = sorted({*self.origin[len(self.frame.coords) :]} - slit)
@@ -354,8 +338,8 @@ class _Sheet:
             f"coordinates have few digits: corners are moved by up to {made.moved:.1e}, so that {what}"
         )
 
-    def _note_borders(self, sides: Counter[Side]) -> None:
-        alone = [e for s, n in sides.items() if n == 1 and (e := self._edge(s)) is not None]
+    def _note_borders(self, sides: dict[Side, list[int]]) -> None:
+        alone = [e for s, n in sides.items() if len(n) == 1 and (e := self._edge(s)) is not None]
         drawn = sorted(
             int(self.frame.numbers[e]) for e in alone if self.frame.assignment[e] in "MV"
         )
@@ -383,20 +367,17 @@ class _Sheet:
         normals = np.array([_normal(x[list(p)]) for p in self.polygons])
         phi, votes, unsure = {}, 0.0, []
         joined = set(self.joins)
-        lies = {_side(f, g): float(s) for f, g, s in self.orders}
-        for side, e in self.edge.items():
-            if side in joined or side not in left or side[::-1] not in left:
+        lies = {side(f, g): float(s) for f, g, s in self.orders}
+        for ends, e in self.edge.items():
+            if ends in joined or ends not in left or ends[::-1] not in left:
                 continue
-            a, b = normals[left[side[::-1]]], normals[left[side]]
-            d = x[side[1]] - x[side[0]]
+            a, b = normals[left[ends[::-1]]], normals[left[ends]]
+            d = x[ends[1]] - x[ends[0]]
             angle = math.atan2(float(d @ np.cross(a, b)) / float(np.linalg.norm(d)), float(a @ b))
-            said = frame.fold_angles[e]
-            sign = {"M": -1.0, "V": 1.0}.get(frame.assignment[e], 0.0)
-            if said and not math.isnan(said):
-                sign = math.copysign(1.0, said)
+            sign = stated_sign(frame, e)
             if math.pi - abs(angle) < CLOSED:
                 # facets of a valley lie on the sides of each other's normals
-                lie = lies.get(_side(left[side], left[side[::-1]]), 0.0)
+                lie = lies.get(side(left[ends], left[ends[::-1]]), 0.0)
                 votes += sign * lie
                 sign = sign or lie
                 if not sign:
@@ -404,7 +385,7 @@ class _Sheet:
                 angle = math.copysign(math.pi, sign or 1.0)
             elif abs(angle) > CLOSED:
                 votes += sign * math.copysign(1.0, angle)
-            phi[side] = angle
+            phi[ends] = angle
         note = f"shut creases {listed(unsure)} without assignment or fold angle: taken for valleys"
         if unsure and note not in self.notes:
             self.notes.append(note)
@@ -426,10 +407,6 @@ class _Sheet:
 def n_at(frame: Frame, number: int) -> int:
     """Return where in the frame the edge is that has this number in the file."""
     return int(np.searchsorted(frame.numbers, number))
-
-
-def _side(a: int, b: int) -> Side:
-    return (a, b) if a < b else (b, a)
 
 
 def _area(xy: np.ndarray) -> float:

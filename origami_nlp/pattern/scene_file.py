@@ -12,7 +12,7 @@ from typing import Any
 
 from origami_nlp.arguments import check_type, shown
 from origami_nlp.errors import SceneFileError
-from origami_nlp.files import parse_toml, read_limited
+from origami_nlp.files import as_text, check_tables, one_of, parse_toml, read_limited
 from origami_nlp.numerics import TYPED
 from origami_nlp.pattern.angles import format_angle, parse_angles
 from origami_nlp.pattern.scene import Scene
@@ -92,10 +92,7 @@ def decode_scene(raw: bytes, name: str) -> Scene:
         raise SceneFileError(
             f"scene {name!r} is JSON, not TOML: `read_fold_scene` reads FOLD files"
         )
-    try:
-        return parse_scene(raw.decode("utf-8"))
-    except UnicodeDecodeError as error:
-        raise SceneFileError(f"scene {name!r} is not UTF-8 text: {error.reason}") from None
+    return parse_scene(as_text(raw, f"scene {name!r}", SceneFileError))
 
 
 def is_json(raw: bytes) -> bool:
@@ -172,39 +169,42 @@ def scene_from_dict(data: Mapping[str, Any]) -> Scene:
     AngleError, VertexError, SceneError, SymmetryError
         If a value does not fit.
     """
-    for table, content in data.items():
-        if table not in _KEYS:
-            raise SceneFileError(f"unknown table [{table}]: a scene has {_listed(_KEYS)}")
-        if table == "loads":
-            if not isinstance(content, list) or not all(isinstance(c, Mapping) for c in content):
-                raise SceneFileError("loads must be a list of tables: write [[loads]]")
-            continue
-        if not isinstance(content, Mapping):
-            raise SceneFileError(f"{table} = {content!r} must be a table: write [{table}]")
-        for key in content:
-            if key not in _KEYS[table]:
-                raise SceneFileError(
-                    f"unknown key {key!r} in [{table}]: it takes {_listed(_KEYS[table])}"
-                )
-    vertex, creases = dict(data.get("vertex", {})), dict(data.get("creases", {}))
-    flat = vertex.pop("flat", True)
-    given = _one_of(vertex, "vertex", ("sector_angles", "sector_angles_deg", "directions"))
-    value = vertex[given]
-    if given == "directions":
-        if flat is not True:
-            raise SceneFileError("directions are those of a flat sheet: give sector_angles instead")
-        the_vertex = Vertex.from_directions(value)
-    elif given == "sector_angles_deg":
-        the_vertex = Vertex.from_degrees(value, flat)
-    else:
-        the_vertex = Vertex(value, flat)
-    rest_key = _one_of(creases, "creases", ("rest_angles", "rest_angles_deg"))
+    check_tables(data, _KEYS, "a scene has", SceneFileError, ("loads",))
+    vertex, creases = vertex_from_dict(data.get("vertex", {})), data.get("creases", {})
+    rest_key = one_of(creases, "[creases]", ("rest_angles", "rest_angles_deg"), SceneFileError)
     rest = parse_angles(creases[rest_key], rest_key, degrees=rest_key.endswith("_deg"))
     if "stiffness" not in creases:
         raise SceneFileError("missing key in [creases]: give stiffness, one number a crease")
     more = {"preload": creases["preload"]} if "preload" in creases else {}
     more |= {"loads": data["loads"]} if "loads" in data else {}
-    return Scene(the_vertex, creases["stiffness"], rest, **more, **dict(data.get("model", {})))
+    return Scene(vertex, creases["stiffness"], rest, **more, **dict(data.get("model", {})))
+
+
+def vertex_from_dict(table: Mapping[str, Any]) -> Vertex:
+    """Make a vertex from the table ``vertex`` of a scene file.
+
+    Parameters
+    ----------
+    table
+        Sector angles or directions, and whether the sheet is flat.
+
+    Returns
+    -------
+    Vertex
+        The vertex.
+
+    Raises
+    ------
+    SceneFileError, AngleError, VertexError
+        If a key is missing or doubly given, or a value does not fit.
+    """
+    keys = ("sector_angles", "sector_angles_deg", "directions")
+    given, flat = one_of(table, "[vertex]", keys, SceneFileError), table.get("flat", True)
+    if given == "directions":
+        if flat is not True:
+            raise SceneFileError("directions are those of a flat sheet: give sector_angles instead")
+        return Vertex.from_directions(table[given])
+    return (Vertex.from_degrees if given == "sector_angles_deg" else Vertex)(table[given], flat)
 
 
 def scene_to_dict(scene: Scene) -> dict[str, Any]:
@@ -306,15 +306,3 @@ def _toml(value: Any) -> str:
     return repr(
         float(value) if isinstance(value, float) else value
     )  # of NumPy's, whose repr says so
-
-
-def _one_of(table: Mapping[str, Any], name: str, keys: tuple[str, ...]) -> str:
-    given = [key for key in keys if key in table]
-    if len(given) != 1:
-        found = f"found {_listed(given)}" if given else "found none"
-        raise SceneFileError(f"[{name}] needs exactly one of {_listed(keys)}: {found}")
-    return given[0]
-
-
-def _listed(names: Any) -> str:
-    return ", ".join(str(name) for name in names)

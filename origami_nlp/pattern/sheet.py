@@ -8,7 +8,6 @@ open; a crease is directed, with one facet on its left and one on its right.
 from __future__ import annotations
 
 import math
-from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -17,6 +16,8 @@ import numpy as np
 
 from origami_nlp.arguments import check_number, shown
 from origami_nlp.errors import FoldFileError, SceneError
+from origami_nlp.numerics import groups
+from origami_nlp.pattern.polygons import rings, sides_of
 from origami_nlp.pattern.scene import check_range
 
 MOST_FACETS = 20_000
@@ -135,10 +136,9 @@ class Pattern:
     @property
     def other_sides(self) -> dict[tuple[int, int], int]:
         """Sides of polygons that are no creases, each with the number of polygons it belongs to: 1 at a border."""
-        ways = ((q[i - 1], v) for q in self.polygons for i, v in enumerate(q))
-        count = Counter((min(a, b), max(a, b)) for a, b in ways)
         creases = set(map(tuple, self.ends.tolist()))
-        return {side: many for side, many in count.items() if side not in creases}
+        sides = sides_of(self.polygons).items()
+        return {side: len(many) for side, many in sides if side not in creases}
 
     @property
     def is_flat(self) -> bool:
@@ -294,9 +294,8 @@ def make_pattern(
                     f"and {b}: a sheet has one facet on each side"
                 )
             left_of[a, b] = p
-    facet_of = _joined(
-        len(polygons), [(left_of[s], left_of[s[::-1]]) for s in _both(joins, left_of)]
-    )
+    whole = [(left_of[s], left_of[s[::-1]]) for s in joins if {s, s[::-1]} <= left_of.keys()]
+    facet_of = groups(len(polygons), whole)
     inner = sorted(s for s in left_of if s[0] < s[1] and s[::-1] in left_of)
     together = {tuple(sorted(s)) for s in joins}
     order = numbers or {}
@@ -343,26 +342,6 @@ def make_pattern(
     )
 
 
-def _both(
-    joins: Sequence[tuple[int, int]], left_of: dict[tuple[int, int], int]
-) -> list[tuple[int, int]]:
-    return [s for s in joins if s in left_of and s[::-1] in left_of]
-
-
-def _joined(count: int, pairs: Sequence[tuple[int, int]]) -> np.ndarray:
-    """Number the groups of things that pairs join, [count]."""
-    from scipy.sparse import coo_array
-    from scipy.sparse.csgraph import connected_components
-
-    i, j = np.array(pairs, int).reshape(-1, 2).T
-    graph = coo_array((np.ones(len(i)), (i, j)), shape=(count, count))
-    _, label = connected_components(graph, directed=False)
-    _, first = np.unique(label, return_index=True)
-    order = np.empty(len(first), int)
-    order[np.argsort(first)] = np.arange(len(first))
-    return order[label]
-
-
 class _Loops:
     """Walks round corners, from side to side."""
 
@@ -372,13 +351,9 @@ class _Loops:
         left_of: dict[tuple[int, int], int],
         index: dict[tuple[int, int], int],
     ) -> None:
-        self.left_of, self.index = left_of, index
+        self.polygons, self.left_of, self.index = polygons, left_of, index
         self.following = {
             (p[i - 1], v): (v, p[(i + 1) % len(p)]) for p in polygons for i, v in enumerate(p)
-        }
-        # after the outgoing side (v, w) of a polygon comes, counter-clockwise about v, its side (u, v) turned round
-        self.next = {
-            (v, p[(i + 1) % len(p)]): (v, p[i - 1]) for p in polygons for i, v in enumerate(p)
         }
 
     def crossing(self, v: int, w: int) -> tuple[int, int] | None:
@@ -388,28 +363,11 @@ class _Loops:
 
     def vertices(self) -> tuple[Loop, ...]:
         """Return a loop for each corner with polygons all around."""
-        outgoing: dict[int, int] = {}
-        many: dict[int, int] = {}
-        for v, w in self.next:
-            outgoing.setdefault(v, w)
-            many[v] = many.get(v, 0) + 1
         found = []
-        for v in sorted(outgoing):
-            start = here = (v, outgoing[v])
-            ring = []
-            while True:
-                ring.append(here)
-                after = self.next.get(here)
-                if after is None or after not in self.next:
-                    ring = []
-                    break
-                here = after
-                if here == start:
-                    break
-            if len(ring) == many[v]:
-                crossed = [c for side in ring if (c := self.crossing(*side)) is not None]
-                if crossed:
-                    found.append(Loop(*zip(*crossed, strict=True), v))  # type: ignore[call-arg,arg-type]
+        for ring in sorted(rings(self.polygons)):
+            crossed = [c for side in ring if (c := self.crossing(*side)) is not None]
+            if crossed:
+                found.append(Loop(*zip(*crossed, strict=True), ring[0][0]))  # type: ignore[call-arg,arg-type]
         return tuple(found)
 
     def holes(self, corners: np.ndarray) -> tuple[Loop, ...]:
@@ -435,7 +393,7 @@ class _Loops:
 def _check_topology(facet_of: np.ndarray, left: np.ndarray, right: np.ndarray, loops: int) -> None:
     """Complain unless the facets hang together and the loops generate every closed walk over them."""
     facets = int(facet_of.max(initial=-1)) + 1
-    parts = int(_joined(facets, list(zip(left, right, strict=True))).max(initial=-1)) + 1
+    parts = int(groups(facets, np.column_stack([left, right])).max(initial=-1)) + 1
     if parts != 1:
         raise FoldFileError(
             f"the facets fall into {parts} parts that no crease joins: give each part a file of its own"

@@ -147,6 +147,7 @@ class Vertex(Full):
             raise VertexError(f"directions[{i}] = {d[i - 1].tolist()} is not a direction")
         azimuth = np.arctan2(d[:, 1], d[:, 0])
         sectors = np.mod(np.roll(azimuth, -1) - azimuth, 2 * math.pi)
+        # counter-clockwise, directions go round once; in another order the steps sum to a multiple of 2 pi
         if abs(math.fsum(sectors) - 2 * math.pi) > 1e-6:
             raise VertexError("directions are not in counter-clockwise order: sort them by azimuth")
         return cls(tuple(sectors.tolist()))

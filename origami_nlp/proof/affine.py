@@ -19,6 +19,7 @@ themselves.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -85,6 +86,23 @@ class Affine:
             self.centre + radius, np.inf
         )
 
+    def signs(self) -> np.ndarray:
+        """Return the sign of x over the box, [..., K]; 0 where it is not certain."""
+        low, high = self.bounds()
+        return np.where(low > 0, 1, np.where(high < 0, -1, 0))
+
+    def on(self, count: int, places: slice | Sequence[int] | None = None) -> Affine:
+        """Return the same forms in `count` variables: theirs are those at `places`, by default the first."""
+        own = slice(self.variables) if places is None else places
+        slopes = np.zeros((*self.slopes.shape[:-2], count, self.slopes.shape[-1]))
+        slopes[..., own, :] = self.slopes
+        return Affine(self.centre, slopes, self.error)
+
+    @property
+    def variables(self) -> int:
+        """Number of variables."""
+        return int(self.slopes.shape[-2])
+
     def __getitem__(self, index: object) -> Affine:
         """Select along the axes before the batch (and before the variables)."""
         i = index if isinstance(index, tuple) else (index,)
@@ -133,6 +151,23 @@ def padded(
 ) -> Affine:
     """Allow for rounding: coefficients are sums of `terms` products whose absolute values sum to at most `total`."""
     return Affine(centre, slopes, error * SLIGHTLY + (2 * (terms + 4) * UNIT) * total + TINY)
+
+
+def stacked(forms: Sequence[Affine], boxes: int = 0, count: int = 0) -> Affine:
+    """Return forms of one shape as one; where there are none, none in `count` variables over so many boxes."""
+    if not forms:
+        return Affine(np.zeros((0, boxes)), np.zeros((0, count, boxes)), np.zeros((0, boxes)))
+    return Affine(*map(np.stack, zip(*map(parts, forms), strict=True)))
+
+
+def concatenated(forms: Sequence[Affine], axis: int = 0) -> Affine:
+    """Return forms one after the other along an axis before the batch."""
+    return Affine(*(np.concatenate(v, axis=axis) for v in zip(*map(parts, forms), strict=True)))
+
+
+def parts(x: Affine) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return centre, slopes and error."""
+    return x.centre, x.slopes, x.error
 
 
 def constant(values: np.ndarray, doubt: float, variables: int, boxes: int) -> Affine:

@@ -26,7 +26,6 @@ import numpy as np
 
 from origami_nlp.numerics import TOUCHES
 from origami_nlp.programme import Model
-from origami_nlp.proof.affine import Affine
 from origami_nlp.proof.pieces import Folded, Piece, Product, cross, times
 from origami_nlp.proof.touching_rows import Row
 
@@ -74,7 +73,7 @@ class Signs:
         for j in range(facets):
             for k in range(n):
                 if k not in (j, (j + 1) % n):
-                    self.off[:, k, j] = _sign(folded.on_facet(k, j))
+                    self.off[:, k, j] = folded.on_facet(k, j).value().signs()
         # ray k inside the arc of facet j, given that it is in its plane
         self.inside = np.zeros((len(x), n, facets), dtype=int)
         self.bent = _sign_of_sine(low, high, pins)
@@ -90,10 +89,11 @@ class Signs:
             return
         gaps = self.model.structure.gaps
         self.walls = {
-            i: _sign(folded.behind(*gaps[i].rays))  # type: ignore[misc]
+            i: folded.behind(*gaps[i].rays).value().signs()  # type: ignore[misc]
             for i in self.model.walls
         }
-        self.turn = _sign(Product((folded.rays[0], folded.rays[1], folded.rays[2])))
+        three = Product(folded.rays[:3])  # rays of the D_1 wedges whose touches are proved
+        self.turn = three.value().signs() if n > 2 else np.zeros(len(self.inside), dtype=int)
 
     def contacts(self, r: int, touches: tuple[Row, ...]) -> Contacts:
         """Say what the facets do at state number r, where `touches` are held."""
@@ -230,23 +230,13 @@ class Signs:
         return UNCLEAR
 
 
-def _sign(product: Product) -> np.ndarray:
-    low, high = product.value().bounds()
-    return np.where(low > 0, 1, np.where(high < 0, -1, 0))
-
-
 def _inside(folded: Folded, k: int, j: int) -> np.ndarray:
     """Whether ray k is between rays j and j + 1, +1 or -1: n.(c_j x c_k) and n.(c_k x c_{j+1}) are positive, [R]."""
     a, b, c = (folded.rays[i % len(folded.rays)].vector for i in (j, j + 1, k))
     normal = cross(a, b)
-    one, two = (_bounded(times([normal, *v])) for v in ((a, c), (c, b)))
+    one, two = (times([normal, *v]).signs() for v in ((a, c), (c, b)))
     both = (one > 0) & (two > 0)
     return np.where(both, 1, np.where((one < 0) | (two < 0), -1, 0))
-
-
-def _bounded(x: Affine) -> np.ndarray:
-    low, high = x.bounds()
-    return np.where(low > 0, 1, np.where(high < 0, -1, 0))
 
 
 def _sign_of_sine(low: np.ndarray, high: np.ndarray, pins: np.ndarray) -> np.ndarray:

@@ -27,9 +27,11 @@ from origami_nlp.proof.affine import (
     UNIT,
     Affine,
     Turn,
+    concatenated,
     constant,
     mixed,
     padded,
+    stacked,
     turned,
     variables,
     with_centre,
@@ -253,10 +255,10 @@ class Vertex:
             ay, az = mixed(y, by.cosine, z, -by.sine), mixed(y, by.sine, z, by.cosine)
             y, z = turned(ay, -az, by), turned(az, ay, by)
             # the new variable is the nearest
-            y, z, x = _last_first(y), _last_first(z), _with_zero_first(x)
+            y, z, x = _last_first(y), _last_first(z), x.on(x.variables + 1, slice(1, None))
             ones = np.ones_like(c)
             x, y = mixed(x, c * ones, y, -s * ones), mixed(x, s * ones, y, c * ones)
-            axis = Affine(*(np.stack(v) for v in zip(parts(x), parts(y), parts(z), strict=True)))
+            axis = stacked([x, y, z])
             found.append(axis[1:])
         return found
 
@@ -314,22 +316,11 @@ def with_twins(
     centre, slopes = twin_rows(rule, torque, lean)
     size = np.full(centre.shape, 2 * 8.0)  # |torque| <= 2 pi k, k <= 1
     twins = padded(centre, slopes, np.zeros(centre.shape), size, 4)
-    both = (np.concatenate(v) for v in zip(parts(minors), parts(twins), strict=True))
-    return Affine(*both), np.concatenate([asked, twins_asked(rule, pins)])
-
-
-def parts(x: Affine) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return centre, slopes and error."""
-    return x.centre, x.slopes, x.error
+    return concatenated([minors, twins]), np.concatenate([asked, twins_asked(rule, pins)])
 
 
 def _last_first(x: Affine) -> Affine:
     return Affine(x.centre, np.roll(x.slopes, 1, axis=-2), x.error)
-
-
-def _with_zero_first(x: Affine) -> Affine:
-    none = np.zeros((*x.slopes.shape[:-2], 1, x.slopes.shape[-1]))
-    return Affine(x.centre, np.concatenate([none, x.slopes], axis=-2), x.error)
 
 
 def angle_turns(middle: np.ndarray, half: np.ndarray, pins: np.ndarray) -> Turn:
@@ -391,21 +382,6 @@ def times_conjugate(m: np.ndarray, q: Affine) -> Affine:
 
 def complex_product(z: Affine, w: Affine) -> tuple[Affine, Affine]:
     """Multiply y + i z of two axes [2, ..., K]; variables of the first, then of the second."""
-    a, b = _joined(z, w)
-    x = _difference_of_products(a[0], b[0], a[1], b[1], -1.0)
-    y = _difference_of_products(a[0], b[1], a[1], b[0], 1.0)
-    return x, y
-
-
-def _joined(z: Affine, w: Affine) -> tuple[Affine, Affine]:
-    """Give two forms the variables of both."""
-    first, second = z.slopes.shape[-2], w.slopes.shape[-2]
-    lead, boxes = z.slopes.shape[:-2], z.slopes.shape[-1]
-    a = np.concatenate([z.slopes, np.zeros((*lead, second, boxes))], axis=-2)
-    b = np.concatenate([np.zeros((*lead, first, boxes)), w.slopes], axis=-2)
-    return Affine(z.centre, a, z.error), Affine(w.centre, b, w.error)
-
-
-def _difference_of_products(a: Affine, b: Affine, c: Affine, d: Affine, sign: float) -> Affine:
-    ab, cd = a * b, c * d
-    return ab + (cd if sign > 0 else -cd)
+    both = z.variables + w.variables
+    a, b = z.on(both), w.on(both, slice(z.variables, None))
+    return a[0] * b[0] - a[1] * b[1], a[0] * b[1] + a[1] * b[0]

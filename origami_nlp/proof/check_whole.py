@@ -78,6 +78,7 @@ def whole_vertex(scene: Scene, sectors: Sequence[Any], angles: Sequence[Any]) ->
         s, c = (angles[places.index(orbit)] / 2).sin_cos()
         b, a = azimuth.sin_cos()
         x, y = a * s, b * s
+        # q Q(b, angle), b = (cos azimuth, sin azimuth, 0)
         w, i, j, k = q
         q = [
             w * c - i * x - j * y,
@@ -115,6 +116,7 @@ def check_identity(scene: Scene, piece: Numbered) -> None:
         angles = [arb(draw.uniform(-3.0, 3.0)) for _ in range(piece.count)]
         value = arb(0)
         number = piece.number(angles)
+        # Horner's rule, the highest coefficient first
         for coefficient in reversed(polynomial.coeffs()):
             value = value * number + coefficient
         scalar = piece.vertex(angles)[0]

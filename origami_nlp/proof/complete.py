@@ -10,6 +10,7 @@ import numpy as np
 
 from origami_nlp.arguments import check_type
 from origami_nlp.errors import OptionError
+from origami_nlp.numerics import groups
 from origami_nlp.programme import Model
 from origami_nlp.proof.boxes import SMALL, Boxes, Posed, joined, prune, strata
 from origami_nlp.proof.chains import Vertex
@@ -273,17 +274,14 @@ def _point(model: Model, roots: Roots, i: int) -> CriticalPoint:
 
 def clusters(boxes: Boxes) -> Iterator[np.ndarray]:
     """Group boxes of one stratum that are close to each other: whose cells of side `TOGETHER` are no two apart."""
-    from scipy.sparse import coo_array
-    from scipy.sparse.csgraph import connected_components
     from scipy.spatial import cKDTree
 
     for group in by_stratum(boxes):
         middle = 0.5 * (boxes.lower[:, group] + boxes.upper[:, group])
         cells, cell = np.unique(np.floor(middle.T / TOGETHER), axis=0, return_inverse=True)
         near = cKDTree(cells).query_pairs(2.5, p=math.inf, output_type="ndarray")
-        graph = coo_array((np.ones(len(near)), near.T), shape=(len(cells), len(cells)))
-        count, label = connected_components(graph, directed=False)
-        for k in range(count):
+        label = groups(len(cells), near)
+        for k in range(label.max() + 1):
             yield group[label[cell.ravel()] == k]
 
 

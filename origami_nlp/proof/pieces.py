@@ -167,21 +167,13 @@ class Piece:
         e1, e2, e3 = (Moving(constant(e, 0.0, n, boxes), 0) for e in AXES)
         rays, used, count = [], 0, len(self.has_crease)
         for r in range(count):
-            x, y, z = frame
-            rays.append(Moving(_full(x, n), used))
+            rays.append(Moving(frame[0].on(n), used))
             if self.has_crease[r]:
-                by = turns[used]
-                ay, az = mixed(y, by.cosine, z, by.sine), mixed(z, by.cosine, y, -by.sine)
-                y, z = turned(ay, az, by), turned(az, -ay, by)
-                x = _with_zero(x)
+                frame = folded_frame(frame, turns[used])
                 used += 1
             if self.kind == "C" or r < count - 1:
-                a = self.sectors[r]
-                c, s = np.full(boxes, math.cos(a)), np.full(boxes, math.sin(a))
-                x, y = mixed(x, c, y, s, self.doubt), mixed(y, c, x, -s, self.doubt)
-            frame = [x, y, z]
-        x, y, _ = frame
-        across, along = Moving(_full(y, n), n), Moving(_full(x, n), n)
+                frame = next_frame(frame, self.sectors[r], self.doubt)
+        along, across = (Moving(v.on(n), n) for v in frame[:2])
         if self.kind == "C":
             # F e1 has no part along e2 and e3, F e2 none along e3: F is 1 or a half turn, which `sheet` tells apart
             zero = Product((e2, along)), Product((e3, along)), Product((e3, across))
@@ -232,12 +224,15 @@ def _sum(parts: Sequence[Affine]) -> Affine:
     return out
 
 
-def _with_zero(x: Affine) -> Affine:
-    none = np.zeros((*x.slopes.shape[:-2], 1, x.slopes.shape[-1]))
-    return Affine(x.centre, np.concatenate([x.slopes, none], axis=-2), x.error)
+def folded_frame(frame: Sequence[Affine], by: Turn) -> list[Affine]:
+    """Turn a frame, along a ray, across it and up, about the ray by a new variable."""
+    x, y, z = frame
+    ay, az = mixed(y, by.cosine, z, by.sine), mixed(z, by.cosine, y, -by.sine)
+    return [x.on(x.variables + 1), turned(ay, az, by), turned(az, -ay, by)]
 
 
-def _full(x: Affine, n: int) -> Affine:
-    have = x.slopes.shape[-2]
-    none = np.zeros((*x.slopes.shape[:-2], n - have, x.slopes.shape[-1]))
-    return Affine(x.centre, np.concatenate([x.slopes, none], axis=-2), x.error)
+def next_frame(frame: Sequence[Affine], sector: float, doubt: float) -> list[Affine]:
+    """Turn a frame in its facet to the next ray, a sector [rad] on that is known to within `doubt`."""
+    x, y, z = frame
+    c, s = (np.full(x.centre.shape[-1], v) for v in (math.cos(sector), math.sin(sector)))
+    return [mixed(x, c, y, s, doubt), mixed(y, c, x, -s, doubt), z]

@@ -9,9 +9,18 @@ from dataclasses import dataclass
 import numpy as np
 
 from origami_nlp.numerics import SUMMED
-from origami_nlp.proof.affine import TRIGONOMETRIC, Affine, constant, mixed, turned, variables
-from origami_nlp.proof.chains import Rows, Vertex, half_turns, taken, with_centre
-from origami_nlp.proof.pieces import Folded, Piece, Product
+from origami_nlp.proof.affine import (
+    TRIGONOMETRIC,
+    Affine,
+    concatenated,
+    constant,
+    mixed,
+    stacked,
+    turned,
+    variables,
+)
+from origami_nlp.proof.chains import Rows, Vertex, angle_turns, half_turns, taken
+from origami_nlp.proof.pieces import AXES, Folded, Piece, Product, folded_frame, next_frame
 
 
 @dataclass(frozen=True, order=True)
@@ -71,8 +80,8 @@ class Kite:
         for v in range(self.size):
             by = taken(turn, v)
             c, s = mixed(one, by.cosine, none, by.sine), mixed(one, by.sine, none, by.cosine)
-            self.c.append(_placed(turned(c, -s, by), [v], self.size))
-            self.s.append(_placed(turned(s, c, by), [v], self.size))
+            self.c.append(turned(c, -s, by).on(self.size, [v]))
+            self.s.append(turned(s, c, by).on(self.size, [v]))
 
     def value(self) -> Affine:
         """Enclose the row, [K]."""
@@ -137,7 +146,7 @@ class TouchedWedge:
             critical = [determinant(self.piece.torques(lower, upper), columns)]
         boxes = lower.shape[1]
         asked = np.tile((pins == 0).all(axis=0), (len(critical), 1))
-        return Rows(_stacked(closure, boxes), _stacked(critical, boxes, self.size), asked)
+        return Rows(stacked(closure, boxes), stacked(critical, boxes, self.size), asked)
 
 
 class TouchedVertex(Vertex):
@@ -186,9 +195,7 @@ class TouchedVertex(Vertex):
         if self.minor_count:
             critical = [self._minor(middle, half, pins, slopes[0])]
         asked = np.tile((pins == 0).all(axis=0), (len(critical), 1))
-        parts = [(p.centre, p.slopes, p.error) for p in closure]
-        joined = Affine(*(np.concatenate(v) for v in zip(*parts, strict=True)))
-        return Rows(joined, _stacked(critical, boxes, n), asked)
+        return Rows(concatenated(closure), stacked(critical, boxes, n), asked)
 
     def _chain(
         self, middle: np.ndarray, half: np.ndarray, pins: np.ndarray, j: int, k: int, way: int
@@ -196,29 +203,17 @@ class TouchedVertex(Vertex):
         """Enclose the rays j+1 .. k, or j .. k backwards, seen from the first: [3, K] each in n variables."""
         n, boxes = middle.shape
         first = (j + 1) % n if way > 0 else j
-        frame = [constant(e, 0.0, 0, boxes) for e in np.eye(3)]
+        frame, turn = [constant(e, 0.0, 0, boxes) for e in AXES], angle_turns(middle, half, pins)
         used: list[int] = []
         crease = first
-        found = [_placed(frame[0], used, n)]
+        found = [frame[0].on(n, used)]
         while crease != k:
-            x, y, z = frame
-            pin = pins[crease]
-            by = with_centre(
-                np.where(pin != 0, -1.0, np.cos(middle[crease])),
-                np.where(pin != 0, 0.0, np.sin(middle[crease])),
-                np.where(pin != 0, 0.0, half[crease]),
-            )
-            ay, az = mixed(y, by.cosine, z, by.sine), mixed(z, by.cosine, y, -by.sine)
-            y, z = turned(ay, az, by), turned(az, -ay, by)
-            none = np.zeros((*x.slopes.shape[:-2], 1, boxes))
-            x = Affine(x.centre, np.concatenate([x.slopes, none], axis=-2), x.error)
+            frame = folded_frame(frame, taken(turn, crease))
             used.append(crease)
-            a = self.sectors[crease if way > 0 else crease - 1]
-            c, s = np.full(boxes, math.cos(a)), np.full(boxes, math.sin(a))
-            x, y = mixed(x, c, y, s, self.doubt), mixed(y, c, x, -s, self.doubt)
-            frame = [x, y, z]
+            sector = self.sectors[crease if way > 0 else crease - 1]
+            frame = next_frame(frame, sector, self.doubt)
             crease = (crease + way) % n
-            found.append(_placed(x, used, n))
+            found.append(frame[0].on(n, used))
         return found
 
     def _same_point(self, ahead: Affine, behind: Affine, j: int) -> Affine:
@@ -233,7 +228,7 @@ class TouchedVertex(Vertex):
             z,
             behind[2],
         ]
-        return _stacked(back, boxes)
+        return stacked(back)
 
     def _minor(
         self, middle: np.ndarray, half: np.ndarray, pins: np.ndarray, rays: Sequence[Affine]
@@ -288,17 +283,3 @@ def determinant(first: Affine, columns: Sequence[Sequence[Affine | None]]) -> Af
         # invariant: minors[rows] is the determinant of these rows and the columns so far
         minors = grown
     return minors[tuple(range(n))]
-
-
-def _placed(x: Affine, used: Sequence[int], n: int) -> Affine:
-    """Give a form in the variables `used` all n."""
-    slopes = np.zeros((*x.slopes.shape[:-2], n, x.slopes.shape[-1]))
-    slopes[..., list(used), :] = x.slopes
-    return Affine(x.centre, slopes, x.error)
-
-
-def _stacked(forms: Sequence[Affine], boxes: int, n: int = 0) -> Affine:
-    if not forms:
-        return Affine(np.zeros((0, boxes)), np.zeros((0, n, boxes)), np.zeros((0, boxes)))
-    parts = [(p.centre, p.slopes, p.error) for p in forms]
-    return Affine(*(np.stack(v) for v in zip(*parts, strict=True)))

@@ -150,6 +150,7 @@ def _preorder(strata: int, first: list[int], second: list[int]) -> np.ndarray:
     while stack:
         node = stack.pop()
         out.append(node)
+        # pushed first, popped last: the whole first child comes before the second
         if second[node] >= 0:
             stack.append(second[node])
         if first[node] >= 0:

@@ -27,10 +27,12 @@ from origami_nlp.proof.affine import (
     UNIT,
     Affine,
     Turn,
+    concatenated,
     constant,
     dot,
     mixed,
     padded,
+    stacked,
     turned,
     variables,
 )
@@ -40,7 +42,6 @@ from origami_nlp.proof.chains import (
     Sprung,
     angle_turns,
     half_turns,
-    parts,
     taken,
     torques,
     with_twins,
@@ -141,7 +142,7 @@ class Wedge:
         variable = self.crease[ray]
         assert variable is not None
         by = taken(turn, variable)
-        z = dot(Affine(*(v[1:] for v in parts(before))), Affine(*(v[2:0:-1] for v in parts(after))))
+        z = dot(before[1:], after[2:0:-1])
         # (y' + i z')(y + i z) of both vectors seen from the crease, the one before it in the mirror; then turned by its
         # fold
         y0, y1 = before[1] * after[1], before[2] * after[2]
@@ -204,12 +205,7 @@ class _Views:
             variable = wedge.crease[r]
             if variable is not None:
                 stack = _about_x(stack, taken(turn, variable), variable)
-                stack = Affine(
-                    *(
-                        np.concatenate(v, axis=1)
-                        for v in zip(parts(stack), parts(axis), strict=True)
-                    )
-                )
+                stack = concatenated([stack, axis], axis=1)
                 axes.append(r)
             self.before[r] = stack
             if r != rays[0]:
@@ -226,7 +222,7 @@ def _about_x(v: Affine, by: Turn, variable: int) -> Affine:
     x, y, z = v[0], v[1], v[2]
     ay, az = mixed(y, by.cosine, z, -by.sine), mixed(y, by.sine, z, by.cosine)
     y, z = (_placed(turned(a, b, by), variable) for a, b in ((ay, -az), (az, ay)))
-    return Affine(*(np.stack(p) for p in zip(parts(x), parts(y), parts(z), strict=True)))
+    return stacked([x, y, z])
 
 
 def _about_z(v: Affine, c: float, s: float) -> Affine:
@@ -234,7 +230,7 @@ def _about_z(v: Affine, c: float, s: float) -> Affine:
     x, y, z = v[0], v[1], v[2]
     a, b = np.full((1, 1), c), np.full((1, 1), s)
     x, y = mixed(x, a, y, -b), mixed(x, b, y, a)
-    return Affine(*(np.stack(p) for p in zip(parts(x), parts(y), parts(z), strict=True)))
+    return stacked([x, y, z])
 
 
 def _mirrored(v: Affine) -> Affine:
@@ -298,8 +294,5 @@ def sums_of_torques(
         i, t, sign = zip(*row, strict=True)
         s = np.array(sign)[:, None]
         left = Affine(s * g.centre[list(i)], s[..., None] * g.slopes[list(i)], g.error[list(i)])
-        sums.append(dot(left, Affine(*(np.stack(p) for p in zip(*map(parts, t), strict=True)))))
-    none = np.zeros((0, boxes))
-    if not sums:
-        return Affine(none, np.zeros((0, n, boxes)), none)
-    return Affine(*(np.stack(p) for p in zip(*map(parts, sums), strict=True)))
+        sums.append(dot(left, stacked(t)))
+    return stacked(sums, boxes, n)

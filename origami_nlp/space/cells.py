@@ -15,7 +15,7 @@ import numpy as np
 
 from origami_nlp.chart import admissible
 from origami_nlp.folding import examine
-from origami_nlp.numerics import FOLLOWED, OUTSIDE, TOUCHES
+from origami_nlp.numerics import FOLLOWED, OUTSIDE, TOUCHES, groups
 from origami_nlp.space.chain import WRAPPED
 from origami_nlp.space.mesh import (
     BORDER_P,
@@ -29,7 +29,6 @@ from origami_nlp.space.mesh import (
     edges_of,
     pull,
 )
-from origami_nlp.space.topology import label
 
 WITNESSES = 3
 """States of a face that are examined; they must agree."""
@@ -160,7 +159,7 @@ def _faces(sheets: Sheets, side: np.ndarray) -> np.ndarray:
             # an angle modulo 2 pi: from +3 to -3 it passes pi, and not the wall at 0
             differ &= np.abs(side[one, k]) + np.abs(side[two, k]) < math.pi
         apart |= differ
-    return label(len(sheets.triangles), np.column_stack([one, two])[~apart])
+    return groups(len(sheets.triangles), np.column_stack([one, two])[~apart])
 
 
 def _edges_alone(

@@ -16,9 +16,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from origami_nlp.files import Brief
+from origami_nlp.numerics import groups
 from origami_nlp.pattern import Scene
 from origami_nlp.show import Piece, Told, pick
-from origami_nlp.space import topology
 from origami_nlp.space.mesh import SEAM
 from origami_nlp.space.words import angle_words
 
@@ -302,9 +302,7 @@ def _groups(points: np.ndarray) -> np.ndarray:
     """Number the groups of points [V, d] that coincide to `SAME_POINT`."""
     from scipy.spatial import cKDTree
 
-    return topology.label(
-        len(points), cKDTree(points).query_pairs(SAME_POINT, output_type="ndarray")
-    )
+    return groups(len(points), cKDTree(points).query_pairs(SAME_POINT, output_type="ndarray"))
 
 
 def _picture_joins(
@@ -322,7 +320,7 @@ def _picture_joins(
         point = mesh.chart[over[0]]
         near = np.linalg.norm(mesh.chart - point, axis=1) < NEARBY
         edges = mesh.edges[near[mesh.edges].all(axis=1)]
-        piece = topology.label(len(place), edges)[over]
+        piece = groups(len(place), edges)[over]
         first = over[np.unique(piece, return_index=True)[1]]
         if len(first) > 1:
             states = tuple(tuple(mesh.fold_angles[v].tolist()) for v in first)
@@ -333,7 +331,7 @@ def _picture_joins(
 def _picture_components(mesh: SpaceMesh) -> int:
     place = _places(mesh)
     joined = place[mesh.edges]
-    return int(topology.label(int(place.max()) + 1, joined).max()) + 1
+    return int(groups(int(place.max()) + 1, joined).max()) + 1
 
 
 def _several(on: np.ndarray) -> np.ndarray:

@@ -5,9 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
+from origami_nlp.numerics import groups
 from origami_nlp.space.mesh import edges_of
 
 
@@ -50,16 +49,10 @@ def all_edges(triangles: np.ndarray, extra: np.ndarray) -> np.ndarray:
     return np.unique(edges, axis=0)
 
 
-def label(count: int, edges: np.ndarray) -> np.ndarray:
-    """Connected component of each of `count` vertices, [count]."""
-    graph = coo_array((np.ones(len(edges)), (edges[:, 0], edges[:, 1])), shape=(count, count))
-    return connected_components(graph, directed=False)[1]
-
-
 def parts(count: int, triangles: np.ndarray, extra: np.ndarray) -> list[Part]:
     """Components of the complex, largest first; `extra` [E, 2] are edges that border no triangle."""
     edges = all_edges(triangles, extra)
-    of = label(count, edges)
+    of = groups(count, edges)
     number = int(of.max()) + 1 if count else 0
     v = np.bincount(of, minlength=number)
     e = np.bincount(of[edges[:, 0]], minlength=number)
@@ -102,7 +95,7 @@ def surface_pieces(triangles: np.ndarray) -> np.ndarray:
     name = of_triangle.ravel()[order]
     pair = np.flatnonzero(name[1:] == name[:-1])
     joined = np.stack([order[pair] // 3, order[pair + 1] // 3], axis=1)
-    return label(len(triangles), joined)
+    return groups(len(triangles), joined)
 
 
 def spots(count: int, triangles: np.ndarray, extra: np.ndarray) -> list[Spot]:
@@ -119,7 +112,7 @@ def spots(count: int, triangles: np.ndarray, extra: np.ndarray) -> list[Spot]:
     corner = np.concatenate([who, who])
     order = key.argsort(kind="stable")
     pair = np.flatnonzero(key[order][1:] == key[order][:-1])
-    fan = label(3 * f, np.stack([corner[order[pair]], corner[order[pair + 1]]], axis=1))
+    fan = groups(3 * f, np.stack([corner[order[pair]], corner[order[pair + 1]]], axis=1))
     first = np.unique(fan, return_index=True)[1]
     fans = np.bincount(corner_vertex[first], minlength=count)
     ends = np.bincount(extra.ravel(), minlength=count)

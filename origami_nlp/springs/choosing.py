@@ -62,7 +62,7 @@ class _Pool:
         return out
 
     def margin(self, names: frozenset[str]) -> float:
-        """Largest margin of some states; -inf where they have no springs.  A set with a bad subset is not solved."""
+        """Largest margin of some states; -inf where they have no springs."""
         if names not in self.known:
             posed: Posed = solve(self.only(names))
             self.undecided += not posed.feasible and not posed.every_refuted

@@ -138,7 +138,7 @@ class Posed:
         self.aim[most] = -price
 
     def _soften(self, price: float) -> None:
-        """Replace the balance of states by a price on what is left."""
+        """Replace the balance of states by an exact penalty on what is left (Nocedal and Wright, section 17.2)."""
         p = self.programme
         rows = [r for r in p.rows if isinstance(r.words, str) and r.words.endswith(" balances")]
         p.rows = [r for r in p.rows if not any(r is other for other in rows)]
@@ -404,7 +404,7 @@ def _levels(targets: Targets) -> list[float]:
 
 
 def _scale(posed: Posed, v: np.ndarray) -> float:
-    """Return 1 / mean stiffness: what energies ask for, or the middle of what the bounds leave."""
+    """Return 1 / mean stiffness: what energies ask for, or the geometric mean of what the bounds leave."""
     t = posed.targets
     absolute = t.highest or not isinstance(t.preload, bool)
     absolute = absolute or any((math.isfinite(e) and e != 0.0) for e in _levels(t))

@@ -158,6 +158,7 @@ def _across(
                 cosines = [float(np.sum(model.root**2 * v * way)) / size for v in (step, other)]
                 if abs(cosines[1]) > abs(cosines[0]):
                     ahead.append(math.copysign(1.0, cosines[1]))
+                # 0: wanted beyond the crossing on the same curve
                 elif cosines[0] < 0:
                     ahead.append(0.0)
     slope = slope_row(model, corner, step, kind, places)

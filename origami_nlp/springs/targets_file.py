@@ -12,8 +12,8 @@ from typing import Any
 
 from origami_nlp.arguments import check_number, check_whole, shown
 from origami_nlp.errors import OptionError
-from origami_nlp.files import parse_toml, read_limited
-from origami_nlp.pattern import Vertex, parse_angles
+from origami_nlp.files import check_tables, one_of, parse_toml, read_limited, read_toml
+from origami_nlp.pattern import parse_angles, vertex_from_dict
 from origami_nlp.springs.targets import BarrierAsk, EnergyGap, Target, Targets
 
 _KEYS = {
@@ -90,33 +90,18 @@ def read_targets(source: str | Path) -> tuple[Targets, Ask, str | None]:
     OptionError, VertexError, AngleError
         If the file cannot be read, or a value does not fit; the message names it.
     """
-    raw = read_limited(source, _LARGEST, "targets", OptionError)
-    try:
-        text = raw.decode("utf-8")
-    except UnicodeDecodeError as error:
-        raise OptionError(f"targets {str(source)!r} is not UTF-8 text: {error.reason}") from None
     folder = Path(".") if str(source) == "-" else Path(source).parent
-    return parse_targets(text, folder)
+    return _targets(read_toml(source, _LARGEST, "targets", OptionError), folder)
 
 
 def parse_targets(text: str, folder: Path = Path(".")) -> tuple[Targets, Ask, str | None]:
     """Read what a design is asked for from TOML text; see `read_targets`."""
-    data = parse_toml(text, "targets", OptionError)
-    for table, content in data.items():
-        if table not in _KEYS:
-            raise OptionError(f"unknown table [{table}]: targets have {', '.join(_KEYS)}")
-        if (table in ("states", "barriers")) != isinstance(content, list):
-            many = {"states": "[[states]], one a state", "barriers": "[[barriers]], one a pair"}
-            raise OptionError(f"{table}: write {many.get(table, f'[{table}]')}")
-        for entry in content if isinstance(content, list) else [content]:
-            if not isinstance(entry, Mapping):
-                raise OptionError(f"{table} = {shown(entry)} must be a table")
-            for key in entry:
-                if key not in _KEYS[table]:
-                    raise OptionError(
-                        f"unknown key {key!r} in [{table}]: it takes {', '.join(_KEYS[table])}"
-                    )
-    vertex = _vertex(data.get("vertex", {}))
+    return _targets(parse_toml(text, "targets", OptionError), folder)
+
+
+def _targets(data: Mapping[str, Any], folder: Path) -> tuple[Targets, Ask, str | None]:
+    check_tables(data, _KEYS, "targets have", OptionError, ("states", "barriers"))
+    vertex = vertex_from_dict(data.get("vertex", {}))
     entries = data.get("states", [])
     states, gaps, highest = [], [], {}
     for i, entry in enumerate(entries, start=1):
@@ -163,33 +148,14 @@ def parse_targets(text: str, folder: Path = Path(".")) -> tuple[Targets, Ask, st
     return targets, Ask(**ask), name
 
 
-def _vertex(table: Mapping[str, Any]) -> Vertex:
-    keys = ("sector_angles", "sector_angles_deg", "directions")
-    given = [k for k in keys if k in table]
-    if len(given) != 1:
-        raise OptionError(
-            f"[vertex] needs exactly one of {', '.join(keys)}: found {', '.join(given) or 'none'}"
-        )
-    flat = table.get("flat", True)
-    if given[0] == "directions":
-        return Vertex.from_directions(table["directions"])
-    if given[0] == "sector_angles_deg":
-        return Vertex.from_degrees(table["sector_angles_deg"], flat)
-    return Vertex(table["sector_angles"], flat)
-
-
 def _state(entry: Mapping[str, Any], i: int, folder: Path, degree: int) -> Target:
     name = entry.get("name", f"state {i}")
-    given = [k for k in ("fold_angles", "fold_angles_deg", "like") if k in entry]
-    if len(given) != 1:
-        raise OptionError(
-            f"[[states]] {name!r} needs exactly one of fold_angles, fold_angles_deg, like: "
-            f"found {', '.join(given) or 'none'}"
-        )
-    if given[0] == "like":
+    keys = ("fold_angles", "fold_angles_deg", "like")
+    given = one_of(entry, f"[[states]] {name!r}", keys, OptionError)
+    if given == "like":
         phi = _like(entry["like"], folder, name)
     else:
-        phi = _angles(entry[given[0]], f"[[states]] {name!r}: {given[0]}")
+        phi = _angles(entry[given], f"[[states]] {name!r}: {given}")
     if len(phi) != degree:
         raise OptionError(
             f"[[states]] {name!r} has {len(phi)} fold angles, the vertex {degree} creases"

@@ -31,7 +31,6 @@ contact = true                 # whether facets must not cross
 
 from __future__ import annotations
 
-import json
 import math
 import re
 from collections.abc import Iterator, Mapping
@@ -52,7 +51,7 @@ from origami_nlp.pattern import (
     read_pattern,
 )
 from origami_nlp.sheets import find_states
-from origami_nlp.sweep.spec import MOST_SCENES, Sweep, check_axes, checked_search, read_axis
+from origami_nlp.sweep.spec import Sweep, checked_search, read_axes
 from origami_nlp.sweep.store import Outcome, Rows, attempted
 
 _PLACE = re.compile(r"(creases|mountains|valleys)\.(stiffness|rest_angles)(?:\[(\d{1,5})\])?")
@@ -73,6 +72,8 @@ class PatternSweep(Sweep):
     search
         The [search] table, with defaults.
     """
+
+    ONE, MANY = "pattern", "sheets"
 
     def pattern(self, index: int) -> Pattern:
         """Make sheet `index`.
@@ -142,12 +143,6 @@ class PatternSweep(Sweep):
         for index in range(self.count):
             yield range(index, index + 1)
 
-    def fingerprint(self) -> str:
-        """The whole sweep as text: two sweeps are the same when these agree."""
-        axes = [[a.name, list(a.places), list(a.values)] for a in self.axes]
-        search = {k: v for k, v in self.search.items() if k != "follow"}
-        return json.dumps({"pattern": self.base, "axes": axes, "search": search}, sort_keys=True)
-
 
 def parse_pattern_sweep(data: Mapping[str, Any], folder: Path | None) -> PatternSweep:
     """Make a sweep from tables ``pattern``, ``axes`` and ``search``.
@@ -172,18 +167,10 @@ def parse_pattern_sweep(data: Mapping[str, Any], folder: Path | None) -> Pattern
         If the pattern is wrong.
     """
     base = _base(data["pattern"], folder)
-    axes = tuple(read_axis(a, k) for k, a in enumerate(check_axes(data.get("axes")), start=1))
+    axes = read_axes(data.get("axes"))
     least = {"starts": 0, "seed": 0}
     search = checked_search(data.get("search", {}), _SEARCH, least, ["contact"], " of a pattern")
     sweep = PatternSweep(base, axes, {**search, "follow": False})
-    names = [a.name for a in axes]
-    if len(set(names)) < len(names):
-        raise SweepError(f"two axes are called {max(names, key=names.count)!r}: give each a name")
-    if sweep.search["mode"] == "list" and len({len(a.values) for a in axes}) > 1:
-        lengths = ", ".join(f"{a.name}: {len(a.values)}" for a in axes)
-        raise SweepError(f"axes of mode = 'list' must have equally many values, not {lengths}")
-    if sweep.count > MOST_SCENES:
-        raise SweepError(f"the sweep has {sweep.count:,} sheets: at most {MOST_SCENES:,}")
     for number, axis in enumerate(axes, start=1):
         for place in axis.places:
             if _PLACE.fullmatch(place) is None and "sheet" in base:

@@ -8,11 +8,9 @@ from typing import Any
 
 from origami_nlp.arguments import check_path, shown
 from origami_nlp.errors import SweepError
-from origami_nlp.files import parse_toml, read_limited
+from origami_nlp.files import read_toml
 from origami_nlp.sweep.patterns import parse_pattern_sweep
-from origami_nlp.sweep.spec import Sweep, parse_scenes
-
-_LARGEST = 10_000_000
+from origami_nlp.sweep.spec import LARGEST, Sweep, parse_scenes
 
 
 def read_sweep(path: str | Path) -> Sweep:
@@ -35,12 +33,7 @@ def read_sweep(path: str | Path) -> Sweep:
     AngleError, VertexError, SceneError, SceneFileError, FoldFileError, OptionError
         If its scene or pattern is wrong.
     """
-    raw = read_limited(path, _LARGEST, "sweep", SweepError)
-    try:
-        data = parse_toml(raw.decode(), "sweep", SweepError)
-    except UnicodeDecodeError as error:
-        raise SweepError(f"sweep {str(path)!r} is not UTF-8 text: {error.reason}") from None
-    return parse_sweep(data, Path(path).parent)
+    return parse_sweep(read_toml(path, LARGEST, "sweep", SweepError), Path(path).parent)
 
 
 def parse_sweep(data: Mapping[str, Any], folder: Path | None = None) -> Sweep:

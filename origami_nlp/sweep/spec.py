@@ -43,10 +43,12 @@ from typing import Any
 import numpy as np
 
 from origami_nlp.errors import SweepError
-from origami_nlp.files import parse_toml
+from origami_nlp.files import read_toml
 from origami_nlp.pattern import Scene, examples, parse_angle, scene_from_dict
 
 MOST_SCENES = 10_000_000
+LARGEST = 10_000_000
+"""Bytes of a file."""
 _EXAMPLES = {"degree6": examples.degree6, "degree8": examples.degree8}
 _EXAMPLE_KEYS = ("alpha", "ratio", "symmetry", "contact")
 _PLACE = re.compile(r"(vertex|creases|model)\.([a-z_]+)(?:\[(\d{1,4})\])?")
@@ -101,6 +103,19 @@ class Sweep:
     base: dict[str, Any] = field(repr=False)
     axes: tuple[Axis, ...]
     search: dict[str, Any]
+    ONE, MANY = "scene", "scenes"
+
+    def __post_init__(self) -> None:
+        names = [a.name for a in self.axes]
+        if len(set(names)) < len(names):
+            name = max(names, key=names.count)
+            raise SweepError(f"two axes are called {name!r}: give each a name")
+        if self.search["mode"] == "list" and len({len(a.values) for a in self.axes}) > 1:
+            lengths = ", ".join(f"{a.name}: {len(a.values)}" for a in self.axes)
+            raise SweepError(f"axes of mode = 'list' must have equally many values, not {lengths}")
+        if self.count > MOST_SCENES:
+            what = f"{self.count:,} {self.MANY}"
+            raise SweepError(f"the sweep has {what}: at most {MOST_SCENES:,}")
 
     @property
     def shape(self) -> tuple[int, ...]:
@@ -159,7 +174,7 @@ class Sweep:
         axes = [[a.name, list(a.places), list(a.values)] for a in self.axes]
         # sweeps that do not follow are what they were before one could
         search = {k: v for k, v in self.search.items() if k != "follow" or v}
-        return json.dumps({"scene": self.base, "axes": axes, "search": search}, sort_keys=True)
+        return json.dumps({self.ONE: self.base, "axes": axes, "search": search}, sort_keys=True)
 
 
 def parse_scenes(data: Mapping[str, Any], folder: Path | None) -> Sweep:
@@ -183,17 +198,11 @@ def parse_scenes(data: Mapping[str, Any], folder: Path | None) -> Sweep:
         If a key is unknown, missing or wrong.
     """
     base = _base(data.get("scene"), folder)
-    axes = tuple(_axis(a, k, base) for k, a in enumerate(check_axes(data.get("axes")), start=1))
-    names = [a.name for a in axes]
-    if len(set(names)) < len(names):
-        raise SweepError(f"two axes are called {max(names, key=names.count)!r}: give each a name")
-    search = _search(data.get("search", {}))
-    if search["mode"] == "list" and len({len(a.values) for a in axes}) > 1:
-        lengths = ", ".join(f"{a.name}: {len(a.values)}" for a in axes)
-        raise SweepError(f"axes of mode = 'list' must have equally many values, not {lengths}")
-    sweep = Sweep(base, axes, search)
-    if sweep.count > MOST_SCENES:
-        raise SweepError(f"the sweep has {sweep.count:,} scenes: at most {MOST_SCENES:,}")
+    axes = read_axes(data.get("axes"))
+    for number, axis in enumerate(axes, start=1):
+        for place in axis.places:
+            _check_place(place, f"axes[{number}]", base)
+    sweep = Sweep(base, axes, _search(data.get("search", {})))
     sweep.scene(0)  # a mistake in the scene is found now, not in every worker
     return sweep
 
@@ -220,22 +229,16 @@ def _base(scene: Any, folder: Path | None) -> dict[str, Any]:
     if len(data) > 1 or not isinstance(data["file"], str):
         raise SweepError('[scene] with file = "..." takes nothing else')
     path = (folder or Path()) / data["file"]
-    what = f"scene file {data['file']!r}"
-    try:
-        return parse_toml(path.read_text(encoding="utf-8-sig"), what, SweepError)
-    except OSError as error:
-        raise SweepError(f"{what} cannot be read: {error.strerror}") from None
-    except UnicodeDecodeError as error:
-        raise SweepError(f"{what} is not UTF-8 text: {error.reason}") from None
+    return read_toml(path, LARGEST, "scene", SweepError)
 
 
-def check_axes(stated: Any) -> list[Mapping[str, Any]]:
-    """Return the [[axes]] of a sweep file.
+def read_axes(stated: Any) -> tuple[Axis, ...]:
+    """Read the [[axes]] of a sweep file, whatever their places are.
 
     Raises
     ------
     SweepError
-        If there is none.
+        If there is none, or a key is unknown, missing or wrong.
     """
     if (
         not isinstance(stated, list)
@@ -245,24 +248,11 @@ def check_axes(stated: Any) -> list[Mapping[str, Any]]:
         raise SweepError(
             "a sweep needs at least one [[axes]] with set and values (or from, to, count)"
         )
-    return stated
+    return tuple(_axis(one, number) for number, one in enumerate(stated, start=1))
 
 
-def _axis(stated: Mapping[str, Any], number: int, base: dict[str, Any]) -> Axis:
-    axis = read_axis(stated, number)
-    for place in axis.places:
-        _check_place(place, f"axes[{number}]", base)
-    return axis
-
-
-def read_axis(stated: Mapping[str, Any], number: int) -> Axis:
-    """Read one of the [[axes]], whatever its places are.
-
-    Raises
-    ------
-    SweepError
-        If a key is unknown, missing or wrong.
-    """
+def _axis(stated: Mapping[str, Any], number: int) -> Axis:
+    """Read one of the [[axes]]."""
     where = f"axes[{number}]"
     for key in stated:
         if key not in ("name", "set", "values", "from", "to", "count", "scale"):

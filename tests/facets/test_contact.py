@@ -14,6 +14,7 @@ from origami_nlp.facets import Features, Placed, Sheet
 from origami_nlp.pattern import Scene
 from origami_nlp.sheets import (
     draw_states,
+    find_states,
     judge,
     list_branches,
     press,
@@ -293,33 +294,75 @@ def test_planes_and_ipopt_end_in_the_same_state(name, size):
     assert sheet.scaled_energy(phi) == pytest.approx(sheet.scaled_energy(end.phi), abs=1e-4)
 
 
-def test_the_touch_of_a_metasheet_is_reached_by_the_way_of_many_freedoms():
-    """Two facets hold its one freedom: driven angle and energy of the first touch on the closed-form curve."""
+@cache
+def driven():
+    """A metasheet at rest beyond its first touch: the sheet, the creases that are driven, a state before the touch."""
     pattern, classes = metasheet(3)
-    sheet = Sheet(pattern)
+    sheet, driven = Sheet(pattern), classes == 2
     line = max(
         (s * d for d in list_branches(pattern).lines for s in (1, -1)),
-        key=lambda d: -d[classes == 2].mean(),
+        key=lambda d: -d[driven].mean(),
     )
     phi, _ = sheet.project(0.2 * line / np.abs(line).max())
-    driven, start = classes == 2, phi
+    start = phi
     for angle in np.linspace(phi[driven][0], -2.8, 60):
         free, residual = sheet.project(np.where(driven, angle, phi), driven)
         assert residual < 1e-13
         start, phi = (free if angle > -1.5 else start), free
-    sprung = Sheet(pattern.with_springs(1.0, list(phi)))
+    return Sheet(pattern.with_springs(1.0, list(phi))), driven, start
+
+
+def test_a_search_finds_the_state_that_touching_facets_hold():
+    """Where the crossing test says that they touch, with the energy over their distance as force, by differences."""
+    sheet, driven_ones, _ = driven()
+    pattern = sheet.pattern
+    state = find_states(pattern, starts=0, escape=False).minima[0]
+    assert state.kind == "contact-pinned"
+
+    def at(angle):
+        return sheet.project(np.where(driven_ones, angle, state.fold_angles), driven_ones)[0]
+
+    low, high = -2.8, -1.0
+    for _ in range(45):
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if sheet.crossings.find(at(middle)) else (low, middle)
+    assert state.fold_angles[driven_ones] == pytest.approx(high, abs=1e-8)
+    assert high == pytest.approx(-2.0762838873, abs=1e-8)
+    assert state.energy == pytest.approx(1.7453290610, abs=1e-9)
+    step = 1e-5
+    a, b = (at(state.fold_angles[driven_ones][0] + s) for s in (step, 2 * step))
+    facets = [f - 1 for f in state.contacts[0].facets]
+    gap = [distance(sheet, x, facets) for x in (a, b)]
+    rise = pattern.energy(b) - pattern.energy(a)
+    assert state.contacts[0].force == pytest.approx(rise / (gap[1] - gap[0]), rel=1e-4)
+    assert rise / step == pytest.approx(4.395, abs=1e-3)
+
+
+def distance(sheet, phi, pair):
+    """Distance of two facets: the least over their edges, brute force."""
+    x = sheet.crossings.placed(phi)
+    a, b = (x[sheet.crossings.facet == f][0] for f in pair)
+    best = math.inf
+    for p, q in zip(a, np.roll(a, -1, axis=0), strict=True):
+        for r, s in zip(b, np.roll(b, -1, axis=0), strict=True):
+            m = np.column_stack([q - p, r - s])
+            t = np.clip(np.linalg.lstsq(m, r - p, rcond=None)[0], 0, 1)
+            best = min(best, float(np.linalg.norm(p + t[0] * (q - p) - r - t[1] * (s - r))))
+    return best
+
+
+def test_the_touch_of_a_metasheet_is_reached_by_the_way_of_many_freedoms():
+    sprung, driven_ones, start = driven()
     end = press(sprung, start)
     state = judge(sprung, end.phi)
     assert state.kind == "contact-pinned" and state.freedoms == 1
-    assert state.fold_angles[driven] == pytest.approx(-2.0762838873, abs=1e-9)
-    assert state.energy == pytest.approx(1.7453290610, abs=1e-9)
+    assert state.fold_angles[driven_ones] == pytest.approx(-2.0762838873, abs=1e-9)
     # the force times the opening of the gap with the driven angle is the energy that the springs lose
     (contact,) = state.contacts
     rows = closed(sprung, end.phi)
     (way,) = sprung.kernel(end.phi).T
-    per_angle = way / way[driven][0]
+    per_angle = way / way[driven_ones][0]
     opening = float(rows.slopes[0] @ per_angle) * sprung.crossings.size
-    assert contact.force * opening == pytest.approx(
-        float(sprung.torque(end.phi) @ per_angle), rel=1e-9
-    )
-    assert contact.force * opening == pytest.approx(4.395, abs=1e-3)
+    work = float(sprung.torque(end.phi) @ per_angle)
+    assert contact.force * opening == pytest.approx(work, rel=1e-9)
+    assert work == pytest.approx(4.395, abs=1e-3)

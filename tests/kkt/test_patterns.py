@@ -10,7 +10,8 @@ import pytest
 import origami_nlp as o
 from origami_nlp import Model, Scene, State, Vertex, classify
 from origami_nlp.facets import Sheet
-from origami_nlp.kkt import loop_modes, tangent_cone
+from origami_nlp.kkt import judge_branch, loop_modes, tangent_cone
+from origami_nlp.kkt.refutation import follow_descent
 from tests.computed_once import states
 from tests.patterns import miura, miura_angles, strip, wheel
 
@@ -77,6 +78,19 @@ def test_the_same_contact_has_one_multiplier_or_a_range():
     one, two = what.contacts
     assert what.kind == "degenerate" and one.multiplier == pytest.approx(two.multiplier, rel=1e-9)
     assert one.multiplier_range == pytest.approx((0.0, 2 * one.multiplier), abs=1e-9)
+
+
+def test_lower_states_that_are_reached_through_facets_refute_nothing():
+    """Downhill from a state that contact holds, as if it did not: there are such states, and facets cross in each."""
+    problem, state = held_state()
+    assert state.contacts.base and not state.contacts.complete
+    free = judge_branch(state.on(()))
+    assert free.verdict == "not stationary" and free.direction is not None
+    assert follow_descent(state, free) is None
+    through = State(Sheet(problem.pattern, contact=False), state.x)
+    lower = follow_descent(through, judge_branch(through.on(())))
+    assert lower is not None and lower.gain > 0 and problem.crossings.find(lower.state)
+    assert problem.energy(lower.state) == pytest.approx(problem.energy(state.x) - lower.gain)
 
 
 def test_rows_that_always_depend_on_each_other_are_no_loss_of_rank():

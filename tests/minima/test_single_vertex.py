@@ -82,8 +82,9 @@ def test_vertices_with_one_freedom_have_the_same_minima_both_ways(contact):
     assert "undecided" not in compare(drawn(0, 4, contact))
 
 
-def test_vertices_with_more_freedoms_have_the_same_minima_both_ways():
-    assert "minimum" in compare(drawn(1, 5, "full"), starts=1)
+@pytest.mark.parametrize(("seed", "contact"), [(1, "full"), (3, "fold-limits")])
+def test_vertices_with_more_freedoms_have_the_same_minima_both_ways(seed, contact):
+    assert "minimum" in compare(drawn(seed, 5, contact), starts=1)
 
 
 @pytest.mark.slow

@@ -5,12 +5,11 @@ import math
 import numpy as np
 import pytest
 
-from origami_nlp import Vertex, find_minima
 from origami_nlp.facets import Sheet
-from origami_nlp.pattern import Scene, make_pattern
-from origami_nlp.sheets import descend, find_states, follow_curve, judge, list_branches, tangents
+from origami_nlp.pattern import make_pattern
+from origami_nlp.sheets import descend, find_states, judge, list_branches
 from tests.independent.trigonometry import scan
-from tests.patterns import metasheet, miura, miura_angles, strip, wheel
+from tests.patterns import metasheet, miura, miura_angles, strip
 
 VERTEX_SPRINGS = (0.005, 0.4627, 0.1299, 0.0321), (-2.163, 1.77, 2.755, 0.121)
 
@@ -91,62 +90,6 @@ def _compare_strip(seed):
     assert result.search.complete == result.search.curves == len(list_branches(pattern).lines)
 
 
-def test_touching_facets_hold_a_state():
-    """Rest state beyond a contact: the facets touch, with the slope of the energy over the gap as force."""
-    pattern, classes = metasheet(3)
-    sheet = Sheet(pattern)
-    line = max(
-        (s * d for d in list_branches(pattern).lines for s in (1, -1)),
-        key=lambda d: -d[classes == 2].mean(),
-    )
-    phi, _ = sheet.project(0.2 * line / np.abs(line).max())
-    curve = follow_curve(sheet, phi, tangents(sheet, phi)[:, 0])
-    driven = np.flatnonzero(classes == 2)
-    start = curve.phi[np.abs(curve.phi[:, driven[0]] + 2.8).argmin()].copy()
-    start[driven] = -2.8
-    rest, residual = sheet.project(start, classes == 2)
-    assert residual < 1e-13
-    pattern = pattern.with_springs(1.0, list(rest))
-    sheet = Sheet(pattern)
-    result = find_states(pattern, starts=0, escape=False)
-    state = result.minima[0]
-    assert state.kind == "contact-pinned"
-    # by bisection of the crossing test along closed states of a driven angle
-    low, high = -2.8, -1.0
-
-    def at(angle):
-        x = state.fold_angles.copy()
-        x[driven] = angle
-        return sheet.project(x, classes == 2)[0]
-
-    for _ in range(45):
-        middle = 0.5 * (low + high)
-        low, high = (middle, high) if sheet.crossings.find(at(middle)) else (low, middle)
-    assert state.fold_angles[driven] == pytest.approx(high, abs=1e-8)
-    assert high == pytest.approx(-2.0762838873, abs=1e-8)
-    assert state.energy == pytest.approx(1.7453290610, abs=1e-9)
-    # force times the opening of the gap is the energy that the springs lose, by differences over the distance of edges
-    step = 1e-5
-    a, b = (at(state.fold_angles[driven[0]] + s) for s in (step, 2 * step))
-    gap = [_distance(sheet, x, [f - 1 for f in state.contacts[0].facets]) for x in (a, b)]
-    force = (pattern.energy(b) - pattern.energy(a)) / (gap[1] - gap[0])
-    assert state.contacts[0].force == pytest.approx(force, rel=1e-4)
-    assert (pattern.energy(b) - pattern.energy(a)) / step == pytest.approx(4.395, abs=1e-3)
-
-
-def _distance(sheet, phi, pair):
-    """Distance of two facets: the least over their edges, from a library of plane geometry of our own, brute force."""
-    x = sheet.crossings.placed(phi)
-    a, b = (x[sheet.crossings.facet == f][0] for f in pair)
-    best = math.inf
-    for p, q in zip(a, np.roll(a, -1, axis=0), strict=True):
-        for r, s in zip(b, np.roll(b, -1, axis=0), strict=True):
-            m = np.column_stack([q - p, r - s])
-            t = np.clip(np.linalg.lstsq(m, r - p, rcond=None)[0], 0, 1)
-            best = min(best, float(np.linalg.norm(p + t[0] * (q - p) - r - t[1] * (s - r))))
-    return best
-
-
 def test_nothing_open_is_reported():
     """40 random starts of a metasheet: most cannot be closed; every state that is reported is."""
     pattern, classes = metasheet(4)
@@ -205,38 +148,6 @@ def test_the_flat_state():
     for sign in (1.0, -1.0):
         pulled = pattern.with_springs(1.0, list(sign * miura_angles(pattern, 3, 1.0)))
         assert judge(Sheet(pulled), np.zeros(12)).refuted
-
-
-@pytest.mark.parametrize(
-    ("sectors", "seed"),
-    [
-        ((80, 95, 85, 100), 0),
-        pytest.param((80, 95, 85, 100), 1, marks=pytest.mark.slow),
-        ((60, 80, 110, 110), 2),
-        ((70, 75, 65, 80, 70), 3),
-    ],
-)
-def test_one_vertex_has_the_same_states_both_ways(sectors, seed):
-    angles = tuple(np.deg2rad(sectors).tolist())
-    rng = np.random.default_rng(seed)
-    k, rest = rng.uniform(0.2, 2, len(angles)), rng.uniform(-2.5, 2.5, len(angles))
-    pattern = wheel(angles).with_springs(list(k), list(rest))
-    assert list(pattern.vertices[0].creases) == list(range(len(angles)))
-    vertex = find_minima(
-        Scene(
-            Vertex(angles),
-            symmetry="C1",
-            contact="fold-limits",
-            stiffness=list(k),
-            rest_angles=list(rest),
-        ),
-        escape=False,
-    )
-    sheet = find_states(pattern, starts=30, contact=False, escape=False)
-    assert len(sheet.minima) == len(vertex.minima)
-    for m, s in zip(vertex.minima, sheet.minima, strict=True):
-        assert s.energy == pytest.approx(m.energy, rel=1e-9)
-        assert s.fold_angles == pytest.approx(m.fold_angles, abs=1e-7)
 
 
 def test_beyond_shut_by_rounding_is_shut():

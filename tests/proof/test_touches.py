@@ -356,6 +356,13 @@ def test_what_is_not_proved_says_so():
     assert not stopped.finished and not stopped.complete and stopped.undecided
 
 
+def test_a_wedge_of_two_rays_is_not_proved_and_says_so():
+    scene = Scene(Vertex.from_degrees([60] * 6), (1, 2) * 3, (1, -1) * 3, "D3", "full")
+    proof = prove(Model(scene))
+    assert [c.reason for c in proof.undecided] == ["touches of a D3 wedge of 2 rays are not proved"]
+    assert proof.points and not proof.complete
+
+
 @pytest.mark.slow
 def test_a_minimum_beside_the_flat_state_that_searches_may_miss():
     """0.03 rad from the flat state: its basin is small, its proof costs what any other costs."""

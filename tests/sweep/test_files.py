@@ -178,7 +178,7 @@ def test_examples_files_and_lists(tmp_path):
         '[scene]\nfile = "scene.toml"\n[[axes]]\nset = "creases.stiffness[1]"\nvalues = [1]\n'
     )
     assert read_sweep(tmp_path / "s.toml").scene(0).degree == 6
-    with pytest.raises(OrigamiError, match="cannot be read"):
+    with pytest.raises(OrigamiError, match="cannot read"):
         parse_sweep({"scene": {"file": "no.toml"}, "axes": [{"set": "x", "values": [1]}]}, tmp_path)
 
 

@@ -239,6 +239,7 @@ class Cone:
         v = np.asarray(elevation, dtype=float)
         size = cone_roots(self.degree, np.abs(v)).value
         if self.rest == "paper":
+            # the printed arccos is the shallow root at |v_0|, whatever the sign of v_0
             return 2 * size[..., SHALLOW], -2 * v + 0.0
         return 2 * np.where(v >= 0, size[..., SHALLOW], -size[..., STEEP]), -2 * np.abs(v) + 0.0
 
