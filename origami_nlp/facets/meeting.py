@@ -17,7 +17,9 @@ SEEN = 1e-9
 """Gaps, over the sheet's size, within which features are looked at."""
 
 
-def touches_at(problem: PatternEquations, x: np.ndarray, shut: np.ndarray) -> list[Touch]:
+def touches_at(
+    problem: PatternEquations, x: np.ndarray, shut: np.ndarray, within: float = CLOSES
+) -> list[Touch]:
     """Return the gaps of features that meet inside each other at a state; those that fold limits keep open are not.
 
     Parameters
@@ -28,6 +30,8 @@ def touches_at(problem: PatternEquations, x: np.ndarray, shut: np.ndarray) -> li
         A closed state in which no facets cross, [n] [rad].
     shut
         Creases at their fold limits.
+    within
+        Gap, over the sheet's size, that counts as closed.
 
     Returns
     -------
@@ -35,8 +39,8 @@ def touches_at(problem: PatternEquations, x: np.ndarray, shut: np.ndarray) -> li
         Each contact once.
     """
     place, touches = Placed(problem.crossings.poses, x), []
-    for touch, gap in problem.features.facing(place, SEEN, INSIDE):
-        if gap <= CLOSES and not any(
+    for touch, gap in problem.features.facing(place, max(SEEN, within), INSIDE):
+        if gap <= within and not any(
             _opened_by(problem, t.row(place), x, shut) for t in _seen_otherwise(problem, touch)
         ):
             touches.append(touch)

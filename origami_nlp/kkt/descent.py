@@ -42,6 +42,10 @@ NEAR = 3e-5
 """Contacts open by less [rad] are slid along."""
 MOST_GUESSES = 8
 """Sets of closed contacts that are tried when the end of a path is polished."""
+MOST_PASSED = 10
+"""Rounds in which contacts that a trial state passes are held."""
+STALLS = 0.3
+"""Share of the residual that a step of its projection leaves where contacts cannot be met together."""
 SOFTEST = 1e-6
 """Of curvatures in steps, over the mean stiffness."""
 LOADED = 1e-9
@@ -163,13 +167,29 @@ def _lower_neighbour(at: State, direction: np.ndarray | None) -> np.ndarray | No
 
 
 def _closed(
-    model: Programme, want: np.ndarray, held: tuple[Contact, ...] = ()
+    model: Programme,
+    want: np.ndarray,
+    held: tuple[Contact, ...] = (),
+    rows: tuple[Contact, ...] = (),
 ) -> np.ndarray | None:
-    """Pull a state [n] onto closure with contacts held, within the fold limits; None where that does not close."""
-    y, residual = project(model, want, held)
-    y = np.clip(y, -model.bound, model.bound)
-    closes = residual <= CLOSES and np.abs(model.closure(y)[0]).max() <= CLOSES
-    return y if closes else None
+    """Pull a state [n] onto closure with contacts held, within the fold limits; None where that does not close.
+
+    Those of `rows` that it passes are held as well: a straight step passes what bends towards it.
+    """
+    for _ in range(MOST_PASSED):
+        y, residual = project(model, want, held, stalls=STALLS if rows else math.inf)
+        y = np.clip(y, -model.bound, model.bound)
+        if not (residual <= CLOSES and np.abs(model.closure(y)[0]).max(initial=0.0) <= CLOSES):
+            return None
+        try:
+            values, _ = model.local(y).openings(rows)
+        except ArithmeticError:  # sides that come to run along each other have no gap
+            return None
+        passed = [c for c, v in zip(rows, values, strict=True) if v < -ROUNDED and c not in held]
+        if not passed:
+            return y
+        held = (*held, *passed)
+    return None
 
 
 def _step(
@@ -195,16 +215,37 @@ def _step(
         held = _kept(state.on(rows), d)
         step = min(1.0, length / size)
         while step * size >= SHORTEST:
-            y = _closed(model, x + step * d, held)
-            change = math.inf if y is None else model.energy_change(x, y) / model.scale
-            # sufficient decrease (Nocedal & Wright, 3.4), measured after the way back to closure
-            lower = change < DECREASE * step * slope
-            if y is not None and lower and (leads is None or leads(x, y)) and not model.refuses(y):
-                if best is None or change < best[0]:
-                    best = (change, y, step * size)
+            found = _lower(state, step * d, DECREASE * step * slope, held, leads)
+            if found is None and curved:
+                found = _lower(state, step * d, DECREASE * step * slope, held, leads, rows)
+            if found is not None:
+                if best is None or found[0] < best[0]:
+                    best = (*found, step * size)
                 break
             step /= 2
     return None if best is None else best[1:]
+
+
+def _lower(
+    state: State,
+    move: np.ndarray,
+    enough: float,
+    held: tuple[Contact, ...],
+    leads: Callable[[np.ndarray, np.ndarray], bool] | None,
+    rows: tuple[Contact, ...] = (),
+) -> tuple[float, np.ndarray] | None:
+    """Return the change of energy to the admissible state that a move [n] leads to, and that state; None if not lower.
+
+    The change is to be below `enough`.
+    """
+    model, x = state.programme, state.x
+    y = _closed(model, x + move, held, rows)
+    if y is None:
+        return None
+    change = model.energy_change(x, y) / model.scale
+    # sufficient decrease (Nocedal & Wright, 3.4), measured after the way back to closure
+    lower = change < enough and (leads is None or leads(x, y))
+    return (change, y) if lower and not model.refuses(y) else None
 
 
 def _pull(piece: Stratum, curved: bool) -> np.ndarray:
