@@ -172,14 +172,24 @@ class _Search:
             self.tally.failed.append(f"{type(failure).__name__}: {failure}")
 
     def known(self, phi: np.ndarray) -> bool:
-        """Tell whether a state was judged."""
-        return any(np.abs(phi - s.fold_angles).max() <= 10 * SAME for s in self.tally.judged)
+        """Tell whether a state was judged: one that is not stationary says nothing of a minimum that is beside it."""
+        return any(
+            np.abs(phi - s.fold_angles).max() <= CLOSES or s.verdict != "not stationary"
+            for s in self._beside(phi)
+        )
+
+    def _beside(self, phi: np.ndarray) -> list[SheetState]:
+        """Return what was judged of states that differ by no more than those that are one."""
+        return [s for s in self.tally.judged if np.abs(phi - s.fold_angles).max() <= 10 * SAME]
 
     def add(self, state: SheetState) -> None:
         """Keep a state, once."""
         if state.freedoms < 0:  # it does not close, or is beyond a limit
             self.tally.open += 1
-        elif not self.known(state.fold_angles):
+        elif all(
+            {s.verdict, state.verdict} == {"not stationary", "minimum"}
+            for s in self._beside(state.fold_angles)
+        ):
             self.tally.judged.append(state)
 
     def settle(self, phi: np.ndarray) -> None:

@@ -40,6 +40,13 @@ def test_one_crease(rest):
     assert path.legs[0].points[-1].fold_angles[0] == pytest.approx(0.7)
 
 
+@pytest.mark.parametrize("rest", [3e-8, 3e-7, math.pi - 3e-8])
+def test_a_minimum_beside_a_state_that_is_listed_exactly(rest):
+    """The flat state, listed and not stationary, stood for the minimum 3e-8 rad beside it, which no list had."""
+    found = find_states(hinge(rest), starts=2)
+    assert [s.fold_angles.tolist() for s in found.minima] == [[pytest.approx(rest, rel=1e-6)]]
+
+
 def test_sides_along_each_other_have_no_gap():
     """A trial state at which a gap is not defined is none; it was a division by zero."""
     sheet = Sheet(miura(3, 1))
