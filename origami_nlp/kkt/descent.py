@@ -207,12 +207,11 @@ def _step(
     for rows in (*tries, *choices):
         if best is not None and rows in choices:
             break  # only where looking ahead to contacts that will close led nowhere
-        d = _pull(state.on(rows), curved)
+        d, held = _pull(state.on(rows), curved)
         size = float(np.linalg.norm(d))
         if size < ROUNDED:
             continue
         slope = float(state.local.gradient @ d)
-        held = _kept(state.on(rows), d)
         step = min(1.0, length / size)
         while step * size >= SHORTEST:
             found = _lower(state, step * d, DECREASE * step * slope, held, leads)
@@ -248,41 +247,41 @@ def _lower(
     return (change, y) if lower and not model.refuses(y) else None
 
 
-def _pull(piece: Stratum, curved: bool) -> np.ndarray:
-    """Minimise grad U . d + d'Hd/2 over the linearised feasible set: gap + gradient . d >= 0 for each contact.
+def _pull(piece: Stratum, curved: bool) -> tuple[np.ndarray, tuple[Contact, ...]]:
+    """Return the step and the closed contacts that it keeps closed.
+
+    It is to minimise grad U . d + d'Hd/2 over the linearised feasible set: gap + gradient . d >= 0 for each contact.
 
     H is the stiffness of the springs or, `curved`, the Hessian of the Lagrangian with multipliers of the contacts that
     are closed, its negative curvatures turned round.  They are so along what contacts that push leave free, and across
     it apart: what a gap adds to the curvature across would otherwise stiffen directions along which the energy hardly
-    curves.
+    curves.  Of contacts that are dependent, and may not be kept closed together beyond first order, those that push are
+    kept then.
     """
     state = piece.state
     p, z, gaps, slopes = state.programme, state.kernel, piece.openings, piece.slopes
     cost, rows = z.T @ state.gradient, slopes @ z
     # sequential quadratic programming, with K in place of the Hessian where that is not asked for
     free, h = np.eye(len(cost)), np.diag(p.parameters.stiffness / p.root**2)
+    closed = gaps <= state.tolerance
+    keeps = closed.copy()
     if curved:
-        close, forces = gaps <= state.tolerance, np.zeros(len(gaps))
-        forces[close] = nonnegative_least_squares(rows[close].T, cost)
+        forces = np.zeros(len(gaps))
+        forces[closed] = nonnegative_least_squares(rows[closed].T, cost)
         rest = state.gradient - slopes.T @ forces
         multipliers = np.linalg.lstsq(state.jacobian.T, rest, rcond=DEPENDENT)[0]
         h = piece.hessian_with(np.append(multipliers, forces))
-        free = null_space(rows[forces > LOADED])
+        keeps &= forces > LOADED
+        free = null_space(rows[keeps])
     scaled = []  # d = scaled y, with y'y/2 the quadratic form: what is left is a projection
     for basis in (z @ free, z @ null_space(free.T)):
         values, vectors = np.linalg.eigh(basis.T @ h @ basis)
         scaled.append(basis @ vectors / np.sqrt(np.maximum(np.abs(values), SOFTEST)))
     whole = np.hstack(scaled)
     y = nearest(-whole.T @ state.gradient, slopes @ whole, -np.maximum(gaps, 0.0))
-    return np.zeros(len(state.x)) if y is None else whole @ y / p.root
-
-
-def _kept(piece: Stratum, d: np.ndarray) -> tuple[Contact, ...]:
-    """Return the closed contacts that a direction keeps closed."""
-    values, slopes = piece.state.local.openings(piece.contacts)
-    stays = np.abs(slopes @ d) <= INDEPENDENT * np.linalg.norm(d)
-    stays &= values <= piece.state.tolerance
-    return tuple(c for c, on in zip(piece.contacts, stays, strict=True) if on)
+    d = np.zeros(len(state.x)) if y is None else whole @ y
+    keeps &= np.abs(slopes @ d) <= INDEPENDENT * np.linalg.norm(d)
+    return d / p.root, tuple(c for c, on in zip(piece.contacts, keeps, strict=True) if on)
 
 
 def _level_with(model: Programme, x: np.ndarray) -> np.ndarray | None:
