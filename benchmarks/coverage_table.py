@@ -11,8 +11,8 @@ from typing import Any
 
 from benchmarks.coverage import BEFORE, NOW, Covered, Searched
 from benchmarks.digest import Spread
-from origami_nlp.files import save_figure
-from origami_nlp.show import from_plain, rows_markdown
+from origami_nlp.files import from_plain, save_figure
+from origami_nlp.show import rows_markdown
 
 TIMES = (0.1, 0.2, 0.5, 1.0, 2.0, 5.0)
 """Processor seconds at which searches are compared."""

@@ -19,7 +19,8 @@ from benchmarks.prescribed import (
     prescribed_rows,
     random_question,
 )
-from origami_nlp.show import Piece, Table, Told, to_plain
+from origami_nlp.files import to_plain
+from origami_nlp.show import Piece, Table, Told
 from origami_nlp.springs import DEFINITE, Posed, scene_of, smatrix, solve, springs_of
 
 SCHEMA = "origami-nlp/design-bench/1"

@@ -11,8 +11,8 @@ from benchmarks.hard_case import HardCase, Measured, Outcome
 from benchmarks.reference import Reference, Unsolved, solve_reference
 from origami_nlp.kkt import State, classify, polish, project
 from origami_nlp.minima import (
+    JudgedState,
     MinimaResult,
-    Minimum,
     Record,
     find_minima,
     solve_without_crossing,
@@ -35,7 +35,7 @@ def exact_state(model: Model, x: np.ndarray) -> Reference | None:
         return None
 
 
-def nearest(result: MinimaResult, fold_angles: object) -> tuple[Minimum | None, float]:
+def nearest(result: MinimaResult, fold_angles: object) -> tuple[JudgedState | None, float]:
     """Return the minimum nearest to a state, and its largest difference in a fold angle (inf: no minima)."""
     wanted = np.asarray(fold_angles, dtype=float)
     if not result.minima:

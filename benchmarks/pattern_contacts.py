@@ -103,7 +103,7 @@ def measure_contact(name: str, seed: int) -> PatternContact:
     state = judge(sheet, end.phi)
     seconds = time.process_time() - begin
     decided = end.arrived or state.verdict == "minimum"
-    close = sheet.features.facing(Placed(sheet.crossings.poses, state.fold_angles), CLOSE)
+    close = sheet.features.facing(Placed(sheet.crossings.poses, state.phi), CLOSE)
     return PatternContact(
         name,
         seed,

@@ -13,9 +13,10 @@ import numpy as np
 
 from origami_nlp.facets import Sheet
 from origami_nlp.kkt import smallest_curvature
+from origami_nlp.minima import JudgedState
 from origami_nlp.numerics import EPS
 from origami_nlp.pattern import Pattern, examples
-from origami_nlp.sheets import SheetState, descend, judge
+from origami_nlp.sheets import descend, judge
 
 T = TypeVar("T")
 RESTS = {
@@ -130,15 +131,15 @@ def measure_scale(name: str) -> PatternScale:
     shares = np.random.default_rng(0).uniform(0.5, 1.5, STARTS)
     first, state = _timed(lambda: _state(sheet, GUESS), 1)
     others = [_timed(lambda s=share: _state(sheet, GUESS * s), 1)[0] for share in shares]  # type: ignore[misc]
-    off, _ = sheet.project(state.fold_angles + NUDGE * np.sign(pattern.signs))
+    off, _ = sheet.project(state.phi + NUDGE * np.sign(pattern.signs))
     polish, _ = _timed(lambda: descend(sheet, off), REPEATS)
-    lam, _, _ = sheet.multipliers(state.fold_angles)
-    hessian = sheet.hessian(state.fold_angles, lam)
+    lam, _, _ = sheet.multipliers(state.phi)
+    hessian = sheet.hessian(state.phi, lam)
     # states that differ by rounding: what is kept of the last one is not to be timed
-    near = (state.fold_angles * (1.0 + k * EPS) for k in itertools.count(1))
+    near = (state.phi * (1.0 + k * EPS) for k in itertools.count(1))
     stability, _ = _timed(lambda: smallest_curvature(hessian, sheet.jacobian(next(near))), REPEATS)
     crossings, _ = _timed(lambda: sheet.crossings.find(next(near)), REPEATS)
-    pairs = sheet.crossings.candidates(sheet.crossings.placed(state.fold_angles))
+    pairs = sheet.crossings.candidates(sheet.crossings.placed(state.phi))
     return PatternScale(
         name,
         pattern.facets,
@@ -158,7 +159,7 @@ def measure_scale(name: str) -> PatternScale:
     )
 
 
-def _state(sheet: Sheet, guess: float) -> SheetState:
+def _state(sheet: Sheet, guess: float) -> JudgedState:
     phi, _ = sheet.project(guess * sheet.pattern.signs)
     return judge(sheet, descend(sheet, phi).phi)
 

@@ -20,7 +20,8 @@ from benchmarks.pattern_methods import PatternMethod, Solve, pattern_methods
 from benchmarks.pattern_problems import QUICK, PatternProblem, pattern_problems
 from benchmarks.pattern_scaling import PatternScale, measure_scales
 from benchmarks.run import machine
-from origami_nlp.show import Piece, Table, Told, from_plain, to_plain
+from origami_nlp.files import from_plain, to_plain
+from origami_nlp.show import Piece, Table, Told
 
 SCHEMA = "origami-nlp/bench-patterns/1"
 ROUNDS, QUICK_ROUNDS = 3, 2

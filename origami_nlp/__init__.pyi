@@ -18,8 +18,8 @@ from .kkt import State as State, Stratum as Stratum
 from .landscape import ExactLandscape as ExactLandscape, find_landscape as find_landscape
 from .loading import LoadPath as LoadPath, load_path as load_path
 from .minima import (
+    JudgedState as JudgedState,
     MinimaResult as MinimaResult,
-    Minimum as Minimum,
     VertexwiseMinima as VertexwiseMinima,
     draw_minima as draw_minima,
     find_vertexwise as find_vertexwise,

@@ -19,27 +19,22 @@ if TYPE_CHECKING:
 
     from origami_nlp.show import TurnedPage
 
-_READ = {
-    "origami-nlp/minima/2": ("minima", "MinimaResult"),
-    "origami-nlp/minima/1": (
-        "minima",
-        "MinimaResult",
-    ),  # as written before states had escape barriers
-    "origami-nlp/vertexwise/1": ("minima", "VertexwiseMinima"),
-    "origami-nlp/critical/1": ("critical", "CriticalPoints"),
-    "origami-nlp/load/1": ("loading", "LoadPath"),
-    "origami-nlp/modes/1": ("modes", "Modes"),
-    "origami-nlp/atlas/1": ("atlas", "Atlas"),
-    "origami_nlp.sheet_states/1": ("sheets", "SheetResult"),
-    "origami-nlp/pattern/1": ("sheets", "Overview"),
-    "origami-nlp/motion/1": ("sheets", "Motion"),
-}
-_OF_A_PATTERN = (
-    ("minima", "sheets", "SheetResult"),
-    ("load", "loading", "LoadPath"),
-    ("motion", "sheets", "Motion"),
+_READ = (
+    ("minima", "classes", "minima", "VertexwiseMinima"),
+    ("minima", "pattern", "sheets", "SheetResult"),
+    ("minima", "scene", "minima", "MinimaResult"),
+    ("critical", "points", "critical", "CriticalPoints"),
+    ("load", "legs", "loading", "LoadPath"),
+    ("modes", "states", "modes", "Modes"),
+    ("follow", "branches", "atlas", "Atlas"),
+    ("follow", "curves", "atlas", "Boundaries"),
+    ("pattern", "minima", "sheets", "SheetResult"),
+    ("pattern", "load", "loading", "LoadPath"),
+    ("pattern", "motion", "sheets", "Motion"),
+    ("pattern", "arc", "sheets", "Motion"),
+    ("pattern", "facets", "sheets", "Overview"),
 )
-"""What ``origami-nlp pattern --json`` may write beside counts, by its key; what was asked for most stands first."""
+"""Room and class of what is read back: by its schema, and by a key of it; of several the first."""
 
 
 def draw(result: Result, path: str | PathLike[str] | None = None) -> Figure:
@@ -175,16 +170,13 @@ def load(path: str | PathLike[str]) -> Any:
     """
     data = read_data(path)
     schema = data.get("schema") if isinstance(data, dict) else None
-    if schema not in _READ:
-        known = ", ".join(_READ)
-        raise OptionError(f"schema = {shown(schema)} in {path} cannot be read back: use {known}")
-    room, name = _READ[schema]
-    if name == "Overview":
-        for key, one, other in _OF_A_PATTERN:
-            if key in data:
-                room, name, data = one, other, data if key == "minima" else data[key]
-                break
-    return getattr(import_module(f"origami_nlp.{room}"), name).from_dict(data)
+    for verb, key, room, name in _READ:
+        if schema == f"origami_nlp/{verb}/1" and key in data:
+            inside = data[key] if key in ("load", "motion") else data
+            kind: type[Result] = getattr(import_module(f"origami_nlp.{room}"), name)
+            return kind.from_dict(inside, shown(str(path)))
+    known = ", ".join(dict.fromkeys(f"origami_nlp/{verb}/1" for verb, *_ in _READ))
+    raise OptionError(f"schema = {shown(schema)} in {path} cannot be read back: use {known}")
 
 
 def to_frame(*results: Result) -> pandas.DataFrame:

@@ -257,7 +257,7 @@ def write_mesh(result: MinimaResult | SheetResult, target: str | PathLike[str]) 
     from origami_nlp import minima, sheets
 
     if isinstance(result, sheets.SheetResult):
-        states = [s.fold_angles for s in result.minima]
+        states = [s.phi for s in result.minima]
         sheets.write_sheet_mesh(result.pattern, states, str(target))
     else:
         minima.write_mesh(result, str(target))

@@ -19,7 +19,7 @@ from filelock import FileLock
 from origami_nlp import Scene, SheetResult, examples, minima
 from origami_nlp.barriers import Barriers, find_barriers
 from origami_nlp.chart import Boundary, trace_boundary
-from origami_nlp.minima import MinimaResult
+from origami_nlp.minima import JudgedState, MinimaResult
 from origami_nlp.programme import Model
 
 T = TypeVar("T")
@@ -64,11 +64,29 @@ def by_scene(compute: Callable[..., T]) -> Callable[..., T]:
     def ask(stated: Scene | Model, *arguments: Any, **options: Any) -> T:
         if {"seconds", "record"} & set(options):
             return compute(stated, *arguments, **options)
-        scene = stated if isinstance(stated, Scene) else stated.scene
-        numbers = [] if stated is scene else stated.parameters.vector.tolist()
-        asked = repr((dataclasses.asdict(scene) | {"name": ""}, numbers, arguments, options))
-        name = f"{compute.__name__}-{hashlib.sha256(asked.encode()).hexdigest()}"
+        name = _question(compute, stated, arguments, options)
         return once(name, lambda: compute(stated, *arguments, **options))
+
+    return ask
+
+
+def _question(compute: Callable[..., Any], stated: Scene | Model, *what: Any) -> str:
+    """A name of what a function is asked of a scene, or of its model."""
+    scene = stated if isinstance(stated, Scene) else stated.scene
+    numbers = [] if stated is scene else stated.parameters.vector.tolist()
+    asked = repr((dataclasses.asdict(scene) | {"name": ""}, numbers, *what))
+    return f"{compute.__name__}-{hashlib.sha256(asked.encode()).hexdigest()}"
+
+
+def by_minima(compute: Callable[..., list[JudgedState]]) -> Callable[..., list[JudgedState]]:
+    """Compute what it takes to leave minima once per run for each list of them, the same to the last bit."""
+
+    @functools.wraps(compute)
+    def ask(model: Model, minima: Sequence[JudgedState], traced: Any = None) -> list[JudgedState]:
+        states = [x.hex() for m in minima for x in m.fold_angles]
+        name = _question(compute, model, states, traced is None)
+        found = once(name, lambda: [m.escape for m in compute(model, minima, traced)])
+        return [dataclasses.replace(m, escape=e) for m, e in zip(minima, found, strict=True)]
 
     return ask
 

@@ -49,7 +49,8 @@ SHARED = {
     "origami_nlp.landscape.exact": "trace_boundary",
     "origami_nlp.contact.segments": "trace_boundary",
 }
-"""What takes most of a search, the proof that nobody asked for, and most of a picture, the boundary of the chart."""
+"""What takes most of a search, the proof that nobody asked for, and most of a picture, the boundary of the chart;
+barriers out of minima as well."""
 
 
 @pytest.fixture(scope="session", autouse=True)
@@ -59,6 +60,8 @@ def _once_a_scene(_folder_of_the_run):
         for module, name in SHARED.items():
             true = getattr(importlib.import_module(module), name)
             patch.setattr(f"{module}.{name}", computed_once.by_scene(true))
+        windings = importlib.import_module("origami_nlp.minima.windings")
+        patch.setattr(windings, "with_escapes", computed_once.by_minima(windings.with_escapes))
         yield
 
 

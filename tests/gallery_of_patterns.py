@@ -13,8 +13,8 @@ from pathlib import Path
 import matplotlib
 
 import origami_nlp as o
-from origami_nlp.minima import barrier_words
-from origami_nlp.sheets import SheetResult, SheetState, draw_states
+from origami_nlp.minima import JudgedState, barrier_words
+from origami_nlp.sheets import SheetResult, draw_states
 
 DOCS = Path(__file__).parent.parent / "docs"
 PAGE, FIGURES = DOCS / "sheets.md", DOCS / "figures" / "sheets"
@@ -52,7 +52,7 @@ def solve(name: str) -> SheetResult:
     return o.find_states(name, starts=STARTS)
 
 
-def groups(result: SheetResult) -> list[list[SheetState]]:
+def groups(result: SheetResult) -> list[list[JudgedState]]:
     """Minima by energy, those that are shown."""
     alike = groupby(result.minima, key=lambda s: round(s.energy, 9))
     return [list(states) for _, states in alike][:SHOWN]
@@ -97,7 +97,7 @@ def section(name: str, result: SheetResult, seconds: float) -> str:
     return "\n".join(lines)
 
 
-def title(number: int, state: SheetState) -> str:
+def title(number: int, state: JudgedState) -> str:
     """The title of a state's picture: energy, kind and escape barrier."""
     head = f"{number}: {1e3 * state.energy:.4g} mJ, {state.kind}{', shallow' * state.shallow}"
     return f"{head}\n{barrier_words(state.escape, 'J')}".rstrip()
@@ -114,7 +114,7 @@ def main(names: list[str]) -> None:
         seconds = time.process_time() - start
         shown = [states[0] for states in groups(result)]
         titles = [title(k, s) for k, s in enumerate(shown, 1)]
-        states = [(words, s.fold_angles) for words, s in zip(titles, shown, strict=True)]
+        states = [(words, s.phi) for words, s in zip(titles, shown, strict=True)]
         figure = draw_states(result.pattern, states, name, contacts=[s.contacts for s in shown])
         figure.savefig(FIGURES / f"{name.replace(':', '_')}.png", dpi=100)
         parts.append(section(name, result, seconds))

@@ -1,6 +1,7 @@
 """What tests share is what they would have computed: the same minima, and once per run."""
 
 import dataclasses
+import importlib
 import math
 import multiprocessing
 from pathlib import Path
@@ -10,7 +11,7 @@ import pytest
 from origami_nlp import Model, Scene, Vertex, examples, find_minima
 from origami_nlp.proof import prove
 from tests import computed_once
-from tests.computed_once import PANELS, by_scene, once, panel_result
+from tests.computed_once import PANELS, by_minima, by_scene, once, panel_result
 
 
 def test_a_shared_panel_is_that_of_a_search():
@@ -38,6 +39,21 @@ def test_a_shared_proof_is_that_of_its_scene():
     assert repr(dataclasses.replace(fresh, seconds=one.seconds)) == repr(kept)
     assert [p.x for p in fresh.points] == [p.x for p in kept.points]
     assert not shared(Model(scenes[0]), most=9).finished
+
+
+def test_shared_barriers_are_those_of_their_minima():
+    with_escapes = importlib.import_module("origami_nlp.minima.escape").with_escapes
+    calls = []
+
+    def with_barriers(*given):
+        calls.append(given)
+        return with_escapes(*given)
+
+    result = find_minima(examples.degree6("pi/4", 0.02), max_starts=16, prove=False, escape=False)
+    shared, fresh = by_minima(with_barriers), with_escapes(result.model, result.minima)
+    assert fresh == shared(result.model, result.minima) == shared(result.model, result.minima)
+    assert len(calls) == 1 and all(m.escape.barrier > 0 for m in fresh)
+    assert shared(result.model, result.minima[:1]) != fresh[:1] and len(calls) == 2
 
 
 def test_a_scene_that_only_has_the_name_of_a_panel_is_refused():

@@ -20,9 +20,9 @@ SAME = 1e-6
 """Energies that differ by less [relative] are those of images of one state."""
 
 
-def different(result: o.MinimaResult, most: int) -> list[o.Minimum]:
+def different(result: o.MinimaResult, most: int) -> list[o.JudgedState]:
     """The lowest minima of different energy, at most so many."""
-    found: list[o.Minimum] = []
+    found: list[o.JudgedState] = []
     for one in result.minima:
         if not found or one.energy > found[-1].energy * (1 + SAME):
             found.append(one)

@@ -6,7 +6,6 @@ import math
 import time
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 
@@ -26,11 +25,10 @@ from origami_nlp.atlas.records import Interval
 from origami_nlp.errors import OUT_OF_TIME
 from origami_nlp.numerics import BESIDE, STATIONARY
 from origami_nlp.path import Hold, Node, Tally, Web
-from origami_nlp.pattern import Scene, scene_to_dict
+from origami_nlp.pattern import Scene
 from origami_nlp.programme import Contact, Model
-from origami_nlp.show import Piece, Table, Told, Words, to_plain
+from origami_nlp.show import Piece, Table, Told, Words
 
-SCHEMA = "origami-nlp/boundary/1"
 FOLLOWED = ("fold", "nonsmooth-fold", "closes", "leaves")
 """Events that are followed over two parameters, besides those at the flat state."""
 FLAT = "flat"
@@ -144,7 +142,7 @@ class Boundaries(Told):
     seconds: float
     interrupted: bool = False
 
-    PICTURE = "draw_boundaries"
+    PICTURE, SCHEMA = "draw_boundaries", "origami_nlp/follow/1"
 
     def told(self) -> Iterator[Piece]:
         """Return the curves, and the counts along each line."""
@@ -177,22 +175,6 @@ class Boundaries(Told):
                 "counted",
                 "bold",
             )
-
-    def to_dict(self) -> dict[str, Any]:
-        """Return it as plain JSON data."""
-        parameters = [
-            {"name": o.name, "unit": o.unit, "from": o.low, "to": o.high, "scale": "log" if o.log else "linear"}
-            for o in self.overs
-        ]  # fmt: skip
-        return {
-            "schema": SCHEMA,
-            "scene": scene_to_dict(self.scene),
-            "parameters": parameters,
-            "curves": to_plain(self.curves),
-            "lines": to_plain(self.lines),
-            "seconds": self.seconds,
-            "interrupted": self.interrupted,
-        }
 
 
 def _shown(over: Over, t: float) -> str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from origami_nlp.files import Brief
+from origami_nlp.files import Brief, Unbounded
 from origami_nlp.kkt import ContactForce, Kind
 
 COUNTED = ("interior", "contact-pinned", "contact-touching", "degenerate")
@@ -27,7 +27,7 @@ class Multiplier:
 
     contact: str
     value: float
-    range: tuple[float, float]
+    range: tuple[float, Unbounded]
 
 
 @dataclass(frozen=True, repr=False)
@@ -223,7 +223,7 @@ class Check:
     followed: int
     new_branches: int
     missed: int
-    expected_undiscovered: float
+    expected_undiscovered: Unbounded
     starts: int
     seconds: float
     morse: str = ""

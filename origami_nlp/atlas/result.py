@@ -6,8 +6,8 @@ import itertools
 import math
 from collections import Counter
 from collections.abc import Iterator
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from dataclasses import dataclass, field
+from typing import Any
 
 from origami_nlp.atlas.family import Family, Over, family_of
 from origami_nlp.atlas.judging import states_at
@@ -16,22 +16,9 @@ from origami_nlp.errors import OUT_OF_TIME, OptionError
 from origami_nlp.folding import folded_frame, frames_to_fold
 from origami_nlp.numerics import SAME
 from origami_nlp.path import Web
-from origami_nlp.pattern import Scene, scene_from_dict, scene_to_dict
-from origami_nlp.show import (
-    Content,
-    Piece,
-    Table,
-    Told,
-    Turnable,
-    Words,
-    from_plain,
-    to_plain,
-)
+from origami_nlp.pattern import Scene
+from origami_nlp.show import Content, Piece, Table, Told, Turnable, Words
 
-if TYPE_CHECKING:
-    from typing import Self
-
-SCHEMA = "origami-nlp/atlas/1"
 COMPLETE = {"proved": "proved to be all", "traced": "all that the curves of its one freedom hold"}
 """How it is said that a check is complete."""
 
@@ -78,13 +65,20 @@ class Atlas(Told, Turnable):
     checks: tuple[Check, ...]
     alarms: tuple[str, ...]
     cost: Cost
-    family: Family
-    web: Web | None
-    branch_of_arc: dict[int, int]
+    family: Family = field(default=None, metadata={"plain": False})  # type: ignore[assignment]
+    web: Web | None = field(default=None, metadata={"plain": False})
+    branch_of_arc: dict[int, int] = field(default_factory=dict, metadata={"plain": False})
     others: tuple[Atlas, ...] = ()
     interrupted: bool = False
 
-    PICTURE, READ = "draw_atlas", SCHEMA
+    PICTURE, SCHEMA = "draw_atlas", "origami_nlp/follow/1"
+    ALSO = ("intervals",)
+
+    def __post_init__(self) -> None:
+        if self.family is None:  # read from a file
+            if self.over.name.startswith("loads"):
+                raise OptionError("an atlas over forces cannot be read back: follow it anew")
+            object.__setattr__(self, "family", family_of(self.scene, self.over))
 
     @property
     def intervals(self) -> tuple[Interval, ...]:
@@ -233,47 +227,3 @@ class Atlas(Told, Turnable):
                 scene = scenes[point.t]
                 frames.append(folded_frame(scene, point.fold_angles, title, **more, kind=kind))
         return frames_to_fold(self.family.scene(over.low), frames)
-
-    def to_dict(self) -> dict[str, Any]:
-        """Return it as plain JSON data."""
-        over = self.over
-        return {
-            "schema": SCHEMA,
-            "scene": scene_to_dict(self.scene),
-            "parameter": {
-                "name": over.name,
-                "unit": over.unit,
-                "from": over.low,
-                "to": over.high,
-                "scale": "log" if over.log else "linear",
-            },
-            "branches": to_plain(self.branches),
-            "events": to_plain(self.events),
-            "intervals": to_plain(self.intervals),
-            "checks": to_plain(self.checks),
-            "alarms": list(self.alarms),
-            "cost": to_plain(self.cost),
-            "interrupted": self.interrupted,
-            **({"others": [other.to_dict() for other in self.others]} if self.others else {}),
-        }
-
-    @classmethod
-    def _read(cls, data: dict[str, Any]) -> Self:
-        """Rebuild all but what `at` needs."""
-        unbounded = {"range": math.inf, "expected_undiscovered": math.inf}
-        p = data["parameter"]
-        over = Over(p["name"], float(p["from"]), float(p["to"]), p["unit"], p["scale"] == "log")
-        scene = scene_from_dict(data["scene"])
-        branches = tuple(from_plain(PathBranch, b, unbounded) for b in data["branches"])
-        events = tuple(from_plain(PathEvent, e) for e in data["events"])
-        checks = tuple(from_plain(Check, c, unbounded) for c in data["checks"])
-        cost = from_plain(Cost, data["cost"])
-        if over.name.startswith("loads"):
-            raise OptionError("an atlas over forces cannot be read back: follow it anew")
-        alarms = tuple(map(str, data.get("alarms", ())))
-        family = family_of(scene, over)
-        others = tuple(cls._read(other) for other in data.get("others", ()))
-        late = bool(data.get("interrupted"))
-        return cls(
-            scene, over, branches, events, checks, alarms, cost, family, None, {}, others, late
-        )

@@ -26,12 +26,12 @@ from origami_nlp.barriers.flaps import flap_exit
 from origami_nlp.barriers.graph import side_of_flat
 from origami_nlp.barriers.passes import Pass, PassKind, critical_at
 from origami_nlp.barriers.thin import last_thin
+from origami_nlp.files import pick
 from origami_nlp.kkt import State, project, thin_at
 from origami_nlp.minima import full_scene
 from origami_nlp.numerics import CLOSES, OUTSIDE, null_space
 from origami_nlp.pattern import Scene
 from origami_nlp.programme import Contact, Model
-from origami_nlp.show import pick
 
 EXIT_SPACING = math.pi / 12
 """Distance of the samples of a thin set [rad]."""
@@ -133,6 +133,7 @@ def full_pass(
     if scene.contact == "full" and side[0] * side[1] < 0:
         flat = model.energy(np.zeros(model.size))
         bounds.append((flat, "the flat state separates them (proved)"))
+    # a state on a thin set is left through the exits of the set alone
     for number, state in zip(numbers, states, strict=True):
         if number not in known_exits:
             known_exits[number] = proved_exit(model, state) or exits(

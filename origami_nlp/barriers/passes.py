@@ -15,11 +15,10 @@ from typing import Any, Literal
 
 import numpy as np
 
-from origami_nlp.files import Brief
+from origami_nlp.files import Brief, pick
 from origami_nlp.kkt import State, Stratum, follow, judge_branch, newton, project
 from origami_nlp.numerics import BALANCED, CLOSES, CURVED, ENDS, LEVEL, SAME
 from origami_nlp.programme import Contact, Programme, fold_limit
-from origami_nlp.show import pick
 
 PassKind = Literal["saddle", "contact saddle", "corner", "flat state", "singular", "mesh", "none"]
 OFF = (1e-2, 3e-2, 3e-3, 1e-3)

@@ -12,10 +12,11 @@ import numpy as np
 from origami_nlp.barriers.full import FullPass
 from origami_nlp.barriers.graph import StateGraph
 from origami_nlp.barriers.passes import Pass, PassKind
+from origami_nlp.files import pick, to_plain
 from origami_nlp.folding import frames_to_fold, path_frames
 from origami_nlp.minima import MinimaResult
 from origami_nlp.pattern import Scene
-from origami_nlp.show import Content, Piece, Table, Told, Turnable, pick, short_label, to_plain
+from origami_nlp.show import Content, Piece, Table, Told, Turnable, short_label
 
 HEADS = (
     "from",

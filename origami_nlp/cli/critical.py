@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Annotated
 
 import typer
@@ -68,14 +69,7 @@ def critical(
                 euler[shape] = find_space(stated).euler_characteristic
         verdict = found.verdict(euler[shape])
         rows.append(panel_row(found, verdict.euler_characteristic))
-        data.append(
-            {
-                **found.to_dict(),
-                "euler_characteristic": verdict.euler_characteristic,
-                "closes": verdict.closes,
-                "verdict": verdict.text,
-            }
-        )
+        data.append(replace(found, morse=verdict).to_dict())
         if scene is not None:
             out.say(found.table(everything))
             for line in found.lines(everything):

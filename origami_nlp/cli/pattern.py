@@ -206,8 +206,7 @@ class _Files:
         self.pattern = seen.pattern
         self.states: list[tuple[str, Any, tuple[str, ...], dict[str, Any]]] = []
         for k, s in enumerate(found.minima if found else (), start=1):
-            more = {name: v for name, v in s.to_dict().items() if name != "fold_angles"}
-            self.states.append((s.title(k), s.fold_angles, s.lines(), more))
+            self.states.append((s.title(k), s.phi, s.lines(), s.frame_entries()))
         if found is None and motion is None and loaded is None:
             phi = seen.pattern.reference if seen.folded is None else seen.folded
             title = f"folded: {seen.start}" if seen.start else "as in the file"
@@ -248,7 +247,7 @@ class _Files:
             frames += [
                 sheet_frame(
                     self.pattern,
-                    self.motion.phi[k],
+                    self.motion.fold_angles[k],
                     f"folding motion, {number} of {len(shown)}",
                     energy=float(self.motion.energy[k]),
                     path="folding motion",
@@ -267,7 +266,7 @@ class _Files:
 
         states = [phi for _, phi, _, _ in self.states]
         if self.motion is not None:
-            states += [self.motion.phi[k] for k in self.motion.shown(6)]
+            states += [self.motion.fold_angles[k] for k in self.motion.shown(6)]
         for snap in self.loaded.snaps if self.loaded else ():
             states += [np.array(snap.before), np.array(snap.after)]
         if not states and self.loaded is not None:
@@ -280,7 +279,7 @@ class _Files:
 
         states = [(title, phi, lines) for title, phi, lines, _ in self.states]
         if not states and self.motion is not None:
-            states = [(f"end: {self.motion.end}", self.motion.phi[-1], ())]
+            states = [(f"end: {self.motion.end}", self.motion.fold_angles[-1], ())]
         told = [one for one in (self.found, self.motion, self.seen) if one is not None]
         pieces = [piece for one in told for piece in one.told()]
         contents = []

@@ -48,7 +48,7 @@ def draw_contacts(
     fold_angles
         Of the state, shape [N] [rad].
     contacts
-        Closed there, such as `Minimum.contacts`.
+        Closed there, such as `JudgedState.contacts`.
     title
         Above the picture.
 

@@ -13,11 +13,11 @@ from typing import Any
 from origami_nlp.contact.margin import Check, CreaseMargin, LoadMargin
 from origami_nlp.contact.segments import STIFFNESS, SegmentReport
 from origami_nlp.errors import OptionError
-from origami_nlp.files import Brief
+from origami_nlp.files import Brief, pick, to_plain
 from origami_nlp.kkt import ContactForce
 from origami_nlp.minima import CELLS, MinimaResult
 from origami_nlp.pattern import scene_to_dict
-from origami_nlp.show import Content, Piece, Table, Told, Turnable, Words, pick, to_plain
+from origami_nlp.show import Content, Piece, Table, Told, Turnable, Words
 
 SCHEMA = "origami-nlp/contacts/1"
 HEADS = (

@@ -22,13 +22,14 @@ from typing import Any
 import numpy as np
 
 from origami_nlp.chart import BoundaryLine, chart_of, trace_boundary, with_energy
+from origami_nlp.files import pick
 from origami_nlp.kkt import State, Stratum
 from origami_nlp.minima import MinimaResult
 from origami_nlp.numerics import BESIDE, NEAR_CONTACT
 from origami_nlp.path import BoundaryCurve, correct, follow_boundary
 from origami_nlp.pattern import Scene, scene_to_dict
 from origami_nlp.programme import Contact, Model
-from origami_nlp.show import Told, pick
+from origami_nlp.show import Told
 
 SLOPE = 5e-3
 """Largest |dU/ds| / (pi sum k) of a metastable segment (the paper's tolerance for stationarity)."""
@@ -232,6 +233,7 @@ def find_segments(
             if curve is not None and len(curve.s) > 1:
                 curves.append(curve)
                 states.append((number,))
+    # lines that no stable state lies on: of the chart, then through states drawn at random
     if every_boundary:
         for line in _chart_lines(result.scene):
             middle = model.reduce(line.fold_angles[len(line.fold_angles) // 2])

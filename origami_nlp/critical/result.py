@@ -5,14 +5,12 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, field
-from typing import Any, Literal, Self
+from typing import Literal
 
 from origami_nlp.files import Brief
 from origami_nlp.numerics import residual_words
-from origami_nlp.pattern import Scene, scene_from_dict, scene_to_dict
-from origami_nlp.show import Piece, Table, Told, from_plain, pick
-
-SCHEMA = "origami-nlp/critical/1"
+from origami_nlp.pattern import Scene
+from origami_nlp.show import Piece, Table, Told
 
 Part = Literal["interior", "boundary", "corner", "handle", "singular"]
 Kind = Literal["minimum", "saddle", "maximum", "regular", "pinch", "undecided"]
@@ -86,6 +84,8 @@ class MinimaComparison:
         Positions in the list of minima that are no minimum here.
     """
 
+    ALSO = ("agree",)
+
     matched: tuple[tuple[int, int], ...]
     only_critical: tuple[int, ...]
     only_search: tuple[int, ...]
@@ -132,6 +132,8 @@ class CriticalPoints(Told):
         With a list of minima, where one was given.
     doubts
         What could not be decided or checked, in words; empty in the regular case.
+    morse
+        What the Morse identity says, where the Euler characteristic of X is known (`verdict`).
 
     Examples
     --------
@@ -145,8 +147,10 @@ class CriticalPoints(Told):
     points: tuple[CriticalPoint, ...]
     comparison: MinimaComparison | None = None
     doubts: tuple[str, ...] = field(default=())
+    morse: MorseVerdict | None = None
 
-    WIDTH, READ = 160, SCHEMA
+    WIDTH, SCHEMA = 160, "origami_nlp/critical/1"
+    ALSO = ("morse_sum",)
 
     @property
     def morse_sum(self) -> int:
@@ -280,29 +284,9 @@ class CriticalPoints(Told):
         yield f"Morse sum {self.morse_sum}"
         yield from (f"doubt: {doubt}" for doubt in self.doubts)
 
-    def to_dict(self) -> dict[str, Any]:
-        """Return plain JSON data: scene, points, Morse sum, comparison and doubts."""
-        found = {
-            "schema": SCHEMA,
-            "scene": scene_to_dict(self.scene),
-            **pick(self, "critical_points=points", "morse_sum", "doubts"),
-        }
-        if self.comparison is not None:
-            found["minima"] = pick(
-                self.comparison, "agree", "matched", "only_critical", "only_search"
-            )
-        return found
-
     def _rows(self) -> Iterator[dict[str, object]]:
         for number, p in enumerate(self.points, start=1):
             row = {"scene": self.scene.label, "number": number, "energy": p.energy, "kind": p.kind}
             row |= {"stratum": p.stratum, "index": p.index, "contribution": p.contribution}
             row["contacts"] = "; ".join(p.contacts)
             yield row | {f"phi_{k}": v for k, v in enumerate(p.fold_angles, start=1)}
-
-    @classmethod
-    def _read(cls, data: dict[str, Any]) -> Self:
-        points = tuple(from_plain(CriticalPoint, p) for p in data["critical_points"])
-        lists = data.get("minima")
-        comparison = None if lists is None else from_plain(MinimaComparison, lists)
-        return cls(scene_from_dict(data["scene"]), points, comparison, tuple(data["doubts"]))

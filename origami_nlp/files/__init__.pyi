@@ -1,10 +1,19 @@
 from .brief import Brief as Brief, Full as Full, brief as brief, cut as cut
 from .console import PAGE as PAGE, Screen as Screen, screen as screen
+from .plain import (
+    OneBased as OneBased,
+    Unbounded as Unbounded,
+    check_schema as check_schema,
+    from_plain as from_plain,
+    pick as pick,
+    to_plain as to_plain,
+)
 from .reading import (
     as_text as as_text,
     check_tables as check_tables,
     one_of as one_of,
     parse_toml as parse_toml,
+    read_json as read_json,
     read_limited as read_limited,
     read_toml as read_toml,
 )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import codecs
+import json
 import re
 import sys
 import tomllib
@@ -62,6 +63,39 @@ def read_limited(source: str | Path, largest: int, what: str, error: type[Origam
             f"{what} {str(source)!r} is larger than {largest // 10**6} MB: not a {what} file"
         )
     return raw.removeprefix(codecs.BOM_UTF8)
+
+
+def read_json(source: str | Path, largest: int, what: str, error: type[OrigamiError]) -> Any:
+    """Read a JSON file that a user names.
+
+    Parameters
+    ----------
+    source, largest, what, error
+        As of `read_limited`.
+
+    Returns
+    -------
+    object
+        What the file holds.
+
+    Raises
+    ------
+    error
+        If it cannot be read, is larger, or is no JSON: NaN and Infinity are none.
+    OptionError
+        If `source` is no path.
+    """
+    raw = read_limited(source, largest, what, error)
+    try:
+        return json.loads(raw, parse_constant=_refuse)
+    except RecursionError:
+        raise error(f"{what} {str(source)!r} is no JSON file: too deeply nested") from None
+    except ValueError as problem:
+        raise error(f"{what} {str(source)!r} is no JSON file: {problem}") from None
+
+
+def _refuse(name: str) -> float:
+    raise ValueError(f"{name} is no number there")
 
 
 def parse_toml(text: str, what: str, error: type[OrigamiError]) -> dict[str, Any]:

@@ -26,7 +26,7 @@ from .escape import (
     rounded_up as rounded_up,
     ways_out as ways_out,
 )
-from .forces import ContactForce as ContactForce, contact_forces as contact_forces
+from .forces import OMIT as OMIT, ContactForce as ContactForce, contact_forces as contact_forces
 from .large import smallest_curvature as smallest_curvature
 from .moment import PassingMoment as PassingMoment, passing_moment as passing_moment
 from .multipliers import Multipliers as Multipliers, find_multipliers as find_multipliers

@@ -8,12 +8,15 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from origami_nlp.files import Brief
+from origami_nlp.files import Brief, Unbounded
 from origami_nlp.kkt.certificates import BranchJudgement
 from origami_nlp.kkt.multipliers import Multipliers
 from origami_nlp.kkt.state import State
 from origami_nlp.numerics import BALANCED
 from origami_nlp.programme import Contact
+
+OMIT = {"omit": True}
+"""Of a field that is written to files only where it is not its default."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -54,13 +57,13 @@ class ContactForce(Brief):
 
     type: str
     multiplier: float
-    multiplier_range: tuple[float, float]
+    multiplier_range: tuple[float, Unbounded]
     text: str
-    creases: tuple[int, ...] = ()
-    facets: tuple[int, ...] = ()
-    corners: tuple[int, ...] = ()
-    side: int = 0
-    place: tuple[float, ...] = ()
+    creases: tuple[int, ...] = field(default=(), metadata=OMIT)
+    facets: tuple[int, ...] = field(default=(), metadata=OMIT)
+    corners: tuple[int, ...] = field(default=(), metadata=OMIT)
+    side: int = field(default=0, metadata=OMIT)
+    place: tuple[float, ...] = field(default=(), metadata=OMIT)
     contact: Contact | None = field(
         default=None, repr=False, compare=False, metadata={"plain": False}
     )

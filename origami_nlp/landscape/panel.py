@@ -14,7 +14,7 @@ from matplotlib.lines import Line2D
 
 from origami_nlp.chart import area_legend, draw_area, norm_of
 from origami_nlp.landscape.exact import ExactLandscape
-from origami_nlp.minima import Minimum
+from origami_nlp.minima import JudgedState
 from origami_nlp.show import METASTABLE, RING, label_marks, mark_minimum, minima_legend
 
 
@@ -78,7 +78,7 @@ def draw_panel(axes: Any, exact: ExactLandscape, branches: Sequence[int], style:
     return image
 
 
-def verdict_of(minimum: Minimum) -> str | None:
+def verdict_of(minimum: JudgedState) -> str | None:
     """Return the verdict in the full space, None if it was not asked for."""
     return minimum.full_space.verdict if minimum.full_space else None
 

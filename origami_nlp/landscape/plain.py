@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from origami_nlp.files import pick, to_plain
 from origami_nlp.landscape.exact import ExactLandscape
 from origami_nlp.pattern import scene_to_dict
-from origami_nlp.show import pick, to_plain
 
 if TYPE_CHECKING:
     from origami_nlp.barriers import Barriers
@@ -55,8 +55,8 @@ def landscape_to_dict(
         "scene": scene_to_dict(exact.result.scene),
         "coordinates": list(exact.chart.coordinates),
         **{name: topology[name] for name in FROM_SPACE},
-        "critical_points": found.pop("critical_points"),
-        "morse_sum": found.pop("morse_sum"),
+        "critical_points": found["points"],
+        "morse_sum": critical.morse_sum,
         "morse": {
             "closes": critical.morse_sum == space.euler_characteristic,
             "text": critical.verdict(space.euler_characteristic).text,

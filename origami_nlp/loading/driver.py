@@ -17,9 +17,9 @@ from origami_nlp.arguments import check_whole
 from origami_nlp.errors import OptionError
 from origami_nlp.folding import folded_frame, frames_to_fold
 from origami_nlp.kkt import Classification, follow
-from origami_nlp.minima import Minimum, find_minima, full_scene
+from origami_nlp.minima import JudgedState, find_minima, full_scene
 from origami_nlp.path import Node, ParameterLine, Steps, load_line
-from origami_nlp.pattern import Scene, dead_loads, scene_from_dict, scene_to_dict
+from origami_nlp.pattern import Scene, dead_loads
 from origami_nlp.programme import Model, Parameters
 from origami_nlp.show import Body, Folded, vertex_body, vertex_folded, vertex_track, vertex_view
 
@@ -92,7 +92,6 @@ class Driver(Protocol):
     ) -> tuple[np.ndarray, Classification] | str: ...
     def beside(self, t: float) -> float: ...  # noqa: D102
     def states_at(self, t: float, search: Search) -> list[np.ndarray] | None: ...  # noqa: D102
-    def to_dict(self) -> dict[str, Any]: ...  # noqa: D102
     def to_fold(self, states: Sequence[FramedState]) -> dict[str, Any]: ...  # noqa: D102
     def poser(self) -> Poser: ...  # noqa: D102
 
@@ -122,6 +121,7 @@ class VertexDriver:
 
     scene: Scene
     crease: int | None
+    ALSO = ("name", "unit", "coordinate", "creases")
     lazy = False
     WAY = ""
     arm = 1.0
@@ -223,6 +223,7 @@ class VertexDriver:
             loaded = model.variable_of_crease[np.array(self.creases) - 1]
             return load_line(model, np.bincount(loaded, minlength=model.size) / model.scale)
         assert p.dead is not None
+        # over t only the forces change: the points stay
         still = replace(p.dead, points=np.zeros_like(p.dead.points))
         zeros = [np.zeros_like(v) for v in (p.sectors, p.stiffness, p.rest, p.load)]
         change = Parameters(zeros[0], zeros[1], zeros[2], zeros[3], still)
@@ -260,7 +261,7 @@ class VertexDriver:
             driver = replace(self, scene=replace(self.scene, winding=start.winding))
         return driver, state, Model(driver.scene).reduce(np.array(start.fold_angles))
 
-    def _minima(self, t: float, search: Search) -> Sequence[Minimum]:
+    def _minima(self, t: float, search: Search) -> Sequence[JudgedState]:
         scene, left = self.scene_at(t), search.left
         result = find_minima(scene, prove=False, escape=False, seconds=left, **search.options)
         search.cut = result.search.stopped_by == "time"
@@ -286,10 +287,6 @@ class VertexDriver:
         """Return the fold angles of the minima at t."""
         return [np.array(m.fold_angles) for m in self._minima(t, search)]
 
-    def to_dict(self) -> dict[str, Any]:
-        """Return what is loaded as plain data; see `read_driver`."""
-        return {"scene": scene_to_dict(self.scene)}
-
     def to_fold(self, states: Sequence[FramedState]) -> dict[str, Any]:
         """Return states as frames of FOLD data (spec 1.1)."""
         frames = [folded_frame(self.scene, phi, title, **more) for title, phi, more in states]
@@ -309,9 +306,3 @@ class VertexDriver:
             lambda phi: vertex_view(vertex, phi),
             track,
         )
-
-
-def read_vertex(data: dict[str, Any]) -> VertexDriver:
-    """Return a driver from the plain data of a load path."""
-    creases = data["parameter"]["creases"]
-    return VertexDriver(scene_from_dict(data["scene"]), int(creases[0]) if creases else None)

@@ -20,11 +20,11 @@ from origami_nlp.loading.records import Confirmed, Leg, LoadPoint, Snap
 from origami_nlp.loading.result import LoadPath
 from origami_nlp.loading.route import Way, given, let_go, position, restabilises, walk
 from origami_nlp.loading.sheet import PatternDriver, work_on
+from origami_nlp.minima import JudgedState
 from origami_nlp.modes import breaking_stiffness
 from origami_nlp.numerics import SETTLED
 from origami_nlp.path import LATE, Equilibrium, EquilibriumCurve, Steps, Web, is_equilibrium
 from origami_nlp.pattern import Pattern, Scene, as_pattern
-from origami_nlp.sheets import SheetState
 
 MOST_SNAPS = 20
 """Of one path: more are taken for a mistake."""
@@ -35,7 +35,7 @@ def load_path(
     load: int | Sequence[int] | Work | None = None,
     *,
     to: float | str = "snap",
-    state: int | SheetState = 1,
+    state: int | JudgedState = 1,
     back: bool = False,
     confirm: bool = True,
     full_space: bool = True,
@@ -186,6 +186,7 @@ class _Job:
         def verdict(k: int) -> str:
             return classify(self._in_full_space(way.frames[k])).verdict
 
+        # asked at three places, then bisected: between two of them the verdict is taken to change once
         good = -1
         for k in sorted({0, last // 2, last}):
             bad = verdict(k)

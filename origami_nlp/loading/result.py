@@ -1,7 +1,6 @@
 """A load path: legs of stable states, snaps between them, branches and events around them.
 
-JSON schema ``origami-nlp/load/1``: angles in radians, torques in N m, energies in J (the units of springs); with a
-``scene``, or with a ``pattern`` and its ``load``.
+Angles in radians, torques in N m, energies in J (the units of springs).
 """
 
 from __future__ import annotations
@@ -9,34 +8,19 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import Any
 
 import numpy as np
 
 from origami_nlp.atlas import PathBranch, PathEvent
 from origami_nlp.errors import OUT_OF_TIME
-from origami_nlp.loading.driver import Driver, FramedState, read_vertex
+from origami_nlp.loading.driver import FramedState, VertexDriver
 from origami_nlp.loading.records import Leg, Snap
-from origami_nlp.loading.sheet import read_pattern_driver
+from origami_nlp.loading.sheet import PatternDriver
 from origami_nlp.numerics import TYPED
 from origami_nlp.pattern import Pattern, Scene
-from origami_nlp.show import (
-    Content,
-    Piece,
-    Table,
-    Told,
-    Turnable,
-    Words,
-    from_plain,
-    to_plain,
-)
+from origami_nlp.show import Content, Piece, Table, Told, Turnable, Words
 
-if TYPE_CHECKING:
-    from typing import Self
-
-T = TypeVar("T")
-
-SCHEMA = "origami-nlp/load/1"
 WHY = {
     "range": "stable to the end of the range",
     "breaks-symmetry": "stopped: beyond, the state is stable only while its symmetry is kept",
@@ -81,7 +65,7 @@ class LoadPath(Told, Turnable):
     (['range'], 0)
     """
 
-    driver: Driver
+    driver: VertexDriver | PatternDriver
     state: int
     low: float
     high: float
@@ -93,7 +77,8 @@ class LoadPath(Told, Turnable):
     steps: int
     evaluations: int
 
-    PICTURE, TURNED, READ = "draw_load", "turn_path", SCHEMA
+    PICTURE, TURNED, SCHEMA = "draw_load", "turn_path", "origami_nlp/load/1"
+    ALSO = ("dissipated", "interrupted")
 
     @property
     def interrupted(self) -> bool:
@@ -218,31 +203,6 @@ class LoadPath(Told, Turnable):
         """Return the stable states of all legs as FOLD data (spec 1.1), one frame each, in order."""
         return self.driver.to_fold(list(self.states()))
 
-    def to_dict(self) -> dict[str, Any]:
-        """Return plain JSON data."""
-        return {
-            "schema": SCHEMA,
-            **self.driver.to_dict(),
-            "parameter": {
-                "name": self.driver.name,
-                "unit": self.driver.unit,
-                "from": self.low,
-                "to": self.high,
-                "scale": "linear",
-                "creases": list(self.driver.creases),
-                "coordinate": self.driver.coordinate,
-            },
-            "state": self.state,
-            "legs": to_plain(self.legs),
-            "snaps": to_plain(self.snaps),
-            "dissipated": self.dissipated,
-            "branches": to_plain(self.branches),
-            "events": to_plain(self.events),
-            "alarms": list(self.alarms),
-            "interrupted": self.interrupted,
-            "cost": {"steps": self.steps, "evaluations": self.evaluations},
-        }
-
     def _rows(self) -> Iterator[dict[str, object]]:
         for number, leg in enumerate(self.legs, start=1):
             for p in leg.points:
@@ -254,24 +214,3 @@ class LoadPath(Told, Turnable):
                     "eigenvalue": p.eigenvalue,
                 }
                 yield row | {f"phi_{i + 1}": a for i, a in enumerate(p.fold_angles)}
-
-    @classmethod
-    def _read(cls, data: dict[str, Any]) -> Self:
-        unbounded = {"range": math.inf}
-
-        def read(kind: type[T], key: str) -> tuple[T, ...]:
-            return tuple(from_plain(kind, entry, unbounded) for entry in data[key])
-
-        return cls(
-            driver=read_vertex(data) if "scene" in data else read_pattern_driver(data),
-            state=int(data["state"]),
-            low=float(data["parameter"]["from"]),
-            high=float(data["parameter"]["to"]),
-            legs=read(Leg, "legs"),
-            snaps=read(Snap, "snaps"),
-            branches=read(PathBranch, "branches"),
-            events=read(PathEvent, "events"),
-            alarms=tuple(map(str, data["alarms"])),
-            steps=int(data["cost"]["steps"]),
-            evaluations=int(data["cost"]["evaluations"]),
-        )

@@ -83,6 +83,7 @@ def walk(
         forward = (arc.frames[-1].s - arc.frames[0].s) * toward > 0
         run = arc.frames if forward else arc.frames[::-1]
         last = frames[-1].s if frames else s
+        # what of an arc lies behind the state is left out
         frames += [f for f in run if (f.s - last) * toward > 0]
         node = arc.end if forward else arc.start
         why = _why(web, node, end)
@@ -93,6 +94,7 @@ def walk(
             return Way(tuple(frames), node, why)
         k = onward[0]
         beyond = web.arcs[k].frames
+        # the event alone says that the eigenvalue changes sign, not which
         if why == "breaks-symmetry" and across(beyond[len(beyond) // 2]) < 0:
             return Way(tuple(frames), node, why)
 

@@ -14,13 +14,13 @@ from origami_nlp.errors import OptionError
 from origami_nlp.facets import DeadForce, Pull, Sheet, Torque, Work, Worked
 from origami_nlp.kkt import Classification, State, classify
 from origami_nlp.loading.driver import CUT, SIDE, STEPS, Driver, FramedState, Poser, Search
+from origami_nlp.minima import JudgedState
 from origami_nlp.numerics import SAME
 from origami_nlp.path import Node, ParameterLine, Steps
-from origami_nlp.pattern import Pattern, pattern_from_dict, pattern_to_dict
+from origami_nlp.pattern import Pattern
 from origami_nlp.programme import Parameters
 from origami_nlp.sheets import (
     Descended,
-    SheetState,
     classified,
     descend,
     find_states,
@@ -47,6 +47,7 @@ class PatternDriver:
     """
 
     work: Work
+    ALSO = ("name", "unit", "coordinate")
     lazy = True
     WAY = "facets do not cross at the states of the path, nor at those of ways down; between states it is not asked"
 
@@ -118,7 +119,7 @@ class PatternDriver:
     def begin(self, state: Any, search: Search) -> tuple[Driver, int, np.ndarray]:
         """Return the driver, the number of the stable state (0 where it was given itself), and its fold angles."""
         number = 0
-        if not isinstance(state, SheetState):
+        if not isinstance(state, JudgedState):
             number = check_whole("state", state, 1)
             found = self._states(self.pattern, search)
             if not found and not search.cut:
@@ -140,10 +141,10 @@ class PatternDriver:
                 f"pull = {a}, {b}: these vertices lie on each other in the state that is loaded: no line leads from "
                 "one to the other"
             )
-        return self, number, state.fold_angles
+        return self, number, state.phi
 
     @staticmethod
-    def _states(pattern: Pattern, search: Search) -> tuple[SheetState, ...]:
+    def _states(pattern: Pattern, search: Search) -> tuple[JudgedState, ...]:
         limit: dict[str, Any] = {} if search.left is None else {"seconds": search.left}
         found = find_states(pattern, **search.options, **limit, escape=False)
         search.cut = bool(found.search.left_out)
@@ -184,23 +185,7 @@ class PatternDriver:
         """Return the fold angles of the stable states at t; None under forces, which no search takes."""
         if not isinstance(self.work, Torque):
             return None
-        return [m.fold_angles for m in self._states(self.work.loaded(t), search)]
-
-    def to_dict(self) -> dict[str, Any]:
-        """Return what is loaded, and how, as plain data; see `read_driver`."""
-        work = self.work
-        load: dict[str, Any] = {"kind": type(work).__name__}
-        if isinstance(work, Torque):
-            load["creases"] = list(work.creases)
-        elif isinstance(work, Pull):
-            load["corners"] = list(work.corners)
-        else:
-            load |= {
-                "corner": work.corner,
-                "direction": list(work.direction),
-                "held": work.held,
-            }
-        return {"pattern": pattern_to_dict(self.pattern), "load": load}
+        return [m.phi for m in self._states(self.work.loaded(t), search)]
 
     def to_fold(self, states: Sequence[FramedState]) -> dict[str, Any]:
         """Return states as frames of FOLD data."""
@@ -236,15 +221,3 @@ def work_on(pattern: Pattern, load: Any) -> Work:
         return load
     several = isinstance(load, Sequence) and not isinstance(load, str)
     return Torque(pattern, tuple(load) if several else (load,))
-
-
-def read_pattern_driver(data: dict[str, Any]) -> PatternDriver:
-    """Return a driver from the plain data of a load path."""
-    pattern, load = pattern_from_dict(data["pattern"]), data["load"]
-    if load["kind"] == "Torque":
-        return PatternDriver(Torque(pattern, tuple(map(int, load["creases"]))))
-    if load["kind"] == "Pull":
-        a, b = map(int, load["corners"])
-        return PatternDriver(Pull(pattern, (a, b)))
-    x, y, z = map(float, load["direction"])
-    return PatternDriver(DeadForce(pattern, int(load["corner"]), (x, y, z), int(load["held"])))

@@ -42,11 +42,9 @@ from .ipopt import (
 )
 from .minimum import (
     TRIALS as TRIALS,
-    Minimum as Minimum,
-    Rejected as Rejected,
+    JudgedState as JudgedState,
     SearchReport as SearchReport,
     Survival as Survival,
-    contact_to_dict as contact_to_dict,
 )
 from .multistart import (
     FEW_PAIRS as FEW_PAIRS,

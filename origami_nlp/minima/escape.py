@@ -27,7 +27,7 @@ from origami_nlp.kkt import (
     ways_out,
 )
 from origami_nlp.minima.descents import Descents
-from origami_nlp.minima.minimum import Minimum
+from origami_nlp.minima.minimum import JudgedState
 from origami_nlp.minima.one_freedom import Traced
 from origami_nlp.minima.traced_passes import TracedPasses, traced_passes
 from origami_nlp.numerics import CLOSES, FOLLOWED, RESOLVED, SHALLOW
@@ -228,8 +228,8 @@ class VertexTerrain(Terrain):
 
 
 def with_escapes(
-    model: Model, minima: Sequence[Minimum], traced: Traced | None = None
-) -> list[Minimum]:
+    model: Model, minima: Sequence[JudgedState], traced: Traced | None = None
+) -> list[JudgedState]:
     """Add what it takes to leave each minimum.
 
     Parameters
@@ -243,7 +243,7 @@ def with_escapes(
 
     Returns
     -------
-    list of Minimum
+    list of JudgedState
         With `escape`.
     """
     states = np.array([model.reduce(np.array(m.fold_angles)) for m in minima])
@@ -262,8 +262,8 @@ def with_escapes(
 
 
 def with_merge_tree(
-    model: Model, minima: Sequence[Minimum], heights: np.ndarray, why: str
-) -> list[Minimum]:
+    model: Model, minima: Sequence[JudgedState], heights: np.ndarray, why: str
+) -> list[JudgedState]:
     """Add what a merge tree of a graph of states says of leaving each minimum.
 
     Parameters
@@ -279,7 +279,7 @@ def with_merge_tree(
 
     Returns
     -------
-    list of Minimum
+    list of JudgedState
         With `escape` where the tree knows a way out of a minimum; the others as they were.
     """
     energies = np.array([m.energy for m in minima])
@@ -320,7 +320,7 @@ def _exact(
 
 def _bounded(
     model: Model,
-    minima: Sequence[Minimum],
+    minima: Sequence[JudgedState],
     states: np.ndarray,
     energies: np.ndarray,
     isolated: Sequence[bool],
@@ -354,6 +354,6 @@ def _bounded(
     ]
 
 
-def _modes(model: Model, minimum: Minimum) -> list[np.ndarray]:
+def _modes(model: Model, minimum: JudgedState) -> list[np.ndarray]:
     """Return the softest mode of a minimum in the model's variables, where it is one."""
     return [model.reduce(np.array(minimum.softest_mode))] if minimum.softest_mode else []

@@ -28,7 +28,7 @@ from origami_nlp.kkt import (
 from origami_nlp.minima.full_space import FullSpace, judge_in_full_space, not_judged
 from origami_nlp.minima.ipopt import MOST_CONFIRMED, Confirmation, confirm
 from origami_nlp.minima.job import Job, Progress
-from origami_nlp.minima.minimum import Minimum, Rejected
+from origami_nlp.minima.minimum import JudgedState
 from origami_nlp.minima.noise import check_noise
 from origami_nlp.minima.proved import check_prove
 from origami_nlp.minima.record import BREAKDOWNS, Answer, Record, close_orbit
@@ -122,11 +122,11 @@ def find_minima(
         what is left.  The report says so, and the answer
         depends on the machine.  None: the effort alone bounds it.
     escape
-        Say what it takes to leave each minimum (`Minimum.escape`): with one freedom exactly, otherwise by descents out
-        of it, which takes about as long as the search of a small vertex. False: do not.
+        Say what it takes to leave each minimum (`JudgedState.escape`): with one freedom exactly, otherwise by descents
+        out of it, which takes about as long as the search of a small vertex. False: do not.
     noise
         Standard deviation [degrees] of random errors of rest angles, stiffnesses (as a share, in radians) and sector
-        angles: how many of 20 draws each minimum survives, followed as the errors grow (`Minimum.survival`).
+        angles: how many of 20 draws each minimum survives, followed as the errors grow (`JudgedState.survival`).
     workers
         Processes that descents are shared out to, where there are many; the result is the same.
     progress
@@ -227,7 +227,7 @@ def _result(
     noise: float | None = None,
 ) -> MinimaResult:
     """Close orbits, prove, decide in the full space, as far as asked, and report; jobs: one a winding."""
-    model, until, minima, reports = jobs[0].model, jobs[0].until, list[Minimum](), []
+    model, until, minima, reports = jobs[0].model, jobs[0].until, list[JudgedState](), []
     for job in jobs:
         for answer in job.record.minima:
             close_orbit(job.model, job.record, answer)
@@ -253,7 +253,7 @@ def _result(
 
 def _sort_out(
     model: Model, record: Record, until: float
-) -> tuple[list[Minimum], list[Rejected], dict[str, int]]:
+) -> tuple[list[JudgedState], list[JudgedState], dict[str, int]]:
     """Return minima, other states in order of energy, and how many starts ended at which verdict."""
     minima, others, outcomes = [], [], Counter[str]()
     for answer in record.answers:
@@ -267,30 +267,30 @@ def _sort_out(
             minima.append(_minimum(model, answer, what, solver))
         else:
             angles = tuple(phi.tolist())
-            others.append(Rejected(what.verdict, what.reason, angles, energy, answer.hits))
+            others.append(JudgedState(energy, angles, what.verdict, what.reason, hits=answer.hits))
     others.sort(key=lambda r: (r.verdict, *rank(r.energy / model.scale, r.fold_angles)))
     return minima, others, dict(outcomes)
 
 
 def _minimum(
     model: Model, answer: Answer, what: Classification, solver: Confirmation | None
-) -> Minimum:
+) -> JudgedState:
     p = answer.polished
-    assert what.kind is not None
     phi = model.expand(p.x)
     passing = passing_moment(model.scene, phi)
-    return Minimum(
+    return JudgedState(
         model.energy(p.x),
         tuple(phi.tolist()),
-        what.kind,
-        what.local_dimension,
-        p.closure_residual,
-        what.stationarity if math.isnan(p.kkt_residual) else p.kkt_residual,
-        p.converged,
-        answer.hits,
-        what.contacts,
+        what.verdict,
         what.reason,
-        what.eigenvalues,
+        what.kind or "",
+        what.local_dimension,
+        closure_residual=p.closure_residual,
+        kkt_residual=what.stationarity if math.isnan(p.kkt_residual) else p.kkt_residual,
+        polished=p.converged,
+        hits=answer.hits,
+        contacts=what.contacts,
+        hessian_eigenvalues=what.eigenvalues,
         solver=solver,
         moment=passing.vector if passing else None,
         moment_residual=passing.residual if passing else math.nan,
@@ -313,7 +313,7 @@ def _confirmed(model: Model, answer: Answer, record: Record) -> Confirmation | N
     return None
 
 
-def _in_full_space(scene: Scene, minima: list[Minimum], until: float) -> list[Minimum]:
+def _in_full_space(scene: Scene, minima: list[JudgedState], until: float) -> list[JudgedState]:
     """Add the verdict in the full space to each minimum; undecided, by name, where the time is over."""
     states = tuple(np.array(m.fold_angles) for m in minima)
 

@@ -89,7 +89,7 @@ class ResultFlags(Flags):
 
 @dataclass(frozen=True, repr=False)
 class StateFlags(Flags):
-    """Of a `Minimum`: what to know before the state is used.
+    """Of a `JudgedState`: what to know before the state is used.
 
     Attributes
     ----------

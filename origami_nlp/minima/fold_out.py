@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -13,9 +12,7 @@ from origami_nlp.arguments import check_type
 from origami_nlp.errors import OptionError
 from origami_nlp.files import write_whole
 from origami_nlp.folding import fold_vertex, folded_frame, frames_to_fold, path_frames, save_fold
-from origami_nlp.minima.minimum import Minimum
 from origami_nlp.minima.result import MinimaResult
-from origami_nlp.pattern import Scene
 
 if TYPE_CHECKING:
     from trimesh import Trimesh
@@ -29,7 +26,10 @@ def minima_to_fold(result: MinimaResult) -> dict[str, Any]:
     States that are unstable in the full space are followed, after all states, by the frames of their descents.
     """
     scene = result.scene
-    frames = [_state_frame(scene, k, m) for k, m in enumerate(result.minima, start=1)]
+    frames = [
+        folded_frame(scene, m.fold_angles, m.title(k), **m.frame_entries())
+        for k, m in enumerate(result.minima, start=1)
+    ]
     if not frames and not scene.vertex.flat:
         raise OptionError(
             "no minimum was found, and paper that is not flat has no crease pattern to write"
@@ -68,22 +68,6 @@ def write_fold(result: MinimaResult, target: str | Path) -> None:
     """
     check_type("result", result, MinimaResult)
     save_fold(minima_to_fold(result), target)
-
-
-def _state_frame(scene: Scene, number: int, m: Minimum) -> dict[str, Any]:
-    full = m.full_space
-    return folded_frame(
-        scene,
-        m.fold_angles,
-        f"state {number}: {m.kind}, {m.energy:.6g} J" + (f", {full.verdict}" if full else ""),
-        energy=m.energy,
-        kind=m.kind,
-        certificate=m.certificate,
-        closureResidual=m.closure_residual,
-        kktResidual=m.kkt_residual if math.isfinite(m.kkt_residual) else None,
-        multipliers=[{"contact": c.text, "moment": c.multiplier} for c in m.contacts],
-        **({"fullSpace": full.verdict} if full else {}),
-    )
 
 
 def write_mesh(result: MinimaResult, target: str | Path) -> None:

@@ -57,7 +57,7 @@ class FullSpace(Brief):
     certificate
         Why, in words.
     kind, local_dimension
-        As in `Minimum`, in the full space (stable states only).
+        As in `JudgedState`, in the full space (stable states only).
     hessian_eigenvalues
         Of the Hessian of the Lagrangian on the closed states' tangent space [N m/rad]; empty where closure loses rank.
     breaking_eigenvalues
@@ -115,6 +115,7 @@ def judge_in_full_space(
             None,
             None,
         )
+    # a descent to a lower state proves that it is none
     path = follow(model, x)
     if len(path.states) < 2:
         why = f"{what.verdict}: {what.reason}; but no admissible state lower than it was found"

@@ -11,7 +11,7 @@ from html import escape
 from origami_nlp.chart import UNIT, landscape
 from origami_nlp.minima.completeness import Completeness
 from origami_nlp.minima.flags import ResultFlags
-from origami_nlp.minima.minimum import Minimum, SearchReport
+from origami_nlp.minima.minimum import JudgedState, SearchReport
 from origami_nlp.minima.picture import compose
 from origami_nlp.minima.stability import (
     asked,
@@ -41,7 +41,7 @@ SIZE, DPI = 301, 72
 
 def as_html(
     scene: Scene,
-    minima: tuple[Minimum, ...],
+    minima: tuple[JudgedState, ...],
     freedom: int,
     search: SearchReport,
     completeness: Completeness | None,
@@ -75,7 +75,7 @@ def as_html(
     return "\n".join(parts)
 
 
-def _table(scene: Scene, minima: tuple[Minimum, ...], freedom: int) -> Table:
+def _table(scene: Scene, minima: tuple[JudgedState, ...], freedom: int) -> Table:
     heads = [
         "#",
         f"energy [{UNIT}]",
@@ -129,7 +129,7 @@ def _degrees(angle: float) -> str:
     return ("0.0" if value == "-0.0" else value).replace("-", "−")
 
 
-def _certificates(minima: tuple[Minimum, ...]) -> str:
+def _certificates(minima: tuple[JudgedState, ...]) -> str:
     lines = ["<details><summary>Certificates and residuals</summary><ol>"]
     for m in minima:
         residuals = (
@@ -141,7 +141,7 @@ def _certificates(minima: tuple[Minimum, ...]) -> str:
     return "\n".join([*lines, "</ol></details>"])
 
 
-def _search(scene: Scene, minima: tuple[Minimum, ...], s: SearchReport, more: list[str]) -> str:
+def _search(scene: Scene, minima: tuple[JudgedState, ...], s: SearchReport, more: list[str]) -> str:
     not_asked = not_asked_words(scene, minima)
     lines = [
         *more,

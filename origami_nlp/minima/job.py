@@ -9,9 +9,9 @@ from collections.abc import Callable
 
 import numpy as np
 
-from origami_nlp.kkt import Polished, Solve, polish, polished_nearby, project
+from origami_nlp.kkt import Polished, Solve, Verdict, polish, polished_nearby, project
 from origami_nlp.minima.coverage import StrataCount, count_strata
-from origami_nlp.minima.minimum import Rejected, SearchReport
+from origami_nlp.minima.minimum import JudgedState, SearchReport
 from origami_nlp.minima.multistart import run_starts
 from origami_nlp.minima.one_freedom import EXACT, Traced, trace
 from origami_nlp.minima.record import (
@@ -129,12 +129,13 @@ class Job:
             return []
         return [state for state in found if closes(self.model, state.x)]
 
-    def _refusal(self, guess: np.ndarray, answer: Answer | None) -> Rejected | None:
+    def _refusal(self, guess: np.ndarray, answer: Answer | None) -> JudgedState | None:
         """Say why no minimum is listed at a guess [N]; None where one is."""
         model = self.model
         x = model.reduce(guess)
+        verdict: Verdict = "not admissible"
         if np.abs(model.expand(x) - guess).max() > BESIDE:
-            verdict, why = "not admissible", "it does not have the symmetry of the scene"
+            why = "it does not have the symmetry of the scene"
         elif answer is not None and answer.what is not None:
             if answer.is_minimum:
                 return None
@@ -143,13 +144,13 @@ class Job:
             closed, residual = project(model, x)
             refused = model.refuses(closed)
             if residual > CLOSES or np.abs(closed - x).max() > BESIDE:
-                verdict, why = "not admissible", f"no state within {BESIDE:g} rad of it closes"
+                why = f"no state within {BESIDE:g} rad of it closes"
             elif refused:
-                verdict, why = "not admissible", refused
+                why = refused
             else:
                 verdict = "not stationary"
                 why = f"no state within {BESIDE:g} rad of it holds still: it was descended from"
-        return Rejected(verdict, why, tuple(guess.tolist()), model.energy(x), 0)
+        return JudgedState(model.energy(x), tuple(guess.tolist()), verdict, why)
 
     def search(self, guesses: list[np.ndarray], workers: int) -> Work:
         """Start from guesses, then round after round until the stopping rule says that it is enough."""
@@ -269,7 +270,7 @@ class Job:
 
     def report(
         self,
-        others: list[Rejected],
+        others: list[JudgedState],
         outcomes: dict[str, int],
         seconds: float,
         effort: str,

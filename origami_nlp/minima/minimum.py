@@ -1,19 +1,22 @@
-"""One minimum, and the record of the search that found it."""
+"""A state of a vertex or a pattern, judged, and the record of the search that found it."""
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
-from typing import Any
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import Any, Literal
 
-from origami_nlp.files import Brief
-from origami_nlp.kkt import ContactForce, Escape, Kind
+import numpy as np
+
+from origami_nlp.files import Brief, Unbounded, from_plain, to_plain
+from origami_nlp.kkt import ALONE, OMIT, TRACED, ContactForce, Escape, Kind, Verdict
 from origami_nlp.minima.coverage import StrataCount
 from origami_nlp.minima.flags import StateFlags
 from origami_nlp.minima.full_space import FullSpace
 from origami_nlp.minima.ipopt import Confirmation
 from origami_nlp.numerics import CLOSES, STATIONARY
-from origami_nlp.show import to_plain
 
 TRIALS = 20
 """Scenes with random errors that minima are followed into."""
@@ -46,60 +49,65 @@ class Survival(Brief):
     degrees: float
     kept: int
     trials: int
-    springs: int | None = None
+    springs: int | None = field(default=None, metadata=OMIT)
 
     def __str__(self) -> str:
         alone = "" if self.springs is None else f" (springs {self.springs})"
         return f"{self.kept} of {self.trials}{alone}"
 
 
-def contact_to_dict(contact: ContactForce) -> dict[str, Any]:
-    """Return a contact as plain data: of creases, facets, corners, side and place what there is."""
-    touching = ("creases", "facets", "corners", "side", "place")
-    return {k: v for k, v in to_plain(contact).items() if v or k not in touching}
-
-
 @dataclass(frozen=True, repr=False)
-class Minimum(Brief):
-    """A local minimum of the energy among admissible states of the modelled symmetry.
+class JudgedState(Brief):
+    """A state of a vertex or a pattern, judged: a local minimum of the energy among admissible states, or why not.
+
+    Of a vertex admissible states have the modelled symmetry.
 
     Attributes
     ----------
     energy
-        In the scene's units (J for N m/rad).
+        In the units of the springs (J for N m/rad).
     fold_angles
         All N [rad], valley positive.
+    verdict
+        ``minimum`` (strict, certified), ``saddle`` or ``not stationary`` (lower states are beside it), ``not
+        admissible`` (it does not close, is beyond a limit, or facets cross) or ``undecided``.
+    certificate
+        What is proved, in words; of a state that is no minimum the reason.
     kind
-        ``interior``, ``contact-pinned``, ``contact-touching`` or ``degenerate``.
+        Of a minimum ``interior``, ``contact-pinned``, ``contact-touching`` or ``degenerate``; else empty.
     local_dimension
-        Dimension of the feasible set at the state: the model's degrees of freedom where it is full, 1 on a handle, 0 if
+        Dimension of the feasible set at a minimum: the model's degrees of freedom where it is full, 1 on a handle, 0 if
         isolated.
+    freedoms
+        Variables less the rank of closure, of patterns; -1 where it was not asked for: of a vertex, and of states that
+        do not close or are beyond a limit.
     closure_residual
-        Largest entry of loop closure.
+        Largest entry of loop closure; nan of a state of a vertex that is no minimum.
     kkt_residual
         Largest entry of the stationarity residual, with the stiffness scaled to one and relative to the torques
-        that balance.
+        that balance; of a pattern not small where a minimum is degenerate, or flat and alone; else nan where nothing
+        has to balance.
     polished
         True: Newton reached rounding, or the state is an exact singular one.  (A state that is neither is no
         minimum but undecided.)
     hits
-        Starts that ended here; 0 for an isolated flat folding, which is found by listing, not by descent.
+        Starts that ended here; 0 for what is found by listing or tracing, and of patterns.
     contacts
-        Closed contacts with their moments [N m per rad of opening], positive where they push.
-    certificate
-        Why it is a minimum, in words.
+        Closed contacts with their multipliers, positive where they push.
     hessian_eigenvalues
         Tangential stiffness [N m/rad], on the subspace that keeps loaded contacts closed, per unit length in
-        the space of all N fold angles.
+        the space of all N fold angles; of patterns with many creases the smallest alone.
+    crossings
+        Pairs of facets (1-based) that pass through each other, of a pattern.
     full_space
-        Verdict in the full contact-admissible space, where it was asked for.
+        Verdict in the full contact-admissible space, where it was asked for: of vertices with an imposed symmetry.
     solver
         What IPOPT says when it is started at the state with its multipliers; None with too many fold angles for it,
-        or fewer than equations.
+        or fewer than equations, and of patterns (`sheets.confirm_minimum` asks it).
     moment
         The moment m that passes round the vertex [N m], k_i (phi_i - phi0_i) = m . c_i at each free crease, in the
         frame of the facet between crease N and crease 1 (`kkt.PassingMoment`); None where free creases do not
-        determine it.
+        determine it, and of patterns, where each vertex has one of its own.
     moment_residual
         Largest part of a free crease's torque that this leaves [N m]; nan without a moment.
     winding
@@ -108,7 +116,7 @@ class Minimum(Brief):
         Fold angles [N] of the mode with the smallest of `hessian_eigenvalues`, of unit length, its largest entry
         positive; empty where there is no stiffness, or more than one mode has it.
     escape
-        How much energy it takes to leave the state; None where it was not asked for.
+        How much energy it takes to leave a minimum; None where it was not asked for.
     survival
         How many random errors of the scene it survives, where that was asked for (``noise``).
 
@@ -118,32 +126,50 @@ class Minimum(Brief):
     >>> lowest = o.find_minima(o.examples.degree6("pi/4", ratio=0.01), max_starts=16).minima[0]
     >>> lowest.kind, lowest.closure_residual < 1e-12, len(lowest.hessian_eigenvalues)
     ('interior', True, 2)
+    >>> lowest = o.find_minima("miura:2x2", effort="quick").minima[0]
+    >>> lowest.kind, lowest.closure_residual < 1e-12, len(lowest.hessian_eigenvalues)
+    ('interior', True, 1)
     """
 
     energy: float
     fold_angles: tuple[float, ...]
-    kind: Kind
-    local_dimension: int
-    closure_residual: float
-    kkt_residual: float
-    polished: bool
-    hits: int
-    contacts: tuple[ContactForce, ...]
+    verdict: Verdict
     certificate: str
-    hessian_eigenvalues: tuple[float, ...]
-    full_space: FullSpace | None = None
-    solver: Confirmation | None = None
+    kind: Literal[Kind, ""] = ""
+    local_dimension: int = 0
+    freedoms: int = field(default=-1, metadata=OMIT)
+    closure_residual: float = math.nan
+    kkt_residual: float = math.nan
+    polished: bool = True
+    hits: int = 0
+    contacts: tuple[ContactForce, ...] = ()
+    hessian_eigenvalues: tuple[float, ...] = ()
+    crossings: tuple[tuple[int, int], ...] = field(default=(), metadata=OMIT)
+    full_space: FullSpace | None = field(default=None, metadata=OMIT)
+    solver: Confirmation | None = field(default=None, metadata=OMIT)
     moment: tuple[float, float, float] | None = None
     moment_residual: float = math.nan
-    winding: int = 1
+    winding: int = field(default=1, metadata=OMIT)
     softest_mode: tuple[float, ...] = field(default=(), repr=False)
-    escape: Escape | None = None
-    survival: Survival | None = None
+    escape: Escape | None = field(default=None, metadata=OMIT)
+    survival: Survival | None = field(default=None, metadata=OMIT)
+
+    @cached_property
+    def phi(self) -> np.ndarray:
+        """`fold_angles` as an array, [N] [rad]."""
+        return np.array(self.fold_angles)
 
     @property
     def softest(self) -> float:
-        """Smallest stiffness [N m/rad], per unit length of all N fold angles; inf where contacts leave nothing free."""
-        return min(self.hessian_eigenvalues, default=math.inf)
+        """Smallest stiffness of a minimum [N m/rad], per unit length of all N fold angles; inf where contacts leave
+        nothing free.
+        """
+        return min(self.hessian_eigenvalues, default=math.inf if self.kind else math.nan)
+
+    @property
+    def refuted(self) -> bool:
+        """Whether it is known to be no minimum: a lower state lies beside it, or torque is left."""
+        return self.verdict in ("saddle", "not stationary")
 
     @property
     def shallow(self) -> bool:
@@ -154,43 +180,84 @@ class Minimum(Brief):
     def flags(self) -> StateFlags:
         """What is bad about it, or to be known before it is used: each flag with cause and cure."""
         verdict = self.full_space and self.full_space.verdict
+        unbalanced = self.kkt_residual > STATIONARY and self.kind != "degenerate"
         return StateFlags(
             degenerate=self.kind == "degenerate",
             multipliers_not_unique=not all(c.unique for c in self.contacts),
             touching_without_moment=self.kind == "contact-touching",
-            isolated=self.local_dimension == 0,
+            isolated=bool(self.kind) and self.local_dimension == 0,
             shallow=self.shallow,
             solver_disagrees=self.solver is not None and not self.solver.agrees,
-            residual_above_tolerance=self.closure_residual > CLOSES
-            or self.kkt_residual > STATIONARY,
+            residual_above_tolerance=self.closure_residual > CLOSES or unbalanced,
             unstable_in_full_space=verdict == "unstable",
             not_decided_in_full_space=verdict == "undecided",
         )
 
+    def title(self, number: int) -> str:
+        """Name the state by its kind and energy.
 
-@dataclass(frozen=True, repr=False)
-class Rejected(Brief):
-    """A state that solves ended at and that is not listed.
+        Parameters
+        ----------
+        number
+            Of the state, from 1.
 
-    Attributes
-    ----------
-    verdict
-        What it is instead of a minimum.
-    reason
-        Why.
-    fold_angles
-        All N [rad].
-    energy
-        In the scene's units.
-    hits
-        Random starts that ended here.
-    """
+        Returns
+        -------
+        str
+            Such as "state 1: interior, 0.0090858 J", with the verdict in the full space where that was asked for.
+        """
+        full = f", {self.full_space.verdict}" if self.full_space else ""
+        kind = f"{self.kind or self.verdict}{', shallow' * self.shallow}"
+        return f"state {number}: {kind}, {self.energy:.6g} J{full}"
 
-    verdict: str
-    reason: str
-    fold_angles: tuple[float, ...]
-    energy: float
-    hits: int
+    def lines(self) -> tuple[str, ...]:
+        """Say what is proved, and which facets touch."""
+        return self.certificate, *(c.words() for c in self.contacts if not c.is_limit)
+
+    def frame_entries(self) -> dict[str, Any]:
+        """Return what a frame of a FOLD file holds of it besides coordinates and fold angles, by our own keys."""
+        return {
+            "energy": self.energy,
+            "kind": self.kind,
+            "certificate": self.certificate,
+            "closureResidual": self.closure_residual,
+            "kktResidual": to_plain(self.kkt_residual),
+            "multipliers": [{"contact": c.text, "moment": c.multiplier} for c in self.contacts],
+            **({"fullSpace": self.full_space.verdict} if self.full_space else {}),
+        }
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return plain data; facets and creases 1-based, what is not known is None."""
+        return to_plain(self) | {
+            "flags": to_plain(self.flags),
+            "softest_stiffness": to_plain(self.softest),
+        }
+
+    @classmethod
+    def from_dict(cls, data: Mapping[str, Any]) -> JudgedState:
+        """Rebuild a state from `to_dict`.
+
+        Parameters
+        ----------
+        data
+            What `to_dict` returned.
+
+        Returns
+        -------
+        JudgedState
+            The same.
+
+        Raises
+        ------
+        OptionError
+            If an entry is missing or wrong.
+        """
+        own = {k: v for k, v in data.items() if k not in ("flags", "softest_stiffness")}
+        found = from_plain(cls, own, "minima")
+        e = found.escape
+        if e is not None and e.method in (TRACED, ALONE) and math.isnan(e.barrier):
+            return replace(found, escape=replace(e, barrier=math.inf))  # no way out
+        return found
 
 
 @dataclass(frozen=True, repr=False)
@@ -254,7 +321,7 @@ class SearchReport(Brief):
     iterations: int = field(default=0, kw_only=True)
     statuses: dict[str, int]
     outcomes: dict[str, int]
-    expected_undiscovered: float
+    expected_undiscovered: Unbounded
     stopped_by: str
     seconds: float
     seed: int
@@ -268,6 +335,6 @@ class SearchReport(Brief):
     every_corner: bool = field(default=False, kw_only=True)
     complete: str = field(default="", kw_only=True)
     strata: tuple[StrataCount, ...] = field(default=(), kw_only=True)
-    refused: tuple[Rejected, ...] = field(default=(), repr=False)
-    rejected: tuple[Rejected, ...] = field(default=(), repr=False)
-    undecided: tuple[Rejected, ...] = field(default=(), repr=False)
+    refused: tuple[JudgedState, ...] = field(default=(), repr=False)
+    rejected: tuple[JudgedState, ...] = field(default=(), repr=False)
+    undecided: tuple[JudgedState, ...] = field(default=(), repr=False)

@@ -12,7 +12,7 @@ import numpy as np
 from origami_nlp.arguments import check_number
 from origami_nlp.kkt import Solve, State, classify, follow, polish, project
 from origami_nlp.minima.full_space import full_scene
-from origami_nlp.minima.minimum import TRIALS, Minimum, Survival
+from origami_nlp.minima.minimum import TRIALS, JudgedState, Survival
 from origami_nlp.numerics import CLOSES
 from origami_nlp.pattern import canonical_labels
 from origami_nlp.programme import Model, Parameters
@@ -115,7 +115,7 @@ def survival_words(degrees: float, measured: str) -> str:
     )
 
 
-def with_survival(model: Model, minima: Sequence[Minimum], degrees: float) -> list[Minimum]:
+def with_survival(model: Model, minima: Sequence[JudgedState], degrees: float) -> list[JudgedState]:
     """Follow minima into scenes with random errors.
 
     The errors are the same for all minima, drawn by labels that do not depend on how creases are numbered, and break
@@ -132,7 +132,7 @@ def with_survival(model: Model, minima: Sequence[Minimum], degrees: float) -> li
 
     Returns
     -------
-    list of Minimum
+    list of JudgedState
         With `survival`.
     """
     exact = Model(full_scene(model.scene))

@@ -27,7 +27,7 @@ from origami_nlp.chart import (
     norm_of,
     outline_of,
 )
-from origami_nlp.minima.minimum import Minimum
+from origami_nlp.minima.minimum import JudgedState
 from origami_nlp.minima.stability import NOT_ASKED, barrier_words, count_words, verdict
 from origami_nlp.pattern import Scene
 from origami_nlp.show import (
@@ -86,7 +86,7 @@ class _Row:
     height: float
 
 
-def compose(chart: Landscape, minima: tuple[Minimum, ...], freedom: int) -> Figure:
+def compose(chart: Landscape, minima: tuple[JudgedState, ...], freedom: int) -> Figure:
     """Draw minima on the landscape of their scene, and each of them folded.
 
     freedom: degrees of freedom of the symmetric states.
@@ -168,7 +168,7 @@ def _panels(chart: Landscape) -> _Panels:
 
 
 def _rows(
-    scene: Scene, shown: tuple[Minimum, ...], panels: _Panels
+    scene: Scene, shown: tuple[JudgedState, ...], panels: _Panels
 ) -> tuple[list[_Row], float, float]:
     """Arrange the drawings: rows of them, and the width and height of all that is below the title."""
     shares = [CELL * drawn_height(scene.vertex, m.fold_angles) for m in shown]
@@ -220,7 +220,7 @@ def _draw_panels(
     place_axes: Any,
     chart: Landscape,
     panels: _Panels,
-    shown: tuple[Minimum, ...],
+    shown: tuple[JudgedState, ...],
     places: list[Place],
 ) -> None:
     norm = norm_of(chart, (m.energy for m in shown)) if chart.kind == "area" else None
@@ -244,7 +244,7 @@ def _draw_panels(
 def _mark(
     axes: Any,
     scene: Scene,
-    shown: tuple[Minimum, ...],
+    shown: tuple[JudgedState, ...],
     places: list[Place],
     branches: Sequence[int],
     curves: Sequence[Any] = (),
@@ -268,13 +268,13 @@ def _mark(
     label_marks(axes, [*labels, *free], 11)
 
 
-def _judged(scene: Scene, minimum: Minimum) -> str | None:
+def _judged(scene: Scene, minimum: JudgedState) -> str | None:
     known = verdict(scene, minimum)
     return None if known == NOT_ASKED else known
 
 
 def _legend(
-    chart: Landscape, shown: tuple[Minimum, ...], places: list[Place], panels: _Panels
+    chart: Landscape, shown: tuple[JudgedState, ...], places: list[Place], panels: _Panels
 ) -> list[Any]:
     """Return handles for what occurs."""
     drawn = [(m, p) for m, p in zip(shown, places, strict=False) if p.drawn]
@@ -289,7 +289,7 @@ def _legend(
     return entries + (crease_legend() if shown else [])
 
 
-def _title(scene: Scene, minima: tuple[Minimum, ...]) -> list[str]:
+def _title(scene: Scene, minima: tuple[JudgedState, ...]) -> list[str]:
     who = scene.label or f"degree {scene.degree}"
     subscript = str(scene.group.order).translate(str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉"))
     group = f"{scene.group.kind}{subscript}"
@@ -299,7 +299,7 @@ def _title(scene: Scene, minima: tuple[Minimum, ...]) -> list[str]:
     return [found, f"{symmetry}{contact[scene.contact]}"]
 
 
-def _state_title(number: int, minimum: Minimum, freedom: int) -> str:
+def _state_title(number: int, minimum: JudgedState, freedom: int) -> str:
     kind: str = minimum.kind
     if minimum.local_dimension < freedom:
         kind += {0: ", isolated point", 1: ", on a 1-handle"}.get(
@@ -311,7 +311,7 @@ def _state_title(number: int, minimum: Minimum, freedom: int) -> str:
     return f"{number}:  U = {minimum.energy:.4g} {UNIT}{known}\n{kind}\n{barrier_words(minimum.escape, UNIT)}"
 
 
-def _notes(minima: tuple[Minimum, ...], chart: Landscape, places: list[Place]) -> list[str]:
+def _notes(minima: tuple[JudgedState, ...], chart: Landscape, places: list[Place]) -> list[str]:
     """Say what the picture leaves out or cannot show."""
     notes = []
     if chart.kind == "none":

@@ -174,6 +174,7 @@ def hold_against(
         open_region(cluster) if time.monotonic() > until else _judged(model, record, cluster, added)
         for cluster in proof.undecided
     ]
+    # each listed minimum must be a root of the proof, or lie in a region that it leaves open
     for answer in record.minima:
         if not _covered(answer.polished.x, proof):
             against.append(

@@ -1,4 +1,4 @@
-"""What a search for minima returns, how it tells itself, and its JSON, schema ``origami-nlp/minima/2``.
+"""What a search for minima returns, how it tells itself, and its JSON.
 
 In JSON indices are 1-based, as in the paper; angles in radians; energies and moments in the scene's units.
 A multiplier range that never ends, or a residual that does not apply, is null.
@@ -6,17 +6,17 @@ A multiplier range that never ends, or a residual that does not apply, is null.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 
-from origami_nlp.kkt import ALONE, TRACED, State
+from origami_nlp.files import from_plain, pick, to_plain
+from origami_nlp.kkt import State
 from origami_nlp.minima.completeness import Completeness
 from origami_nlp.minima.flags import ResultFlags
-from origami_nlp.minima.minimum import Minimum, SearchReport, contact_to_dict
+from origami_nlp.minima.minimum import JudgedState, SearchReport
 from origami_nlp.minima.stability import NOT_ASKED, verdict
 from origami_nlp.minima.telling import (
     flag_lines,
@@ -28,26 +28,13 @@ from origami_nlp.minima.telling import (
 )
 from origami_nlp.pattern import Relations, Scene, scene_from_dict, scene_to_dict
 from origami_nlp.programme import Model
-from origami_nlp.show import (
-    Content,
-    Piece,
-    Table,
-    Told,
-    Turnable,
-    Words,
-    from_plain,
-    pick,
-    to_plain,
-)
+from origami_nlp.show import Content, Piece, Table, Told, Turnable, Words
 
 if TYPE_CHECKING:
     from origami_nlp.chart import Landscape
 
-SCHEMA, BEFORE = "origami-nlp/minima/2", "origami-nlp/minima/1"
 SUCCESS = "Solve_Succeeded"
 """What IPOPT says where it converged."""
-NULL = {"expected_undiscovered": math.inf, "multiplier_range": math.inf}
-"""What null stands for, by field; nan elsewhere."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -83,11 +70,11 @@ class MinimaResult(Told, Turnable):
 
     scene: Scene
     model: Model
-    minima: tuple[Minimum, ...]
+    minima: tuple[JudgedState, ...]
     search: SearchReport
     completeness: Completeness | None = None
 
-    PICTURE, READ = "draw_minima", SCHEMA
+    PICTURE, SCHEMA = "draw_minima", "origami_nlp/minima/1"
 
     @property
     def flags(self) -> ResultFlags:
@@ -113,7 +100,7 @@ class MinimaResult(Told, Turnable):
             stability_not_asked=any(verdict(scene, m) == NOT_ASKED for m in self.minima),
         )
 
-    def state_of(self, minimum: Minimum) -> State:
+    def state_of(self, minimum: JudgedState) -> State:
         """Return a minimum as a state of its programme.
 
         Parameters
@@ -129,7 +116,7 @@ class MinimaResult(Told, Turnable):
         model = self.model_of(minimum)
         return State(model, model.reduce(np.array(minimum.fold_angles)))
 
-    def model_of(self, minimum: Minimum) -> Model:
+    def model_of(self, minimum: JudgedState) -> Model:
         """Return the programme that a minimum is a state of: that of its winding.
 
         Parameters
@@ -203,14 +190,8 @@ class MinimaResult(Told, Turnable):
 
         return turn_minima(self.scene, self.model, self.minima, tuple(self.told()), chart)
 
-    def to_dict(self) -> dict[str, Any]:
-        """Return a result as plain JSON data."""
-        relations = to_plain(self.scene.relations)
-        for key in ("made_exact", "different"):
-            found = getattr(self.scene.relations, key)
-            relations[key] = [{**to_plain(r), "text": r.text} for r in found]
+    def _to_plain(self) -> dict[str, Any]:
         return {
-            "schema": SCHEMA,
             "scene": scene_to_dict(self.scene),
             "model": pick(
                 self.model,
@@ -218,13 +199,13 @@ class MinimaResult(Told, Turnable):
                 "equalities=equation_count",
                 "inequalities=inequality_count",
                 "contact_pairs",
-                geometry=relations,
+                geometry=self.scene.relations,
                 left_out=[pick(item, "what", "why") for item in self.model.left_out],
             ),
             "search": to_plain(self.search),
             "completeness": self.completeness and to_plain(self.completeness),
-            "flags": self.flags.to_dict(),
-            "minima": [_minimum_to_dict(m) for m in self.minima],
+            "flags": to_plain(self.flags),
+            "minima": [m.to_dict() for m in self.minima],
         }
 
     def _rows(self) -> Iterator[dict[str, object]]:
@@ -238,59 +219,18 @@ class MinimaResult(Told, Turnable):
             yield row | {f"phi_{k}": v for k, v in enumerate(m.fold_angles, start=1)}
 
     @classmethod
-    def from_dict(cls, data: dict[str, Any]) -> Self:
-        """Rebuild a result from `to_dict`, or from what was written before states had escape barriers.
-
-        Parameters
-        ----------
-        data
-            What `to_dict` returned.
-
-        Returns
-        -------
-        MinimaResult
-            The same.
-
-        Raises
-        ------
-        OptionError
-            If it holds no minima, or an entry is missing or wrong.
-        """
-        if isinstance(data, dict) and data.get("schema") == BEFORE:
-            data = {**data, "schema": SCHEMA}
-        return super().from_dict(data)
-
-    @classmethod
-    def _read(cls, data: dict[str, Any]) -> Self:
+    def _from_plain(cls, data: dict[str, Any]) -> Self:
         """Rebuild all but the model, which is posed anew from the scene."""
         scene = scene_from_dict(data["scene"])
         if "geometry" in data["model"]:
             scene = replace(scene, relations=from_plain(Relations, data["model"]["geometry"]))
-        search = from_plain(SearchReport, data["search"], NULL)
+        search = from_plain(SearchReport, data["search"], "search")
         known = data.get("completeness")
         completeness = from_plain(Completeness, known) if known else None
         minima = []
         for m in data["minima"]:
-            found = from_plain(Minimum, m, NULL)
-            if found.escape is not None and found.escape.method in (TRACED, ALONE):
-                if math.isnan(found.escape.barrier):  # null in JSON: no way out
-                    found = replace(found, escape=replace(found.escape, barrier=math.inf))
-            minima.append(found)
+            minima.append(JudgedState.from_dict(m))
         return cls(scene, Model(scene), tuple(minima), search, completeness)
 
     def _repr_html_(self) -> str:
         return self.to_html()
-
-
-def _minimum_to_dict(m: Minimum) -> dict[str, Any]:
-    data = {**to_plain(m), "flags": m.flags.to_dict()}
-    if m.winding == 1:
-        del data["winding"]
-    data["contacts"] = [contact_to_dict(c) for c in m.contacts]
-    data["softest_stiffness"] = to_plain(m.softest)
-    for name in ("full_space", "solver", "escape", "survival"):
-        if data[name] is None:
-            del data[name]
-    if m.survival is not None:
-        del data["survival"]["springs"]  # of patterns
-    return data

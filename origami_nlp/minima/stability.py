@@ -12,7 +12,7 @@ from collections import Counter
 from collections.abc import Sequence
 
 from origami_nlp.kkt import BOUND, OPEN, Escape, rounded_up
-from origami_nlp.minima.minimum import Minimum
+from origami_nlp.minima.minimum import JudgedState
 from origami_nlp.numerics import SHALLOW
 from origami_nlp.pattern import Scene
 
@@ -22,7 +22,7 @@ SEVERAL = 3
 """Isolated flat foldings that are told in one line."""
 
 
-def verdict(scene: Scene, minimum: Minimum) -> str:
+def verdict(scene: Scene, minimum: JudgedState) -> str:
     """Return what is known of a minimum in the full space.
 
     ``stable``, ``unstable`` or ``undecided``; ``not asked`` where nobody did; and empty without imposed symmetry
@@ -35,7 +35,7 @@ def verdict(scene: Scene, minimum: Minimum) -> str:
     return "stable" if scene.contact == "full" else ""
 
 
-def count_words(scene: Scene, minima: Sequence[Minimum], none: str = "0") -> str:
+def count_words(scene: Scene, minima: Sequence[JudgedState], none: str = "0") -> str:
     """Say how many minima there are, and how many of them are stable, as far as that is known.
 
     "4 symmetric minima (3 stable, 1 unstable in the full space)", "4 symmetric minima", "2 stable states" or
@@ -59,7 +59,7 @@ def _power(value: float) -> str:
     return f"1e{round(math.log10(value))}"
 
 
-def _count_words(scene: Scene, minima: Sequence[Minimum], none: str) -> str:
+def _count_words(scene: Scene, minima: Sequence[JudgedState], none: str) -> str:
     count = len(minima)
     number = str(count) if count else none
     known = Counter(verdict(scene, m) for m in minima)
@@ -73,7 +73,7 @@ def _count_words(scene: Scene, minima: Sequence[Minimum], none: str) -> str:
     return f"{words} ({', '.join(parts)} in the full space)"
 
 
-def isolated_foldings(minima: Sequence[Minimum]) -> list[int]:
+def isolated_foldings(minima: Sequence[JudgedState]) -> list[int]:
     """Return the numbers (1-based) of flat foldings without an admissible neighbour, where these are several.
 
     Every crease is open or shut, and nothing but contact holds them: whatever the springs are, they are there.
@@ -103,7 +103,7 @@ def softest_words(softest: float) -> str:
     return "held" if math.isinf(softest) else f"{softest:.3g}"
 
 
-def stiffness_words(minimum: Minimum) -> str:
+def stiffness_words(minimum: JudgedState) -> str:
     """Say in a line how stiff a minimum is and what it takes to leave it."""
     forces = [c.multiplier for c in minimum.contacts]
     isolated = minimum.local_dimension == 0
@@ -161,12 +161,12 @@ def barrier_words(e: Escape | None, unit: str) -> str:
     return f"barrier {words if words[0] == '<' else '= ' + words} {unit}".replace("<=", "\u2264")
 
 
-def asked(minima: Sequence[Minimum]) -> bool:
+def asked(minima: Sequence[JudgedState]) -> bool:
     """Whether the full space was asked about the minima of a symmetric scene."""
     return any(m.full_space is not None for m in minima)
 
 
-def not_asked_words(scene: Scene, minima: Sequence[Minimum]) -> str:
+def not_asked_words(scene: Scene, minima: Sequence[JudgedState]) -> str:
     """Say that stability is open where it is, else nothing."""
     if not any(verdict(scene, m) == NOT_ASKED for m in minima):
         return ""

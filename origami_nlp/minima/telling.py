@@ -9,7 +9,7 @@ import numpy as np
 from origami_nlp.errors import OUT_OF_TIME
 from origami_nlp.minima.flags import ResultFlags
 from origami_nlp.minima.full_space import FullSpace
-from origami_nlp.minima.minimum import Minimum, SearchReport
+from origami_nlp.minima.minimum import JudgedState, SearchReport
 from origami_nlp.minima.noise import survival_words
 from origami_nlp.minima.stability import (
     asked,
@@ -58,7 +58,7 @@ def moment_words(moment: Sequence[float], residual: float, degree: int) -> str:
     )
 
 
-def states_table(scene: Scene, minima: Sequence[Minimum], freedom: int) -> Table:
+def states_table(scene: Scene, minima: Sequence[JudgedState], freedom: int) -> Table:
     """Return one row a minimum: energy, kind, verdict where it was asked for, local dimension, residuals, hits.
 
     freedom: degrees of freedom of the symmetric states.
@@ -124,7 +124,7 @@ def states_table(scene: Scene, minima: Sequence[Minimum], freedom: int) -> Table
     return Table(heads, rows, title, columns, framed=not full, narrow=full)
 
 
-def state_lines(scene: Scene, minima: Sequence[Minimum]) -> list[str]:
+def state_lines(scene: Scene, minima: Sequence[JudgedState]) -> list[str]:
     """Return the fold angles, contact moments and certificate of each minimum, a few lines each."""
     lines, grouped = [], isolated_foldings(minima)
     for number, m in enumerate(minima, start=1):
@@ -186,7 +186,7 @@ def search_lines(s: SearchReport) -> list[str]:
     ]
     for r in s.refused:
         angles = " ".join(f"{a:.6g}" for a in np.degrees(r.fold_angles))
-        lines.append(f"no minimum at the guess {angles} deg: {r.verdict}: {r.reason}")
+        lines.append(f"no minimum at the guess {angles} deg: {r.verdict}: {r.certificate}")
     if s.failed:
         reasons = ", ".join(f"{why} {count}" for why, count in s.failed.items())
         lines.append(f"left out, as no state or where linear algebra failed: {reasons}")
@@ -196,7 +196,7 @@ def search_lines(s: SearchReport) -> list[str]:
     rejected: dict[tuple[str, str], int] = {}
     for r in s.rejected:
         if r.hits:
-            key = (r.verdict, r.reason)
+            key = (r.verdict, r.certificate)
             rejected[key] = rejected.get(key, 0) + 1
     lines += [
         f"  {count} state{'s' * (count > 1)} {verdict}: {reason}"
@@ -247,7 +247,7 @@ def undecided_lines(search: SearchReport) -> list[str]:
     return [
         f"not decided: energy {r.energy:.9g} J, hits {r.hits}, fold angles [deg] "
         + " ".join(f"{a:.6g}" for a in np.degrees(r.fold_angles))
-        + f": {r.reason}"
+        + f": {r.certificate}"
         for r in search.undecided
     ]
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from origami_nlp.chart import Landscape, chart_of, chart_points, landscape
 from origami_nlp.kkt import ContactForce
-from origami_nlp.minima.minimum import Minimum
+from origami_nlp.minima.minimum import JudgedState
 from origami_nlp.minima.stability import asked, verdict
 from origami_nlp.minima.telling import full_space_lines, moment_words
 from origami_nlp.numerics import SETTLED, residual_words
@@ -45,7 +45,7 @@ CROSSING = {
 def turn_minima(
     scene: Scene,
     model: Model,
-    minima: Sequence[Minimum],
+    minima: Sequence[JudgedState],
     told: Sequence[Piece],
     chart: Landscape | None = None,
 ) -> Content:
@@ -124,7 +124,7 @@ def images(model: Model, contact: ContactForce) -> tuple[tuple[int, ...], tuple[
     return creases, facets
 
 
-def _station(model: Model, k: int, m: Minimum, judged: bool) -> Station:
+def _station(model: Model, k: int, m: JudgedState, judged: bool) -> Station:
     vertex = model.scene.vertex
     letters = [LETTERS[n % len(LETTERS)] for n in range(len(m.contacts))]
     known = f", {verdict(model.scene, m)}" if judged else ""
@@ -158,7 +158,7 @@ def _mark(model: Model, letter: str, contact: ContactForce) -> Mark:
     return Mark(f"{letter} {moment}", f"contact {letter}: {contact.words()}", high > 0, *at)
 
 
-def _descents(vertex: Vertex, minima: Sequence[Minimum]) -> list[Track]:
+def _descents(vertex: Vertex, minima: Sequence[JudgedState]) -> list[Track]:
     """Return the stored descent of each unstable state."""
     found = []
     for k, m in enumerate(minima):
@@ -193,7 +193,7 @@ def _curves(chart: Landscape) -> list[Track]:
 # ---------------------------------------------------------------- the map
 
 
-def _panels(chart: Landscape, minima: Sequence[Minimum]) -> list[Panel]:
+def _panels(chart: Landscape, minima: Sequence[JudgedState]) -> list[Panel]:
     if chart.kind == "none":
         return []
     places = [chart.place(m.fold_angles, m.winding) for m in minima]

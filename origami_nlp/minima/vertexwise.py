@@ -1,9 +1,8 @@
 """Minima of every vertex of a crease pattern, each on its own, equal vertices once.
 
-JSON schema ``origami-nlp/vertexwise/1``: ``classes`` holds a result of ``origami-nlp/minima/1`` for each class of equal
-vertices, in the labels of its first vertex; ``vertices`` says of each vertex its class (from 1) and its labels:
-crease i of the class is crease ``creases[i]`` (from 1) of the vertex, with the opposite fold angle where ``over``
-is true.
+In JSON ``classes`` holds a result for each class of equal vertices, in the labels of its first vertex; ``vertices``
+says of each vertex its class (from 1) and its labels: crease i of the class is crease ``creases[i]`` (from 1) of the
+vertex, with the opposite fold angle where ``over`` is true.
 """
 
 from __future__ import annotations
@@ -16,13 +15,13 @@ from typing import Any, Self
 import numpy as np
 
 from origami_nlp.errors import OUT_OF_TIME, OptionError
+from origami_nlp.files import from_plain, to_plain
 from origami_nlp.minima.find import find_minima
 from origami_nlp.minima.result import MinimaResult
 from origami_nlp.numerics import TYPED, residual_words
 from origami_nlp.pattern import Alike, Labels, Scene, group_alike
 from origami_nlp.show import Piece, Table, Told
 
-SCHEMA = "origami-nlp/vertexwise/1"
 HEADS = ("vertices", "degree", "minima", "kinds", "lowest [J]", "closure", "KKT")
 
 
@@ -49,7 +48,7 @@ class VertexwiseMinima(Told):
     classes: tuple[Alike, ...]
     results: tuple[MinimaResult, ...]
 
-    READ = SCHEMA
+    SCHEMA = "origami_nlp/minima/1"
 
     def result(self, vertex: int) -> MinimaResult:
         """Return the result for the class of a vertex, in the labels of its first one.
@@ -137,10 +136,8 @@ class VertexwiseMinima(Told):
                     f"the numbers are those of vertex {one.numbers[0]}"
                 )
 
-    def to_dict(self) -> dict[str, Any]:
-        """Return plain JSON data."""
+    def _to_plain(self) -> dict[str, Any]:
         return {
-            "schema": SCHEMA,
             "vertices": [
                 {
                     "vertex": number,
@@ -152,17 +149,17 @@ class VertexwiseMinima(Told):
                 for number, labels in zip(one.numbers, one.labels, strict=True)
             ],
             "apart": [one.apart for one in self.classes],
-            "classes": [result.to_dict() for result in self.results],
+            "classes": to_plain(self.results),
         }
 
     @classmethod
-    def _read(cls, data: dict[str, Any]) -> Self:
+    def _from_plain(cls, data: dict[str, Any]) -> Self:
         classes = []
         for k, apart in enumerate(data["apart"], start=1):
             mine = [v for v in data["vertices"] if v["class"] == k]
             labels = tuple(_labels(v["creases"], v["over"]) for v in mine)
             classes.append(Alike(tuple(v["vertex"] for v in mine), labels, apart))
-        return cls(tuple(classes), tuple(map(MinimaResult.from_dict, data["classes"])))
+        return cls(tuple(classes), from_plain(tuple[MinimaResult, ...], data["classes"], "classes"))
 
 
 def _labels(creases: list[int], over: bool) -> Labels:

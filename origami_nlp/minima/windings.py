@@ -19,7 +19,7 @@ from origami_nlp.kkt import OPEN, Escape
 from origami_nlp.minima.completeness import Completeness
 from origami_nlp.minima.escape import with_escapes
 from origami_nlp.minima.job import Job, Progress
-from origami_nlp.minima.minimum import Minimum, Rejected, SearchReport
+from origami_nlp.minima.minimum import JudgedState, SearchReport
 from origami_nlp.minima.noise import with_survival
 from origami_nlp.minima.proved import is_cheap, prove_complete
 from origami_nlp.minima.record import BREAKDOWNS
@@ -119,7 +119,7 @@ def _joined(windings: Sequence[int], found: Sequence[Completeness]) -> Completen
     )
 
 
-def escapes_of_each(jobs: Sequence[Job], minima: Sequence[Minimum]) -> list[Minimum]:
+def escapes_of_each(jobs: Sequence[Job], minima: Sequence[JudgedState]) -> list[JudgedState]:
     """Add what it takes to leave each minimum, along states of its winding, numbered as in the whole list."""
     found = list(minima)
     for job, which in _apart(jobs, minima):
@@ -140,7 +140,9 @@ def escapes_of_each(jobs: Sequence[Job], minima: Sequence[Minimum]) -> list[Mini
     return found
 
 
-def survival_of_each(jobs: Sequence[Job], minima: Sequence[Minimum], noise: float) -> list[Minimum]:
+def survival_of_each(
+    jobs: Sequence[Job], minima: Sequence[JudgedState], noise: float
+) -> list[JudgedState]:
     """Add how many random errors of the scene each minimum survives; noise: their size [degrees]."""
     found = list(minima)
     for job, which in _apart(jobs, minima):
@@ -150,7 +152,7 @@ def survival_of_each(jobs: Sequence[Job], minima: Sequence[Minimum], noise: floa
     return found
 
 
-def _apart(jobs: Sequence[Job], minima: Sequence[Minimum]) -> Iterator[tuple[Job, list[int]]]:
+def _apart(jobs: Sequence[Job], minima: Sequence[JudgedState]) -> Iterator[tuple[Job, list[int]]]:
     """Each search with the places of its minima in the whole list."""
     for job in jobs:
         winding = job.model.structure.winding
@@ -210,6 +212,6 @@ def join_reports(windings: Sequence[int], reports: Sequence[SearchReport]) -> Se
     )
 
 
-def _in_order(states: Iterable[tuple[Rejected, ...]]) -> tuple[Rejected, ...]:
+def _in_order(states: Iterable[tuple[JudgedState, ...]]) -> tuple[JudgedState, ...]:
     every = (one for some in states for one in some)
     return tuple(sorted(every, key=lambda r: (r.verdict, r.energy, r.fold_angles)))

@@ -9,7 +9,7 @@ import numpy as np
 from origami_nlp.arguments import check_type, check_whole
 from origami_nlp.errors import OptionError
 from origami_nlp.kkt import State, Stratum
-from origami_nlp.minima import MinimaResult, Minimum, full_scene, group_average, mode_symmetry
+from origami_nlp.minima import JudgedState, MinimaResult, full_scene, group_average, mode_symmetry
 from origami_nlp.modes.geodesic import geodesic
 from origami_nlp.modes.result import BREAKING, Mode, Modes, StateModes
 from origami_nlp.numerics import BALANCED
@@ -66,7 +66,7 @@ def find_modes(result: MinimaResult, *, state: int | None = None) -> Modes:
     return Modes(result, tuple(found))
 
 
-def modes_of(model: Model, scene: Scene, number: int, minimum: Minimum) -> StateModes:
+def modes_of(model: Model, scene: Scene, number: int, minimum: JudgedState) -> StateModes:
     """Return the modes of one minimum of `scene`, posed without symmetry in `model`."""
     state = State(model, np.array(minimum.fold_angles))
     held, why = _loaded(state)

@@ -10,7 +10,7 @@ is turned into the directions that are left there; of second order in h, and the
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -41,17 +41,17 @@ class Reach:
         Energy there above that of the state, in the scene's units.
     why
         The contacts that close there, or why the geodesic ends.
-    contacts
-        Contacts that close there.
     opening
         Largest |opening| of these [rad]: rounding, where the end was located; nan where nothing touches.
+    contacts
+        Contacts that close there; none where it was read from a file.
     """
 
     s: float
     rise: float
     why: str
-    contacts: tuple[Contact, ...]
     opening: float
+    contacts: tuple[Contact, ...] = field(default=(), metadata={"plain": False})
 
 
 @dataclass(frozen=True, repr=False)
@@ -101,8 +101,8 @@ def geodesic(held: Stratum, direction: np.ndarray, step: float = STEP) -> Geodes
     x = np.concatenate([back.x[:0:-1], forth.x])
     rise = np.array([model.energy_change(held.state.x, y) for y in x])
     ends = (
-        Reach(-float(back.s[-1]), float(rise[0]), back.why, back.contacts, back.opening),
-        Reach(float(forth.s[-1]), float(rise[-1]), forth.why, forth.contacts, forth.opening),
+        Reach(-float(back.s[-1]), float(rise[0]), back.why, back.opening, back.contacts),
+        Reach(float(forth.s[-1]), float(rise[-1]), forth.why, forth.opening, forth.contacts),
     )
     return Geodesic(s, model.expand(x), rise, ends)
 

@@ -1,27 +1,20 @@
 """Modes of minima: numbers, words and plain data.
 
-JSON schema ``origami-nlp/modes/1``: angles in radians, energies and eigenvalues in the scene's units.
+Angles in radians, energies and eigenvalues in the scene's units.
 """
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from origami_nlp.files import Brief
-from origami_nlp.minima import MinimaResult, Minimum
-from origami_nlp.modes.geodesic import Geodesic, Reach
-from origami_nlp.pattern import scene_to_dict
-from origami_nlp.show import Piece, Table, Told, pick
+from origami_nlp.minima import JudgedState, MinimaResult
+from origami_nlp.modes.geodesic import Geodesic
+from origami_nlp.show import Piece, Table, Told
 
-if TYPE_CHECKING:
-    from typing import Self
-
-SCHEMA = "origami-nlp/modes/1"
 BREAKING = "breaking"
 
 
@@ -49,26 +42,6 @@ class Mode(Brief):
     keeps: str
     along: Geodesic
 
-    def to_dict(self) -> dict[str, Any]:
-        """Return plain JSON data."""
-        keys = ("eigenvalue", "direction", "block", "keeps", "s=along.s", "rise=along.rise")
-        ends = [pick(end, "s", "rise", "why", "opening") for end in self.along.ends]
-        fold_angles = self.along.states.tolist()
-        return {**pick(self, *keys), "ends": ends, "fold_angles": fold_angles}
-
-    @classmethod
-    def from_dict(cls, data: dict[str, Any]) -> Mode:
-        """Rebuild a mode from `to_dict`; what closes at its ends is kept in words."""
-        backward, forward = (
-            Reach(float(e["s"]), float(e["rise"]), str(e["why"]), (),
-                  math.nan if e["opening"] is None else float(e["opening"]))
-            for e in data["ends"]
-        )  # fmt: skip
-        s, states, rise = (np.array(data[key], float) for key in ("s", "fold_angles", "rise"))
-        along = Geodesic(s, states, rise, (backward, forward))
-        direction = np.array(data["direction"], float)
-        return cls(float(data["eigenvalue"]), direction, data["block"], data["keeps"], along)
-
 
 @dataclass(frozen=True, repr=False)
 class StateModes(Brief):
@@ -91,7 +64,7 @@ class StateModes(Brief):
     """
 
     number: int
-    minimum: Minimum
+    minimum: JudgedState
     held: tuple[str, ...]
     modes: tuple[Mode, ...]
     coupling: float
@@ -131,7 +104,7 @@ class Modes(Told):
     states: tuple[StateModes, ...]
 
     PICTURE = "draw_modes"
-    READ = SCHEMA
+    SCHEMA = "origami_nlp/modes/1"
 
     def table(self) -> Table:
         """Return one row a mode: eigenvalue, how far to the first contact each way, and the energy there."""
@@ -173,36 +146,3 @@ class Modes(Told):
                 yield (
                     f"   between symmetric and breaking modes: {state.coupling:.1e} N m/rad (rounding)"
                 )
-
-    def to_dict(self) -> dict[str, Any]:
-        """Return plain JSON data."""
-        return {
-            "schema": SCHEMA,
-            "scene": scene_to_dict(self.result.scene),
-            "minima": self.result.to_dict(),
-            "states": [
-                {
-                    **pick(s, "state=number", "energy=minimum.energy", "kind=minimum.kind"),
-                    "fold_angles": list(s.minimum.fold_angles),
-                    **pick(s, "held", "coupling", "why"),
-                    "modes": [m.to_dict() for m in s.modes],
-                }
-                for s in self.states
-            ],
-        }
-
-    @classmethod
-    def _read(cls, data: dict[str, Any]) -> Self:
-        result = MinimaResult.from_dict(data["minima"])
-        states = tuple(
-            StateModes(
-                int(s["state"]),
-                result.minima[int(s["state"]) - 1],
-                tuple(s["held"]),
-                tuple(Mode.from_dict(m) for m in s["modes"]),
-                float(s["coupling"]),
-                str(s["why"]),
-            )
-            for s in data["states"]
-        )
-        return cls(result, states)

@@ -6,9 +6,10 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
+from origami_nlp.files import pick
 from origami_nlp.paper.events import Event
 from origami_nlp.pattern import format_angle
-from origami_nlp.show import Piece, Table, Told, Words, pick
+from origami_nlp.show import Piece, Table, Told, Words
 from origami_nlp.space import angle_words
 
 TOPOLOGY = (

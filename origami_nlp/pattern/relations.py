@@ -55,6 +55,8 @@ class Relation(Brief):
     multiple: int
     miss: float
 
+    ALSO = ("text",)
+
     @property
     def text(self) -> str:
         """The relation in words."""

@@ -106,6 +106,8 @@ class Scene(Full):
     ('D2', 2.467401)
     """
 
+    PLAIN = ("scene_to_dict", "scene_from_dict")
+
     vertex: Vertex
     stiffness: tuple[float, ...]
     rest_angles: tuple[float, ...]

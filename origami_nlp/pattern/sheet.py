@@ -93,6 +93,7 @@ class Pattern:
     ('MVVMVMV', 0.0)
     """
 
+    PLAIN = ("pattern_to_dict", "pattern_from_dict")
     corners: np.ndarray
     polygons: tuple[tuple[int, ...], ...]
     facet_of: np.ndarray

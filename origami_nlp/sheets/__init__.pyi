@@ -44,7 +44,6 @@ from .noise import is_overdetermined as is_overdetermined
 from .pops import pop_rows as pop_rows
 from .pressing import press as press, press_along as press_along, press_off as press_off
 from .result import SheetResult as SheetResult, SheetSearch as SheetSearch
-from .state import SheetState as SheetState
 from .turnable import (
     sheet_content as sheet_content,
     sheet_poser as sheet_poser,

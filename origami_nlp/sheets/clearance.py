@@ -66,6 +66,7 @@ class Clearance:
             np.minimum(c.facet[first], c.facet[second]),
             np.maximum(c.facet[first], c.facet[second]),
         )
+        # not pieces of one facet, nor convex facets that a crease joins: their planes meet in its line alone
         keep = (low != high) & ~np.isin(low * sheet.pattern.facets + high, c.joined)
         self.first, self.second = first[keep], second[keep]
 
@@ -231,7 +232,9 @@ class Clearance:
         """Go through states to be added inside a step, and whether facets cross; None for a part left unclear."""
         if a[1] or b[1]:
             return
+        # a polynomial turns no crease by more, in sum, than its control points do
         reach = self._arms @ np.abs(np.diff(control, axis=0)).sum(axis=0)
+        # to touch inside, a pair would close the gap of one end and open that of the other
         room = self.gaps(a[0], reach) + self.gaps(b[0], reach)
         close = room < reach
         if not close.any():
@@ -269,6 +272,7 @@ def _apart(a: np.ndarray, b: np.ndarray, axes: np.ndarray) -> np.ndarray:
     """Largest gap of the shadows of polygons [K, q, 3] along axes [K, A, 3]: no more than their distance, [K]."""
     size = np.linalg.norm(axes, axis=2)
     unit = axes / np.maximum(size, 1e-300)[..., None]
+    # the gap of the shadows along any direction bounds the distance from below: the largest is taken
     of_a, of_b = np.einsum("kai,kqi->kaq", unit, a), np.einsum("kai,kqi->kaq", unit, b)
     gap = np.maximum(of_b.min(axis=2) - of_a.max(axis=2), of_a.min(axis=2) - of_b.max(axis=2))
     gap[size < 1e-12 * size.max(axis=1, keepdims=True)] = 0.0

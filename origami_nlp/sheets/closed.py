@@ -56,6 +56,7 @@ def lowest_on(sheet: Sheet, phi: np.ndarray, basis: np.ndarray) -> np.ndarray | 
     root = np.sqrt(sheet.stiffness)[:, None]
     _, r = np.linalg.qr(root * basis)  # energy = |r y - r y0|^2 / 2 and what stays
     y0 = np.linalg.lstsq(root * basis, root[:, 0] * (sheet.pattern.rest - phi), rcond=None)[0]
+    # in coordinates r y the energy is half a squared distance: the state is the nearest point of a polytope
     rows = np.linalg.solve(r.T, np.vstack([basis, -basis]).T).T
     y = nearest(r @ y0, rows, np.concatenate([-math.pi - phi, phi - math.pi]))
     if y is None:

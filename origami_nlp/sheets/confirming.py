@@ -8,9 +8,8 @@ import numpy as np
 
 from origami_nlp.facets import Sheet, independent_rows, pose
 from origami_nlp.kkt import State, classify
-from origami_nlp.minima import MOST_CONFIRMED, Confirmation, confirm_posed, gaps_of
+from origami_nlp.minima import MOST_CONFIRMED, Confirmation, JudgedState, confirm_posed, gaps_of
 from origami_nlp.programme import Contact
-from origami_nlp.sheets.state import SheetState
 
 
 @dataclass(frozen=True)
@@ -36,7 +35,7 @@ class Confirmed:
     reason: str = ""
 
 
-def confirm_minimum(sheet: Sheet, minimum: SheetState) -> Confirmed:
+def confirm_minimum(sheet: Sheet, minimum: JudgedState) -> Confirmed:
     """Let IPOPT solve from a minimum with its contacts closed, and compare the multipliers.
 
     Parameters
@@ -65,7 +64,7 @@ def confirm_minimum(sheet: Sheet, minimum: SheetState) -> Confirmed:
     none = np.zeros(0), np.zeros(0)
     if sheet.size > MOST_CONFIRMED:
         return Confirmed(None, none, np.nan, f"more than {MOST_CONFIRMED} creases")
-    state = State(sheet, minimum.fold_angles)
+    state = State(sheet, minimum.phi)
     if not state.regular:
         return Confirmed(None, none, np.nan, "closure loses rank")
     stratum = state.on([c.contact for c in classify(state).contacts if c.contact is not None])

@@ -1,6 +1,6 @@
 """What a pattern is: how much there is of it, how many freedoms it has flat and folded, and what is odd.
 
-JSON schema ``origami-nlp/pattern/1``: vertices and edges are numbered from 0 as in the file, angles in radians.
+In JSON vertices and edges are numbered from 0 as in the file, angles in radians.
 """
 
 from __future__ import annotations
@@ -16,15 +16,15 @@ import numpy as np
 
 from origami_nlp.arguments import check_whole
 from origami_nlp.facets import Layers, Sheet, check_orders
+from origami_nlp.files import from_plain
 from origami_nlp.numerics import CLOSES, RANK, TYPED
 from origami_nlp.pattern import Pattern, as_pattern, pattern_from_dict, pattern_to_dict
 from origami_nlp.sheets.angle_sums import angle_sums
-from origami_nlp.show import Piece, Table, Told, from_plain
+from origami_nlp.show import Piece, Table, Told
 
 if TYPE_CHECKING:
     from typing import Self
 
-SCHEMA = "origami-nlp/pattern/1"
 MOVES = 1e-3
 """A crease folded by more moves [rad]."""
 SIZES = (0.3, 0.5, 1.0)
@@ -79,7 +79,7 @@ class Overview(Told):
     """
 
     PICTURE = "draw_overview"
-    READ = SCHEMA
+    SCHEMA = "origami_nlp/pattern/1"
     pattern: Pattern
     closure_rows: int
     rank_flat: int | None
@@ -198,11 +198,9 @@ class Overview(Told):
                 )
         return said
 
-    def to_dict(self) -> dict[str, Any]:
-        """Return the counts as plain JSON data, of the schema that it names."""
+    def _to_plain(self) -> dict[str, Any]:
         p = self.pattern
         return {
-            "schema": SCHEMA,
             "name": p.name,
             "pattern": pattern_to_dict(p),
             "facets": p.facets,
@@ -232,7 +230,7 @@ class Overview(Told):
         }
 
     @classmethod
-    def _read(cls, data: dict[str, Any]) -> Self:
+    def _from_plain(cls, data: dict[str, Any]) -> Self:
         folded, layers = data["folded"], data["layers"]
         return cls(
             pattern_from_dict(data["pattern"]),

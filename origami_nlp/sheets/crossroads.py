@@ -81,6 +81,7 @@ def _smallest(sheet: Sheet, states: np.ndarray) -> np.ndarray:
         most = np.array([open_[:, list(loop.creases)].max(axis=1) for loop in loops])
         return most.min(axis=0)
     sheet.check_time()
+    # with one freedom the rank is n - 1: the singular value of that number, from the largest on
     j = np.array([dense(sheet.closure.jacobian(x)) for x in states])
     values = np.linalg.svd(j, compute_uv=False)
     # one crease alone is held by nothing, and meets no other curve
@@ -149,6 +150,7 @@ def split(sheet: Sheet, phi: np.ndarray, ways: TangentCone) -> TangentCone:
             continue
         a, b, c = forms[:, np.abs(forms).max(axis=0).argmax()]
         # a t^2 + 2 b t s + c s^2 = 0
+        # from the larger of a and c, so that nothing small divides
         root = b * b - a * c
         if root < 0:
             continue

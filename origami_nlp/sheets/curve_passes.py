@@ -63,6 +63,7 @@ class CurvePasses:
         for (a, b), height in zip(self.passes.edges.tolist(), self.heights.tolist(), strict=True):
             around.setdefault(a, []).append((b, height))
             around.setdefault(b, []).append((a, height))
+        # Dijkstra's algorithm with the highest point of a way in place of its length
         waiting, done = [(float(energies[start]), start)], set()
         while waiting:
             height, at = heapq.heappop(waiting)

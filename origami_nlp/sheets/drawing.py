@@ -420,7 +420,7 @@ def draw_found(found: SheetResult, path: Any = None) -> Figure:
     if not found.minima:
         raise OptionError("no stable state was found: there is nothing to draw")
     words = [f"{s.title(k)}\n{barrier_words(s.escape, 'J')}" for k, s in enumerate(found.minima, 1)]
-    states = [(w.rstrip(), s.fold_angles) for w, s in zip(words, found.minima, strict=True)]
+    states = [(w.rstrip(), s.phi) for w, s in zip(words, found.minima, strict=True)]
     contacts = [s.contacts for s in found.minima]
     return draw_states(found.pattern, states, found.pattern.name, path, contacts=contacts)
 
@@ -443,7 +443,7 @@ def draw_motion(motion: Motion, path: Any = None) -> Figure:
     states = []
     # where nothing moves beginning and end are one state
     for k in motion.shown(6) if motion.arc[-1] > 0 else [0]:
-        phi = motion.phi[k]
+        phi = motion.fold_angles[k]
         largest = math.degrees(float(np.abs(phi).max()))
         states.append((f"{motion.arc[k]:.2f} rad along, largest fold {largest:.0f} deg", phi))
     title = f"{motion.pattern.name}: {fill(motion.end, 90)}"

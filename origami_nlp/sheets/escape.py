@@ -23,11 +23,11 @@ from origami_nlp.kkt import (
     level_of,
     ways_out,
 )
+from origami_nlp.minima import JudgedState
 from origami_nlp.numerics import BESIDE, INDEPENDENT, SETTLED, SHALLOW, coarse, nearest
 from origami_nlp.sheets.curve_passes import CurvePasses, curve_passes
 from origami_nlp.sheets.curves import Curves
 from origami_nlp.sheets.descent import AT_LIMIT
-from origami_nlp.sheets.state import SheetState
 from origami_nlp.sheets.terrain import SheetTerrain
 from origami_nlp.starts import creases_around
 
@@ -42,8 +42,8 @@ SECTIONS, MOST_CONFIRMED = 3, 3
 
 
 def with_escapes(
-    curves: Curves, states: Sequence[SheetState], contact: bool, most: int
-) -> list[SheetState]:
+    curves: Curves, states: Sequence[JudgedState], contact: bool, most: int
+) -> list[JudgedState]:
     """Add what it takes to leave each stable state.
 
     Parameters
@@ -59,7 +59,7 @@ def with_escapes(
 
     Returns
     -------
-    list of SheetState
+    list of JudgedState
         With `escape` where they are minima.
     """
     minima = [s for s in states if s.verdict == "minimum"]
@@ -70,10 +70,10 @@ def with_escapes(
 
 
 def _escapes(
-    curves: Curves, minima: Sequence[SheetState], contact: bool, most: int
+    curves: Curves, minima: Sequence[JudgedState], contact: bool, most: int
 ) -> list[Escape]:
     sheet = curves.sheet
-    at = np.array([s.fold_angles for s in minima])
+    at = np.array([s.phi for s in minima])
     energies = np.array([s.energy for s in minima])
     scale = energy_scale(sheet.pattern.stiffness)
     level = level_of(energies, scale)
@@ -125,7 +125,7 @@ def _escapes(
 
 def _exact(
     sheet: Sheet,
-    minima: Sequence[SheetState],
+    minima: Sequence[JudgedState],
     traced: CurvePasses | None,
     sure: np.ndarray,
     level: float,
@@ -239,9 +239,9 @@ def _openings(sheet: Sheet, phi: np.ndarray, contact: bool) -> list[np.ndarray]:
     ]
 
 
-def _modes(sheet: Sheet, state: SheetState) -> list[np.ndarray]:
+def _modes(sheet: Sheet, state: JudgedState) -> list[np.ndarray]:
     """Return the softest motions of a state that closure allows, shut creases held, where they are single."""
-    phi = state.fold_angles
+    phi = state.phi
     shut = np.flatnonzero(np.abs(phi) >= math.pi - AT_LIMIT)
     z = sheet.kernel(phi, shut)
     lam, _, _ = sheet.multipliers(phi, shut)

@@ -20,7 +20,7 @@ from origami_nlp.arguments import check_flag, check_number, check_whole
 from origami_nlp.errors import Interrupted, OptionError, OutOfTime
 from origami_nlp.facets import MOST_DENSE, Sheet, find_labels, image
 from origami_nlp.kkt import TangentCone
-from origami_nlp.minima import check_noise
+from origami_nlp.minima import JudgedState, check_noise
 from origami_nlp.numerics import CLOSES, RESOLVED, SAME, rank
 from origami_nlp.pattern import Pattern, as_pattern
 from origami_nlp.sheets.branches import list_branches
@@ -36,7 +36,6 @@ from origami_nlp.sheets.judgement import beside, judge, singular_beside, station
 from origami_nlp.sheets.noise import NOISE, with_survival
 from origami_nlp.sheets.pressing import UNTOLD, press, press_along, press_off
 from origami_nlp.sheets.result import BARRIERS, MEETINGS, OF_VERTEX, POPS, WAYS_OUT, SheetResult
-from origami_nlp.sheets.state import SheetState
 from origami_nlp.sheets.tally import Tally
 from origami_nlp.starts import Given, Popped, families_in_turn
 
@@ -80,9 +79,9 @@ def find_states(
     seconds
         Wall time for the search, give or take a second or two: what was left out is named.
     escape
-        Say what it takes to leave each minimum (`SheetState.escape`).
+        Say what it takes to leave each minimum (`JudgedState.escape`).
     noise
-        Degrees: how many random errors of springs and vertices each minimum survives (`SheetState.survival`).
+        Degrees: how many random errors of springs and vertices each minimum survives (`JudgedState.survival`).
 
     Returns
     -------
@@ -174,21 +173,21 @@ class _Search:
     def known(self, phi: np.ndarray) -> bool:
         """Tell whether a state was judged: one that is not stationary says nothing of a minimum that is beside it."""
         return any(
-            np.abs(phi - s.fold_angles).max() <= CLOSES or s.verdict != "not stationary"
+            np.abs(phi - s.phi).max() <= CLOSES or s.verdict != "not stationary"
             for s in self._beside(phi)
         )
 
-    def _beside(self, phi: np.ndarray) -> list[SheetState]:
+    def _beside(self, phi: np.ndarray) -> list[JudgedState]:
         """Return what was judged of states that differ by no more than those that are one."""
-        return [s for s in self.tally.judged if np.abs(phi - s.fold_angles).max() <= 10 * SAME]
+        return [s for s in self.tally.judged if np.abs(phi - s.phi).max() <= 10 * SAME]
 
-    def add(self, state: SheetState) -> None:
+    def add(self, state: JudgedState) -> None:
         """Keep a state, once."""
         if state.freedoms < 0:  # it does not close, or is beyond a limit
             self.tally.open += 1
         elif all(
             {s.verdict, state.verdict} == {"not stationary", "minimum"}
-            for s in self._beside(state.fold_angles)
+            for s in self._beside(state.phi)
         ):
             self.tally.judged.append(state)
 
@@ -210,7 +209,7 @@ class _Search:
             if not end.saddles:
                 return
 
-    def _judged(self, phi: np.ndarray) -> SheetState:
+    def _judged(self, phi: np.ndarray) -> JudgedState:
         """Judge the end of a descent; where torque is left, or closing leaves it loose, the state beside it."""
         state = judge(self.sheet, phi, self.contact)
         better = beside(self.sheet, state)
@@ -230,7 +229,7 @@ class _Search:
             if state.verdict == "minimum":
                 self.add(state)
                 return
-            self.add(replace(state, verdict="undecided", kind=None, certificate=why))
+            self.add(replace(state, verdict="undecided", kind="", certificate=why))
 
     def add_escapes(self) -> None:
         """Add what it takes to leave each minimum."""
@@ -243,12 +242,12 @@ class _Search:
         states, given = self._by_energy(), (self.contact, degrees)
         self.tally.judged = with_survival(self.sheet, self.labels, states, *given)
 
-    def states(self) -> tuple[SheetState, ...]:
+    def states(self) -> tuple[JudgedState, ...]:
         """Return what was judged, by energy; states of one energy in an order that labels do not change."""
         return tuple(self._by_energy())
 
-    def _by_energy(self) -> list[SheetState]:
-        by_key = sorted(self.tally.judged, key=lambda s: self.labels.key(s.fold_angles))
+    def _by_energy(self) -> list[JudgedState]:
+        by_key = sorted(self.tally.judged, key=lambda s: self.labels.key(s.phi))
         return sorted(by_key, key=lambda s: rank(s.energy / self.sheet.scale, ()))
 
     def _from_popped(self, start: np.ndarray) -> None:
@@ -265,7 +264,7 @@ class _Search:
         """Judge images of minima under symmetries of the sheet with its springs."""
         for symmetry in self._symmetries:
             for state in [s for s in self.tally.judged if s.verdict == "minimum"]:
-                self.attempt(self.settle, image(symmetry, state.fold_angles))
+                self.attempt(self.settle, image(symmetry, state.phi))
 
     def pop(self, most: int) -> None:
         """Start from each minimum with one vertex popped, the lowest first, what that leads to among them.
@@ -277,11 +276,11 @@ class _Search:
         while True:
             self.sheet.check_time()
             waiting = [
-                s.fold_angles
+                s.phi
                 for s in self._by_energy()
                 if s.verdict == "minimum"
-                and s.fold_angles.any()
-                and not any(np.abs(s.fold_angles - x).max() <= 10 * SAME for x in popped)
+                and s.phi.any()
+                and not any(np.abs(s.phi - x).max() <= 10 * SAME for x in popped)
             ]
             if not waiting:
                 return
@@ -440,8 +439,7 @@ class _Search:
         known = {"minimum": ON_CURVE, "not admissible": ON_CURVE}
         known |= dict.fromkeys(("saddle", "not stationary"), 10 * SAME)
         judged = any(
-            np.abs(well - s.fold_angles).max() <= known.get(s.verdict, -1.0)
-            for s in self.tally.judged
+            np.abs(well - s.phi).max() <= known.get(s.verdict, -1.0) for s in self.tally.judged
         )
         if not judged and (closed := close(self.sheet, well)) is not None:
             beside = stationary_beside(self.sheet, closed)
@@ -450,7 +448,7 @@ class _Search:
                     self.add(self._judged(beside))
                 # where curves meet, a state that is no minimum says nothing of wells beside it on one of them
                 judged = any(
-                    np.abs(beside - s.fold_angles).max() <= 10 * SAME
+                    np.abs(beside - s.phi).max() <= 10 * SAME
                     and (s.verdict in ("minimum", "not admissible") or s.freedoms == 1)
                     for s in self.tally.judged
                     if s.verdict in known

@@ -80,6 +80,7 @@ def list_flat_folded(
     for v in by_known(around, [len(table) for table in tables]):
         check()
         creases = list(pattern.vertices[v].creases)
+        # a join: foldings of a vertex that agree with the states so far in all creases that these have
         fits = (level[:, None, creases] == tables[v]) | ~known[creases]
         state, folding = np.nonzero(fits.all(axis=2))
         if len(state) > 20 * MOST_STATES:
@@ -98,6 +99,7 @@ def _foldings(pattern: Pattern, loop: Loop, contact: bool) -> np.ndarray:
     choices = np.array(list(product((0, 1, -1), repeat=len(axes))), float)
     q = tuple(np.full(len(choices), x) for x in (1.0, 0.0, 0.0, 0.0))
     for turn, axis in zip(choices.T, axes, strict=True):
+        # cosine and sine of half of 0 or +-pi are 1 and 0, or 0 and +-1: exact
         q = quaternion.multiply(quaternion.fold(turn == 0, turn, axis), q)
     closed = (np.abs(q[1:]).max(axis=0) <= CLOSES) & (q[0] > 0)
     at = round_vertex(pattern, loop) if contact else None

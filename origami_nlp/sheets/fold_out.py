@@ -133,8 +133,8 @@ def found_to_fold(found: SheetResult) -> dict[str, Any]:
     """
     frames = []
     for k, state in enumerate(found.minima, start=1):
-        more = {name: v for name, v in state.to_dict().items() if name != "fold_angles"}
-        frames.append(sheet_frame(found.pattern, state.fold_angles, state.title(k), **more))
+        more = state.frame_entries()
+        frames.append(sheet_frame(found.pattern, state.phi, state.title(k), **more))
     return sheet_to_fold(found.pattern, frames)
 
 

@@ -166,7 +166,7 @@ def stationary(sheet: Sheet, curve: Interpolant) -> list[tuple[int, float, bool]
     """
     found = []
     for step, s in enumerate(_slopes(sheet, curve)):
-        # control values of one sign only, and there is no root: most steps
+        # u <= 1: no root where the constant is larger than the sum of all other coefficients, as in most steps
         if (np.abs(s[1:]).sum() < abs(s[0])) or not np.abs(s).max():
             continue
         roots = np.polynomial.polynomial.polyroots(s)

@@ -9,17 +9,17 @@ import numpy as np
 
 from origami_nlp.facets import MOST_DENSE, Sheet
 from origami_nlp.kkt import Classification, State, classify, newton
+from origami_nlp.minima import JudgedState
 from origami_nlp.numerics import ANSWERED, BESIDE, CLOSES, STATIONARY
 from origami_nlp.programme import fold_limit
 from origami_nlp.sheets.descent import AT_LIMIT
-from origami_nlp.sheets.state import SheetState
 
 NEAREST = 1e-5
 """Distance [rad] at which a state is told from a singular one: anything closes there to the square of its distance,
 a hundred times `CLOSES`."""
 
 
-def judge(sheet: Sheet, phi: np.ndarray, contact: bool = True) -> SheetState:
+def judge(sheet: Sheet, phi: np.ndarray, contact: bool = True) -> JudgedState:
     """Judge a state.
 
     Parameters
@@ -33,37 +33,51 @@ def judge(sheet: Sheet, phi: np.ndarray, contact: bool = True) -> SheetState:
 
     Returns
     -------
-    SheetState
+    JudgedState
         With the verdict and what it rests on.
     """
-    state = _judged(sheet, phi, contact)
-    return replace(state, softest=state.eigenvalue * sheet.scale)
-
-
-def _judged(sheet: Sheet, phi: np.ndarray, contact: bool) -> SheetState:
-    """Judge a state, see `judge`."""
     phi = np.asarray(phi, float)
     shut = np.clip(phi, -math.pi, math.pi)
     if np.abs(phi - shut).max(initial=0.0) <= CLOSES:  # as exactly as states close
         phi = shut
     sheet = sheet.with_contact(contact)
     residual = sheet.residual(phi)
-    energy = float(sheet.pattern.energy(phi))
-    blank = SheetState(
-        phi, energy, "not admissible", None, -1, residual, math.nan, math.nan, (), (), ""
-    )  # fmt: skip
+    energy, angles = float(sheet.pattern.energy(phi)), tuple(phi.tolist())
+    why = ""
     if not residual <= CLOSES:
-        return replace(blank, certificate=f"does not close: {residual:.1e}")
-    if not sheet.closure.on_sheet(phi):
-        return replace(blank, certificate="closes on the other sheet, q = -1, round a vertex")
-    if np.abs(phi).max(initial=0.0) > math.pi:
-        return replace(blank, certificate="a fold angle is beyond pi")
+        why = f"does not close: {residual:.1e}"
+    elif not sheet.closure.on_sheet(phi):
+        why = "closes on the other sheet, q = -1, round a vertex"
+    elif np.abs(phi).max(initial=0.0) > math.pi:
+        why = "a fold angle is beyond pi"
+    if why:
+        return JudgedState(energy, angles, "not admissible", why, closure_residual=residual)
     what = classified(sheet, phi)
-    state = _told(sheet, replace(blank, freedoms=sheet.size - sheet.rank(phi)), what)
+    missing = what.stationarity
+    if math.isnan(missing):
+        missing = float(np.abs(sheet.along(phi, sheet.torque(phi))).max(initial=0.0))
+    largest = max(float(np.abs(sheet.torque(phi)).max(initial=0.0)), 1e-300)
+    crossed = sheet.crossed(phi) if what.verdict == "not admissible" else ()
+    state = JudgedState(
+        energy,
+        angles,
+        what.verdict,
+        what.reason,
+        what.kind or "",
+        what.local_dimension,
+        freedoms=sheet.size - sheet.rank(phi),
+        closure_residual=residual,
+        kkt_residual=missing / largest,
+        # the numbers of their gaps are those of this programme alone
+        contacts=tuple(replace(c, contact=None) for c in what.contacts),
+        hessian_eigenvalues=what.eigenvalues,
+        crossings=tuple((a + 1, b + 1) for a, b in crossed),
+        softest_mode=() if what.mode is None else tuple(what.mode.tolist()),
+    )
     # lower states as well: what closes to rounding may be further off the curve than they are away
     if (state.verdict == "minimum" or state.refuted) and singular_beside(sheet, phi) is not None:
         why = f"not decided: within {NEAREST:g} rad of a state where closure loses rank, and not told from it"
-        return replace(state, verdict="undecided", kind=None, certificate=why)
+        return replace(state, verdict="undecided", kind="", certificate=why)
     return state
 
 
@@ -71,27 +85,6 @@ def classified(sheet: Sheet, phi: np.ndarray) -> Classification:
     """Return what the kernel decides on a closed state; kept, as a descent asks before its end is judged."""
     what: Classification = sheet.kept("classified", phi, lambda: classify(State(sheet, phi)))
     return what
-
-
-def _told(sheet: Sheet, blank: SheetState, what: Classification) -> SheetState:
-    """Say what the kernel has decided."""
-    phi = blank.fold_angles
-    missing = what.stationarity
-    if math.isnan(missing):
-        missing = float(np.abs(sheet.along(phi, sheet.torque(phi))).max(initial=0.0))
-    largest = max(float(np.abs(sheet.torque(phi)).max(initial=0.0)), 1e-300)
-    lowest = min(what.eigenvalues, default=math.inf) / sheet.scale
-    return replace(
-        blank,
-        verdict=what.verdict,
-        kind=what.kind,
-        kkt_residual=missing / largest,
-        eigenvalue=lowest if what.verdict == "minimum" else math.nan,
-        # the numbers of their gaps are those of this programme alone
-        contacts=tuple(replace(c, contact=None) for c in what.contacts),
-        crossings=sheet.crossed(phi) if what.verdict == "not admissible" else (),
-        certificate=what.reason,
-    )
 
 
 def singular_beside(sheet: Sheet, phi: np.ndarray) -> np.ndarray | None:
@@ -127,16 +120,16 @@ def singular_beside(sheet: Sheet, phi: np.ndarray) -> np.ndarray | None:
     return near if lost and sheet.rank(near) < sheet.rank(phi, CLOSES) else None
 
 
-def beside(sheet: Sheet, state: SheetState) -> np.ndarray | None:
+def beside(sheet: Sheet, state: JudgedState) -> np.ndarray | None:
     """Return the stationary state beside one that leaves some torque or closes loosely, [n]; None: there is none."""
     left = state.kkt_residual > STATIONARY
     if state.refuted:
         left &= state.kkt_residual < ANSWERED
     elif state.verdict in ("minimum", "undecided"):
-        left |= sheet.loose(state.fold_angles)
+        left |= sheet.loose(state.phi)
     else:
         return None
-    return stationary_beside(sheet, state.fold_angles) if left else None
+    return stationary_beside(sheet, state.phi) if left else None
 
 
 def stationary_beside(sheet: Sheet, phi: np.ndarray) -> np.ndarray | None:

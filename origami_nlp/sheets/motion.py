@@ -10,22 +10,22 @@ import math
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from origami_nlp.errors import OptionError
 from origami_nlp.facets import Sheet, order_layers
+from origami_nlp.files import OneBased
 from origami_nlp.numerics import BESIDE, CLOSES
-from origami_nlp.pattern import Pattern, as_pattern, pattern_from_dict, pattern_to_dict
+from origami_nlp.pattern import Pattern, as_pattern
 from origami_nlp.sheets.counts import Overview, overview
 from origami_nlp.sheets.curve import Curve, follow_curve
 from origami_nlp.show import Content, Piece, Table, Told, Turnable
 
 if TYPE_CHECKING:
-    from typing import Self
+    pass
 
-SCHEMA = "origami-nlp/motion/1"
 MOST_TRACED = 480
 """Creases of a sheet whose motion is traced."""
 AHEAD = 0.3
@@ -46,7 +46,7 @@ class Motion(Told, Turnable):
         What folds.
     freedoms
         It has at a folded state.
-    phi
+    fold_angles
         Fold angles, from the least folded state on, [S, n] [rad].
     arc
         Length along it, in the norm over creases over sqrt n [rad], [S].
@@ -68,14 +68,14 @@ class Motion(Told, Turnable):
     """
 
     PICTURE = "draw_motion"
-    READ = SCHEMA
+    SCHEMA = "origami_nlp/pattern/1"
     pattern: Pattern
     freedoms: int
-    phi: np.ndarray
+    fold_angles: np.ndarray
     arc: np.ndarray
     energy: np.ndarray
     end: str
-    touching: tuple[int, int] | None
+    touching: tuple[OneBased, OneBased] | None
     layers: str = ""
 
     def turned(self) -> Content:
@@ -86,7 +86,7 @@ class Motion(Told, Turnable):
     def told(self) -> Iterator[Piece]:
         """Return a table of some of its states, and how it ends."""
         shown = self.shown(TOLD)
-        largest = np.degrees(np.abs(self.phi).max(axis=1))
+        largest = np.degrees(np.abs(self.fold_angles).max(axis=1))
         rows = [
             (
                 f"{k + 1}",
@@ -127,44 +127,14 @@ class Motion(Told, Turnable):
         list of int
             Increasing, from 0.
         """
-        if len(self.phi) <= most:
-            return list(range(len(self.phi)))
+        if len(self.fold_angles) <= most:
+            return list(range(len(self.fold_angles)))
         even = np.searchsorted(self.arc, np.linspace(0.0, self.arc[-1], most))
         found: list[int] = np.unique([0, *even.clip(0, len(self.arc) - 1)]).tolist()
         return found
 
-    def to_dict(self) -> dict[str, Any]:
-        """Return plain JSON data of the schema that it names; facets and creases 1-based."""
-        return {
-            "schema": SCHEMA,
-            "name": self.pattern.name,
-            "pattern": pattern_to_dict(self.pattern),
-            "freedoms": self.freedoms,
-            "fold_angles": self.phi.tolist(),
-            "arc": self.arc.tolist(),
-            "energy": self.energy.tolist(),
-            "end": self.end,
-            "touching": None if self.touching is None else [f + 1 for f in self.touching],
-            "layers": self.layers,
-        }
-
-    @classmethod
-    def _read(cls, data: dict[str, Any]) -> Self:
-        a = data["touching"]
-        phi, arc, energy = (np.array(data[key], float) for key in ("fold_angles", "arc", "energy"))
-        return cls(
-            pattern_from_dict(data["pattern"]),
-            int(data["freedoms"]),
-            phi,
-            arc,
-            energy,
-            str(data["end"]),
-            None if a is None else (int(a[0]) - 1, int(a[1]) - 1),
-            str(data.get("layers", "")),
-        )
-
     def _rows(self) -> Iterable[dict[str, object]]:
-        for k, phi in enumerate(self.phi):
+        for k, phi in enumerate(self.fold_angles):
             angles = {f"phi_{i + 1}": float(a) for i, a in enumerate(phi)}
             yield {"state": k + 1, "arc": self.arc[k], "energy": self.energy[k], **angles}
 
@@ -215,6 +185,7 @@ def find_motion(
     z = sheet.kernel(seen.folded)
     curve = follow_curve(sheet, seen.folded, z @ (z.T @ seen.folded))
     here = int(np.linalg.norm(curve.phi - seen.folded, axis=1).argmin())
+    # both ways were followed: from the least folded state on, through the one that was found
     least = int(np.linalg.norm(curve.phi[: here + 1], axis=1).argmin())
     states = curve.phi[least:]
     if curve.ends[1].startswith("lost"):
@@ -263,6 +234,7 @@ def _until_touch(sheet: Sheet, phi: np.ndarray) -> tuple[np.ndarray, tuple[int, 
         if k == 0:
             raise OptionError("facets cross from the start: there is no motion of paper to show")
         a, b = phi[k - 1], state
+        # no facets cross at a, some do at b
         for _ in range(BISECTED):
             middle, residual = sheet.project(0.5 * (a + b))
             if residual > CLOSES:

@@ -26,6 +26,7 @@ from origami_nlp.kkt import LOADED, State, newton
 from origami_nlp.minima import (
     GROWTH,
     TRIALS,
+    JudgedState,
     Survival,
     count_survivals,
     drawn_errors,
@@ -36,7 +37,6 @@ from origami_nlp.sheets.closed import close
 from origami_nlp.sheets.descent import descend
 from origami_nlp.sheets.judgement import judge
 from origami_nlp.sheets.pressing import press
-from origami_nlp.sheets.state import SheetState
 
 NOISE = "random errors that states survive"
 """Part of a search that its time may end."""
@@ -52,8 +52,8 @@ class _Step(NamedTuple):
 
 
 def with_survival(
-    sheet: Sheet, labels: Labels, states: Sequence[SheetState], contact: bool, degrees: float
-) -> list[SheetState]:
+    sheet: Sheet, labels: Labels, states: Sequence[JudgedState], contact: bool, degrees: float
+) -> list[JudgedState]:
     """Follow the minima of a sheet into sheets with random errors.
 
     Parameters
@@ -71,11 +71,11 @@ def with_survival(
 
     Returns
     -------
-    list of SheetState
+    list of JudgedState
         With `survival` where they are minima.
     """
     flat, size = flattened(sheet), math.radians(degrees)
-    minima = [s.fold_angles for s in states if s.verdict == "minimum"]
+    minima = [s.phi for s in states if s.verdict == "minimum"]
 
     def counts(corners: np.ndarray | None) -> list[int]:
         def way(trial: int) -> list[_Step]:
@@ -175,6 +175,7 @@ def displacements(
     np.add.at(moved, pattern.ends[:, 0], -half)
     np.add.at(moved, pattern.ends[:, 1], half)
     change = moved[pattern.ends[:, 1]] - moved[pattern.ends[:, 0]]
+    # turn of each crease in the plane, to first order
     azimuth = np.cross(along, change) @ normal / pattern.lengths**2
     sectors = [
         azimuth[list(loop.creases)] - np.roll(azimuth[list(loop.creases)], 1)
@@ -224,7 +225,7 @@ def _follower(contact: bool) -> Callable[[_Step, np.ndarray], np.ndarray | None]
 
 def _certified(sheet: Sheet, x: np.ndarray | None, contact: bool) -> np.ndarray | None:
     state = None if x is None else judge(sheet, x, contact)
-    return state.fold_angles if state is not None and state.verdict == "minimum" else None
+    return state.phi if state is not None and state.verdict == "minimum" else None
 
 
 def _solved(step: _Step, x: np.ndarray, contact: bool) -> np.ndarray | None:

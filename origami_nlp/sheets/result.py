@@ -10,18 +10,23 @@ from typing import TYPE_CHECKING, Any
 
 from origami_nlp.errors import OUT_OF_TIME
 from origami_nlp.facets import MOST_DENSE, Sheet
+from origami_nlp.files import from_plain
 from origami_nlp.kkt import State, find_stress
-from origami_nlp.minima import shallow_words, softest_words, stability_words, survival_words
+from origami_nlp.minima import (
+    JudgedState,
+    shallow_words,
+    softest_words,
+    stability_words,
+    survival_words,
+)
 from origami_nlp.numerics import STATIONARY, rank
 from origami_nlp.pattern import Pattern, pattern_from_dict, pattern_to_dict
 from origami_nlp.sheets.noise import is_overdetermined, measured_words
-from origami_nlp.sheets.state import SheetState
-from origami_nlp.show import Content, Piece, Table, Told, Turnable, from_plain, inline_image
+from origami_nlp.show import Content, Piece, Table, Told, Turnable, inline_image
 
 if TYPE_CHECKING:
     from typing import Self
 
-SCHEMA = "origami_nlp.sheet_states/1"
 WAYS_OUT = "ways out of flat-folded states"
 MEETINGS = "ways out of states where curves meet"
 OF_VERTEX = "the search for single vertices"
@@ -207,10 +212,10 @@ class SheetResult(Told, Turnable):
     """
 
     pattern: Pattern
-    states: tuple[SheetState, ...] = field(repr=False)
+    states: tuple[JudgedState, ...] = field(repr=False)
     search: SheetSearch
 
-    PICTURE, READ = "draw_found", SCHEMA
+    PICTURE, SCHEMA = "draw_found", "origami_nlp/minima/1"
 
     def turned(self) -> Content:
         """Return its stable states as plain data, see `view`."""
@@ -222,7 +227,7 @@ class SheetResult(Told, Turnable):
         """The programme that its states are states of."""
         return Sheet(self.pattern)
 
-    def state_of(self, state: SheetState) -> State:
+    def state_of(self, state: JudgedState) -> State:
         """Return a state as one of the programme.
 
         Parameters
@@ -235,34 +240,34 @@ class SheetResult(Told, Turnable):
         State
             With its contacts, multipliers and curvature.
         """
-        return State(self.problem, state.fold_angles)
+        return State(self.problem, state.phi)
 
     @property
-    def minima(self) -> tuple[SheetState, ...]:
+    def minima(self) -> tuple[JudgedState, ...]:
         """Certified minima, by energy."""
         return self._with("minimum")
 
     @property
-    def undecided(self) -> tuple[SheetState, ...]:
+    def undecided(self) -> tuple[JudgedState, ...]:
         """States that are stationary as far as could be told, without a certificate."""
         return self._with("undecided")
 
     @property
-    def crossing(self) -> tuple[SheetState, ...]:
+    def crossing(self) -> tuple[JudgedState, ...]:
         """States in which facets pass through each other: no states of paper."""
         return self._with("not admissible")
 
-    def _with(self, verdict: str) -> tuple[SheetState, ...]:
+    def _with(self, verdict: str) -> tuple[JudgedState, ...]:
         return tuple(s for s in self.states if s.verdict == verdict)
 
-    def _stressed(self, state: SheetState) -> dict[str, Any]:
+    def _stressed(self, state: JudgedState) -> dict[str, Any]:
         """Return a state as plain data, with what closure carries in it."""
         rows = 3 * len(self.pattern.vertices) + 6 * len(self.pattern.holes)
         data = {**state.to_dict(), "self_stress": rows - self.pattern.creases + state.freedoms}
         if self.pattern.creases > MOST_DENSE or not all(c.is_limit for c in state.contacts):
             return data
         held = [c.creases[0] - 1 for c in state.contacts]
-        stress = find_stress(State(Sheet(self.pattern), state.fold_angles), held)
+        stress = find_stress(State(Sheet(self.pattern), state.phi), held)
         return {
             **data,
             "multipliers": stress.multipliers.tolist(),
@@ -305,7 +310,7 @@ class SheetResult(Told, Turnable):
             touches = [c.words() for c in state.contacts if not c.is_limit]
             if state.escape is not None:
                 forces = [c.force for c in state.contacts]
-                isolated = state.freedoms == 0
+                isolated = state.local_dimension == 0
                 words = stability_words(state.softest, forces, isolated, state.escape)
                 yield f"state {k}: {words}"
             if touches:
@@ -349,10 +354,8 @@ class SheetResult(Told, Turnable):
             return told
         return f"{told}\n{inline_image(self.draw(), 'stable states of the sheet', 75)}"
 
-    def to_dict(self) -> dict[str, Any]:
-        """Return plain data."""
+    def _to_plain(self) -> dict[str, Any]:
         return {
-            "schema": SCHEMA,
             "pattern": pattern_to_dict(self.pattern),
             "minima": [self._stressed(s) for s in self.minima],
             "undecided": [s.to_dict() for s in self.undecided],
@@ -362,13 +365,15 @@ class SheetResult(Told, Turnable):
         }
 
     @classmethod
-    def from_dict(cls, data: dict[str, Any]) -> Self:
+    def from_dict(cls, data: dict[str, Any], what: str = "") -> Self:
         """Rebuild a result from `to_dict`, or from what ``pattern --minima --json`` wrote.
 
         Parameters
         ----------
         data
             What `to_dict` returned.
+        what
+            How messages call it, such as a file.
 
         Returns
         -------
@@ -381,13 +386,18 @@ class SheetResult(Told, Turnable):
             If it holds no states of a sheet, or an entry is missing or wrong.
         """
         if isinstance(data, dict) and "minima" in data:  # the command writes them beside counts
-            data = {**data, "schema": SCHEMA}
-        return super().from_dict(data)
+            data = {**data, "schema": cls.SCHEMA}
+        return super().from_dict(data, what)
 
     @classmethod
-    def _read(cls, data: dict[str, Any]) -> Self:
+    def _from_plain(cls, data: dict[str, Any]) -> Self:
         groups = [data[key] for key in ("minima", "undecided", "crossing", "refuted")]
-        states = [SheetState.from_dict(s) for group in groups for s in group]
+        stressed = ("self_stress", "multipliers", "closure_torques", "closure_torques_unique")
+        states = [
+            JudgedState.from_dict({k: v for k, v in s.items() if k not in stressed})
+            for group in groups
+            for s in group
+        ]
         pattern = pattern_from_dict(data["pattern"])
         scale = float(pattern.stiffness.mean()) if pattern.creases else 1.0
         by_energy = tuple(sorted(states, key=lambda s: rank(s.energy / scale, ())))

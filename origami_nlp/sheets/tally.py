@@ -7,9 +7,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from origami_nlp.minima import JudgedState
 from origami_nlp.sheets.curves import Traced
 from origami_nlp.sheets.result import SheetSearch
-from origami_nlp.sheets.state import SheetState
 
 ON_PLANE = 1e-6
 """Planes of states that agree to this are one."""
@@ -34,7 +34,7 @@ class Tally:
     outside: int = 0
     drawn: int = 0
     since: int = 0
-    judged: list[SheetState] = field(default_factory=list)
+    judged: list[JudgedState] = field(default_factory=list)
     pressed: int = 0
     refused: list[str] = field(default_factory=list)
     of_vertex: int = 0

@@ -87,8 +87,8 @@ def sheet_content(
                 "folding motion",
                 motion.arc,
                 "along the motion [rad]",
-                tuple(folded(phi) for phi in motion.phi),
-                view(motion.phi[len(motion.phi) // 2]),
+                tuple(folded(phi) for phi in motion.fold_angles),
+                view(motion.fold_angles[len(motion.fold_angles) // 2]),
             ),
         )
     return Content(pattern.name or "pattern", body, stations, tracks, pieces=tuple(pieces))
@@ -114,7 +114,7 @@ def turn_found(found: SheetResult) -> Content:
     """
     if not found.minima:
         raise OptionError("no stable state was found: there is nothing to turn")
-    states = [(s.title(k), s.fold_angles, s.lines()) for k, s in enumerate(found.minima, start=1)]
+    states = [(s.title(k), s.phi, s.lines()) for k, s in enumerate(found.minima, start=1)]
     return sheet_content(found.pattern, states, None, tuple(found.told()))
 
 
@@ -131,5 +131,5 @@ def turn_motion(motion: Motion) -> Content:
     Content
         The page's content.
     """
-    end = (f"end: {motion.end}", motion.phi[-1], ())
+    end = (f"end: {motion.end}", motion.fold_angles[-1], ())
     return sheet_content(motion.pattern, [end], motion, tuple(motion.told()))

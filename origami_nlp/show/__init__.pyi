@@ -33,12 +33,6 @@ from .folded_vertex import (
 )
 from .html import inline_image as inline_image
 from .labels import label_marks as label_marks
-from .plain import (
-    check_schema as check_schema,
-    from_plain as from_plain,
-    pick as pick,
-    to_plain as to_plain,
-)
 from .pose import Pose as Pose, pose_state as pose_state
 from .result import Result as Result, read_data as read_data
 from .style import (

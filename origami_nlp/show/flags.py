@@ -13,7 +13,7 @@ from collections.abc import Iterator
 from dataclasses import fields
 from typing import Any, NamedTuple
 
-from origami_nlp.show.plain import to_plain
+from origami_nlp.files import to_plain
 from origami_nlp.show.table import Piece, Table, Told
 
 _ENTRY = re.compile(r"^(\w+)\n((?:    .*\n?)+)", re.MULTILINE)

@@ -6,7 +6,6 @@ says what its rows are (`Result._rows`).
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterable, Mapping
 from importlib import import_module
 from os import PathLike
@@ -15,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 from origami_nlp.arguments import check_path, shown
 from origami_nlp.errors import OptionError
-from origami_nlp.show.plain import check_schema
+from origami_nlp.files import check_schema, from_plain, read_json, to_plain, write_json
 
 if TYPE_CHECKING:
     from typing import Self
@@ -34,8 +33,10 @@ class Result:
     ----------
     PICTURE
         Name of the function in the face of the class's room that draws it; "" without a picture.
-    READ
-        Schema of what `_read` reads back; "" where it cannot be read.
+    SCHEMA
+        Of its JSON, a name with a version; "" where it has none.
+    READS
+        Whether it is read back: false where what it was made from is not in the file.
 
     Examples
     --------
@@ -48,7 +49,8 @@ class Result:
     """
 
     PICTURE = ""
-    READ = ""
+    SCHEMA = ""
+    READS = True
 
     def draw(self, path: str | PathLike[str] | None = None) -> Figure:
         """Draw the result; the picture is the one that its command writes with ``--figure``.
@@ -92,8 +94,6 @@ class Result:
         OptionError
             If there is no schema for such a result, or the file cannot be written.
         """
-        from origami_nlp.files import write_json
-
         check_path("path", path)
         write_json(self.to_dict(), Path(path))
 
@@ -118,7 +118,7 @@ class Result:
         OrigamiError
             If the file holds another schema.
         """
-        return cls.from_dict(read_data(path))
+        return cls.from_dict(read_data(path), shown(str(path)))
 
     def to_frame(self) -> pandas.DataFrame:
         """Return the result as a pandas data frame (extra ``sweep``: ``pip install "origami_nlp[sweep]"``).
@@ -154,16 +154,20 @@ class Result:
         OptionError
             If there is no schema for such a result.
         """
-        raise self._lacks("no schema of its own")
+        if not self.SCHEMA:
+            raise self._lacks("no schema of its own")
+        return {"schema": self.SCHEMA, **to_plain(self)}
 
     @classmethod
-    def from_dict(cls, data: dict[str, Any]) -> Self:
+    def from_dict(cls, data: dict[str, Any], what: str = "") -> Self:
         """Rebuild a result from `to_dict`.
 
         Parameters
         ----------
         data
             What `to_dict` returned.
+        what
+            How messages call it, such as a file.
 
         Returns
         -------
@@ -176,21 +180,10 @@ class Result:
             If results of this class cannot be read back, or `data` is of another schema, or an entry is missing or
             wrong.
         """
-        if not cls.READ:
+        if not (cls.SCHEMA and cls.READS):
             raise cls._lacks("no way to be read back: find it anew")
-        check_schema(data, cls.READ, OptionError)
-        try:
-            return cls._read(data)
-        except OptionError:
-            raise
-        except (KeyError, TypeError, ValueError, IndexError) as error:
-            why = f"data of schema {cls.READ} are not whole: {error!r}"
-            raise OptionError(why) from None
-
-    @classmethod
-    def _read(cls, data: dict[str, Any]) -> Self:
-        """Rebuild a result from plain data of the schema `READ`; what is missing or wrong there may raise anything."""
-        raise NotImplementedError
+        check_schema(data, cls.SCHEMA, what)
+        return from_plain(cls, {k: v for k, v in data.items() if k != "schema"}, what)
 
     def _rows(self) -> Iterable[Mapping[str, object]]:
         """Return a mapping a row of the data frame; a class that has rows says which."""
@@ -224,10 +217,4 @@ def read_data(path: str | PathLike[str]) -> Any:
     OptionError
         If the file cannot be read or is no JSON.
     """
-    from origami_nlp.files import read_limited
-
-    check_path("path", path)
-    try:
-        return json.loads(read_limited(Path(path), LARGEST, "result", OptionError))
-    except ValueError as error:
-        raise OptionError(f"path = {shown(str(path))} is no JSON file: {error}") from None
+    return read_json(path, LARGEST, "result", OptionError)

@@ -15,10 +15,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from origami_nlp.files import Brief
+from origami_nlp.files import Brief, pick
 from origami_nlp.numerics import groups
 from origami_nlp.pattern import Scene
-from origami_nlp.show import Piece, Told, pick
+from origami_nlp.show import Piece, Told
 from origami_nlp.space.mesh import SEAM
 from origami_nlp.space.words import angle_words
 

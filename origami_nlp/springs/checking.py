@@ -9,7 +9,7 @@ import numpy as np
 
 from origami_nlp.barriers import find_barriers
 from origami_nlp.kkt import State, classify
-from origami_nlp.minima import MinimaResult, Minimum
+from origami_nlp.minima import JudgedState, MinimaResult
 from origami_nlp.numerics import DESIGN_FOUND, SETTLED
 from origami_nlp.pattern import Scene
 from origami_nlp.programme import Model
@@ -118,7 +118,7 @@ def _states(
     return tuple(held), failed, ours
 
 
-def _found(placed: Placed, phi: np.ndarray, far: float, m: Minimum) -> HeldState:
+def _found(placed: Placed, phi: np.ndarray, far: float, m: JudgedState) -> HeldState:
     verdict = m.full_space.verdict if m.full_space else None
     return _held(placed, phi, far, m.energy, m.kind, m.certificate, verdict)
 

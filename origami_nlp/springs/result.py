@@ -9,10 +9,11 @@ from typing import Any
 
 import numpy as np
 
+from origami_nlp.files import to_plain
 from origami_nlp.minima import MinimaResult
 from origami_nlp.numerics import SAME
 from origami_nlp.pattern import Scene, scene_to_dict
-from origami_nlp.show import Piece, Table, Told, Words, to_plain
+from origami_nlp.show import Piece, Table, Told, Words
 from origami_nlp.springs.reasons import Reason
 from origami_nlp.springs.robustness import MOVES, Tolerance
 from origami_nlp.springs.targets import Targets

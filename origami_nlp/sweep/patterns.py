@@ -244,7 +244,7 @@ def run_pattern(sweep: PatternSweep, index: int) -> Outcome:
                 m.kkt_residual if math.isfinite(m.kkt_residual) else None,
                 1,
                 None,
-                m.fold_angles.tolist(),
+                list(m.fold_angles),
             )
             for m in found.minima
         )

@@ -81,9 +81,7 @@ def test_every_event_is_located_in_its_own_function(atlas):
 
 def test_plain_data_have_the_stated_keys(atlas):
     data = json.loads(json.dumps(atlas.to_dict(), allow_nan=False))
-    assert data["parameter"] == {
-        "name": "ratio", "unit": "", "from": 0.1, "to": 100.0, "scale": "log",
-    }  # fmt: skip
+    assert data["over"] == {"name": "ratio", "low": 0.1, "high": 100.0, "unit": "", "log": True}
     branch = data["branches"][0]
     assert {"id", "kind_ranges", "points", "ends"} <= set(branch)
     keys = {"t", "fold_angles", "energy", "multipliers", "eigenvalue", "full_space_eigenvalue"}

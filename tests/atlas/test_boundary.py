@@ -83,7 +83,7 @@ def test_a_curve_along_which_the_second_parameter_stays_is_found():
 
 def test_data_and_a_picture(contact, tmp_path):
     data = json.loads(json.dumps(contact.to_dict(), allow_nan=False))
-    assert [p["name"] for p in data["parameters"]] == ["ratio", "alpha"]
+    assert [p["name"] for p in data["overs"]] == ["ratio", "alpha"]
     assert {"id", "type", "contact", "points", "ends"} <= set(data["curves"][0])
     contact.draw(tmp_path / "map.png")
     assert (tmp_path / "map.png").stat().st_size > 10_000

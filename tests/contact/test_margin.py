@@ -18,7 +18,7 @@ from origami_nlp.kkt import (
     find_multipliers,
     newton,
 )
-from origami_nlp.minima import MinimaResult, Minimum
+from origami_nlp.minima import JudgedState, MinimaResult
 from origami_nlp.numerics import null_space, quaternion as quat
 from origami_nlp.programme import (
     Contact,
@@ -49,7 +49,7 @@ def search(name: str) -> MinimaResult:
     return panel_result(getattr(o.examples, family)(alpha, ratio))
 
 
-def minimum_of(name: str) -> Minimum:
+def minimum_of(name: str) -> JudgedState:
     (minimum,) = [
         m
         for m in search(name).minima

@@ -256,8 +256,8 @@ def test_json_round_trip():
     assert scene_to_dict(again.scene) == scene_to_dict(found.scene)
     with pytest.raises(OptionError, match="schema"):
         CriticalPoints.from_dict({"schema": "something else"})
-    del data["critical_points"][0]["energy"]
-    with pytest.raises(OptionError, match="energy"):
+    del data["points"][0]["energy"]
+    with pytest.raises(OptionError, match=r"points\[1\]\.energy is missing"):
         CriticalPoints.from_dict(data)
 
 

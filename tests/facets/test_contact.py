@@ -93,14 +93,14 @@ def exact_gap(sheet, touch):
 @pytest.mark.parametrize("kind", ["vertex-face", "edge-edge"])
 def test_gaps_and_their_derivatives_to_thirty_digits(kind):
     sheet, state = held()
-    at = Placed(sheet.crossings.poses, state.fold_angles)
+    at = Placed(sheet.crossings.poses, state.phi)
     facing = [t for t, _ in Features(sheet.crossings).facing(at, 0.2) if t.type == kind]
     touch = min(facing, key=lambda t: abs(len(sheet.crossings.poses.path(*t.facets)) - 3))
     gap = exact_gap(sheet, touch)
     creases, slopes = touch.slopes(at)
     bends = touch.bends(at)
     with mpmath.workdps(30):
-        x = [mpmath.mpf(float(a)) for a in state.fold_angles[creases]]
+        x = [mpmath.mpf(float(a)) for a in state.phi[creases]]
         assert touch.gap(at) == pytest.approx(float(gap(*x)), abs=1e-13)
         for i in range(len(x)):
             first = [int(k == i) for k in range(len(x))]
@@ -118,14 +118,14 @@ def test_a_state_held_by_several_contacts_balances_to_rounding():
     touches = [c for c in state.contacts if c.type != "fold-limit"]
     assert len(touches) > 1
     assert state.closure_residual < 1e-12 and state.kkt_residual < 1e-11
-    rows = closed(sheet, state.fold_angles)
+    rows = closed(sheet, state.phi)
     assert np.abs(rows.openings).max() < 1e-14
     # the torque of the springs along free motions is that of the contacts, put together here
-    z = sheet.kernel(state.fold_angles)
+    z = sheet.kernel(state.phi)
     size = sheet.crossings.size
     units = np.where([c.is_limit for c in rows.contacts], 1.0, size)
     forces = np.array([c.force for c in state.contacts]) * units
-    springs = sheet.pattern.stiffness * (state.fold_angles - sheet.pattern.rest)
+    springs = sheet.pattern.stiffness * (state.phi - sheet.pattern.rest)
     assert (forces >= 0).all() and forces.max() > 0.1
     assert z.T @ springs == pytest.approx(z.T @ rows.slopes.T @ forces, abs=1e-11)
 
@@ -133,10 +133,10 @@ def test_a_state_held_by_several_contacts_balances_to_rounding():
 def test_places_of_touch_are_on_both_facets():
     for name, size, seed in (("yoshimura", (4, 4), 8), ("waterbomb", (2, 2), 12)):
         sheet, state = held(name, size, seed)
-        places = touch_places(sheet.pattern, state.fold_angles, state.contacts)
+        places = touch_places(sheet.pattern, state.phi, state.contacts)
         touches = [c for c in state.contacts if c.corners]
         assert len(places) == len(touches) > 1
-        x = sheet.crossings.poses.polygons(state.fold_angles)
+        x = sheet.crossings.poses.polygons(state.phi)
         for place, contact in zip(places, touches, strict=True):
             for facet in (f - 1 for f in contact.facets):
                 corners = x[facet]
@@ -145,9 +145,7 @@ def test_places_of_touch_are_on_both_facets():
                 assert abs((place - corners[0]) @ normal) < 1e-12
                 inward = np.cross(normal, np.roll(corners, -1, axis=0) - corners)
                 assert np.einsum("qi,qi->q", inward, place - corners).min() > -1e-12
-        figure = draw_states(
-            sheet.pattern, [("", state.fold_angles)], "", contacts=[state.contacts]
-        )
+        figure = draw_states(sheet.pattern, [("", state.phi)], "", contacts=[state.contacts])
         labels = {t.get_text() for t in figure.axes[0].texts}
         assert labels == {"|".join(map(str, c.facets)) for c in touches}
 
@@ -179,18 +177,18 @@ def test_lower_states_beside_it_cross_by_another_library(name, size, seed):
     assert state.verdict == "minimum" and any(c.force > 1e-3 for c in state.contacts)
     body = Rigid(sheet.pattern)
     rng = np.random.default_rng(seed)
-    z = sheet.kernel(state.fold_angles)
-    energy, lower = float(sheet.pattern.energy(state.fold_angles)), 0
-    down = -z.T @ sheet.torque(state.fold_angles)
+    z = sheet.kernel(state.phi)
+    energy, lower = float(sheet.pattern.energy(state.phi)), 0
+    down = -z.T @ sheet.torque(state.phi)
     down /= np.linalg.norm(down)
-    inverse, many = body.slopes(state.fold_angles), 0
+    inverse, many = body.slopes(state.phi), 0
     for k in range(200):
         if many == 30:
             break
         way = rng.normal(size=z.shape[1])
         way = way / np.linalg.norm(way) + (k % 3) * 0.5 * down
         size = 10 ** rng.uniform(-3, -1.5)
-        phi = body.closed(state.fold_angles + size * z @ way, inverse)
+        phi = body.closed(state.phi + size * z @ way, inverse)
         if phi is None or np.abs(phi).max() > math.pi:
             continue
         many += 1
@@ -253,15 +251,15 @@ def test_labels_and_place_do_not_matter():
     """Corners and facets renumbered, the sheet turned in space: the same state, contacts and forces."""
     sheet, state = held()
     other, at, _ = relabelled(sheet.pattern, 5)
-    again = judge(Sheet(other), state.fold_angles[at])
+    again = judge(Sheet(other), state.phi[at])
     assert (again.verdict, again.kind) == (state.verdict, state.kind)
-    assert again.eigenvalue == pytest.approx(state.eigenvalue, rel=1e-9)
+    assert again.softest == pytest.approx(state.softest, rel=1e-9)
     both = [sorted(c.force for c in s.contacts) for s in (state, again)]
     assert both[0] == pytest.approx(both[1], abs=1e-9)
     _, start = sprung("yoshimura", (4, 4), 8)
     end = press(Sheet(other), start[at])
     assert end.arrived
-    assert end.phi == pytest.approx(state.fold_angles[at], abs=1e-8)
+    assert end.phi == pytest.approx(state.phi[at], abs=1e-8)
 
 
 def test_limits_are_named(monkeypatch):
@@ -326,11 +324,11 @@ def test_a_search_finds_the_state_that_touching_facets_hold():
     for _ in range(45):
         middle = 0.5 * (low + high)
         low, high = (middle, high) if sheet.crossings.find(at(middle)) else (low, middle)
-    assert state.fold_angles[driven_ones] == pytest.approx(high, abs=1e-8)
+    assert state.phi[driven_ones] == pytest.approx(high, abs=1e-8)
     assert high == pytest.approx(-2.0762838873, abs=1e-8)
     assert state.energy == pytest.approx(1.7453290610, abs=1e-9)
     step = 1e-5
-    a, b = (at(state.fold_angles[driven_ones][0] + s) for s in (step, 2 * step))
+    a, b = (at(state.phi[driven_ones][0] + s) for s in (step, 2 * step))
     facets = [f - 1 for f in state.contacts[0].facets]
     gap = [distance(sheet, x, facets) for x in (a, b)]
     rise = pattern.energy(b) - pattern.energy(a)
@@ -356,7 +354,7 @@ def test_the_touch_of_a_metasheet_is_reached_by_the_way_of_many_freedoms():
     end = press(sprung, start)
     state = judge(sprung, end.phi)
     assert state.kind == "contact-pinned" and state.freedoms == 1
-    assert state.fold_angles[driven_ones] == pytest.approx(-2.0762838873, abs=1e-9)
+    assert state.phi[driven_ones] == pytest.approx(-2.0762838873, abs=1e-9)
     # the force times the opening of the gap with the driven angle is the energy that the springs lose
     (contact,) = state.contacts
     rows = closed(sprung, end.phi)

@@ -234,7 +234,7 @@ def test_ends_of_a_bird_base_are_held_by_its_layers():
     pressed, lower = 0, 0
     assert all(s.verdict != "undecided" for s in found.states)
     for state in found.minima:
-        phi = state.fold_angles
+        phi = state.phi
         lying = any(c.type == "face-face" for c in state.contacts)
         if not lying or "closure leaves" not in state.certificate:
             continue
@@ -284,9 +284,9 @@ def test_forces_act_on_both_facets_of_a_sheet_that_lies_anywhere():
     lying = 0
     for state in found.minima:
         faces = [c for c in state.contacts if c.type == "face-face"]
-        x = Placed(Sheet(found.pattern).crossings.poses, state.fold_angles).points
+        x = Placed(Sheet(found.pattern).crossings.poses, state.phi).points
         for contact, place in zip(
-            faces, touch_places(found.pattern, state.fold_angles, faces), strict=True
+            faces, touch_places(found.pattern, state.phi, faces), strict=True
         ):
             for facet in (f - 1 for f in contact.facets):
                 ring = list(found.pattern.polygons[facet])

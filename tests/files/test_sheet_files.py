@@ -67,14 +67,14 @@ def test_the_motion_of_a_miura_is_its_law():
     p = o.examples.pattern("miura", 3, 4)
     motion = find_motion(p)
     straight = np.abs(p.directions[:, 1]) < 1e-9
-    assert len(motion.phi) > 30 and motion.freedoms == 1 and motion.touching is None
-    for phi in motion.phi[:-1]:
+    assert len(motion.fold_angles) > 30 and motion.freedoms == 1 and motion.touching is None
+    for phi in motion.fold_angles[:-1]:
         z, h = np.abs(phi[~straight]), np.abs(phi[straight])
         assert np.ptp(z) < 1e-9 and np.ptp(h) < 1e-9
         assert np.abs(np.tan(h / 2) - math.cos(math.pi / 3) * math.tan(z[0] / 2)).max() < 1e-8 / (
             1e-9 + math.cos(z[0] / 2) ** 2
         )
-    assert "shut" in motion.end and np.abs(motion.phi[-1]).max() == math.pi
+    assert "shut" in motion.end and np.abs(motion.fold_angles[-1]).max() == math.pi
     assert np.array_equal(np.argsort(motion.arc), np.arange(len(motion.arc)))
 
 
@@ -99,10 +99,10 @@ def test_a_motion_ends_where_facets_touch():
     motion = find_motion(p)
     a, b = motion.touching
     sheet = Sheet(p)
-    last = motion.phi[-1]
+    last = motion.fold_angles[-1]
     assert sheet.residual(last) < 1e-12 and not sheet.crossings.find(last)
     beyond, _ = sheet.project(
-        last + 1e-4 * (last - motion.phi[-2]) / np.abs(last - motion.phi[-2]).max()
+        last + 1e-4 * (last - motion.fold_angles[-2]) / np.abs(last - motion.fold_angles[-2]).max()
     )
     assert (min(a, b), max(a, b)) in sheet.crossings.find(beyond)
     # a second way: distance of the two facets, sampled densely over both
@@ -151,7 +151,7 @@ def test_states_and_motions_are_drawn_and_turned(tmp_path):
     assert [s.title for s in shown.stations] == [
         f"state {k}: {s.kind}, {s.energy:.6g} J" for k, s in enumerate(found.minima, start=1)
     ]
-    assert len(moving.stations) == 1 and len(moving.tracks[0].states) == len(motion.phi)
+    assert len(moving.stations) == 1 and len(moving.tracks[0].states) == len(motion.fold_angles)
     found.view().save(tmp_path / "a.html")
     assert (tmp_path / "a.html").stat().st_size > 1e6
     nothing = replace(found, states=())

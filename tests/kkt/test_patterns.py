@@ -39,7 +39,7 @@ def test_states_are_decided_as_by_a_judgement_of_patterns_alone(name):
     assert told == COUNTS[name]
     problem = Sheet(found.pattern)
     for state in found.states:  # in the numbering of the file, not that of the search
-        again = classify(State(problem, state.fold_angles))
+        again = classify(State(problem, state.phi))
         assert (again.verdict == "minimum") == (state.verdict == "minimum")
         assert again.kind == state.kind
 
@@ -49,7 +49,7 @@ def held_state():
     found = states("metasheet:4x4")
     state = next(s for s in found.minima if s.contacts)
     problem = Sheet(found.pattern)
-    return problem, State(problem, state.fold_angles)
+    return problem, State(problem, state.phi)
 
 
 def test_derivatives_of_a_pattern_in_contact_are_those_of_its_values():
@@ -157,7 +157,7 @@ def test_a_vertex_is_a_pattern_with_one_vertex(seed):
 def test_one_verb_classifies_both():
     scene = o.examples.degree6("pi/4", ratio=0.01)
     minimum = o.find_minima(scene, max_starts=16, escape=False).minima[0]
-    assert o.classify(scene, minimum.fold_angles).kind == minimum.kind
+    assert o.classify(scene, minimum.phi).kind == minimum.kind
     pattern = o.examples.pattern("miura", 2, 2)
     with pytest.raises(o.OrigamiError, match="all 4 fold angles"):
         o.classify(pattern, [0.0])

@@ -72,7 +72,7 @@ def test_a_flat_sheet_that_no_way_leads_out_of_is_stable():
     assert (flat.verdict, flat.kind) == ("minimum", "degenerate")
     found = find_states(pattern, starts=1, escape=False)
     (only,) = found.minima
-    assert not only.fold_angles.any()
+    assert not only.phi.any()
     assert only.kkt_residual > 1e-3 and "are unique" not in str(found)  # nothing balances it
 
 

@@ -64,7 +64,7 @@ def stable(pattern, start):
     sheet = Sheet(pattern)
     state = judge(sheet, descend(sheet, start).phi)
     assert state.verdict == "minimum" and state.kind == "interior"
-    return sheet, state.fold_angles
+    return sheet, state.phi
 
 
 def redundant():

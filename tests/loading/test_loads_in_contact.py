@@ -337,7 +337,7 @@ def test_a_search_finds_the_state_in_contact_that_a_snap_lands_on():
 def by_small_steps(seed, to, count=60):
     """The state at a load, by descents at loads that grow little by little."""
     pattern, start, crease = sprung(seed)
-    sheet, phi = Sheet(pattern), start.fold_angles
+    sheet, phi = Sheet(pattern), start.phi
     for t in np.linspace(0.0, to, count)[1:]:
         end = press(sheet.under(Torque(pattern, (crease,)), t), phi)
         assert end.arrived

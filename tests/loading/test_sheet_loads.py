@@ -107,7 +107,7 @@ def test_miura_follows_its_law_to_its_snap(size):
     sense = math.copysign(1.0, -snap.t)
     end = minimize_scalar(
         lambda z: sense * law(pattern, size, i, z)[1],
-        bounds=(1.5, abs(start.fold_angles[i])), method="bounded", options={"xatol": 1e-12},
+        bounds=(1.5, abs(start.phi[i])), method="bounded", options={"xatol": 1e-12},
     )  # fmt: skip
     assert snap.t == pytest.approx(law(pattern, size, i, float(end.x))[1], rel=1e-12)
     assert snap.type == "fold" and snap.released > 0
@@ -159,9 +159,7 @@ def test_strips_snap_where_trigonometry_says(seed):
     path = o.load_path(pattern, 1, state=start, confirm=False)
     darts = min(
         product((False, True), repeat=2),
-        key=lambda d: np.abs(
-            _or_far(state(start.fold_angles[shared], d)) - start.fold_angles
-        ).max(),
+        key=lambda d: np.abs(_or_far(state(start.phi[shared], d)) - start.phi).max(),
     )
 
     def torque(fold, h=1e-5):
@@ -217,7 +215,7 @@ def test_the_load_falls_back_to_zero_and_no_further():
     assert {leg.why for leg in path.legs} == {"range"} and not path.alarms
     for leg in path.legs[1::2]:
         assert leg.points[-1].t == 0.0
-        assert leg.points[-1].fold_angles == pytest.approx(start.fold_angles, abs=1e-9)
+        assert leg.points[-1].fold_angles == pytest.approx(start.phi, abs=1e-9)
         assert all(p.t * leg.points[0].t >= 0 for p in leg.points)
 
 
@@ -287,12 +285,12 @@ def test_a_state_whose_contacts_carry_nothing_is_followed_as_far_as_it_is_stable
     assert "the load does no work" in str(path) and not path.alarms
     for share, good in ((0.999, True), (1.001, False)):
         under = Sheet(pattern).under(pull, event.t * share)
-        assert (judge(under, start.fold_angles).verdict == "minimum") == good
+        assert (judge(under, start.phi).verdict == "minimum") == good
 
 
 def test_vertices_that_lie_on_each_other_have_no_pull():
     pattern, start = folded_cross()
-    x = Sheet(pattern).crossings.poses.corners(start.fold_angles)
+    x = Sheet(pattern).crossings.poses.corners(start.phi)
     one, two = next((a, b) for a, b in ((1, 3), (2, 4)) if np.linalg.norm(x[a] - x[b]) < 1e-12)
     with pytest.raises(OptionError, match="lie on each other"):
         o.load_path(pattern, Pull(pattern, (one, two)), state=start)
@@ -301,7 +299,7 @@ def test_vertices_that_lie_on_each_other_have_no_pull():
 def test_a_load_that_does_no_work_is_told():
     """A force across the only way in which its corner can move, found by differences along the law of the sheet."""
     pattern, start = folded_miura(3, 3)
-    z = abs(start.fold_angles[np.abs(pattern.directions[:, 1]) > 1e-9][0])
+    z = abs(start.phi[np.abs(pattern.directions[:, 1]) > 1e-9][0])
     axes, sides = [], np.eye(3)
     for side in sides:
         seen = DeadForce(pattern, 15, tuple(side), 5)
@@ -311,8 +309,7 @@ def test_a_load_that_does_no_work_is_told():
     words = "the load does no work"
     path = o.load_path(pattern, DeadForce(pattern, 15, tuple(across), 5), to=1.0, state=start)
     assert (
-        words in str(path)
-        and np.abs(path.legs[0].points[-1].fold_angles - start.fold_angles).max() < 1e-8
+        words in str(path) and np.abs(path.legs[0].points[-1].fold_angles - start.phi).max() < 1e-8
     )
     path = o.load_path(pattern, DeadForce(pattern, 15, tuple(axes), 5), to=1.0, state=start)
     assert words not in str(path) and path.legs[0].points[-1].angle > path.legs[0].points[0].angle
@@ -321,9 +318,9 @@ def test_a_load_that_does_no_work_is_told():
 def test_a_pull_knows_no_facet_that_is_held():
     """The distance of two corners by a walk is that of the corners placed along a tree, whichever comes first."""
     pattern, start = folded_miura(4, 4)
-    x = Sheet(pattern).crossings.poses.corners(start.fold_angles)
+    x = Sheet(pattern).crossings.poses.corners(start.phi)
     for a, b in ((0, 24), (24, 0), (3, 21)):
-        far = float(Pull(pattern, (a, b)).conjugate(start.fold_angles))
+        far = float(Pull(pattern, (a, b)).conjugate(start.phi))
         assert far == pytest.approx(np.linalg.norm(x[a] - x[b]), abs=1e-12)
 
 
@@ -334,7 +331,7 @@ def test_a_pull_knows_no_facet_that_is_held():
 def test_a_sheet_renumbered_and_turned_in_space_snaps_at_the_same_load():
     pattern, start = folded_miura(3, 2, *SNAPPING)
     other, place, _ = relabelled(pattern, 7)
-    again = settled(other, start.fold_angles[place])
+    again = settled(other, start.phi[place])
     i = int(np.flatnonzero(np.abs(pattern.directions[:, 1]) > 1e-9)[0])
     one = o.load_path(pattern, i + 1, to=30.0, state=start, confirm=False)
     two = o.load_path(other, place.tolist().index(i) + 1, to=30.0, state=again, confirm=False)
@@ -391,7 +388,7 @@ def test_the_command_writes_all_of_it(tmp_path):
     assert code == 0, err
     assert "stable to the end of the range" in out
     data = json.loads(files["json"].read_text())["load"]
-    assert data["schema"] == "origami-nlp/load/1" and data["parameter"]["unit"] == "N"
+    assert data["schema"] == "origami_nlp/load/1" and data["driver"]["unit"] == "N"
     frames = json.loads(files["fold"].read_text())["file_frames"]
     assert len(frames) == len(data["legs"][0]["points"])
     assert all(file.stat().st_size > 1000 for file in files.values())
@@ -400,7 +397,9 @@ def test_the_command_writes_all_of_it(tmp_path):
     sheet = tmp_path / "sheet.fold"
     code, out, err = run("load", sheet, "--crease", "1", "--to", "0.05", "--json", "-")
     assert code == 0, err
-    assert json.loads(out)["load"] == {"kind": "Torque", "creases": [1]}
+    driver = json.loads(out)["driver"]
+    assert driver["type"] == "PatternDriver" and driver["work"]["type"] == "Torque"
+    assert driver["work"]["creases"] == [1]
     for more, word in ((), "--pull"), (("--crease", "1", "--symmetry", "D1"), "--vertex"):
         code, _, err = run("load", sheet, *more)
         assert code == 2 and word in err

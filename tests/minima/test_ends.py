@@ -219,7 +219,7 @@ def test_one_judgement_that_breaks_down_is_named_and_the_search_goes_on(monkeypa
     result = find_minima(UNCLOSED, prove=False, escape=False)
     assert len(result.minima) == 3
     (named,) = result.search.undecided
-    assert named.reason.endswith("Singular matrix")
+    assert named.certificate.endswith("Singular matrix")
     assert named.fold_angles == pytest.approx(x)
 
 
@@ -287,7 +287,7 @@ def test_a_guess_is_descended_from_with_its_contacts_held():
 def test_other_guesses_are_refused_by_name():
     flat, off = np.zeros(7), np.full(7, 0.3)
     result = find_minima(LOST, guesses=[flat, off], max_starts=8, prove=False, escape=False)
-    reasons = {r.fold_angles: (r.verdict, r.reason) for r in result.search.refused}
+    reasons = {r.fold_angles: (r.verdict, r.certificate) for r in result.search.refused}
     assert reasons[tuple(flat)][0] == "not stationary"
     assert reasons[tuple(off)] == ("not admissible", "no state within 0.001 rad of it closes")
     assert "no minimum at the guess" in str(result)
@@ -295,7 +295,7 @@ def test_other_guesses_are_refused_by_name():
     (refused,) = find_minima(
         even, guesses=[np.arange(6) / 10], prove=False, escape=False
     ).search.refused
-    assert refused.reason == "it does not have the symmetry of the scene"
+    assert refused.certificate == "it does not have the symmetry of the scene"
 
 
 def test_the_minimum_with_two_touches_is_found_by_default():

@@ -3,7 +3,6 @@
 ``python -m tests.minima.test_escape`` writes `docs/how_to/noise.md`.
 """
 
-import json
 import math
 from dataclasses import replace
 from functools import cache
@@ -302,16 +301,6 @@ def test_softest_stiffness_is_that_of_its_mode():
         result.model.energy_change(x, project(result.model, x + s * h * mode)[0]) for s in (1, -1)
     ]
     assert sum(rises) / h**2 == pytest.approx(m.softest, rel=1e-3)
-
-
-def test_results_from_before_escape_barriers_are_read(tmp_path):
-    data = find_minima(examples.miura("pi/3"), prove=False).to_dict()
-    for m in data["minima"]:
-        for name in ("escape", "softest_stiffness", "softest_mode"):
-            del m[name]
-    path = tmp_path / "old.json"
-    path.write_text(json.dumps({**data, "schema": "origami-nlp/minima/1"}))
-    assert [m.escape for m in load(path).minima] == [None, None]
 
 
 if __name__ == "__main__":

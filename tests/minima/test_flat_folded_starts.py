@@ -148,7 +148,7 @@ def test_states_of_a_miura_across_shut_rows():
     assert [s for s in listed.minima if abs(s.energy - 0.3977455470597) < 1e-9]
     for seed in range(3):
         for s in find_states(pattern, starts=40, seed=seed, escape=False).minima:
-            assert any(np.abs(s.fold_angles - t.fold_angles).max() < 1e-6 for t in listed.minima)
+            assert any(np.abs(s.phi - t.phi).max() < 1e-6 for t in listed.minima)
 
 
 def test_one_facet_has_nothing_to_fold():
@@ -180,7 +180,7 @@ def test_a_search_ends_in_its_time_and_says_what_it_left_out(name, size, part):
     )
     assert "every well" not in said and "and the ways out of each" not in said
     for state in found.states:  # what was found is whole
-        again = judge(Sheet(pattern), state.fold_angles)
+        again = judge(Sheet(pattern), state.phi)
         assert (again.verdict, again.kind) == (state.verdict, state.kind)
     assert SheetResult.from_dict(found.to_dict()).search == found.search
 

@@ -68,7 +68,7 @@ def examine(name, seed, contact, most=BESIDE):
     found = find_states(pattern, starts=1, seed=seed, contact=contact, seconds=5.0, escape=False)
     looked = 0
     for state in found.minima:
-        phi, energy = state.fold_angles, float(pattern.energy(state.fold_angles))
+        phi, energy = state.phi, float(pattern.energy(state.phi))
         assert np.abs(body.open(phi)).max() < 1e-11
         assert np.abs(phi).max() <= math.pi
         assert energy == pytest.approx(state.energy, rel=1e-12)

@@ -20,7 +20,7 @@ def metasheet():
 def test_symbols_and_values_agree(metasheet):
     """Closure at any folds, gaps at closed ones; derivatives by CasADi; and closure of a sheet with a hole."""
     sheet, minima = metasheet
-    state = State(sheet, next(s.fold_angles for s in minima if s.contacts))
+    state = State(sheet, next(s.phi for s in minima if s.contacts))
     touches = [sheet.touch(c) for c in state.contacts.base if not c.is_limit]
     assert len(touches) >= 2
     every = np.arange(sheet.equation_count)
@@ -54,7 +54,7 @@ def test_ipopt_stays_at_minima_with_multipliers_that_balance(metasheet):
             theirs.sum(), abs=1e-6
         )  # of two alike contacts what both carry
     held = next(s for s in minima if s.contacts)
-    assert classify(State(sheet, held.fold_angles)).kind == "degenerate"
+    assert classify(State(sheet, held.phi)).kind == "degenerate"
 
 
 def test_unique_multipliers_are_equal():

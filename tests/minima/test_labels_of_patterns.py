@@ -55,7 +55,7 @@ def _agree(found, other, creases, sign):
         assert [s.energy for s in two] == pytest.approx([s.energy for s in one], abs=1e-9)
         for s in two:
             near = [t for t in one if abs(t.energy - s.energy) < 1e-8]
-            apart = [np.abs(sign * t.fold_angles[creases] - s.fold_angles).max() for t in near]
+            apart = [np.abs(sign * t.phi[creases] - s.phi).max() for t in near]
             assert min(apart) < 1e-6
 
 

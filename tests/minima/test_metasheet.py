@@ -70,12 +70,12 @@ def test_without_contact_a_sheet_has_the_states_of_its_vertex(size):
     for state, one in zip(found, vertex, strict=True):
         folds = np.array(one.fold_angles)[[AROUND.index(c) for c in range(4)]]
         assert state.energy == pytest.approx(many * vertex_energy(folds), rel=1e-12)
-        assert state.fold_angles == pytest.approx(folds[classes], abs=1e-9)
+        assert state.phi == pytest.approx(folds[classes], abs=1e-9)
         assert (state.kind, state.freedoms) == ("interior", 1)
         # with contact facets must not cross: as many pairs do as another library finds
-        crossed = judge(sheet, state.fold_angles)
+        crossed = judge(sheet, state.phi)
         assert crossed.verdict == ("not admissible" if crossed.crossings else "minimum")
-        assert sorted(crossed.crossings) == sorted(body.collide(state.fold_angles))
+        assert sorted(crossed.crossings) == sorted(body.collide(state.phi))
 
 
 class Curves:
@@ -159,12 +159,12 @@ def test_with_contact_those_survive_that_a_scan_finds(size, kinds):
         driven = curves.classes == AROUND[0]
         assert held == (state.kind == "contact-pinned")
         if not held:
-            assert state.fold_angles[driven] == pytest.approx(fold, abs=math.pi / SAMPLES)
+            assert state.phi[driven] == pytest.approx(fold, abs=math.pi / SAMPLES)
             continue
-        assert state.fold_angles == pytest.approx(curves.at(fold, dart), abs=1e-6)
+        assert state.phi == pytest.approx(curves.at(fold, dart), abs=1e-6)
         assert state.energy == pytest.approx(energy, abs=1e-5)
         # what contacts carry: forces times the opening of their gaps are what the springs lose
-        step, t = 1e-4, float(state.fold_angles[driven][0])
+        step, t = 1e-4, float(state.phi[driven][0])
         outward = -step * np.sign(t)  # back to where facets part
         ways = [curves.at(t + k * outward, dart) for k in (1, 2)]
         lost = (curves.energy(ways[1]) - curves.energy(ways[0])) / step

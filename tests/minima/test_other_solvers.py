@@ -8,8 +8,9 @@ import pytest
 
 OURS = """
 import origami_nlp
+scene = origami_nlp.examples.degree6("pi/3")
 states = origami_nlp.find_minima(
-    origami_nlp.examples.degree6("pi/3"), fewest_starts=16, max_starts=16
+    scene, fewest_starts=16, max_starts=16, prove=False, escape=False
 ).minima
 """
 PROGRAMME = """

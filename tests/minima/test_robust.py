@@ -34,7 +34,7 @@ def hinge(rest: float) -> Pattern:
 def test_one_crease(rest):
     """There is no row of closure that could lose rank: searches and load paths met an index out of bounds."""
     found = find_states(hinge(rest), starts=2, escape=False)
-    assert [s.fold_angles.tolist() for s in found.minima] == [[pytest.approx(rest)]]
+    assert [s.phi.tolist() for s in found.minima] == [[pytest.approx(rest)]]
     assert found.search.curves == found.search.complete == 1
     path = load_path(hinge(0.5), 1, to=0.2, starts=2)
     assert path.legs[0].points[-1].fold_angles[0] == pytest.approx(0.7)
@@ -175,7 +175,7 @@ def test_a_minimum_on_the_other_side_of_a_vertex(labels):
     found = find_states(pattern, starts=starts, seed=labels or 0, escape=False)
     energies = [round(s.energy, 3) for s in found.minima]
     assert {4.372, 4.450, 24.599, 32.343} <= set(energies)
-    signs = [tuple(np.sign(pop_rows(found.pattern) @ s.fold_angles)) for s in found.minima]
+    signs = [tuple(np.sign(pop_rows(found.pattern) @ s.phi)) for s in found.minima]
     assert len(set(signs)) == 4
     assert found.search.popped > 0
     assert any("with one vertex popped" in words for words in found.search.words())

@@ -51,7 +51,7 @@ def compare(scene, starts=4):
         more = find_minima(scene, prove=False, effort="thorough", escape=False).minima
         known += [np.array(m.fold_angles) for m in more]
     for state in found:
-        assert min(np.abs(state.fold_angles - phi).max() for phi in known) < DECIDED
+        assert min(np.abs(state.phi - phi).max() for phi in known) < DECIDED
     assert len(found) >= verdicts.count("minimum")
     return verdicts
 

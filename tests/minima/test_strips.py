@@ -55,7 +55,7 @@ def _beside_flat(seed: int, far: float) -> tuple[Pattern, np.ndarray]:
 
 
 def _apart(wells, found) -> list[float]:
-    return [min(float(np.abs(x - s.fold_angles).max()) for s in found.minima) for x in wells]
+    return [min(float(np.abs(x - s.phi).max()) for s in found.minima) for x in wells]
 
 
 @pytest.mark.parametrize("seed", range(3))
@@ -85,9 +85,9 @@ def test_a_well_half_a_degree_from_flat():
     assert not found.undecided and found.search.unfinished == 0
     assert found.search.resolved == found.search.wells >= len(wells)
     assert any("every well" in words for words in found.search.words())
-    state = next(s for s in found.minima if np.abs(s.fold_angles - nearest).max() < 1e-9)
+    state = next(s for s in found.minima if np.abs(s.phi - nearest).max() < 1e-9)
     sheet = Sheet(pattern)
-    both = [judge(sheet, state.fold_angles, contact) for contact in (True, False)]
+    both = [judge(sheet, state.phi, contact) for contact in (True, False)]
     assert [s.verdict for s in both] == ["minimum"] * 2
     assert [s.kind for s in both] == ["interior"] * 2
 
@@ -98,7 +98,7 @@ def _is_whole(pattern: Pattern, known: np.ndarray) -> bool:
     wells = list(Strip(pattern).wells())
     assert min(np.abs(x - known).max() for x in wells) < 1e-3 * np.abs(known).max()
     claims = any("every well" in words for words in found.search.words())
-    inside = [s for s in found.minima if np.abs(s.fold_angles).max() < math.pi - 1e-9]
+    inside = [s for s in found.minima if np.abs(s.phi).max() < math.pi - 1e-9]
     if claims:
         assert max(_apart(wells, found)) < 1e-9 and len(inside) == len(wells)
     else:

@@ -154,4 +154,4 @@ def test_states_do_not_depend_on_digits(name, digits):
         a, b = getattr(one, kind), getattr(other, kind)
         assert len(a) == len(b)
         for s in a:
-            assert min(np.abs(s.fold_angles - t.fold_angles).max() for t in b) < 500 * 10.0**-digits
+            assert min(np.abs(s.phi - t.phi).max() for t in b) < 500 * 10.0**-digits

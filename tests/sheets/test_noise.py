@@ -105,7 +105,7 @@ def test_a_vertex_survives_as_often_as_a_sheet() -> None:
     known = o.find_minima(scene, prove=False, escape=False, noise=0.06).minima
     assert len(known) == 5
     for minimum in known:
-        near = [s for s in found.minima if np.abs(s.fold_angles - minimum.fold_angles).max() < 1e-6]
+        near = [s for s in found.minima if np.abs(s.phi - minimum.phi).max() < 1e-6]
         assert len(near) == 1 and near[0].survival is not None and minimum.survival is not None
         assert near[0].survival.kept == minimum.survival.kept in (0, 20)
 

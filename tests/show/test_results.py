@@ -56,7 +56,7 @@ KINDS = {  # rows of the data frame, has a picture, has a schema, is read back
     "Modes": (None, True, True, True),
     "SheetResult": (lambda r: len(r.minima), True, True, True),
     "Overview": (lambda r: 1, True, True, True),
-    "Motion": (lambda r: len(r.phi), True, True, True),
+    "Motion": (lambda r: len(r.fold_angles), True, True, True),
     "LoadPath of a pattern": (lambda r: sum(len(leg.points) for leg in r.legs), True, True, True),
 }
 by_kind = pytest.mark.parametrize("kind", KINDS)
@@ -145,7 +145,7 @@ def test_saved_and_read_back(kind, tmp_path):
         assert type(again) is type(found) and again.to_dict() == found.to_dict()
     if KINDS[kind][1]:
         assert again.draw().axes
-    other = "CriticalPoints" if kind == "MinimaResult" else "MinimaResult"
+    other = "CriticalPoints" if kind in ("MinimaResult", "SheetResult") else "MinimaResult"
     with pytest.raises(o.OrigamiError, match="schema"):
         type(results()[other]).load(path)
     path.write_text("{")

@@ -12,7 +12,7 @@ import pytest
 import origami_nlp
 from origami_nlp import MinimaResult
 from origami_nlp.kkt import State, classify
-from origami_nlp.minima import Rejected
+from origami_nlp.minima import JudgedState
 from origami_nlp.programme import Model
 from origami_nlp.starts.hinge_sets import HingeSets
 from tests.independent.rotations import about
@@ -93,7 +93,7 @@ def test_what_is_not_polished_is_undecided_and_told_by_name() -> None:
     state = result.minima[0]
     what = classify(State(result.model, result.model.reduce(state.fold_angles)), polished=False)
     assert what.verdict == "undecided" and what.kind is None and "not polished" in what.reason
-    named = Rejected(what.verdict, what.reason, state.fold_angles, state.energy, 1)
+    named = JudgedState(state.energy, state.fold_angles, what.verdict, what.reason, hits=1)
     told = replace(result, search=replace(result.search, undecided=(named,)))
     assert "not decided: energy" in str(told) and what.reason in str(told)
     assert MinimaResult.from_dict(told.to_dict()).search.undecided == (named,)

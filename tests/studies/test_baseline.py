@@ -8,7 +8,7 @@ import pytest
 
 from origami_nlp.folding import fold_vertex
 from origami_nlp.kkt import State as StateOf, classify, project
-from origami_nlp.minima import FullSpace, Minimum, find_minima, full_scene
+from origami_nlp.minima import FullSpace, JudgedState, find_minima, full_scene
 from origami_nlp.numerics import null_space
 from origami_nlp.pattern import Scene, Vertex, examples
 from origami_nlp.programme import Model
@@ -23,7 +23,7 @@ EXACT_TO = 1e-5  # relative error of centred differences at h = 3e-3 and smaller
 @dataclass(frozen=True)
 class State:
     scene: Scene
-    minimum: Minimum
+    minimum: JudgedState
     full: FullSpace
 
     @property

@@ -20,7 +20,7 @@ from tests.sweep.test_sweep import FEW, PATTERNS, SMALL, Inline
 
 def test_orders_of_layers_of_a_file_are_those_of_every_sheet(tmp_path):
     sheet = o.examples.pattern("miura:2x2")
-    flat = o.find_motion(sheet).phi[-1]
+    flat = o.find_motion(sheet).fold_angles[-1]
     flat = np.copysign(np.pi, flat)
     data = sheet_to_fold(sheet, [sheet_frame(sheet, flat, "flat-folded")])
     (frame,) = data.pop("file_frames")

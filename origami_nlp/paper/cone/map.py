@@ -253,6 +253,7 @@ class _Column:
         low, high = curvature_bounds(self.side, self.grid[:-1], self.grid[1:])
         half = np.diff(self.grid) / 2
         shape = left.odd.shape
+        # all classes on all cells at once; then, halved again and again, those that are left open
         r, c = (x.ravel() for x in np.indices(shape))
         settled = self._settle(
             left, right, middle, weights @ low.T, weights @ high.T, half + np.zeros(shape)
