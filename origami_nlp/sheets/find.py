@@ -170,25 +170,17 @@ class _Search:
         except FAILURES as failure:
             self.tally.failed.append(f"{type(failure).__name__}: {failure}")
 
-    def known(self, phi: np.ndarray) -> bool:
-        """Tell whether a state was judged: one that is not stationary says nothing of a minimum that is beside it."""
-        return any(
-            np.abs(phi - s.phi).max() <= CLOSES or s.verdict != "not stationary"
-            for s in self._beside(phi)
-        )
-
-    def _beside(self, phi: np.ndarray) -> list[JudgedState]:
-        """Return what was judged of states that differ by no more than those that are one."""
-        return [s for s in self.tally.judged if np.abs(phi - s.phi).max() <= 10 * SAME]
+    def known(self, phi: np.ndarray, verdict: str = "minimum") -> bool:
+        """Tell whether a state was judged: one that is not stationary says nothing of a minimum beside it."""
+        least = {"not stationary": CLOSES} if verdict == "minimum" else {}
+        apart = ((np.abs(phi - s.phi).max(), s.verdict) for s in self.tally.judged)
+        return any(far <= least.get(what, 10 * SAME) for far, what in apart)
 
     def add(self, state: JudgedState) -> None:
         """Keep a state, once."""
         if state.freedoms < 0:  # it does not close, or is beyond a limit
             self.tally.open += 1
-        elif all(
-            {s.verdict, state.verdict} == {"not stationary", "minimum"}
-            for s in self._beside(state.phi)
-        ):
+        elif not self.known(state.phi, state.verdict):
             self.tally.judged.append(state)
 
     def settle(self, phi: np.ndarray) -> None:

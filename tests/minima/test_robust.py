@@ -43,7 +43,7 @@ def test_one_crease(rest):
 def test_a_minimum_beside_a_state_that_is_listed_exactly(rest):
     """The flat state, listed and not stationary, stood for the minimum 3e-8 rad beside it, which no list had."""
     found = find_states(hinge(rest), starts=2)
-    assert [s.fold_angles.tolist() for s in found.minima] == [[pytest.approx(rest, rel=1e-6)]]
+    assert [s.phi.tolist() for s in found.minima] == [[pytest.approx(rest, rel=1e-6)]]
 
 
 def test_sides_along_each_other_have_no_gap():
