@@ -8,6 +8,7 @@ from .classification import (
 )
 from .descent import (
     LOADED as LOADED,
+    STOPPED as STOPPED,
     Followed as Followed,
     follow as follow,
     polished_nearby as polished_nearby,

@@ -8,7 +8,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from origami_nlp.facets import MOST_DENSE, Sheet
-from origami_nlp.kkt import follow
+from origami_nlp.kkt import STOPPED, follow
 from origami_nlp.numerics import CLOSES
 from origami_nlp.sheets.clearance import Stretches
 from origami_nlp.sheets.descent import TRUST, Descended
@@ -44,21 +44,32 @@ def press(sheet: Sheet, phi: np.ndarray, keep: bool = False) -> Descended:
     if sheet.size > MOST_DENSE:
         many = f"the pattern has {sheet.size:,} creases, contact is solved up to {MOST_DENSE}"
         return Descended(phi, False, 0, many)
-    facing = sheet.features.facing(sheet.placed(phi), REACH)
-    if len({frozenset(t.facets) for t, _ in facing}) > MOST_PAIRS:
-        many = f"more than {MOST_PAIRS} pairs of facets come close to each other"
-        return Descended(phi, False, 0, many)
     pops = pop_rows(sheet.pattern)
-    leads = (lambda x, y: not is_jump(pops, x, y)) if keep else None
+
+    def crowded(x: np.ndarray) -> bool:
+        facing = sheet.features.facing(sheet.placed(x), REACH)
+        return len({frozenset(t.facets) for t, _ in facing}) > MOST_PAIRS
+
     try:
-        longest = TRUST * math.sqrt(sheet.size)
-        found = follow(sheet, phi, curved=True, longest=longest, leads=leads)
+        found = follow(
+            sheet,
+            phi,
+            curved=True,
+            longest=TRUST * math.sqrt(sheet.size),
+            until=crowded,
+            leads=(lambda x, y: not is_jump(pops, x, y)) if keep else None,
+        )
+    except np.linalg.LinAlgError:  # a ValueError as well
+        raise
     except ValueError as refused:
         return Descended(phi, False, 0, str(refused))
-    if arrived := found.what.verdict == "minimum":
+    arrived, why = found.what.verdict == "minimum", UNTOLD
+    if arrived:
         sheet.kept("classified", found.end, lambda: found.what)
-    path, why = tuple(found.states), "still" if arrived else UNTOLD
-    return Descended(found.end, arrived, len(path) - 1, why, path=path)
+    elif found.what is STOPPED:
+        why = f"more than {MOST_PAIRS} pairs of facets come close to each other"
+    path = tuple(found.states)
+    return Descended(found.end, arrived, len(path) - 1, "still" if arrived else why, path=path)
 
 
 def press_along(sheet: Sheet, stretches: Stretches) -> Iterator[Descended]:
