@@ -17,7 +17,7 @@ import numpy as np
 
 from origami_nlp.kkt.classification import Classification, classify
 from origami_nlp.kkt.neighbours import search_spheres
-from origami_nlp.kkt.polishing import Polished, Solve, exact_beside, polish
+from origami_nlp.kkt.polishing import Polished, Solve, exact_beside, newton, polish
 from origami_nlp.kkt.projection import project
 from origami_nlp.kkt.state import State, Stratum
 from origami_nlp.numerics import (
@@ -126,6 +126,8 @@ def follow(
         lower = what.lower
         if lower is None:
             lower = _lower_neighbour(State(model, x), what.descent)
+        elif curved:
+            lower = _farther(State(model, x), lower, longest, leads)
         if lower is None:
             break
         x, length = lower, longest
@@ -164,6 +166,25 @@ def _lower_neighbour(at: State, direction: np.ndarray | None) -> np.ndarray | No
             return y
     found = search_spheres(at, at.contacts.base, radii=RESCUE)
     return found.state if found.state is not None and found.lowest < -noise else None
+
+
+def _farther(
+    at: State,
+    lower: np.ndarray,
+    longest: float,
+    leads: Callable[[np.ndarray, np.ndarray], bool] | None,
+) -> np.ndarray:
+    """Return the stationary state ahead of a lower one [n] on the contacts that both hold, if it is lower still.
+
+    Where more pieces meet than can be looked at one by one, no step finds the way: the lower state does.
+    """
+    model = at.programme
+    both = at.at(lower).contacts.base
+    done, _ = newton(model, lower, tuple(c for c in at.contacts.base if c in both))
+    if done is None or not done.converged or np.linalg.norm(done.x - lower) > longest:
+        return lower
+    good = model.energy_change(lower, done.x) < 0 and (leads is None or leads(lower, done.x))
+    return done.x if good and not model.refuses(done.x) else lower
 
 
 def _closed(

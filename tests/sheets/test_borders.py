@@ -37,7 +37,9 @@ def pressed():
             z = sheet.kernel(start, [5])
             start = start - 0.5 * z @ (z.T @ sheet.torque(start))
         done, _ = newton(sheet, start, (fold_limit(5, math.pi),))
-        if done is not None and np.abs(phi := done.x).max() <= math.pi:
+        if done is None or np.abs((phi := done.x) - start).max() > 0.1:
+            continue
+        if np.abs(phi).max() <= math.pi and (np.abs(phi[:5]) < math.pi - 1e-6).all():
             if not sheet.crossings.find(phi):
                 out.append((sheet, judge(sheet, phi)))
     return out
