@@ -11,7 +11,6 @@ import math
 import time
 from collections.abc import Callable
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -37,7 +36,7 @@ from origami_nlp.sheets.noise import NOISE, with_survival
 from origami_nlp.sheets.pressing import UNTOLD, press, press_along, press_off
 from origami_nlp.sheets.result import BARRIERS, MEETINGS, OF_VERTEX, POPS, WAYS_OUT, SheetResult
 from origami_nlp.sheets.tally import Tally
-from origami_nlp.starts import Given, Popped, families_in_turn
+from origami_nlp.starts import Given, Popped, effort_of, families_in_turn
 
 OUT = 0.2
 """First step out of a state where curves meet, of the longest fold angle [rad]."""
@@ -56,32 +55,33 @@ FAILURES = np.linalg.LinAlgError, ArithmeticError
 
 
 def find_states(
-    pattern: Pattern | str | Path,
-    starts: int = 40,
+    pattern: Pattern | str,
+    starts: int | None = None,
     seed: int = 0,
     contact: bool = True,
-    seconds: float = SECONDS,
+    seconds: float | None = None,
     escape: bool = True,
     noise: float | None = None,
+    *,
+    effort: str = "normal",
+    max_starts: int | None = None,
 ) -> SheetResult:
     """Find the stable states of a pattern.
 
     Parameters
     ----------
     pattern
-        With its springs; the name of an example such as ``"miura:4x4"``, or a FOLD file.
+        As `as_pattern` takes it.
     starts
-        Random starts in a row that find no other minimum or curve, then the search ends; ten times as many at most.
+        Random starts in a row that find no other minimum or curve, ten times as many at most; None: as `effort` says.
     seed
         Of the random starts: numbers of creases, the sheet's place and the side it is seen from change nothing.
     contact
         Whether facets must not cross; without, only fold limits count.
     seconds
-        Wall time for the search, give or take a second or two: what was left out is named.
-    escape
-        Say what it takes to leave each minimum (`JudgedState.escape`).
-    noise
-        Degrees: how many random errors of springs and vertices each minimum survives (`JudgedState.survival`).
+        Wall time for the search, give or take a second or two: what was left out is named.  None: 300 s.
+    escape, noise, effort, max_starts
+        As for `minima.find_minima`; errors are those of springs and of the positions of vertices.
 
     Returns
     -------
@@ -91,20 +91,21 @@ def find_states(
     Raises
     ------
     OptionError
-        If `starts` or `seed` is no count, `seconds` is negative, or the pattern has no crease.
+        If an argument is not what it must be, or the pattern has no crease.
     Interrupted
         If the user interrupts it: a `KeyboardInterrupt` whose ``result`` holds what was found.
 
     Examples
     --------
-    >>> import origami_nlp as o
-    >>> found = o.find_states(o.examples.pattern("metasheet", 2, 3), starts=4)
-    >>> all(state.closure_residual < 1e-12 for state in found.minima)
-    True
+    >>> from origami_nlp.sheets import find_states
+    >>> len(find_states("metasheet:2x3", starts=4).minima)
+    5
     """
     pattern = as_pattern(pattern)
-    starts, seed = check_whole("starts", starts, 0), check_whole("seed", seed, 0)
-    check_number("seconds", seconds, 0.0)
+    starts = effort_of(effort).in_a_row if starts is None else check_whole("starts", starts, 0)
+    most = MOST_DRAWN * starts if max_starts is None else check_whole("max_starts", max_starts, 1)
+    rng = np.random.default_rng(check_whole("seed", seed, 0))
+    seconds = check_number("seconds", SECONDS if seconds is None else seconds, 0.0)
     check_flag("escape", escape)
     check_noise(noise)
     if not pattern.creases:
@@ -116,8 +117,7 @@ def find_states(
         search.part(Given.name, search.explore, start)
     if len(pattern.vertices) == 1 and not pattern.holes:
         search.part(OF_VERTEX, search.round_the_vertex, seed)
-    rng = np.random.default_rng(seed)
-    for k in range(MOST_DRAWN * starts):
+    for k in range(min(MOST_DRAWN * starts, most)):
         if not search.part("random starts", search.draw, rng, k) or search.tally.since == starts:
             break
     search.part(POPS, search.pop, MOST_POPPED * starts)
@@ -126,7 +126,7 @@ def find_states(
         search.part(BARRIERS, search.add_escapes)
     if noise is not None:
         search.part(NOISE, search.add_survival, noise)
-    found = SheetResult(pattern, search.states(), search.tally.summary(search.curves.found))
+    found = search.result(pattern)
     if found.search.interrupted:
         raise Interrupted(found)
     return found
@@ -234,9 +234,10 @@ class _Search:
         states, given = self._by_energy(), (self.contact, degrees)
         self.tally.judged = with_survival(self.sheet, self.labels, states, *given)
 
-    def states(self) -> tuple[JudgedState, ...]:
+    def result(self, pattern: Pattern) -> SheetResult:
         """Return what was judged, by energy; states of one energy in an order that labels do not change."""
-        return tuple(self._by_energy())
+        curves = tuple(self.curves.found)
+        return SheetResult(pattern, tuple(self._by_energy()), self.tally.summary(curves), curves)
 
     def _by_energy(self) -> list[JudgedState]:
         by_key = sorted(self.tally.judged, key=lambda s: self.labels.key(s.phi))

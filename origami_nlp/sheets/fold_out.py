@@ -124,7 +124,7 @@ def found_to_fold(found: SheetResult) -> dict[str, Any]:
     Parameters
     ----------
     found
-        Of `find_states`.
+        Of `find_minima`.
 
     Returns
     -------

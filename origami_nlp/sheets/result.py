@@ -202,11 +202,13 @@ class SheetResult(Told, Turnable):
         All that was judged, by energy: minima, and what crosses or is undecided.
     search
         How they were looked for.
+    curves
+        Those with one freedom that were traced; none of a result that was read from a file.
 
     Examples
     --------
     >>> import origami_nlp as o
-    >>> found = o.find_states(o.examples.pattern("metasheet", 2, 3), starts=4)
+    >>> found = o.find_minima(o.examples.pattern("metasheet", 2, 3), starts=4)
     >>> found.search.starts >= 4
     True
     """
@@ -214,6 +216,7 @@ class SheetResult(Told, Turnable):
     pattern: Pattern
     states: tuple[JudgedState, ...] = field(repr=False)
     search: SheetSearch
+    curves: tuple[Any, ...] = field(default=(), repr=False)
 
     PICTURE, SCHEMA = "draw_found", "origami_nlp/minima/1"
 
@@ -363,31 +366,6 @@ class SheetResult(Told, Turnable):
             "refuted": [s.to_dict() for s in self.states if s.refuted],
             "search": asdict(self.search),
         }
-
-    @classmethod
-    def from_dict(cls, data: dict[str, Any], what: str = "") -> Self:
-        """Rebuild a result from `to_dict`, or from what ``pattern --minima --json`` wrote.
-
-        Parameters
-        ----------
-        data
-            What `to_dict` returned.
-        what
-            How messages call it, such as a file.
-
-        Returns
-        -------
-        SheetResult
-            The same.
-
-        Raises
-        ------
-        OptionError
-            If it holds no states of a sheet, or an entry is missing or wrong.
-        """
-        if isinstance(data, dict) and "minima" in data:  # the command writes them beside counts
-            data = {**data, "schema": cls.SCHEMA}
-        return super().from_dict(data, what)
 
     @classmethod
     def _from_plain(cls, data: dict[str, Any]) -> Self:
