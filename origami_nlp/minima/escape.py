@@ -11,6 +11,7 @@ import numpy as np
 from origami_nlp.kkt import (
     ALONE,
     FARTHEST,
+    GOES,
     TRACED,
     TREE,
     Escape,
@@ -30,7 +31,7 @@ from origami_nlp.minima.descents import Descents
 from origami_nlp.minima.minimum import JudgedState
 from origami_nlp.minima.one_freedom import Traced
 from origami_nlp.minima.traced_passes import TracedPasses, traced_passes
-from origami_nlp.numerics import CLOSES, FOLLOWED, RESOLVED, SHALLOW
+from origami_nlp.numerics import CLOSES, FOLLOWED, NONZERO, RESOLVED, SHALLOW
 from origami_nlp.programme import Contact, Model
 from origami_nlp.starts import Samples
 
@@ -105,7 +106,7 @@ class VertexTerrain(Terrain):
             way = (goal[live] - at[live] * aimed[live, None]) * model.root
             left = np.linalg.norm(way, axis=1)
             length = np.where(aimed[live], np.minimum(step, left), step)[:, None]
-            move = length * way / np.maximum(left, 1e-300)[:, None] / model.root
+            move = length * way / np.maximum(left, NONZERO)[:, None] / model.root
             want = np.clip(at[live] + move, -model.bound, model.bound)
             arrives = aimed[live] & (left <= step)
             # nothing beside it: at the flat state closure has no rank, and rounding would choose a side
@@ -114,7 +115,9 @@ class VertexTerrain(Terrain):
             y, residual = project(model, want, held, frozen=still, steps=MOST_STEPS)
             y = np.clip(y, -model.bound, model.bound)
             moved = np.linalg.norm(y - at[live], axis=1)
-            good = (residual <= FOLLOWED) & (moved > 0.05 * length[:, 0]) & (moved < 3 * step)
+            good = (
+                (residual <= FOLLOWED) & (moved > GOES[0] * length[:, 0]) & (moved < GOES[1] * step)
+            )
             good &= np.abs(model.closure(y)[0]).max(axis=1, initial=0.0) <= CLOSES
             # a target that is reached ends its ray
             good &= left > 0

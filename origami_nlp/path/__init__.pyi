@@ -25,8 +25,8 @@ from .system import Hold as Hold, Tally as Tally
 from .tracer import (
     CLOSED_CURVE as CLOSED_CURVE,
     SINGULAR as SINGULAR,
+    ContinuationOptions as ContinuationOptions,
     End as End,
-    Steps as Steps,
     Trace as Trace,
     advance as advance,
     trace as trace,

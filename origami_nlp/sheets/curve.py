@@ -12,14 +12,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from origami_nlp.facets import Sheet
-from origami_nlp.numerics import CLOSES, dense, null_space
-from origami_nlp.path import CLOSED_CURVE, End, Steps, trace
+from origami_nlp.numerics import CLOSES, EXPLORED, NONZERO, dense, null_space
+from origami_nlp.path import CLOSED_CURVE, ContinuationOptions, End, trace
 
 STEP = 0.05
 """Largest step of a walk [rad], in the norm over creases divided by the square root of their number."""
 SHORTEST = 1e-7
-SHUT = 1e-11
-"""A fold angle beyond pi by less is at pi, where rounding has left it [rad]."""
 BENT = 0.95
 """Share of a unit vector that the kernel holds, and cosine between tangents of a step and the next, at least."""
 SHARPEST = math.sqrt(2 - 2 * BENT)
@@ -105,17 +103,17 @@ class ClosedStates:
         """Return the sample at x with its tangent on the side of `along` [n]."""
         normal = self.sheet.normal(x)
         tangent = normal.along(along)
-        tangent /= max(float(np.linalg.norm(tangent)), 1e-300)
+        tangent /= max(float(np.linalg.norm(tangent)), NONZERO)
         # phi'' = -J^+ c''(phi', phi'), as J phi'' + c''(phi', phi') = 0 all along the curve
         return Sample(x, tangent, -normal.step(second(self.sheet, x, tangent, tangent)))
 
     def limit(self, here: Sample, beyond: Sample) -> Sample | None:
         """Return the state inside a step at which creases shut: all that come close to pi together, or the first."""
         went = beyond.x - here.x
-        near = np.abs(beyond.x) > math.pi - np.abs(went) - SHUT
+        near = np.abs(beyond.x) > math.pi - np.abs(went) - EXPLORED
         # creases that are shut and stay so do not end the curve
-        opening = np.where(math.pi - np.abs(here.x) > SHUT, math.pi - np.abs(here.x), math.inf)
-        share = opening / np.maximum(np.abs(beyond.x) - np.abs(here.x), 1e-300)
+        opening = np.where(math.pi - np.abs(here.x) > EXPLORED, math.pi - np.abs(here.x), math.inf)
+        share = opening / np.maximum(np.abs(beyond.x) - np.abs(here.x), NONZERO)
         share[np.abs(beyond.x) <= math.pi] = math.inf
         first = np.arange(len(share)) == share.argmin()
         for held, start in ((near, beyond.x), (first, here.x + min(share.min(), 1.0) * went)):
@@ -123,7 +121,7 @@ class ClosedStates:
             end, residual = self.sheet.project(start, held, steps=12)
             there = end - here.x
             size = float(np.linalg.norm(there))
-            good = residual <= CLOSES and (np.abs(end) <= math.pi + SHUT).all()
+            good = residual <= CLOSES and (np.abs(end) <= math.pi + EXPLORED).all()
             good = good and self.sheet.closure.on_sheet(end)
             ahead = float(there @ here.tangent) >= BENT * size
             if good and ahead and size <= 1.5 * float(np.linalg.norm(went)):
@@ -152,7 +150,7 @@ def follow_curve(sheet: Sheet, phi: np.ndarray, along: np.ndarray, step: float =
     """
     curve, root = ClosedStates(sheet), math.sqrt(sheet.size)
     first = curve.frame(phi, along / np.linalg.norm(along))
-    steps = Steps(
+    steps = ContinuationOptions(
         first=step * root,
         longest=step * root,
         shortest=SHORTEST * root,
@@ -163,7 +161,7 @@ def follow_curve(sheet: Sheet, phi: np.ndarray, along: np.ndarray, step: float =
     )
 
     def inside(samples: object) -> int:
-        beyond = [bool((np.abs(s.x) > math.pi + SHUT).any()) for s in samples]  # type: ignore[attr-defined]
+        beyond = [bool((np.abs(s.x) > math.pi + EXPLORED).any()) for s in samples]  # type: ignore[attr-defined]
         return beyond.index(True) if True in beyond else len(beyond)
 
     found = first and trace(curve, first, steps, [End(inside, "limit", curve.limit)])
@@ -172,7 +170,7 @@ def follow_curve(sheet: Sheet, phi: np.ndarray, along: np.ndarray, step: float =
         return Curve(phi[None], np.zeros(1), (LOST, LOST), none, none)
     ends = []
     for why, last in ((found.start, found.frames[0]), (found.end, found.frames[-1])):
-        shut = bool((math.pi - np.abs(last.x) <= SHUT).any())
+        shut = bool((math.pi - np.abs(last.x) <= EXPLORED).any())
         known = {CLOSED_CURVE: "closed", "limit": "limit" if shut else "lost at a fold limit"}
         ends.append(known.get(why, f"lost: {why}" if why.startswith("more") else LOST))
     states = np.clip(found.states, -math.pi, math.pi)

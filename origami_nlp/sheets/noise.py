@@ -22,7 +22,7 @@ from typing import NamedTuple
 import numpy as np
 
 from origami_nlp.facets import MOST_DENSE, Labels, Sheet
-from origami_nlp.kkt import LOADED, State, newton
+from origami_nlp.kkt import State, newton
 from origami_nlp.minima import (
     GROWTH,
     TRIALS,
@@ -31,7 +31,7 @@ from origami_nlp.minima import (
     count_survivals,
     drawn_errors,
 )
-from origami_nlp.numerics import CLOSES, cross
+from origami_nlp.numerics import CARRIES, CLOSES, cross
 from origami_nlp.pattern import Pattern
 from origami_nlp.sheets.closed import close
 from origami_nlp.sheets.descent import descend
@@ -237,7 +237,7 @@ def _solved(step: _Step, x: np.ndarray, contact: bool) -> np.ndarray | None:
         return None
     state = State(before.with_contact(contact), x)
     held = state.on(state.contacts.base)
-    pushing = zip(held.contacts, held.multiplier_set.found > LOADED, strict=True)
+    pushing = zip(held.contacts, held.multiplier_set.found > CARRIES, strict=True)
     rows = [c if c.is_limit else after.contact_of(before.touch(c)) for c, on in pushing if on]
     done, _ = newton(after, x, tuple(rows))
     return None if done is None else _certified(after, done.x, contact)

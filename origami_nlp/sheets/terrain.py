@@ -9,9 +9,9 @@ from collections.abc import Callable, Mapping, Sequence
 import numpy as np
 
 from origami_nlp.facets import Sheet
-from origami_nlp.kkt import FARTHEST, Terrain, energy_scale, over_flat
-from origami_nlp.numerics import BESIDE, CLOSES, coarse
-from origami_nlp.sheets.descent import AT_LIMIT, Descended, descend
+from origami_nlp.kkt import FARTHEST, GOES, Terrain, energy_scale, over_flat
+from origami_nlp.numerics import BESIDE, CLOSES, OUTSIDE, coarse
+from origami_nlp.sheets.descent import Descended, descend
 from origami_nlp.sheets.pops import is_jump, pop_rows
 from origami_nlp.sheets.pressing import press
 
@@ -61,7 +61,7 @@ class SheetTerrain(Terrain):
     ) -> np.ndarray | None:
         """Close a start beside state a; None where that is no admissible state, or past a vertex's flat state."""
         start = np.clip(start, -math.pi, math.pi)
-        shut = np.abs(start) >= math.pi - AT_LIMIT
+        shut = np.abs(start) >= math.pi - OUTSIDE
         shut = shut if held is None else shut | held
         x, residual = self.sheet.project(start, shut)
         if residual > CLOSES and held is None and shut.any():
@@ -74,7 +74,7 @@ class SheetTerrain(Terrain):
     def between(self, a: np.ndarray, b: np.ndarray, shares: np.ndarray) -> np.ndarray | None:
         """States between two; creases that both have shut stay so."""
         out = []
-        shut = (np.abs(a) >= math.pi - AT_LIMIT) & (a == b)
+        shut = (np.abs(a) >= math.pi - OUTSIDE) & (a == b)
         flat = (a == 0) & (b == 0)
         for share in shares:
             start = a + share * (b - a)
@@ -254,7 +254,7 @@ class SheetTerrain(Terrain):
             if new is None:
                 break
             moved = float(np.linalg.norm(new - path[-1]))
-            if not 0.05 * length < moved < 3 * length:
+            if not GOES[0] * length < moved < GOES[1] * length:
                 break
             if goal is None:
                 along = new - path[-1]
