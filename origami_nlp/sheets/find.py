@@ -211,18 +211,17 @@ class _Search:
     def press(self, end: Descended) -> None:
         """Judge where a descent into contact ended."""
         self.tally.pressed += 1
-        if end.arrived:
-            self.add(judge(self.sheet, end.phi))
-        elif end.why != UNTOLD:
+        if not end.arrived and end.why != UNTOLD:
             self.tally.refused.append(end.why)
-        else:
-            why = f"not decided: pressed down to where {end.why}"
+            return
+        state = judge(self.sheet, end.phi)
+        if not end.arrived or state.verdict == "undecided":
             beside = singular_beside(self.sheet, end.phi)
-            state = judge(self.sheet, end.phi if beside is None else beside)
-            if state.verdict == "minimum":
-                self.add(state)
-                return
-            self.add(replace(state, verdict="undecided", kind="", certificate=why))
+            state = state if beside is None else judge(self.sheet, beside)
+        if not end.arrived and state.verdict != "minimum":
+            why = f"not decided: pressed down to where {end.why}"
+            state = replace(state, verdict="undecided", kind=None, certificate=why)
+        self.add(state)
 
     def add_escapes(self) -> None:
         """Add what it takes to leave each minimum."""
