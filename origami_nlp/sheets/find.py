@@ -220,7 +220,7 @@ class _Search:
             state = state if beside is None else judge(self.sheet, beside)
         if not end.arrived and state.verdict != "minimum":
             why = f"not decided: pressed down to where {end.why}"
-            state = replace(state, verdict="undecided", kind=None, certificate=why)
+            state = replace(state, verdict="undecided", kind="", certificate=why)
         self.add(state)
 
     def add_escapes(self) -> None:
