@@ -188,6 +188,7 @@ def exits(at: State, known: Sequence[np.ndarray] = (), spacing: float = EXIT_SPA
         shut = set(held) <= set(other.contacts.base)
         if other.energy < lowest and shut and not is_thin(other):
             lowest, lowest_at = other.energy, other.x
+    # invariant: states in `frontier` are on the set, and what is beside them has not been looked at
     while frontier and count < MOST_STATES and len(seen) < 4 * MOST_STATES:
         here = frontier.pop()
         _, slopes = here.local.openings(held)
