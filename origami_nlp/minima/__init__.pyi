@@ -6,6 +6,7 @@ from . import (
     search as search,
     table as table,
 )
+from .account import SearchReport as SearchReport
 from .completeness import Added as Added, Completeness as Completeness, Open as Open
 from .coverage import StrataCount as StrataCount, count_strata as count_strata
 from .escape import VertexTerrain as VertexTerrain, with_merge_tree as with_merge_tree
@@ -43,7 +44,6 @@ from .ipopt import (
 from .minimum import (
     TRIALS as TRIALS,
     JudgedState as JudgedState,
-    SearchReport as SearchReport,
     Survival as Survival,
 )
 from .multistart import (
@@ -63,6 +63,7 @@ from .one_freedom import Traced as Traced, trace as trace
 from .proved import check_prove as check_prove
 from .record import Answer as Answer, Record as Record
 from .result import (
+    FoundMinima as FoundMinima,
     MinimaResult as MinimaResult,
 )
 from .stability import (
@@ -74,6 +75,7 @@ from .stability import (
 from .stopping import chao1 as chao1
 from .strip import draw_states as draw_states
 from .table import DEMO_HEADS as DEMO_HEADS, demo_rows as demo_rows
+from .telling import state_lines as state_lines, undecided_lines as undecided_lines
 from .traced_passes import TracedPasses as TracedPasses
 from .turned import (
     CELLS as CELLS,

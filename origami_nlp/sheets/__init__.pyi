@@ -1,3 +1,4 @@
+from .account import SheetSearch as SheetSearch
 from .branches import list_branches as list_branches
 from .clearance import Clearance as Clearance, Stretches as Stretches
 from .confirming import Confirmed as Confirmed, confirm_minimum as confirm_minimum
@@ -44,7 +45,7 @@ from .noise import is_overdetermined as is_overdetermined
 from .pinned import press_along as press_along, press_off as press_off
 from .pops import pop_rows as pop_rows
 from .pressing import press as press
-from .result import SheetResult as SheetResult, SheetSearch as SheetSearch
+from .result import SheetResult as SheetResult
 from .rows import Rows as Rows
 from .stress import Stress as Stress, find_stress as find_stress
 from .turnable import (

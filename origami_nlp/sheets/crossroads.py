@@ -7,7 +7,7 @@ proportion to the distance, where curves meet.  Between two samples that is a sh
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
@@ -21,6 +21,8 @@ MOST_CREASES = 60
 """Up to which singular values are computed along curves; beyond, vertices are asked whether they are flat."""
 MEET = 1e-6
 """Smallest singular value at which curves meet."""
+ON_PLANE = 1e-6
+"""Planes of states that agree to this are one."""
 SNAP = 1e-6
 """Fold angles this close to 0 or pi round a vertex that becomes flat are so [rad]."""
 PARTS = np.linspace(-1.0, 1.0, 9)
@@ -163,6 +165,18 @@ def split(sheet: Sheet, phi: np.ndarray, ways: TangentCone) -> TangentCone:
                 ):
                     lines.append(line)
     return TangentCone(np.array(lines).reshape(-1, sheet.size), tuple(families), ways.reason)
+
+
+def is_on_plane(
+    planes: Sequence[tuple[np.ndarray, np.ndarray]], basis: np.ndarray, off: np.ndarray
+) -> bool:
+    """Tell whether a plane of closed states, spanned by a basis [n, t] from a state [n], is one of some."""
+    return any(
+        other.shape == basis.shape
+        and np.abs(off - there).max() < ON_PLANE
+        and np.abs(basis - other @ (other.T @ basis)).max() < ON_PLANE
+        for other, there in planes
+    )
 
 
 def into_family(phi: np.ndarray, basis: np.ndarray, side: np.ndarray) -> Iterator[np.ndarray]:
