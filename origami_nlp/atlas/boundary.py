@@ -281,6 +281,7 @@ def _events_on(
             EventTracer(plane, hold, contact, tally)
             for hold, contact in _systems(web, number, node)
         )
+        # several systems can have the node as a solution: the first in which Newton comes back to it is followed
         for tracer in (FlatTracer(plane),) if flat else tracers:
             first = tracer.at(point, normal, node.point[:-1])
             if first is not None and abs(first.point[axis] - node.s) <= BESIDE:
@@ -289,6 +290,7 @@ def _events_on(
         if first is None:
             met.append((t, 0))
             continue
+        # one curve meets a line more than once, and every other line as well
         known = next((c.id for c in curves if _lies_on(tracer, c, first, 1 - axis)), 0)
         if not known:
             points, ends = follow_event(tracer, first, until)

@@ -133,6 +133,7 @@ def full_pass(
     if scene.contact == "full" and side[0] * side[1] < 0:
         flat = model.energy(np.zeros(model.size))
         bounds.append((flat, "the flat state separates them (proved)"))
+    # a state on a thin set is left through the exits of the set alone
     for number, state in zip(numbers, states, strict=True):
         if number not in known_exits:
             known_exits[number] = proved_exit(model, state) or exits(

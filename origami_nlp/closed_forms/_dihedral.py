@@ -87,6 +87,7 @@ def wedge3(n: int, alpha1: Any, elevation: Any, phi2: Any, branch: Any) -> Chart
         def mark(mask: Any, code: Reason) -> None:
             reason[np.broadcast_to(mask, reason.shape)] = code
 
+        # what is marked later overrides
         mark(np.any(np.abs(value) > np.pi * (1 + ROUNDOFF), axis=-1), Reason.NOT_ON_SHEET)
         mark(on_fold & (reason == Reason.OK), Reason.FOLD)
         mark((existence < 0) & ~on_fold, Reason.NO_SOLUTION)

@@ -235,6 +235,7 @@ def _regular(piece: Stratum, check: bool) -> LoadMargin:
     margins = piece.forces / np.maximum(np.linalg.norm(response, axis=1), 1e-300)
     best: tuple[float, np.ndarray, _Event] | None = None
     for i in range(len(rows)):
+        # planes are first order: along the refined direction the load is raised until the state really ends
         direction = _refine(piece, i, response[i])
         event = _critical(piece, direction, 4 * float(margins[i]))
         if best is None or event.load < best[0]:

@@ -233,6 +233,7 @@ def find_segments(
             if curve is not None and len(curve.s) > 1:
                 curves.append(curve)
                 states.append((number,))
+    # lines that no stable state lies on: of the chart, then through states drawn at random
     if every_boundary:
         for line in _chart_lines(result.scene):
             middle = model.reduce(line.fold_angles[len(line.fold_angles) // 2])

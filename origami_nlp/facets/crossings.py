@@ -210,6 +210,7 @@ def convex_parts(
             a, b, c = ring[i - 1], ring[i], ring[(i + 1) % len(ring)]
             if turn(a, b, c) <= tiny:
                 continue
+            # an ear: a corner that turns to the left, with no other corner in its triangle
             others = [p for p in ring if p not in (a, b, c)]
             if not any(
                 turn(a, b, p) >= 0 and turn(b, c, p) >= 0 and turn(c, a, p) >= 0 for p in others

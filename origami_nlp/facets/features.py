@@ -127,6 +127,7 @@ class Features:
         same &= valid[:, 0, :, None] & valid[:, 1, None]
         shared = same.sum(axis=(1, 2))
         found: dict[object, tuple[Touch, float]] = {}
+        # corners of one piece over the other, both ways; pieces with one corner in common leave that corner out
         for joined in (False, True):
             here = shared == int(joined)
             for a, b, common in (

@@ -195,6 +195,7 @@ def examine(
         return bad(
             f"adjacent facets cross at crease {crease}: |phi| exceeds pi by {over.max():.1e}"
         )
+    # what crosses by more than the tolerance is refused; where facets only touch, the order of layers decides
     n = len(phi)
     pairs, heights = _not_adjacent(n), facet_heights(creases)
     depth = depths_at(heights, pairs)

@@ -92,6 +92,7 @@ def _judge(piece: Stratum, stationary: float) -> BranchJudgement:
     state, rows, a = piece.state, piece.contacts, piece.slopes
     root, z, regular = state.programme.root, state.kernel, state.regular
     multipliers = piece.multiplier_set
+    # linearised feasible directions, in coordinates of the kernel (Nocedal and Wright, definition 12.3)
     dimension, y, held = cone(a @ z, rows)
     tangent = None if y is None else z @ y / root
     size = 1.0 + np.abs(state.gradient).max()

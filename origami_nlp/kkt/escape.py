@@ -283,6 +283,7 @@ def _highest(terrain: Terrain, k: int, states: np.ndarray) -> tuple[float, np.nd
     that may be higher than what was seen are cut until that is little.  None where a cut does not close,
     is not admissible, or lies aside: then it is no way.
     """
+    # states in order along the way, their heights and slopes; each cut puts one more in
     x = list(states)
     u = terrain.rise(k, states).tolist()
     slope = [terrain.slope(y) for y in x]

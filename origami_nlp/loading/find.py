@@ -217,6 +217,7 @@ class _Job:
         toward = 1.0 if end > s else -1.0
         self.begin(x, s, toward)
         for _ in range(MOST_SNAPS):
+            # x is stable at s, and the load runs on from there
             way = walk(self.web, x, s, toward, end, self.across)
             if self.web.interrupted and (way is None or way.why in (LATE, "snap")):
                 if way is not None and len(way.frames) > 1:

@@ -173,6 +173,7 @@ class Curves:
                 np.concatenate([meet, ends[np.abs(ends[:, v]) < limit, v], [-limit, limit]])
             )
             cuts = cuts[np.diff(cuts, prepend=-math.inf) > 4 * EPS]
+            # completions that meet without touching end there: the curve turns back from one to the other
             turning = np.isin(cuts, meet[~touching]) & ~np.isin(cuts, meet[touching])
             middle = (cuts[1:] + cuts[:-1]) / 2
             _, exists, _ = self.states(np.full(len(middle), v), middle)

@@ -145,6 +145,7 @@ def confirm_by(
     row_pull[:m] = -np.linalg.lstsq(stratum.state.jacobian[rows].T, rest, rcond=DEPENDENT)[0]
     for contact, force in zip(stratum.contacts, forces.tolist(), strict=True):
         if contact.is_limit:
+            # CasADi: gradient of f + lam_g . g + lam_x . x, positive at upper bounds, negative at lower ones
             pull[contact.index] = contact.side * force
         else:
             row = m + gaps.index(contact.index)
@@ -207,6 +208,7 @@ def solve(model: Solvable, start: np.ndarray, pairs: Pairs = ()) -> Solve:
         float(np.max(programme.lower - g, initial=0)),
         float(np.max(g - programme.upper, initial=0)),
     )
+    # five rows a pair come last: |n| = 1, and four rays on their sides of the plane
     last = len(g) - 5 * len(pairs)
     force = {
         pair: float(np.abs(lam_g[last + 5 * m + 1 : last + 5 * m + 5]).max())

@@ -122,6 +122,7 @@ def find_transitions(
     report("events", 0.0)
     events = find_events(make, low, high, seed)
     transitions, silent = [], []
+    # events at one angle are one transition if X differs on the two sides or at it, else silent
     for group in _grouped(events):
         alpha = float(np.median([e.alpha for e in group]))
         report("confirmation", 0.0)

@@ -78,6 +78,7 @@ class System:
         self.size = 1.0 + float(np.abs(gradient).max(initial=0.0))
         self.multipliers = self._balanced(gradient) if multipliers is None else multipliers
         m, kept = p.equation_count, len(closure)
+        # `hold.closure` names independent rows: multipliers of all others are 0
         full = self.multipliers
         if kept < m:
             full = np.zeros(m + len(hold.contacts))

@@ -190,6 +190,7 @@ def trace_ahead(
             back = float(np.linalg.norm(curve.root * (step.frame.x - first.x)))
             # invariant: `here` is the last point kept, `at` its arclength, and no end lies before it
             if len(frames) >= 3 and _is_back(curve, step, first, back):
+                # a last point short of the start is still one of the curve
                 if (first.x - step.frame.x) * curve.root @ step.frame.tangent > 0:
                     at += step.length
                     frames.append(step.frame)
@@ -206,6 +207,7 @@ def trace_ahead(
                 last = end.meet(here, beyond.frame)
                 chord = float(np.linalg.norm(curve.root * (last.x - here.x)))
                 return [*frames, last], [*s, at + _arc(here, last, chord)], end.why
+            # an end that is only known to lie between two points: steps are halved down to the shortest
             found, h = end, beyond.tried / 2
         elif len(ahead) == kept and not after:
             return frames, s, found.why if found else SINGULAR

@@ -67,8 +67,7 @@ class Web:
     functions
         Further functions of a state whose zeros are events, by type.
     lazy
-        Whether stable states beyond unstable ones, and what branches off, are left until they are asked for
-        (`resume`).
+        Whether stable states beyond unstable ones, and what branches off, wait until they are asked for (`resume`).
     until
         When following ends (`time.monotonic`), wherever it is.
 
@@ -258,6 +257,7 @@ class Web:
         stop, between = list[Found](), list[Equilibrium]()
         verdict = "" if half.signed else judged(half.frame)
 
+        # of each end: `before` counts the frames up to it, `meet` locates it between the last one and the next
         def before(frames: Sequence[Equilibrium]) -> int:
             for k, f in enumerate(frames):
                 good = self.low <= f.s <= self.high and is_equilibrium(f)

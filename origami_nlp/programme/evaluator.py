@@ -31,6 +31,7 @@ def evaluator(function: ca.Function) -> Evaluate:
         if a.size:
             buffer.set_res(i, memoryview(a.data))
     shapes = [tuple(function.size_out(i)) for i in range(function.n_out())]
+    # places of a sparse output's entries in the whole matrix, row by row; CasADi itself counts column by column
     where: list[Any] = []
     for i, (_, columns) in enumerate(shapes):
         sparsity = function.sparsity_out(i)

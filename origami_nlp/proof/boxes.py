@@ -229,6 +229,7 @@ def _shrunk(
         recorder.leaves(batch.node[empty & ~used], Kind.EMPTY)
         recorder.leaves(batch.node[empty & used], Kind.NONE)
     share = _shares(batch, lower, upper)
+    # a contraction costs a node and a box in the tree: only those that gain something
     carried = ~empty & (share.min(axis=0) < KEPT)
     node = batch.node.copy()
     if recorder:

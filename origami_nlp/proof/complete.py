@@ -100,6 +100,7 @@ def prove(
     order = np.argsort([model.energy(x) for x in roots.x], kind="stable")
     order = order[inside.all(axis=1)[order]]
     points = tuple(_point(model, roots, int(i)) for i in order)
+    # leaves of roots name points by their places in the list, which is ordered by energy
     position = np.full(len(roots), -1)
     position[order] = np.arange(len(order))
     singular: list[Cluster] = []

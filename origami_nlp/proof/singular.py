@@ -128,6 +128,7 @@ def _state_at(model: Model, x: np.ndarray, stratum: Stratum) -> tuple[np.ndarray
         raise NotShown("it is not on the stratum")
     kinematics = Kinematics(model)
     at = kinematics.fold(point[None])
+    # turned creases by the line that they share
     lines: list[list[int]] = []
     for i in turned:
         apart = [np.linalg.norm(np.cross(at.axes[0, line[0]], at.axes[0, i])) for line in lines]

@@ -263,6 +263,7 @@ def with_touches(
     points = _judged(model, _as_roots(limits.points, model.size), limits.points, ())
     if why := why_not(model):
         undecided.append(cluster_of(model, strata(model.size)[:1], why))
+    # gaps closed as equations, creases pinned: boxes are pruned until small, and the roots of the KKT system certified
     for stratum in () if why else touch_strata(model):
         touches, names = stratum.touches, _names(model, stratum.touches)
         left = prune(
@@ -277,6 +278,7 @@ def with_touches(
         for group in by_stratum(left.open):
             why = f"the time, or the number of boxes, was up; {names}"
             undecided.append(cluster_of(model, left.open[group], why))
+        # critical points that are isolated leave few boxes
         if len(left.candidates) > MOST:
             for group in by_stratum(left.candidates):
                 undecided.append(cluster_of(model, left.candidates[group], f"a curve; {names}"))

@@ -61,6 +61,7 @@ def dips(sheet: Sheet, curve: Interpolant) -> list[np.ndarray]:
             )
             values = _smallest(sheet, states)
             at, width = float(places[values.argmin()]), 0.3 * width
+            # where curves meet the dip is sharp: a smooth minimum does not fall any further
             if zoom == 3 and values.min() > 0.1 * size[i]:
                 break
             best = min(best, float(values.min()))

@@ -185,6 +185,7 @@ def find_motion(
     z = sheet.kernel(seen.folded)
     curve = follow_curve(sheet, seen.folded, z @ (z.T @ seen.folded))
     here = int(np.linalg.norm(curve.phi - seen.folded, axis=1).argmin())
+    # both ways were followed: from the least folded state on, through the one that was found
     least = int(np.linalg.norm(curve.phi[: here + 1], axis=1).argmin())
     states = curve.phi[least:]
     if curve.ends[1].startswith("lost"):

@@ -55,6 +55,7 @@ def find_space(scene: Scene, size: int = SIZE) -> Space:
     check_type("scene", scene, Scene)
     size = check_whole("size", size, *SIZES)
     chain = chain_of(scene)
+    # walls may pass a mesh of one size so closely that another one is needed
     for attempt in ATTEMPTS:
         try:
             cells = admissible_cells(mesh_sheets(chain, size + attempt))

@@ -131,6 +131,7 @@ def spots(count: int, triangles: np.ndarray, extra: np.ndarray) -> list[Spot]:
 
 def handles(count: int, triangles: np.ndarray, extra: np.ndarray) -> list[np.ndarray]:
     """Maximal arcs of edges that border no triangle, each as its vertices in order (a loop repeats the first)."""
+    # vertices of two such edges and of no triangle: an arc goes on through them
     inner = np.bincount(extra.ravel(), minlength=count) == 2
     if len(triangles):
         inner[np.unique(triangles)] = False

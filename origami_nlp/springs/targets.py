@@ -290,6 +290,7 @@ def place(model: Model, target: Target) -> Placed:
         )
     x = np.clip(x, -model.bound, model.bound)
     near, residual = project(model, x)
+    # what is typed holds contacts to a few digits: they are closed exactly, where that is near enough
     contacts = State(model, near, DESIGN_SNAP).pieces[0] if residual <= CLOSES else ()
     if contacts:
         held, left = project(model, near, contacts)

@@ -263,6 +263,7 @@ def list_strata(sectors: tuple[float, ...], rows: frozenset[Row]) -> TouchStrata
     whole = Pinched((), (), (), (tuple((i, i, -1, -1) for i in range(n)),))
     once = pinch(whole, n, rows)
     again = once if n <= MOST_TWICE else []
+    # two touches in either order make the same pieces
     twice = {_shape(way, n): way for first in again for way in pinch(first, n, rows)}
     many = n > MOST_FULL
     families = [

@@ -165,6 +165,7 @@ def touch_starts(
         have += len(keep)
         if have == count:
             break
+    # once, and longer, on strata without closed creases that gave nothing
     rare = np.flatnonzero((strata.closed == 0) & (started == 0))
     if before is None and len(rare):
         draws = min(RARE, max(DRAWS, MOST_RARE // len(rare)))

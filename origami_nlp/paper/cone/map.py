@@ -220,6 +220,7 @@ class _Column:
         steps = np.zeros((len(limbs), len(self.ratios) + 1), np.int64)
         for rows, first, stop in events:
             for limb, value in zip(steps, limbs[:, rows], strict=True):
+                # differences at both ends of an interval of ratios, summed up once for all
                 np.add.at(limb, first, value)
                 np.subtract.at(limb, stop, value)
         return np.cumsum(steps[:, :-1], axis=1)
@@ -253,6 +254,7 @@ class _Column:
         low, high = curvature_bounds(self.side, self.grid[:-1], self.grid[1:])
         half = np.diff(self.grid) / 2
         shape = left.odd.shape
+        # all classes on all cells at once; then, halved again and again, those that are left open
         r, c = (x.ravel() for x in np.indices(shape))
         settled = self._settle(
             left, right, middle, weights @ low.T, weights @ high.T, half + np.zeros(shape)
@@ -301,6 +303,7 @@ class _Column:
         at_left, at_right = left.ratio(), right.ratio()
         up_left, up_right = left.even >= 0, right.even >= 0
         inf = np.inf
+        # F < 0 at the left and F >= 0 at the right: each linear in r, and both together an interval
         low = np.maximum(np.where(up_left, -inf, at_left), np.where(up_right, at_right, -inf))
         high = np.minimum(np.where(up_left, at_left, inf), np.where(up_right, inf, at_right))
         first, stop = self._range(low, high)

@@ -201,6 +201,7 @@ def _bisected(
         near -= np.abs(lines[near - 1] - fixed) <= np.abs(lines[near] - fixed)
         on_line = np.abs(lines[near] - fixed) <= ON_LINE * np.abs(fixed)
         edge = np.searchsorted(grid, free)
+        # the edge that holds the vertex, then the edges on either side
         for step in (0, -1, 1):
             k = np.clip(edge + step, 1, len(grid) - 1)
             a, b, other = grid[k - 1], grid[k], lines[near]
