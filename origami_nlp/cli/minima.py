@@ -39,9 +39,8 @@ def minima(
         check_mesh,
         draw_minima,
         find_vertexwise,
-        write_fold,
-        write_mesh,
     )
+    from origami_nlp.verbs import write_fold, write_mesh
 
     out = Output(
         json=json,

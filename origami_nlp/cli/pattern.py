@@ -262,7 +262,8 @@ class _Files:
     def _mesh(self, file: str) -> None:
         import numpy as np
 
-        from origami_nlp.sheets import write_sheet_mesh
+        from origami_nlp.minima import write_parts
+        from origami_nlp.sheets import sheet_parts
 
         states = [phi for _, phi, _, _ in self.states]
         if self.motion is not None:
@@ -271,7 +272,7 @@ class _Files:
             states += [np.array(snap.before), np.array(snap.after)]
         if not states and self.loaded is not None:
             states = [np.array(leg.points[-1].fold_angles) for leg in self.loaded.legs]
-        write_sheet_mesh(self.pattern, states, file)
+        write_parts(sheet_parts(self.pattern, states), file)
 
     def _page(self, file: str) -> None:
         from origami_nlp.sheets import sheet_content

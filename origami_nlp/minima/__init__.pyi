@@ -19,10 +19,10 @@ from .find import (
 )
 from .flags import ResultFlags as ResultFlags, StateFlags as StateFlags
 from .fold_out import (
+    Part as Part,
     check_mesh as check_mesh,
     join_meshes as join_meshes,
-    write_fold as write_fold,
-    write_mesh as write_mesh,
+    write_parts as write_parts,
 )
 from .full_space import (
     FullSpace as FullSpace,

@@ -4,19 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
-from origami_nlp.arguments import check_type
 from origami_nlp.errors import OptionError
 from origami_nlp.files import write_whole
-from origami_nlp.folding import fold_vertex, folded_frame, frames_to_fold, path_frames, save_fold
+from origami_nlp.folding import fold_vertex, folded_frame, frames_to_fold, path_frames
 from origami_nlp.minima.result import MinimaResult
 
 if TYPE_CHECKING:
     from trimesh import Trimesh
 
+Part: TypeAlias = tuple[np.ndarray, np.ndarray]
+"""Points [v, 3] and triangles [f, 3]."""
 MESH_SUFFIXES = (".obj", ".stl", ".glb")
 
 
@@ -41,72 +42,42 @@ def minima_to_fold(result: MinimaResult) -> dict[str, Any]:
     return frames_to_fold(scene, frames)
 
 
-def write_fold(result: MinimaResult, target: str | Path) -> None:
-    """Write states as a FOLD file (spec 1.1): the crease pattern, and one folded frame a state.
-
-    Where the full space was asked for, the descents from unstable states follow, as frames of their own.
-
-    Parameters
-    ----------
-    result
-        Of `find_minima`.
-    target
-        The file, written whole or not at all; ``"-"`` for standard output.
-
-    Raises
-    ------
-    OptionError
-        If `result` is no result, or the file cannot be written.
-
-    Examples
-    --------
-    >>> import json, pathlib, tempfile, origami_nlp as o
-    >>> path = pathlib.Path(tempfile.mkdtemp(), "states.fold")
-    >>> o.write_fold(o.find_minima(o.examples.degree6("pi/4", ratio=0.01), max_starts=16), path)
-    >>> [frame["frame_title"] for frame in json.loads(path.read_text())["file_frames"]]
-    ['state 1: interior, 0.0090858 J', 'state 2: contact-touching, 1.2337 J']
-    """
-    check_type("result", result, MinimaResult)
-    save_fold(minima_to_fold(result), target)
-
-
-def write_mesh(result: MinimaResult, target: str | Path) -> None:
-    """Write the states side by side as one triangle mesh, by way of trimesh (extra ``mesh``).
-
-    Parameters
-    ----------
-    result
-        Of `find_minima`.
-    target
-        The file, ``.obj``, ``.stl`` or ``.glb``.
-
-    Raises
-    ------
-    OptionError
-        If trimesh is not installed, the name ends in something else, there is no minimum, or the file cannot be
-        written.
-
-    Examples
-    --------
-    >>> import pathlib, tempfile, origami_nlp as o
-    >>> path = pathlib.Path(tempfile.mkdtemp(), "states.stl")
-    >>> o.write_mesh(o.find_minima(o.examples.degree6("pi/4", ratio=0.01), max_starts=16), path)
-    >>> path.stat().st_size > 0
-    True
-    """
-    suffix = check_mesh(target)
-    import trimesh
-
+def vertex_parts(result: MinimaResult) -> list[Part]:
+    """Return the states side by side, each as triangles."""
     n = result.scene.degree
     faces = np.array([[0, i, i % n + 1] for i in range(1, n + 1)])
     parts = []
     for k, m in enumerate(result.minima):
-        creases, _ = fold_vertex(result.scene.vertex, np.array(m.fold_angles))
-        points = np.vstack([np.zeros((1, 3)), creases]) + np.array([2.5 * k, 0.0, 0.0])
-        parts.append(trimesh.Trimesh(points, faces, process=False))
+        creases, _ = fold_vertex(result.scene.vertex, m.phi)
+        points = np.vstack([np.zeros((1, 3)), creases])
+        parts.append((points + np.array([2.5 * k, 0.0, 0.0]), faces))
+    return parts
+
+
+def write_parts(parts: Sequence[Part], target: str | Path) -> None:
+    """Write triangles as one mesh, by way of trimesh (extra ``mesh``).
+
+    Parameters
+    ----------
+    parts
+        Points [v, 3] and triangles [f, 3] of each part; triangles without area are left out.
+    target
+        The file, ``.obj``, ``.stl`` or ``.glb`` (binary glTF).
+
+    Raises
+    ------
+    OptionError
+        If trimesh is not installed, the name ends in something else, there is no part, or the file cannot be written.
+    """
+    suffix = check_mesh(target)
+    import trimesh
+
     if not parts:
-        raise OptionError(f"--mesh = {str(target)!r}: no minimum was found to write")
-    write_whole(target, join_meshes(parts, suffix))
+        raise OptionError(f"--mesh = {str(target)!r}: no state was found to write")
+    meshes = [trimesh.Trimesh(points, faces, process=False) for points, faces in parts]
+    for mesh in meshes:
+        mesh.update_faces(mesh.area_faces > 0)
+    write_whole(target, join_meshes(meshes, suffix))
 
 
 def join_meshes(parts: Sequence[Trimesh], suffix: str) -> bytes:
@@ -143,7 +114,7 @@ def join_meshes(parts: Sequence[Trimesh], suffix: str) -> bytes:
 
 
 def check_mesh(target: str | Path) -> str:
-    """Return the suffix of a mesh file, after seeing that it can be written (see `write_mesh`)."""
+    """Return the suffix of a mesh file, after seeing that it can be written (see `write_parts`)."""
     from importlib.util import find_spec
 
     suffix = Path(target).suffix.lower()

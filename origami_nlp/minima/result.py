@@ -40,6 +40,7 @@ from origami_nlp.show import Content, Piece, Table, Told, Turnable, Words
 
 if TYPE_CHECKING:
     from origami_nlp.chart import Landscape
+    from origami_nlp.minima.fold_out import Part
 
 SUCCESS = "Solve_Succeeded"
 """What IPOPT says where it converged."""
@@ -121,6 +122,26 @@ class FoundMinima(Told, Turnable):
         """All that was judged and kept, by energy."""
         every = (*self.minima, *self.undecided, *self.rejected)
         return tuple(sorted(every, key=lambda s: rank(s.energy / self.model.scale, ())))
+
+    def to_fold(self) -> dict[str, Any]:
+        """Return the states as FOLD data (spec 1.1), a folded frame each.
+
+        Returns
+        -------
+        dict
+            For `json.dump`.
+        """
+        raise NotImplementedError
+
+    def mesh_parts(self) -> list[Part]:
+        """Return the states side by side as triangles.
+
+        Returns
+        -------
+        list of tuple
+            Points [v, 3] and triangles [f, 3] of each.
+        """
+        raise NotImplementedError
 
     def table(self) -> Table:
         """Return one row a minimum."""
@@ -261,6 +282,18 @@ class MinimaResult(FoundMinima):
         """Return residuals and hits."""
         residuals = minimum.closure_residual, minimum.kkt_residual
         return [*map(residual_words, residuals), str(minimum.hits)]
+
+    def to_fold(self) -> dict[str, Any]:
+        """Return the states as FOLD data; those that are unstable in the full space with their descents."""
+        from origami_nlp.minima.fold_out import minima_to_fold
+
+        return minima_to_fold(self)
+
+    def mesh_parts(self) -> list[Part]:
+        """Return the states side by side as triangles."""
+        from origami_nlp.minima.fold_out import vertex_parts
+
+        return vertex_parts(self)
 
     def told(self) -> Iterator[Piece]:
         """Return the table, the states and the record of the search."""

@@ -25,10 +25,9 @@ from .drawing import (
 from .find import find_states as find_states
 from .flat_folded import FlatFolded as FlatFolded, list_flat_folded as list_flat_folded
 from .fold_out import (
-    found_to_fold as found_to_fold,
     sheet_frame as sheet_frame,
+    sheet_parts as sheet_parts,
     sheet_to_fold as sheet_to_fold,
-    write_sheet_mesh as write_sheet_mesh,
 )
 from .interpolant import (
     Interpolant as Interpolant,

@@ -13,6 +13,7 @@ from origami_nlp.kkt import State
 from origami_nlp.minima import (
     FoundMinima,
     JudgedState,
+    Part,
     shallow_words,
     state_lines,
     survival_words,
@@ -21,6 +22,7 @@ from origami_nlp.minima import (
 from origami_nlp.numerics import STATIONARY
 from origami_nlp.pattern import Pattern, pattern_from_dict, pattern_to_dict
 from origami_nlp.sheets.account import SheetSearch
+from origami_nlp.sheets.fold_out import sheet_frame, sheet_parts, sheet_to_fold
 from origami_nlp.sheets.noise import is_overdetermined, measured_words
 from origami_nlp.sheets.stress import find_stress
 from origami_nlp.show import Content, Piece, inline_image
@@ -119,6 +121,18 @@ class SheetResult(FoundMinima):
         words = [f"facets {_few([f'{a}|{b}' for a, b in touched])} touch"] * bool(touched)
         words += [f"fold limit of {_few(limits)}"] * bool(limits)
         return ["; ".join(words)]
+
+    def to_fold(self) -> dict[str, Any]:
+        """Return the states as FOLD data."""
+        frames = (
+            sheet_frame(self.pattern, m.phi, m.title(k), **m.frame_entries())
+            for k, m in enumerate(self.minima, start=1)
+        )
+        return sheet_to_fold(self.pattern, frames)
+
+    def mesh_parts(self) -> list[Part]:
+        """Return the states side by side as triangles."""
+        return sheet_parts(self.pattern, [m.phi for m in self.minima])
 
     def told(self) -> Iterable[Piece]:
         """Say what was found, what was not decided, and how it was looked for."""

@@ -17,10 +17,11 @@ from origami_nlp import (
     find_minima,
     format_scene,
     parse_scene,
+    write_fold,
+    write_mesh,
 )
 from origami_nlp.cli import app
 from origami_nlp.folding import face_orders
-from origami_nlp.minima import write_fold, write_mesh
 from origami_nlp.minima.fold_out import minima_to_fold
 from origami_nlp.pattern import fold_vertices, parse_fold, scene_at
 from tests.computed_once import shared
