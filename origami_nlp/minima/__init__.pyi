@@ -24,6 +24,7 @@ from .fold_out import (
     join_meshes as join_meshes,
     write_parts as write_parts,
 )
+from .found import FoundMinima as FoundMinima, state_lines as state_lines
 from .full_space import (
     FullSpace as FullSpace,
     full_scene as full_scene,
@@ -63,7 +64,6 @@ from .one_freedom import Traced as Traced, trace as trace
 from .proved import check_prove as check_prove
 from .record import Answer as Answer, Record as Record
 from .result import (
-    FoundMinima as FoundMinima,
     MinimaResult as MinimaResult,
 )
 from .stability import (
@@ -75,7 +75,7 @@ from .stability import (
 from .stopping import chao1 as chao1
 from .strip import draw_states as draw_states
 from .table import DEMO_HEADS as DEMO_HEADS, demo_rows as demo_rows
-from .telling import state_lines as state_lines, undecided_lines as undecided_lines
+from .telling import undecided_lines as undecided_lines
 from .traced_passes import TracedPasses as TracedPasses
 from .turned import (
     CELLS as CELLS,

@@ -11,7 +11,8 @@ import numpy as np
 from origami_nlp.errors import OptionError
 from origami_nlp.files import write_whole
 from origami_nlp.folding import fold_vertex, folded_frame, frames_to_fold, path_frames
-from origami_nlp.minima.result import MinimaResult
+from origami_nlp.minima.minimum import JudgedState
+from origami_nlp.pattern import Scene
 
 if TYPE_CHECKING:
     from trimesh import Trimesh
@@ -21,34 +22,33 @@ Part: TypeAlias = tuple[np.ndarray, np.ndarray]
 MESH_SUFFIXES = (".obj", ".stl", ".glb")
 
 
-def minima_to_fold(result: MinimaResult) -> dict[str, Any]:
-    """Return the states of `result` as FOLD data (spec 1.1).
+def minima_to_fold(scene: Scene, minima: Sequence[JudgedState]) -> dict[str, Any]:
+    """Return the minima of a scene as FOLD data (spec 1.1).
 
     States that are unstable in the full space are followed, after all states, by the frames of their descents.
     """
-    scene = result.scene
     frames = [
         folded_frame(scene, m.fold_angles, m.title(k), **m.frame_entries())
-        for k, m in enumerate(result.minima, start=1)
+        for k, m in enumerate(minima, start=1)
     ]
     if not frames and not scene.vertex.flat:
         raise OptionError(
             "no minimum was found, and paper that is not flat has no crease pattern to write"
         )
-    for k, m in enumerate(result.minima, start=1):
+    for k, m in enumerate(minima, start=1):
         if m.full_space and m.full_space.descent:
             states, energies = zip(*m.full_space.descent, strict=True)
             frames += path_frames(scene, np.array(states), energies, f"descent from state {k}")
     return frames_to_fold(scene, frames)
 
 
-def vertex_parts(result: MinimaResult) -> list[Part]:
+def vertex_parts(scene: Scene, minima: Sequence[JudgedState]) -> list[Part]:
     """Return the states side by side, each as triangles."""
-    n = result.scene.degree
+    n = scene.degree
     faces = np.array([[0, i, i % n + 1] for i in range(1, n + 1)])
     parts = []
-    for k, m in enumerate(result.minima):
-        creases, _ = fold_vertex(result.scene.vertex, m.phi)
+    for k, m in enumerate(minima):
+        creases, _ = fold_vertex(scene.vertex, m.phi)
         points = np.vstack([np.zeros((1, 3)), creases])
         parts.append((points + np.array([2.5 * k, 0.0, 0.0]), faces))
     return parts

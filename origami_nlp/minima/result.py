@@ -17,6 +17,8 @@ from origami_nlp.kkt import State
 from origami_nlp.minima.account import SearchReport
 from origami_nlp.minima.completeness import Completeness
 from origami_nlp.minima.flags import ResultFlags
+from origami_nlp.minima.fold_out import Part, minima_to_fold, vertex_parts
+from origami_nlp.minima.found import FoundMinima, state_lines
 from origami_nlp.minima.minimum import JudgedState
 from origami_nlp.minima.noise import survival_words
 from origami_nlp.minima.stability import (
@@ -29,133 +31,18 @@ from origami_nlp.minima.stability import (
 from origami_nlp.minima.telling import (
     flag_lines,
     scene_lines,
-    state_lines,
-    states_table,
     undecided_lines,
 )
-from origami_nlp.numerics import rank, residual_words
+from origami_nlp.numerics import residual_words
 from origami_nlp.pattern import Relations, Scene, scene_from_dict, scene_to_dict
 from origami_nlp.programme import Model
-from origami_nlp.show import Content, Piece, Table, Told, Turnable, Words
+from origami_nlp.show import Content, Piece, Words
 
 if TYPE_CHECKING:
     from origami_nlp.chart import Landscape
-    from origami_nlp.minima.fold_out import Part
 
 SUCCESS = "Solve_Succeeded"
 """What IPOPT says where it converged."""
-
-
-class FoundMinima(Told, Turnable):
-    """Minima of a vertex or of a pattern in order of energy, and the record of the search for them.
-
-    Attributes
-    ----------
-    minima
-        In order of energy.
-    search
-        What the search did, why it stopped, and what it found that is no minimum or not decided.
-    model
-        The nonlinear programme that they are states of.
-
-    Notes
-    -----
-    `to_frame` has a row a minimum: scene (its name), number (from 1), energy [the scene's units], kind, dimension,
-    closure, kkt (residuals), hits, stable (None where the full space was not asked), softest (stiffness), barrier
-    (energy), barrier_method, shallow, phi_1 .. phi_N [rad].
-    """
-
-    minima: tuple[JudgedState, ...]
-    search: SearchReport
-    LAST: tuple[str, ...] = ()
-    COLUMNS = ""
-
-    if TYPE_CHECKING:
-
-        @property
-        def model(self) -> Any: ...  # noqa: D102
-
-    @property
-    def name(self) -> str:
-        """What is folded."""
-        raise NotImplementedError
-
-    @property
-    def headline(self) -> str:
-        """What is folded, and how many minima there are."""
-        raise NotImplementedError
-
-    @property
-    def barrier_head(self) -> str:
-        """Name of the column of barriers."""
-        return "barrier"
-
-    def verdict_of(self, minimum: JudgedState) -> str:
-        """Return what is known of a minimum in the full space; empty where there is nothing else to ask."""
-        return ""
-
-    def freedoms_at(self, minimum: JudgedState) -> int:
-        """Return the dimension of closed states beside a minimum."""
-        return minimum.freedoms
-
-    def last_cells(self, minimum: JudgedState) -> list[str]:
-        """Return the cells of a minimum below the heads `LAST`."""
-        raise NotImplementedError
-
-    @property
-    def undecided(self) -> tuple[JudgedState, ...]:
-        """States that are stationary as far as could be told, without a certificate."""
-        return self.search.undecided
-
-    @property
-    def rejected(self) -> tuple[JudgedState, ...]:
-        """States that are no minima."""
-        return self.search.rejected
-
-    @property
-    def crossing(self) -> tuple[JudgedState, ...]:
-        """States that are not admissible, such as those in which facets pass through each other: no states of paper."""
-        return tuple(s for s in self.rejected if s.verdict == "not admissible")
-
-    @property
-    def states(self) -> tuple[JudgedState, ...]:
-        """All that was judged and kept, by energy."""
-        every = (*self.minima, *self.undecided, *self.rejected)
-        return tuple(sorted(every, key=lambda s: rank(s.energy / self.model.scale, ())))
-
-    def to_fold(self) -> dict[str, Any]:
-        """Return the states as FOLD data (spec 1.1), a folded frame each.
-
-        Returns
-        -------
-        dict
-            For `json.dump`.
-        """
-        raise NotImplementedError
-
-    def mesh_parts(self) -> list[Part]:
-        """Return the states side by side as triangles.
-
-        Returns
-        -------
-        list of tuple
-            Points [v, 3] and triangles [f, 3] of each.
-        """
-        raise NotImplementedError
-
-    def table(self) -> Table:
-        """Return one row a minimum."""
-        return states_table(self)
-
-    def _rows(self) -> Iterator[dict[str, object]]:
-        for number, m in enumerate(self.minima, start=1):
-            row: dict[str, object] = {"scene": self.name, "number": number}
-            row |= {"energy": m.energy, "kind": m.kind, "dimension": m.local_dimension}
-            row |= {"closure": m.closure_residual, "kkt": m.kkt_residual, "hits": m.hits}
-            row["stable"] = m.full_space and m.full_space.verdict
-            row |= {"softest": m.softest, "barrier": m.escape and m.escape.barrier}
-            row |= {"barrier_method": m.escape and m.escape.method, "shallow": m.shallow}
-            yield row | {f"phi_{k}": v for k, v in enumerate(m.fold_angles, start=1)}
 
 
 @dataclass(frozen=True, repr=False)
@@ -285,15 +172,11 @@ class MinimaResult(FoundMinima):
 
     def to_fold(self) -> dict[str, Any]:
         """Return the states as FOLD data; those that are unstable in the full space with their descents."""
-        from origami_nlp.minima.fold_out import minima_to_fold
-
-        return minima_to_fold(self)
+        return minima_to_fold(self.scene, self.minima)
 
     def mesh_parts(self) -> list[Part]:
         """Return the states side by side as triangles."""
-        from origami_nlp.minima.fold_out import vertex_parts
-
-        return vertex_parts(self)
+        return vertex_parts(self.scene, self.minima)
 
     def told(self) -> Iterator[Piece]:
         """Return the table, the states and the record of the search."""

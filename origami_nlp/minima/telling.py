@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -11,19 +10,8 @@ from origami_nlp.minima.account import SearchReport
 from origami_nlp.minima.flags import ResultFlags
 from origami_nlp.minima.full_space import FullSpace
 from origami_nlp.minima.minimum import JudgedState
-from origami_nlp.minima.stability import (
-    asked,
-    isolated_foldings,
-    number_words,
-    softest_words,
-    stiffness_words,
-)
 from origami_nlp.numerics import BALANCED, STATIONARY, residual_words
 from origami_nlp.pattern import Scene
-from origami_nlp.show import Cell, Table, Words
-
-if TYPE_CHECKING:
-    from origami_nlp.minima.result import FoundMinima
 
 MOST_ANGLES = 24
 """Fold angles of a state up to which they are written out; those of larger ones are in the JSON."""
@@ -56,88 +44,6 @@ def moment_words(moment: Sequence[float], residual: float, degree: int) -> str:
         f"one moment passes round the vertex: ({vector}) N m, seen from the facet between creases {degree} and 1, "
         f"residual {residual_words(residual)} N m"
     )
-
-
-def states_table(found: FoundMinima) -> Table:
-    """Return one row a minimum: energy, kind, verdict where it was asked for, local dimension, and how it is held."""
-    minima, grouped = found.minima, isolated_foldings(found.minima)
-    full, noise = asked(minima), any(m.survival is not None for m in minima)
-    heads = ["#", "energy [J]", "kind", "dimension", "softest", found.barrier_head, *found.LAST]
-    rows = []
-    for number, m in enumerate(minima, start=1):
-        if number in grouped:
-            continue
-        known = found.verdict_of(m)
-        row: list[Cell] = [
-            str(number),
-            f"{m.energy:.9g}",
-            Words(m.kind, KIND_STYLE[m.kind]),
-            *[Words(known, VERDICT_STYLE.get(known, ""))] * full,
-            freedom_words(m.local_dimension, found.freedoms_at(m)),
-            softest_words(m.softest),
-            m.escape.words() if m.escape else "-",
-            *found.last_cells(m),
-        ]
-        rows.append([*row, *[str(m.survival)] * noise])
-    if grouped:
-        some = [minima[k - 1] for k in grouped]
-        energies = f"{some[0].energy:.4g} to {some[-1].energy:.4g}"
-        row = [f"({len(some)})", energies, "flat foldings", *[""] * full]
-        row += ["0 isolated", "held", "isolated", *[""] * (len(found.LAST) - 1)]
-        row.append(str(sum(m.hits for m in some)) if "hits" in found.LAST else "")
-        kept = max((m.survival.kept for m in some if m.survival), default=0)
-        rows.append([*row, *[f"{kept} at most"] * noise])
-    columns = "rrllrr" + found.COLUMNS
-    if (
-        full
-    ):  # softness stands below the table, residuals in JSON and on the page: it keeps to 80 columns
-        heads.insert(3, "full space")
-        rows = [row[:5] + row[6:7] + row[9:] for row in rows]
-        heads, columns = heads[:5] + heads[6:7] + heads[9:], "rrlllrr"
-    if noise:
-        heads, columns = [*heads, "survives"], columns + "r"
-    return Table(heads, rows, found.headline, columns, framed=not full, narrow=full)
-
-
-def state_lines(found: FoundMinima) -> list[str]:
-    """Return the fold angles, contact moments and certificate of each minimum, a few lines each."""
-    lines, minima = [], found.minima
-    grouped = isolated_foldings(minima)
-    for number, m in enumerate(minima, start=1):
-        if number in grouped:
-            continue
-        if len(m.fold_angles) <= MOST_ANGLES:
-            angles = " ".join(f"{a:8.3f}" for a in np.round(np.degrees(m.fold_angles), 3) + 0.0)
-            lines.append(
-                f"#{number} fold angles of creases 1..{len(m.fold_angles)} [deg]: {angles}"
-            )
-            told = [m.certificate]
-        else:
-            lines.append(f"#{number} {m.certificate}")
-            told = []
-        if m.winding > 1:
-            lines.append(
-                f"   winds {m.winding} times round the axis of {found.model.scene.group.name}"
-            )
-        shown = [c for c in m.contacts if len(m.fold_angles) <= MOST_ANGLES or not c.is_limit]
-        lines += [f"   contact {c.words()}" for c in shown]
-        lines += [f"   {words}" for words in told]
-        if m.escape is not None:
-            lines.append(f"   {stiffness_words(m)}")
-        if m.moment is not None:
-            lines.append(f"   {moment_words(m.moment, m.moment_residual, len(m.fold_angles))}")
-        if m.solver is not None and not m.solver.agrees:
-            lines.append(
-                f"   IPOPT, started here, does not stay: {m.solver.status}, {m.solver.moved:.1g} rad away"
-            )
-        if m.full_space:
-            lines += [f"   {words}" for words in full_space_lines(m.full_space)]
-    if grouped:
-        lines.append(
-            f"#{number_words(grouped)}: {len(grouped)} isolated flat foldings, each crease open or shut and no other "
-            "admissible state near: contact alone holds them, whatever the springs (all are in the JSON)"
-        )
-    return lines
 
 
 def full_space_lines(f: FullSpace) -> list[str]:

@@ -22,7 +22,6 @@ from origami_nlp import (
 )
 from origami_nlp.cli import app
 from origami_nlp.folding import face_orders
-from origami_nlp.minima.fold_out import minima_to_fold
 from origami_nlp.pattern import fold_vertices, parse_fold, scene_at
 from tests.computed_once import shared
 from tests.fold_files import disc, folded, in_space, miura
@@ -74,7 +73,7 @@ def test_states_survive_the_round_trip(result, tmp_path):
 
 
 def test_frames_hold_the_states(result):
-    data = minima_to_fold(result)
+    data = result.to_fold()
     json.dumps(data, allow_nan=False)
     frames = parse_fold(json.dumps(data))
     states = [f for f in frames if f.folded]

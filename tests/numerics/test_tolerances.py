@@ -62,7 +62,7 @@ BESIDE_THE_TABLE = {
     "sheets/descent.STILL": "torque left in states that are judged afterwards",
     "sheets/curves.FLAT": "accuracy with which a state where curves meet is found",
     "sheets/drawing.CANCELS": "areas whose sum says which way a picture is up",
-    "sheets/tally.ON_PLANE": "a plane of states is one already searched",
+    "sheets/crossroads.ON_PLANE": "a plane of states is one already searched",
     "sheets/interpolant.FITS": "error of polynomials along a curve, whose wells are polished",
     "sheets/interpolant.REAL": "error of roots of polynomials, which are polished",
     "facets/labels.GRID": "places that labels take for one: what agrees is checked by closure",
