@@ -50,8 +50,8 @@ class FoundMinima(Told, Turnable):
 
     minima: tuple[JudgedState, ...]
     search: SearchReport
-    LAST: tuple[str, ...] = ()
-    COLUMNS = ""
+    _LAST: tuple[str, ...] = ()
+    _COLUMNS = ""
 
     if TYPE_CHECKING:
 
@@ -73,16 +73,16 @@ class FoundMinima(Told, Turnable):
         """Name of the column of barriers."""
         return "barrier"
 
-    def verdict_of(self, minimum: JudgedState) -> str:
+    def _verdict_of(self, minimum: JudgedState) -> str:
         """Return what is known of a minimum in the full space; empty where there is nothing else to ask."""
         return ""
 
-    def freedoms_at(self, minimum: JudgedState) -> int:
+    def _freedoms_at(self, minimum: JudgedState) -> int:
         """Return the dimension of closed states beside a minimum."""
         return minimum.freedoms
 
-    def last_cells(self, minimum: JudgedState) -> list[str]:
-        """Return the cells of a minimum below the heads `LAST`."""
+    def _last_cells(self, minimum: JudgedState) -> list[str]:
+        """Return the cells of a minimum below the heads `_LAST`."""
         raise NotImplementedError
 
     @property
@@ -145,32 +145,32 @@ def states_table(found: FoundMinima) -> Table:
     """Return one row a minimum: energy, kind, verdict where it was asked for, local dimension, and how it is held."""
     minima, grouped = found.minima, isolated_foldings(found.minima)
     full, noise = asked(minima), any(m.survival is not None for m in minima)
-    heads = ["#", "energy [J]", "kind", "dimension", "softest", found.barrier_head, *found.LAST]
+    heads = ["#", "energy [J]", "kind", "dimension", "softest", found.barrier_head, *found._LAST]
     rows = []
     for number, m in enumerate(minima, start=1):
         if number in grouped:
             continue
-        known = found.verdict_of(m)
+        known = found._verdict_of(m)
         row: list[Cell] = [
             str(number),
             f"{m.energy:.9g}",
             Words(m.kind, KIND_STYLE[m.kind]),
             *[Words(known, VERDICT_STYLE.get(known, ""))] * full,
-            freedom_words(m.local_dimension, found.freedoms_at(m)),
+            freedom_words(m.local_dimension, found._freedoms_at(m)),
             softest_words(m.softest),
             m.escape.words() if m.escape else "-",
-            *found.last_cells(m),
+            *found._last_cells(m),
         ]
         rows.append([*row, *[str(m.survival)] * noise])
     if grouped:
         some = [minima[k - 1] for k in grouped]
         energies = f"{some[0].energy:.4g} to {some[-1].energy:.4g}"
         row = [f"({len(some)})", energies, "flat foldings", *[""] * full]
-        row += ["0 isolated", "held", "isolated", *[""] * (len(found.LAST) - 1)]
-        row.append(str(sum(m.hits for m in some)) if "hits" in found.LAST else "")
+        row += ["0 isolated", "held", "isolated", *[""] * (len(found._LAST) - 1)]
+        row.append(str(sum(m.hits for m in some)) if "hits" in found._LAST else "")
         kept = max((m.survival.kept for m in some if m.survival), default=0)
         rows.append([*row, *[f"{kept} at most"] * noise])
-    columns = "rrllrr" + found.COLUMNS
+    columns = "rrllrr" + found._COLUMNS
     if (
         full
     ):  # softness stands below the table, residuals in JSON and on the page: it keeps to 80 columns

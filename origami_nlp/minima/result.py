@@ -135,8 +135,8 @@ class MinimaResult(FoundMinima):
             return self.model
         return Model(replace(self.scene, winding=minimum.winding))
 
-    LAST = ("closure", "KKT", "hits")
-    COLUMNS = "rrr"
+    _LAST = ("closure", "KKT", "hits")
+    _COLUMNS = "rrr"
 
     @property
     def name(self) -> str:
@@ -157,15 +157,15 @@ class MinimaResult(FoundMinima):
         """Name of the column of barriers: under an imposed symmetry ways out keep it."""
         return barrier_head(self.scene)
 
-    def verdict_of(self, minimum: JudgedState) -> str:
+    def _verdict_of(self, minimum: JudgedState) -> str:
         """Return what is known of a minimum in the full space, see `stability.verdict`."""
         return verdict(self.scene, minimum)
 
-    def freedoms_at(self, minimum: JudgedState) -> int:
+    def _freedoms_at(self, minimum: JudgedState) -> int:
         """Return the degrees of freedom of the symmetric states."""
         return self.model.freedom
 
-    def last_cells(self, minimum: JudgedState) -> list[str]:
+    def _last_cells(self, minimum: JudgedState) -> list[str]:
         """Return residuals and hits."""
         residuals = minimum.closure_residual, minimum.kkt_residual
         return [*map(residual_words, residuals), str(minimum.hits)]

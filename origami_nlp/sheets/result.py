@@ -98,8 +98,8 @@ class SheetResult(FoundMinima):
             "closure_torques_unique": stress.unique,
         }
 
-    LAST = ("contacts",)
-    COLUMNS = "l"
+    _LAST = ("contacts",)
+    _COLUMNS = "l"
 
     @property
     def name(self) -> str:
@@ -114,7 +114,7 @@ class SheetResult(FoundMinima):
         name = f"{self.name}: " if self.name else ""
         return f"{name}{many} stable state{'s' * (many != 1)}{shallow_words(shallow)}"
 
-    def last_cells(self, minimum: JudgedState) -> list[str]:
+    def _last_cells(self, minimum: JudgedState) -> list[str]:
         """Return which facets touch, and which creases are at their fold limit."""
         limits = [str(k) for c in minimum.contacts for k in c.creases]
         touched = dict.fromkeys(c.facets for c in minimum.contacts if not c.is_limit)
