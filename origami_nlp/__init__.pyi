@@ -22,7 +22,6 @@ from .minima import (
     MinimaResult as MinimaResult,
     VertexwiseMinima as VertexwiseMinima,
     draw_minima as draw_minima,
-    find_vertexwise as find_vertexwise,
 )
 from .modes import Modes as Modes, find_modes as find_modes
 from .pattern import (
@@ -51,7 +50,6 @@ from .sheets import (
     Overview as Overview,
     SheetResult as SheetResult,
     find_motion as find_motion,
-    find_states as find_states,
     overview as overview,
 )
 from .space import Space as Space, find_space as find_space

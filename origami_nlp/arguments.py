@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import os
 import time
+from collections.abc import Mapping
 from numbers import Integral, Real
 from typing import Any
 
@@ -49,6 +50,13 @@ def check_type(name: str, value: object, kind: type) -> None:
     """
     if not isinstance(value, kind):
         raise OptionError(f"{name} = {shown(value)} must be {_MAKERS[kind.__name__]}")
+
+
+def refuse(kind: str, reasons: Mapping[str, str], **given: object) -> None:
+    """Complain about the first argument that was given (is not None) and is not for what is asked, with the reason."""
+    for name, value in given.items():
+        if value is not None and name in reasons:
+            raise OptionError(f"{name} = {shown(value)} is not for a {kind}: {reasons[name]}")
 
 
 def check_whole(name: str, value: Any, least: int, most: int | None = None) -> int:

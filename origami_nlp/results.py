@@ -28,8 +28,6 @@ _READ = (
     ("modes", "states", "modes", "Modes"),
     ("follow", "branches", "atlas", "Atlas"),
     ("follow", "curves", "atlas", "Boundaries"),
-    ("pattern", "minima", "sheets", "SheetResult"),
-    ("pattern", "load", "loading", "LoadPath"),
     ("pattern", "motion", "sheets", "Motion"),
     ("pattern", "arc", "sheets", "Motion"),
     ("pattern", "facets", "sheets", "Overview"),
@@ -152,8 +150,8 @@ def load(path: str | PathLike[str]) -> Any:
     Returns
     -------
     Result
-        By the schema that the file names.  Of what ``origami-nlp pattern`` writes: the stable states if there are some,
-        else the load path, else the motion, else the counts.
+        By the schema that the file names.  Of what ``origami-nlp pattern`` writes: the motion if it is there, else the
+        counts.
 
     Raises
     ------
@@ -172,7 +170,7 @@ def load(path: str | PathLike[str]) -> Any:
     schema = data.get("schema") if isinstance(data, dict) else None
     for verb, key, room, name in _READ:
         if schema == f"origami_nlp/{verb}/1" and key in data:
-            inside = data[key] if key in ("load", "motion") else data
+            inside = data[key] if key == "motion" else data
             kind: type[Result] = getattr(import_module(f"origami_nlp.{room}"), name)
             return kind.from_dict(inside, shown(str(path)))
     known = ", ".join(dict.fromkeys(f"origami_nlp/{verb}/1" for verb, *_ in _READ))

@@ -6,25 +6,24 @@ function hands over to the room that knows the one or the other.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from os import PathLike, fspath
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
 
-from origami_nlp.arguments import check_angles, check_path, check_type, shown
+from origami_nlp.arguments import check_angles, check_path, check_type, refuse, shown
 from origami_nlp.errors import OptionError
 from origami_nlp.numerics import CLOSES
 
 if TYPE_CHECKING:
     from origami_nlp.kkt import Classification, State
-    from origami_nlp.minima import FoundMinima, MinimaResult
+    from origami_nlp.minima import FoundMinima, MinimaResult, VertexwiseMinima
     from origami_nlp.pattern import Pattern, Scene
     from origami_nlp.sheets import SheetResult
 
-STARTS = {"quick": 10, "normal": 40, "thorough": 160}
-"""Random starts in a row that find nothing new in a pattern, by effort; a scene has `minima.EFFORTS`."""
+CONTACTS = {"full": True, "fold-limits": False}
+"""What a pattern's contact may be: whether facets must not cross; folds end at pi always."""
 _OF_A_PATTERN = {
     "starts": "the effort says how many starts a vertex gets",
     "contact": "a scene states its contact itself",
@@ -33,7 +32,6 @@ _OF_A_SCENE = {
     "full": "states of a pattern keep no symmetry: each is judged among all of them",
     "prove": "lists of a pattern are not proved",
     "guesses": "a state of a pattern is judged by classify",
-    "max_starts": "of a pattern, starts says when the search ends",
     "fewest_starts": "of a pattern, starts says when the search ends",
     "workers": "a pattern is searched in one process",
     "progress": "a pattern tells no progress",
@@ -43,7 +41,7 @@ _OF_A_SCENE = {
 
 @overload
 def find_minima(
-    scene: Scene,
+    origami: Scene,
     *,
     seed: int = ...,
     effort: str = ...,
@@ -60,37 +58,44 @@ def find_minima(
 ) -> MinimaResult: ...
 @overload
 def find_minima(
-    scene: Pattern | str | PathLike[str],
+    origami: Pattern | str | PathLike[str],
     *,
     seed: int = ...,
     effort: str = ...,
+    max_starts: int | None = ...,
     starts: int | None = ...,
-    contact: bool | None = ...,
+    contact: str | None = ...,
     seconds: float | None = ...,
     escape: bool = ...,
     noise: float | None = ...,
 ) -> SheetResult: ...
+@overload
+def find_minima(origami: Mapping[int, Scene], **options: Any) -> VertexwiseMinima: ...
 def find_minima(
-    scene: Scene | Pattern | str | PathLike[str],
+    origami: Scene | Pattern | str | PathLike[str] | Mapping[int, Scene],
     *,
     seed: int = 0,
     effort: str = "normal",
+    max_starts: int | None = None,
     seconds: float | None = None,
     escape: bool = True,
     noise: float | None = None,
     **others: Any,
-) -> MinimaResult | SheetResult:
+) -> MinimaResult | SheetResult | VertexwiseMinima:
     """Find and classify the energy minima of a vertex or of a whole pattern: its stable states.
 
     Parameters
     ----------
-    scene
-        A scene, which is one vertex; or a pattern with all its vertices coupled: itself, the name of an example such as
-        ``"miura:4x4"``, or a FOLD file.
+    origami
+        A scene, which is one vertex, or a scene file; or a pattern with all its vertices coupled: itself, the name of
+        an example such as ``"miura:4x4"``, or a FOLD file.  Or several scenes by the numbers of vertices, as
+        `read_fold_scenes` returns them: each by itself, equal ones once.
     seed
         Of the random starts; the same seed gives the same answer.
     effort
         ``"quick"``, ``"normal"`` or ``"thorough"``: how many starts find nothing new before the search stops.
+    max_starts
+        Cap on starts; None: what the effort says.
     seconds
         Wall time after which the search goes no further: what is left out is named, and the answer depends on the
         machine.  None: of a scene the effort alone bounds it, of a pattern 300 s.
@@ -99,14 +104,14 @@ def find_minima(
     noise
         Standard deviation [degrees] of random errors: how many of 20 draws each minimum survives.
     others
-        Of a scene alone: ``max_starts``, ``fewest_starts``, ``guesses``, ``full``, ``prove``, ``workers``,
+        Of a scene alone: ``fewest_starts``, ``guesses``, ``full``, ``prove``, ``workers``,
         ``progress``, see `minima.find_minima`.  Of a pattern alone: ``starts`` (random starts in a row that find
-        nothing new, in place of the effort) and ``contact`` (False: facets may cross), see `sheets.find_states`.
+        nothing new, in place of the effort) and ``contact`` (``"full"``, or ``"fold-limits"``: facets may cross).
 
     Returns
     -------
-    MinimaResult or SheetResult
-        The minima in order of energy, and the record of the search.
+    MinimaResult, SheetResult or VertexwiseMinima
+        The minima in order of energy, and the record of the search; of several scenes one for each that differs.
 
     Raises
     ------
@@ -122,30 +127,38 @@ def find_minima(
     5
     """
     from origami_nlp import minima, sheets
-    from origami_nlp.pattern import Scene, as_pattern
+    from origami_nlp.pattern import Scene, as_origami
 
-    given = {name: value for name, value in others.items() if value is not None}
-    options: dict[str, Any] = {"seed": seed, "escape": escape, "noise": noise, **given}
-    if isinstance(scene, Scene):
-        _refuse(given, _OF_A_PATTERN, "scene")
-        return minima.find_minima(scene, effort=effort, seconds=seconds, **options)
-    _refuse(given, _OF_A_SCENE, "pattern")
-    if seconds is not None:
-        options["seconds"] = seconds
-    if effort not in STARTS:
-        raise OptionError(f"effort = {shown(effort)} is unknown: use one of {', '.join(STARTS)}")
-    pattern = as_pattern(Path(fspath(scene)) if isinstance(scene, PathLike) else scene, "scene")
-    return sheets.find_states(pattern, **{"starts": STARTS[effort], **options})
+    stated = origami if isinstance(origami, Mapping) else as_origami(origami)
+    options: dict[str, Any] = {
+        "effort": effort,
+        "seconds": seconds,
+        "escape": escape,
+        "noise": noise,
+    }
+    given = {"max_starts": max_starts, **others}
+    options |= {"seed": seed, **{name: value for name, value in given.items() if value is not None}}
+    if isinstance(stated, Scene | Mapping):
+        refuse("scene", _OF_A_PATTERN, **given)
+        one = isinstance(stated, Scene)
+        find: Any = minima.find_minima if one else minima.find_vertexwise
+        return find(stated, **options)  # type: ignore[no-any-return]
+    refuse("pattern", _OF_A_SCENE, **given)
+    if "contact" in options:
+        options["contact"] = _facets_apart(options["contact"])
+    return sheets.find_states(stated, **options)
 
 
-def _refuse(given: dict[str, Any], wrong: dict[str, str], kind: str) -> None:
-    for name, value in given.items():
-        if name in wrong:
-            raise OptionError(f"{name} = {shown(value)} is not for a {kind}: {wrong[name]}")
+def _facets_apart(contact: object) -> bool:
+    """Tell whether facets of a pattern must not cross."""
+    if not isinstance(contact, str) or contact not in CONTACTS:
+        known = " or ".join(map(repr, CONTACTS))
+        raise OptionError(f"contact = {shown(contact)} must be {known} for a pattern")
+    return CONTACTS[contact]
 
 
 def classify(
-    what: State | Scene | Pattern | str | PathLike[str],
+    origami: State | Scene | Pattern | str | PathLike[str],
     fold_angles: Sequence[float] | np.ndarray | None = None,
     *,
     polished: bool = True,
@@ -154,9 +167,8 @@ def classify(
 
     Parameters
     ----------
-    what
-        A scene, or a pattern (the name of an example such as ``"miura:4x4"``, or a FOLD file); or a `State` of either,
-        which says where it is itself.
+    origami
+        A scene or a pattern, as `find_minima` takes it; or a `State` of either, which says where it is itself.
     fold_angles
         Of every crease, of a closed state, shape [n] [rad].
     polished
@@ -175,19 +187,20 @@ def classify(
     Examples
     --------
     >>> import origami_nlp as o
-    >>> found = o.find_states("metasheet:4x4", starts=2)
+    >>> found = o.find_minima("metasheet:4x4", starts=2)
     >>> pinned = o.classify(found.pattern, found.minima[-1].fold_angles)
     >>> pinned.verdict, len(pinned.contacts), pinned.contacts[0].type
     ('minimum', 2, 'edge-edge')
     """
     from origami_nlp import kkt
     from origami_nlp.facets import Sheet
-    from origami_nlp.pattern import Scene, as_pattern
+    from origami_nlp.pattern import Scene, as_origami
     from origami_nlp.programme import Model
 
-    if isinstance(what, kkt.State):
-        return kkt.classify(what, polished=polished)
-    problem: Any = Model(what) if isinstance(what, Scene) else Sheet(as_pattern(what))  # type: ignore[arg-type]
+    if isinstance(origami, kkt.State):
+        return kkt.classify(origami, polished=polished)
+    stated = as_origami(origami)
+    problem: Any = Model(stated) if isinstance(stated, Scene) else Sheet(stated)
     many = len(problem.expand(np.zeros(problem.size)))
     angles = check_angles("fold_angles", fold_angles, many, one=True)
     state = kkt.State(problem, problem.reduce(angles))
@@ -236,7 +249,7 @@ def write_mesh(result: FoundMinima, target: str | PathLike[str]) -> None:
     Parameters
     ----------
     result
-        Of `find_minima` or `find_states`.
+        Of `find_minima`.
     target
         The file, ``.obj``, ``.stl`` or ``.glb``.
 
@@ -250,7 +263,7 @@ def write_mesh(result: FoundMinima, target: str | PathLike[str]) -> None:
     --------
     >>> import pathlib, tempfile, origami_nlp as o
     >>> path = pathlib.Path(tempfile.mkdtemp(), "states.stl")
-    >>> o.write_mesh(o.find_states("miura:2x2", starts=1), path)
+    >>> o.write_mesh(o.find_minima("miura:2x2", starts=1), path)
     >>> path.stat().st_size > 0
     True
     """

@@ -37,7 +37,7 @@ barrier is what it takes to leave the first of them, see [patterns](how_to/patte
 not determined.
 
 ```bash
-origami-nlp pattern metasheet:4x4 --minima --starts {STARTS} --figure metasheet.png
+origami-nlp minima metasheet:4x4 --starts {STARTS} --figure metasheet.png
 ```
 
 Of sheets whose vertices have degree 4 the ways out of the flat state with one freedom are traced; of the others, and
@@ -49,7 +49,7 @@ table ([limits](pattern_limits.md)). Written by
 
 def solve(name: str) -> SheetResult:
     """The states of a sheet."""
-    return o.find_states(name, starts=STARTS)
+    return o.find_minima(name, starts=STARTS)
 
 
 def groups(result: SheetResult) -> list[list[JudgedState]]:

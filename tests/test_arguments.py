@@ -116,7 +116,7 @@ CASES = [
     case(SCENE.energy, "fold_angles", (None, 0, [], [0.0] * (N - 1), ["a"] * N, *NOTHING)),
     case(o.Model, "scene", SCENES),
     case(find_minima, "scene", SCENES),
-    case(o.find_minima, "scene", (None, 0, True, [])),
+    case(o.find_minima, "origami", (None, 0, True, [])),
     case(find_minima, "seed", SEEDS, "scene"),
     case(find_minima, "max_starts", (0, *SEEDS), "scene"),
     case(find_minima, "fewest_starts", (0, *SEEDS), "scene"),

@@ -26,7 +26,7 @@ ROOT = PACKAGE.parent
 ORDER = (
     "version errors arguments workers files numerics closed_forms symbolic pattern folding programme kkt facets "
     "starts path show chart proof "
-    "minima contact modes critical barriers space landscape atlas springs sheets "
+    "minima sheets contact modes critical barriers space landscape atlas springs "
     "loading sweep results verbs paper cli __main__"
 ).split()
 """Files at the root, then rooms; each imports only from those before it."""

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import origami_nlp as o
+from origami_nlp.sheets import find_states
 
 PATTERN = "metasheet:3x3"
 
@@ -23,11 +24,11 @@ def test_a_scene_and_a_pattern_are_searched_by_one_function(found):
     assert contacts and not any(
         "contact" in c for c in contacts
     )  # the kernel's numbers stay inside
-    same = o.find_states(PATTERN, starts=4, escape=False).minima
+    same = find_states(PATTERN, starts=4, escape=False).minima
     assert [m.energy for m in found.minima] == [m.energy for m in same]
 
 
-@pytest.mark.parametrize("name, value", [("prove", True), ("full", True), ("max_starts", 3)])
+@pytest.mark.parametrize("name, value", [("prove", True), ("full", True), ("fewest_starts", 3)])
 def test_what_a_pattern_does_not_take_is_named(name, value):
     with pytest.raises(o.OrigamiError, match=rf"^{name} = .* is not for a pattern: "):
         o.find_minima(PATTERN, **{name: value})
@@ -38,6 +39,34 @@ def test_what_a_scene_does_not_take_is_named():
         o.find_minima(o.examples.waterbomb(), contact=False)
     with pytest.raises(o.OrigamiError, match=r"^effort = 'much' is unknown: "):
         o.find_minima(PATTERN, effort="much")
+
+
+def test_load_path_takes_the_same_arguments_of_both_and_names_the_others(found):
+    (folded, *_) = [m for m in found.minima if np.any(m.fold_angles)]
+    path = o.load_path(PATTERN, 1, to=0.01, confirm=False, effort="quick", max_starts=2)
+    assert path.legs[0].points[-1].t == pytest.approx(0.01)
+    path = o.load_path(found.pattern, 1, to=0.01, state=folded, confirm=False)
+    assert path.legs[0].points[-1].t == pytest.approx(0.01)
+    with pytest.raises(o.OrigamiError, match=r"^full = False is not for a pattern: "):
+        o.load_path(PATTERN, 1, full=False)
+    with pytest.raises(o.OrigamiError, match=r"^starts = 3 is not for a scene: "):
+        o.load_path(o.examples.degree6("5*pi/12"), 1, starts=3)
+    for wrong in ({"effort": "much"}, {"starts": -1}, {"max_starts": 0}, {"seed": 0.5}):
+        (name,) = wrong
+        with pytest.raises(o.OrigamiError, match=f"^{name} = "):
+            o.load_path(PATTERN, 1, **wrong)
+
+
+def test_a_cap_on_starts_of_a_pattern_counts_those_that_are_drawn():
+    search = o.find_minima("miura:2x2", max_starts=3, escape=False).search
+    assert search.drawn == 3 < o.find_minima("miura:2x2", starts=4, escape=False).search.drawn
+
+
+def test_a_scene_file_is_a_scene(tmp_path):
+    path = tmp_path / "scene.toml"
+    path.write_text(o.format_scene(o.examples.degree6("pi/4", ratio=0.01)))
+    one = o.find_minima(path, max_starts=16, escape=False, prove=False)
+    assert [m.kind for m in one.minima] == ["interior", "contact-touching"]
 
 
 def test_states_of_a_pattern_go_to_a_file_and_come_back(found, tmp_path):

@@ -5,12 +5,7 @@ from .boundary import (
     find_boundaries as find_boundaries,
 )
 from .branches import branches_of as branches_of, chains_of as chains_of
-from .family import (
-    Family as Family,
-    Over as Over,
-    family_of as family_of,
-    parse_over as parse_over,
-)
+from .family import Family as Family, family_of as family_of
 from .figure import (
     draw_atlas as draw_atlas,
     draw_boundaries as draw_boundaries,
@@ -21,6 +16,8 @@ from .figure import (
 from .find import follow as follow, follow_family as follow_family
 from .fold_out import write_frames as write_frames
 from .judging import parts_of as parts_of
+from .over import Over as Over, parse_over as parse_over
+from .patterns import PatternLine as PatternLine, pattern_family as pattern_family
 from .plane import Plane as Plane
 from .records import (
     BranchEnd as BranchEnd,

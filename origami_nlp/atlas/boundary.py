@@ -18,8 +18,9 @@ from origami_nlp.atlas.event_curve import (
     Tracer,
     follow_event,
 )
-from origami_nlp.atlas.family import Over, family_of, parse_nearby, parse_over
+from origami_nlp.atlas.family import family_of
 from origami_nlp.atlas.find import follow_family
+from origami_nlp.atlas.over import Over, parse_nearby, parse_over
 from origami_nlp.atlas.plane import Plane
 from origami_nlp.atlas.records import Interval
 from origami_nlp.errors import OUT_OF_TIME
@@ -246,7 +247,7 @@ def find_boundaries(
         if time.monotonic() > until:
             break
         family = plane.family(plane.overs[1 - axis].t_of(u), axis)
-        atlas = follow_family(family, full_space=False, seed=seed, effort=effort, until=until)
+        atlas = follow_family(family, full=False, seed=seed, effort=effort, until=until)
         assert atlas.web is not None  # of one that was just followed
         met = _events_on(plane, atlas.web, axis, u, curves, tally, until)
         names = plane.overs[axis].name, plane.overs[1 - axis].t_of(u)

@@ -7,8 +7,8 @@ from collections.abc import Callable
 
 import numpy as np
 
-from origami_nlp.atlas.family import Over
 from origami_nlp.atlas.judging import Part
+from origami_nlp.atlas.over import Over
 from origami_nlp.atlas.records import (
     BranchEnd,
     KindRange,

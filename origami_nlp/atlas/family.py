@@ -1,25 +1,25 @@
 """A family of scenes over one parameter, and the line of its programmes.
 
-Names are those of sweep files: ``ratio``, ``alpha``, ``creases.stiffness[1]``, ``creases.rest_angles[1]``,
-``creases.preload[1]``, ``vertex.sector_angles[1]``, where ``creases.`` and ``vertex.`` may be left out; several joined
-by ``+`` take the same value.  ``torque[1]`` is added to the preload of a crease; ``loads`` is the factor of all forces
-that the scene states, ``loads[1]`` that of one.  What a crease gets, its images under the symmetry get too.
+What a crease gets, its images under the symmetry get too; names of parameters: see `over`.
 """
 
 from __future__ import annotations
 
 import math
-import re
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
+from typing import Any
 
 import numpy as np
 
-from origami_nlp.errors import AngleError, OptionError
+from origami_nlp.atlas.over import PLACE, Over, kind_of
+from origami_nlp.errors import OptionError
+from origami_nlp.folding import folded_frame, frames_to_fold
+from origami_nlp.minima import MinimaResult, find_minima_of_each
 from origami_nlp.numerics import RESOLVED
-from origami_nlp.path import ParameterLine, line_between
-from origami_nlp.pattern import Scene, Vertex, parse_angle
+from origami_nlp.path import STEPS, ParameterLine, Steps, line_between
+from origami_nlp.pattern import Scene, Vertex
 from origami_nlp.programme import Model, Parameters
 
 SAMPLES = 17
@@ -32,152 +32,6 @@ FAMILIES = {
     ),
 }
 """Sector angles of the paper's families: change with alpha_1, and value at alpha_1 = 0."""
-UNITS = {
-    "ratio": "",
-    "alpha": "rad",
-    "stiffness": "N m/rad",
-    "rest_angles": "rad",
-    "preload": "N m",
-    "torque": "N m",
-    "sector_angles": "rad",
-    "loads": "",
-}
-"""Of what can be followed over."""
-_PLACE = re.compile(
-    r"(?:(?:creases\.)?(stiffness|rest_angles|preload|torque)|(?:vertex\.)?(sector_angles)|(loads))\[(\d{1,4})\]"
-)
-_DEGREES = re.compile(r"(.*?)\s*deg")
-
-
-@dataclass(frozen=True)
-class Over:
-    """What is followed over.
-
-    Attributes
-    ----------
-    name
-        Of the parameter, see the module.
-    low, high
-        From and to, in its unit.
-    unit
-        ``"rad"``, ``"N m"``, ``"N m/rad"`` or ``""``.
-    log
-        Whether steps are ratios.
-    """
-
-    name: str
-    low: float
-    high: float
-    unit: str
-    log: bool
-
-    def s_of(self, t: float) -> float:
-        """Return the number that is followed: t, or its logarithm."""
-        return math.log(t) if self.log else t
-
-    def t_of(self, s: float) -> float:
-        """Return the parameter, exact at both ends of the range."""
-        if s == self.s_of(self.low):
-            return self.low
-        if s == self.s_of(self.high):
-            return self.high
-        return math.exp(s) if self.log else s
-
-    def drawn(self, t: float) -> float:
-        """Return a value as axes have it: angles in degrees."""
-        return math.degrees(t) if self.unit == "rad" else t
-
-    @property
-    def axis(self) -> str:
-        """The name for an axis, with its unit."""
-        unit = "deg" if self.unit == "rad" else self.unit
-        return f"{self.name} [{unit}]" if unit else self.name
-
-    def shown(self, t: float, digits: int = 6) -> str:
-        """Return a value in words, angles in degrees."""
-        if self.unit == "rad":
-            return f"{math.degrees(t):.{digits}g} deg"
-        return f"{t:.{digits}g} {self.unit}".rstrip()
-
-
-def parse_over(text: str) -> Over:
-    """Read ``NAME=FROM:TO``, angles in radians, as multiples of pi, or with ``deg``.
-
-    Parameters
-    ----------
-    text
-        Such as ``"ratio=0.01:100"``, ``"alpha=30deg:60deg"``, ``"rest_angles[1]=-pi:pi/2"`` or
-        ``"torque[1]=-0.15:0"``.
-
-    Returns
-    -------
-    Over
-        The parameter and its range.
-
-    Raises
-    ------
-    OptionError
-        If it is not written so, an end is no number, or the range is empty.
-    AngleError
-        If an end of a range of angles is no angle.
-
-    Examples
-    --------
-    >>> from origami_nlp.atlas import parse_over
-    >>> parse_over("ratio=0.01:100").log
-    True
-    """
-    name, equals, ends = text.partition("=")
-    low, colon, high = ends.partition(":")
-    if not equals or not colon:
-        raise OptionError(f"over = {text!r} must be NAME=FROM:TO, such as ratio=0.01:100")
-    name = name.strip()
-    values = [_number(v, name) for v in (low, high)]
-    kinds = {_kind(part) for part in name.split("+")}
-    if len(kinds) > 1:
-        raise OptionError(f"over = {text!r}: what takes the same value must be of one kind")
-    (kind,) = kinds
-    log, unit = kind in ("ratio", "stiffness"), UNITS.get(kind, "rad")
-    a, b = values
-    if not a < b:
-        raise OptionError(f"over = {text!r}: the range must run from a smaller to a larger value")
-    if log and a <= 0:
-        raise OptionError(f"over = {text!r}: {name} must be above 0")
-    return Over(name, a, b, unit, log)
-
-
-NEARBY = 1.3
-"""A value without a range stands for the range from that share of it to that multiple; angles, and zero: 0.2 about."""
-
-
-def _kind(name: str) -> str:
-    """Return what a parameter is, a key of `UNITS`; the name itself where it is none."""
-    match = _PLACE.fullmatch(name.strip())
-    return next(v for v in match.groups()[:3] if v) if match else name.strip()
-
-
-def parse_nearby(text: str) -> Over:
-    """Read ``NAME=FROM:TO`` as `parse_over` does, or ``NAME=VALUE`` for a range around a value."""
-    name, _, value = text.partition("=")
-    if ":" in value or not value:
-        return parse_over(text)
-    t = _number(value, name.strip())
-    if t and UNITS.get(_kind(name), "rad") != "rad":
-        low, high = sorted((t / NEARBY, t * NEARBY))
-        return parse_over(f"{name}={low!r}:{high!r}")
-    return parse_over(f"{name}={t - 0.2!r}:{t + 0.2!r}")
-
-
-def _number(text: str, name: str) -> float:
-    match = _DEGREES.fullmatch(text.strip())
-    if match:
-        return math.radians(parse_angle(match[1], name))
-    try:
-        return parse_angle(text.strip(), name)
-    except AngleError:
-        if UNITS.get(_kind(name.partition("+")[0]), "rad") == "rad":
-            raise
-        raise OptionError(f"over: {name} = {text.strip()!r} must be a finite number") from None
 
 
 @dataclass(frozen=True, eq=False)
@@ -202,7 +56,7 @@ class Family:
     def scene(self, t: float) -> Scene:
         """Return the scene at t, named after it."""
         made = self.scene_of(t)
-        label = f"{made.label}, " if made.label else ""
+        label = f"{label}, " if (label := getattr(made, "label", made.name)) else ""
         return replace(made, name=f"{label}{self.over.name} = {t:.10g}")
 
     @cached_property
@@ -244,7 +98,38 @@ class Family:
         # k/2 (phi - phi0 - l/k)^2 = k/2 (phi - phi0)^2 - l phi + l phi0 + l^2 / (2 k)
         return scale * float(np.sum(p.load * (p.rest + 0.5 * p.load / p.stiffness)))
 
-    def _check(self, posed: list[Model], where: np.ndarray) -> None:
+    @property
+    def symmetric(self) -> bool:
+        """Whether its states keep a symmetry."""
+        return not self.scene(self.over.low).group.is_trivial
+
+    @property
+    def preloaded(self) -> bool:
+        """Whether energies of its scenes count what it took to wind springs."""
+        return bool(self.line.start.load.any() or self.line.direction.load.any())
+
+    @property
+    def steps(self) -> Steps:
+        """Of the tracer."""
+        return STEPS
+
+    def search(
+        self, made: list[Scene], seconds: float | None, **options: Any
+    ) -> Sequence[MinimaResult]:
+        """Search for the minima of some of its scenes, together, in so many seconds."""
+        return find_minima_of_each(made, seconds=seconds, **options)
+
+    def problem(self, made: Scene) -> Any:
+        """Pose one of its scenes."""
+        return Model(made)
+
+    def to_fold(self, states: list[tuple[float, Any, str, dict[str, Any]]]) -> dict[str, Any]:
+        """Return states (t, fold angles, title, what else is known) as FOLD data (spec 1.1), a frame each."""
+        made = lru_cache(maxsize=None)(self.scene_of)
+        frames = [folded_frame(made(t), phi, title, **more) for t, phi, title, more in states]
+        return frames_to_fold(self.scene(self.over.low), frames)
+
+    def _check(self, posed: Sequence[Any], where: np.ndarray) -> None:
         """Complain where the numbers of scenes are not linear in s."""
         # equal steps of s: numbers that are linear change by the same from scene to scene
         change = np.diff([linear_numbers(m.parameters) for m in posed], axis=0)
@@ -327,7 +212,7 @@ def family_of(scene: Scene, over: Over) -> Family:
         return Family(over, _over_places(base, [("loads", k) for k in range(len(base.loads))]))
     places = []
     for name in over.name.split("+"):
-        match = _PLACE.fullmatch(name.strip())
+        match = PLACE.fullmatch(name.strip())
         most = len(base.loads) if match and match[3] else base.degree
         if match is None or not 1 <= int(match[4]) <= most:
             raise OptionError(
@@ -335,27 +220,31 @@ def family_of(scene: Scene, over: Over) -> Family:
                 f"preload[1], torque[1] or sector_angles[1], with entries 1 to {base.degree}"
                 + (f", or loads, loads[1] to loads[{len(base.loads)}]" if base.loads else "")
             )
-        places.append((_kind(name), int(match[4]) - 1))
+        places.append((kind_of(name), int(match[4]) - 1))
     return Family(over, _over_places(base, places))
 
 
 def _over_ratio(scene: Scene) -> Callable[[float], Scene]:
-    """Multiply stiffnesses of mountains by sqrt(r / r_0), divide those of valleys by it."""
-    k, rest = np.array(scene.stiffness), np.array(scene.rest_angles)
+    """Set the ratio of stiffnesses of a scene."""
+    k = stiffness_over_ratio(np.array(scene.stiffness), np.array(scene.rest_angles))
+    return lambda ratio: replace(scene, stiffness=tuple(k(ratio)))
+
+
+def stiffness_over_ratio(k: np.ndarray, rest: np.ndarray) -> Callable[[float], list[float]]:
+    """Multiply stiffnesses [n] of mountains by sqrt(r / r_0), divide those of valleys by it."""
     mountain = rest < 0
     if mountain.all() or not mountain.any():
         raise OptionError(
-            "over = 'ratio' is the stiffness of mountains over that of valleys: the scene has only one of them"
+            "over = 'ratio' is the stiffness of mountains over that of valleys: there is only one of them"
         )
     log = np.log(k)
     # k_m / k_v = r, their geometric mean unchanged (paper, section 3: k_m = 0.025 sqrt(r), k_v = 0.025 / sqrt(r))
     now = log[mountain].mean() - log[~mountain].mean()
     side = np.where(mountain, 0.5, -0.5)
 
-    def at(ratio: float) -> Scene:
-        return replace(
-            scene, stiffness=tuple((k * np.exp(side * (math.log(ratio) - now))).tolist())
-        )
+    def at(ratio: float) -> list[float]:
+        values: list[float] = (k * np.exp(side * (math.log(ratio) - now))).tolist()
+        return values
 
     return at
 

@@ -6,45 +6,58 @@ import math
 import time
 from dataclasses import replace
 from functools import cached_property
+from os import PathLike
+from typing import Any
 from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from origami_nlp.arguments import check_flag, check_type, check_until, check_whole
+from origami_nlp.arguments import check_flag, check_type, check_until, check_whole, refuse
 from origami_nlp.atlas.branches import branches_of, chains_of, widest_gap
-from origami_nlp.atlas.family import SAMPLES, Family, Over, family_of, parse_over
+from origami_nlp.atlas.family import SAMPLES, Family, family_of
 from origami_nlp.atlas.judging import Touching, breaking_eigenvalue, parts_of
+from origami_nlp.atlas.over import Over, parse_over
+from origami_nlp.atlas.patterns import PatternFamily, pattern_family
 from origami_nlp.atlas.records import Check, Cost, PathBranch
 from origami_nlp.atlas.result import Atlas
 from origami_nlp.critical import find_critical_points
 from origami_nlp.errors import OUT_OF_TIME, OptionError
 from origami_nlp.kkt import State, classify
-from origami_nlp.minima import MinimaResult, check_prove, find_minima_of_each, full_scene
+from origami_nlp.minima import MinimaResult, check_prove, full_scene
 from origami_nlp.numerics import SETTLED
-from origami_nlp.path import STEPS, Equilibrium, ParameterLine, Steps, Web
-from origami_nlp.pattern import Scene, Vertex
+from origami_nlp.path import Equilibrium, ParameterLine, Steps, Web
+from origami_nlp.pattern import Pattern, Scene, Vertex, as_origami
+from origami_nlp.sheets import SheetResult
 from origami_nlp.space import find_space
 
 MOST_CHECKS = 100
+_OF_A_PATTERN = {"starts": "the effort says how many starts a vertex gets"}
+_OF_A_SCENE = {
+    "full": "states of a pattern keep no symmetry",
+    "morse": "critical points of a pattern are not counted",
+    "prove": "lists of a pattern are not proved",
+}
+"""What only the one or the other takes, and why."""
 JUDGING = 0.1
 """Share of a time limit that is kept for judging what was followed."""
 
 
 def follow(
-    scene: Scene,
+    origami: Scene | Pattern | str | PathLike[str],
     over: str | Over,
     *,
     checks: int = 3,
     through_folds: bool = True,
-    full_space: bool = True,
-    morse: bool = False,
-    prove: bool | float = False,
+    full: bool | None = None,
+    morse: bool | None = None,
+    prove: bool | float | None = None,
     effort: str = "normal",
     seed: int = 0,
-    max_starts: int = 100_000,
+    max_starts: int | None = None,
+    starts: int | None = None,
     seconds: float | None = None,
 ) -> Atlas:
-    """Follow the minima of a scene over a parameter.
+    """Follow the minima of a vertex or a pattern over a parameter.
 
     Searches at a few values give the states to begin with: the middle for one check, both ends for two, then the
     middle, then the middle of the widest interval without event or check.  Every state that none of the branches
@@ -53,23 +66,26 @@ def follow(
 
     Parameters
     ----------
-    scene
-        What is folded.
+    origami
+        A scene or a pattern, as `find_minima` takes it.
     over
-        The parameter and its range, such as ``"ratio=0.01:100"``; see `parse_over`.
+        The parameter and its range, such as ``"ratio=0.01:100"``; see `parse_over`.  Of a pattern also
+        ``"mountains.stiffness=1:2"``, ``"vertices.x[5]=0:0.1"`` (see `pattern.with_places`), or an option of an example
+        by its name, ``"alpha=50deg:60deg"`` of ``"miura:3x3"``.
     checks
         Number of searches.
     through_folds
         Whether states are followed on through folds, where they are saddles until they turn again.
-    full_space
-        Whether events at which a symmetric state loses its stability without the symmetry are located.
+    full
+        Of scenes: whether events at which a symmetric state loses its stability without the symmetry are located; None
+        is True.
     morse
-        Whether the Morse identity is checked at each check (two symmetric freedoms and full contact only).
+        Of scenes: whether the Morse identity is checked at each check (two symmetric freedoms and full contact only).
     prove
-        Whether it is proved at each check that no minimum is missing, or the seconds that this may take, as for
-        `find_minima`; where one freedom is left, searches are complete without it.
-    effort, seed, max_starts
-        Of the searches.
+        Of scenes: whether it is proved at each check that no minimum is missing, or the seconds that this may take, as
+        for `find_minima`; where one freedom is left, searches are complete without it.
+    effort, seed, max_starts, starts
+        Of the searches, see `find_minima`; `starts` of patterns.
     seconds
         Wall time; what was followed by then is judged and returned, `Atlas.interrupted` tells.  None: no limit.
 
@@ -86,30 +102,38 @@ def follow(
     Examples
     --------
     >>> import origami_nlp as o
-    >>> atlas = o.follow(o.examples.degree6("pi/3"), "ratio=0.2:1", checks=1, max_starts=16, full_space=False)
+    >>> atlas = o.follow(o.examples.degree6("pi/3"), "ratio=0.2:1", checks=1, max_starts=16, full=False)
     >>> [(event.type, round(event.t, 6)) for event in atlas.events]
     [('closes', 0.355732)]
     >>> [state.kind for state in atlas.at(0.3)]
     ['interior', 'contact-touching', 'degenerate', 'degenerate']
     """
-    check_type("scene", scene, Scene)
     stated = parse_over(over) if isinstance(over, str) else over
     check_type("over", stated, Over)
     until = check_until(seconds)
+    given = {
+        "full": full,
+        "morse": morse,
+        "prove": prove,
+        "max_starts": max_starts,
+        "starts": starts,
+    }
+    options: dict[str, Any] = {k: v for k, v in given.items() if v is not None}
+    options |= {
+        "checks": checks,
+        "through_folds": through_folds,
+        "effort": effort,
+        "seed": seed,
+        "until": until,
+    }
+    what = as_origami(origami)
+    if not isinstance(what, Scene):
+        refuse("pattern", _OF_A_SCENE, **given)
+        named = origami if isinstance(origami, str) else what
+        return follow_family(pattern_family(named, stated), **options)
+    refuse("scene", _OF_A_PATTERN, **given)
     first, *others = (
-        follow_family(
-            family_of(one, stated),
-            checks=checks,
-            through_folds=through_folds,
-            full_space=full_space,
-            morse=morse,
-            prove=prove,
-            effort=effort,
-            seed=seed,
-            max_starts=max_starts,
-            until=until,
-        )
-        for one in scene.of_each_winding
+        follow_family(family_of(one, stated), **options) for one in what.of_each_winding
     )
     if not others:
         return first
@@ -122,29 +146,33 @@ def follow_family(
     *,
     checks: int = 3,
     through_folds: bool = True,
-    full_space: bool = True,
+    full: bool = True,
     morse: bool = False,
     prove: bool | float = False,
     effort: str = "normal",
     seed: int = 0,
-    max_starts: int = 100_000,
+    max_starts: int | None = None,
+    starts: int | None = None,
     steps: Steps | None = None,
     until: float = math.inf,
 ) -> Atlas:
-    """Follow the minima of a family of scenes; arguments as for `follow`.
+    """Follow the minima of a family of scenes or patterns; arguments as for `follow`.
 
     steps: of the tracer.  until: when the time is over (`time.monotonic`).
     """
     check_whole("checks", checks, 1, MOST_CHECKS)
     for name, flag in (
         ("through_folds", through_folds),
-        ("full_space", full_space),
+        ("full", full),
         ("morse", morse),
     ):
         check_flag(name, flag)
     check_prove("prove", prove)
-    search = {"effort": effort, "seed": seed, "max_starts": max_starts, "prove": prove}
-    survey = _Survey(family, through_folds, full_space, morse, search, steps, until)
+    given = {"max_starts": max_starts, "starts": starts}
+    search = {"effort": effort, "seed": seed, **{k: v for k, v in given.items() if v is not None}}
+    if not isinstance(family, PatternFamily):
+        search["prove"] = prove
+    survey = _Survey(family, through_folds, full, morse, search, steps, until)
     survey.web.add_flat()
     ends = [family.over.low, family.over.high]
     middle = family.over.t_of(0.5 * (survey.web.low + survey.web.high))
@@ -164,7 +192,7 @@ class _Survey:
         self,
         family: Family,
         through_folds: bool,
-        full_space: bool,
+        full: bool,
         morse: bool,
         search: dict[str, object],
         steps: Steps | None,
@@ -172,20 +200,19 @@ class _Survey:
     ) -> None:
         self._begin = time.perf_counter()
         self.family, self.over, self._morse, self._search = family, family.over, morse, search
-        self._full = full_space
+        self._full = full and family.symmetric
         low, high = self.over.s_of(self.over.low), self.over.s_of(self.over.high)
         self._scene = family.scene(self.over.low)
         self._across: WeakKeyDictionary[Equilibrium, float] = WeakKeyDictionary()
         self._touching: Touching = {}
-        symmetric = not self._scene.group.is_trivial
-        functions = [("breaks-symmetry", self.across)] if full_space and symmetric else []
+        functions = [("breaks-symmetry", self.across)] if self._full else []
         # some of the time is for judging what was followed
         turn = until if math.isinf(until) else until - JUDGING * (until - time.monotonic())
         self.web = Web(
             family.line,
             low,
             high,
-            steps=steps or STEPS,
+            steps=steps or family.steps,
             through_folds=through_folds,
             functions=functions,
             until=turn,
@@ -196,7 +223,7 @@ class _Survey:
 
     @cached_property
     def _full_line(self) -> ParameterLine | None:
-        if not self._full or self._scene.group.is_trivial:
+        if not self._full:
             return None
         few = 2 if self.family.one_vertex else SAMPLES
         return Family(self.over, lambda t: full_scene(self.family.sampled(t)), few).line
@@ -218,19 +245,22 @@ class _Survey:
         begin, until = time.perf_counter(), self.web.steps.until
         left = None if math.isinf(until) else max(until - time.monotonic(), 0.0)
         scenes = [self.family.scene(t) for t in values]
-        results = find_minima_of_each(scenes, seconds=left, **self._search)  # type: ignore[arg-type]
+        results = self.family.search(scenes, left, **self._search)
         seconds = time.perf_counter() - begin
         self._begin += seconds
         for t, result in zip(values, results, strict=True):
             self._compare(t, result, seconds / len(values))
 
-    def _compare(self, t: float, result: MinimaResult, seconds: float) -> None:
+    def _compare(self, t: float, result: MinimaResult | SheetResult, seconds: float) -> None:
         """Follow what is new among the minima of a search that took so long, and note what does not fit."""
         begin = time.perf_counter()
-        morse = self._identity(result.scene, result) if self._morse and not self.web.late else ""
+        morse = ""
+        if self._morse and not self.web.late and isinstance(result, MinimaResult):
+            morse = self._identity(result.scene, result)
         more = time.perf_counter() - begin
         seconds, self._begin = seconds + more, self._begin + more
-        model, s = result.model, self.over.s_of(t)
+        model: Any = result.model
+        s = self.over.s_of(t)
         new, met, followed = 0, [], self._minima(s)
         for minimum in result.minima:
             x = model.reduce(np.array(minimum.fold_angles))
@@ -262,7 +292,7 @@ class _Survey:
                 len(followed),
                 new,
                 missed,
-                result.search.expected_undiscovered,
+                getattr(result.search, "expected_undiscovered", math.inf),
                 result.search.starts,
                 seconds,
                 morse,
@@ -272,7 +302,7 @@ class _Survey:
 
     def _wound(self, branch: PathBranch) -> PathBranch:
         """Return a branch whose energies count what it took to wind preloaded springs, as those of scenes do."""
-        if not (self.family.line.start.load.any() or self.family.line.direction.load.any()):
+        if not self.family.preloaded:
             return branch
         points = (
             replace(p, energy=p.energy + self.family.winding(self.over.s_of(p.t)))
@@ -335,11 +365,14 @@ class _Survey:
             web,
             begun,
             interrupted=web.interrupted or any(c.complete == OUT_OF_TIME for c in self.checks),
+            example=getattr(self.family, "example", ""),
         )
 
 
-def _complete(result: MinimaResult) -> str:
+def _complete(result: MinimaResult | SheetResult) -> str:
     """Say why the minima of a search are all, or that its time was over; "" where that is not known."""
+    if isinstance(result, SheetResult):
+        return OUT_OF_TIME if result.search.left_out else ""
     if result.search.stopped_by == "time":
         return OUT_OF_TIME
     if result.completeness is not None:

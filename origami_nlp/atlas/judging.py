@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -14,7 +14,7 @@ from origami_nlp.modes import breaking_stiffness
 from origami_nlp.numerics import SETTLED, TOUCHES, rank
 from origami_nlp.path import Arc, Equilibrium, Hold, ParameterLine, Web
 from origami_nlp.pattern import Scene
-from origami_nlp.programme import Contact, Model
+from origami_nlp.programme import Contact
 
 BISECTIONS = 40
 """Of a part of an arc on which the verdict changes."""
@@ -84,7 +84,7 @@ def breaking_eigenvalue(
 
 
 def states_at(
-    scene: Scene,
+    problem: Any,
     value: float,
     s: float,
     web: Web,
@@ -92,7 +92,7 @@ def states_at(
     branch_of_arc: dict[int, int],
 ) -> tuple[StateAt, ...]:
     """Return the states of all branches at one value t = value of the parameter, where s is followed."""
-    model = Model(scene)
+    model = problem
     out: list[tuple[np.ndarray, StateAt]] = []
     for number, frame in (*web.states_at(s), *((-1, f) for f in web.alone_at(s))):
         if any(np.abs(x - frame.state).max() <= SETTLED for x, _ in out):

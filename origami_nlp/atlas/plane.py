@@ -7,7 +7,8 @@ from functools import cached_property
 
 import numpy as np
 
-from origami_nlp.atlas.family import Family, Over, family_of, linear_numbers, posed_alike
+from origami_nlp.atlas.family import Family, family_of, linear_numbers, posed_alike
+from origami_nlp.atlas.over import Over
 from origami_nlp.errors import OptionError
 from origami_nlp.numerics import RESOLVED
 from origami_nlp.path import ParameterLine

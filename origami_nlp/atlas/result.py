@@ -9,14 +9,15 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Any
 
-from origami_nlp.atlas.family import Family, Over, family_of
+from origami_nlp.atlas.family import Family, family_of
 from origami_nlp.atlas.judging import states_at
+from origami_nlp.atlas.over import Over
+from origami_nlp.atlas.patterns import pattern_family
 from origami_nlp.atlas.records import Check, Cost, Interval, PathBranch, PathEvent, StateAt
 from origami_nlp.errors import OUT_OF_TIME, OptionError
-from origami_nlp.folding import folded_frame, frames_to_fold
 from origami_nlp.numerics import SAME
 from origami_nlp.path import Web
-from origami_nlp.pattern import Scene
+from origami_nlp.pattern import Pattern, Scene
 from origami_nlp.show import Content, Piece, Table, Told, Turnable, Words
 
 COMPLETE = {"proved": "proved to be all", "traced": "all that the curves of its one freedom hold"}
@@ -30,7 +31,7 @@ class Atlas(Told, Turnable):
     Attributes
     ----------
     scene
-        The scene that the others differ from.
+        The scene, or the pattern, that the others differ from.
     over
         The parameter and its range.
     branches, events, checks
@@ -49,16 +50,18 @@ class Atlas(Told, Turnable):
     interrupted
         Whether the time was over before all was followed: branches and checks are those until then, and intervals count
         what was followed.
+    example
+        Of patterns over an option of an example, its name; "" elsewhere.
 
     Examples
     --------
     >>> import origami_nlp as o
-    >>> atlas = o.follow(o.examples.degree6("pi/4"), "ratio=1:1.1", checks=1, full_space=False)
+    >>> atlas = o.follow(o.examples.degree6("pi/4"), "ratio=1:1.1", checks=1, full=False)
     >>> [interval.minima for interval in atlas.intervals], [branch.kind_ranges[0].kind for branch in atlas.branches]
     ([2], ['interior', 'contact-touching'])
     """
 
-    scene: Scene
+    scene: Scene | Pattern
     over: Over
     branches: tuple[PathBranch, ...]
     events: tuple[PathEvent, ...]
@@ -70,6 +73,7 @@ class Atlas(Told, Turnable):
     branch_of_arc: dict[int, int] = field(default_factory=dict, metadata={"plain": False})
     others: tuple[Atlas, ...] = ()
     interrupted: bool = False
+    example: str = field(default="", metadata={"omit": True})
 
     PICTURE, SCHEMA = "draw_atlas", "origami_nlp/follow/1"
     ALSO = ("intervals",)
@@ -78,7 +82,12 @@ class Atlas(Told, Turnable):
         if self.family is None:  # read from a file
             if self.over.name.startswith("loads"):
                 raise OptionError("an atlas over forces cannot be read back: follow it anew")
-            object.__setattr__(self, "family", family_of(self.scene, self.over))
+            made: Any = (
+                family_of(self.scene, self.over)
+                if isinstance(self.scene, Scene)
+                else pattern_family(self.example or self.scene, self.over)
+            )
+            object.__setattr__(self, "family", made)
 
     @property
     def intervals(self) -> tuple[Interval, ...]:
@@ -126,8 +135,8 @@ class Atlas(Told, Turnable):
             raise OptionError(
                 f"value = {value:g} is outside what was followed, {over.low:g} to {over.high:g}"
             )
-        scene, s = self.family.scene(value), over.s_of(value)
-        here = states_at(scene, value, s, self.web, self.branches, self.branch_of_arc)
+        problem, s = self.family.problem(self.family.scene(value)), over.s_of(value)
+        here = states_at(problem, value, s, self.web, self.branches, self.branch_of_arc)
         more = (state for other in self.others for state in other.at(value))
         return (
             tuple(sorted((*here, *more), key=lambda state: state.energy)) if self.others else here
@@ -215,15 +224,11 @@ class Atlas(Told, Turnable):
 
     def to_fold(self) -> dict[str, Any]:
         """Return the points of all branches as FOLD data (spec 1.1), one frame each, in order."""
-        over, frames = self.over, []
-        scenes: dict[float, Scene] = {}
+        over, states = self.over, []
         for branch in self.branches:
             for k, point in enumerate(branch.points):
-                if point.t not in scenes:
-                    scenes[point.t] = self.family.scene_of(point.t)
                 kind = next(r.kind for r in branch.kind_ranges if r.points[0] <= k <= r.points[1])
                 title = f"branch {branch.id}, {over.name} = {point.t:.9g}: {kind}"
                 more = {"branch": branch.id, "parameter": point.t, "energy": point.energy}
-                scene = scenes[point.t]
-                frames.append(folded_frame(scene, point.fold_angles, title, **more, kind=kind))
-        return frames_to_fold(self.family.scene(over.low), frames)
+                states.append((point.t, point.fold_angles, title, {**more, "kind": kind}))
+        return self.family.to_fold(states)

@@ -7,7 +7,7 @@ import itertools
 import numpy as np
 
 from origami_nlp.atlas.boundary import EventCurve
-from origami_nlp.atlas.family import Over
+from origami_nlp.atlas.over import Over
 from origami_nlp.numerics import ROUNDED
 
 CORNER = 0.4

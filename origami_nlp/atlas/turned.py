@@ -5,15 +5,20 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
+from functools import lru_cache
+from typing import Any
 
 import numpy as np
 
 from origami_nlp.atlas.family import Family
-from origami_nlp.atlas.records import PathBranch, PathEvent
-from origami_nlp.pattern import Vertex
+from origami_nlp.atlas.over import Over
+from origami_nlp.atlas.patterns import PatternFamily, PatternLine
+from origami_nlp.atlas.records import PathBranch, PathEvent, PathPoint
+from origami_nlp.sheets import sheet_poser
 from origami_nlp.show import (
     Body,
     Content,
+    Folded,
     Line,
     Panel,
     Piece,
@@ -47,32 +52,29 @@ def turn_branches(
         A station for each event; a track for each stretch of a branch on which the parameter runs one way, over that
         parameter in its unit, angles in degrees; one panel, the energy over the parameter.
     """
-    over, stations = family.over, []
+    over, stations, poser = family.over, [], _poser(family)
     at: list[tuple[int, float, float]] = []
     for e in events:
         scene = family.scene_of(e.t)
-        energy = float(scene.energy(e.fold_angles))
+        energy = float(scene.energy(np.array(e.fold_angles)))
         where = over.shown(e.t, 9)
         said = [
             e.contact,
             e.note,
             "fold angles [deg]: " + ", ".join(f"{math.degrees(v):.2f}" for v in e.fold_angles),
         ]
-        folded = vertex_folded(scene.vertex, e.fold_angles, energy)
-        view = vertex_view(scene.vertex, e.fold_angles)
         title = f"event {e.id}: {e.type} at {where}"
-        stations.append(Station(title, folded, view, lines=tuple(filter(None, said))))
+        shown = poser.folded(e.t, e.fold_angles, energy), poser.view(e.t, e.fold_angles)
+        stations.append(Station(title, *shown, lines=tuple(filter(None, said))))
         at.append((len(at), over.drawn(e.t), energy))
-    tracks = [track for b in branches for track in _tracks(family, b)]
+    tracks = [track for b in branches for track in _tracks(over, poser, b)]
     points = [np.stack([t.parameter, [state.energy for state in t.states]], axis=1) for t in tracks]
     none = np.empty(0)
     panel = Panel(
         f"Energy over {over.name}", (over.axis, "energy [J]"), none, none, None, (), tuple(at)
     )
     steps = "Each step is an equilibrium, polished; on which of them is a minimum, see the title of the path."
-    first = family.scene_of(over.low)
-    name, body = first.label or repr(first.vertex), vertex_body(first.vertex)
-    return turn_paths(name, body, stations, tracks, points, panel, told, steps)
+    return turn_paths(poser.name, poser.body, stations, tracks, points, panel, told, steps)
 
 
 def turn_paths(
@@ -120,31 +122,73 @@ def turn_paths(
     return content.with_tracks(list(tracks), [list(points)])
 
 
-def _tracks(family: Family, branch: PathBranch) -> list[Track]:
+class _VertexPoser:
+    """What puts the states of a family of scenes into space."""
+
+    def __init__(self, family: Family) -> None:
+        self._scene = lru_cache(maxsize=None)(family.scene_of)
+        first = self._scene(family.over.low)
+        self.name, self.body = first.label or repr(first.vertex), vertex_body(first.vertex)
+
+    def folded(self, t: float, phi: Sequence[float], energy: float) -> Folded:
+        return vertex_folded(self._scene(t).vertex, phi, energy)
+
+    def view(self, t: float, phi: Sequence[float]) -> np.ndarray:
+        return vertex_view(self._scene(t).vertex, phi)
+
+    def track(
+        self, title: str, points: Sequence[PathPoint], values: list[float], label: str
+    ) -> Track:
+        vertices = [self._scene(p.t).vertex for p in points]
+        states, energies = [p.fold_angles for p in points], [p.energy for p in points]
+        return vertex_track(vertices, title, states, energies, parameter=values, label=label)
+
+
+class _PatternPoser:
+    """The same of a family of patterns."""
+
+    def __init__(self, family: Family) -> None:
+        made: Any = family.scene_of
+        still = not isinstance(family.line, PatternLine)  # then no vertex moves
+        low = family.over.low
+        self._at = lru_cache(maxsize=None)(lambda t: sheet_poser(made(low if still else t)))
+        self.name, self.body = made(low).name or "pattern", self._at(low)[0]
+
+    def folded(self, t: float, phi: Sequence[float], energy: float) -> Folded:
+        return replace(self._at(t)[1](np.array(phi)), energy=energy)
+
+    def view(self, t: float, phi: Sequence[float]) -> np.ndarray:
+        return self._at(t)[2](np.array(phi))
+
+    def track(
+        self, title: str, points: Sequence[PathPoint], values: list[float], label: str
+    ) -> Track:
+        seen = tuple(self.folded(p.t, p.fold_angles, p.energy) for p in points)
+        middle = points[len(points) // 2]
+        view = self.view(middle.t, middle.fold_angles)
+        return Track(title, np.array(values), label, seen, view)
+
+
+_Poser = _VertexPoser | _PatternPoser
+
+
+def _poser(family: Family) -> _Poser:
+    return _PatternPoser(family) if isinstance(family, PatternFamily) else _VertexPoser(family)
+
+
+def _tracks(over: Over, poser: _Poser, branch: PathBranch) -> list[Track]:
     """Return the stretches of a branch on which the parameter runs one way."""
-    over, t = family.over, np.array([p.t for p in branch.points])
+    t = np.array([p.t for p in branch.points])
     steps = np.sign(np.diff(t))
     turns = [k + 1 for k in range(len(steps) - 1) if steps[k] * steps[k + 1] < 0]
     out = []
-    vertices: dict[float, Vertex] = {}
     for a, b in zip([0, *turns], [*turns, len(t) - 1], strict=True):
         points = branch.points[a : b + 1]
         if b - a < 1 or t[a] == t[b]:
             continue
-        for p in points:
-            if p.t not in vertices:
-                vertices[p.t] = family.scene_of(p.t).vertex
         kinds = [r.kind for r in branch.kind_ranges if r.points[0] < b and r.points[1] > a]
         ends = " to ".join(over.shown(v) for v in (t[a], t[b]))
         title = f"branch {branch.id}, {ends}: {', '.join(dict.fromkeys(kinds))}"
-        out.append(
-            vertex_track(
-                [vertices[p.t] for p in points],
-                title,
-                [p.fold_angles for p in points],
-                [p.energy for p in points],
-                parameter=[over.drawn(p.t) for p in points],
-                label=over.axis,
-            )
-        )
+        values = [over.drawn(p.t) for p in points]
+        out.append(poser.track(title, points, values, over.axis))
     return out

@@ -114,7 +114,8 @@ def shape_of(barriers: Barriers) -> Tree:
 
 
 def _judged(minimum: Any) -> str | None:
-    return minimum.full_space.verdict if minimum.full_space else None
+    full = getattr(minimum, "full_space", None)
+    return full.verdict if full else None
 
 
 def merge_tree_axes(ax: Axes, barriers: Barriers) -> None:
@@ -191,7 +192,7 @@ def merge_tree_axes(ax: Axes, barriers: Barriers) -> None:
     ax.set_yticks([y for y in ax.get_yticks() if 0 <= y <= max(reach) + 0.1 * span])
     ax.spines[["top", "right", "bottom"]].set_visible(False)
     ax.tick_params(labelsize=8)
-    ax.set_title(label_text(barriers.scene.label), fontsize=9.5)
+    ax.set_title(label_text(barriers.label), fontsize=9.5)
 
 
 def leaf_order(count: int, merges: tuple[Join, ...]) -> list[int]:

@@ -9,15 +9,18 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from os import PathLike
+from typing import Any
 
 import numpy as np
 
-from origami_nlp.arguments import check_flag, check_number, check_type, check_whole
+from origami_nlp.arguments import check_flag, check_number, check_type, check_whole, refuse
 from origami_nlp.barriers.full import Exits, FullPass, full_pass
 from origami_nlp.barriers.graph import side_of_flat
 from origami_nlp.barriers.passes import Pass, critical_at, slide
 from origami_nlp.barriers.refine import RefinedGraph
 from origami_nlp.barriers.result import Barriers, Join, Unlisted
+from origami_nlp.barriers.traced import pattern_barriers, vertex_barriers
 from origami_nlp.errors import OptionError
 from origami_nlp.kkt import State
 from origami_nlp.minima import (
@@ -27,37 +30,44 @@ from origami_nlp.minima import (
     with_merge_tree,
 )
 from origami_nlp.numerics import MergeTree
-from origami_nlp.pattern import Scene
+from origami_nlp.pattern import Pattern, Scene, as_origami
 from origami_nlp.programme import Model
+from origami_nlp.sheets import SheetResult, find_states
 
 MOST_UNLISTED = 3
 """Basins of the graph that are followed downhill."""
+_OF_TWO = {
+    "full": "states of one freedom have passes on their curves alone",
+    "spacing": "curves are traced, there is no lattice",
+}
+"""What a graph of states takes alone, and why."""
 SPACING = 0.12
 """Lattice of the graph [rad]."""
 
 
 def find_barriers(
-    scene: Scene,
-    result: MinimaResult | None = None,
-    full: bool = False,
+    origami: Scene | Pattern | str | PathLike[str],
+    result: MinimaResult | SheetResult | None = None,
+    full: bool | None = None,
     *,
-    spacing: float = SPACING,
+    spacing: float | None = None,
     seed: int = 0,
 ) -> Barriers:
-    """Find the lowest pass between every two minima of a scene with two symmetric freedoms.
+    """Find the lowest pass between every two minima of a vertex with up to two freedoms, or of a pattern with one.
 
-    Of states that wind once round the axis, or `Scene.winding` times: no path within the symmetry leads to others.
+    With one freedom passes are those of all curves of closed states, exactly.  Of a vertex they join states that wind
+    once round the axis, or `Scene.winding` times: no path within the symmetry leads to others.
 
     Parameters
     ----------
-    scene
-        What is folded.
+    origami
+        A scene or a pattern, as `find_minima` takes it.
     result
-        The scene's minima; found here if not given.
+        Its minima, of `find_minima`; found here if not given.
     full
-        Also look for lower passes that break the symmetry.
+        Of two freedoms: also look for lower passes that break the symmetry.
     spacing
-        Lattice of the graph of states [rad].
+        Of two freedoms: lattice of the graph of states [rad]; None: 0.12.
     seed
         Of the search for minima and for thin sets.
 
@@ -69,7 +79,8 @@ def find_barriers(
     Raises
     ------
     OptionError
-        If the scene has dead loads or another number of symmetric freedoms, or an argument is not what it must be.
+        If a scene has dead loads or another number of symmetric freedoms, a pattern minima with more than one freedom,
+        or an argument is not what it must be.
 
     Examples
     --------
@@ -79,22 +90,44 @@ def find_barriers(
     >>> [(p.from_state, p.to_state, p.pass_kind) for p in found.passes]
     [(1, 2, 'flat state')]
     """
-    check_type("scene", scene, Scene)
+    scene = as_origami(origami)
+    if full is not None:
+        check_flag("full", full)
+    if spacing is not None:
+        check_number("spacing", spacing, 0.02, 0.5)
+    check_whole("seed", seed, 0)
+    if not isinstance(scene, Scene):
+        refuse("pattern", _OF_TWO, full=full, spacing=spacing)
+        if result is None:
+            result = find_states(scene, seed=seed, escape=False)
+        check_type("result", result, SheetResult)
+        return pattern_barriers(result)  # type: ignore[arg-type]
     scene.check_no_forces("barriers")
     if result is not None:
         check_type("result", result, MinimaResult)
-    check_flag("full", full)
-    check_number("spacing", spacing, 0.02, 0.5)
-    check_whole("seed", seed, 0)
     check_freedoms(scene)
     model = Model(scene)
-    if result is None:
-        result = find_minima(scene.of_one_winding, seed=seed, full=full, prove=False, escape=False)
+    if model.freedom == 1:
+        refuse("vertex of one freedom", _OF_TWO, full=full or None, spacing=spacing)
+    found: Any = result
+    if found is None:
+        found = find_minima(
+            scene.of_one_winding, seed=seed, full=bool(full), prove=False, escape=False
+        )
+    return _of_vertex(scene, model, found, bool(full), spacing or SPACING, seed)
+
+
+def _of_vertex(
+    scene: Scene, model: Model, result: MinimaResult, full: bool, spacing: float, seed: int
+) -> Barriers:
+    """Find the barriers of a vertex."""
     # no path within the symmetry leads from one winding to another
     # each winding is a programme of its own
     here = tuple(m for m in result.minima if m.winding == model.structure.winding)
     if len(here) < len(result.minima):
         result = replace(result, minima=here)
+    if model.freedom == 1:
+        return vertex_barriers(model, result)
     work = RefinedGraph(
         model, [model.reduce(np.array(m.fold_angles)) for m in result.minima], spacing, seed
     )
@@ -129,7 +162,7 @@ def find_barriers(
 
 
 def check_freedoms(scene: Scene) -> None:
-    """Complain about a scene whose symmetric states do not form a surface.
+    """Complain about a scene whose symmetric states form neither curves nor a surface.
 
     Raises
     ------
@@ -137,9 +170,9 @@ def check_freedoms(scene: Scene) -> None:
         With the number of degrees of freedom it has.
     """
     freedom = Model(scene).freedom
-    if freedom != 2:
+    if freedom not in (1, 2):
         raise OptionError(
-            f"[model] symmetry = {scene.symmetry!r} leaves {freedom} degrees of freedom; barriers need 2: "
+            f"[model] symmetry = {scene.symmetry!r} leaves {freedom} degrees of freedom; barriers need 1 or 2: "
             "state another symmetry"
         )
 

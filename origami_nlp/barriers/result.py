@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -13,9 +14,10 @@ from origami_nlp.barriers.full import FullPass
 from origami_nlp.barriers.graph import StateGraph
 from origami_nlp.barriers.passes import Pass, PassKind
 from origami_nlp.files import pick, to_plain
-from origami_nlp.folding import frames_to_fold, path_frames
+from origami_nlp.folding import folded_frame, frames_to_fold, path_frames
 from origami_nlp.minima import MinimaResult
 from origami_nlp.pattern import Scene
+from origami_nlp.sheets import SheetResult, sheet_frame, sheet_to_fold
 from origami_nlp.show import Content, Piece, Table, Told, Turnable, short_label
 
 HEADS = (
@@ -90,7 +92,7 @@ class Barriers(Told, Turnable):
     merges
         The merge tree: where branches meet, in order of energy.
     graph
-        Admissible states and the steps between them.
+        Admissible states and the steps between them; None with one freedom, whose curves are traced.
     unlisted
         The deepest basins of the graph without a listed minimum.
     full
@@ -105,19 +107,26 @@ class Barriers(Told, Turnable):
     ((2, 2), 1)
     """
 
-    result: MinimaResult
+    result: MinimaResult | SheetResult
     passes: tuple[Pass, ...]
     merges: tuple[Join, ...]
-    graph: StateGraph
+    graph: StateGraph | None
     unlisted: tuple[Unlisted, ...] = ()
     full: tuple[FullPass, ...] = ()
 
     PICTURE = "draw_barriers"
 
     @property
-    def scene(self) -> Scene:
-        """The scene."""
-        return self.result.scene
+    def scene(self) -> Scene | None:
+        """The scene; None of a pattern."""
+        return None if isinstance(self.result, SheetResult) else self.result.scene
+
+    @property
+    def label(self) -> str:
+        """Whose minima these are."""
+        if isinstance(self.result, SheetResult):
+            return self.result.pattern.name or "pattern"
+        return self.result.scene.label
 
     def matrix(self) -> np.ndarray:
         """Return the barrier energies [m, m]: an ultrametric; the diagonal holds the minima's own energies."""
@@ -130,21 +139,28 @@ class Barriers(Told, Turnable):
 
     def table(self) -> Table:
         """Return one row for each pair of minima; energies in the scene's units."""
-        title = f"lowest passes of '{self.scene.label}'"
+        title = f"lowest passes of '{self.label}'"
         return Table(HEADS, [self._cells(p) for p in self.passes], title, "rrrrrlL")
 
     def to_fold(self) -> dict[str, Any]:
         """Return FOLD data: the crease pattern, and the states along the path of each pass as frames."""
-        return frames_to_fold(
-            self.scene,
-            [
-                frame
-                for p in self.passes
-                if len(p.path)
-                for frame in path_frames(
-                    self.scene, p.path, p.path_energy, f"path {p.from_state} to {p.to_state}"
-                )
-            ],
+        result = self.result
+        pattern = isinstance(result, SheetResult)
+        frame = (
+            partial(sheet_frame, result.pattern) if pattern else partial(folded_frame, result.scene)
+        )
+        frames = [
+            one
+            for p in self.passes
+            if len(p.path)
+            for one in path_frames(
+                frame, p.path, p.path_energy, f"path {p.from_state} to {p.to_state}"
+            )
+        ]
+        return (
+            sheet_to_fold(result.pattern, frames)
+            if pattern
+            else frames_to_fold(result.scene, frames)
         )
 
     def _energies(self, p: Pass) -> tuple[float, float]:
@@ -175,17 +191,21 @@ class Barriers(Told, Turnable):
     def _rows(self) -> Iterator[dict[str, object]]:
         for p in self.passes:
             rises = [p.energy - end for end in self._energies(p)]
-            row = {"scene": self.scene.label, "from": p.from_state, "to": p.to_state}
+            row = {"scene": self.label, "from": p.from_state, "to": p.to_state}
             row |= {"energy": p.energy, "rises": rises[0], "back": rises[1], "kind": p.pass_kind}
             yield row | {f"phi_{k}": v for k, v in enumerate(p.fold_angles, start=1)}
 
     def turned(self) -> Content:
         """Return states and the paths over the passes as plain data, see `view`."""
-        from origami_nlp.barriers.turned import add_passes  # charts are slow to import
+        from origami_nlp.barriers.turned import add_passes, add_ways  # charts are slow to import
+
+        if isinstance(self.result, SheetResult):
+            content = add_ways(self.result.turned(), self.result.pattern, self.passes)
+            return replace(content, pieces=(*self.told(), *content.pieces))
         from origami_nlp.chart import landscape
         from origami_nlp.minima import CELLS
 
-        chart = landscape(self.scene, CELLS)
+        chart = landscape(self.result.scene, CELLS)
         content = add_passes(self.result.turned(chart), chart, self.passes)
         return replace(content, pieces=(*self.told(), *content.pieces))
 
@@ -193,7 +213,7 @@ class Barriers(Told, Turnable):
         """Return plain JSON data."""
         return {
             "schema": "origami-nlp/barriers/1",
-            "name": self.scene.name,
+            "name": self.label if self.scene is None else self.scene.name,
             "minima": [
                 {"number": k, **pick(m, "energy", "kind", "fold_angles")}
                 for k, m in enumerate(self.result.minima, start=1)
@@ -226,8 +246,10 @@ def barriers_table(several: Sequence[Barriers]) -> Table:
     """Return the passes of several scenes, a row a pair: minima, pass, kind, where, full space."""
     rows = []
     for barriers in several:
-        name = short_label(barriers.scene.label).replace("*", r"\*")
-        judged = barriers.full or any(m.full_space is not None for m in barriers.result.minima)
+        name = short_label(barriers.label).replace("*", r"\*")
+        judged = barriers.full or any(
+            getattr(m, "full_space", None) is not None for m in barriers.result.minima
+        )
         full = {(f.from_state, f.to_state): f for f in barriers.full}
         for p in barriers.passes:
             one, two = barriers._energies(p)

@@ -14,7 +14,7 @@ from origami_nlp.cli.timed import bounded
 
 
 @bounded
-@takes_scene(o.SceneFile)
+@takes_scene(o.OrigamiFile, whole=True)
 def contacts(
     scene: Source,
     state: Annotated[
@@ -27,21 +27,25 @@ def contacts(
     segments: Annotated[
         bool, typer.Option("--segments", help="Also follow the contact boundaries (metastability).")
     ] = False,
-    max_starts: o.MaxStarts = 100_000,
+    max_starts: o.MaxStarts = None,
     effort: o.Effort = "normal",
-    workers: o.Workers = 1,
+    starts: o.Starts = None,
+    workers: o.Workers = None,
 ) -> None:
-    """Report contact moments, stiffness along the contact and load margin of SCENE's pinned states."""
+    """Report contact moments, stiffness along the contact and load margin of ORIGAMI's pinned states."""
     from origami_nlp.contact import find_contacts
 
     out = Output(json=json, markdown=markdown, html=html)
+    stated = scene.read_whole(contact=True)
     result = search(
-        scene.read(),
+        stated,
         scene.name,
         seed=seed,
         max_starts=max_starts,
+        starts=starts,
         effort=effort,
         workers=workers,
+        contact=scene.whole_contact,
         escape=False,
     )
     found = find_contacts(result, state=state, segments=segments)

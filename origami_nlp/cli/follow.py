@@ -11,7 +11,7 @@ from origami_nlp.cli.followed import follows
 from origami_nlp.cli.source import Source, takes_scene
 
 
-@takes_scene(o.SceneFile)
+@takes_scene(o.OrigamiFile, whole=True)
 @follows
 def follow(
     scene: Source,
@@ -27,17 +27,21 @@ def follow(
         bool, typer.Option("--morse", help="Check the Morse identity at each check.")
     ] = False,
     prove: o.ProveChecks = None,
+    starts: o.Starts = None,
     **search: Any,
 ) -> Any:
-    """Follow the states of SCENE over a parameter, and locate where they appear, change and vanish."""
+    """Follow the states of ORIGAMI over a parameter, and locate where they appear, change and vanish."""
     from origami_nlp.atlas import follow as follow_states
 
+    # options of an example by name are among what it can be followed over
+    named = scene.is_example and not scene.given
     return follow_states(
-        scene.read(),
+        scene.name if named else scene.read_whole(),
         over,
         checks=checks,
         through_folds=through_folds,
-        morse=morse,
-        prove=o.wanted_proof(prove) or False,
+        morse=morse or None,
+        prove=o.wanted_proof(prove),
+        starts=starts,
         **search,
     )

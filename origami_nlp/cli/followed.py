@@ -12,10 +12,10 @@ from origami_nlp.cli.output import Output
 from origami_nlp.cli.timed import end_of
 
 SEARCH = {
-    "full_space": (o.FullSpace, True),
+    "full": (o.FullOrNot, None),
     "effort": (o.Effort, "normal"),
     "seed": (o.Seed, 0),
-    "max_starts": (o.MaxStarts, 100_000),
+    "max_starts": (o.MaxStarts, None),
     "seconds": (o.Seconds, None),
 }
 """Options of the searches, with what they are where nothing is said."""
@@ -38,7 +38,8 @@ def follows(command: Callable[..., Any]) -> Callable[..., None]:
         from origami_nlp.results import draw
 
         out = Output(**{name: given.pop(name) for name in FILES})
-        found = command(**given)
+        said = {k: v for k, v in given.items() if k not in SEARCH or v is not None}
+        found = command(**said)
         found.tell(out.console)
         out.write("json", found.to_dict)
         out.write("figure", draw, found)

@@ -13,7 +13,7 @@ from origami_nlp.cli.source import Source, takes_scene
 from origami_nlp.errors import OptionError
 
 
-@takes_scene(o.SceneFile)
+@takes_scene(o.OrigamiFile, whole=True)
 @follows
 def load(
     scene: Source,
@@ -35,12 +35,13 @@ def load(
     confirm: Annotated[
         bool, typer.Option(help="Search for the minima on both sides of each snap.")
     ] = True,
+    starts: o.Starts = None,
     **search: Any,
 ) -> Any:
-    """Load a stable state of SCENE until it snaps, or to a given load: load against angle, snaps, hysteresis.
+    """Load a stable state of ORIGAMI until it snaps, or to a given load: load against angle, snaps, hysteresis.
 
-    A FOLD file of several vertices is loaded as a whole, as a rigid sheet, unless --vertex names one of them; its
-    states are searched as by `pattern`.  A vertex without --crease is loaded by the scene's own forces.
+    A FOLD file or an example is loaded as a whole, as a rigid sheet, unless --vertex names one vertex of it.  A vertex
+    without --crease is loaded by the scene's own forces.
     """
     from origami_nlp.loading import load_path
     from origami_nlp.pattern import Scene
@@ -49,9 +50,7 @@ def load(
     work: Any
     if isinstance(what, Scene):
         if pull or force or len(crease or ()) > 1:
-            raise OptionError(
-                "--pull, --force and several --crease are for patterns of several vertices"
-            )
+            raise OptionError("--pull, --force and several --crease are for patterns")
         work = crease[0] if crease else None
     else:
         if sum(map(bool, (crease, pull, force))) != 1:
@@ -61,5 +60,5 @@ def load(
         work = work_of(what, crease, pull, force, held)
     end = to if to == "snap" else load_number(to)
     return load_path(
-        what, work, to=end, state=state, back=back, confirm=confirm, **search
+        what, work, to=end, state=state, back=back, confirm=confirm, starts=starts, **search
     )  # fmt: skip

@@ -1,23 +1,33 @@
-"""`origami-nlp minima`: find, classify and show the energy minima of a scene."""
+"""`origami-nlp minima`: find, classify and show the energy minima of a vertex or a pattern."""
 
 from __future__ import annotations
 
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
+import typer
+
+from origami_nlp.arguments import refuse
 from origami_nlp.cli import options as o
 from origami_nlp.cli.output import Output
 from origami_nlp.cli.search import search
 from origami_nlp.cli.source import Source, takes_scene
-from origami_nlp.errors import OptionError
+from origami_nlp.errors import Interrupted, OptionError
 
 if TYPE_CHECKING:
     from origami_nlp.minima import MinimaResult
 
 
-@takes_scene(o.SceneFile)
+@takes_scene(o.OrigamiFile, whole=True)
 def minima(
     scene: Source,
+    each_vertex: Annotated[
+        bool,
+        typer.Option(
+            "--each-vertex",
+            help="FOLD file: every vertex by itself, equal ones once, as one table.",
+        ),
+    ] = False,
     seed: o.Seed = 0,
     json: o.JsonFile = None,
     figure: o.FigureFile = None,
@@ -25,76 +35,73 @@ def minima(
     mesh: o.StatesMesh = None,
     html: o.HtmlFile = None,
     animate: o.AnimateFile = None,
-    max_starts: o.MaxStarts = 100_000,
     effort: o.Effort = "normal",
-    workers: o.Workers = 1,
+    max_starts: o.MaxStarts = None,
+    starts: o.Starts = None,
+    workers: o.Workers = None,
     seconds: o.Seconds = None,
     full: o.Full = False,
     noise: o.Noise = None,
     prove: o.Prove = None,
     certificate: o.CertificateFile = None,
 ) -> None:
-    """Find the energy minima of SCENE that have its symmetry; --full says which are stable states."""
-    from origami_nlp.minima import (
-        check_mesh,
-        draw_minima,
-        find_vertexwise,
-    )
+    """Find the energy minima of ORIGAMI, a vertex or a pattern: its stable states.
+
+    Of a scene they are those with its symmetry; --full says which are stable without it.  A FOLD file or an example is
+    a pattern with all its vertices coupled; --vertex takes one of them, --each-vertex every one by itself.
+    """
+    from origami_nlp.minima import check_mesh, find_vertexwise
+    from origami_nlp.pattern import Scene
+    from origami_nlp.results import draw
     from origami_nlp.verbs import write_fold, write_mesh
 
-    out = Output(
-        json=json,
-        figure=figure,
-        fold=fold,
-        mesh=mesh,
-        certificate=certificate,
-        html=html,
-        animate=animate,
-    )
+    files = {"figure": figure, "fold": fold, "mesh": mesh, "certificate": certificate}
+    out = Output(json=json, html=html, animate=animate, **files)
     if mesh:
         check_mesh(mesh)
     options: dict[str, Any] = {
         "seed": seed,
-        "max_starts": max_starts,
         "effort": effort,
+        "max_starts": max_starts,
+        "starts": starts,
         "workers": workers,
-        "full": full,
+        "seconds": seconds,
+        "full": full or None,
         "noise": noise,
         "prove": o.wanted_proof(prove),
-        "seconds": seconds,
     }
-    if scene.is_fold and scene.vertex is None:
+    if each_vertex:
         scenes = scene.read_all()
-        if len(scenes) > 1:
-            for option, file in (
-                ("figure", figure),
-                ("fold", fold),
-                ("mesh", mesh),
-                ("certificate", certificate),
-                ("animate", animate),
-            ):
-                if file is not None:
-                    raise OptionError(
-                        f"--{option} is for one vertex: choose one of {len(scenes)} with --vertex"
-                    )
-            found = find_vertexwise(
-                scenes, find=partial(search, name=scene.name), found=out.say, **options
-            )
-            found.tell(out.console)
-            out.write("json", found.to_dict)
-            out.turn(*found.results)
-            return
-        (stated,) = scenes.values()
-    else:
-        stated = scene.read()
-    result = search(stated, scene.name, **options)
+        for option, file in {**files, "animate": animate}.items():
+            if file is not None:
+                raise OptionError(
+                    f"--{option} is for one vertex: choose one of {len(scenes)} with --vertex"
+                )
+        found = find_vertexwise(
+            scenes, find=partial(search, name=scene.name), found=out.say, **options
+        )
+        found.tell(out.console)
+        out.write("json", found.to_dict)
+        out.turn(*found.results)
+        return
+    stated = scene.read_whole(contact=True)
+    if not isinstance(stated, Scene):
+        refuse("pattern", {"certificate": "its list is not proved"}, certificate=certificate)
+        options["contact"] = scene.whole_contact
+    stopped = False
+    try:
+        result = search(stated, scene.name, **options)
+    except Interrupted as early:  # what was found is told and written all the same
+        result, stopped = early.result, True
     result.tell(out.console)
     out.write("json", result.to_dict)
-    out.save("figure", draw_minima, result)
+    out.save("figure", draw, result)
     out.save("fold", write_fold, result)
     out.save("mesh", write_mesh, result)
     out.save("certificate", _write_certificate, result)
     out.turn(result)
+    if stopped:
+        raise KeyboardInterrupt
 
 
 def _write_certificate(result: MinimaResult, file: str) -> None:

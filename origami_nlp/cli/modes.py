@@ -14,7 +14,7 @@ from origami_nlp.cli.timed import bounded
 
 
 @bounded
-@takes_scene(o.SceneFile)
+@takes_scene(o.OrigamiFile, whole=True)
 def modes(
     scene: Source,
     state: Annotated[
@@ -24,22 +24,26 @@ def modes(
     json: o.JsonFile = None,
     markdown: o.MarkdownFile = None,
     figure: o.FigureFile = None,
-    max_starts: o.MaxStarts = 100_000,
+    max_starts: o.MaxStarts = None,
     effort: o.Effort = "normal",
-    workers: o.Workers = 1,
+    starts: o.Starts = None,
+    workers: o.Workers = None,
 ) -> None:
-    """Report stiffness and energy along each eigenmode of SCENE's minima, until something touches."""
+    """Report stiffness and energy along each eigenmode of ORIGAMI's minima, until something touches."""
     from origami_nlp.modes import draw_modes, find_modes
 
     out = Output(json=json, markdown=markdown, figure=figure)
+    stated = scene.read_whole(contact=True)
     result = search(
-        scene.read(),
+        stated,
         scene.name,
         seed=seed,
         max_starts=max_starts,
+        starts=starts,
         effort=effort,
         workers=workers,
-        prove=False,
+        prove=None if scene.is_whole else False,
+        contact=scene.whole_contact,
         escape=False,
     )
     found = find_modes(result, state=state)

@@ -21,8 +21,12 @@ def _seed(value: int) -> int:
     return check_whole("seed", value, 0)
 
 
-def _max_starts(value: int) -> int:
-    return check_whole("max_starts", value, 1)
+def _max_starts(value: int | None) -> int | None:
+    return None if value is None else check_whole("max_starts", value, 1)
+
+
+def _starts(value: int | None) -> int | None:
+    return None if value is None else check_whole("starts", value, 0)
 
 
 def _workers(value: int | None) -> int | None:
@@ -74,6 +78,22 @@ def _rest_angle(value: str | None) -> str | None:
 SceneFile = Annotated[
     str,
     typer.Argument(metavar="SCENE", help="Scene file (TOML), FOLD file, or - for either on stdin."),
+]
+OrigamiFile = Annotated[
+    str,
+    typer.Argument(
+        metavar="ORIGAMI",
+        help="What is folded: a vertex by its scene file (TOML), a pattern by its FOLD file, - for either on stdin, or "
+        "an example by name, such as miura:8x8.",
+    ),
+]
+OrigamiUnlessPanels = Annotated[
+    str | None,
+    typer.Argument(
+        metavar="ORIGAMI",
+        help="What is folded: a vertex by its scene file (TOML), a pattern by its FOLD file, - for either on stdin, or "
+        "an example by name, such as miura:8x8; leave out with --panels.",
+    ),
 ]
 SceneUnlessPanels = Annotated[
     str | None,
@@ -185,7 +205,15 @@ Seed = Annotated[
     int, typer.Option(metavar="N", callback=_seed, help="Seed of all that is drawn at random.")
 ]
 MaxStarts = Annotated[
-    int, typer.Option(metavar="N", callback=_max_starts, help="Cap on random starts.")
+    int | None, typer.Option(metavar="N", callback=_max_starts, help="Cap on random starts.")
+]
+Starts = Annotated[
+    int | None,
+    typer.Option(
+        metavar="N",
+        callback=_starts,
+        help="Of a pattern: random starts in a row that find nothing new, then the search ends (default: by --effort).",
+    ),
 ]
 Seconds = Annotated[
     float | None,
@@ -235,8 +263,13 @@ Effort = Annotated[
         help="Starts, and how often each minimum is to be reached before the search stops.",
     ),
 ]
-FullSpace = Annotated[
-    bool, typer.Option(help="Locate where a state loses stability without its symmetry.")
+FullOrNot = Annotated[
+    bool | None,
+    typer.Option(
+        "--full/--no-full",
+        help="Judge in the full space too, where the symmetry may break.",
+        show_default=False,
+    ),
 ]
 Workers = Annotated[
     int,
@@ -269,7 +302,7 @@ Over = Annotated[
     typer.Option(
         metavar="NAME=FROM:TO",
         help="The parameter to follow states over: ratio, alpha, creases.stiffness[1], creases.rest_angles[1] or "
-        "vertex.sector_angles[1]; angles as 0.5, pi/6 or 30deg.",
+        "vertex.sector_angles[1]; of a pattern mountains.stiffness or vertices.x[5] too; angles as 0.5, pi/6 or 30deg.",
     ),
 ]
 
@@ -296,6 +329,14 @@ FoldContact = Annotated[
     typer.Option(
         **_one_of("full", "fold-limits", "none"),
         help="FOLD file: full, fold-limits or none (default full).",
+    ),
+]
+PerLength = Annotated[
+    bool | None,
+    typer.Option(
+        "--per-length",
+        help="FOLD file: stiffness is per length [N/rad], times the length of the crease.",
+        show_default=False,
     ),
 ]
 FoldStiffness = Annotated[

@@ -1,40 +1,42 @@
-"""The search for minima, shown while it runs: of one scene, or of the paper's panels."""
+"""The search for minima, shown while it runs: of a vertex or a pattern, or of the paper's panels."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from origami_nlp.cli.progress import progress
 from origami_nlp.cli.timed import keep, paused
-from origami_nlp.pattern import Scene, examples
-
-if TYPE_CHECKING:
-    from origami_nlp.minima import MinimaResult
+from origami_nlp.pattern import Pattern, Scene, examples
 
 
-def search(scene: Scene, name: str | None, **options: Any) -> MinimaResult:
-    """Find the minima of `scene`, and tell starts and minima (on stderr).
+def search(origami: Scene | Pattern, name: str | None, **options: Any) -> Any:
+    """Find the minima of a vertex or a pattern, and tell starts and minima (on stderr).
 
-    name: of a scene without a label.  options: of `find_minima`.
+    name: of what has no label.  options: of `find_minima`; what is None is left to it.
     """
-    from origami_nlp.minima import find_minima
+    from origami_nlp.verbs import find_minima
 
-    with progress(scene.label or str(name)) as tell:
+    vertex = isinstance(origami, Scene)
+    label = origami.label if isinstance(origami, Scene) else origami.name
+    with progress(label or str(name)) as tell:
 
         def report(starts: int, found: int, once: int) -> None:
             tell(text=f"{starts} starts, {found} minima, {once} of them reached once")
 
+        given = {option: value for option, value in options.items() if value is not None}
+        if vertex:
+            given["progress"] = report
         with paused() as left:
             if left is not None:
-                options["seconds"] = left
-            result = find_minima(scene, progress=report, **options)
+                given["seconds"] = left
+            result: Any = find_minima(origami, **given)
             keep(result)
         return result
 
 
-def search_panels(seed: int, full: bool = False) -> list[MinimaResult]:
+def search_panels(seed: int, full: bool = False) -> list[Any]:
     """Find the minima of all 18 panels of the paper's two landscape figures."""
-    results: list[MinimaResult] = []
+    results: list[Any] = []
     scenes = examples.panels()
     with progress("panels", len(scenes)) as done:
         for scene in scenes:

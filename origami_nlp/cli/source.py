@@ -1,8 +1,9 @@
-"""The scene that a command works on, wherever it comes from: scene file, vertex of a FOLD file, standard input."""
+"""What a command works on, wherever it comes from: scene file, FOLD file, example by name, standard input."""
 
 from __future__ import annotations
 
 import inspect
+import json
 import math
 import sys
 from collections.abc import Callable
@@ -21,6 +22,7 @@ from origami_nlp.pattern import (
     Pattern,
     Scene,
     decode_scene,
+    examples,
     fold_vertices,
     frame_pattern,
     is_json,
@@ -38,19 +40,21 @@ FOLD_OPTIONS = {
     "rest_angle": o.FoldRestAngle,
     "rest_angles": o.FoldRestAngles,
 }
-"""What a vertex of a FOLD file needs beside the file; every command that takes a scene has them."""
+"""What a FOLD file needs beside the file; every command that takes a scene has them."""
+PER_LENGTH = {"per_length": o.PerLength}
+"""What a command that takes whole patterns has besides."""
 
 
 @dataclass(frozen=True)
 class Source:
-    """A scene as the command line names it; nothing is read before it is asked for.
+    """A scene or a pattern as the command line names it; nothing is read before it is asked for.
 
     Attributes
     ----------
     name
-        The file, or ``-``.
+        The file, ``-``, or an example such as ``miura:4x4``.
     given
-        Those of `FOLD_OPTIONS` that were given.
+        Those of `FOLD_OPTIONS` and `PER_LENGTH` that were given.
     """
 
     name: str
@@ -58,11 +62,22 @@ class Source:
 
     @cached_property
     def is_fold(self) -> bool:
-        """Whether it is a FOLD file, by its name or, without one that says so, by its first letter."""
+        """Whether it is a FOLD file or an example, by its name or, without one that says so, by its first letter."""
         return _named_fold(self.name) or is_json(self._content)
 
     @cached_property
+    def is_example(self) -> bool:
+        """Whether it is an example by name."""
+        known = self.name.partition(":")[0] in _examples()
+        return known and not Path(self.name).exists()
+
+    @cached_property
     def _content(self) -> bytes:
+        if self.is_example:
+            return json.dumps(examples.crease_pattern(self.name)).encode()
+        if self.name != "-" and not Path(self.name).suffix and not Path(self.name).exists():
+            known = ", ".join(_examples())
+            raise OptionError(f"{self.name!r} is no file, and no example: those are {known}")
         if _named_fold(self.name):
             return read_limited(self.name, LARGEST, "FOLD", FoldFileError)
         return read_limited(self.name, LARGEST, "scene", SceneFileError)
@@ -71,6 +86,16 @@ class Source:
     def vertex(self) -> int | None:
         """The vertex asked for."""
         return self.given.get("vertex")
+
+    @property
+    def is_whole(self) -> bool:
+        """Whether `read_whole` returns a pattern."""
+        return self.is_fold and self.vertex is None
+
+    @property
+    def whole_contact(self) -> str | None:
+        """The contact asked for of a whole pattern; a scene has its own."""
+        return self.given.get("contact") if self.is_whole else None
 
     def frames(self) -> tuple[Frame, ...]:
         """Return the frame asked for, or all."""
@@ -81,22 +106,41 @@ class Source:
         if not self.is_fold:
             self.refuse_options("a scene file states it itself")
             return decode_scene(self._content, self.name)
+        if "per_length" in self.given:
+            raise OptionError("--per-length is for whole patterns, not for a vertex of one")
         if self.vertex is not None:
             check_whole("--vertex", self.vertex, 0)
         return vertex_scene(self._frame(), self.vertex, tell=_tell, **self._spring_options())
 
-    def read_whole(self) -> Scene | Pattern:
-        """Return the scene, or the pattern where a FOLD file has several vertices and none is asked for."""
-        if self.is_fold and self.vertex is None:
-            frame = self._frame()
-            if len(fold_vertices(frame)[0]) > 1:
-                for name in ("symmetry", "contact"):
-                    if name in self.given:
-                        raise OptionError(
-                            f"--{name} is for one vertex: name it with --vertex, or leave it out"
-                        )
-                return frame_pattern(frame, **self._spring_options())
-        return self.read()
+    def read_whole(self, contact: bool = False) -> Scene | Pattern:
+        """Return the scene of a scene file or of the vertex that is asked for, else as `read_pattern`."""
+        if not self.is_whole:
+            return self.read()
+        one = fold_vertices(self._frame())[0]
+        if len(one) == 1:
+            number = one[0].number
+            _tell(
+                f"one vertex, taken as a pattern; --vertex {number} takes it as a vertex, with its symmetry"
+            )
+        whole = self.read_pattern(contact)
+        for note in whole.notes:
+            _tell(note)
+        return whole
+
+    def read_pattern(self, contact: bool = False) -> Pattern:
+        """Return the whole pattern of a FOLD file or an example; contact: what is asked of it takes ``--contact``."""
+        if not self.is_fold:
+            raise OptionError(
+                f"{self.name!r} is the scene of one vertex: give a FOLD file or an example"
+            )
+        for option in ("vertex", "symmetry", *["contact"] * (not contact)):
+            if option in self.given:
+                more = "leave it out" if option == "vertex" else "name it with --vertex"
+                raise OptionError(f"--{option} is for one vertex, not for a pattern: {more}")
+        options = self._spring_options()
+        options.pop("contact", None)
+        whole = frame_pattern(self._frame(), **options)
+        return whole.with_springs(per_length=True) if self.given.get("per_length") else whole
 
     def read_all(self) -> dict[int, Scene]:
         """Return the scene of every vertex of a FOLD file that can be analysed, by its number."""
@@ -114,7 +158,7 @@ class Source:
 
     def _spring_options(self) -> dict[str, Any]:
         return spring_options(
-            **{k: v for k, v in self.given.items() if k not in ("vertex", "frame")}
+            **{k: v for k, v in self.given.items() if k not in ("vertex", "frame", "per_length")}
         )
 
 
@@ -128,11 +172,14 @@ def spring_options(**given: Any) -> dict[str, Any]:
     return options
 
 
-def takes_scene(argument: Any) -> Callable[[Callable[..., None]], Callable[..., None]]:
+def takes_scene(
+    argument: Any, whole: bool = False
+) -> Callable[[Callable[..., None]], Callable[..., None]]:
     """Give a command with the parameter ``scene: Source`` the argument for it, and the options of FOLD files.
 
-    argument: of `options`, such as ``SceneFile``.
+    argument: of `options`, such as ``SceneFile``.  whole: it takes whole patterns as well.
     """
+    options = FOLD_OPTIONS | (PER_LENGTH if whole else {})
 
     def decorate(command: Callable[..., None]) -> Callable[..., None]:
         stated = inspect.signature(command, eval_str=True)
@@ -142,12 +189,12 @@ def takes_scene(argument: Any) -> Callable[[Callable[..., None]], Callable[..., 
         ]
         fold = [
             inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=None, annotation=kind)
-            for name, kind in FOLD_OPTIONS.items()
+            for name, kind in options.items()
         ]
 
         @wraps(command)
         def run(scene: str | None, **others: Any) -> None:
-            values = {name: others.pop(name) for name in FOLD_OPTIONS}
+            values = {name: others.pop(name) for name in options}
             source = Source(scene or "", {k: v for k, v in values.items() if v is not None})
             if scene is None:
                 source.refuse_options("there is no SCENE")
@@ -157,6 +204,10 @@ def takes_scene(argument: Any) -> Callable[[Callable[..., None]], Callable[..., 
         return run
 
     return decorate
+
+
+def _examples() -> tuple[str, ...]:
+    return (*examples.BY_NAME, *examples.SHEETS)
 
 
 def _named_fold(name: str) -> bool:

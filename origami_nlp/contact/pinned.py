@@ -32,7 +32,7 @@ def find_contacts(
     Parameters
     ----------
     result
-        Of `find_minima` or `find_states`.
+        Of `find_minima`.
     state
         Number (1-based) of the only minimum to report on.
     segments

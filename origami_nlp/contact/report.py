@@ -104,7 +104,7 @@ class ContactReport(Told, Turnable):
     Attributes
     ----------
     result
-        All minima, of `find_minima` or `find_states`.
+        All minima, of `find_minima`.
     states
         Those with closed contacts, in order of energy.
     segments
@@ -197,7 +197,7 @@ class ContactReport(Told, Turnable):
     def turned(self) -> Content:
         """Return states with their contacts and the contact boundaries as plain data, see `view`."""
         if not isinstance(self.result, MinimaResult):
-            raise OptionError("contacts of a pattern have no page: view what find_states returned")
+            raise OptionError("contacts of a pattern have no page: view what find_minima returned")
         from origami_nlp.chart import landscape
         from origami_nlp.contact.turned import add_segments  # charts are slow to import
 

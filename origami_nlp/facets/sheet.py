@@ -250,6 +250,25 @@ class Sheet(PatternContacts):
             good[k] = self.on_sheet(x[k]) and not self.crossed(x[k])
         return good
 
+    def numbered_as(self, other: Sheet) -> Sheet:
+        """Take scale, numbers of contacts and limit of time of another pattern of the same facets and creases.
+
+        Parameters
+        ----------
+        other
+            Its programme.
+
+        Returns
+        -------
+        Sheet
+            This one.
+        """
+        self.scale, self._end = other.scale, other._end
+        self._touches, self._numbers = other._touches, other._numbers
+        for kept in ("stiffness", "parameters"):
+            vars(self).pop(kept, None)
+        return self
+
     def _other(self) -> Sheet:
         other = copy.copy(self)
         vars(other).pop("parameters", None)

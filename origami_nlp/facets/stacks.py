@@ -27,7 +27,7 @@ import numpy as np
 
 from origami_nlp.facets.crossings import Crossings, boxes_that_meet
 from origami_nlp.folding import TRANSITIVE, Rule, not_interleaved
-from origami_nlp.numerics import ANSWERED, cross, groups
+from origami_nlp.numerics import ANSWERED, BESIDE, cross, groups
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -335,6 +335,13 @@ class Stack:
         allowed = not_interleaved(tuple(rank[r] for r in ray), tuple(level))
         if not pairs and allowed:
             return None
+        if not pairs and any(
+            ray[k] != ray[m] and np.linalg.norm(d[k] - d[m]) < BESIDE
+            for k, m in itertools.combinations(range(4), 2)
+        ):
+            # the line may be as far off the piece as features that lie on each other: what leaves it at so small an
+            # angle may end before it comes to the other side
+            raise Unclear
         return tuple(self.unknown[pair] for pair in pairs), allowed
 
     def polygons(self, values: Iterable[bool]) -> tuple[tuple[int, int, int], ...]:

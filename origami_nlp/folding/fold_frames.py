@@ -12,7 +12,7 @@ from __future__ import annotations
 import itertools
 import json
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -134,18 +134,21 @@ def folded_frame(
 
 
 def path_frames(
-    scene: Scene, states: np.ndarray, energies: Sequence[float] | np.ndarray, title: str
+    frame: Callable[..., dict[str, Any]],
+    states: np.ndarray,
+    energies: Sequence[float] | np.ndarray,
+    title: str,
 ) -> list[dict[str, Any]]:
     """Return states along a path as frames of FOLD, at most `MOST_FRAMES` of them.
 
     Parameters
     ----------
-    scene
-        The scene.
+    frame
+        Makes a frame of fold angles [N], a title and what else is known: of a scene (`folded_frame`), or a pattern.
     states
         Fold angles [M, N] [rad], in order.
     energies
-        [M], in the scene's units.
+        [M].
     title
         Of the path; frames are numbered after it.
 
@@ -161,8 +164,7 @@ def path_frames(
     if len(states) <= MOST_FRAMES:
         shown = np.arange(len(states))
     return [
-        folded_frame(
-            scene,
+        frame(
             states[k],
             f"{title}, {number} of {len(shown)}: {energies[k]:.6g} J",
             energy=float(energies[k]),

@@ -37,7 +37,7 @@ class Search:
     Attributes
     ----------
     options
-        Of `find_minima` or `find_states`.
+        Of `find_minima`.
     until
         Value of `time.monotonic` at which the time is over.
     cut

@@ -5,12 +5,11 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import replace
-from pathlib import Path
-from typing import Any
+from os import PathLike
 
 import numpy as np
 
-from origami_nlp.arguments import check_flag, check_number, check_until, check_whole, shown
+from origami_nlp.arguments import check_flag, check_number, check_until, check_whole, refuse, shown
 from origami_nlp.atlas import Over, PathEvent, branches_of, chains_of, parts_of
 from origami_nlp.errors import OUT_OF_TIME, OptionError, OutOfTime
 from origami_nlp.facets import Work
@@ -24,25 +23,28 @@ from origami_nlp.minima import JudgedState
 from origami_nlp.modes import breaking_stiffness
 from origami_nlp.numerics import SETTLED
 from origami_nlp.path import LATE, Equilibrium, EquilibriumCurve, Steps, Web, is_equilibrium
-from origami_nlp.pattern import Pattern, Scene, as_pattern
+from origami_nlp.pattern import Pattern, Scene, as_origami
 
 MOST_SNAPS = 20
 """Of one path: more are taken for a mistake."""
+_OF_A_PATTERN = {"starts": "the effort says how many starts a vertex gets"}
+_OF_A_SCENE = {"full": "states of a pattern keep no symmetry"}
+"""What only the one or the other takes, and why."""
 
 
 def load_path(
-    what: Scene | Pattern | str | Path,
+    origami: Scene | Pattern | str | PathLike[str],
     load: int | Sequence[int] | Work | None = None,
     *,
     to: float | str = "snap",
     state: int | JudgedState = 1,
     back: bool = False,
     confirm: bool = True,
-    full_space: bool = True,
+    full: bool | None = None,
     effort: str = "normal",
     seed: int = 0,
-    max_starts: int = 100_000,
-    starts: int = 40,
+    max_starts: int | None = None,
+    starts: int | None = None,
     steps: Steps | None = None,
     seconds: float | None = None,
 ) -> LoadPath:
@@ -53,8 +55,8 @@ def load_path(
 
     Parameters
     ----------
-    what
-        A scene, or a pattern: the name of an example such as ``"miura:4x4"``, or a FOLD file.
+    origami
+        A scene or a pattern, as `find_minima` takes it.
     load
         Number (1-based) of the crease that the torque t [N m] is on, towards valley > 0; of a scene its images under
         the symmetry bear the same, and None is t times the forces of the scene's loads.  Of a pattern also several
@@ -62,19 +64,17 @@ def load_path(
     to
         Load at which the path ends, from 0; ``"snap"``: both ways to the first snap.
     state
-        Number (1-based) of the stable state at load 0, by energy; of a pattern also a state that `find_states` gave.
+        Number (1-based) of the stable state at load 0, by energy; of a pattern also a state that `find_minima` gave.
     back
         Whether the load then falls back to 0, from where it came to; of a pattern also from where it snapped.
     confirm
         Whether both sides of each snap are confirmed by searches; of patterns under torques only.
-    full_space
-        Whether the path ends where the state loses stability without its symmetry; of scenes.
-    effort, max_starts
-        Of the searches of scenes.
-    seed
-        Of the searches.
+    full
+        Whether the path ends where the state loses stability without its symmetry; of scenes, where None is True.
+    effort, seed, max_starts
+        Of the searches, see `find_minima`.
     starts
-        Of the searches of patterns, see `find_states`.
+        Of the searches of patterns, see `find_minima`.
     steps
         Of the tracer; of a pattern lengths are root mean squares over creases.
     seconds
@@ -102,14 +102,20 @@ def load_path(
     [0.05]
     """
     driver: Driver
-    options: dict[str, Any]
-    if isinstance(what, Scene):
-        driver = VertexDriver(what, load)  # type: ignore[arg-type]
-        options = {"effort": effort, "seed": seed, "max_starts": max_starts}
+    stated = as_origami(origami)
+    if isinstance(stated, Scene):
+        refuse("scene", _OF_A_PATTERN, starts=starts)
+        driver = VertexDriver(stated, load)  # type: ignore[arg-type]
     else:
-        driver = PatternDriver(work_on(as_pattern(what), load))
-        options = {"starts": check_whole("starts", starts, 0), "seed": check_whole("seed", seed, 0)}
-    for name, flag in (("back", back), ("confirm", confirm), ("full_space", full_space)):
+        refuse("pattern", _OF_A_SCENE, full=full)
+        driver = PatternDriver(work_on(stated, load))
+    given = {"max_starts": max_starts, "starts": starts}
+    for name, count in {"seed": seed, **given}.items():
+        if count is not None:
+            check_whole(name, count, int(name == "max_starts"))
+    options = {"effort": effort, "seed": seed, **{k: v for k, v in given.items() if v is not None}}
+    full = True if full is None else full
+    for name, flag in (("back", back), ("confirm", confirm), ("full", full)):
         check_flag(name, flag)
     far = driver.farthest
     if (isinstance(to, str) and to != "snap") or to == 0:
@@ -117,7 +123,7 @@ def load_path(
     ends = [-far, far] if to == "snap" else [check_number("to", to)]
     search = Search(options, check_until(seconds))
     driver, number, x = driver.begin(state, search)
-    job = _Job(driver, min(0.0, *ends), max(0.0, *ends), full_space, steps, search.until)
+    job = _Job(driver, min(0.0, *ends), max(0.0, *ends), full, steps, search.until)
     try:
         for end in ends:
             arrived = job.go(x, 0.0, end, once=to == "snap")
@@ -142,13 +148,13 @@ class _Job:
         driver: Driver,
         low: float,
         high: float,
-        full_space: bool,
+        full: bool,
         steps: Steps | None,
         until: float,
     ) -> None:
         self.driver, self.low, self.high = driver, low, high
         self.over = Over(driver.name, low, high, driver.unit, False)
-        self._full = driver.full_line() if full_space else None
+        self._full = driver.full_line() if full else None
         self._known: dict[int, tuple[Equilibrium, float]] = {}
         functions = [("breaks-symmetry", self.across)] if self._full else []
         self.web = Web(

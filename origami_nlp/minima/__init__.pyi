@@ -76,7 +76,7 @@ from .stopping import chao1 as chao1
 from .strip import draw_states as draw_states
 from .table import DEMO_HEADS as DEMO_HEADS, demo_rows as demo_rows
 from .telling import undecided_lines as undecided_lines
-from .traced_passes import TracedPasses as TracedPasses
+from .traced_passes import TracedPasses as TracedPasses, traced_passes as traced_passes
 from .turned import (
     CELLS as CELLS,
     images as images,

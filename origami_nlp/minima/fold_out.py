@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
@@ -38,7 +39,9 @@ def minima_to_fold(scene: Scene, minima: Sequence[JudgedState]) -> dict[str, Any
     for k, m in enumerate(minima, start=1):
         if m.full_space and m.full_space.descent:
             states, energies = zip(*m.full_space.descent, strict=True)
-            frames += path_frames(scene, np.array(states), energies, f"descent from state {k}")
+            frames += path_frames(
+                partial(folded_frame, scene), np.array(states), energies, f"descent from state {k}"
+            )
     return frames_to_fold(scene, frames)
 
 

@@ -40,7 +40,7 @@ class VertexwiseMinima(Told):
     --------
     >>> import origami_nlp as o
     >>> scene = o.examples.degree6("pi/4", ratio=0.01)
-    >>> found = o.find_vertexwise({5: scene, 8: scene}, max_starts=16)
+    >>> found = o.find_minima({5: scene, 8: scene}, max_starts=16)
     >>> len(found.results), found.at(8).shape
     (1, (2, 6))
     """
@@ -206,12 +206,13 @@ def find_vertexwise(
     --------
     >>> import origami_nlp as o
     >>> scenes = {1: o.examples.degree6("pi/3"), 4: o.examples.degree6("pi/4")}
-    >>> [one.numbers for one in o.find_vertexwise(scenes, max_starts=16).classes]
+    >>> from origami_nlp.minima import find_vertexwise
+    >>> [one.numbers for one in find_vertexwise(scenes, max_starts=16).classes]
     [(1,), (4,)]
     """
     if not isinstance(scenes, Mapping) or not scenes:
         raise OptionError(
-            "scenes must be a dictionary of scenes by vertex number, such as `read_fold_scenes` returns"
+            "origami must be a dictionary of scenes by vertex number, such as `read_fold_scenes` returns"
         )
     classes = group_alike(scenes)
     results = []

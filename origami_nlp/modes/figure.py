@@ -38,8 +38,7 @@ def draw_modes(found: Modes) -> Figure:
     shown = shown[:MOST_STATES]
     rows = max(1, len(shown))
     figure = Figure(figsize=(9.4, 0.9 + 3.0 * rows), dpi=110, facecolor="white")
-    scene = found.result.scene
-    title = f"{scene.label or f'degree {scene.degree}'}: energy along the modes of its minima"
+    title = f"{found.label}: energy along the modes of its minima"
     if left_out:
         title += f" ({left_out} without modes, or not drawn)"
     figure.suptitle("\n".join(textwrap.wrap(label_text(title), 90)), fontsize=11)

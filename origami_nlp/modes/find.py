@@ -3,21 +3,24 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 
 from origami_nlp.arguments import check_type, check_whole
 from origami_nlp.errors import OptionError
+from origami_nlp.facets import MOST_DENSE
 from origami_nlp.kkt import State, Stratum
 from origami_nlp.minima import JudgedState, MinimaResult, full_scene, group_average, mode_symmetry
 from origami_nlp.modes.geodesic import geodesic
 from origami_nlp.modes.result import BREAKING, Mode, Modes, StateModes
-from origami_nlp.numerics import BALANCED
+from origami_nlp.numerics import BALANCED, first_largest
 from origami_nlp.pattern import Scene
 from origami_nlp.programme import Contact, Model
+from origami_nlp.sheets import SheetResult
 
 
-def find_modes(result: MinimaResult, *, state: int | None = None) -> Modes:
+def find_modes(result: MinimaResult | SheetResult, *, state: int | None = None) -> Modes:
     """Say how each minimum gives way: energy along each eigenvector of its reduced Hessian until something touches.
 
     The Hessian is that of the Lagrangian in the space of all N fold angles, whatever symmetry the search kept, on the
@@ -29,7 +32,7 @@ def find_modes(result: MinimaResult, *, state: int | None = None) -> Modes:
     Parameters
     ----------
     result
-        Of `find_minima`.
+        Of `find_minima`, for a vertex or a pattern.
     state
         Number (1-based) of the only minimum to look at.
 
@@ -50,29 +53,37 @@ def find_modes(result: MinimaResult, *, state: int | None = None) -> Modes:
     >>> found = o.find_modes(result, state=1)
     >>> [mode.block for mode in found.states[0].modes]
     ['symmetric', 'symmetric', 'breaking']
+    >>> sheet = o.find_minima("metasheet:2x3", effort="quick", escape=False)
+    >>> [len(state.modes) for state in o.find_modes(sheet, state=1).states]
+    [1]
     """
-    check_type("result", result, MinimaResult)
+    if not isinstance(result, SheetResult):
+        check_type("result", result, MinimaResult)
     count = len(result.minima)
     if state is not None:
         if not count:
             raise OptionError(f"state = {state}: no minimum was found")
         check_whole("state", state, 1, count)
-    model = Model(full_scene(result.scene))
+    scene = None if isinstance(result, SheetResult) else result.scene
+    programme: Any = result.model if scene is None else Model(full_scene(scene))
     found = [
-        modes_of(model, result.scene, number, minimum)
+        modes_of(State(programme, np.array(minimum.fold_angles)), scene, number, minimum)
         for number, minimum in enumerate(result.minima, start=1)
         if state in (None, number)
     ]
     return Modes(result, tuple(found))
 
 
-def modes_of(model: Model, scene: Scene, number: int, minimum: JudgedState) -> StateModes:
-    """Return the modes of one minimum of `scene`, posed without symmetry in `model`."""
-    state = State(model, np.array(minimum.fold_angles))
+def modes_of(state: State, scene: Scene | None, number: int, minimum: JudgedState) -> StateModes:
+    """Return the modes of one minimum, posed without symmetry; `scene` is that of a vertex."""
+    if state.programme.sparse:
+        why = f"a pattern of more than {MOST_DENSE} creases is too large for eigenvectors"
+        return StateModes(number, minimum, (), (), 0.0, why)
     held, why = _loaded(state)
     if held is None:
         return StateModes(number, minimum, (), (), 0.0, why)
-    names = tuple(model.name(c) for c in held.contacts)
+    programme = state.programme
+    names = tuple(programme.name(c) for c in held.contacts)
     z = held.tangent
     if not z.shape[1]:
         return StateModes(
@@ -84,12 +95,13 @@ def modes_of(model: Model, scene: Scene, number: int, minimum: JudgedState) -> S
     for name, basis in blocks:
         values, vectors = np.linalg.eigh(basis.T @ h @ basis)
         for value, vector in zip(values, (z @ basis @ vectors).T, strict=True):
-            # an eigenvector has no sign of its own: its largest entry is made positive
-            d = vector * np.sign(vector[np.abs(vector).argmax()])
-            keeps = "" if scene.group.is_trivial else mode_symmetry(scene, d)
+            # an eigenvector has no sign of its own: its largest entry, of equal ones the first, is made positive
+            d = vector * np.sign(vector[first_largest(np.abs(vector))])
+            keeps = "" if scene is None or scene.group.is_trivial else mode_symmetry(scene, d)
             # h and its eigenvectors are in the metric of all fold angles, so values are stiffnesses in N m/rad^2
-            modes.append(Mode(float(value * model.scale), d, name, keeps, geodesic(held, d)))
-    return StateModes(number, minimum, names, tuple(modes), coupling * model.scale, "")
+            stiffness = float(value * programme.scale)
+            modes.append(Mode(stiffness, d, name, keeps, geodesic(held, d)))
+    return StateModes(number, minimum, names, tuple(modes), coupling * programme.scale, "")
 
 
 def breaking_stiffness(
@@ -144,13 +156,13 @@ def _loaded(
 
 
 def _blocks(
-    z: np.ndarray, h: np.ndarray, scene: Scene
+    z: np.ndarray, h: np.ndarray, scene: Scene | None
 ) -> tuple[list[tuple[str, np.ndarray]], float]:
     """Split the space of directions z [N, t] into named blocks [t, b], and say how much of h [t, t] is between them.
 
     The mean over the group is the projector on symmetric directions: its eigenvalues on z are 0 and 1.
     """
-    if scene.group.is_trivial:
+    if scene is None or scene.group.is_trivial:
         return [("", np.eye(len(h)))], 0.0
     average = group_average(scene)
     # a projector that commutes with the tangent space's has the eigenvalues 1 (symmetric) and 0 (breaking) on it

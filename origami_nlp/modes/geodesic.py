@@ -16,7 +16,7 @@ import numpy as np
 
 from origami_nlp.files import Brief
 from origami_nlp.kkt import State, Stratum
-from origami_nlp.numerics import FOLLOWED, NEAR_CONTACT
+from origami_nlp.numerics import DEPENDENT, FOLLOWED, NEAR_CONTACT
 from origami_nlp.programme import Contact
 
 STEP = 0.02
@@ -157,7 +157,7 @@ def _tried(here: Stratum, v: np.ndarray, h: float) -> tuple[tuple[Stratum, np.nd
         if np.abs(f).max() <= FOLLOWED:
             break
         # RATTLE: back onto closure along the rows at x, so that the step is normal to the set where it began
-        pull = np.linalg.lstsq(jacobian / model.root @ rows.T, f, rcond=None)[0]
+        pull = np.linalg.lstsq(jacobian / model.root @ rows.T, f, rcond=DEPENDENT)[0]
         y = y - rows.T @ pull / model.root
     else:
         return None, "no state that closes lies beyond"
@@ -167,7 +167,9 @@ def _tried(here: Stratum, v: np.ndarray, h: float) -> tuple[tuple[Stratum, np.nd
     # a pull back that changes the length of the step so much has found another sheet of closed states
     if not SHORTEST * h <= np.linalg.norm(chord) <= h / SHORTEST:
         return None, "no state that closes lies beyond"
-    if refused := model.refuses(y):
+    refused = model.refuses(y)
+    # facets that are all but on each other end no way: what they come to lie on does
+    if refused and not model.doubt(y):
         return None, refused
     there = here.state.at(y).on(here.contacts)
     # the velocity for the next step: the chord, without what the rows at y forbid

@@ -13,6 +13,7 @@ import numpy as np
 from origami_nlp.files import Brief
 from origami_nlp.minima import JudgedState, MinimaResult
 from origami_nlp.modes.geodesic import Geodesic
+from origami_nlp.sheets import SheetResult
 from origami_nlp.show import Piece, Table, Told
 
 BREAKING = "breaking"
@@ -83,7 +84,7 @@ class StateModes(Brief):
 
 @dataclass(frozen=True, repr=False)
 class Modes(Told):
-    """How the minima of a scene give way.
+    """How the minima of a vertex or a pattern give way.
 
     Attributes
     ----------
@@ -100,11 +101,18 @@ class Modes(Told):
     [0.25223]
     """
 
-    result: MinimaResult
+    result: MinimaResult | SheetResult
     states: tuple[StateModes, ...]
 
     PICTURE = "draw_modes"
     SCHEMA = "origami_nlp/modes/1"
+
+    @property
+    def label(self) -> str:
+        """Whose minima these are."""
+        if isinstance(self.result, SheetResult):
+            return self.result.pattern.name or "pattern"
+        return self.result.scene.label or f"degree {self.result.scene.degree}"
 
     def table(self) -> Table:
         """Return one row a mode: eigenvalue, how far to the first contact each way, and the energy there."""
@@ -121,11 +129,8 @@ class Modes(Told):
                         f"{low.rise:.4g}, {high.rise:.4g}",
                     ]
                 )
-        scene = self.result.scene
         heads = ["mode", "block", "eigenvalue [N m/rad]", "to contact [rad]", "rise there [J]"]
-        title = (
-            f"{scene.label or scene.vertex!r}: energy along the modes of {len(self.states)} minima"
-        )
+        title = f"{self.label}: energy along the modes of {len(self.states)} minima"
         return Table(heads, rows, title, "llrrr")
 
     def told(self) -> Iterator[Piece]:

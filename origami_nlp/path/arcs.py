@@ -97,4 +97,6 @@ class Arc:
         share = 0.0 if a.s == b.s else (s - a.s) / (b.s - a.s)
         middle = self.frames[len(self.frames) // 2]
         curve = EquilibriumCurve(middle.system.line, middle.hold, tally)
-        return curve.at(a.x + share * (b.x - a.x), s, middle.tangent)
+        found = curve.at(a.x + share * (b.x - a.x), s, middle.tangent)
+        # where Newton at s fails, bisection along the curve finds the state
+        return found if found is not None or a is b else curve.between(a, b, s)

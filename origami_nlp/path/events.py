@@ -68,6 +68,10 @@ def found_at(
     type: str, frame: Equilibrium, value: float, contact: Contact | None = None, why: str = ""
 ) -> Found:
     """Return an event, located where its function and the KKT system vanish."""
+    if type == "branching" and abs(value) > SETTLED:
+        # a pole, no zero: beside a state where closure loses rank multipliers and curvatures grow without bound
+        why = f"an eigenvalue changes its sign by a jump, from {value:.1e}"
+        return Found("singular", frame, contact, value, False, why)
     located = abs(value) <= STATIONARY and frame.system.residual <= STATIONARY
     why = why if located or why else f"its function is {value:.1e} there"
     return Found(type, frame, contact, value, located, why)

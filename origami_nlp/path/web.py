@@ -201,7 +201,7 @@ class Web:
                 number, known = self._node(event)
                 begun.append(event.frame)
                 self._arc(begun, here, number, half.signed)
-                if known:
+                if known or event.type == "singular":
                     self._arrive(number, event.frame)
                     return todo
                 begun, here = [event.frame], number

@@ -39,6 +39,7 @@ from .loads import (
 )
 from .one_vertex import scene_pattern as scene_pattern
 from .pattern_file import frame_pattern as frame_pattern, read_pattern as read_pattern
+from .places import is_place as is_place, with_places as with_places
 from .relations import Relation as Relation, Relations as Relations
 from .scene import Contact as Contact, Scene as Scene
 from .scene_file import (
@@ -56,6 +57,6 @@ from .sheet_data import (
     pattern_from_dict as pattern_from_dict,
     pattern_to_dict as pattern_to_dict,
 )
-from .stated import as_pattern as as_pattern
+from .stated import as_origami as as_origami, as_pattern as as_pattern
 from .vertex import Vertex as Vertex
 from .windings import windings_of as windings_of

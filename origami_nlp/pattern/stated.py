@@ -1,16 +1,52 @@
-"""A pattern, however it is stated: itself, the name of an example, or a FOLD file."""
+"""What is folded, however it is stated: itself, the name of an example, or a file."""
 
 from __future__ import annotations
 
+from os import PathLike, fspath
 from pathlib import Path
 
 from origami_nlp.arguments import check_type
 from origami_nlp.pattern import examples
 from origami_nlp.pattern.pattern_file import read_pattern
+from origami_nlp.pattern.scene import Scene
+from origami_nlp.pattern.scene_file import read_scene
 from origami_nlp.pattern.sheet import Pattern
 
 
-def as_pattern(stated: Pattern | str | Path, name: str = "pattern") -> Pattern:
+def as_origami(stated: Scene | Pattern | str | PathLike[str]) -> Scene | Pattern:
+    """Return what is folded, one vertex as a scene or a whole pattern, however it is stated.
+
+    Parameters
+    ----------
+    stated
+        A scene, or a scene file (``.toml``); or what `as_pattern` takes.
+
+    Returns
+    -------
+    Scene or Pattern
+        The one or the other.
+
+    Raises
+    ------
+    OptionError, FoldFileError, SceneFileError
+        As `as_pattern` and `read_scene`.
+
+    Examples
+    --------
+    >>> from origami_nlp.pattern import as_origami, examples
+    >>> as_origami("metasheet:2x3")
+    Pattern('metasheet': 6 facets, 7 creases, 2 interior vertices)
+    >>> as_origami(examples.waterbomb()).degree
+    6
+    """
+    if isinstance(stated, Scene):
+        return stated
+    if isinstance(stated, str | PathLike) and Path(fspath(stated)).suffix.lower() == ".toml":
+        return read_scene(fspath(stated))
+    return as_pattern(stated, "origami")
+
+
+def as_pattern(stated: Pattern | str | PathLike[str], name: str = "pattern") -> Pattern:
     """Return a pattern, however it is stated.
 
     Parameters
@@ -43,7 +79,7 @@ def as_pattern(stated: Pattern | str | Path, name: str = "pattern") -> Pattern:
         **examples.SHEETS,
     }:
         return examples.pattern(stated)
-    if isinstance(stated, str | Path):
-        return read_pattern(stated)
+    if isinstance(stated, str | PathLike):
+        return read_pattern(Path(stated))
     check_type(name, stated, Pattern)
     return stated

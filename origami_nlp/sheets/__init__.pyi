@@ -13,6 +13,7 @@ from .curve import (
     follow_curve as follow_curve,
     tangents as tangents,
 )
+from .curve_passes import curve_passes as curve_passes
 from .descent import Descended as Descended, descend as descend
 from .drawing import (
     draw_found as draw_found,

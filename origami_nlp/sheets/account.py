@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import time
+from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 
@@ -79,7 +79,7 @@ class SheetSearch(SearchReport):
     unclear: int = 0
     drawn: int = 0
     pressed: int = 0
-    gave_up: dict[str, int] = field(default_factory=dict)
+    gave_up: dict[str, int] = field(default_factory=Counter)
     of_vertex: int = 0
     popped: int = 0
     by_pops: int = 0
@@ -110,7 +110,7 @@ class SheetSearch(SearchReport):
         self.not_enumerated = "; ".join(dict.fromkeys(filter(None, (self.not_enumerated, why))))
 
     def sum_up(
-        self, judged: Sequence[JudgedState], found: Sequence[Traced], begun: float, starts: int
+        self, judged: Sequence[JudgedState], found: Sequence[Traced], starts: int
     ) -> tuple[JudgedState, ...]:
         """Keep what was judged to be no minimum, and what the curves that are known say; return the minima.
 
@@ -120,8 +120,6 @@ class SheetSearch(SearchReport):
             States by energy.
         found
             The curves.
-        begun
-            When the search began, by `time.perf_counter` [s].
         starts
             Random starts in a row that were to find nothing new.
 
@@ -134,10 +132,7 @@ class SheetSearch(SearchReport):
         self.rejected = tuple(s for s in judged if s.verdict not in ("minimum", "undecided"))
         self.feasible_starts = max(self.starts - self.open, 0)
         ended = "rule" if self.quiet == starts else "cap"
-        self.stopped_by, self.seconds = (
-            "time" if self.left_out else ended,
-            time.perf_counter() - begun,
-        )
+        self.stopped_by = "time" if self.left_out else ended
         self.curves, self.ended = len(found), sum(c.complete for c in found)
         self.unclear = sum(c.stretches.unclear for c in found if c.stretches is not None)
         self.coarse = sum(not c.curve.fits for c in found)

@@ -56,7 +56,7 @@ def confirm_minimum(sheet: Sheet, minimum: JudgedState) -> Confirmed:
     >>> import origami_nlp as o
     >>> from origami_nlp.facets import Sheet
     >>> from origami_nlp.sheets import confirm_minimum
-    >>> found = o.find_states("metasheet:3x3", starts=2)
+    >>> found = o.find_minima("metasheet:3x3", starts=2)
     >>> said = confirm_minimum(Sheet(found.pattern), found.minima[0])
     >>> said.solver.agrees, said.left < 1e-6
     (True, True)

@@ -403,7 +403,7 @@ def draw_found(found: SheetResult, path: Any = None) -> Figure:
     Parameters
     ----------
     found
-        Of `find_states`.
+        Of `find_minima`.
     path
         Where to save the picture, if anywhere.
 

@@ -11,7 +11,6 @@ import math
 import time
 from collections.abc import Callable
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -38,7 +37,7 @@ from origami_nlp.sheets.noise import NOISE, with_survival
 from origami_nlp.sheets.pinned import press_along, press_off
 from origami_nlp.sheets.pressing import UNTOLD, press
 from origami_nlp.sheets.result import SheetResult
-from origami_nlp.starts import Given, Popped, families_in_turn
+from origami_nlp.starts import Given, Popped, effort_of, families_in_turn
 
 OUT = 0.2
 """First step out of a state where curves meet, of the longest fold angle [rad]."""
@@ -57,32 +56,33 @@ FAILURES = np.linalg.LinAlgError, ArithmeticError
 
 
 def find_states(
-    pattern: Pattern | str | Path,
-    starts: int = 40,
+    pattern: Pattern | str,
+    starts: int | None = None,
     seed: int = 0,
     contact: bool = True,
-    seconds: float = SECONDS,
+    seconds: float | None = None,
     escape: bool = True,
     noise: float | None = None,
+    *,
+    effort: str = "normal",
+    max_starts: int | None = None,
 ) -> SheetResult:
     """Find the stable states of a pattern.
 
     Parameters
     ----------
     pattern
-        With its springs; the name of an example such as ``"miura:4x4"``, or a FOLD file.
+        As `as_pattern` takes it.
     starts
-        Random starts in a row that find no other minimum or curve, then the search ends; ten times as many at most.
+        Random starts in a row that find no other minimum or curve, ten times as many at most; None: as `effort` says.
     seed
         Of the random starts: numbers of creases, the sheet's place and the side it is seen from change nothing.
     contact
         Whether facets must not cross; without, only fold limits count.
     seconds
-        Wall time for the search, give or take a second or two: what was left out is named.
-    escape
-        Say what it takes to leave each minimum (`JudgedState.escape`).
-    noise
-        Degrees: how many random errors of springs and vertices each minimum survives (`JudgedState.survival`).
+        Wall time for the search, give or take a second or two: what was left out is named.  None: 300 s.
+    escape, noise, effort, max_starts
+        As for `minima.find_minima`; errors are those of springs and of the positions of vertices.
 
     Returns
     -------
@@ -92,33 +92,34 @@ def find_states(
     Raises
     ------
     OptionError
-        If `starts` or `seed` is no count, `seconds` is negative, or the pattern has no crease.
+        If an argument is not what it must be, or the pattern has no crease.
     Interrupted
         If the user interrupts it: a `KeyboardInterrupt` whose ``result`` holds what was found.
 
     Examples
     --------
-    >>> import origami_nlp as o
-    >>> found = o.find_states(o.examples.pattern("metasheet", 2, 3), starts=4)
-    >>> all(state.closure_residual < 1e-12 for state in found.minima)
-    True
+    >>> from origami_nlp.sheets import find_states
+    >>> len(find_states("metasheet:2x3", starts=4).minima)
+    5
     """
     pattern = as_pattern(pattern)
-    starts, seed = check_whole("starts", starts, 0), check_whole("seed", seed, 0)
-    check_number("seconds", seconds, 0.0)
+    starts = effort_of(effort).in_a_row if starts is None else check_whole("starts", starts, 0)
+    most = MOST_DRAWN * starts if max_starts is None else check_whole("max_starts", max_starts, 1)
+    rng = np.random.default_rng(check_whole("seed", seed, 0))
+    seconds = check_number("seconds", SECONDS if seconds is None else seconds, 0.0)
     check_flag("escape", escape)
     check_noise(noise)
     if not pattern.creases:
         raise OptionError("the pattern has no crease: there is nothing to fold")
-    search, begun = _Search(pattern, contact, seconds, seed), time.perf_counter()
+    search = _Search(pattern, contact, seconds)
+    search.tally.seed, search.tally.effort = seed, effort
     if pattern.is_flat:
         search.part("ways out of the flat state", search.from_crossroads)
     for start in Given(search.sheet.pattern).states():
         search.part(Given.name, search.explore, start)
     if len(pattern.vertices) == 1 and not pattern.holes:
         search.part(OF_VERTEX, search.round_the_vertex, seed)
-    rng = np.random.default_rng(seed)
-    for k in range(MOST_DRAWN * starts):
+    for k in range(min(MOST_DRAWN * starts, most)):
         if not search.part("random starts", search.draw, rng, k) or search.tally.quiet == starts:
             break
     search.part(POPS, search.pop, MOST_POPPED * starts)
@@ -127,8 +128,7 @@ def find_states(
         search.part(BARRIERS, search.add_escapes)
     if noise is not None:
         search.part(NOISE, search.add_survival, noise)
-    minima = search.tally.sum_up(search.by_energy(), search.curves.found, begun, starts)
-    found = SheetResult(pattern, minima, search.tally)
+    found = search.result(pattern, starts)
     if found.search.interrupted:
         raise Interrupted(found)
     return found
@@ -137,9 +137,7 @@ def find_states(
 class _Search:
     """A search on its way."""
 
-    def __init__(
-        self, pattern: Pattern, contact: bool, seconds: float = SECONDS, seed: int = 0
-    ) -> None:
+    def __init__(self, pattern: Pattern, contact: bool, seconds: float = SECONDS) -> None:
         until = time.monotonic() + seconds
         self.labels, self.contact = find_labels(pattern), contact
         self.sheet = Sheet(self.labels.arranged(pattern))
@@ -147,10 +145,9 @@ class _Search:
         self.sheet.origin = pattern.corners.mean(axis=0)
         self._symmetries = self.labels.symmetries(pattern)
         self.curves = Curves(self.sheet, self.labels, contact)
-        self.tally = SheetSearch(seed=seed)
-        self.judged: list[JudgedState] = []
+        self.tally, self._since = SheetSearch(), time.perf_counter()
+        self.judged, self._traced = list[JudgedState](), 0
         self._planes: list[tuple[np.ndarray, np.ndarray]] = []
-        self._traced = 0
         self._families = families_in_turn(self.sheet, self.labels)
         self._side = self.labels.drawn(np.random.default_rng(0).normal(size=pattern.creases))
 
@@ -159,11 +156,9 @@ class _Search:
         try:
             self.sheet.check_time()
             work(*given)
-        except OutOfTime:
-            self.tally.leave_out(what)
-            return False
-        except KeyboardInterrupt:
-            self.sheet.until, self.tally.interrupted = -math.inf, True
+        except (OutOfTime, KeyboardInterrupt) as stop:
+            if isinstance(stop, KeyboardInterrupt):
+                self.sheet.until, self.tally.interrupted = -math.inf, True
             self.tally.leave_out(what)
             return False
         except FAILURES as failure:
@@ -218,7 +213,7 @@ class _Search:
         if end.arrived:
             self.add(judge(self.sheet, end.phi))
         elif end.why != UNTOLD:
-            self.tally.gave_up[end.why] = self.tally.gave_up.get(end.why, 0) + 1
+            self.tally.gave_up[end.why] += 1
         else:
             why = f"not decided: pressed down to where {end.why}"
             beside = singular_beside(self.sheet, end.phi)
@@ -238,6 +233,12 @@ class _Search:
         """Add how many random errors each minimum survives."""
         states, given = self.by_energy(), (self.contact, degrees)
         self.judged = with_survival(self.sheet, self.labels, states, *given)
+
+    def result(self, pattern: Pattern, starts: int) -> SheetResult:
+        """Sum up what was judged and done, where `starts` random ones in a row were to find nothing new."""
+        minima = self.tally.sum_up(self.by_energy(), self.curves.found, starts)
+        self.tally.seconds = time.perf_counter() - self._since
+        return SheetResult(pattern, minima, self.tally, tuple(self.curves.found))
 
     def by_energy(self) -> list[JudgedState]:
         """Return what was judged, by energy; states of one energy in an order that labels do not change."""

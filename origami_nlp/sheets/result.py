@@ -43,11 +43,13 @@ class SheetResult(FoundMinima):
         Certified minima, by energy.
     search
         How they were looked for, and the states that are no minima or not decided.
+    curves
+        Those with one freedom that were traced; none of a result that was read from a file.
 
     Examples
     --------
     >>> import origami_nlp as o
-    >>> found = o.find_states(o.examples.pattern("metasheet", 2, 3), starts=4)
+    >>> found = o.find_minima(o.examples.pattern("metasheet", 2, 3), starts=4)
     >>> found.search.starts >= 4
     True
     """
@@ -55,6 +57,7 @@ class SheetResult(FoundMinima):
     pattern: Pattern
     minima: tuple[JudgedState, ...] = field(repr=False)
     search: SheetSearch
+    curves: tuple[Any, ...] = field(default=(), repr=False)
 
     PICTURE, SCHEMA = "draw_found", "origami_nlp/minima/1"
 
@@ -182,31 +185,6 @@ class SheetResult(FoundMinima):
             "minima": [self._stressed(s) for s in self.minima],
             "search": to_plain(self.search),
         }
-
-    @classmethod
-    def from_dict(cls, data: dict[str, Any], what: str = "") -> Self:
-        """Rebuild a result from `to_dict`, or from what ``pattern --minima --json`` wrote.
-
-        Parameters
-        ----------
-        data
-            What `to_dict` returned.
-        what
-            How messages call it, such as a file.
-
-        Returns
-        -------
-        SheetResult
-            The same.
-
-        Raises
-        ------
-        OptionError
-            If it holds no states of a sheet, or an entry is missing or wrong.
-        """
-        if isinstance(data, dict) and "minima" in data:  # the command writes them beside counts
-            data = {**data, "schema": cls.SCHEMA}
-        return super().from_dict(data, what)
 
     @classmethod
     def _from_plain(cls, data: dict[str, Any]) -> Self:

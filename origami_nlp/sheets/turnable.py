@@ -100,7 +100,7 @@ def turn_found(found: SheetResult) -> Content:
     Parameters
     ----------
     found
-        Of `find_states`.
+        Of `find_minima`.
 
     Returns
     -------

@@ -57,6 +57,8 @@ class Effort:
         How often rounds must have reached every minimum.
     quiet
         Rounds without a new minimum after which the search may stop although one was reached less often.
+    in_a_row
+        Of a pattern: random starts in a row that find nothing new, after which the search stops.
     """
 
     corners: int
@@ -65,12 +67,17 @@ class Effort:
     rounds: int
     hits: int
     quiet: int
+    in_a_row: int
 
 
 EFFORTS = {
-    "quick": Effort(corners=256, interior=32, a_round=8, rounds=1, hits=1, quiet=1),
-    "normal": Effort(corners=8192, interior=48, a_round=14, rounds=16, hits=2, quiet=2),
-    "thorough": Effort(corners=16384, interior=512, a_round=64, rounds=40, hits=4, quiet=4),
+    "quick": Effort(corners=256, interior=32, a_round=8, rounds=1, hits=1, quiet=1, in_a_row=10),
+    "normal": Effort(
+        corners=8192, interior=48, a_round=14, rounds=16, hits=2, quiet=2, in_a_row=40
+    ),
+    "thorough": Effort(
+        corners=16384, interior=512, a_round=64, rounds=40, hits=4, quiet=4, in_a_row=160
+    ),
 }
 """By name."""
 

@@ -36,7 +36,7 @@ def follow_chain(sweep: Sweep, chain: range) -> list[Outcome]:
     begin = time.perf_counter()
     atlas = follow_family(
         Family(_over(axis, min(values), max(values)), scene_of),
-        full_space=False,
+        full=False,
         effort=s["effort"],
         seed=s["seed"],
         max_starts=s["max_starts"],

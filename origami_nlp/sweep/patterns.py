@@ -7,7 +7,7 @@ stiffness = 0.01               # of every crease; without it as the file or the 
 rest_angle = "pi/3"            # size for mountains and valleys; without it as the file or the example states
 
 [[axes]]
-set = "mountains.stiffness"    # or "valleys.", "creases." for all, "creases.stiffness[3]" for one (1-based)
+set = "mountains.stiffness"    # or "valleys.", "creases." for all, "creases.stiffness[3]" for one, "vertices.x[5]"
 from = 0.001
 to = 0.1
 count = 21
@@ -32,29 +32,27 @@ contact = true                 # whether facets must not cross
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
-from origami_nlp.errors import SweepError
+from origami_nlp.errors import OptionError, SweepError
 from origami_nlp.facets import Sheet, check_orders
 from origami_nlp.pattern import (
     Pattern,
     examples,
+    is_place,
     parse_angle,
     pattern_from_dict,
     pattern_to_dict,
     read_pattern,
+    with_places,
 )
 from origami_nlp.sheets import find_states
 from origami_nlp.sweep.spec import Sweep, checked_search, read_axes
 from origami_nlp.sweep.store import Outcome, Rows, attempted
 
-_PLACE = re.compile(r"(creases|mountains|valleys)\.(stiffness|rest_angles)(?:\[(\d{1,5})\])?")
 _SEARCH = {"mode": "grid", "starts": 40, "seed": 0, "contact": True}
 _SIZES = ("rows", "columns")
 
@@ -95,20 +93,12 @@ class PatternSweep(Sweep):
         """
         values = self.parameters(index)
         given = {p: values[a.name] for a in self.axes for p in a.places}
-        sheet = self._drawn({p: v for p, v in given.items() if not _PLACE.fullmatch(p)})
+        sheet = self._drawn({p: v for p, v in given.items() if not is_place(p)})
         sheet = sheet.with_springs(self.base.get("stiffness"), self.base.get("rest_angle"))
-        k, rest = sheet.stiffness.copy(), sheet.rest.copy()
-        for place, value in given.items():
-            match = _PLACE.fullmatch(place)
-            if match is None:
-                continue
-            which = _creases(sheet, match, place)
-            if match[2] == "stiffness":
-                k[which] = value
-            else:
-                sized = match[1] == "creases" and match[3] is None
-                rest[which] = value * sheet.signs[which] if sized else value
-        return sheet.with_springs(k.tolist(), rest.tolist())
+        try:
+            return with_places(sheet, {p: v for p, v in given.items() if is_place(p)})
+        except OptionError as error:
+            raise SweepError(f"set = {error}") from None
 
     def _drawn(self, options: Mapping[str, float]) -> Pattern:
         """Draw the example with these options, or return the sheet of the file."""
@@ -173,7 +163,7 @@ def parse_pattern_sweep(data: Mapping[str, Any], folder: Path | None) -> Pattern
     sweep = PatternSweep(base, axes, {**search, "follow": False})
     for number, axis in enumerate(axes, start=1):
         for place in axis.places:
-            if _PLACE.fullmatch(place) is None and "sheet" in base:
+            if not is_place(place) and "sheet" in base:
                 raise SweepError(
                     f'axes[{number}].set = {place!r} is no place of a pattern: write "creases.stiffness", '
                     '"mountains.rest_angles", "valleys.stiffness" or "creases.stiffness[3]"'
@@ -199,19 +189,6 @@ def _base(stated: Any, folder: Path | None) -> dict[str, Any]:
     elif not isinstance(base["example"], str):
         raise SweepError(f"pattern.example = {base['example']!r} must be a name such as miura:4x4")
     return base
-
-
-def _creases(sheet: Pattern, match: re.Match[str], place: str) -> np.ndarray:
-    """Return the creases that a place names (0-based)."""
-    if match[3] is not None:
-        if match[1] != "creases" or not 1 <= int(match[3]) <= sheet.creases:
-            raise SweepError(f"set = {place!r}: write creases.{match[2]}[1] to [{sheet.creases}]")
-        return np.array([int(match[3]) - 1])
-    sign = {"mountains": -1.0, "valleys": 1.0}.get(match[1])
-    which = np.arange(sheet.creases) if sign is None else np.flatnonzero(sheet.signs == sign)
-    if not len(which):
-        raise SweepError(f"set = {place!r}: the pattern has no {match[1]}")
-    return which
 
 
 def run_pattern(sweep: PatternSweep, index: int) -> Outcome:

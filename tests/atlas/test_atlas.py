@@ -126,7 +126,7 @@ def test_branches_are_turned_with_a_slider_over_the_parameter(atlas):
 
 def test_a_contact_closes_over_alpha_where_the_other_parameter_says():
     """At r_k = 1 the contact of pi/3 closes at 50.34254652 deg; it is pressed beyond."""
-    atlas = follow(o.examples.degree6("pi/4"), "alpha=40deg:pi/3", full_space=False)
+    atlas = follow(o.examples.degree6("pi/4"), "alpha=40deg:pi/3", full=False)
     (event,) = [e for e in atlas.events if e.type == "closes"]
     assert math.degrees(event.t) == pytest.approx(50.34254652, abs=1e-8)
     alone = [e for e in atlas.events if e.type == "singular"]
@@ -195,7 +195,7 @@ def test_what_a_loaded_contact_forbids_breaks_no_symmetry():
 def test_a_torque_is_followed_to_the_snap_of_the_load_path():
     """As a parameter of the scene, added to or set as its preload: events of `load`, energies of scenes."""
     scene = o.examples.degree6("5*pi/12")
-    atlas = follow(scene, "torque[1]=-0.15:-0.1", checks=2, full_space=False)
+    atlas = follow(scene, "torque[1]=-0.15:-0.1", checks=2, full=False)
     fold, again = atlas.events
     assert (fold.type, again.type) == ("fold", "nonsmooth-fold") and fold.located
     assert fold.t == pytest.approx(-0.138149523101, abs=1e-12)
@@ -224,9 +224,7 @@ def test_forces_are_followed_over_their_factor():
 
 def test_a_pitchfork_is_passed_and_its_branches_are_followed():
     """The equal states of degree 8 over the rest angle of crease 2 lose stability to a pair that mirrors them."""
-    atlas = follow(
-        o.examples.degree8("pi/4"), "creases.rest_angles[2]=-1:0", checks=1, full_space=False
-    )
+    atlas = follow(o.examples.degree8("pi/4"), "creases.rest_angles[2]=-1:0", checks=1, full=False)
     (event,) = [e for e in atlas.events if e.type == "branching"]
     assert len(event.branches) == 4
     before = minima(atlas.at(event.t - 0.05))
@@ -238,7 +236,7 @@ def test_a_pitchfork_is_passed_and_its_branches_are_followed():
 def test_a_check_says_whether_it_is_complete():
     one = follow(generic(3, 4), "creases.rest_angles[1]=0.5:0.6", checks=1)
     assert one.checks[0].complete == "traced" and "its one freedom" in str(one)
-    two = follow(o.examples.degree6("pi/4"), "ratio=1:1.1", checks=1, prove=True, full_space=False)
+    two = follow(o.examples.degree6("pi/4"), "ratio=1:1.1", checks=1, prove=True, full=False)
     assert two.checks[0].complete == "proved" and "proved to be all" in str(two)
 
 

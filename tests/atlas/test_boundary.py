@@ -47,7 +47,7 @@ def test_a_point_of_a_curve_is_the_event_over_one_parameter(contact):
     (curve,) = contact.curves
     point = curve.points[len(curve.points) // 2]
     plane = Plane(contact.scene, contact.overs)
-    atlas = follow_family(plane.family(point.t[1]), checks=2, full_space=False)
+    atlas = follow_family(plane.family(point.t[1]), checks=2, full=False)
     assert min(abs(e.t / point.t[0] - 1) for e in atlas.events) < 1e-11
 
 
@@ -100,7 +100,7 @@ def test_the_torque_of_a_snap_over_the_ratio():
     known = {p.t[1]: p.t[0] for p in fold.points}
     assert max(known) == 1.1 and min(known) == 0.9
     plane = Plane(found.scene, found.overs)
-    atlas = follow_family(plane.family(1.1), checks=2, full_space=False)
+    atlas = follow_family(plane.family(1.1), checks=2, full=False)
     assert min(abs(e.t - known[1.1]) for e in atlas.events if e.type == "fold") < 1e-11
     assert np.interp(1.0, sorted(known), [known[r] for r in sorted(known)]) == pytest.approx(
         -0.1381495, abs=1e-4

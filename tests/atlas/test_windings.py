@@ -23,7 +23,7 @@ STAR = Scene(
 
 
 def test_an_atlas_holds_the_states_of_every_winding(tmp_path):
-    atlas = follow(STAR, "stiffness[1]=1:1.5", checks=1, full_space=False)
+    atlas = follow(STAR, "stiffness[1]=1:1.5", checks=1, full=False)
     (other,) = atlas.others
     assert not atlas.alarms and not other.alarms and other.scene.winding == 3
     for t in (1.0, 1.2, 1.5):
@@ -42,7 +42,7 @@ def test_an_atlas_holds_the_states_of_every_winding(tmp_path):
 
 
 def test_a_load_path_keeps_the_winding_of_its_first_state():
-    path = load_path(STAR, 1, to=0.05, state=1, confirm=False, full_space=False)
+    path = load_path(STAR, 1, to=0.05, state=1, confirm=False, full=False)
     assert path.scene.winding == 3
     x = np.array([p.fold_angles for leg in path.legs for p in leg.points])
     assert len(x) > 1 and np.abs(np.degrees(x) - 131.06).max() < 10

@@ -122,7 +122,7 @@ def test_scenes_of_random_numbers_survive_the_file():
 
 def test_all_vertices_of_a_sheet_equal_ones_once(sheet, tmp_path):
     out = tmp_path / "all.json"
-    done = run("minima", sheet, "--json", out, "--prove", 0)
+    done = run("minima", sheet, "--each-vertex", "--json", out, "--prove", 0)
     assert done.code == 0 and "4 vertices, each on its own: 2 different" in done.out
     data = json.loads(out.read_text())
     assert data["schema"] == "origami_nlp/minima/1" and len(data["classes"]) == 2
@@ -143,11 +143,10 @@ def test_all_vertices_of_a_sheet_equal_ones_once(sheet, tmp_path):
     with pytest.raises(o.OrigamiError, match="vertex = 99"):
         found.at(99)
     with pytest.raises(o.OrigamiError, match="dictionary of scenes"):
-        o.find_vertexwise([])
+        o.find_minima({})
     for option in ("--figure", "--fold", "--mesh"):
-        code, _, err = run(
-            "minima", sheet, option, tmp_path / ("a.png" if option == "--figure" else "a.obj")
-        )
+        target = tmp_path / ("a.png" if option == "--figure" else "a.obj")
+        code, _, err = run("minima", sheet, "--each-vertex", option, target)
         assert code == 2 and option in err and "--vertex" in err and err.count("\n") == 1
 
 
@@ -163,7 +162,7 @@ def test_noise_is_told_and_different_vertices_stay_apart():
     stiff = o.Scene(scene.vertex, tuple(2 * k for k in scene.stiffness), scene.rest_angles)
     over = o.Scene(scene.vertex, scene.stiffness, tuple(-v for v in scene.rest_angles))
     free = o.Scene(scene.vertex, scene.stiffness, scene.rest_angles, "none")
-    found = o.find_vertexwise(
+    found = o.find_minima(
         {
             1: loose,
             2: noisy,
@@ -186,12 +185,14 @@ def test_noise_is_told_and_different_vertices_stay_apart():
 def test_letters_alone_are_said_to_mean_shut(tmp_path):
     path = tmp_path / "letters.fold"
     path.write_text(json.dumps(miura()))
-    for vertex in (("--vertex", 5), ()):
+    for vertex in (("--vertex", 5), ("--each-vertex",)):
         plain = run("minima", path, *vertex, "--prove", 0)
         angled = run("minima", path, *vertex, "--prove", 0, "--rest-angle", 90)
         assert plain.code == angled.code == 0
         assert plain.err.count("--rest-angle 90") == 1 and "U = 0" in plain.err
         assert "--rest-angle" not in angled.err
+    done = run("load", path)  # the whole pattern, which needs a --crease
+    assert done.code == 2 and done.err.count("--rest-angle 90") == 1
     path.write_text(json.dumps(disc([90] * 4, "MVVV", [-90, 90, 90, 90])))
     assert "--rest-angle" not in run("model", path).err
 

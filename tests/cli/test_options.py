@@ -16,10 +16,6 @@ IN_THEIR_OWN_WORDS = {
     "--symmetry": "of a FOLD file, or of an example",
     "--workers": "sweep uses all processors by default",
     "--crease": "of a sheet there may be several, and no symmetry",
-    "--to": "pattern takes it with --load only, and a force may be what grows",
-    "--back": "pattern takes it with --load only",
-    "--confirm": "pattern takes it with --load only",
-    "--seconds": "of pattern it bounds --minima and --load, which take long",
     "--prove": "follow proves at its checks, and only if asked",
 }
 """Options of one name, form and meaning whose help differs between commands, and why."""

@@ -229,7 +229,7 @@ def test_ends_of_a_bird_base_are_held_by_its_layers():
     pattern = o.examples.pattern("birdbase")
     rest = rng.uniform(-3.1, 3.1, pattern.creases)
     pattern = pattern.with_springs(list(rng.uniform(0.3, 2, pattern.creases)), list(rest))
-    found, sheet = o.find_states(pattern, starts=1, escape=False), Sheet(pattern)
+    found, sheet = o.find_minima(pattern, starts=1, escape=False), Sheet(pattern)
     pressed, lower = 0, 0
     assert all(s.verdict != "undecided" for s in found.states)
     for state in found.minima:
@@ -279,7 +279,7 @@ def test_forces_act_on_both_facets_of_a_sheet_that_lies_anywhere():
     """Contacts of states that a search has found, of a sheet that is not about its middle."""
     sheet, _ = held()
     corners = sheet.pattern.corners + np.array([3.0, -2.0, 0.0])
-    found = o.find_states(replace(sheet.pattern, corners=corners), starts=0, escape=False)
+    found = o.find_minima(replace(sheet.pattern, corners=corners), starts=0, escape=False)
     lying = 0
     for state in found.minima:
         faces = [c for c in state.contacts if c.type == "face-face"]

@@ -12,7 +12,7 @@ import origami_nlp as o
 from origami_nlp import Vertex, examine
 from origami_nlp.facets import Sheet, Stack, check_orders, order_layers
 from origami_nlp.folding import Orders, Rules
-from origami_nlp.pattern import frame_pattern, parse_fold
+from origami_nlp.pattern import frame_pattern, parse_fold, scene_pattern
 from origami_nlp.sheets import judge, overview, sheet_frame, sheet_to_fold
 from tests.fold_files import others
 from tests.independent.lattice_chains import is_paper
@@ -209,6 +209,19 @@ def test_what_passes_through_a_facet_along_a_crease_is_no_paper():
     assert not through[0].crossings.find(through[1])
     found = order_layers(*through)
     assert found.verdict == "crosses" and "along a crease" in found.reason
+
+
+def test_facets_that_all_but_lie_on_each_other_are_not_said_to_cross():
+    """A crease 3e-6 rad from shut, as the ones nearer and farther, and as the same vertex by itself."""
+    scene = o.examples.degree6("5*pi/12", ratio=1, symmetry="none")
+    sheet = Sheet(scene_pattern(scene))
+    held = np.arange(6) == 2
+    shut = np.array([-1.375417, 1.2103215, -math.pi, 0.442603, -2.534112, 0.43585])
+    for away in (0.0, 1e-6, 2e-6, 2.5e-6, 3e-6, 3.5e-6, 4e-6, 1e-5, 1e-3):
+        phi, residual = sheet.project(np.where(held, away - math.pi, shut), held)
+        assert residual < 1e-12 and examine(scene.vertex, phi).admissible
+        found = order_layers(sheet, phi)
+        assert found.verdict == "ordered" or "closer than can be told" in found.reason
 
 
 def _flat_folded(m=3):

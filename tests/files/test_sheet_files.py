@@ -146,7 +146,7 @@ def test_a_page_has_every_facet_and_both_sides_of_each_crease():
 
 
 def test_states_and_motions_are_drawn_and_turned(tmp_path):
-    found, motion = o.find_states("metasheet:2x2", starts=0), o.find_motion("metasheet:2x2")
+    found, motion = o.find_minima("metasheet:2x2", starts=0), o.find_motion("metasheet:2x2")
     assert len(found.draw().axes) == len(found.minima) > 1
     shown, moving = found.turned(), motion.turned()
     assert [s.title for s in shown.stations] == [
@@ -213,8 +213,12 @@ def test_the_command_writes_states_and_motions(tmp_path):
     fold, files = tmp_path / "a.fold", {k: tmp_path / f"out.{k}" for k in ("json", "fold", "png")}
     assert run("example", "metasheet:3x3", "--fold", fold).code == 0
     options = ["--json", files["json"], "--fold", files["fold"], "--figure", files["png"]]
-    done = run("pattern", fold, "--minima", "--path", "--starts", 2, *options)
-    assert done.code == 0 and "stable state" in done.out and "folding motion" in done.out
+    moved = run("pattern", fold, "--path", *options)
+    assert moved.code == 0 and "ends: " in moved.out and files["png"].stat().st_size > 1000
+    assert len(parse_fold(files["fold"].read_text())) > 20
+    assert json.loads(files["json"].read_text())["motion"]["schema"] == "origami_nlp/pattern/1"
+    done = run("minima", fold, "--starts", 2, *options)
+    assert done.code == 0 and "stable state" in done.out
     data = json.loads(files["json"].read_text())
     p = o.read_pattern(fold)
     assert data["minima"] and {"starts", "open"} <= set(data["search"])
@@ -228,4 +232,4 @@ def test_the_command_writes_states_and_motions(tmp_path):
     states = [frame_pattern(f).reference for f in frames[1 : 1 + len(data["minima"])]]
     for state, phi in zip(data["minima"], states, strict=True):
         assert np.abs(phi - state["fold_angles"]).max() < 1e-9
-    assert len(frames) > 20 and isinstance(p, Pattern)
+    assert len(frames) == 1 + len(states) and isinstance(p, Pattern)

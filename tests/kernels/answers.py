@@ -77,14 +77,14 @@ def gallery() -> Iterator[Question]:
     for name in ("miura:2x2", "waterbomb:1x2", "squaretwist", "yoshimura:2x2"):  # barriers too
         yield (
             f"sheet {name}",
-            lambda name=name: o.find_states(o.examples.pattern(name), starts=6),
+            lambda name=name: o.find_minima(o.examples.pattern(name), starts=6),
         )
 
 
 def capabilities() -> Iterator[Question]:
     """A metasheet, load paths, a design, an atlas, barriers, critical points, a space of states."""
     e = o.examples
-    yield "metasheet 3x3", lambda: o.find_states(e.pattern("metasheet", 3, 3), starts=6)
+    yield "metasheet 3x3", lambda: o.find_minima(e.pattern("metasheet", 3, 3), starts=6)
     sheet = e.pattern("metasheet", 3, 3)
     yield "metasheet 3x3, load path", lambda: o.load_path(sheet, [1, 2], to=0.05)
     yield "load path", lambda: o.load_path(e.degree6("5*pi/12"), 1, to=0.05)
@@ -95,9 +95,7 @@ def capabilities() -> Iterator[Question]:
     yield "design", lambda: Rounded(o.design(targets))
     yield (
         "atlas",
-        lambda: o.follow(
-            e.degree6("pi/3"), "ratio=0.2:1", checks=1, max_starts=16, full_space=False
-        ),
+        lambda: o.follow(e.degree6("pi/3"), "ratio=0.2:1", checks=1, max_starts=16, full=False),
     )
     scene = e.degree6("pi/4", ratio=0.01)
     yield "barriers", lambda: o.find_barriers(scene, o.find_minima(scene), spacing=0.5)

@@ -96,11 +96,11 @@ def vertices() -> Iterator[Question]:
 def gallery() -> Iterator[Question]:
     """Whole patterns by name, and vertices as patterns."""
     for name, starts in SHEETS.items():
-        yield name, lambda n=name, s=starts: o.find_states(n, starts=s, seconds=PATIENT)
+        yield name, lambda n=name, s=starts: o.find_minima(n, starts=s, seconds=PATIENT)
     for alpha in ("pi/4", "5*pi/12"):
         pattern = o.examples.pattern("degree6", alpha=alpha)
         name = f"degree6, {alpha}, as a pattern"
-        yield name, lambda p=pattern: o.find_states(p, starts=6, seconds=PATIENT)
+        yield name, lambda p=pattern: o.find_minima(p, starts=6, seconds=PATIENT)
 
 
 def loads() -> Iterator[Question]:
@@ -142,7 +142,7 @@ def paths() -> Iterator[Question]:
     e = o.examples
     asked: tuple[tuple[o.Scene, str, dict[str, Any]], ...] = (
         (e.degree6("pi/3"), "ratio=0.2:5", {}),
-        (e.degree6("pi/4"), "alpha=40deg:pi/3", {"full_space": False}),
+        (e.degree6("pi/4"), "alpha=40deg:pi/3", {"full": False}),
         (generic(5, 1), "creases.rest_angles[1]=-1:1", {}),
         (e.degree8("pi/6"), "torque[1]=-0.6:-0.4", {}),
     )

@@ -117,7 +117,7 @@ def test_images_of_one_energy_stand_in_an_order_that_rounding_does_not_change():
 
 def test_an_event_of_contacts_that_close_together_is_named_as_the_parameter_grows():
     """Above the event two facets touch, below they do not: there the contact closes as the ratio grows."""
-    options = {"checks": 1, "max_starts": 16, "full_space": False}
+    options = {"checks": 1, "max_starts": 16, "full": False}
     found = o.follow(o.examples.degree6("pi/3"), "ratio=0.2:1", **options)
     (event,) = found.events
     assert event.type == "closes"

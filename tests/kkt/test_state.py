@@ -9,7 +9,7 @@ from collections import Counter
 import numpy as np
 import pytest
 
-from origami_nlp import Model, Scene, State, Vertex, classify, examples, find_states
+from origami_nlp import Model, Scene, State, Vertex, classify, examples, find_minima
 from origami_nlp.facets import Sheet
 from origami_nlp.kkt import newton, project
 from origami_nlp.programme import Programme
@@ -156,7 +156,7 @@ def test_a_load_moves_the_minimum_as_its_response_says(kind: str) -> None:
         x = problem.reduce(np.array(result.minima[0].fold_angles))
     else:
         problem = Sheet(strip(3))
-        found = find_states(strip(3), starts=0, escape=False)
+        found = find_minima(strip(3), starts=0, escape=False)
         x = next(s.fold_angles for s in found.minima if s.kind == "interior")
     _, motion = State(problem, x).on().response()
     load = 1e-5 * np.linspace(-1, 1, problem.size)

@@ -16,7 +16,7 @@ from tests.command_line import run
 from tests.independent.rotations import fold
 
 SCENE = examples.degree6("5*pi/12", ratio=1)
-QUICK = {"confirm": False, "full_space": False, "effort": "quick", "max_starts": 24}
+QUICK = {"confirm": False, "full": False, "effort": "quick", "max_starts": 24}
 SNAP, AGAIN = -0.138149523101, -0.123882378029
 """Found by another program, with other steps: N m on crease 1."""
 PUSHED = Scene(
@@ -163,7 +163,7 @@ def test_the_command_writes_numbers_a_figure_and_frames(tmp_path):
         "--to",
         "-0.15",
         "--no-confirm",
-        "--no-full-space",
+        "--no-full",
         "--max-starts",
         "64",
     )

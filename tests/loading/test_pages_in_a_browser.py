@@ -18,12 +18,12 @@ DRAWN = "JSON.stringify($('space').data[0].x)"
 
 
 def atlas() -> o.show.Turnable:
-    return follow(o.examples.degree6("5*pi/12"), "ratio=1:5", checks=1, full_space=False)
+    return follow(o.examples.degree6("5*pi/12"), "ratio=1:5", checks=1, full=False)
 
 
 def load() -> o.show.Turnable:
     scene = o.examples.degree6("5*pi/12")
-    return o.load_path(scene, 1, to=-0.15, confirm=False, full_space=False)
+    return o.load_path(scene, 1, to=-0.15, confirm=False, full=False)
 
 
 @pytest.mark.parametrize("make", [atlas, load])

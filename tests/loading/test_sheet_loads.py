@@ -56,7 +56,7 @@ def folded_miura(m, n, k=(1.0, 1.0), rest=(REST, REST), near=0.8):
 )
 def test_a_vertex_as_a_pattern_snaps_where_the_vertex_does(to, back, count):
     scene = o.examples.degree6("5*pi/12", ratio=1)
-    quick = {"confirm": False, "full_space": False, "effort": "quick", "max_starts": 24}
+    quick = {"confirm": False, "full": False, "effort": "quick", "max_starts": 24}
     pattern = wheel(scene.vertex.sector_angles)
     pattern = pattern.with_springs(list(scene.stiffness), list(scene.rest_angles))
     one = o.load_path(scene, 1, to=to, back=back, **quick)
@@ -155,7 +155,7 @@ def test_a_path_stops_where_the_sheet_is_flat():
 def test_strips_snap_where_trigonometry_says(seed):
     pattern = strip(seed)
     state, shared = strip_states(pattern)
-    start = o.find_states(pattern, starts=0, contact=False, escape=False).minima[0]
+    start = o.find_minima(pattern, starts=0, contact="fold-limits", escape=False).minima[0]
     path = o.load_path(pattern, 1, state=start, confirm=False)
     darts = min(
         product((False, True), repeat=2),
@@ -225,7 +225,7 @@ def test_the_load_falls_back_from_a_snap():
     scene = o.examples.degree6("5*pi/12", ratio=1)
     pattern = wheel(scene.vertex.sector_angles)
     pattern = pattern.with_springs(list(scene.stiffness), list(scene.rest_angles))
-    quick = {"confirm": False, "full_space": False, "effort": "quick", "max_starts": 24}
+    quick = {"confirm": False, "full": False, "effort": "quick", "max_starts": 24}
     one = o.load_path(scene, 1, to=-0.2, back=True, **quick)
     start = settled(pattern, one.legs[0].points[0].fold_angles)
     path = o.load_path(pattern, 1, state=start, back=True, confirm=False)
@@ -381,13 +381,13 @@ def test_a_path_comes_back_from_its_file(tmp_path):
 def test_the_command_writes_all_of_it(tmp_path):
     files = {name: tmp_path / f"load.{name}" for name in ("json", "fold", "html")}
     code, out, err = run(
-        "pattern", "degree6", "--rest-angle", "60", "--stiffness", "0.01", "--load",
+        "load", "degree6", "--rest-angle", "60", "--stiffness", "0.01",
         "--pull", "1,4", "--to", "-0.001", "--starts", "2", "--json", files["json"],
         "--fold", files["fold"], "--html", files["html"],
     )  # fmt: skip
     assert code == 0, err
     assert "stable to the end of the range" in out
-    data = json.loads(files["json"].read_text())["load"]
+    data = json.loads(files["json"].read_text())
     assert data["schema"] == "origami_nlp/load/1" and data["driver"]["unit"] == "N"
     frames = json.loads(files["fold"].read_text())["file_frames"]
     assert len(frames) == len(data["legs"][0]["points"])
@@ -403,7 +403,7 @@ def test_the_command_writes_all_of_it(tmp_path):
     for more, word in ((), "--pull"), (("--crease", "1", "--symmetry", "D1"), "--vertex"):
         code, _, err = run("load", sheet, *more)
         assert code == 2 and word in err
-    code, _, err = run("pattern", "degree6", "--load")
+    code, _, err = run("load", "degree6")
     assert code == 2 and "--crease" in err
-    code, _, err = run("pattern", "degree6", "--crease", "1")
-    assert code == 2 and "--load" in err
+    code, _, err = run("load", "degree6", "--crease", "1", "--no-full")
+    assert code == 2 and "full = False is not for a pattern" in err

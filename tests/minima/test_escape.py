@@ -243,7 +243,7 @@ With one freedom barriers are exact (all curves are traced), `find_barriers` has
 `result.minima[0].escape` says the method, the state the way leads to, and where it is highest. "?" is *not determined*,
 with the reason in `escape.why`.
 
-Whole patterns: `origami-nlp pattern FILE --minima --noise 0.06`. Errors of sector angles move the vertices in the plane
+Whole patterns: `origami-nlp minima FILE --noise 0.06`. Errors of sector angles move the vertices in the plane
 there, so that the sheet stays flat paper; where closure has as many equations as creases (3 x 3 quadrilaterals, more)
 nothing folds with such errors, and what survives errors of the springs alone is told beside.
 """

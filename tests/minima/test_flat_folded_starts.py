@@ -208,7 +208,7 @@ def test_an_interrupted_search_keeps_what_it_found(monkeypatch, tmp_path):
     assert "interrupted, not through with: random starts" in str(found)
     assert [m.energy for m in found.minima] == pytest.approx([m.energy for m in whole.minima])
     file = tmp_path / "found.json"
-    code, out, err = run("pattern", "metasheet:3x3", "--minima", "--json", file)
+    code, out, err = run("minima", "metasheet:3x3", "--json", file)
     assert code == 130 and "interrupted" in err and f"written: {file}" in out
     again = o.load(file)
     assert again.search.interrupted and len(again.minima) == len(found.minima)

@@ -13,7 +13,7 @@ from tests.patterns import miura
 
 @pytest.fixture(scope="module")
 def metasheet():
-    found = o.find_states("metasheet:4x4", starts=2, escape=False)
+    found = o.find_minima("metasheet:4x4", starts=2, escape=False)
     return Sheet(found.pattern), found.minima
 
 
@@ -58,7 +58,7 @@ def test_ipopt_stays_at_minima_with_multipliers_that_balance(metasheet):
 
 
 def test_unique_multipliers_are_equal():
-    found = o.find_states("miura:2x3", starts=2, escape=False)
+    found = o.find_minima("miura:2x3", starts=2, escape=False)
     sheet, told = Sheet(found.pattern), 0
     for minimum in found.minima:
         said = confirm_minimum(sheet, minimum)

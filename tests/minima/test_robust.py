@@ -11,12 +11,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from origami_nlp import find_states, load_path
+from origami_nlp import load_path
 from origami_nlp.errors import OptionError
 from origami_nlp.facets import Parallel, Placed, Sheet, Touch
 from origami_nlp.numerics import Normal
 from origami_nlp.pattern import Pattern, make_pattern
-from origami_nlp.sheets import Rows, pop_rows
+from origami_nlp.sheets import Rows, find_states, pop_rows
 from tests.patterns import miura, strip
 from tests.relabelled import relabelled
 
@@ -99,9 +99,8 @@ def test_a_sheet_of_4096_facets_within_ten_seconds():
         sys.executable,
         "-m",
         "origami_nlp",
-        "pattern",
+        "minima",
         "miura:64x64",
-        "--minima",
         "--seconds",
         "10",
     ]

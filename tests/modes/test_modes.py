@@ -6,11 +6,22 @@ from functools import cache
 
 import numpy as np
 import pytest
+from scipy.integrate import quad
 
-from origami_nlp import Model, State, draw, examples, find_minima, find_modes, format_scene
+from origami_nlp import (
+    Model,
+    State,
+    draw,
+    examples,
+    find_minima,
+    find_modes,
+    format_scene,
+    load,
+)
 from origami_nlp.errors import OptionError
 from origami_nlp.minima import full_scene, hessian_spectra
 from origami_nlp.modes import geodesic
+from origami_nlp.pattern import scene_pattern
 from tests.command_line import run
 from tests.independent.rotations import fold
 
@@ -96,6 +107,71 @@ def test_loaded_contacts_stay_closed_and_states_without_one_hessian_say_why():
     assert all(s.why and not s.modes for s in singular.states)
     with pytest.raises(OptionError, match="1 to 3"):
         find_modes(pinned, state=4)
+
+
+def test_a_pattern_of_one_vertex_has_the_modes_of_the_vertex():
+    scene = replace(SCENE, symmetry="none")
+    one = find_modes(find_minima(scene, effort="quick", prove=False, escape=False))
+    same = find_modes(find_minima(scene_pattern(scene), effort="quick", escape=False))
+    known = {s.minimum.energy: s for s in one.states}
+    assert [s.minimum.energy for s in same.states] == pytest.approx(sorted(known), rel=1e-12)
+    told = 0
+    for state in same.states:
+        near = [
+            s for s in one.states
+            if np.abs(np.subtract(s.minimum.fold_angles, state.minimum.fold_angles)).max() < 1e-9
+        ]  # fmt: skip
+        assert len(near) == 1 and bool(near[0].why) == bool(state.why)
+        for a, b in zip(near[0].modes, state.modes, strict=True):
+            assert b.eigenvalue == pytest.approx(a.eigenvalue, rel=1e-9)
+            distinct = all(
+                abs(m.eigenvalue - a.eigenvalue) > 1e-6 for m in near[0].modes if m is not a
+            )
+            if not distinct:
+                continue
+            told += 1
+            assert b.direction == pytest.approx(a.direction, abs=1e-9)
+            for x, y in zip(a.along.ends, b.along.ends, strict=True):
+                assert (y.s, y.rise) == pytest.approx((x.s, x.rise), abs=1e-9)
+    assert told >= 6
+
+
+def miura_speed(t, long, short):
+    """Length per angle t of so many creases, and of others with tan(x / 2) = tan(t / 2) / 2."""
+    slope = 0.5 / (np.cos(t / 2) ** 2 + 0.25 * np.sin(t / 2) ** 2)
+    return np.sqrt(long + short * slope**2)
+
+
+def test_modes_of_a_miura_run_along_its_closed_form(tmp_path):
+    """Every vertex has tan(x / 2) = cos(alpha) tan(y / 2) for its two pairs of creases."""
+    pattern = examples.pattern("miura", 3, 3).with_springs(1.0, 0.0)
+    rest = np.where(np.arange(12) % 3 == 0, 0.9, -0.4)
+    found = find_minima(pattern.with_springs(rest=rest), effort="quick", escape=False)
+    modes = find_modes(found)
+    curves = [m for s in modes.states for m in s.modes if s.minimum.freedoms == 1]
+    assert curves
+    for state in (s for s in modes.states if len(s.modes) == 1):
+        if np.abs(state.minimum.fold_angles).min() < 0.05:
+            continue  # folded in half along lines: another motion
+        (mode,) = state.modes
+        g, at = mode.along, int(np.flatnonzero(mode.along.s == 0)[0])
+        tan = np.tan(g.states[np.abs(g.states).max(axis=1) < 3] / 2)
+        long = np.abs(tan) > np.abs(tan).max(axis=1, keepdims=True) * 0.75
+        share = np.abs(tan / np.abs(tan).max(axis=1, keepdims=True))
+        assert np.abs(share[long] - 1).max() < 1e-9 and np.abs(share[~long] - 0.5).max() < 1e-9
+        second = (g.rise[at + 1] + g.rise[at - 1] - 2 * g.rise[at]) / g.s[at + 1] ** 2
+        assert second == pytest.approx(mode.eigenvalue, rel=2e-3)
+        # length of the closed form from the state to where all creases are shut
+        many = int(long[0].sum()), int((~long[0]).sum())
+        y = np.abs(state.minimum.fold_angles).max()
+        length, _ = quad(miura_speed, y, np.pi, many)
+        far = min(mode.along.ends, key=lambda end: abs(abs(end.s) - length))
+        assert abs(far.s) == pytest.approx(length, rel=1e-4) and "pi at crease" in far.why
+    found.save(tmp_path / "states.json")
+    modes.save(tmp_path / "modes.json")
+    back = load(tmp_path / "modes.json")
+    assert [s.eigenvalues() for s in back.states] == [s.eigenvalues() for s in modes.states]
+    assert draw(modes, tmp_path / "modes.png").axes
 
 
 def test_the_command_writes_numbers_and_a_figure(tmp_path):

@@ -57,6 +57,7 @@ def test_squares_and_a_hexagon(springs):
     check((6, 1e-3, 1, springs), seeds=())
 
 
+@pytest.mark.slow
 def test_a_regular_pentagon_with_full_contact_is_decided_or_refused():
     """It took 5 million boxes: on some strata with touches there were curves of states."""
     check((5, 0.0, 0), seeds=())

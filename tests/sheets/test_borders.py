@@ -184,7 +184,7 @@ def test_degenerate_minima_of_one_vertex_are_minima_of_its_sheet():
 @pytest.mark.slow
 def test_lower_states_beside_those_of_a_pattern_cross():
     """Resch's pattern: in some of its states facets lie on each other, three of them in a few."""
-    found = o.find_states("resch", starts=4, escape=False)
+    found = o.find_minima("resch", starts=4, escape=False)
     sheet, rng, lower, many = Sheet(found.pattern), np.random.default_rng(0), 0, 0
     for state in found.minima:
         phi, shut = state.phi, np.abs(state.phi) == math.pi

@@ -26,11 +26,11 @@ def results():
     contacts = o.find_contacts(result, segments=True, check=False)
     found = [result, points, contacts, contacts.segments, o.find_space(scene, 16)]
     found += [o.find_barriers(scene, result, spacing=0.5), o.find_landscape(result, 31)]
-    quick = {"confirm": False, "full_space": False, "effort": "quick", "max_starts": 16}
+    quick = {"confirm": False, "full": False, "effort": "quick", "max_starts": 16}
     loaded = [o.load_path(scene, 1, to=0.01, **quick)]
     found.append(o.find_modes(result, state=1))
     sheet = o.examples.pattern("metasheet:2x3")
-    states = o.find_states(sheet, starts=1, escape=False)
+    states = o.find_minima(sheet, starts=1, escape=False)
     found += [states, o.overview(sheet), o.find_motion(sheet)]
     loaded.append(o.load_path(sheet, 1, to=0.01, state=states.minima[0]))
     found.append(o.paper.cone.phase_diagram(6, size=4))

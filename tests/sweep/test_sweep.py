@@ -18,7 +18,7 @@ import psutil
 import pytest
 from typer.testing import CliRunner
 
-from origami_nlp import OrigamiError, examples, find_minima, find_states
+from origami_nlp import OrigamiError, examples, find_minima
 from origami_nlp.cli import app
 from origami_nlp.sweep import draw_sweep, load_states, parse_sweep, run_sweep
 from origami_nlp.sweep.load import load_sweep, sweep_grid
@@ -169,7 +169,7 @@ def test_a_sweep_is_its_sheets(stores):
         rest, k = (0.8, 0.001) if not index else (1.2, 0.1)
         sheet = examples.pattern("degree6").with_springs(0.01, rest)
         sheet = sheet.with_springs(np.where(sheet.signs < 0, k, 0.01).tolist())
-        alone = find_states(sheet, starts=2)
+        alone = find_minima(sheet, starts=2)
         here = states[states.scene == index]
         assert np.array_equal(here["energy"], [m.energy for m in alone.minima])
         assert list(here["dimension"]) == [m.freedoms for m in alone.minima]

@@ -1,0 +1,167 @@
+"""Barriers where one freedom is left: passes along all curves of closed states, of a vertex or of a pattern.
+
+With one freedom a motion follows its curve, and leaves it at states where curves meet alone: the merge tree of the
+curves, cut where the energy is stationary, holds the lowest pass between every two states on them.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from origami_nlp.barriers.passes import Pass, critical_near
+from origami_nlp.barriers.result import Barriers, Join
+from origami_nlp.errors import OptionError
+from origami_nlp.kkt import State, energy_scale, level_of, project
+from origami_nlp.minima import MinimaResult, TracedPasses, trace, traced_passes
+from origami_nlp.numerics import BESIDE, CLOSES, SETTLED
+from origami_nlp.sheets import SheetResult, curve_passes
+
+APART = 0.2
+"""Length of a step of a path [rad]."""
+ASIDE = 0.9
+"""The projected middle of a step is nearer to both ends than this share of its length."""
+EVERY = "no lower way: all curves of the one freedom are known"
+FOLLOWED = (
+    "no lower way: motions from the first state follow traced curves, to where others meet them"
+)
+EXPLICIT = "the lowest way on traced curves; others lead on from them, or facets may touch unseen"
+"""What bounds a barrier from below, or that nothing does."""
+
+
+def vertex_barriers(model: Any, result: MinimaResult) -> Barriers:
+    """Return the barriers of a vertex with one freedom.
+
+    Raises
+    ------
+    OptionError
+        If its curves could not be resolved.
+    """
+    states = np.array([model.reduce(np.array(m.fold_angles)) for m in result.minima])
+    states = states.reshape(-1, model.size)
+    energies = np.array([m.energy for m in result.minima])
+    curves = trace(model)
+    found = None
+    if curves.complete and model.has_limits:
+        found = traced_passes(model, curves.curves, curves.branches, states, energies)
+    if found is None:
+        raise OptionError(
+            "the curves of the one freedom could not be resolved: passes may be missing"
+        )
+    return _barriers(model, result, found, 1.0, lambda i, j, height: EVERY)
+
+
+def pattern_barriers(result: SheetResult) -> Barriers:
+    """Return the barriers of a pattern whose minima have one freedom each, or none.
+
+    Raises
+    ------
+    OptionError
+        If some have more, or no curve of them is known.
+    """
+    loose = [k for k, m in enumerate(result.minima, start=1) if m.freedoms > 1]
+    if loose:
+        numbers = ", ".join(map(str, loose[:8])) + (", ..." if len(loose) > 8 else "")
+        raise OptionError(
+            f"minima {numbers} have more than one freedom: barriers of a pattern are those on curves of one freedom "
+            "(`escape` of each minimum has a bound)"
+        )
+    if not result.curves:
+        raise OptionError(
+            "no curve of one freedom is known: barriers of a pattern need the result of a search, not one from a file"
+        )
+    problem, states = result.model, np.array([m.fold_angles for m in result.minima])
+    traced = curve_passes(problem, result.curves, states)
+    assert traced is not None
+    scale = energy_scale(result.pattern.stiffness)
+    level = level_of(problem.energies(states), scale) / problem.scale
+
+    def why(i: int, j: int, height: float) -> str:
+        sure = traced.sure.tree.barrier(i, j)
+        known = sure is not None and sure.height <= height + level
+        # over states at which other curves may leave, no more is known than that energy
+        return FOLLOWED if known and traced.least(i, [j], level) >= height - level else EXPLICIT
+
+    return _barriers(problem, result, traced.passes, problem.scale, why)
+
+
+def _barriers(
+    problem: Any,
+    result: Any,
+    found: TracedPasses,
+    unit: float,
+    why: Callable[[int, int, float], str],
+) -> Barriers:
+    """Return the passes of traced curves; unit: of their energies."""
+    many = len(result.minima)
+    passes = tuple(
+        _between(problem, found, unit, i, j, why) for i in range(many) for j in range(i + 1, many)
+    )
+    kinds = {(p.from_state - 1, p.to_state - 1): p for p in passes}
+    merges = []
+    for merge in found.tree.merges:
+        one = kinds[min(merge.first[0], merge.second[0]), max(merge.first[0], merge.second[0])]
+        sides = (tuple(k + 1 for k in side) for side in (merge.first, merge.second))
+        merges.append(Join(one.energy, one.pass_kind, *sides))
+    return Barriers(result, passes, tuple(merges), None)
+
+
+def _filled(problem: Any, states: np.ndarray) -> np.ndarray:
+    """Add states between those of a path that are further apart than `APART`; admissible as the stretch is."""
+    out = [states[0]]
+    waiting = list(states[:0:-1])
+    while waiting:
+        a, b = out[-1], waiting[-1]
+        size = float(np.linalg.norm(problem.root * (b - a)))
+        middle, residual = project(problem, (a + b) / 2)
+        longer = max(float(np.linalg.norm(problem.root * (middle - end))) for end in (a, b))
+        # a projection that goes far aside has come to another curve
+        if size > APART and residual <= CLOSES and longer < ASIDE * size:
+            waiting.append(middle)
+        else:
+            out.append(waiting.pop())
+    return np.array(out)
+
+
+def _between(
+    problem: Any,
+    found: TracedPasses,
+    unit: float,
+    i: int,
+    j: int,
+    why: Callable[[int, int, float], str],
+) -> Pass:
+    """Return the pass between minima i and j (0-based) with its path."""
+    merge = found.tree.barrier(i, j)
+    if merge is None:
+        none = np.zeros((0, len(problem.expand(found.states[0]))))
+        words = "no curve of admissible states leads from one to the other"
+        return Pass(
+            i + 1, j + 1, math.inf, "none", (), (), math.nan, none, none[:, 0], math.inf, words
+        )
+    top, first = found.top(i, j), len(found.states) - len(found.on_curves)
+    exact = critical_near(problem, top[None], BESIDE)
+    at = State(problem, exact[0].x if exact else top)
+    kind, residual = (exact[0].kind, exact[0].residual) if exact else ("corner", math.nan)
+    if not exact and not at.regular:
+        kind = "flat state" if np.abs(top).max() <= SETTLED else "singular"
+    way = found.tree.path(first + i, first + j)
+    assert way is not None
+    states = _filled(problem, found.states[way[0]])
+    energies = problem.energies(states)
+    return Pass(
+        i + 1,
+        j + 1,
+        at.energy,
+        kind,  # type: ignore[arg-type]
+        tuple(problem.expand(at.x).tolist()),
+        tuple(problem.name(c) for c in at.pieces[0]),
+        residual,
+        problem.expand(states),
+        energies,
+        float(merge.height * unit),
+        why(i, j, merge.height),
+    )
