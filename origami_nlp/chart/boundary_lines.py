@@ -10,6 +10,7 @@ closes.  Only geometry enters: the lines are the same for every stiffness (`with
 from __future__ import annotations
 
 import itertools
+import math
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -20,7 +21,7 @@ from origami_nlp.chart.grid import allowed, chart_limits, crossings_of, distance
 from origami_nlp.errors import OptionError
 from origami_nlp.files import Brief
 from origami_nlp.kkt import State, Stratum, thin_at
-from origami_nlp.numerics import BESIDE, NEAR_CONTACT, SETTLED
+from origami_nlp.numerics import BESIDE, NEAR_CONTACT, SETTLED, TOUCHES
 from origami_nlp.path import BoundaryCurve, Point, boundary_of, correct, evaluate
 from origami_nlp.pattern import Scene
 from origami_nlp.programme import (
@@ -28,7 +29,7 @@ from origami_nlp.programme import (
     Model,
 )
 
-CORNER = 1e-4
+CORNER = math.sqrt(TOUCHES)
 """Accuracy [rad] of ends where the next contact closes tangentially: their distance, squared, is `TOUCHES`."""
 SHORT = 1e-3
 """Shorter lines [rad] are dropped."""
@@ -48,14 +49,21 @@ class BoundaryLine(Brief):
     """
 
     contacts: tuple[str, ...]
-    rows: tuple[Contact, ...] = field(repr=False)
+    rows: tuple[Contact, ...] = field(repr=False, metadata={"plain": False})
     branch: int
-    points: np.ndarray = field(repr=False)
-    fold_angles: np.ndarray = field(repr=False)
-    s: np.ndarray = field(repr=False)
+    points: np.ndarray = field(repr=False, metadata={"plain": False})
+    fold_angles: np.ndarray = field(repr=False, metadata={"plain": False})
+    s: np.ndarray = field(repr=False, metadata={"plain": False})
     start: str
     end: str
     thin: bool = False
+
+    ALSO = ("length", "ends")
+
+    @property
+    def ends(self) -> tuple[np.ndarray, np.ndarray]:
+        """Fold angles of its first and its last state."""
+        return self.fold_angles[0], self.fold_angles[-1]
 
     @property
     def length(self) -> float:
@@ -78,8 +86,8 @@ class Boundary(Brief):
     """
 
     lines: tuple[BoundaryLine, ...]
-    crossings: tuple[np.ndarray, ...] = field(repr=False)
-    missed: tuple[np.ndarray, ...] = field(repr=False)
+    crossings: tuple[np.ndarray, ...] = field(repr=False, metadata={"plain": False})
+    missed: tuple[np.ndarray, ...] = field(repr=False, metadata={"plain": False})
     cell: tuple[float, float]
 
     @property

@@ -13,10 +13,10 @@ import numpy as np
 
 from origami_nlp.kkt import Stratum
 from origami_nlp.numerics import NEAR_CONTACT
-from origami_nlp.path import SINGULAR, End, Point, Steps, closing, correct, trace_held
+from origami_nlp.path import SINGULAR, ContinuationOptions, End, Point, closing, correct, trace_held
 from origami_nlp.programme import Programme
 
-STEPS = Steps(
+STEPS = ContinuationOptions(
     first=1e-2,
     longest=0.04,
     shortest=1e-10,
@@ -58,6 +58,7 @@ def walk(held: Stratum) -> Walk | None:
         new = closing(point)
         names = "; ".join(programme.name(contact) for contact in new)
         why[side] = f"another contact closes ({names})" if new else SINGULAR
+        # the end itself, with all of them closed
         corner = correct(point.stratum.state.on((*held.contacts, *new))) if new else None
         if corner is not None and np.abs(corner.x - point.x).max() < NEAR_CONTACT:
             away = float(np.linalg.norm(corner.x - point.x))

@@ -1,8 +1,7 @@
 """How much energy it takes to leave a stable state: passes between states, and upper bounds of them from descents.
 
-Written for whatever has states, energies and descents (`Terrain`).  The **escape barrier** of a state is the least
-energy that a path to a state of no higher energy has to climb; that of a state that has none such, to another one that
-is not shallow itself (the elder rule of merge trees: of two states that a ripple parts, the higher one is shallow).
+For whatever has states, energies and descents (`Terrain`).  The **escape barrier** is the least energy that a path to
+a state of no higher energy has to climb; where there is none such, to one that is not shallow itself (the elder rule).
 """
 
 from __future__ import annotations
@@ -16,7 +15,7 @@ from typing import Final, Literal, NamedTuple, Protocol
 import numpy as np
 
 from origami_nlp.files import Brief
-from origami_nlp.numerics import BESIDE, LEVEL, SHALLOW, coarse
+from origami_nlp.numerics import BESIDE, LEVEL, SETTLED, SHALLOW, coarse
 
 Method = Literal[
     "exact (traced)", "merge tree", "upper bound (descents)", "not determined", "isolated"
@@ -70,6 +69,10 @@ class Escape(Brief):
     top: tuple[float, ...] = field(default=(), repr=False)
     shallow: bool = False
 
+    def __post_init__(self) -> None:
+        if math.isnan(self.barrier) and self.method in (TRACED, ALONE):  # read from a file
+            object.__setattr__(self, "barrier", math.inf)  # no way out
+
     @property
     def known(self) -> bool:
         """Whether there is a number."""
@@ -86,7 +89,7 @@ def rounded_up(value: float) -> str:
     """Return a positive number with two digits, not below it: an upper bound stays one."""
     unit = 10.0 ** (math.floor(math.log10(value)) - 1) if value > 0 else 1.0
     # what rounding, and the accuracy of a bisection, may change does not show
-    return f"{math.ceil(value / unit * (1 - 1e-6)) * unit:.2g}"
+    return f"{math.ceil(value / unit * (1 - SETTLED)) * unit:.2g}"
 
 
 def energy_scale(stiffness: np.ndarray) -> float:

@@ -89,7 +89,7 @@ class SheetResult(FoundMinima):
     def _stressed(self, state: JudgedState) -> dict[str, Any]:
         """Return a state as plain data, with what closure carries in it."""
         rows = 3 * len(self.pattern.vertices) + 6 * len(self.pattern.holes)
-        data = {**state.to_dict(), "self_stress": rows - self.pattern.creases + state.freedoms}
+        data = {**to_plain(state), "self_stress": rows - self.pattern.creases + state.freedoms}
         if self.pattern.creases > MOST_DENSE or not all(c.is_limit for c in state.contacts):
             return data
         held = [c.creases[0] - 1 for c in state.contacts]
@@ -189,11 +189,10 @@ class SheetResult(FoundMinima):
     @classmethod
     def _from_plain(cls, data: dict[str, Any]) -> Self:
         stressed = ("self_stress", "multipliers", "closure_torques", "closure_torques_unique")
-        minima = tuple(
-            JudgedState.from_dict({k: v for k, v in m.items() if k not in stressed})
-            for m in data["minima"]
-        )
-        search = from_plain(SheetSearch, data["search"], "search")
+        listed = from_plain(tuple[dict[str, Any], ...], data["minima"], at="minima")
+        own = [{k: v for k, v in m.items() if k not in stressed} for m in listed]
+        minima = from_plain(tuple[JudgedState, ...], own, at="minima")
+        search = from_plain(SheetSearch, data["search"], at="search")
         return cls(pattern_from_dict(data["pattern"]), minima, search)
 
 

@@ -11,19 +11,19 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, field
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
-from origami_nlp.files import Brief, pick
-from origami_nlp.numerics import groups
+from origami_nlp.files import Brief
+from origami_nlp.numerics import SETTLED, groups
 from origami_nlp.pattern import Scene
 from origami_nlp.show import Piece, Told
 from origami_nlp.space.mesh import SEAM
 from origami_nlp.space.words import angle_words
 
-SAME_POINT = 1e-6
-"""Points [rad] that are closer are one when the picture in the paper's chart is looked at."""
+EXTENDED = 1e-3
+"""Handles that span less [rad] are points of a picture."""
 NEARBY = 0.5
 """Families over one point of the chart hang together over a disc of this radius [rad] around it."""
 
@@ -141,7 +141,7 @@ class PinchPoint(Brief):
     fold_angles: tuple[float, ...]
     branches: tuple[Branch, ...]
     contacts: tuple[str, ...]
-    vertex: int
+    vertex: int = field(metadata={"plain": False})
 
 
 @dataclass(frozen=True)
@@ -163,7 +163,7 @@ class Handle:
     """
 
     contacts: tuple[str, ...]
-    path: np.ndarray = field(repr=False)
+    path: np.ndarray = field(repr=False, metadata={"plain": False})
     fold_angles: np.ndarray = field(repr=False)
     length: float
     ends: tuple[str, str]
@@ -207,9 +207,9 @@ class Space(Told):
     pinch_points: tuple[PinchPoint, ...]
     handles: tuple[Handle, ...]
     euler_characteristic: int
-    mesh: SpaceMesh
+    mesh: SpaceMesh = field(metadata={"plain": False})
 
-    PICTURE = "draw_space"
+    PICTURE, SCHEMA, READS = "draw_space", "origami_nlp/landscape/1", False
 
     @property
     def signature(self) -> tuple[int, ...]:
@@ -280,18 +280,6 @@ class Space(Told):
         for point, states in joins:
             yield f"  {angle_words(point)}: {' | '.join(map(angle_words, states))}"
 
-    def to_dict(self) -> dict[str, Any]:
-        """JSON-able summary (without the mesh)."""
-        return {
-            "schema": "origami-nlp/space/1",
-            "scene": self.scene.name,
-            **pick(self, "size", "components", "holes", "euler_characteristic"),
-            "pinch_points": [
-                pick(p, "kind", "fold_angles", "contacts", "branches") for p in self.pinch_points
-            ],
-            "handles": [pick(h, "contacts", "length", "ends", "fold_angles") for h in self.handles],
-        }
-
 
 def _places(mesh: SpaceMesh) -> np.ndarray:
     """Number of the chart point (branches apart) of each vertex."""
@@ -299,10 +287,10 @@ def _places(mesh: SpaceMesh) -> np.ndarray:
 
 
 def _groups(points: np.ndarray) -> np.ndarray:
-    """Number the groups of points [V, d] that coincide to `SAME_POINT`."""
+    """Number the groups of points [V, d] that coincide to `SETTLED`."""
     from scipy.spatial import cKDTree
 
-    return groups(len(points), cKDTree(points).query_pairs(SAME_POINT, output_type="ndarray"))
+    return groups(len(points), cKDTree(points).query_pairs(SETTLED, output_type="ndarray"))
 
 
 def _picture_joins(
@@ -315,7 +303,7 @@ def _picture_joins(
     np.minimum.at(low, place, mesh.wedge)
     np.maximum.at(high, place, mesh.wedge)
     found = []
-    for k in np.flatnonzero((high - low).max(axis=1) > 1e-3):
+    for k in np.flatnonzero((high - low).max(axis=1) > EXTENDED):
         over = np.flatnonzero(place == k)
         point = mesh.chart[over[0]]
         near = np.linalg.norm(mesh.chart - point, axis=1) < NEARBY
