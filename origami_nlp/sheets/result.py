@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from origami_nlp.facets import MOST_DENSE, Sheet
 from origami_nlp.files import from_plain, to_plain
-from origami_nlp.kkt import State
+from origami_nlp.kkt import State, find_stress
 from origami_nlp.minima import (
     FoundMinima,
     JudgedState,
@@ -24,7 +24,6 @@ from origami_nlp.pattern import Pattern, pattern_from_dict, pattern_to_dict
 from origami_nlp.sheets.account import SheetSearch
 from origami_nlp.sheets.fold_out import sheet_frame, sheet_parts, sheet_to_fold
 from origami_nlp.sheets.noise import is_overdetermined, measured_words
-from origami_nlp.sheets.stress import find_stress
 from origami_nlp.show import Content, Piece, inline_image
 
 if TYPE_CHECKING:
@@ -93,7 +92,7 @@ class SheetResult(FoundMinima):
         if self.pattern.creases > MOST_DENSE or not all(c.is_limit for c in state.contacts):
             return data
         held = [c.creases[0] - 1 for c in state.contacts]
-        stress = find_stress(Sheet(self.pattern), state.phi, held)
+        stress = find_stress(State(Sheet(self.pattern), state.phi), held)
         return {
             **data,
             "multipliers": stress.multipliers.tolist(),
