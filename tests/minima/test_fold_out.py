@@ -131,8 +131,18 @@ def test_commands_write_fold_and_mesh(tmp_path):
     file.write_text(json.dumps(disc([60, 100, 120, 80], "MVVV", angles=[-60, 60, 60, 60])))
     done = RUN.invoke(
         app,
-        ["minima", str(file), "--vertex", "0", "--fold", str(out), "--max-starts", "40"]
-        + ["--symmetry", "none"],
+        [
+            "minima",
+            str(file),
+            "--vertex",
+            "0",
+            "--fold",
+            str(out),
+            "--max-starts",
+            "40",
+            "--symmetry",
+            "none",
+        ],
     )
     assert done.exit_code == 0, done.output
     assert len(parse_fold(out.read_bytes())) >= 2
