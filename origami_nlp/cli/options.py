@@ -175,7 +175,9 @@ NpzFile = Annotated[
 SceneOut = Annotated[
     str | None,
     typer.Option(
-        "--scene", metavar="FILE", help="Write the scene as TOML to FILE, or - for stdout."
+        "--scene",
+        metavar="FILE",
+        help="Write the scene as TOML (a pattern as FOLD) to FILE, or - for stdout.",
     ),
 ]
 StatesFold = Annotated[

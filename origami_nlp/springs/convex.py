@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -16,7 +16,7 @@ import numpy as np
 from origami_nlp.errors import OptionError
 from origami_nlp.kkt import State
 from origami_nlp.numerics import DESIGN_ACTIVE, DESIGN_MARGIN, ROUNDED
-from origami_nlp.pattern import Scene
+from origami_nlp.pattern import Pattern, Scene
 from origami_nlp.programme import Contact
 from origami_nlp.springs.conic import BALL, EQUAL, POSITIVE, Answer, Programme, Rows
 from origami_nlp.springs.equilibrium import Balance, Springs, balances, energy_row
@@ -417,8 +417,8 @@ def _scale(posed: Posed, v: np.ndarray) -> float:
     return math.sqrt(float(k.max()) / high * float(k.min()) / low)
 
 
-def scene_of(targets: Targets, found: Found, name: str | None = None) -> Scene:
-    """Return the scene with these springs.
+def scene_of(targets: Targets, found: Found, name: str | None = None) -> Scene | Pattern:
+    """Return the scene, or the pattern, with these springs.
 
     Parameters
     ----------
@@ -431,15 +431,18 @@ def scene_of(targets: Targets, found: Found, name: str | None = None) -> Scene:
 
     Returns
     -------
-    Scene
-        With a preload where no rest angle within [-pi, pi] gives the torque.
+    Scene or Pattern
+        A scene with a preload where no rest angle within [-pi, pi] gives the torque.
     """
     k = found.stiffness[targets.kinds]
     tau = found.torque[targets.kinds]
     rest = np.clip(tau / k, -math.pi, math.pi)
+    if isinstance(targets.origami, Pattern):
+        sprung = targets.origami.with_springs(k.tolist(), rest.tolist())
+        return replace(sprung, name=name or sprung.name)
     wound = np.abs(tau / k) > math.pi * (1 + 1e-14)
     return Scene(
-        targets.vertex,
+        targets.origami,
         tuple(k),
         tuple(rest),
         symmetry=targets.symmetry,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -12,7 +12,8 @@ import numpy as np
 from origami_nlp.files import to_plain
 from origami_nlp.minima import MinimaResult
 from origami_nlp.numerics import SAME
-from origami_nlp.pattern import Scene, scene_to_dict
+from origami_nlp.pattern import Pattern, Scene, pattern_to_dict, scene_to_dict
+from origami_nlp.sheets import SheetResult
 from origami_nlp.show import Piece, Table, Told, Words
 from origami_nlp.springs.reasons import Reason
 from origami_nlp.springs.robustness import MOVES, Tolerance
@@ -94,7 +95,7 @@ class Design(Told):
         the mean stiffness; the largest that any springs have, unless barriers or tolerances were made largest.  At most
         0, or -inf, where there are none.
     scene
-        With the springs; None where there are none.
+        The scene, or the pattern, with the springs; None where there are none.
     states
         Each target, as found in the scene.
     extra_minima
@@ -132,12 +133,12 @@ class Design(Told):
 
     targets: Targets
     margin: float
-    scene: Scene | None
+    scene: Scene | Pattern | None
     states: tuple[HeldState, ...]
     extra_minima: tuple[tuple[float, str, tuple[float, ...]], ...]
     reason: Reason | None
     failed: tuple[str, ...]
-    minima: MinimaResult | None
+    minima: MinimaResult | SheetResult | None
     iterations: int
     residual: float
     barriers: tuple[HeldBarrier, ...] = ()
@@ -163,6 +164,8 @@ class Design(Told):
         extra minimum (``"minimum 1"`` is the first of these).
         """
         if self.minima is None:
+            return ("",) * len(self.extra_minima)
+        if not isinstance(self.minima, MinimaResult):
             return ("",) * len(self.extra_minima)
         model = self.minima.model
         known = [(f"state {s.name}", np.array(s.fold_angles)) for s in self.states]
@@ -214,8 +217,9 @@ class Design(Told):
                 yield Words(f"  {energy:.5g} J  {kind}: {angles} deg{same}")
         else:
             yield Words("no other minimum was found")
-        if self.minima is not None and self.minima.completeness is not None:
-            yield Words(next(self.minima.completeness.lines()))
+        known = getattr(self.minima, "completeness", None)
+        if known is not None:
+            yield Words(next(known.lines()))
 
     @staticmethod
     def _tolerance(found: Tolerance) -> Iterator[Piece]:
@@ -252,16 +256,22 @@ class Design(Told):
     def springs(self) -> Table:
         """The springs, one crease a row."""
         assert self.scene is not None
-        preload = getattr(self.scene, "preload", None) or (0.0,) * self.scene.degree
+        preload = getattr(self.scene, "preload", None) or (0.0,) * len(self.scene.stiffness)
         wound = any(preload)
         heads = ("crease", "stiffness [N m/rad]", "rest angle [deg]") + ("preload [N m]",) * wound
         rows: list[tuple[str, ...]] = [
             (str(i), f"{k:.5g}", f"{math.degrees(r):.4f}") + (f"{p:.5g}",) * wound
             for i, (k, r, p) in enumerate(
-                zip(self.scene.stiffness, self.scene.rest_angles, preload, strict=True), start=1
+                zip(self.scene.stiffness, rest_of(self.scene), preload, strict=True), start=1
             )
         ]
         return _table(heads, rows, "Springs")
+
+    def _made(self) -> dict[str, Any]:
+        """Return what has the springs, as plain data."""
+        if isinstance(self.scene, Pattern):
+            return {"pattern": pattern_to_dict(self.scene)}
+        return {"scene": scene_to_dict(self.scene) if self.scene else None}
 
     def to_dict(self) -> dict[str, Any]:
         """Return everything as JSON data, schema ``origami-nlp/design/1``.
@@ -276,7 +286,7 @@ class Design(Told):
             "feasible": self.feasible,
             "verified": self.verified,
             "margin": to_plain(self.margin),
-            "scene": scene_to_dict(self.scene) if self.scene else None,
+            **self._made(),
             "states": [to_plain(s) for s in self.states],
             "extra_minima": [
                 {"energy": e, "kind": k, "fold_angles": list(p), "image_of": whose or None}
@@ -291,6 +301,11 @@ class Design(Told):
             "iterations": self.iterations,
             "residual": to_plain(self.residual),
         }
+
+
+def rest_of(made: Scene | Pattern) -> Sequence[float]:
+    """Return rest angles, [N] [rad]."""
+    return made.rest_angles if isinstance(made, Scene) else made.rest.tolist()
 
 
 def _table(heads: tuple[str, ...], rows: list[tuple[str, ...]], title: str) -> Table:
