@@ -88,13 +88,13 @@ def test_what_is_for_vertices_alone_is_named():
         (name,) = wrong
         with pytest.raises(OptionError, match=f"^{name} = .* is not for a pattern: "):
             Targets(pattern, state, **wrong)
-    with pytest.raises(OptionError, match="equal = .* is not for a vertex: "):
+    with pytest.raises(OptionError, match=r"equal = .* is not for a vertex: "):
         Targets(QUAD, state, equal="letters")
     with pytest.raises(OptionError, match="4 numbers, one a crease"):
         Targets(pattern, state, equal=(1, 2))
-    with pytest.raises(OptionError, match="contact = 'none' must be"):
+    with pytest.raises(OptionError, match="contact = .none. must be"):
         Targets(pattern, state, contact="none")
     ask = o.springs.Ask(extra_states="forbid")
-    with pytest.raises(OptionError, match="extra_states = 'forbid' is not for a pattern: "):
+    with pytest.raises(OptionError, match=r"extra_states = 'forbid' is not for a pattern: "):
         o.design(Targets(pattern, state), ask)
     assert replace(Targets(pattern, state), equal=(1, 1, 2, 2)).kinds.tolist() == [0, 0, 1, 1]
