@@ -216,6 +216,7 @@ def _ranges_over(scene: Scene) -> str:
 def _answer_at(model: Model, record: Record, point: CriticalPoint) -> tuple[Answer | None, bool]:
     """Return the answer at a certified critical point; a possible minimum that is not on record is judged and filed."""
     x = np.array(point.x)
+    # the point is the only critical one within its radius: what is on record there is it
     near = _nearest(record, x, point.radius + SAME)
     if near is not None or point.is_minimum is False:
         return near, False
@@ -367,6 +368,7 @@ def _within(x: np.ndarray, lower: np.ndarray, upper: np.ndarray) -> bool:
 
 def _covered(x: np.ndarray, proof: Proof) -> bool:
     """Tell whether a state is a critical point of the proof, or in what it leaves open."""
+    # what is certainly no minimum covers none
     points = (p for p in proof.points if p.is_minimum is not False)
     if any(np.abs(np.array(p.x) - x).max() <= p.radius + SAME for p in points):
         return True

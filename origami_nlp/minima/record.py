@@ -162,6 +162,7 @@ class Record:
         """
         if not polished.converged:
             polished = self._exact_beside(polished) or exact_beside(model, polished)
+        # answers that are known less exactly than others may lie farther away and still be the same
         widest = max((a.polished.uncertainty for a in self.answers), default=0.0)
         may = self._apart(polished.x) <= max(BESIDE, polished.uncertainty + widest)
         for known in (self.answers[k] for k in np.flatnonzero(may)):

@@ -67,6 +67,7 @@ def finish_all(
     jobs = [job for some in searches for job in some]
     given: dict[int, list[np.ndarray]] = {id(job): [] for job in jobs}
     for guess in guesses:
+        # a state closes in the programme of its own winding only
         given[id(min(jobs, key=lambda job: _miss(job.model, guess)))].append(guess)
     for winding in sorted({job.model.structure.winding for job in jobs}):
         some = [job for job in jobs if job.model.structure.winding == winding]

@@ -205,6 +205,7 @@ def _analyse(
             reason = str(error)
     signs = "".join(frame.assignment[e] for e in at)
     n = len(at)
+    # flat-foldable: alternate sectors sum alike (Kawasaki), mountains and valleys differ by two (Maekawa)
     alternating = abs(float(merged[::2].sum() - merged[1::2].sum())) if n % 2 == 0 else None
     both = signs.count("M") + signs.count("V") == n
     maekawa = abs(signs.count("M") - signs.count("V")) - 2 if both else None

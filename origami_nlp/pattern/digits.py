@@ -186,6 +186,7 @@ class _Sectors:
     def slopes(self, x: np.ndarray) -> sparse.csr_array:
         """Return the derivatives of the measures, [C + S, 3 V]."""
         u, v, n = self.frames(x)
+        # a side that moves by m across itself turns by m over its length
         du = cross(n, u) / (u**2).sum(axis=1, keepdims=True)
         dv = -cross(n, v) / (v**2).sum(axis=1, keepdims=True)
         along = x[self.end] - x[self.start]
@@ -205,6 +206,7 @@ class _Sectors:
         if not self.rings or len(self.lists) > MOST_POLYGONS:
             return None
         u, v, _ = self.frames(x)
+        # both ends of a side off by a last place turn it by twice that over its length
         blur = 2 * unit * (1 / np.linalg.norm(u, axis=1) + 1 / np.linalg.norm(v, axis=1))
         by_digits = RESOLVED < float(blur[self.inside].max()) <= COARSE
         angles, sides = len(u), len(self.start)
@@ -214,6 +216,7 @@ class _Sectors:
         found = _Found(self.measures(x), blur)
         for ring in self.rings:
             d = len(ring)
+            # paper that lies flat; Kawasaki's theorem; two creases in one line
             found.hold(ring, 2 * math.pi)
             if d % 2 == 0:
                 found.hold(ring[::2], math.pi)
@@ -252,6 +255,7 @@ class _Found:
         off = np.array([self.values[s].sum() for s in sectors]) - middle
         noise = np.array([self.blur[s].sum() for s in sectors])
         order = np.argsort(np.abs(off), kind="stable")
+        # cut where neighbours are farther apart than the digits of both
         step = np.diff(np.abs(off)[order]) > noise[order][1:] + noise[order][:-1]
         for members in np.split(order, np.flatnonzero(step) + 1):
             if (np.abs(off[members]) <= noise[members]).any():
@@ -288,6 +292,7 @@ class _Relations:
         """Return by how much rows miss, what groups share being the mean of their members, [R]."""
         own = self.rows[:, : self.count] @ measures - self.totals
         member = self.rows[:, self.count :]
+        # what a group shares is its least-squares value: the mean of what its members say
         many = np.maximum(-member.sum(axis=0), 1.0)
         return np.asarray(own + member @ (-(member.T @ own) / many))
 
@@ -336,6 +341,7 @@ def _solved(x: np.ndarray, at: _Sectors, relations: _Relations | None) -> np.nda
         if np.abs(value).max(initial=0.0) <= at.rounding(x):
             return x
         soft = sparse.eye_array(len(value)) * SOFT
+        # KKT system of the shortest step (Nocedal and Wright, section 16.1); -soft where rows depend on each other
         system = sparse.block_array([[sparse.diags_array(weights), rows.T], [rows, -soft]])
         step = splu(system.tocsc()).solve(np.concatenate([np.zeros(len(weights)), -value]))
         x = x + step[: x.size].reshape(-1, 3)

@@ -89,6 +89,7 @@ class Rings:
                 seen.add(step)
                 a, b = step
                 walk.append(a)
+                # clockwise from where one came: the face stays on the left
                 step = (b, before[b][a])
             if walk:
                 here = xy[walk] - xy[walk[0]]

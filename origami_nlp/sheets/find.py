@@ -349,6 +349,7 @@ class _Search:
             return
         d = basis @ (basis.T @ self._side)
         d /= np.abs(d).max()
+        # closed at unequal distances both ways along a generic direction: taken for a plane of closed states
         if max(sheet.residual(phi + 0.7 * d), sheet.residual(phi - 1.1 * d)) <= 10 * CLOSES:
             tally.planes.append((basis, off))
             lowest = lowest_on(sheet, phi, basis)

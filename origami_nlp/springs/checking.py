@@ -189,6 +189,7 @@ def _barriers(
     out = []
     for b in targets.barriers:
         if freedom == 1:
+            # one way serves both directions: its top is the same
             way = ways[(b.start, b.end)] if (b.start, b.end) in ways else ways[(b.end, b.start)]
             top, x = height(model, way)
             phi = tuple(model.expand(x).tolist())

@@ -133,6 +133,7 @@ def test_bad_scene_raises_our_error_in_python(name):
         parse_scene(BAD[name][0])
 
 
+SCENE, PHASE = "scene.toml", ("paper", "cone", "phase")
 BAD_CALLS = {
     "no such file": (["minima", "nowhere.toml"], "nowhere.toml"),
     "folder as scene": (["minima", "."], "cannot read"),
@@ -142,6 +143,23 @@ BAD_CALLS = {
     "ratio negative": (["example", "degree8", "--ratio", "-1"], "ratio"),
     "ratio nan": (["example", "degree8", "--ratio", "nan"], "ratio"),
     "contact unknown": (["example", "degree8", "--contact", "some"], "contact"),
+    "state beyond the list": (["contacts", SCENE, "--state", 9, "--max-starts", 16], "state"),
+    "state 0": (["contacts", SCENE, "--state", 0, "--max-starts", 16], "state"),
+    "HTML into no folder": (["contacts", SCENE, "--html", "nowhere/at/all.html"], "--html"),
+    "a folder for text": (["contacts", SCENE, "--markdown", "."], "--markdown"),
+    "seed of contacts": (["contacts", SCENE, "--seed", -1], "seed"),
+    "map too small": (["landscape", SCENE, "--size", 4], "--size = 4"),
+    "seed of a landscape": (["landscape", SCENE, "--seed", -2], "seed"),
+    "arrays as text": (["landscape", SCENE, "--npz", "a.txt"], "must end in .npz"),
+    "arrays into no folder": (["landscape", SCENE, "--npz", "nowhere/a.npz"], "does not exist"),
+    "figure of no format": (["landscape", SCENE, "--figure", "a.bmp"], "--figure"),
+    "JSON into no folder": (["landscape", SCENE, "--json", "nowhere/a.json"], "does not exist"),
+    "odd degree": ([*PHASE, "--degree", 7], "degree"),
+    "one point": ([*PHASE, "--degree", 8, "--size", 1], "size"),
+    "too deep": ([*PHASE, "--degree", 8, "--depth", 2], "depth"),
+    "figure as text": ([*PHASE, "--degree", 8, "--figure", "x.txt"], "figure"),
+    "CSV into no folder": ([*PHASE, "--degree", 8, "--csv", "no/such/folder.csv"], "csv"),
+    "rest state unknown": ([*PHASE, "--degree", 8, "--rest", "mine"], "rest"),
 }
 
 
@@ -149,8 +167,10 @@ BAD_CALLS = {
 def test_bad_call_is_one_line_and_exit_code_2(name, tmp_path, monkeypatch):
     arguments, word = BAD_CALLS[name]
     monkeypatch.chdir(tmp_path)
+    (tmp_path / SCENE).write_text(text())
     code, _, err = run(*arguments)
     assert code == 2 and err.count("\n") == 1 and word in err
+    assert [p.name for p in tmp_path.iterdir()] == [SCENE]
 
 
 def test_bad_outputs_are_refused_before_the_search(tmp_path):

@@ -1,11 +1,9 @@
-"""Contact moments and load margins against independent solves."""
+"""Load margins, and how moments and states respond to loads, against independent solves."""
 
 from __future__ import annotations
 
 import math
 
-import casadi as ca
-import mpmath as mp
 import numpy as np
 import pytest
 
@@ -19,17 +17,12 @@ from origami_nlp.kkt import (
     newton,
 )
 from origami_nlp.minima import JudgedState, MinimaResult
-from origami_nlp.numerics import null_space, quaternion as quat
+from origami_nlp.numerics import null_space
 from origami_nlp.programme import (
     Contact,
     Model,
 )
 from tests.computed_once import panel_result, shared, thinned
-
-MULTIPLIER_FD = 1e-6
-"""Relative agreement of contact moments with finite differences of the optimal energy."""
-MULTIPLIER_MP = 1e-10
-"""Relative agreement of contact moments with a 50-digit solve."""
 
 PINNED = {
     "creases on each other": ("degree6", "pi/3", 1.0, "creases 1 and 4"),
@@ -111,121 +104,6 @@ RANDOM = (
     ),
 )
 """Degree, symmetry and seed of random scenes that have a pinned state."""
-
-
-# ---------------------------------------------------------------- multipliers
-
-
-def shifted_energy(model: Model, x: np.ndarray, row: Contact, opening: float) -> float:
-    """Least energy near x (scene's units) with the contact's limit moved: opening of `row` at least `opening`."""
-    f = model.functions
-    g, lower, upper = (
-        [f.piece.equations],
-        [0.0] * model.equation_count,
-        [0.0] * model.equation_count,
-    )
-    if row.is_limit:
-        g.append(math.pi - row.side * f.x[row.index])
-    else:
-        g.append(row.side * f.gaps[row.index])
-    problem = {"x": f.x, "p": f.p, "f": f.energy, "g": ca.vertcat(*g)}
-    # warm: a soft state lies in a shallow basin, which IPOPT's usual first steps would leave
-    ipopt: dict[str, int | float | str] = {
-        "print_level": 0, "sb": "yes", "tol": 1e-13, "bound_relax_factor": 0.0,
-        "compl_inf_tol": 1e-14, "dual_inf_tol": 1e-9,
-        "mu_init": 1e-7, "slack_bound_push": 1e-7, "slack_bound_frac": 1e-7,
-    }  # fmt: skip
-    solver = ca.nlpsol("s", "ipopt", problem, {"print_time": False, "ipopt": ipopt})  # type: ignore[dict-item]
-    answer = solver(x0=x, p=model.parameters.vector, lbg=[*lower, opening], ubg=[*upper, math.inf])
-    y = np.asarray(answer["x"]).ravel()
-    assert np.abs(y - x).max() < 0.1
-    return model.energy(y)
-
-
-@pytest.mark.parametrize("name", thinned(list(PINNED), 3))
-def test_moment_is_the_slope_of_the_optimal_energy_under_a_shifted_limit(name: str) -> None:
-    model, x = state_of(name)
-    rows = held(model, x)
-    assert len(rows) == 1
-    moment = minimum_of(name).contacts[0].multiplier
-    slopes = []
-    for h in (2e-4, 1e-4):
-        ahead, behind = (shifted_energy(model, x, rows[0], s * h) for s in (1, -1))
-        slopes.append((ahead - behind) / (2 * h))
-    richardson = (4 * slopes[1] - slopes[0]) / 3
-    assert moment * model.weight(rows[0]) == pytest.approx(richardson, rel=MULTIPLIER_FD)
-
-
-def mp_multipliers(model: Model, x: np.ndarray, row: Contact) -> list[mp.mpf]:
-    """Solve the KKT system of one held contact to 50 digits, from the geometry up; D_n wedges of creases only."""
-    n, order = model.size, model.structure.order
-    p = model.parameters
-    sectors, k, rest = ([mp.mpf(v) for v in a.tolist()] for a in (p.sectors, p.stiffness, p.rest))
-    azimuth = [sum(sectors[:i], mp.mpf(0)) for i in range(n - 1)] + [mp.pi / order]
-    flat = [(mp.cos(a), mp.sin(a), mp.mpf(0)) for a in azimuth]
-
-    def constraints(v: list[mp.mpf]) -> list[mp.mpf]:
-        q, rays = tuple(mp.mpf(c) for c in quat.IDENTITY), []
-        for i, b in enumerate(flat):
-            rays.append(quat.rotate(q, b))
-            half = v[i] / (4 if i in (0, n - 1) else 2)
-            q = quat.multiply(q, quat.fold(mp.cos(half), mp.sin(half), b))
-        if order == 1:
-            out = [q[1], q[3]]
-        else:
-            normal = quat.rotate(q, (mp.sin(mp.pi / order), -mp.cos(mp.pi / order), mp.mpf(0)))
-            out = [normal[1] + mp.cos(mp.pi / order)]
-        if row.is_limit:
-            return [*out, mp.mpf(math.pi) - row.side * v[row.index]]
-        gap = model.structure.gaps[row.index]
-        if gap.type == "axis":
-            return [*out, rays[gap.rays[0]][1]]
-        r, j = gap.rays
-        plane = quat.cross(rays[j], rays[j + 1])
-        return [*out, row.side * quat.dot(plane, rays[r]) / mp.sin(sectors[j])]
-
-    def residual(u: list[mp.mpf]) -> list[mp.mpf]:
-        v, multipliers = u[:n], u[n:]
-        out = [k[i] * (v[i] - rest[i]) for i in range(n)]
-        h = mp.mpf(10) ** -30
-        for i in range(n):
-            ahead = constraints([*v[:i], v[i] + h, *v[i + 1 :]])
-            behind = constraints([*v[:i], v[i] - h, *v[i + 1 :]])
-            out[i] -= sum(
-                m * (a - b) / (2 * h) for m, a, b in zip(multipliers, ahead, behind, strict=True)
-            )
-        return out + constraints(v)
-
-    # Newton with the Jacobian of double precision: each step gains about ten digits
-    local = model.local(x)
-    _, a = local.openings((row,))
-    jac = np.vstack([local.closure_jacobian, a])
-    start = np.linalg.lstsq(jac.T, local.gradient, rcond=None)[0]
-    hessian = model.hessian(x, -start[:-1], -model.weights((row,), start[-1:]))
-    count = len(jac)
-    inverse = np.linalg.inv(np.block([[hessian, -jac.T], [jac, np.zeros((count, count))]]))
-    u = [mp.mpf(float(v)) for v in (*x, *start)]
-    for _ in range(12):
-        f = residual(u)
-        if max(abs(v) for v in f) < mp.mpf(10) ** -50:
-            break
-        u = [
-            u[i] - sum(mp.mpf(float(inverse[i, j])) * f[j] for j in range(len(f)))
-            for i in range(len(u))
-        ]
-    assert max(abs(v) for v in residual(u)) < mp.mpf(10) ** -48
-    return u[n:]
-
-
-@pytest.mark.parametrize("name", thinned([*PINNED], 2))
-def test_moment_agrees_with_a_50_digit_solve(name: str) -> None:
-    model, x = state_of(name)
-    rows = held(model, x)
-    with mp.workdps(90):
-        exact = float(mp_multipliers(model, x, rows[0])[-1])
-    contact = minimum_of(name).contacts[0]
-    scaled = contact.multiplier * model.weight(rows[0]) / model.scale
-    assert scaled == pytest.approx(exact, rel=MULTIPLIER_MP)
 
 
 # ---------------------------------------------------------------- sensitivities

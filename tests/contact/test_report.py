@@ -40,35 +40,12 @@ def test_command_writes_all_its_files(tmp_path: Path) -> None:
     )
 
 
-def test_json_to_standard_output_is_json_alone(tmp_path: Path) -> None:
-    scene = scene_file(tmp_path, o.examples.degree8("pi/6", 0.01))
-    done = run("contacts", scene, "--json", "-", "--state", 2, "--max-starts", 16)
-    assert done.code == 0
-    assert json.loads(done.out)["states"][0]["state"] == 2
-
-
 def test_a_scene_without_pinned_states_says_so(tmp_path: Path) -> None:
     scene = scene_file(tmp_path, o.examples.degree8("pi/4", 1.0))
     done = run("contacts", scene, "--segments")
     assert done.code == 0
     assert "0 of 2 minima" in " ".join(done.out.split())
     assert "no contact boundary to follow" in done.out
-
-
-@pytest.mark.parametrize(
-    ("options", "word"),
-    [
-        (["--state", "9"], "state"),
-        (["--state", "0"], "state"),
-        (["--html", "nowhere/at/all.html"], "--html"),
-        (["--markdown", "."], "--markdown"),
-        (["--seed", "-1"], "seed"),
-    ],
-)
-def test_bad_options_are_named(tmp_path: Path, options: list[str], word: str) -> None:
-    scene = scene_file(tmp_path, o.examples.degree8("pi/6", 0.01))
-    done = run("contacts", scene, *options, "--max-starts", 16)
-    assert done.code == 2 and word in done.err and done.err.count("\n") == 1
 
 
 def test_json_numbers_are_those_of_the_report(report: ContactReport) -> None:

@@ -1,19 +1,17 @@
 """A pattern as a problem of the kernel: derivatives by differences, dependent rows, one answer with single vertices."""
 
-import math
 from collections import Counter
-from itertools import product
 
 import numpy as np
 import pytest
 
 import origami_nlp as o
-from origami_nlp import Model, Scene, State, Vertex, classify
+from origami_nlp import State, classify
 from origami_nlp.facets import Sheet
 from origami_nlp.kkt import judge_branch, loop_modes, tangent_cone
 from origami_nlp.kkt.refutation import follow_descent
 from tests.computed_once import states
-from tests.patterns import miura, miura_angles, strip, wheel
+from tests.patterns import miura, miura_angles, strip
 
 COUNTS = {  # states as a separate judgement of patterns decided on them: minima, none, facets that cross, not decided
     "metasheet:3x3": (2, 1, 1, 0),
@@ -133,25 +131,6 @@ def test_closed_states_follow_the_lines_of_a_generic_pattern_to_second_order(see
     for line in cone.lines:
         near, far = (np.abs(problem.closure.values(h * line)).max() for h in (1e-3, 2e-3))
         assert near < 1e-8 and far == pytest.approx(8 * near, rel=0.1)  # it misses by h^3
-
-
-@pytest.mark.parametrize("seed", range(4))
-def test_a_vertex_is_a_pattern_with_one_vertex(seed):
-    """Flat foldings of a vertex of degree 4, where closure loses rank: both problems have the same answers."""
-    rng = np.random.default_rng(seed)
-    a, b = rng.uniform(0.5, 1.4), rng.uniform(1.6, 2.6)
-    sectors = a, b, math.pi - a, math.pi - b
-    k, told = rng.uniform(0.5, 2, 4), []
-    for phi in math.pi * np.array(list(product((-1.0, 1.0), repeat=4))):
-        rest = np.clip(phi + rng.uniform(-2.5, 2.5, 4), -3, 3)
-        problem = Sheet(wheel(sectors).with_springs(list(k), list(rest)), contact=False)
-        if problem.residual(phi) > 1e-12 or not problem.on_sheet(phi):
-            continue
-        scene = Scene(Vertex(sectors), tuple(k), tuple(rest), "none", "fold-limits")
-        one, two = classify(State(Model(scene), phi)), classify(State(problem, phi))
-        assert (one.verdict, one.kind) == (two.verdict, two.kind)
-        told.append(one.verdict)
-    assert "minimum" in told
 
 
 def test_one_verb_classifies_both():

@@ -6,6 +6,7 @@ from itertools import product
 import numpy as np
 import pytest
 
+from origami_nlp import Model, Scene, State, Vertex, classify
 from origami_nlp.facets import Sheet
 from origami_nlp.sheets import find_states, judge, list_branches
 from tests.independent.rigid import Rigid
@@ -23,6 +24,7 @@ def test_folded_flat_is_a_minimum_where_energy_rises_along_its_curves(seed):
     k, rest = rng.uniform(0.5, 2, 4), shut[rng.integers(16)] + rng.uniform(-2.5, 2.5, 4)
     pattern = pattern.with_springs(list(k), list(np.clip(rest, -3.0, 3.0)))
     sheet = Sheet(pattern)
+    vertex = Model(Scene(Vertex(sectors), tuple(k), tuple(pattern.rest), "none", "fold-limits"))
     beside_shut = [(s * (math.pi - 1e-3), dart) for s in (1, -1) for dart in (False, True)]
     curves = [np.array([x, *quadrilateral(sectors, x, dart)]) for x, dart in beside_shut]
     assert max(sheet.residual(x) for x in curves) < 1e-9
@@ -33,6 +35,8 @@ def test_folded_flat_is_a_minimum_where_energy_rises_along_its_curves(seed):
         if state.verdict == "not admissible":
             assert not beside
             continue
+        one = classify(State(vertex, phi))  # the same vertex as a scene
+        assert (one.verdict, one.kind) == (state.verdict, state.kind)
         rises = all(pattern.energy(x) > pattern.energy(phi) for x in beside)
         assert state.verdict == ("minimum" if rises else "not stationary"), (phi, state.certificate)
         verdicts.append(state.verdict)

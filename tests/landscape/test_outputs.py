@@ -119,25 +119,6 @@ def test_vector_figures_without_contact(ending, tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("arguments", "complaint"),
-    [
-        (["--size", "4"], "--size = 4"),
-        (["--seed", "-2"], "seed"),
-        (["--npz", "a.txt"], "must end in .npz"),
-        (["--npz", "nowhere/a.npz"], "does not exist"),
-        (["--figure", "a.bmp"], "--figure"),
-        (["--json", "nowhere/a.json"], "does not exist"),
-    ],
-)
-def test_bad_options(arguments, complaint, tmp_path, monkeypatch):
-    path = scene_file(tmp_path, o.examples.degree6("pi/4", 1.0))
-    monkeypatch.chdir(tmp_path)
-    code, _, err = run("landscape", path, *arguments)
-    assert code == 2 and complaint in err and len(err.strip().splitlines()) == 1
-    assert [p.name for p in tmp_path.iterdir()] == ["scene.toml"]
-
-
-@pytest.mark.parametrize(
     ("scene", "options", "complaint"),
     [
         (o.examples.degree6("pi/4", 1.0, symmetry="none"), [], "3 degrees of freedom"),

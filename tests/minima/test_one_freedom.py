@@ -219,12 +219,6 @@ def test_five_states_of_a_degree_4_vertex():
     assert energies == pytest.approx([1.75371, 1.88391, 1.89567, 3.85321, 13.7429], rel=2e-5)
 
 
-def test_the_cross_has_six_states():
-    scene = Scene(Vertex((PI / 2,) * 4), (1.0, 1.3, 0.7, 1.1), (-1.0, 2.0, -3.0, 1.0), "none")
-    model = Model(scene)
-    assert len(decided(model, trace(model))) == 6
-
-
 def test_the_same_turned_over_and_renumbered():
     rng = np.random.default_rng(3)
     for _ in range(5):

@@ -11,12 +11,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from origami_nlp import load_path, overview
+from origami_nlp import load_path
 from origami_nlp.errors import OptionError
 from origami_nlp.facets import Parallel, Placed, Sheet, Touch
 from origami_nlp.numerics import Normal
 from origami_nlp.pattern import Pattern, make_pattern
-from origami_nlp.sheets import Rows, draw_overview, draw_states, find_states, pop_rows
+from origami_nlp.sheets import Rows, find_states, pop_rows
 from tests.patterns import miura, strip
 from tests.relabelled import relabelled
 
@@ -81,15 +81,6 @@ def test_a_failure_is_counted_and_ends_nothing(monkeypatch):
     assert not any("every well" in words for words in said)
     assert len(whole.minima) - 1 <= len(found.minima) <= len(whole.minima)
     assert any("every well" in words for words in whole.search.words())
-
-
-def test_names_that_are_no_formulas():
-    pattern = replace(strip(0), name=r"$\frac{$ a name")
-    for figure in (
-        draw_overview(overview(pattern)),
-        draw_states(pattern, [(r"$\frac{$", np.zeros(pattern.creases))], pattern.name),
-    ):
-        figure.canvas.draw()
 
 
 def test_seconds_are_those_of_a_clock():

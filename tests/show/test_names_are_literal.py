@@ -3,8 +3,8 @@
 import io
 from dataclasses import replace
 
-from origami_nlp import Vertex, examples
-from origami_nlp.sheets import draw_states
+from origami_nlp import Vertex, examples, overview
+from origami_nlp.sheets import draw_overview, draw_states
 from origami_nlp.springs import Target, Targets, design, draw_design
 
 NAME = r"a $\frac{$ b_c ^ \x"
@@ -22,6 +22,7 @@ def test_of_sheets():
     pattern = replace(examples.pattern("miura", rows=2, columns=2), name=NAME)
     figure = draw_states(pattern, [(NAME, pattern.reference)], f"{NAME}: {NAME}")
     assert drawn(figure).count(r"\frac{") == 3
+    assert drawn(draw_overview(overview(pattern))).count(r"\frac{")
 
 
 def test_of_designs():

@@ -220,6 +220,7 @@ class _Column:
         steps = np.zeros((len(limbs), len(self.ratios) + 1), np.int64)
         for rows, first, stop in events:
             for limb, value in zip(steps, limbs[:, rows], strict=True):
+                # differences at both ends of an interval of ratios, summed up once for all
                 np.add.at(limb, first, value)
                 np.subtract.at(limb, stop, value)
         return np.cumsum(steps[:, :-1], axis=1)
@@ -302,6 +303,7 @@ class _Column:
         at_left, at_right = left.ratio(), right.ratio()
         up_left, up_right = left.even >= 0, right.even >= 0
         inf = np.inf
+        # F < 0 at the left and F >= 0 at the right: each linear in r, and both together an interval
         low = np.maximum(np.where(up_left, -inf, at_left), np.where(up_right, at_right, -inf))
         high = np.minimum(np.where(up_left, at_left, inf), np.where(up_right, inf, at_right))
         first, stop = self._range(low, high)

@@ -216,22 +216,6 @@ def test_command_writes_map_and_boundaries(tmp_path):
     assert files["png"].stat().st_size > 10_000
 
 
-@pytest.mark.parametrize(
-    "options, word",
-    [
-        (["--degree", "7"], "degree"),
-        (["--degree", "8", "--size", "1"], "size"),
-        (["--degree", "8", "--depth", "2"], "depth"),
-        (["--degree", "8", "--figure", "x.txt"], "figure"),
-        (["--degree", "8", "--csv", "no/such/folder.csv"], "csv"),
-        (["--degree", "8", "--rest", "mine"], "rest"),
-    ],
-)
-def test_bad_options_are_named(options, word):
-    result = CliRunner().invoke(app, ["paper", "cone", "phase", *options])
-    assert result.exit_code != 0 and word in str(result.exception or result.output)
-
-
 def test_diagram_counts_only_inside_when_asked():
     both, inside = (cone.phase_diagram(6, size=9, contact=c) for c in (True, False))
     assert (both.minima == both.map.interior + both.map.contact + both.map.cut).all()
