@@ -92,7 +92,7 @@ def test_what_is_for_vertices_alone_is_named():
         Targets(QUAD, state, equal="letters")
     with pytest.raises(OptionError, match="4 numbers, one a crease"):
         Targets(pattern, state, equal=(1, 2))
-    with pytest.raises(OptionError, match="contact = .none. must be"):
+    with pytest.raises(OptionError, match=r"contact = .none. must be"):
         Targets(pattern, state, contact="none")
     ask = o.springs.Ask(extra_states="forbid")
     with pytest.raises(OptionError, match=r"extra_states = 'forbid' is not for a pattern: "):
