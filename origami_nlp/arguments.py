@@ -25,6 +25,8 @@ _MAKERS = {
     "Sweep": "a Sweep: what read_sweep(file) returns",
     "Pattern": "a Pattern (read_pattern reads one from a FOLD file), the name of an example, or a FOLD file",
     "LoadPath": "a load path: what load_path returns",
+    "SearchOptions": "SearchOptions of origami_nlp.starts",
+    "ContinuationOptions": "ContinuationOptions of origami_nlp.path",
     "Executor": "an executor of concurrent.futures, or None",
     "Axes": "Axes of matplotlib",
     "Result": "a result of a find_ function",

@@ -20,7 +20,9 @@ if TYPE_CHECKING:
     from origami_nlp.kkt import Classification, State
     from origami_nlp.minima import MinimaResult, VertexwiseMinima
     from origami_nlp.pattern import Pattern, Scene
+    from origami_nlp.proof import ProofOptions
     from origami_nlp.sheets import SheetResult
+    from origami_nlp.starts import SearchOptions
 
 CONTACTS = {"full": True, "fold-limits": False}
 """What a pattern's contact may be: whether facets must not cross; folds end at pi always."""
@@ -45,11 +47,12 @@ def find_minima(
     *,
     seed: int = ...,
     effort: str = ...,
+    options: SearchOptions | None = ...,
     max_starts: int | None = ...,
     fewest_starts: int | None = ...,
     guesses: Sequence[np.ndarray] | None = ...,
     full: bool | None = ...,
-    prove: bool | float | None = ...,
+    prove: bool | float | ProofOptions | None = ...,
     seconds: float | None = ...,
     escape: bool = ...,
     noise: float | None = ...,
@@ -62,6 +65,7 @@ def find_minima(
     *,
     seed: int = ...,
     effort: str = ...,
+    options: SearchOptions | None = ...,
     max_starts: int | None = ...,
     starts: int | None = ...,
     contact: str | None = ...,
@@ -76,6 +80,7 @@ def find_minima(
     *,
     seed: int = 0,
     effort: str = "normal",
+    options: SearchOptions | None = None,
     max_starts: int | None = None,
     seconds: float | None = None,
     escape: bool = True,
@@ -94,6 +99,8 @@ def find_minima(
         Of the random starts; the same seed gives the same answer.
     effort
         ``"quick"``, ``"normal"`` or ``"thorough"``: how many starts find nothing new before the search stops.
+    options
+        All that steers the search, in place of the effort: `starts.SearchOptions`.
     max_starts
         Cap on starts; None: what the effort says.
     seconds
@@ -130,23 +137,24 @@ def find_minima(
     from origami_nlp.pattern import Scene, as_origami
 
     stated = origami if isinstance(origami, Mapping) else as_origami(origami)
-    options: dict[str, Any] = {
+    both: dict[str, Any] = {
+        "options": options,
         "effort": effort,
         "seconds": seconds,
         "escape": escape,
         "noise": noise,
     }
     given = {"max_starts": max_starts, **others}
-    options |= {"seed": seed, **{name: value for name, value in given.items() if value is not None}}
+    both |= {"seed": seed, **{name: value for name, value in given.items() if value is not None}}
     if isinstance(stated, Scene | Mapping):
         refuse("scene", _OF_A_PATTERN, **given)
         one = isinstance(stated, Scene)
         find: Any = minima.find_minima if one else minima.find_vertexwise
-        return find(stated, **options)  # type: ignore[no-any-return]
+        return find(stated, **both)  # type: ignore[no-any-return]
     refuse("pattern", _OF_A_SCENE, **given)
-    if "contact" in options:
-        options["contact"] = _facets_apart(options["contact"])
-    return sheets.find_states(stated, **options)
+    if "contact" in both:
+        both["contact"] = _facets_apart(both["contact"])
+    return sheets.find_states(stated, **both)
 
 
 def _facets_apart(contact: object) -> bool:

@@ -24,7 +24,7 @@ from origami_nlp.atlas.over import Over, parse_nearby, parse_over
 from origami_nlp.atlas.plane import Plane
 from origami_nlp.atlas.records import Interval
 from origami_nlp.errors import OUT_OF_TIME
-from origami_nlp.numerics import BESIDE, STATIONARY
+from origami_nlp.numerics import BESIDE, SAMPLED, STATIONARY
 from origami_nlp.path import Hold, Node, Tally, Web
 from origami_nlp.pattern import Scene
 from origami_nlp.programme import Contact, Model
@@ -381,7 +381,7 @@ def _lies_on(tracer: Tracer, curve: EventCurve, first: EventPoint, axis: int) ->
         there = np.array(p.fold_angles) * (1 - share) + np.array(q.fold_angles) * share
         s, t = (plane.overs[1 - axis].s_of(v.t[1 - axis]) for v in (p, q))
         near = abs(s * (1 - share) + t * share - first.point[1 - axis]) / plane.size[1 - axis]
-        if max(float(np.abs(there - angles).max()), near) <= 0.05:
+        if max(float(np.abs(there - angles).max()), near) <= SAMPLED:
             return True
     return False
 

@@ -17,7 +17,7 @@ import numpy as np
 
 from origami_nlp.atlas.plane import Plane
 from origami_nlp.errors import OUT_OF_TIME
-from origami_nlp.numerics import ROUNDED, STATIONARY
+from origami_nlp.numerics import ROUNDED, SAMPLED, STATIONARY
 from origami_nlp.path import (
     Equilibrium,
     EquilibriumCurve,
@@ -37,8 +37,6 @@ CUSP, REACHES = (5e-4, 1e-3, 2e-3), (0.02, 0.05, 0.1, 0.2)
 """Steps back in the plane [shares], and on in the states [rad], with which a fold is looked for beyond a cusp."""
 MOST_CUSPS = 4
 """Of a curve, one way."""
-NEAR = 0.05
-"""Fold angles [rad] by which states at one place of a closed curve differ at most."""
 MOST = 1000
 """Points of a curve, one way."""
 MEETS = "meets another event"
@@ -213,7 +211,7 @@ def _one_way(
         back = float(np.linalg.norm((here.point - first.point) / plane.size))
         # a curve with cusps may cross itself in the plane, in other states
         apart = float(np.abs(here.frame.state - first.frame.state).max())
-        if len(out) > 3 and back < 0.5 * length and apart <= NEAR:
+        if len(out) > 3 and back < 0.5 * length and apart <= SAMPLED:
             return out, "closed curve"
     return out, f"more than {MOST} points"
 

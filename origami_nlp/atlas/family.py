@@ -18,7 +18,7 @@ from origami_nlp.errors import OptionError
 from origami_nlp.folding import folded_frame, frames_to_fold
 from origami_nlp.minima import MinimaResult, find_minima_of_each
 from origami_nlp.numerics import RESOLVED
-from origami_nlp.path import STEPS, ParameterLine, Steps, line_between
+from origami_nlp.path import STEPS, ContinuationOptions, ParameterLine, line_between
 from origami_nlp.pattern import Scene, Vertex
 from origami_nlp.programme import Model, Parameters
 
@@ -109,7 +109,7 @@ class Family:
         return bool(self.line.start.load.any() or self.line.direction.load.any())
 
     @property
-    def steps(self) -> Steps:
+    def steps(self) -> ContinuationOptions:
         """Of the tracer."""
         return STEPS
 

@@ -25,8 +25,9 @@ from origami_nlp.errors import OUT_OF_TIME, OptionError
 from origami_nlp.kkt import State, classify
 from origami_nlp.minima import MinimaResult, check_prove, full_scene
 from origami_nlp.numerics import SETTLED
-from origami_nlp.path import Equilibrium, ParameterLine, Steps, Web
+from origami_nlp.path import STEPS, ContinuationOptions, Equilibrium, ParameterLine, Web
 from origami_nlp.pattern import Pattern, Scene, Vertex, as_origami
+from origami_nlp.proof import ProofOptions
 from origami_nlp.sheets import SheetResult
 from origami_nlp.space import find_space
 
@@ -50,11 +51,12 @@ def follow(
     through_folds: bool = True,
     full: bool | None = None,
     morse: bool | None = None,
-    prove: bool | float | None = None,
+    prove: bool | float | ProofOptions | None = None,
     effort: str = "normal",
     seed: int = 0,
     max_starts: int | None = None,
     starts: int | None = None,
+    options: ContinuationOptions | None = None,
     seconds: float | None = None,
 ) -> Atlas:
     """Follow the minima of a vertex or a pattern over a parameter.
@@ -86,6 +88,8 @@ def follow(
         for `find_minima`; where one freedom is left, searches are complete without it.
     effort, seed, max_starts, starts
         Of the searches, see `find_minima`; `starts` of patterns.
+    options
+        Of the continuation: lengths of steps, points and arcs at most.
     seconds
         Wall time; what was followed by then is judged and returned, `Atlas.interrupted` tells.  None: no limit.
 
@@ -118,8 +122,9 @@ def follow(
         "max_starts": max_starts,
         "starts": starts,
     }
-    options: dict[str, Any] = {k: v for k, v in given.items() if v is not None}
-    options |= {
+    asked: dict[str, Any] = {k: v for k, v in given.items() if v is not None}
+    asked |= {
+        "options": options,
         "checks": checks,
         "through_folds": through_folds,
         "effort": effort,
@@ -130,10 +135,10 @@ def follow(
     if not isinstance(what, Scene):
         refuse("pattern", _OF_A_SCENE, **given)
         named = origami if isinstance(origami, str) else what
-        return follow_family(pattern_family(named, stated), **options)
+        return follow_family(pattern_family(named, stated), **asked)
     refuse("scene", _OF_A_PATTERN, **given)
     first, *others = (
-        follow_family(family_of(one, stated), **options) for one in what.of_each_winding
+        follow_family(family_of(one, stated), **asked) for one in what.of_each_winding
     )
     if not others:
         return first
@@ -148,17 +153,17 @@ def follow_family(
     through_folds: bool = True,
     full: bool = True,
     morse: bool = False,
-    prove: bool | float = False,
+    prove: bool | float | ProofOptions = False,
     effort: str = "normal",
     seed: int = 0,
     max_starts: int | None = None,
     starts: int | None = None,
-    steps: Steps | None = None,
+    options: ContinuationOptions | None = None,
     until: float = math.inf,
 ) -> Atlas:
     """Follow the minima of a family of scenes or patterns; arguments as for `follow`.
 
-    steps: of the tracer.  until: when the time is over (`time.monotonic`).
+    options: of the continuation.  until: when the time is over (`time.monotonic`).
     """
     check_whole("checks", checks, 1, MOST_CHECKS)
     for name, flag in (
@@ -168,11 +173,12 @@ def follow_family(
     ):
         check_flag(name, flag)
     check_prove("prove", prove)
+    check_type("options", STEPS if options is None else options, ContinuationOptions)
     given = {"max_starts": max_starts, "starts": starts}
     search = {"effort": effort, "seed": seed, **{k: v for k, v in given.items() if v is not None}}
     if not isinstance(family, PatternFamily):
         search["prove"] = prove
-    survey = _Survey(family, through_folds, full, morse, search, steps, until)
+    survey = _Survey(family, through_folds, full, morse, search, options, until)
     survey.web.add_flat()
     ends = [family.over.low, family.over.high]
     middle = family.over.t_of(0.5 * (survey.web.low + survey.web.high))
@@ -195,7 +201,7 @@ class _Survey:
         full: bool,
         morse: bool,
         search: dict[str, object],
-        steps: Steps | None,
+        steps: ContinuationOptions | None,
         until: float,
     ) -> None:
         self._begin = time.perf_counter()

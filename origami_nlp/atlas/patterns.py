@@ -20,7 +20,7 @@ from origami_nlp.atlas.family import Family, stiffness_over_ratio
 from origami_nlp.atlas.over import Over
 from origami_nlp.errors import OptionError
 from origami_nlp.facets import Sheet
-from origami_nlp.path import STEPS, ParameterLine, Steps, line_between
+from origami_nlp.path import STEPS, ContinuationOptions, ParameterLine, line_between
 from origami_nlp.pattern import Pattern, as_pattern, examples, with_places
 from origami_nlp.programme import Contact
 from origami_nlp.sheets import SheetResult, find_states, sheet_frame, sheet_to_fold
@@ -152,7 +152,7 @@ class PatternFamily(Family):
         return line_between(posed[0], posed[-1], high - low, weight).from_here(-low)
 
     @property
-    def steps(self) -> Steps:
+    def steps(self) -> ContinuationOptions:
         """Of the tracer: lengths are root mean squares over creases."""
         first: Any = self.sampled(self.over.low)
         size = math.sqrt(max(first.creases / CREASES, 1.0))

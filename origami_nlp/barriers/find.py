@@ -34,6 +34,9 @@ from origami_nlp.pattern import Pattern, Scene, as_origami
 from origami_nlp.programme import Model
 from origami_nlp.sheets import SheetResult, find_states
 
+SPACINGS = (0.02, 0.5)
+"""Smallest and largest spacing of a mesh [rad]."""
+
 MOST_UNLISTED = 3
 """Basins of the graph that are followed downhill."""
 _OF_TWO = {
@@ -94,7 +97,7 @@ def find_barriers(
     if full is not None:
         check_flag("full", full)
     if spacing is not None:
-        check_number("spacing", spacing, 0.02, 0.5)
+        check_number("spacing", spacing, *SPACINGS)
     check_whole("seed", seed, 0)
     if not isinstance(scene, Scene):
         refuse("pattern", _OF_TWO, full=full, spacing=spacing)

@@ -29,14 +29,12 @@ from origami_nlp.barriers.thin import last_thin
 from origami_nlp.files import pick
 from origami_nlp.kkt import State, project, thin_at
 from origami_nlp.minima import full_scene
-from origami_nlp.numerics import CLOSES, OUTSIDE, null_space
+from origami_nlp.numerics import CLOSES, OUTSIDE, SAME_ENERGY, null_space
 from origami_nlp.pattern import Scene
 from origami_nlp.programme import Contact, Model
 
 EXIT_SPACING = math.pi / 12
 """Distance of the samples of a thin set [rad]."""
-MEET = 1e-9
-"""Bounds from above and below that differ by less, relative, are one: a path is sampled, its top an exact pass."""
 MOST_STATES = 1500
 """A thin set that has more samples than this is not sampled to its end, and bounds nothing."""
 
@@ -149,7 +147,7 @@ def full_pass(
             known_by = out.proof or f"{out.sampled} states of it sampled"
             bounds.append((out.lowest, f"lowest exit of the {what} ({known_by})"))
     lower, why = max(bounds, key=lambda b: b[0])
-    slack = MEET * max(abs(upper), model.scale)
+    slack = SAME_ENERGY * max(abs(upper), model.scale)
     if upper > lower + slack:
         why = "; ".join([why, *open_sets])
     index = None

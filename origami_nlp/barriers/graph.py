@@ -20,11 +20,13 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from origami_nlp.kkt import project
-from origami_nlp.numerics import CLOSES, SAME
+from origami_nlp.numerics import CLOSES, NONZERO, SAME
 from origami_nlp.programme import Model, Programme
 
 STRAY = 0.3
 """The state half-way along an edge lies within this share of its length of the straight middle."""
+STUCK = 0.05
+"""Share of the way out below which a state is not moved to the border."""
 BISECTIONS = 20
 ASIDE = 0.15
 """How far an edge may go aside to pass a bent boundary, as a share of its length."""
@@ -214,7 +216,7 @@ def _cut_back(model: Programme, inside: np.ndarray, outside: np.ndarray) -> np.n
         best[good] = y[good]
         # bisection for all at once; it ends at one boundary of the admissible set, not always the nearest
         low, high = np.where(good, middle, low), np.where(good, high, middle)
-    return best[low > 0.05]
+    return best[low > STUCK]
 
 
 def _join(model: Model, x: np.ndarray, spacing: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -264,13 +266,13 @@ def _across(model: Programme, a: np.ndarray, b: np.ndarray) -> np.ndarray:
         return np.zeros_like(a)
     along = b - a
     length = np.linalg.norm(along, axis=1, keepdims=True)
-    unit = along / np.maximum(length, 1e-300)
+    unit = along / np.maximum(length, NONZERO)
     t = _tangents(model, 0.5 * (a + b))
     flat = np.einsum("kni,kn->ki", t, unit)
     # the tangent direction most nearly square to the edge
     pick = t[np.arange(len(a)), :, np.abs(flat).argmin(axis=1)]
     pick = pick - np.sum(pick * unit, axis=1, keepdims=True) * unit
-    return length * pick / np.maximum(np.linalg.norm(pick, axis=1, keepdims=True), 1e-300)
+    return length * pick / np.maximum(np.linalg.norm(pick, axis=1, keepdims=True), NONZERO)
 
 
 def _reach(

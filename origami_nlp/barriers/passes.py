@@ -17,7 +17,7 @@ import numpy as np
 
 from origami_nlp.files import Brief, pick
 from origami_nlp.kkt import State, Stratum, follow, judge_branch, newton, project
-from origami_nlp.numerics import BALANCED, CLOSES, CURVED, ENDS, LEVEL, SAME
+from origami_nlp.numerics import BALANCED, CLOSES, CURVED, ENDS, LEVEL, NONZERO, SAME
 from origami_nlp.programme import Contact, Programme, fold_limit
 
 PassKind = Literal["saddle", "contact saddle", "corner", "flat state", "singular", "mesh", "none"]
@@ -163,7 +163,7 @@ def critical_at(state: State) -> Critical | None:
         return None
     index, direction = 0, None
     for b in judged:
-        scale = max(1e-300, float(np.abs(b.eigenvalues).max(initial=0.0)))
+        scale = max(NONZERO, float(np.abs(b.eigenvalues).max(initial=0.0)))
         below = int((b.eigenvalues < -CURVED * scale).sum())
         if below >= index:
             # where pieces meet the largest index counts: down on one of them is down

@@ -24,7 +24,7 @@ from origami_nlp.barriers.passes import (
 )
 from origami_nlp.barriers.thin import thin_curves
 from origami_nlp.kkt import State, thin_at
-from origami_nlp.numerics import LEVEL, SAME, Merge, MergeTree, merge_tree
+from origami_nlp.numerics import LEVEL, SAME, SAMPLED, Merge, MergeTree, merge_tree
 from origami_nlp.programme import Model
 from origami_nlp.starts import flat_foldings
 
@@ -69,7 +69,7 @@ class RefinedGraph:
                 gap = np.linalg.norm(curve.states - self.graph.states[v], axis=1)
                 if gap.min() <= SAME:
                     links.append((v, int(here[gap.argmin()])))
-                elif v < len(self.minima) and gap.min() <= 0.03:
+                elif v < len(self.minima) and gap.min() <= SAMPLED:
                     near = np.argsort(gap)[:2]
                     # a minimum between two samples of the curve is joined to both
                     links += [(v, int(here[k])) for k in near]
@@ -193,7 +193,7 @@ class RefinedGraph:
         """Tell whether vertex v is the one end at which a thin set with just one of minima i and j is left."""
         for curve in self.curves:
             on = [
-                bool(np.abs(curve.states - self.minima[k]).max(axis=1).min() <= 0.03)
+                bool(np.abs(curve.states - self.minima[k]).max(axis=1).min() <= SAMPLED)
                 for k in (i, j)
             ]
             ends = [

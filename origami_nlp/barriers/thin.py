@@ -13,16 +13,14 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from origami_nlp.kkt import State, project, thin_at
-from origami_nlp.numerics import CLOSES
+from origami_nlp.numerics import CLOSES, ROUNDED, SAMPLED, SETTLED
 from origami_nlp.path import follow_boundary
 from origami_nlp.programme import Contact, Model
 from origami_nlp.starts import states_on_limits
 
-ON_CURVE = 0.02
-"""A state this close [rad] to a curve with the same closed contacts lies on it."""
-SNAP = 2e-6
+SNAP = 2 * SETTLED
 """`thin_at` tells slopes from `INDEPENDENT` on, so that it finds an end to about this [rad]."""
-SHORTEST = 1e-13
+SHORTEST = 10 * ROUNDED
 """Ends of a thin curve are bisected to this length [rad]."""
 
 
@@ -59,7 +57,7 @@ def thin_curves(model: Model, seed: int = 0, known: tuple[np.ndarray, ...] = ())
 
 
 def _on(states: np.ndarray, x: np.ndarray) -> bool:
-    return float(np.abs(states - x).max(axis=1).min()) <= ON_CURVE
+    return float(np.abs(states - x).max(axis=1).min()) <= SAMPLED
 
 
 def _thin_part(at: State, held: tuple[Contact, ...], states: np.ndarray) -> list[ThinCurve]:

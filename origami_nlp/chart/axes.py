@@ -20,6 +20,7 @@ from origami_nlp.chart.chart import chart_of
 from origami_nlp.chart.energy_map import Branch, Landscape
 from origami_nlp.chart.grid import chart_limits
 from origami_nlp.chart.outline import Outline
+from origami_nlp.numerics import NONZERO
 from origami_nlp.show import HANDLE, INK, INKS, angle_ticks, energy_colours, patch
 
 UNIT = "J"
@@ -42,7 +43,7 @@ def norm_of(chart: Landscape, energies: Iterable[float] = ()) -> Normalize:
     low, high = (values.min(), values.max()) if values.size else (0.0, 1.0)
     low = min([low, *energies])
     if not high > low:
-        high = low + max(abs(low), 1e-300)
+        high = low + max(abs(low), NONZERO)
     return PowerNorm(0.5, vmin=float(low), vmax=float(high))
 
 

@@ -10,6 +10,7 @@ closes.  Only geometry enters: the lines are the same for every stiffness (`with
 from __future__ import annotations
 
 import itertools
+import math
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -20,7 +21,7 @@ from origami_nlp.chart.grid import allowed, chart_limits, crossings_of, distance
 from origami_nlp.errors import OptionError
 from origami_nlp.files import Brief
 from origami_nlp.kkt import State, Stratum, thin_at
-from origami_nlp.numerics import BESIDE, NEAR_CONTACT, SETTLED
+from origami_nlp.numerics import BESIDE, NEAR_CONTACT, SETTLED, TOUCHES
 from origami_nlp.path import BoundaryCurve, Point, boundary_of, correct, evaluate
 from origami_nlp.pattern import Scene
 from origami_nlp.programme import (
@@ -28,7 +29,7 @@ from origami_nlp.programme import (
     Model,
 )
 
-CORNER = 1e-4
+CORNER = math.sqrt(TOUCHES)
 """Accuracy [rad] of ends where the next contact closes tangentially: their distance, squared, is `TOUCHES`."""
 SHORT = 1e-3
 """Shorter lines [rad] are dropped."""

@@ -13,10 +13,10 @@ import numpy as np
 
 from origami_nlp.kkt import Stratum
 from origami_nlp.numerics import NEAR_CONTACT
-from origami_nlp.path import SINGULAR, End, Point, Steps, closing, correct, trace_held
+from origami_nlp.path import SINGULAR, ContinuationOptions, End, Point, closing, correct, trace_held
 from origami_nlp.programme import Programme
 
-STEPS = Steps(
+STEPS = ContinuationOptions(
     first=1e-2,
     longest=0.04,
     shortest=1e-10,

@@ -14,7 +14,7 @@ import math
 import numpy as np
 
 from origami_nlp.kkt import project
-from origami_nlp.numerics import CLOSES, OUTSIDE
+from origami_nlp.numerics import CLOSES, CROSSING, NONZERO, OUTSIDE
 from origami_nlp.pattern import Scene
 from origami_nlp.programme import Model, Programme
 from origami_nlp.starts import Projected
@@ -25,8 +25,6 @@ SHORTEST = 8
 """Pieces with fewer points are dropped."""
 LONGEST = 6000
 """Points after which a curve is given up as endless."""
-CROSSING = 1e-3
-"""Singular values of closure below this: near enough to a crossing that a step may meet another branch."""
 NEWTON = 12
 """Steps of the corrector; from the predicted point it needs two to four."""
 
@@ -113,7 +111,7 @@ def _walk(
 def _end_point(model: Programme, x: np.ndarray, y: np.ndarray) -> np.ndarray | None:
     """Where the curve from x to y meets |phi| = pi, or None if Newton does not say."""
     # share of the step at which each fold angle reaches the limit that it is moving to
-    room = (math.pi - np.sign(y) * x) / np.maximum(np.abs(y - x), 1e-300)
+    room = (math.pi - np.sign(y) * x) / np.maximum(np.abs(y - x), NONZERO)
     room[np.abs(y) <= math.pi] = math.inf
     k = int(np.argmin(room))
     z = x + room[k] * (y - x)

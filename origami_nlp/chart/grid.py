@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from origami_nlp.chart.chart import Chart, admissible
+from origami_nlp.numerics import NONZERO
 
 if TYPE_CHECKING:
     from shapely import MultiPolygon
@@ -85,7 +86,7 @@ def allowed(
 def distance_from(points: np.ndarray, line: np.ndarray) -> np.ndarray:
     """Distance of each point [k, d] from a polyline [m, d], shape [k]."""
     a, d = line[:-1], np.diff(line, axis=0)
-    size = np.maximum((d * d).sum(axis=1), 1e-300)
+    size = np.maximum((d * d).sum(axis=1), NONZERO)
     t = np.clip(((points[:, None] - a) * d).sum(axis=2) / size, 0.0, 1.0)
     away = points[:, None] - (a + t[..., None] * d)
     return np.asarray(np.sqrt((away * away).sum(axis=2)).min(axis=1))

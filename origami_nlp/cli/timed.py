@@ -17,6 +17,9 @@ import typer
 from origami_nlp.cli import options as o
 from origami_nlp.errors import OUT_OF_TIME
 
+SHORTEST = 1e-6
+"""Seconds of a timer that is over at once: 0 would stop it."""
+
 ENDED = 124
 """Exit code, that of `timeout`."""
 
@@ -100,7 +103,7 @@ def _limited(seconds: float | None) -> Iterator[None]:
     able = hasattr(signal, "setitimer") and threading.current_thread() is threading.main_thread()
     former = signal.signal(signal.SIGALRM, _over) if able else None
     try:
-        _arm(max(seconds, 1e-6))
+        _arm(max(seconds, SHORTEST))
         yield
     finally:
         _arm(0.0)

@@ -6,8 +6,7 @@ import itertools
 
 import numpy as np
 
-TOLERANCE = 1e-9
-"""Singular values and components below this, for unit generators, count as zero."""
+from origami_nlp.numerics import INDEPENDENT
 
 
 def distance_to_boundary(b: np.ndarray, c: np.ndarray) -> tuple[float, np.ndarray] | None:
@@ -27,9 +26,9 @@ def distance_to_boundary(b: np.ndarray, c: np.ndarray) -> tuple[float, np.ndarra
         a linear space and has no boundary: the contacts lock one another.
     """
     length = np.linalg.norm(b, axis=0)
-    g = b[:, length > TOLERANCE] / length[length > TOLERANCE]
+    g = b[:, length > INDEPENDENT] / length[length > INDEPENDENT]
     u, s, _ = np.linalg.svd(g, full_matrices=False)
-    rank = int((s > TOLERANCE).sum())
+    rank = int((s > INDEPENDENT).sum())
     if rank == 0:
         return None
     span = u[:, :rank]
@@ -39,11 +38,11 @@ def distance_to_boundary(b: np.ndarray, c: np.ndarray) -> tuple[float, np.ndarra
     for chosen in itertools.combinations(range(g.shape[1]), rank - 1):
         wall = g[:, list(chosen)]
         _, s, vt = np.linalg.svd(wall.T) if rank > 1 else (None, np.zeros(0), np.eye(1))
-        if (s > TOLERANCE).sum() < rank - 1:
+        if (s > INDEPENDENT).sum() < rank - 1:
             continue
         inward = vt[-1]
         for w in (inward, -inward):
             # w . p is the distance of p from that facet's plane, negative outside; the smallest over all facets counts
-            if (w @ g >= -TOLERANCE).all() and (best is None or w @ p < best[0]):
+            if (w @ g >= -INDEPENDENT).all() and (best is None or w @ p < best[0]):
                 best = (float(w @ p), span @ w)
     return best

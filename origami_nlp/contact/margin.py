@@ -39,12 +39,21 @@ from origami_nlp.kkt import (
     project,
 )
 from origami_nlp.minima import Record, solve_without_crossing
-from origami_nlp.numerics import NEAR_CONTACT, TOUCHES, null_space
+from origami_nlp.numerics import (
+    BALANCED,
+    CARRIES,
+    NEAR_CONTACT,
+    NONZERO,
+    ROUNDED,
+    SAME,
+    TOUCHES,
+    null_space,
+)
 from origami_nlp.programme import Programme
 
-CARRIES = 1e-10
-"""Multipliers (energy divided by the mean stiffness) up to this carry nothing."""
-BESIDE = 1e-3
+LEAST_DAMPING, SOFT = 1e-2, 1e-2
+"""Share of a step at which the search for a critical load gives up, and of the stiffness without load that is soft."""
+ASIDE = 1e-3
 """The re-solves of a check use the critical load times 1 -+ this."""
 MOST_REFINEMENTS = 60
 FARTHEST = 0.2
@@ -176,7 +185,7 @@ def load_margin(state: State, *, check: bool = True) -> LoadMargin:
     if choices == [()]:
         return _nothing(model, "none", "no contact is closed")
     judged = [judge_branch(state.on(rows)) for rows in choices]
-    if any(b.multipliers.residual > 1e-9 * (1 + np.abs(state.gradient).max()) for b in judged):
+    if any(b.multipliers.residual > BALANCED * (1 + np.abs(state.gradient).max()) for b in judged):
         return _nothing(model, "none", "no multipliers balance the springs on some piece")
     dependent = [b for b in judged if not (b.regular and b.multipliers.unique)]
     if dependent:
@@ -232,7 +241,7 @@ def _regular(piece: Stratum, check: bool) -> LoadMargin:
     model, rows = piece.state.programme, piece.contacts
     response, _ = piece.response()
     # mu_i + D_i . f = 0 is a plane of loads at the distance mu_i / |D_i|
-    margins = piece.forces / np.maximum(np.linalg.norm(response, axis=1), 1e-300)
+    margins = piece.forces / np.maximum(np.linalg.norm(response, axis=1), NONZERO)
     best: tuple[float, np.ndarray, _Event] | None = None
     for i in range(len(rows)):
         # planes are first order: along the refined direction the load is raised until the state really ends
@@ -247,8 +256,8 @@ def _regular(piece: Stratum, check: bool) -> LoadMargin:
     creases = tuple(_orbit(piece, v, response, cap) for v in range(model.size))
     below = above = None
     if check and ending == "opens":
-        below = _resolve(piece, event.state, i, (1 - BESIDE) * load, 1 - BESIDE)
-        above = _resolve(piece, event.state, i, (1 + BESIDE) * load, 1 + BESIDE)
+        below = _resolve(piece, event.state, i, (1 - ASIDE) * load, 1 - ASIDE)
+        above = _resolve(piece, event.state, i, (1 + ASIDE) * load, 1 + ASIDE)
     checked = (
         below is not None
         and above is not None
@@ -284,7 +293,7 @@ def _refine(piece: Stratum, i: int, response: np.ndarray) -> np.ndarray:
         solved, _ = newton(loaded, y, rows)
         if solved is None or not solved.converged:
             damping /= 2
-            if damping < 1e-2:
+            if damping < LEAST_DAMPING:
                 return start / np.linalg.norm(start)
             continue
         here = State(loaded, solved.x).on(rows)
@@ -293,7 +302,7 @@ def _refine(piece: Stratum, i: int, response: np.ndarray) -> np.ndarray:
         load, y = trial, solved.x
         # foot of the normal from 0 to the plane mu + D . (f - load) = 0: at the fixed point f is parallel to D
         wanted = d * (d @ load - mu) / (d @ d)
-        if step <= 1e-9 * np.linalg.norm(load) and damping == 1.0:
+        if step <= BALANCED * np.linalg.norm(load) and damping == 1.0:
             return load / np.linalg.norm(load)
         damping = min(1.0, 2 * damping) if step < 0.5 * np.linalg.norm(load) else damping
     return start / np.linalg.norm(start)
@@ -343,12 +352,12 @@ def _critical(piece: Stratum, direction: np.ndarray, cap: float) -> _Event:
         if found is not None and found[1] is not None:
             ending, row = found[1], found[2]
         step /= 2
-        if step <= 1e-8 * high:
+        if step <= SAME * high:
             break
     if ending == "lost":
         # Newton has no solution beyond a fold of the load path, where the stiffness vanishes
         left = State(under_load(model, low * direction), near).on(rows).stiffness
-        ending = "softens" if left <= 1e-2 * piece.stiffness else "lost"
+        ending = "softens" if left <= SOFT * piece.stiffness else "lost"
     return _Event(high, ending, row, near)
 
 
@@ -362,7 +371,7 @@ def _orbit(piece: Stratum, v: int, response: np.ndarray, cap: float) -> CreaseMa
         direction[v] = sign
         # dmu/dtau
         slope = response @ direction
-        falls = slope < -1e-14
+        falls = slope < -ROUNDED
         predicted = np.min(-piece.forces[falls] / slope[falls]) if falls.any() else math.inf
         event = _critical(piece, direction, cap / model.scale)
         tau = math.inf if event.ending == "cap" else event.load
@@ -425,10 +434,10 @@ def _dependent(piece: Stratum, check: bool) -> LoadMargin:
     def balanced(factor: float) -> Multipliers:
         return find_multipliers(gradients.T, z.T @ (pull - factor * load))
 
-    size = 1e-10 * (1 + float(np.abs(pull).max()))
+    size = CARRIES * (1 + float(np.abs(pull).max()))
     checked = False
     if check:
-        below, above = balanced(1 - BESIDE), balanced(1 + BESIDE)
+        below, above = balanced(1 - ASIDE), balanced(1 + ASIDE)
         checked = below.residual <= size < above.residual
     held = null_space(gradients).shape[1] == 0
     still = "the state is a corner and does not move" if held else "with the state held still"

@@ -7,10 +7,8 @@ import numpy as np
 from origami_nlp.critical.link import RADII, Link, link_of
 from origami_nlp.critical.result import Kind
 from origami_nlp.kkt import State
+from origami_nlp.numerics import RISES
 from origami_nlp.programme import Parameters
-
-SHARP = 1e-4
-"""Slopes along the ends of a link (relative to the largest) above this are decided at first order."""
 
 
 def links_of(state: State, doubts: list[str]) -> tuple[Link, ...]:
@@ -55,7 +53,7 @@ def _first_order(links: tuple[Link, ...], stiffness: np.ndarray, rest: np.ndarra
     """Tell whether slopes of U alone decide: firm at the ends of every arc, and with the same lower link."""
     for link in links:
         pull = stiffness * (link.center - rest)
-        firm = SHARP * float(np.linalg.norm(pull))
+        firm = RISES * float(np.linalg.norm(pull))
         for circle in link.circles:
             # where the slope decides, the sign of U - U(p) on the link is that of its part of first order in the radius
             slope = (circle.x - link.center) @ pull / link.radius

@@ -17,12 +17,12 @@ import numpy as np
 
 from origami_nlp.kkt import State, project
 from origami_nlp.numerics import CLOSES, RANK, SETTLED, TOUCHES, bracketed_roots
-from origami_nlp.path import End, Steps, trace
+from origami_nlp.path import ContinuationOptions, End, trace
 from origami_nlp.programme import Contact, Programme, held
 
 SEEDS = 96
 """Random states projected onto each contact."""
-STEPS = Steps(
+STEPS = ContinuationOptions(
     first=0.06, longest=0.06, shortest=1e-9, turn=0.14, sharpest=0.1414, growth=1.5, most=4000
 )
 """Along straight lines, so short that a step turns a curve by 8 degrees at most."""

@@ -35,12 +35,9 @@ from origami_nlp.critical.result import (
 from origami_nlp.critical.strata import FACE_SAMPLES, Strata, StratumVertex, strata_of
 from origami_nlp.kkt import State, Stratum
 from origami_nlp.minima import MinimaResult
-from origami_nlp.numerics import BALANCED, BESIDE, SETTLED, STATIONARY, distinct, rank
+from origami_nlp.numerics import BALANCED, BESIDE, FIRM, SETTLED, STATIONARY, distinct, rank
 from origami_nlp.pattern import Scene
 from origami_nlp.programme import Contact, Model, Programme
-
-FIRM = 1e-7
-"""Multipliers and curvatures (relative to the softest stiffness) below this decide nothing: the link does."""
 
 MOST_SAMPLES = 10_000_000
 """Random states that memory bears."""

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from origami_nlp.numerics import ROUNDED, STATIONARY
+from origami_nlp.numerics import NONZERO, ROUNDED, STATIONARY
 from origami_nlp.programme import Contact, Programme, held
 
 LONGEST_STEP = 0.3
@@ -61,10 +61,10 @@ def kkt_newton(model: Programme, start: np.ndarray, rows: tuple[Contact, ...] = 
         length = np.linalg.norm(step, axis=1)
         good = np.isfinite(length)
         step[~good] = 0.0
-        x[todo] += step * np.minimum(1.0, LONGEST_STEP / np.maximum(length, 1e-300))[:, None]
+        x[todo] += step * np.minimum(1.0, LONGEST_STEP / np.maximum(length, NONZERO))[:, None]
         for row in rows:
             row.hold(x)
-        settled = good & (length <= model.step_noise) & (residual[todo] <= STATIONARY)
+        settled = good & (length <= model.parameters.step_noise) & (residual[todo] <= STATIONARY)
         reached[todo[settled]] = True
         inside = (np.abs(x[todo]) <= model.bound + 1.0).all(axis=1)
         todo = todo[good & ~settled & inside]

@@ -1,7 +1,6 @@
 from .borders import Choice as Choice, choices as choices
 from .closure import Closure as Closure
 from .crossings import (
-    DEEP as DEEP,
     Crossings as Crossings,
     convex_parts as convex_parts,
     cross_each_other as cross_each_other,

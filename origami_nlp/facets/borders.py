@@ -14,6 +14,7 @@ each other are told by the sides that come next, and facets that lie on each oth
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from typing import TypeAlias
 
@@ -21,11 +22,9 @@ import numpy as np
 
 from origami_nlp.facets.features import Features
 from origami_nlp.facets.touches import Placed, Touch
-from origami_nlp.numerics import CLOSES, INSIDE, cross
+from origami_nlp.numerics import CLOSES, DEEP, INSIDE, NONZERO, cross
 
-SEEN = 1e-9
-"""Over the sheet's size: how far from a border, outside, a side is looked at."""
-STEEP = 1e-3
+STEEP = math.sqrt(INSIDE)
 """Slope of a side over the plane of a facet above which it leads away from it."""
 Choice: TypeAlias = tuple[Touch, ...]
 """Gaps of which one at least is not negative where facets do not cross."""
@@ -58,7 +57,7 @@ def choices(features: Features, at: Placed, reach: float = 0.0) -> list[Choice]:
     """
     crossings = features.crossings
     x = crossings.carried(at.turn, at.shift)
-    pairs = crossings.candidates(x, margin=0.5 * max(SEEN, reach) * crossings.size)
+    pairs = crossings.candidates(x, margin=0.5 * max(DEEP, reach) * crossings.size)
     found: dict[object, Choice] = {}
     for a, b in (pairs.T, pairs[:, ::-1].T):
         for choice in _sides_on_faces(features, x, a, b, reach):
@@ -74,14 +73,14 @@ def _sides_on_faces(
     if not len(a):
         return
     rings, crossings = features.rings_of_pieces, features.crossings
-    near, inside = max(SEEN, reach) * crossings.size, max(INSIDE, reach)
+    near, inside = max(DEEP, reach) * crossings.size, max(INSIDE, reach)
     k = np.arange(len(a))[:, None]
     of, on = x[a], x[b]
     next_on = on[k, rings.after[b]]
     normal = cross(on - on[:, :1], next_on - on[:, :1]).sum(axis=1)
     normal /= np.linalg.norm(normal, axis=1, keepdims=True)
     inward = cross(normal[:, None], next_on - on)
-    inward /= np.maximum(np.linalg.norm(inward, axis=2, keepdims=True), 1e-300)
+    inward /= np.maximum(np.linalg.norm(inward, axis=2, keepdims=True), NONZERO)
     after = rings.after[a]
     start, end = of, of[k, after]
     low, high = (np.einsum("kqi,ki->kq", y - on[:, :1], normal) for y in (start, end))

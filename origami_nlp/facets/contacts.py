@@ -25,7 +25,7 @@ from origami_nlp.facets.faces import Faces, Lying
 from origami_nlp.facets.local import PatternLocal
 from origami_nlp.facets.meeting import needed_rows, touch_words, touches_at
 from origami_nlp.facets.touches import Placed, Touch
-from origami_nlp.numerics import CLOSES, INSIDE, OUTSIDE, TOUCHES, Matrix, dense
+from origami_nlp.numerics import ANSWERED, CLOSES, INSIDE, LOADED, OUTSIDE, TOUCHES, Matrix, dense
 from origami_nlp.pattern import Pattern
 from origami_nlp.programme import ClosedContacts, Contact, ContactWords, Local, fold_limit
 
@@ -197,10 +197,10 @@ class PatternContacts(PatternEquations):
     def guess(self, x: np.ndarray, pull: np.ndarray, pair_force: object) -> tuple[Contact, ...]:
         """Guess which contacts an answer of a solver closes: slack smaller than force, or both tiny."""
         slack = math.pi - np.abs(x)
-        shut = np.flatnonzero((slack <= 1e-6) | ((slack <= 1e-2) & (np.abs(pull) > slack)))
+        shut = np.flatnonzero((slack <= ANSWERED) | ((slack <= LOADED) & (np.abs(pull) > slack)))
         found = [fold_limit(int(v), x[v]) for v in shut]
         if self.touching:
-            facing = self.features.facing(self.placed(x), 1e-6, INSIDE)
+            facing = self.features.facing(self.placed(x), ANSWERED, INSIDE)
             found += [self.contact_of(t) for t, _ in facing]
         return tuple(found)
 

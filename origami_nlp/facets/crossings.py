@@ -7,11 +7,8 @@ from functools import cached_property
 import numpy as np
 
 from origami_nlp.facets.poses import Poses
-from origami_nlp.numerics import cross
+from origami_nlp.numerics import DEEP, NONZERO, OUTSIDE, cross
 from origami_nlp.pattern import Pattern
-
-DEEP = 1e-9
-"""Facets that reach less than this share of the sheet's size into each other touch."""
 
 
 class Crossings:
@@ -148,7 +145,7 @@ def cross_each_other(a: np.ndarray, b: np.ndarray, deep: float) -> np.ndarray:
     """
     normal_a, normal_b = _normals(a), _normals(b)
     line = cross(normal_a, normal_b)
-    line /= np.maximum(np.linalg.norm(line, axis=1, keepdims=True), 1e-300)
+    line /= np.maximum(np.linalg.norm(line, axis=1, keepdims=True), NONZERO)
     origin = b[:, :1]
     through_a, low_a, high_a = _chord(a, normal_b, origin, line, deep)
     through_b, low_b, high_b = _chord(b, normal_a, a[:, :1], line, deep)
@@ -200,7 +197,7 @@ def convex_parts(
         return float(p[0] * q[1] - p[1] * q[0])
 
     ring = list(range(len(polygon)))
-    tiny = 1e-12 * float(np.ptp(flat, axis=0).max()) ** 2
+    tiny = OUTSIDE * float(np.ptp(flat, axis=0).max()) ** 2
     if all(turn(ring[i - 2], ring[i - 1], ring[i]) >= -tiny for i in range(len(ring))):
         return [(tuple(polygon), (False,) * len(polygon))]
     sides = {(i, (i + 1) % len(polygon)) for i in range(len(polygon))}

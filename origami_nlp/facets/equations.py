@@ -25,13 +25,22 @@ from origami_nlp.errors import OutOfTime
 from origami_nlp.facets.closure import Closure
 from origami_nlp.facets.crossings import Crossings
 from origami_nlp.facets.features import Features
-from origami_nlp.numerics import RANK, ROUNDED, SAME, SYMMETRIC, Matrix, Normal, dense, null_space
+from origami_nlp.numerics import (
+    CURVED,
+    NONZERO,
+    RANK,
+    ROUNDED,
+    SAME,
+    SYMMETRIC,
+    Matrix,
+    Normal,
+    dense,
+    null_space,
+)
 from origami_nlp.pattern import Pattern
 
 MOST_DENSE = 400
 """Creases up to which kernels are formed by a singular value decomposition; sparse factors beyond."""
-SQUARED = 1e-12
-"""Eigenvalues of J'J below this are zero: rounding leaves some 1e-15, and of `RANK` nothing could be told."""
 FALLS = 0.05
 """A residual that falls by less a step asks for new factors: they cost as much as three to ten steps with old ones."""
 LONGEST = 0.5
@@ -154,7 +163,7 @@ class PatternEquations:
                 near = Normal(self.closure.jacobian(phi, at)[:, free])
             before = size
             d = near.step(-c)
-            phi[free] += d * min(1.0, LONGEST / max(float(np.abs(d).max(initial=0.0)), 1e-300))
+            phi[free] += d * min(1.0, LONGEST / max(float(np.abs(d).max(initial=0.0)), NONZERO))
         return phi, self.residual(phi)
 
     def multipliers(
@@ -264,7 +273,7 @@ class PatternEquations:
         # eigenvalues (Sylvester).  Lanczos' method would miss copies of zeros where there are many.
         # eigenvalues of J'J are squares of singular values
         square = j @ j.T if j.shape[0] < j.shape[1] else j.T @ j
-        shift = max(SQUARED, below**2)
+        shift = max(CURVED, below**2)
         lu = splu(sparse.csc_array(square - shift * sparse.eye_array(square.shape[0])), **SYMMETRIC)
         if np.array_equal(lu.perm_r, lu.perm_c):
             return int((lu.U.diagonal() > 0).sum())

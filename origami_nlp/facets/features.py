@@ -16,12 +16,7 @@ import numpy as np
 
 from origami_nlp.facets.crossings import Crossings
 from origami_nlp.facets.touches import Placed, Touch
-from origami_nlp.numerics import INSIDE, cross
-
-CLOSE = 1e-6
-"""Over the sheet's size: the side on which features are is told by gaps beyond, by the rest of the facets below."""
-APART = 1e-12
-"""Over the sheet's size: gaps that tell a side where the rest of the facets does not."""
+from origami_nlp.numerics import INSIDE, NONZERO, OUTSIDE, cross
 
 
 @dataclass(frozen=True)
@@ -162,7 +157,7 @@ class Features:
         height = np.einsum("kqi,ki->kq", of - on[:, :1], normal)
         side = after - on
         inward = cross(normal[:, None], side)
-        inward /= np.maximum(np.linalg.norm(inward, axis=2, keepdims=True), 1e-300)
+        inward /= np.maximum(np.linalg.norm(inward, axis=2, keepdims=True), NONZERO)
         depth = np.einsum("kqpi,kpi->kqp", of[:, :, None] - on[:, None], inward)
         bound = rings.valid[b]
         good = rings.valid[a]
@@ -288,5 +283,5 @@ class Features:
 def _side(gap: np.ndarray, lean: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return signs that make gaps positive where facets are apart, and whether they are told; all over the size."""
     # a gap near 0 has the sign of rounding: the rest of the facet, which leans to one side, tells
-    body = (np.abs(gap) < CLOSE) & (np.abs(lean) > 10 * CLOSE)
-    return np.sign(np.where(body, lean, gap)), body | (np.abs(gap) > APART)
+    body = (np.abs(gap) < INSIDE) & (np.abs(lean) > 10 * INSIDE)
+    return np.sign(np.where(body, lean, gap)), body | (np.abs(gap) > OUTSIDE)

@@ -13,11 +13,9 @@ from itertools import product
 
 import numpy as np
 
-from origami_nlp.numerics import SAME, cross
+from origami_nlp.numerics import PLACES, SAME, cross
 from origami_nlp.pattern import Loop, Pattern
 
-GRID = 1e-6
-"""Places that are this close, in sizes of the sheet, are one; springs, relative to the mean, likewise."""
 OFFSET = 0.37614159
 """Of the grid, so that places that are simple fractions lie in the middle of its cells."""
 MOST_VIEWS = 4_000
@@ -105,17 +103,17 @@ def find_labels(pattern: Pattern) -> Labels:
         return Labels(np.zeros(0, int), 1.0, False, ())
     ends = pattern.corners[pattern.ends]  # [n, 2, 3]
     out = np.linalg.norm(pattern.corners - pattern.corners.mean(axis=0), axis=1)
-    size = float(out.max()) * GRID
+    size = float(out.max()) * PLACES
     e1, normals = pattern.directions, _normals(pattern)
     # of both facets, so that it does not matter which way the crease runs
     normal = normals[pattern.left] + normals[pattern.right]
     long = np.linalg.norm(normal, axis=1, keepdims=True)
-    normal = np.where(long > GRID, normal / np.maximum(long, GRID), normals[pattern.left])
+    normal = np.where(long > PLACES, normal / np.maximum(long, PLACES), normals[pattern.left])
     axes = np.stack([e1, cross(normal, e1), normal], axis=1)  # [n, 3, 3]
     middle = ends.mean(axis=1)
     k, rest = pattern.stiffness / pattern.stiffness.mean(), pattern.rest
-    springs = np.column_stack([k, rest]) / GRID
-    reference = pattern.reference[:, None] / GRID
+    springs = np.column_stack([k, rest]) / PLACES
+    reference = pattern.reference[:, None] / PLACES
     views = []
     for c in _rarest(middle, pattern, size):
         # a middle and both ends, whichever comes first: the sum of squares does not ask

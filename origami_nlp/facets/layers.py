@@ -13,13 +13,11 @@ from origami_nlp.errors import FoldFileError, OrigamiError
 from origami_nlp.facets.equations import PatternEquations
 from origami_nlp.facets.stacks import Stack, Unclear
 from origami_nlp.folding import MOST_NODES, Orders, Rules, examine
-from origami_nlp.numerics import ANSWERED, CLOSES
+from origami_nlp.numerics import ANSWERED, CLOSES, NOISE
 from origami_nlp.pattern import Loop, Pattern, Vertex
 
 MOST_PAIRS = 2_000
 """Overlapping pairs of pieces that are ordered."""
-STATED = 1e-4
-"""A state is the one that a file describes: noise in its coordinates [rad]."""
 
 
 @dataclass(frozen=True)
@@ -132,7 +130,7 @@ def check_orders(sheet: PatternEquations) -> Layers | None:
 
 def _is_stated(pattern: Pattern, phi: np.ndarray) -> bool:
     at = pattern.stated
-    return at is not None and bool(np.abs(at - phi).max(initial=0.0) <= STATED)
+    return at is not None and bool(np.abs(at - phi).max(initial=0.0) <= NOISE)
 
 
 def pose_layers(sheet: PatternEquations, phi: np.ndarray, stack: Stack) -> Orders | Layers:

@@ -11,10 +11,7 @@ from origami_nlp.facets.equations import PatternEquations
 from origami_nlp.facets.faces import Lying
 from origami_nlp.facets.features import Features
 from origami_nlp.facets.touches import Placed, Touch
-from origami_nlp.numerics import CLOSES, INDEPENDENT, INSIDE, nonnegative_least_squares
-
-SEEN = 1e-9
-"""Gaps, over the sheet's size, within which features are looked at."""
+from origami_nlp.numerics import CLOSES, DEEP, INDEPENDENT, INSIDE, nonnegative_least_squares
 
 
 def touches_at(problem: PatternEquations, x: np.ndarray, shut: np.ndarray) -> list[Touch]:
@@ -35,7 +32,7 @@ def touches_at(problem: PatternEquations, x: np.ndarray, shut: np.ndarray) -> li
         Each contact once.
     """
     place, touches = Placed(problem.crossings.poses, x), []
-    for touch, gap in problem.features.facing(place, SEEN, INSIDE):
+    for touch, gap in problem.features.facing(place, DEEP, INSIDE):
         if gap <= CLOSES and not any(
             _opened_by(problem, t.row(place), x, shut) for t in _seen_otherwise(problem, touch)
         ):

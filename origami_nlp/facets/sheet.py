@@ -86,11 +86,6 @@ class Sheet(PatternContacts):
         return max(self.size - self.closure.count, 0)
 
     @property
-    def step_noise(self) -> float:
-        """Length of a Newton step [rad] that is only rounding."""
-        return max(1e-10, 1e-15 / self.parameters.softness)
-
-    @property
     def own_symmetries(self) -> tuple[tuple[np.ndarray, int], ...]:
         """The identity: images of states are looked for by the search."""
         return ((np.arange(self.size), 1),)

@@ -27,13 +27,11 @@ import numpy as np
 
 from origami_nlp.facets.crossings import Crossings, boxes_that_meet
 from origami_nlp.folding import TRANSITIVE, Rule, not_interleaved
-from origami_nlp.numerics import ANSWERED, BESIDE, cross, groups
+from origami_nlp.numerics import ANSWERED, BESIDE, INSIDE, cross, groups
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-THIN = 1e-6
-"""Overlaps narrower than this share of the sheet's size are none; so far apart features lie on each other."""
 
 GRID = 1e-3
 """Of coordinates where bodies are intersected, over the distance from which features lie on each other."""
@@ -90,7 +88,7 @@ class Stack:
         self, crossings: Crossings, phi: np.ndarray, check: Callable[[], None] = lambda: None
     ) -> None:
         self.crossings, self.phi, self._check = crossings, phi, check
-        self.near = THIN * crossings.size
+        self.near = INSIDE * crossings.size
         self.x = crossings.placed(phi)
         normal = cross(self.x - self.x[:, :1], np.roll(self.x, -1, axis=1) - self.x[:, :1])
         self.normal = normal.sum(axis=1)

@@ -20,10 +20,7 @@ from typing import Literal
 import numpy as np
 
 from origami_nlp.facets.poses import Poses
-from origami_nlp.numerics import cross
-
-PARALLEL = 1e-6
-"""Sine of the angle of two sides at which they have no common normal to speak of: slopes of gaps go as 1 / sine."""
+from origami_nlp.numerics import INSIDE, cross
 
 
 class Parallel(ArithmeticError):
@@ -187,7 +184,7 @@ class Touch:
 def _across(u: np.ndarray, v: np.ndarray) -> np.ndarray:
     """Return the common normal u x v of two sides."""
     w = cross(u, v)
-    if not np.linalg.norm(w) > PARALLEL * np.linalg.norm(u) * np.linalg.norm(v):
+    if not np.linalg.norm(w) > INSIDE * np.linalg.norm(u) * np.linalg.norm(v):
         raise Parallel("two sides that face each other run along each other")
     out: np.ndarray = w
     return out

@@ -20,7 +20,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from origami_nlp.numerics import TOUCHES, cross, first_largest
+from origami_nlp.numerics import NONZERO, TOUCHES, cross, first_largest
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,7 +97,7 @@ def facet_heights(rays: np.ndarray, facets: np.ndarray | None = None) -> np.ndar
     """Return the sines of rays [..., R, 3] off the planes of facets (all, or [F] of them), [..., F, R]."""
     first = np.arange(rays.shape[-2]) if facets is None else facets
     normals = cross(rays[..., first, :], rays[..., (first + 1) % rays.shape[-2], :])
-    normals /= np.maximum(np.linalg.norm(normals, axis=-1, keepdims=True), 1e-300)
+    normals /= np.maximum(np.linalg.norm(normals, axis=-1, keepdims=True), NONZERO)
     return np.asarray(normals @ rays.swapaxes(-1, -2))
 
 
@@ -260,7 +260,7 @@ def row_values(rays: np.ndarray, k: np.ndarray, j: np.ndarray) -> np.ndarray:
     """
     at = np.arange(len(rays))[:, None]
     normal = cross(rays[at, j], rays[at, (j + 1) % rays.shape[1]])
-    normal /= np.maximum(np.linalg.norm(normal, axis=-1, keepdims=True), 1e-300)
+    normal /= np.maximum(np.linalg.norm(normal, axis=-1, keepdims=True), NONZERO)
     return (normal * rays[at, k]).sum(axis=-1)
 
 

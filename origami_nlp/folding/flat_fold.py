@@ -14,11 +14,10 @@ from functools import lru_cache
 import numpy as np
 
 from origami_nlp.folding.embedding import examine
+from origami_nlp.numerics import NOISE
 from origami_nlp.pattern import FoldVertex, make_vertex
 
-FLAT = 1e-4
-"""Gaps [rad] that noise in coordinates may leave in a flat folding."""
-GRAIN = FLAT / 1000
+GRAIN = NOISE / 1000
 """Sector angles [rad] are rounded to this before layers are ordered: vertices equal but for noise are one."""
 
 
@@ -47,10 +46,10 @@ def folds_flat(v: FoldVertex) -> bool | None:
     """
     if v.reason or v.maekawa is None:
         return None
-    if v.maekawa or v.kawasaki is None or v.kawasaki > 100 * FLAT:
+    if v.maekawa or v.kawasaki is None or v.kawasaki > 100 * NOISE:
         return False
     total = math.fsum(v.sector_angles)
-    if v.kawasaki < FLAT / 2 and abs(total - 2 * math.pi) < FLAT / 2:
+    if v.kawasaki < NOISE / 2 and abs(total - 2 * math.pi) < NOISE / 2:
         answer = crimped(v.sector_angles, v.assignment)
         if answer is not None:
             return answer
@@ -66,7 +65,7 @@ def crimped(sectors: tuple[float, ...], letters: str) -> bool | None:
     while len(a) > 2:
         i = a.index(min(a)) - 1
         a, s = a[i:] + a[:i], s[i:] + s[:i]  # the smallest is the second
-        if a[1] > min(a[0], a[2]) - FLAT:
+        if a[1] > min(a[0], a[2]) - NOISE:
             return None
         # Big-Little-Big: with one letter both neighbours lie on the same side of the small sector, and collide
         if s[1] == s[2]:
@@ -79,4 +78,4 @@ def crimped(sectors: tuple[float, ...], letters: str) -> bool | None:
 @lru_cache(maxsize=100_000)
 def _ordered(sectors: tuple[float, ...], letters: str) -> bool:
     phi = np.array([math.pi if letter == "V" else -math.pi for letter in letters])
-    return examine(make_vertex(sectors), phi, tolerance=FLAT).admissible
+    return examine(make_vertex(sectors), phi, tolerance=NOISE).admissible

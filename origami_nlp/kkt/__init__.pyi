@@ -31,7 +31,7 @@ from .forces import OMIT as OMIT, ContactForce as ContactForce, contact_forces a
 from .large import smallest_curvature as smallest_curvature
 from .moment import PassingMoment as PassingMoment, passing_moment as passing_moment
 from .multipliers import Multipliers as Multipliers, find_multipliers as find_multipliers
-from .neighbours import search_spheres as search_spheres
+from .neighbours import GOES as GOES, search_spheres as search_spheres
 from .polishing import (
     Polished as Polished,
     Solve as Solve,

@@ -24,7 +24,14 @@ from origami_nlp.kkt.level import curves_up
 from origami_nlp.kkt.multipliers import Multipliers
 from origami_nlp.kkt.second_order import has_no_level_direction
 from origami_nlp.kkt.state import State, Stratum
-from origami_nlp.numerics import CURVED, INDEPENDENT, STATIONARY, nearest_in_cone, null_space
+from origami_nlp.numerics import (
+    CURVED,
+    INDEPENDENT,
+    NONZERO,
+    STATIONARY,
+    nearest_in_cone,
+    null_space,
+)
 from origami_nlp.programme import Contact
 
 BY_CURVES = "flat: the energy is level along every curve of states that leaves, and curves up"
@@ -155,7 +162,7 @@ def _judge(piece: Stratum, stationary: float) -> BranchJudgement:
             best = (values[k, 0], values[k], s @ vectors[k])
     assert best is not None
     lowest, values, vectors = best
-    scale = max(1e-300, np.abs(values).max())
+    scale = max(NONZERO, np.abs(values).max())
     if lowest > CURVED * scale:
         if regular and multipliers.unique:
             why = "regular contact: " if rows else "regular interior: "

@@ -23,10 +23,13 @@ from origami_nlp.kkt.state import State, Stratum
 from origami_nlp.numerics import (
     BESIDE,
     CLOSES,
+    DECREASE,
+    EPS,
     INDEPENDENT,
     LEVEL,
     NEAR_CONTACT,
     ROUNDED,
+    SLIDES,
     nearest,
     null_space,
 )
@@ -36,17 +39,15 @@ LONGEST = 0.1
 """Longest step [rad]."""
 RESCUE = (3e-2, 1e-2, 1e-3)
 """Radii [rad] of the search for a lower neighbour: where contacts crowd, the first long step is the easiest."""
-NEAR = 3e-5
-"""Contacts open by less [rad] are slid along."""
 MOST_GUESSES = 8
 """Sets of closed contacts that are tried when the end of a path is polished."""
+TRIED = (1e-3, 3e-3, 1e-4)
+"""Steps [rad] that are tried along the softest mode."""
 SHORTEST = 1e-6
 """A path that cannot take a step this long [rad] has arrived, or is stuck."""
 
 
 STOPPED = Classification("undecided", None, "the descent was stopped on its way", 0)
-DECREASE = 1e-4
-"""Share of the decrease to first order that a step must bring (Armijo's rule)."""
 RISE = 1e-7
 """Relative rise of the energy that is allowed to the end of a path when it is polished."""
 
@@ -95,7 +96,7 @@ def follow(
             path = np.array(states)
             return Followed(path, model.energies(path), x, STOPPED)
         # wider than the shortest step, so that a path that cannot come closer slides along the contact
-        moved = _step(State(model, x, NEAR), length)
+        moved = _step(State(model, x, SLIDES), length)
         if moved is not None:
             x, taken = moved
             states.append(x)
@@ -121,7 +122,7 @@ def follow(
 
 def _strictly_decreasing(model: Programme, states: list[np.ndarray], end: np.ndarray) -> np.ndarray:
     """Keep the states whose energy falls by more than rounding, and the end in place of what is level with it."""
-    noise = 4e-16 * max(model.energy(states[0]), model.scale)  # two roundings
+    noise = 2 * EPS * max(model.energy(states[0]), model.scale)  # two roundings
     kept = [states[0]]
     for y in states[1:]:
         if model.energy_change(kept[-1], y) < -noise:
@@ -139,7 +140,7 @@ def _lower_neighbour(at: State, direction: np.ndarray | None) -> np.ndarray | No
     """Return an admissible state near by with lower energy: along `direction` if that works, else by search."""
     model, x = at.programme, at.x
     noise = LEVEL * max(at.energy, model.scale)
-    for step, sign in itertools.product((1e-3, 3e-3, 1e-4), (1.0, -1.0)):
+    for step, sign in itertools.product(TRIED, (1.0, -1.0)):
         y = None if direction is None else _closed(model, x + sign * step * direction)
         if y is not None and model.energy_change(x, y) < -noise and not model.refuses(y):
             return y

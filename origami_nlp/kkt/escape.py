@@ -16,7 +16,7 @@ from typing import Final, Literal, NamedTuple, Protocol
 import numpy as np
 
 from origami_nlp.files import Brief
-from origami_nlp.numerics import BESIDE, LEVEL, SHALLOW, coarse
+from origami_nlp.numerics import BESIDE, LEVEL, SETTLED, SHALLOW, coarse
 
 Method = Literal[
     "exact (traced)", "merge tree", "upper bound (descents)", "not determined", "isolated"
@@ -85,7 +85,7 @@ def rounded_up(value: float) -> str:
     """Return a positive number with two digits, not below it: an upper bound stays one."""
     unit = 10.0 ** (math.floor(math.log10(value)) - 1) if value > 0 else 1.0
     # what rounding, and the accuracy of a bisection, may change does not show
-    return f"{math.ceil(value / unit * (1 - 1e-6)) * unit:.2g}"
+    return f"{math.ceil(value / unit * (1 - SETTLED)) * unit:.2g}"
 
 
 def energy_scale(stiffness: np.ndarray) -> float:

@@ -12,7 +12,7 @@ from origami_nlp.files import Brief, Unbounded
 from origami_nlp.kkt.certificates import BranchJudgement
 from origami_nlp.kkt.multipliers import Multipliers
 from origami_nlp.kkt.state import State
-from origami_nlp.numerics import BALANCED
+from origami_nlp.numerics import BALANCED, NONZERO, TYPED
 from origami_nlp.programme import Contact
 
 OMIT = {"omit": True}
@@ -72,7 +72,7 @@ class ContactForce(Brief):
     def unique(self) -> bool:
         """Whether the moment is one number, and not any of a range."""
         low, high = self.multiplier_range
-        return math.isclose(low, high, rel_tol=1e-9, abs_tol=1e-300)
+        return math.isclose(low, high, rel_tol=TYPED, abs_tol=NONZERO)
 
     @property
     def force(self) -> float:

@@ -17,6 +17,7 @@ from origami_nlp.numerics import (
     INDEPENDENT,
     ROUNDED,
     STATIONARY,
+    UNBALANCED,
     extremes,
     nearest,
     nonnegative_least_squares,
@@ -96,10 +97,6 @@ class Multipliers:
             return self._corners
         # mu enters the Hessian of the Lagrangian linearly, so that corners show more than the inside; rays are left out
         return np.vstack([self.smallest, self._corners])
-
-
-UNBALANCED = 1e-3
-"""A residual above this (relative) is no rounding of any solver: nothing balances, and no range is looked for."""
 
 
 def find_multipliers(b: np.ndarray, c: np.ndarray, tolerance: float = STATIONARY) -> Multipliers:

@@ -22,6 +22,8 @@ MOST_STRATA = 120
 """Sets of contacts that are held closed in turn."""
 
 
+GOES = 0.05, 3.0
+"""A step drawn back onto closure ends between these distances, over its length: else it led elsewhere."""
 STEPS = (1e-3, 1e-4, 1e-5, 1e-6)
 """Lengths [rad] at which a direction is tried: other contacts may close soon after the state."""
 
@@ -163,6 +165,6 @@ def _sphere(
         model, x + radius[:, None] * d / np.linalg.norm(d, axis=1, keepdims=True), contacts
     )
     distance = np.linalg.norm(y - x, axis=1)
-    good = (residual <= FOLLOWED) & (distance > 0.05 * radius) & (distance < 3 * radius)
+    good = (residual <= FOLLOWED) & (distance > GOES[0] * radius) & (distance < GOES[1] * radius)
     good[good] = model.admissible(y[good])
     return y[good]

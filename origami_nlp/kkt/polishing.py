@@ -22,6 +22,7 @@ from origami_nlp.numerics import (
     DEPENDENT,
     EPS,
     FOLLOWED,
+    NONZERO,
     RANK,
     ROUNDED,
     STATIONARY,
@@ -144,7 +145,7 @@ def _at_singular_folding(model: Programme, state: Polished) -> Polished:
 
 def _leads_on(model: Programme, y: np.ndarray, direction: np.ndarray) -> bool:
     """Tell whether closed states go on from y in `direction`, seen 1e-3 rad away, where d^2 is no rounding."""
-    far = 1e-3
+    far = BESIDE
     guess = y + far * direction / np.linalg.norm(direction)
     x, residual = project(model, guess, steps=8)
     return bool(residual <= FOLLOWED and np.linalg.norm(x - guess) < far / 10)
@@ -205,7 +206,7 @@ def newton(
         if not math.isfinite(length) or length > LONGEST_STEP:
             return None, np.zeros(0)
         # a soft spring moves far under a residual that is small beside the stiff ones: the step tells
-        reached = kkt <= STATIONARY and closure <= rounded and length <= model.step_noise
+        reached = kkt <= STATIONARY and closure <= rounded and length <= model.parameters.step_noise
         merit = max(kkt, closure, length)
         if best is None or merit < best[0]:
             u = _uncertainty(system) if reached else math.inf
@@ -298,7 +299,7 @@ def _uncertainty(system: _System) -> float:
     if along.shape[1]:
         stiffness = np.abs(np.linalg.eigvalsh(along.T @ hessian @ along)).min()
         tilt = SUMMED * np.abs(along.T @ hessian @ across).sum() + EPS * torque
-        error += float(tilt / max(stiffness, 1e-300))
+        error += float(tilt / max(stiffness, NONZERO))
     return error
 
 

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from origami_nlp.numerics import ROUNDED, TOUCHES
+from origami_nlp.numerics import NONZERO, ROUNDED, TOUCHES
 from origami_nlp.programme import Contact, Programme, held
 
 UNRESOLVED = TOUCHES
@@ -65,7 +65,7 @@ def project(
             # columns of what is frozen are zero, so that the step of smallest norm does not move it
             jac = jac / root if still is None else jac / root * still
             move = np.linalg.lstsq(jac, f, rcond=dependent)[0]
-            x = x - move * (min(1.0, LONGEST / max(float(np.linalg.norm(move)), 1e-300)) / root)
+            x = x - move * (min(1.0, LONGEST / max(float(np.linalg.norm(move)), NONZERO)) / root)
             for contact in contacts:
                 contact.hold(x)
         return x, residual
@@ -82,7 +82,7 @@ def project(
             jac = np.where(frozen[todo][:, None, :], 0.0, jac)
         move = np.einsum("kij,kj->ki", np.linalg.pinv(jac, rcond=dependent), f)
         length = np.linalg.norm(move, axis=1, keepdims=True)
-        x[todo] -= move * np.minimum(1.0, LONGEST / np.maximum(length, 1e-300)) / root
+        x[todo] -= move * np.minimum(1.0, LONGEST / np.maximum(length, NONZERO)) / root
         for contact in contacts:
             contact.hold(x)
     return x, residual

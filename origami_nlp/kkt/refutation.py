@@ -11,7 +11,7 @@ from origami_nlp.kkt.certificates import BranchJudgement
 from origami_nlp.kkt.projection import project
 from origami_nlp.kkt.second_order import generators, level_directions
 from origami_nlp.kkt.state import State, Stratum
-from origami_nlp.numerics import FOLLOWED, INDEPENDENT, LEVEL, ROUNDED, nearest_in_cone
+from origami_nlp.numerics import FOLLOWED, INDEPENDENT, LEVEL, NONZERO, ROUNDED, nearest_in_cone
 from origami_nlp.programme import Contact
 
 STEPS = (1e-5, 1e-4, 1e-3)
@@ -117,7 +117,7 @@ def _aside(piece: Stratum, branch: BranchJudgement) -> Iterator[np.ndarray]:
     c, rows = z.T @ state.gradient, piece.slopes @ z
     size = float(np.linalg.norm(c))
     inward = rows.sum(axis=0)
-    inward = inward * (size / max(float(np.linalg.norm(inward)), 1e-300))
+    inward = inward * (size / max(float(np.linalg.norm(inward)), NONZERO))
     drawn = size * np.random.default_rng(0).normal(size=(DRAWN, len(c)))
     for aside in (0.3 * inward, inward, *drawn):
         y = nearest_in_cone(aside - c, rows)

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from origami_nlp.numerics import INDEPENDENT, ROUNDED, null_space
+from origami_nlp.numerics import INDEPENDENT, NONZERO, ROUNDED, null_space
 
 MOST_RAYS = 1000
 """Extreme rays that a cone may have; beyond, nothing is decided."""
@@ -149,7 +149,7 @@ def level_directions(form: np.ndarray, rays: np.ndarray) -> np.ndarray:
     Those on the rays and between two of them: where d' Q d vanishes on a cone it need not be there, but there it is
     found by a quadratic equation.
     """
-    q = form / max(float(np.abs(form).max(initial=0.0)), 1e-300)
+    q = form / max(float(np.abs(form).max(initial=0.0)), NONZERO)
     table = rays @ q @ rays.T
     a = np.diag(table)
     i, j = np.triu_indices(len(rays), 1)

@@ -10,7 +10,7 @@ import numpy as np
 from origami_nlp.kkt.certificates import BranchJudgement, judge_branch
 from origami_nlp.kkt.refutation import Lower, follow_descent
 from origami_nlp.kkt.state import State
-from origami_nlp.numerics import INDEPENDENT
+from origami_nlp.numerics import INDEPENDENT, NONZERO
 from origami_nlp.programme import Contact
 
 Branches: TypeAlias = tuple[tuple[tuple[Contact, ...], ...], ...]
@@ -92,7 +92,7 @@ class _Choices:
     def passed(self, free: list[int], direction: np.ndarray) -> list[int]:
         """Return the choice that a direction [n] passes most, if it passes any: none of its options stays open."""
         d = self._root * direction
-        rate = self._slopes @ (d / max(float(np.linalg.norm(d)), 1e-300))
+        rate = self._slopes @ (d / max(float(np.linalg.norm(d)), NONZERO))
         best = [
             max(min(rate[self._number[c]] for c in option) for option in self.branches[k])
             for k in free

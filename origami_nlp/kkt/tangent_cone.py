@@ -22,6 +22,7 @@ from itertools import takewhile
 import numpy as np
 
 from origami_nlp.numerics import (
+    NONZERO,
     RANK,
     RISES,
     SAME_DIRECTION,
@@ -69,7 +70,7 @@ class TangentCone:
     def within(self, root: np.ndarray) -> TangentCone:
         """Return the same subspaces in the metric y = root x, [n]."""
         lines = self.lines * root
-        lines = lines / np.maximum(np.linalg.norm(lines, axis=1, keepdims=True), 1e-300)
+        lines = lines / np.maximum(np.linalg.norm(lines, axis=1, keepdims=True), NONZERO)
         families = tuple(np.linalg.qr(root[:, None] * b)[0] for b in self.families)
         return TangentCone(lines, families, self.reason, self.split)
 

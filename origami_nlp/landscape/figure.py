@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import textwrap
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -16,7 +15,7 @@ from origami_nlp.chart import Chart, chart_of, chart_points, colour_bar
 from origami_nlp.errors import OptionError
 from origami_nlp.landscape.exact import ExactLandscape
 from origami_nlp.landscape.panel import PanelStyle, draw_panel, legend_of
-from origami_nlp.show import label_text, pass_look, passes_legend
+from origami_nlp.show import MARGIN, StackedFigure, label_text, pass_look, passes_legend
 
 if TYPE_CHECKING:
     from origami_nlp.barriers import Barriers, Pass
@@ -29,7 +28,7 @@ PATH: dict[str, Any] = {
     "zorder": 5,
     "clip_on": False,
 }
-SIDE, MARGIN, LEFT, RIGHT = 4.6, 0.2, 0.7, 0.85
+SIDE, LEFT, RIGHT, BELOW = 4.6, 0.7, 0.85, 0.45
 """Of a panel, and what is around it [in]."""
 
 
@@ -64,54 +63,25 @@ def draw_landscape(exact: ExactLandscape, barriers: Barriers | None = None) -> F
     count = len(exact.chart.branches)
     groups = [list(range(count))] if exact.one_plane else [[k] for k in range(count)]
     panel = LEFT + SIDE + RIGHT
-    width = 2 * MARGIN + panel * len(groups)
-    title = textwrap.wrap(_title(exact), int(10.5 * width))
     chosen = joining_passes(barriers) if barriers else []
     entries = legend_of([exact], STYLE)
     if chosen:
         entries.append(Line2D([], [], label="lowest path over a pass", **PATH))
         entries += passes_legend((p.pass_kind for p in chosen), STYLE.star)
-    columns = min(len(entries), max(2, int(width / 2.15)))
-    legend = 0.24 * math.ceil(len(entries) / columns)
-    notes = [
-        line
-        for n in _notes(exact)
-        for line in textwrap.wrap(n, int(13 * width), break_on_hyphens=False)
-    ]
-    top, below = 0.2 + 0.25 * len(title) + 0.2 * (len(groups) > 1), 0.55
-    height = top + SIDE + below + legend + 0.17 * len(notes) + 0.15
-    figure = Figure(figsize=(width, height), dpi=110, facecolor="white")
-
-    def box(x: float, w: float, y: float, h: float) -> Any:
-        return figure.add_axes((x / width, 1 - (y + h) / height, w / width, h / height))
-
-    for number, line in enumerate(title):
-        y = 1 - (0.1 + 0.25 * number) / height
-        figure.text(MARGIN / width, y, line, fontsize=12, weight="bold", va="top")
+    top = 0.2 * (len(groups) > 1)
+    body = top + SIDE + BELOW
+    stack = StackedFigure(
+        2 * MARGIN + panel * len(groups), body, [_title(exact)], entries, _notes(exact)
+    )
     for number, group in enumerate(groups):
         x = MARGIN + LEFT + number * panel
-        axes = box(x, SIDE, top, SIDE)
+        axes = stack.axes(x, top, SIDE, SIDE)
         image = draw_panel(axes, exact, group, STYLE)
         _paths(axes, exact, group, chosen)
         if len(groups) > 1:
             axes.set_title(exact.chart.branches[group[0]].name.replace("-", "−"), fontsize=10)
-        colour_bar(image, box(x + SIDE + 0.15, 0.14, top + 0.1, SIDE - 0.2))
-    y = top + SIDE + below
-    figure.legend(
-        handles=entries,
-        loc="upper left",
-        bbox_to_anchor=(MARGIN / width, 1 - y / height),
-        ncols=columns,
-        fontsize=9,
-        frameon=False,
-        borderaxespad=0.0,
-        columnspacing=1.3,
-        handletextpad=0.5,
-    )
-    for number, line in enumerate(notes):
-        at = 1 - (y + legend + 0.05 + 0.17 * number) / height
-        figure.text(MARGIN / width, at, line, fontsize=9, va="top")
-    return figure
+        colour_bar(image, stack.axes(x + SIDE + 0.15, top + 0.1, 0.14, SIDE - 0.2))
+    return stack.figure
 
 
 def joining_passes(barriers: Barriers) -> list[Pass]:

@@ -14,8 +14,8 @@ from matplotlib.lines import Line2D
 
 from origami_nlp.chart import area_legend, draw_area, norm_of
 from origami_nlp.landscape.exact import ExactLandscape
-from origami_nlp.minima import JudgedState
-from origami_nlp.show import METASTABLE, RING, label_marks, mark_minimum, minima_legend
+from origami_nlp.minima import Drawn, drawn_minima, mark_minima, marks_legend
+from origami_nlp.show import METASTABLE, RING
 
 
 @dataclass(frozen=True)
@@ -38,10 +38,6 @@ class PanelStyle:
     line: float = 1.1
     text: float = 10.0
     numbers: bool = True
-
-
-FAMILY = 1.3
-"""Size of the ring around a family against a star's."""
 
 
 def draw_panel(axes: Any, exact: ExactLandscape, branches: Sequence[int], style: PanelStyle) -> Any:
@@ -74,35 +70,15 @@ def draw_panel(axes: Any, exact: ExactLandscape, branches: Sequence[int], style:
             axes.plot(*part.points[:1].T, **ring, markeredgewidth=2.2 * style.line, **top)
         else:
             axes.plot(*part.points.T, linewidth=3.4 * style.line, solid_capstyle="butt", **top)
-    _mark(axes, exact, branches, style)
+    rings = [s.points[0] for s in exact.metastable if s.hidden and s.branch in branches]
+    clear = [((float(x), float(y)), 1.6 * style.star + 4) for x, y in rings]
+    font = 1.05 * style.text if style.numbers else None
+    mark_minima(axes, _drawn(exact), branches, style.star, font, clear)
     return image
 
 
-def verdict_of(minimum: JudgedState) -> str | None:
-    """Return the verdict in the full space, None if it was not asked for."""
-    return minimum.full_space.verdict if minimum.full_space else None
-
-
-def _mark(axes: Any, exact: ExactLandscape, branches: Sequence[int], style: PanelStyle) -> None:
-    """Put the minima on top, unstable ones last; those that share a point share a number."""
-    here = [
-        (number, minimum, place)
-        for number, (minimum, place) in enumerate(
-            zip(exact.result.minima, exact.places, strict=True), start=1
-        )
-        if place.branch in branches and place.drawn
-    ]
-    for _, minimum, place in sorted(here, key=lambda one: verdict_of(one[1]) == "unstable"):
-        if place.family and style.numbers:
-            look = RING | {"markersize": FAMILY * style.star, "linestyle": "none"}
-            axes.plot(*place.point, **look, zorder=6, clip_on=False)
-        mark_minimum(axes, place.point, minimum.kind, verdict_of(minimum), style.star)
-    if style.numbers:
-        wide = [(FAMILY if place.family else 1.0) * style.star for _, _, place in here]
-        marks = [(p.point, str(n), w) for (n, _, p), w in zip(here, wide, strict=True)]
-        rings = [s.points[0] for s in exact.metastable if s.hidden and s.branch in branches]
-        marks += [((float(x), float(y)), "", 1.6 * style.star + 4) for x, y in rings]
-        label_marks(axes, marks, 1.05 * style.text)
+def _drawn(exact: ExactLandscape) -> list[Drawn]:
+    return drawn_minima(exact.result.scene, exact.result.minima, exact.places)
 
 
 def legend_of(panels: list[ExactLandscape], style: PanelStyle) -> list[Any]:
@@ -120,23 +96,18 @@ def legend_of(panels: list[ExactLandscape], style: PanelStyle) -> list[Any]:
     list of matplotlib.artist.Artist
         Handles with labels.
     """
-    drawn = [
-        (m, p)
-        for panel in panels
-        for m, p in zip(panel.result.minima, panel.places, strict=True)
-        if p.drawn
-    ]
-    size = 0.85 * style.star
-    entries: list[Any] = minima_legend(((m.kind, verdict_of(m)) for m, _ in drawn), size)
-    if style.numbers and any(p.family for _, p in drawn):
-        ring = RING | {"markersize": 12, "linestyle": "none"}
-        entries.append(Line2D([], [], **ring, label="several states there"))
+    drawn = [m for panel in panels for m in _drawn(panel)]
+    entries: list[Any] = list(marks_legend(drawn, style.star, style.numbers))
     stretches = [s for panel in panels for s in panel.metastable]
     if any(not s.hidden for s in stretches):
         look: dict[str, Any] = {"color": METASTABLE, "linewidth": 3.0 * style.line}
         entries.append(Line2D([], [], **look, label="metastable stretch"))
     if any(s.hidden for s in stretches):
-        red = RING | {"markersize": 1.2 * size, "markeredgecolor": METASTABLE, "linestyle": "none"}
+        red = RING | {
+            "markersize": 1.02 * style.star,
+            "markeredgecolor": METASTABLE,
+            "linestyle": "none",
+        }
         entries.append(
             Line2D([], [], **red | {"markeredgewidth": 1.6}, label="metastable, on one point")
         )

@@ -18,12 +18,12 @@ from origami_nlp.errors import OptionError
 from origami_nlp.folding import folded_frame, frames_to_fold
 from origami_nlp.kkt import Classification, follow
 from origami_nlp.minima import JudgedState, find_minima, full_scene
-from origami_nlp.path import Node, ParameterLine, Steps, load_line
+from origami_nlp.path import ContinuationOptions, Node, ParameterLine, load_line
 from origami_nlp.pattern import Scene, dead_loads
 from origami_nlp.programme import Model, Parameters
 from origami_nlp.show import Body, Folded, vertex_body, vertex_folded, vertex_track, vertex_view
 
-STEPS = Steps(first=1e-3, longest=0.1, shortest=1e-9, turn=0.1, sharpest=0.3)
+STEPS = ContinuationOptions()
 """Such that curves look smooth."""
 CUT = "seconds: the time was over before the search for the state at load 0 was through: give more"
 SIDE = 0.01
@@ -83,7 +83,7 @@ class Driver(Protocol):
     def conjugate(self, fold_angles: np.ndarray) -> np.ndarray: ...  # noqa: D102
     def line(self) -> ParameterLine: ...  # noqa: D102
     def full_line(self) -> ParameterLine | None: ...  # noqa: D102
-    def steps(self, steps: Steps | None) -> Steps: ...  # noqa: D102
+    def steps(self, steps: ContinuationOptions | None) -> ContinuationOptions: ...  # noqa: D102
     def begin(  # noqa: D102
         self, state: Any, search: Search
     ) -> tuple[Driver, int, np.ndarray]: ...
@@ -241,7 +241,7 @@ class VertexDriver:
         preload[np.array(self.creases) - 1] += t
         return replace(self.scene, preload=tuple(preload.tolist()), name=name)
 
-    def steps(self, steps: Steps | None) -> Steps:
+    def steps(self, steps: ContinuationOptions | None) -> ContinuationOptions:
         """Return the steps of the tracer."""
         return steps or STEPS
 

@@ -9,7 +9,15 @@ from os import PathLike
 
 import numpy as np
 
-from origami_nlp.arguments import check_flag, check_number, check_until, check_whole, refuse, shown
+from origami_nlp.arguments import (
+    check_flag,
+    check_number,
+    check_type,
+    check_until,
+    check_whole,
+    refuse,
+    shown,
+)
 from origami_nlp.atlas import Over, PathEvent, branches_of, chains_of, parts_of
 from origami_nlp.errors import OUT_OF_TIME, OptionError, OutOfTime
 from origami_nlp.facets import Work
@@ -22,7 +30,14 @@ from origami_nlp.loading.sheet import PatternDriver, work_on
 from origami_nlp.minima import JudgedState
 from origami_nlp.modes import breaking_stiffness
 from origami_nlp.numerics import SETTLED
-from origami_nlp.path import LATE, Equilibrium, EquilibriumCurve, Steps, Web, is_equilibrium
+from origami_nlp.path import (
+    LATE,
+    ContinuationOptions,
+    Equilibrium,
+    EquilibriumCurve,
+    Web,
+    is_equilibrium,
+)
 from origami_nlp.pattern import Pattern, Scene, as_origami
 
 MOST_SNAPS = 20
@@ -45,7 +60,7 @@ def load_path(
     seed: int = 0,
     max_starts: int | None = None,
     starts: int | None = None,
-    steps: Steps | None = None,
+    options: ContinuationOptions | None = None,
     seconds: float | None = None,
 ) -> LoadPath:
     """Load a stable state of a vertex or of a pattern by a torque or a force, and follow it.
@@ -75,8 +90,8 @@ def load_path(
         Of the searches, see `find_minima`.
     starts
         Of the searches of patterns, see `find_minima`.
-    steps
-        Of the tracer; of a pattern lengths are root mean squares over creases.
+    options
+        Of the continuation; of a pattern lengths are root mean squares over creases.
     seconds
         Wall time for all of it, give or take a second or two: what was followed by then is returned, with an alarm that
         says what was left out.  None: no limit.
@@ -113,17 +128,19 @@ def load_path(
     for name, count in {"seed": seed, **given}.items():
         if count is not None:
             check_whole(name, count, int(name == "max_starts"))
-    options = {"effort": effort, "seed": seed, **{k: v for k, v in given.items() if v is not None}}
+    asked = {"effort": effort, "seed": seed, **{k: v for k, v in given.items() if v is not None}}
     full = True if full is None else full
+    defaults = ContinuationOptions()
+    check_type("options", defaults if options is None else options, ContinuationOptions)
     for name, flag in (("back", back), ("confirm", confirm), ("full", full)):
         check_flag(name, flag)
     far = driver.farthest
     if (isinstance(to, str) and to != "snap") or to == 0:
         raise OptionError(f"to = {shown(to)} must be a load other than 0, or 'snap'")
     ends = [-far, far] if to == "snap" else [check_number("to", to)]
-    search = Search(options, check_until(seconds))
+    search = Search(asked, check_until(seconds))
     driver, number, x = driver.begin(state, search)
-    job = _Job(driver, min(0.0, *ends), max(0.0, *ends), full, steps, search.until)
+    job = _Job(driver, min(0.0, *ends), max(0.0, *ends), full, options, search.until)
     try:
         for end in ends:
             arrived = job.go(x, 0.0, end, once=to == "snap")
@@ -149,7 +166,7 @@ class _Job:
         low: float,
         high: float,
         full: bool,
-        steps: Steps | None,
+        steps: ContinuationOptions | None,
         until: float,
     ) -> None:
         self.driver, self.low, self.high = driver, low, high

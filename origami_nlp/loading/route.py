@@ -13,6 +13,8 @@ from origami_nlp.loading.driver import Driver
 from origami_nlp.numerics import SETTLED
 from origami_nlp.path import LATE, Equilibrium, Web
 
+LEAST_SPAN = 1e-3
+"""A snap at a load of less than this share of the whole range is stepped over by shares of that."""
 OVER = (1e-5, 1e-4, 1e-3)
 """How far beyond a snap, over the load there or the whole range, the state is let go: the first from which it comes to
 rest at a certified minimum."""
@@ -142,7 +144,7 @@ def let_go(
 ) -> tuple[np.ndarray, float, Classification] | str:
     """Descend from the end of a way, a little beyond its load; the minimum, its load and certificate, or why none."""
     point, why = web.nodes[node].point, ""
-    span = max(abs(float(point[-1])), 1e-3 * (web.high - web.low))
+    span = max(abs(float(point[-1])), LEAST_SPAN * (web.high - web.low))
     for share in OVER:
         s = float(point[-1]) + toward * share * span
         end = driver.down(web.line, s, web.nodes[node], 10 * share, web.steps.until)

@@ -15,8 +15,8 @@ from origami_nlp.facets import DeadForce, Pull, Sheet, Torque, Work, Worked
 from origami_nlp.kkt import Classification, State, classify
 from origami_nlp.loading.driver import CUT, SIDE, STEPS, Driver, FramedState, Poser, Search
 from origami_nlp.minima import JudgedState
-from origami_nlp.numerics import SAME
-from origami_nlp.path import Node, ParameterLine, Steps
+from origami_nlp.numerics import NEARLY, SAME
+from origami_nlp.path import ContinuationOptions, Node, ParameterLine
 from origami_nlp.pattern import Pattern
 from origami_nlp.programme import Parameters
 from origami_nlp.sheets import (
@@ -30,9 +30,6 @@ from origami_nlp.sheets import (
     sheet_to_fold,
 )
 from origami_nlp.show import Track
-
-FLAT = 1e-3
-"""Largest fold angle of a state that is called flat in words [rad]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -110,7 +107,7 @@ class PatternDriver:
     def full_line(self) -> None:
         """None: no symmetry is imposed."""
 
-    def steps(self, steps: Steps | None) -> Steps:
+    def steps(self, steps: ContinuationOptions | None) -> ContinuationOptions:
         """Return the steps of the tracer, whose lengths are stated as root mean squares over creases."""
         rms, size = steps or STEPS, math.sqrt(self.pattern.creases)
         return replace(rms, first=size * rms.first, longest=size * rms.longest)
@@ -169,7 +166,7 @@ class PatternDriver:
             if np.abs(end.phi - phi).max() <= near:
                 return ""
         if not end.arrived:
-            flat = "beside the flat state" if np.abs(end.phi).max() < FLAT else end.why
+            flat = "beside the flat state" if np.abs(end.phi).max() < NEARLY else end.why
             return f"the descent does not come to rest, {flat}"
         found = judge(loaded, end.phi)
         if found.verdict != "minimum":

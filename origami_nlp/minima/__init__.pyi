@@ -40,6 +40,12 @@ from .ipopt import (
     confirm_posed as confirm_posed,
     gaps_of as gaps_of,
 )
+from .marks import (
+    Drawn as Drawn,
+    drawn_minima as drawn_minima,
+    mark_minima as mark_minima,
+    marks_legend as marks_legend,
+)
 from .minimum import (
     TRIALS as TRIALS,
     JudgedState as JudgedState,

@@ -16,13 +16,15 @@ from functools import cached_property
 
 import numpy as np
 
-from origami_nlp.numerics import EPS, RESOLVED, cross
+from origami_nlp.numerics import EPS, NONZERO, RESOLVED, cross
 from origami_nlp.programme import Model, Piece, close_by
 
 NODES = 20
 """Chebyshev points of a section."""
 DEEPEST = 60
 """Halvings of a section; those next to a meeting end after 25."""
+ROUGH = 0.02
+"""Error up to which a section is known well enough to say that another variable drives it faster."""
 ACCURACY = 1e-9
 """Error of fold angles [rad] and unit tangents in a section that counts as resolved, beside what rounding leaves of
 them next to a crossing; roots are polished afterwards."""
@@ -143,7 +145,7 @@ class Curves:
             slope = self.piece.slopes(axes, end)
             t = np.stack([slope[:, 1], -slope[:, 0]], axis=1)
         size = np.linalg.norm(t, axis=1)
-        return t / np.maximum(size, 1e-300)[:, None], size
+        return t / np.maximum(size, NONZERO)[:, None], size
 
     @cached_property
     def crossings(self) -> list[tuple[int, float]]:
@@ -248,7 +250,7 @@ class Curves:
             fine = error <= ACCURACY + 4 * EPS / np.maximum(size.min(axis=1), EPS) ** 2
             fine &= (odd == odd[:, :1]).all(axis=1)
             # another driver answers for what moves much faster than this one
-            slow = (error <= 0.02) & (share < 0.8 * SLOW)
+            slow = (error <= ROUGH) & (share < 0.8 * SLOW)
             wanted = open_.wanted.ravel() & ~self._beyond(x, odd)
             keep = np.flatnonzero(wanted & fine & ~slow)
             pinned = np.asarray(self.ambiguous(x[keep]).all(axis=1))

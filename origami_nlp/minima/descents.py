@@ -21,11 +21,22 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from origami_nlp.minima.sweeps import sweep
-from origami_nlp.numerics import CHOSEN, ROUNDED, TOUCHES, coarse, first_largest
+from origami_nlp.minima.sweeps import LEAST_PIVOT, sweep
+from origami_nlp.numerics import (
+    CHOSEN,
+    DECREASE,
+    EXPLORED,
+    NONZERO,
+    ROUNDED,
+    SAME_ENERGY,
+    SINGULAR,
+    TINY,
+    TOUCHES,
+    coarse,
+    first_largest,
+)
 from origami_nlp.programme import OPEN, Model, Parameters
 from origami_nlp.starts import (
-    EXPLORED,
     Closing,
     Crossings,
     Ends,
@@ -46,14 +57,10 @@ FIRST_REACH, REACH, SHORTEST = 1.0, 2.0, 1e-9
 """Longest step of a fold angle [rad]: at first, ever, and where a descent gives up."""
 GROWTH, CUT = 1.7, 0.3
 """By how much the reach changes after a step that was taken, and after one that was not."""
-SINGULAR = 1e-8
-"""Eigenvalues of a Hessian (1 for springs alone) up to which its inverse is rounding."""
 ESCAPES, ESCAPE = 3, 0.05
 """How often a saddle is left, and by how much [rad]."""
 NEAR = 0.3
 """Furthest that a state is moved onto a contact [rad]."""
-TINY = 1e-7
-"""A step that moves no fold angle by more [rad] is no progress; one that fails there has converged."""
 NEXT = 1 + 2 * CHOSEN
 """A fold limit at up to this times a step, which is rounded itself, is reached by it; so far apart two are at one."""
 STALLED = 6
@@ -301,7 +308,7 @@ class Descents:
         """Try a step; returns the samples (where it failed, as they were), whether it was taken, the next reach."""
         dx = d / self.closing.root(s)
         longest = np.abs(dx).max(axis=1)
-        trial, share = self._moved(s, dx, np.minimum(1.0, reach / np.maximum(longest, 1e-300)))
+        trial, share = self._moved(s, dx, np.minimum(1.0, reach / np.maximum(longest, NONZERO)))
         trial = self.closing.close(trial)
         energy = self.closing.springs(s).energy(s.x)
         before = _Before(s.x, energy, np.einsum("ki,ki->k", down, d) * share, escaped)
@@ -321,7 +328,7 @@ class Descents:
         shut = s.shut.copy()
         room = np.maximum(np.where(dx > 0, math.pi - s.x, math.pi + s.x), 0.0)
         to = np.where(
-            (shut == 0) & (np.abs(dx) > ROUNDED), room / np.maximum(np.abs(dx), 1e-300), math.inf
+            (shut == 0) & (np.abs(dx) > ROUNDED), room / np.maximum(np.abs(dx), NONZERO), math.inf
         )
         nearest = to.min(axis=1)
         first = (to <= nearest[:, None] * NEXT).argmax(axis=1)
@@ -341,8 +348,8 @@ class Descents:
         good &= np.abs(trial.x - before.x).max(axis=1) < 2 * REACH
         now, e = self.closing.springs(trial).energy(trial.x), before.energy
         # sufficient decrease (Nocedal and Wright, eq. 3.4), with slack for the rounding of energies
-        lower = now <= e + 1e-4 * np.minimum(before.slope, 0) + 1e-11 * (1 + e)
-        good &= lower | (before.escaped & (now <= e + 1e-9))
+        lower = now <= e + DECREASE * np.minimum(before.slope, 0) + EXPLORED * (1 + e)
+        good &= lower | (before.escaped & (now <= e + SAME_ENERGY))
         gap, side = self.crossings.of(at, trial.x, trial.shut)
         return good & (gap == OPEN), gap, side
 
@@ -362,7 +369,7 @@ class Descents:
         both = kinematics.fold(np.concatenate([s.x, trial.x[todo]]))
         values = np.tile(side, 2) * kinematics.gaps(both, np.tile(gap, 2)[:, None])[0][:, 0]
         was, is_now = values[:k], values[k:]
-        share = np.clip(was / np.maximum(was - is_now, 1e-300), 0.1, 0.95)
+        share = np.clip(was / np.maximum(was - is_now, NONZERO), 0.1, 0.95)
         # a gap that was closed already is left: its crossing is another one, met half way
         share = np.where((was > TOUCHES) & (is_now < 0), share, 0.5)
         shorter, _ = self._moved(s, dx[todo], share)
@@ -391,14 +398,14 @@ def _direction(h: np.ndarray, down: np.ndarray) -> np.ndarray:
     curvature = np.einsum("ki,kij,kj->k", d, h, d)
     length = np.linalg.norm(d, axis=1)
     climbs = np.einsum("ki,ki->k", d, down) >= 0
-    bad = climbs | (curvature <= 1e-8 * length**2) | (length > 10) | ~np.isfinite(length)
+    bad = climbs | (curvature <= SINGULAR * length**2) | (length > 10) | ~np.isfinite(length)
     bad |= np.abs(inverse).max(axis=(1, 2)) > 1 / SINGULAR
     b = np.flatnonzero(bad)
     if len(b):
         value, vector = np.linalg.eigh(h[b])
         part = np.einsum("kij,ki->kj", vector, down[b])
         # |eigenvalues| in place of eigenvalues: always downhill (Nocedal and Wright, section 3.4)
-        d[b] = -np.einsum("kij,kj->ki", vector, part / np.maximum(np.abs(value), 1e-2))
+        d[b] = -np.einsum("kij,kj->ki", vector, part / np.maximum(np.abs(value), LEAST_PIVOT))
     return np.asarray(d)
 
 

@@ -12,6 +12,7 @@ from origami_nlp.kkt import (
     ALONE,
     BOUND,
     FLOOR,
+    GOES,
     OPEN,
     TRACED,
     TREE,
@@ -30,7 +31,16 @@ from origami_nlp.minima.descents import Descents
 from origami_nlp.minima.minimum import JudgedState
 from origami_nlp.minima.one_freedom import Traced
 from origami_nlp.minima.traced_passes import TracedPasses, traced_passes
-from origami_nlp.numerics import BESIDE, CLOSES, FOLLOWED, LEVEL, RESOLVED, SETTLED, SHALLOW
+from origami_nlp.numerics import (
+    BESIDE,
+    CLOSES,
+    FOLLOWED,
+    LEVEL,
+    NONZERO,
+    RESOLVED,
+    SETTLED,
+    SHALLOW,
+)
 from origami_nlp.programme import Contact, Model
 from origami_nlp.starts import Samples
 
@@ -160,7 +170,7 @@ class VertexTerrain:
             way = (goal[live] - at[live] * aimed[live, None]) * model.root
             left = np.linalg.norm(way, axis=1)
             length = np.where(aimed[live], np.minimum(step, left), step)[:, None]
-            move = length * way / np.maximum(left, 1e-300)[:, None] / model.root
+            move = length * way / np.maximum(left, NONZERO)[:, None] / model.root
             want = np.clip(at[live] + move, -model.bound, model.bound)
             arrives = aimed[live] & (left <= step)
             # nothing beside it: at the flat state closure has no rank, and rounding would choose a side
@@ -169,7 +179,9 @@ class VertexTerrain:
             y, residual = project(model, want, held, frozen=still, steps=MOST_STEPS)
             y = np.clip(y, -model.bound, model.bound)
             moved = np.linalg.norm(y - at[live], axis=1)
-            good = (residual <= FOLLOWED) & (moved > 0.05 * length[:, 0]) & (moved < 3 * step)
+            good = (
+                (residual <= FOLLOWED) & (moved > GOES[0] * length[:, 0]) & (moved < GOES[1] * step)
+            )
             good &= np.abs(model.closure(y)[0]).max(axis=1, initial=0.0) <= CLOSES
             # a target that is reached ends its ray
             good &= left > 0

@@ -44,7 +44,8 @@ from origami_nlp.minima.windings import (
 from origami_nlp.numerics import rank
 from origami_nlp.pattern import Scene
 from origami_nlp.programme import Model
-from origami_nlp.starts import effort_of
+from origami_nlp.proof import ProofOptions
+from origami_nlp.starts import OWN, SearchOptions, options_of
 
 FEWEST_STARTS = 1
 """Starts that are made whatever the stopping rule says."""
@@ -80,11 +81,12 @@ def find_minima(
     *,
     seed: int = 0,
     effort: str = "normal",
+    options: SearchOptions | None = None,
     max_starts: int = MOST_STARTS,
     fewest_starts: int = FEWEST_STARTS,
     guesses: Sequence[np.ndarray] = (),
     full: bool = False,
-    prove: bool | float | None = None,
+    prove: bool | float | ProofOptions | None = None,
     seconds: float | None = None,
     escape: bool = True,
     noise: float | None = None,
@@ -102,6 +104,8 @@ def find_minima(
     effort
         ``"quick"``, ``"normal"`` or ``"thorough"``: how many starts, and how often each minimum must have been
         reached before the search stops.
+    options
+        All that steers the search, in place of the effort.
     max_starts
         Cap on starts.
     fewest_starts
@@ -114,8 +118,8 @@ def find_minima(
         Also decide each minimum in the full contact-admissible space, symmetry-breaking motions
         included.
     prove
-        Prove that the list is complete: True (in at most 2 million boxes, about a minute), or seconds of processor time
-        that this may take; False: do not try.
+        Prove that the list is complete: True (in at most 2 million boxes, about a minute), seconds of processor time
+        that this may take, or `ProofOptions`; False: do not try.
         Without being asked it is tried where it is cheap: within fold limits, up to two freedoms.
     seconds
         Wall time after which the search goes no further, and what is left is not judged in the full space; a proof gets
@@ -154,7 +158,7 @@ def find_minima(
     """
     check_type("scene", scene, Scene)
     check_options(seed, max_starts, fewest_starts)
-    wanted = effort_of(effort)
+    wanted = options_of(effort, options)
     check_flag("full", full)
     check_prove("prove", prove)
     until = check_until(seconds)
@@ -165,7 +169,7 @@ def find_minima(
     guesses = _check_guesses(guesses, scene.degree)
     jobs = jobs_of(scene, seed, wanted, (fewest_starts, max_starts), progress, until)
     finish_all([jobs], guesses, workers)
-    return _result(jobs, effort, prove, full, escape, noise)
+    return _result(jobs, effort if options is None else OWN, prove, full, escape, noise)
 
 
 def find_minima_of_each(
@@ -174,7 +178,7 @@ def find_minima_of_each(
     seed: int = 0,
     effort: str = "normal",
     max_starts: int = MOST_STARTS,
-    prove: bool | float | None = None,
+    prove: bool | float | ProofOptions | None = None,
     seconds: float | None = None,
 ) -> list[MinimaResult]:
     """Return what `find_minima` finds for each of some scenes, in less time where they have one vertex.
@@ -207,7 +211,7 @@ def find_minima_of_each(
     [2, 2]
     """
     check_options(seed, max_starts)
-    wanted = effort_of(effort)
+    wanted = options_of(effort)
     check_prove("prove", prove)
     for scene in scenes:
         check_type("scenes", scene, Scene)
@@ -221,7 +225,7 @@ def find_minima_of_each(
 def _result(
     jobs: Sequence[Job],
     effort: str,
-    prove: bool | float | None,
+    prove: bool | float | ProofOptions | None,
     full: bool,
     escape: bool = False,
     noise: float | None = None,

@@ -31,7 +31,6 @@ from origami_nlp.programme import Model
 from origami_nlp.starts import (
     CORNER,
     SOURCES,
-    Effort,
     FlatFoldings,
     HingeSets,
     Listed,
@@ -40,16 +39,12 @@ from origami_nlp.starts import (
     RestState,
     RigidStates,
     Rounds,
+    SearchOptions,
     is_chain,
 )
 
-MOST_BATCHED = 24
-"""Variables up to which descents are made in batches with symmetry or facets that may touch; above, IPOPT solves from
-one start after the other."""
 FEW_FREEDOMS = 2
 """Freedoms up to which the first round may be the last, within fold limits (beyond, each shape comes in lifts)."""
-JUDGING = 0.3
-"""Share of a time limit that is kept for judging the ends of descents."""
 Progress = Callable[[int, int, int], None]
 """Called as progress(starts, minima found, how many of these one drawn start reached)."""
 
@@ -61,12 +56,12 @@ class Job:
         self,
         model: Model,
         seed: int,
-        effort: Effort,
+        options: SearchOptions,
         starts: tuple[int, int],
         progress: Progress | None,
         until: float = math.inf,
     ) -> None:
-        self.model, self.seed, self.effort = model, seed, effort
+        self.model, self.seed, self.options = model, seed, options
         self.fewest, self.most = starts
         self.progress, self.until = progress, until
         self.record = Record()
@@ -78,7 +73,9 @@ class Job:
         self.given: list[tuple[np.ndarray, Answer | None]] = []
         self.traced: Traced | None = None
         self.begin = time.perf_counter()
-        self.turn = until if math.isinf(until) else until - JUDGING * (until - time.monotonic())
+        self.turn = (
+            until if math.isinf(until) else until - options.judging * (until - time.monotonic())
+        )
 
     def work(self, guesses: list[np.ndarray], workers: int) -> Work:
         """List states, and search; guesses: states [N] to start from first."""
@@ -158,17 +155,18 @@ class Job:
         if self.model.freedom == 1 and self._traced() and not self.model.scene.loads:
             self.stopped_by = "complete"
             return
-        if self.model.size > MOST_BATCHED and not is_chain(self.model):
+        if self.model.size > self.options.most_batched and not is_chain(self.model):
             self._one_by_one()
             return
         under = self._under()
         limits = self.turn, self.until
-        with Search(self.model, self.record, under, workers, self._tell, limits) as search:
+        batches = self.options.first_batch, self.options.batch
+        with Search(self.model, self.record, under, workers, self._tell, limits, batches) as search:
             for family in (NearFlat(self.model), NearFolded(self.model, self.foldings)):
                 search.also_from(self.record.states_of(family))
             if guesses:
                 yield from search.run(search.closed(np.array(guesses), touching=True))
-            rounds = Rounds(under[0] if under else self.model, self.seed, self.effort)
+            rounds = Rounds(under[0] if under else self.model, self.seed, self.options)
             yield from self._rounds(search, rounds)
 
     def _rounds(self, search: Search, rounds: Rounds) -> Work:
@@ -240,18 +238,18 @@ class Job:
 
     def _enough(self, quiet: int) -> bool:
         hits = self.record.drawn_hits
-        if min(hits, default=self.effort.hits) >= self.effort.hits:
+        if min(hits, default=self.options.hits) >= self.options.hits:
             # the first round holds several: where there is more to find, one that found nothing is wanted as well
             few = self.model.freedom <= FEW_FREEDOMS and self.model.has_limits
             return quiet > 0 or few
         # Chao's estimate of the minima that nothing has reached yet, from those reached once and twice
-        return quiet >= self.effort.quiet and chao1(hits) < 0.5
+        return quiet >= self.options.quiet and chao1(hits) < 0.5
 
     def _one_by_one(self) -> None:
         """Search with IPOPT alone."""
         self.stopped_by = "cap"
         quiet = 0
-        fewest = max(self.fewest, 16 * self.effort.hits)
+        fewest = max(self.fewest, 16 * self.options.hits)
         for new in itertools.islice(run_starts(self.model, self.seed, self.record), self.most):
             if new is not None:
                 judge(self.model, new)

@@ -14,7 +14,10 @@ from origami_nlp.minima.curve import NODES, SLOW, TO_SERIES, Branches, Curves
 from origami_nlp.numerics import (
     ANSWERED,
     CLOSES,
+    EPS,
     FOLLOWED,
+    LEVEL,
+    NONZERO,
     RANK,
     RESOLVED,
     ROUNDED,
@@ -26,6 +29,9 @@ from origami_nlp.programme import Contact, Model, fold_limit, vertices
 
 MOST_VERTICES = 10_000
 """More candidates than a model with one freedom has."""
+ASIDE, FALLS = 1e-4, 1e-2
+"""Distance [rad] at which curves are looked at beside a crossing, and slope of the energy there, over the torque, that
+falls."""
 EXACT = ("limit", "crossing")
 """Origins of candidates that are closed to rounding as they are found."""
 BATCH = 256
@@ -174,10 +180,10 @@ def _add_stationary(curves: Curves, b: Branches, lift: np.ndarray, found: _Found
     steps = np.einsum("kj,bjn->bkn", TO_SERIES, more)
     series = series[:, None] + np.einsum("bkn,ln->blk", steps, lift)
     scale = (
-        np.abs(torque).sum(axis=2).max(axis=1)[:, None] + 1e-12 * model.parameters.stiffness.max()
+        np.abs(torque).sum(axis=2).max(axis=1)[:, None] + LEVEL * model.parameters.stiffness.max()
     )
     # |T_k| <= 1: no root where the constant is larger than the sum of all other coefficients
-    may = np.abs(series[..., 0]) <= np.abs(series[..., 1:]).sum(axis=2) + 1e-12 * scale
+    may = np.abs(series[..., 0]) <= np.abs(series[..., 1:]).sum(axis=2) + LEVEL * scale
     which, lifts = np.nonzero(may)
     k, where, slope = roots(series[which, lifts])
     which, lifts = which[k], lifts[k]
@@ -219,9 +225,9 @@ def roots(series: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     if not len(series):
         return np.zeros(0, dtype=int), np.zeros(0), np.zeros(0)
     size = np.abs(series).max(axis=1, keepdims=True)
-    c = series / np.maximum(size, 1e-300)
-    small = np.abs(c[:, -1]) < 1e-15  # the matrix divides by the last one
-    c[small, -1] = 1e-15
+    c = series / np.maximum(size, NONZERO)
+    small = np.abs(c[:, -1]) < EPS  # the matrix divides by the last one
+    c[small, -1] = EPS
     n = NODES - 1
     matrix = np.zeros((len(c), n, n))
     k = np.arange(n - 1)
@@ -242,7 +248,7 @@ def _slope(series: np.ndarray, where: float) -> float:
 
 def _crossings(curves: Curves) -> list[np.ndarray]:
     """States where completions touch and closure is singular, in the model's bound, with no neighbour clearly lower."""
-    model, shift = curves.model, 1e-4
+    model, shift = curves.model, ASIDE
     near, at = [np.zeros((0, model.size))], [np.zeros((0, model.size))]
     for v, angle in curves.crossings:
         x, exists, _ = curves.states(np.full(3, v), angle + np.array([0.0, shift, -shift]))
@@ -270,7 +276,7 @@ def _crossings(curves: Curves) -> list[np.ndarray]:
             )
             # no minimum where the energy falls along a branch that leaves it
             torque = model.parameters.torque(y)
-            if not (steps[inside] @ torque < -1e-2 * shift * np.abs(torque).max()).any():
+            if not (steps[inside] @ torque < -FALLS * shift * np.abs(torque).max()).any():
                 out.append(y)
     return out
 

@@ -7,14 +7,10 @@ matplotlib's object interface only: no global state, any backend.
 
 from __future__ import annotations
 
-import math
-import textwrap
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 
 from origami_nlp.chart import (
     UNIT,
@@ -27,30 +23,26 @@ from origami_nlp.chart import (
     norm_of,
     outline_of,
 )
+from origami_nlp.minima.marks import Drawn, drawn_minima, mark_minima, marks_legend
 from origami_nlp.minima.minimum import JudgedState
-from origami_nlp.minima.stability import NOT_ASKED, barrier_words, count_words, verdict
+from origami_nlp.minima.stability import barrier_words, count_words, verdict
 from origami_nlp.pattern import Scene
 from origami_nlp.show import (
-    RING,
+    MARGIN,
     WARNING,
+    StackedFigure,
     crease_legend,
     draw_state,
     drawn_height,
-    label_marks,
     label_text,
-    mark_minimum,
-    minima_legend,
 )
 
 CELL, HEAD = 2.0, 0.66
 """Width of a state's drawing, and the height of its title [in]."""
-MARGIN = 0.2
 MOST_DRAWN = 24
 """States drawn; the figure says how many more there are."""
-STAR, FAMILY = 16.0, 21.0
-"""Size of a star, and of the ring around a family [points]."""
-LINE, SMALL = 0.17, 9.0
-"""Height of a line of small text [in], and its font size [points]."""
+STAR, FONT = 16.0, 11.0
+"""Size of a star, and of the letters of its number [points]."""
 MOST_BESIDE = 3
 """Columns of drawings beside the landscape."""
 ALONE = 5
@@ -97,40 +89,22 @@ def compose(chart: Landscape, minima: tuple[JudgedState, ...], freedom: int) -> 
     places = [chart.place(m.fold_angles, m.winding) for m in shown] if panels.groups else []
     rows, width, end = _rows(scene, shown, panels)
     width = max(width, 6.0)
-    title = _title(scene, minima)
-    if len(title[0]) + len(title[1]) < width * 9.3:
-        title = ["; ".join(title)]
-    title = [line for part in title for line in textwrap.wrap(part, int(width * 9.3))]
-    top = 0.25 + 0.25 * len(title)
-    handles = _draw_curve_names(chart)
-    handles += _legend(chart, shown, places, panels) if shown or panels.groups else []
-    columns = max(1, int((width - 2 * MARGIN) / 1.95))
-    legend = 0.23 * math.ceil(len(handles) / columns)
-    words = [
-        line
-        for note in _notes(minima, chart, places)
-        for line in textwrap.wrap(note, int(width * 13.5), break_on_hyphens=False)
-    ]
-    height = top + end + 0.1 + legend + 0.08 + LINE * len(words) + 0.12
-    figure = Figure(figsize=(width, height), dpi=110, facecolor="white")
-
-    def place_axes(x: float, y: float, w: float, h: float) -> Any:
-        y += top
-        return figure.add_axes((x / width, (height - y - h) / height, w / width, h / height))
-
-    for k, line in enumerate(title):
-        y = 1 - (0.12 + 0.25 * k) / height
-        figure.text(MARGIN / width, y, line, fontsize=12, va="top", weight="bold")
-    _draw_panels(place_axes, chart, panels, shown, places)
+    drawn = drawn_minima(scene, shown, places)
+    handles = _draw_curve_names(chart) + marks_legend(drawn, STAR)
+    if chart.kind == "area":
+        handles += area_legend(chart, outline_of(scene))
+    handles += crease_legend() if shown else []
+    stack = StackedFigure(width, end, _title(scene, minima), handles, _notes(minima, chart, places))
+    _draw_panels(stack, chart, panels, drawn, [m.energy for m in shown])
     for row in rows:
         for k in row.states:
             x = row.left + (k - row.states.start) * CELL
             share = drawn_height(scene.vertex, shown[k].fold_angles)
-            box = place_axes(x + 0.04, row.top + HEAD, CELL - 0.08, share * (CELL - 0.08))
+            box = stack.axes(x + 0.04, row.top + HEAD, CELL - 0.08, share * (CELL - 0.08))
             draw_state(box, scene.vertex, shown[k].fold_angles, crop=True)
-            figure.text(
-                (x + CELL / 2) / width,
-                1 - (top + row.top + 0.04) / height,
+            stack.text(
+                x + CELL / 2,
+                row.top + 0.04,
                 _state_title(k + 1, shown[k], freedom),
                 fontsize=9.5,
                 color=WARNING if verdict(scene, shown[k]) == "unstable" else "black",
@@ -138,22 +112,7 @@ def compose(chart: Landscape, minima: tuple[JudgedState, ...], freedom: int) -> 
                 va="top",
                 linespacing=1.25,
             )
-    if handles:
-        figure.legend(
-            handles=handles,
-            loc="upper left",
-            bbox_to_anchor=(MARGIN / width, 1 - (top + end + 0.1) / height),
-            ncols=min(columns, len(handles)),
-            fontsize=SMALL,
-            frameon=False,
-            borderaxespad=0.0,
-            columnspacing=1.4,
-            handletextpad=0.6,
-        )
-    for k, line in enumerate(words):
-        y = 1 - (top + end + 0.18 + legend + LINE * k) / height
-        figure.text(MARGIN / width, y, line, fontsize=SMALL, va="top")
-    return figure
+    return stack.figure
 
 
 def _panels(chart: Landscape) -> _Panels:
@@ -217,76 +176,31 @@ def _draw_curve_names(chart: Landscape) -> list[Any]:
 
 
 def _draw_panels(
-    place_axes: Any,
+    stack: StackedFigure,
     chart: Landscape,
     panels: _Panels,
-    shown: tuple[JudgedState, ...],
-    places: list[Place],
+    drawn: list[Drawn],
+    energies: list[float],
 ) -> None:
-    norm = norm_of(chart, (m.energy for m in shown)) if chart.kind == "area" else None
+    norm = norm_of(chart, energies) if chart.kind == "area" else None
     image = None
     for number, group in enumerate(panels.groups):
         x = MARGIN + panels.left + number * (panels.left + panels.width)
-        box = place_axes(x, 0.0, panels.width, panels.height)
+        box = stack.axes(x, 0.0, panels.width, panels.height)
         if norm is None:
             curves = draw_curves(box, chart)
-            _mark(box, chart.scene, shown, places, range(len(chart.branches)), curves)
+            # numbers keep off the curves
+            points = [p for line in curves for p in line.get_xydata()[::2]]
+            clear = [((float(x), float(y)), 2.0) for x, y in points]
+            mark_minima(box, drawn, range(len(chart.branches)), STAR, FONT, clear)
             return
         image = draw_area(box, chart, group, norm, outline_of(chart.scene))
-        _mark(box, chart.scene, shown, places, group)
+        mark_minima(box, drawn, group, STAR, FONT)
         if len(panels.groups) > 1:
             box.set_title(chart.branches[group[0]].name.replace("-", "−"), fontsize=10, pad=4)
     if image is not None:
         x = MARGIN + panels.total[0] - panels.right + 0.12
-        colour_bar(image, place_axes(x, 0.1, 0.14, panels.height - 0.2))
-
-
-def _mark(
-    axes: Any,
-    scene: Scene,
-    shown: tuple[JudgedState, ...],
-    places: list[Place],
-    branches: Sequence[int],
-    curves: Sequence[Any] = (),
-) -> None:
-    """Mark minima of some branches with their numbers, unstable ones on top."""
-    here = [(k, m, p) for k, (m, p) in enumerate(zip(shown, places, strict=True), start=1)]
-    here = [(k, m, p) for k, m, p in here if p.drawn and p.branch in branches]
-    for _, m, p in sorted(here, key=lambda one: _judged(scene, one[1]) == "unstable"):
-        if p.family:
-            axes.plot(
-                *p.point, **RING, markersize=FAMILY, linestyle="none", zorder=6, clip_on=False
-            )
-        mark_minimum(axes, p.point, m.kind, _judged(scene, m), STAR)
-    free: list[tuple[tuple[float, float], str, float]] = []
-    for line in curves:  # numbers keep off the curves
-        free += [((float(x), float(y)), "", 2.0) for x, y in line.get_xydata()[::2]]
-    sizes = [FAMILY if p.family else STAR for _, _, p in here]
-    labels: list[tuple[tuple[float, float], str, float]] = [
-        (p.point, str(k), s) for (k, _, p), s in zip(here, sizes, strict=True)
-    ]
-    label_marks(axes, [*labels, *free], 11)
-
-
-def _judged(scene: Scene, minimum: JudgedState) -> str | None:
-    known = verdict(scene, minimum)
-    return None if known == NOT_ASKED else known
-
-
-def _legend(
-    chart: Landscape, shown: tuple[JudgedState, ...], places: list[Place], panels: _Panels
-) -> list[Any]:
-    """Return handles for what occurs."""
-    drawn = [(m, p) for m, p in zip(shown, places, strict=False) if p.drawn]
-    entries: list[Any] = []
-    if drawn:
-        entries += minima_legend(((m.kind, _judged(chart.scene, m)) for m, _ in drawn), 0.85 * STAR)
-    if any(p.family for _, p in drawn):
-        ring = Line2D([], [], **RING, markersize=12, linestyle="none", label="several states there")
-        entries.append(ring)
-    if chart.kind == "area":
-        entries += area_legend(chart, outline_of(chart.scene))
-    return entries + (crease_legend() if shown else [])
+        colour_bar(image, stack.axes(x, 0.1, 0.14, panels.height - 0.2))
 
 
 def _title(scene: Scene, minima: tuple[JudgedState, ...]) -> list[str]:

@@ -22,6 +22,7 @@ from origami_nlp.proof import (
     Cluster,
     CriticalPoint,
     Proof,
+    ProofOptions,
     isolated,
     prove,
     why_not as touches_not_proved,
@@ -33,29 +34,26 @@ FEW_FREEDOMS = 2
 """Freedoms up to which it is tried without being asked; 1 where facets may touch and there is no symmetry."""
 UNASKED = 100_000
 """Boxes after which a proof that nobody asked for gives up."""
-ASKED = 2_000_000
-"""Boxes after which one that was asked for without a time gives up: three times what degree 6 takes, a minute.
-
-Vertices within 1e-6 of the regular hexagon would take far more: with every other crease at +-pi the three others lie
-nearly on one line, and nearly closed states fill a surface.
-"""
 
 
 def check_prove(name: str, value: object) -> None:
-    """Complain about what is neither None, a flag nor a positive number of seconds.
+    """Complain about what is neither None, a flag, a positive number of seconds nor `ProofOptions`.
 
     Raises
     ------
     OptionError
         With the name, the value and what it must be.
     """
-    if value is None or isinstance(value, bool | np.bool_):
+    if value is None or isinstance(value, bool | np.bool_ | ProofOptions):
         return
     check_number(name, value, 0.0, math.inf)
 
 
 def prove_complete(
-    model: Model, record: Record, wanted: bool | float | None, until: float = math.inf
+    model: Model,
+    record: Record,
+    wanted: bool | float | ProofOptions | None,
+    until: float = math.inf,
 ) -> Completeness | None:
     """Try to prove that the minima on record are all; what is missing is added to the record.
 
@@ -66,8 +64,8 @@ def prove_complete(
     record
         Of the search; gets further answers.
     wanted
-        True: in at most `ASKED` boxes; or the seconds of processor time that it may take; None: where it is cheap;
-        False: not at all.
+        True, or options: in at most as many boxes as they say; or the seconds of processor time that it may take; None:
+        where it is cheap; False: not at all.
     until
         When the time of the search is over (`time.monotonic`).
 
@@ -83,8 +81,10 @@ def prove_complete(
     if refused:
         return Completeness("not-proved", refused)
     try:
-        if wanted is None or wanted is True:
-            proof = prove(model, most=ASKED if wanted else UNASKED, until=until)
+        if wanted is None or wanted is True or isinstance(wanted, ProofOptions):
+            options = wanted if isinstance(wanted, ProofOptions) else ProofOptions()
+            most = UNASKED if wanted is None else options.boxes
+            proof = prove(model, most=most, until=until, options=options)
         else:
             proof = prove(model, seconds=float(wanted), until=until)
         return hold_against(model, record, proof, until)

@@ -13,17 +13,12 @@ import numpy as np
 from origami_nlp.kkt import Solve, State
 from origami_nlp.minima.descents import Descents
 from origami_nlp.minima.record import Answer, Record, close_orbit, judge
-from origami_nlp.numerics import NEAR_CONTACT, ROUNDED, SAME
+from origami_nlp.numerics import ALIKE, NEAR_CONTACT, ROUNDED, SAME
 from origami_nlp.pattern import Labels
 from origami_nlp.programme import OPEN, Contact, Model, fold_limit
 from origami_nlp.starts import DRAWN, GIVEN, SOURCES, Ends, Samples, joined
 from origami_nlp.workers import stop_workers, worker_pool
 
-FIRST_BATCH, BATCH = 256, 4096
-"""Descents made at once: at first, for early answers (where nothing can cross: each step of a few costs little there),
-and at most from then on."""
-ALIKE = 3e-5
-"""Ends of descents that differ by no more [rad] are judged once."""
 BREAKDOWN = "linear algebra broke down on the way"
 """Why a descent failed that has no end."""
 DOWN = 0.05
@@ -47,6 +42,9 @@ class Search:
         Called after each new minimum.
     until
         Times of `time.monotonic` after which descents stop, and after which no further end is judged.
+    batches
+        Descents made at once: at first, for early answers (where nothing can cross: each step of a few costs little
+        there), and at most from then on.
     """
 
     def __init__(
@@ -57,8 +55,9 @@ class Search:
         workers: int = 1,
         found: Callable[[], None] = lambda: None,
         until: tuple[float, float] = (math.inf, math.inf),
+        batches: tuple[int, int] = (256, 4096),
     ) -> None:
-        self.model, self.record = model, record
+        self.model, self.record, self._batches = model, record, batches
         self._labels = under[1] if under else None
         self._descents = Descents(under[0] if under else model, until=until[0])
         self._ends = np.empty((1024, model.size))  # as descents left them: with room to spare
@@ -127,8 +126,8 @@ class Search:
     def _parts(self, starts: Samples) -> list[Samples]:
         """Split starts in batches whose sizes do not depend on who makes them, small ones first: early answers."""
         early = self._answer_of or self._descents.crossings.any
-        first, rest = np.split(np.arange(len(starts)), [0 if early else FIRST_BATCH])
-        split = [first, *np.array_split(rest, -(-len(rest) // BATCH) or 1)]
+        first, rest = np.split(np.arange(len(starts)), [0 if early else self._batches[0]])
+        split = [first, *np.array_split(rest, -(-len(rest) // self._batches[1]) or 1)]
         return [starts[part] for part in split if len(part)]
 
     def _made_by_workers(self, parts: list[Samples]) -> Iterator[Ends] | None:

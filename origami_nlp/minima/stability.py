@@ -35,6 +35,23 @@ def verdict(scene: Scene, minimum: JudgedState) -> str:
     return "stable" if scene.contact == "full" else ""
 
 
+def judged(scene: Scene, minimum: JudgedState) -> str | None:
+    """Return what is known of a minimum in the full space, as marks of minima show it: None where nobody asked.
+
+    Parameters
+    ----------
+    scene, minimum
+        A scene and one of its minima.
+
+    Returns
+    -------
+    str or None
+        As `verdict`, a key of `show.VERDICTS`.
+    """
+    known = verdict(scene, minimum)
+    return None if known == NOT_ASKED else known
+
+
 def count_words(scene: Scene, minima: Sequence[JudgedState], none: str = "0") -> str:
     """Say how many minima there are, and how many of them are stable, as far as that is known.
 

@@ -19,7 +19,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from origami_nlp.numerics import EPS, cross
+from origami_nlp.numerics import EPS, NONZERO, cross
 from origami_nlp.starts import Point, Samples
 
 LEAST_PIVOT = 1e-2
@@ -76,7 +76,7 @@ def sweep(s: Samples, p: Point, root: np.ndarray) -> Sweep:
     along = (rows @ bent[..., None])[..., 0]
     bent -= (rows.transpose(0, 2, 1) @ (p.inverse @ along[..., None]))[..., 0]
     size = np.linalg.norm(bent, axis=1)
-    bent /= np.maximum(size, 1e-300)[:, None]
+    bent /= np.maximum(size, NONZERO)[:, None]
     turn = np.cumsum(a * bent[..., None], axis=1) - a * bent[..., None]
     # bent' H bent: H is the unit matrix and twice its part above the diagonal
     curvature = 1 + 2 * np.einsum("kj,kjx,kjx->k", bent, turn, bend)
@@ -95,7 +95,7 @@ class _Backward:
         self._a, bend = (np.ascontiguousarray(v.transpose(1, 2, 0)) for v in (a, bend))
         n, _, count = self._a.shape
         largest = (self._a**2).sum(axis=1).max(axis=0)
-        stiff = STIFF * (1 / np.maximum(largest, 1e-300) + np.abs(lam).max(axis=1))
+        stiff = STIFF * (1 / np.maximum(largest, NONZERO) + np.abs(lam).max(axis=1))
         # value: half a quadratic form of (theta, multipliers), and its linear part in the last column
         v = np.zeros((6, 7, count))
         # at the end: stiff |theta|^2 / 2 + multipliers . theta
@@ -123,7 +123,7 @@ class _Backward:
             w = self._value[3:, 3:].transpose(2, 0, 1)
             size = np.abs(w).max(axis=(1, 2))[:, None, None]
             # stationary in the multipliers; shifted by rounding for creases that all lie on one line or in one plane
-            matrix = w[..., :3] - (4 * EPS * size + 1e-300) * np.eye(3)
+            matrix = w[..., :3] - (4 * EPS * size + NONZERO) * np.eye(3)
             theta[3:6] = -np.linalg.solve(matrix, w[..., 3:])[..., 0].T
             theta[6] = 1.0
         d = np.empty((n, count))

@@ -13,7 +13,7 @@ from origami_nlp.kkt import ContactForce
 from origami_nlp.minima.minimum import JudgedState
 from origami_nlp.minima.stability import asked, verdict
 from origami_nlp.minima.telling import full_space_lines, moment_words
-from origami_nlp.numerics import SETTLED, residual_words
+from origami_nlp.numerics import NONZERO, SETTLED, TYPED, residual_words
 from origami_nlp.pattern import Scene, Vertex
 from origami_nlp.programme import Model
 from origami_nlp.show import (
@@ -152,7 +152,7 @@ def _mark(model: Model, letter: str, contact: ContactForce) -> Mark:
     creases, facets = images(model, contact)
     low, high = contact.multiplier_range
     moment = f"{contact.multiplier:.3g} N m"
-    if not math.isclose(low, high, rel_tol=1e-9, abs_tol=1e-300):
+    if not math.isclose(low, high, rel_tol=TYPED, abs_tol=NONZERO):
         moment = f"{low:.3g} to {high:.3g} N m" if math.isfinite(high) else f"≥ {low:.3g} N m"
     at = (tuple(c - 1 for c in creases), tuple(f - 1 for f in facets))
     return Mark(f"{letter} {moment}", f"contact {letter}: {contact.words()}", high > 0, *at)

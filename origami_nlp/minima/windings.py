@@ -26,7 +26,8 @@ from origami_nlp.minima.record import BREAKDOWNS
 from origami_nlp.minima.search import finish
 from origami_nlp.pattern import Scene
 from origami_nlp.programme import Model
-from origami_nlp.starts import Effort
+from origami_nlp.proof import ProofOptions
+from origami_nlp.starts import SearchOptions
 
 STOPPED = ("complete", "rule", "cap", "time")
 """Why searches stop, from the best reason to the worst."""
@@ -35,13 +36,13 @@ STOPPED = ("complete", "rule", "cap", "time")
 def jobs_of(
     scene: Scene,
     seed: int,
-    effort: Effort,
+    options: SearchOptions,
     starts: tuple[int, int],
     progress: Progress | None,
     until: float = math.inf,
 ) -> list[Job]:
     """Return the searches that a scene asks for, one for each winding; arguments as for `Job`."""
-    jobs = [Job(Model(one), seed, effort, starts, None, until) for one in scene.of_each_winding]
+    jobs = [Job(Model(one), seed, options, starts, None, until) for one in scene.of_each_winding]
     if progress is not None:
         records = [job.record for job in jobs]
 
@@ -78,13 +79,15 @@ def _miss(model: Model, guess: np.ndarray) -> float:
     return float(np.abs(model.closure(model.reduce(guess))[0]).max())
 
 
-def prove_each(jobs: Sequence[Job], wanted: bool | float | None) -> Completeness | None:
+def prove_each(
+    jobs: Sequence[Job], wanted: bool | float | ProofOptions | None
+) -> Completeness | None:
     """Try to prove that the minima on record are all, of every winding; arguments and result as of `prove_complete`."""
     first = jobs[0].model
     if len(jobs) == 1 or (wanted is None and not is_cheap(first)):
         return prove_complete(first, jobs[0].record, wanted, jobs[0].until)
     until = math.inf
-    if wanted is not None and not isinstance(wanted, bool):
+    if wanted is not None and not isinstance(wanted, bool | ProofOptions):
         until = time.process_time() + wanted
     found: list[Completeness] = []
     for job in jobs:

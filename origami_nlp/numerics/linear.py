@@ -12,7 +12,15 @@ import math
 
 import numpy as np
 
-from origami_nlp.numerics.tolerances import INDEPENDENT, RANK
+from origami_nlp.numerics.tolerances import (
+    CURVED,
+    INDEPENDENT,
+    LEVEL,
+    NONZERO,
+    RANK,
+    ROUNDED,
+    TOUCHES,
+)
 
 MOST_CORNERS = 1000
 """Choices of columns up to which corners are listed."""
@@ -38,20 +46,20 @@ def nonnegative_least_squares(b: np.ndarray, c: np.ndarray) -> np.ndarray:
         pull = b.T @ (c - b @ mu)
         pull[free | barred] = -np.inf
         new = int(pull.argmax())
-        if pull[new] <= 1e-14:
+        if pull[new] <= ROUNDED:
             break
         free[new] = True
         while True:
             trial = np.zeros(r)
-            trial[free] = np.linalg.lstsq(b[:, free], c, rcond=1e-12)[0]
+            trial[free] = np.linalg.lstsq(b[:, free], c, rcond=CURVED)[0]
             blocked = free & (trial <= 0)
             if not blocked.any():
                 mu = trial
                 break
             # go towards the trial until the first entry vanishes
-            share = mu[blocked] / np.maximum(mu[blocked] - trial[blocked], 1e-300)
+            share = mu[blocked] / np.maximum(mu[blocked] - trial[blocked], NONZERO)
             mu = mu + float(share.min()) * (trial - mu)
-            mu[blocked & (mu <= 1e-14 * mu.max())] = 0.0
+            mu[blocked & (mu <= ROUNDED * mu.max())] = 0.0
             still = free & (mu > 0)
             if (still == free).all():
                 still[np.flatnonzero(blocked)[int(share.argmin())]] = False
@@ -84,12 +92,12 @@ def nearest(point: np.ndarray, rows: np.ndarray, lower: np.ndarray) -> np.ndarra
     f[-1] = 1.0
     pressing = nonnegative_least_squares(e, f)
     left = e @ pressing - f
-    if abs(left[-1]) <= 1e-12:
+    if abs(left[-1]) <= CURVED:
         return None
     # least distance programming: the residual of the least-squares problem is the answer, but for a factor
     y = point - size * (left[:-1] / left[-1])
     on = pressing > 0  # where rows meet at sharp angles, the rows that hold say it more precisely
-    return y + np.linalg.lstsq(rows[on], lower[on] - rows[on] @ y, rcond=1e-12)[0]
+    return y + np.linalg.lstsq(rows[on], lower[on] - rows[on] @ y, rcond=CURVED)[0]
 
 
 def unbounded(b: np.ndarray) -> np.ndarray:
@@ -154,7 +162,7 @@ def _corners(b: np.ndarray, c: np.ndarray) -> np.ndarray:
 def _solving(b: np.ndarray, c: np.ndarray, mu: np.ndarray) -> np.ndarray:
     """Return those of points mu >= 0, [K, r], that solve B mu = c to rounding."""
     missed = np.abs(mu @ b.T - c).max(axis=1, initial=0.0)
-    return mu[missed <= 1e-12 * np.maximum(1.0, mu.max(axis=1, initial=0.0))]
+    return mu[missed <= LEVEL * np.maximum(1.0, mu.max(axis=1, initial=0.0))]
 
 
 def _programme(b: np.ndarray, inside: np.ndarray, bounded: np.ndarray) -> np.ndarray:
@@ -193,7 +201,7 @@ def _pivot(b: np.ndarray, basis: np.ndarray, table: np.ndarray, new: int) -> np.
     column, level = table[:, new], np.maximum(table[:, -1], 0.0)
     falls = column > INDEPENDENT
     ratio = np.where(falls, level, np.inf) / np.where(falls, column, 1.0)
-    least = np.flatnonzero(falls & (ratio <= ratio.min(initial=np.inf) * (1 + 1e-12)))
+    least = np.flatnonzero(falls & (ratio <= ratio.min(initial=np.inf) * (1 + LEVEL)))
     for row in least[basis[least].argsort()]:
         after = basis.copy()
         after[row] = new
@@ -226,10 +234,10 @@ def _basis(b: np.ndarray, inside: np.ndarray) -> np.ndarray:
 
 def refined(b: np.ndarray, c: np.ndarray, mu: np.ndarray) -> np.ndarray:
     """Take a solver's solution to rounding by a least-squares correction of its positive entries."""
-    support = mu > 1e-8 * mu.max(initial=0.0)
+    support = mu > TOUCHES * mu.max(initial=0.0)
     better = np.where(support, mu, 0.0)
     for _ in range(2):
-        better[support] += np.linalg.lstsq(b[:, support], c - b @ better, rcond=1e-12)[0]
+        better[support] += np.linalg.lstsq(b[:, support], c - b @ better, rcond=CURVED)[0]
     improved = np.linalg.norm(b @ better - c) < np.linalg.norm(b @ mu - c)
     return better if improved and better.min() >= 0 else np.maximum(mu, 0.0)
 

@@ -7,6 +7,8 @@ from typing import Any
 
 import numpy as np
 
+from origami_nlp.numerics.tolerances import EPS
+
 
 def bracketed_roots(f: Callable[[np.ndarray], np.ndarray], low: Any, high: Any) -> np.ndarray:
     """Find a root of f, one for each bracket [low, high] [K], by the Illinois form of regula falsi.
@@ -28,9 +30,9 @@ def bracketed_roots(f: Callable[[np.ndarray], np.ndarray], low: Any, high: Any) 
         # Illinois: an end that stays has its value halved, so that both ends move
         a, fa = np.where(crosses, b, a), np.where(crosses, fb, 0.5 * fa)
         b, fb = c, fc
-        if ((np.abs(b - a) <= 4e-16 * (1 + np.abs(b))) | (fb == 0)).all():
+        if ((np.abs(b - a) <= 2 * EPS * (1 + np.abs(b))) | (fb == 0)).all():
             break
-        if np.abs(c - best).max() <= 1e-16 and k > 8 and least.max() <= 1e-16:
+        if np.abs(c - best).max() <= EPS and k > 8 and least.max() <= EPS:
             break
     return best
 

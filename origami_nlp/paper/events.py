@@ -22,7 +22,7 @@ from typing import Any
 import numpy as np
 
 from origami_nlp.folding import examine, fold_vertex, pair_depths
-from origami_nlp.numerics import DEPENDENT, RESOLVED, quaternion as quat
+from origami_nlp.numerics import DEPENDENT, EPS, RESOLVED, SETTLED, TOUCHES, quaternion as quat
 from origami_nlp.pattern import Scene
 from origami_nlp.space import Chain, chain_of
 
@@ -31,8 +31,6 @@ STARTS = 12
 MOST_WALLS = 3
 SOLVED = DEPENDENT
 """Residual of an event: where its walls depend on each other nothing smaller is reached."""
-SEEN = 1e-6
-"""An event is a double zero of its walls: its state, and what touches there, are known to the square root of 1e-12."""
 
 
 @dataclass(frozen=True)
@@ -120,7 +118,7 @@ def find_events(
                 answer = root(
                     system.residual, z, jac=system.jacobian, method="lm", options={"maxiter": 60}
                 )
-                if np.abs(answer.fun).max() > 1e-7 or np.abs(answer.x).max() > 1e6:
+                if np.abs(answer.fun).max() > RESOLVED or np.abs(answer.x).max() > 1e6:
                     continue
                 event = _polished(make, [walls[i] for i in chosen], system, answer.x, low, high)
                 if event is None:
@@ -170,7 +168,7 @@ class System:
         """Return the multipliers that fit best at the x and alpha of z."""
         _, jac = self.gradients(z[: self.k], z[self.k])
         target = np.concatenate([np.zeros(self.k), [1.0]])
-        return np.linalg.lstsq(jac.T, target, rcond=1e-8)[0]
+        return np.linalg.lstsq(jac.T, target, rcond=TOUCHES)[0]
 
 
 def _equations(
@@ -221,9 +219,9 @@ def _polished(
     """
     for _ in range(30):
         f = system.residual(z)
-        if np.abs(f).max() <= 1e-15:
+        if np.abs(f).max() <= 4 * EPS:
             break
-        z = z - np.linalg.lstsq(system.jacobian(z), f, rcond=1e-6)[0]
+        z = z - np.linalg.lstsq(system.jacobian(z), f, rcond=SETTLED)[0]
     residual = float(np.abs(system.residual(z)).max())
     x, alpha = z[: system.k], float(z[system.k])
     if residual > SOLVED or not np.abs(x).max() <= math.pi + RESOLVED or not low <= alpha <= high:
@@ -232,11 +230,11 @@ def _polished(
     phi = np.clip(x, -math.pi, math.pi)[list(scene.group.orbit)]
     creases, q = fold_vertex(scene.vertex, phi)
     # closed as the sheet q = +1, and no facets through each other
-    if q[0] < 0 or np.linalg.norm(q[1:]) > RESOLVED or _deepest(creases) > SEEN:
+    if q[0] < 0 or np.linalg.norm(q[1:]) > RESOLVED or _deepest(creases) > SETTLED:
         return None
-    curve = np.linalg.svd(system.jacobian(z), compute_uv=False)[-1] < SEEN
+    curve = np.linalg.svd(system.jacobian(z), compute_uv=False)[-1] < SETTLED
     elements = scene.group.elements
-    good = examine(scene.vertex, phi, tolerance=SEEN, elements=elements).admissible
+    good = examine(scene.vertex, phi, tolerance=SETTLED, elements=elements).admissible
     names = tuple(wall.name for wall in walls)
     lam = tuple(z[system.k + 1 :].tolist())
     return Event(alpha, names, tuple(phi.tolist()), lam, residual, bool(curve), good)

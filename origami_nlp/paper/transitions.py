@@ -21,8 +21,8 @@ import numpy as np
 
 from origami_nlp.errors import OptionError
 from origami_nlp.folding import examine, fold_vertex
-from origami_nlp.numerics import CLOSES, RESOLVED, ROUNDED
-from origami_nlp.paper.events import SEEN, Event, System, find_events, walls_of
+from origami_nlp.numerics import CLOSES, RANK, RESOLVED, ROUNDED, SETTLED, TYPED
+from origami_nlp.paper.events import Event, System, find_events, walls_of
 from origami_nlp.paper.family import Signature, Sweep, Transition, Witness
 from origami_nlp.pattern import Scene, degree6, degree8
 from origami_nlp.space import MeshError, Space, chain_of, find_space
@@ -222,7 +222,7 @@ def _coincident(
             for j in range(i + 1, n):
                 here = np.linalg.norm(c[i] - c[j])
                 # on each other at this sector angle, apart at the next one with the same fold angles
-                if here < SEEN and np.linalg.norm(beside[i] - beside[j]) > SIDE / 2:
+                if here < SETTLED and np.linalg.norm(beside[i] - beside[j]) > SIDE / 2:
                     pairs.add((i + 1, j + 1))
     return tuple(sorted(pairs))
 
@@ -243,7 +243,7 @@ def _witnesses(make: Callable[[float], Scene], alpha: float, event: Event) -> li
         full = [s[chain.orbit] for s in states if s is not None]
         verdicts = tuple(
             examine(
-                make(a).vertex, phi, tolerance=1e-9, elements=chain.scene.group.elements
+                make(a).vertex, phi, tolerance=TYPED, elements=chain.scene.group.elements
             ).admissible
             for a, phi in zip((alpha - SIDE, alpha, alpha + SIDE), full, strict=True)
         )
@@ -259,7 +259,7 @@ def _held(system: System, x: np.ndarray, alpha: float) -> np.ndarray | None:
         value, jacobian = system.gradients(x, alpha)
         if np.abs(value).max() <= ROUNDED:
             break
-        x = x - np.linalg.lstsq(jacobian[:, :-1], value, rcond=1e-7)[0]
+        x = x - np.linalg.lstsq(jacobian[:, :-1], value, rcond=RANK)[0]
     value, _ = system.gradients(x, alpha)
     if np.abs(value).max() > CLOSES:
         return None

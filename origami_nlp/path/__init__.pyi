@@ -24,8 +24,8 @@ from .line import (
 from .system import Hold as Hold, Tally as Tally
 from .tracer import (
     SINGULAR as SINGULAR,
+    ContinuationOptions as ContinuationOptions,
     End as End,
-    Steps as Steps,
     Trace as Trace,
     advance as advance,
     trace as trace,

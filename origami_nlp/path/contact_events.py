@@ -13,6 +13,8 @@ from origami_nlp.numerics import (
     ENDS,
     INSIDE,
     NEAR_CONTACT,
+    NEARLY,
+    NONZERO,
     SETTLED,
     STATIONARY,
     TOUCHES,
@@ -29,8 +31,6 @@ touches is what will close."""
 LATE = 30
 """Lengths of what bisection leaves by which is stepped back: facets that cross are seen from a depth on, and there the
 sides on which features are can no longer be told."""
-NEARLY = 1e-2
-"""Fold limits this close [rad] are named where many shut at once."""
 MOST_TRIED = 8
 """Contacts that are looked for by Newton, the nearest ones."""
 MOST_NAMED = 8
@@ -251,5 +251,5 @@ def _candidates(
     slopes, moved = opening_rates(curve, good.x, tuple(rows))
     # openings over rates: how far along the tangent each contact is, to first order
     rate = -(slopes @ good.tangent[:-1] + moved * good.ahead)
-    away = np.where(rate > 0, opening / np.maximum(rate, 1e-300), np.inf)
+    away = np.where(rate > 0, opening / np.maximum(rate, NONZERO), np.inf)
     return [rows[k] for k in np.argsort(away.round(9), kind="stable")[:MOST_TRIED]]

@@ -23,10 +23,12 @@ import numpy as np
 from origami_nlp.files import Brief
 from origami_nlp.kkt import State, Stratum, find_multipliers, project
 from origami_nlp.numerics import BALANCED, FOLLOWED, NEAR_CONTACT, RANK
-from origami_nlp.path.tracer import End, Steps, Trace, trace
+from origami_nlp.path.tracer import ContinuationOptions, End, Trace, trace
 from origami_nlp.programme import Contact, Programme
 
-STEPS = Steps(first=1e-3, longest=0.04, shortest=1e-10, turn=0.05, sharpest=0.15)
+STEPS = ContinuationOptions(
+    first=1e-3, longest=0.04, shortest=1e-10, turn=0.05, sharpest=0.15, most=10**6
+)
 """Such that energy and slope are smooth between points."""
 REACH = 30.0
 """A curve is followed for this length [rad]: several times around the space of fold angles."""
@@ -197,7 +199,10 @@ def _second(held: Stratum, i: int, along: np.ndarray) -> float:
 
 
 def trace_held(
-    held: Stratum, steps: Steps, ends: Sequence[End[Point]] = (), dimension: int | None = None
+    held: Stratum,
+    steps: ContinuationOptions,
+    ends: Sequence[End[Point]] = (),
+    dimension: int | None = None,
 ) -> Trace[Point] | None:
     """Trace the boundary through a state both ways; None where no motion keeps the contacts closed.
 

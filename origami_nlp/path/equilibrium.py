@@ -110,6 +110,7 @@ class EquilibriumCurve:
     """Equilibria over a line of parameters with contacts held; see `tracer.Curve`.
 
     short: see `System.step`.  known: the last point that Newton reached, with its system.  given: the last frame.
+    corrector: steps of Newton at most.
     """
 
     line: ParameterLine
@@ -118,6 +119,7 @@ class EquilibriumCurve:
     short: bool = False
     known: list[tuple[np.ndarray, System]] = field(default_factory=list)
     given: list[Equilibrium] = field(default_factory=list)
+    corrector: int = NEWTON
 
     @cached_property
     def root(self) -> np.ndarray:
@@ -135,7 +137,7 @@ class EquilibriumCurve:
 
     def _newton(self, point: np.ndarray, move: Move) -> tuple[np.ndarray, System] | None:
         carried: np.ndarray | None = None
-        for _ in range(NEWTON):
+        for _ in range(self.corrector):
             system = self.system(point, carried)
             step = move(point, system)
             if step is None:

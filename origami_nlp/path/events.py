@@ -22,12 +22,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from origami_nlp.numerics import (
-    SETTLED,
-    STATIONARY,
-    TOUCHES,
-    bracketed_roots,
-)
+from origami_nlp.numerics import NEARLY, SETTLED, STATIONARY, TOUCHES, bracketed_roots
 from origami_nlp.path.equilibrium import Equilibrium, EquilibriumCurve
 from origami_nlp.path.flat import AT_FLAT, crossing, flat_passage
 from origami_nlp.path.halves import is_equilibrium, judged
@@ -35,8 +30,6 @@ from origami_nlp.programme import Contact
 
 BISECTIONS = 24
 """Of a step towards a singular state."""
-NEARLY = 1e-2
-"""Fold angles [rad] of a state that is called flat in words."""
 POLE = 1e-4
 """An eigenvalue passes infinity where its inverse is no larger: nearer to it Newton loses its digits."""
 Value = Callable[[Equilibrium], float]

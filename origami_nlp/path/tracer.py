@@ -15,7 +15,9 @@ from typing import Generic, Protocol, TypeVar
 
 import numpy as np
 
+from origami_nlp.arguments import check_number, check_whole
 from origami_nlp.errors import OUT_OF_TIME
+from origami_nlp.numerics import NONZERO, ROUNDED, SETTLED
 
 CLOSED_CURVE = "closed curve"
 """Why a curve ends that comes back to its first point."""
@@ -23,6 +25,7 @@ SINGULAR = "singular: closure or contacts lose rank, or no solution beyond"
 """Why a curve ends where even the shortest step fails, or turns too far."""
 ALIGNED = 0.9
 """A curve is closed where it comes back with tangents whose scalar product is larger: it may also cross itself."""
+
 
 ASIDE = 0.3
 """The corrector moves a point by a smaller share of the step: one that it moves further lies on another curve."""
@@ -59,25 +62,71 @@ class Curve(Protocol[F_co]):
 
 
 @dataclass(frozen=True)
-class Steps:
-    """How a curve is stepped along; lengths in its metric [rad].
+class ContinuationOptions:
+    """How a curve is followed; lengths are those of its metric, the root of the stiffnesses over their mean [rad].
 
-    first, longest, shortest: steps; an end is found to the shortest.  turn: the tangent turns by about this
-    much [rad] a step; a step that turns it by more than `sharpest` is halved.  growth: longest step over the one
-    before.  together: steps made before ends are looked for, in all of them at once.  most: points one way.
-    far: length one way.  until: when no further step is made (`time.monotonic`).
+    Attributes
+    ----------
+    first, longest, shortest
+        Steps of the predictor; events are bisected to the shortest.
+    turn, sharpest
+        The tangent turns by about the first [rad] a step; a step that turns it by more than the second is halved.
+    growth
+        Longest step over the one before.
+    corrector
+        Steps of Newton that bring a predicted point back onto a curve of equilibria.
+    aside
+        A corrector that moves a point by more than this share of the step went to another curve: the step is halved.
+    together
+        Steps made before ends are looked for, in all of them at once.
+    most
+        Points of a curve one way, and of an arc between events.
+    arcs
+        Arcs that are followed from one state on.
+    far
+        Length of a curve one way [rad].
+    until
+        Time of `time.monotonic` after which no further step is made.
+
+    Raises
+    ------
+    OptionError
+        If a field is not what it must be.
+
+    Examples
+    --------
+    >>> import origami_nlp as o
+    >>> from origami_nlp.path import ContinuationOptions
+    >>> fine = ContinuationOptions(longest=0.02, turn=0.02)
+    >>> path = o.load_path(o.examples.degree6("5*pi/12"), 1, to=0.05, options=fine)
+    >>> [(event.type, round(event.t, 6)) for event in path.events]
+    [('closes', 0.042461)]
     """
 
-    first: float
-    longest: float
-    shortest: float
-    turn: float
-    sharpest: float
+    first: float = 1e-3
+    longest: float = 0.1
+    shortest: float = 1e-9
+    turn: float = 0.1
+    sharpest: float = 0.3
     growth: float = 2.0
+    corrector: int = 10
+    aside: float = ASIDE
     together: int = 1
-    most: int = 10**6
+    most: int = 2000
+    arcs: int = 400
     far: float = math.inf
     until: float = math.inf
+
+    def __post_init__(self) -> None:
+        check_number("shortest", self.shortest, ROUNDED)
+        for name in ("first", "longest"):
+            check_number(name, getattr(self, name), self.shortest)
+        check_number("turn", self.turn, SETTLED, math.pi)
+        check_number("sharpest", self.sharpest, self.turn, 2 * math.pi)
+        check_number("growth", self.growth, 1.0)
+        check_number("aside", self.aside, SETTLED, 1.0)
+        for name in ("corrector", "together", "most", "arcs"):
+            check_whole(name, getattr(self, name), 1)
 
 
 @dataclass(frozen=True)
@@ -130,7 +179,7 @@ class _Step(Generic[F]):
     tried: float
 
 
-def advance(curve: Curve[F], frame: F, h: float) -> tuple[F, float] | None:
+def advance(curve: Curve[F], frame: F, h: float, aside: float = ASIDE) -> tuple[F, float] | None:
     """Go from `frame` by about arclength h; return the new frame and the arclength; None if that fails.
 
     The arclength is exact to O(h^5); without a bend it is the chord.
@@ -139,7 +188,7 @@ def advance(curve: Curve[F], frame: F, h: float) -> tuple[F, float] | None:
     # Taylor to second order; lengths are those of y = root x, states are x
     ahead = frame.x + (h * frame.tangent + 0.5 * h * h * frame.bend) / root
     x = curve.correct(ahead)
-    if x is None or np.linalg.norm(root * (x - ahead)) > ASIDE * h:
+    if x is None or np.linalg.norm(root * (x - ahead)) > aside * h:
         return None
     along = frame.tangent + h * frame.bend
     new = curve.frame(x, along / np.linalg.norm(along))
@@ -154,7 +203,9 @@ def _arc(a: Frame, b: Frame, chord: float) -> float:
     return chord * (1 + 0.5 * float(a.bend @ a.bend + b.bend @ b.bend) * chord * chord / 24)
 
 
-def trace(curve: Curve[F], first: F, steps: Steps, ends: Sequence[End[F]] = ()) -> Trace[F] | None:
+def trace(
+    curve: Curve[F], first: F, steps: ContinuationOptions, ends: Sequence[End[F]] = ()
+) -> Trace[F] | None:
     """Trace a curve both ways from the frame `first`; once around where it is closed.
 
     It ends at the first of `ends` (the first in their order where two come at once), where it is singular, and after
@@ -174,7 +225,7 @@ def trace(curve: Curve[F], first: F, steps: Steps, ends: Sequence[End[F]] = ()) 
 
 
 def trace_ahead(
-    curve: Curve[F], first: F, steps: Steps, ends: Sequence[End[F]]
+    curve: Curve[F], first: F, steps: ContinuationOptions, ends: Sequence[End[F]]
 ) -> tuple[list[F], list[float], str]:
     """Trace from `first` along its tangent: the frames after it with their arclength, and why they end."""
     frames: list[F] = []
@@ -220,12 +271,12 @@ def trace_ahead(
 
 
 def _ahead(
-    curve: Curve[F], here: F, h: float, steps: Steps, count: int
+    curve: Curve[F], here: F, h: float, steps: ContinuationOptions, count: int
 ) -> tuple[list[_Step[F]], float]:
     """Make up to `count` steps, the first of about h; returns them and the next step, 0 where none is short enough."""
     ahead: list[_Step[F]] = []
     while len(ahead) < count:
-        moved = advance(curve, here, h)
+        moved = advance(curve, here, h, steps.aside)
         turn = math.inf
         if moved is not None:
             turn = float(np.linalg.norm(moved[0].tangent - here.tangent))
@@ -237,7 +288,7 @@ def _ahead(
         here = moved[0]
         ahead.append(_Step(here, moved[1], h))
         # the turn of unit tangents is their angle, to second order: the next step shall turn by `steps.turn`
-        h = min(steps.longest, h * min(steps.growth, steps.turn / max(turn, 1e-300)))
+        h = min(steps.longest, h * min(steps.growth, steps.turn / max(turn, NONZERO)))
     return ahead, h
 
 

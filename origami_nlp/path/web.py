@@ -40,12 +40,10 @@ from origami_nlp.path.halves import (
 from origami_nlp.path.line import ParameterLine
 from origami_nlp.path.redundant import system_at
 from origami_nlp.path.system import Tally
-from origami_nlp.path.tracer import ALIGNED, CLOSED_CURVE, End, Steps, trace_ahead
+from origami_nlp.path.tracer import ALIGNED, CLOSED_CURVE, ContinuationOptions, End, trace_ahead
 
-STEPS = Steps(first=1e-2, longest=0.15, shortest=1e-9, turn=0.1, sharpest=0.3)
+STEPS = ContinuationOptions(first=1e-2, longest=0.15)
 """Some 20 to 100 steps for a branch; the tangent turns by at most 17 degrees a step."""
-MOST_STEPS, MOST_ARCS = 2000, 400
-"""Of one arc, and arcs of one web: a path that needs more is stopped by name."""
 
 
 Functions = Callable[[Equilibrium], float]
@@ -87,7 +85,7 @@ class Web:
         low: float,
         high: float,
         *,
-        steps: Steps = STEPS,
+        steps: ContinuationOptions = STEPS,
         through_folds: bool = True,
         functions: Sequence[tuple[str, Functions]] = (),
         lazy: bool = False,
@@ -95,7 +93,7 @@ class Web:
     ) -> None:
         self.lazy = lazy
         self.line, self.low, self.high = line, low, high
-        self.steps = replace(steps, most=MOST_STEPS, until=until)
+        self.steps = replace(steps, until=min(steps.until, until))
         self.interrupted = False
         self.through_folds, self.functions = through_folds, tuple(functions)
         self.nodes: list[Node] = []
@@ -160,13 +158,13 @@ class Web:
     def _follow_all(self, todo: list[tuple[int, int]]) -> None:
         """Follow half-branches, as positions of node and half, and all that comes of them."""
         before = len(self.arcs)
-        while todo and len(self.arcs) - before < MOST_ARCS and not self.late:
+        while todo and len(self.arcs) - before < self.steps.arcs and not self.late:
             number, k = todo.pop()
             if k not in self.nodes[number].used:
                 self.nodes[number].used.append(k)
                 todo += self._follow(number, self.nodes[number].halves[k])
         if todo and not self.interrupted:
-            self.nodes[todo[0][0]].why = f"more than {MOST_ARCS} arcs"
+            self.nodes[todo[0][0]].why = f"more than {self.steps.arcs} arcs"
 
     def resume(self, number: int, toward: float) -> bool:
         """Follow what was left at a node and leads to larger (1) or smaller s (-1); False where nothing does."""
@@ -190,7 +188,9 @@ class Web:
 
     def _follow(self, start: int, half: Half) -> list[tuple[int, int]]:
         """Follow a half-branch; return those that begin where it ends, as positions of node and half."""
-        curve = EquilibriumCurve(self.line, half.frame.hold, self.tally)
+        curve = EquilibriumCurve(
+            self.line, half.frame.hold, self.tally, corrector=self.steps.corrector
+        )
         frames, stop = self._trace(curve, half)
         self.tally.steps += len(frames)
         begun, here = [half.frame], start

@@ -14,6 +14,7 @@ from numbers import Real
 
 from origami_nlp.arguments import shown
 from origami_nlp.errors import AngleError
+from origami_nlp.numerics import EPS
 
 _NUMBER = r"(?:\d+\.?\d*(?:[eE][-+]?\d{1,3})?|\.\d+(?:[eE][-+]?\d{1,3})?)"
 _ANGLE = re.compile(
@@ -134,7 +135,7 @@ def format_angle(angle: float) -> str:
     if angle == 0:
         return "0"
     ratio = Fraction(angle / math.pi).limit_denominator(720)
-    if ratio and abs(float(ratio) * math.pi - angle) <= 4e-16 * max(1.0, abs(angle)):
+    if ratio and abs(float(ratio) * math.pi - angle) <= 2 * EPS * max(1.0, abs(angle)):
         p, q = abs(ratio.numerator), ratio.denominator
         head = "pi" if p == 1 else f"{p}*pi"
         return ("-" if ratio < 0 else "") + head + ("" if q == 1 else f"/{q}")

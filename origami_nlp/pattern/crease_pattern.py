@@ -15,15 +15,13 @@ import numpy as np
 
 from origami_nlp.arguments import check_type
 from origami_nlp.errors import OrigamiError
-from origami_nlp.numerics import CLOSES, TYPED
+from origami_nlp.numerics import CLOSES, NONZERO, PLACES, TYPED
 from origami_nlp.pattern.fold_file import FOLDS, Frame
 from origami_nlp.pattern.fold_notes import NOISE
 from origami_nlp.pattern.fold_rings import Rings
 from origami_nlp.pattern.fold_springs import stated_sign
 from origami_nlp.pattern.vertex import Vertex
 
-CLOSED = 1e-6
-"""Folded facets whose normals are opposite to this [rad] are shut: the file says to which side."""
 APART = math.radians(1.0)
 """Measured and stated fold angles [rad] that differ by more are worth a word."""
 
@@ -102,7 +100,7 @@ def fold_vertices(frame: Frame) -> tuple[tuple[FoldVertex, ...], tuple[str, ...]
             stated_sign(frame, e) * math.copysign(1.0, angle)
             for v in found
             for e, angle in zip(np.searchsorted(frame.numbers, v.edges), v.fold_angles, strict=True)
-            if CLOSED < abs(angle) < math.pi
+            if PLACES < abs(angle) < math.pi
         )
         if votes < 0:
             found, notes = _look(frame, turned=True)
@@ -286,12 +284,12 @@ def _measured(
     d: np.ndarray, normals: np.ndarray, keep: list[int], frame: Frame, at: list[int]
 ) -> tuple[np.ndarray, bool]:
     """Fold angles from the facets' normals; where a crease is shut the file says to which side."""
-    unit = normals / np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300)
+    unit = normals / np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), NONZERO)
     phi, unsure = [], False
     for k, e in zip(keep, at, strict=True):
         before, after = unit[k - 1], unit[k]
         angle = math.atan2(float(d[k] @ np.cross(before, after)), float(before @ after))
-        if math.pi - abs(angle) < CLOSED:
+        if math.pi - abs(angle) < PLACES:
             sign = stated_sign(frame, e)
             unsure |= sign == 0.0
             angle = math.copysign(math.pi, sign or 1.0)

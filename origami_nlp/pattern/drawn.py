@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from origami_nlp.numerics import PLACES
 from origami_nlp.pattern.fold_file import REST_KEY, STIFFNESS_KEY
 from origami_nlp.pattern.scene import Scene
 
@@ -21,8 +22,6 @@ Letter = Callable[[complex, complex], str]
 """Letter of the crease between two points x + iy."""
 Spring = Callable[[complex, complex], tuple[float, float]]
 """Rest angle [rad] and stiffness [N m/rad] of the crease between two points."""
-GRID = 1e-6
-"""Corners of faces that lie nearer than this are one vertex; those of patterns are 0.1 or more apart."""
 
 
 def to_fold(
@@ -51,7 +50,7 @@ def to_fold(
     coords: list[Point] = []
 
     def number(p: Point) -> int:
-        key = (round(p[0] / GRID), round(p[1] / GRID))
+        key = (round(p[0] / PLACES), round(p[1] / PLACES))
         if key not in vertices:
             vertices[key] = len(coords)
             coords.append((float(p[0]) + 0.0, float(p[1]) + 0.0))
@@ -275,7 +274,7 @@ def metasheet(rows: int, columns: int) -> tuple[list[Face], Letter, Spring]:
         return ((a, b), (d, c))[i % 2][j % 2] + (i // 2) * up + (j // 2) * along
 
     def key(z: complex) -> tuple[int, int]:
-        return round(z.real / GRID), round(z.imag / GRID)
+        return round(z.real / PLACES), round(z.imag / PLACES)
 
     faces: list[Face] = []
     for i in range(rows):

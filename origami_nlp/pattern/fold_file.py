@@ -358,7 +358,7 @@ def _coords(value: object) -> tuple[np.ndarray, bool]:
     # products of four lengths must be numbers, of small facets too
     if np.abs(out).max() > 1e50:
         raise FoldFileError("vertices_coords exceed 1e50: rescale the pattern")
-    if 0.0 < np.ptp(out, axis=0).max() < 1e-50:
+    if 0.0 < np.ptp(out, axis=0).max() < 1 / 1e50:
         raise FoldFileError("vertices_coords span less than 1e-50: rescale the pattern")
     return out, wide
 

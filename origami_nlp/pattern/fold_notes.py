@@ -6,8 +6,12 @@ import math
 
 import numpy as np
 
-NOISE = 1e-4
-"""Relative size of deviations from a plane, or of angle sums from 2 pi [rad], taken for noise in coordinates."""
+from origami_nlp.numerics import NOISE, NONZERO, PLACES
+
+LOOKS_LIKE_PI = 1e-3
+"""Degrees beside pi that nobody means: who writes so means radians."""
+UP = (1e-6, 1e-3, 1.0)
+"""Where a sheet without a side is seen from: above, and from somewhere where its normal lies in the plane."""
 
 
 def once(
@@ -57,12 +61,12 @@ def in_radians(angles: np.ndarray, legacy: bool, notes: list[str]) -> bool:
     largest fold is below 3.15 degrees is no file that people make.
     """
     largest = float(np.nanmax(np.abs(angles), initial=0.0))
-    if legacy and 0 < largest <= math.pi * (1 + 1e-6):
+    if legacy and 0 < largest <= math.pi * (1 + PLACES):
         notes.append(
             f"edges_foldAngles: the largest is {largest:.6g}, read as radians; name it edges_foldAngle for degrees"
         )
         return True
-    if abs(largest - math.pi) < 1e-3:
+    if abs(largest - math.pi) < LOOKS_LIKE_PI:
         notes.append(
             "edges_foldAngle: the largest is pi, read as degrees as FOLD says: if it means radians, write 180"
         )
@@ -81,7 +85,7 @@ def flattened(
     """Lay a crease pattern given in space into the plane z = 0; coordinates in no plane are folded."""
     middle = coords.mean(axis=0)
     _, extent, axes = np.linalg.svd(coords - middle, full_matrices=False)
-    if len(extent) == 3 and extent[2] > NOISE * max(extent[0], 1e-300):
+    if len(extent) == 3 and extent[2] > NOISE * max(extent[0], NONZERO):
         if not folded:
             notes.append("coordinates lie in no plane: read as a folded form")
         return coords, True
@@ -94,7 +98,7 @@ def flattened(
     areas = np.cross(about[sides[:, 0]], about[sides[:, 1]])
     area = areas.sum(axis=0)
     seen = np.linalg.norm(area) > NOISE * np.linalg.norm(areas, axis=1).sum()
-    up = area if seen else np.array([1e-6, 1e-3, 1.0])
+    up = area if seen else np.array(UP)
     if (
         normal @ up < 0
     ):  # faces counter-clockwise as seen from above; without faces from +z (or +y, +x)

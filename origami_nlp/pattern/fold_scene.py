@@ -12,6 +12,7 @@ import numpy as np
 
 from origami_nlp.arguments import check_type, check_whole, shown
 from origami_nlp.errors import FoldFileError, OptionError
+from origami_nlp.numerics import NOISE
 from origami_nlp.pattern.crease_pattern import FoldVertex, fold_vertices, make_vertex
 from origami_nlp.pattern.fold_file import LOADS_KEY, Frame, read_fold
 from origami_nlp.pattern.fold_notes import listed
@@ -23,9 +24,6 @@ from origami_nlp.pattern.fold_springs import (
     fold_springs,
 )
 from origami_nlp.pattern.scene import Contact, Scene
-
-NOISY = 1e-4
-"""Angles [rad] of measured or drawn patterns that differ by less count as equal when symmetry is looked for."""
 
 
 def _to_stderr(note: str) -> None:
@@ -187,7 +185,7 @@ def scene_at(
         symmetry,
         contact,
         name=f"{frame.title or 'FOLD'}, vertex {v.number}",
-        symmetry_tolerance=NOISY,
+        symmetry_tolerance=NOISE,
         preload=tuple(np.nan_to_num(frame.preload[at]).tolist()),
         **loads,
     )

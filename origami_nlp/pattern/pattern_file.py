@@ -11,8 +11,8 @@ import numpy as np
 
 from origami_nlp.arguments import check_type
 from origami_nlp.errors import FoldFileError
-from origami_nlp.numerics import TYPED, groups
-from origami_nlp.pattern.crease_pattern import APART, CLOSED
+from origami_nlp.numerics import PLACES, TYPED, groups
+from origami_nlp.pattern.crease_pattern import APART
 from origami_nlp.pattern.digits import made_exact
 from origami_nlp.pattern.fold_file import LOADS_KEY, PRELOAD_KEY, Frame, read_fold
 from origami_nlp.pattern.fold_notes import NOISE, listed
@@ -375,7 +375,7 @@ class _Sheet:
             d = x[ends[1]] - x[ends[0]]
             angle = math.atan2(float(d @ np.cross(a, b)) / float(np.linalg.norm(d)), float(a @ b))
             sign = stated_sign(frame, e)
-            if math.pi - abs(angle) < CLOSED:
+            if math.pi - abs(angle) < PLACES:
                 # facets of a valley lie on the sides of each other's normals
                 lie = lies.get(side(left[ends], left[ends[::-1]]), 0.0)
                 votes += sign * lie
@@ -383,7 +383,7 @@ class _Sheet:
                 if not sign:
                     unsure.append(int(frame.numbers[e]))
                 angle = math.copysign(math.pi, sign or 1.0)
-            elif abs(angle) > CLOSED:
+            elif abs(angle) > PLACES:
                 votes += sign * math.copysign(1.0, angle)
             phi[ends] = angle
         note = f"shut creases {listed(unsure)} without assignment or fold angle: taken for valleys"

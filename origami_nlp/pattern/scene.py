@@ -12,7 +12,7 @@ import numpy as np
 from origami_nlp.arguments import check_angles, shown
 from origami_nlp.errors import OptionError, SceneError, SymmetryError
 from origami_nlp.files import Full, is_unicode, printable
-from origami_nlp.numerics import RESOLVED, SUMMED, TYPED
+from origami_nlp.numerics import EPS, RESOLVED, SUMMED, TYPED
 from origami_nlp.pattern.angles import format_angle, parse_angles
 from origami_nlp.pattern.loads import Load, dead_loads, read_loads
 from origami_nlp.pattern.relations import Relations, find_relations
@@ -145,7 +145,7 @@ class Scene(Full):
         rest = parse_angles(self.rest_angles, "rest_angles")
         _same_length(rest, "rest_angles", n)
         for i, a in enumerate(rest, start=1):
-            if abs(a) > math.pi * (1 + 1e-15):
+            if abs(a) > math.pi * (1 + 4 * EPS):
                 raise SceneError(
                     f"rest_angles[{i}] = {a:.6g} is outside [-pi, pi]: fold angles are radians, "
                     "valley positive; a torque beyond is stated as preload"

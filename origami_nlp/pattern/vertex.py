@@ -19,7 +19,7 @@ import numpy as np
 from origami_nlp.arguments import shown
 from origami_nlp.errors import VertexError
 from origami_nlp.files import Full, cut
-from origami_nlp.numerics import CLOSES, RESOLVED, ROUNDED, TYPED
+from origami_nlp.numerics import CLOSES, PLACES, RESOLVED, ROUNDED, TYPED
 from origami_nlp.pattern.angles import format_angle, parse_angles
 
 
@@ -148,7 +148,7 @@ class Vertex(Full):
         azimuth = np.arctan2(d[:, 1], d[:, 0])
         sectors = np.mod(np.roll(azimuth, -1) - azimuth, 2 * math.pi)
         # counter-clockwise, directions go round once; in another order the steps sum to a multiple of 2 pi
-        if abs(math.fsum(sectors) - 2 * math.pi) > 1e-6:
+        if abs(math.fsum(sectors) - 2 * math.pi) > PLACES:
             raise VertexError("directions are not in counter-clockwise order: sort them by azimuth")
         return cls(tuple(sectors.tolist()))
 

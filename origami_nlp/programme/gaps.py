@@ -25,7 +25,7 @@ from typing import Any, Literal
 
 import casadi as ca
 
-from origami_nlp.numerics import quaternion as quat
+from origami_nlp.numerics import OUTSIDE, quaternion as quat
 from origami_nlp.programme.closure import Folded
 
 ContactType = Literal["fold-limit", "mirror", "axis", "facet-pair"]
@@ -79,7 +79,7 @@ def can_cross(sector_angles: Sequence[float], i: int, j: int) -> bool:
     between = [sector_angles[m % n] for m in range(i + 1, i + (j - i) % n)]
     outside = [sector_angles[m % n] for m in range(j + 1, j + (i - j) % n)]
     spare = sector_angles[i] + sector_angles[j]
-    return touching_deficit(between) + touching_deficit(outside) < spare - 1e-12
+    return touching_deficit(between) + touching_deficit(outside) < spare - OUTSIDE
 
 
 @lru_cache(maxsize=64)

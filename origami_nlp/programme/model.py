@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from origami_nlp.folding import examine, pair_depths
-from origami_nlp.numerics import OUTSIDE, TOUCHES
+from origami_nlp.numerics import ANSWERED, LOADED, OUTSIDE, TOUCHES
 from origami_nlp.programme.compiled import Functions, compile_structure, mapped
 from origami_nlp.programme.contact import Contact, fold_limit, openings
 from origami_nlp.programme.kinematics import Kinematics
@@ -347,7 +347,7 @@ class Model(Posed):
         rows = []
         for v in range(self.size if self.has_limits else 0):
             slack, force = math.pi - abs(x[v]), abs(pull[v])
-            if slack <= 1e-6 or (slack <= 1e-2 and force > slack):
+            if slack <= ANSWERED or (slack <= LOADED and force > slack):
                 rows.append(fold_limit(v, x[v]))
         if self.structure.gaps:
             rows += guess_gaps(self, self.local(x).gaps, self.rays(x), rows, pair_force)

@@ -22,6 +22,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from origami_nlp.numerics import NONZERO
 from origami_nlp.programme.posed import Posed
 
 
@@ -131,7 +132,7 @@ class MomentMap:
         sine = np.sqrt((vector * vector).sum(axis=0))
         angle = 2 * np.arctan2(sine, scalar)
         # rotation vector: axis times angle; angle / sin(angle / 2) tends to 2 where nothing is missed
-        miss = vector * np.where(sine > 0, angle / np.maximum(sine, 1e-300), 2.0)
+        miss = vector * np.where(sine > 0, angle / np.maximum(sine, NONZERO), 2.0)
         if theta is None:
             return Shot(x, miss.T, None, None)
         left, right = theta[:, :, 0], theta[:, :, 1]

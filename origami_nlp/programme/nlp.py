@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import casadi as ca
 import numpy as np
 
-from origami_nlp.numerics import cross
+from origami_nlp.numerics import INDEPENDENT, cross
 from origami_nlp.programme.compiled import Structure, compile_structure
 from origami_nlp.programme.gaps import separation_rows
 
@@ -76,10 +76,10 @@ def separating_normal(rays: np.ndarray, pair: tuple[int, int]) -> np.ndarray:
     a, b = np.triu_indices(4, 1)
     normals = cross(corners[a], corners[b])
     length = np.linalg.norm(normals, axis=1)
-    normals = normals[length > 1e-9] / length[length > 1e-9, None]
+    normals = normals[length > INDEPENDENT] / length[length > INDEPENDENT, None]
     # planes that only touch both facets on one side are as good as the bisector of the two groups
     middle = corners[:2].sum(axis=0) - corners[2:].sum(axis=0)
-    if np.linalg.norm(middle) > 1e-9:
+    if np.linalg.norm(middle) > INDEPENDENT:
         normals = np.vstack([normals, middle / np.linalg.norm(middle)])
     normals = np.vstack([normals, -normals])
     margin = np.min(normals @ (corners * np.array([1, 1, -1, -1])[:, None]).T, axis=1)

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from origami_nlp.numerics import EPS, STEP_NOISE
 from origami_nlp.pattern import DeadLoads
 
 
@@ -55,6 +56,11 @@ class Parameters:
     def softness(self) -> float:
         """Softest spring over the mean one: how small a torque still matters."""
         return float(self.stiffness.min() / self.stiffness.mean())
+
+    @property
+    def step_noise(self) -> float:
+        """Length of a Newton step [rad] that is only rounding: more with very soft springs."""
+        return max(STEP_NOISE, 4 * EPS / self.softness)
 
     def energy(self, x: np.ndarray) -> np.ndarray:
         """Energy of states [..., n] over `Model.scale`, the work of the load included, shape [...]."""

@@ -178,11 +178,6 @@ class Posed(Full):
         return tuple(found)
 
     @property
-    def step_noise(self) -> float:
-        """Length of a Newton step [rad] that is only rounding: 1e-10, more with very soft springs."""
-        return max(1e-10, 1e-15 / self.parameters.softness)
-
-    @property
     def bound(self) -> float:
         """Largest |fold angle|: pi, or 2 pi without contact, where each further turn repeats the shape."""
         return math.pi if self.has_limits else 2 * math.pi

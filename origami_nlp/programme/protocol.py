@@ -46,8 +46,6 @@ class Programme(Protocol):
     @property
     def bound(self) -> float: ...  # noqa: D102
     @property
-    def step_noise(self) -> float: ...  # noqa: D102
-    @property
     def has_limits(self) -> bool: ...  # noqa: D102
     @property
     def limits(self) -> tuple[Contact, ...]: ...  # noqa: D102

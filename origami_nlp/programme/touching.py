@@ -18,7 +18,7 @@ from functools import cached_property
 import numpy as np
 
 from origami_nlp.folding import LARGEST_TOLERANCE, LayerProblem, fold_vertex, layer_problem
-from origami_nlp.numerics import RANK, TOUCHES, cross
+from origami_nlp.numerics import ANSWERED, BESIDE, RANK, TOUCHES, UNPOLISHED, cross
 from origami_nlp.programme.contact import Contact, fold_limit
 from origami_nlp.programme.gaps import Gap, first_of_each
 from origami_nlp.programme.posed import Posed
@@ -152,11 +152,11 @@ def guess_gaps(
     for index, gap in enumerate(model.structure.gaps):
         value = gaps[index]
         if gap.pair is None:
-            if value <= 1e-5:
+            if value <= UNPOLISHED:
                 out.append(Contact("gap", index, 1))
             continue
-        pressed = pair_force is None or pair_force.get(gap.pair, 0.0) > 1e-5
-        if not pressed or abs(value) > 1e-3:
+        pressed = pair_force is None or pair_force.get(gap.pair, 0.0) > UNPOLISHED
+        if not pressed or abs(value) > BESIDE:
             continue
         k, j = gap.rays
         side = _side(rays, k, j, gap.pair)
@@ -171,12 +171,12 @@ def _side(rays: np.ndarray, k: int, j: int, pair: tuple[int, int]) -> int:
     n = len(rays)
     a, b, c = rays[j], rays[(j + 1) % n], rays[k]
     normal = cross(a, b)
-    if cross(a, c) @ normal < -1e-3 or cross(c, b) @ normal < -1e-3:
+    if cross(a, c) @ normal < -BESIDE or cross(c, b) @ normal < -BESIDE:
         return 0
     start = pair[0] if pair[1] == j else pair[1]
     other = rays[(start + 1) % n] if k == start else rays[start]
     height = other @ normal
-    return 0 if abs(height) < 1e-6 else int(math.copysign(1, height))
+    return 0 if abs(height) < ANSWERED else int(math.copysign(1, height))
 
 
 def closed_contacts(

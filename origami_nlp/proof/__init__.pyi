@@ -22,6 +22,7 @@ from .complete import pose as pose
 from .document import certificate_of as certificate_of
 from .figure import draw_proof as draw_proof, locate as locate
 from .flat import Flat as Flat, flat_lemma as flat_lemma
+from .options import ProofOptions as ProofOptions
 from .result import Cluster as Cluster, CriticalPoint as CriticalPoint, Proof as Proof
 from .singular import Isolation as Isolation, isolated as isolated
 from .touches import prove as prove, why_not as why_not

@@ -24,7 +24,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from origami_nlp.numerics import TOUCHES
+from origami_nlp.numerics import EPS, TOUCHES
 from origami_nlp.programme import Model
 from origami_nlp.proof.pieces import Folded, Piece, Product, cross, times
 from origami_nlp.proof.touching_rows import Row
@@ -241,5 +241,5 @@ def _inside(folded: Folded, k: int, j: int) -> np.ndarray:
 
 def _sign_of_sine(low: np.ndarray, high: np.ndarray, pins: np.ndarray) -> np.ndarray:
     """Sign of the sine of angles within (-pi, pi), [R, n]; 0 where unclear."""
-    clear = (np.maximum(np.abs(low), np.abs(high)) < math.pi - 1e-15) & (pins == 0)
+    clear = (np.maximum(np.abs(low), np.abs(high)) < math.pi - 4 * EPS) & (pins == 0)
     return np.where(clear & (low > 0), 1, np.where(clear & (high < 0), -1, 0))

@@ -24,15 +24,12 @@ from typing import Protocol
 
 import numpy as np
 
-from origami_nlp.numerics import DEPENDENT, RANK, first_largest
+from origami_nlp.numerics import DEPENDENT, NONZERO, RANK, first_largest
 from origami_nlp.proof.affine import TINY, UNIT, Affine, variables
 from origami_nlp.proof.chains import Rows
+from origami_nlp.proof.options import DEFAULT, ProofOptions
 from origami_nlp.proof.tree import Kind, Recorder
 
-BATCH = 2_000
-"""Boxes treated at once: fewer waste time between array operations, more fall out of the processor's cache."""
-SMALL = 1e-5
-"""Boxes whose sides are all shorter [rad] are candidates, for roots or singular states."""
 WIDER = 1e-9
 """Share of its half width by which a contracted box is left wider than computed, for replays in other arithmetic."""
 GRID = 2.0**-12
@@ -144,7 +141,8 @@ def prune(
     start: Boxes,
     *,
     flat: float = 0.0,
-    small: float = SMALL,
+    small: float | None = None,
+    options: ProofOptions = DEFAULT,
     most: float = math.inf,
     seconds: float | None = None,
     until: float = math.inf,
@@ -161,7 +159,9 @@ def prune(
     flat
         Boxes within this of the flat state [rad] are left to its lemma; 0.0 where that does not hold.
     small
-        Boxes narrower than this [rad] are candidates.
+        Boxes narrower than this [rad] are candidates; None: than the options say.
+    options
+        How many boxes are treated together.
     most
         Stop after this many boxes.
     seconds
@@ -177,10 +177,11 @@ def prune(
         Candidates and boxes that are open; every other point of `start` is excluded, or near the flat state.
     """
     stack, found = [start], []
+    small = options.smallest if small is None else small
     boxes = flats = 0
     end = math.inf if seconds is None else time.process_time() + seconds
     while stack and boxes < most and time.process_time() < end and time.monotonic() < until:
-        batch = joined(list(_popped(stack)))
+        batch = joined(list(_popped(stack, options.batch)))
         boxes += len(batch)
         done, again = _shrunk(posed, batch, small, recorder)
         near = _reach(again) <= flat
@@ -194,9 +195,8 @@ def prune(
     return Left(joined([nothing, *found]), joined([nothing, *stack]), boxes, flats)
 
 
-def _popped(stack: list[Boxes]) -> Iterator[Boxes]:
-    """Take up to `BATCH` boxes off the end of a stack of batches."""
-    wanted = BATCH
+def _popped(stack: list[Boxes], wanted: int) -> Iterator[Boxes]:
+    """Take up to `wanted` boxes off the end of a stack of batches."""
     while stack and wanted:
         top = stack.pop()
         if len(top) > wanted:
@@ -338,7 +338,7 @@ def _inverse_of_pivots(a: np.ndarray, posed: Posed) -> np.ndarray:
     for p in range(posed.pivots):
         chosen[:, p] = best = first_largest((rest * rest).sum(axis=1))
         u = rest[k, :, best]
-        u = u / np.maximum(np.sqrt((u * u).sum(axis=1)), 1e-300)[:, None]
+        u = u / np.maximum(np.sqrt((u * u).sum(axis=1)), NONZERO)[:, None]
         # Gram and Schmidt with pivoting: each column chosen is the largest of what the others leave
         rest = rest - u[:, :, None] * (u[:, None, :] @ rest)
     square = np.take_along_axis(rows, chosen[:, None, :], axis=2)

@@ -12,9 +12,10 @@ from origami_nlp.arguments import check_type
 from origami_nlp.errors import OptionError
 from origami_nlp.numerics import groups
 from origami_nlp.programme import Model
-from origami_nlp.proof.boxes import SMALL, Boxes, Posed, joined, prune, strata
+from origami_nlp.proof.boxes import Boxes, Posed, joined, prune, strata
 from origami_nlp.proof.chains import Vertex
 from origami_nlp.proof.flat import RADII, Flat, flat_lemma
+from origami_nlp.proof.options import DEFAULT, ProofOptions
 from origami_nlp.proof.periods import Period
 from origami_nlp.proof.result import Cluster, CriticalPoint, Proof
 from origami_nlp.proof.roots import (
@@ -29,16 +30,10 @@ from origami_nlp.proof.system import System
 from origami_nlp.proof.tree import Kind, Recorder
 from origami_nlp.proof.wedges import Wedge
 
-TOGETHER = 20 * SMALL
-"""Side [rad] of the cells by which boxes are grouped into clusters."""
-SMALLER = (1e-7, 1e-9)
-"""Widths [rad] to which boxes are bisected where `SMALL` ones hold no certified root, though closure has full rank."""
-MOST = 20_000
-"""Boxes for that."""
 NEAR = 0.05
 """Boxes this near to the flat state [rad], beyond its lemma, are made smaller too."""
 LOW = 1e-4
-"""Smallest singular value of closure on the free variables, in a box of `SMALL`, from which on it counts as regular."""
+"""Smallest singular value of closure on the free variables, in the smallest boxes, that counts as regular."""
 
 
 def prove(
@@ -48,6 +43,7 @@ def prove(
     most: float = math.inf,
     record: bool = False,
     until: float = math.inf,
+    options: ProofOptions = DEFAULT,
 ) -> Proof:
     """Find every critical point of a scene within fold limits, by branch and prune and certificates of all roots.
 
@@ -63,6 +59,8 @@ def prove(
         Whether to keep the tree of boxes.
     until
         Stop then (`time.monotonic`), as after `seconds`.
+    options
+        Widths of boxes, and how many are treated together.
 
     Returns
     -------
@@ -88,11 +86,12 @@ def prove(
     start = strata(posed.size)
     recorder = Recorder(len(start)) if record else None
     near = flat.radius or (RADII[0] if model.scene.group.is_trivial else 0.0)
-    left = prune(
-        posed, start, flat=near, most=most, seconds=seconds, until=until, recorder=recorder
-    )
+    limits = {"most": most, "seconds": seconds, "until": until}
+    left = prune(posed, start, flat=near, options=options, recorder=recorder, **limits)  # type: ignore[arg-type]
     system = System(model)
-    roots, held, number, rest, more = certified(system, posed, left.candidates, near, recorder)
+    roots, held, number, rest, more = certified(
+        system, posed, left.candidates, near, recorder, options
+    )
     # a root with a free angle at its limit is none of the open stratum: the state belongs to others
     # |phi| < pi for certain on the open stratum
     inside = (np.abs(roots.x) + roots.radius[:, None] < math.pi) | (roots.pins != 0)
@@ -112,7 +111,7 @@ def prove(
         singular.append(
             cluster_of(model, group, "free angles at their limits: a state of other strata")
         )
-    for group in [rest[g] for g in clusters(rest)]:
+    for group in [rest[g] for g in clusters(rest, options)]:
         reason, is_singular = reason_of(system, group)
         kept = singular if is_singular else undecided
         leaves.append((group.node, Kind.SINGULAR if is_singular else Kind.UNDECIDED, len(kept)))
@@ -188,7 +187,12 @@ def pose(model: Model) -> tuple[Posed, Flat]:
 
 
 def certified(
-    system: System, posed: Posed, boxes: Boxes, flat: float, recorder: Recorder | None
+    system: System,
+    posed: Posed,
+    boxes: Boxes,
+    flat: float,
+    recorder: Recorder | None,
+    options: ProofOptions,
 ) -> tuple[Roots, Boxes, np.ndarray, Boxes, int]:
     """Certify roots of candidates; boxes that none holds, and where closure has full rank, are made smaller.
 
@@ -206,10 +210,18 @@ def certified(
     """
     found, more = certify(system, *_none(system))[0], 0
     held, numbers = [boxes[:0]], [np.zeros(0, dtype=int)]
-    for small in (0.0, *SMALLER):
+    for small in (0.0, *options.smaller):
         if small:
-            which = _regular(system, boxes, flat)
-            again = prune(posed, boxes[which], flat=flat, small=small, most=MOST, recorder=recorder)
+            which = _regular(system, boxes, flat, options.smallest)
+            again = prune(
+                posed,
+                boxes[which],
+                flat=flat,
+                small=small,
+                options=options,
+                most=options.smaller_boxes,
+                recorder=recorder,
+            )
             boxes, more = joined([boxes[~which], again.candidates, again.open]), more + again.boxes
         roots = different(joined_roots([found, _roots_of(system, boxes)]), len(found))
         number = holds(system, roots, boxes)
@@ -238,12 +250,12 @@ def _roots_of(system: System, boxes: Boxes) -> Roots:
     return certify(system, x[some], lam[some], pins[some])[0]
 
 
-def _regular(system: System, boxes: Boxes, flat: float) -> np.ndarray:
+def _regular(system: System, boxes: Boxes, flat: float, size: float) -> np.ndarray:
     """Tell at which boxes closure has full rank, on the free variables and for their size, [K]."""
     pins = boxes.pins.T
     x = np.where(pins == 0, 0.5 * (boxes.lower + boxes.upper).T, math.pi * pins)
     near = (np.abs(x).max(axis=1) < NEAR) & (flat > 0)  # beyond the flat state's lemma
-    return near | (system.least_slope(x, pins) > 3 * SMALL)
+    return near | (system.least_slope(x, pins) > 3 * size)
 
 
 def _point(model: Model, roots: Roots, i: int) -> CriticalPoint:
@@ -273,13 +285,15 @@ def _point(model: Model, roots: Roots, i: int) -> CriticalPoint:
     )
 
 
-def clusters(boxes: Boxes) -> Iterator[np.ndarray]:
-    """Group boxes of one stratum that are close to each other: whose cells of side `TOGETHER` are no two apart."""
+def clusters(boxes: Boxes, options: ProofOptions) -> Iterator[np.ndarray]:
+    """Group boxes of one stratum that are close to each other: cells of twenty times the smallest are no two apart."""
     from scipy.spatial import cKDTree
 
     for group in by_stratum(boxes):
         middle = 0.5 * (boxes.lower[:, group] + boxes.upper[:, group])
-        cells, cell = np.unique(np.floor(middle.T / TOGETHER), axis=0, return_inverse=True)
+        cells, cell = np.unique(
+            np.floor(middle.T / (20 * options.smallest)), axis=0, return_inverse=True
+        )
         near = cKDTree(cells).query_pairs(2.5, p=math.inf, output_type="ndarray")
         label = groups(len(cells), near)
         for k in range(label.max() + 1):

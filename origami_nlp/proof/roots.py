@@ -26,8 +26,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from origami_nlp.numerics import CURVED, FOLLOWED, INDEPENDENT, SAME
 from origami_nlp.proof.affine import TINY, UNIT
-from origami_nlp.proof.boxes import Boxes
+from origami_nlp.proof.boxes import WIDER, Boxes
 from origami_nlp.proof.system import Local, System
 
 STEPS = 30
@@ -98,12 +99,12 @@ def newton(
         step = np.where(alive[:, None], step, 0.0)
         x, lam = x - step[:, :n], lam - step[:, n:]
         alive &= np.abs(x - start).max(axis=1) < FAR
-        settled = (size < 1e-13) | ((size > 0.5 * last) & (size < 1e-9))
+        settled = (size < FOLLOWED) | ((size > 0.5 * last) & (size < INDEPENDENT))
         last = size
         if (settled | ~alive).all():
             break
     sheet = system.kinematics.fold(x).sheet
-    return x, lam, alive & (last < 1e-8) & (sheet > 0)
+    return x, lam, alive & (last < SAME) & (sheet > 0)
 
 
 def _solved(jacobian: np.ndarray, f: np.ndarray) -> np.ndarray:
@@ -199,7 +200,7 @@ def _lean(at: Local) -> np.ndarray:
 
 def _levers(at: Local, within: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """|P| [R, m, n], P A' = 1 on free variables; what k x - A' lam, and A', change with x, for t <= within, [R, n]."""
-    p = np.abs(np.linalg.pinv(at.a.transpose(0, 2, 1), rcond=1e-12))
+    p = np.abs(np.linalg.pinv(at.a.transpose(0, 2, 1), rcond=CURVED))
     s = at.beta.sum(axis=1)
     turned = at.beta * s[:, None]
     later = 0.5 * within * at.size * s
@@ -250,7 +251,7 @@ def holds(system: System, roots: Roots, boxes: Boxes) -> np.ndarray:
             np.abs(boxes.lower[:, k] - roots.x), np.abs(boxes.upper[:, k] - roots.x)
         )
         r = np.where(boxes.pins[:, k] == 0, distance, 0.0).max(axis=1)
-        inside = (r <= roots.unique * (1 - 1e-9)) & (r <= firm)
+        inside = (r <= roots.unique * (1 - WIDER)) & (r <= firm)
         inside &= 1.8 * (moves * r + noise) <= roots.spread
         fits = np.flatnonzero(same & inside)
         if len(fits):

@@ -19,7 +19,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from origami_nlp.numerics import cross
+from origami_nlp.numerics import INDEPENDENT, cross
 from origami_nlp.programme import Folded, Kinematics, Model
 from origami_nlp.proof.affine import UNIT
 from origami_nlp.proof.chains import SECTORS
@@ -197,7 +197,9 @@ class System:
         """Return the multipliers [R, m] that balance the free variables best."""
         a = self.closure(x) * (pins == 0)[:, None]
         torque = np.where(pins == 0, self.k * (x - self.rest), 0.0)
-        return (np.linalg.pinv(a.transpose(0, 2, 1), rcond=1e-9) @ torque[:, :, None])[:, :, 0]
+        return (np.linalg.pinv(a.transpose(0, 2, 1), rcond=INDEPENDENT) @ torque[:, :, None])[
+            :, :, 0
+        ]
 
     def _derivatives(self, x: np.ndarray, lam: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """g'' [R, m, n, n] and lam . g''' [R, n, n, n]."""

@@ -42,15 +42,16 @@ import math
 import time
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
 from origami_nlp.arguments import check_type
 from origami_nlp.kkt import State, classify
-from origami_nlp.numerics import RESOLVED, SUMMED
+from origami_nlp.numerics import RESOLVED, SUMMED, TYPED
 from origami_nlp.programme import Model
 from origami_nlp.proof.apart import APART, CROSSED, Signs
-from origami_nlp.proof.boxes import SMALL, Boxes, Posed, prune, strata
+from origami_nlp.proof.boxes import Boxes, Posed, prune, strata
 from origami_nlp.proof.complete import (
     by_stratum,
     certified,
@@ -59,16 +60,12 @@ from origami_nlp.proof.complete import (
     prove as prove_within_limits,
     reason_of,
 )
+from origami_nlp.proof.options import DEFAULT, ProofOptions
 from origami_nlp.proof.pieces import Piece
 from origami_nlp.proof.result import Cluster, CriticalPoint, Proof
 from origami_nlp.proof.roots import Roots
 from origami_nlp.proof.touch_roots import TouchSystem
 from origami_nlp.proof.touching_rows import Row, TouchedVertex, TouchedWedge
-
-MOST = 5_000
-"""Small boxes of a set of touches from which on they are no isolated points."""
-MOST_BOXES = 1_000_000
-"""Boxes for all sets of touches together: 20 seconds, twice what vertices within 1e-6 of a regular one need."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,6 +94,7 @@ def prove(
     most: float = math.inf,
     record: bool = False,
     until: float = math.inf,
+    options: ProofOptions = DEFAULT,
 ) -> Proof:
     """Find every critical point of a scene within fold limits or with full contact.
 
@@ -112,6 +110,8 @@ def prove(
         Whether to keep the tree of boxes; with full contact there is none.
     until
         Stop then (`time.monotonic`), as after `seconds`.
+    options
+        Widths of boxes, how many are treated together, and how many for touches.
 
     Returns
     -------
@@ -132,21 +132,20 @@ def prove(
     """
     check_type("model", model, Model)
     model.scene.check_no_forces("a proof")
+    asked: dict[str, Any] = {"seconds": seconds, "most": most, "until": until, "options": options}
     if model.scene.contact != "full":
-        return prove_within_limits(model, seconds=seconds, most=most, record=record, until=until)
+        return prove_within_limits(model, record=record, **asked)
     started = time.process_time()
     # strata without touches
-    limits = prove_within_limits(
-        Model(replace(model.scene, contact="fold-limits")), seconds=seconds, most=most, until=until
-    )
+    limits = prove_within_limits(Model(replace(model.scene, contact="fold-limits")), **asked)
     over = None if seconds is None else max(seconds - (time.process_time() - started), 0.0)
-    return with_touches(model, limits, seconds=over, until=until)
+    return with_touches(model, limits, seconds=over, until=until, options=options)
 
 
 def why_not(model: Model) -> str:
     """Say why touches of a model are not proved here; "" where they are."""
     s, freedom = model.structure, model.freedom
-    if max(model.scene.vertex.sector_angles) >= math.pi - 1e-9:
+    if max(model.scene.vertex.sector_angles) >= math.pi - TYPED:
         return "a sector of 180 degrees or more"
     rays = len(s.has_crease)
     if s.kind == "C" and s.order > 1:
@@ -236,7 +235,12 @@ def _on_each_other(model: Model, touches: tuple[Row, ...]) -> bool:
 
 
 def with_touches(
-    model: Model, limits: Proof, *, seconds: float | None = None, until: float = math.inf
+    model: Model,
+    limits: Proof,
+    *,
+    seconds: float | None = None,
+    until: float = math.inf,
+    options: ProofOptions = DEFAULT,
 ) -> Proof:
     """Turn a proof within fold limits into one with full contact.
 
@@ -250,6 +254,8 @@ def with_touches(
         Stop after so much processor time; what is left then is undecided.
     until
         Stop then (`time.monotonic`), as after `seconds`.
+    options
+        Widths of boxes, how many are treated together, and how many for touches.
 
     Returns
     -------
@@ -269,7 +275,8 @@ def with_touches(
         left = prune(
             stratum.posed,
             stratum.start,
-            most=MOST_BOXES - treated,
+            most=options.touching_boxes - treated,
+            options=options,
             seconds=max(end - time.process_time(), 0.0),
             until=until,
         )
@@ -279,18 +286,20 @@ def with_touches(
             why = f"the time, or the number of boxes, was up; {names}"
             undecided.append(cluster_of(model, left.open[group], why))
         # critical points that are isolated leave few boxes
-        if len(left.candidates) > MOST:
+        if len(left.candidates) > options.isolated_boxes:
             for group in by_stratum(left.candidates):
                 undecided.append(cluster_of(model, left.candidates[group], f"a curve; {names}"))
             continue
         system = TouchSystem(model, tuple(t.gap for t in touches))
-        roots, _, _, rest, more = certified(system, stratum.posed, left.candidates, 0.0, None)
+        roots, _, _, rest, more = certified(
+            system, stratum.posed, left.candidates, 0.0, None, options
+        )
         treated += more
         found = [_point(model, roots, i, touches) for i in range(len(roots))]
         new = [i for i, p in enumerate(found) if not _again(model, p, touches, limits.points)]
         which = np.array(new, dtype=int)
         points += _judged(model, roots[which], tuple(found[i] for i in new), touches)
-        for group in clusters(rest):
+        for group in clusters(rest, options):
             reason, is_singular = reason_of(system, rest[group])
             cluster = cluster_of(model, rest[group], f"{reason}; {names}")
             cluster = replace(cluster, touches=tuple(t.gap for t in touches))
@@ -299,7 +308,7 @@ def with_touches(
     return replace(
         limits,
         points=tuple(sorted(kept, key=lambda p: p.energy)),
-        singular=tuple(_refused(model, c) for c in singular),
+        singular=tuple(_refused(model, c, options.smallest) for c in singular),
         undecided=tuple(undecided),
         boxes=limits.boxes + treated,
         seconds=limits.seconds + time.process_time() - started,
@@ -308,11 +317,11 @@ def with_touches(
     )
 
 
-def _refused(model: Model, cluster: Cluster) -> Cluster:
+def _refused(model: Model, cluster: Cluster, size: float) -> Cluster:
     """Say of a singular state if its layers have no order: the state at multiples of pi that the box holds."""
     middle = 0.5 * (np.array(cluster.lower) + np.array(cluster.upper))
     flat = math.pi * np.round(middle / math.pi)
-    x = np.where(np.abs(middle - flat) < SMALL, flat, middle)
+    x = np.where(np.abs(middle - flat) < size, flat, middle)
     why = model.refuses(x)
     return replace(cluster, reason=f"{cluster.reason}; not admissible: {why}") if why else cluster
 

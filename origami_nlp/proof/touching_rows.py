@@ -22,6 +22,9 @@ from origami_nlp.proof.affine import (
 from origami_nlp.proof.chains import Rows, Vertex, angle_turns, half_turns, taken
 from origami_nlp.proof.pieces import AXES, Folded, Piece, Product, folded_frame, next_frame
 
+COSINE = 1e-15
+"""Error of the cosine of a sector angle, in the proof's forms."""
+
 
 @dataclass(frozen=True, order=True)
 class Row:
@@ -86,15 +89,15 @@ class Kite:
     def value(self) -> Affine:
         """Enclose the row, [K]."""
         c, s, v = self.c, self.s, self.crease
-        return (c[1] * c[v]).scaled(self.cosine, 1e-15) - s[1] * s[v]
+        return (c[1] * c[v]).scaled(self.cosine, COSINE) - s[1] * s[v]
 
     def slopes(self) -> list[Affine | None]:
         """Enclose its derivatives by the turns, phi_2 and theta."""
         c, s, v = self.c, self.s, self.crease
         out: list[Affine | None] = [None] * self.size
-        out[1] = ((s[1] * c[v]).scaled(self.cosine, 1e-15) + c[1] * s[v]).scaled(-0.5)
+        out[1] = ((s[1] * c[v]).scaled(self.cosine, COSINE) + c[1] * s[v]).scaled(-0.5)
         # d/dtheta of the last factor; d/dphi_2 above takes the 1/2 of the half angle
-        out[v] = -((c[1] * s[v]).scaled(self.cosine, 1e-15) + s[1] * c[v])
+        out[v] = -((c[1] * s[v]).scaled(self.cosine, COSINE) + s[1] * c[v])
         return out
 
 

@@ -48,6 +48,9 @@ from origami_nlp.proof.chains import (
 )
 from origami_nlp.proof.twins import twins_of_wedge
 
+SHORTEST = 1e-3
+"""Vectors that are taken for frames are longer; a shorter one gives a frame that bounds nothing well."""
+
 
 class Wedge:
     """The forms of a wedge of D_n between two mirrors.
@@ -248,10 +251,10 @@ def _placed(form: Affine, variable: int) -> Affine:
 
 def frame_of(normal: np.ndarray) -> np.ndarray:
     """Return frames [3, 3, K] whose first axis is along vectors [3, K] that are not small."""
-    normal = normal / np.maximum(np.sqrt((normal**2).sum(axis=0)), 1e-3)
+    normal = normal / np.maximum(np.sqrt((normal**2).sum(axis=0)), SHORTEST)
     least = np.eye(3)[np.abs(normal).argmin(axis=0)].T
     second = np.cross(normal, least, axis=0)
-    second = second / np.maximum(np.sqrt((second**2).sum(axis=0)), 1e-3)
+    second = second / np.maximum(np.sqrt((second**2).sum(axis=0)), SHORTEST)
     return np.stack([normal, second, np.cross(normal, second, axis=0)])
 
 

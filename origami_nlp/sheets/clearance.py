@@ -15,22 +15,21 @@ from functools import cached_property
 import numpy as np
 from scipy.sparse.csgraph import shortest_path
 
-from origami_nlp.facets import DEEP, Sheet, cross_each_other
-from origami_nlp.numerics import CLOSES, cross
+from origami_nlp.facets import Sheet, cross_each_other
+from origami_nlp.files import Brief
+from origami_nlp.numerics import CLOSES, CURVED, DEEP, NONZERO, cross
 from origami_nlp.sheets.interpolant import Interpolant, halves
 
 MOST_HALVINGS = 3
 """Of a step in which a pair might touch."""
-TOUCH = 1e-9
-"""Facets with a gap of less than this share of the sheet's size touch."""
 FAR = 1e200
 """Longer than any distance, and finite, so that no fold moves over it makes 0."""
 MOST_PIECES = 64
 """Convex pieces of facets up to which gaps are asked for; beyond, only crossings at the states of a curve."""
 
 
-@dataclass(frozen=True, eq=False)
-class Stretches:
+@dataclass(frozen=True, eq=False, repr=False)
+class Stretches(Brief):
     """Closed states along a curve, and whether facets cross there.
 
     Attributes
@@ -240,7 +239,7 @@ class Clearance:
         if not close.any():
             return
         if (
-            room[close] < TOUCH * self.sheet.crossings.size
+            room[close] < DEEP * self.sheet.crossings.size
         ).all():  # they lie on each other all along
             yield None
             return
@@ -271,11 +270,11 @@ def _axes(a: np.ndarray, b: np.ndarray) -> np.ndarray:
 def _apart(a: np.ndarray, b: np.ndarray, axes: np.ndarray) -> np.ndarray:
     """Largest gap of the shadows of polygons [K, q, 3] along axes [K, A, 3]: no more than their distance, [K]."""
     size = np.linalg.norm(axes, axis=2)
-    unit = axes / np.maximum(size, 1e-300)[..., None]
+    unit = axes / np.maximum(size, NONZERO)[..., None]
     # the gap of the shadows along any direction bounds the distance from below: the largest is taken
     of_a, of_b = np.einsum("kai,kqi->kaq", unit, a), np.einsum("kai,kqi->kaq", unit, b)
     gap = np.maximum(of_b.min(axis=2) - of_a.max(axis=2), of_a.min(axis=2) - of_b.max(axis=2))
-    gap[size < 1e-12 * size.max(axis=1, keepdims=True)] = 0.0
+    gap[size < CURVED * size.max(axis=1, keepdims=True)] = 0.0
     return np.maximum(gap.max(axis=1), 0.0)
 
 
@@ -288,10 +287,10 @@ def _angles(a: np.ndarray, b: np.ndarray) -> np.ndarray:
         x - np.einsum("kri,ki->kr", x, p)[..., None] * p[:, None]
         for x, p in ((b, planes[:, 0]), (a, planes[:, 1]))
     ]
-    feet = [x / np.maximum(np.linalg.norm(x, axis=2, keepdims=True), 1e-300) for x in feet]
+    feet = [x / np.maximum(np.linalg.norm(x, axis=2, keepdims=True), NONZERO) for x in feet]
     middle = (b.sum(axis=1) - a.sum(axis=1))[:, None]
     n = np.concatenate([between, planes, -planes, b - feet[0], feet[1] - a, middle], axis=1)
-    n = n / np.maximum(np.linalg.norm(n, axis=2, keepdims=True), 1e-300)
+    n = n / np.maximum(np.linalg.norm(n, axis=2, keepdims=True), NONZERO)
     low = -np.einsum("kai,kri->kar", n, a).max(axis=2)
     high = np.einsum("kai,kri->kar", n, b).min(axis=2)
     # on an arc between two rays on one side of a plane nothing is closer to the plane than both

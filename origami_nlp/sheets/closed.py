@@ -8,9 +8,8 @@ import numpy as np
 
 from origami_nlp.facets import Sheet, round_vertex
 from origami_nlp.minima import find_minima
-from origami_nlp.numerics import CLOSES, SAME, nearest
+from origami_nlp.numerics import CLOSES, EXPLORED, SAME, nearest
 from origami_nlp.pattern import Contact, Pattern, Scene
-from origami_nlp.sheets.curve import SHUT
 
 
 def close(sheet: Sheet, start: np.ndarray) -> np.ndarray | None:
@@ -19,7 +18,7 @@ def close(sheet: Sheet, start: np.ndarray) -> np.ndarray | None:
     shut = np.abs(start) == math.pi
     for held in (shut, None) if shut.any() else (None,):
         phi, residual = sheet.project(start, held)
-        within = np.abs(phi).max(initial=0.0) <= math.pi + SHUT
+        within = np.abs(phi).max(initial=0.0) <= math.pi + EXPLORED
         phi = np.clip(phi, -math.pi, math.pi)
         if residual <= CLOSES and within and sheet.closure.on_sheet(phi):
             return phi

@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from origami_nlp.facets import Choice, Placed, Sheet, choices, touches_at
-from origami_nlp.sheets.descent import AT_LIMIT
+from origami_nlp.numerics import OUTSIDE
 from origami_nlp.sheets.rows import Rows
 
 
@@ -26,7 +26,7 @@ def closed_contacts(sheet: Sheet, phi: np.ndarray, touching: bool = True) -> Row
     Rows
         Gaps of features that meet inside each other; those that fold limits keep open are left to them.
     """
-    limits = np.flatnonzero(np.abs(np.abs(phi) - math.pi) <= AT_LIMIT)
+    limits = np.flatnonzero(np.abs(np.abs(phi) - math.pi) <= OUTSIDE)
     return Rows.at(sheet, phi, limits, touches_at(sheet, phi, limits) if touching else [])
 
 

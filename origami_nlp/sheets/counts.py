@@ -17,7 +17,7 @@ import numpy as np
 from origami_nlp.arguments import check_whole
 from origami_nlp.facets import Layers, Sheet, check_orders
 from origami_nlp.files import from_plain
-from origami_nlp.numerics import CLOSES, RANK, TYPED
+from origami_nlp.numerics import CLOSES, NOISE, RANK, TYPED
 from origami_nlp.pattern import Pattern, as_pattern, pattern_from_dict, pattern_to_dict
 from origami_nlp.sheets.angle_sums import angle_sums
 from origami_nlp.show import Piece, Table, Told
@@ -33,8 +33,6 @@ DRAWN = (0.5, 1.0, 2.0)
 """Largest fold angles of starts drawn at random [rad]."""
 MOST_DRAWN = 30
 """Of such starts; one of the largest sheets."""
-FLAT_WITHIN = 1e-4
-"""Closure at fold angles zero up to which a sheet that was measured folded counts as one that lies flat."""
 NEIGHBOURS = 6
 """States beside a folded one that are looked at, whether their rank is higher."""
 BESIDE = 0.1
@@ -152,7 +150,7 @@ class Overview(Told):
                 f"vertices {_listed(few)} have fewer than four creases: flat ones fold along a straight line only"
             )
         sums = angle_sums(p)
-        bent = {v: a for v, a in sums.items() if abs(a - 2 * math.pi) > FLAT_WITHIN}
+        bent = {v: a for v, a in sums.items() if abs(a - 2 * math.pi) > NOISE}
         if bent:
             worst = max(bent, key=lambda v: abs(bent[v] - 2 * math.pi))
             said.append(
@@ -293,7 +291,7 @@ def overview(pattern: Pattern | str | Path, seed: int = 0) -> Overview:
     return Overview(
         pattern,
         sheet.closure.count,
-        jacobian_rank(sheet, zero, max(RANK, 10 * off)) if off <= FLAT_WITHIN else None,
+        jacobian_rank(sheet, zero, max(RANK, 10 * off)) if off <= NOISE else None,
         None if folded is None else jacobian_rank(sheet, folded),
         folded,
         start,

@@ -13,16 +13,12 @@ import numpy as np
 
 from origami_nlp.facets import Sheet
 from origami_nlp.kkt import TangentCone
-from origami_nlp.numerics import CLOSES, RESOLVED, dense
+from origami_nlp.numerics import CLOSES, NONZERO, RESOLVED, SETTLED, dense
 from origami_nlp.sheets.branches import list_branches
 from origami_nlp.sheets.interpolant import Interpolant, second
 
 MOST_CREASES = 60
 """Up to which singular values are computed along curves; beyond, vertices are asked whether they are flat."""
-MEET = 1e-6
-"""Smallest singular value at which curves meet."""
-SNAP = 1e-6
-"""Fold angles this close to 0 or pi round a vertex that becomes flat are so [rad]."""
 PARTS = np.linspace(-1.0, 1.0, 9)
 FORMS = 1e-4
 """Second-order forms on unit directions below this are zero."""
@@ -51,7 +47,7 @@ def dips(sheet: Sheet, curve: Interpolant) -> list[np.ndarray]:
     for i in low:
         at, width, best = float(i), 1.0, float(size[i])
         for zoom in range(12):
-            if best <= 0.1 * MEET:
+            if best <= 0.1 * SETTLED:
                 break
             places = np.clip(at + width * PARTS, 0.0, last)
             states = np.array(
@@ -63,11 +59,11 @@ def dips(sheet: Sheet, curve: Interpolant) -> list[np.ndarray]:
             if zoom == 3 and values.min() > 0.1 * size[i]:
                 break
             best = min(best, float(values.min()))
-        if best > MEET:
+        if best > SETTLED:
             continue
         step = min(int(at), last - 1)
         state = _snapped(sheet, curve.at(step, at - step))
-        if state is not None and not any(np.abs(state - x).max() < 10 * SNAP for x in found):
+        if state is not None and not any(np.abs(state - x).max() < 10 * SETTLED for x in found):
             found.append(state)
     return found
 
@@ -91,9 +87,9 @@ def _smallest(sheet: Sheet, states: np.ndarray) -> np.ndarray:
 def _snapped(sheet: Sheet, phi: np.ndarray) -> np.ndarray | None:
     """Close a state, with creases that are all but open or shut made so where that closes too."""
     whole = np.round(phi / math.pi) * math.pi
-    held = np.abs(phi - whole) < SNAP
+    held = np.abs(phi - whole) < SETTLED
     new, residual = sheet.project(np.where(held, whole, phi), held)
-    if residual > CLOSES or np.abs(new - phi).max() > 100 * SNAP:
+    if residual > CLOSES or np.abs(new - phi).max() > 100 * SETTLED:
         new, residual = sheet.project(phi)
     return np.clip(new, -math.pi, math.pi) if residual <= CLOSES else None
 
@@ -137,7 +133,7 @@ def split(sheet: Sheet, phi: np.ndarray, ways: TangentCone) -> TangentCone:
         return ways
     j = dense(sheet.closure.jacobian(phi))
     u, values, _ = np.linalg.svd(j)
-    stress = u[:, int((values > MEET).sum()) :]
+    stress = u[:, int((values > SETTLED).sum()) :]
     lines, families = list(ways.lines), []
     for basis in ways.families:
         if basis.shape[1] != 2:
@@ -171,4 +167,4 @@ def into_family(phi: np.ndarray, basis: np.ndarray, side: np.ndarray) -> Iterato
     inward = basis @ (basis.T @ (-np.sign(phi) * (np.abs(phi) > math.pi - RESOLVED)))
     for k in range(4):
         d = basis @ (basis.T @ ((-1.0) ** k * np.roll(side, k // 2)))
-        yield inward / max(np.abs(inward).max(), 1e-300) + 0.2 * d / np.abs(d).max()
+        yield inward / max(np.abs(inward).max(), NONZERO) + 0.2 * d / np.abs(d).max()

@@ -12,13 +12,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from origami_nlp.facets import Sheet
-from origami_nlp.numerics import CLOSES, dense, null_space
+from origami_nlp.numerics import CLOSES, EXPLORED, RESOLVED, ROUNDED, SETTLED, dense, null_space
 
 STEP = 0.05
 """Largest step of a walk [rad], in the norm over creases divided by the square root of their number."""
 SHORTEST = 1e-7
-SHUT = 1e-11
-"""A fold angle beyond pi by less is at pi, where rounding has left it [rad]."""
 BENT = 0.95
 """Cosine between tangents of one step and the next, at least."""
 MOST_STEPS = 5_000
@@ -94,7 +92,7 @@ def _walk(
                 return path, "lost: no closed state ahead"
             continue
         new, turned = ahead
-        if (np.abs(new) > math.pi + SHUT).any():
+        if (np.abs(new) > math.pi + EXPLORED).any():
             last = _shut(sheet, phi, new, d)
             if last is None:
                 last = _to_limit(sheet, phi, d, h * root)
@@ -136,12 +134,16 @@ def _advance(
 def _shut(sheet: Sheet, phi: np.ndarray, new: np.ndarray, d: np.ndarray) -> np.ndarray | None:
     """Return the state ahead, not beyond a step, at which all creases that come close to pi together are shut."""
     went = new - phi
-    held = np.abs(new) > math.pi - np.abs(went) - SHUT
+    held = np.abs(new) > math.pi - np.abs(went) - EXPLORED
     start = np.where(held, np.copysign(math.pi, new), new)
     end, residual = sheet.project(start, held, steps=12)
     there = end - phi
     size = float(np.linalg.norm(there))
-    if residual > CLOSES or (np.abs(end) > math.pi + SHUT).any() or not sheet.closure.on_sheet(end):
+    if (
+        residual > CLOSES
+        or (np.abs(end) > math.pi + EXPLORED).any()
+        or not sheet.closure.on_sheet(end)
+    ):
         return None
     end = np.clip(end, -math.pi, math.pi)
     if size > 1.5 * float(np.linalg.norm(went)) or float(there @ d) < BENT * size:
@@ -153,7 +155,7 @@ def _to_limit(sheet: Sheet, phi: np.ndarray, d: np.ndarray, h: float) -> np.ndar
     """Return the state between here and a step ahead at which the first fold angle is at pi."""
     low, high = 0.0, h
     # creases that are shut and stay so do not end the curve
-    ends = math.pi - np.abs(phi) > SHUT
+    ends = math.pi - np.abs(phi) > EXPLORED
     if not ends.any():
         return None
     here = float(np.abs(phi[ends]).max()) - math.pi
@@ -170,11 +172,11 @@ def _to_limit(sheet: Sheet, phi: np.ndarray, d: np.ndarray, h: float) -> np.ndar
             high, there = middle, beyond
         else:
             low, here = middle, beyond
-        if -1e-7 < here <= 0 or high - low < 1e-14:
+        if -RESOLVED < here <= 0 or high - low < ROUNDED:
             break
     new, residual = sheet.project(phi + low * d, steps=12)
     i = int(np.where(ends, np.abs(new), 0.0).argmax())
-    if math.pi - abs(new[i]) > 1e-6:
+    if math.pi - abs(new[i]) > SETTLED:
         return None
     held = np.zeros(sheet.size, bool)
     held[i] = True

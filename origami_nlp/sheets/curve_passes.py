@@ -16,7 +16,7 @@ import numpy as np
 
 from origami_nlp.facets import Sheet
 from origami_nlp.minima import TracedPasses
-from origami_nlp.numerics import CLOSES, merge_tree
+from origami_nlp.numerics import BESIDE, CLOSES, merge_tree
 from origami_nlp.sheets.clearance import Stretches
 from origami_nlp.sheets.curves import LONG, ON_CURVE, Traced
 from origami_nlp.sheets.interpolant import Interpolant, stationary
@@ -221,7 +221,7 @@ def places(sheet: Sheet, curve: Interpolant, phi: np.ndarray) -> list[float]:
                 k = int(np.argmin(distance))
                 at, best = float(shares[k]), distance[k]
                 begin, end = shares[max(k - 1, 0)], shares[min(k + 1, CUTS - 1)]
-            near = any(abs(step + at - other) < 1e-3 for other in found)
+            near = any(abs(step + at - other) < BESIDE for other in found)
             if best < ON_CURVE and not near:
                 found.append(step + at)
     return found

@@ -9,7 +9,8 @@ from functools import cached_property
 import numpy as np
 
 from origami_nlp.facets import Labels, Sheet, image
-from origami_nlp.numerics import CLOSES
+from origami_nlp.files import Brief
+from origami_nlp.numerics import CLOSES, SETTLED
 from origami_nlp.sheets.clearance import Clearance, Stretches
 from origami_nlp.sheets.crossroads import dips
 from origami_nlp.sheets.curve import follow_curve
@@ -19,12 +20,10 @@ LONG = 0.08
 """Largest step along curves that polynomials fill in [rad]."""
 ON_CURVE = 2e-5
 """A state this close to a curve is on it [rad]: what its polynomials are off, with room."""
-FLAT = 1e-6
-"""A crease this close to open or shut is so [rad]."""
 
 
-@dataclass(frozen=True, eq=False)
-class Traced:
+@dataclass(frozen=True, eq=False, repr=False)
+class Traced(Brief):
     """A curve of states with one freedom.
 
     Attributes
@@ -105,7 +104,7 @@ class Curves:
         curve = interpolate(self.sheet, follow_curve(self.sheet, phi, along, LONG))
         seen = self._clearance.along(curve) if self._contact else None
         meets = tuple(dips(self.sheet, curve))
-        meet = [x for x in meets if np.abs(np.sin(x)).max() > FLAT]
+        meet = [x for x in meets if np.abs(np.sin(x)).max() > SETTLED]
         new = [Traced(curve, seen, tuple(meet), meets)]
         self.found += new
         for symmetry in self.labels.images:

@@ -9,7 +9,19 @@ import numpy as np
 from scipy import sparse
 
 from origami_nlp.facets import Sheet
-from origami_nlp.numerics import CLOSES, ROUNDED, Factor, Normal
+from origami_nlp.numerics import (
+    BALANCED,
+    CLOSES,
+    DECREASE,
+    NONZERO,
+    OUTSIDE,
+    ROUNDED,
+    SETTLED,
+    SINGULAR,
+    TINY,
+    Factor,
+    Normal,
+)
 
 TRUST = 0.3
 """First and largest step [rad]."""
@@ -19,8 +31,6 @@ MOST_SPECTRAL = 60
 """Creases up to which steps are taken from a spectrum, which leaves saddles; beyond, curvature is shifted."""
 FAR = 4.0
 """A step that is cut by more than this goes along the softest ways alone: curvature is shifted instead."""
-AT_LIMIT = 1e-12
-"""A fold angle this close to pi is at its limit [rad]."""
 
 
 @dataclass(frozen=True)
@@ -80,7 +90,7 @@ def descend(
     """
     radius, saddles = TRUST, 0
     stays = np.zeros(len(phi), bool) if kept is None else kept
-    held = (np.abs(np.abs(phi) - math.pi) <= AT_LIMIT) | stays
+    held = (np.abs(np.abs(phi) - math.pi) <= OUTSIDE) | stays
     energy, path = sheet.scaled_energy(phi), [phi]
     for step in range(most):
         where = np.flatnonzero(held)
@@ -101,28 +111,28 @@ def descend(
         if left <= still and slope > -(still**2):
             return Descended(phi, True, step, "still", saddles, tuple(path))
         moved = False
-        while radius > 1e-14:
+        while radius > ROUNDED:
             trial = _capped(d, radius)
             new, closes = _retract(sheet, phi + trial, held, normal)
-            share = float(np.linalg.norm(trial)) / max(float(np.linalg.norm(d)), 1e-300)
-            lower = sheet.scaled_energy(new) < energy - 1e-4 * abs(slope) * share
-            tiny = np.abs(trial).max() < 1e-7 and sheet.scaled_energy(new) <= energy + 1e-14 * (
+            share = float(np.linalg.norm(trial)) / max(float(np.linalg.norm(d)), NONZERO)
+            lower = sheet.scaled_energy(new) < energy - DECREASE * abs(slope) * share
+            tiny = np.abs(trial).max() < TINY and sheet.scaled_energy(new) <= energy + ROUNDED * (
                 1 + energy
             )
-            if closes and (lower or tiny) and np.abs(new - phi).max() <= 3 * radius + 1e-12:
+            if closes and (lower or tiny) and np.abs(new - phi).max() <= 3 * radius + OUTSIDE:
                 phi, energy, moved = new, sheet.scaled_energy(new), True
                 path.append(phi)
-                held = held | (np.abs(np.abs(phi) - math.pi) <= AT_LIMIT)
+                held = held | (np.abs(np.abs(phi) - math.pi) <= OUTSIDE)
                 if np.abs(trial).max() >= 0.9 * radius:
                     radius = min(TRUST, 2 * radius)
                 break
             radius *= 0.3
         if not moved:
-            at_rest = np.abs(balance).max() <= 1e-9
+            at_rest = np.abs(balance).max() <= BALANCED
             return Descended(
                 phi, at_rest, step, "no lower state within reach", saddles, tuple(path)
             )
-        radius = max(radius, 1e-6)
+        radius = max(radius, SETTLED)
     return Descended(phi, False, most, "too many steps", saddles, tuple(path))
 
 
@@ -146,9 +156,9 @@ def _direction(
             return out, False
         values, vectors = np.linalg.eigh(z.T @ (h @ z))
         slope = vectors.T @ (z.T @ g)
-        size = np.maximum(np.abs(values), 1e-8)
+        size = np.maximum(np.abs(values), SINGULAR)
         y = -slope / size
-        saddle = bool(values[0] < -1e-9 and abs(slope[0]) < 1e-9)
+        saddle = bool(values[0] < -BALANCED and abs(slope[0]) < BALANCED)
         if saddle:
             towards = slope[0] if side is None else -float(side @ (z @ vectors[:, 0]))
             y[0] = -math.copysign(radius, towards or 1.0)
@@ -160,7 +170,7 @@ def _direction(
     for _ in range(8):
         matrix = h + shift * unit
         d, _ = Factor(matrix, j).solve(-g[free] + j.T @ lam, np.zeros(j.shape[0]))
-        bent = float(d @ (matrix @ d)) <= 1e-8 * float(d @ d) and d.any()
+        bent = float(d @ (matrix @ d)) <= SINGULAR * float(d @ d) and d.any()
         if not bent and np.abs(d).max() <= FAR * radius:
             break
         shift = max((10 if bent else 3) * shift, 0.1)
@@ -169,7 +179,7 @@ def _direction(
 
 
 def _capped(d: np.ndarray, radius: float) -> np.ndarray:
-    return d * min(1.0, radius / max(float(np.abs(d).max(initial=0.0)), 1e-300))
+    return d * min(1.0, radius / max(float(np.abs(d).max(initial=0.0)), NONZERO))
 
 
 def _retract(

@@ -25,11 +25,10 @@ from origami_nlp.kkt import (
     ways_out,
 )
 from origami_nlp.minima import JudgedState
-from origami_nlp.numerics import BESIDE, INDEPENDENT, SETTLED, SHALLOW, coarse, nearest
+from origami_nlp.numerics import BESIDE, INDEPENDENT, OUTSIDE, SETTLED, SHALLOW, coarse, nearest
 from origami_nlp.sheets.contacts import closed_contacts
 from origami_nlp.sheets.curve_passes import CurvePasses, curve_passes
 from origami_nlp.sheets.curves import Curves
-from origami_nlp.sheets.descent import AT_LIMIT
 from origami_nlp.sheets.terrain import SheetTerrain
 from origami_nlp.starts import creases_around
 
@@ -259,7 +258,7 @@ def _openings(sheet: Sheet, phi: np.ndarray, contact: bool) -> list[np.ndarray]:
 def _modes(sheet: Sheet, state: JudgedState) -> list[np.ndarray]:
     """Return the softest motions of a state that closure allows, shut creases held, where they are single."""
     phi = state.phi
-    shut = np.flatnonzero(np.abs(phi) >= math.pi - AT_LIMIT)
+    shut = np.flatnonzero(np.abs(phi) >= math.pi - OUTSIDE)
     z = sheet.kernel(phi, shut)
     lam, _, _ = sheet.multipliers(phi, shut)
     values, vectors = np.linalg.eigh(z.T @ (sheet.hessian(phi, lam) @ z))

@@ -37,18 +37,10 @@ from origami_nlp.sheets.pinned import press_along, press_off
 from origami_nlp.sheets.pressing import UNTOLD, press
 from origami_nlp.sheets.result import BARRIERS, MEETINGS, OF_VERTEX, POPS, WAYS_OUT, SheetResult
 from origami_nlp.sheets.tally import Tally
-from origami_nlp.starts import Given, Popped, effort_of, families_in_turn
+from origami_nlp.starts import Given, Popped, SearchOptions, families_in_turn, options_of
 
 OUT = 0.2
 """First step out of a state where curves meet, of the longest fold angle [rad]."""
-MOST_TRACED = 250
-"""Creases up to which curves are traced; descents beyond."""
-MOST_DRAWN = 10
-"""Random starts in all, over those that are to find nothing new."""
-MOST_POPPED = 2
-"""Starts with a vertex popped in all, over the random starts that are to find nothing new."""
-MOST_CURVES = 64
-"""That are traced, beside images of them."""
 SECONDS = 300.0
 """For a search, of wall time."""
 FAILURES = np.linalg.LinAlgError, ArithmeticError
@@ -65,6 +57,7 @@ def find_states(
     noise: float | None = None,
     *,
     effort: str = "normal",
+    options: SearchOptions | None = None,
     max_starts: int | None = None,
 ) -> SheetResult:
     """Find the stable states of a pattern.
@@ -81,7 +74,7 @@ def find_states(
         Whether facets must not cross; without, only fold limits count.
     seconds
         Wall time for the search, give or take a second or two: what was left out is named.  None: 300 s.
-    escape, noise, effort, max_starts
+    escape, noise, effort, options, max_starts
         As for `minima.find_minima`; errors are those of springs and of the positions of vertices.
 
     Returns
@@ -103,25 +96,30 @@ def find_states(
     5
     """
     pattern = as_pattern(pattern)
-    starts = effort_of(effort).in_a_row if starts is None else check_whole("starts", starts, 0)
-    most = MOST_DRAWN * starts if max_starts is None else check_whole("max_starts", max_starts, 1)
+    asked = options_of(effort, options)
+    starts = asked.in_a_row if starts is None else check_whole("starts", starts, 0)
+    most = (
+        asked.most_drawn * starts
+        if max_starts is None
+        else check_whole("max_starts", max_starts, 1)
+    )
     rng = np.random.default_rng(check_whole("seed", seed, 0))
     seconds = check_number("seconds", SECONDS if seconds is None else seconds, 0.0)
     check_flag("escape", escape)
     check_noise(noise)
     if not pattern.creases:
         raise OptionError("the pattern has no crease: there is nothing to fold")
-    search = _Search(pattern, contact, seconds)
+    search = _Search(pattern, contact, seconds, asked)
     if pattern.is_flat:
         search.part("ways out of the flat state", search.from_crossroads)
     for start in Given(search.sheet.pattern).states():
         search.part(Given.name, search.explore, start)
     if len(pattern.vertices) == 1 and not pattern.holes:
         search.part(OF_VERTEX, search.round_the_vertex, seed)
-    for k in range(min(MOST_DRAWN * starts, most)):
+    for k in range(min(asked.most_drawn * starts, most)):
         if not search.part("random starts", search.draw, rng, k) or search.tally.since == starts:
             break
-    search.part(POPS, search.pop, MOST_POPPED * starts)
+    search.part(POPS, search.pop, asked.most_popped * starts)
     search.part("images of minima under symmetries", search.add_images)
     if escape:
         search.part(BARRIERS, search.add_escapes)
@@ -136,7 +134,10 @@ def find_states(
 class _Search:
     """A search on its way."""
 
-    def __init__(self, pattern: Pattern, contact: bool, seconds: float = SECONDS) -> None:
+    def __init__(
+        self, pattern: Pattern, contact: bool, seconds: float, options: SearchOptions
+    ) -> None:
+        self.options = options
         until = time.monotonic() + seconds
         self.labels, self.contact = find_labels(pattern), contact
         self.sheet = Sheet(self.labels.arranged(pattern))
@@ -405,10 +406,10 @@ class _Search:
     def _enter(self, phi: np.ndarray) -> None:
         """Trace the curve through a closed state, or go downhill from it."""
         sheet, tally = self.sheet, self.tally
-        if sheet.size > MOST_TRACED or (z := tangents(sheet, phi)).shape[1] != 1:
+        if sheet.size > self.options.most_traced or (z := tangents(sheet, phi)).shape[1] != 1:
             self.settle(phi)
         elif phi not in self.curves:
-            if tally.traced == MOST_CURVES:
+            if tally.traced == self.options.most_curves:
                 tally.not_traced += 1
                 self.settle(phi)
                 return

@@ -12,7 +12,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from origami_nlp.facets import Sheet, image
-from origami_nlp.numerics import CLOSES
+from origami_nlp.files import Brief
+from origami_nlp.numerics import CLOSES, NONZERO
 from origami_nlp.sheets.curve import Curve
 
 FITS = 1e-6
@@ -48,8 +49,8 @@ POWERS = np.array(
 """From control points to coefficients of 1, u, u^2, ..."""
 
 
-@dataclass(frozen=True, eq=False)
-class Interpolant:
+@dataclass(frozen=True, eq=False, repr=False)
+class Interpolant(Brief):
     """A curve as polynomials.
 
     Attributes
@@ -140,7 +141,7 @@ def _data(sheet: Sheet, phi: np.ndarray, guide: np.ndarray) -> tuple[np.ndarray,
     """Return tangent and curvature over arc length at a closed state, [n] each."""
     normal = sheet.normal(phi)
     t = normal.along(guide)
-    t /= max(float(np.linalg.norm(t)), 1e-300)
+    t /= max(float(np.linalg.norm(t)), NONZERO)
     return t, -normal.step(second(sheet, phi, t, t))
 
 

@@ -10,8 +10,7 @@ import numpy as np
 from origami_nlp.facets import MOST_DENSE, Sheet
 from origami_nlp.kkt import Classification, State, classify
 from origami_nlp.minima import JudgedState
-from origami_nlp.numerics import ANSWERED, BESIDE, CLOSES, STATIONARY
-from origami_nlp.sheets.descent import AT_LIMIT
+from origami_nlp.numerics import ANSWERED, BESIDE, CLOSES, NONZERO, OUTSIDE, STATIONARY
 from origami_nlp.sheets.rows import Rows, polish
 
 NEAREST = 1e-5
@@ -56,7 +55,7 @@ def judge(sheet: Sheet, phi: np.ndarray, contact: bool = True) -> JudgedState:
     missing = what.stationarity
     if math.isnan(missing):
         missing = float(np.abs(sheet.along(phi, sheet.torque(phi))).max(initial=0.0))
-    largest = max(float(np.abs(sheet.torque(phi)).max(initial=0.0)), 1e-300)
+    largest = max(float(np.abs(sheet.torque(phi)).max(initial=0.0)), NONZERO)
     crossed = sheet.crossed(phi) if what.verdict == "not admissible" else ()
     state = JudgedState(
         energy,
@@ -113,7 +112,7 @@ def singular_beside(sheet: Sheet, phi: np.ndarray) -> np.ndarray | None:
     """
     shut, flat = math.pi - np.abs(phi) < NEAREST, np.abs(phi) < NEAREST
     near = np.where(shut, np.copysign(math.pi, phi), np.where(flat, 0.0, phi))
-    if np.abs(near - phi).max(initial=0.0) <= AT_LIMIT:
+    if np.abs(near - phi).max(initial=0.0) <= OUTSIDE:
         return None
     near, residual = sheet.project(near, shut | flat)
     lost = residual <= CLOSES and np.abs(near - phi).max() < BESIDE
@@ -147,6 +146,6 @@ def stationary_beside(sheet: Sheet, phi: np.ndarray) -> np.ndarray | None:
     """
     if sheet.size > MOST_DENSE:
         return None
-    limits = np.flatnonzero(np.abs(np.abs(phi) - math.pi) <= AT_LIMIT)
+    limits = np.flatnonzero(np.abs(np.abs(phi) - math.pi) <= OUTSIDE)
     better = polish(sheet, phi, Rows.at(sheet, phi, limits, ()), np.ones(len(limits)))
     return None if better is None or np.abs(better - phi).max() >= BESIDE else better

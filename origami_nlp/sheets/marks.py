@@ -11,8 +11,8 @@ from matplotlib.patheffects import withStroke
 
 from origami_nlp.facets import Crossings
 from origami_nlp.kkt import ContactForce
+from origami_nlp.numerics import CARRIES, INDEPENDENT
 from origami_nlp.pattern import Pattern
-from origami_nlp.sheets.rows import LOADED
 from origami_nlp.show import IDLE, PUSHES
 
 if TYPE_CHECKING:
@@ -105,7 +105,7 @@ def _within(ring: Sequence[np.ndarray], start: np.ndarray, end: np.ndarray) -> f
     normal = np.cross(x - x[0], np.roll(x, -1, axis=0) - x[0]).sum(axis=0)
     inward = np.cross(normal, np.roll(x, -1, axis=0) - x)
     room, gone = np.einsum("qi,qi->q", inward, start - x), inward @ (end - start)
-    leaves = gone < -1e-9 * np.abs(inward @ (end - start)).max()
+    leaves = gone < -INDEPENDENT * np.abs(inward @ (end - start)).max()
     return float(min(1.0, (room[leaves] / -gone[leaves]).min(initial=1.0)))
 
 
@@ -132,4 +132,4 @@ def touch_legend(contacts: Iterable[ContactForce]) -> list[Line2D]:
 def _how(contact: ContactForce) -> str:
     """Tell how a contact pushes, by the least and the largest force that balance the springs."""
     least, most = contact.multiplier_range
-    return PUSH if least > LOADED else SHARE if most > LOADED else REST
+    return PUSH if least > CARRIES else SHARE if most > CARRIES else REST

@@ -20,21 +20,20 @@ from typing import Literal, TypeAlias
 import numpy as np
 
 from origami_nlp.facets import MOST_DENSE, Placed, Sheet, Touch, choices
-from origami_nlp.numerics import CLOSES, INSIDE, null_space
+from origami_nlp.numerics import (
+    CARRIES,
+    CLOSES,
+    DECREASE,
+    INSIDE,
+    LEVEL,
+    NONZERO,
+    ROUNDED,
+    null_space,
+)
 from origami_nlp.sheets.descent import TRUST, Descended
 from origami_nlp.sheets.judgement import classified
 from origami_nlp.sheets.pops import is_jump, pop_rows
-from origami_nlp.sheets.rows import (
-    CLOSE,
-    LOADED,
-    NEAR,
-    STILL,
-    Rows,
-    balanced,
-    polish,
-    put_back,
-    quadratic,
-)
+from origami_nlp.sheets.rows import CLOSE, NEAR, STILL, Rows, balanced, polish, put_back, quadratic
 
 MOST_PAIRS = 1_000
 """Pairs of facets that face each other closely: more are refused."""
@@ -42,6 +41,8 @@ REACH = 0.05
 """Features that face each other closer than this, over the sheet's size, are rows of a step."""
 FAR = 1.0
 """Distance from which features are looked at, over the sheet's size, once facets have been found to cross."""
+REACHES = (0.1, 0.01, 0.001)
+"""Steps [rad] that are tried in turn."""
 SHORTEST = 1e-8
 """Of a step [rad]."""
 SETTLING = 1e-2
@@ -133,7 +134,7 @@ class _Press:
             if end == "still":
                 return Descended(self.phi, True, step, end)
             if end == "lower" or (
-                end != "held" and self._step(rows, z, hessian, rows.only(forces > LOADED))
+                end != "held" and self._step(rows, z, hessian, rows.only(forces > CARRIES))
             ):
                 continue
             slips += 1
@@ -162,7 +163,7 @@ class _Press:
             fall = share * float(sheet.torque(self.phi) @ d)
             if new is not None and self.pops is not None and is_jump(self.pops, self.phi, new):
                 new = None
-            if new is not None and sheet.scaled_energy(new) < self.energy + 1e-4 * fall:
+            if new is not None and sheet.scaled_energy(new) < self.energy + DECREASE * fall:
                 crossed = sheet.crossings.find(new)
                 if not crossed and np.abs(new - self.phi).max() <= 3 * share * length:
                     self.radius = min(TRUST, 2 * self.radius if share < 1 else self.radius)
@@ -187,13 +188,13 @@ class _Press:
         forces, hessian, left = balanced(sheet, self.phi, at, z)
         if np.abs(left).max(initial=0.0) > 1e3 * STILL * (1 + np.abs(forces).max(initial=0.0)):
             return "not settled"
-        free = z @ null_space(at.slopes[forces > LOADED] @ z)
+        free = z @ null_space(at.slopes[forces > CARRIES] @ z)
         if free.shape[1]:
             values, vectors = np.linalg.eigh(free.T @ hessian @ free)
             if values[0] < -FLAT and self._off(at, free @ vectors[:, 0]):
                 return "lower"
         met = {t.key for t, _ in self.features.facing(self.place, 2 * NEAR, INSIDE)}
-        pushing = forces[len(at.limits) :] > LOADED
+        pushing = forces[len(at.limits) :] > CARRIES
         if all(t.key in met for t, on in zip(at.touches, pushing, strict=True) if on):
             return "still"
         return self._judged()
@@ -212,7 +213,7 @@ class _Press:
         opened = float(
             forces @ np.maximum(-rows.gaps, 0.0)
         )  # facets may have reached into each other
-        if sheet.scaled_energy(end) > self.energy + 1e-12 * (1 + self.energy) + 2 * opened:
+        if sheet.scaled_energy(end) > self.energy + LEVEL * (1 + self.energy) + 2 * opened:
             return False
         before = self.phi, self.known
         self._go(end)
@@ -245,11 +246,11 @@ class _Press:
             forces, hessian, left = balanced(sheet, self.phi, rows, z)
             if np.abs(left).max(initial=0.0) < SETTLING and self._polished(rows, forces):
                 return self._judged()
-            slope, pushing = z.T @ sheet.torque(self.phi), rows.slopes[forces > LOADED]
+            slope, pushing = z.T @ sheet.torque(self.phi), rows.slopes[forces > CARRIES]
             d = z @ quadratic(z.T @ hessian @ z, slope, rows, z, pushing)
-            share = min(1.0, reach / max(float(np.abs(d).max(initial=0.0)), 1e-300))
+            share = min(1.0, reach / max(float(np.abs(d).max(initial=0.0)), NONZERO))
             new = put_back(sheet, self.phi + share * d, rows)
-            if new is None or sheet.scaled_energy(new) > self.energy - 1e-12 * (1 + self.energy):
+            if new is None or sheet.scaled_energy(new) > self.energy - LEVEL * (1 + self.energy):
                 continue
             if np.abs(new - self.phi).max() <= 3 * reach and not sheet.crossings.find(new):
                 self._go(new)
@@ -260,10 +261,10 @@ class _Press:
     def _off(self, rows: Rows, way: np.ndarray) -> bool:
         """Leave a saddle along a way of negative curvature, where it is free."""
         way = way / np.abs(way).max()
-        for reach in (0.1, 0.01, 0.001):
+        for reach in REACHES:
             for sign in (1.0, -1.0):
                 new = put_back(self.sheet, self.phi + sign * reach * way, rows)
-                if new is None or self.sheet.scaled_energy(new) > self.energy - 1e-13 * (
+                if new is None or self.sheet.scaled_energy(new) > self.energy - 10 * ROUNDED * (
                     1 + self.energy
                 ):
                     continue

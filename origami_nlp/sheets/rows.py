@@ -14,7 +14,9 @@ import numpy as np
 
 from origami_nlp.facets import Parallel, Placed, Sheet, Touch
 from origami_nlp.numerics import (
+    CARRIES,
     CLOSES,
+    NONZERO,
     ROUNDED,
     Normal,
     dense,
@@ -27,8 +29,6 @@ NEAR = 1e-6
 """Gaps and openings that carry forces while a descent goes on; those of its end are solved for."""
 STILL = 1e-13
 """Reduced torque over the mean stiffness at which the polish has arrived."""
-LOADED = 1e-9
-"""Moments and forces over the mean stiffness above which a contact is loaded."""
 LONGEST = 0.5
 """Steps of a projection are cut to this largest change of a fold angle [rad]."""
 CLOSE = 0.1
@@ -149,7 +149,7 @@ def _onto(
         last, before = phi.copy(), worst
         normal = Normal(np.vstack([dense(sheet.closure.jacobian(phi)), rows.slopes])[:, free])
         d = normal.whole_step(-miss) if whole else normal.step(-miss)
-        phi[free] += d * min(1.0, LONGEST / max(float(np.abs(d).max(initial=0.0)), 1e-300))
+        phi[free] += d * min(1.0, LONGEST / max(float(np.abs(d).max(initial=0.0)), NONZERO))
     return phi if worst <= CLOSES else None
 
 
@@ -215,7 +215,7 @@ def polish(sheet: Sheet, phi: np.ndarray, rows: Rows, forces: np.ndarray) -> np.
     rows
         Its limits and gaps.
     forces
-        Of the rows, over the mean stiffness, [r]: those above `LOADED` are closed.
+        Of the rows, over the mean stiffness, [r]: those above `CARRIES` are closed.
 
     Returns
     -------
@@ -228,7 +228,7 @@ def polish(sheet: Sheet, phi: np.ndarray, rows: Rows, forces: np.ndarray) -> np.
 
 
 def _polish(sheet: Sheet, phi: np.ndarray, rows: Rows, forces: np.ndarray) -> np.ndarray | None:
-    loaded = forces > LOADED
+    loaded = forces > CARRIES
     held = np.zeros(sheet.size, bool)
     held[rows.limits[loaded[: len(rows.limits)]]] = True
     touches = [t for t, on in zip(rows.touches, loaded[len(rows.limits) :], strict=True) if on]
@@ -251,7 +251,7 @@ def _polish(sheet: Sheet, phi: np.ndarray, rows: Rows, forces: np.ndarray) -> np
             return new
         before = left
         h = dense(sheet.hessian(new, multipliers[:m])) - at.bent(sheet, new, multipliers[m:])
-        d = -z @ np.linalg.lstsq(z.T @ h @ z, reduced, rcond=1e-14)[0]
+        d = -z @ np.linalg.lstsq(z.T @ h @ z, reduced, rcond=ROUNDED)[0]
         if np.abs(d).max() > CLOSE:
             return None
         new = _onto(sheet, new + d, held, touches, sharp=True)

@@ -8,11 +8,9 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from origami_nlp.minima import JudgedState
+from origami_nlp.numerics import SETTLED
 from origami_nlp.sheets.curves import Traced
 from origami_nlp.sheets.result import SheetSearch
-
-ON_PLANE = 1e-6
-"""Planes of states that agree to this are one."""
 
 
 @dataclass(eq=False)
@@ -50,8 +48,8 @@ class Tally:
         """Tell whether a plane of closed states, spanned by a basis [n, t] from a state [n], is known."""
         return any(
             other.shape == basis.shape
-            and np.abs(off - there).max() < ON_PLANE
-            and np.abs(basis - other @ (other.T @ basis)).max() < ON_PLANE
+            and np.abs(off - there).max() < SETTLED
+            and np.abs(basis - other @ (other.T @ basis)).max() < SETTLED
             for other, there in self.planes
         )
 

@@ -11,10 +11,11 @@ import numpy as np
 from origami_nlp.facets import Sheet
 from origami_nlp.kkt import (
     FLOOR,
+    GOES,
     energy_scale,
 )
-from origami_nlp.numerics import BESIDE, CLOSES, LEVEL, SETTLED, SHALLOW, coarse
-from origami_nlp.sheets.descent import AT_LIMIT, Descended, descend
+from origami_nlp.numerics import BESIDE, CLOSES, LEVEL, OUTSIDE, SETTLED, SHALLOW, coarse
+from origami_nlp.sheets.descent import Descended, descend
 from origami_nlp.sheets.pops import is_jump, pop_rows
 from origami_nlp.sheets.pressing import press
 
@@ -103,7 +104,7 @@ class SheetTerrain:
     ) -> np.ndarray | None:
         """Close a start beside state a; None where that is no admissible state, or past a vertex's flat state."""
         start = np.clip(start, -math.pi, math.pi)
-        shut = np.abs(start) >= math.pi - AT_LIMIT
+        shut = np.abs(start) >= math.pi - OUTSIDE
         shut = shut if held is None else shut | held
         x, residual = self.sheet.project(start, shut)
         if residual > CLOSES and held is None and shut.any():
@@ -116,7 +117,7 @@ class SheetTerrain:
     def between(self, a: np.ndarray, b: np.ndarray, shares: np.ndarray) -> np.ndarray | None:
         """States between two; creases that both have shut stay so."""
         out = []
-        shut = (np.abs(a) >= math.pi - AT_LIMIT) & (a == b)
+        shut = (np.abs(a) >= math.pi - OUTSIDE) & (a == b)
         flat = (a == 0) & (b == 0)
         for share in shares:
             start = a + share * (b - a)
@@ -310,7 +311,7 @@ class SheetTerrain:
             if new is None:
                 break
             moved = float(np.linalg.norm(new - path[-1]))
-            if not 0.05 * length < moved < 3 * length:
+            if not GOES[0] * length < moved < GOES[1] * length:
                 break
             if goal is None:
                 along = new - path[-1]

@@ -35,6 +35,7 @@ from .html import inline_image as inline_image
 from .labels import label_marks as label_marks
 from .pose import Pose as Pose, pose_state as pose_state
 from .result import Result as Result, read_data as read_data
+from .stacked import MARGIN as MARGIN, StackedFigure as StackedFigure
 from .style import (
     BAND as BAND,
     HANDLE as HANDLE,

@@ -13,6 +13,7 @@ from matplotlib.patheffects import withStroke
 
 from origami_nlp.arguments import check_type
 from origami_nlp.errors import OptionError
+from origami_nlp.numerics import NONZERO
 from origami_nlp.pattern import Frame, fold_vertices
 from origami_nlp.show.drawing import MOUNTAIN, VALLEY
 
@@ -65,7 +66,7 @@ def draw_pattern(
     xy = frame.coords[:, :2]
     extent = np.ptp(xy, axis=0)
     if axes is None:
-        height = float(np.clip(6.0 * extent[1] / max(extent[0], 1e-300), 2.0, 9.0))
+        height = float(np.clip(6.0 * extent[1] / max(extent[0], NONZERO), 2.0, 9.0))
         figure = Figure(figsize=(6.0, height + 0.5), layout="constrained")
         here = figure.add_subplot()
     else:

@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from origami_nlp.errors import OrigamiError
-from origami_nlp.numerics import ROUNDED
+from origami_nlp.numerics import NONZERO, OUTSIDE, ROUNDED
 from origami_nlp.space.chain import WRAPPED, Chain
 
 ON = 1000 * ROUNDED
@@ -31,6 +31,8 @@ STRAIGHT = 1 << BORDER_P | 1 << BORDER_Q
 LONGEST, SHORTENINGS = 16.0, 6
 """Edges longer than LONGEST / size [rad, largest fold angle] are divided, this often: next to the seam states change
 with the square root of the base point."""
+DIFFERENCE = 1e-6
+"""Step of central differences of a wall [rad]."""
 LOOKS = 2
 """How often edges that a wall crosses twice are looked for."""
 SAMPLES = tuple(np.linspace(0.0, 1.0, 10)[1:-1].tolist())
@@ -274,7 +276,7 @@ def _find_roots(
 def pull(chain: Chain, base: np.ndarray, sheet: np.ndarray, bit: int) -> np.ndarray:
     """Move base points [V, 2] onto a curved wall by Newton steps along its gradient."""
     function = wall_function(chain, bit)
-    h = 1e-6
+    h = DIFFERENCE
     for _ in range(6):
         value = function(base, sheet)
         gradient = np.stack(
@@ -284,9 +286,9 @@ def pull(chain: Chain, base: np.ndarray, sheet: np.ndarray, bit: int) -> np.ndar
             ],
             axis=1,
         )
-        size = np.maximum((gradient**2).sum(axis=1), 1e-12)
+        size = np.maximum((gradient**2).sum(axis=1), OUTSIDE)
         step = (value / size)[:, None] * gradient
-        step *= np.minimum(1.0, 0.1 / np.maximum(np.linalg.norm(step, axis=1), 1e-300))[:, None]
+        step *= np.minimum(1.0, 0.1 / np.maximum(np.linalg.norm(step, axis=1), NONZERO))[:, None]
         base = base - step
     return base
 

@@ -16,14 +16,14 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from origami_nlp.files import Brief, pick
-from origami_nlp.numerics import groups
+from origami_nlp.numerics import SETTLED, groups
 from origami_nlp.pattern import Scene
 from origami_nlp.show import Piece, Told
 from origami_nlp.space.mesh import SEAM
 from origami_nlp.space.words import angle_words
 
-SAME_POINT = 1e-6
-"""Points [rad] that are closer are one when the picture in the paper's chart is looked at."""
+EXTENDED = 1e-3
+"""Handles that span less [rad] are points of a picture."""
 NEARBY = 0.5
 """Families over one point of the chart hang together over a disc of this radius [rad] around it."""
 
@@ -299,10 +299,10 @@ def _places(mesh: SpaceMesh) -> np.ndarray:
 
 
 def _groups(points: np.ndarray) -> np.ndarray:
-    """Number the groups of points [V, d] that coincide to `SAME_POINT`."""
+    """Number the groups of points [V, d] that coincide to `SETTLED`."""
     from scipy.spatial import cKDTree
 
-    return groups(len(points), cKDTree(points).query_pairs(SAME_POINT, output_type="ndarray"))
+    return groups(len(points), cKDTree(points).query_pairs(SETTLED, output_type="ndarray"))
 
 
 def _picture_joins(
@@ -315,7 +315,7 @@ def _picture_joins(
     np.minimum.at(low, place, mesh.wedge)
     np.maximum.at(high, place, mesh.wedge)
     found = []
-    for k in np.flatnonzero((high - low).max(axis=1) > 1e-3):
+    for k in np.flatnonzero((high - low).max(axis=1) > EXTENDED):
         over = np.flatnonzero(place == k)
         point = mesh.chart[over[0]]
         near = np.linalg.norm(mesh.chart - point, axis=1) < NEARBY

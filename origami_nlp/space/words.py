@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
+from origami_nlp.numerics import OUTSIDE
 from origami_nlp.pattern import format_angle
 
 
@@ -22,6 +23,6 @@ def angle_words(values: Iterable[float]) -> str:
     """
     texts = []
     for v in values:
-        text = format_angle(v) if abs(v) > 1e-12 else "0"
+        text = format_angle(v) if abs(v) > OUTSIDE else "0"
         texts.append(text if "pi" in text or text == "0" else f"{v:.4f}")
     return "(" + ", ".join(texts) + ")"

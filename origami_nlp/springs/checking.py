@@ -10,7 +10,7 @@ import numpy as np
 from origami_nlp.barriers import find_barriers
 from origami_nlp.kkt import State, classify
 from origami_nlp.minima import JudgedState, MinimaResult
-from origami_nlp.numerics import DESIGN_FOUND, SETTLED
+from origami_nlp.numerics import DESIGN_FOUND, SAME_ENERGY, SETTLED
 from origami_nlp.pattern import Pattern, Scene
 from origami_nlp.programme import Model
 from origami_nlp.sheets import SheetResult
@@ -21,8 +21,6 @@ from origami_nlp.springs.targets import Placed, Targets
 from origami_nlp.springs.targets_file import Ask
 from origami_nlp.springs.ways import Way, height
 
-BALANCE = 1e-9
-"""Error of energies, relative, above which a design is not verified."""
 TRIALS = 20
 """Random springs within the tolerance that are tried."""
 
@@ -153,14 +151,14 @@ def _energies(targets: Targets, energy: dict[str, float]) -> list[str]:
     for gap in targets.energies:
         d = energy[gap.upper] - energy[gap.lower]
         # rounding of a difference of two energies
-        room = BALANCE * (abs(energy[gap.upper]) + abs(energy[gap.lower]))
+        room = SAME_ENERGY * (abs(energy[gap.upper]) + abs(energy[gap.lower]))
         if not gap.least - room <= d <= gap.most + room:
             out.append(
                 f"energy of {gap.upper!r} above {gap.lower!r} is {d:.9g} J, "
                 f"not within [{gap.least:g}, {gap.most:g}]"
             )
     for name, most in targets.highest.items():
-        if energy[name] > most + BALANCE * energy[name]:
+        if energy[name] > most + SAME_ENERGY * energy[name]:
             out.append(f"energy of {name!r} is {energy[name]:.9g} J, above {most:g}")
     return out
 
@@ -199,7 +197,7 @@ def _barriers(
             found = next((p for p in passes if {p.from_state, p.to_state} == pair), None)
             top, phi = (math.nan, ()) if found is None else (found.energy, found.fold_angles)
         rise = top - energy[b.start]
-        room = BALANCE * (abs(top) + abs(energy[b.start]))
+        room = SAME_ENERGY * (abs(top) + abs(energy[b.start]))
         good = b.least - room <= rise <= b.most + room
         why = (
             f"barrier from {b.start!r} to {b.end!r} is {rise:.9g} J, not within "

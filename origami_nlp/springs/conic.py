@@ -15,7 +15,7 @@ import numpy as np
 from scipy import sparse
 
 from origami_nlp.errors import OptionError
-from origami_nlp.numerics import BALANCED, DEPENDENT
+from origami_nlp.numerics import BALANCED, DEPENDENT, NONZERO
 
 EQUAL, POSITIVE, BALL, DEFINITE = "=", ">=", "|.|<=", "psd"
 
@@ -217,7 +217,7 @@ class Programme:
         left = float(np.abs(aim + self.pull(duals)).max())
         work = sum(float(r.b @ y) for r, y in zip(self.rows, duals, strict=True))
         if status == "PrimalInfeasible":
-            left /= max(abs(work), 1e-300)
+            left /= max(abs(work), NONZERO)
         return Answer(status, v, duals, work, left, iterations)
 
     def pull(self, duals: tuple[np.ndarray, ...]) -> np.ndarray:

@@ -22,7 +22,7 @@ from origami_nlp.springs.conic import BALL, EQUAL, POSITIVE, Answer, Programme, 
 from origami_nlp.springs.equilibrium import Balance, Springs, balances, energy_row
 from origami_nlp.springs.targets import Targets
 
-MOVED = 1e-3
+MOVED = 1e4 * DESIGN_ACTIVE
 """Largest change that closes equations and active bounds, over the mean stiffness: `DESIGN_ACTIVE` times the worst
 condition 1e4 of the equations (see `DESIGN_MARGIN`); more is another design."""
 ROOM = 2.0
@@ -440,7 +440,7 @@ def scene_of(targets: Targets, found: Found, name: str | None = None) -> Scene |
     if isinstance(targets.origami, Pattern):
         sprung = targets.origami.with_springs(k.tolist(), rest.tolist())
         return replace(sprung, name=name or sprung.name)
-    wound = np.abs(tau / k) > math.pi * (1 + 1e-14)
+    wound = np.abs(tau / k) > math.pi * (1 + ROUNDED)
     return Scene(
         targets.origami,
         tuple(k),

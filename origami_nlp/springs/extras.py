@@ -9,7 +9,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from origami_nlp.kkt import State, project
-from origami_nlp.numerics import CLOSES, RANK, SETTLED
+from origami_nlp.numerics import CLOSES, RANK, SAMPLED, SETTLED
 from origami_nlp.programme import Model
 from origami_nlp.springs.conic import EQUAL, POSITIVE, Rows
 from origami_nlp.springs.equilibrium import Balance, Springs, energy_row, slope_row
@@ -27,8 +27,6 @@ narrow basin, which longer steps would lead over."""
 SHORT = 1e-3
 """Steps that are shorter [rad] say nothing of a fall: they are rounding of the one before."""
 WORDS = "a minimum that nobody asked for is none"
-NEAR = 0.05
-"""A curve passes a state where a sample comes this near [rad]."""
 
 
 def cuts(targets: Targets, unwanted: np.ndarray) -> list[list[tuple[Rows, ...]]]:
@@ -95,11 +93,11 @@ def _falling(
     goal, last, corner = side[-1], len(side) - 1, None
     for k, b in enumerate(side[1:], start=1):
         near = min(wanted, key=lambda w: float(np.abs(b - w).max()))
-        if np.abs(b - near).max() <= NEAR:
+        if np.abs(b - near).max() <= SAMPLED:
             goal, last = near, k - 1
             break
         other = math.pi * np.round(b / math.pi)
-        if np.abs(b - other).max() <= NEAR and not State(model, other).regular:
+        if np.abs(b - other).max() <= SAMPLED and not State(model, other).regular:
             goal, last, corner = other, k, other  # curves cross there
             break
     else:
@@ -148,12 +146,12 @@ def _across(
             for arm in outward(curve_of(model, w), w):
                 way = arm[-1] - corner if len(arm) > 1 else np.zeros_like(corner)
                 size = float(np.linalg.norm(model.root * way))
-                if not SETTLED < size <= 2 * NEAR * math.sqrt(len(way)):
+                if not SETTLED < size <= 2 * SAMPLED * math.sqrt(len(way)):
                     way, size = (
                         arm[-2] - corner,
                         float(np.linalg.norm(model.root * (arm[-2] - corner))),
                     )
-                if not SETTLED < size <= 4 * NEAR * math.sqrt(len(way)):
+                if not SETTLED < size <= 4 * SAMPLED * math.sqrt(len(way)):
                     continue
                 cosines = [float(np.sum(model.root**2 * v * way)) / size for v in (step, other)]
                 if abs(cosines[1]) > abs(cosines[0]):

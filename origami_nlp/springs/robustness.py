@@ -30,6 +30,8 @@ DRAWS = 8
 """Random directions that the descent over signs begins with."""
 FOLLOWS = 120
 """Curves that are followed for one state."""
+ENDED = 1e-3
+"""Share of itself to which the size of errors that a state survives is bisected."""
 HALVINGS = 4
 """Of a range, at whose ends a singular state is looked at."""
 MOVES = "moves"
@@ -164,7 +166,7 @@ def _in_place(line: ParameterLine, start: np.ndarray, most: float) -> Ended:
         low = min(s, most)
     if low >= most:
         return Ended(most, "kept", start)
-    while high - low > max(SETTLED, 1e-3 * high):
+    while high - low > max(SETTLED, ENDED * high):
         middle = 0.5 * (low + high)
         # invariant: certainly a minimum at `low`, not certainly at `high`
         low, high = (middle, high) if stays(middle) else (low, middle)

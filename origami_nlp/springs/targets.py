@@ -15,7 +15,7 @@ from origami_nlp.arguments import check_angles, check_number, check_type, refuse
 from origami_nlp.errors import OptionError
 from origami_nlp.facets import Sheet
 from origami_nlp.kkt import State, project
-from origami_nlp.numerics import CLOSES, DESIGN_SNAP
+from origami_nlp.numerics import CLOSES, DESIGN_SNAP, OUTSIDE
 from origami_nlp.pattern import Contact, Pattern, Scene, Vertex
 from origami_nlp.programme import Model
 
@@ -187,7 +187,7 @@ class Targets:
                     f"rest_angles = [{low:.6g}, {high:.6g}] rad must be [least, most]"
                 )
             most = TURNS if self.preload is True else math.pi
-            if not -most - 1e-12 <= low or not high <= most + 1e-12:
+            if not -most - OUTSIDE <= low or not high <= most + OUTSIDE:
                 raise OptionError(
                     f"rest_angles = [{low:.6g}, {high:.6g}] must lie in [-{most:.6g}, {most:.6g}] rad"
                     + (

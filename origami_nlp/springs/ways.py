@@ -14,7 +14,7 @@ import numpy as np
 
 from origami_nlp.errors import OptionError
 from origami_nlp.kkt import State, project
-from origami_nlp.numerics import CLOSES, SAME
+from origami_nlp.numerics import CLOSES, LEVEL, SAME, SAMPLED, SETTLED
 from origami_nlp.path import BoundaryCurve, evaluate, follow_boundary
 from origami_nlp.programme import Model
 from origami_nlp.springs.conic import EQUAL, POSITIVE, Rows
@@ -25,12 +25,8 @@ CANDIDATES = 15
 """Places between two wells at which the pass may be prescribed."""
 MOST_CANDIDATES = 300
 """Choices of passes for all pairs together."""
-EXACT = 1e-12
-"""Relative excess of a barrier from which its top is taken as one more sample."""
 BESIDE_PASS = 0.1
 """Curvature of a prescribed pass, over the margin."""
-MEETS = 0.05
-"""Two curves that end this near to each other [rad] at a flat or flat-folded state lead on through it."""
 
 
 @dataclass(frozen=True)
@@ -89,7 +85,7 @@ def ways_between(model: Model, a: np.ndarray, b: np.ndarray) -> list[Way]:
         for second in outward(two, b):
             corner = math.pi * np.round(first[-1] / math.pi)
             near = max(np.abs(first[-1] - corner).max(), np.abs(second[-1] - corner).max())
-            if near <= MEETS and np.abs(model.closure(corner)[0]).max() <= CLOSES:
+            if near <= SAMPLED and np.abs(model.closure(corner)[0]).max() <= CLOSES:
                 out.append(_way(model, _thinned(np.vstack([first[:-1], corner, second[-2::-1]]))))
     return sorted(out, key=lambda w: len(w.states))
 
@@ -103,7 +99,7 @@ def _part(curve: BoundaryCurve, a: np.ndarray, b: np.ndarray) -> list[np.ndarray
     share = np.einsum("ij,ij->i", b - at[:-1], steps) / np.einsum("ij,ij->i", steps, steps)
     on = at[:-1] + np.clip(share, 0, 1)[:, None] * steps
     j = int(np.abs(on - b).max(axis=1).argmin())
-    if np.abs(on[j] - b).max() > MEETS:
+    if np.abs(on[j] - b).max() > SAMPLED:
         return []
     forward = np.vstack([a, at[i + 1 : j + 1], b]) if j >= i else None
     backward = np.vstack([a, at[j + 1 : i][::-1], b]) if j < i else None
@@ -120,7 +116,7 @@ def _thinned(w: np.ndarray) -> np.ndarray:
     """Drop samples that stand on the one before, the ends kept."""
     keep = [0]
     for k in range(1, len(w) - 1):
-        if np.abs(w[k] - w[keep[-1]]).max() > 1e-6 and np.abs(w[k] - w[-1]).max() > 1e-6:
+        if np.abs(w[k] - w[keep[-1]]).max() > SETTLED and np.abs(w[k] - w[-1]).max() > SETTLED:
             keep.append(k)
     return np.asarray(w[[*keep, len(w) - 1]])
 
@@ -133,7 +129,7 @@ def outward(curve: BoundaryCurve | None, x: np.ndarray) -> list[np.ndarray]:
     out = []
     for side in (curve.states[i:], curve.states[: i + 1][::-1]):
         at = np.abs(side - math.pi * np.round(side / math.pi)).max(axis=1)
-        corner = np.flatnonzero(at[1:] <= MEETS)  # (other curves may cross this one there)
+        corner = np.flatnonzero(at[1:] <= SAMPLED)  # (other curves may cross this one there)
         side = side[: corner[0] + 2] if len(corner) else side
         if len(side) > 1:
             out.append(np.vstack([x, side[1:]]))
@@ -174,7 +170,7 @@ def height(model: Model, way: Way) -> tuple[float, np.ndarray]:
         if point is None or point.stiffness >= 0:
             break
         # Newton on dU/ds = 0
-        h = float(np.clip(-point.slope / point.stiffness, -0.05, 0.05))
+        h = float(np.clip(-point.slope / point.stiffness, -SAMPLED, SAMPLED))
         y, residual = project(model, x + (h * point.tangent + h**2 / 2 * point.bend) / model.root)
         if residual > CLOSES:
             break
@@ -278,7 +274,7 @@ class Passes:
             top, x = height(model, way)
             for ask in asks:
                 start = float(model.energy(way.states[0 if ask.start == pair[0] else -1]))
-                if top - start > ask.most * (1 + EXACT):
+                if top - start > ask.most * (1 + LEVEL):
                     self.tops.setdefault(pair, []).append(x)
                     new = True
         return new

@@ -1,5 +1,5 @@
 from . import rounds as rounds
-from .closing import EXPLORED as EXPLORED, Closing as Closing, Point as Point, balance as balance
+from .closing import Closing as Closing, Point as Point, balance as balance
 from .corners import Corners as Corners
 from .crossings import Crossings as Crossings, model_rows as model_rows
 from .family import Listed as Listed, StartFamily as StartFamily
@@ -12,6 +12,12 @@ from .near_corners import NearCorners as NearCorners
 from .near_flat import NearFlat as NearFlat
 from .near_folded import NearFolded as NearFolded
 from .on_limits import states_on_limits as states_on_limits
+from .options import (
+    EFFORTS as EFFORTS,
+    OWN as OWN,
+    SearchOptions as SearchOptions,
+    options_of as options_of,
+)
 from .pinches import close_pinched as close_pinched
 from .popped import Popped as Popped, creases_around as creases_around
 from .projected import BATCH as BATCH, Projected as Projected
@@ -20,12 +26,9 @@ from .rigid import RigidStates as RigidStates
 from .rounds import (
     CORNER as CORNER,
     DRAWN as DRAWN,
-    EFFORTS as EFFORTS,
     GIVEN as GIVEN,
     SOURCES as SOURCES,
-    Effort as Effort,
     Rounds as Rounds,
-    effort_of as effort_of,
 )
 from .samples import Ends as Ends, Samples as Samples, joined as joined, put as put
 from .strata import Interior as Interior, Strata as Strata

@@ -12,8 +12,6 @@ from origami_nlp.numerics import EPS, OUTSIDE, RANK, ROUNDED
 from origami_nlp.programme import OPEN, Folded, Kinematics, Model, Parameters
 from origami_nlp.starts.samples import Samples
 
-EXPLORED = 1e-11
-"""Closure and held gaps of states on their way."""
 CLOSED = 0.1 * OUTSIDE
 """Closure and held gaps when they are brought closer: what is held must not look crossed."""
 QUADRATIC, SETTLING = 1e-7, 0.1

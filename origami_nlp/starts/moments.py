@@ -14,7 +14,7 @@ import math
 
 import numpy as np
 
-from origami_nlp.numerics import CLOSES, SAME
+from origami_nlp.numerics import CLOSES, DECREASE, NONZERO, SAME
 from origami_nlp.programme import Model, MomentMap
 from origami_nlp.starts.closing import Closing
 from origami_nlp.starts.family import StartFamily
@@ -26,8 +26,6 @@ SHORTEST_SHARE = 1e-3
 """Share of Newton's step below which a moment is given up."""
 FEWER, MORE = 0.3, 3.0
 """By how much the share changes after a step that was not taken, and after one that was."""
-ENOUGH = 1e-4
-"""A step is taken if the miss falls by this part of its share."""
 SPREAD = (0.3, 10.0)
 """Moments are drawn from this times the smallest to this times the largest that matters."""
 
@@ -80,14 +78,14 @@ def find_zeros(chain: MomentMap, m: np.ndarray) -> tuple[np.ndarray, np.ndarray]
         step = -_solved(slope[live], vector[live])
         # no step may be longer than the moment, or than what turns everything by one radian
         longest = np.maximum(np.linalg.norm(m[live], axis=1), chain.smallest)
-        length = np.maximum(np.linalg.norm(step, axis=1), 1e-300)
+        length = np.maximum(np.linalg.norm(step, axis=1), NONZERO)
         part = np.minimum(share[live], longest / length)
         new = m[live] + part[:, None] * step
         shot = chain.shoot(new)
         assert shot.slope is not None
         now = np.linalg.norm(shot.miss, axis=1)
         # sufficient decrease of |miss|, in proportion to the share of the step
-        good = now < miss[live] * (1 - ENOUGH * part)
+        good = now < miss[live] * (1 - DECREASE * part)
         share[live] = np.where(good, np.minimum(1.0, MORE * share[live]), FEWER * part)
         taken = live[good]
         m[taken], miss[taken] = new[good], now[good]

@@ -19,7 +19,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from origami_nlp.numerics import RANK
+from origami_nlp.numerics import NONZERO, RANK
 from origami_nlp.programme import Model
 from origami_nlp.starts.family import Listed
 
@@ -59,7 +59,7 @@ class NearFlat(Listed):
             return none
         root = np.sqrt(model.parameters.stiffness)
         u, sizes, vt = np.linalg.svd(jacobian / root)
-        rank = int((sizes > RANK * sizes.max(initial=1e-300)).sum())
+        rank = int((sizes > RANK * sizes.max(initial=NONZERO)).sum())
         if len(u) - rank != 1 or n - rank < 2:
             return none
         no_gaps = np.zeros(len(model.structure.gaps))

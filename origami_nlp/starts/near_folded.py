@@ -14,7 +14,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from origami_nlp.kkt import State
-from origami_nlp.numerics import RANK, SETTLED, null_space
+from origami_nlp.numerics import NONZERO, RANK, SETTLED, null_space
 from origami_nlp.programme import Model
 from origami_nlp.starts.family import Listed
 from origami_nlp.starts.near_flat import NEAR, on_cone
@@ -71,7 +71,7 @@ def _beside(state: State) -> Iterator[np.ndarray]:
     pieces = state.contacts.combinations()
     root = np.sqrt(model.parameters.stiffness)
     u, sizes, vt = np.linalg.svd(state.local.closure_jacobian / root)
-    rank = int((sizes > RANK * sizes.max(initial=1e-300)).sum())
+    rank = int((sizes > RANK * sizes.max(initial=NONZERO)).sum())
     # one lost rank: the combination s of closure is unique, and so is the cone
     if pieces is None or len(pieces) > MOST_PIECES or len(u) - rank != 1:
         return

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from origami_nlp.numerics import ROUNDED
+from origami_nlp.numerics import NONZERO, ROUNDED
 from origami_nlp.programme import Programme
 from origami_nlp.starts.family import Listed
 
@@ -38,6 +38,6 @@ class RestState(Listed):
         x = model.parameters.rest.copy()
         value, jacobian = model.closure(x)
         singular = np.linalg.svd(jacobian, compute_uv=False)
-        move = np.linalg.norm(value) / max(float(singular.min()), 1e-300) if value.any() else 0.0
+        move = np.linalg.norm(value) / max(float(singular.min()), NONZERO) if value.any() else 0.0
         flat = bool((np.abs(x) % math.pi == 0).all())  # flat foldings are exact, and listed as such
         return [x] if move <= ROUNDED and not flat and model.on_sheet(x) else []

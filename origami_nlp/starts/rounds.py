@@ -7,17 +7,17 @@ from the interior, but a start on their own stratum, with its contacts held, oft
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
-from origami_nlp.errors import OptionError
 from origami_nlp.programme import Model, vertex_candidates
 from origami_nlp.starts.corners import Corners
 from origami_nlp.starts.crossings import model_rows
 from origami_nlp.starts.family import StartFamily
 from origami_nlp.starts.moments import Moments, is_chain
 from origami_nlp.starts.near_corners import NearCorners
+from origami_nlp.starts.options import SearchOptions
 from origami_nlp.starts.samples import Samples, joined
 from origami_nlp.starts.strata import Interior, Strata
 from origami_nlp.starts.touches import Touches
@@ -31,62 +31,8 @@ DRAWN = tuple(k for k in range(len(FAMILIES)) if k != CORNER)
 """Those that are drawn anew: only how often these reach a minimum says how likely another was missed."""
 GIVEN = len(FAMILIES)
 """Source of states that are given, guesses, minima of second order, either side of saddles: not counted."""
-MOST_WITH_CORNERS = 24
-"""Creases up to which corners are started from: with more there are too many that nothing holds."""
-FEWEST_FOR_MOMENTS = 16
-"""Creases from which moments are started from as well: with 10 and 12 they found no more in the same time."""
 OTHERS = 8
 """With more creases, one start in so many is no moment."""
-
-
-@dataclass(frozen=True)
-class Effort:
-    """How much time a search may take.
-
-    Attributes
-    ----------
-    corners
-        Candidates for corners of the state space: all of them up to this many, a sample beyond.
-    interior
-        Starts in the interior.
-    a_round
-        Starts of each kind in a round, for one degree of freedom; more with more, up to 64 times.
-    rounds
-        Rounds at most.
-    hits
-        How often rounds must have reached every minimum.
-    quiet
-        Rounds without a new minimum after which the search may stop although one was reached less often.
-    in_a_row
-        Of a pattern: random starts in a row that find nothing new, after which the search stops.
-    """
-
-    corners: int
-    interior: int
-    a_round: int
-    rounds: int
-    hits: int
-    quiet: int
-    in_a_row: int
-
-
-EFFORTS = {
-    "quick": Effort(corners=256, interior=32, a_round=8, rounds=1, hits=1, quiet=1, in_a_row=10),
-    "normal": Effort(
-        corners=8192, interior=48, a_round=14, rounds=16, hits=2, quiet=2, in_a_row=40
-    ),
-    "thorough": Effort(
-        corners=16384, interior=512, a_round=64, rounds=40, hits=4, quiet=4, in_a_row=160
-    ),
-}
-"""By name."""
-
-
-def effort_of(name: object) -> Effort:
-    """Return an effort by its name, or complain."""
-    if not isinstance(name, str) or name not in EFFORTS:
-        raise OptionError(f"effort = {name!r} is unknown: use one of {', '.join(EFFORTS)}")
-    return EFFORTS[name]
 
 
 class Rounds:
@@ -96,23 +42,23 @@ class Rounds:
     random strata, and touches; all but corners and the interior hold their contacts until they have converged.
     """
 
-    def __init__(self, model: Model, seed: int, effort: Effort) -> None:
-        self._model, self._effort = model, effort
+    def __init__(self, model: Model, seed: int, options: SearchOptions) -> None:
+        self._model, self._options = model, options
         self._rng = np.random.default_rng(seed)
-        self._long = model.size > MOST_WITH_CORNERS
+        self._long = model.size > options.most_with_corners
         self._corners = Samples.on(np.zeros((0, model.size)))
         if not self._long:
-            self._corners = self._drawn(Corners(model), effort.corners)
+            self._corners = self._drawn(Corners(model), options.corners)
         self.corners = len(self._corners)
-        self.every_corner = 0 < vertex_candidates(model) <= effort.corners
+        self.every_corner = 0 < vertex_candidates(model) <= options.corners
         touching = model.scene.group.is_trivial and bool(model_rows(model))
         self.touches = Touches(model) if touching else None
         self._interior = Interior(model)
         share = 0.6 if touching else 1.25  # touches are a third kind of start
         freedom = min(max(model.freedom - 1, 0), 9)
-        self._a_round = round(share * effort.a_round * min(2.5**freedom, 64))
+        self._a_round = round(share * options.a_round * min(2.5**freedom, 64))
         if self._long:  # a descent takes longer
-            self._a_round = 1 + self._a_round * MOST_WITH_CORNERS // model.size
+            self._a_round = 1 + self._a_round * options.most_with_corners // model.size
         self._each = list(self._families(Moments(model) if is_chain(model) else None))
 
     def _families(self, moments: Moments | None) -> Iterator[tuple[StartFamily, int]]:
@@ -129,20 +75,20 @@ class Rounds:
                 yield NearCorners(self._corners), self._a_round
             if self.touches is not None:
                 yield self.touches, self._a_round
-            if moments is not None and model.size >= FEWEST_FOR_MOMENTS:
+            if moments is not None and model.size >= self._options.fewest_for_moments:
                 yield moments, self._a_round
 
     def __iter__(self) -> Iterator[Samples]:
         """Yield round after round."""
         if self._long:
-            yield from (self._mixed(self._round()) for _ in range(self._effort.rounds))
+            yield from (self._mixed(self._round()) for _ in range(self._options.rounds))
             return
         # without limits there is nothing but the interior, and each shape in several lifts
-        interior = self._effort.interior * (1 if self._model.has_limits else 8)
+        interior = self._options.interior * (1 if self._model.has_limits else 8)
         first = [self._drawn(self._interior, interior), self._corners]
         # batches cost by the call more than by the sample: the first rounds go with them
-        yield self._mixed(*first, *(self._round() for _ in range(self._effort.hits)))
-        for _ in range(self._effort.rounds - self._effort.hits):
+        yield self._mixed(*first, *(self._round() for _ in range(self._options.hits)))
+        for _ in range(self._options.rounds - self._options.hits):
             yield self._mixed(self._round())
 
     def _mixed(self, *parts: Samples) -> Samples:

@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from origami_nlp.errors import SweepError
+from origami_nlp.numerics import NONZERO
 from origami_nlp.show import KINDS, MISSING, label_text, patch
 from origami_nlp.sweep.load import sweep_grid
 
@@ -162,7 +163,7 @@ def _is_log(v: np.ndarray) -> bool:
         return False
     steps, ratios = np.diff(v), np.diff(np.log(v))
     return bool(
-        np.ptp(ratios) < np.ptp(steps) / max(abs(np.mean(steps)), 1e-300) * abs(np.mean(ratios))
+        np.ptp(ratios) < np.ptp(steps) / max(abs(np.mean(steps)), NONZERO) * abs(np.mean(ratios))
     )
 
 

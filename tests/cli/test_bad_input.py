@@ -133,7 +133,8 @@ def test_bad_scene_raises_our_error_in_python(name):
         parse_scene(BAD[name][0])
 
 
-SCENE, PHASE = "scene.toml", ("paper", "cone", "phase")
+SCENE = "scene.toml"
+PHASE, COUNT = (("paper", "cone", name) for name in ("phase", "count"))
 BAD_CALLS = {
     "no such file": (["minima", "nowhere.toml"], "nowhere.toml"),
     "folder as scene": (["minima", "."], "cannot read"),
@@ -154,6 +155,10 @@ BAD_CALLS = {
     "arrays into no folder": (["landscape", SCENE, "--npz", "nowhere/a.npz"], "does not exist"),
     "figure of no format": (["landscape", SCENE, "--figure", "a.bmp"], "--figure"),
     "JSON into no folder": (["landscape", SCENE, "--json", "nowhere/a.json"], "does not exist"),
+    "counts into no folder": (
+        [*COUNT, "--degree", 6, "--ratio", 2, "--rest-elevation", 0.1, "--json", "missing/a.json"],
+        "--json",
+    ),
     "odd degree": ([*PHASE, "--degree", 7], "degree"),
     "one point": ([*PHASE, "--degree", 8, "--size", 1], "size"),
     "too deep": ([*PHASE, "--degree", 8, "--depth", 2], "depth"),

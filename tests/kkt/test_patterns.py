@@ -23,14 +23,16 @@ COUNTS = {  # states as a separate judgement of patterns decided on them: minima
     "squaretwist": (8, 1, 0, 0),
     "yoshimura:2x2": (2, 1, 0, 1),
 }
-FAST = "metasheet:3x3", "miura:2x3", "squaretwist", "yoshimura:2x2"
+READ = "metasheet:3x3", "metasheet:4x4", "squaretwist", "yoshimura:2x2"
+"""Searched for other tests as well."""
+FAST = (*READ, "miura:2x3")
 
 
 @pytest.mark.parametrize(
     "name", [n if n in FAST else pytest.param(n, marks=pytest.mark.slow) for n in COUNTS]
 )
 def test_states_are_decided_as_by_a_judgement_of_patterns_alone(name):
-    found = states(name)
+    found = states(name) if name in READ else o.find_states(name, starts=10, escape=False)
     many = Counter(s.verdict for s in found.states)
     refuted = many["saddle"] + many["not stationary"]
     told = many["minimum"], refuted, many["not admissible"], many["undecided"]
@@ -39,7 +41,7 @@ def test_states_are_decided_as_by_a_judgement_of_patterns_alone(name):
     for state in found.states:  # in the numbering of the file, not that of the search
         again = classify(State(problem, state.phi))
         assert (again.verdict == "minimum") == (state.verdict == "minimum")
-        assert again.kind == state.kind
+        assert (again.kind or "") == state.kind
 
 
 def held_state():

@@ -36,7 +36,7 @@ def test_folded_flat_is_a_minimum_where_energy_rises_along_its_curves(seed):
             assert not beside
             continue
         one = classify(State(vertex, phi))  # the same vertex as a scene
-        assert (one.verdict, one.kind) == (state.verdict, state.kind)
+        assert (one.verdict, one.kind or "") == (state.verdict, state.kind)
         rises = all(pattern.energy(x) > pattern.energy(phi) for x in beside)
         assert state.verdict == ("minimum" if rises else "not stationary"), (phi, state.certificate)
         verdicts.append(state.verdict)

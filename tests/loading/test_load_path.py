@@ -11,7 +11,7 @@ from scipy.interpolate import PchipInterpolator
 from origami_nlp import Scene, Vertex, draw, examples, find_minima, format_scene, load_path
 from origami_nlp.errors import OptionError
 from origami_nlp.loading import VertexDriver
-from origami_nlp.path import Steps
+from origami_nlp.path import ContinuationOptions
 from tests.command_line import run
 from tests.independent.rotations import fold
 
@@ -57,8 +57,8 @@ def test_searches_on_both_sides_confirm_it():
 
 @pytest.mark.parametrize("longest", [pytest.param(0.02, marks=pytest.mark.slow), 0.05, 0.11])
 def test_the_snap_does_not_depend_on_the_steps(longest):
-    steps = Steps(first=1e-3, longest=longest, shortest=1e-9, turn=0.1, sharpest=0.3)
-    path = load_path(SCENE, 1, to=-0.139, steps=steps, **QUICK)
+    steps = ContinuationOptions(first=1e-3, longest=longest, shortest=1e-9, turn=0.1, sharpest=0.3)
+    path = load_path(SCENE, 1, to=-0.139, options=steps, **QUICK)
     assert path.snaps[0].t == pytest.approx(loop().snaps[0].t, abs=1e-13)
 
 

@@ -15,7 +15,7 @@ from scipy.spatial.transform import Rotation
 import origami_nlp as o
 from origami_nlp.facets import Sheet, Torque
 from origami_nlp.numerics import STATIONARY
-from origami_nlp.path import Steps
+from origami_nlp.path import ContinuationOptions
 from origami_nlp.sheets import judge, press
 from tests.independent.rigid import Rigid, collide
 from tests.independent.trigonometry import quadrilateral
@@ -153,7 +153,7 @@ def pressed_path(steps=None):
     """The metasheet under a torque on a crease of class 2, until facets push, and back."""
     pattern, classes, start = driven_sheet()
     i = int(np.flatnonzero(classes == 2)[0])
-    return i, o.load_path(pattern, i + 1, state=start, to=-30.0, back=True, steps=steps)
+    return i, o.load_path(pattern, i + 1, state=start, to=-30.0, back=True, options=steps)
 
 
 def test_a_metasheet_touches_under_a_torque_where_trigonometry_says():
@@ -194,7 +194,9 @@ def test_a_metasheet_touches_under_a_torque_where_trigonometry_says():
 @pytest.mark.parametrize("longest", [0.03, 0.3])
 def test_steps_of_other_lengths_find_the_same_events(longest):
     _, path = pressed_path()
-    _, other = pressed_path(Steps(1e-3, longest, 1e-9, turn=longest, sharpest=3 * longest))
+    _, other = pressed_path(
+        ContinuationOptions(1e-3, longest, 1e-9, turn=longest, sharpest=3 * longest)
+    )
     assert len(other.legs[0].points) != len(path.legs[0].points)
     for a, b in zip(path.events, other.events, strict=True):
         assert a.type == b.type and a.t == pytest.approx(b.t, abs=1e-10)

@@ -12,7 +12,7 @@ from origami_nlp.minima import find_minima_of_each
 from origami_nlp.minima.descents import Descents
 from origami_nlp.pattern import Labels, canonical_labels
 from origami_nlp.programme import OPEN, Contact, fold_limit, random_strata
-from origami_nlp.starts import Samples
+from origami_nlp.starts import EFFORTS, Samples
 from tests.computed_once import panel_result, thinned
 
 
@@ -109,14 +109,11 @@ def test_canonical_labels_are_the_same_for_all_labels():
                 assert np.allclose(same.rest_angles, first.rest_angles)
 
 
-def test_workers_change_nothing(monkeypatch):
-    from origami_nlp.minima import search
-
-    monkeypatch.setattr(search, "FIRST_BATCH", 50)
-    monkeypatch.setattr(search, "BATCH", 100)
+def test_workers_change_nothing():
+    options = replace(EFFORTS["quick"], first_batch=50, batch=100)
     scene = vertex(6, 6, "fold-limits")
     alone, shared = (
-        find_minima(scene, workers=w, effort="quick", prove=False, escape=False) for w in (1, 2)
+        find_minima(scene, workers=w, options=options, prove=False, escape=False) for w in (1, 2)
     )
     assert [(m.fold_angles, m.hits) for m in alone.minima] == [
         (m.fold_angles, m.hits) for m in shared.minima
@@ -140,7 +137,7 @@ def test_effort_and_what_it_says():
 
 def test_all_corners_is_said_only_where_all_were_tried():
     from origami_nlp.programme import vertices
-    from origami_nlp.starts import EFFORTS, Rounds
+    from origami_nlp.starts import Rounds
 
     for degree, effort in ((5, "quick"), (6, "quick"), (6, "normal"), (9, "normal")):
         model = Model(vertex(degree, 7, "fold-limits"))

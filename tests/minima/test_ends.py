@@ -13,7 +13,7 @@ from origami_nlp.minima import record, search
 from origami_nlp.minima.descents import Descents
 from origami_nlp.minima.search import Search
 from origami_nlp.numerics import CLOSES
-from origami_nlp.starts import Rounds, effort_of, model_strata, touch_starts
+from origami_nlp.starts import Rounds, model_strata, options_of, touch_starts
 from tests.independent.closing import EXTENDED
 from tests.independent.sheet import product_of_folds
 
@@ -143,7 +143,7 @@ def test_descents_end_closed_and_at_the_limits_that_they_hold():
     """A step wrote into the state that was kept for a contact let go: ends held limits 4 degrees away."""
     model = Model(UNCLOSED)
     descents = Descents(model)
-    for samples in itertools.islice(Rounds(model, 0, effort_of("normal")), 2):
+    for samples in itertools.islice(Rounds(model, 0, options_of("normal")), 2):
         ends = descents.run(samples)
         s = ends.samples
         done = ends.converged | ends.settled
@@ -239,7 +239,7 @@ def test_one_polish_that_breaks_down_is_counted_and_the_search_goes_on(monkeypat
 
 def test_one_descent_that_breaks_down_leaves_the_others_as_they_are(monkeypatch):
     model = Model(UNCLOSED)
-    samples = next(iter(Rounds(model, 0, effort_of("quick"))))
+    samples = next(iter(Rounds(model, 0, options_of("quick"))))
     whole = Descents(model).run(samples)
     true, bad = Descents._run, samples.x[7]
 

@@ -16,79 +16,128 @@ import origami_nlp
 PACKAGE = Path(origami_nlp.__file__).parent
 TABLE = PACKAGE / "numerics" / "tolerances.py"
 PAGE = PACKAGE.parent / "docs" / "tolerances.md"
-SMALL = 1e-5
-"""Module constants below this are tolerances, until somebody says what else they are."""
+SMALL = 0.1
+"""Floats below this are tolerances, until somebody says what else they are."""
+DRAWN = "chart/axes show/ figure drawing picture strip panel segments_figure phase_figure"
+"""Modules, rooms, and names of modules in any room, whose small numbers are sizes in pictures."""
 BESIDE_THE_TABLE = {
-    "barriers/full.MEET": "accuracy of a path's energy between its samples",
-    "barriers/thin.SHORTEST": "step: bisection stops at rounding",
-    "barriers/thin.SNAP": "accuracy with which `thin_at` finds an end, from `INDEPENDENT`",
-    "chart/region.SLIVER": "drawing: area that is rounding between two lines",
-    "paper/cone/phase_curves.NEAREST": "where curves end before a limit that closed forms lose",
-    "paper/cone/phase_curves.ON_LINE": "rounding of a contouring library",
-    "paper/cone/phase_curves.RATIO_LIMITS": "range of a stiffness ratio",
-    "paper/cone/roots.FREE": "room for rounding in a bound",
-    "paper/cone/roots.WIDER": "room for rounding in an enclosure",
-    "paper/cone/rules.SLACK": "rounding of a difference of two angles",
-    "contact/force_cone.TOLERANCE": "rounding of unit generators of a cone",
-    "contact/margin.CARRIES": "moment that carries nothing",
-    "critical/find.FIRM": "accuracy of multipliers beside a singular state, where links decide",
-    "critical/result.ROUNDING": "moments that are stated as 0",
-    "kkt/descent.RISE": "energy of a contact tolerance, where a path is polished",
-    "kkt/descent.SHORTEST": "step",
-    "kkt/neighbours.STEPS": "steps",
-    "minima/curve.ACCURACY": "error of a curve's series, whose roots are polished",
-    "minima/full_space.KEPT": "symmetry of the shortest step of a path",
-    "starts/closing.EXPLORED": "closure of explored states; ends are closed to rounding, then polished",
-    "starts/closing.(QUADRATIC, SETTLING)": "steps of Gauss-Newton: the square of the first is `EXPLORED`, or less",
-    "minima/descents.FLAT_SLOPE": "torque left in explored states, which are polished afterwards",
-    "minima/descents.SADDLE": "curvature of explored states, relative to that of the springs",
-    "minima/descents.SINGULAR": "eigenvalues of explored states whose inverses are rounding",
-    "minima/descents.TINY": "progress of an explored state",
-    "minima/descents.(FIRST_REACH, REACH, SHORTEST)": "lengths of steps",
-    "minima/ipopt.TOLERANCE": "accuracy that IPOPT is asked for",
-    "pattern/crease_pattern.CLOSED": "accuracy of coordinates in a file",
-    "pattern/digits.LIGHT": "weight of what groups share, beside corners",
-    "pattern/digits.SOFT": "weight of rows that depend on others",
-    "pattern/drawn.GRID": "corners of drawn facets that are one vertex",
-    "pattern/scene.(SMALLEST, LARGEST)": "range of a stiffness, in any unit",
-    "proof/": "unit roundoff, the accuracy of sines that is trusted, widths to which boxes are bisected",
-    "facets/crossings.DEEP": "facets that touch, over a sheet's size: rounding along walks of 100 creases",
-    "sheets/clearance.TOUCH": "facets that touch, over a sheet's size, as `DEEP`",
-    "sheets/crossroads.MEET": "accuracy with which a state where curves meet is found",
-    "sheets/crossroads.SNAP": "accuracy with which a state where curves meet is found",
-    "sheets/curve.SHORTEST": "step",
-    "sheets/curve.SHUT": "rounding of a fold angle that stays at pi along a curve",
-    "sheets/descent.AT_LIMIT": "rounding of a fold angle that is set to pi",
-    "sheets/descent.STILL": "torque left in states that are judged afterwards",
-    "sheets/curves.FLAT": "accuracy with which a state where curves meet is found",
-    "sheets/drawing.CANCELS": "areas whose sum says which way a picture is up",
-    "sheets/tally.ON_PLANE": "a plane of states is one already searched",
-    "sheets/interpolant.FITS": "error of polynomials along a curve, whose wells are polished",
-    "sheets/interpolant.REAL": "error of roots of polynomials, which are polished",
-    "facets/labels.GRID": "places that labels take for one: what agrees is checked by closure",
-    "facets/borders.SEEN": "distance from which borders are looked at, whose gaps must be closed to `CLOSES`",
-    "facets/meeting.SEEN": "distance from which gaps are looked at, that must be closed to `CLOSES`",
-    "sheets/pressing.FLAT": "curvature that is left to the judge",
-    "sheets/pressing.SHORTEST": "step",
-    "sheets/pressing.SLIPS": "steps",
-    "sheets/rows.LOADED": "moment that carries nothing",
-    "sheets/rows.NEAR": "gaps that carry forces on the way; those of the end are solved for",
-    "sheets/rows.SOFTEST": "curvature of a step",
-    "sheets/rows.STILL": "torque left in states that are judged afterwards",
-    "facets/touches.PARALLEL": "sine of two sides without a common normal: slopes of gaps go as its inverse",
-    "numerics/factors.WEIGHT": "regularisation, which iterations take back",
-    "facets/equations.SQUARED": "rounding of squares of singular values",
-    "facets/stacks.THIN": "overlap that is rounding between two borders, over a sheet's size",
-    "facets/features.CLOSE": "gaps that do not tell the side on which facets are",
-    "facets/features.APART": "rounding of a gap, over a sheet's size",
-    "springs/checking.BALANCE": "error of energies that were asked for, relative",
-    "springs/conic.ACCURACIES": "accuracies that a solver is asked for",
-    "springs/ways.EXACT": "relative excess of a barrier from which one more sample is taken",
-    "paper/events.SEEN": "accuracy of a double zero",
-    "space/result.SAME_POINT": "points of a picture",
-    "paper/transitions.BRACKET": "step: width to which a sweep closes in",
+    "lengths of steps, and of first, last and tried ones [rad, or shares of a range]": """
+        atlas/boundary.AROUND atlas/patterns.SHARE atlas/event_curve.CUSP atlas/event_curve.FIRST
+        atlas/event_curve.LONGEST atlas/event_curve.REACHES atlas/event_curve.SHORTEST
+        barriers/find.SPACINGS barriers/passes.OFF chart/boundary_lines.ASIDE
+        chart/boundary_walk.STEPS chart/chart.AROUND cli/timed.SHORTEST contact/margin.ASIDE
+        critical/edges.KNOWN critical/edges.STEPS critical/link.RADII facets/faces.ASIDE
+        kkt/descent.RESCUE kkt/descent.SHORTEST kkt/descent.TRIED kkt/level.BESIDE_FLAT
+        kkt/neighbours.RADII kkt/neighbours.STEPS kkt/refutation.FAR kkt/refutation.STEPS
+        landscape/exact.PIECE loading/driver.SIDE loading/route.LEAST_SPAN
+        loading/route.OVER minima/descents.ESCAPE minima/descents.SHORTEST
+        minima/escape.SMALLEST minima/one_freedom.ASIDE minima/search.DOWN modes/geodesic.STEP
+        paper/transitions.BRACKET paper/transitions.MARGIN paper/transitions.SIDE
+        path/curve.STEPS path/flat.ARRIVED path/flat.BESIDE_FLAT path/halves.TRIALS
+        path/web.STEPS sheets/curve.SHORTEST sheets/curve.STEP sheets/curves.LONG
+        sheets/interpolant.DIFFERENCE sheets/judgement.NEAREST sheets/pinned.SMALLER
+        sheets/pops.JUMPS sheets/pressing.REACH sheets/pressing.REACHES sheets/pressing.SHORTEST
+        sheets/pressing.SLIPS sheets/terrain.FIRST space/cells.BESIDE space/mesh.DIFFERENCE
+        springs/extras.FIRST springs/extras.SHORT starts/closing.QUADRATIC
+        starts/near_folded.INSIDE
+    """,
+    "shares by which an algorithm goes on, gives up, or refines": """
+        barriers/graph.STUCK contact/margin.LEAST_DAMPING contact/margin.SOFT
+        critical/strata.LOOSE facets/equations.FALLS facets/stacks.GRID kkt/escape.CERTAIN
+        kkt/neighbours.GOES kkt/refutation.DOWN minima/curve.ROUGH minima/one_freedom.FALLS
+        minima/sweeps.LEAST_PIVOT path/events.POLE sheets/crossroads.FORMS
+        sheets/curves.ON_CURVE sheets/pressing.SETTLING springs/reasons.WEIGHTY
+        springs/robustness.ENDED starts/moments.SHORTEST_SHARE
+    """,
+    "nodes at which a series is checked": """
+        minima/curve.CHECKS
+    """,
+    "what is shown, or said in words": """
+        atlas/regions.LEAST chart/boundary_lines.SHORT chart/chart.TIE chart/region.SLIVER
+        critical/result.ROUNDING paper/cone/table.SMALL pattern/fold_notes.LOOKS_LIKE_PI
+        pattern/fold_notes.UP pattern/relations.NEAR sheets/counts.MOVES space/result.EXTENDED
+    """,
+    "definitions of the source paper": """
+        contact/segments.SLOPE contact/segments.STIFFNESS
+    """,
+    "data: stiffnesses and their ratios, and ranges of what is asked for": """
+        folding/embedding.LARGEST_TOLERANCE paper/cone/phase.RATIOS
+        paper/cone/phase_curves.RATIO_LIMITS pattern/digits.COARSE pattern/drawn.QUAD_STIFFNESS
+        pattern/examples.RATIOS pattern/scene.SMALLEST pattern/springs.STIFFNESS
+        springs/convex.LEAST_MARGIN springs/finding.PRICES
+    """,
+    "options of IPOPT and of a conic solver": """
+        minima/ipopt.OPTIONS minima/ipopt.TOLERANCE minima/ipopt.WARM springs/conic.ACCURACIES
+    """,
+    "where curves end before a limit that closed forms lose": """
+        paper/cone/phase_curves.NEAREST
+    """,
+    "rounding of a contouring library": """
+        paper/cone/phase_curves.ON_LINE
+    """,
+    "room for rounding in a bound": """
+        paper/cone/roots.FREE
+    """,
+    "room for rounding in an enclosure": """
+        paper/cone/roots.WIDER
+    """,
+    "rounding of a difference of two angles": """
+        paper/cone/rules.SLACK
+    """,
+    "energy of a contact tolerance, where a path is polished": """
+        kkt/descent.RISE
+    """,
+    "error of a curve's series, whose roots are polished": """
+        minima/curve.ACCURACY
+    """,
+    "symmetry of the shortest step of a path": """
+        minima/full_space.KEPT
+    """,
+    "torque left in explored states, which are polished afterwards": """
+        minima/descents.FLAT_SLOPE
+    """,
+    "curvature of explored states, relative to that of the springs": """
+        minima/descents.SADDLE
+    """,
+    "weight of what groups share, beside corners": """
+        pattern/digits.LIGHT
+    """,
+    "weight of rows that depend on others": """
+        pattern/digits.SOFT
+    """,
+    "torque left in states that are judged afterwards": """
+        sheets/descent.STILL sheets/rows.STILL
+    """,
+    "error of polynomials along a curve, whose wells are polished": """
+        sheets/interpolant.FITS
+    """,
+    "error of roots of polynomials, which are polished": """
+        sheets/interpolant.REAL
+    """,
+    "curvature that is left to the judge": """
+        sheets/pressing.FLAT
+    """,
+    "gaps that carry forces on the way; those of the end are solved for": """
+        sheets/rows.NEAR
+    """,
+    "curvature of a step": """
+        sheets/rows.SOFTEST
+    """,
+    "regularisation, which iterations take back": """
+        numerics/factors.WEIGHT
+    """,
+    "widths, radii and shares of boxes in proofs, whose claims do not rest on them": """
+        proof/boxes.EXACT proof/boxes.WIDER proof/check_bounds.BLUNT
+        proof/check_forms.THIN proof/complete.LOW proof/complete.NEAR
+        proof/flat.NARROW proof/flat.RADII proof/roots.FAR proof/roots.SHARES proof/roots.WITHIN
+        proof/singular.RADII proof/wedges.SHORTEST
+    """,
+    "bounds on rounding in proofs": """
+        proof/check_bounds.TINY proof/check_whole.AGREES proof/flat.CLEAR
+        proof/touching_rows.COSINE
+    """,
 }
-"""Small constants that stand elsewhere, with the reason; a room is named as a whole by "room/"."""
+"""Small constants that stand elsewhere, by what they are."""
 
 
 class Entry(NamedTuple):
@@ -149,7 +198,10 @@ def page() -> str:
         f"| {e.level} | `{e.name}` | {e.value:.2g} | {e.derivation} | {', '.join(rooms_that_use(e.name))} |"
         for e in entries()
     ]
-    others = [f"| `{name}` | {why} |" for name, why in sorted(BESIDE_THE_TABLE.items())]
+    others = [
+        f"| {why} | {', '.join(f'`{name}`' for name in sorted(names.split()))} |"
+        for why, names in sorted(BESIDE_THE_TABLE.items())
+    ]
     return "\n".join(
         [
             "# Tolerances",
@@ -162,10 +214,10 @@ def page() -> str:
             "| --- | --- | --- | --- | --- |",
             *rows,
             "",
-            "Small constants elsewhere are step lengths, accuracies of data or of a benchmark, and rounding of closed",
-            "forms of their own:",
+            "Every number below 0.1 elsewhere in the package has a name, and is one of these, a default value, or a",
+            "size in a picture:",
             "",
-            "| constant | what it is |",
+            "| what it is | constants |",
             "| --- | --- |",
             *others,
             "",
@@ -173,25 +225,63 @@ def page() -> str:
     )
 
 
-def small_constants() -> Iterator[str]:
-    """Module-level floats below `SMALL` outside the table, tuples of them included: room/module.NAME."""
+def literals(node: ast.AST) -> list[float]:
+    """Floats between 0 and `SMALL` that are written in some code."""
+    found = (n.value for n in ast.walk(node) if isinstance(n, ast.Constant))
+    return [v for v in found if isinstance(v, float) and 0 < v < SMALL]
+
+
+def is_drawn(module: str) -> bool:
+    """Tell whether small numbers of a module are sizes in pictures."""
+    kinds = DRAWN.split()
+    return module.split("/")[-1] in kinds or module.startswith(tuple(k for k in kinds if "/" in k))
+
+
+def sources() -> Iterator[tuple[str, ast.Module]]:
+    """Modules beside the table and what is generated, room/module with its code."""
     for path in sorted(PACKAGE.rglob("*.py")):
-        if path == TABLE:
-            continue
-        for node in ast.parse(path.read_text()).body:
-            if isinstance(node, ast.Assign):
-                targets, value = node.targets, node.value
-            elif isinstance(node, ast.AnnAssign) and node.value is not None:
-                targets, value = [node.target], node.value
-            else:
-                continue
-            if isinstance(value, ast.Dict | ast.Call):
-                continue
-            literals = [n.value for n in ast.walk(value) if isinstance(n, ast.Constant)]
-            if any(isinstance(v, float) and 0 < v < SMALL for v in literals):
-                module = path.relative_to(PACKAGE).with_suffix("").as_posix()
-                for target in targets:
-                    yield f"{module}.{ast.unparse(target)}"
+        module = path.relative_to(PACKAGE).with_suffix("").as_posix()
+        if path != TABLE and not module.startswith("closed_forms/") and not is_drawn(module):
+            yield module, ast.parse(path.read_text())
+
+
+def assigned(node: ast.stmt) -> list[tuple[str, ast.expr]]:
+    """Names that a statement gives a value, each with its own."""
+    if isinstance(node, ast.AnnAssign) and node.value is not None:
+        return [(ast.unparse(node.target), node.value)]
+    if not isinstance(node, ast.Assign):
+        return []
+    (target,), value = node.targets, node.value
+    if isinstance(target, ast.Tuple) and isinstance(value, ast.Tuple):
+        return [(ast.unparse(t), v) for t, v in zip(target.elts, value.elts, strict=True)]
+    return [(ast.unparse(target), value)]
+
+
+def small_constants() -> Iterator[str]:
+    """Module constants below `SMALL` outside the table, tuples of them included: room/module.NAME."""
+    for module, tree in sources():
+        for node in tree.body:
+            for name, value in assigned(node):
+                if literals(value):
+                    yield f"{module}.{name}"
+
+
+def unnamed() -> Iterator[str]:
+    """Small floats within functions and classes that are no default value: room/module:line."""
+    for module, tree in sources():
+        defaults: set[ast.AST] = set()
+        for node in ast.walk(tree):
+            if isinstance(node, ast.arguments):
+                given = [d for d in (*node.defaults, *node.kw_defaults) if d is not None]
+                defaults.update(n for d in given for n in ast.walk(d))
+            elif isinstance(node, ast.ClassDef):
+                fields = (v for statement in node.body for _, v in assigned(statement))
+                defaults.update(n for v in fields for n in ast.walk(v))
+        for top in tree.body:
+            if not assigned(top):
+                for node in set(ast.walk(top)) - defaults:
+                    if isinstance(node, ast.Constant) and literals(node):
+                        yield f"{module}:{node.lineno} {node.value}"
 
 
 def test_levels_are_in_order():
@@ -232,9 +322,13 @@ def test_every_entry_is_used():
 
 
 def test_nothing_small_stands_elsewhere_without_a_reason():
-    rooms = tuple(name for name in BESIDE_THE_TABLE if name.endswith("/"))
-    found = {next((r for r in rooms if c.startswith(r)), c) for c in small_constants()}
-    assert found == set(BESIDE_THE_TABLE)
+    listed = [name for names in BESIDE_THE_TABLE.values() for name in names.split()]
+    assert len(listed) == len(set(listed))
+    assert set(small_constants()) == set(listed)
+
+
+def test_every_small_number_has_a_name():
+    assert not list(unnamed())
 
 
 def test_the_page_is_up_to_date():

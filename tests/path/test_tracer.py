@@ -9,9 +9,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pytest
 
-from origami_nlp.path import SINGULAR, End, Steps, Trace, trace
+from origami_nlp.path import SINGULAR, ContinuationOptions, End, Trace, trace
 
-STEPS = Steps(first=1e-2, longest=0.1, shortest=1e-10, turn=0.05, sharpest=0.2)
+STEPS = ContinuationOptions(first=1e-2, longest=0.1, shortest=1e-10, turn=0.05, sharpest=0.2)
 
 
 @dataclass(frozen=True)
@@ -66,7 +66,9 @@ CUSP = Level(
 )
 
 
-def traced(curve: Level, start: tuple[float, float], steps: Steps, *ends: End[At]) -> Trace[At]:
+def traced(
+    curve: Level, start: tuple[float, float], steps: ContinuationOptions, *ends: End[At]
+) -> Trace[At]:
     first = curve.frame(np.array(start), np.array([1.0, 1e-3]))
     assert first is not None
     found = trace(curve, first, steps, ends)

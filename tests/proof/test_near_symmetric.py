@@ -9,7 +9,8 @@ from scipy.optimize import least_squares
 from scipy.spatial.transform import Rotation
 
 from origami_nlp import Model, Scene, Vertex, find_minima
-from origami_nlp.proof.touches import MOST_BOXES, touch_strata
+from origami_nlp.proof import ProofOptions
+from origami_nlp.proof.touches import touch_strata
 from tests.independent.sheet import product_of_folds
 
 pi = math.pi
@@ -41,7 +42,7 @@ def check(scene, seeds):
     """Decided or refused with a reason, in bounded work; a list that is proved has all that other searches find."""
     result = proved(*scene)
     known = result.completeness
-    assert known.boxes < 2 * MOST_BOXES
+    assert known.boxes < 2 * ProofOptions().touching_boxes
     assert known.status in ("proved", "proved-except-singular") or known.reason
     if known.status == "not-proved":
         return
@@ -57,13 +58,14 @@ def test_squares_and_a_hexagon(springs):
     check((6, 1e-3, 1, springs), seeds=())
 
 
+@pytest.mark.slow
 def test_a_regular_pentagon_with_full_contact_is_decided_or_refused():
     """It took 5 million boxes: on some strata with touches there were curves of states."""
     check((5, 0.0, 0), seeds=())
     assert proved(5, 0.0, 0).completeness.boxes < 400_000
 
 
-def test_a_hexagon_nearly_regular_is_refused_with_where_boxes_are_left(monkeypatch):
+def test_a_hexagon_nearly_regular_is_refused_with_where_boxes_are_left():
     """With every other crease shut the other three lie nearly on one line: nearly closed states fill a surface.
 
     The product of rotations shows it: to 1e-6 it closes wherever the three others sum to pi.
@@ -72,8 +74,9 @@ def test_a_hexagon_nearly_regular_is_refused_with_where_boxes_are_left(monkeypat
     for a, b in np.random.default_rng(3).uniform(-1, 1, (20, 2)):
         turned = product_of_folds(scene.vertex.sector_angles, [pi, a, pi, b, pi, pi - a - b])
         assert np.abs(turned - np.eye(3)).max() < 1e-5
-    monkeypatch.setattr("origami_nlp.minima.proved.ASKED", 60_000)
-    known = find_minima(scene, prove=True, max_starts=16, escape=False).completeness
+    known = find_minima(
+        scene, prove=ProofOptions(boxes=60_000), max_starts=16, escape=False
+    ).completeness
     assert 60_000 <= known.boxes < 70_000 and known.status == "not-proved"
     assert "the number of boxes: most are left with creases 1, 3, 5 at +-pi" in known.reason
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import textwrap
 from collections.abc import Sequence
 
 import numpy as np
@@ -14,10 +13,17 @@ from origami_nlp.paper.cone.classes import direction_name
 from origami_nlp.paper.cone.flaps import write_flaps
 from origami_nlp.paper.cone.necklaces import foldings
 from origami_nlp.pattern import format_angle
-from origami_nlp.show import crease_legend, draw_state, drawn_height, label_text
+from origami_nlp.show import (
+    MARGIN,
+    StackedFigure,
+    crease_legend,
+    draw_state,
+    drawn_height,
+    label_text,
+)
 
-CELL, TITLE, LINE = 2.1, 0.42, 0.17
-"""Width of a drawing, height of its title, and of a line of the note below [in]."""
+CELL, TITLE = 2.1, 0.42
+"""Width of a drawing, and height of its title [in]."""
 MOST_DRAWN = 40
 
 
@@ -105,31 +111,14 @@ def _sheet(
         for (branch, _, _), phi in zip(states, angles, strict=True)
     ]
     heights = [max(shares[k : k + columns]) + TITLE + 0.1 for k in range(0, len(states), columns)]
-    width = max(columns, 2) * CELL + 0.2
-    words = textwrap.wrap(note, int(width * 14.5))
-    handles = crease_legend()
-    keys = 1 if width > 5 else 2
-    below = 0.22 * keys + LINE * len(words) + 0.2
-    height = 0.1 + sum(heights) + below
-    figure = Figure(figsize=(width, height), dpi=110)
+    width = max(columns, 2) * CELL + 2 * MARGIN
+    stack = StackedFigure(width, sum(heights), handles=crease_legend(), notes=[note])
     left = (width - columns * CELL) / 2
     for k, (branch, _, title) in enumerate(states):
         row, column = divmod(k, columns)
-        top = height - 0.1 - sum(heights[:row]) - TITLE
-        box = ((left + column * CELL) / width, (top - shares[k]) / height)
-        axes = figure.add_axes((*box, CELL / width, shares[k] / height))
+        x, y = left + column * CELL, sum(heights[:row]) + TITLE
+        axes = stack.axes(x, y, CELL, shares[k])
         size = 8.0 if branch.degree <= 12 else 6.5
         draw_state(axes, branch.vertex, angles[k], size=size, crop=True)
-        at = (left + (column + 0.5) * CELL) / width
-        figure.text(at, (top + 0.08) / height, title, fontsize=9, ha="center", linespacing=1.25)
-    for number, line in enumerate(words):
-        figure.text(0.1 / width, (below - 0.2 - LINE * number) / height, line, fontsize=9)
-    figure.legend(
-        handles=handles,
-        loc="lower left",
-        ncols=4 // keys,
-        fontsize=9,
-        frameon=False,
-        borderaxespad=0.2,
-    )
-    return figure
+        stack.text(x + CELL / 2, y - 0.08, title, fontsize=9, ha="center", linespacing=1.25)
+    return stack.figure

@@ -93,10 +93,3 @@ def test_long_integers_are_strings(tmp_path):
     assert number == sum(int(row["multiplicity"]) for row in data["classes"]) > 2**53
     for row in data["classes"]:
         assert isinstance(row["multiplicity"], int if int(row["multiplicity"]) <= 2**53 else str)
-
-
-def test_bad_input_ends_before_anything_is_written(tmp_path):
-    target = tmp_path / "missing" / "cone.json"
-    command = ["paper", "cone", "count", "--degree", "6", "--ratio", "2", "--rest-elevation", "0.1"]
-    with pytest.raises(OrigamiError, match="--json"):
-        CliRunner().invoke(app, [*command, "--json", str(target)], catch_exceptions=False)

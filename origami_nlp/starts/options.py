@@ -1,0 +1,126 @@
+"""What steers a search for minima: how many starts of each kind, when it stops, and what it does up to which size."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from origami_nlp.arguments import check_number, check_type, check_whole
+from origami_nlp.errors import OptionError
+
+
+@dataclass(frozen=True)
+class SearchOptions:
+    """How much a search does; `EFFORTS` holds those of ``effort="quick"``, ``"normal"`` and ``"thorough"``.
+
+    Attributes
+    ----------
+    corners
+        Of a vertex: candidates for corners of the state space, all of them up to this many, a sample beyond.
+    interior
+        Of a vertex: starts in the interior in the first round.
+    a_round
+        Of a vertex: starts of each kind in a round, for one degree of freedom; more with more, up to 64 times.
+    rounds
+        Of a vertex: rounds at most.
+    hits
+        Of a vertex: how often drawn starts must have reached every minimum before the search stops.
+    quiet
+        Of a vertex: rounds without a new minimum after which it may stop although one was reached less often.
+    batch
+        Of a vertex: descents made together; fewer take longer, more take more memory.
+    first_batch
+        Of a vertex: descents made first, for early answers.
+    most_with_corners
+        Creases of a vertex up to which corners are started from: with more there are too many that nothing holds.
+    fewest_for_moments
+        Creases of a vertex from which moments are started from: with 10 and 12 they found no more in the same time.
+    most_batched
+        Fold angles of a vertex with symmetry, or with facets that may touch, up to which descents are made in batches;
+        above, IPOPT solves from one start after the other.
+    judging
+        Share of a time limit that is kept for judging the ends of descents.
+    in_a_row
+        Of a pattern: random starts in a row that find nothing new, then the search ends.
+    most_drawn
+        Of a pattern: random starts in all, over `in_a_row`.
+    most_popped
+        Of a pattern: starts with a vertex popped, over `in_a_row`.
+    most_traced
+        Creases of a pattern up to which curves are traced; descents beyond.
+    most_curves
+        Of a pattern: curves that are traced, beside images of them.
+
+    Raises
+    ------
+    OptionError
+        If a field is not what it must be.
+
+    Examples
+    --------
+    >>> import origami_nlp as o
+    >>> from origami_nlp.starts import SearchOptions
+    >>> result = o.find_minima(o.examples.degree6("pi/3"), options=SearchOptions(rounds=1, hits=1), escape=False)
+    >>> result.search.effort, len(result.minima)
+    ('own options', 4)
+    """
+
+    corners: int = 8192
+    interior: int = 48
+    a_round: int = 14
+    rounds: int = 16
+    hits: int = 2
+    quiet: int = 2
+    batch: int = 4096
+    first_batch: int = 256
+    most_with_corners: int = 24
+    fewest_for_moments: int = 16
+    most_batched: int = 24
+    judging: float = 0.3
+    in_a_row: int = 40
+    most_drawn: int = 10
+    most_popped: int = 2
+    most_traced: int = 250
+    most_curves: int = 64
+
+    def __post_init__(self) -> None:
+        from_zero = (
+            *("interior", "most_with_corners", "fewest_for_moments", "most_batched"),
+            *("in_a_row", "most_popped", "most_traced", "most_curves"),
+        )
+        for name, value in vars(self).items():
+            if name == "judging":
+                check_number(name, value, 0.0, 1.0)
+            else:
+                check_whole(name, value, 0 if name in from_zero else 1)
+        if self.hits > self.rounds:
+            raise OptionError(f"hits = {self.hits} must be at most rounds = {self.rounds}")
+
+
+EFFORTS = {
+    "quick": SearchOptions(
+        corners=256, interior=32, a_round=8, rounds=1, hits=1, quiet=1, in_a_row=10
+    ),
+    "normal": SearchOptions(),
+    "thorough": SearchOptions(
+        corners=16384, interior=512, a_round=64, rounds=40, hits=4, quiet=4, in_a_row=160
+    ),
+}
+"""By name."""
+OWN = "own options"
+"""The effort of a search whose options were given."""
+
+
+def options_of(effort: object, options: SearchOptions | None = None) -> SearchOptions:
+    """Return options, or those of an effort by its name where none are given.
+
+    Raises
+    ------
+    OptionError
+        If there is no such effort, or the options are none.
+    """
+    if options is not None:
+        check_type("options", options, SearchOptions)
+        return options
+    if not isinstance(effort, str) or effort not in EFFORTS:
+        raise OptionError(f"effort = {effort!r} is unknown: use one of {', '.join(EFFORTS)}")
+    return EFFORTS[effort]

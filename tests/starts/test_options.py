@@ -1,0 +1,143 @@
+"""Options of a search, of continuation and of a proof: what is given has its effect, what makes no sense is refused."""
+
+import dataclasses
+import math
+
+import pytest
+
+import origami_nlp as o
+from origami_nlp.errors import OptionError
+from origami_nlp.path import ContinuationOptions
+from origami_nlp.proof import ProofOptions
+from origami_nlp.starts import EFFORTS, SearchOptions
+
+TWO_FREEDOMS = o.examples.degree6("pi/3")
+QUARTIC = o.Scene(
+    o.Vertex.from_degrees((70, 80, 120, 90)),
+    (1, 2, 3, 2),
+    (1, -0.5, 0.3, 0.8),
+    "none",
+    "fold-limits",
+)
+
+
+def searched(**changed):
+    options = dataclasses.replace(EFFORTS["quick"], **changed)
+    return o.find_minima(TWO_FREEDOMS, options=options, escape=False, prove=False)
+
+
+def test_fields_of_a_search_have_their_effect():
+    plain = searched()
+    assert plain.search.effort == "own options"
+    assert "interior" in plain.search.by_source
+    assert "interior" not in searched(interior=0).search.by_source
+    assert searched(a_round=16).search.by_source["strata"] > plain.search.by_source["strata"]
+    assert "corners" not in searched(most_with_corners=3).search.by_source
+    assert searched(corners=1).search.every_corner is False
+    # one start after the other by IPOPT
+    assert searched(most_batched=1, hits=1).search.solves > 2 * plain.search.solves
+
+
+def test_batches_change_nothing_but_the_time():
+    plain, other = searched(), searched(batch=16, first_batch=4)
+    for one, two in zip(plain.minima, other.minima, strict=True):
+        assert one.fold_angles == pytest.approx(two.fold_angles, abs=1e-12)
+    assert plain.search.by_source == other.search.by_source
+
+
+def test_an_effort_is_its_options():
+    named = o.find_minima(TWO_FREEDOMS, effort="quick", escape=False, prove=False)
+    assert named.search.by_source == searched().search.by_source
+    assert [m.fold_angles for m in named.minima] == [m.fold_angles for m in searched().minima]
+
+
+def test_fields_of_a_search_of_a_pattern_have_their_effect():
+    def search(**changed):
+        options = SearchOptions(**{"in_a_row": 1, **changed})
+        return o.find_minima("metasheet:2x2", options=options, escape=False).search
+
+    plain = search()
+    assert search(in_a_row=3).drawn > plain.drawn
+    assert search(most_traced=0).curves == 0 < plain.curves
+    assert search(most_curves=1).not_traced > plain.not_traced
+    assert search(most_popped=0).popped == 0 < plain.popped
+    assert search(in_a_row=0).drawn == 0
+
+
+def test_fields_of_continuation_have_their_effect():
+    scene = o.examples.degree6("5*pi/12")
+
+    def path(**changed):
+        return o.load_path(scene, 1, to=0.03, confirm=False, options=ContinuationOptions(**changed))
+
+    plain = path()
+    assert path(longest=0.005).steps > 2 * plain.steps
+    assert path(turn=0.002).steps > plain.steps
+    assert path(longest=0.005).legs[-1].points[-1].t == pytest.approx(plain.legs[-1].points[-1].t)
+    stopped = path(longest=0.005, most=2)
+    assert stopped.steps < plain.steps and stopped.legs[-1].points[-1].t != pytest.approx(0.03)
+    with pytest.raises(OptionError, match="options = 3 must be ContinuationOptions"):
+        o.load_path(scene, 1, to=0.03, options=3)
+
+
+def test_fields_of_a_proof_have_their_effect():
+    proved = o.find_minima(QUARTIC, prove=True, escape=False).completeness
+    assert proved.status == "proved"
+    same = o.find_minima(QUARTIC, prove=ProofOptions(batch=50), escape=False).completeness
+    assert (same.status, same.boxes) == ("proved", proved.boxes)
+    coarse = o.find_minima(QUARTIC, prove=ProofOptions(smallest=1e-3), escape=False).completeness
+    assert coarse.boxes < proved.boxes
+    given_up = o.find_minima(
+        QUARTIC, prove=ProofOptions(boxes=5, batch=5), escape=False
+    ).completeness
+    assert given_up.status == "not-proved" and given_up.boxes < proved.boxes
+
+
+@pytest.mark.parametrize(
+    ("make", "changed", "told"),
+    [
+        (SearchOptions, {"rounds": 0}, "rounds = 0 must be a whole number, at least 1"),
+        (SearchOptions, {"corners": 2.5}, "corners = 2.5 must be a whole number, at least 1"),
+        (SearchOptions, {"judging": 1.5}, "judging = 1.5 must be a finite number from 0 to 1"),
+        (SearchOptions, {"hits": 17}, "hits = 17 must be at most rounds = 16"),
+        (
+            ContinuationOptions,
+            {"longest": -1.0},
+            "longest = -1.0 must be a finite number, at least 1e-09",
+        ),
+        (
+            ContinuationOptions,
+            {"turn": math.nan},
+            "turn = nan must be a finite number from 1e-06 to 3.14159",
+        ),
+        (ContinuationOptions, {"growth": 0.5}, "growth = 0.5 must be a finite number, at least 1"),
+        (ContinuationOptions, {"most": 0}, "most = 0 must be a whole number, at least 1"),
+        (ProofOptions, {"boxes": -3}, "boxes = -3 must be a whole number, at least 1"),
+        (
+            ProofOptions,
+            {"smallest": 0.0},
+            "smallest = 0.0 must be a finite number from 1e-07 to 0.1",
+        ),
+        (ProofOptions, {"smaller": (1e-9, 1e-7)}, "smaller = (1e-09, 1e-07) must fall from below"),
+    ],
+)
+def test_what_makes_no_sense_is_refused_in_one_line(make, changed, told):
+    with pytest.raises(OptionError) as refused:
+        make(**changed)
+    assert str(refused.value).startswith(told) and "\n" not in str(refused.value)
+
+
+def test_options_of_another_kind_are_refused():
+    with pytest.raises(OptionError, match="options = 'fast' must be SearchOptions"):
+        o.find_minima(TWO_FREEDOMS, options="fast")
+    with pytest.raises(OptionError, match="prove = 'now' must be"):
+        o.find_minima(TWO_FREEDOMS, prove="now")
+
+
+@pytest.mark.parametrize("kind", [SearchOptions, ContinuationOptions, ProofOptions])
+def test_every_field_is_documented(kind):
+    text = kind.__doc__.partition("Attributes")[2]
+    named = {name for line in text.splitlines() for name in line.strip().split(", ")}
+    assert {field.name for field in dataclasses.fields(kind)} <= named
+    with pytest.raises(dataclasses.FrozenInstanceError):
+        kind().most = 3
