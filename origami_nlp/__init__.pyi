@@ -24,6 +24,7 @@ from .minima import (
     draw_minima as draw_minima,
 )
 from .modes import Modes as Modes, find_modes as find_modes
+from .path import ContinuationOptions as ContinuationOptions
 from .pattern import (
     Load as Load,
     Pattern as Pattern,
@@ -38,6 +39,7 @@ from .pattern import (
     read_scene as read_scene,
 )
 from .programme import Model as Model
+from .proof import ProofOptions as ProofOptions
 from .results import (
     draw as draw,
     load as load,
@@ -54,6 +56,7 @@ from .sheets import (
 )
 from .space import Space as Space, find_space as find_space
 from .springs import Design as Design, design as design
+from .starts import SearchOptions as SearchOptions
 from .verbs import (
     classify as classify,
     find_minima as find_minima,

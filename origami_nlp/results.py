@@ -23,9 +23,10 @@ _READ = (
     ("minima", "classes", "minima", "VertexwiseMinima"),
     ("minima", "pattern", "sheets", "SheetResult"),
     ("minima", "scene", "minima", "MinimaResult"),
-    ("critical", "points", "critical", "CriticalPoints"),
+    ("landscape", "points", "critical", "CriticalPoints"),
     ("load", "legs", "loading", "LoadPath"),
     ("modes", "states", "modes", "Modes"),
+    ("landscape", "passes", "barriers", "Barriers"),
     ("follow", "branches", "atlas", "Atlas"),
     ("follow", "curves", "atlas", "Boundaries"),
     ("pattern", "motion", "sheets", "Motion"),
@@ -115,7 +116,7 @@ def save(result: Result, path: str | PathLike[str]) -> None:
     Parameters
     ----------
     result
-        Anything that a `find_` function returned but a landscape (`landscape.landscape_to_dict` has it with its space,
+        Anything that a `find_` function returned (`landscape.landscape_to_dict` has a landscape with its space,
         critical points and barriers, `landscape.to_arrays` for NumPy).
     path
         The file.
@@ -144,8 +145,8 @@ def load(path: str | PathLike[str]) -> Any:
     Parameters
     ----------
     path
-        A JSON file of minima, critical points, a load path, an atlas or modes of a vertex, or of counts, stable states,
-        a folding motion or a load path of a pattern.
+        A JSON file of minima, critical points, barriers, a load path, an atlas, boundaries or modes of a vertex, or of
+        counts, stable states, a folding motion or a load path of a pattern.
 
     Returns
     -------
@@ -172,7 +173,7 @@ def load(path: str | PathLike[str]) -> Any:
         if schema == f"origami_nlp/{verb}/1" and key in data:
             inside = data[key] if key == "motion" else data
             kind: type[Result] = getattr(import_module(f"origami_nlp.{room}"), name)
-            return kind.from_dict(inside, shown(str(path)))
+            return kind.from_dict(inside, repr(str(path)))
     known = ", ".join(dict.fromkeys(f"origami_nlp/{verb}/1" for verb, *_ in _READ))
     raise OptionError(f"schema = {shown(schema)} in {path} cannot be read back: use {known}")
 

@@ -100,7 +100,7 @@ def find_minima(
     effort
         ``"quick"``, ``"normal"`` or ``"thorough"``: how many starts find nothing new before the search stops.
     options
-        All that steers the search, in place of the effort: `starts.SearchOptions`.
+        All that steers the search, in place of the effort: `SearchOptions`.
     max_starts
         Cap on starts; None: what the effort says.
     seconds

@@ -125,7 +125,6 @@ def _of_vertex(
 ) -> Barriers:
     """Find the barriers of a vertex."""
     # no path within the symmetry leads from one winding to another
-    # each winding is a programme of its own
     here = tuple(m for m in result.minima if m.winding == model.structure.winding)
     if len(here) < len(result.minima):
         result = replace(result, minima=here)

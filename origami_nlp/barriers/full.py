@@ -18,7 +18,6 @@ import itertools
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -26,7 +25,6 @@ from origami_nlp.barriers.flaps import flap_exit
 from origami_nlp.barriers.graph import side_of_flat
 from origami_nlp.barriers.passes import Pass, PassKind, critical_at
 from origami_nlp.barriers.thin import last_thin
-from origami_nlp.files import pick
 from origami_nlp.kkt import State, project, thin_at
 from origami_nlp.minima import full_scene
 from origami_nlp.numerics import CLOSES, OUTSIDE, SAME_ENERGY, null_space
@@ -79,12 +77,6 @@ class FullPass:
     def drop(self) -> float:
         """Largest amount by which a symmetry-breaking path could be lower than the symmetric one."""
         return 0.0 if self.verdict == "same" else self.upper - self.lower
-
-    def to_dict(self) -> dict[str, Any]:
-        """Return an entry of the JSON file."""
-        ends = ("from=from_state", "to=to_state")
-        bounds = ("symmetric", "upper", "lower", "largest_drop=drop")
-        return pick(self, *ends, *bounds, "pass_kind", "verdict", "index", "lower_bound=why")
 
 
 @dataclass(frozen=True)
@@ -196,6 +188,7 @@ def exits(at: State, known: Sequence[np.ndarray] = (), spacing: float = EXIT_SPA
         shut = set(held) <= set(other.contacts.base)
         if other.energy < lowest and shut and not is_thin(other):
             lowest, lowest_at = other.energy, other.x
+    # invariant: states in `frontier` are on the set, and what is beside them has not been looked at
     while frontier and count < MOST_STATES and len(seen) < 4 * MOST_STATES:
         here = frontier.pop()
         _, slopes = here.local.openings(held)

@@ -11,11 +11,11 @@ from __future__ import annotations
 import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 
-from origami_nlp.files import Brief, pick
+from origami_nlp.files import Brief, Unbounded
 from origami_nlp.kkt import State, Stratum, follow, judge_branch, newton, project
 from origami_nlp.numerics import BALANCED, CLOSES, CURVED, ENDS, LEVEL, NONZERO, SAME
 from origami_nlp.programme import Contact, Programme, fold_limit
@@ -57,32 +57,15 @@ class Pass(Brief):
 
     from_state: int
     to_state: int
-    energy: float
+    energy: Unbounded
     pass_kind: PassKind
     fold_angles: tuple[float, ...]
     contacts: tuple[str, ...]
     residual: float
     path: np.ndarray = field(repr=False)
     path_energy: np.ndarray = field(repr=False)
-    mesh_energy: float
+    mesh_energy: Unbounded
     why: str
-
-    def to_dict(self) -> dict[str, Any]:
-        """Return the entry of the JSON file (no barrier: energy null)."""
-        states = zip(self.path.tolist(), self.path_energy.tolist(), strict=True)
-        return pick(
-            self,
-            "from=from_state",
-            "to=to_state",
-            "energy",
-            "pass_kind",
-            "fold_angles",
-            "contacts",
-            "residual",
-            "mesh_energy",
-            "lower_bound=why",
-            path=[{"fold_angles": p, "energy": u} for p, u in states],
-        )
 
 
 @dataclass(frozen=True)

@@ -1,10 +1,10 @@
-"""Barriers as they are found, and how they tell themselves: tables, lines, JSON (``origami-nlp/barriers/1``)."""
+"""Barriers as they are found, and how they tell themselves: tables and lines."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Any
 
@@ -13,7 +13,6 @@ import numpy as np
 from origami_nlp.barriers.full import FullPass
 from origami_nlp.barriers.graph import StateGraph
 from origami_nlp.barriers.passes import Pass, PassKind
-from origami_nlp.files import pick, to_plain
 from origami_nlp.folding import folded_frame, frames_to_fold, path_frames
 from origami_nlp.minima import MinimaResult
 from origami_nlp.pattern import Scene
@@ -92,7 +91,8 @@ class Barriers(Told, Turnable):
     merges
         The merge tree: where branches meet, in order of energy.
     graph
-        Admissible states and the steps between them; None with one freedom, whose curves are traced.
+        Admissible states and the steps between them; None with one freedom, whose curves are traced, and where it was
+        read from a file.
     unlisted
         The deepest basins of the graph without a listed minimum.
     full
@@ -110,11 +110,11 @@ class Barriers(Told, Turnable):
     result: MinimaResult | SheetResult
     passes: tuple[Pass, ...]
     merges: tuple[Join, ...]
-    graph: StateGraph | None
+    graph: StateGraph | None = field(default=None, metadata={"plain": False})
     unlisted: tuple[Unlisted, ...] = ()
     full: tuple[FullPass, ...] = ()
 
-    PICTURE = "draw_barriers"
+    PICTURE, SCHEMA = "draw_barriers", "origami_nlp/landscape/1"
 
     @property
     def scene(self) -> Scene | None:
@@ -208,25 +208,6 @@ class Barriers(Told, Turnable):
         chart = landscape(self.result.scene, CELLS)
         content = add_passes(self.result.turned(chart), chart, self.passes)
         return replace(content, pieces=(*self.told(), *content.pieces))
-
-    def to_dict(self) -> dict[str, Any]:
-        """Return plain JSON data."""
-        return {
-            "schema": "origami-nlp/barriers/1",
-            "name": self.label if self.scene is None else self.scene.name,
-            "minima": [
-                {"number": k, **pick(m, "energy", "kind", "fold_angles")}
-                for k, m in enumerate(self.result.minima, start=1)
-            ],
-            "barriers": [p.to_dict() for p in self.passes],
-            "merges": to_plain(self.merges),
-            "paths": [
-                pick(p, "from=from_state", "to=to_state", "fold_angles=path", "energy=path_energy")
-                for p in self.passes
-            ],
-            "unlisted_basins": to_plain(self.unlisted),
-            "full_space": [f.to_dict() for f in self.full],
-        }
 
 
 def _full_words(f: FullPass) -> str:

@@ -21,7 +21,7 @@ from origami_nlp.chart.energy_map import Branch, Landscape
 from origami_nlp.chart.grid import chart_limits
 from origami_nlp.chart.outline import Outline
 from origami_nlp.numerics import NONZERO
-from origami_nlp.show import HANDLE, INK, INKS, angle_ticks, energy_colours, patch
+from origami_nlp.show import HANDLE, INK, INKS, angle_ticks, energy_colours, patch, subscript
 
 UNIT = "J"
 """Of energies when stiffness is given in N m/rad."""
@@ -263,8 +263,7 @@ def curve_name(chart: Landscape, k: int) -> str:
     # halfway: where creases are at their limits or flat again, the rest tells nothing
     middle = states[int(np.nanargmin(np.abs(at - towards * np.nanmax(towards * at) / 2)))]
     letters = "".join("V" if phi > 1e-6 else "M" if phi < -1e-6 else "−" for phi in middle)
-    subscript = str(crease).translate(str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉"))
-    return f"{letters} for φ{subscript} {'>' if towards > 0 else '<'} 0"
+    return f"{letters} for φ{subscript(crease)} {'>' if towards > 0 else '<'} 0"
 
 
 def colour_bar(image: Any, axes: Any) -> None:

@@ -49,14 +49,21 @@ class BoundaryLine(Brief):
     """
 
     contacts: tuple[str, ...]
-    rows: tuple[Contact, ...] = field(repr=False)
+    rows: tuple[Contact, ...] = field(repr=False, metadata={"plain": False})
     branch: int
-    points: np.ndarray = field(repr=False)
-    fold_angles: np.ndarray = field(repr=False)
-    s: np.ndarray = field(repr=False)
+    points: np.ndarray = field(repr=False, metadata={"plain": False})
+    fold_angles: np.ndarray = field(repr=False, metadata={"plain": False})
+    s: np.ndarray = field(repr=False, metadata={"plain": False})
     start: str
     end: str
     thin: bool = False
+
+    ALSO = ("length", "ends")
+
+    @property
+    def ends(self) -> tuple[np.ndarray, np.ndarray]:
+        """Fold angles of its first and its last state."""
+        return self.fold_angles[0], self.fold_angles[-1]
 
     @property
     def length(self) -> float:
@@ -79,8 +86,8 @@ class Boundary(Brief):
     """
 
     lines: tuple[BoundaryLine, ...]
-    crossings: tuple[np.ndarray, ...] = field(repr=False)
-    missed: tuple[np.ndarray, ...] = field(repr=False)
+    crossings: tuple[np.ndarray, ...] = field(repr=False, metadata={"plain": False})
+    missed: tuple[np.ndarray, ...] = field(repr=False, metadata={"plain": False})
     cell: tuple[float, float]
 
     @property

@@ -58,6 +58,7 @@ def walk(held: Stratum) -> Walk | None:
         new = closing(point)
         names = "; ".join(programme.name(contact) for contact in new)
         why[side] = f"another contact closes ({names})" if new else SINGULAR
+        # the end itself, with all of them closed
         corner = correct(point.stratum.state.on((*held.contacts, *new))) if new else None
         if corner is not None and np.abs(corner.x - point.x).max() < NEAR_CONTACT:
             away = float(np.linalg.norm(corner.x - point.x))

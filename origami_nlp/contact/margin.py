@@ -337,6 +337,7 @@ def _critical(piece: Stratum, direction: np.ndarray, cap: float) -> _Event:
             return solved.x, "softens", 0
         return solved.x, None if not model.refuses(solved.x) else "closes", 0
 
+    # invariant: nothing has happened up to `low`; what was seen beyond, or that Newton failed there, halves the step
     low, near, step = 0.0, piece.state.x, cap / 32
     ending: Ending = "lost"
     row = 0

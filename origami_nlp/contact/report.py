@@ -1,24 +1,22 @@
 """The contact report: what holds each minimum in contact, as a terminal table, Markdown and JSON.
 
-JSON schema ``origami-nlp/contacts/1``: indices 1-based, angles in radians, moments in the scene's units; a number
-that does not exist or never ends is null.
+In JSON indices are 1-based, angles in radians, moments in the scene's units; a number that does not exist or never ends
+is null.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 from origami_nlp.contact.margin import Check, CreaseMargin, LoadMargin
 from origami_nlp.contact.segments import STIFFNESS, SegmentReport
-from origami_nlp.files import Brief, pick, to_plain
+from origami_nlp.files import Brief, Unbounded
 from origami_nlp.kkt import ContactForce
 from origami_nlp.minima import CELLS, MinimaResult
-from origami_nlp.pattern import scene_to_dict
 from origami_nlp.show import Content, Piece, Table, Told, Turnable, Words
 
-SCHEMA = "origami-nlp/contacts/1"
 HEADS = (
     "#",
     "energy [J]",
@@ -54,11 +52,13 @@ class PinnedState(Brief):
         How large a load the contacts bear [N m].
     """
 
+    ALSO = ("soft",)
+
     number: int
-    minimum: Any
+    minimum: Any = field(metadata={"plain": False})
     contacts: tuple[ContactForce, ...]
     stiffness: tuple[float, ...]
-    softness: float
+    softness: Unbounded
     margin: LoadMargin
 
     @property
@@ -77,23 +77,6 @@ class PinnedState(Brief):
     def creases_table(self) -> Table:
         """Return the margins under moments on one orbit of creases alone."""
         return Table(CREASE_HEADS, [crease_cells(c) for c in self.margin.creases], columns="LLL")
-
-    def to_dict(self) -> dict[str, Any]:
-        """Return plain JSON data."""
-        contact = (
-            "type",
-            "creases",
-            "facets",
-            "moment=multiplier",
-            "moment_range=multiplier_range",
-        )
-        return {
-            "state": self.number,
-            **pick(self.minimum, "energy", "kind", "fold_angles"),
-            "contacts": [pick(c, *contact, "text") for c in self.contacts],
-            **pick(self, "tangential_stiffness=stiffness", "softness", "soft"),
-            "load_margin": to_plain(self.margin),
-        }
 
 
 @dataclass(frozen=True, repr=False)
@@ -120,6 +103,8 @@ class ContactReport(Told, Turnable):
     result: Any
     states: tuple[PinnedState, ...]
     segments: SegmentReport | None
+
+    SCHEMA, READS = "origami_nlp/contacts/1", False
 
     @property
     def headline(self) -> str:
@@ -229,27 +214,6 @@ class ContactReport(Told, Turnable):
                 least, most = c.multiplier_range
                 own = {"contact": c.text, "moment": c.multiplier, "least": least, "most": most}
                 yield row | own | last
-
-    def to_dict(self) -> dict[str, Any]:
-        """Return plain JSON data."""
-        data: dict[str, Any] = {
-            "schema": SCHEMA,
-            **self._subject(),
-            "softness_threshold": SOFT,
-            "states": [state.to_dict() for state in self.states],
-        }
-        if self.segments is not None:
-            data["segments"] = self.segments.to_dict()
-        return data
-
-    def _subject(self) -> dict[str, Any]:
-        """Return whose states these are, as plain data."""
-        if isinstance(self.result, MinimaResult):
-            return {"scene": scene_to_dict(self.result.scene)}
-        pattern = self.result.pattern
-        return {
-            "pattern": {"name": pattern.name, "facets": pattern.facets, "creases": pattern.creases}
-        }
 
 
 def _bullets(lines: Iterable[str]) -> str:

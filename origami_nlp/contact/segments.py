@@ -17,17 +17,16 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
 from origami_nlp.chart import BoundaryLine, chart_of, trace_boundary, with_energy
-from origami_nlp.files import pick
+from origami_nlp.files import OneBased
 from origami_nlp.kkt import State, Stratum
 from origami_nlp.minima import MinimaResult
 from origami_nlp.numerics import BESIDE, NEAR_CONTACT
 from origami_nlp.path import BoundaryCurve, correct, follow_boundary
-from origami_nlp.pattern import Scene, scene_to_dict
+from origami_nlp.pattern import Scene
 from origami_nlp.programme import Contact, Model
 from origami_nlp.show import Told
 
@@ -64,7 +63,9 @@ class Segment:
         Smallest contact moment on it [N m].
     """
 
-    curve: int
+    ALSO = ("length",)
+
+    curve: OneBased
     start: float
     end: float
     states: tuple[int, ...]
@@ -105,7 +106,7 @@ class SegmentReport(Told):
     slope: float
     stiffness: float
 
-    PICTURE = "draw_segments"
+    PICTURE, SCHEMA, READS = "draw_segments", "origami_nlp/contacts/1", False
 
     @property
     def length(self) -> float:
@@ -139,41 +140,6 @@ class SegmentReport(Told):
             row["contacts"] = "; ".join(self.curves[s.curve].contacts)
             row |= {"length": s.length, "start": s.start, "end": s.end, "moment": s.moment}
             yield row | {"energy_change": s.energy_change, "slope": s.slope}
-
-    def to_dict(self) -> dict[str, Any]:
-        """Return plain JSON data; schema ``origami-nlp/segments/1``."""
-        along = ("s", "energy", "slope", "stiffness", "spring_stiffness=springs", "multipliers")
-        curve_keys = ("contacts", "start", "end", "dimension", *along, "pressed", "fold_angles")
-        return {
-            "schema": "origami-nlp/segments/1",
-            "scene": scene_to_dict(self.scene),
-            "thresholds": {
-                "slope_over_pi_sum_k": self.slope,
-                "stiffness_over_sum_k": self.stiffness,
-                "multiplier": "> 0",
-            },
-            "curves": [
-                {"states": list(states), **pick(curve, *curve_keys)}
-                for curve, states in zip(self.curves, self.states, strict=True)
-            ],
-            "segments": [
-                pick(
-                    s,
-                    "curve",
-                    "start",
-                    "end",
-                    "length",
-                    "states",
-                    "energy_change",
-                    "largest_slope_over_pi_sum_k=slope",
-                    "largest_stiffness_over_sum_k=stiffness",
-                    "largest_spring_stiffness_over_sum_k=springs",
-                    "smallest_moment=moment",
-                    curve=s.curve + 1,
-                )
-                for s in self.segments
-            ],
-        }
 
 
 def find_segments(

@@ -126,6 +126,7 @@ def find_labels(pattern: Pattern) -> Labels:
             views.append((places[order].tolist(), of_springs[order].tolist(), order, signs))
         if len(views) >= MOST_VIEWS:
             break
+    # the sheet as seen from each crease that is rarest, turned over or in a mirror too: the least view gives the order
     best = min(views, key=lambda v: v[:2])
     order, sign = best[2], best[3][2]
     images = {}

@@ -1,6 +1,7 @@
 from .brief import Brief as Brief, Full as Full, brief as brief, cut as cut
 from .console import PAGE as PAGE, Screen as Screen, screen as screen
 from .plain import (
+    Finite as Finite,
     OneBased as OneBased,
     Unbounded as Unbounded,
     check_schema as check_schema,

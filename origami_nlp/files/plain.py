@@ -40,6 +40,8 @@ T = TypeVar("T")
 
 Unbounded = Annotated[float, "null is inf"]
 """A number that may be inf."""
+Finite = Annotated[float, "never null"]
+"""A number that is known."""
 OneBased = Annotated[int, "1-based in files"]
 """An index, 0-based in arrays."""
 
@@ -106,7 +108,11 @@ def pick(value: Any, *keys: str, **more: Any) -> dict[str, Any]:
 
 
 def from_plain(
-    kind: type[T], data: Any, what: str = "", error: type[OrigamiError] = OptionError
+    kind: type[T],
+    data: Any,
+    what: str = "",
+    error: type[OrigamiError] = OptionError,
+    at: str = "",
 ) -> T:
     """Read a dataclass or named tuple back from what `to_plain` wrote.
 
@@ -120,6 +126,8 @@ def from_plain(
         How messages call the whole, such as a file.
     error
         Class of the complaint.
+    at
+        Path to the data within the whole, such as ``"search"``.
 
     Returns
     -------
@@ -135,7 +143,7 @@ def from_plain(
     try:
         return _converter().structure(data, kind)
     except (ValueError, TypeError, LookupError, AttributeError, ExceptionGroup) as problem:
-        raise error(": ".join(filter(None, (what, _told(problem))))) from None
+        raise error(": ".join(filter(None, (what, _told(problem, at))))) from None
 
 
 def check_schema(
@@ -183,6 +191,8 @@ def _told(problem: BaseException, path: str = "") -> str:
             path += f"[{index + 1 if isinstance(index, int) else index!r}]"
     if isinstance(problem, BaseValidationError):
         return _told(problem.exceptions[0], path)
+    if isinstance(problem, OrigamiError) and not path:
+        return str(problem)
     where = path or "data"
     if isinstance(problem, KeyError):
         key = str(problem.args[0])
@@ -248,7 +258,7 @@ def _converter() -> Converter:
 
         def read(value: Any, _: Any) -> Any:
             listed = _of(list, value, wanted)
-            if several and kinds[0] is float and all(type(v) is float for v in listed):
+            if several and kinds[0] in (float, Finite) and all(type(v) is float for v in listed):
                 return tuple(map(_number, listed))
             if not several and len(listed) != len(kinds):
                 raise _Unfit(value, wanted)
@@ -299,6 +309,7 @@ def _converter() -> Converter:
     made.register_structure_hook_func(
         lambda t: t == Unbounded, lambda v, _: math.inf if v is None else _number(v)
     )
+    made.register_structure_hook_func(lambda t: t == Finite, lambda v, _: _number(v))
     made.register_structure_hook_func(
         lambda t: t == OneBased, lambda v, _: int(_of(int, v, "a whole number")) - 1
     )
@@ -330,7 +341,7 @@ def _of(kind: type, value: Any, expected: str) -> Any:
 
 
 def _one_of(words: tuple[Any, ...], value: Any) -> Any:
-    if value in words:
+    if any(value == word and type(value) is type(word) for word in words):
         return value
     raise _Unfit(value, "one of " + ", ".join(map(repr, words)))
 

@@ -206,6 +206,7 @@ def layer_problem(
             node[node == node[j]] = node[i]
     nodes = sorted(set(node.tolist()))
     paths = _nodes_on_arcs(creases, node, nodes, tolerance)
+    # creases apart, and none on a facet in which it does not end: nothing lies on anything
     if len(nodes) == n and all(len(path) == 2 for path in paths):
         return None
     walk = tuple(

@@ -1,6 +1,6 @@
 """The interior vertices of a FOLD frame: which fold flat, what can be analysed, and what is odd.
 
-JSON schema ``origami-nlp/vertices/1``: vertices, edges and frames are numbered from 0 as in the file, angles in
+In JSON vertices, edges and frames are numbered from 0 as in the file, angles in
 radians; what does not exist is null.
 """
 
@@ -11,13 +11,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from origami_nlp.files import pick, to_plain
 from origami_nlp.folding.flat_fold import folds_flat
 from origami_nlp.pattern import FoldVertex, Frame, fold_vertices
 
 if TYPE_CHECKING:
     from origami_nlp.files import Screen
 
-SCHEMA = "origami-nlp/vertices/1"
+SCHEMA = "origami_nlp/pattern/1"
 HEADS = (
     "vertex",
     "degree",
@@ -54,30 +55,13 @@ class VertexList:
 
     def to_dict(self) -> dict[str, Any]:
         """Return plain data: one entry of ``frames`` of the schema."""
-        return {
-            "frame": self.frame.number,
-            "title": self.frame.title,
-            "folded": self.frame.folded,
-            "notes": list(self.notes),
-            "vertices": [
-                {
-                    "vertex": v.number,
-                    "degree": v.degree,
-                    "edges": list(v.edges),
-                    "assignment": v.assignment,
-                    "sector_angles": _finite(v.sector_angles),
-                    "fold_angles": _finite(v.fold_angles),
-                    "file_angles": _finite(v.file_angles),
-                    "kawasaki": None if v.kawasaki is None else _finite([v.kawasaki])[0],
-                    "maekawa": v.maekawa,
-                    "folds_flat": folds,
-                    "can_be_analysed": not v.reason,
-                    "reason": v.reason,
-                    "notes": list(v.notes),
-                }
-                for v, folds in zip(self.vertices, self.flat, strict=True)
-            ],
-        }
+        each = zip(self.vertices, self.flat, strict=True)
+        vertices = [
+            {**to_plain(v), "folds_flat": folds, "can_be_analysed": not v.reason}
+            for v, folds in each
+        ]
+        frame = pick(self.frame, "frame=number", "title", "folded")
+        return {**frame, "notes": list(self.notes), "vertices": vertices}
 
 
 def list_vertices(frame: Frame) -> VertexList:
@@ -148,7 +132,3 @@ def _row(v: FoldVertex, folds: bool | None) -> tuple[str, ...]:
     flat = {True: "yes", False: "no", None: "-"}[folds]
     first = (str(v.number), str(v.degree), v.assignment, angles)
     return (*first, kawasaki, maekawa, flat, v.reason or "yes")
-
-
-def _finite(values: Sequence[float]) -> list[float | None]:
-    return [value if math.isfinite(value) else None for value in values]

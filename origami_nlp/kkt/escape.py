@@ -1,8 +1,7 @@
 """How much energy it takes to leave a stable state: passes between states, and upper bounds of them from descents.
 
-Written for whatever has states, energies and descents (`Terrain`).  The **escape barrier** of a state is the least
-energy that a path to a state of no higher energy has to climb; that of a state that has none such, to another one that
-is not shallow itself (the elder rule of merge trees: of two states that a ripple parts, the higher one is shallow).
+For whatever has states, energies and descents (`Terrain`).  The **escape barrier** is the least energy that a path to
+a state of no higher energy has to climb; where there is none such, to one that is not shallow itself (the elder rule).
 """
 
 from __future__ import annotations
@@ -68,6 +67,10 @@ class Escape(Brief):
     to: int = 0
     top: tuple[float, ...] = field(default=(), repr=False)
     shallow: bool = False
+
+    def __post_init__(self) -> None:
+        if math.isnan(self.barrier) and self.method in (TRACED, ALONE):  # read from a file
+            object.__setattr__(self, "barrier", math.inf)  # no way out
 
     @property
     def known(self) -> bool:

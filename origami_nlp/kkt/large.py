@@ -79,6 +79,7 @@ def judge_large(state: State) -> Iterator[BranchJudgement]:
         rises, falling, _ = state.tangent_cone.slopes(p.torque(x), _slopes(state, rows))
         yield say("minimum", BY_CLOSURE, 5) if rises else say("undecided", why, 0, more=falling)
         return
+    # critical cone: limits that are loaded stay shut
     free = np.setdiff1d(np.arange(len(x)), shut[moments > 10 * STATIONARY * size])
     if not len(free):
         why = "sharp: the energy grows to first order in every feasible direction"

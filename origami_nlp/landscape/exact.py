@@ -31,8 +31,6 @@ from origami_nlp.minima import MinimaResult
 from origami_nlp.show import Content, Line, Piece, Table, Told, Turnable
 
 if TYPE_CHECKING:
-    from shapely import MultiPolygon
-
     from origami_nlp.barriers import Barriers
 
 PIECE = 0.01
@@ -58,10 +56,17 @@ class Stretch:
     """
 
     branch: int
-    points: np.ndarray = field(repr=False)
+    points: np.ndarray = field(repr=False, metadata={"plain": False})
     length: float
     contacts: tuple[str, ...]
     hidden: bool
+
+    ALSO = ("ends",)
+
+    @property
+    def ends(self) -> tuple[np.ndarray, np.ndarray]:
+        """Its first and its last point on the chart."""
+        return self.points[0], self.points[-1]
 
 
 @dataclass(frozen=True, repr=False)
@@ -77,7 +82,7 @@ class ExactLandscape(Told, Turnable):
     boundary
         Contact boundaries; None where they are not traced (contact other than full).
     regions
-        Admissible region of each branch of the chart; () where the boundary is not traced.
+        Admissible region of each branch of the chart (`shapely.MultiPolygon`); () where the boundary is not traced.
     places
         Of the minima on the chart.
     metastable
@@ -93,13 +98,14 @@ class ExactLandscape(Told, Turnable):
     """
 
     result: MinimaResult
-    chart: Landscape
+    chart: Landscape = field(metadata={"plain": False})
     boundary: Boundary | None
-    regions: tuple[MultiPolygon, ...]
+    regions: tuple[Any, ...] = field(metadata={"plain": False})
     places: tuple[Place, ...]
     metastable: tuple[Stretch, ...]
 
-    PICTURE = "draw_landscape"
+    PICTURE, SCHEMA, READS = "draw_landscape", "origami_nlp/landscape/1", False
+    ALSO = ("counts",)
 
     @property
     def counts(self) -> tuple[int, int | None, int | None]:

@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any, Literal
 
 import numpy as np
 
-from origami_nlp.files import Brief, Unbounded, from_plain, to_plain
-from origami_nlp.kkt import ALONE, OMIT, TRACED, ContactForce, Escape, Kind, Verdict
+from origami_nlp.files import Brief, Unbounded, to_plain
+from origami_nlp.kkt import OMIT, ContactForce, Escape, Kind, Verdict
 from origami_nlp.minima.coverage import StrataCount
 from origami_nlp.minima.flags import StateFlags
 from origami_nlp.minima.full_space import FullSpace
@@ -131,6 +130,8 @@ class JudgedState(Brief):
     ('interior', True, 1)
     """
 
+    ALSO = ("flags", "softest")
+
     energy: float
     fold_angles: tuple[float, ...]
     verdict: Verdict
@@ -225,39 +226,6 @@ class JudgedState(Brief):
             "multipliers": [{"contact": c.text, "moment": c.multiplier} for c in self.contacts],
             **({"fullSpace": self.full_space.verdict} if self.full_space else {}),
         }
-
-    def to_dict(self) -> dict[str, Any]:
-        """Return plain data; facets and creases 1-based, what is not known is None."""
-        return to_plain(self) | {
-            "flags": to_plain(self.flags),
-            "softest_stiffness": to_plain(self.softest),
-        }
-
-    @classmethod
-    def from_dict(cls, data: Mapping[str, Any]) -> JudgedState:
-        """Rebuild a state from `to_dict`.
-
-        Parameters
-        ----------
-        data
-            What `to_dict` returned.
-
-        Returns
-        -------
-        JudgedState
-            The same.
-
-        Raises
-        ------
-        OptionError
-            If an entry is missing or wrong.
-        """
-        own = {k: v for k, v in data.items() if k not in ("flags", "softest_stiffness")}
-        found = from_plain(cls, own, "minima")
-        e = found.escape
-        if e is not None and e.method in (TRACED, ALONE) and math.isnan(e.barrier):
-            return replace(found, escape=replace(e, barrier=math.inf))  # no way out
-        return found
 
 
 @dataclass(frozen=True, repr=False)

@@ -35,6 +35,7 @@ from origami_nlp.show import (
     draw_state,
     drawn_height,
     label_text,
+    subscript,
 )
 
 CELL, HEAD = 2.0, 0.66
@@ -205,8 +206,7 @@ def _draw_panels(
 
 def _title(scene: Scene, minima: tuple[JudgedState, ...]) -> list[str]:
     who = scene.label or f"degree {scene.degree}"
-    subscript = str(scene.group.order).translate(str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉"))
-    group = f"{scene.group.kind}{subscript}"
+    group = f"{scene.group.kind}{subscript(scene.group.order)}"
     symmetry = "" if scene.group.is_trivial else f"symmetry {group}, "
     contact = {"full": "full contact", "fold-limits": "fold limits only", "none": "no contact"}
     found = label_text(f"{who}: {count_words(scene, minima, 'no')}")

@@ -205,7 +205,7 @@ class MinimaResult(Told, Turnable):
             "search": to_plain(self.search),
             "completeness": self.completeness and to_plain(self.completeness),
             "flags": to_plain(self.flags),
-            "minima": [m.to_dict() for m in self.minima],
+            "minima": to_plain(self.minima),
         }
 
     def _rows(self) -> Iterator[dict[str, object]]:
@@ -223,14 +223,15 @@ class MinimaResult(Told, Turnable):
         """Rebuild all but the model, which is posed anew from the scene."""
         scene = scene_from_dict(data["scene"])
         if "geometry" in data["model"]:
-            scene = replace(scene, relations=from_plain(Relations, data["model"]["geometry"]))
-        search = from_plain(SearchReport, data["search"], "search")
+            scene = replace(
+                scene,
+                relations=from_plain(Relations, data["model"]["geometry"], at="model.geometry"),
+            )
+        search = from_plain(SearchReport, data["search"], at="search")
         known = data.get("completeness")
-        completeness = from_plain(Completeness, known) if known else None
-        minima = []
-        for m in data["minima"]:
-            minima.append(JudgedState.from_dict(m))
-        return cls(scene, Model(scene), tuple(minima), search, completeness)
+        completeness = from_plain(Completeness, known, at="completeness") if known else None
+        minima = from_plain(tuple[JudgedState, ...], data["minima"], at="minima")
+        return cls(scene, Model(scene), minima, search, completeness)
 
     def _repr_html_(self) -> str:
         return self.to_html()

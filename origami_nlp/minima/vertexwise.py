@@ -159,7 +159,9 @@ class VertexwiseMinima(Told):
             mine = [v for v in data["vertices"] if v["class"] == k]
             labels = tuple(_labels(v["creases"], v["over"]) for v in mine)
             classes.append(Alike(tuple(v["vertex"] for v in mine), labels, apart))
-        return cls(tuple(classes), from_plain(tuple[MinimaResult, ...], data["classes"], "classes"))
+        return cls(
+            tuple(classes), from_plain(tuple[MinimaResult, ...], data["classes"], at="classes")
+        )
 
 
 def _labels(creases: list[int], over: bool) -> Labels:

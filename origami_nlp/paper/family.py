@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import dataclass, field
 
-from origami_nlp.files import pick
 from origami_nlp.paper.events import Event
 from origami_nlp.pattern import format_angle
 from origami_nlp.show import Piece, Table, Told, Words
@@ -37,22 +35,21 @@ class Signature:
         States where several contacts close, by their contacts, with their number.
     """
 
-    topology: tuple[int, ...]
+    topology: tuple[int, ...] = field(metadata={"plain": False})
     picture_holes: int
     corners: tuple[tuple[tuple[str, ...], int], ...]
+
+    ALSO = ("counts",)
+
+    @property
+    def counts(self) -> dict[str, int]:
+        """The numbers of `topology` by their names."""
+        return dict(zip(TOPOLOGY, self.topology, strict=True))
 
     @property
     def shape(self) -> tuple[int, ...]:
         """Topology and loops of the picture, without corners."""
         return (*self.topology, self.picture_holes)
-
-    def to_dict(self) -> dict[str, Any]:
-        """Return plain JSON data."""
-        return {
-            **dict(zip(TOPOLOGY, self.topology, strict=True)),
-            "picture_holes": self.picture_holes,
-            "corners": [{"contacts": list(c), "count": n} for c, n in self.corners],
-        }
 
 
 @dataclass(frozen=True)
@@ -139,14 +136,6 @@ class Transition:
             side = "below" if w.admissible[0] else "above"
             yield f"    {side}, with {'; '.join(w.kept)} held: {angle_words(w.fold_angles[1])}"
 
-    def to_dict(self) -> dict[str, Any]:
-        """Return plain JSON data."""
-        keys = ("alpha", "bracket", "changes", "contacts", "coincident_creases=creases")
-        sides = {name: getattr(self, name).to_dict() for name in ("below", "at", "above")}
-        event = ("alpha", "contacts=walls", "fold_angles", "curve", "admissible")
-        events = [pick(e, *event) for e in self.events]
-        return {**pick(self, *keys), **sides, "events": events, **pick(self, "witnesses")}
-
 
 @dataclass(frozen=True, repr=False)
 class Sweep(Told):
@@ -172,6 +161,8 @@ class Sweep(Told):
     unexplained: tuple[tuple[float, float], ...]
     silent: tuple[float, ...]
 
+    SCHEMA, READS = "origami_nlp/paper/1", False
+
     def told(self) -> Iterator[Piece]:
         """Return every transition, and what the two searches do not agree on."""
         count = len(self.transitions)
@@ -183,13 +174,3 @@ class Sweep(Told):
             yield f"unexplained: the signature changes between {a:.9f} and {b:.9f}"
         for a in self.silent:
             yield f"silent: contacts become dependent at {a:.12f}, and nothing changes"
-
-    def to_dict(self) -> dict[str, Any]:
-        """JSON-able."""
-        return {
-            "schema": "origami-nlp/transitions/1",
-            "family": self.family,
-            "samples": [{"alpha": a, **s.to_dict()} for a, s in self.samples],
-            "transitions": [t.to_dict() for t in self.transitions],
-            **pick(self, "unexplained", "silent"),
-        }

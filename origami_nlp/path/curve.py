@@ -15,7 +15,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -110,9 +110,9 @@ class BoundaryCurve(Brief):
     """
 
     contacts: tuple[str, ...]
-    rows: tuple[Contact, ...]
+    rows: tuple[Contact, ...] = field(metadata={"plain": False})
     s: np.ndarray
-    states: np.ndarray
+    states: np.ndarray = field(metadata={"plain": False})
     fold_angles: np.ndarray
     energy: np.ndarray
     slope: np.ndarray

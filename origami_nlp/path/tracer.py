@@ -96,8 +96,7 @@ class ContinuationOptions:
     Examples
     --------
     >>> import origami_nlp as o
-    >>> from origami_nlp.path import ContinuationOptions
-    >>> fine = ContinuationOptions(longest=0.02, turn=0.02)
+    >>> fine = o.ContinuationOptions(longest=0.02, turn=0.02)
     >>> path = o.load_path(o.examples.degree6("5*pi/12"), 1, to=0.05, options=fine)
     >>> [(event.type, round(event.t, 6)) for event in path.events]
     [('closes', 0.042461)]

@@ -54,6 +54,8 @@ class FoldVertex:
         What was assumed.
     """
 
+    ALSO = ("degree",)
+
     number: int
     edges: tuple[int, ...]
     sector_angles: tuple[float, ...]

@@ -1,19 +1,41 @@
 """A whole pattern as plain data and back, to the last bit: what results that are read back carry with them.
 
-JSON schema ``origami-nlp/sheet/1``: corners from 0, angles in radians; FOLD files, which state them in degrees and may
-need repair, are for exchange (`sheets.sheet_to_fold`).
+Corners are numbered from 0, angles in radians; FOLD files, which state them in degrees and may need repair,
+are for exchange (`sheets.sheet_to_fold`).
 """
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Any, TypeVar
 
 import numpy as np
 
 from origami_nlp.errors import FoldFileError
+from origami_nlp.files import from_plain, to_plain
 from origami_nlp.pattern.sheet import Pattern, make_pattern
 
-SCHEMA = "origami-nlp/sheet/1"
+T = TypeVar("T")
+
+
+@dataclass(frozen=True)
+class _Stated:
+    """What makes a pattern."""
+
+    name: str
+    corners: np.ndarray
+    polygons: tuple[tuple[int, ...], ...]
+    joins: tuple[tuple[int, int], ...]
+    creases: tuple[tuple[int, int], ...]
+    assignment: str
+    numbers: tuple[int, ...]
+    reference: tuple[float, ...]
+    stiffness: tuple[float, ...]
+    rest_angles: tuple[float, ...]
+    file_angles: tuple[float, ...]
+    notes: tuple[str, ...]
+    orders: tuple[tuple[int, int, int], ...]
 
 
 def pattern_to_dict(pattern: Pattern) -> dict[str, Any]:
@@ -27,7 +49,7 @@ def pattern_to_dict(pattern: Pattern) -> dict[str, Any]:
     Returns
     -------
     dict
-        With its schema under the key ``schema``.
+        Of lists, texts and numbers.
 
     Examples
     --------
@@ -37,22 +59,23 @@ def pattern_to_dict(pattern: Pattern) -> dict[str, Any]:
     True
     """
     p = pattern
-    return {
-        "schema": SCHEMA,
-        "name": p.name,
-        "corners": p.corners.tolist(),
-        "polygons": [list(q) for q in p.polygons],
-        "joins": sorted(list(side) for side, many in p.other_sides.items() if many > 1),
-        "creases": p.ends.tolist(),
-        "assignment": p.assignment,
-        "numbers": p.numbers.tolist(),
-        "reference": p.reference.tolist(),
-        "stiffness": p.stiffness.tolist(),
-        "rest_angles": p.rest.tolist(),
-        "file_angles": [None if np.isnan(a) else a for a in p.file_angles.tolist()],
-        "notes": list(p.notes),
-        "orders": [list(o) for o in p.orders],
-    }
+    stated = _Stated(
+        name=p.name,
+        corners=p.corners,
+        polygons=p.polygons,
+        joins=tuple(sorted(side for side, many in p.other_sides.items() if many > 1)),
+        creases=tuple(map(tuple, p.ends.tolist())),
+        assignment=p.assignment,
+        numbers=tuple(p.numbers.tolist()),
+        reference=tuple(p.reference),
+        stiffness=tuple(p.stiffness),
+        rest_angles=tuple(p.rest),
+        file_angles=tuple(p.file_angles),
+        notes=p.notes,
+        orders=p.orders,
+    )
+    data: dict[str, Any] = to_plain(stated)
+    return data
 
 
 def pattern_from_dict(data: Any) -> Pattern:
@@ -71,35 +94,30 @@ def pattern_from_dict(data: Any) -> Pattern:
     Raises
     ------
     FoldFileError
-        If it is of another schema, an entry is missing or wrong, or the facets are no sheet.
+        If an entry is missing or wrong, or the facets are no sheet.
     """
-    if not isinstance(data, dict) or data.get("schema") != SCHEMA:
-        raise FoldFileError(f"pattern: this reads schema {SCHEMA!r}")
+    said = from_plain(_Stated, data, "pattern", FoldFileError)
+
+    def of(values: Iterable[T]) -> dict[tuple[int, int], T]:
+        return dict(zip(said.creases, values, strict=True))
+
     try:
-        sides = [(int(a), int(b)) for a, b in data["creases"]]
-
-        def of(key: str) -> dict[tuple[int, int], float]:
-            pairs = zip(sides, data[key], strict=True)
-            return {side: float(v) for side, v in pairs if v is not None}
-
         made = make_pattern(
-            np.array(data["corners"], float),
-            [tuple(map(int, q)) for q in data["polygons"]],
-            assignment=dict(zip(sides, data["assignment"], strict=True)),
-            joins=[(int(a), int(b)) for a, b in data["joins"]],
-            fold_angles=of("reference"),
-            numbers={s: int(k) for s, k in zip(sides, data["numbers"], strict=True)},
-            stiffness=of("stiffness"),
-            rest=of("rest_angles"),
-            file_angles=of("file_angles"),
-            name=str(data["name"]),
-            notes=tuple(map(str, data["notes"])),
-            orders=[(int(f), int(g), int(s)) for f, g, s in data["orders"]],
+            said.corners,
+            list(said.polygons),
+            assignment=of(said.assignment),
+            joins=list(said.joins),
+            fold_angles=of(said.reference),
+            numbers=of(said.numbers),
+            stiffness=of(said.stiffness),
+            rest=of(said.rest_angles),
+            file_angles={s: a for s, a in of(said.file_angles).items() if not np.isnan(a)},
+            name=said.name,
+            notes=said.notes,
+            orders=list(said.orders),
         )
     except (KeyError, TypeError, ValueError, IndexError) as error:
-        raise FoldFileError(f"pattern of schema {SCHEMA} is not whole: {error!r}") from None
-    if made.ends.tolist() != [list(side) for side in sides]:
-        raise FoldFileError(
-            f"pattern of schema {SCHEMA}: its creases are not those of its polygons"
-        )
+        raise FoldFileError(f"pattern is not whole: {error}") from None
+    if tuple(map(tuple, made.ends.tolist())) != said.creases:
+        raise FoldFileError("pattern: its creases are not those of its polygons")
     return made

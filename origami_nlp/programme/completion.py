@@ -74,6 +74,7 @@ def close_by(
     x, m = np.array(x, dtype=float), piece.equation_count
     solve = np.sort(np.broadcast_to(np.asarray(solve, dtype=int), (len(x), m)), axis=1)
     u, end = piece.axes(x, solve)
+    # turns about given axes that undo the rest: two sets of them at most
     if m == 3:
         angles, exists, family = _three_turns(u[0], u[1], u[2], _inverse(end), limits)
     elif m == 2:

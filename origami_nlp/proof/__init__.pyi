@@ -4,7 +4,6 @@ from .affine import (
     constant as constant,
     dot as dot,
     mixed as mixed,
-    turn_of as turn_of,
     turned as turned,
     variables as variables,
 )

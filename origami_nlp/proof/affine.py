@@ -252,25 +252,8 @@ class Turn:
     miss: np.ndarray
 
 
-def turn_of(middle: np.ndarray, half: np.ndarray) -> Turn:
-    """Return the turn by angles in [middle - half, middle + half], half <= pi.
-
-    Parameters
-    ----------
-    middle, half
-        Shape [..., K] [rad].
-
-    Returns
-    -------
-    Turn
-        Shape [..., K].
-    """
-    cosine, sine = np.cos(middle), np.sin(middle)
-    return with_centre(cosine, sine, half)
-
-
 def with_centre(cosine: np.ndarray, sine: np.ndarray, half: np.ndarray) -> Turn:
-    """Return the turn about angles whose cosine and sine are given (exact ones of +-pi, for example)."""
+    """Return the turn by angles within half <= pi of those whose cosine and sine are given (exact ones of +-pi)."""
     spread = np.sin(0.5 * half) ** 2
     slope = np.sin(half)
     ratio = np.clip(slope / np.where(half > 0, half, 1.0), 0.0, 1.0)

@@ -1,7 +1,7 @@
 """A proof as a file: what it claims, and the tree that shows it, in JSON that another program can read.
 
-Schema ``origami-nlp/proof/1``. ``scene``: the tables of a scene file, and ``exact``, the same numbers as hexadecimal
-doubles; the two must agree. ``others``: documents of the same schema for states that wind more often. ``points``,
+Schema ``origami_nlp/proof/1``. ``scene``: the tables of a scene file, and ``exact``, the same numbers as hexadecimal
+doubles; the two must agree. ``others``: documents of the same form for states that wind more often. ``points``,
 ``singular``, ``undecided``: lists of objects with the names below. ``tree``: ``nodes`` and arrays, each base64 of zlib
 of its little-endian numbers with their bytes gathered by significance (all first bytes, all second bytes, ...). Nothing
 in a file is evaluated.
@@ -10,21 +10,18 @@ in a file is evaluated.
 from __future__ import annotations
 
 import base64
-import json
-import math
 import zlib
-from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal, TypeAlias
 
 import numpy as np
 
-from origami_nlp.errors import CertificateError, OrigamiError
-from origami_nlp.files import read_limited, write_json
-from origami_nlp.pattern import Scene, scene_from_dict, scene_to_dict
+from origami_nlp.errors import CertificateError
+from origami_nlp.files import Finite, check_schema, from_plain, read_json, to_plain, write_json
+from origami_nlp.pattern import Scene
 
-SCHEMA = "origami-nlp/proof/1"
+SCHEMA = "origami_nlp/proof/1"
 LARGEST = 1_000_000_000
 """Bytes of a file, and of an array of its tree."""
 KINDS = (
@@ -37,6 +34,8 @@ the box of a point, or in one that is left open."""
 SPLIT, CONTRACT, NARROW, CLOSED, NONE, MINOR, TWIN, FLAT, ROOT, SINGULAR, UNDECIDED = range(
     len(KINDS)
 )
+
+Sign: TypeAlias = Literal[-1, 0, 1]
 
 
 @dataclass(frozen=True)
@@ -65,14 +64,14 @@ class Point:
         True, False, or None: not claimed.
     """
 
-    x: tuple[float, ...]
-    stratum: tuple[int, ...]
-    moment: tuple[float, ...]
-    radius: float
-    unique_radius: float
+    x: tuple[Finite, ...]
+    stratum: tuple[Sign, ...]
+    moment: tuple[Finite, ...]
+    radius: Finite
+    unique_radius: Finite
     index: int | None
-    pinned_signs: tuple[int, ...]
-    energy: float
+    pinned_signs: tuple[Sign, ...]
+    energy: Finite
     is_minimum: bool | None
 
 
@@ -90,9 +89,9 @@ class Left:
         In words.
     """
 
-    lower: tuple[float, ...]
-    upper: tuple[float, ...]
-    stratum: tuple[int, ...]
+    lower: tuple[Finite, ...]
+    upper: tuple[Finite, ...]
+    stratum: tuple[Sign, ...]
     reason: str
 
 
@@ -146,6 +145,29 @@ class Certificate:
     others: tuple[Certificate, ...] = ()
 
 
+@dataclass(frozen=True)
+class _Tree:
+    nodes: int
+    kind: str
+    number: str
+    boxes: str
+
+
+@dataclass(frozen=True)
+class _Document:
+    """What a file holds, but its schema."""
+
+    scene: Scene
+    exact: dict[str, tuple[str, ...]]
+    r0: Finite
+    points: tuple[Point, ...]
+    singular: tuple[Left, ...]
+    undecided: tuple[Left, ...]
+    tree: _Tree
+    counts: dict[str, int]
+    others: tuple[_Document, ...] = field(default=(), metadata={"omit": True})
+
+
 def certificate_to_dict(certificate: Certificate) -> dict[str, Any]:
     """Write a certificate as plain data.
 
@@ -157,30 +179,30 @@ def certificate_to_dict(certificate: Certificate) -> dict[str, Any]:
     Returns
     -------
     dict
-        Of schema ``origami-nlp/proof/1``.
+        Of schema ``origami_nlp/proof/1``.
     """
-    scene, nodes = certificate.scene, certificate.nodes
-    lists = ("points", "singular", "undecided")
+    return {"schema": SCHEMA, **to_plain(_document(certificate))}
+
+
+def _document(certificate: Certificate) -> _Document:
+    nodes = certificate.nodes
     counts = np.bincount(nodes.kind, minlength=len(KINDS)).tolist()
-    return {
-        "schema": SCHEMA,
-        "scene": scene_to_dict(scene),
-        "exact": {name: [v.hex() for v in values] for name, values in _exact(scene).items()},
-        "r0": certificate.r0,
-        **{name: [asdict(one) for one in getattr(certificate, name)] for name in lists},
-        **(
-            {"others": [certificate_to_dict(o) for o in certificate.others]}
-            if certificate.others
-            else {}
+    return _Document(
+        certificate.scene,
+        _exact(certificate.scene),
+        certificate.r0,
+        certificate.points,
+        certificate.singular,
+        certificate.undecided,
+        _Tree(
+            len(nodes.kind),
+            _packed(nodes.kind, "u1"),
+            _packed(nodes.number, "<i4"),
+            _packed(nodes.boxes, "<f8"),
         ),
-        "counts": dict(zip(KINDS, counts, strict=True)),
-        "tree": {
-            "nodes": len(nodes.kind),
-            "kind": _packed(nodes.kind, "u1"),
-            "number": _packed(nodes.number, "<i4"),
-            "boxes": _packed(nodes.boxes, "<f8"),
-        },
-    }
+        dict(zip(KINDS, counts, strict=True)),
+        tuple(map(_document, certificate.others)),
+    )
 
 
 def write_certificate(certificate: Certificate, target: str | Path) -> None:
@@ -219,12 +241,7 @@ def read_certificate(source: str | Path) -> Certificate:
     CertificateError
         If it cannot be read or is none.
     """
-    raw = read_limited(source, LARGEST, "proof", CertificateError)
-    try:
-        data = json.loads(raw, parse_constant=_refuse_constant)
-    except (ValueError, RecursionError) as problem:
-        raise CertificateError(f"proof {str(source)!r} is not valid JSON: {problem}") from None
-    return certificate_from_dict(data)
+    return certificate_from_dict(read_json(source, LARGEST, "proof", CertificateError))
 
 
 def certificate_from_dict(data: Any) -> Certificate:
@@ -245,122 +262,41 @@ def certificate_from_dict(data: Any) -> Certificate:
     CertificateError
         If an entry is missing or does not fit; the message names it.
     """
-    if not isinstance(data, dict) or data.get("schema") != SCHEMA:
-        raise CertificateError(f"schema is not {SCHEMA!r}: this is no proof")
-    try:
-        scene = scene_from_dict(_entry(data, "scene", dict))
-    except CertificateError:
-        raise
-    except (OrigamiError, TypeError) as problem:
-        raise CertificateError(f"scene of the proof: {problem}") from None
-    exact = _entry(data, "exact", dict)
-    for name, values in _exact(scene).items():
-        if exact.get(name) != [v.hex() for v in values]:
+    check_schema(data, SCHEMA, "proof", CertificateError)
+    own = {key: value for key, value in data.items() if key != "schema"}
+    return _certificate(from_plain(_Document, own, "proof", CertificateError))
+
+
+def _certificate(said: _Document) -> Certificate:
+    for name, values in _exact(said.scene).items():
+        if said.exact.get(name) != values:
             raise CertificateError(f"exact.{name} is not what the scene of the proof says")
-    n = len(set(scene.group.orbit))  # variables: one for each orbit of creases
-    r0 = _number(data, "r0")
-    points = tuple(_point(p, f"points[{i}]", n) for i, p in _objects(data, "points"))
-    singular, undecided = (
-        tuple(_left(c, f"{name}[{i}]", n) for i, c in _objects(data, name))
-        for name in ("singular", "undecided")
+    n = len(set(said.scene.group.orbit))  # variables: one for each orbit of creases
+    for name in ("points", "singular", "undecided"):
+        for i, one in enumerate(getattr(said, name), start=1):
+            for key in ("x", "stratum", "pinned_signs", "lower", "upper"):
+                if len(getattr(one, key, range(n))) != n:
+                    raise CertificateError(f"{name}[{i}].{key} of the proof must be {n} numbers")
+            if not 1 <= len(getattr(one, "moment", "m")) <= 3:
+                raise CertificateError(f"{name}[{i}].moment of the proof must be 3 numbers")
+    tree, others = _nodes(said.tree, n), tuple(map(_certificate, said.others))
+    return Certificate(
+        said.scene, said.r0, said.points, said.singular, said.undecided, tree, others
     )
-    others: tuple[Certificate, ...] = ()
-    if "others" in data:
-        others = tuple(certificate_from_dict(one) for _, one in _objects(data, "others"))
-    tree = _nodes(_entry(data, "tree", dict), n)
-    return Certificate(scene, r0, points, singular, undecided, tree, others)
 
 
-def _exact(scene: Scene) -> dict[str, tuple[float, ...]]:
-    return {
+def _exact(scene: Scene) -> dict[str, tuple[str, ...]]:
+    numbers = {
         "sector_angles": scene.vertex.sector_angles,
         "stiffness": scene.stiffness,
         "rest_angles": scene.wound_angles,
     }
+    return {name: tuple(v.hex() for v in values) for name, values in numbers.items()}
 
 
-def _refuse_constant(name: str) -> float:
-    raise ValueError(f"{name} is no number")
-
-
-def _entry(data: Mapping[str, Any], name: str, kind: type) -> Any:
-    value = data.get(name)
-    if not isinstance(value, kind):
-        raise CertificateError(f"{name} of the proof is missing, or not what it should be")
-    return value
-
-
-def _objects(data: Mapping[str, Any], name: str) -> list[tuple[int, dict[str, Any]]]:
-    items = _entry(data, name, list)
-    if not all(isinstance(item, dict) for item in items):
-        raise CertificateError(f"{name} of the proof must be a list of objects")
-    return list(enumerate(items, start=1))
-
-
-def _number(data: Mapping[str, Any], name: str, where: str = "") -> float:
-    value = data.get(name)
-    if isinstance(value, bool) or not isinstance(value, int | float) or not _finite(value):
-        raise CertificateError(f"{where}{name} of the proof must be a finite number")
-    return float(value)
-
-
-def _finite(value: float) -> bool:
-    try:
-        return math.isfinite(value)
-    except OverflowError:  # an integer beyond all doubles
-        return False
-
-
-def _numbers(
-    data: Mapping[str, Any], name: str, where: str, length: int | None
-) -> tuple[float, ...]:
-    """Read so many numbers; None: at most three."""
-    values = data.get(name)
-    lengths = (1, 2, 3) if length is None else (length,)
-    if not isinstance(values, list) or len(values) not in lengths:
-        raise CertificateError(f"{where}.{name} of the proof must be {lengths[-1]} numbers")
-    return tuple(_number({name: v}, name, f"{where}.") for v in values)
-
-
-def _signs(data: Mapping[str, Any], name: str, where: str, length: int) -> tuple[int, ...]:
-    values = _numbers(data, name, where, length)
-    if not set(values) <= {-1.0, 0.0, 1.0}:
-        raise CertificateError(f"{where}.{name} of the proof must be -1, 0 or 1 for each crease")
-    return tuple(int(v) for v in values)
-
-
-def _optional(data: Mapping[str, Any], name: str, where: str, kind: type) -> Any:
-    value = data.get(name)
-    if value is not None and type(value) is not kind:
-        raise CertificateError(f"{where}.{name} of the proof must be null, or {kind.__name__}")
-    return value
-
-
-def _point(data: dict[str, Any], where: str, n: int) -> Point:
-    return Point(
-        x=_numbers(data, "x", where, n),
-        stratum=_signs(data, "stratum", where, n),
-        moment=_numbers(data, "moment", where, None),
-        radius=_number(data, "radius", f"{where}."),
-        unique_radius=_number(data, "unique_radius", f"{where}."),
-        index=_optional(data, "index", where, int),
-        pinned_signs=_signs(data, "pinned_signs", where, n),
-        energy=_number(data, "energy", f"{where}."),
-        is_minimum=_optional(data, "is_minimum", where, bool),
-    )
-
-
-def _left(data: dict[str, Any], where: str, n: int) -> Left:
-    reason = data.get("reason")
-    if not isinstance(reason, str):
-        raise CertificateError(f"{where}.reason of the proof must be text")
-    lower, upper = (_numbers(data, name, where, n) for name in ("lower", "upper"))
-    return Left(lower, upper, _signs(data, "stratum", where, n), reason)
-
-
-def _nodes(tree: dict[str, Any], n: int) -> Nodes:
-    count = tree.get("nodes")
-    if type(count) is not int or not 0 < count < LARGEST:
+def _nodes(tree: _Tree, n: int) -> Nodes:
+    count = tree.nodes
+    if not 0 < count < LARGEST:
         raise CertificateError("tree.nodes of the proof must be a positive number")
     kind, number = _unpacked(tree, "kind", "u1", count), _unpacked(tree, "number", "<i4", count)
     if kind.max() >= len(KINDS):
@@ -377,14 +313,14 @@ def _packed(values: np.ndarray, dtype: str) -> str:
     return base64.b64encode(zlib.compress(by_byte.tobytes(), 9)).decode()
 
 
-def _unpacked(tree: dict[str, Any], name: str, dtype: str, count: int) -> np.ndarray:
-    text, size = tree.get(name), np.dtype(dtype).itemsize
+def _unpacked(tree: _Tree, name: str, dtype: str, count: int) -> np.ndarray:
+    text, size = getattr(tree, name), np.dtype(dtype).itemsize
     try:
-        packed = base64.b64decode(text, validate=True)  # type: ignore[arg-type]
+        packed = base64.b64decode(text, validate=True)
         stream = zlib.decompressobj()
         raw = stream.decompress(packed, count * size + 1)  # no more than there should be
         whole = stream.eof and not stream.unused_data and len(raw) == count * size
-    except (TypeError, ValueError, zlib.error):
+    except (ValueError, zlib.error):
         whole = False
     if not whole:
         raise CertificateError(f"tree.{name} of the proof is damaged or cut short")

@@ -116,6 +116,7 @@ class Replay:
         if any(one.others or replace(one.scene, winding=None) != scene for one in others):
             raise Refused("what it holds of other windings is about another scene")
         numbers = closing_numbers(scene.group.order)
+        # each root of T_n(c) + 1 is one way to close: the largest winds once, the k-th after it 2 k + 1 times
         asked = [] if scene.winding else [2 * k + 1 for k in range(1, len(numbers))]
         for winding in asked:
             if winding not in given:

@@ -41,10 +41,9 @@ class ProofOptions:
     Examples
     --------
     >>> import origami_nlp as o
-    >>> from origami_nlp.proof import ProofOptions
     >>> vertex = o.Vertex.from_degrees((70, 80, 120, 90))
     >>> scene = o.Scene(vertex, (1, 2, 3, 2), (1, -0.5, 0.3, 0.8), "none", "fold-limits")
-    >>> o.find_minima(scene, prove=ProofOptions(boxes=1)).completeness.status
+    >>> o.find_minima(scene, prove=o.ProofOptions(boxes=1)).completeness.status
     'not-proved'
     """
 

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 from origami_nlp.errors import OUT_OF_TIME
 from origami_nlp.facets import MOST_DENSE, Sheet
-from origami_nlp.files import from_plain
+from origami_nlp.files import from_plain, to_plain
 from origami_nlp.kkt import State
 from origami_nlp.minima import (
     JudgedState,
@@ -267,7 +267,7 @@ class SheetResult(Told, Turnable):
     def _stressed(self, state: JudgedState) -> dict[str, Any]:
         """Return a state as plain data, with what closure carries in it."""
         rows = 3 * len(self.pattern.vertices) + 6 * len(self.pattern.holes)
-        data = {**state.to_dict(), "self_stress": rows - self.pattern.creases + state.freedoms}
+        data = {**to_plain(state), "self_stress": rows - self.pattern.creases + state.freedoms}
         if self.pattern.creases > MOST_DENSE or not all(c.is_limit for c in state.contacts):
             return data
         held = [c.creases[0] - 1 for c in state.contacts]
@@ -362,28 +362,27 @@ class SheetResult(Told, Turnable):
         return {
             "pattern": pattern_to_dict(self.pattern),
             "minima": [self._stressed(s) for s in self.minima],
-            "undecided": [s.to_dict() for s in self.undecided],
-            "crossing": [s.to_dict() for s in self.crossing],
-            "refuted": [s.to_dict() for s in self.states if s.refuted],
-            "search": asdict(self.search),
+            "undecided": to_plain(self.undecided),
+            "crossing": to_plain(self.crossing),
+            "refuted": to_plain([s for s in self.states if s.refuted]),
+            "search": to_plain(self.search),
         }
 
     @classmethod
     def _from_plain(cls, data: dict[str, Any]) -> Self:
-        groups = [data[key] for key in ("minima", "undecided", "crossing", "refuted")]
         stressed = ("self_stress", "multipliers", "closure_torques", "closure_torques_unique")
-        states = [
-            JudgedState.from_dict({k: v for k, v in s.items() if k not in stressed})
-            for group in groups
-            for s in group
-        ]
+        states: list[JudgedState] = []
+        for key in ("minima", "undecided", "crossing", "refuted"):
+            listed = from_plain(tuple[dict[str, Any], ...], data[key], at=key)
+            own = [{k: v for k, v in s.items() if k not in stressed} for s in listed]
+            states += from_plain(tuple[JudgedState, ...], own, at=key)
         pattern = pattern_from_dict(data["pattern"])
         scale = float(pattern.stiffness.mean()) if pattern.creases else 1.0
         by_energy = tuple(sorted(states, key=lambda s: rank(s.energy / scale, ())))
-        return cls(pattern, by_energy, from_plain(SheetSearch, data["search"]))
+        return cls(pattern, by_energy, from_plain(SheetSearch, data["search"], at="search"))
 
     def _rows(self) -> Iterable[Mapping[str, object]]:
         for s in self.minima:
-            row = s.to_dict()
+            row = to_plain(s)
             angles = {f"phi_{i + 1}": a for i, a in enumerate(row.pop("fold_angles"))}
             yield {**{k: v for k, v in row.items() if not isinstance(v, list)}, **angles}

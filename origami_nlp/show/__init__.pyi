@@ -75,6 +75,7 @@ from .text import (
     label_text as label_text,
     pi_label as pi_label,
     short_label as short_label,
+    subscript as subscript,
 )
 from .turned import (
     Turnable as Turnable,

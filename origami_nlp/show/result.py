@@ -12,7 +12,7 @@ from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from origami_nlp.arguments import check_path, shown
+from origami_nlp.arguments import check_path
 from origami_nlp.errors import OptionError
 from origami_nlp.files import check_schema, from_plain, read_json, to_plain, write_json
 
@@ -118,7 +118,7 @@ class Result:
         OrigamiError
             If the file holds another schema.
         """
-        return cls.from_dict(read_data(path), shown(str(path)))
+        return cls.from_dict(read_data(path), repr(str(path)))
 
     def to_frame(self) -> pandas.DataFrame:
         """Return the result as a pandas data frame (extra ``sweep``: ``pip install "origami_nlp[sweep]"``).

@@ -75,6 +75,28 @@ def pi_label(numerator: int, denominator: int = 1) -> str:
     return f"{sign}{'' if top == 1 else top}π{'' if below == 1 else f'/{below}'}"
 
 
+def subscript(number: int) -> str:
+    """Write a number below the line.
+
+    Parameters
+    ----------
+    number
+        At least 0.
+
+    Returns
+    -------
+    str
+        Such as ``₁₂``.
+
+    Examples
+    --------
+    >>> from origami_nlp.show import subscript
+    >>> subscript(12)
+    '₁₂'
+    """
+    return str(number).translate(str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉"))
+
+
 def angle_ticks(axis: Any, low: float, high: float) -> None:
     """Put ticks at multiples of pi/4, pi/2 where there are many.
 

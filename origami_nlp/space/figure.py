@@ -14,7 +14,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from origami_nlp.chart import crease_number
-from origami_nlp.show import HANDLE, INKS, RING, label_text, pi_label
+from origami_nlp.show import HANDLE, INKS, RING, label_text, pi_label, subscript
 from origami_nlp.space.result import Space, SpaceMesh
 from origami_nlp.space.topology import edges_of, surface_pieces
 
@@ -111,9 +111,9 @@ def _draw_chart(axis: Axes, space: Space, colour: list[str]) -> set[int]:
         x, y = xy[pinch.vertex]
         _pinch_mark(axis, pinch.kind, x, y)
     group = space.scene.group
-    name = f"φ{_sub(crease_number(space.scene, 1))}"
+    name = f"φ{subscript(crease_number(space.scene, 1))}"
     other = (
-        f"φ{_sub(crease_number(space.scene, 2))}"
+        f"φ{subscript(crease_number(space.scene, 2))}"
         if (group.kind, group.order, len(group.rays)) == ("D", 1, 4)
         else f"υ (elevation of crease {crease_number(space.scene, 0)})"
     )
@@ -161,7 +161,7 @@ def _draw_solid(axis, space: Space, colour: list[str]) -> set[int]:  # type: ign
         axis.plot(*xyz[handle.path].T, **HANDLE | {"zorder": 9})
     for pinch in space.pinch_points:
         _pinch_mark(axis, pinch.kind, *xyz[pinch.vertex])
-    names = [f"φ{_sub(crease_number(space.scene, r))}" for r in columns]
+    names = [f"φ{subscript(crease_number(space.scene, r))}" for r in columns]
     for which, name in zip("xyz", names, strict=True):
         getattr(axis, f"set_{which}label")(name, labelpad=2)
         getattr(axis, f"set_{which}lim")(-math.pi, math.pi)
@@ -171,10 +171,6 @@ def _draw_solid(axis, space: Space, colour: list[str]) -> set[int]:  # type: ign
     extra = "" if mesh.wedge.shape[1] == 3 else f" (of {mesh.wedge.shape[1]})"
     axis.set_title(f"over fold angles {', '.join(names)}{extra}", fontsize=10, y=0.985)
     return set(wall.tolist())
-
-
-def _sub(number: int) -> str:
-    return "".join("₀₁₂₃₄₅₆₇₈₉"[int(d)] for d in str(number))
 
 
 def _title(space: Space) -> str:
@@ -204,7 +200,7 @@ def _legend(figure: Figure, space: Space, colour: list[str], used: set[int]) -> 
     ]
     for k, name in enumerate(space.mesh.walls):
         if k in used:
-            text = re.sub(r"phi_(\d+)", lambda m: "φ" + _sub(int(m[1])), name)
+            text = re.sub(r"phi_(\d+)", lambda m: "φ" + subscript(int(m[1])), name)
             entries.append(
                 Line2D([], [], color=WALLS[k], lw=2, ls=DASHES[k], label=text.replace("+-pi", "±π"))
             )

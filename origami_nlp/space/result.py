@@ -11,11 +11,11 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, field
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
-from origami_nlp.files import Brief, pick
+from origami_nlp.files import Brief
 from origami_nlp.numerics import SETTLED, groups
 from origami_nlp.pattern import Scene
 from origami_nlp.show import Piece, Told
@@ -141,7 +141,7 @@ class PinchPoint(Brief):
     fold_angles: tuple[float, ...]
     branches: tuple[Branch, ...]
     contacts: tuple[str, ...]
-    vertex: int
+    vertex: int = field(metadata={"plain": False})
 
 
 @dataclass(frozen=True)
@@ -163,7 +163,7 @@ class Handle:
     """
 
     contacts: tuple[str, ...]
-    path: np.ndarray = field(repr=False)
+    path: np.ndarray = field(repr=False, metadata={"plain": False})
     fold_angles: np.ndarray = field(repr=False)
     length: float
     ends: tuple[str, str]
@@ -207,9 +207,9 @@ class Space(Told):
     pinch_points: tuple[PinchPoint, ...]
     handles: tuple[Handle, ...]
     euler_characteristic: int
-    mesh: SpaceMesh
+    mesh: SpaceMesh = field(metadata={"plain": False})
 
-    PICTURE = "draw_space"
+    PICTURE, SCHEMA, READS = "draw_space", "origami_nlp/landscape/1", False
 
     @property
     def signature(self) -> tuple[int, ...]:
@@ -279,18 +279,6 @@ class Space(Told):
             )
         for point, states in joins:
             yield f"  {angle_words(point)}: {' | '.join(map(angle_words, states))}"
-
-    def to_dict(self) -> dict[str, Any]:
-        """JSON-able summary (without the mesh)."""
-        return {
-            "schema": "origami-nlp/space/1",
-            "scene": self.scene.name,
-            **pick(self, "size", "components", "holes", "euler_characteristic"),
-            "pinch_points": [
-                pick(p, "kind", "fold_angles", "contacts", "branches") for p in self.pinch_points
-            ],
-            "handles": [pick(h, "contacts", "length", "ends", "fold_angles") for h in self.handles],
-        }
 
 
 def _places(mesh: SpaceMesh) -> np.ndarray:

@@ -15,7 +15,7 @@ from origami_nlp.pattern import Pattern, Scene
 from origami_nlp.programme import Model
 from origami_nlp.sheets import SheetResult
 from origami_nlp.springs.convex import Posed
-from origami_nlp.springs.result import Design, HeldBarrier, HeldState
+from origami_nlp.springs.result import Design, ExtraMinimum, HeldBarrier, HeldState
 from origami_nlp.springs.robustness import MOVES, Tolerance, tolerance_of
 from origami_nlp.springs.targets import Placed, Targets
 from origami_nlp.springs.targets_file import Ask
@@ -61,7 +61,7 @@ def check(
     """
     states, failed, ours = _states(targets, minima)
     others = [m for i, m in enumerate(minima.minima) if i not in ours]
-    extra = tuple((m.energy, str(m.kind), tuple(m.fold_angles)) for m in others)
+    extra = tuple(ExtraMinimum(m.energy, str(m.kind), tuple(m.fold_angles)) for m in others)
     energy = {s.name: s.energy for s in states}
     failed += _energies(targets, energy)
     one = isinstance(scene, Scene) and isinstance(minima, MinimaResult)

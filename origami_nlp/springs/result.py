@@ -1,25 +1,22 @@
-"""What a design returns, how it tells itself, and its JSON, schema ``origami-nlp/design/1``."""
+"""What a design returns, how it tells itself."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
 
-from origami_nlp.files import to_plain
 from origami_nlp.minima import MinimaResult
 from origami_nlp.numerics import SAME
-from origami_nlp.pattern import Pattern, Scene, pattern_to_dict, scene_to_dict
+from origami_nlp.pattern import Pattern, Scene
 from origami_nlp.sheets import SheetResult
 from origami_nlp.show import Piece, Table, Told, Words
 from origami_nlp.springs.reasons import Reason
 from origami_nlp.springs.robustness import MOVES, Tolerance
 from origami_nlp.springs.targets import Targets
-
-SCHEMA = "origami-nlp/design/1"
 
 
 @dataclass(frozen=True)
@@ -82,6 +79,24 @@ class HeldBarrier:
     why: str
 
 
+class ExtraMinimum(NamedTuple):
+    """A minimum that nobody asked for.
+
+    Attributes
+    ----------
+    energy
+        In the scene's units.
+    kind
+        Of the minimum.
+    fold_angles
+        All N [rad].
+    """
+
+    energy: float
+    kind: str
+    fold_angles: tuple[float, ...]
+
+
 @dataclass(frozen=True, repr=False)
 class Design(Told):
     """Springs for given states, checked by the main job; or the reason why there are none.
@@ -129,16 +144,17 @@ class Design(Told):
     (True, ['book'])
     """
 
-    PICTURE = "draw_design"
+    PICTURE, SCHEMA, READS = "draw_design", "origami_nlp/design/1", False
+    ALSO = ("feasible", "verified", "images")
 
-    targets: Targets
+    targets: Targets = field(metadata={"plain": False})
     margin: float
     scene: Scene | Pattern | None
     states: tuple[HeldState, ...]
-    extra_minima: tuple[tuple[float, str, tuple[float, ...]], ...]
+    extra_minima: tuple[ExtraMinimum, ...]
     reason: Reason | None
     failed: tuple[str, ...]
-    minima: MinimaResult | SheetResult | None
+    minima: MinimaResult | SheetResult | None = field(metadata={"plain": False})
     iterations: int
     residual: float
     barriers: tuple[HeldBarrier, ...] = ()
@@ -266,41 +282,6 @@ class Design(Told):
             )
         ]
         return _table(heads, rows, "Springs")
-
-    def _made(self) -> dict[str, Any]:
-        """Return what has the springs, as plain data."""
-        if isinstance(self.scene, Pattern):
-            return {"pattern": pattern_to_dict(self.scene)}
-        return {"scene": scene_to_dict(self.scene) if self.scene else None}
-
-    def to_dict(self) -> dict[str, Any]:
-        """Return everything as JSON data, schema ``origami-nlp/design/1``.
-
-        Returns
-        -------
-        dict
-            Angles in radians, energies in the scene's units.
-        """
-        return {
-            "schema": SCHEMA,
-            "feasible": self.feasible,
-            "verified": self.verified,
-            "margin": to_plain(self.margin),
-            **self._made(),
-            "states": [to_plain(s) for s in self.states],
-            "extra_minima": [
-                {"energy": e, "kind": k, "fold_angles": list(p), "image_of": whose or None}
-                for (e, k, p), whose in zip(self.extra_minima, self.images, strict=True)
-            ],
-            "reason": to_plain(self.reason) if self.reason else None,
-            "barriers": [to_plain(b) for b in self.barriers],
-            "tolerance": to_plain(self.tolerance) if self.tolerance else None,
-            "refuted": self.refuted,
-            "failed": list(self.failed),
-            "rounds": self.rounds,
-            "iterations": self.iterations,
-            "residual": to_plain(self.residual),
-        }
 
 
 def rest_of(made: Scene | Pattern) -> Sequence[float]:

@@ -217,6 +217,7 @@ def tolerance_of(
         percent = min(loss.percent for loss in losses.values())
         if percent <= 100.0 * SETTLED:
             break
+        # random springs that are off by as much: where a state is lost sooner, that way is looked along
         lost = [_drawn_loss(scene, states, percent, rng) for _ in range(trials)]
         tried, kept = trials, sum(one is None for one in lost)
         worse = [one for one in lost if one is not None]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 import re
 from collections.abc import Mapping
@@ -12,7 +11,7 @@ from typing import Any
 
 from origami_nlp.arguments import check_number, check_whole, shown
 from origami_nlp.errors import OptionError
-from origami_nlp.files import check_tables, one_of, parse_toml, read_limited, read_toml
+from origami_nlp.files import check_tables, one_of, parse_toml, read_json, read_toml
 from origami_nlp.pattern import Pattern, Vertex, as_pattern, parse_angles, vertex_from_dict
 from origami_nlp.springs.targets import BarrierAsk, EnergyGap, Target, Targets
 
@@ -200,11 +199,7 @@ def _like(words: Any, folder: Path, name: str) -> list[float]:
         raise OptionError(
             f"[[states]] {name!r}: like = {shown(words)} must be 'FILE#NUMBER', such as 'states.json#2'"
         )
-    raw = read_limited(folder / file, 200 * _LARGEST, "states", OptionError)
-    try:
-        data = json.loads(raw)
-    except (ValueError, RecursionError):
-        raise OptionError(f"[[states]] {name!r}: {file!r} is no JSON") from None
+    data = read_json(folder / file, 200 * _LARGEST, "states", OptionError)
     states = data.get("minima") if isinstance(data, dict) else None
     if not isinstance(states, list) or len(states) < int(number):
         many = len(states) if isinstance(states, list) else "no"

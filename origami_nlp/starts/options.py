@@ -58,8 +58,7 @@ class SearchOptions:
     Examples
     --------
     >>> import origami_nlp as o
-    >>> from origami_nlp.starts import SearchOptions
-    >>> result = o.find_minima(o.examples.degree6("pi/3"), options=SearchOptions(rounds=1, hits=1), escape=False)
+    >>> result = o.find_minima(o.examples.degree6("pi/3"), options=o.SearchOptions(rounds=1, hits=1), escape=False)
     >>> result.search.effort, len(result.minima)
     ('own options', 4)
     """

@@ -380,9 +380,13 @@ def test_command(tmp_path):
     result = run(app, ["barriers", str(scene), *asked])
     assert result.exit_code == 0, result.output
     found = json.loads(out[0].read_text())
-    assert found["schema"] == "origami-nlp/barriers/1"
-    (barrier,) = found["barriers"]
-    assert (barrier["from"], barrier["to"], barrier["pass_kind"]) == (1, 2, "flat state")
+    assert found["schema"] == "origami_nlp/landscape/1"
+    (barrier,) = found["passes"]
+    assert (barrier["from_state"], barrier["to_state"], barrier["pass_kind"]) == (
+        1,
+        2,
+        "flat state",
+    )
     # all creases pi/2 from rest with unit ratio
     assert barrier["energy"] == pytest.approx(8 * 0.5 * 0.025 * (math.pi / 2) ** 2, rel=1e-12)
     assert out[1].stat().st_size > 1000 and out[2].read_text().count("\n") == 3

@@ -30,10 +30,11 @@ def test_command_writes_all_its_files(tmp_path: Path) -> None:
     assert done.code == 0, done.err
     assert "load margin" in done.out and "metastable" in done.out
     data = json.loads(files["json"].read_text())
-    assert data["schema"] == "origami-nlp/contacts/1"
+    assert data["schema"] == "origami_nlp/contacts/1"
     (state,) = data["states"]
-    assert state["kind"] == "contact-pinned" and state["load_margin"]["checked"]
-    assert f"{state['load_margin']['norm']:.5g}" in files["markdown"].read_text()
+    minimum = data["result"]["minima"][state["number"] - 1]
+    assert minimum["kind"] == "contact-pinned" and state["margin"]["checked"]
+    assert f"{state['margin']['norm']:.5g}" in files["markdown"].read_text()
     page = files["html"].read_text()
     assert (
         page.startswith("<!doctype html>") and "largest moment on the creases of one orbit" in page
@@ -52,16 +53,16 @@ def test_json_numbers_are_those_of_the_report(report: ContactReport) -> None:
     data = json.loads(json.dumps(report.to_dict(), allow_nan=False))
     (state,) = report.states
     (plain,) = data["states"]
-    assert plain["load_margin"]["norm"] == state.margin.norm
-    assert plain["load_margin"]["moments"] == list(state.margin.moments)
-    assert len(plain["load_margin"]["creases"]) == report.result.model.size
-    assert plain["contacts"][0]["moment"] == state.minimum.contacts[0].multiplier
+    assert plain["margin"]["norm"] == state.margin.norm
+    assert plain["margin"]["moments"] == list(state.margin.moments)
+    assert len(plain["margin"]["creases"]) == report.result.model.size
+    assert plain["contacts"][0]["multiplier"] == state.minimum.contacts[0].multiplier
     assert plain["softness"] == pytest.approx(
         min(state.stiffness) / sum(report.result.scene.stiffness)
     )
     assert plain["soft"] == (plain["softness"] <= SOFT)
     assert data["segments"]["segments"][0]["states"] == [state.number]
-    never = [c for c in plain["load_margin"]["creases"] if "cap" in c["ends"]]
+    never = [c for c in plain["margin"]["creases"] if "cap" in c["ends"]]
     assert never and all(None in (c["positive"], c["negative"]) for c in never)
 
 

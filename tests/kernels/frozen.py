@@ -46,7 +46,7 @@ IGNORED = {
     "iterations": "how often a solver iterated until rounding stopped it",
 }
 """Keys that are not compared, and why."""
-RENAMED: dict[str, str] = {}
+RENAMED: dict[str, str] = {"softest_stiffness": "softest"}
 """Keys of the older file that have another name in the newer one."""
 SHEETS = {
     "metasheet:3x3": 10,

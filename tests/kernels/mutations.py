@@ -120,24 +120,32 @@ MUTATIONS = [
 
 
 def caught(mutation: Mutation) -> tuple[str, float]:
-    """Return the first test that fails, "" for none, and the seconds until then."""
+    """Return the first test that fails, "" for none, and the seconds until then; it passes with the right line."""
     with tempfile.TemporaryDirectory() as folder:
         for name in COPIED:
             copy = shutil.copytree if (ROOT / name).is_dir() else shutil.copy2
             copy(ROOT / name, Path(folder) / name)
-        (Path(folder) / "origami_nlp" / mutation.file).write_text(mutation.source)
+
+        def failing(source: str, tests: list[str]) -> str:
+            (Path(folder) / "origami_nlp" / mutation.file).write_text(source)
+            done = subprocess.run(
+                [sys.executable, "-m", "pytest", "-x", "-q", "-p", "no:cacheprovider", *tests],
+                cwd=folder,
+                env={**os.environ, "PYTHONPATH": folder},
+                capture_output=True,
+                text=True,
+            )
+            assert done.returncode in (0, 1), done.stdout + done.stderr  # they ran
+            first = re.search(r"^(?:FAILED|ERROR) (.*?)(?: - .*)?$", done.stdout, re.MULTILINE)
+            return first[1] if first else ""
+
         begun = time.monotonic()
-        done = subprocess.run(
-            [sys.executable, "-m", "pytest", "-x", "-q", "-p", "no:cacheprovider"]
-            + [f"tests/{room}" for room in mutation.tests],
-            cwd=folder,
-            env={**os.environ, "PYTHONPATH": folder},
-            capture_output=True,
-            text=True,
-        )
-    assert done.returncode in (0, 1), done.stdout + done.stderr  # tests ran, and passed or failed
-    first = re.search(r"^(?:FAILED|ERROR) (.*?)(?: - .*)?$", done.stdout, re.MULTILINE)
-    return first[1] if first else "", time.monotonic() - begun
+        test = failing(mutation.source, [f"tests/{room}" for room in mutation.tests])
+        seconds = time.monotonic() - begun
+        if test:
+            right = (ROOT / "origami_nlp" / mutation.file).read_text()
+            assert not failing(right, [test]), f"{test} fails whatever the line"
+    return test, seconds
 
 
 def main() -> None:

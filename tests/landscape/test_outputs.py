@@ -50,38 +50,43 @@ def strict(text):
 
 def test_json_is_the_contract(written):
     data = strict((written / "l.json").read_text())
-    assert data["schema"] == "origami-nlp/landscape/1"
-    for name in ("components", "pinch_points", "handles", "critical_points", "barriers"):
-        assert isinstance(data[name], list)
-    assert isinstance(data["holes"], int)
-    for point in data["critical_points"]:
+    assert data["schema"] == "origami_nlp/landscape/1"
+    space, barriers = data["space"], data["barriers"]
+    for name in ("components", "pinch_points", "handles"):
+        assert isinstance(space[name], list)
+    assert isinstance(space["holes"], int)
+    for point in data["critical"]["points"]:
         assert {"fold_angles", "energy", "index", "contacts"} <= set(point)
-    for step in data["barriers"]:
-        assert {"from", "to", "energy", "pass_kind"} <= set(step)
+    for step in barriers["passes"]:
+        assert {"from_state", "to_state", "energy", "pass_kind"} <= set(step)
+    lines = data["boundary"]["lines"]
+    assert lines and all(len(line["ends"]) == 2 and line["length"] > 0 for line in lines)
 
 
 def test_json_is_consistent(written):
     """Morse sum, Euler characteristic, minima, barriers and counts fit together."""
     data = strict((written / "l.json").read_text())
-    assert data["morse_sum"] == data["euler_characteristic"]
-    assert data["euler_characteristic"] == len(data["components"]) - data["holes"]
-    minima = {m["number"]: m for m in data["minima"]}
-    assert data["counts"]["symmetric"] == len(minima)
-    verdicts = [m["full_space"] for m in data["minima"]]
-    assert data["counts"]["full"] == verdicts.count("stable")
-    pairs = {(b["from"], b["to"]) for b in data["barriers"]}
+    space, critical = data["space"], data["critical"]
+    assert critical["morse_sum"] == space["euler_characteristic"] and critical["morse"]["closes"]
+    assert space["euler_characteristic"] == len(space["components"]) - space["holes"]
+    minima = dict(enumerate(data["result"]["minima"], start=1))
+    assert data["counts"][0] == len(minima) == len(data["places"])
+    verdicts = [m["full_space"]["verdict"] for m in minima.values()]
+    assert data["counts"][2] == verdicts.count("stable")
+    passes = data["barriers"]["passes"]
+    pairs = {(b["from_state"], b["to_state"]) for b in passes}
     assert pairs == {(i, j) for i in minima for j in minima if i < j}
-    for step in data["barriers"]:
+    for step in passes:
         if step["energy"] is not None:
-            ends = (minima[step["from"]]["energy"], minima[step["to"]]["energy"])
+            ends = (minima[step["from_state"]]["energy"], minima[step["to_state"]]["energy"])
             assert step["energy"] >= max(ends)
     scene = o.examples.degree8("pi/6", 100.0)
-    for point in data["critical_points"]:
+    for point in critical["points"]:
         phi = np.array(point["fold_angles"])
         assert point["energy"] == pytest.approx(float(scene.energy(phi)), rel=1e-12)
         assert np.linalg.norm(fold_vertex(scene.vertex, phi)[1][1:]) < 1e-12
-    lowest = min(p["energy"] for p in data["critical_points"])
-    assert lowest == pytest.approx(min(m["energy"] for m in data["minima"]), rel=1e-10)
+    lowest = min(p["energy"] for p in critical["points"])
+    assert lowest == pytest.approx(min(m["energy"] for m in minima.values()), rel=1e-10)
 
 
 def test_arrays_hold_states(written):

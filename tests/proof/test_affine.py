@@ -11,9 +11,9 @@ from origami_nlp.proof.affine import (
     Affine,
     dot,
     mixed,
-    turn_of,
     turned,
     variables,
+    with_centre,
 )
 
 BOXES = 5
@@ -87,7 +87,7 @@ def test_second_order_is_not_wasted():
 def test_turns_hold_cosine_and_sine(half):
     rng = np.random.default_rng(2)
     middle = np.append(rng.uniform(-math.pi, math.pi, BOXES - 2), [math.pi, 1e-9])
-    by = turn_of(middle, np.full(BOXES, half))
+    by = with_centre(np.cos(middle), np.sin(middle), np.full(BOXES, half))
     for xi in np.linspace(-1, 1, 41):
         t = mpf(half) * mpf(xi)
         for k in range(BOXES):
@@ -105,7 +105,8 @@ def test_turning_by_a_new_variable_holds_the_turned(half):
     for _ in range(10):
         d = int(rng.integers(0, 4))
         x, y = random_form(rng, (2,), d, half), random_form(rng, (2,), d, half)
-        by = turn_of(rng.uniform(-3, 3, BOXES), np.full(BOXES, half))
+        middle = rng.uniform(-3, 3, BOXES)
+        by = with_centre(np.cos(middle), np.sin(middle), np.full(BOXES, half))
         form = turned(x, y, by)
         for xi in draws(rng, d + 1):
             eta = rng.choice([-1.0, 1.0], (2, 2, BOXES))

@@ -1,5 +1,6 @@
 """What every result can do: travel, be drawn, saved, read back, become a data frame, and be one line in a list."""
 
+import json
 import math
 import pickle
 from dataclasses import fields, is_dataclass
@@ -49,8 +50,8 @@ KINDS = {  # rows of the data frame, has a picture, has a schema, is read back
     ),
     "SegmentReport": (lambda r: len(r.segments), True, True, False),
     "Space": (None, True, True, False),
-    "Barriers": (lambda r: len(r.passes), True, True, False),
-    "ExactLandscape": (None, True, False, False),
+    "Barriers": (lambda r: len(r.passes), True, True, True),
+    "ExactLandscape": (None, True, True, False),
     "PhaseDiagram": (None, True, True, False),
     "LoadPath": (lambda r: sum(len(leg.points) for leg in r.legs), True, True, True),
     "Modes": (None, True, True, True),
@@ -60,6 +61,7 @@ KINDS = {  # rows of the data frame, has a picture, has a schema, is read back
     "LoadPath of a pattern": (lambda r: sum(len(leg.points) for leg in r.legs), True, True, True),
 }
 by_kind = pytest.mark.parametrize("kind", KINDS)
+STRICT = ("CriticalPoints", "Barriers", "LoadPath", "LoadPath of a pattern", "Modes", "Motion")
 
 
 def test_results_travel_and_print_the_same():
@@ -153,19 +155,42 @@ def test_saved_and_read_back(kind, tmp_path):
         type(found).load(path)
 
 
+def broken(data):
+    """Files that hold no such result: their text by what is wrong with them, and a word of the complaint."""
+    first = next(k for k in ("minima", "pattern", *data) if isinstance(data.get(k), list | dict))
+    of_another = {**data, "schema": "origami_nlp/paper/1"}
+    text = json.dumps(data)
+    yield text[: len(text) // 2], "no JSON"
+    yield "", "no JSON"
+    yield "[" * 100_000, "nested"
+    yield "[]", "schema"
+    yield json.dumps(of_another), "schema"
+    yield json.dumps({k: v for k, v in data.items() if k != "schema"}), "schema"
+    yield json.dumps({**data, first: math.nan}), "NaN"
+    yield json.dumps({**data, first: {"a": 1}}), first
+    yield json.dumps({**data, first: [{"a": 1}]}), first
+
+
 @pytest.mark.parametrize("kind", [kind for kind, (*_, is_read) in KINDS.items() if is_read])
-def test_what_is_not_whole_is_refused_in_one_line(kind):
-    found = results()[kind]
-    data, refused = found.to_dict(), set()
+def test_what_is_not_whole_is_refused_in_one_line(kind, tmp_path):
+    found, path = results()[kind], tmp_path / "broken.json"
+    data, missing = found.to_dict(), set()
     for key in data:
         try:
             type(found).from_dict({k: v for k, v in data.items() if k != key})
         except o.OrigamiError as error:
-            assert "\n" not in str(error)
-            refused.add(key)
-    assert len(refused) > 2  # some may be missing
-    with pytest.raises(o.OrigamiError, match="schema"):
-        type(found).from_dict([])
+            assert "\n" not in str(error) and (key in str(error) or key == "model")
+            missing.add(key)
+    assert len(missing) > 2  # some may be missing
+    for text, word in broken(data):
+        path.write_text(text)
+        with pytest.raises(o.OrigamiError, match=word) as told:
+            type(found).load(path)
+        assert "broken.json" in str(told.value) and "\n" not in str(told.value)
+        assert len(str(told.value)) < 500
+    if kind in STRICT:
+        with pytest.raises(o.OrigamiError, match="unknown key 'more'"):
+            type(found).from_dict({**data, "more": 1})
 
 
 def test_functions_take_results_only(tmp_path):

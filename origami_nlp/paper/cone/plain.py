@@ -1,4 +1,4 @@
-"""Cones as JSON and CSV: counts (schema ``origami-nlp/cone/1``), foldings, branches, phase diagrams, full space.
+"""Cones as JSON and CSV: counts, foldings, branches, phase diagrams, full space.
 
 A minimum's kind is "interior", "contact", or "cut" (the energy falls where a branch is cut and nothing touches).
 
@@ -24,11 +24,7 @@ from origami_nlp.paper.cone.necklaces import foldings, number_of_foldings
 from origami_nlp.paper.cone.phase import PhaseDiagram
 from origami_nlp.paper.cone.stability import ConeFullSpace, JudgedMinimum
 
-COUNT_SCHEMA = "origami-nlp/cone/1"
-FOLDINGS_SCHEMA = "origami-nlp/cone-foldings/1"
-BRANCH_SCHEMA = "origami-nlp/cone-branch/1"
-PHASE_SCHEMA = "origami-nlp/cone-phase/1"
-FULL_SCHEMA = "origami-nlp/cone-full/1"
+SCHEMA = "origami_nlp/paper/1"
 SAFE = 2**53
 """Largest integer written as a number."""
 
@@ -63,7 +59,7 @@ def count_to_dict(count: ConeCount) -> dict[str, Any]:
     columns["multiplicity"] = [text[number] for number in m.multiplicity]
     lists = [c.tolist() if isinstance(c, np.ndarray) else c for c in columns.values()]
     return {
-        "schema": COUNT_SCHEMA,
+        "schema": SCHEMA,
         "degree": count.degree,
         "branches": str(count.branches),
         "stable_interior": exact(count.stable_interior),
@@ -90,7 +86,7 @@ def foldings_to_dict(degree: int, listed: bool) -> dict[str, Any]:
     """
     kinds = {"necklace": True, "bracelet": False}
     data: dict[str, Any] = {
-        "schema": FOLDINGS_SCHEMA,
+        "schema": SCHEMA,
         "degree": degree,
         "assignments": str(1 << (degree // 2)),
         **{
@@ -128,7 +124,7 @@ def branch_to_dict(branch: ConeBranch, elevation: float) -> dict[str, Any]:
     """
     phi = branch.fold_angles(elevation)
     return {
-        "schema": BRANCH_SCHEMA,
+        "schema": SCHEMA,
         "degree": branch.degree,
         "flaps": write_flaps(branch.flaps),
         "direction": direction_name(branch.direction),
@@ -158,7 +154,7 @@ def diagram_to_dict(diagram: PhaseDiagram) -> dict[str, Any]:
     """
     m = diagram.map
     return {
-        "schema": PHASE_SCHEMA,
+        "schema": SCHEMA,
         "degree": m.cone.degree,
         "branches": str(m.branches),
         "rest": m.cone.rest,
@@ -222,7 +218,7 @@ def full_space_to_dict(found: ConeFullSpace) -> dict[str, Any]:
         What JSON can hold.
     """
     return {
-        "schema": FULL_SCHEMA,
+        "schema": SCHEMA,
         "degree": found.cone.degree,
         "ratio": found.ratio,
         "rest_elevation": found.rest.elevation,
