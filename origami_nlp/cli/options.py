@@ -274,7 +274,7 @@ FullOrNot = Annotated[
     ),
 ]
 Workers = Annotated[
-    int,
+    int | None,
     typer.Option(
         metavar="N", callback=_workers, help="Processes; the result is the same with any number."
     ),

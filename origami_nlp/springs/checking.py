@@ -64,8 +64,9 @@ def check(
     extra = tuple(ExtraMinimum(m.energy, str(m.kind), tuple(m.fold_angles)) for m in others)
     energy = {s.name: s.energy for s in states}
     failed += _energies(targets, energy)
-    one = isinstance(scene, Scene) and isinstance(minima, MinimaResult)
-    barriers = _barriers(targets, scene, minima, ways, energy, seed) if one else ()  # type: ignore[arg-type]
+    barriers: tuple[HeldBarrier, ...] = ()
+    if isinstance(scene, Scene) and isinstance(minima, MinimaResult):
+        barriers = _barriers(targets, scene, minima, ways, energy, seed)
     failed += [b.why for b in barriers if b.why]
     if extra and ask.extra_states == "forbid":
         failed.append(f"{len(extra)} minima that were to be forbidden are there")
@@ -165,8 +166,8 @@ def _energies(targets: Targets, energy: dict[str, float]) -> list[str]:
 
 def _barriers(
     targets: Targets,
-    scene: Scene | Pattern,
-    minima: MinimaResult | SheetResult,
+    scene: Scene,
+    minima: MinimaResult,
     ways: Mapping[tuple[str, str], Way],
     energy: dict[str, float],
     seed: int,

@@ -104,7 +104,7 @@ def design(
     _differ(targets)
     if isinstance(targets.origami, Pattern):
         tolerant = ask.maximise == "tolerance" or ask.tolerance_percent is not None
-        asked = {"maximise": ask.maximise if ask.maximise != "margin" else None}
+        asked: dict[str, Any] = {"maximise": ask.maximise if ask.maximise != "margin" else None}
         asked |= {"tolerance_percent": ask.tolerance_percent if tolerant else None}
         asked |= {"extra_states": ask.extra_states if ask.extra_states != "report" else None}
         refuse("pattern", _OF_A_VERTEX, **asked)
