@@ -9,10 +9,10 @@ from collections import Counter
 import numpy as np
 import pytest
 
-from origami_nlp import Model, Scene, State, Vertex, classify, examples, find_minima
+from origami_nlp import Model, Scene, State, Vertex, classify, examples
 from origami_nlp.facets import Sheet
 from origami_nlp.kkt import newton, project
-from origami_nlp.programme import Programme
+from origami_nlp.programme import Contact, Programme
 from tests.computed_once import panel_result, states
 from tests.patterns import strip, wheel
 
@@ -148,35 +148,52 @@ def test_a_stratum_is_what_the_minima_say() -> None:
                 assert stiffness == pytest.approx(min(m.hessian_eigenvalues), rel=1e-9)
 
 
-@pytest.mark.parametrize("kind", ["vertex", "pattern"])
-def test_a_load_moves_the_minimum_as_its_response_says(kind: str) -> None:
-    if kind == "vertex":
-        result = panel_result(examples.degree6("pi/4", 1))
+PANELS_HELD = {
+    "interior": examples.degree6("pi/4", 1),
+    "creases on each other": examples.degree6("pi/3", 1),
+    "axis": examples.degree8("pi/12", 100),
+    "fold limit": examples.degree8("pi/12", 0.01),
+}
+
+
+def settled(name: str) -> tuple[Programme, np.ndarray, tuple[Contact, ...]]:
+    """A minimum of a panel, or of a pattern, with its contacts."""
+    if name in PANELS_HELD:
+        result = panel_result(PANELS_HELD[name])
+        wanted = "interior" if name == "interior" else "contact-pinned"
         problem = result.model
-        x = problem.reduce(np.array(result.minima[0].fold_angles))
-    else:
-        problem = Sheet(strip(3))
-        found = find_minima(strip(3), starts=0, escape=False)
-        x = next(s.fold_angles for s in found.minima if s.kind == "interior")
-    _, motion = State(problem, x).on().response()
-    load = 1e-5 * np.linspace(-1, 1, problem.size)
-    moved, _ = newton(problem.loaded(problem.root * load), x, ())
-    assert moved is not None and moved.converged
-    assert problem.root * (moved.x - x) == pytest.approx(motion @ load, abs=1e-8)
-
-
-@pytest.mark.parametrize("kind", ["vertex", "pattern"])
-def test_newton_returns_to_a_state_in_contact(kind: str) -> None:
-    if kind == "vertex":
-        result = panel_result(examples.degree6("pi/3", 1))
-        problem, (held, *_) = result.model, result.minima
-        x = problem.reduce(np.array(held.fold_angles))
+        x = problem.reduce(next(np.array(m.fold_angles) for m in result.minima if m.kind == wanted))
     else:
         found = states("metasheet:4x4")
-        problem, held = Sheet(found.pattern), next(s for s in found.minima if s.contacts)
-        x = held.fold_angles
-    assert held.contacts
+        problem = Sheet(found.pattern)
+        x = next(s.phi for s in found.minima if bool(s.contacts) == (name == "facets of a pattern"))
+    rows = State(problem, x).pieces[0]
+    assert bool(rows) == ("interior" not in name)
+    return problem, x, rows
+
+
+@pytest.mark.parametrize("name", [*PANELS_HELD, "interior of a pattern"])
+def test_loads_move_states_and_forces_as_their_response_says(name: str) -> None:
+    problem, x, rows = settled(name)
+    response, motion = State(problem, x).on(rows).response()
+    rng = np.random.default_rng(0)
+    for _ in range(3):
+        d, errors = rng.normal(size=problem.size), []
+        for h in (2e-3, 1e-3):
+            loads = [problem.loaded(problem.root * s * h * d) for s in (1, -1)]
+            (one, push), (other, pull) = (newton(p, x, rows) for p in loads)
+            assert one is not None and other is not None and one.converged and other.converged
+            moved = problem.root * (one.x - other.x) / (2 * h)
+            off = np.append((push - pull) / (2 * h) - response @ d, moved - motion @ d)
+            errors.append(np.abs(off).max())
+        assert errors[1] < 1e-4 * max(1.0, float(np.abs(motion @ d).max()))
+        assert errors[1] < 0.3 * errors[0] + 1e-9  # second order
+
+
+@pytest.mark.parametrize("name", ["creases on each other", "facets of a pattern"])
+def test_newton_returns_to_a_state_in_contact(name: str) -> None:
+    problem, x, rows = settled(name)
     start = x + 1e-4 * np.random.default_rng(0).normal(size=problem.size)
-    back, multipliers = newton(problem, start, State(problem, x).pieces[0])
+    back, multipliers = newton(problem, start, rows)
     assert back is not None and back.closure_residual < 1e-13
     assert np.abs(back.x - x).max() < 1e-9 and multipliers.min() > 0
