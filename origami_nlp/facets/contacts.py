@@ -140,6 +140,8 @@ class PatternContacts(PatternEquations):
         if not self.touching:
             return ClosedContacts(limits, (), ())
         faces, place = self.faces(x), self.placed(x)
+        # states that are exact close gaps to rounding; of others it is asked what is closed next to them
+        within = CLOSES if tolerance <= TOUCHES else tolerance
 
         def closed(pair: int, above: bool) -> list[Contact]:
             every = faces.touches(pair, above)
@@ -148,7 +150,7 @@ class PatternContacts(PatternEquations):
             near = CLOSES * self.crossings.size
             return [self.contact_of(t) for t in every if t.gap(place) <= near]
 
-        meeting = [self.contact_of(t) for t in touches_at(self, x, shut)]
+        meeting = [self.contact_of(t) for t in touches_at(self, x, shut, within)]
         known = [c for pair, above in faces.known for c in closed(pair, above)]
         base = self._needed(x, (*limits, *meeting), known)
         edges = choices(self.features, place)

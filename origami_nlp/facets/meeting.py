@@ -14,7 +14,9 @@ from origami_nlp.facets.touches import Placed, Touch
 from origami_nlp.numerics import CLOSES, DEEP, INDEPENDENT, INSIDE, nonnegative_least_squares
 
 
-def touches_at(problem: PatternEquations, x: np.ndarray, shut: np.ndarray) -> list[Touch]:
+def touches_at(
+    problem: PatternEquations, x: np.ndarray, shut: np.ndarray, within: float = CLOSES
+) -> list[Touch]:
     """Return the gaps of features that meet inside each other at a state; those that fold limits keep open are not.
 
     Parameters
@@ -25,6 +27,8 @@ def touches_at(problem: PatternEquations, x: np.ndarray, shut: np.ndarray) -> li
         A closed state in which no facets cross, [n] [rad].
     shut
         Creases at their fold limits.
+    within
+        Gap, over the sheet's size, that counts as closed.
 
     Returns
     -------
@@ -32,8 +36,8 @@ def touches_at(problem: PatternEquations, x: np.ndarray, shut: np.ndarray) -> li
         Each contact once.
     """
     place, touches = Placed(problem.crossings.poses, x), []
-    for touch, gap in problem.features.facing(place, DEEP, INSIDE):
-        if gap <= CLOSES and not any(
+    for touch, gap in problem.features.facing(place, max(DEEP, within), INSIDE):
+        if gap <= within and not any(
             _opened_by(problem, t.row(place), x, shut) for t in _seen_otherwise(problem, touch)
         ):
             touches.append(touch)

@@ -139,7 +139,9 @@ class Sheet(PatternContacts):
         """Evaluate closure and the openings of contacts, [..., m + r], and their Jacobian [..., m + r, n]."""
         if x.ndim > 1:
             each = [self.constraints(one, contacts) for one in x]
-            return np.array([v for v, _ in each]), np.array([j for _, j in each])
+            count, m = len(x), self.closure.count + len(contacts)  # there may be no state
+            values = np.array([v for v, _ in each]).reshape(count, m)
+            return values, np.array([j for _, j in each]).reshape(count, m, self.size)
         local = self.local(x)
         values, slopes = local.openings(contacts)
         return np.append(local.closure, values), np.vstack([dense(local.closure_jacobian), slopes])

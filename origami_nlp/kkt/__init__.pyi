@@ -7,6 +7,7 @@ from .classification import (
     of_image as of_image,
 )
 from .descent import (
+    STOPPED as STOPPED,
     Followed as Followed,
     follow as follow,
     polished_nearby as polished_nearby,
@@ -14,15 +15,13 @@ from .descent import (
 from .escape import (
     ALONE as ALONE,
     BOUND as BOUND,
-    FLOOR as FLOOR,
     OPEN as OPEN,
     TRACED as TRACED,
     TREE as TREE,
     Escape as Escape,
-    Terrain as Terrain,
     Way as Way,
     barriers as barriers,
-    energy_scale as energy_scale,
+    bounds as bounds,
     level_of as level_of,
     rounded_up as rounded_up,
     ways_out as ways_out,
@@ -41,12 +40,20 @@ from .polishing import (
 )
 from .projection import project as project
 from .state import State as State, Stratum as Stratum
+from .stress import Stress as Stress, find_stress as find_stress
 from .tangent_cone import (
     TangentCone as TangentCone,
     by_known as by_known,
     combine as combine,
     loop_modes as loop_modes,
     tangent_cone as tangent_cone,
+)
+from .terrain import (
+    FARTHEST as FARTHEST,
+    FLOOR as FLOOR,
+    Terrain as Terrain,
+    energy_scale as energy_scale,
+    over_flat as over_flat,
 )
 from .thin import (
     thin_at as thin_at,

@@ -17,13 +17,15 @@ import numpy as np
 
 from origami_nlp.kkt.classification import Classification, classify
 from origami_nlp.kkt.neighbours import search_spheres
-from origami_nlp.kkt.polishing import Polished, Solve, exact_beside, polish
+from origami_nlp.kkt.polishing import Polished, Solve, exact_beside, newton, polish
 from origami_nlp.kkt.projection import project
 from origami_nlp.kkt.state import State, Stratum
 from origami_nlp.numerics import (
     BESIDE,
+    CARRIES,
     CLOSES,
     DECREASE,
+    DEPENDENT,
     EPS,
     INDEPENDENT,
     LEVEL,
@@ -31,6 +33,7 @@ from origami_nlp.numerics import (
     ROUNDED,
     SLIDES,
     nearest,
+    nonnegative_least_squares,
     null_space,
 )
 from origami_nlp.programme import Contact, Programme
@@ -41,6 +44,12 @@ RESCUE = (3e-2, 1e-2, 1e-3)
 """Radii [rad] of the search for a lower neighbour: where contacts crowd, the first long step is the easiest."""
 MOST_GUESSES = 8
 """Sets of closed contacts that are tried when the end of a path is polished."""
+MOST_PASSED = 10
+"""Rounds in which contacts that a trial state passes are held."""
+STALLS = 0.3
+"""Share of the residual that a step of its projection leaves where contacts cannot be met together."""
+SOFTEST = 1e-6
+"""Of curvatures in steps, over the mean stiffness."""
 TRIED = (1e-3, 3e-3, 1e-4)
 """Steps [rad] that are tried along the softest mode."""
 SHORTEST = 1e-6
@@ -70,11 +79,17 @@ def follow(
     model: Programme,
     start: np.ndarray,
     *,
+    curved: bool = False,
+    longest: float = LONGEST,
     most_steps: int = 2000,
     most_rescues: int = 12,
     until: Callable[[np.ndarray], bool] | None = None,
+    leads: Callable[[np.ndarray, np.ndarray], bool] | None = None,
 ) -> Followed:
     """Follow the state `start` [n] downhill, `until` a state on the way is far enough: that one is not judged.
+
+    Steps are downhill in the metric of the springs or, `curved`, Newton's: fewer, and from farther.  They are at most
+    `longest` [rad]; those that `leads`, of a state and the next, refuses are made shorter.
 
     Where no step along the linearised cone is possible but the state is no minimum (several contacts meet), a lower
     admissible neighbour is searched on small spheres, at most `most_rescues` times.
@@ -86,31 +101,36 @@ def follow(
     """
     x, residual = project(model, np.asarray(start, dtype=float), ())
     x = np.clip(x, -model.bound, model.bound)
-    if residual > CLOSES or model.refuses(x):
-        raise ValueError(f"the start is not a closed, admissible state: closure {residual:.1e}")
+    refused = f"closure {residual:.1e}" if residual > CLOSES else model.refuses(x)
+    if refused:
+        raise ValueError(f"the start is not a closed, admissible state: {refused}")
     states = [x]
-    length = LONGEST
+    length = longest
     rescues = 0
     while len(states) < most_steps:
         if until is not None and until(x):
             path = np.array(states)
             return Followed(path, model.energies(path), x, STOPPED)
         # wider than the shortest step, so that a path that cannot come closer slides along the contact
-        moved = _step(State(model, x, SLIDES), length)
+        moved = _step(State(model, x, SLIDES), length, curved, leads)
         if moved is not None:
             x, taken = moved
             states.append(x)
-            length = min(LONGEST, 2 * taken)
+            length = min(longest, 2 * taken)
             continue
         end = _level_with(model, x)
         what = classify(State(model, x if end is None else end), polished=end is not None)
         if what.verdict == "minimum" or rescues == most_rescues:
             break
         rescues += 1
-        lower = _lower_neighbour(State(model, x), what.descent)
+        lower = what.lower
+        if lower is None:
+            lower = _lower_neighbour(State(model, x), what.descent)
+        elif curved:
+            lower = _farther(State(model, x), lower, longest, leads)
         if lower is None:
             break
-        x, length = lower, LONGEST
+        x, length = lower, longest
         states.append(x)
     else:
         end = _level_with(model, x)
@@ -148,17 +168,57 @@ def _lower_neighbour(at: State, direction: np.ndarray | None) -> np.ndarray | No
     return found.state if found.state is not None and found.lowest < -noise else None
 
 
+def _farther(
+    at: State,
+    lower: np.ndarray,
+    longest: float,
+    leads: Callable[[np.ndarray, np.ndarray], bool] | None,
+) -> np.ndarray:
+    """Return the stationary state ahead of a lower one [n] on the contacts that both hold, if it is lower still.
+
+    Where more pieces meet than can be looked at one by one, no step finds the way: the lower state does.
+    """
+    model = at.programme
+    both = at.at(lower).contacts.base
+    done, _ = newton(model, lower, tuple(c for c in at.contacts.base if c in both))
+    if done is None or not done.converged or np.linalg.norm(done.x - lower) > longest:
+        return lower
+    good = model.energy_change(lower, done.x) < 0 and (leads is None or leads(lower, done.x))
+    return done.x if good and not model.refuses(done.x) else lower
+
+
 def _closed(
-    model: Programme, want: np.ndarray, held: tuple[Contact, ...] = ()
+    model: Programme,
+    want: np.ndarray,
+    held: tuple[Contact, ...] = (),
+    rows: tuple[Contact, ...] = (),
 ) -> np.ndarray | None:
-    """Pull a state [n] onto closure with contacts held, within the fold limits; None where that does not close."""
-    y, residual = project(model, want, held)
-    y = np.clip(y, -model.bound, model.bound)
-    closes = residual <= CLOSES and np.abs(model.closure(y)[0]).max() <= CLOSES
-    return y if closes else None
+    """Pull a state [n] onto closure with contacts held, within the fold limits; None where that does not close.
+
+    Those of `rows` that it passes are held as well: a straight step passes what bends towards it.
+    """
+    for _ in range(MOST_PASSED):
+        y, residual = project(model, want, held, stalls=STALLS if rows else math.inf)
+        y = np.clip(y, -model.bound, model.bound)
+        if not (residual <= CLOSES and np.abs(model.closure(y)[0]).max(initial=0.0) <= CLOSES):
+            return None
+        try:
+            values, _ = model.local(y).openings(rows)
+        except ArithmeticError:  # sides that come to run along each other have no gap
+            return None
+        passed = [c for c, v in zip(rows, values, strict=True) if v < -ROUNDED and c not in held]
+        if not passed:
+            return y
+        held = (*held, *passed)
+    return None
 
 
-def _step(state: State, length: float) -> tuple[np.ndarray, float] | None:
+def _step(
+    state: State,
+    length: float,
+    curved: bool,
+    leads: Callable[[np.ndarray, np.ndarray], bool] | None,
+) -> tuple[np.ndarray, float] | None:
     """Take one admissible step down, of at most `length`; None if there is none."""
     model, x = state.programme, state.x
     choices = state.pieces
@@ -168,48 +228,81 @@ def _step(state: State, length: float) -> tuple[np.ndarray, float] | None:
     for rows in (*tries, *choices):
         if best is not None and rows in choices:
             break  # only where looking ahead to contacts that will close led nowhere
-        d = _pull(state.on(rows))
+        d, held = _pull(state.on(rows), curved)
         size = float(np.linalg.norm(d))
         if size < ROUNDED:
             continue
         slope = float(state.local.gradient @ d)
-        held = _kept(state.on(rows), d)
         step = min(1.0, length / size)
         while step * size >= SHORTEST:
-            y = _closed(model, x + step * d, held)
-            change = math.inf if y is None else model.energy_change(x, y) / model.scale
-            # sufficient decrease (Nocedal & Wright, 3.4), measured after the way back to closure
-            if y is not None and change < DECREASE * step * slope and not model.refuses(y):
-                if best is None or change < best[0]:
-                    best = (change, y, step * size)
+            found = _lower(state, step * d, DECREASE * step * slope, held, leads)
+            if found is None and curved:
+                found = _lower(state, step * d, DECREASE * step * slope, held, leads, rows)
+            if found is not None:
+                if best is None or found[0] < best[0]:
+                    best = (*found, step * size)
                 break
             step /= 2
     return None if best is None else best[1:]
 
 
-def _pull(piece: Stratum) -> np.ndarray:
-    """Minimise grad U . d + d'Kd/2 over the linearised feasible set: gap + gradient . d >= 0 for each contact."""
+def _lower(
+    state: State,
+    move: np.ndarray,
+    enough: float,
+    held: tuple[Contact, ...],
+    leads: Callable[[np.ndarray, np.ndarray], bool] | None,
+    rows: tuple[Contact, ...] = (),
+) -> tuple[float, np.ndarray] | None:
+    """Return the change of energy to the admissible state that a move [n] leads to, and that state; None if not lower.
+
+    The change is to be below `enough`.
+    """
+    model, x = state.programme, state.x
+    y = _closed(model, x + move, held, rows)
+    if y is None:
+        return None
+    change = model.energy_change(x, y) / model.scale
+    # sufficient decrease (Nocedal & Wright, 3.4), measured after the way back to closure
+    lower = change < enough and (leads is None or leads(x, y))
+    return (change, y) if lower and not model.refuses(y) else None
+
+
+def _pull(piece: Stratum, curved: bool) -> tuple[np.ndarray, tuple[Contact, ...]]:
+    """Return the step and the closed contacts that it keeps closed.
+
+    It is to minimise grad U . d + d'Hd/2 over the linearised feasible set: gap + gradient . d >= 0 for each contact.
+
+    H is the stiffness of the springs or, `curved`, the Hessian of the Lagrangian with multipliers of the contacts that
+    are closed, its negative curvatures turned round.  They are so along what contacts that push leave free, and across
+    it apart: what a gap adds to the curvature across would otherwise stiffen directions along which the energy hardly
+    curves.  Of contacts that are dependent, and may not be kept closed together beyond first order, those that push are
+    kept then.
+    """
     state = piece.state
-    # with y = K^(1/2) d this is a projection: the step of sequential quadratic programming, K in place of the Hessian
-    root = np.sqrt(state.programme.parameters.stiffness)  # the stiffness metric
-    z = null_space(state.local.closure_jacobian / root)
-    gaps, slopes = state.local.openings(piece.contacts)
-    a = slopes / root @ z
-    cost = z.T @ (state.local.gradient / root)
-    if not len(a):
-        return -(z @ cost) / root
-    y = nearest(-cost, a, -np.maximum(gaps, 0.0))
-    return np.zeros(len(root)) if y is None else (z @ y) / root
-
-
-def _kept(piece: Stratum, d: np.ndarray) -> tuple[Contact, ...]:
-    """Return the contacts that a direction keeps closed."""
-    _, slopes = piece.state.local.openings(piece.contacts)
-    return tuple(
-        c
-        for c, g in zip(piece.contacts, slopes, strict=True)
-        if abs(g @ d) <= INDEPENDENT * np.linalg.norm(d)
-    )
+    p, z, gaps, slopes = state.programme, state.kernel, piece.openings, piece.slopes
+    cost, rows = z.T @ state.gradient, slopes @ z
+    # sequential quadratic programming, with K in place of the Hessian where that is not asked for
+    free, h = np.eye(len(cost)), np.diag(p.parameters.stiffness / p.root**2)
+    closed = gaps <= state.tolerance
+    keeps = closed.copy()
+    if curved:
+        forces = np.zeros(len(gaps))
+        forces[closed] = nonnegative_least_squares(rows[closed].T, cost)
+        rest = state.gradient - slopes.T @ forces
+        multipliers = np.linalg.lstsq(state.jacobian.T, rest, rcond=DEPENDENT)[0]
+        h = piece.hessian_with(np.append(multipliers, forces))
+        keeps &= forces > CARRIES
+        free = null_space(rows[keeps])
+    scaled = []  # d = scaled y, with y'y/2 the quadratic form: what is left is a projection
+    for basis in (z @ free, z @ null_space(free.T)):
+        values, vectors = np.linalg.eigh(basis.T @ h @ basis)
+        scaled.append(basis @ vectors / np.sqrt(np.maximum(np.abs(values), SOFTEST)))
+    whole = np.hstack(scaled)
+    y = nearest(-whole.T @ state.gradient, slopes @ whole, -np.maximum(gaps, 0.0))
+    d = np.zeros(len(state.x)) if y is None else whole @ y
+    keeps &= np.abs(slopes @ d) <= INDEPENDENT * np.linalg.norm(d)
+    return d / p.root, tuple(c for c, on in zip(piece.contacts, keeps, strict=True) if on)
 
 
 def _level_with(model: Programme, x: np.ndarray) -> np.ndarray | None:

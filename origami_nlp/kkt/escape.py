@@ -8,13 +8,14 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Final, Literal, NamedTuple, Protocol
+from typing import Final, Literal, NamedTuple
 
 import numpy as np
 
 from origami_nlp.files import Brief
+from origami_nlp.kkt.terrain import FLOOR, Terrain
 from origami_nlp.numerics import BESIDE, LEVEL, SETTLED, SHALLOW, coarse
 
 Method = Literal[
@@ -91,72 +92,12 @@ def rounded_up(value: float) -> str:
     return f"{math.ceil(value / unit * (1 - SETTLED)) * unit:.2g}"
 
 
-def energy_scale(stiffness: np.ndarray) -> float:
-    """Return the energy that it takes to fold every crease by pi from rest: what barriers are measured by.
-
-    Parameters
-    ----------
-    stiffness
-        Of all creases, [N].
-
-    Returns
-    -------
-    float
-        sum k pi^2 / 2, in the units of the stiffness.
-    """
-    return float(np.sum(stiffness)) * math.pi**2 / 2
-
-
 class Way(NamedTuple):
     """A way out of a state: how high it climbs over it, where, and number of the listed state it leads to, or -1."""
 
     height: float
     top: np.ndarray
     to: int
-
-
-class Terrain(Protocol):
-    """States with descents between them; states of `minima` [M, n] by number.
-
-    One with a method `middles` is asked for the middles of many steps at once: `between` for each, or None.
-
-    floor: energies over a state that are not told apart from nothing.  worth: heights above this are made lower where
-    a pass shows how.
-    """
-
-    minima: np.ndarray
-    floor: float
-    worth: float
-
-    def rays(self, which: Sequence[int]) -> Sequence[tuple[int, np.ndarray]]:
-        """Closed admissible states [S, n] along ways out of some states, with the state's number; it comes first."""
-
-    def rise(self, k: int, states: np.ndarray) -> np.ndarray:
-        """Energies of states [S, n] over that of state k, [S]."""
-
-    def slope(self, x: np.ndarray) -> float:
-        """Norm of the energy's gradient at a state."""
-
-    def distance(self, a: np.ndarray, b: np.ndarray) -> float:
-        """Distance of two states, in the same metric."""
-
-    def is_lower(self, k: int, x: np.ndarray) -> bool:
-        """Whether a state [n] has less energy than state k, by more than rounding."""
-
-    def is_way(self, k: int, end: np.ndarray) -> bool:
-        """Whether to end at a state [n] is to have left state k: for one of no more energy, if there is one."""
-
-    def between(self, a: np.ndarray, b: np.ndarray, shares: np.ndarray) -> np.ndarray | None:
-        """Closed admissible states [S, n] at shares of the way from a to b; None where there are none."""
-
-    def land(self, states: np.ndarray) -> np.ndarray:
-        """Where descents from states [S, n] end, fast: what is not known to end is nan."""
-
-    def path_down(self, state: np.ndarray, until: Callable[[np.ndarray], bool]) -> np.ndarray:
-        """A descent that cannot jump: its states [S, n] from `state` to where it ends, or `until` says so."""
-
-    def passes(self, a: np.ndarray, b: np.ndarray) -> list[np.ndarray]:
-        """Stationary states near two states that go down to different sides."""
 
 
 def ways_out(
@@ -275,8 +216,6 @@ MOST_CUTS, A_ROUND = 150, 16
 """Cuts of a way, and cuts made before the steps that may be highest are looked for again."""
 LONG = 0.1
 """A step that is longer [rad] is cut in any case: whether it is a way at all."""
-FLOOR = SHALLOW / 100
-"""Share of `energy_scale` below which no bound is stated: how much less a way climbs is not looked at."""
 
 
 def _highest(terrain: Terrain, k: int, states: np.ndarray) -> tuple[float, np.ndarray] | None:
@@ -308,7 +247,7 @@ def _highest(terrain: Terrain, k: int, states: np.ndarray) -> tuple[float, np.nd
             return max(top, *most), x[int(np.argmax(u))]
         cuts += len(cut)
         cut.sort()
-        halves = _middles(terrain, np.array([x[i] for i in cut]), np.array([x[i + 1] for i in cut]))
+        halves = terrain.middles(*(np.array([x[i + e] for i in cut]) for e in (0, 1)))
         if halves is None:
             return None
         rises = terrain.rise(k, halves).tolist()
@@ -318,17 +257,6 @@ def _highest(terrain: Terrain, k: int, states: np.ndarray) -> tuple[float, np.nd
             x.insert(i + 1, y)
             u.insert(i + 1, rise)
             slope.insert(i + 1, terrain.slope(y))
-
-
-def _middles(terrain: Terrain, a: np.ndarray, b: np.ndarray) -> np.ndarray | None:
-    """Return closed states half way from states a to states b, [S, n]; None where one is lacking."""
-    if hasattr(terrain, "middles"):
-        together: np.ndarray | None = terrain.middles(a, b)
-        return together
-    found = [terrain.between(y, z, np.array([0.5])) for y, z in zip(a, b, strict=True)]
-    return (
-        None if any(y is None for y in found) else np.array([y[0] for y in found if y is not None])
-    )
 
 
 LONGER = 2.0
@@ -448,3 +376,63 @@ def _closed(heights: np.ndarray) -> np.ndarray:
 def level_of(energies: np.ndarray, scale: float) -> float:
     """Return by how much energies may differ that are equal [their units]."""
     return LEVEL * (scale + float(np.abs(energies).max(initial=0.0)))
+
+
+def bounds(
+    energies: np.ndarray,
+    ways: Mapping[int, Way],
+    heights: np.ndarray,
+    scale: float,
+    told: Mapping[int, Escape],
+    unknown: Callable[[int], str],
+    among: str = "",
+) -> list[Escape]:
+    """Tell what it takes to leave each state: as it is told already, or bounded by ways out.
+
+    Parameters
+    ----------
+    energies
+        Of the states, [M].
+    ways
+        Out of some of them.
+    heights
+        Of the lowest pass between two of them, over zero, as far as it is known, [M, M].
+    scale
+        Of energies, see `energy_scale`.
+    told
+        What is known of some without bounds.
+    unknown
+        Why there is no way out of one.
+    among
+        What ways keep, in words.
+
+    Returns
+    -------
+    list of Escape
+        One a state; tops of ways in the programme's variables.
+    """
+    heights, beyond = heights.copy(), np.full(len(energies), math.inf)
+    for k, way in ways.items():
+        if way.to < 0:
+            beyond[k] = way.height
+        else:
+            # upwards, by less than any bound: of ways equally high rounding chooses none
+            grid = scale * FLOOR / 100
+            heights[k, way.to] = min(
+                heights[k, way.to], math.ceil((energies[k] + way.height) / grid) * grid
+            )
+    out = []
+    level = level_of(energies, scale)
+    for k, (barrier, to) in enumerate(barriers(energies, heights, level, scale, beyond)):
+        if k in told:
+            out.append(told[k])
+        elif math.isinf(barrier):
+            # that no way was found does not make the barrier infinite: it is not determined
+            out.append(Escape(math.nan, OPEN, unknown(k)))
+        else:
+            # two digits: more of a bound hang on where steps were cut
+            barrier = float(rounded_up(max(barrier, FLOOR * scale)))
+            why = f"an explicit way out climbs so high; lower ones are not excluded{among}"
+            top = tuple(ways[k].top.tolist()) if k in ways and ways[k].to == to else ()
+            out.append(Escape(barrier, BOUND, why, to + 1, top, barrier < SHALLOW * scale))
+    return out

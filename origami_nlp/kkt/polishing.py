@@ -193,14 +193,17 @@ def newton(
     best: tuple[float, Polished, np.ndarray] | None = None
     for _ in range(MOST_STEPS):
         local = model.local(x)
-        values, gradients = local.openings(rows)
+        try:
+            values, gradients = local.openings(rows)
+        except ArithmeticError:  # where sides run along each other there is no gap between them
+            return None, np.zeros(0)
         system = (_limits_out if many else _with_rows)(model, local, rows, gradients)
         multipliers, stationarity = system.multipliers, system.stationarity
         m = len(local.closure)
         # relative to the size of the terms that cancel
         size = 1.0 + np.abs(local.gradient).max()
         kkt = max(float(np.abs(stationarity).max()) / size, float(np.abs(values).max(initial=0.0)))
-        closure = float(np.abs(local.closure).max())
+        closure = float(np.abs(local.closure).max(initial=0.0))
         step = system.step(np.append(local.closure, values))
         length = float(np.linalg.norm(step))
         if not math.isfinite(length) or length > LONGEST_STEP:
@@ -213,7 +216,7 @@ def newton(
             resolved = bool(reached) and u <= RESOLVED * _distance_to_singular(system.jacobian)
             y = _closed_exactly(model, x)
             if (y != x).any():
-                closure = float(np.abs(model.closure(y)[0]).max())
+                closure = float(np.abs(model.closure(y)[0]).max(initial=0.0))
             state = Polished(y, rows, closure, float(kkt), resolved, u)
             best = (merit, state, multipliers[m:])
         elif best[1].converged:

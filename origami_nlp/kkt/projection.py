@@ -48,7 +48,8 @@ def project(
     x
         Where the steps ended, same shape.
     residual
-        Largest entry of closure and openings, [] or [K]: whether that is close enough is for the caller to say.
+        Largest entry of closure and openings, [] or [K]: whether that is close enough is for the caller to say; inf
+        where steps of one state led to where a gap is not defined.
     """
     x = held(x, contacts)
     root = programme.root
@@ -57,7 +58,10 @@ def project(
         before = math.inf
         for step in range(steps + 1):
             # the retraction of the paper's eq. A8, with normal directions taken at each iterate, not at the first state
-            f, jac = programme.constraints(x, contacts)
+            try:
+                f, jac = programme.constraints(x, contacts)
+            except ArithmeticError:  # where sides run along each other there is no gap between them
+                return x, np.array(math.inf)
             residual = np.abs(f).max(initial=0.0)
             if residual <= ROUNDED or step == steps or (step > 1 and residual > stalls * before):
                 break

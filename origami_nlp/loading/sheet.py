@@ -21,6 +21,7 @@ from origami_nlp.pattern import Pattern
 from origami_nlp.programme import Parameters
 from origami_nlp.sheets import (
     Descended,
+    classified,
     descend,
     find_states,
     judge,
@@ -171,7 +172,7 @@ class PatternDriver:
         found = judge(loaded, end.phi)
         if found.verdict != "minimum":
             return found.certificate
-        return end.phi, classify(State(loaded, end.phi))
+        return end.phi, classified(loaded, end.phi)
 
     def beside(self, t: float) -> float:
         """Return the distance between a snap at t and the searches beside it."""

@@ -10,37 +10,28 @@ import numpy as np
 
 from origami_nlp.kkt import (
     ALONE,
-    BOUND,
-    FLOOR,
+    FARTHEST,
     GOES,
-    OPEN,
     TRACED,
     TREE,
     Escape,
     State,
+    Terrain,
     barriers,
+    bounds,
     energy_scale,
     follow,
     level_of,
     newton,
+    over_flat,
     project,
-    rounded_up,
     ways_out,
 )
 from origami_nlp.minima.descents import Descents
 from origami_nlp.minima.minimum import JudgedState
 from origami_nlp.minima.one_freedom import Traced
 from origami_nlp.minima.traced_passes import TracedPasses, traced_passes
-from origami_nlp.numerics import (
-    BESIDE,
-    CLOSES,
-    FOLLOWED,
-    LEVEL,
-    NONZERO,
-    RESOLVED,
-    SETTLED,
-    SHALLOW,
-)
+from origami_nlp.numerics import CLOSES, FOLLOWED, NONZERO, RESOLVED, SHALLOW
 from origami_nlp.programme import Contact, Model
 from origami_nlp.starts import Samples
 
@@ -50,10 +41,6 @@ MOST_VARIABLES = 12
 """Variables up to which ways out are sought."""
 SMALLEST, LARGEST = 1e-3, 0.25
 """First and longest step along a ray [rad]; each is twice the one before."""
-FARTHEST = 12.0
-"""How far rays go [rad]: fifteen creases turned by pi are as far."""
-NEAREST = 3
-"""Other minima that rays lead towards, those at equal distances counted as one."""
 MOST_STEPS = 12
 """Of a projection: where it takes more, the ray has come to a singular state."""
 PASS_NEAR = 0.5
@@ -63,33 +50,15 @@ PASS_NEAR = 0.5
 NOTHING_NEAR = "no other admissible state is near"
 
 
-class VertexTerrain:
+class VertexTerrain(Terrain):
     """Minima of a model with descents between them: what `kkt.ways_out` walks on."""
 
     def __init__(self, model: Model, minima: np.ndarray, modes: Sequence[list[np.ndarray]]) -> None:
-        self.model, self.minima, self._modes = model, minima, modes
+        super().__init__(model, minima, energy_scale(np.array(model.scene.stiffness)))
+        self.model, self._modes = model, modes
         self._descents = Descents(model)
         self._closed: dict[bytes, tuple[Contact, ...]] = {}
-        scale = energy_scale(np.array(model.scene.stiffness))
-        self.floor, self.worth = FLOOR * scale, SHALLOW * scale
-        self._noise = LEVEL * np.maximum(model.energies(minima), model.scale)
         self._landed: dict[bytes, np.ndarray] = {}
-
-    def rise(self, k: int, states: np.ndarray) -> np.ndarray:
-        """Energies over that of a minimum."""
-        return self._over(self.minima[k], states)
-
-    def _over(self, at: np.ndarray, states: np.ndarray) -> np.ndarray:
-        return self.model.scale * self.model.parameters.energy_change(at, states)
-
-    def slope(self, x: np.ndarray) -> float:
-        """Norm of the torques, in the metric of all fold angles."""
-        gradient = self.model.parameters.torque(x) / self.model.root
-        return self.model.scale * float(np.linalg.norm(gradient))
-
-    def distance(self, a: np.ndarray, b: np.ndarray) -> float:
-        """Distance in the metric of all fold angles."""
-        return float(np.linalg.norm(self.model.root * (a - b)))
 
     def _held(self, a: np.ndarray, b: np.ndarray) -> tuple[Contact, ...]:
         """Contacts that two states both hold."""
@@ -102,21 +71,6 @@ class VertexTerrain:
             self._closed[key] = State(self.model, x).contacts.base
         return self._closed[key]
 
-    def is_lower(self, k: int, x: np.ndarray) -> bool:
-        """Whether a state has less energy than a minimum."""
-        return bool(self.rise(k, x) < -self._noise[k])
-
-    def is_way(self, k: int, end: np.ndarray) -> bool:
-        """Whether an end is another state, of no more energy; of any for a state than which none listed has less."""
-        at = self.minima[k]
-        if np.abs(end - at).max() <= BESIDE:
-            return False
-        # known to `BESIDE` only: that is no more energy as well as can be told
-        slack = (self.slope(end) + self.slope(at)) * BESIDE
-        others = np.arange(len(self.minima)) != k
-        lowest = not (self.rise(k, self.minima[others]) <= self._noise[k]).any()
-        return lowest or bool(self.rise(k, end) <= slack)
-
     def rays(self, which: Sequence[int]) -> list[tuple[int, np.ndarray]]:
         """Fold each crease on and back, go along soft modes, to the flat state and on from there, and to other minima.
 
@@ -125,34 +79,16 @@ class VertexTerrain:
         if not len(which):
             return []
         jobs, flat = [], np.zeros(self.model.size)
-        to_flat: dict[int, np.ndarray] = {}
         for k in which:
             x = self.minima[k]
             unit, modes = np.eye(len(x)), self._modes[k]
             along = [*unit, *-unit, *modes, *(-mode for mode in modes)]
-            jobs.append((k, np.array(along), np.array([flat, *self._others(k)])))
+            jobs.append((k, np.array(along), np.array([flat, *self.others(k)])))
         out = self._walk(jobs, ())
         for job in jobs:
             if held := self._contacts(self.minima[job[0]]):
                 out += self._walk([job], held)
-        for k, path in out:
-            if not np.abs(path[-1]).max() and (k not in to_flat or len(path) < len(to_flat[k])):
-                to_flat[k] = path
-        for k, path in to_flat.items():
-            # down to the flat state, and up a path on which another minimum came to it
-            out += [
-                (k, np.concatenate([path, back[-2::-1]])) for j, back in to_flat.items() if j != k
-            ]
-        return out
-
-    def _others(self, k: int) -> np.ndarray:
-        """Return the other minima that are nearest to one."""
-        apart = np.linalg.norm(self.model.root * (self.minima - self.minima[k]), axis=1)
-        apart[k] = math.inf
-        # all at the distance of the last one: labels do not choose among them
-        last = np.sort(apart)[min(NEAREST, len(apart)) - 1]
-        near = (apart <= last * (1 + SETTLED)) & np.isfinite(apart)
-        return np.asarray(self.minima[near])
+        return out + over_flat(out)
 
     def _walk(
         self, jobs: Sequence[tuple[int, np.ndarray, np.ndarray]], held: tuple[Contact, ...]
@@ -193,7 +129,7 @@ class VertexTerrain:
             for r in live:
                 paths[r].append(at[r].copy())
             # a ray has left its state once it is lower; to the flat state it goes on: it is gone back from others
-            left_for_good = self._over(self.minima[owner[live]], y) < -self._noise[owner[live]]
+            left_for_good = self.over(self.minima[owner[live]], y) < -self.noise[owner[live]]
             live = live[~left_for_good | ~goal[live].any(axis=1)]
             gone += step
             step = min(2 * step, LARGEST)
@@ -402,46 +338,23 @@ def _bounded(
     loose = [k for k in range(len(minima)) if not isolated[k]]
     sought = [] if why else loose[:MOST_STATES]
     modes = [_modes(model, m) for m in minima]
-    terrain = VertexTerrain(model, states, modes)
-    ways = ways_out(terrain, sought) if sought else {}
-    heights = np.full((len(minima),) * 2, math.inf)
-    beyond = np.full(len(minima), math.inf)
-    for k, way in ways.items():
-        if way.to < 0:
-            beyond[k] = way.height
-        else:
-            heights[k, way.to] = energies[k] + way.height
-    level = level_of(energies, scale)
-    found = []
+    ways = ways_out(VertexTerrain(model, states, modes), sought) if sought else {}
+    told = {k: Escape(math.inf, ALONE, NOTHING_NEAR) for k in np.flatnonzero(isolated).tolist()}
+
+    def unknown(k: int) -> str:
+        if not why and k not in sought:
+            return f"more than {MOST_STATES} minima: sought for those of lowest energy"
+        if not why and len(loose) == 1:
+            return "no other state is known that it could be left for"
+        return why or "no descent from beside it ended at a state of lower energy"
+
     group = model.scene.group
     kept = "" if group.is_trivial else f"; among states with symmetry {group.name}"
-    for k, (barrier, to) in enumerate(barriers(energies, heights, level, scale, beyond)):
-        if isolated[k]:
-            found.append(Escape(math.inf, ALONE, NOTHING_NEAR))
-            continue
-        if math.isinf(barrier):
-            # that no way was found does not make the barrier infinite: it is not determined
-            reason = why or "no descent from beside it ended at a state of lower energy"
-            if not why and k not in sought:
-                reason = f"more than {MOST_STATES} minima: sought for those of lowest energy"
-            elif not why and len(loose) == 1:
-                reason = "no other state is known that it could be left for"
-            found.append(Escape(math.nan, OPEN, reason))
-            continue
-        # two digits: more of a bound hang on where steps were cut
-        barrier = float(rounded_up(max(barrier, FLOOR * scale)))
-        top = model.expand(ways[k].top) if k in ways and ways[k].to == to else ()
-        found.append(
-            Escape(
-                barrier,
-                BOUND,
-                f"an explicit way out climbs so high; lower ones are not excluded{kept}",
-                to + 1,
-                tuple(map(float, top)),
-                barrier < SHALLOW * scale,
-            )
-        )
-    return found
+    heights = np.full((len(minima),) * 2, math.inf)
+    found = bounds(energies, ways, heights, scale, told, unknown, kept)
+    return [
+        replace(e, top=tuple(model.expand(np.array(e.top)).tolist())) if e.top else e for e in found
+    ]
 
 
 def _modes(model: Model, minimum: JudgedState) -> list[np.ndarray]:

@@ -23,6 +23,7 @@ from .line import (
 )
 from .system import Hold as Hold, Tally as Tally
 from .tracer import (
+    CLOSED_CURVE as CLOSED_CURVE,
     SINGULAR as SINGULAR,
     ContinuationOptions as ContinuationOptions,
     End as End,

@@ -133,13 +133,13 @@ class End(Generic[F]):
     """What ends a curve inside a step.
 
     before: how many of the given points, in order, come before it; all of them where it does not come.
-    why: in words.  meet: the end itself between the last point before it and the first one after; where None the step
-    is bisected.
+    why: in words.  meet: the end itself between the last point before it and the first one after, or None; then,
+    as without it, the step is bisected.
     """
 
     before: Callable[[Sequence[F]], int]
     why: str
-    meet: Callable[[F, F], F] | None = None
+    meet: Callable[[F, F], F | None] | None = None
 
 
 @dataclass(frozen=True)
@@ -253,8 +253,8 @@ def trace_ahead(
             s.append(at)
         if end is not None:
             beyond = ahead[kept]
-            if end.meet is not None:
-                last = end.meet(here, beyond.frame)
+            last = None if end.meet is None else end.meet(here, beyond.frame)
+            if last is not None:
                 chord = float(np.linalg.norm(curve.root * (last.x - here.x)))
                 return [*frames, last], [*s, at + _arc(here, last, chord)], end.why
             # an end that is only known to lie between two points: steps are halved down to the shortest

@@ -1,7 +1,6 @@
 from .branches import list_branches as list_branches
 from .clearance import Clearance as Clearance, Stretches as Stretches
 from .confirming import Confirmed as Confirmed, confirm_minimum as confirm_minimum
-from .contacts import closed_choices as closed_choices, closed_contacts as closed_contacts
 from .counts import (
     Overview as Overview,
     jacobian_rank as jacobian_rank,
@@ -36,18 +35,16 @@ from .interpolant import (
     wells as wells,
 )
 from .judgement import (
+    classified as classified,
     judge as judge,
     singular_beside as singular_beside,
 )
 from .marks import touch_places as touch_places
 from .motion import Motion as Motion, find_motion as find_motion
 from .noise import is_overdetermined as is_overdetermined
-from .pinned import press_along as press_along, press_off as press_off
 from .pops import pop_rows as pop_rows
-from .pressing import press as press
+from .pressing import press as press, press_along as press_along, press_off as press_off
 from .result import SheetResult as SheetResult, SheetSearch as SheetSearch
-from .rows import Rows as Rows
-from .stress import Stress as Stress, find_stress as find_stress
 from .turnable import (
     sheet_content as sheet_content,
     sheet_poser as sheet_poser,

@@ -15,7 +15,8 @@ from origami_nlp.facets import Sheet
 from origami_nlp.kkt import TangentCone
 from origami_nlp.numerics import CLOSES, NONZERO, RESOLVED, SETTLED, dense
 from origami_nlp.sheets.branches import list_branches
-from origami_nlp.sheets.interpolant import Interpolant, second
+from origami_nlp.sheets.curve import second
+from origami_nlp.sheets.interpolant import Interpolant
 
 MOST_CREASES = 60
 """Up to which singular values are computed along curves; beyond, vertices are asked whether they are flat."""

@@ -1,7 +1,7 @@
 """A pattern with one freedom left, traced: the curve of its closed states, from limit to limit.
 
-The curve is followed by its unit tangent, the kernel of the Jacobian; where rows lose more rank (at a flat or
-flat-folded state, branches cross) the walk goes straight on, so that each branch is followed through the crossing.
+The curve is followed by `path.tracer` along the kernel of the Jacobian of closure; where rows lose more rank (at a flat
+or flat-folded state, branches cross) it goes straight on, so that each branch is followed through the crossing.
 """
 
 from __future__ import annotations
@@ -12,14 +12,21 @@ from dataclasses import dataclass
 import numpy as np
 
 from origami_nlp.facets import Sheet
-from origami_nlp.numerics import CLOSES, EXPLORED, RESOLVED, ROUNDED, SETTLED, dense, null_space
+from origami_nlp.numerics import CLOSES, EXPLORED, NONZERO, dense, null_space
+from origami_nlp.path import CLOSED_CURVE, ContinuationOptions, End, trace
 
 STEP = 0.05
 """Largest step of a walk [rad], in the norm over creases divided by the square root of their number."""
 SHORTEST = 1e-7
 BENT = 0.95
-"""Cosine between tangents of one step and the next, at least."""
+"""Share of a unit vector that the kernel holds, and cosine between tangents of a step and the next, at least."""
+SHARPEST = math.sqrt(2 - 2 * BENT)
+"""Length of the difference of unit tangents with that cosine."""
 MOST_STEPS = 5_000
+DIFFERENCE = 1e-5
+"""Step of differences of the Jacobian [rad]: an error of some 1e-11."""
+LOST = "lost: no closed state ahead"
+"""Why a curve ends where even the shortest step fails."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,14 +38,18 @@ class Curve:
     phi
         Fold angles along it, [S, n] [rad].
     arc
-        Length from the start, in the norm over creases over sqrt n, [S].
+        Length from its first state, in the norm over creases over sqrt n, [S].
     ends
         Why it ends at either side: ``"limit"``, ``"closed"`` (it returns to its start), or the reason that it was lost.
+    tangents, bends
+        Unit tangent phi' and curvature phi'' over the length in the norm over creases, [S, n].
     """
 
     phi: np.ndarray
     arc: np.ndarray
     ends: tuple[str, str]
+    tangents: np.ndarray
+    bends: np.ndarray
 
     @property
     def complete(self) -> bool:
@@ -51,8 +62,75 @@ def tangents(sheet: Sheet, phi: np.ndarray) -> np.ndarray:
     return null_space(dense(sheet.closure.jacobian(phi)))
 
 
+def second(sheet: Sheet, phi: np.ndarray, one: np.ndarray, other: np.ndarray) -> np.ndarray:
+    """Return the second derivative of closure along two directions [n], [m], by differences of the Jacobian."""
+    ahead = sheet.closure.jacobian(phi + DIFFERENCE * other) @ one
+    behind = sheet.closure.jacobian(phi - DIFFERENCE * other) @ one
+    return (ahead - behind) / (2 * DIFFERENCE)
+
+
+@dataclass(frozen=True, eq=False)
+class Sample:
+    """A state of a curve with its unit tangent and curvature, [n] each: a `path.Frame`."""
+
+    x: np.ndarray
+    tangent: np.ndarray
+    bend: np.ndarray
+
+
+@dataclass(frozen=True, eq=False)
+class ClosedStates:
+    """The closed states of a sheet, as a curve to trace; where several freedoms are left, straight on."""
+
+    sheet: Sheet
+
+    @property
+    def root(self) -> np.ndarray:
+        """Metric of all fold angles, [n]."""
+        return self.sheet.root
+
+    def correct(self, x: np.ndarray) -> np.ndarray | None:
+        """Move x [n] onto closure."""
+        new, residual = self.sheet.project(x, steps=12)
+        return new if residual <= CLOSES and self.sheet.closure.on_sheet(new) else None
+
+    def frame(self, x: np.ndarray, along: np.ndarray) -> Sample | None:
+        """Say where the curve goes at x: where branches cross, the kernel is larger, and it goes straight on."""
+        size = float(np.linalg.norm(self.sheet.along(x, along)))
+        return None if size < BENT else self.at(x, along)
+
+    def at(self, x: np.ndarray, along: np.ndarray) -> Sample:
+        """Return the sample at x with its tangent on the side of `along` [n]."""
+        normal = self.sheet.normal(x)
+        tangent = normal.along(along)
+        tangent /= max(float(np.linalg.norm(tangent)), NONZERO)
+        # phi'' = -J^+ c''(phi', phi'), as J phi'' + c''(phi', phi') = 0 all along the curve
+        return Sample(x, tangent, -normal.step(second(self.sheet, x, tangent, tangent)))
+
+    def limit(self, here: Sample, beyond: Sample) -> Sample | None:
+        """Return the state inside a step at which creases shut: all that come close to pi together, or the first."""
+        went = beyond.x - here.x
+        near = np.abs(beyond.x) > math.pi - np.abs(went) - EXPLORED
+        # creases that are shut and stay so do not end the curve
+        opening = np.where(math.pi - np.abs(here.x) > EXPLORED, math.pi - np.abs(here.x), math.inf)
+        share = opening / np.maximum(np.abs(beyond.x) - np.abs(here.x), NONZERO)
+        share[np.abs(beyond.x) <= math.pi] = math.inf
+        first = np.arange(len(share)) == share.argmin()
+        for held, start in ((near, beyond.x), (first, here.x + min(share.min(), 1.0) * went)):
+            start = np.where(held, np.copysign(math.pi, start), start)
+            end, residual = self.sheet.project(start, held, steps=12)
+            there = end - here.x
+            size = float(np.linalg.norm(there))
+            good = residual <= CLOSES and (np.abs(end) <= math.pi + EXPLORED).all()
+            good = good and self.sheet.closure.on_sheet(end)
+            ahead = float(there @ here.tangent) >= BENT * size
+            if good and ahead and size <= 1.5 * float(np.linalg.norm(went)):
+                return self.at(np.clip(end, -math.pi, math.pi), here.tangent)
+        return None
+
+
 def follow_curve(sheet: Sheet, phi: np.ndarray, along: np.ndarray, step: float = STEP) -> Curve:
-    """Walk along the curve through a closed state both ways.
+    """Trace the curve through a closed state both ways.
 
     Parameters
     ----------
@@ -61,132 +139,46 @@ def follow_curve(sheet: Sheet, phi: np.ndarray, along: np.ndarray, step: float =
     phi
         A closed state, [n] [rad].
     along
-        Direction in which the walk begins, [n]; the other way is walked as well.
+        Direction in which it begins, [n]; the other way is traced as well.
     step
         Largest step [rad].
 
     Returns
     -------
     Curve
-        From the end of the walk against `along` to that of the other.
+        From the end against `along` to the other.
     """
-    there, end = _walk(sheet, phi, along, step)
-    if end == "closed":
-        return _curve(sheet, there, (end, end))
-    back, begin = _walk(sheet, phi, -along, step)
-    return _curve(sheet, [*back[:0:-1], *there], (begin, end))
+    curve, root = ClosedStates(sheet), math.sqrt(sheet.size)
+    first = curve.frame(phi, along / np.linalg.norm(along))
+    steps = ContinuationOptions(
+        first=step * root,
+        longest=step * root,
+        shortest=SHORTEST * root,
+        turn=SHARPEST,
+        sharpest=SHARPEST,
+        growth=1.5,
+        most=MOST_STEPS,
+    )
 
+    def inside(samples: object) -> int:
+        beyond = [bool((np.abs(s.x) > math.pi + EXPLORED).any()) for s in samples]  # type: ignore[attr-defined]
+        return beyond.index(True) if True in beyond else len(beyond)
 
-def _walk(
-    sheet: Sheet, phi: np.ndarray, along: np.ndarray, step: float
-) -> tuple[list[np.ndarray], str]:
-    root = math.sqrt(sheet.size)
-    first, d = phi, along / np.linalg.norm(along)
-    bend = np.zeros(sheet.size)
-    path, h, gone = [phi], step, 0.0
-    for _ in range(MOST_STEPS):
-        ahead = _advance(sheet, phi, d, bend, h * root)
-        if ahead is None:
-            h *= 0.5
-            if h < SHORTEST:
-                return path, "lost: no closed state ahead"
-            continue
-        new, turned = ahead
-        if (np.abs(new) > math.pi + EXPLORED).any():
-            last = _shut(sheet, phi, new, d)
-            if last is None:
-                last = _to_limit(sheet, phi, d, h * root)
-            if last is not None:
-                return [*path, last], "limit"
-            h *= 0.5  # many creases reach it together, where branches meet: closer first
-            if h < SHORTEST:
-                return path, "lost at a fold limit"
-            continue
-        gone += h
-        if gone > 3 * step and np.linalg.norm(new - first) < 0.75 * h * root:
-            return [*path, first], "closed"
-        bend = (turned - d) / np.linalg.norm(new - phi)
-        phi, d = np.clip(new, -math.pi, math.pi), turned
-        path.append(phi)
-        h = min(step, 1.5 * h)
-    return path, "lost: too many steps"
-
-
-def _advance(
-    sheet: Sheet, phi: np.ndarray, d: np.ndarray, bend: np.ndarray, h: float
-) -> tuple[np.ndarray, np.ndarray] | None:
-    """Step by h along d and project back; None where that is not the same branch any more."""
-    # predictor to second order: the bend is that of the last step
-    new, residual = sheet.project(phi + h * d + 0.5 * h * h * bend, steps=12)
-    if residual > CLOSES or not sheet.closure.on_sheet(new):
-        return None
-    went = new - phi
-    size = float(np.linalg.norm(went))
-    if not 0.5 * h < size < 1.5 * h or float(went @ d) < BENT * size:
-        return None
-    turned = sheet.along(new, went)  # where branches cross, the kernel is larger: straight on
-    length = float(np.linalg.norm(turned))
-    if length < BENT * size:
-        return None
-    return new, turned / length
-
-
-def _shut(sheet: Sheet, phi: np.ndarray, new: np.ndarray, d: np.ndarray) -> np.ndarray | None:
-    """Return the state ahead, not beyond a step, at which all creases that come close to pi together are shut."""
-    went = new - phi
-    held = np.abs(new) > math.pi - np.abs(went) - EXPLORED
-    start = np.where(held, np.copysign(math.pi, new), new)
-    end, residual = sheet.project(start, held, steps=12)
-    there = end - phi
-    size = float(np.linalg.norm(there))
-    if (
-        residual > CLOSES
-        or (np.abs(end) > math.pi + EXPLORED).any()
-        or not sheet.closure.on_sheet(end)
-    ):
-        return None
-    end = np.clip(end, -math.pi, math.pi)
-    if size > 1.5 * float(np.linalg.norm(went)) or float(there @ d) < BENT * size:
-        return None
-    return end
-
-
-def _to_limit(sheet: Sheet, phi: np.ndarray, d: np.ndarray, h: float) -> np.ndarray | None:
-    """Return the state between here and a step ahead at which the first fold angle is at pi."""
-    low, high = 0.0, h
-    # creases that are shut and stay so do not end the curve
-    ends = math.pi - np.abs(phi) > EXPLORED
-    if not ends.any():
-        return None
-    here = float(np.abs(phi[ends]).max()) - math.pi
-    there = math.nan
-    for k in range(60):
-        # secants and halves in turn
-        share = 0.5 if k % 2 or not there > 0 else here / (here - there)
-        middle = low + share * (high - low)
-        new, residual = sheet.project(phi + middle * d, steps=12)
-        beyond = float(np.abs(new[ends]).max()) - math.pi
-        if residual > CLOSES:
-            high, there = middle, math.nan
-        elif beyond > 0:
-            high, there = middle, beyond
-        else:
-            low, here = middle, beyond
-        if -RESOLVED < here <= 0 or high - low < ROUNDED:
-            break
-    new, residual = sheet.project(phi + low * d, steps=12)
-    i = int(np.where(ends, np.abs(new), 0.0).argmax())
-    if math.pi - abs(new[i]) > SETTLED:
-        return None
-    held = np.zeros(sheet.size, bool)
-    held[i] = True
-    new[i] = math.copysign(math.pi, new[i])
-    end, residual = sheet.project(new, held)
-    end = np.clip(end, -math.pi, math.pi)
-    return end if sheet.residual(end) <= CLOSES else None
-
-
-def _curve(sheet: Sheet, path: list[np.ndarray], ends: tuple[str, str]) -> Curve:
-    phi = np.array(path)
-    steps = np.linalg.norm(np.diff(phi, axis=0), axis=1) / math.sqrt(sheet.size)
-    return Curve(phi, np.concatenate([[0.0], np.cumsum(steps)]), ends)
+    found = first and trace(curve, first, steps, [End(inside, "limit", curve.limit)])
+    if not found:
+        none = np.zeros((1, sheet.size))
+        return Curve(phi[None], np.zeros(1), (LOST, LOST), none, none)
+    ends = []
+    for why, last in ((found.start, found.frames[0]), (found.end, found.frames[-1])):
+        shut = bool((math.pi - np.abs(last.x) <= EXPLORED).any())
+        known = {CLOSED_CURVE: "closed", "limit": "limit" if shut else "lost at a fold limit"}
+        ends.append(known.get(why, f"lost: {why}" if why.startswith("more") else LOST))
+    states = np.clip(found.states, -math.pi, math.pi)
+    chords = np.linalg.norm(np.diff(states, axis=0), axis=1) / root
+    return Curve(
+        states,
+        np.concatenate([[0.0], np.cumsum(chords)]),
+        (ends[0], ends[1]),
+        found.signs[:, None] * np.array([s.tangent for s in found.frames]),
+        np.array([s.bend for s in found.frames]),
+    )

@@ -13,20 +13,18 @@ from origami_nlp.errors import OutOfTime
 from origami_nlp.facets import Sheet, image
 from origami_nlp.kkt import (
     ALONE,
-    BOUND,
-    FLOOR,
-    OPEN,
     TRACED,
     Escape,
+    State,
     Way,
     barriers,
+    bounds,
     energy_scale,
     level_of,
     ways_out,
 )
 from origami_nlp.minima import JudgedState
 from origami_nlp.numerics import BESIDE, INDEPENDENT, OUTSIDE, SETTLED, SHALLOW, coarse, nearest
-from origami_nlp.sheets.contacts import closed_contacts
 from origami_nlp.sheets.curve_passes import CurvePasses, curve_passes
 from origami_nlp.sheets.curves import Curves
 from origami_nlp.sheets.terrain import SheetTerrain
@@ -36,8 +34,6 @@ MOST_CREASES = 60
 """Creases up to which ways out are sought by descents."""
 MOST_DESCENTS, A_STATE = 60, 15
 """Descents in all, and for each state out of which ways are sought."""
-GRID = FLOOR / 100
-"""Share of `energy_scale` to which heights of ways are known."""
 MOST_OPENED = 3
 """Directions that open contacts of a state."""
 SECTIONS, MOST_CONFIRMED = 3, 3
@@ -97,7 +93,6 @@ def _escapes(
     last = energies[alone[:many]].max(initial=-math.inf) + level
     sought = [] if why else [k for k in loose if energies[k] <= last]
     ways = {}
-    beyond = np.full(len(at), math.inf)
     if sought and len(at) > 1:
         out_of = [k for k in sought if k in alone]
         vertices = creases_around(sheet.pattern, curves.labels)
@@ -111,32 +106,20 @@ def _escapes(
             ways = {k: images[k].way(found[images[k].of]) for k in loose if images[k].of in found}
         except OutOfTime:
             why = "interrupted by the time limit"
-    for k, way in ways.items():
-        if way.to < 0:
-            beyond[k] = way.height
-        else:
-            # upwards, by less than any bound: of ways equally high rounding chooses none
-            height = math.ceil((energies[k] + way.height) / (GRID * scale)) * GRID * scale
-            heights[k, way.to] = min(heights[k, way.to], height)
-    out = []
-    for k, (barrier, to) in enumerate(barriers(energies, heights, level, scale, beyond)):
-        if k in exact:
-            out.append(exact[k])
-        elif minima[k].freedoms == 0:
-            out.append(Escape(math.inf, ALONE, "no other closed state is near"))
-        elif math.isinf(barrier):
-            reason = why or "no way that was tried led to a state of lower energy"
-            if not why and len(at) == 1:
-                reason = "no other state is known that it could be left for"
-            elif not why and k not in sought:
-                reason = f"sought for the {len(sought)} states of lowest energy"
-            out.append(Escape(math.nan, OPEN, reason))
-        else:
-            barrier = max(barrier, FLOOR * scale)
-            what = "an explicit way out climbs so high; lower ones are not excluded"
-            top = tuple(ways[k].top.tolist()) if k in ways and ways[k].to == to else ()
-            out.append(Escape(barrier, BOUND, what, to + 1, top, barrier < SHALLOW * scale))
-    return out
+    told = exact | {
+        k: Escape(math.inf, ALONE, "no other closed state is near")
+        for k, s in enumerate(minima)
+        if s.freedoms == 0
+    }
+
+    def unknown(k: int) -> str:
+        if not why and len(at) == 1:
+            return "no other state is known that it could be left for"
+        if not why and k not in sought:
+            return f"sought for the {len(sought)} states of lowest energy"
+        return why or "no way that was tried led to a state of lower energy"
+
+    return bounds(energies, ways, heights, scale, told, unknown)
 
 
 def _exact(
@@ -238,11 +221,11 @@ def _openings(sheet: Sheet, phi: np.ndarray, contact: bool) -> list[np.ndarray]:
 
     Of single ones those that cost least, where several are alike all of them.
     """
-    rows = closed_contacts(sheet, phi, contact)
-    if not len(rows.gaps):
+    state = State(sheet.with_contact(contact), phi)
+    if not (closed := state.contacts.base):
         return []
-    z = sheet.kernel(phi)
-    slopes = rows.slopes @ z
+    z = state.kernel
+    slopes = state.on(closed).slopes @ z
     lengths = np.linalg.norm(slopes, axis=1)
     free = lengths > INDEPENDENT
     slopes = slopes[free] / lengths[free, None]

@@ -33,8 +33,7 @@ from origami_nlp.sheets.flat_folded import list_flat_folded, ways_out
 from origami_nlp.sheets.interpolant import wells
 from origami_nlp.sheets.judgement import beside, judge, singular_beside, stationary_beside
 from origami_nlp.sheets.noise import NOISE, with_survival
-from origami_nlp.sheets.pinned import press_along, press_off
-from origami_nlp.sheets.pressing import UNTOLD, press
+from origami_nlp.sheets.pressing import UNTOLD, press, press_along, press_off
 from origami_nlp.sheets.result import BARRIERS, MEETINGS, OF_VERTEX, POPS, WAYS_OUT, SheetResult
 from origami_nlp.sheets.tally import Tally
 from origami_nlp.starts import Given, Popped, SearchOptions, families_in_turn, options_of
@@ -172,15 +171,17 @@ class _Search:
         except FAILURES as failure:
             self.tally.failed.append(f"{type(failure).__name__}: {failure}")
 
-    def known(self, phi: np.ndarray) -> bool:
-        """Tell whether a state was judged."""
-        return any(np.abs(phi - s.phi).max() <= 10 * SAME for s in self.tally.judged)
+    def known(self, phi: np.ndarray, verdict: str = "minimum") -> bool:
+        """Tell whether a state was judged: one that is not stationary says nothing of a minimum beside it."""
+        least = {"not stationary": CLOSES} if verdict == "minimum" else {}
+        apart = ((np.abs(phi - s.phi).max(), s.verdict) for s in self.tally.judged)
+        return any(far <= least.get(what, 10 * SAME) for far, what in apart)
 
     def add(self, state: JudgedState) -> None:
         """Keep a state, once."""
         if state.freedoms < 0:  # it does not close, or is beyond a limit
             self.tally.open += 1
-        elif not self.known(state.phi):
+        elif not self.known(state.phi, state.verdict):
             self.tally.judged.append(state)
 
     def settle(self, phi: np.ndarray) -> None:
@@ -210,18 +211,17 @@ class _Search:
     def press(self, end: Descended) -> None:
         """Judge where a descent into contact ended."""
         self.tally.pressed += 1
-        if end.arrived:
-            self.add(judge(self.sheet, end.phi))
-        elif end.why != UNTOLD:
+        if not end.arrived and end.why != UNTOLD:
             self.tally.refused.append(end.why)
-        else:
-            why = f"not decided: pressed down to where {end.why}"
+            return
+        state = judge(self.sheet, end.phi)
+        if not end.arrived or state.verdict == "undecided":
             beside = singular_beside(self.sheet, end.phi)
-            state = judge(self.sheet, end.phi if beside is None else beside)
-            if state.verdict == "minimum":
-                self.add(state)
-                return
-            self.add(replace(state, verdict="undecided", kind="", certificate=why))
+            state = state if beside is None else judge(self.sheet, beside)
+        if not end.arrived and state.verdict != "minimum":
+            why = f"not decided: pressed down to where {end.why}"
+            state = replace(state, verdict="undecided", kind="", certificate=why)
+        self.add(state)
 
     def add_escapes(self) -> None:
         """Add what it takes to leave each minimum."""

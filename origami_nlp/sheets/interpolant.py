@@ -13,15 +13,13 @@ import numpy as np
 
 from origami_nlp.facets import Sheet, image
 from origami_nlp.files import Brief
-from origami_nlp.numerics import CLOSES, NONZERO
-from origami_nlp.sheets.curve import Curve
+from origami_nlp.numerics import CLOSES
+from origami_nlp.sheets.curve import ClosedStates, Curve
 
 FITS = 1e-6
 """Distance of the middle of a step from closed states, at most [rad]."""
 MOST_HALVINGS = 6
 """Of a step."""
-DIFFERENCE = 1e-5
-"""Step of differences of the Jacobian [rad]: an error of some 1e-11."""
 REAL = 1e-6
 """Imaginary part, and excess over the ends, of roots in units of a step that count as real and inside."""
 
@@ -103,9 +101,8 @@ def interpolate(sheet: Sheet, curve: Curve) -> Interpolant:
     Interpolant
         With further states where steps were too long.
     """
-    phi = list(curve.phi)
-    guide = np.gradient(curve.phi, axis=0) if len(phi) > 1 else np.zeros_like(curve.phi)
-    data = [_data(sheet, x, g) for x, g in zip(phi, guide, strict=True)]
+    phi, closed = list(curve.phi), ClosedStates(sheet)
+    data = list(zip(curve.tangents, curve.bends, strict=True))
     states, pieces, off = [phi[0]], [], 0.0
     stack = [(phi[i], data[i], phi[i + 1], data[i + 1], 0) for i in range(len(phi) - 1)][::-1]
     while stack:
@@ -115,7 +112,8 @@ def interpolate(sheet: Sheet, curve: Curve) -> Interpolant:
         middle, residual = sheet.project(guess)
         apart = float(np.abs(middle - guess).max()) if residual <= CLOSES else np.inf
         if apart > FITS and depth < MOST_HALVINGS and np.isfinite(apart):
-            of_middle = _data(sheet, middle, b - a)
+            at = closed.at(middle, b - a)
+            of_middle = at.tangent, at.bend
             stack.append((middle, of_middle, b, of_b, depth + 1))
             stack.append((a, of_a, middle, of_middle, depth + 1))
             continue
@@ -135,21 +133,6 @@ def halves(control: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         before.append(row[0])
         after.append(row[-1])
     return np.array(before), np.array(after[::-1])
-
-
-def _data(sheet: Sheet, phi: np.ndarray, guide: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return tangent and curvature over arc length at a closed state, [n] each."""
-    normal = sheet.normal(phi)
-    t = normal.along(guide)
-    t /= max(float(np.linalg.norm(t)), NONZERO)
-    return t, -normal.step(second(sheet, phi, t, t))
-
-
-def second(sheet: Sheet, phi: np.ndarray, one: np.ndarray, other: np.ndarray) -> np.ndarray:
-    """Return the second derivative of closure along two directions [n], [m], by differences of the Jacobian."""
-    ahead = sheet.closure.jacobian(phi + DIFFERENCE * other) @ one
-    behind = sheet.closure.jacobian(phi - DIFFERENCE * other) @ one
-    return (ahead - behind) / (2 * DIFFERENCE)
 
 
 def _step(

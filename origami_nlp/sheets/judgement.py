@@ -8,10 +8,10 @@ from dataclasses import replace
 import numpy as np
 
 from origami_nlp.facets import MOST_DENSE, Sheet
-from origami_nlp.kkt import Classification, State, classify
+from origami_nlp.kkt import Classification, State, classify, newton
 from origami_nlp.minima import JudgedState
 from origami_nlp.numerics import ANSWERED, BESIDE, CLOSES, NONZERO, OUTSIDE, STATIONARY
-from origami_nlp.sheets.rows import Rows, polish
+from origami_nlp.programme import fold_limit
 
 NEAREST = 1e-5
 """Distance [rad] at which a state is told from a singular one: anything closes there to the square of its distance,
@@ -146,6 +146,6 @@ def stationary_beside(sheet: Sheet, phi: np.ndarray) -> np.ndarray | None:
     """
     if sheet.size > MOST_DENSE:
         return None
-    limits = np.flatnonzero(np.abs(np.abs(phi) - math.pi) <= OUTSIDE)
-    better = polish(sheet, phi, Rows.at(sheet, phi, limits, ()), np.ones(len(limits)))
-    return None if better is None or np.abs(better - phi).max() >= BESIDE else better
+    shut = np.flatnonzero(np.abs(np.abs(phi) - math.pi) <= OUTSIDE)
+    better, _ = newton(sheet, phi, tuple(fold_limit(int(v), phi[v]) for v in shut))
+    return None if better is None or np.abs(better.x - phi).max() >= BESIDE else better.x

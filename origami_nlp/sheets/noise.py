@@ -22,6 +22,7 @@ from typing import NamedTuple
 import numpy as np
 
 from origami_nlp.facets import MOST_DENSE, Labels, Sheet
+from origami_nlp.kkt import State, newton
 from origami_nlp.minima import (
     GROWTH,
     TRIALS,
@@ -30,14 +31,12 @@ from origami_nlp.minima import (
     count_survivals,
     drawn_errors,
 )
-from origami_nlp.numerics import CLOSES, cross
+from origami_nlp.numerics import CARRIES, CLOSES, cross
 from origami_nlp.pattern import Pattern
 from origami_nlp.sheets.closed import close
-from origami_nlp.sheets.contacts import closed_contacts
 from origami_nlp.sheets.descent import descend
 from origami_nlp.sheets.judgement import judge
 from origami_nlp.sheets.pressing import press
-from origami_nlp.sheets.rows import Rows, balanced, polish
 
 NOISE = "random errors that states survive"
 """Part of a search that its time may end."""
@@ -236,10 +235,12 @@ def _solved(step: _Step, x: np.ndarray, contact: bool) -> np.ndarray | None:
         return _certified(after, x, contact)
     if after.size > MOST_DENSE:
         return None
-    rows = closed_contacts(before, x, contact)
-    forces, _, _ = balanced(before, x, rows, before.kernel(x))
-    near = Rows.at(after, x, rows.limits, rows.touches)
-    return _certified(after, polish(after, x, near, forces), contact)
+    state = State(before.with_contact(contact), x)
+    held = state.on(state.contacts.base)
+    pushing = zip(held.contacts, held.multiplier_set.found > CARRIES, strict=True)
+    rows = [c if c.is_limit else after.contact_of(before.touch(c)) for c, on in pushing if on]
+    done, _ = newton(after, x, tuple(rows))
+    return None if done is None else _certified(after, done.x, contact)
 
 
 def _gone_down(step: _Step, x: np.ndarray, contact: bool) -> np.ndarray | None:

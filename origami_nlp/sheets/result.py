@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from origami_nlp.errors import OUT_OF_TIME
 from origami_nlp.facets import MOST_DENSE, Sheet
 from origami_nlp.files import from_plain, to_plain
-from origami_nlp.kkt import State
+from origami_nlp.kkt import State, find_stress
 from origami_nlp.minima import (
     JudgedState,
     shallow_words,
@@ -22,7 +22,6 @@ from origami_nlp.minima import (
 from origami_nlp.numerics import STATIONARY, rank
 from origami_nlp.pattern import Pattern, pattern_from_dict, pattern_to_dict
 from origami_nlp.sheets.noise import is_overdetermined, measured_words
-from origami_nlp.sheets.stress import find_stress
 from origami_nlp.show import Content, Piece, Table, Told, Turnable, inline_image
 
 if TYPE_CHECKING:
@@ -271,7 +270,7 @@ class SheetResult(Told, Turnable):
         if self.pattern.creases > MOST_DENSE or not all(c.is_limit for c in state.contacts):
             return data
         held = [c.creases[0] - 1 for c in state.contacts]
-        stress = find_stress(Sheet(self.pattern), state.phi, held)
+        stress = find_stress(State(Sheet(self.pattern), state.phi), held)
         return {
             **data,
             "multipliers": stress.multipliers.tolist(),

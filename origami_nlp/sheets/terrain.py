@@ -9,18 +9,12 @@ from collections.abc import Callable, Mapping, Sequence
 import numpy as np
 
 from origami_nlp.facets import Sheet
-from origami_nlp.kkt import (
-    FLOOR,
-    GOES,
-    energy_scale,
-)
-from origami_nlp.numerics import BESIDE, CLOSES, LEVEL, OUTSIDE, SETTLED, SHALLOW, coarse
+from origami_nlp.kkt import FARTHEST, GOES, Terrain, energy_scale, over_flat
+from origami_nlp.numerics import BESIDE, CLOSES, OUTSIDE, coarse
 from origami_nlp.sheets.descent import Descended, descend
 from origami_nlp.sheets.pops import is_jump, pop_rows
 from origami_nlp.sheets.pressing import press
 
-NEAREST = 3
-"""Other stable states that rays lead towards, those at equal distances counted as one."""
 STEP = 0.25
 """Longest step along a ray, of all creases [rad]."""
 FIRST = 0.02
@@ -33,13 +27,11 @@ NEARLY = 1.0, 0.97, 0.9
 """Of a state with a vertex flat, its other folds times these, beside which the vertex pops."""
 HALVINGS = 12
 """Of a step into contact."""
-FARTHEST = 12.0
-"""How far rays go [rad]."""
 DENSE = 0.1
 """Steps of a way down are cut to this length [rad], and each state on it looked at."""
 
 
-class SheetTerrain:
+class SheetTerrain(Terrain):
     """Stable states of a sheet with descents between them: what `kkt.ways_out` walks on."""
 
     def __init__(
@@ -51,47 +43,12 @@ class SheetTerrain:
         around: Mapping[int, Sequence[list[int]]],
         most: int,
     ) -> None:
+        super().__init__(sheet, minima, energy_scale(sheet.pattern.stiffness))
         self._around, self._left, self._half = around, most, most / 2
-        self.sheet, self.minima, self.contact, self._leaving = sheet, minima, contact, leaving
+        self.sheet, self.contact, self._leaving = sheet, contact, leaving
         self._pops = pop_rows(sheet.pattern)
-        scale = energy_scale(sheet.pattern.stiffness)
-        self.floor, self.worth = FLOOR * scale, SHALLOW * scale
         self._landed: dict[bytes, np.ndarray] = {}
         self._gone: dict[bytes, Descended | None] = {}
-
-    def _change(self, a: np.ndarray, b: np.ndarray) -> float:
-        """Energy of a state over that of another, without the rounding of either."""
-        p = self.sheet.pattern
-        return float((p.stiffness * (b - a)) @ ((a + b) / 2 - p.rest))
-
-    def rise(self, k: int, states: np.ndarray) -> np.ndarray:
-        """Energies over that of a stable state."""
-        return np.array([self._change(self.minima[k], x) for x in states])
-
-    def slope(self, x: np.ndarray) -> float:
-        """Norm of the torque."""
-        return self.sheet.scale * float(np.linalg.norm(self.sheet.torque(x)))
-
-    def distance(self, a: np.ndarray, b: np.ndarray) -> float:
-        """Distance over all fold angles."""
-        return float(np.linalg.norm(a - b))
-
-    def _noise(self, k: int) -> float:
-        return LEVEL * self.sheet.scale * max(self.sheet.scaled_energy(self.minima[k]), 1.0)
-
-    def is_lower(self, k: int, x: np.ndarray) -> bool:
-        """Whether a state has less energy than a stable one."""
-        return self._change(self.minima[k], x) < -self._noise(k)
-
-    def is_way(self, k: int, end: np.ndarray) -> bool:
-        """Whether an end is another state, of no more energy; of any for a state than which none listed has less."""
-        at = self.minima[k]
-        if np.abs(end - at).max() <= BESIDE:
-            return False
-        others = [y for i, y in enumerate(self.minima) if i != k]
-        lowest = not any(self._change(at, y) <= self._noise(k) for y in others)
-        slack = (self.slope(end) + self.slope(at)) * BESIDE
-        return lowest or self._change(at, end) <= slack
 
     def is_admissible(self, x: np.ndarray) -> bool:
         """Whether a closed state is within the fold limits, and no facets cross where that is asked for."""
@@ -178,7 +135,7 @@ class SheetTerrain:
             out.append(x)
             if until(x):
                 break
-        if max(self._change(state, y) for y in out) > self.floor:
+        if self.over(state, np.array(out)).max() > self.floor:
             return state[None]
         return np.array(out)
 
@@ -195,19 +152,13 @@ class SheetTerrain:
 
     def rays(self, which: Sequence[int]) -> list[tuple[int, np.ndarray]]:
         """Go along soft modes, open contacts, pop vertices, go to the flat state and on, and to other states."""
-        out, to_flat = [], {}
+        out = []
         for k in which:
             x = self.minima[k]
             out += [(k, self._walk(x, None, way)) for way in self._leaving[k]]
             out += [(k, self._popped(x, np.array(creases))) for creases in self._around[k]]
-            for target in [np.zeros(len(x)), *self._others(k)]:
-                out.append((k, self._walk(x, target, None)))
-                if not out[-1][1][-1].any():
-                    to_flat[k] = out[-1][1]
-        for k, path in to_flat.items():
-            out += [
-                (k, np.concatenate([path, back[-2::-1]])) for j, back in to_flat.items() if j != k
-            ]
+            out += [(k, self._walk(x, to, None)) for to in [np.zeros(len(x)), *self.others(k)]]
+        out += over_flat(out)
         return [(k, self._thinned(k, path)) for k, path in out] + self._over_flat_vertices(which)
 
     def _over_flat_vertices(self, which: Sequence[int]) -> list[tuple[int, np.ndarray]]:
@@ -229,7 +180,7 @@ class SheetTerrain:
                 continue
             seen.append(flat)
             sides = []
-            for y in (x, -x, *self._others(k)):
+            for y in (x, -x, *self.others(k)):
                 starts = (
                     self._step(flat, np.where(kept, FIRST * y, t * flat), jumps=True)
                     for t in NEARLY
@@ -274,14 +225,6 @@ class SheetTerrain:
             if share < 1.0:
                 break
         return good
-
-    def _others(self, k: int) -> np.ndarray:
-        """Return the other stable states that are nearest to one."""
-        apart = np.linalg.norm(self.minima - self.minima[k], axis=1)
-        apart[k] = math.inf
-        last = np.sort(apart)[min(NEAREST, len(apart)) - 1]
-        near = (apart <= last * (1 + SETTLED)) & np.isfinite(apart)
-        return np.asarray(self.minima[near])
 
     def _popped(self, x: np.ndarray, creases: np.ndarray) -> np.ndarray:
         """Go to where the creases round a vertex are flat, and on to their folds turned over."""

@@ -13,7 +13,6 @@ from origami_nlp.errors import OutOfTime
 from origami_nlp.facets import Features, Placed, Sheet
 from origami_nlp.pattern import Scene
 from origami_nlp.sheets import (
-    closed_contacts,
     draw_states,
     find_states,
     judge,
@@ -34,6 +33,12 @@ def sprung(name, size, seed, reach=3.1):
     start, residual = sheet.project(rng.uniform(-0.3, 0.3, sheet.size))
     assert residual < 1e-12 and not sheet.crossings.find(start)
     return sheet, start
+
+
+def closed(sheet, phi):
+    """The state with all its contacts held closed."""
+    state = o.State(sheet, phi)
+    return state.on(state.contacts.base)
 
 
 @cache
@@ -113,12 +118,12 @@ def test_a_state_held_by_several_contacts_balances_to_rounding():
     touches = [c for c in state.contacts if c.type != "fold-limit"]
     assert len(touches) > 1
     assert state.closure_residual < 1e-12 and state.kkt_residual < 1e-11
-    rows = closed_contacts(sheet, state.phi)
-    assert np.abs(rows.gaps).max() < 1e-14
+    rows = closed(sheet, state.phi)
+    assert np.abs(rows.openings).max() < 1e-14
     # the torque of the springs along free motions is that of the contacts, put together here
     z = sheet.kernel(state.phi)
     size = sheet.crossings.size
-    units = np.r_[np.ones(len(rows.limits)), np.full(len(rows.touches), size)]
+    units = np.where([c.is_limit for c in rows.contacts], 1.0, size)
     forces = np.array([c.force for c in state.contacts]) * units
     springs = sheet.pattern.stiffness * (state.phi - sheet.pattern.rest)
     assert (forces >= 0).all() and forces.max() > 0.1
@@ -352,7 +357,7 @@ def test_the_touch_of_a_metasheet_is_reached_by_the_way_of_many_freedoms():
     assert state.phi[driven_ones] == pytest.approx(-2.0762838873, abs=1e-9)
     # the force times the opening of the gap with the driven angle is the energy that the springs lose
     (contact,) = state.contacts
-    rows = closed_contacts(sprung, end.phi)
+    rows = closed(sprung, end.phi)
     (way,) = sprung.kernel(end.phi).T
     per_angle = way / way[driven_ones][0]
     opening = float(rows.slopes[0] @ per_angle) * sprung.crossings.size

@@ -13,7 +13,7 @@ from origami_nlp import Model, Scene, State, Vertex, classify, examine
 from origami_nlp.facets import Faces, Lying, Placed, Sheet, order_layers
 from origami_nlp.kkt import contact_forces
 from origami_nlp.programme import vertices
-from origami_nlp.sheets import closed_contacts, judge, singular_beside, touch_places
+from origami_nlp.sheets import judge, singular_beside, touch_places
 from tests.patterns import grid, miura, miura_angles, wheel
 
 
@@ -52,7 +52,8 @@ def springs(sheet, phi, rng):
     elif way == 1:
         at = Placed(sheet.crossings.poses, phi)
         rows = [t.row(at) for pair, above in faces.known for t in faces.touches(pair, above)]
-        limits = closed_contacts(sheet, phi, touching=False).slopes
+        free = State(sheet.with_contact(False), phi)
+        limits = free.on(free.contacts.base).slopes
         torque = sum(rng.uniform() * (rng.random() < 0.7) * r for r in [*rows, *limits])
         rest = phi - torque / k
     return k, np.clip(rest, -math.pi, math.pi)

@@ -1,11 +1,15 @@
 """Multipliers of closure and states of self-stress, on differences of loops of rotations by scipy."""
 
+import math
+
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from origami_nlp import Model, Scene, Vertex
 from origami_nlp.facets import Sheet
-from origami_nlp.sheets import descend, find_stress, judge
+from origami_nlp.kkt import State, find_stress, project
+from origami_nlp.sheets import descend, judge
 from tests.patterns import metasheet, miura, miura_angles
 
 RANK = 1e-6
@@ -46,11 +50,11 @@ def test_a_folded_miura_has_a_stress_for_each_facet_inside(size):
     m, n = size
     pattern = miura(m, n)
     phi, j = miura_angles(pattern, n, 1.2), slopes(pattern, miura_angles(pattern, n, 1.2))
-    stress = find_stress(Sheet(pattern), phi)
+    stress = find_stress(State(Sheet(pattern), phi))
     assert stress.states == stress.basis.shape[1] == (m - 2) * (n - 2) == len(j) - rank(j)
     assert stress.basis.T @ stress.basis == pytest.approx(np.eye(stress.states), abs=1e-12)
     assert np.abs(j.T @ stress.basis).max(initial=0.0) < 1e-9
-    flat = find_stress(Sheet(pattern), np.zeros(pattern.creases))
+    flat = find_stress(State(Sheet(pattern), np.zeros(pattern.creases)))
     assert flat.states == len(pattern.vertices)
     # axes of creases lie in the sheet: what they do not feel are moments about its normal
     assert np.abs(flat.basis.reshape(-1, 3, flat.states)[:, :2]).max() < 1e-12
@@ -84,7 +88,7 @@ def test_multipliers_balance_whatever_stress_is_added():
     for sheet, phi in redundant():
         pattern = sheet.pattern
         springs = pattern.stiffness * (phi - pattern.rest)
-        stress, j = find_stress(sheet, phi), slopes(pattern, phi)
+        stress, j = find_stress(State(sheet, phi)), slopes(pattern, phi)
         assert stress.states == len(j) - rank(j) > 0 and stress.unique
         assert stress.left < 1e-11 < 1e-3 < np.abs(springs).max()
         assert stress.torque == pytest.approx(springs, abs=1e-11)
@@ -113,7 +117,7 @@ def test_what_held_creases_feel_is_not_unique():
     for many in (0, 1, 2, 4, 8, 16):
         held = rng.choice(pattern.creases, many, replace=False)
         free = np.setdiff1d(np.arange(pattern.creases), held)
-        stress = find_stress(sheet, phi, held.tolist())
+        stress = find_stress(State(sheet, phi), held.tolist())
         assert stress.states == len(j) - rank(j)
         assert stress.unique == (rank(j[:, free]) == rank(j))
         assert np.abs(j.T @ stress.basis).max() < 1e-9
@@ -124,3 +128,22 @@ def test_what_held_creases_feel_is_not_unique():
         assert stress.left == pytest.approx(least, abs=1e-6)
         seen.add(stress.unique)
     assert seen == {True, False}
+
+
+def test_a_vertex_has_a_stress_where_its_closure_loses_rank():
+    """None where it is folded; one where it is flat: axes of creases do not feel moments about the sheet's normal."""
+    for degree in (4, 5, 8):
+        rng = np.random.default_rng(degree)
+        sectors = rng.uniform(0.5, 1.5, degree)
+        vertex = Vertex(tuple(2 * math.pi * sectors / sectors.sum()))
+        k, rest = rng.uniform(0.5, 2, degree), rng.uniform(-1, 1, degree)
+        model = Model(Scene(vertex, tuple(k), tuple(rest), "none", "fold-limits"))
+        phi, residual = project(model, rest)
+        assert residual < 1e-12
+        folded, flat = (find_stress(State(model, x)) for x in (phi, np.zeros(degree)))
+        assert (folded.states, flat.states) == (0, 1)
+        _, j = model.closure(phi)
+        torque = k * (phi - rest)
+        best = np.linalg.lstsq(j.T, torque, rcond=None)[0]
+        assert folded.multipliers == pytest.approx(best, abs=1e-9)
+        assert folded.left == pytest.approx(np.abs(torque - j.T @ best).max(), abs=1e-9)

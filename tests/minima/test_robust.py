@@ -6,7 +6,6 @@ import resource
 import subprocess
 import sys
 import time
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -14,13 +13,14 @@ import pytest
 from origami_nlp import load_path
 from origami_nlp.errors import OptionError
 from origami_nlp.facets import Parallel, Placed, Sheet, Touch
+from origami_nlp.kkt import newton, project
 from origami_nlp.numerics import Normal
 from origami_nlp.pattern import Pattern, make_pattern
-from origami_nlp.sheets import Rows, find_states, pop_rows
+from origami_nlp.sheets import find_states, pop_rows
 from tests.patterns import miura, strip
 from tests.relabelled import relabelled
 
-FIND, ROWS = (importlib.import_module(f"origami_nlp.sheets.{name}") for name in ("find", "rows"))
+FIND = importlib.import_module("origami_nlp.sheets.find")
 
 
 def hinge(rest: float) -> Pattern:
@@ -39,6 +39,13 @@ def test_one_crease(rest):
     assert path.legs[0].points[-1].fold_angles[0] == pytest.approx(0.7)
 
 
+@pytest.mark.parametrize("rest", [3e-8, 3e-7, math.pi - 3e-8])
+def test_a_minimum_beside_a_state_that_is_listed_exactly(rest):
+    """The flat state, listed and not stationary, stood for the minimum 3e-8 rad beside it, which no list had."""
+    found = find_states(hinge(rest), starts=2)
+    assert [s.phi.tolist() for s in found.minima] == [[pytest.approx(rest, rel=1e-6)]]
+
+
 def test_sides_along_each_other_have_no_gap():
     """A trial state at which a gap is not defined is none; it was a division by zero."""
     sheet = Sheet(miura(3, 1))
@@ -48,10 +55,10 @@ def test_sides_along_each_other_have_no_gap():
     for of in (touch.gap, touch.slopes, touch.bends):
         with pytest.raises(Parallel):
             of(place)
-    none = Rows.at(sheet, np.zeros(2), np.zeros(0, int), ())
-    assert ROWS.put_back(sheet, np.zeros(2), none, [touch]) is None
-    assert ROWS.put_back(sheet, np.zeros(2), none) is not None
-    assert ROWS.polish(sheet, np.zeros(2), replace(none, touches=(touch,)), np.ones(1)) is None
+    contact = sheet.contact_of(touch)
+    assert project(sheet, np.zeros(2), [contact])[1] == math.inf
+    assert project(sheet, np.zeros(2))[1] == 0.0
+    assert newton(sheet, np.zeros(2), (contact,))[0] is None
 
 
 def test_rows_of_very_different_lengths():

@@ -35,9 +35,9 @@ BESIDE_THE_TABLE = {
         paper/transitions.BRACKET paper/transitions.MARGIN paper/transitions.SIDE
         path/curve.STEPS path/flat.ARRIVED path/flat.BESIDE_FLAT path/halves.TRIALS
         path/web.STEPS sheets/curve.SHORTEST sheets/curve.STEP sheets/curves.LONG
-        sheets/interpolant.DIFFERENCE sheets/judgement.NEAREST sheets/pinned.SMALLER
-        sheets/pops.JUMPS sheets/pressing.REACH sheets/pressing.REACHES sheets/pressing.SHORTEST
-        sheets/pressing.SLIPS sheets/terrain.FIRST space/cells.BESIDE space/mesh.DIFFERENCE
+        sheets/curve.DIFFERENCE sheets/judgement.NEAREST
+        sheets/pops.JUMPS sheets/pressing.REACH sheets/pressing.SMALLER
+         sheets/terrain.FIRST space/cells.BESIDE space/mesh.DIFFERENCE
         springs/extras.FIRST springs/extras.SHORT starts/closing.QUADRATIC
         starts/near_folded.INSIDE
     """,
@@ -46,7 +46,7 @@ BESIDE_THE_TABLE = {
         critical/strata.LOOSE facets/equations.FALLS facets/stacks.GRID kkt/escape.CERTAIN
         kkt/neighbours.GOES kkt/refutation.DOWN minima/curve.ROUGH minima/one_freedom.FALLS
         minima/sweeps.LEAST_PIVOT path/events.POLE sheets/crossroads.FORMS
-        sheets/curves.ON_CURVE sheets/pressing.SETTLING springs/reasons.WEIGHTY
+        sheets/curves.ON_CURVE springs/reasons.WEIGHTY
         springs/robustness.ENDED starts/moments.SHORTEST_SHARE
     """,
     "nodes at which a series is checked": """
@@ -106,7 +106,7 @@ BESIDE_THE_TABLE = {
         pattern/digits.SOFT
     """,
     "torque left in states that are judged afterwards": """
-        sheets/descent.STILL sheets/rows.STILL
+        sheets/descent.STILL
     """,
     "error of polynomials along a curve, whose wells are polished": """
         sheets/interpolant.FITS
@@ -114,14 +114,8 @@ BESIDE_THE_TABLE = {
     "error of roots of polynomials, which are polished": """
         sheets/interpolant.REAL
     """,
-    "curvature that is left to the judge": """
-        sheets/pressing.FLAT
-    """,
-    "gaps that carry forces on the way; those of the end are solved for": """
-        sheets/rows.NEAR
-    """,
     "curvature of a step": """
-        sheets/rows.SOFTEST
+        kkt/descent.SOFTEST
     """,
     "regularisation, which iterations take back": """
         numerics/factors.WEIGHT

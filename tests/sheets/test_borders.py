@@ -10,10 +10,11 @@ from scipy.optimize import linprog
 
 import origami_nlp as o
 from origami_nlp import find_minima
-from origami_nlp.facets import Placed, Sheet, order_layers
+from origami_nlp.facets import Placed, Sheet, choices, order_layers
+from origami_nlp.kkt import newton
 from origami_nlp.pattern import Scene
-from origami_nlp.sheets import closed_choices, judge, press
-from origami_nlp.sheets.rows import Rows, polish
+from origami_nlp.programme import fold_limit
+from origami_nlp.sheets import judge, press
 from tests.patterns import wheel
 from tests.relabelled import relabelled
 
@@ -35,10 +36,18 @@ def pressed():
             start, _ = sheet.project(start, SHUT)
             z = sheet.kernel(start, [5])
             start = start - 0.5 * z @ (z.T @ sheet.torque(start))
-        phi = polish(sheet, start, Rows.at(sheet, start, np.array([5]), ()), np.ones(1))
-        if phi is not None and np.abs(phi).max() <= math.pi and not sheet.crossings.find(phi):
-            out.append((sheet, judge(sheet, phi)))
+        done, _ = newton(sheet, start, (fold_limit(5, math.pi),))
+        if done is None or np.abs((phi := done.x) - start).max() > 0.1:
+            continue
+        if np.abs(phi).max() <= math.pi and (np.abs(phi[:5]) < math.pi - 1e-6).all():
+            if not sheet.crossings.find(phi):
+                out.append((sheet, judge(sheet, phi)))
     return out
+
+
+def closed_choices(sheet, phi):
+    """What keeps facets apart that meet at borders: of each choice one gap at least stays open."""
+    return choices(sheet.features, Placed(sheet.crossings.poses, phi))
 
 
 @cache

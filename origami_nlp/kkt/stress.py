@@ -1,4 +1,4 @@
-"""What closure carries at a state of a sheet, and how much of it is not unique: states of self-stress.
+"""What closure carries at a state, and how much of it is not unique: states of self-stress.
 
 Multipliers lam of closure balance the springs, torque = J' lam + contacts.  Round vertex v they are a vector: half of
 it is a moment that goes round the vertex from facet to facet, and half lam_v . c_i, summed over both ends of crease i,
@@ -14,8 +14,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from origami_nlp.facets import Sheet
-from origami_nlp.numerics import RANK, dense
+from origami_nlp.kkt.state import State
+from origami_nlp.numerics import RANK
 
 
 @dataclass(frozen=True, eq=False)
@@ -25,7 +25,7 @@ class Stress:
     Attributes
     ----------
     multipliers
-        Those of smallest norm, three a vertex and six a hole, [m] [N m].
+        Those of smallest norm, [m] [N m]: of a pattern three a vertex and six a hole.
     basis
         Orthonormal stresses that balance nothing: any sum of them may be added, [m, s].
     torque
@@ -48,15 +48,13 @@ class Stress:
         return self.basis.shape[1]
 
 
-def find_stress(sheet: Sheet, phi: np.ndarray, held: Iterable[int] = ()) -> Stress:
+def find_stress(state: State, held: Iterable[int] = ()) -> Stress:
     """Find the multipliers of closure at a stationary state.
 
     Parameters
     ----------
-    sheet
-        The programme.
-    phi
-        A closed state [rad], [n].
+    state
+        A closed state.
     held
         Creases that fold limits hold.
 
@@ -67,17 +65,22 @@ def find_stress(sheet: Sheet, phi: np.ndarray, held: Iterable[int] = ()) -> Stre
 
     Examples
     --------
-    >>> import origami_nlp as o
+    >>> import math, numpy as np, origami_nlp as o
     >>> from origami_nlp.facets import Sheet
-    >>> from origami_nlp.sheets import find_stress
+    >>> from origami_nlp.kkt import find_stress
     >>> sheet = Sheet(o.examples.pattern("miura", 4, 4))
     >>> phi, _ = sheet.project(0.5 * sheet.pattern.signs)
-    >>> find_stress(sheet, phi).states
+    >>> find_stress(o.State(sheet, phi)).states
     4
+    >>> vertex = o.Vertex((1.0, 2.0, 1.5, 2 * math.pi - 4.5))
+    >>> scene = o.Scene(vertex, (1.0,) * 4, (0.5,) * 4, "none", "fold-limits")
+    >>> find_stress(o.State(o.Model(scene), np.zeros(4))).states
+    1
     """
     held = sorted(held)
-    free = np.setdiff1d(np.arange(sheet.size), held)
-    j, g = dense(sheet.closure.jacobian(phi)), sheet.scale * sheet.torque(phi)
+    free = np.setdiff1d(np.arange(len(state.x)), held)
+    local = state.local
+    j, g = local.closure_jacobian, state.programme.scale * local.gradient
     u, values, vt = np.linalg.svd(j[:, free])
     rank = int((values > RANK).sum())
     lam = u[:, :rank] @ ((vt[:rank] @ g[free]) / values[:rank])

@@ -1,0 +1,157 @@
+"""Stable states of a programme with descents between them: what ways out of states are sought on (`ways_out`)."""
+
+from __future__ import annotations
+
+import math
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Iterable, Sequence
+
+import numpy as np
+
+from origami_nlp.numerics import BESIDE, LEVEL, SETTLED, SHALLOW
+from origami_nlp.programme import Programme
+
+NEAREST = 3
+"""Other stable states that rays lead towards, those at equal distances counted as one."""
+FARTHEST = 12.0
+"""How far rays go [rad]: fifteen creases turned by pi are as far."""
+FLOOR = SHALLOW / 100
+"""Share of `energy_scale` below which no bound is stated: how much less a way climbs is not looked at."""
+
+
+def energy_scale(stiffness: np.ndarray) -> float:
+    """Return the energy that it takes to fold every crease by pi from rest: what barriers are measured by.
+
+    Parameters
+    ----------
+    stiffness
+        Of all creases, [N].
+
+    Returns
+    -------
+    float
+        sum k pi^2 / 2, in the units of the stiffness.
+    """
+    return float(np.sum(stiffness)) * math.pi**2 / 2
+
+
+class Terrain(ABC):
+    """Stable states with descents between them.
+
+    Parameters
+    ----------
+    programme
+        Whose states they are.
+    minima
+        The states, by number, [M, n].
+    scale
+        Of energies, see `energy_scale`.
+
+    Attributes
+    ----------
+    programme, minima
+        As given.
+    floor
+        Energies over a state that are not told apart from nothing.
+    worth
+        Heights above this are made lower where a pass shows how.
+    """
+
+    def __init__(self, programme: Programme, minima: np.ndarray, scale: float) -> None:
+        self.programme, self.minima = programme, minima
+        self.floor, self.worth = FLOOR * scale, SHALLOW * scale
+        self.noise = LEVEL * np.maximum(programme.energies(minima), programme.scale)
+
+    @abstractmethod
+    def rays(self, which: Sequence[int]) -> Sequence[tuple[int, np.ndarray]]:
+        """Closed admissible states [S, n] along ways out of some states, with the state's number; it comes first."""
+
+    @abstractmethod
+    def between(self, a: np.ndarray, b: np.ndarray, shares: np.ndarray) -> np.ndarray | None:
+        """Closed admissible states [S, n] at shares of the way from a to b; None where there are none."""
+
+    @abstractmethod
+    def land(self, states: np.ndarray) -> np.ndarray:
+        """Where descents from states [S, n] end, fast: what is not known to end is nan."""
+
+    @abstractmethod
+    def path_down(self, state: np.ndarray, until: Callable[[np.ndarray], bool]) -> np.ndarray:
+        """A descent that cannot jump: its states [S, n] from `state` to where it ends, or `until` says so."""
+
+    @abstractmethod
+    def passes(self, a: np.ndarray, b: np.ndarray) -> list[np.ndarray]:
+        """Stationary states near two states that go down to different sides."""
+
+    def middles(self, a: np.ndarray, b: np.ndarray) -> np.ndarray | None:
+        """States half way from each of a to each of b, [S, n], as `between`; None where one is lacking."""
+        found = [self.between(y, z, np.array([0.5])) for y, z in zip(a, b, strict=True)]
+        have = [y[0] for y in found if y is not None]
+        return np.array(have) if len(have) == len(found) else None
+
+    def over(self, at: np.ndarray, states: np.ndarray) -> np.ndarray:
+        """Energies of states [..., n] over those of others, without cancellation."""
+        p = self.programme
+        return np.asarray(p.scale * p.parameters.energy_change(at, states))
+
+    def rise(self, k: int, states: np.ndarray) -> np.ndarray:
+        """Energies of states [..., n] over that of state k."""
+        return self.over(self.minima[k], states)
+
+    def slope(self, x: np.ndarray) -> float:
+        """Norm of the energy's gradient at a state, in the metric of all fold angles."""
+        p = self.programme
+        return p.scale * float(np.linalg.norm(p.parameters.torque(x) / p.root))
+
+    def distance(self, a: np.ndarray, b: np.ndarray) -> float:
+        """Distance of two states, in the same metric."""
+        return float(np.linalg.norm(self.programme.root * (a - b)))
+
+    def is_lower(self, k: int, x: np.ndarray) -> bool:
+        """Whether a state [n] has less energy than state k, by more than rounding."""
+        return bool(self.rise(k, x) < -self.noise[k])
+
+    def is_way(self, k: int, end: np.ndarray) -> bool:
+        """Whether an end is another state, of no more energy; of any for a state than which none listed has less."""
+        at = self.minima[k]
+        if np.abs(end - at).max() <= BESIDE:
+            return False
+        # known to `BESIDE` only: that is no more energy as well as can be told
+        slack = (self.slope(end) + self.slope(at)) * BESIDE
+        others = np.arange(len(self.minima)) != k
+        lowest = not (self.rise(k, self.minima[others]) <= self.noise[k]).any()
+        return lowest or bool(self.rise(k, end) <= slack)
+
+    def others(self, k: int) -> np.ndarray:
+        """The other states that are nearest to one, [S, n]."""
+        apart = np.linalg.norm(self.programme.root * (self.minima - self.minima[k]), axis=1)
+        apart[k] = math.inf
+        # all at the distance of the last one: labels do not choose among them
+        last = np.sort(apart)[min(NEAREST, len(apart)) - 1]
+        near = (apart <= last * (1 + SETTLED)) & np.isfinite(apart)
+        return np.asarray(self.minima[near])
+
+
+def over_flat(paths: Iterable[tuple[int, np.ndarray]]) -> list[tuple[int, np.ndarray]]:
+    """Join ways from states to the flat state, the shortest of each, to ways from each to every other one.
+
+    Parameters
+    ----------
+    paths
+        States [S, n] with the number of the first.
+
+    Returns
+    -------
+    list of tuple
+        The same of the ways over the flat state.
+    """
+    to_flat: dict[int, np.ndarray] = {}
+    for k, path in paths:
+        if not np.abs(path[-1]).max() and (k not in to_flat or len(path) < len(to_flat[k])):
+            to_flat[k] = path
+    # down to the flat state, and up a path on which another state came to it
+    return [
+        (k, np.concatenate([path, back[-2::-1]]))
+        for k, path in to_flat.items()
+        for j, back in to_flat.items()
+        if j != k
+    ]
