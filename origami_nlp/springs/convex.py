@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -434,20 +434,4 @@ def scene_of(targets: Targets, found: Found, name: str | None = None) -> Scene |
     Scene or Pattern
         A scene with a preload where no rest angle within [-pi, pi] gives the torque.
     """
-    k = found.stiffness[targets.kinds]
-    tau = found.torque[targets.kinds]
-    rest = np.clip(tau / k, -math.pi, math.pi)
-    if isinstance(targets.origami, Pattern):
-        sprung = targets.origami.with_springs(k.tolist(), rest.tolist())
-        return replace(sprung, name=name or sprung.name)
-    wound = np.abs(tau / k) > math.pi * (1 + ROUNDED)
-    return Scene(
-        targets.origami,
-        tuple(k),
-        tuple(rest),
-        symmetry=targets.symmetry,
-        contact=targets.contact,
-        mirror=targets.mirror,
-        name=name,
-        preload=tuple(np.where(wound, tau - k * rest, 0.0)) if wound.any() else (),
-    )
+    return targets.made(found.stiffness, found.torque, name)

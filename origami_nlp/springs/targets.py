@@ -15,7 +15,7 @@ from origami_nlp.arguments import check_angles, check_number, check_type, refuse
 from origami_nlp.errors import OptionError
 from origami_nlp.facets import Sheet
 from origami_nlp.kkt import State, project
-from origami_nlp.numerics import CLOSES, DESIGN_SNAP, OUTSIDE
+from origami_nlp.numerics import CLOSES, DESIGN_SNAP, OUTSIDE, ROUNDED
 from origami_nlp.pattern import Contact, Pattern, Scene, Vertex
 from origami_nlp.programme import Model
 
@@ -270,6 +270,27 @@ class Targets:
     def posed(self, made: Scene | Pattern) -> Any:
         """Return the programme of the same vertex or pattern with some springs."""
         return Model(made) if isinstance(made, Scene) else Sheet(made, self.contact == "full")
+
+    def made(
+        self, stiffness: np.ndarray, torque: np.ndarray, name: str | None = None
+    ) -> Scene | Pattern:
+        """Return the scene, or the pattern, with the stiffness and torque k phi0 of each kind of crease."""
+        k, tau = stiffness[self.kinds], torque[self.kinds]
+        rest = np.clip(tau / k, -math.pi, math.pi)
+        if isinstance(self.origami, Pattern):
+            sprung = self.origami.with_springs(k.tolist(), rest.tolist())
+            return replace(sprung, name=name or sprung.name)
+        wound = np.abs(tau / k) > math.pi * (1 + ROUNDED)
+        return Scene(
+            self.origami,
+            tuple(k),
+            tuple(rest),
+            symmetry=self.symmetry,
+            contact=self.contact,
+            mirror=self.mirror,
+            name=name,
+            preload=tuple(np.where(wound, tau - k * rest, 0.0)) if wound.any() else (),
+        )
 
     @cached_property
     def free(self) -> Any:
