@@ -31,7 +31,7 @@ from benchmarks.union import (
     write_union,
 )
 from origami_nlp.errors import OptionError
-from origami_nlp.files import to_plain
+from origami_nlp.files import Unbounded, to_plain
 from origami_nlp.numerics import ANSWERED
 from origami_nlp.pattern import Scene
 from origami_nlp.programme import Model
@@ -74,7 +74,7 @@ class Searched:
     rejected: int = 0
     false: int = 0
     exact: int = 0
-    exact_seconds: float = math.inf
+    exact_seconds: Unbounded = math.inf
     other_kind: int = 0
 
 

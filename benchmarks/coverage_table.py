@@ -34,10 +34,7 @@ def scenes_of(data: dict[str, Any]) -> dict[str, list[Covered]]:
     """Return the scenes of a measurement by family."""
     out: dict[str, list[Covered]] = {}
     for plain in data["scenes"]:
-        runs = {
-            name: [from_plain(Searched, r, {"exact_seconds": math.inf}) for r in of]
-            for name, of in plain["runs"].items()
-        }
+        runs = {name: [from_plain(Searched, r) for r in of] for name, of in plain["runs"].items()}
         out.setdefault(plain["family"], []).append(Covered(**{**plain, "runs": runs}))
     return out
 

@@ -11,7 +11,7 @@ import math
 import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import Any, Self
+from typing import Any
 
 import numpy as np
 
@@ -20,10 +20,8 @@ from benchmarks.pattern_methods import PatternMethod, Solve, pattern_methods
 from benchmarks.pattern_problems import QUICK, PatternProblem, pattern_problems
 from benchmarks.pattern_scaling import PatternScale, measure_scales
 from benchmarks.run import machine
-from origami_nlp.files import from_plain, to_plain
 from origami_nlp.show import Piece, Table, Told
 
-SCHEMA = "origami-nlp/bench-patterns/1"
 ROUNDS, QUICK_ROUNDS = 3, 2
 BUDGET, QUICK_BUDGET = 10.0, 2.0
 """Seconds after which a run is cut off."""
@@ -111,7 +109,7 @@ class PatternBench(Told):
         What the numbers depend on.
     """
 
-    PICTURE, READ = "draw_patterns", SCHEMA
+    PICTURE, SCHEMA = "draw_patterns", "origami-nlp/bench-patterns/1"
 
     cases: tuple[PatternCase, ...]
     points: tuple[PatternPoint, ...]
@@ -202,28 +200,9 @@ class PatternBench(Told):
         tables = self.methods_table(), self.scales_table(), self.contacts_table()
         return "\n".join(table.markdown() for table in tables)
 
-    def to_dict(self) -> dict[str, Any]:
-        """Return plain data; what is nan is None."""
-        return {"schema": SCHEMA, **to_plain({k: getattr(self, k) for k in _FIELDS})}
-
-    @classmethod
-    def _read(cls, data: dict[str, Any]) -> Self:
-        return cls(
-            tuple(from_plain(PatternCase, c) for c in data["cases"]),
-            tuple(from_plain(PatternPoint, p) for p in data["points"]),
-            tuple(from_plain(PatternScale, s) for s in data["scales"]),
-            tuple(from_plain(PatternContact, c) for c in data.get("contacts", ())),
-            int(data["rounds"]),
-            float(data["budget"]),
-            dict(data["machine"]),
-        )
-
     def _rows(self) -> Iterator[dict[str, object]]:
         for point in self.points:
             yield {k: getattr(point, k) for k in PatternPoint.__dataclass_fields__}
-
-
-_FIELDS = ("cases", "points", "scales", "contacts", "rounds", "budget", "machine")
 
 
 def _number(value: float, form: str) -> str:

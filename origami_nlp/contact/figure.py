@@ -98,8 +98,5 @@ def _crease(pose: Pose, i: int) -> np.ndarray:
 
 def _facet(pose: Pose, f: int) -> np.ndarray:
     """Outline of a facet: apex, arc, apex."""
-    a, b = pose.creases[f], pose.creases[(f + 1) % len(pose.creases)]
-    angle = math.atan2(float(np.linalg.norm(np.cross(a, b))), float(a @ b))
-    t = np.linspace(0, 1, 24)[:, None]
-    arc = (np.sin((1 - t) * angle) * a + np.sin(t * angle) * b) / math.sin(angle)
-    return np.vstack([np.zeros(3), arc, np.zeros(3)]) + pose.offsets[f]
+    apex = pose.offsets[f]
+    return np.vstack([apex, pose.arc(f), apex])

@@ -104,7 +104,9 @@ class Sheet(PatternContacts):
 
     def scaled_energy(self, phi: np.ndarray) -> float:
         """Energy, load included, over `scale`; with a constant, so that it is positive."""
-        room = 0.0 if self._dead is None else self._dead.work.room(self._dead.t)
+        # the load is kept over `scale`, the springs of the pattern that complete its square are not
+        dead = self._dead
+        room = 0.0 if dead is None else dead.work.room(self.scale * dead.t) / self.scale
         return float(self.parameters.energy(phi)) + room
 
     def energy(self, x: np.ndarray) -> float:

@@ -11,11 +11,11 @@ data of its own, and so has one that names in ``PLAIN`` the functions of its roo
 from __future__ import annotations
 
 import math
+import types
 from collections.abc import Callable
 from dataclasses import fields, is_dataclass
 from functools import cache
 from importlib import import_module
-from types import UnionType
 from typing import (
     TYPE_CHECKING,
     Annotated,
@@ -198,7 +198,8 @@ def _told(problem: BaseException, path: str = "") -> str:
         key = str(problem.args[0])
         return f"{path if path.endswith(key) else '.'.join(filter(None, (path, key)))} is missing"
     if isinstance(problem, ForbiddenExtraKeysError):
-        known = ", ".join(f.name for f in fields(problem.cl))
+        own: Any = problem.cl
+        known = ", ".join(f.name for f in fields(own)) if is_dataclass(own) else own._fields
         return f"{where} has the unknown key {shown(min(problem.extra_fields))}: it takes {known}"
     return f"{where} {problem}" if isinstance(problem, _Unfit) else f"{where}: {problem}"
 
@@ -232,10 +233,11 @@ def _converter() -> Converter:
         return lambda v: own(v) | {name: made.unstructure(getattr(v, name)) for name in also}
 
     def reads(kind: type) -> Callable[[Any, Any], Any]:
+        own: Any
         if get_origin(kind) is dict:
             own = made.gen_structure_mapping(kind)
         elif cols.is_namedtuple(kind):
-            own = cols.namedtuple_dict_structure_factory(kind, made, forbid_extra_keys=True)
+            own = cols.namedtuple_dict_structure_factory(kind, made, "from_converter", True)
         else:
             own = make_dict_structure_fn(kind, made, _cattrs_forbid_extra_keys=True, **how(kind))
         also = frozenset(getattr(kind, "ALSO", ()))
@@ -249,11 +251,8 @@ def _converter() -> Converter:
     def reads_tuple(kind: Any) -> Callable[[Any, Any], Any]:
         kinds = get_args(kind)
         several = len(kinds) == 2 and kinds[1] is Ellipsis
-        own = (
-            made.get_structure_hook(list[kinds[0]])
-            if several
-            else made.gen_structure_hetero_tuple(kind)
-        )  # type: ignore[valid-type]
+        whole = types.GenericAlias(list, kinds[:1]) if several else kind
+        own = (made.get_structure_hook if several else made.gen_structure_hetero_tuple)(whole)
         wanted = "a list" if several else f"a list of {len(kinds)}"
 
         def read(value: Any, _: Any) -> Any:
@@ -276,15 +275,16 @@ def _converter() -> Converter:
         return read
 
     made.register_unstructure_hook(float, lambda v: float(v) if math.isfinite(v) else None)
-    for kind in (int, bool):
-        made.register_unstructure_hook(kind, kind)
+    made.register_unstructure_hook(int, int)
+    made.register_unstructure_hook(bool, bool)
     made.register_unstructure_hook(type(None), lambda v: v)
-    for kind in (np.ndarray, np.generic):
-        made.register_unstructure_hook(kind, _listed)
+    made.register_unstructure_hook(np.ndarray, _listed)
+    made.register_unstructure_hook(np.generic, _listed)
     made.register_structure_hook(float, lambda v, _: math.nan if v is None else _number(v))
     made.register_structure_hook(np.ndarray, lambda v, _: _array(v))
-    for kind, words in ((int, "a whole number"), (bool, "true or false"), (str, "a text")):
-        made.register_structure_hook(kind, lambda v, k, words=words: _of(k, v, words))
+    named: dict[Any, str] = {int: "a whole number", bool: "true or false", str: "a text"}
+    for kind, words in named.items():
+        made.register_structure_hook(kind, _exactly(words))
     made.register_structure_hook_factory(lambda t: get_origin(t) is tuple, reads_tuple)
     made.register_structure_hook_factory(
         lambda t: get_origin(t) is Literal, lambda t: lambda v, _: _one_of(get_args(t), v)
@@ -325,7 +325,7 @@ def _by_value(kind: Any) -> Callable[[Any], Any]:
 
 
 def _is_union(kind: Any) -> bool:
-    return get_origin(kind) in (Union, UnionType) and all(map(is_dataclass, get_args(kind)))
+    return get_origin(kind) in (Union, types.UnionType) and all(map(is_dataclass, get_args(kind)))
 
 
 def _of_room(kind: Any, which: int) -> Callable[[Any], Any]:
@@ -338,6 +338,10 @@ def _of(kind: type, value: Any, expected: str) -> Any:
     if isinstance(value, kind) and (kind is bool or not isinstance(value, bool)):
         return value
     raise _Unfit(value, expected)
+
+
+def _exactly(words: str) -> Callable[[Any, Any], Any]:
+    return lambda value, kind: _of(kind, value, words)
 
 
 def _one_of(words: tuple[Any, ...], value: Any) -> Any:

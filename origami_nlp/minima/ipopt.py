@@ -13,6 +13,7 @@ import numpy as np
 from origami_nlp.kkt import Solve, Stratum
 from origami_nlp.numerics import BESIDE, CLOSES, DEPENDENT
 from origami_nlp.programme import (
+    PLANE_ROWS,
     Nlp,
     Pairs,
     Programme,
@@ -209,9 +210,9 @@ def solve(model: Solvable, start: np.ndarray, pairs: Pairs = ()) -> Solve:
         float(np.max(g - programme.upper, initial=0)),
     )
     # five rows a pair come last: |n| = 1, and four rays on their sides of the plane
-    last = len(g) - 5 * len(pairs)
+    last = len(g) - PLANE_ROWS * len(pairs)
     force = {
-        pair: float(np.abs(lam_g[last + 5 * m + 1 : last + 5 * m + 5]).max())
+        pair: float(np.abs(lam_g[last + PLANE_ROWS * m + 1 : last + PLANE_ROWS * (m + 1)]).max())
         for m, pair in enumerate(pairs)
     }
     return Solve(

@@ -313,11 +313,9 @@ def _add_contact(model: Model, x: np.ndarray, contact: Contact, found: _Found) -
         return
     closed = model.closed(y)
     rows = dict.fromkeys(itertools.chain(closed.base, *(r for c in closed.branches for r in c)))
-    for side in (1, -1):
-        one = Contact(contact.kind, contact.index, side)
-        if any(r.kind == contact.kind and r.index == contact.index for r in rows):
-            found.add(y, (one,), "contact")
-            break
+    held = next((r for r in rows if (r.kind, r.index) == (contact.kind, contact.index)), None)
+    if held is not None:  # the row knows the side on which its gap is open
+        found.add(y, (held,), "contact")
 
 
 def gaps_of(model: Model, x: np.ndarray) -> np.ndarray:

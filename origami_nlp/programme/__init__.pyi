@@ -14,6 +14,7 @@ from .loops import LoopClosure as LoopClosure
 from .model import Local as Local, Model as Model
 from .moment_map import MomentMap as MomentMap, Shot as Shot
 from .nlp import (
+    PLANE_ROWS as PLANE_ROWS,
     Nlp as Nlp,
     Pairs as Pairs,
     pose_apart as pose_apart,

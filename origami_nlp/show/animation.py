@@ -199,12 +199,11 @@ def draw_shot(figure: Figure, title: str, shot: Shot) -> None:
     after = np.roll(creases, -1, axis=0)
     normals = np.cross(creases, after)
     sines = np.linalg.norm(normals, axis=1)
-    sectors = np.arctan2(sines, (creases * after).sum(axis=1))
     pose = Pose(creases, normals / sines[:, None], state.shifts @ turn.T)
     high = SIDE / (SIDE + 0.7)
     axes = figure.add_axes((0.0, 1 - high, 1.0, high))
     low = ((shot.middle - state.corners[0]) @ turn.T)[:2] - shot.reach
     places = label_places(pose)
-    draw_pose(axes, pose, places, sectors.tolist(), state.fold_angles, low, 2 * shot.reach, 10.0)
+    draw_pose(axes, pose, places, state.fold_angles, low, 2 * shot.reach, 10.0)
     figure.text(0.03, 0.985, label_text(title), fontsize=9, weight="bold", va="top")
     figure.text(0.03, 0.13, label_text(shot.caption), fontsize=8, va="top")

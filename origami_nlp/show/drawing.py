@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Sequence
 from functools import lru_cache
 from typing import Any
 
@@ -27,8 +26,6 @@ MOUNTAIN, VALLEY, FLAT, BORDER = "#c1121f", "#1d4ed8", "#8a8a8a", "#000000"
 UPPER, LOWER = "#f6ead2", "#c3d3dc"
 PIXELS = 560
 """Side of the painted picture."""
-ARC = math.radians(7)
-"""Borders are drawn as straight pieces of at most this angle."""
 DASH, GAP = 0.085, 0.055
 """Of valley creases [of the unit radius]."""
 PALE = 0.5
@@ -73,7 +70,7 @@ def draw_state(
     """
     phi = np.asarray(fold_angles, dtype=float)
     pose, labels, corner, side, below = _placed(vertex, tuple(phi.tolist()))
-    draw_pose(axes, pose, labels, vertex.sector_angles, phi, corner, side, size)
+    draw_pose(axes, pose, labels, phi, corner, side, size)
     if crop:
         axes.set_ylim(bottom=below)
     return bool(np.any(pose.offsets))
@@ -83,7 +80,6 @@ def draw_pose(
     axes: Any,
     pose: Pose,
     labels: np.ndarray,
-    sectors: Sequence[float],
     phi: np.ndarray,
     corner: np.ndarray,
     side: float,
@@ -91,12 +87,12 @@ def draw_pose(
 ) -> None:
     """Draw a turned state into a matplotlib Axes: the square of length `side` from its lower left `corner`.
 
-    labels: places of the crease numbers [N, 2], of `label_places`.  sectors: sector angles [N].  phi: fold angles [N].
+    labels: places of the crease numbers [N, 2], of `label_places`.  phi: fold angles [N].
     size: font size of the crease numbers [points].
     """
     right, top = corner + side
     axes.imshow(
-        _paint(pose, sectors, phi, corner, side),
+        _paint(pose, phi, corner, side),
         extent=(corner[0], right, corner[1], top),
         origin="lower",
     )
@@ -152,7 +148,7 @@ def _placed(
     """Pose and labels of a state; lower left corner and side of the square around it, and where it ends below."""
     pose = pose_state(vertex, np.array(fold_angles))
     labels = label_places(pose)
-    low, high = _extent(pose, vertex, labels)
+    low, high = _extent(pose, labels)
     side = max(1.8, float((high - low).max()))  # folded-up states stay smaller than open ones
     corner = np.array([(low[0] + high[0] - side) / 2, high[1] - side])  # top: below the title
     return pose, labels, corner, side, float(low[1])
@@ -187,12 +183,11 @@ def _hidden_ends(pose: Pose) -> list[bool]:
     return answer
 
 
-def _extent(pose: Pose, vertex: Vertex, labels: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _extent(pose: Pose, labels: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Lower left and upper right corners of all that is drawn."""
-    n = len(pose.creases)
     parts = [labels - 0.1, labels + 0.1, np.full((1, 2), -0.05), np.full((1, 2), 0.05)]
-    for f, sector in enumerate(vertex.sector_angles):
-        arc = _arc(pose.creases[f], pose.creases[(f + 1) % n], sector) + pose.offsets[f]
+    for f in range(len(pose.creases)):
+        arc = pose.arc(f)
         parts += [arc[:, :2] - 0.03, arc[:, :2] + 0.03]
     every = np.concatenate(parts)
     return every.min(axis=0), every.max(axis=0)
@@ -201,9 +196,7 @@ def _extent(pose: Pose, vertex: Vertex, labels: np.ndarray) -> tuple[np.ndarray,
 # ---------------------------------------------------------------- painting
 
 
-def _paint(
-    pose: Pose, sectors: Sequence[float], phi: np.ndarray, low: np.ndarray, size: float
-) -> np.ndarray:
+def _paint(pose: Pose, phi: np.ndarray, low: np.ndarray, size: float) -> np.ndarray:
     """Paint the square of side `size` from its corner `low`: RGBA, shape [PIXELS, PIXELS, 4].
 
     Each pixel shows what is nearest to the viewer; an edge is never hidden by the facets it bounds.
@@ -251,9 +244,8 @@ def _paint(
         nearest[part][front] = depth[front] + 1e-4
         picture[part][front] = (*colour, 1.0)
 
-    for f, sector in enumerate(sectors):
-        arc = _arc(pose.creases[f], pose.creases[(f + 1) % n], sector) + pose.offsets[f]
-        for p, q in itertools.pairwise(arc):
+    for f in range(n):
+        for p, q in itertools.pairwise(pose.arc(f)):
             band(p, q, 0.015, to_rgb(BORDER), (f,))
     for i in range(n):
         colour, share = _crease_colour(phi[i])
@@ -285,12 +277,6 @@ def _facet_colour(normal: np.ndarray) -> Colour:
     shade = 0.80 + 0.20 * max(0.0, float(towards @ LIGHT))
     r, g, b = to_rgb(UPPER if normal[2] >= 0 else LOWER)
     return min(1.0, r * shade), min(1.0, g * shade), min(1.0, b * shade)
-
-
-def _arc(a: np.ndarray, b: np.ndarray, sector: float) -> np.ndarray:
-    """Points from a to b on the unit sphere, a constant small angle apart, shape [m, 3]."""
-    t = np.linspace(0.0, 1.0, max(2, math.ceil(sector / ARC)) + 1)[:, None]
-    return (np.sin((1 - t) * sector) * a + np.sin(t * sector) * b) / math.sin(sector)
 
 
 def _crease_colour(phi: float) -> tuple[Colour, float]:

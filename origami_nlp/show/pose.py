@@ -14,6 +14,8 @@ CLOSED = 0.1
 """Creases whose |phi| is this near to pi [rad] have their facets drawn apart."""
 SPREAD = 0.05
 """Offset [of the unit radius] that keeps facets that lie on each other apart in the picture."""
+ARC = math.radians(7)
+"""Borders are drawn as straight pieces of at most this angle."""
 
 
 @dataclass(frozen=True)
@@ -33,6 +35,25 @@ class Pose:
     creases: np.ndarray
     normals: np.ndarray
     offsets: np.ndarray
+
+    def arc(self, facet: int) -> np.ndarray:
+        """Return points on the outer border of a facet.
+
+        Parameters
+        ----------
+        facet
+            Which, from 0.
+
+        Returns
+        -------
+        ndarray
+            From its first crease to its second, a constant small angle apart, [m, 3].
+        """
+        a, b = self.creases[facet], self.creases[(facet + 1) % len(self.creases)]
+        sector = math.atan2(float(np.linalg.norm(np.cross(a, b))), float(a @ b))
+        t = np.linspace(0.0, 1.0, max(2, math.ceil(sector / ARC)) + 1)[:, None]
+        turned = (np.sin((1 - t) * sector) * a + np.sin(t * sector) * b) / math.sin(sector)
+        return turned + self.offsets[facet]
 
 
 def pose_state(vertex: Vertex, fold_angles: np.ndarray) -> Pose:

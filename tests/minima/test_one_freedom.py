@@ -1,5 +1,6 @@
 """Scenes with one freedom: the curves are all there, and no minimum on them is missed."""
 
+import itertools
 import math
 import time
 
@@ -52,6 +53,21 @@ def decided(model, traced):
         if classify(State(model, x), polished=exact).verdict == "minimum":
             out.append(x)
     return np.array(out).reshape(-1, model.size)
+
+
+def test_a_contact_that_ends_a_curve_is_one_that_is_closed_there():
+    """Its side too: on it the gap of the state beside is open."""
+    sides = []
+    for shape, seed in itertools.product(ONE, range(1)):
+        model = Model(build(np.random.default_rng(seed), shape))
+        traced = trace(model)
+        for x, contacts, origin in zip(traced.states, traced.contacts, traced.origins, strict=True):
+            if origin == "contact":
+                closed = model.closed(x)
+                rows = itertools.chain(closed.base, *(r for c in closed.branches for r in c))
+                assert {*contacts} <= {*rows}
+                sides += [c.side for c in contacts]
+    assert {*sides} == {1, -1}
 
 
 def nearest(x, states):
