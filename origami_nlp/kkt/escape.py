@@ -39,8 +39,9 @@ class Escape(Brief):
     Attributes
     ----------
     barrier
-        Energy that has to be put in [the scene's units], an upper bound of a vertex rounded up to two digits; inf where
-        no way leads to another state; nan where it is not determined.  Under an imposed symmetry ways keep it.
+        Energy that has to be put in [the scene's units]; of a vertex upper bounds are rounded up to two digits.  inf
+        where no way leads to another state, nan where it is not determined.  Under an imposed symmetry it is that of
+        ways that keep the symmetry.
     method
         ``exact (traced)`` (curves of one freedom), ``merge tree`` (of a graph of states, with exact passes),
         ``upper bound (descents)`` (an explicit way out: there may be lower ones), ``isolated`` (no other state is near:

@@ -67,7 +67,7 @@ def find_modes(result: MinimaResult | SheetResult, *, state: int | None = None) 
     scene: Scene | None = None
     programme: Any = None
     if isinstance(result, SheetResult):
-        programme = result.problem
+        programme = result.model
     else:
         scene, programme = result.scene, Model(full_scene(result.scene))
     found = [
