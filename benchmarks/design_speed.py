@@ -165,7 +165,7 @@ def _compared(n: int, vertices: int, tell: Callable[[str], object]) -> Compared:
             ]  # drawn and closed, which all methods are given
             start = time.process_time()
             one = solve(targets)
-            scene = scene_of(targets, springs_of(one)) if one.feasible else None
+            scene: Any = scene_of(targets, springs_of(one)) if one.feasible else None
             own.append(time.process_time() - start)
         times[OURS].append(float(np.median(own)))
         found[OURS] += scene is not None and distance(targets, scene) <= NEAR

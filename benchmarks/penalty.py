@@ -53,7 +53,7 @@ class Cost:
         self.targets = targets
         self.states = [balance for _, balance, _ in Posed(targets).balances]
         low, high = np.log(targets.stiffness)
-        n = targets.vertex.degree
+        n = targets.blank.degree
         least, most = targets.rest
         self.low = np.repeat([low, least], n)
         self.high = np.repeat([high, most], n)
@@ -147,7 +147,7 @@ def _scene(targets: Targets, p: np.ndarray) -> Scene:
     k, rest = np.exp(p[: len(p) // 2]), p[len(p) // 2 :]
     inside = np.clip(rest, -np.pi, np.pi)
     return Scene(
-        targets.vertex,
+        targets.blank.vertex,
         tuple(k),
         tuple(inside),
         symmetry="none",

@@ -12,13 +12,13 @@ from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
 
-from origami_nlp.arguments import check_angles, refuse, shown
+from origami_nlp.arguments import check_angles, check_path, check_type, refuse, shown
 from origami_nlp.errors import OptionError
 from origami_nlp.numerics import CLOSES
 
 if TYPE_CHECKING:
     from origami_nlp.kkt import Classification, State
-    from origami_nlp.minima import MinimaResult, VertexwiseMinima
+    from origami_nlp.minima import FoundMinima, MinimaResult, VertexwiseMinima
     from origami_nlp.pattern import Pattern, Scene
     from origami_nlp.proof import ProofOptions
     from origami_nlp.sheets import SheetResult
@@ -217,7 +217,7 @@ def classify(
     return kkt.classify(state, polished=polished)
 
 
-def write_fold(result: MinimaResult | SheetResult, target: str | PathLike[str]) -> None:
+def write_fold(result: FoundMinima, target: str | PathLike[str]) -> None:
     """Write the states of a vertex or pattern as a FOLD file (spec 1.1), a folded frame each.
 
     Parameters
@@ -230,7 +230,7 @@ def write_fold(result: MinimaResult | SheetResult, target: str | PathLike[str]) 
     Raises
     ------
     OptionError
-        If `result` is no result, or the file cannot be written.
+        If `result` is no result, `target` no path, or the file cannot be written.
 
     Examples
     --------
@@ -243,15 +243,15 @@ def write_fold(result: MinimaResult | SheetResult, target: str | PathLike[str]) 
     >>> len(json.loads(path.read_text())["file_frames"]) > 0
     True
     """
-    from origami_nlp import folding, minima, sheets
+    from origami_nlp.folding import save_fold
+    from origami_nlp.minima import FoundMinima
 
-    if isinstance(result, sheets.SheetResult):
-        folding.save_fold(sheets.found_to_fold(result), fspath(target))
-    else:
-        minima.write_fold(result, fspath(target))
+    check_type("result", result, FoundMinima)
+    check_path("target", target)
+    save_fold(result.to_fold(), fspath(target))
 
 
-def write_mesh(result: MinimaResult | SheetResult, target: str | PathLike[str]) -> None:
+def write_mesh(result: FoundMinima, target: str | PathLike[str]) -> None:
     """Write the states of a vertex or pattern side by side as one triangle mesh, by way of trimesh (extra ``mesh``).
 
     Parameters
@@ -264,8 +264,8 @@ def write_mesh(result: MinimaResult | SheetResult, target: str | PathLike[str]) 
     Raises
     ------
     OptionError
-        If trimesh is not installed, the name ends in something else, there is no minimum, or the file cannot be
-        written.
+        If `result` is no result, `target` no path or ends in something else, trimesh is not installed, there is no
+        minimum, or the file cannot be written.
 
     Examples
     --------
@@ -275,10 +275,8 @@ def write_mesh(result: MinimaResult | SheetResult, target: str | PathLike[str]) 
     >>> path.stat().st_size > 0
     True
     """
-    from origami_nlp import minima, sheets
+    from origami_nlp.minima import FoundMinima, write_parts
 
-    if isinstance(result, sheets.SheetResult):
-        states = [s.phi for s in result.minima]
-        sheets.write_sheet_mesh(result.pattern, states, str(target))
-    else:
-        minima.write_mesh(result, str(target))
+    check_type("result", result, FoundMinima)
+    check_path("target", target)
+    write_parts(result.mesh_parts(), fspath(target))

@@ -10,11 +10,12 @@ from matplotlib.figure import Figure
 
 import origami_nlp as o
 from benchmarks import read_bench
+from origami_nlp import write_fold
 from origami_nlp.barriers import find_barriers, merge_tree_axes
 from origami_nlp.chart import landscape
 from origami_nlp.critical import find_critical_points
 from origami_nlp.landscape import draw_landscape, find_landscape
-from origami_nlp.minima import find_minima, write_fold
+from origami_nlp.minima import find_minima
 from origami_nlp.paper import cone
 from origami_nlp.pattern import fold_vertices, read_fold, scene_at
 from origami_nlp.space import find_space
@@ -82,6 +83,7 @@ def made(tmp_path_factory):
     return {
         "vertex": SCENE.vertex,
         "scene": SCENE,
+        "origami": SCENE,
         "result": result,
         "fold_angles": np.array(result.minima[0].fold_angles),
         "folder": folder / "sweep",
@@ -136,11 +138,11 @@ CASES = [
     case(o.format_scene, "scene", SCENES),
     case(o.parse_scene, "text", (None, 0, True, [], *NOTHING[1:])),
     *(case(f, "source", PATHS) for f in (o.read_scene, read_fold, read_bench)),
-    case(find_barriers, "scene", SCENES),
-    case(find_barriers, "result", (SCENE, *SCENES[1:]), "scene"),
-    case(find_barriers, "full", FLAGS, "scene", "result"),
-    case(find_barriers, "spacing", (0.01, 0.6, *NUMBERS), "scene", "result"),
-    case(find_barriers, "seed", SEEDS, "scene", "result"),
+    case(find_barriers, "origami", (None, 0, True, [])),
+    case(find_barriers, "result", (SCENE, *SCENES[1:]), "origami"),
+    case(find_barriers, "full", FLAGS[1:], "origami", "result"),
+    case(find_barriers, "spacing", (0.01, 0.6, *NUMBERS[1:]), "origami", "result"),
+    case(find_barriers, "seed", SEEDS, "origami", "result"),
     case(find_space, "scene", SCENES),
     case(find_space, "size", (7, 1026, *WHOLES), "scene"),
     case(find_critical_points, "scene", SCENES),

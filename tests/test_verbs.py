@@ -79,3 +79,12 @@ def test_states_of_a_pattern_go_to_a_file_and_come_back(found, tmp_path):
         assert np.abs(angles - state.fold_angles).max() < 1e-12
     again = o.read_pattern(path)
     assert o.classify(again, found.minima[0].fold_angles).verdict == "minimum"
+
+
+@pytest.mark.parametrize("write", [o.write_fold, o.write_mesh])
+def test_what_is_no_result_or_no_path_is_said(write):
+    found = o.find_minima(o.examples.degree6("pi/4", ratio=0.01), max_starts=16, escape=False)
+    with pytest.raises(o.OptionError, match="target = None must be a path"):
+        write(found, None)
+    with pytest.raises(o.OptionError, match="result = "):
+        write(None, "states.fold")

@@ -265,7 +265,7 @@ class _Survey:
             morse = self._identity(result.scene, result)
         more = time.perf_counter() - begin
         seconds, self._begin = seconds + more, self._begin + more
-        model: Any = result.model if isinstance(result, MinimaResult) else result.problem
+        model: Any = result.model
         s = self.over.s_of(t)
         new, met, followed = 0, [], self._minima(s)
         for minimum in result.minima:

@@ -145,7 +145,8 @@ class PatternFamily(Family):
                 )
         weight = 0.3 * math.sqrt(max(first.creases / CREASES, 1.0))
         if any(not np.array_equal(one.corners, first.corners) for one in made):
-            return PatternLine(lambda s: self.scene_of(over.t_of(s)), low, high - low, weight)
+            pattern_of: Any = self.scene_of
+            return PatternLine(lambda s: pattern_of(over.t_of(s)), low, high - low, weight)
         whole = Sheet(first)
         posed = [Sheet(one).numbered_as(whole) for one in made]
         self._check(posed, where)
@@ -158,7 +159,9 @@ class PatternFamily(Family):
         size = math.sqrt(max(first.creases / CREASES, 1.0))
         return replace(STEPS, first=size * STEPS.first, longest=size * STEPS.longest)
 
-    def search(self, made: list[Any], seconds: float | None, **options: Any) -> list[SheetResult]:
+    def search(  # type: ignore[override]
+        self, made: list[Any], seconds: float | None, **options: Any
+    ) -> list[SheetResult]:
         """Search for the stable states of some of its patterns, one after the other, in so many seconds together."""
         share = None if seconds is None else seconds / len(made)
         return [find_states(one, escape=False, seconds=share, **options) for one in made]
@@ -169,9 +172,9 @@ class PatternFamily(Family):
 
     def to_fold(self, states: list[tuple[float, Any, str, dict[str, Any]]]) -> dict[str, Any]:
         """Return states (t, fold angles, title, what else is known) as FOLD data, a frame each."""
+        made: Any = self.sampled
         frames = [
-            sheet_frame(self.sampled(t), np.array(phi), title, **more)
-            for t, phi, title, more in states
+            sheet_frame(made(t), np.array(phi), title, **more) for t, phi, title, more in states
         ]  # type: ignore[arg-type]
         return sheet_to_fold(self.scene(self.over.low), frames)  # type: ignore[arg-type]
 

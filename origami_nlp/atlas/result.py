@@ -207,8 +207,9 @@ class Atlas(Told, Turnable):
                 "bold",
             )
         for other in self.others:
+            stated: Any = other.scene
             yield Words(
-                f"states that wind {other.scene.winding} times round the axis of {self.scene.group.name}"
+                f"states that wind {stated.winding} times round the axis of {stated.group.name}"
             )
             yield from other.told()
 

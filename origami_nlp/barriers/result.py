@@ -144,7 +144,7 @@ class Barriers(Told, Turnable):
 
     def to_fold(self) -> dict[str, Any]:
         """Return FOLD data: the crease pattern, and the states along the path of each pass as frames."""
-        result = self.result
+        result: Any = self.result
         pattern = isinstance(result, SheetResult)
         frame = (
             partial(sheet_frame, result.pattern) if pattern else partial(folded_frame, result.scene)

@@ -73,7 +73,7 @@ def pattern_barriers(result: SheetResult) -> Barriers:
         raise OptionError(
             "no curve of one freedom is known: barriers of a pattern need the result of a search, not one from a file"
         )
-    problem, states = result.problem, np.array([m.fold_angles for m in result.minima])
+    problem, states = result.model, np.array([m.fold_angles for m in result.minima])
     traced = curve_passes(problem, result.curves, states)
     assert traced is not None
     scale = energy_scale(result.pattern.stiffness)

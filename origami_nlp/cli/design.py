@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json as js
 from typing import Annotated
 
 import typer
@@ -10,7 +11,7 @@ from origami_nlp.cli import options as o
 from origami_nlp.cli.output import Output
 from origami_nlp.cli.timed import bounded
 from origami_nlp.errors import OptionError
-from origami_nlp.pattern import format_scene
+from origami_nlp.pattern import Pattern, format_scene
 
 REFUTED, OPEN = 1, 3
 
@@ -47,6 +48,7 @@ def design(
     Exit code 0: a design that does all that is asked.  1: proved that no springs do.  3: neither; the last lines say
     why.
     """
+    from origami_nlp.sheets import sheet_to_fold
     from origami_nlp.springs import (
         design as find,
         draw_design,
@@ -70,7 +72,11 @@ def design(
     answer.tell(files.console)
     files.write("json", answer.to_dict)
     if answer.scene is not None:
-        files.write("scene", format_scene, answer.scene)
+        made = answer.scene
+        if isinstance(made, Pattern):
+            files.write("scene", lambda: js.dumps(sheet_to_fold(made, []), indent=1) + "\n")
+        else:
+            files.write("scene", format_scene, made)
         files.write("figure", draw_design, answer)
     if not answer.verified:
         raise typer.Exit(REFUTED if answer.refuted else OPEN)

@@ -175,7 +175,9 @@ NpzFile = Annotated[
 SceneOut = Annotated[
     str | None,
     typer.Option(
-        "--scene", metavar="FILE", help="Write the scene as TOML to FILE, or - for stdout."
+        "--scene",
+        metavar="FILE",
+        help="Write the scene as TOML (a pattern as FOLD) to FILE, or - for stdout.",
     ),
 ]
 StatesFold = Annotated[
@@ -272,7 +274,7 @@ FullOrNot = Annotated[
     ),
 ]
 Workers = Annotated[
-    int,
+    int | None,
     typer.Option(
         metavar="N", callback=_workers, help="Processes; the result is the same with any number."
     ),

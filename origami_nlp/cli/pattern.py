@@ -89,12 +89,13 @@ class _Files:
         return js.dumps(data, indent=1, allow_nan=False) + "\n"
 
     def _mesh(self, file: str) -> None:
-        from origami_nlp.sheets import write_sheet_mesh
+        from origami_nlp.minima import write_parts
+        from origami_nlp.sheets import sheet_parts
 
         states = [phi for _, phi in self.states]
         if self.motion is not None:
             states += [self.motion.fold_angles[k] for k in self.motion.shown(6)]
-        write_sheet_mesh(self.pattern, states, file)
+        write_parts(sheet_parts(self.pattern, states), file)
 
     def _page(self, file: str) -> None:
         from origami_nlp.sheets import sheet_content

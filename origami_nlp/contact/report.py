@@ -12,7 +12,6 @@ from typing import Any
 
 from origami_nlp.contact.margin import Check, CreaseMargin, LoadMargin
 from origami_nlp.contact.segments import STIFFNESS, SegmentReport
-from origami_nlp.errors import OptionError
 from origami_nlp.files import Brief, Unbounded
 from origami_nlp.kkt import ContactForce
 from origami_nlp.minima import CELLS, MinimaResult
@@ -181,13 +180,12 @@ class ContactReport(Told, Turnable):
 
     def turned(self) -> Content:
         """Return states with their contacts and the contact boundaries as plain data, see `view`."""
-        if not isinstance(self.result, MinimaResult):
-            raise OptionError("contacts of a pattern have no page: view what find_minima returned")
         from origami_nlp.chart import landscape
         from origami_nlp.contact.turned import add_segments  # charts are slow to import
 
-        chart = landscape(self.result.scene, CELLS)
-        content = self.result.turned(chart)
+        one = isinstance(self.result, MinimaResult)
+        chart: Any = landscape(self.result.scene, CELLS) if one else None
+        content = self.result.turned(chart) if one else self.result.turned()
         stations = list(content.stations)
         for state in self.states:
             old = stations[state.number - 1]

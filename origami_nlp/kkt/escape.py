@@ -39,8 +39,9 @@ class Escape(Brief):
     Attributes
     ----------
     barrier
-        Energy that has to be put in [the scene's units], an upper bound of a vertex rounded up to two digits; inf where
-        no way leads to another state; nan where it is not determined.  Under an imposed symmetry ways keep it.
+        Energy that has to be put in [the scene's units]; of a vertex upper bounds are rounded up to two digits.  inf
+        where no way leads to another state, nan where it is not determined.  Under an imposed symmetry it is that of
+        ways that keep the symmetry.
     method
         ``exact (traced)`` (curves of one freedom), ``merge tree`` (of a graph of states, with exact passes),
         ``upper bound (descents)`` (an explicit way out: there may be lower ones), ``isolated`` (no other state is near:
@@ -386,6 +387,7 @@ def bounds(
     told: Mapping[int, Escape],
     unknown: Callable[[int], str],
     among: str = "",
+    digits: bool = True,
 ) -> list[Escape]:
     """Tell what it takes to leave each state: as it is told already, or bounded by ways out.
 
@@ -405,6 +407,8 @@ def bounds(
         Why there is no way out of one.
     among
         What ways keep, in words.
+    digits
+        Whether bounds are rounded up to two: more hang on where steps of descents in batches were cut.
 
     Returns
     -------
@@ -430,8 +434,8 @@ def bounds(
             # that no way was found does not make the barrier infinite: it is not determined
             out.append(Escape(math.nan, OPEN, unknown(k)))
         else:
-            # two digits: more of a bound hang on where steps were cut
-            barrier = float(rounded_up(max(barrier, FLOOR * scale)))
+            barrier = max(barrier, FLOOR * scale)
+            barrier = float(rounded_up(barrier)) if digits else barrier
             why = f"an explicit way out climbs so high; lower ones are not excluded{among}"
             top = tuple(ways[k].top.tolist()) if k in ways and ways[k].to == to else ()
             out.append(Escape(barrier, BOUND, why, to + 1, top, barrier < SHALLOW * scale))

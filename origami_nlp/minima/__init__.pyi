@@ -6,6 +6,7 @@ from . import (
     search as search,
     table as table,
 )
+from .account import SearchReport as SearchReport
 from .completeness import Added as Added, Completeness as Completeness, Open as Open
 from .coverage import StrataCount as StrataCount, count_strata as count_strata
 from .escape import VertexTerrain as VertexTerrain, with_merge_tree as with_merge_tree
@@ -18,11 +19,12 @@ from .find import (
 )
 from .flags import ResultFlags as ResultFlags, StateFlags as StateFlags
 from .fold_out import (
+    Part as Part,
     check_mesh as check_mesh,
     join_meshes as join_meshes,
-    write_fold as write_fold,
-    write_mesh as write_mesh,
+    write_parts as write_parts,
 )
+from .found import FoundMinima as FoundMinima, state_lines as state_lines
 from .full_space import (
     FullSpace as FullSpace,
     full_scene as full_scene,
@@ -49,7 +51,6 @@ from .marks import (
 from .minimum import (
     TRIALS as TRIALS,
     JudgedState as JudgedState,
-    SearchReport as SearchReport,
     Survival as Survival,
 )
 from .multistart import (
@@ -80,6 +81,7 @@ from .stability import (
 from .stopping import chao1 as chao1
 from .strip import draw_states as draw_states
 from .table import DEMO_HEADS as DEMO_HEADS, demo_rows as demo_rows
+from .telling import undecided_lines as undecided_lines
 from .traced_passes import TracedPasses as TracedPasses, traced_passes as traced_passes
 from .turned import (
     CELLS as CELLS,

@@ -9,9 +9,10 @@ import math
 from html import escape
 
 from origami_nlp.chart import UNIT, landscape
+from origami_nlp.minima.account import SearchReport
 from origami_nlp.minima.completeness import Completeness
 from origami_nlp.minima.flags import ResultFlags
-from origami_nlp.minima.minimum import JudgedState, SearchReport
+from origami_nlp.minima.minimum import JudgedState
 from origami_nlp.minima.picture import compose
 from origami_nlp.minima.stability import (
     asked,
@@ -28,7 +29,6 @@ from origami_nlp.minima.telling import (
     flag_lines,
     freedom_words,
     scene_lines,
-    search_lines,
     undecided_lines,
 )
 from origami_nlp.numerics import residual_words
@@ -145,7 +145,7 @@ def _search(scene: Scene, minima: tuple[JudgedState, ...], s: SearchReport, more
     not_asked = not_asked_words(scene, minima)
     lines = [
         *more,
-        *search_lines(s),
+        *s.words(),
         *[not_asked] * bool(not_asked),
         *undecided_lines(s),
         *scene_lines(scene),

@@ -10,8 +10,9 @@ from collections.abc import Callable
 import numpy as np
 
 from origami_nlp.kkt import Polished, Solve, Verdict, polish, polished_nearby, project
+from origami_nlp.minima.account import SearchReport
 from origami_nlp.minima.coverage import StrataCount, count_strata
-from origami_nlp.minima.minimum import JudgedState, SearchReport
+from origami_nlp.minima.minimum import JudgedState
 from origami_nlp.minima.multistart import run_starts
 from origami_nlp.minima.one_freedom import EXACT, Traced, trace
 from origami_nlp.minima.record import (

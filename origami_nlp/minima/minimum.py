@@ -1,4 +1,4 @@
-"""A state of a vertex or a pattern, judged, and the record of the search that found it."""
+"""A state of a vertex or a pattern, judged."""
 
 from __future__ import annotations
 
@@ -9,9 +9,8 @@ from typing import Any, Literal
 
 import numpy as np
 
-from origami_nlp.files import Brief, Unbounded, to_plain
+from origami_nlp.files import Brief, to_plain
 from origami_nlp.kkt import OMIT, ContactForce, Escape, Kind, Verdict
-from origami_nlp.minima.coverage import StrataCount
 from origami_nlp.minima.flags import StateFlags
 from origami_nlp.minima.full_space import FullSpace
 from origami_nlp.minima.ipopt import Confirmation
@@ -226,83 +225,3 @@ class JudgedState(Brief):
             "multipliers": [{"contact": c.text, "moment": c.multiplier} for c in self.contacts],
             **({"fullSpace": self.full_space.verdict} if self.full_space else {}),
         }
-
-
-@dataclass(frozen=True, repr=False)
-class SearchReport(Brief):
-    """What the search did.
-
-    Attributes
-    ----------
-    starts
-        States from which descents began.
-    feasible_starts
-        Those that were admissible; the others were dropped.
-    solves
-        Of IPOPT, which confirms each minimum; for large degrees it also searches.
-    iterations
-        Of IPOPT, over all solves.
-    statuses
-        IPOPT's return statuses over all solves.
-    outcomes
-        Converged starts by what their end state is.
-    expected_undiscovered
-        Chao's estimate of the number of minima that no drawn start reached: a lower bound in expectation, no guarantee.
-    stopped_by
-        ``"rule"``, ``"cap"``, ``"time"``, or ``"complete"``: nothing was left to sample.
-    seconds
-        Of wall time.
-    seed
-        Of the random starts.
-    effort
-        What was asked for.
-    by_source
-        Starts by where they began: corners of the state space, near them, on strata, in the interior, on touches.
-    stalled
-        Descents that ended nowhere.
-    failed
-        What was left out, by reason: ends of descents that are no state (they do not close), and parts of the search,
-        named, at which linear algebra broke down.
-    seen_once
-        Minima that one drawn start reached.
-    quiet
-        Drawn starts since the last new minimum.
-    corners
-        States that fold limits alone leave without freedom, from which descents began.
-    every_corner
-        Whether these are all of them, each judged then.
-    strata
-        With full contact and without symmetry: which strata with touches were started, by class.
-    complete
-        Why nothing is missing, where that is known; "" elsewhere.
-    refused
-        Guesses at which no minimum is listed, each with the reason (`hits` is 0).
-    rejected
-        Distinct answers that are no minimum, with the reason and hits.
-    undecided
-        Those that may or may not be one, by name: not polished, or not certified.
-    """
-
-    starts: int
-    feasible_starts: int
-    solves: int
-    iterations: int = field(default=0, kw_only=True)
-    statuses: dict[str, int]
-    outcomes: dict[str, int]
-    expected_undiscovered: Unbounded
-    stopped_by: str
-    seconds: float
-    seed: int
-    effort: str = field(default="normal", kw_only=True)
-    by_source: dict[str, int] = field(default_factory=dict, kw_only=True)
-    stalled: int = field(default=0, kw_only=True)
-    failed: dict[str, int] = field(default_factory=dict, kw_only=True)
-    seen_once: int = field(default=0, kw_only=True)
-    quiet: int = field(default=0, kw_only=True)
-    corners: int = field(default=0, kw_only=True)
-    every_corner: bool = field(default=False, kw_only=True)
-    complete: str = field(default="", kw_only=True)
-    strata: tuple[StrataCount, ...] = field(default=(), kw_only=True)
-    refused: tuple[JudgedState, ...] = field(default=(), repr=False)
-    rejected: tuple[JudgedState, ...] = field(default=(), repr=False)
-    undecided: tuple[JudgedState, ...] = field(default=(), repr=False)

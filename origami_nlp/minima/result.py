@@ -14,21 +14,29 @@ import numpy as np
 
 from origami_nlp.files import from_plain, pick, to_plain
 from origami_nlp.kkt import State
+from origami_nlp.minima.account import SearchReport
 from origami_nlp.minima.completeness import Completeness
 from origami_nlp.minima.flags import ResultFlags
-from origami_nlp.minima.minimum import JudgedState, SearchReport
-from origami_nlp.minima.stability import NOT_ASKED, verdict
+from origami_nlp.minima.fold_out import Part, minima_to_fold, vertex_parts
+from origami_nlp.minima.found import FoundMinima, state_lines
+from origami_nlp.minima.minimum import JudgedState
+from origami_nlp.minima.noise import survival_words
+from origami_nlp.minima.stability import (
+    NOT_ASKED,
+    barrier_head,
+    count_words,
+    not_asked_words,
+    verdict,
+)
 from origami_nlp.minima.telling import (
     flag_lines,
     scene_lines,
-    search_lines,
-    state_lines,
-    states_table,
     undecided_lines,
 )
+from origami_nlp.numerics import residual_words
 from origami_nlp.pattern import Relations, Scene, scene_from_dict, scene_to_dict
 from origami_nlp.programme import Model
-from origami_nlp.show import Content, Piece, Table, Told, Turnable, Words
+from origami_nlp.show import Content, Piece, Words
 
 if TYPE_CHECKING:
     from origami_nlp.chart import Landscape
@@ -38,7 +46,7 @@ SUCCESS = "Solve_Succeeded"
 
 
 @dataclass(frozen=True, repr=False)
-class MinimaResult(Told, Turnable):
+class MinimaResult(FoundMinima):
     """Minima of a scene in order of energy, and the record of the search for them.
 
     Attributes
@@ -53,12 +61,6 @@ class MinimaResult(Told, Turnable):
         What the search did, and why it stopped.
     completeness
         Whether the list is complete, as far as that was proved; None where it was not tried.
-
-    Notes
-    -----
-    `to_frame` has a row a minimum: scene, number (from 1), energy [the scene's units], kind, dimension, closure, kkt
-    (residuals), hits, stable (None where the full space was not asked), softest (stiffness), barrier (energy),
-    barrier_method, shallow, phi_1 .. phi_N [rad].
 
     Examples
     --------
@@ -133,20 +135,63 @@ class MinimaResult(Told, Turnable):
             return self.model
         return Model(replace(self.scene, winding=minimum.winding))
 
-    def table(self) -> Table:
-        """Return one row a minimum."""
-        return states_table(self.scene, self.minima, self.model.freedom)
+    _LAST = ("closure", "KKT", "hits")
+    _COLUMNS = "rrr"
+
+    @property
+    def name(self) -> str:
+        """The label of the scene."""
+        return self.scene.label
+
+    @property
+    def headline(self) -> str:
+        """What is folded, how many minima there are, symmetry and contact."""
+        scene = self.scene
+        return (
+            f"{scene.label or scene.vertex!r}\n{count_words(scene, self.minima)}, "
+            f"symmetry {scene.group.name}, contact {scene.contact}"
+        )
+
+    @property
+    def barrier_head(self) -> str:
+        """Name of the column of barriers: under an imposed symmetry ways out keep it."""
+        return barrier_head(self.scene)
+
+    def _verdict_of(self, minimum: JudgedState) -> str:
+        """Return what is known of a minimum in the full space, see `stability.verdict`."""
+        return verdict(self.scene, minimum)
+
+    def _freedoms_at(self, minimum: JudgedState) -> int:
+        """Return the degrees of freedom of the symmetric states."""
+        return self.model.freedom
+
+    def _last_cells(self, minimum: JudgedState) -> list[str]:
+        """Return residuals and hits."""
+        residuals = minimum.closure_residual, minimum.kkt_residual
+        return [*map(residual_words, residuals), str(minimum.hits)]
+
+    def to_fold(self) -> dict[str, Any]:
+        """Return the states as FOLD data; those that are unstable in the full space with their descents."""
+        return minima_to_fold(self.scene, self.minima)
+
+    def mesh_parts(self) -> list[Part]:
+        """Return the states side by side as triangles."""
+        return vertex_parts(self.scene, self.minima)
 
     def told(self) -> Iterator[Piece]:
         """Return the table, the states and the record of the search."""
         yield self.table()
-        yield from state_lines(self.scene, self.minima)
+        yield from state_lines(self)
+        survived = [m.survival.degrees for m in self.minima if m.survival]
+        if survived:
+            yield survival_words(max(survived), "rest and sector angles")
+        yield from filter(None, [not_asked_words(self.scene, self.minima)])
         yield from undecided_lines(self.search)
         yield from scene_lines(self.scene)
         yield from flag_lines(self.flags)
         if self.completeness:
             yield from (Words(line) for line in self.completeness.lines())
-        yield from (Words(line, "dim") for line in search_lines(self.search))
+        yield from (Words(line, "dim") for line in self.search.words())
 
     def to_html(self, *, picture: bool = True) -> str:
         """Return a piece of HTML, static and without links.
@@ -207,16 +252,6 @@ class MinimaResult(Told, Turnable):
             "flags": to_plain(self.flags),
             "minima": to_plain(self.minima),
         }
-
-    def _rows(self) -> Iterator[dict[str, object]]:
-        for number, m in enumerate(self.minima, start=1):
-            row = {"scene": self.scene.label, "number": number}
-            row |= {"energy": m.energy, "kind": m.kind, "dimension": m.local_dimension}
-            row |= {"closure": m.closure_residual, "kkt": m.kkt_residual, "hits": m.hits}
-            row["stable"] = m.full_space and m.full_space.verdict
-            row |= {"softest": m.softest, "barrier": m.escape and m.escape.barrier}
-            row |= {"barrier_method": m.escape and m.escape.method, "shallow": m.shallow}
-            yield row | {f"phi_{k}": v for k, v in enumerate(m.fold_angles, start=1)}
 
     @classmethod
     def _from_plain(cls, data: dict[str, Any]) -> Self:

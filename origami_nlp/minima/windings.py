@@ -16,10 +16,11 @@ import numpy as np
 
 from origami_nlp.errors import OUT_OF_TIME
 from origami_nlp.kkt import OPEN, Escape
+from origami_nlp.minima.account import SearchReport
 from origami_nlp.minima.completeness import Completeness
 from origami_nlp.minima.escape import with_escapes
 from origami_nlp.minima.job import Job, Progress
-from origami_nlp.minima.minimum import JudgedState, SearchReport
+from origami_nlp.minima.minimum import JudgedState
 from origami_nlp.minima.noise import with_survival
 from origami_nlp.minima.proved import is_cheap, prove_complete
 from origami_nlp.minima.record import BREAKDOWNS

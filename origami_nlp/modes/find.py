@@ -64,8 +64,12 @@ def find_modes(result: MinimaResult | SheetResult, *, state: int | None = None) 
         if not count:
             raise OptionError(f"state = {state}: no minimum was found")
         check_whole("state", state, 1, count)
-    scene = None if isinstance(result, SheetResult) else result.scene
-    programme: Any = result.problem if scene is None else Model(full_scene(scene))
+    scene: Scene | None = None
+    programme: Any = None
+    if isinstance(result, SheetResult):
+        programme = result.model
+    else:
+        scene, programme = result.scene, Model(full_scene(result.scene))
     found = [
         modes_of(State(programme, np.array(minimum.fold_angles)), scene, number, minimum)
         for number, minimum in enumerate(result.minima, start=1)

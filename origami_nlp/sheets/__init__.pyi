@@ -1,3 +1,4 @@
+from .account import SheetSearch as SheetSearch
 from .branches import list_branches as list_branches
 from .clearance import Clearance as Clearance, Stretches as Stretches
 from .confirming import Confirmed as Confirmed, confirm_minimum as confirm_minimum
@@ -24,10 +25,9 @@ from .drawing import (
 from .find import find_states as find_states
 from .flat_folded import FlatFolded as FlatFolded, list_flat_folded as list_flat_folded
 from .fold_out import (
-    found_to_fold as found_to_fold,
     sheet_frame as sheet_frame,
+    sheet_parts as sheet_parts,
     sheet_to_fold as sheet_to_fold,
-    write_sheet_mesh as write_sheet_mesh,
 )
 from .interpolant import (
     Interpolant as Interpolant,
@@ -44,7 +44,7 @@ from .motion import Motion as Motion, find_motion as find_motion
 from .noise import is_overdetermined as is_overdetermined
 from .pops import pop_rows as pop_rows
 from .pressing import press as press, press_along as press_along, press_off as press_off
-from .result import SheetResult as SheetResult, SheetSearch as SheetSearch
+from .result import SheetResult as SheetResult
 from .turnable import (
     sheet_content as sheet_content,
     sheet_poser as sheet_poser,

@@ -16,6 +16,7 @@ import numpy as np
 from scipy.sparse.csgraph import shortest_path
 
 from origami_nlp.facets import Sheet, cross_each_other
+from origami_nlp.files import Brief
 from origami_nlp.numerics import CLOSES, CURVED, DEEP, NONZERO, cross
 from origami_nlp.sheets.interpolant import Interpolant, halves
 
@@ -27,8 +28,8 @@ MOST_PIECES = 64
 """Convex pieces of facets up to which gaps are asked for; beyond, only crossings at the states of a curve."""
 
 
-@dataclass(frozen=True, eq=False)
-class Stretches:
+@dataclass(frozen=True, eq=False, repr=False)
+class Stretches(Brief):
     """Closed states along a curve, and whether facets cross there.
 
     Attributes

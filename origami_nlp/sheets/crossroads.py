@@ -7,7 +7,7 @@ proportion to the distance, where curves meet.  Between two samples that is a sh
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
@@ -161,6 +161,18 @@ def split(sheet: Sheet, phi: np.ndarray, ways: TangentCone) -> TangentCone:
                 ):
                     lines.append(line)
     return TangentCone(np.array(lines).reshape(-1, sheet.size), tuple(families), ways.reason)
+
+
+def is_on_plane(
+    planes: Sequence[tuple[np.ndarray, np.ndarray]], basis: np.ndarray, off: np.ndarray
+) -> bool:
+    """Tell whether a plane of closed states, spanned by a basis [n, t] from a state [n], is one of some."""
+    return any(
+        other.shape == basis.shape
+        and np.abs(off - there).max() < SETTLED
+        and np.abs(basis - other @ (other.T @ basis)).max() < SETTLED
+        for other, there in planes
+    )
 
 
 def into_family(phi: np.ndarray, basis: np.ndarray, side: np.ndarray) -> Iterator[np.ndarray]:

@@ -9,6 +9,7 @@ from functools import cached_property
 import numpy as np
 
 from origami_nlp.facets import Labels, Sheet, image
+from origami_nlp.files import Brief
 from origami_nlp.numerics import CLOSES, SETTLED
 from origami_nlp.sheets.clearance import Clearance, Stretches
 from origami_nlp.sheets.crossroads import dips
@@ -21,8 +22,8 @@ ON_CURVE = 2e-5
 """A state this close to a curve is on it [rad]: what its polynomials are off, with room."""
 
 
-@dataclass(frozen=True, eq=False)
-class Traced:
+@dataclass(frozen=True, eq=False, repr=False)
+class Traced(Brief):
     """A curve of states with one freedom.
 
     Attributes

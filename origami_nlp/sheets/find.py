@@ -22,9 +22,10 @@ from origami_nlp.kkt import TangentCone
 from origami_nlp.minima import JudgedState, check_noise
 from origami_nlp.numerics import CLOSES, RESOLVED, SAME, rank
 from origami_nlp.pattern import Pattern, as_pattern
+from origami_nlp.sheets.account import BARRIERS, MEETINGS, OF_VERTEX, POPS, WAYS_OUT, SheetSearch
 from origami_nlp.sheets.branches import list_branches
 from origami_nlp.sheets.closed import close, lowest_on, of_vertex
-from origami_nlp.sheets.crossroads import into_family, split, ways_from
+from origami_nlp.sheets.crossroads import into_family, is_on_plane, split, ways_from
 from origami_nlp.sheets.curve import tangents
 from origami_nlp.sheets.curves import ON_CURVE, Curves, Traced
 from origami_nlp.sheets.descent import Descended, descend
@@ -34,9 +35,8 @@ from origami_nlp.sheets.interpolant import wells
 from origami_nlp.sheets.judgement import beside, judge, singular_beside, stationary_beside
 from origami_nlp.sheets.noise import NOISE, with_survival
 from origami_nlp.sheets.pressing import UNTOLD, press, press_along, press_off
-from origami_nlp.sheets.result import BARRIERS, MEETINGS, OF_VERTEX, POPS, WAYS_OUT, SheetResult
-from origami_nlp.sheets.tally import Tally
-from origami_nlp.starts import Given, Popped, SearchOptions, families_in_turn, options_of
+from origami_nlp.sheets.result import SheetResult
+from origami_nlp.starts import OWN, Given, Popped, SearchOptions, families_in_turn, options_of
 
 OUT = 0.2
 """First step out of a state where curves meet, of the longest fold angle [rad]."""
@@ -109,6 +109,7 @@ def find_states(
     if not pattern.creases:
         raise OptionError("the pattern has no crease: there is nothing to fold")
     search = _Search(pattern, contact, seconds, asked)
+    search.tally.seed, search.tally.effort = seed, OWN if options else effort
     if pattern.is_flat:
         search.part("ways out of the flat state", search.from_crossroads)
     for start in Given(search.sheet.pattern).states():
@@ -116,7 +117,7 @@ def find_states(
     if len(pattern.vertices) == 1 and not pattern.holes:
         search.part(OF_VERTEX, search.round_the_vertex, seed)
     for k in range(min(asked.most_drawn * starts, most)):
-        if not search.part("random starts", search.draw, rng, k) or search.tally.since == starts:
+        if not search.part("random starts", search.draw, rng, k) or search.tally.quiet == starts:
             break
     search.part(POPS, search.pop, asked.most_popped * starts)
     search.part("images of minima under symmetries", search.add_images)
@@ -124,7 +125,7 @@ def find_states(
         search.part(BARRIERS, search.add_escapes)
     if noise is not None:
         search.part(NOISE, search.add_survival, noise)
-    found = search.result(pattern)
+    found = search.result(pattern, starts)
     if found.search.interrupted:
         raise Interrupted(found)
     return found
@@ -136,15 +137,16 @@ class _Search:
     def __init__(
         self, pattern: Pattern, contact: bool, seconds: float, options: SearchOptions
     ) -> None:
-        self.options = options
-        until = time.monotonic() + seconds
+        self.options, until = options, time.monotonic() + seconds
         self.labels, self.contact = find_labels(pattern), contact
         self.sheet = Sheet(self.labels.arranged(pattern))
         self.sheet.until = until
         self.sheet.origin = pattern.corners.mean(axis=0)
         self._symmetries = self.labels.symmetries(pattern)
         self.curves = Curves(self.sheet, self.labels, contact)
-        self.tally = Tally()
+        self.tally, self._since = SheetSearch(), time.perf_counter()
+        self.judged, self._traced = list[JudgedState](), 0
+        self._planes: list[tuple[np.ndarray, np.ndarray]] = []
         self._families = families_in_turn(self.sheet, self.labels)
         self._side = self.labels.drawn(np.random.default_rng(0).normal(size=pattern.creases))
 
@@ -153,15 +155,13 @@ class _Search:
         try:
             self.sheet.check_time()
             work(*given)
-        except OutOfTime:
-            self.tally.left_out[what] = None
-            return False
-        except KeyboardInterrupt:
-            self.sheet.until, self.tally.interrupted = -math.inf, True
-            self.tally.left_out[what] = None
+        except (OutOfTime, KeyboardInterrupt) as stop:
+            if isinstance(stop, KeyboardInterrupt):
+                self.sheet.until, self.tally.interrupted = -math.inf, True
+            self.tally.leave_out(what)
             return False
         except FAILURES as failure:
-            self.tally.failed.append(f"{type(failure).__name__}: {failure}")
+            self.tally.fail(failure)
         return True
 
     def attempt(self, work: Callable[..., None], *given: Any) -> None:
@@ -169,12 +169,12 @@ class _Search:
         try:
             work(*given)
         except FAILURES as failure:
-            self.tally.failed.append(f"{type(failure).__name__}: {failure}")
+            self.tally.fail(failure)
 
     def known(self, phi: np.ndarray, verdict: str = "minimum") -> bool:
         """Tell whether a state was judged: one that is not stationary says nothing of a minimum beside it."""
         least = {"not stationary": CLOSES} if verdict == "minimum" else {}
-        apart = ((np.abs(phi - s.phi).max(), s.verdict) for s in self.tally.judged)
+        apart = ((np.abs(phi - s.phi).max(), s.verdict) for s in self.judged)
         return any(far <= least.get(what, 10 * SAME) for far, what in apart)
 
     def add(self, state: JudgedState) -> None:
@@ -182,7 +182,7 @@ class _Search:
         if state.freedoms < 0:  # it does not close, or is beyond a limit
             self.tally.open += 1
         elif not self.known(state.phi, state.verdict):
-            self.tally.judged.append(state)
+            self.judged.append(state)
 
     def settle(self, phi: np.ndarray) -> None:
         """Go downhill from a state that all but closes, on either side of saddles, and judge what is reached."""
@@ -194,7 +194,7 @@ class _Search:
             if not end.arrived and (better := stationary_beside(self.sheet, end.phi)) is not None:
                 end = replace(end, phi=better, arrived=True)
             if not end.arrived:
-                self.tally.unfinished += 1
+                self.tally.stalled += 1
             elif not self.known(end.phi):
                 self.add(self._judged(end.phi))
             if self.contact and (held := press_off(self.sheet, end.path)) is not None:
@@ -212,7 +212,7 @@ class _Search:
         """Judge where a descent into contact ended."""
         self.tally.pressed += 1
         if not end.arrived and end.why != UNTOLD:
-            self.tally.refused.append(end.why)
+            self.tally.gave_up[end.why] += 1
             return
         state = judge(self.sheet, end.phi)
         if not end.arrived or state.verdict == "undecided":
@@ -225,22 +225,24 @@ class _Search:
 
     def add_escapes(self) -> None:
         """Add what it takes to leave each minimum."""
-        states, most = self._by_energy(), self.tally.starts
-        self.tally.judged = with_escapes(self.curves, states, self.contact, most)
+        states, most = self.by_energy(), self.tally.starts
+        self.judged = with_escapes(self.curves, states, self.contact, most)
         self.sheet.check_time()
 
     def add_survival(self, degrees: float) -> None:
         """Add how many random errors each minimum survives."""
-        states, given = self._by_energy(), (self.contact, degrees)
-        self.tally.judged = with_survival(self.sheet, self.labels, states, *given)
+        states, given = self.by_energy(), (self.contact, degrees)
+        self.judged = with_survival(self.sheet, self.labels, states, *given)
 
-    def result(self, pattern: Pattern) -> SheetResult:
+    def result(self, pattern: Pattern, starts: int) -> SheetResult:
+        """Sum up what was judged and done, where `starts` random ones in a row were to find nothing new."""
+        minima = self.tally.sum_up(self.by_energy(), self.curves.found, starts)
+        self.tally.seconds = time.perf_counter() - self._since
+        return SheetResult(pattern, minima, self.tally, tuple(self.curves.found))
+
+    def by_energy(self) -> list[JudgedState]:
         """Return what was judged, by energy; states of one energy in an order that labels do not change."""
-        curves = tuple(self.curves.found)
-        return SheetResult(pattern, tuple(self._by_energy()), self.tally.summary(curves), curves)
-
-    def _by_energy(self) -> list[JudgedState]:
-        by_key = sorted(self.tally.judged, key=lambda s: self.labels.key(s.phi))
+        by_key = sorted(self.judged, key=lambda s: self.labels.key(s.phi))
         return sorted(by_key, key=lambda s: rank(s.energy / self.sheet.scale, ()))
 
     def _from_popped(self, start: np.ndarray) -> None:
@@ -256,7 +258,7 @@ class _Search:
     def add_images(self) -> None:
         """Judge images of minima under symmetries of the sheet with its springs."""
         for symmetry in self._symmetries:
-            for state in [s for s in self.tally.judged if s.verdict == "minimum"]:
+            for state in [s for s in self.judged if s.verdict == "minimum"]:
                 self.attempt(self.settle, image(symmetry, state.phi))
 
     def pop(self, most: int) -> None:
@@ -270,7 +272,7 @@ class _Search:
             self.sheet.check_time()
             waiting = [
                 s.phi
-                for s in self._by_energy()
+                for s in self.by_energy()
                 if s.verdict == "minimum"
                 and s.phi.any()
                 and not any(np.abs(s.phi - x).max() <= 10 * SAME for x in popped)
@@ -294,7 +296,7 @@ class _Search:
         self.add(judge(self.sheet, np.zeros(pattern.creases), self.contact))
         flat = list_branches(pattern, None, self.sheet.check_time)
         if flat.reason:
-            tally.reasons.append(
+            self.tally.skip(
                 f"ways out of the flat state, and of flat-folded ones: not enumerated, {flat.reason}"
             )
             return
@@ -302,7 +304,7 @@ class _Search:
         folded = list_flat_folded(pattern, self.contact, self.sheet.check_time)
         states = folded.states
         if folded.reason:
-            tally.reasons.append(
+            self.tally.skip(
                 f"flat-folded states: not enumerated, {folded.reason}; of them the ways out of the flat one alone"
             )
             states = np.zeros((1, pattern.creases))
@@ -332,7 +334,7 @@ class _Search:
     def _leave(self, phi: np.ndarray, ways: TangentCone) -> None:
         """Go all ways out of a state."""
         if ways.reason:
-            self.tally.reasons.append(f"ways out of a state where curves meet: {ways.reason}")
+            self.tally.skip(f"ways out of a state where curves meet: {ways.reason}")
             return
         lines = sorted(ways.open(phi), key=self.labels.key)
         for d in lines:
@@ -344,15 +346,15 @@ class _Search:
 
     def _leave_family(self, phi: np.ndarray, basis: np.ndarray) -> None:
         """Start into a family with several freedoms: once where it is a plane, on which energy has one minimum."""
-        sheet, tally = self.sheet, self.tally
+        sheet = self.sheet
         off = phi - basis @ (basis.T @ phi)
-        if tally.has_plane(basis, off):
+        if is_on_plane(self._planes, basis, off):
             return
         d = basis @ (basis.T @ self._side)
         d /= np.abs(d).max()
         # closed at unequal distances both ways along a generic direction: taken for a plane of closed states
         if max(sheet.residual(phi + 0.7 * d), sheet.residual(phi - 1.1 * d)) <= 10 * CLOSES:
-            tally.planes.append((basis, off))
+            self._planes.append((basis, off))
             lowest = lowest_on(sheet, phi, basis)
             if lowest is not None and not self.known(lowest):
                 self.add(judge(sheet, lowest, self.contact))
@@ -366,7 +368,7 @@ class _Search:
         seconds = max(0.5 * (self.sheet.until - time.monotonic()), 0.0)
         states, whole = of_vertex(self.sheet.pattern, self.contact, seed, seconds)
         if not whole:
-            self.tally.left_out[OF_VERTEX] = None
+            self.tally.leave_out(OF_VERTEX)
         for phi in states:
             self.tally.of_vertex += 1
             if not self.known(phi):
@@ -379,11 +381,11 @@ class _Search:
         self.explore(start)
         self.tally.drawn += 1
         self.tally.outside += len(self.curves.found) - before[1]
-        self.tally.since = self.tally.since + 1 if self._found() == before else 0
+        self.tally.quiet = self.tally.quiet + 1 if self._found() == before else 0
 
     def _found(self) -> tuple[int, int]:
         """Return how many minima and curves are known."""
-        return sum(s.verdict == "minimum" for s in self.tally.judged), len(self.curves.found)
+        return sum(s.verdict == "minimum" for s in self.judged), len(self.curves.found)
 
     def explore(self, start: np.ndarray) -> None:
         """Close a start, trace its curve or go downhill from it, and judge what is found."""
@@ -409,11 +411,11 @@ class _Search:
         if sheet.size > self.options.most_traced or (z := tangents(sheet, phi)).shape[1] != 1:
             self.settle(phi)
         elif phi not in self.curves:
-            if tally.traced == self.options.most_curves:
+            if self._traced == self.options.most_curves:
                 tally.not_traced += 1
                 self.settle(phi)
                 return
-            tally.traced += 1
+            self._traced += 1
             for traced in self.curves.trace(phi, z[:, 0]):
                 self._along(traced)
 
@@ -432,9 +434,7 @@ class _Search:
         self.settle(well)
         known = {"minimum": ON_CURVE, "not admissible": ON_CURVE}
         known |= dict.fromkeys(("saddle", "not stationary"), 10 * SAME)
-        judged = any(
-            np.abs(well - s.phi).max() <= known.get(s.verdict, -1.0) for s in self.tally.judged
-        )
+        judged = any(np.abs(well - s.phi).max() <= known.get(s.verdict, -1.0) for s in self.judged)
         if not judged and (closed := close(self.sheet, well)) is not None:
             beside = stationary_beside(self.sheet, closed)
             if beside is not None:
@@ -444,7 +444,7 @@ class _Search:
                 judged = any(
                     np.abs(beside - s.phi).max() <= 10 * SAME
                     and (s.verdict in ("minimum", "not admissible") or s.freedoms == 1)
-                    for s in self.tally.judged
+                    for s in self.judged
                     if s.verdict in known
                 )
         self.tally.resolved += judged

@@ -9,20 +9,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
-from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
-from origami_nlp.errors import OptionError
 from origami_nlp.facets import Crossings, Poses, Sheet, order_layers
-from origami_nlp.files import write_whole
-from origami_nlp.minima import check_mesh, join_meshes
+from origami_nlp.minima import Part
 from origami_nlp.pattern import REST_KEY, STIFFNESS_KEY, Pattern
 from origami_nlp.version import __version__
-
-if TYPE_CHECKING:
-    from origami_nlp.sheets.result import SheetResult
 
 ROOM = 1.25
 """States of a mesh stand apart by this many sizes of the sheet."""
@@ -118,28 +112,8 @@ def sheet_frame(
     }
 
 
-def found_to_fold(found: SheetResult) -> dict[str, Any]:
-    """Return the minima of a pattern as FOLD data, a frame each.
-
-    Parameters
-    ----------
-    found
-        Of `find_minima`.
-
-    Returns
-    -------
-    dict
-        As of `sheet_to_fold`.
-    """
-    frames = []
-    for k, state in enumerate(found.minima, start=1):
-        more = state.frame_entries()
-        frames.append(sheet_frame(found.pattern, state.phi, state.title(k), **more))
-    return sheet_to_fold(found.pattern, frames)
-
-
-def write_sheet_mesh(pattern: Pattern, states: Sequence[np.ndarray], target: str | Path) -> None:
-    """Write states side by side as one triangle mesh, by way of trimesh (extra ``mesh``).
+def sheet_parts(pattern: Pattern, states: Sequence[np.ndarray]) -> list[Part]:
+    """Return states side by side, each as triangles.
 
     Parameters
     ----------
@@ -147,31 +121,19 @@ def write_sheet_mesh(pattern: Pattern, states: Sequence[np.ndarray], target: str
         The sheet.
     states
         Fold angles [n] [rad] of each.
-    target
-        The file, ``.obj``, ``.stl`` or ``.glb`` (binary glTF).
 
-    Raises
-    ------
-    OptionError
-        If trimesh is not installed, the name ends in something else, there is no state, or the file cannot be written.
+    Returns
+    -------
+    list of tuple
+        Points [v, 3] and triangles [f, 3]; what pads convex pieces to one length is triangles without area.
     """
-    suffix = check_mesh(target)
-    import trimesh
-
     crossings = Crossings(pattern)
-    fans = [[(0, i, i + 1) for i in range(1, len(piece) - 1)] for piece in crossings.pieces]
-    parts = []
-    for k, phi in enumerate(states):
-        x = crossings.placed(np.asarray(phi, float))
-        x = x + np.array([ROOM * k * crossings.size, 0.0, 0.0])
-        q = x.shape[1]
-        faces = [[q * i + v for v in t] for i, fan in enumerate(fans) for t in fan]
-        mesh = trimesh.Trimesh(x.reshape(-1, 3), np.array(faces), process=False)
-        mesh.update_faces(mesh.area_faces > 0)  # padding repeats a corner
-        parts.append(mesh)
-    if not parts:
-        raise OptionError(f"--mesh = {str(target)!r}: no state was found to write")
-    write_whole(target, join_meshes(parts, suffix))
+    pieces, q = crossings.pieces.shape
+    fan = np.array([(0, i, i + 1) for i in range(1, q - 1)])
+    faces = (q * np.arange(pieces)[:, None, None] + fan).reshape(-1, 3)
+    aside = np.array([ROOM * crossings.size, 0.0, 0.0])
+    placed = (crossings.placed(np.asarray(phi, float)).reshape(-1, 3) for phi in states)
+    return [(x + k * aside, faces) for k, x in enumerate(placed)]
 
 
 def _letters(p: Pattern) -> list[str]:

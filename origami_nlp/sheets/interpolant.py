@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from origami_nlp.facets import Sheet, image
+from origami_nlp.files import Brief
 from origami_nlp.numerics import CLOSES
 from origami_nlp.sheets.curve import ClosedStates, Curve
 
@@ -46,8 +47,8 @@ POWERS = np.array(
 """From control points to coefficients of 1, u, u^2, ..."""
 
 
-@dataclass(frozen=True, eq=False)
-class Interpolant:
+@dataclass(frozen=True, eq=False, repr=False)
+class Interpolant(Brief):
     """A curve as polynomials.
 
     Attributes

@@ -11,8 +11,9 @@ from origami_nlp.barriers import find_barriers
 from origami_nlp.kkt import State, classify
 from origami_nlp.minima import JudgedState, MinimaResult
 from origami_nlp.numerics import DESIGN_FOUND, SAME_ENERGY, SETTLED
-from origami_nlp.pattern import Scene
+from origami_nlp.pattern import Pattern, Scene
 from origami_nlp.programme import Model
+from origami_nlp.sheets import SheetResult
 from origami_nlp.springs.convex import Posed
 from origami_nlp.springs.result import Design, ExtraMinimum, HeldBarrier, HeldState
 from origami_nlp.springs.robustness import MOVES, Tolerance, tolerance_of
@@ -28,8 +29,8 @@ def check(
     targets: Targets,
     ask: Ask,
     posed: Posed,
-    scene: Scene,
-    minima: MinimaResult,
+    scene: Scene | Pattern,
+    minima: MinimaResult | SheetResult,
     ways: Mapping[tuple[str, str], Way],
     seed: int,
     say: Callable[[str], None],
@@ -63,14 +64,16 @@ def check(
     extra = tuple(ExtraMinimum(m.energy, str(m.kind), tuple(m.fold_angles)) for m in others)
     energy = {s.name: s.energy for s in states}
     failed += _energies(targets, energy)
-    barriers = _barriers(targets, scene, minima, ways, energy, seed)
+    barriers: tuple[HeldBarrier, ...] = ()
+    if isinstance(scene, Scene) and isinstance(minima, MinimaResult):
+        barriers = _barriers(targets, scene, minima, ways, energy, seed)
     failed += [b.why for b in barriers if b.why]
     if extra and ask.extra_states == "forbid":
         failed.append(f"{len(extra)} minima that were to be forbidden are there")
     tolerance = None
     if not failed and (ask.tolerance_percent is not None or ask.maximise == "tolerance"):
         say("tolerance of the springs")
-        tolerance, more = _tolerance(ask, scene, states, seed)
+        tolerance, more = _tolerance(ask, scene, states, seed)  # type: ignore[arg-type]
         failed += more
     return Design(
         targets=targets,
@@ -89,7 +92,7 @@ def check(
 
 
 def _states(
-    targets: Targets, result: MinimaResult
+    targets: Targets, result: MinimaResult | SheetResult
 ) -> tuple[tuple[HeldState, ...], list[str], set[int]]:
     """Look for every target among the minima, and judge it by itself where it is not there."""
     held, failed, ours = [], [], set()
@@ -106,8 +109,9 @@ def _states(
             if targets.full_space and verdict not in (None, "stable"):
                 failed.append(f"state {who!r} is {verdict} when the symmetry breaks")
             continue
-        judged = classify(State(Model(result.scene), placed.state.x))
-        energy = float(result.scene.energy(phi))
+        made = result.scene if isinstance(result, MinimaResult) else result.pattern
+        judged = classify(State(targets.posed(made), placed.state.x))
+        energy = float(made.energy(phi))
         held.append(_held(placed, phi, math.inf, energy, judged.kind, judged.reason, None))
         failed.append(
             f"the search did not find state {who!r}, which by itself is "

@@ -16,7 +16,7 @@ import numpy as np
 from origami_nlp.errors import OptionError
 from origami_nlp.kkt import State
 from origami_nlp.numerics import DESIGN_ACTIVE, DESIGN_MARGIN, ROUNDED
-from origami_nlp.pattern import Scene
+from origami_nlp.pattern import Pattern, Scene
 from origami_nlp.programme import Contact
 from origami_nlp.springs.conic import BALL, EQUAL, POSITIVE, Answer, Programme, Rows
 from origami_nlp.springs.equilibrium import Balance, Springs, balances, energy_row
@@ -417,8 +417,8 @@ def _scale(posed: Posed, v: np.ndarray) -> float:
     return math.sqrt(float(k.max()) / high * float(k.min()) / low)
 
 
-def scene_of(targets: Targets, found: Found, name: str | None = None) -> Scene:
-    """Return the scene with these springs.
+def scene_of(targets: Targets, found: Found, name: str | None = None) -> Scene | Pattern:
+    """Return the scene, or the pattern, with these springs.
 
     Parameters
     ----------
@@ -431,20 +431,7 @@ def scene_of(targets: Targets, found: Found, name: str | None = None) -> Scene:
 
     Returns
     -------
-    Scene
-        With a preload where no rest angle within [-pi, pi] gives the torque.
+    Scene or Pattern
+        A scene with a preload where no rest angle within [-pi, pi] gives the torque.
     """
-    k = found.stiffness[targets.kinds]
-    tau = found.torque[targets.kinds]
-    rest = np.clip(tau / k, -math.pi, math.pi)
-    wound = np.abs(tau / k) > math.pi * (1 + ROUNDED)
-    return Scene(
-        targets.vertex,
-        tuple(k),
-        tuple(rest),
-        symmetry=targets.symmetry,
-        contact=targets.contact,
-        mirror=targets.mirror,
-        name=name,
-        preload=tuple(np.where(wound, tau - k * rest, 0.0)) if wound.any() else (),
-    )
+    return targets.made(found.stiffness, found.torque, name)

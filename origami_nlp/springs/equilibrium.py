@@ -21,7 +21,7 @@ import numpy as np
 
 from origami_nlp.kkt import State, Stratum
 from origami_nlp.numerics import INDEPENDENT, RANK
-from origami_nlp.programme import Contact, Model
+from origami_nlp.programme import Contact, Programme as Problem
 from origami_nlp.springs.conic import DEFINITE, EQUAL, POSITIVE, Programme, svector
 
 
@@ -87,7 +87,6 @@ class Balance:
         j, self.kernel = state.jacobian, state.kernel
         u, values, vt = np.linalg.svd(j)
         rank = int((values > RANK).sum())
-        self.lost = u[:, rank:]
         # (J')^+ by the singular vectors of J that are not lost
         self.to_closure = u[:, :rank] @ (vt[:rank] / values[:rank, None])
         held = stratum.contacts if loose else [c for c in stratum.contacts if c not in touching]
@@ -100,6 +99,20 @@ class Balance:
                 for e in np.eye(m + r)
             ]
         ).reshape(m + r, len(state.x), len(state.x))
+        self.lost = self._bent(u[:, rank:])
+
+    def _bent(self, lost: np.ndarray) -> np.ndarray:
+        """Return the part of the left kernel of J, in columns, whose equations say something to second order.
+
+        Rows of a pattern depend on each other all along its states: their forces are self-stress, and bend nothing.
+        """
+        if not lost.shape[1]:
+            return lost
+        forms = np.tensordot(lost.T, self.curvatures[: len(lost)], 1)
+        along = np.einsum("pi,kpq,qj->kij", self.kernel, forms, self.kernel)
+        u, values, _ = np.linalg.svd(along.reshape(len(along), -1), full_matrices=False)
+        says = int((values > RANK).sum())
+        return lost if says == lost.shape[1] else lost @ u[:, :says]
 
     @property
     def regular(self) -> bool:
@@ -228,7 +241,7 @@ def balances(
     return [Balance(state.on(tuple(p)), kind, touching, loose) for p in state.pieces]
 
 
-def energy_row(model: Model, x: np.ndarray, kind: np.ndarray, places: Springs) -> np.ndarray:
+def energy_row(model: Problem, x: np.ndarray, kind: np.ndarray, places: Springs) -> np.ndarray:
     """Return the row whose product with the unknowns is the energy of x less that of phi = 0, [places.size]."""
     out = np.zeros(places.size)
     # sum k/2 (x - phi0)^2 less sum k/2 phi0^2 = sum k x^2 / 2 - tau x: the square of phi0 would not be linear
@@ -238,7 +251,7 @@ def energy_row(model: Model, x: np.ndarray, kind: np.ndarray, places: Springs) -
 
 
 def slope_row(
-    model: Model, x: np.ndarray, step: np.ndarray, kind: np.ndarray, places: Springs
+    model: Problem, x: np.ndarray, step: np.ndarray, kind: np.ndarray, places: Springs
 ) -> np.ndarray:
     """Return the row whose product with the unknowns is the slope of the energy at x along a step [n]."""
     out = np.zeros(places.size)

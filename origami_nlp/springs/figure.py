@@ -11,6 +11,8 @@ from matplotlib.figure import Figure
 
 from origami_nlp.arguments import check_type
 from origami_nlp.errors import OptionError
+from origami_nlp.pattern import Pattern
+from origami_nlp.sheets import draw_sheet
 from origami_nlp.show import MOUNTAIN, VALLEY, draw_state, label_text
 from origami_nlp.springs.result import Design
 
@@ -60,12 +62,20 @@ def draw_design(design: Design) -> Figure:
             axes.axis("off")
             continue
         name, energy, phi, wanted = states[k]
-        draw_state(axes, design.scene.vertex, phi, size=7.0)
+        if isinstance(design.scene, Pattern):
+            draw_sheet(axes, design.scene, np.array(phi))
+        else:
+            draw_state(axes, design.scene.vertex, phi, size=7.0)
         axes.set_title(
             label_text(f"{name}\n{energy:.4g} J"), fontsize=9, color="black" if wanted else GREY
         )
     what = "verified" if design.verified else "NOT verified"
-    label = design.scene.label or f"degree {design.scene.degree}"
+    made = design.scene
+    label = (
+        made.name or "pattern"
+        if isinstance(made, Pattern)
+        else made.label or f"degree {made.degree}"
+    )
     above.suptitle(label_text(f"{label}: margin {design.margin:.3g}, {what}"), fontsize=11)
     axes = below.subplots(1, 3, width_ratios=(1, 1, 1.15))
     _springs(axes[0], axes[1], design)
@@ -77,7 +87,7 @@ def _springs(left: Axes, right: Axes, design: Design) -> None:
     """Draw a bar for each crease: stiffness, and the angle at which it has no torque."""
     assert design.scene is not None
     scene = design.scene
-    number = np.arange(1, scene.degree + 1)
+    number = np.arange(1, len(scene.stiffness) + 1)
     left.bar(number, scene.stiffness, color=GREY, width=0.6)
     left.set_yscale("log")
     left.set_ylabel("stiffness [N m/rad]")
@@ -85,14 +95,14 @@ def _springs(left: Axes, right: Axes, design: Design) -> None:
     for bound in (low, high):
         left.axhline(bound, color="black", lw=0.7, ls=":")
     left.set_ylim(0.7 * low, 1.4 * high)
-    angles = np.degrees(scene.wound_angles)
+    angles = np.degrees(scene.rest if isinstance(scene, Pattern) else scene.wound_angles)
     right.bar(number, angles, color=[VALLEY if a > 0 else MOUNTAIN for a in angles], width=0.6)
     right.axhline(0.0, color="black", lw=0.8)
     most = max(180.0, 1.08 * float(np.abs(angles).max()))
     for limit in (-180.0, 180.0):
         right.axhline(limit, color="black", lw=0.7, ls=":")
     right.set_ylim(-1.1 * most, 1.1 * most)
-    right.set_ylabel("wound to [deg]" if scene.preload else "rest angle [deg]")
+    right.set_ylabel("wound to [deg]" if getattr(scene, "preload", ()) else "rest angle [deg]")
     for axes in (left, right):
         axes.set_xticks(number)
         axes.set_xlabel("crease")

@@ -6,14 +6,16 @@ import itertools
 import math
 from collections.abc import Callable
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
-from origami_nlp.arguments import check_callback, check_whole, shown
+from origami_nlp.arguments import check_callback, check_whole, refuse, shown
 from origami_nlp.errors import OptionError
 from origami_nlp.minima import find_minima
 from origami_nlp.numerics import DESIGN_SNAP
-from origami_nlp.programme import Model
+from origami_nlp.pattern import Pattern, Scene
+from origami_nlp.sheets import find_states
 from origami_nlp.springs.checking import check
 from origami_nlp.springs.conic import Rows
 from origami_nlp.springs.convex import Posed, scene_of, springs_of
@@ -36,6 +38,12 @@ SHARES = (0.5, 2.0)
 IMPROVEMENTS = 2
 """Rounds over the states then."""
 MOST_PERCENT = 100.0 * MOST
+_OF_A_VERTEX = {
+    "maximise": "of its springs the margin is made largest",
+    "tolerance_percent": "states of one vertex are followed as springs are off",
+    "extra_states": "minima of one vertex are cut away",
+}
+"""What is not asked of a pattern, and why."""
 
 
 def design(
@@ -94,6 +102,12 @@ def design(
     check_whole("seed", seed, 0)
     check_callback("progress", progress)
     _differ(targets)
+    if isinstance(targets.origami, Pattern):
+        tolerant = ask.maximise == "tolerance" or ask.tolerance_percent is not None
+        asked: dict[str, Any] = {"maximise": ask.maximise if ask.maximise != "margin" else None}
+        asked |= {"tolerance_percent": ask.tolerance_percent if tolerant else None}
+        asked |= {"extra_states": ask.extra_states if ask.extra_states != "report" else None}
+        refuse("pattern", _OF_A_VERTEX, **asked)
     if ask.maximise == "barrier" and not targets.barriers:
         raise OptionError("[ask] maximise = 'barrier' needs [[barriers]] with the pairs that count")
     if ask.maximise == "barrier" and targets.model.freedom != 1:
@@ -143,7 +157,9 @@ class _Work:
         best = self._best(targets, more, calm)
         for _ in range(TOPS):
             # bounds hold at samples: a top between two of them that is too high becomes a sample
-            if not best.feasible or not self.passes.see(Model(scene_of(targets, springs_of(best)))):
+            if not best.feasible or not self.passes.see(
+                targets.posed(scene_of(targets, springs_of(best)))
+            ):
                 break
             best = self._best(targets, more, calm)
         return best
@@ -168,7 +184,13 @@ class _Work:
         """Make the scene of an optimum, and check it; `prove` where a proof that no minimum is missing is tried."""
         scene = scene_of(self.targets, springs_of(posed), self.name)
         self.say("minima of the scene")
-        full = self.targets.full_space and not self.targets.blank.group.is_trivial
+        if not isinstance(scene, Scene):
+            contact = self.targets.contact == "full"
+            listed = find_states(
+                scene, seed=self.seed, effort=self.effort, contact=contact, escape=False
+            )
+            return check(self.targets, self.ask, posed, scene, listed, {}, self.seed, self.say)
+        full = self.targets.full_space and self.targets.symmetric
         minima = find_minima(
             scene,
             seed=self.seed,
@@ -255,7 +277,8 @@ class _Work:
 
     def _tolerance(self, posed: Posed, known: Tolerance) -> Tolerance | None:
         """Return the tolerance of a candidate; None where a direction that is known makes it no larger."""
-        scene, t = scene_of(self.targets, springs_of(posed)), self.targets
+        t = self.targets
+        scene: Any = scene_of(t, springs_of(posed))
         at = {p.target.name: t.model.expand(p.state.x) for p in t.placed}
         most = math.log1p(known.percent / 100.0)
         for loss in known.losses:

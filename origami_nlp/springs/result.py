@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
@@ -11,7 +11,8 @@ import numpy as np
 
 from origami_nlp.minima import MinimaResult
 from origami_nlp.numerics import SAME
-from origami_nlp.pattern import Scene
+from origami_nlp.pattern import Pattern, Scene
+from origami_nlp.sheets import SheetResult
 from origami_nlp.show import Piece, Table, Told, Words
 from origami_nlp.springs.reasons import Reason
 from origami_nlp.springs.robustness import MOVES, Tolerance
@@ -109,7 +110,7 @@ class Design(Told):
         the mean stiffness; the largest that any springs have, unless barriers or tolerances were made largest.  At most
         0, or -inf, where there are none.
     scene
-        With the springs; None where there are none.
+        The scene, or the pattern, with the springs; None where there are none.
     states
         Each target, as found in the scene.
     extra_minima
@@ -148,12 +149,12 @@ class Design(Told):
 
     targets: Targets = field(metadata={"plain": False})
     margin: float
-    scene: Scene | None
+    scene: Scene | Pattern | None
     states: tuple[HeldState, ...]
     extra_minima: tuple[ExtraMinimum, ...]
     reason: Reason | None
     failed: tuple[str, ...]
-    minima: MinimaResult | None = field(metadata={"plain": False})
+    minima: MinimaResult | SheetResult | None = field(metadata={"plain": False})
     iterations: int
     residual: float
     barriers: tuple[HeldBarrier, ...] = ()
@@ -179,6 +180,8 @@ class Design(Told):
         extra minimum (``"minimum 1"`` is the first of these).
         """
         if self.minima is None:
+            return ("",) * len(self.extra_minima)
+        if not isinstance(self.minima, MinimaResult):
             return ("",) * len(self.extra_minima)
         model = self.minima.model
         known = [(f"state {s.name}", np.array(s.fold_angles)) for s in self.states]
@@ -230,8 +233,9 @@ class Design(Told):
                 yield Words(f"  {energy:.5g} J  {kind}: {angles} deg{same}")
         else:
             yield Words("no other minimum was found")
-        if self.minima is not None and self.minima.completeness is not None:
-            yield Words(next(self.minima.completeness.lines()))
+        known = getattr(self.minima, "completeness", None)
+        if known is not None:
+            yield Words(next(known.lines()))
 
     @staticmethod
     def _tolerance(found: Tolerance) -> Iterator[Piece]:
@@ -268,16 +272,21 @@ class Design(Told):
     def springs(self) -> Table:
         """The springs, one crease a row."""
         assert self.scene is not None
-        preload = getattr(self.scene, "preload", None) or (0.0,) * self.scene.degree
+        preload = getattr(self.scene, "preload", None) or (0.0,) * len(self.scene.stiffness)
         wound = any(preload)
         heads = ("crease", "stiffness [N m/rad]", "rest angle [deg]") + ("preload [N m]",) * wound
         rows: list[tuple[str, ...]] = [
             (str(i), f"{k:.5g}", f"{math.degrees(r):.4f}") + (f"{p:.5g}",) * wound
             for i, (k, r, p) in enumerate(
-                zip(self.scene.stiffness, self.scene.rest_angles, preload, strict=True), start=1
+                zip(self.scene.stiffness, rest_of(self.scene), preload, strict=True), start=1
             )
         ]
         return _table(heads, rows, "Springs")
+
+
+def rest_of(made: Scene | Pattern) -> Sequence[float]:
+    """Return rest angles, [N] [rad]."""
+    return made.rest_angles if isinstance(made, Scene) else made.rest.tolist()
 
 
 def _table(heads: tuple[str, ...], rows: list[tuple[str, ...]], title: str) -> Table:

@@ -1,4 +1,4 @@
-"""What a design is asked for: a vertex, states it shall hold, and what its springs may be."""
+"""What a design is asked for: a vertex or a pattern, states it shall hold, and what its springs may be."""
 
 from __future__ import annotations
 
@@ -7,18 +7,27 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from numbers import Real
+from typing import Any
 
 import numpy as np
 
-from origami_nlp.arguments import check_angles, check_number, shown
+from origami_nlp.arguments import check_angles, check_number, check_type, refuse, shown
 from origami_nlp.errors import OptionError
+from origami_nlp.facets import Sheet
 from origami_nlp.kkt import State, project
-from origami_nlp.numerics import CLOSES, DESIGN_SNAP, OUTSIDE
-from origami_nlp.pattern import Contact, Scene, Vertex
+from origami_nlp.numerics import CLOSES, DESIGN_SNAP, OUTSIDE, ROUNDED
+from origami_nlp.pattern import Contact, Pattern, Scene, Vertex
 from origami_nlp.programme import Model
 
 TURNS = 4 * math.pi
 """Largest rest angle of a wound spring [rad]: two turns."""
+_OF_A_VERTEX = {
+    "symmetry": "equal says which of its springs are equal",
+    "mirror": "equal says which of its springs are equal",
+    "preload": "its springs rest within [-pi, pi]",
+    "barriers": "springs are made for barriers of one vertex",
+}
+"""What is not for a pattern, and why."""
 FAR = 0.1
 """Farthest that closure may move a fold angle that was asked for [rad]: N angles, each read to 2 deg, are off by
 2 sqrt(N) deg together, 5.7 deg for N = 8; what is farther is another state."""
@@ -98,12 +107,13 @@ class Targets:
 
     Parameters
     ----------
-    vertex
-        The crease pattern.
+    origami
+        The crease pattern: one vertex, or a whole pattern.
     states
         The states wanted.
     symmetry, contact, mirror
-        As of a `Scene`; without springs, ``"auto"`` is the largest group of the geometry.
+        As of a `Scene`; without springs, ``"auto"`` is the largest group of the geometry.  Of a pattern contact alone,
+        ``"full"`` or ``"fold-limits"``.
     stiffness
         Bounds of each crease [N m/rad], both positive.
     rest_angles
@@ -119,9 +129,12 @@ class Targets:
         Largest energy of states by name [J].
     full_space
         Hold the states also where motions break the symmetry.
+    equal
+        Of a pattern, which creases have equal springs: ``""`` none, ``"letters"`` all of one assignment, or a number
+        for each crease, the same for equal ones.
     """
 
-    vertex: Vertex
+    origami: Vertex | Pattern
     states: tuple[Target, ...]
     symmetry: str = "none"
     contact: Contact = "full"
@@ -133,8 +146,10 @@ class Targets:
     barriers: tuple[BarrierAsk, ...] = ()
     highest: dict[str, float] = field(default_factory=dict)
     full_space: bool = True
+    equal: str | tuple[int, ...] = ""
 
     def __post_init__(self) -> None:
+        self._check_kind()
         object.__setattr__(self, "states", tuple(self.states))
         object.__setattr__(self, "energies", tuple(self.energies))
         object.__setattr__(self, "barriers", tuple(self.barriers))
@@ -184,6 +199,35 @@ class Targets:
         if not isinstance(self.preload, bool):
             check_number("preload", self.preload, 0.0)
 
+    def _check_kind(self) -> None:
+        """Complain about what is not for a vertex, or not for a pattern."""
+        if isinstance(self.origami, Vertex):
+            refuse(
+                "vertex",
+                {"equal": "its symmetry says which springs are equal"},
+                equal=self.equal or None,
+            )
+            return
+        check_type("origami", self.origami, Pattern)
+        given = {
+            "symmetry": None if self.symmetry == "none" else self.symmetry,
+            "mirror": self.mirror,
+            "preload": self.preload or None,
+            "barriers": self.barriers or None,
+        }
+        refuse("pattern", _OF_A_VERTEX, **given)
+        if self.contact not in ("full", "fold-limits"):
+            raise OptionError(
+                f"contact = {shown(self.contact)} must be 'full' or 'fold-limits' for a pattern"
+            )
+        n = self.origami.creases
+        if self.equal not in ("", "letters") and (
+            isinstance(self.equal, str) or len(self.equal) != n
+        ):
+            raise OptionError(
+                f"equal = {shown(self.equal)} must be '', 'letters' or {n} numbers, one a crease"
+            )
+
     def _known(self, name: str, what: str) -> None:
         known = [t.name for t in self.states]
         if name not in known:
@@ -197,12 +241,18 @@ class Targets:
         most = TURNS if self.preload is True else math.pi
         return -most, most
 
+    @property
+    def symmetric(self) -> bool:
+        """Whether states keep a symmetry that is imposed."""
+        return isinstance(self.origami, Vertex) and not self.blank.group.is_trivial
+
     @cached_property
     def blank(self) -> Scene:
-        """The scene with equal springs, for its geometry."""
-        n = self.vertex.degree
+        """The scene of a vertex with equal springs, for its geometry."""
+        assert isinstance(self.origami, Vertex)
+        n = self.origami.degree
         return Scene(
-            self.vertex,
+            self.origami,
             (1.0,) * n,
             (0.0,) * n,
             symmetry=self.symmetry,
@@ -211,20 +261,50 @@ class Targets:
         )
 
     @cached_property
-    def model(self) -> Model:
+    def model(self) -> Any:
         """The programme with the symmetry, of equal springs."""
-        return Model(self.blank)
+        if isinstance(self.origami, Vertex):
+            return Model(self.blank)
+        return self.posed(self.origami.with_springs(1.0, 0.0))
+
+    def posed(self, made: Scene | Pattern) -> Any:
+        """Return the programme of the same vertex or pattern with some springs."""
+        return Model(made) if isinstance(made, Scene) else Sheet(made, self.contact == "full")
+
+    def made(
+        self, stiffness: np.ndarray, torque: np.ndarray, name: str | None = None
+    ) -> Scene | Pattern:
+        """Return the scene, or the pattern, with the stiffness and torque k phi0 of each kind of crease."""
+        k, tau = stiffness[self.kinds], torque[self.kinds]
+        rest = np.clip(tau / k, -math.pi, math.pi)
+        if isinstance(self.origami, Pattern):
+            sprung = self.origami.with_springs(k.tolist(), rest.tolist())
+            return replace(sprung, name=name or sprung.name)
+        wound = np.abs(tau / k) > math.pi * (1 + ROUNDED)
+        return Scene(
+            self.origami,
+            tuple(k),
+            tuple(rest),
+            symmetry=self.symmetry,
+            contact=self.contact,
+            mirror=self.mirror,
+            name=name,
+            preload=tuple(np.where(wound, tau - k * rest, 0.0)) if wound.any() else (),
+        )
 
     @cached_property
-    def free(self) -> Model:
+    def free(self) -> Any:
         """The programme in which the states must stand: without the symmetry where that is asked for."""
-        if not self.full_space or self.blank.group.is_trivial:
+        if not self.full_space or not self.symmetric:
             return self.model
         return Model(replace(self.blank, symmetry="none", mirror=None))
 
     @cached_property
     def kinds(self) -> np.ndarray:
         """Which kind of crease each crease is, equal where the symmetry asks for equal springs, shape [N]."""
+        if isinstance(self.origami, Pattern):
+            named = list(self.origami.assignment) if self.equal == "letters" else self.equal
+            return np.unique(named or np.arange(self.origami.creases), return_inverse=True)[1]
         own = self.model
         return np.rint(own.expand(np.arange(own.size, dtype=float))).astype(int)
 
@@ -253,7 +333,7 @@ class Placed:
     moved: float
 
 
-def place(model: Model, target: Target) -> Placed:
+def place(model: Any, target: Target) -> Placed:
     """Move a target onto closure.
 
     Parameters
@@ -274,7 +354,8 @@ def place(model: Model, target: Target) -> Placed:
         If it does not keep the symmetry, does not close nearby, or is not admissible.
     """
     who = f"state {target.name!r}"
-    phi = check_angles(f"{who}: fold_angles", target.fold_angles, model.scene.degree, one=True)
+    many = len(model.expand(np.zeros(model.size)))
+    phi = check_angles(f"{who}: fold_angles", target.fold_angles, many, one=True)
     k = int(np.abs(phi).argmax())
     if abs(phi[k]) > math.pi + FAR:
         raise OptionError(

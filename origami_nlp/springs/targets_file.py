@@ -12,11 +12,12 @@ from typing import Any
 from origami_nlp.arguments import check_number, check_whole, shown
 from origami_nlp.errors import OptionError
 from origami_nlp.files import check_tables, one_of, parse_toml, read_json, read_toml
-from origami_nlp.pattern import parse_angles, vertex_from_dict
+from origami_nlp.pattern import Pattern, Vertex, as_pattern, parse_angles, vertex_from_dict
 from origami_nlp.springs.targets import BarrierAsk, EnergyGap, Target, Targets
 
 _KEYS = {
     "vertex": ("sector_angles", "sector_angles_deg", "directions", "flat"),
+    "pattern": ("example", "file", "equal"),
     "model": ("symmetry", "contact", "mirror", "name"),
     "states": (
         *("name", "fold_angles", "fold_angles_deg", "like", "margin", "tolerance_deg"),
@@ -100,11 +101,12 @@ def parse_targets(text: str, folder: Path = Path(".")) -> tuple[Targets, Ask, st
 
 def _targets(data: Mapping[str, Any], folder: Path) -> tuple[Targets, Ask, str | None]:
     check_tables(data, _KEYS, "targets have", OptionError, ("states", "barriers"))
-    vertex = vertex_from_dict(data.get("vertex", {}))
+    origami, equal = _origami(data, folder)
+    many = origami.creases if isinstance(origami, Pattern) else origami.degree
     entries = data.get("states", [])
     states, gaps, highest = [], [], {}
     for i, entry in enumerate(entries, start=1):
-        target = _state(entry, i, folder, vertex.degree)
+        target = _state(entry, i, folder, many)
         states.append(target)
         if "energy_above" in entry or "energy_difference" in entry:
             gaps.append(_gap(entry, target.name))
@@ -136,15 +138,35 @@ def _targets(data: Mapping[str, Any], folder: Path) -> tuple[Targets, Ask, str |
             raise OptionError(f"[ask] full_space = {shown(full)} must be true or false")
         more["full_space"] = full
     targets = Targets(
-        vertex,
+        origami,
         tuple(states),
         energies=tuple(gaps),
         highest=highest,
         barriers=barriers,
+        **equal,
         **model,
         **more,
     )
     return targets, Ask(**ask), name
+
+
+def _origami(data: Mapping[str, Any], folder: Path) -> tuple[Vertex | Pattern, dict[str, Any]]:
+    """Return the vertex or the pattern that is asked about, and which springs of a pattern are equal."""
+    if "pattern" not in data:
+        return vertex_from_dict(data.get("vertex", {})), {}
+    if "vertex" in data:
+        raise OptionError("targets have [vertex] and [pattern]: give one of them")
+    stated = data["pattern"]
+    given = one_of(stated, "[pattern]", ("example", "file"), OptionError)
+    if not isinstance(stated[given], str):
+        raise OptionError(f"[pattern] {given} = {shown(stated[given])} must be text")
+    equal = stated.get("equal", "")
+    if isinstance(equal, list):
+        equal = tuple(check_whole("[pattern] equal", v, 0) for v in equal)
+    pattern = as_pattern(
+        stated[given] if given == "example" else folder / stated[given], "[pattern]"
+    )
+    return pattern, {"equal": equal} if equal else {}
 
 
 def _state(entry: Mapping[str, Any], i: int, folder: Path, degree: int) -> Target:
@@ -157,7 +179,7 @@ def _state(entry: Mapping[str, Any], i: int, folder: Path, degree: int) -> Targe
         phi = _angles(entry[given], f"[[states]] {name!r}: {given}")
     if len(phi) != degree:
         raise OptionError(
-            f"[[states]] {name!r} has {len(phi)} fold angles, the vertex {degree} creases"
+            f"[[states]] {name!r} has {len(phi)} fold angles, there are {degree} creases"
         )
     tolerance = check_number(
         f"{name!r}: tolerance_deg", entry.get("tolerance_deg", 0.0), 0.0, 180.0

@@ -51,5 +51,8 @@ def test_what_is_for_vertices_says_so(found):
         o.find_contacts(found, segments=True)
     with pytest.raises(o.OrigamiError, match="number of a minimum"):
         o.find_contacts(found, state=1000)
-    with pytest.raises(o.OrigamiError, match="no page"):
-        o.find_contacts(found, state=1).turned()
+    report = o.find_contacts(found)
+    content = report.turned()
+    assert len(content.stations) == len(found.minima) and report.states
+    lines = content.stations[report.states[0].number - 1].lines
+    assert any("tangential stiffness" in line for line in lines)

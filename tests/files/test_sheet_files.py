@@ -12,6 +12,7 @@ from matplotlib.figure import Figure
 
 import origami_nlp as o
 from origami_nlp.facets import Poses, Sheet
+from origami_nlp.minima import write_parts
 from origami_nlp.pattern import Pattern, frame_pattern, make_pattern, parse_fold
 from origami_nlp.sheets import (
     draw_sheet,
@@ -19,8 +20,8 @@ from origami_nlp.sheets import (
     overview,
     sheet_content,
     sheet_frame,
+    sheet_parts,
     sheet_to_fold,
-    write_sheet_mesh,
 )
 from origami_nlp.show import BORDER, MOUNTAIN
 from tests.command_line import run
@@ -182,7 +183,7 @@ def test_a_mesh_has_every_facet_of_every_state_from_both_sides(tmp_path):
     pytest.importorskip("trimesh", reason="trimesh is not installed: extra mesh")
     pattern = miura(2, 3)
     phi = miura_angles(pattern, 3, 1.0)
-    write_sheet_mesh(pattern, [0 * phi, phi], tmp_path / "a.glb")
+    write_parts(sheet_parts(pattern, [0 * phi, phi]), tmp_path / "a.glb")
     data = (tmp_path / "a.glb").read_bytes()
     magic, version, total, length, kind = struct.unpack("<4sII I4s", data[:20])
     assert (magic, version, total, kind) == (b"glTF", 2, len(data), b"JSON") and not length % 4
@@ -222,11 +223,11 @@ def test_the_command_writes_states_and_motions(tmp_path):
     p = o.read_pattern(fold)
     assert data["minima"] and {"starts", "open"} <= set(data["search"])
     for state in data["minima"]:
-        keys = "energy fold_angles kind freedoms closure_residual kkt_residual crossings contacts"
+        keys = "energy fold_angles kind freedoms closure_residual kkt_residual contacts"
         assert {*keys.split(), "certificate"} <= set(state)
         phi = np.array(state["fold_angles"])
         assert state["energy"] == pytest.approx(float(p.energy(phi)), abs=1e-12)
-        assert state["closure_residual"] < 1e-12 and not state["crossings"]
+        assert state["closure_residual"] < 1e-12 and not state.get("crossings")
     frames = parse_fold(files["fold"].read_text())
     states = [frame_pattern(f).reference for f in frames[1 : 1 + len(data["minima"])]]
     for state, phi in zip(data["minima"], states, strict=True):

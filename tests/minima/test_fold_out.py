@@ -17,11 +17,11 @@ from origami_nlp import (
     find_minima,
     format_scene,
     parse_scene,
+    write_fold,
+    write_mesh,
 )
 from origami_nlp.cli import app
 from origami_nlp.folding import face_orders
-from origami_nlp.minima import write_fold, write_mesh
-from origami_nlp.minima.fold_out import minima_to_fold
 from origami_nlp.pattern import fold_vertices, parse_fold, scene_at
 from tests.computed_once import shared
 from tests.fold_files import disc, folded, in_space, miura
@@ -73,7 +73,7 @@ def test_states_survive_the_round_trip(result, tmp_path):
 
 
 def test_frames_hold_the_states(result):
-    data = minima_to_fold(result)
+    data = result.to_fold()
     json.dumps(data, allow_nan=False)
     frames = parse_fold(json.dumps(data))
     states = [f for f in frames if f.folded]
@@ -130,7 +130,19 @@ def test_commands_write_fold_and_mesh(tmp_path):
     file, out = tmp_path / "a.fold", tmp_path / "states.fold"
     file.write_text(json.dumps(disc([60, 100, 120, 80], "MVVV", angles=[-60, 60, 60, 60])))
     done = RUN.invoke(
-        app, ["minima", str(file), "--fold", str(out), "--max-starts", "40", "--symmetry", "none"]
+        app,
+        [
+            "minima",
+            str(file),
+            "--vertex",
+            "0",
+            "--fold",
+            str(out),
+            "--max-starts",
+            "40",
+            "--symmetry",
+            "none",
+        ],
     )
     assert done.exit_code == 0, done.output
     assert len(parse_fold(out.read_bytes())) >= 2

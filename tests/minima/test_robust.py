@@ -34,7 +34,7 @@ def test_one_crease(rest):
     """There is no row of closure that could lose rank: searches and load paths met an index out of bounds."""
     found = find_states(hinge(rest), starts=2, escape=False)
     assert [s.phi.tolist() for s in found.minima] == [[pytest.approx(rest)]]
-    assert found.search.curves == found.search.complete == 1
+    assert found.search.curves == found.search.ended == 1
     path = load_path(hinge(0.5), 1, to=0.2, starts=2)
     assert path.legs[0].points[-1].fold_angles[0] == pytest.approx(0.7)
 
@@ -82,7 +82,7 @@ def test_a_failure_is_counted_and_ends_nothing(monkeypatch):
     whole = find_states(pattern, starts=2, contact=False, escape=False)
     monkeypatch.setattr(FIND, "descend", failing)
     found = find_states(pattern, starts=2, contact=False, escape=False)
-    assert found.search.failed == ("LinAlgError: SVD did not converge",)
+    assert found.search.failed == {"LinAlgError: SVD did not converge": 1}
     said = list(found.search.words())
     assert "not decided: linear algebra failed 1 time, LinAlgError: SVD did not converge" in said
     assert not any("every well" in words for words in said)

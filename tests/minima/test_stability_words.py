@@ -12,7 +12,6 @@ from typer.testing import CliRunner
 import origami_nlp as o
 from origami_nlp.cli import app
 from origami_nlp.minima import judge_in_full_space
-from origami_nlp.minima.fold_out import minima_to_fold
 from origami_nlp.minima.stability import count_words, not_asked_words, verdict
 from origami_nlp.show import VERDICTS, WARNING
 from tests.computed_once import once, panel_result
@@ -53,7 +52,7 @@ def test_without_verdicts_no_word_says_stable(open_):
     assert {verdict(SCENE, m) for m in open_.minima} == {"not asked"}
     figure = o.draw_minima(open_, size=21)
     told = [str(open_), open_.to_html(picture=False), *words(figure)]
-    told.append(json.dumps(minima_to_fold(open_)))
+    told.append(json.dumps(open_.to_fold()))
     for text in told:
         plain = text.replace(not_asked_words(open_.scene, open_.minima), "").replace(
             "whether they are stable", ""
@@ -78,7 +77,7 @@ def test_verdicts_are_in_table_html_figure_and_fold(decided):
     assert [next(w for w in row if w in verdicts) for row in rows] == verdicts
     html = decided.to_html(picture=False)
     assert title in html
-    frames = minima_to_fold(decided)["file_frames"]
+    frames = decided.to_fold()["file_frames"]
     frames = [frame for frame in frames if "origaminlp:path" not in frame]  # of descents
     figure = o.draw_minima(decided, size=21)
     assert any(title in t for t in words(figure))

@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 from origami_nlp import find_minima
-from origami_nlp.minima.fold_out import minima_to_fold
 from origami_nlp.pattern import fold_vertices, parse_fold, scene_at
 from tests.fold_files import closed_state, disc, folded, in_space, miura, others
 from tests.independent.neighbours import Problem, look_around
@@ -46,7 +45,7 @@ def check_states(frame, number, starts):
         if m.polished:
             around = look_around(p, p.reduce(phi), 100, rng)
             assert not len(around.lower), (scene, m, around)
-    again_frame = parse_fold(json.dumps(minima_to_fold(result)))[0]
+    again_frame = parse_fold(json.dumps(result.to_fold()))[0]
     (again_vertex,) = fold_vertices(again_frame)[0]
     again = find_minima(
         scene_at(again_frame, 0, symmetry=scene.symmetry),

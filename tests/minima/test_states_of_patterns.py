@@ -87,7 +87,7 @@ def _compare_strip(seed):
     assert _same([s for s in result.minima if s.kind == "interior"], expected)
     energies = [s.energy for s in result.minima if s.kind == "interior"]
     assert energies == pytest.approx([e for e, _ in expected], abs=1e-9)
-    assert result.search.complete == result.search.curves == len(list_branches(pattern).lines)
+    assert result.search.ended == result.search.curves == len(list_branches(pattern).lines)
 
 
 def test_nothing_open_is_reported():

@@ -82,7 +82,7 @@ def test_a_well_half_a_degree_from_flat():
     assert pattern.energy(nearest) - flat == pytest.approx(-1.224646e-6, abs=1e-11)
     found = find_states(pattern, starts=0, contact=False, escape=False)
     assert max(_apart(wells, found)) < 1e-10
-    assert not found.undecided and found.search.unfinished == 0
+    assert not found.undecided and found.search.stalled == 0
     assert found.search.resolved == found.search.wells >= len(wells)
     assert any("every well" in words for words in found.search.words())
     state = next(s for s in found.minima if np.abs(s.phi - nearest).max() < 1e-9)

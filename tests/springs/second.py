@@ -46,7 +46,7 @@ def plain(posed):
         share = t.states[i].margin
         states.append({"x": list(balance.stratum.state.x), "limits": limits, "share": share})
     return {
-        "sectors": list(t.vertex.sector_angles),
+        "sectors": list(t.origami.sector_angles),
         "states": states,
         "loose": posed.loose,
         "stiffness": list(t.stiffness),

@@ -1,0 +1,173 @@
+"""The record of a search: what it did, what it found that is no minimum, what is known of what it did not find."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from origami_nlp.errors import OUT_OF_TIME
+from origami_nlp.files import Brief, Unbounded
+from origami_nlp.minima.coverage import StrataCount
+from origami_nlp.minima.minimum import JudgedState
+from origami_nlp.minima.stopping import unseen_share
+
+
+@dataclass(repr=False)
+class SearchReport(Brief):
+    """What a search did; that of a pattern is a `sheets.SheetSearch`, which says more.
+
+    Attributes
+    ----------
+    starts
+        States from which descents began.
+    feasible_starts
+        Those that were admissible; the others were dropped.  Of a pattern: those that could be closed.
+    solves
+        Of IPOPT, which confirms each minimum; for large degrees it also searches.
+    iterations
+        Of IPOPT, over all solves.
+    statuses
+        IPOPT's return statuses over all solves.
+    outcomes
+        Converged starts by what their end state is.
+    expected_undiscovered
+        Chao's estimate of the number of minima that no drawn start reached: a lower bound in expectation, no guarantee;
+        inf of a pattern, of which it is not counted how often a minimum was reached.
+    stopped_by
+        ``"rule"``, ``"cap"``, ``"time"`` (or the user), or ``"complete"``: nothing was left to sample.
+    seconds
+        Of wall time.
+    seed
+        Of the random starts.
+    effort
+        What was asked for.
+    by_source
+        Starts by where they began: corners of the state space, near them, on strata, in the interior, on touches.
+    stalled
+        Descents that ended nowhere.
+    failed
+        What was left out, by reason: ends of descents that are no state (they do not close), and parts of the search,
+        named, at which linear algebra broke down.
+    seen_once
+        Minima that one drawn start reached.
+    quiet
+        Drawn starts since the last new minimum.
+    corners
+        States that fold limits alone leave without freedom, from which descents began.
+    every_corner
+        Whether these are all of them, each judged then.
+    strata
+        With full contact and without symmetry: which strata with touches were started, by class.
+    complete
+        Why nothing is missing, where that is known; "" elsewhere.
+    refused
+        Guesses at which no minimum is listed, each with the reason (`hits` is 0).
+    rejected
+        Distinct answers that are no minimum, with the reason and hits.
+    undecided
+        Those that may or may not be one, by name: not polished, or not certified.
+    """
+
+    starts: int = 0
+    feasible_starts: int = 0
+    solves: int = 0
+    iterations: int = 0
+    statuses: dict[str, int] = field(default_factory=dict)
+    outcomes: dict[str, int] = field(default_factory=dict)
+    expected_undiscovered: Unbounded = math.inf
+    stopped_by: str = ""
+    seconds: float = 0.0
+    seed: int = 0
+    effort: str = "normal"
+    by_source: dict[str, int] = field(default_factory=dict)
+    stalled: int = 0
+    failed: dict[str, int] = field(default_factory=dict)
+    seen_once: int = 0
+    quiet: int = 0
+    corners: int = 0
+    every_corner: bool = False
+    complete: str = ""
+    strata: tuple[StrataCount, ...] = ()
+    refused: tuple[JudgedState, ...] = field(default=(), repr=False)
+    rejected: tuple[JudgedState, ...] = field(default=(), repr=False)
+    undecided: tuple[JudgedState, ...] = field(default=(), repr=False)
+
+    def words(self) -> list[str]:
+        """Say in a few lines how the search went, failures included, and what is known of what it did not find."""
+        sources = ", ".join(f"{count} {name}" for name, count in self.by_source.items())
+        lines = [
+            f"{self.starts} starts ({self.feasible_starts} admissible{'; ' * bool(sources)}{sources}), "
+            f"{self.stalled} ended nowhere, {self.seconds:.2f} s, seed {self.seed}, effort {self.effort}"
+            if self.starts
+            else f"no start was drawn, {self.seconds:.2f} s",
+            *self._completeness(),
+            f"IPOPT: {self.solves} solves: "
+            + (
+                ", ".join(f"{name} {count}" for name, count in sorted(self.statuses.items()))
+                or "none"
+            ),
+        ]
+        for r in self.refused:
+            angles = " ".join(f"{a:.6g}" for a in np.degrees(r.fold_angles))
+            lines.append(f"no minimum at the guess {angles} deg: {r.verdict}: {r.certificate}")
+        if self.failed:
+            reasons = ", ".join(f"{why} {count}" for why, count in self.failed.items())
+            lines.append(f"left out, as no state or where linear algebra failed: {reasons}")
+        ended = [f"{name} {count}" for name, count in sorted(self.outcomes.items()) if count]
+        if ended:
+            lines.append("starts ended at: " + ", ".join(ended))
+        rejected: dict[tuple[str, str], int] = {}
+        for r in self.rejected:
+            if r.hits:
+                key = (r.verdict, r.certificate)
+                rejected[key] = rejected.get(key, 0) + 1
+        lines += [
+            f"  {count} state{'s' * (count > 1)} {verdict}: {reason}"
+            for (verdict, reason), count in sorted(rejected.items())
+        ]
+        return lines
+
+    def _completeness(self) -> list[str]:
+        """Say what is known of minima that the search did not find: as much as the numbers carry, and no more."""
+        if self.stopped_by == "complete":
+            return [f"complete: {self.complete}"]
+        if self.stopped_by == "time":
+            return [
+                f"{OUT_OF_TIME}: not all of these starts were followed down, nor all of their ends judged"
+            ]
+        lines = []
+        if self.every_corner:
+            lines.append(
+                f"all {self.corners} states that fold limits alone leave without freedom were tried: "
+                + (
+                    "judged, some not decided"
+                    if self.undecided
+                    else "which of them are minima is decided"
+                )
+            )
+        if self.strata:
+            started, listed = (
+                sum(c.started for c in self.strata),
+                sum(c.listed for c in self.strata),
+            )
+            lines.append(
+                f"{started} of {listed} strata with touches were started (others are empty, or were not hit)"
+            )
+        if self.quiet:
+            lines.append(
+                f"the last {self.quiet} drawn starts found no other minimum: those not found draw less than "
+                f"{unseen_share(self.quiet):.2g} of such starts (95 %); nothing follows for their number"
+            )
+        elif self.starts:
+            lines.append("the last drawn start reached another minimum: there may well be more")
+        if self.seen_once:
+            lines.append(
+                f"{self.seen_once} minim{'a were' if self.seen_once > 1 else 'um was'} reached by one drawn start only"
+            )
+        if self.stopped_by == "cap":
+            lines.append(
+                "stopped at the cap on starts of this effort, before every minimum was reached often enough"
+            )
+        return lines
