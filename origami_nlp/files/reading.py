@@ -8,6 +8,7 @@ import re
 import sys
 import tomllib
 from collections.abc import Collection, Mapping
+from os import PathLike
 from pathlib import Path
 from typing import Any
 
@@ -20,7 +21,9 @@ _PART = r"""(?:[A-Za-z0-9_-]+|"[^"\n]*"|'[^'\n]*')"""
 _LONG_KEY = re.compile(rf"(?<![A-Za-z0-9_-]){_PART}(?:[ \t]*\.[ \t]*{_PART}){{{MOST_PARTS}}}")
 
 
-def read_limited(source: str | Path, largest: int, what: str, error: type[OrigamiError]) -> bytes:
+def read_limited(
+    source: str | PathLike[str], largest: int, what: str, error: type[OrigamiError]
+) -> bytes:
     """Read a file that a user names, if it is not too large.
 
     Parameters
@@ -65,7 +68,9 @@ def read_limited(source: str | Path, largest: int, what: str, error: type[Origam
     return raw.removeprefix(codecs.BOM_UTF8)
 
 
-def read_json(source: str | Path, largest: int, what: str, error: type[OrigamiError]) -> Any:
+def read_json(
+    source: str | PathLike[str], largest: int, what: str, error: type[OrigamiError]
+) -> Any:
     """Read a JSON file that a user names.
 
     Parameters

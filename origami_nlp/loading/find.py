@@ -22,7 +22,7 @@ from origami_nlp.atlas import Over, PathEvent, branches_of, chains_of, parts_of
 from origami_nlp.errors import OUT_OF_TIME, OptionError, OutOfTime
 from origami_nlp.facets import Work
 from origami_nlp.kkt import State, classify
-from origami_nlp.loading.driver import Driver, Search, VertexDriver
+from origami_nlp.loading.driver import Search, VertexDriver
 from origami_nlp.loading.records import Confirmed, Leg, LoadPoint, Snap
 from origami_nlp.loading.result import LoadPath
 from origami_nlp.loading.route import Way, given, let_go, position, restabilises, walk
@@ -116,7 +116,7 @@ def load_path(
     >>> [round(leg.points[-1].t, 6) for leg in path.legs]
     [0.05]
     """
-    driver: Driver
+    driver: VertexDriver | PatternDriver
     stated = as_origami(origami)
     if isinstance(stated, Scene):
         refuse("scene", _OF_A_PATTERN, starts=starts)
@@ -162,7 +162,7 @@ class _Job:
 
     def __init__(
         self,
-        driver: Driver,
+        driver: VertexDriver | PatternDriver,
         low: float,
         high: float,
         full: bool,
