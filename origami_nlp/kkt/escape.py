@@ -387,6 +387,7 @@ def bounds(
     told: Mapping[int, Escape],
     unknown: Callable[[int], str],
     among: str = "",
+    digits: bool = True,
 ) -> list[Escape]:
     """Tell what it takes to leave each state: as it is told already, or bounded by ways out.
 
@@ -406,6 +407,8 @@ def bounds(
         Why there is no way out of one.
     among
         What ways keep, in words.
+    digits
+        Whether bounds are rounded up to two: more hang on where steps of descents in batches were cut.
 
     Returns
     -------
@@ -431,8 +434,8 @@ def bounds(
             # that no way was found does not make the barrier infinite: it is not determined
             out.append(Escape(math.nan, OPEN, unknown(k)))
         else:
-            # two digits: more of a bound hang on where steps were cut
-            barrier = float(rounded_up(max(barrier, FLOOR * scale)))
+            barrier = max(barrier, FLOOR * scale)
+            barrier = float(rounded_up(barrier)) if digits else barrier
             why = f"an explicit way out climbs so high; lower ones are not excluded{among}"
             top = tuple(ways[k].top.tolist()) if k in ways and ways[k].to == to else ()
             out.append(Escape(barrier, BOUND, why, to + 1, top, barrier < SHALLOW * scale))

@@ -119,7 +119,7 @@ def _escapes(
             return f"sought for the {len(sought)} states of lowest energy"
         return why or "no way that was tried led to a state of lower energy"
 
-    return bounds(energies, ways, heights, scale, told, unknown)
+    return bounds(energies, ways, heights, scale, told, unknown, digits=False)
 
 
 def _exact(

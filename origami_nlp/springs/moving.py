@@ -12,7 +12,6 @@ from origami_nlp.arguments import check_whole
 from origami_nlp.errors import OptionError, OrigamiError
 from origami_nlp.kkt import State, classify, project
 from origami_nlp.numerics import CLOSES
-from origami_nlp.programme import Model
 from origami_nlp.springs.convex import Posed, scene_of, springs_of
 from origami_nlp.springs.pressing import solve
 from origami_nlp.springs.targets import Targets
@@ -134,7 +133,7 @@ def move_targets(targets: Targets, *, rounds: int = 40) -> Moved:
 def _holds(posed: Posed) -> bool:
     """Whether the springs hold the states: next to where conditions depend on each other the optimum need not."""
     try:
-        model = Model(scene_of(posed.targets, springs_of(posed)))
+        model = posed.targets.posed(scene_of(posed.targets, springs_of(posed)))
     except (OrigamiError, ValueError):
         return False
     return all(classify(State(model, p.state.x)).verdict == "minimum" for p in posed.targets.placed)
