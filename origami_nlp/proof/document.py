@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import cast
+
 import numpy as np
 
 from origami_nlp.arguments import check_type
@@ -70,7 +72,8 @@ def _point(p: CriticalPoint) -> c.Point:
 
 
 def _left(cluster: Cluster) -> c.Left:
-    return c.Left(cluster.lower, cluster.upper, cluster.stratum, cluster.reason)
+    signs = cast("tuple[c.Sign, ...]", cluster.stratum)
+    return c.Left(cluster.lower, cluster.upper, signs, cluster.reason)
 
 
 def _nodes(tree: Tree, near_flat: int | None) -> c.Nodes:
