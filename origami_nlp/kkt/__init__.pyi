@@ -7,6 +7,7 @@ from .classification import (
     of_image as of_image,
 )
 from .descent import (
+    LONGEST as LONGEST,
     STOPPED as STOPPED,
     Followed as Followed,
     follow as follow,

@@ -8,12 +8,14 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from origami_nlp.facets import MOST_DENSE, Sheet
-from origami_nlp.kkt import STOPPED, follow
+from origami_nlp.kkt import LONGEST, STOPPED, follow
 from origami_nlp.numerics import CLOSES
 from origami_nlp.sheets.clearance import Stretches
 from origami_nlp.sheets.descent import TRUST, Descended
 from origami_nlp.sheets.pops import is_jump, pop_rows
 
+MOST_STEPS = 400
+"""Of a descent."""
 MOST_PAIRS = 1_000
 """Pairs of facets that face each other closely: more are refused."""
 REACH = 0.05
@@ -24,7 +26,7 @@ SMALLER = 0.8, 0.6, 0.45, 0.3, 0.2, 0.1, 0.05
 """Shares of a start's fold angles, from the reference state on, at which it is asked whether facets cross."""
 
 
-def press(sheet: Sheet, phi: np.ndarray, keep: bool = False) -> Descended:
+def press(sheet: Sheet, phi: np.ndarray, keep: bool = False, curved: bool = True) -> Descended:
     """Follow the energy downhill from a closed state in which no facets cross, along states of the same kind.
 
     Parameters
@@ -35,6 +37,8 @@ def press(sheet: Sheet, phi: np.ndarray, keep: bool = False) -> Descended:
         The start, within the fold limits, [n] [rad].
     keep
         Whether steps that take a vertex past its flat state are refused, see `pops`: motions of paper do not.
+    curved
+        Whether steps are Newton's: others are short and many, and do not leave a basin as easily.
 
     Returns
     -------
@@ -54,8 +58,9 @@ def press(sheet: Sheet, phi: np.ndarray, keep: bool = False) -> Descended:
         found = follow(
             sheet,
             phi,
-            curved=True,
-            longest=TRUST * math.sqrt(sheet.size),
+            curved=curved,
+            longest=TRUST * math.sqrt(sheet.size) if curved else LONGEST,
+            most_steps=MOST_STEPS,
             until=crowded,
             leads=(lambda x, y: not is_jump(pops, x, y)) if keep else None,
         )
