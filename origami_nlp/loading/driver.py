@@ -245,7 +245,7 @@ class VertexDriver:
         """Return the steps of the tracer."""
         return steps or STEPS
 
-    def begin(self, state: Any, search: Search) -> tuple[Driver, int, np.ndarray]:
+    def begin(self, state: Any, search: Search) -> tuple[VertexDriver, int, np.ndarray]:
         """Return the driver, the number of the minimum that is loaded, and its variables.
 
         The path keeps the winding of its first state.

@@ -192,7 +192,7 @@ class _Job:
         if self._full is None:
             return math.nan
         if id(frame) not in self._known:
-            value = breaking_stiffness(self._in_full_space(frame), self.driver.scene)  # type: ignore[attr-defined]
+            value = breaking_stiffness(self._in_full_space(frame), self.driver.scene)  # type: ignore[union-attr]
             self._known[id(frame)] = frame, value
         return self._known[id(frame)][1]
 

@@ -13,7 +13,7 @@ from origami_nlp.arguments import check_whole
 from origami_nlp.errors import OptionError
 from origami_nlp.facets import DeadForce, Pull, Sheet, Torque, Work, Worked
 from origami_nlp.kkt import Classification, State, classify
-from origami_nlp.loading.driver import CUT, SIDE, STEPS, Driver, FramedState, Poser, Search
+from origami_nlp.loading.driver import CUT, SIDE, STEPS, FramedState, Poser, Search
 from origami_nlp.minima import JudgedState
 from origami_nlp.numerics import NEARLY, SAME
 from origami_nlp.path import ContinuationOptions, Node, ParameterLine
@@ -113,7 +113,7 @@ class PatternDriver:
         rms, size = steps or STEPS, math.sqrt(self.pattern.creases)
         return replace(rms, first=size * rms.first, longest=size * rms.longest)
 
-    def begin(self, state: Any, search: Search) -> tuple[Driver, int, np.ndarray]:
+    def begin(self, state: Any, search: Search) -> tuple[PatternDriver, int, np.ndarray]:
         """Return the driver, the number of the stable state (0 where it was given itself), and its fold angles."""
         number = 0
         if not isinstance(state, JudgedState):
