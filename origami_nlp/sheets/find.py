@@ -251,7 +251,7 @@ class _Search:
         if phi is None or phi in self.curves:
             return
         if self.contact and self.sheet.size <= MOST_DENSE and not self.sheet.crossings.find(phi):
-            self.press(press(self.sheet, phi, keep=True, curved=False))
+            self.press(press(self.sheet, phi, keep=True))
         else:
             self._enter(phi)
 

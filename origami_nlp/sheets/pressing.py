@@ -8,7 +8,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from origami_nlp.facets import MOST_DENSE, Sheet
-from origami_nlp.kkt import LONGEST, STOPPED, follow
+from origami_nlp.kkt import STOPPED, follow
 from origami_nlp.numerics import CLOSES
 from origami_nlp.sheets.clearance import Stretches
 from origami_nlp.sheets.descent import TRUST, Descended
@@ -26,7 +26,7 @@ SMALLER = 0.8, 0.6, 0.45, 0.3, 0.2, 0.1, 0.05
 """Shares of a start's fold angles, from the reference state on, at which it is asked whether facets cross."""
 
 
-def press(sheet: Sheet, phi: np.ndarray, keep: bool = False, curved: bool = True) -> Descended:
+def press(sheet: Sheet, phi: np.ndarray, keep: bool = False) -> Descended:
     """Follow the energy downhill from a closed state in which no facets cross, along states of the same kind.
 
     Parameters
@@ -36,9 +36,8 @@ def press(sheet: Sheet, phi: np.ndarray, keep: bool = False, curved: bool = True
     phi
         The start, within the fold limits, [n] [rad].
     keep
-        Whether steps that take a vertex past its flat state are refused, see `pops`: motions of paper do not.
-    curved
-        Whether steps are Newton's: others are short and many, and do not leave a basin as easily.
+        Whether steps that take a vertex past its flat state are refused, see `pops`: motions of paper do not.  Steps
+        are shorter then, since long ones of Newton's leave the basin of a start.
 
     Returns
     -------
@@ -58,10 +57,10 @@ def press(sheet: Sheet, phi: np.ndarray, keep: bool = False, curved: bool = True
         found = follow(
             sheet,
             phi,
-            curved=curved,
-            longest=TRUST * math.sqrt(sheet.size) if curved else LONGEST,
+            curved=True,
+            longest=TRUST if keep else TRUST * math.sqrt(sheet.size),
             most_steps=MOST_STEPS,
-            until=crowded,
+            until=crowded if math.comb(sheet.pattern.facets, 2) > MOST_PAIRS else None,
             leads=(lambda x, y: not is_jump(pops, x, y)) if keep else None,
         )
     except np.linalg.LinAlgError:  # a ValueError as well
