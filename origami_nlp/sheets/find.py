@@ -32,7 +32,7 @@ from origami_nlp.sheets.descent import Descended, descend
 from origami_nlp.sheets.escape import with_escapes
 from origami_nlp.sheets.flat_folded import list_flat_folded, ways_out
 from origami_nlp.sheets.interpolant import wells
-from origami_nlp.sheets.judgement import beside, judge, singular_beside, stationary_beside
+from origami_nlp.sheets.judgement import judge, judge_end, singular_beside, stationary_beside
 from origami_nlp.sheets.noise import NOISE, with_survival
 from origami_nlp.sheets.pressing import UNTOLD, press, press_along, press_off
 from origami_nlp.sheets.result import SheetResult
@@ -179,8 +179,11 @@ class _Search:
 
     def add(self, state: JudgedState) -> None:
         """Keep a state, once."""
+        near = singular_beside(self.sheet, state.phi) if state.verdict == "undecided" else None
         if state.freedoms < 0:  # it does not close, or is beyond a limit
             self.tally.open += 1
+        elif near is not None and self.known(near):  # not told from what was judged
+            self.tally.stalled += 1
         elif not self.known(state.phi, state.verdict):
             self.judged.append(state)
 
@@ -196,17 +199,11 @@ class _Search:
             if not end.arrived:
                 self.tally.stalled += 1
             elif not self.known(end.phi):
-                self.add(self._judged(end.phi))
+                self.add(judge_end(self.sheet, end.phi, self.contact))
             if self.contact and (held := press_off(self.sheet, end.path)) is not None:
                 self.press(held)
             if not end.saddles:
                 return
-
-    def _judged(self, phi: np.ndarray) -> JudgedState:
-        """Judge the end of a descent; where torque is left, or closing leaves it loose, the state beside it."""
-        state = judge(self.sheet, phi, self.contact)
-        better = beside(self.sheet, state)
-        return state if better is None else judge(self.sheet, better, self.contact)
 
     def press(self, end: Descended) -> None:
         """Judge where a descent into contact ended."""
@@ -372,7 +369,7 @@ class _Search:
         for phi in states:
             self.tally.of_vertex += 1
             if not self.known(phi):
-                self.add(self._judged(phi))
+                self.add(judge_end(self.sheet, phi, self.contact))
 
     def draw(self, rng: np.random.Generator, k: int) -> None:
         """Make a random start."""
@@ -439,7 +436,7 @@ class _Search:
             beside = stationary_beside(self.sheet, closed)
             if beside is not None:
                 if not self.known(beside):
-                    self.add(self._judged(beside))
+                    self.add(judge_end(self.sheet, beside, self.contact))
                 # where curves meet, a state that is no minimum says nothing of wells beside it on one of them
                 judged = any(
                     np.abs(beside - s.phi).max() <= 10 * SAME

@@ -119,6 +119,13 @@ def singular_beside(sheet: Sheet, phi: np.ndarray) -> np.ndarray | None:
     return near if lost and sheet.rank(near) < sheet.rank(phi, CLOSES) else None
 
 
+def judge_end(sheet: Sheet, phi: np.ndarray, contact: bool = True) -> JudgedState:
+    """Judge the end of a descent, as `judge`; where torque is left, or closing leaves it loose, the state beside it."""
+    state = judge(sheet, phi, contact)
+    better = beside(sheet, state)
+    return state if better is None else judge(sheet, better, contact)
+
+
 def beside(sheet: Sheet, state: JudgedState) -> np.ndarray | None:
     """Return the stationary state beside one that leaves some torque or closes loosely, [n]; None: there is none."""
     left = state.kkt_residual > STATIONARY
