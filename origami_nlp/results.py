@@ -170,11 +170,11 @@ def load(path: str | PathLike[str]) -> Any:
     data = read_data(path)
     schema = data.get("schema") if isinstance(data, dict) else None
     for verb, key, room, name in _READ:
-        if schema == f"origami_nlp/{verb}/1" and key in data:
+        if schema == f"origami-nlp/{verb}/1" and key in data:
             inside = data[key] if key == "motion" else data
             kind: type[Result] = getattr(import_module(f"origami_nlp.{room}"), name)
             return kind.from_dict(inside, repr(str(path)))
-    known = ", ".join(dict.fromkeys(f"origami_nlp/{verb}/1" for verb, *_ in _READ))
+    known = ", ".join(dict.fromkeys(f"origami-nlp/{verb}/1" for verb, *_ in _READ))
     raise OptionError(f"schema = {shown(schema)} in {path} cannot be read back: use {known}")
 
 

@@ -151,6 +151,8 @@ def find_minima(
         one = isinstance(stated, Scene)
         find: Any = minima.find_minima if one else minima.find_vertexwise
         return find(stated, **both)  # type: ignore[no-any-return]
+    if given.get("prove") is False:  # lists of a pattern never are
+        del given["prove"], both["prove"]
     refuse("pattern", _OF_A_SCENE, **given)
     if "contact" in both:
         both["contact"] = _facets_apart(both["contact"])

@@ -16,7 +16,7 @@ from typing import Any
 from .catalogue import Result, claims, decide_all
 from .left_out import LEFT_OUT
 
-SCHEMA = "origami_nlp/paper/1"
+SCHEMA = "origami-nlp/paper/1"
 PAPER = (
     "Grasinger, Gillman, Buskohl, *Lagrangian approach to origami vertex analysis: Multistability*"
 )
@@ -69,7 +69,7 @@ def tally_text(results: Sequence[Result]) -> str:
 
 
 def as_json(results: Sequence[Result]) -> str:
-    """The JSON report, schema ``origami_nlp/paper/1``."""
+    """The JSON report, schema ``origami-nlp/paper/1``."""
     rows = [
         {
             "id": r.claim.id,

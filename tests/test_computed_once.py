@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 
 from origami_nlp import Model, Scene, Vertex, examples, find_minima
+from origami_nlp.files import to_plain
 from origami_nlp.proof import prove
 from tests import computed_once
 from tests.computed_once import PANELS, by_minima, by_scene, once, panel_result
@@ -18,7 +19,8 @@ def test_a_shared_panel_is_that_of_a_search():
     scene = PANELS[9]
     fresh, shared = find_minima(scene), panel_result(scene)
     assert shared.scene == scene and shared.minima == fresh.minima
-    assert shared.search.rejected == fresh.search.rejected
+    # of no minimum some residuals are nan, and a nan that was read from a file differs from itself
+    assert to_plain(shared.search.rejected) == to_plain(fresh.search.rejected) != []
     assert shared.search.statuses == fresh.search.statuses
     judged = panel_result(scene, full=True).minima
     assert judged == find_minima(scene, full=True).minima != fresh.minima

@@ -34,6 +34,12 @@ def test_what_a_pattern_does_not_take_is_named(name, value):
         o.find_minima(PATTERN, **{name: value})
 
 
+def test_no_proof_may_be_asked_of_a_pattern_which_gets_none():
+    one = o.find_minima(PATTERN, starts=1, escape=False, prove=False)
+    same = o.find_minima(PATTERN, starts=1, escape=False)
+    assert [m.fold_angles for m in one.minima] == [m.fold_angles for m in same.minima]
+
+
 def test_what_a_scene_does_not_take_is_named():
     with pytest.raises(o.OrigamiError, match=r"^contact = False is not for a scene: "):
         o.find_minima(o.examples.waterbomb(), contact=False)

@@ -143,7 +143,7 @@ class Boundaries(Told):
     seconds: float
     interrupted: bool = False
 
-    PICTURE, SCHEMA = "draw_boundaries", "origami_nlp/follow/1"
+    PICTURE, SCHEMA = "draw_boundaries", "origami-nlp/follow/1"
 
     def told(self) -> Iterator[Piece]:
         """Return the curves, and the counts along each line."""

@@ -75,7 +75,7 @@ class Atlas(Told, Turnable):
     interrupted: bool = False
     example: str = field(default="", metadata={"omit": True})
 
-    PICTURE, SCHEMA = "draw_atlas", "origami_nlp/follow/1"
+    PICTURE, SCHEMA = "draw_atlas", "origami-nlp/follow/1"
     ALSO = ("intervals",)
 
     def __post_init__(self) -> None:

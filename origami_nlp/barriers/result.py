@@ -114,7 +114,7 @@ class Barriers(Told, Turnable):
     unlisted: tuple[Unlisted, ...] = ()
     full: tuple[FullPass, ...] = ()
 
-    PICTURE, SCHEMA = "draw_barriers", "origami_nlp/landscape/1"
+    PICTURE, SCHEMA = "draw_barriers", "origami-nlp/landscape/1"
 
     @property
     def scene(self) -> Scene | None:

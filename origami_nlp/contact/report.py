@@ -104,7 +104,7 @@ class ContactReport(Told, Turnable):
     states: tuple[PinnedState, ...]
     segments: SegmentReport | None
 
-    SCHEMA, READS = "origami_nlp/contacts/1", False
+    SCHEMA, READS = "origami-nlp/contacts/1", False
 
     @property
     def headline(self) -> str:

@@ -106,7 +106,7 @@ class SegmentReport(Told):
     slope: float
     stiffness: float
 
-    PICTURE, SCHEMA, READS = "draw_segments", "origami_nlp/contacts/1", False
+    PICTURE, SCHEMA, READS = "draw_segments", "origami-nlp/contacts/1", False
 
     @property
     def length(self) -> float:

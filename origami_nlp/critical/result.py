@@ -149,7 +149,7 @@ class CriticalPoints(Told):
     doubts: tuple[str, ...] = field(default=())
     morse: MorseVerdict | None = None
 
-    WIDTH, SCHEMA = 160, "origami_nlp/landscape/1"
+    WIDTH, SCHEMA = 160, "origami-nlp/landscape/1"
     ALSO = ("morse_sum",)
 
     @property

@@ -235,7 +235,7 @@ def _converter() -> Converter:
     def reads(kind: type) -> Callable[[Any, Any], Any]:
         own: Any
         if get_origin(kind) is dict:
-            own = made.gen_structure_mapping(kind)
+            own = cols.mapping_structure_factory(kind, made)
         elif cols.is_namedtuple(kind):
             own = cols.namedtuple_dict_structure_factory(kind, made, "from_converter", True)
         else:

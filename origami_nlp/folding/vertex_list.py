@@ -18,7 +18,7 @@ from origami_nlp.pattern import FoldVertex, Frame, fold_vertices
 if TYPE_CHECKING:
     from origami_nlp.files import Screen
 
-SCHEMA = "origami_nlp/pattern/1"
+SCHEMA = "origami-nlp/pattern/1"
 HEADS = (
     "vertex",
     "degree",

@@ -104,7 +104,7 @@ class ExactLandscape(Told, Turnable):
     places: tuple[Place, ...]
     metastable: tuple[Stretch, ...]
 
-    PICTURE, SCHEMA, READS = "draw_landscape", "origami_nlp/landscape/1", False
+    PICTURE, SCHEMA, READS = "draw_landscape", "origami-nlp/landscape/1", False
     ALSO = ("counts",)
 
     @property

@@ -77,7 +77,7 @@ class LoadPath(Told, Turnable):
     steps: int
     evaluations: int
 
-    PICTURE, TURNED, SCHEMA = "draw_load", "turn_path", "origami_nlp/load/1"
+    PICTURE, TURNED, SCHEMA = "draw_load", "turn_path", "origami-nlp/load/1"
     ALSO = ("dissipated", "interrupted")
 
     @property

@@ -76,7 +76,7 @@ class MinimaResult(FoundMinima):
     search: SearchReport
     completeness: Completeness | None = None
 
-    PICTURE, SCHEMA = "draw_minima", "origami_nlp/minima/1"
+    PICTURE, SCHEMA = "draw_minima", "origami-nlp/minima/1"
 
     @property
     def flags(self) -> ResultFlags:

@@ -105,7 +105,7 @@ class Modes(Told):
     states: tuple[StateModes, ...]
 
     PICTURE = "draw_modes"
-    SCHEMA = "origami_nlp/modes/1"
+    SCHEMA = "origami-nlp/modes/1"
 
     @property
     def label(self) -> str:

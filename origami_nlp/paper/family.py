@@ -161,7 +161,7 @@ class Sweep(Told):
     unexplained: tuple[tuple[float, float], ...]
     silent: tuple[float, ...]
 
-    SCHEMA, READS = "origami_nlp/paper/1", False
+    SCHEMA, READS = "origami-nlp/paper/1", False
 
     def told(self) -> Iterator[Piece]:
         """Return every transition, and what the two searches do not agree on."""

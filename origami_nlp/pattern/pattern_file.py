@@ -265,7 +265,7 @@ class _Sheet:
                 "edges_vertices: a face with a border (B, C) all around is a hole, and there is no other: say in "
                 "faces_vertices what is paper"
                 if holes
-                else "edges_vertices encloses no facet: add the outline of the paper, edges with assignment B"
+                else 'edges_vertices encloses no facet: add the outline of the paper, edges with assignment "B"'
             )
         return faces
 

@@ -25,7 +25,18 @@ PLACE = re.compile(
 
 
 def is_place(name: str) -> bool:
-    """Tell whether a name is that of numbers of a pattern."""
+    """Tell whether a name is that of numbers of a pattern.
+
+    Parameters
+    ----------
+    name
+        Such as ``creases.stiffness[3]``, ``mountains.rest_angles`` or ``x[5]``.
+
+    Returns
+    -------
+    bool
+        Whether it is one, see the module; ``stiffness`` alone is none.
+    """
     match = PLACE.fullmatch(name)
     return match is not None and bool(match["which"] or match["crease"] or match["axis"])
 

@@ -1,6 +1,6 @@
 """A proof as a file: what it claims, and the tree that shows it, in JSON that another program can read.
 
-Schema ``origami_nlp/proof/1``. ``scene``: the tables of a scene file, and ``exact``, the same numbers as hexadecimal
+Schema ``origami-nlp/proof/1``. ``scene``: the tables of a scene file, and ``exact``, the same numbers as hexadecimal
 doubles; the two must agree. ``others``: documents of the same form for states that wind more often. ``points``,
 ``singular``, ``undecided``: lists of objects with the names below. ``tree``: ``nodes`` and arrays, each base64 of zlib
 of its little-endian numbers with their bytes gathered by significance (all first bytes, all second bytes, ...). Nothing
@@ -21,7 +21,7 @@ from origami_nlp.errors import CertificateError
 from origami_nlp.files import Finite, check_schema, from_plain, read_json, to_plain, write_json
 from origami_nlp.pattern import Scene
 
-SCHEMA = "origami_nlp/proof/1"
+SCHEMA = "origami-nlp/proof/1"
 LARGEST = 1_000_000_000
 """Bytes of a file, and of an array of its tree."""
 KINDS = (
@@ -179,7 +179,7 @@ def certificate_to_dict(certificate: Certificate) -> dict[str, Any]:
     Returns
     -------
     dict
-        Of schema ``origami_nlp/proof/1``.
+        Of schema ``origami-nlp/proof/1``.
     """
     return {"schema": SCHEMA, **to_plain(_document(certificate))}
 

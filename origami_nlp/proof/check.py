@@ -90,7 +90,7 @@ class Check:
     def to_dict(self) -> dict[str, object]:
         """Return all of it as plain data, for JSON."""
         return {
-            "schema": "origami_nlp/proof/1",
+            "schema": "origami-nlp/proof/1",
             "checked": not self.refused,
             "refused": self.refused or None,
             "complete": not (self.refused or self.open),

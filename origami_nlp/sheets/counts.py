@@ -77,7 +77,7 @@ class Overview(Told):
     """
 
     PICTURE = "draw_overview"
-    SCHEMA = "origami_nlp/pattern/1"
+    SCHEMA = "origami-nlp/pattern/1"
     pattern: Pattern
     closure_rows: int
     rank_flat: int | None

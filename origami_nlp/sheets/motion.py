@@ -68,7 +68,7 @@ class Motion(Told, Turnable):
     """
 
     PICTURE = "draw_motion"
-    SCHEMA = "origami_nlp/pattern/1"
+    SCHEMA = "origami-nlp/pattern/1"
     pattern: Pattern
     freedoms: int
     fold_angles: np.ndarray

@@ -58,7 +58,7 @@ class SheetResult(FoundMinima):
     search: SheetSearch
     curves: tuple[Any, ...] = field(default=(), repr=False)
 
-    PICTURE, SCHEMA = "draw_found", "origami_nlp/minima/1"
+    PICTURE, SCHEMA = "draw_found", "origami-nlp/minima/1"
 
     def turned(self) -> Content:
         """Return its stable states as plain data, see `view`."""

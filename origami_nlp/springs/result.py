@@ -144,7 +144,7 @@ class Design(Told):
     (True, ['book'])
     """
 
-    PICTURE, SCHEMA, READS = "draw_design", "origami_nlp/design/1", False
+    PICTURE, SCHEMA, READS = "draw_design", "origami-nlp/design/1", False
     ALSO = ("feasible", "verified", "images")
 
     targets: Targets = field(metadata={"plain": False})

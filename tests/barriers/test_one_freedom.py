@@ -85,7 +85,7 @@ def test_a_saddle_of_a_miura_is_that_of_its_closed_form(tmp_path):
 
 
 def test_what_has_more_freedoms_is_refused_in_one_line():
-    found = o.find_minima("waterbomb:2x2", max_starts=4, escape=False)
+    found = o.find_minima("waterbomb:1x1", max_starts=4, escape=False)
     assert max(m.freedoms for m in found.minima) > 1
     with pytest.raises(OptionError, match="have more than one freedom"):
         o.find_barriers(found.pattern, found)

@@ -70,13 +70,15 @@ BAD = {
         ["sector_angles[1]"],
     ),
     "no such run": (LIKE.format("no.json#1"), ["no.json", "No such file"]),
-    "no such state": (LIKE.format("states.json#9"), ["'c'", "4 minima", "9"]),
+    "no such state": (LIKE.format("states.json#9"), ["'c'", "5 minima", "9"]),
     "no number of a state": (LIKE.format("states.json"), ["'c'", "FILE#NUMBER"]),
     "number 0": (LIKE.format("states.json#0"), ["'c'", "FILE#NUMBER"]),
     "a digit that is none": (LIKE.format("states.json#\u00b2"), ["'c'", "FILE#NUMBER"]),
     "number of 5,000 digits": (LIKE.format("states.json#" + "9" * 5000), ["'c'", "FILE#NUMBER"]),
     "other degree": (LIKE.format("states.json#1"), ["'c'", "2 fold angles"]),
-    "nan of a run": (LIKE.format("states.json#2"), ["'c'", "[4]", "finite"]),
+    "inf of a run": (LIKE.format("states.json#2"), ["'c'", "[4]", "finite"]),
+    "null of a run": (LIKE.format("states.json#5"), ["'c'", "no fold_angles"]),
+    "nan of a run": (LIKE.format("nan.json#1"), ["nan.json", "no JSON file", "NaN"]),
     "a state that is a number": (LIKE.format("states.json#3"), ["'c'", "no fold_angles"]),
     "true of a run": (LIKE.format("states.json#4"), ["'c'", "no fold_angles"]),
     "stiffness reversed": (GOOD + "[springs]\nstiffness = [0.5, 0.1]\n", ["[0.5, 0.1]", "least"]),
@@ -108,9 +110,13 @@ BAD = {
 def test_bad_targets_get_one_line_and_nothing_is_written(name, tmp_path):
     text, words = BAD[name]
     (tmp_path / "t.toml").write_text(text, encoding="utf-8")
-    run_of = {"minima": [{"fold_angles": a} for a in ([0, 0], [0, 0, 0, math.nan])]}
-    run_of["minima"] += [5, {"fold_angles": [True, 0, 0, 0]}]
-    (tmp_path / "states.json").write_text(json.dumps(run_of))
+    states = [{"fold_angles": [0, 0]}, {"fold_angles": [0, 0, 0, math.inf]}, 5]
+    states += [{"fold_angles": [first, 0, 0, 0]} for first in (True, None)]
+    run_of = json.dumps({"minima": states}).replace(
+        "Infinity", "1e999"
+    )  # JSON, but beyond a double
+    (tmp_path / "states.json").write_text(run_of)
+    (tmp_path / "nan.json").write_text('{"minima": [{"fold_angles": [0, 0, 0, NaN]}]}')
     before = sorted(tmp_path.iterdir())
     files = ("--scene", tmp_path / "s.toml", "--json", tmp_path / "d.json")
     code, out, err = run("design", tmp_path / "t.toml", *files, "--figure", tmp_path / "f.png")

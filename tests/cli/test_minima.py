@@ -20,7 +20,7 @@ def test_minima_writes_the_contract(scene, tmp_path):
     assert code == 0 and "4 symmetric minima," in table and "IPOPT" in table
     assert "stable state" not in table and "full space: not asked" in table
     data = json.loads(out.read_text())
-    assert data["schema"] == "origami_nlp/minima/1"
+    assert data["schema"] == "origami-nlp/minima/1"
     assert set(data) == {"schema", "scene", "model", "search", "completeness", "flags", "minima"}
     assert set(data["model"]) == {
         "variables",
@@ -55,7 +55,7 @@ def test_minima_writes_the_contract(scene, tmp_path):
 def test_json_to_stdout_is_only_json(scene):
     few = ("--max-starts", 16)
     code, out, err = run("minima", scene, "--json", "-", *few)
-    assert code == 0 and json.loads(out)["schema"] == "origami_nlp/minima/1"
+    assert code == 0 and json.loads(out)["schema"] == "origami-nlp/minima/1"
     assert "symmetric minima" in err
 
 

@@ -163,6 +163,13 @@ def test_what_is_wrong_is_told_with_its_path_and_its_value(case):
         from_plain(Outer, wrong, "'a.json'", SceneFileError)
 
 
+def test_tables_are_checked_after_other_types_were_read():
+    for kind in (dict[str, float], dict[str, int], dict[str, float]):
+        assert from_plain(kind, {"x": 1}) == {"x": 1}
+        with pytest.raises(OptionError, match=r"data = \[1\] must be an object"):
+            from_plain(kind, [1])
+
+
 @pytest.mark.parametrize("whole", [[], 3, None, "x"])
 def test_data_that_are_no_object(whole):
     with pytest.raises(OptionError, match=r"data = .* must be an object"):

@@ -155,7 +155,7 @@ def test_states_and_motions_are_drawn_and_turned(tmp_path):
     assert len(moving.stations) == 1 and len(moving.tracks[0].states) == len(motion.fold_angles)
     found.view().save(tmp_path / "a.html")
     assert (tmp_path / "a.html").stat().st_size > 1e6
-    nothing = replace(found, states=())
+    nothing = replace(found, minima=())
     for show in (nothing.draw, nothing.view):
         with pytest.raises(o.OrigamiError, match="no stable state was found"):
             show()
@@ -216,7 +216,7 @@ def test_the_command_writes_states_and_motions(tmp_path):
     moved = run("pattern", fold, "--path", *options)
     assert moved.code == 0 and "ends: " in moved.out and files["png"].stat().st_size > 1000
     assert len(parse_fold(files["fold"].read_text())) > 20
-    assert json.loads(files["json"].read_text())["motion"]["schema"] == "origami_nlp/pattern/1"
+    assert json.loads(files["json"].read_text())["motion"]["schema"] == "origami-nlp/pattern/1"
     done = run("minima", fold, "--starts", 2, *options)
     assert done.code == 0 and "stable state" in done.out
     data = json.loads(files["json"].read_text())

@@ -220,7 +220,7 @@ COUNT = "paper cone count --degree 6 --ratio 1 --rest-elevation 0.3"
 def test_json_reaches_every_kind_of_output(tmp_path, line):
     code, out, err = command(line.replace("COUNT", COUNT), tmp_path)
     assert code == 0, err
-    assert json.loads(out)["schema"].startswith("origami-nlp/cone"), out
+    assert json.loads(out)["schema"] == "origami-nlp/paper/1", out
 
 
 @needs_linux

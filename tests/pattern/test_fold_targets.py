@@ -119,8 +119,8 @@ def test_the_command_says_and_chooses(tmp_path):
     file.write_text(json.dumps(simulator_export()))
     found = {}
     for choice in ([], ["--rest-angles", "file"], ["--rest-angles", "measured"]):
-        args = ["minima", str(file), "--symmetry", "none", "--max-starts", "9", "--json", str(out)]
-        done = RUN.invoke(app, [*args, *choice])
+        args = ["minima", str(file), "--vertex", "0", "--symmetry", "none", "--max-starts", "9"]
+        done = RUN.invoke(app, [*args, "--json", str(out), *choice])
         assert done.exit_code == 0 and "90 degrees" in done.stderr, done.exception
         found[tuple(choice)] = json.loads(out.read_text())["scene"]["creases"]["rest_angles"]
     assert found[()] == found["--rest-angles", "file"] != found["--rest-angles", "measured"]

@@ -62,7 +62,7 @@ def having(value, *path):
 count = len(GOOD.nodes.kind)
 BAD = {
     "a list": ([], "schema"),
-    "another schema": (having("origami_nlp/proof/2", "schema"), "schema"),
+    "another schema": (having("origami-nlp/proof/2", "schema"), "schema"),
     **{
         f"no {name}": (without(name), name)
         for name in ("scene", "exact", "r0", "points", "singular", "undecided", "tree")

@@ -121,7 +121,7 @@ def test_shallow_states_are_counted_apart(yoshimura: SheetResult) -> None:
     low, high = yoshimura.minima
     assert high.escape is not None
     shallow = replace(high, escape=replace(high.escape, barrier=1e-6, shallow=True))
-    found = replace(yoshimura, states=(low, shallow))
+    found = replace(yoshimura, minima=(low, shallow))
     assert "1 stable state, and 1 shallow one (barrier below 1e-4" in str(found.table().title)
 
 

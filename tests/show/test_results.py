@@ -158,7 +158,7 @@ def test_saved_and_read_back(kind, tmp_path):
 def broken(data):
     """Files that hold no such result: their text by what is wrong with them, and a word of the complaint."""
     first = next(k for k in ("minima", "pattern", *data) if isinstance(data.get(k), list | dict))
-    of_another = {**data, "schema": "origami_nlp/paper/1"}
+    of_another = {**data, "schema": "origami-nlp/paper/1"}
     text = json.dumps(data)
     yield text[: len(text) // 2], "no JSON"
     yield "", "no JSON"

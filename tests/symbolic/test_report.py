@@ -16,7 +16,7 @@ ERRATA = Path(__file__).parents[2] / "docs" / "errata.md"
 
 def test_json_has_the_keys_of_the_schema(run):
     data = json.loads(report.as_json(run.results))
-    assert data["schema"] == "origami_nlp/paper/1"
+    assert data["schema"] == "origami-nlp/paper/1"
     assert set(data) == {"schema", "claims", "summary"}
     keys = {
         "id", "where", "statement_latex", "verdict", "method", "evidence", "corrected_latex",

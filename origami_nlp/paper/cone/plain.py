@@ -24,7 +24,7 @@ from origami_nlp.paper.cone.necklaces import foldings, number_of_foldings
 from origami_nlp.paper.cone.phase import PhaseDiagram
 from origami_nlp.paper.cone.stability import ConeFullSpace, JudgedMinimum
 
-SCHEMA = "origami_nlp/paper/1"
+SCHEMA = "origami-nlp/paper/1"
 SAFE = 2**53
 """Largest integer written as a number."""
 

@@ -55,7 +55,7 @@ def test_count_writes_the_contract():
         "falling_at_cut",
         "classes",
     ]
-    assert data["schema"] == "origami_nlp/paper/1" and data["branches"] == "64"
+    assert data["schema"] == "origami-nlp/paper/1" and data["branches"] == "64"
     totals = {"interior": 0, "contact": 0, "cut": 0}
     for row in data["classes"]:
         assert (

@@ -205,7 +205,7 @@ def test_command_writes_map_and_boundaries(tmp_path):
     )
     assert result.exit_code == 0, result.output
     told = json.loads(files["json"].read_text())
-    assert told["schema"] == "origami_nlp/paper/1" and told["branches"] == "32"
+    assert told["schema"] == "origami-nlp/paper/1" and told["branches"] == "32"
     assert {b["kind"] for b in told["boundaries"]} <= set(KINDS)
     rows = np.loadtxt(files["csv"], delimiter=",", skiprows=1)
     assert len(rows) == 144
