@@ -243,20 +243,21 @@ class _System:
 
     def step(self, values: np.ndarray) -> np.ndarray:
         """Return Newton's step [n] for values [m + r] of closure and rows."""
-        count, n = self.jacobian.shape
-        corner = np.zeros((count, count))
-        # Newton-KKT system (Nocedal & Wright, 18.6); multipliers come from least squares anew, so their step is dropped
-        system = np.block([[self.hessian, -self.jacobian.T], [self.jacobian, corner]])
+        count = len(self.jacobian)
         left = self.stationarity if self.free is None else self.stationarity[self.free]
-        right = -np.concatenate([left, values[:count]])
-        # rows may depend on each other: the solution of smallest norm
+        # null-space method for the Newton-KKT system (Nocedal & Wright, 16.2 and 18.1): a small singular value s of the
+        # Jacobian is one of s^2 over the Hessian in the whole system, beside singular states below rounding
+        u, singular, vt = np.linalg.svd(self.jacobian)
+        rank = int((singular > DEPENDENT).sum())
+        move = -vt[:rank].T @ ((u[:, :rank].T @ values[:count]) / singular[:rank])
+        z = vt[rank:].T
+        if z.shape[1]:
+            cost = z.T @ (left + self.hessian @ move)
+            move = move - z @ np.linalg.lstsq(z.T @ self.hessian @ z, cost, rcond=ROUNDED)[0]
         if self.free is None:
-            return np.linalg.lstsq(system, right, rcond=ROUNDED)[0][:n]
+            return move
         step = np.zeros(len(self.free))
-        try:
-            step[self.free] = np.linalg.solve(system, right)[:n]
-        except np.linalg.LinAlgError:
-            step[self.free] = np.linalg.lstsq(system, right, rcond=ROUNDED)[0][:n]
+        step[self.free] = move
         return step
 
 
