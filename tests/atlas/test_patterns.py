@@ -1,6 +1,7 @@
 """States of patterns over a parameter: as those of the vertex they consist of, and as the closed form of the Miura."""
 
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
@@ -94,28 +95,54 @@ def test_closure_is_differentiated_along_a_line_of_moving_vertices():
     assert torque == pytest.approx((pulls[1] - pulls[0]) / (2 * h), abs=1e-8)
 
 
+@cache
+def stiffened():
+    return o.follow("metasheet:3x3", "creases.stiffness[1]=1:30", **FEW)
+
+
+def both_sides(event, atlas):
+    """The minima that a search finds, and that the atlas lists, beside an event."""
+    for t in (0.99 * event.t, 1.01 * event.t):
+        found = o.find_minima(atlas.family.scene(t), effort="quick", escape=False)
+        yield t, found.minima, [s for s in atlas.at(t) if s.verdict == "minimum"]
+
+
 def test_a_state_vanishes_where_its_hessian_does():
-    """Stiffness of one crease of a metasheet: a fold and a contact are events; what searches find is followed."""
-    atlas = o.follow("metasheet:3x3", "creases.stiffness[1]=1:30", **FEW)
+    """Stiffness of one crease of a metasheet: folds and contacts are events, and searches on both sides of it agree."""
+    atlas = stiffened()
     (fold,) = [e for e in atlas.events if e.type == "fold"]
     assert fold.located and fold.residuals.kkt < 1e-10
+    many = []
+    for _, found, listed in both_sides(fold, atlas):
+        assert [m.energy for m in found] == pytest.approx([s.energy for s in listed], rel=1e-9)
+        many.append(len(listed))
+    assert abs(many[0] - many[1]) == 1
+
+
+def test_a_state_vanishes_where_its_contact_opens():
+    """What searches find is followed, and each state that is followed is a minimum when judged by itself."""
+    atlas = stiffened()
     (contact,) = [e for e in atlas.events if e.type == "nonsmooth-fold"]
     assert contact.located and "side 2-5 of facet 2" in contact.contact
-    for event in (fold, contact):
-        many = []
-        for t in (0.99 * event.t, 1.01 * event.t):
-            found = o.find_minima(atlas.family.scene(t), effort="quick", escape=False)
-            listed = [s for s in atlas.at(t) if s.verdict == "minimum"]
-            # what a search finds is followed; the state that has just met its contact is 5e-5 below its saddle, and
-            # searches of any effort miss it: it is judged by itself
-            energies = np.array([s.energy for s in listed])
-            for m in found.minima:
-                assert np.abs(energies - m.energy).min() < 1e-9 * m.energy
-            assert len(listed) - len(found.minima) <= int(event is contact)
-            for s in listed:
-                assert o.classify(atlas.family.scene(t), s.fold_angles).verdict == "minimum"
-            many.append(len(listed))
-        assert abs(many[0] - many[1]) == 1
+    many = []
+    for t, found, listed in both_sides(contact, atlas):
+        energies = np.array([s.energy for s in listed])
+        assert all(np.abs(energies - m.energy).min() < 1e-9 * m.energy for m in found)
+        for s in listed:
+            assert o.classify(atlas.family.scene(t), s.fold_angles).verdict == "minimum"
+        many.append(len(listed))
+    assert abs(many[0] - many[1]) == 1
+
+
+@pytest.mark.xfail(
+    strict=True,
+    reason="searches miss a state 5e-5 below its saddle, beside the contact that bears it",
+)
+def test_searches_find_the_state_that_a_contact_bears():
+    atlas = stiffened()
+    (contact,) = [e for e in atlas.events if e.type == "nonsmooth-fold"]
+    for _, found, listed in both_sides(contact, atlas):
+        assert [m.energy for m in found] == pytest.approx([s.energy for s in listed], rel=1e-9)
 
 
 def test_a_vertex_that_moves_and_what_is_refused():
