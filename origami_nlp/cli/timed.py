@@ -10,7 +10,7 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from functools import wraps
-from typing import Any
+from typing import Any, NoReturn
 
 import typer
 
@@ -19,6 +19,10 @@ from origami_nlp.errors import OUT_OF_TIME
 
 SHORTEST = 1e-6
 """Seconds of a timer that is over at once: 0 would stop it."""
+
+AGAIN = 0.2
+"""Seconds after which a command that goes on is ended once more: libraries that try one conversion of their arguments
+after another (CasADi) can take what ends it for an argument of another kind."""
 
 ENDED = 124
 """Exit code, that of `timeout`."""
@@ -30,6 +34,8 @@ class OutOfTime(BaseException):
 
 _end: list[float] = []
 """When the time is over (`time.monotonic`), for a command with a limit."""
+_rung: list[bool] = []
+"""Whether the command was told to end."""
 _kept: list[Any] = []
 """What the command has found, and not told."""
 
@@ -72,15 +78,18 @@ def bounded(command: Callable[..., None]) -> Callable[..., None]:
         try:
             with _limited(seconds):
                 command(**given)
+        except Exception as error:
+            if not _rung or isinstance(error, typer.Exit):
+                raise
+            _out_of_time(seconds, given)
         except OutOfTime:
-            _tell(seconds, given)
-            raise typer.Exit(ENDED) from None
+            _out_of_time(seconds, given)
 
     run.__signature__ = stated.replace(parameters=[*own[:after], limit, *own[after:]])  # type: ignore[attr-defined]
     return run
 
 
-def _tell(seconds: float | None, given: dict[str, Any]) -> None:
+def _out_of_time(seconds: float | None, given: dict[str, Any]) -> NoReturn:
     from origami_nlp.files import screen
 
     console = screen(*(v for v in given.values() if isinstance(v, str | os.PathLike)))
@@ -91,11 +100,13 @@ def _tell(seconds: float | None, given: dict[str, Any]) -> None:
         + ("what stands above was found; the rest of the command" if _kept else "the command")
         + " did not come to its end, and files that it had not written are not written"
     )
+    raise typer.Exit(ENDED) from None
 
 
 @contextmanager
 def _limited(seconds: float | None) -> Iterator[None]:
     _kept.clear()
+    _rung.clear()
     if seconds is None:
         yield
         return
@@ -106,16 +117,18 @@ def _limited(seconds: float | None) -> Iterator[None]:
         _arm(max(seconds, SHORTEST))
         yield
     finally:
-        _arm(0.0)
         _end.clear()
+        _arm(0.0)
         if able:
             signal.signal(signal.SIGALRM, former)
 
 
 def _over(*_: object) -> None:
-    raise OutOfTime
+    if _end:
+        _rung[:] = [True]
+        raise OutOfTime
 
 
 def _arm(seconds: float) -> None:
     if hasattr(signal, "setitimer"):
-        signal.setitimer(signal.ITIMER_REAL, seconds)
+        signal.setitimer(signal.ITIMER_REAL, seconds, AGAIN if seconds else 0.0)

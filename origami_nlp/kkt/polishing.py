@@ -175,8 +175,28 @@ def _repair(
             drop = int(first_largest(-multipliers))
             rows = key[:drop] + key[drop + 1 :]
         else:
-            return result, result.converged
+            return _with_all_limits(model, result), result.converged
     return best, False
+
+
+def _with_all_limits(model: Programme, state: Polished) -> Polished:
+    """Polish once more with every crease held that may be at +-pi, where the state is known better so.
+
+    A crease that others force shut pulls by no more than rounding over their levers, so that no row holds it; without
+    its row the state is known to that quotient only, with it to rounding.
+    """
+    if not model.has_limits or not state.converged or state.uncertainty <= CLOSES:
+        return state
+    shut = np.flatnonzero(math.pi - np.abs(state.x) <= state.uncertainty)
+    limits = tuple(fold_limit(int(v), state.x[v]) for v in shut)
+    rows = tuple(sorted({*state.rows, *limits}))
+    if rows == tuple(sorted(state.rows)):
+        return state
+    other, _ = newton(model, state.x, rows)
+    if other is None or not other.converged or other.uncertainty >= state.uncertainty:
+        return state
+    one = float(np.abs(other.x - state.x).max()) <= state.uncertainty
+    return replace(other, rows=state.rows) if one else state
 
 
 def newton(
@@ -328,4 +348,7 @@ def _closed_exactly(model: Programme, x: np.ndarray) -> np.ndarray:
     at_limits = np.clip(y, -math.pi, math.pi)
     if not model.has_limits or (at_limits == y).all():
         return y
-    return at_limits if np.abs(model.closure(at_limits)[0]).max() <= CLOSES else y
+    if np.abs(model.closure(at_limits)[0]).max() > CLOSES:
+        return y
+    # what was cut off is left in closure, and over a small singular value it is far in the others: they close it
+    return project(model, at_limits, frozen=np.abs(at_limits) == math.pi)[0]

@@ -8,6 +8,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+import typer
 
 from origami_nlp import (
     Model,
@@ -21,7 +22,7 @@ from origami_nlp import (
     load_path,
 )
 from origami_nlp.cli import app
-from origami_nlp.cli.timed import ENDED
+from origami_nlp.cli.timed import ENDED, bounded
 from origami_nlp.errors import OUT_OF_TIME, OptionError
 from origami_nlp.proof import prove
 from tests.command_line import run, scene_file
@@ -87,6 +88,32 @@ def test_a_command_whose_time_is_over_tells_what_it_has(tmp_path, words):
     assert done.code == ENDED and not out.exists()
     assert "interrupted by the time limit (--seconds 0.01)" in " ".join(done.out.split())
     assert "Traceback" not in done.out + done.err
+
+
+@pytest.mark.parametrize("then", ["goes on", "fails"])
+def test_a_library_that_swallows_the_end_of_the_time_is_ended_all_the_same(capsys, then):
+    """CasADi tries its conversions of arguments one after another, and takes any exception for "not this one"."""
+
+    def command():
+        try:
+            time.sleep(60)
+        except BaseException:
+            if then == "fails":
+                raise AttributeError("'SX' object has no attribute 'full'") from None
+        time.sleep(60)
+
+    with pytest.raises(typer.Exit) as ended:
+        bounded(command)(seconds=0.01)
+    assert ended.value.exit_code == ENDED
+    assert "interrupted by the time limit" in capsys.readouterr().out
+
+
+def test_an_error_before_the_time_is_over_is_an_error():
+    def command():
+        raise AttributeError("wrong")
+
+    with pytest.raises(AttributeError):
+        bounded(command)(seconds=60.0)
 
 
 COMMANDS = {
