@@ -50,7 +50,6 @@ from .results import (
 from .sheets import (
     Motion as Motion,
     Overview as Overview,
-    SheetResult as SheetResult,
     find_motion as find_motion,
     overview as overview,
 )

@@ -16,8 +16,7 @@ from origami_nlp.errors import AngleError, OptionError
 _MAKERS = {
     "Scene": "a Scene (read_scene reads one from a file)",
     "Vertex": "a Vertex (such as scene.vertex)",
-    "MinimaResult": "a MinimaResult: what find_minima(scene) returns",
-    "FoundMinima": "what find_minima(scene or pattern) returns",
+    "MinimaResult": "a MinimaResult: what find_minima returns",
     "Barriers": "a Barriers: what find_barriers(scene) returns",
     "ExactLandscape": "an ExactLandscape: what find_landscape(result) returns",
     "PhaseDiagram": "a PhaseDiagram: what phase_diagram(degree) returns",

@@ -20,18 +20,17 @@ if TYPE_CHECKING:
     from origami_nlp.show import TurnedPage
 
 _READ = (
-    ("minima", "classes", "minima", "VertexwiseMinima"),
-    ("minima", "pattern", "sheets", "SheetResult"),
-    ("minima", "scene", "minima", "MinimaResult"),
-    ("landscape", "points", "critical", "CriticalPoints"),
-    ("load", "legs", "loading", "LoadPath"),
-    ("modes", "states", "modes", "Modes"),
-    ("landscape", "passes", "barriers", "Barriers"),
-    ("follow", "branches", "atlas", "Atlas"),
-    ("follow", "curves", "atlas", "Boundaries"),
-    ("pattern", "motion", "sheets", "Motion"),
-    ("pattern", "arc", "sheets", "Motion"),
-    ("pattern", "facets", "sheets", "Overview"),
+    ("minima/2", "classes", "minima", "VertexwiseMinima"),
+    ("minima/2", "minima", "minima", "MinimaResult"),
+    ("landscape/1", "points", "critical", "CriticalPoints"),
+    ("load/1", "legs", "loading", "LoadPath"),
+    ("modes/2", "states", "modes", "Modes"),
+    ("landscape/2", "passes", "barriers", "Barriers"),
+    ("follow/1", "branches", "atlas", "Atlas"),
+    ("follow/1", "curves", "atlas", "Boundaries"),
+    ("pattern/1", "motion", "sheets", "Motion"),
+    ("pattern/1", "arc", "sheets", "Motion"),
+    ("pattern/1", "facets", "sheets", "Overview"),
 )
 """Room and class of what is read back: by its schema, and by a key of it; of several the first."""
 
@@ -169,12 +168,12 @@ def load(path: str | PathLike[str]) -> Any:
     """
     data = read_data(path)
     schema = data.get("schema") if isinstance(data, dict) else None
-    for verb, key, room, name in _READ:
-        if schema == f"origami-nlp/{verb}/1" and key in data:
+    for wanted, key, room, name in _READ:
+        if schema == f"origami-nlp/{wanted}" and key in data:
             inside = data[key] if key == "motion" else data
             kind: type[Result] = getattr(import_module(f"origami_nlp.{room}"), name)
             return kind.from_dict(inside, repr(str(path)))
-    known = ", ".join(dict.fromkeys(f"origami-nlp/{verb}/1" for verb, *_ in _READ))
+    known = ", ".join(dict.fromkeys(f"origami-nlp/{wanted}" for wanted, *_ in _READ))
     raise OptionError(f"schema = {shown(schema)} in {path} cannot be read back: use {known}")
 
 

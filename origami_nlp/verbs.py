@@ -18,10 +18,9 @@ from origami_nlp.numerics import CLOSES
 
 if TYPE_CHECKING:
     from origami_nlp.kkt import Classification, State
-    from origami_nlp.minima import FoundMinima, MinimaResult, VertexwiseMinima
+    from origami_nlp.minima import MinimaResult, VertexwiseMinima
     from origami_nlp.pattern import Pattern, Scene
     from origami_nlp.proof import ProofOptions
-    from origami_nlp.sheets import SheetResult
     from origami_nlp.starts import SearchOptions
 
 CONTACTS = {"full": True, "fold-limits": False}
@@ -72,7 +71,7 @@ def find_minima(
     seconds: float | None = ...,
     escape: bool = ...,
     noise: float | None = ...,
-) -> SheetResult: ...
+) -> MinimaResult: ...
 @overload
 def find_minima(origami: Mapping[int, Scene], **options: Any) -> VertexwiseMinima: ...
 def find_minima(
@@ -86,7 +85,7 @@ def find_minima(
     escape: bool = True,
     noise: float | None = None,
     **others: Any,
-) -> MinimaResult | SheetResult | VertexwiseMinima:
+) -> MinimaResult | VertexwiseMinima:
     """Find and classify the energy minima of a vertex or of a whole pattern: its stable states.
 
     Parameters
@@ -117,7 +116,7 @@ def find_minima(
 
     Returns
     -------
-    MinimaResult, SheetResult or VertexwiseMinima
+    MinimaResult or VertexwiseMinima
         The minima in order of energy, and the record of the search; of several scenes one for each that differs.
 
     Raises
@@ -219,7 +218,7 @@ def classify(
     return kkt.classify(state, polished=polished)
 
 
-def write_fold(result: FoundMinima, target: str | PathLike[str]) -> None:
+def write_fold(result: MinimaResult, target: str | PathLike[str]) -> None:
     """Write the states of a vertex or pattern as a FOLD file (spec 1.1), a folded frame each.
 
     Parameters
@@ -246,14 +245,14 @@ def write_fold(result: FoundMinima, target: str | PathLike[str]) -> None:
     True
     """
     from origami_nlp.folding import save_fold
-    from origami_nlp.minima import FoundMinima
+    from origami_nlp.minima import MinimaResult
 
-    check_type("result", result, FoundMinima)
+    check_type("result", result, MinimaResult)
     check_path("target", target)
     save_fold(result.to_fold(), fspath(target))
 
 
-def write_mesh(result: FoundMinima, target: str | PathLike[str]) -> None:
+def write_mesh(result: MinimaResult, target: str | PathLike[str]) -> None:
     """Write the states of a vertex or pattern side by side as one triangle mesh, by way of trimesh (extra ``mesh``).
 
     Parameters
@@ -277,8 +276,8 @@ def write_mesh(result: FoundMinima, target: str | PathLike[str]) -> None:
     >>> path.stat().st_size > 0
     True
     """
-    from origami_nlp.minima import FoundMinima, write_parts
+    from origami_nlp.minima import MinimaResult, write_parts
 
-    check_type("result", result, FoundMinima)
+    check_type("result", result, MinimaResult)
     check_path("target", target)
     write_parts(result.mesh_parts(), fspath(target))

@@ -16,10 +16,10 @@ from typing import Any, TypeVar
 import pytest
 from filelock import FileLock
 
-from origami_nlp import Scene, SheetResult, examples, minima
+from origami_nlp import MinimaResult, Scene, examples, minima
 from origami_nlp.barriers import Barriers, find_barriers
 from origami_nlp.chart import Boundary, trace_boundary
-from origami_nlp.minima import JudgedState, MinimaResult
+from origami_nlp.minima import JudgedState
 from origami_nlp.programme import Model
 
 T = TypeVar("T")
@@ -118,7 +118,7 @@ def minima_once(scene: Scene, **options: Any) -> MinimaResult:
 
 
 @shared
-def states(name: str) -> SheetResult:
+def states(name: str) -> MinimaResult:
     """Return the states of a pattern by name, with what it takes to leave each, as its page has them."""
     from tests.gallery_of_patterns import solve
 

@@ -13,8 +13,8 @@ from pathlib import Path
 import matplotlib
 
 import origami_nlp as o
-from origami_nlp.minima import JudgedState, barrier_words
-from origami_nlp.sheets import SheetResult, draw_states
+from origami_nlp.minima import JudgedState, MinimaResult, barrier_words
+from origami_nlp.show import draw_states
 
 DOCS = Path(__file__).parent.parent / "docs"
 PAGE, FIGURES = DOCS / "sheets.md", DOCS / "figures" / "sheets"
@@ -47,18 +47,18 @@ table ([limits](pattern_limits.md)). Written by
 """
 
 
-def solve(name: str) -> SheetResult:
+def solve(name: str) -> MinimaResult:
     """The states of a sheet."""
     return o.find_minima(name, starts=STARTS)
 
 
-def groups(result: SheetResult) -> list[list[JudgedState]]:
+def groups(result: MinimaResult) -> list[list[JudgedState]]:
     """Minima by energy, those that are shown."""
     alike = groupby(result.minima, key=lambda s: round(s.energy, 9))
     return [list(states) for _, states in alike][:SHOWN]
 
 
-def rows(result: SheetResult) -> list[str]:
+def rows(result: MinimaResult) -> list[str]:
     """One line of the table for each energy; what the page must say whatever the computer."""
     lines = []
     for k, states in enumerate(groups(result), 1):
@@ -74,7 +74,7 @@ def rows(result: SheetResult) -> list[str]:
     return lines
 
 
-def section(name: str, result: SheetResult, seconds: float) -> str:
+def section(name: str, result: MinimaResult, seconds: float) -> str:
     """Text, picture and table of a sheet."""
     p, file = result.pattern, name.replace(":", "_")
     count = f"{p.facets} facets, {p.creases} creases; {len(result.minima)} stable states"

@@ -15,7 +15,7 @@ import numpy as np
 
 from origami_nlp.atlas.over import PLACE, Over, kind_of
 from origami_nlp.errors import OptionError
-from origami_nlp.folding import folded_frame, frames_to_fold
+from origami_nlp.facets import state_frame, states_to_fold
 from origami_nlp.minima import MinimaResult, find_minima_of_each
 from origami_nlp.numerics import RESOLVED
 from origami_nlp.path import STEPS, ContinuationOptions, ParameterLine, line_between
@@ -125,9 +125,10 @@ class Family:
 
     def to_fold(self, states: list[tuple[float, Any, str, dict[str, Any]]]) -> dict[str, Any]:
         """Return states (t, fold angles, title, what else is known) as FOLD data (spec 1.1), a frame each."""
-        made = lru_cache(maxsize=None)(self.scene_of)
-        frames = [folded_frame(made(t), phi, title, **more) for t, phi, title, more in states]
-        return frames_to_fold(self.scene(self.over.low), frames)
+        frames = [
+            state_frame(self.sampled(t), phi, title, **more) for t, phi, title, more in states
+        ]
+        return states_to_fold(self.scene(self.over.low), frames)
 
     def _check(self, posed: Sequence[Any], where: np.ndarray) -> None:
         """Complain where the numbers of scenes are not linear in s."""

@@ -23,12 +23,11 @@ from origami_nlp.atlas.result import Atlas
 from origami_nlp.critical import find_critical_points
 from origami_nlp.errors import OUT_OF_TIME, OptionError
 from origami_nlp.kkt import State, classify
-from origami_nlp.minima import MinimaResult, check_prove, full_scene
+from origami_nlp.minima import MinimaResult, SheetSearch, check_prove, full_scene
 from origami_nlp.numerics import SETTLED
 from origami_nlp.path import STEPS, ContinuationOptions, Equilibrium, ParameterLine, Web
 from origami_nlp.pattern import Pattern, Scene, Vertex, as_origami
 from origami_nlp.proof import ProofOptions
-from origami_nlp.sheets import SheetResult
 from origami_nlp.space import find_space
 
 MOST_CHECKS = 100
@@ -257,11 +256,11 @@ class _Survey:
         for t, result in zip(values, results, strict=True):
             self._compare(t, result, seconds / len(values))
 
-    def _compare(self, t: float, result: MinimaResult | SheetResult, seconds: float) -> None:
+    def _compare(self, t: float, result: MinimaResult, seconds: float) -> None:
         """Follow what is new among the minima of a search that took so long, and note what does not fit."""
         begin = time.perf_counter()
         morse = ""
-        if self._morse and not self.web.late and isinstance(result, MinimaResult):
+        if self._morse and not self.web.late and not result.is_pattern:
             morse = self._identity(result.scene, result)
         more = time.perf_counter() - begin
         seconds, self._begin = seconds + more, self._begin + more
@@ -375,9 +374,9 @@ class _Survey:
         )
 
 
-def _complete(result: MinimaResult | SheetResult) -> str:
+def _complete(result: MinimaResult) -> str:
     """Say why the minima of a search are all, or that its time was over; "" where that is not known."""
-    if isinstance(result, SheetResult):
+    if isinstance(result.search, SheetSearch):
         return OUT_OF_TIME if result.search.left_out else ""
     if result.search.stopped_by == "time":
         return OUT_OF_TIME

@@ -20,10 +20,11 @@ from origami_nlp.atlas.family import Family, stiffness_over_ratio
 from origami_nlp.atlas.over import Over
 from origami_nlp.errors import OptionError
 from origami_nlp.facets import Sheet
+from origami_nlp.minima import MinimaResult
 from origami_nlp.path import STEPS, ContinuationOptions, ParameterLine, line_between
 from origami_nlp.pattern import Pattern, as_pattern, examples, with_places
 from origami_nlp.programme import Contact
-from origami_nlp.sheets import SheetResult, find_states, sheet_frame, sheet_to_fold
+from origami_nlp.sheets import find_states
 
 SHARE = 1e-3
 """Of the range: the step of the difference that follows closure along it; its error is the fourth power."""
@@ -161,7 +162,7 @@ class PatternFamily(Family):
 
     def search(  # type: ignore[override]
         self, made: list[Any], seconds: float | None, **options: Any
-    ) -> list[SheetResult]:
+    ) -> list[MinimaResult]:
         """Search for the stable states of some of its patterns, one after the other, in so many seconds together."""
         share = None if seconds is None else seconds / len(made)
         return [find_states(one, escape=False, seconds=share, **options) for one in made]
@@ -169,14 +170,6 @@ class PatternFamily(Family):
     def problem(self, made: Any) -> Sheet:
         """Pose one of its patterns."""
         return Sheet(made)
-
-    def to_fold(self, states: list[tuple[float, Any, str, dict[str, Any]]]) -> dict[str, Any]:
-        """Return states (t, fold angles, title, what else is known) as FOLD data, a frame each."""
-        made: Any = self.sampled
-        frames = [
-            sheet_frame(made(t), np.array(phi), title, **more) for t, phi, title, more in states
-        ]  # type: ignore[arg-type]
-        return sheet_to_fold(self.scene(self.over.low), frames)  # type: ignore[arg-type]
 
 
 def pattern_family(stated: Any, over: Over) -> PatternFamily:

@@ -14,7 +14,6 @@ from origami_nlp.atlas.family import Family
 from origami_nlp.atlas.over import Over
 from origami_nlp.atlas.patterns import PatternFamily, PatternLine
 from origami_nlp.atlas.records import PathBranch, PathEvent, PathPoint
-from origami_nlp.sheets import sheet_poser
 from origami_nlp.show import (
     Body,
     Content,
@@ -22,12 +21,10 @@ from origami_nlp.show import (
     Line,
     Panel,
     Piece,
+    Poser,
     Station,
     Track,
-    vertex_body,
-    vertex_folded,
-    vertex_track,
-    vertex_view,
+    join_states,
 )
 
 
@@ -52,7 +49,7 @@ def turn_branches(
         A station for each event; a track for each stretch of a branch on which the parameter runs one way, over that
         parameter in its unit, angles in degrees; one panel, the energy over the parameter.
     """
-    over, stations, poser = family.over, [], _poser(family)
+    over, stations, poser = family.over, [], _Posers(family)
     at: list[tuple[int, float, float]] = []
     for e in events:
         scene = family.scene_of(e.t)
@@ -122,61 +119,34 @@ def turn_paths(
     return content.with_tracks(list(tracks), [list(points)])
 
 
-class _VertexPoser:
-    """What puts the states of a family of scenes into space."""
+class _Posers:
+    """What puts the states of a family into space."""
 
     def __init__(self, family: Family) -> None:
-        self._scene = lru_cache(maxsize=None)(family.scene_of)
-        first = self._scene(family.over.low)
-        self.name, self.body = first.label or repr(first.vertex), vertex_body(first.vertex)
+        made, low = family.scene_of, family.over.low
+        # along springs and loads no vertex moves
+        still = isinstance(family, PatternFamily) and not isinstance(family.line, PatternLine)
+        self._at = lru_cache(maxsize=None)(lambda t: Poser(made(low if still else t)))
+        first: Any = made(low)
+        self.body = self._at(low).body
+        name = first.name if isinstance(family, PatternFamily) else first.label
+        self.name = name or ("pattern" if isinstance(family, PatternFamily) else repr(first.vertex))
 
     def folded(self, t: float, phi: Sequence[float], energy: float) -> Folded:
-        return vertex_folded(self._scene(t).vertex, phi, energy)
+        return self._at(t).folded(phi, energy)
 
     def view(self, t: float, phi: Sequence[float]) -> np.ndarray:
-        return vertex_view(self._scene(t).vertex, phi)
+        return self._at(t).view(phi)
 
     def track(
         self, title: str, points: Sequence[PathPoint], values: list[float], label: str
     ) -> Track:
-        vertices = [self._scene(p.t).vertex for p in points]
-        states, energies = [p.fold_angles for p in points], [p.energy for p in points]
-        return vertex_track(vertices, title, states, energies, parameter=values, label=label)
-
-
-class _PatternPoser:
-    """The same of a family of patterns."""
-
-    def __init__(self, family: Family) -> None:
-        made: Any = family.scene_of
-        still = not isinstance(family.line, PatternLine)  # then no vertex moves
-        low = family.over.low
-        self._at = lru_cache(maxsize=None)(lambda t: sheet_poser(made(low if still else t)))
-        self.name, self.body = made(low).name or "pattern", self._at(low)[0]
-
-    def folded(self, t: float, phi: Sequence[float], energy: float) -> Folded:
-        return replace(self._at(t)[1](np.array(phi)), energy=energy)
-
-    def view(self, t: float, phi: Sequence[float]) -> np.ndarray:
-        return self._at(t)[2](np.array(phi))
-
-    def track(
-        self, title: str, points: Sequence[PathPoint], values: list[float], label: str
-    ) -> Track:
-        seen = tuple(self.folded(p.t, p.fold_angles, p.energy) for p in points)
+        states = [self.folded(p.t, p.fold_angles, p.energy) for p in points]
         middle = points[len(points) // 2]
-        view = self.view(middle.t, middle.fold_angles)
-        return Track(title, np.array(values), label, seen, view)
+        return join_states(title, states, self.view(middle.t, middle.fold_angles), values, label)
 
 
-_Poser = _VertexPoser | _PatternPoser
-
-
-def _poser(family: Family) -> _Poser:
-    return _PatternPoser(family) if isinstance(family, PatternFamily) else _VertexPoser(family)
-
-
-def _tracks(over: Over, poser: _Poser, branch: PathBranch) -> list[Track]:
+def _tracks(over: Over, poser: _Posers, branch: PathBranch) -> list[Track]:
     """Return the stretches of a branch on which the parameter runs one way."""
     t = np.array([p.t for p in branch.points])
     steps = np.sign(np.diff(t))

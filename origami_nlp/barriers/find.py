@@ -32,7 +32,7 @@ from origami_nlp.minima import (
 from origami_nlp.numerics import MergeTree
 from origami_nlp.pattern import Pattern, Scene, as_origami
 from origami_nlp.programme import Model
-from origami_nlp.sheets import SheetResult, find_states
+from origami_nlp.sheets import find_states
 
 SPACINGS = (0.02, 0.5)
 """Smallest and largest spacing of a mesh [rad]."""
@@ -50,7 +50,7 @@ SPACING = 0.12
 
 def find_barriers(
     origami: Scene | Pattern | str | PathLike[str],
-    result: MinimaResult | SheetResult | None = None,
+    result: MinimaResult | None = None,
     full: bool | None = None,
     *,
     spacing: float | None = None,
@@ -103,8 +103,8 @@ def find_barriers(
         refuse("pattern", _OF_TWO, full=full, spacing=spacing)
         if result is None:
             result = find_states(scene, seed=seed, escape=False)
-        check_type("result", result, SheetResult)
-        return pattern_barriers(result)  # type: ignore[arg-type]
+        check_type("result", result, MinimaResult)
+        return pattern_barriers(result)
     scene.check_no_forces("barriers")
     if result is not None:
         check_type("result", result, MinimaResult)

@@ -13,10 +13,10 @@ import numpy as np
 from origami_nlp.barriers.full import FullPass
 from origami_nlp.barriers.graph import StateGraph
 from origami_nlp.barriers.passes import Pass, PassKind
-from origami_nlp.folding import folded_frame, frames_to_fold, path_frames
+from origami_nlp.facets import state_frame, states_to_fold
+from origami_nlp.folding import path_frames
 from origami_nlp.minima import MinimaResult
 from origami_nlp.pattern import Scene
-from origami_nlp.sheets import SheetResult, sheet_frame, sheet_to_fold
 from origami_nlp.show import Content, Piece, Table, Told, Turnable, short_label
 
 HEADS = (
@@ -107,26 +107,24 @@ class Barriers(Told, Turnable):
     ((2, 2), 1)
     """
 
-    result: MinimaResult | SheetResult
+    result: MinimaResult
     passes: tuple[Pass, ...]
     merges: tuple[Join, ...]
     graph: StateGraph | None = field(default=None, metadata={"plain": False})
     unlisted: tuple[Unlisted, ...] = ()
     full: tuple[FullPass, ...] = ()
 
-    PICTURE, SCHEMA = "draw_barriers", "origami-nlp/landscape/1"
+    PICTURE, SCHEMA = "draw_barriers", "origami-nlp/landscape/2"
 
     @property
     def scene(self) -> Scene | None:
         """The scene; None of a pattern."""
-        return None if isinstance(self.result, SheetResult) else self.result.scene
+        return None if self.result.is_pattern else self.result.scene
 
     @property
     def label(self) -> str:
         """Whose minima these are."""
-        if isinstance(self.result, SheetResult):
-            return self.result.pattern.name or "pattern"
-        return self.result.scene.label
+        return self.result.title
 
     def matrix(self) -> np.ndarray:
         """Return the barrier energies [m, m]: an ultrametric; the diagonal holds the minima's own energies."""
@@ -144,24 +142,19 @@ class Barriers(Told, Turnable):
 
     def to_fold(self) -> dict[str, Any]:
         """Return FOLD data: the crease pattern, and the states along the path of each pass as frames."""
-        result: Any = self.result
-        pattern = isinstance(result, SheetResult)
-        frame = (
-            partial(sheet_frame, result.pattern) if pattern else partial(folded_frame, result.scene)
-        )
+        origami = self.result.origami
         frames = [
             one
             for p in self.passes
             if len(p.path)
             for one in path_frames(
-                frame, p.path, p.path_energy, f"path {p.from_state} to {p.to_state}"
+                partial(state_frame, origami),
+                p.path,
+                p.path_energy,
+                f"path {p.from_state} to {p.to_state}",
             )
         ]
-        return (
-            sheet_to_fold(result.pattern, frames)
-            if pattern
-            else frames_to_fold(result.scene, frames)
-        )
+        return states_to_fold(origami, frames)
 
     def _energies(self, p: Pass) -> tuple[float, float]:
         """Return the energies of the minima on either side of a pass."""
@@ -197,16 +190,12 @@ class Barriers(Told, Turnable):
 
     def turned(self) -> Content:
         """Return states and the paths over the passes as plain data, see `view`."""
-        from origami_nlp.barriers.turned import add_passes, add_ways  # charts are slow to import
-
-        if isinstance(self.result, SheetResult):
-            content = add_ways(self.result.turned(), self.result.pattern, self.passes)
-            return replace(content, pieces=(*self.told(), *content.pieces))
+        from origami_nlp.barriers.turned import add_passes  # charts are slow to import
         from origami_nlp.chart import landscape
         from origami_nlp.minima import CELLS
 
-        chart = landscape(self.result.scene, CELLS)
-        content = add_passes(self.result.turned(chart), chart, self.passes)
+        chart = None if self.scene is None else landscape(self.scene, CELLS)
+        content = add_passes(self.result.turned(chart), self.result.origami, self.passes, chart)
         return replace(content, pieces=(*self.told(), *content.pieces))
 
 

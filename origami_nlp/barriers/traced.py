@@ -18,7 +18,7 @@ from origami_nlp.errors import OptionError
 from origami_nlp.kkt import State, energy_scale, level_of, project
 from origami_nlp.minima import MinimaResult, TracedPasses, trace, traced_passes
 from origami_nlp.numerics import BESIDE, CLOSES, SETTLED
-from origami_nlp.sheets import SheetResult, curve_passes
+from origami_nlp.sheets import curve_passes
 
 APART = 0.2
 """Length of a step of a path [rad]."""
@@ -54,7 +54,7 @@ def vertex_barriers(model: Any, result: MinimaResult) -> Barriers:
     return _barriers(model, result, found, 1.0, lambda i, j, height: EVERY)
 
 
-def pattern_barriers(result: SheetResult) -> Barriers:
+def pattern_barriers(result: MinimaResult) -> Barriers:
     """Return the barriers of a pattern whose minima have one freedom each, or none.
 
     Raises

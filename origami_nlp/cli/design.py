@@ -48,7 +48,7 @@ def design(
     Exit code 0: a design that does all that is asked.  1: proved that no springs do.  3: neither; the last lines say
     why.
     """
-    from origami_nlp.sheets import sheet_to_fold
+    from origami_nlp.facets import sheet_to_fold
     from origami_nlp.springs import (
         design as find,
         draw_design,

@@ -70,7 +70,7 @@ class _Files:
         return data if self.motion is None else {**data, "motion": self.motion.to_dict()}
 
     def _fold(self) -> str:
-        from origami_nlp.sheets import sheet_frame, sheet_to_fold
+        from origami_nlp.facets import sheet_frame, sheet_to_fold
 
         frames = [sheet_frame(self.pattern, phi, title) for title, phi in self.states]
         if self.motion is not None:
@@ -89,8 +89,8 @@ class _Files:
         return js.dumps(data, indent=1, allow_nan=False) + "\n"
 
     def _mesh(self, file: str) -> None:
+        from origami_nlp.facets import sheet_parts
         from origami_nlp.minima import write_parts
-        from origami_nlp.sheets import sheet_parts
 
         states = [phi for _, phi in self.states]
         if self.motion is not None:

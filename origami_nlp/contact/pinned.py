@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 
@@ -12,20 +12,12 @@ from origami_nlp.contact.margin import load_margin
 from origami_nlp.contact.report import ContactReport, PinnedState
 from origami_nlp.contact.segments import find_segments
 from origami_nlp.errors import OptionError
-from origami_nlp.kkt import State, classify
+from origami_nlp.kkt import classify
 from origami_nlp.minima import MinimaResult
 
 
-class Found(Protocol):
-    """Minima of a vertex or of a pattern."""
-
-    @property
-    def minima(self) -> tuple[Any, ...]: ...  # noqa: D102
-    def state_of(self, minimum: Any, /) -> State: ...  # noqa: D102
-
-
 def find_contacts(
-    result: Found, *, state: int | None = None, segments: bool = False, check: bool = True
+    result: MinimaResult, *, state: int | None = None, segments: bool = False, check: bool = True
 ) -> ContactReport:
     """Say what holds each minimum that has closed contacts: moments, stiffness along the contact, load margin.
 
@@ -61,7 +53,7 @@ def find_contacts(
     count = len(result.minima)
     if state is not None and not 1 <= state <= count:
         raise OptionError(f"state = {state} must be the number of a minimum, 1 to {count}")
-    one = isinstance(result, MinimaResult)
+    one = not result.is_pattern
     if segments and not one:
         raise OptionError(
             "segments = True: contact boundaries are followed for one vertex, not a pattern"
@@ -80,5 +72,5 @@ def find_contacts(
         total = at.programme.scale * float(np.sum(at.programme.parameters.stiffness))
         softness = min(stiffness, default=math.inf) / total
         states.append(PinnedState(number, minimum, what.contacts, stiffness, softness, margin))
-    found = find_segments(result) if isinstance(result, MinimaResult) and segments else None
+    found = find_segments(result) if segments else None
     return ContactReport(result, tuple(states), found)

@@ -100,28 +100,25 @@ class ContactReport(Told, Turnable):
     degree 6, alpha_1 = pi/4, r_k = 0.01: 1 of 2 minima reported, each with closed contacts; symmetry D1, contact full
     """
 
-    result: Any
+    result: MinimaResult
     states: tuple[PinnedState, ...]
     segments: SegmentReport | None
 
-    SCHEMA, READS = "origami-nlp/contacts/1", False
+    SCHEMA, READS = "origami-nlp/contacts/2", False
 
     @property
     def headline(self) -> str:
         """Which scene it is, and how many of its states are in contact."""
         many = f"{len(self.states)} of {len(self.result.minima)} minima reported, each with closed contacts"
-        if not isinstance(self.result, MinimaResult):
-            return f"{self._label or repr(self.result.pattern)}: {many}"
+        if self.result.is_pattern:
+            return f"{self.result.title}: {many}"
         scene = self.result.scene
-        who = self._label or repr(scene.vertex)
-        return f"{who}: {many}; symmetry {scene.group.name}, contact {scene.contact}"
+        return f"{self.result.title}: {many}; symmetry {scene.group.name}, contact {scene.contact}"
 
     @property
     def _label(self) -> str:
         """Name of the scene or the pattern."""
-        one = isinstance(self.result, MinimaResult)
-        label: str = self.result.scene.label if one else self.result.pattern.name
-        return label
+        return self.result.name
 
     def table(self) -> Table:
         """Return one row a state, for the terminal."""
@@ -183,7 +180,7 @@ class ContactReport(Told, Turnable):
         from origami_nlp.chart import landscape
         from origami_nlp.contact.turned import add_segments  # charts are slow to import
 
-        one = isinstance(self.result, MinimaResult)
+        one = not self.result.is_pattern
         chart: Any = landscape(self.result.scene, CELLS) if one else None
         content = self.result.turned(chart) if one else self.result.turned()
         stations = list(content.stations)

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from origami_nlp.chart import Landscape
 from origami_nlp.contact.segments import SegmentReport
 from origami_nlp.minima import points_on
-from origami_nlp.show import Content, vertex_track
+from origami_nlp.show import Content, Poser
 
 
 def add_segments(content: Content, chart: Landscape, segments: SegmentReport) -> Content:
@@ -28,8 +28,7 @@ def add_segments(content: Content, chart: Landscape, segments: SegmentReport) ->
         With a track for each boundary.
     """
     tracks = [
-        vertex_track(
-            segments.scene.vertex,
+        Poser(segments.scene).track(
             _title(curve.contacts, numbers),
             curve.fold_angles,
             curve.energy,

@@ -11,6 +11,13 @@ from .equations import (
 )
 from .faces import Faces as Faces, Lying as Lying
 from .features import Features as Features
+from .fold_out import (
+    sheet_frame as sheet_frame,
+    sheet_parts as sheet_parts,
+    sheet_to_fold as sheet_to_fold,
+    state_frame as state_frame,
+    states_to_fold as states_to_fold,
+)
 from .labels import Labels as Labels, find_labels as find_labels, image as image
 from .layers import (
     Layers as Layers,
@@ -20,7 +27,7 @@ from .layers import (
 )
 from .meeting import touches_at as touches_at
 from .posed import independent_rows as independent_rows, pose as pose
-from .poses import Poses as Poses
+from .poses import MOVES as MOVES, Poses as Poses
 from .sheet import Sheet as Sheet
 from .stacks import Stack as Stack
 from .touches import Parallel as Parallel, Placed as Placed, Touch as Touch

@@ -10,6 +10,9 @@ from scipy.sparse.csgraph import breadth_first_order, shortest_path
 
 from origami_nlp.pattern import Pattern
 
+MOVES = 1e-3
+"""A crease folded by more moves [rad]."""
+
 
 class Poses:
     """The facets of a pattern, moved by its fold angles; one facet, in the middle, stays where it is.

@@ -19,6 +19,7 @@ from origami_nlp.facets.contacts import PatternContacts
 from origami_nlp.facets.layers import Layers, order_layers
 from origami_nlp.facets.meeting import touches_at
 from origami_nlp.facets.work import Work, Worked
+from origami_nlp.files import pick
 from origami_nlp.numerics import CLOSES, OUTSIDE, TOUCHES, Matrix, dense
 from origami_nlp.pattern import Pattern
 from origami_nlp.programme import (
@@ -84,6 +85,17 @@ class Sheet(PatternContacts):
     def freedom(self) -> int:
         """Degrees of freedom at least: creases less equations."""
         return max(self.size - self.closure.count, 0)
+
+    @cached_property
+    def flattened(self) -> np.ndarray | None:
+        """The corners where the sheet lies flat, [V, 3]; None where it does not."""
+        if self.pattern.is_flat:
+            return self.pattern.corners
+        zero = np.zeros(self.size)
+        return None if self.residual(zero) > CLOSES else self.crossings.poses.corners(zero)
+
+    def _to_plain(self) -> dict[str, Any]:
+        return pick(self, "variables=size", "equalities=equation_count")
 
     @property
     def own_symmetries(self) -> tuple[tuple[np.ndarray, int], ...]:

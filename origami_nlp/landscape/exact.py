@@ -104,7 +104,7 @@ class ExactLandscape(Told, Turnable):
     places: tuple[Place, ...]
     metastable: tuple[Stretch, ...]
 
-    PICTURE, SCHEMA, READS = "draw_landscape", "origami-nlp/landscape/1", False
+    PICTURE, SCHEMA, READS = "draw_landscape", "origami-nlp/landscape/2", False
     ALSO = ("counts",)
 
     @property
@@ -180,7 +180,7 @@ class ExactLandscape(Told, Turnable):
         if barriers is not None:
             from origami_nlp.barriers import add_passes  # only who has barriers has loaded them
 
-            content = add_passes(content, self.chart, barriers.passes)
+            content = add_passes(content, self.result.scene, barriers.passes, self.chart)
             told = [*barriers.told(), *told]
         if self.boundary is not None:
             content = add_boundary(

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Protocol
 
@@ -15,13 +15,11 @@ import numpy as np
 
 from origami_nlp.arguments import check_whole
 from origami_nlp.errors import OptionError
-from origami_nlp.folding import folded_frame, frames_to_fold
 from origami_nlp.kkt import Classification, follow
 from origami_nlp.minima import JudgedState, find_minima, full_scene
 from origami_nlp.path import ContinuationOptions, Node, ParameterLine, load_line
 from origami_nlp.pattern import Scene, dead_loads
 from origami_nlp.programme import Model, Parameters
-from origami_nlp.show import Body, Folded, vertex_body, vertex_folded, vertex_track, vertex_view
 
 STEPS = ContinuationOptions()
 """Such that curves look smooth."""
@@ -92,19 +90,6 @@ class Driver(Protocol):
     ) -> tuple[np.ndarray, Classification] | str: ...
     def beside(self, t: float) -> float: ...  # noqa: D102
     def states_at(self, t: float, search: Search) -> list[np.ndarray] | None: ...  # noqa: D102
-    def to_fold(self, states: Sequence[FramedState]) -> dict[str, Any]: ...  # noqa: D102
-    def poser(self) -> Poser: ...  # noqa: D102
-
-
-FramedState = tuple[str, Sequence[float], dict[str, Any]]
-"""Title, fold angles, and what else is known of a state."""
-Poser = tuple[
-    Body,
-    Callable[[Sequence[float]], Folded],
-    Callable[[Sequence[float]], np.ndarray],
-    Callable[..., Any],
-]
-"""What is folded; what puts a state into space, says from where it is seen, and makes a track of several."""
 
 
 @dataclass(frozen=True)
@@ -286,23 +271,3 @@ class VertexDriver:
     def states_at(self, t: float, search: Search) -> list[np.ndarray]:
         """Return the fold angles of the minima at t."""
         return [np.array(m.fold_angles) for m in self._minima(t, search)]
-
-    def to_fold(self, states: Sequence[FramedState]) -> dict[str, Any]:
-        """Return states as frames of FOLD data (spec 1.1)."""
-        frames = [folded_frame(self.scene, phi, title, **more) for title, phi, more in states]
-        return frames_to_fold(self.scene, frames)
-
-    def poser(self) -> Poser:
-        """Return what is folded, and how its states are shown."""
-        vertex, energy = self.scene.vertex, self.unloaded.energy
-
-        def track(title: str, states: list[Any], loads: list[float], label: str) -> Any:
-            energies = [float(energy(phi)) for phi in states]
-            return vertex_track(vertex, title, states, energies, parameter=loads, label=label)
-
-        return (
-            vertex_body(vertex),
-            lambda phi: vertex_folded(vertex, phi, float(energy(phi))),
-            lambda phi: vertex_view(vertex, phi),
-            track,
-        )

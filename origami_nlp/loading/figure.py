@@ -15,8 +15,7 @@ from origami_nlp.atlas import draw_ranges, event_look, kinds_legend
 from origami_nlp.kkt import ContactForce, State, contact_forces
 from origami_nlp.loading.result import LoadPath
 from origami_nlp.pattern import Pattern
-from origami_nlp.sheets import draw_sheet
-from origami_nlp.show import label_text
+from origami_nlp.show import draw_sheet, label_text
 
 PICTURE_WIDTH = 9.6
 """Of a picture [inches]."""

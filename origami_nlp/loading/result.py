@@ -14,7 +14,8 @@ import numpy as np
 
 from origami_nlp.atlas import PathBranch, PathEvent
 from origami_nlp.errors import OUT_OF_TIME
-from origami_nlp.loading.driver import FramedState, VertexDriver
+from origami_nlp.facets import state_frame, states_to_fold
+from origami_nlp.loading.driver import VertexDriver
 from origami_nlp.loading.records import Leg, Snap
 from origami_nlp.loading.sheet import PatternDriver
 from origami_nlp.numerics import TYPED
@@ -186,13 +187,13 @@ class LoadPath(Told, Turnable):
                 f"{c.minima[1]} at {c.t[1]:.6g}{unit}, the one after {words[1]}"
             )
 
-    def states(self) -> Iterator[FramedState]:
-        """Yield the stable states of all legs in order: title, fold angles, and what else is known of each.
+    def states(self) -> Iterator[tuple[str, tuple[float, ...], dict[str, Any]]]:
+        """Yield the stable states of all legs in order.
 
         Yields
         ------
         tuple
-            For frames of a FOLD file.
+            Title, fold angles, and what else is known of each, for a frame of a FOLD file.
         """
         for number, leg in enumerate(self.legs, start=1):
             for p in leg.points:
@@ -201,7 +202,10 @@ class LoadPath(Told, Turnable):
 
     def to_fold(self) -> dict[str, Any]:
         """Return the stable states of all legs as FOLD data (spec 1.1), one frame each, in order."""
-        return self.driver.to_fold(list(self.states()))
+        driver = self.driver
+        stated = driver.scene if isinstance(driver, VertexDriver) else driver.pattern
+        frames = [state_frame(stated, phi, title, **more) for title, phi, more in self.states()]
+        return states_to_fold(stated, frames)
 
     def _rows(self) -> Iterator[dict[str, object]]:
         for number, leg in enumerate(self.legs, start=1):

@@ -11,9 +11,16 @@ import numpy as np
 
 from origami_nlp.arguments import check_whole
 from origami_nlp.errors import OptionError
-from origami_nlp.facets import DeadForce, Pull, Sheet, Torque, Work, Worked
+from origami_nlp.facets import (
+    DeadForce,
+    Pull,
+    Sheet,
+    Torque,
+    Work,
+    Worked,
+)
 from origami_nlp.kkt import Classification, State, classify
-from origami_nlp.loading.driver import CUT, SIDE, STEPS, FramedState, Poser, Search
+from origami_nlp.loading.driver import CUT, SIDE, STEPS, Search
 from origami_nlp.minima import JudgedState
 from origami_nlp.numerics import NEARLY, SAME
 from origami_nlp.path import ContinuationOptions, Node, ParameterLine
@@ -26,11 +33,7 @@ from origami_nlp.sheets import (
     find_states,
     judge,
     press,
-    sheet_frame,
-    sheet_poser,
-    sheet_to_fold,
 )
-from origami_nlp.show import Track
 
 
 @dataclass(frozen=True, eq=False)
@@ -183,22 +186,6 @@ class PatternDriver:
         if not isinstance(self.work, Torque):
             return None
         return [m.phi for m in self._states(self.work.loaded(t), search)]
-
-    def to_fold(self, states: Sequence[FramedState]) -> dict[str, Any]:
-        """Return states as frames of FOLD data."""
-        frames = (sheet_frame(self.pattern, phi, title, **more) for title, phi, more in states)
-        return sheet_to_fold(self.pattern, frames)
-
-    def poser(self) -> Poser:
-        """Return what is folded, and how its states are shown."""
-        body, pose, look = sheet_poser(self.pattern)
-
-        def track(title: str, states: list[Any], loads: list[float], label: str) -> Track:
-            seen = [pose(np.array(phi)) for phi in states]
-            middle = look(np.array(states[len(states) // 2]))
-            return Track(title, np.array(loads), label, tuple(seen), middle)
-
-        return body, lambda phi: pose(np.array(phi)), lambda phi: look(np.array(phi)), track
 
 
 def _descended(loaded: Sheet, phi: np.ndarray, touching: bool) -> Descended:

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from origami_nlp.atlas import turn_paths
 from origami_nlp.loading.result import LoadPath
-from origami_nlp.show import Content, Panel, Station
+from origami_nlp.show import Content, Panel, Poser, Station
 
 MOST_ANGLES = 24
 """Fold angles that are listed beside a state."""
@@ -26,8 +28,9 @@ def turn_path(path: LoadPath) -> Content:
         Stations: the state at load 0, and the states before and after each snap.  Tracks: the legs, over the load.  One
         panel: the load over what it works on.
     """
-    body, folded, view, track = path.driver.poser()
     driver = path.driver
+    unloaded: Any = driver.unloaded
+    poser, energy = Poser(unloaded), unloaded.energy
     label = f"{driver.name}{f' [{driver.unit}]' * bool(driver.unit)}"
     named = [
         (f"leg {k} begins at {leg.points[0].t:.6g} {driver.unit}".rstrip(), leg.points[0].t, leg.points[0].fold_angles)
@@ -43,7 +46,9 @@ def turn_path(path: LoadPath) -> Content:
         more = ", ..." if len(phi) > MOST_ANGLES else ""
         angles = ", ".join(f"{v:.3f}" for v in shown) + more
         words = (f"fold angles of creases 1..{len(phi)} [deg]: {angles}",)
-        stations.append(Station(title, folded(phi), view(phi), lines=words))
+        stations.append(
+            Station(title, poser.folded(phi, float(energy(phi))), poser.view(phi), lines=words)
+        )
         places.append((len(places), float(driver.conjugate(np.array(phi))), t))
     tracks, points = [], []
     for k, leg in enumerate(path.legs, start=1):
@@ -54,10 +59,12 @@ def turn_path(path: LoadPath) -> Content:
             f"leg {k}, {loads[0]:.6g} to {loads[-1]:.6g} {driver.unit}".rstrip()
             + f": ends with {leg.why}"
         )
-        tracks.append(track(title, [p.fold_angles for p in leg.points], loads, label))
+        states = np.array([p.fold_angles for p in leg.points])
+        energies = [float(energy(phi)) for phi in states]
+        tracks.append(poser.track(title, states, energies, parameter=loads, label=label))
         points.append(np.array([(p.angle, p.t) for p in leg.points]))
     none = np.empty(0)
     axes = (driver.coordinate, label)
     panel = Panel("The load and what it works on", axes, none, none, None, (), tuple(places))
     steps = "Each step is a stable state under the load; energies are those without it."
-    return turn_paths(path.label, body, stations, tracks, points, panel, path.told(), steps)
+    return turn_paths(path.label, poser.body, stations, tracks, points, panel, path.told(), steps)

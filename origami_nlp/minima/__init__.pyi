@@ -24,7 +24,6 @@ from .fold_out import (
     join_meshes as join_meshes,
     write_parts as write_parts,
 )
-from .found import FoundMinima as FoundMinima, state_lines as state_lines
 from .full_space import (
     FullSpace as FullSpace,
     full_scene as full_scene,
@@ -72,16 +71,21 @@ from .record import Answer as Answer, Record as Record
 from .result import (
     MinimaResult as MinimaResult,
 )
+from .sheet_account import (
+    BARRIERS as BARRIERS,
+    MEETINGS as MEETINGS,
+    OF_VERTEX as OF_VERTEX,
+    POPS as POPS,
+    WAYS_OUT as WAYS_OUT,
+    SheetSearch as SheetSearch,
+)
 from .stability import (
     barrier_words as barrier_words,
-    shallow_words as shallow_words,
     softest_words as softest_words,
     stability_words as stability_words,
 )
 from .stopping import chao1 as chao1
-from .strip import draw_states as draw_states
 from .table import DEMO_HEADS as DEMO_HEADS, demo_rows as demo_rows
-from .telling import undecided_lines as undecided_lines
 from .traced_passes import TracedPasses as TracedPasses, traced_passes as traced_passes
 from .turned import (
     CELLS as CELLS,

@@ -9,6 +9,7 @@ import numpy as np
 
 from origami_nlp.errors import OUT_OF_TIME
 from origami_nlp.files import Brief, Unbounded
+from origami_nlp.kkt import OMIT
 from origami_nlp.minima.coverage import StrataCount
 from origami_nlp.minima.minimum import JudgedState
 from origami_nlp.minima.stopping import unseen_share
@@ -66,6 +67,11 @@ class SearchReport(Brief):
         Guesses at which no minimum is listed, each with the reason (`hits` is 0).
     rejected
         Distinct answers that are no minimum, with the reason and hits.
+    left_out
+        Parts of the search that its time, or an interruption, ended: what they had found before is listed; of a vertex
+        `stopped_by` says so.
+    interrupted
+        Whether the user ended it.
     undecided
         Those that may or may not be one, by name: not polished, or not certified.
     """
@@ -90,6 +96,8 @@ class SearchReport(Brief):
     every_corner: bool = False
     complete: str = ""
     strata: tuple[StrataCount, ...] = ()
+    left_out: tuple[str, ...] = field(default=(), metadata=OMIT)
+    interrupted: bool = field(default=False, metadata=OMIT)
     refused: tuple[JudgedState, ...] = field(default=(), repr=False)
     rejected: tuple[JudgedState, ...] = field(default=(), repr=False)
     undecided: tuple[JudgedState, ...] = field(default=(), repr=False)

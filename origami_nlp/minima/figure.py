@@ -7,9 +7,11 @@ from typing import TYPE_CHECKING
 
 from origami_nlp.arguments import check_path, check_type
 from origami_nlp.chart import landscape
+from origami_nlp.errors import OptionError
 from origami_nlp.files import save_figure
 from origami_nlp.minima.picture import compose
 from origami_nlp.minima.result import MinimaResult
+from origami_nlp.pattern import Scene
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -27,8 +29,9 @@ def draw_minima(
 
     In the drawings mountain creases are red and solid, valleys blue and dashed, both wider and darker for larger
     |phi|; the upper side of the paper is warm, the lower side cool; numbers of hidden creases are pale, and facets that
-    lie on each other are drawn apart.  A red title: a symmetric minimum that is not stable when the symmetry may break.
-    Energies are in the scene's units, J for stiffness in N m/rad.
+    lie on each other are drawn apart.  Where facets of a pattern touch there is a ring, filled where they push, half
+    filled where how they share it is open; these facets are tinted.  A red title: a symmetric minimum that is not
+    stable when the symmetry may break.  Energies are in the units of the springs, J for stiffness in N m/rad.
 
     Parameters
     ----------
@@ -37,7 +40,7 @@ def draw_minima(
     path
         Where to save (``.png``, ``.pdf``, ``.svg``, ...), or None.
     size
-        Cells along each coordinate of the landscape.
+        Cells along each coordinate of the landscape, of a vertex.
 
     Returns
     -------
@@ -47,7 +50,8 @@ def draw_minima(
     Raises
     ------
     OptionError
-        If the ending of `path` names no known picture format, or an argument is not what it must be.
+        If the ending of `path` names no known picture format, an argument is not what it must be, or a pattern has no
+        minimum.
 
     Examples
     --------
@@ -57,9 +61,12 @@ def draw_minima(
     True
     """
     check_type("result", result, MinimaResult)
+    if not (result.minima or isinstance(result.origami, Scene)):
+        raise OptionError("no stable state was found: there is nothing to draw")
     if path is not None:
         check_path("path", path)
-    figure = compose(landscape(result.scene, size), result.minima, result.model.freedom)
+    chart = None if result.is_pattern else landscape(result.scene, size)
+    figure = compose(result.origami, result.minima, result.model.freedom, chart)
     if path is not None:
         save_figure(figure, path)
     return figure

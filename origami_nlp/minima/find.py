@@ -252,7 +252,7 @@ def _result(
         minima = _in_full_space(model.scene, minima, until)
     windings = [job.model.structure.winding for job in jobs]
     report = join_reports(windings, reports)
-    return MinimaResult(model.scene, model, tuple(minima), report, completeness)
+    return MinimaResult(model.scene, tuple(minima), report, completeness, model=model)
 
 
 def _sort_out(

@@ -10,10 +10,11 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 import numpy as np
 
 from origami_nlp.errors import OptionError
+from origami_nlp.facets import sheet_parts, state_frame, states_to_fold
 from origami_nlp.files import write_whole
-from origami_nlp.folding import fold_vertex, folded_frame, frames_to_fold, path_frames
+from origami_nlp.folding import fold_vertex, path_frames
 from origami_nlp.minima.minimum import JudgedState
-from origami_nlp.pattern import Scene
+from origami_nlp.pattern import Pattern, Scene
 
 if TYPE_CHECKING:
     from trimesh import Trimesh
@@ -23,35 +24,46 @@ Part: TypeAlias = tuple[np.ndarray, np.ndarray]
 MESH_SUFFIXES = (".obj", ".stl", ".glb")
 
 
-def minima_to_fold(scene: Scene, minima: Sequence[JudgedState]) -> dict[str, Any]:
-    """Return the minima of a scene as FOLD data (spec 1.1).
+def minima_to_fold(origami: Scene | Pattern, minima: Sequence[JudgedState]) -> dict[str, Any]:
+    """Return minima as FOLD data (spec 1.1).
 
     States that are unstable in the full space are followed, after all states, by the frames of their descents.
     """
-    frames = [
-        folded_frame(scene, m.fold_angles, m.title(k), **m.frame_entries())
-        for k, m in enumerate(minima, start=1)
-    ]
-    if not frames and not scene.vertex.flat:
+    frame = partial(state_frame, origami)
+    frames = [frame(m.phi, m.title(k), **m.frame_entries()) for k, m in enumerate(minima, start=1)]
+    if not frames and isinstance(origami, Scene) and not origami.vertex.flat:
         raise OptionError(
             "no minimum was found, and paper that is not flat has no crease pattern to write"
         )
     for k, m in enumerate(minima, start=1):
         if m.full_space and m.full_space.descent:
             states, energies = zip(*m.full_space.descent, strict=True)
-            frames += path_frames(
-                partial(folded_frame, scene), np.array(states), energies, f"descent from state {k}"
-            )
-    return frames_to_fold(scene, frames)
+            frames += path_frames(frame, np.array(states), energies, f"descent from state {k}")
+    return states_to_fold(origami, frames)
 
 
-def vertex_parts(scene: Scene, minima: Sequence[JudgedState]) -> list[Part]:
-    """Return the states side by side, each as triangles."""
-    n = scene.degree
+def state_parts(origami: Scene | Pattern, states: Sequence[np.ndarray]) -> list[Part]:
+    """Return states [N] [rad] side by side, each as triangles.
+
+    Parameters
+    ----------
+    origami
+        What is folded.
+    states
+        Fold angles [n] [rad] of each.
+
+    Returns
+    -------
+    list of tuple
+        Points [v, 3] and triangles [f, 3] of each.
+    """
+    if isinstance(origami, Pattern):
+        return sheet_parts(origami, states)
+    n = origami.degree
     faces = np.array([[0, i, i % n + 1] for i in range(1, n + 1)])
     parts = []
-    for k, m in enumerate(minima):
-        creases, _ = fold_vertex(scene.vertex, m.phi)
+    for k, phi in enumerate(states):
+        creases, _ = fold_vertex(origami.vertex, phi)
         points = np.vstack([np.zeros((1, 3)), creases])
         parts.append((points + np.array([2.5 * k, 0.0, 0.0]), faces))
     return parts

@@ -10,7 +10,7 @@ from matplotlib.lines import Line2D
 from origami_nlp.chart import Place
 from origami_nlp.minima.minimum import JudgedState
 from origami_nlp.minima.stability import judged
-from origami_nlp.pattern import Scene
+from origami_nlp.pattern import Pattern, Scene
 from origami_nlp.show import RING, label_marks, mark_minimum, minima_legend
 
 FAMILY = 1.3
@@ -37,14 +37,14 @@ class Drawn(NamedTuple):
 
 
 def drawn_minima(
-    scene: Scene, minima: Sequence[JudgedState], places: Sequence[Place]
+    origami: Scene | Pattern, minima: Sequence[JudgedState], places: Sequence[Place]
 ) -> list[Drawn]:
     """Return the minima that a chart has a place for.
 
     Parameters
     ----------
-    scene, minima
-        The scene and its minima.
+    origami, minima
+        What is folded, and its minima.
     places
         Of each on the chart; empty where there is none.
 
@@ -54,7 +54,7 @@ def drawn_minima(
         Those that can be drawn.
     """
     return [
-        Drawn(k, m.kind, judged(scene, m), p)
+        Drawn(k, m.kind, judged(origami, m), p)
         for k, (m, p) in enumerate(zip(minima, places, strict=False), start=1)
         if p.drawn
     ]

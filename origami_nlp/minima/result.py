@@ -1,26 +1,27 @@
-"""What a search for minima returns, how it tells itself, and its JSON.
+"""What a search for minima returns, of a vertex or of a pattern: lists, tables, words, and its plain data.
 
-In JSON indices are 1-based, as in the paper; angles in radians; energies and moments in the scene's units.
+In JSON indices are 1-based, as in the paper; angles in radians; energies and moments in the units of the springs.
 A multiplier range that never ends, or a residual that does not apply, is null.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, Self
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from origami_nlp.files import from_plain, pick, to_plain
-from origami_nlp.kkt import State
+from origami_nlp.errors import OptionError
+from origami_nlp.facets import MOST_DENSE, Sheet
+from origami_nlp.kkt import State, find_stress
 from origami_nlp.minima.account import SearchReport
 from origami_nlp.minima.completeness import Completeness
 from origami_nlp.minima.flags import ResultFlags
-from origami_nlp.minima.fold_out import Part, minima_to_fold, vertex_parts
-from origami_nlp.minima.found import FoundMinima, state_lines
+from origami_nlp.minima.fold_out import Part, minima_to_fold, state_parts
 from origami_nlp.minima.minimum import JudgedState
 from origami_nlp.minima.noise import survival_words
+from origami_nlp.minima.sheet_account import SheetSearch
 from origami_nlp.minima.stability import (
     NOT_ASKED,
     barrier_head,
@@ -31,36 +32,50 @@ from origami_nlp.minima.stability import (
 from origami_nlp.minima.telling import (
     flag_lines,
     scene_lines,
+    state_lines,
+    states_table,
     undecided_lines,
 )
-from origami_nlp.numerics import residual_words
-from origami_nlp.pattern import Relations, Scene, scene_from_dict, scene_to_dict
+from origami_nlp.numerics import STATIONARY, rank, residual_words
+from origami_nlp.pattern import Pattern, Relations, Scene
 from origami_nlp.programme import Model
-from origami_nlp.show import Content, Piece, Words
+from origami_nlp.show import Content, Piece, Table, Told, Turnable, Words, inline_image, pieces_html
 
 if TYPE_CHECKING:
     from origami_nlp.chart import Landscape
 
 SUCCESS = "Solve_Succeeded"
 """What IPOPT says where it converged."""
+SIZE, DPI = 301, 72
+"""Cells along each coordinate, and dots an inch, of a picture in HTML: to keep notebooks small."""
 
 
 @dataclass(frozen=True, repr=False)
-class MinimaResult(FoundMinima):
-    """Minima of a scene in order of energy, and the record of the search for them.
+class MinimaResult(Told, Turnable):
+    """Minima of a vertex or of a pattern in order of energy, and the record of the search for them.
 
     Attributes
     ----------
-    scene
-        The scene.
-    model
-        Its nonlinear programme.
+    origami
+        What is folded: a scene, which is one vertex with its springs, or a pattern.
     minima
         In order of energy.
     search
-        What the search did, and why it stopped.
+        What the search did, why it stopped, and what it found that is no minimum or not decided.
     completeness
-        Whether the list is complete, as far as that was proved; None where it was not tried.
+        Whether the list is complete, as far as that was proved; None where it was not tried, as of a pattern.
+    relations
+        What was decided on special relations of a scene's sector angles; None of a pattern.
+    curves
+        Of a pattern, those with one freedom that were traced; none of a result that was read from a file.
+    model
+        The nonlinear programme that its states are states of: posed anew where it is not given.
+
+    Notes
+    -----
+    `to_frame` has a row a minimum: scene (its name), number (from 1), energy [the scene's units], kind, dimension,
+    closure, kkt (residuals), hits, stable (None where the full space was not asked), softest (stiffness), barrier
+    (energy), barrier_method, shallow, phi_1 .. phi_N [rad].
 
     Examples
     --------
@@ -68,47 +83,104 @@ class MinimaResult(FoundMinima):
     >>> result = o.find_minima(o.examples.degree6("pi/4", ratio=0.01), max_starts=16)
     >>> result.search.starts, [len(m.fold_angles) for m in result.minima]
     (16, [6, 6])
+    >>> found = o.find_minima("metasheet:2x3", starts=4)
+    >>> type(found) is type(result), len(found.minima[0].fold_angles)
+    (True, 7)
     """
 
-    scene: Scene
-    model: Model
+    origami: Scene | Pattern
     minima: tuple[JudgedState, ...]
-    search: SearchReport
+    search: SearchReport | SheetSearch
     completeness: Completeness | None = None
+    relations: Relations | None = None
+    curves: tuple[Any, ...] = field(default=(), compare=False, metadata={"plain": False})
+    model: Any = field(default=None, compare=False, metadata={"plain": False})
 
-    PICTURE, SCHEMA = "draw_minima", "origami-nlp/minima/1"
+    PICTURE, SCHEMA = "draw_minima", "origami-nlp/minima/2"
+    ALSO = ("model", "flags", "closure_stress")
+
+    def __post_init__(self) -> None:
+        stated = self.origami
+        if isinstance(stated, Scene):
+            if self.relations is not None and self.relations != stated.relations:
+                stated = replace(stated, relations=self.relations)
+                object.__setattr__(self, "origami", stated)
+            object.__setattr__(self, "relations", stated.relations)
+        if self.model is None:
+            posed = Model(stated) if isinstance(stated, Scene) else Sheet(stated)
+            object.__setattr__(self, "model", posed)
+
+    # ------------------------------------------------------------ what is folded
 
     @property
-    def flags(self) -> ResultFlags:
-        """What is bad about the list, or to be known before it is used: each flag with cause and cure."""
-        search, known, scene = self.search, self.completeness, self.scene
-        proved = known.status if known else ""
-        settled = proved == "proved" or search.stopped_by == "complete"
-        return ResultFlags(
-            nothing_found=not self.minima,
-            may_miss_minima=not settled and proved != "proved-except-singular",
-            singular_states_open=proved == "proved-except-singular",
-            search_stopped_early=not settled and search.stopped_by in ("cap", "time"),
-            starts_ended_nowhere=not settled and search.stalled > search.outcomes.get("minimum", 0),
-            reached_once=not settled and search.seen_once > 0,
-            still_finding=not settled and search.starts > 0 and search.quiet == 0,
-            proof_added_minima=bool(known and known.added),
-            undecided_states=bool(search.undecided),
-            solver_failed=any(status != SUCCESS for status in search.statuses),
-            residual_above_tolerance=any(m.flags.residual_above_tolerance for m in self.minima),
-            geometry_moved=bool(scene.relations.made_exact),
-            made_symmetric=scene.adjusted > 0,
-            facets_may_cross=scene.contact != "full",
-            stability_not_asked=any(verdict(scene, m) == NOT_ASKED for m in self.minima),
-        )
+    def is_pattern(self) -> bool:
+        """Whether a pattern is folded, not one vertex."""
+        return isinstance(self.origami, Pattern)
+
+    @property
+    def scene(self) -> Scene:
+        """The vertex with its springs; `OptionError` of a pattern."""
+        if isinstance(self.origami, Scene):
+            return self.origami
+        raise OptionError("result = minima of a pattern: use those of a scene, which is one vertex")
+
+    @property
+    def pattern(self) -> Pattern:
+        """The pattern; `OptionError` of a vertex."""
+        if isinstance(self.origami, Pattern):
+            return self.origami
+        raise OptionError("result = minima of a scene: use those of a pattern")
+
+    @property
+    def name(self) -> str:
+        """Of what is folded: the label of a scene, the name of a pattern."""
+        return self.origami.label if isinstance(self.origami, Scene) else self.origami.name
+
+    @property
+    def title(self) -> str:
+        """Its name, or what it is where it has none."""
+        stated = self.origami
+        return self.name or ("pattern" if isinstance(stated, Pattern) else repr(stated.vertex))
+
+    @property
+    def headline(self) -> str:
+        """What is folded, and how many minima there are; of a vertex its symmetry and contact."""
+        count, stated = count_words(self.origami, self.minima), self.origami
+        if isinstance(stated, Pattern):
+            return f"{stated.name}: {count}" if stated.name else count
+        said = f"{count}, symmetry {stated.group.name}, contact {stated.contact}"
+        return f"{self.title}\n{said}"
+
+    # ------------------------------------------------------------ states
+
+    @property
+    def undecided(self) -> tuple[JudgedState, ...]:
+        """States that are stationary as far as could be told, without a certificate."""
+        return self.search.undecided
+
+    @property
+    def rejected(self) -> tuple[JudgedState, ...]:
+        """States that are no minima."""
+        return self.search.rejected
+
+    @property
+    def crossing(self) -> tuple[JudgedState, ...]:
+        """States that are not admissible, such as those in which facets pass through each other: no states of paper."""
+        return tuple(s for s in self.rejected if s.verdict == "not admissible")
+
+    @property
+    def states(self) -> tuple[JudgedState, ...]:
+        """All that was judged and kept, by energy."""
+        every = (*self.minima, *self.undecided, *self.rejected)
+        return tuple(sorted(every, key=lambda s: rank(s.energy / self.model.scale, ())))
 
     def state_of(self, minimum: JudgedState) -> State:
-        """Return a minimum as a state of its programme.
+        """Return a state as one of the programme.
 
         Parameters
         ----------
         minimum
-            One of `minima`.
+            One of `minima`, or of `states` of a pattern.
 
         Returns
         -------
@@ -118,7 +190,7 @@ class MinimaResult(FoundMinima):
         model = self.model_of(minimum)
         return State(model, model.reduce(np.array(minimum.fold_angles)))
 
-    def model_of(self, minimum: JudgedState) -> Model:
+    def model_of(self, minimum: JudgedState) -> Any:
         """Return the programme that a minimum is a state of: that of its winding.
 
         Parameters
@@ -128,73 +200,161 @@ class MinimaResult(FoundMinima):
 
         Returns
         -------
-        Model
+        Model or Sheet
             `model` itself where states wind as often as that says.
         """
-        if minimum.winding == self.model.structure.winding:
+        if self.is_pattern or minimum.winding == self.model.structure.winding:
             return self.model
         return Model(replace(self.scene, winding=minimum.winding))
 
-    _LAST = ("closure", "KKT", "hits")
-    _COLUMNS = "rrr"
+    @property
+    def closure_stress(self) -> tuple[dict[str, Any], ...]:
+        """What closure of a pattern carries, a minimum each; nothing of a vertex, which says its `moment`.
+
+        Number of states of self-stress; the multipliers of closure and the torques that they balance [N m], whether
+        these are unique: where fold limits alone are closed, up to `MOST_DENSE` creases.
+        """
+        if not self.is_pattern:
+            return ()
+        found = []
+        for m in self.minima:
+            held = [c.creases[0] - 1 for c in m.contacts if c.is_limit]
+            said: dict[str, Any] = {"self_stress": self._self_stress(m)}
+            if self.pattern.creases <= MOST_DENSE and len(held) == len(m.contacts):
+                stress = find_stress(self.state_of(m), held)
+                said |= {"multipliers": stress.multipliers, "closure_torques": stress.torque}
+                said["closure_torques_unique"] = stress.unique
+            found.append(said)
+        return tuple(found)
+
+    def _self_stress(self, state: JudgedState) -> int:
+        equations: int = self.model.equation_count
+        return equations - self.pattern.creases + state.freedoms
 
     @property
-    def name(self) -> str:
-        """The label of the scene."""
-        return self.scene.label
-
-    @property
-    def headline(self) -> str:
-        """What is folded, how many minima there are, symmetry and contact."""
-        scene = self.scene
-        return (
-            f"{scene.label or scene.vertex!r}\n{count_words(scene, self.minima)}, "
-            f"symmetry {scene.group.name}, contact {scene.contact}"
+    def flags(self) -> ResultFlags:
+        """What is bad about the list, or to be known before it is used: each flag with cause and cure."""
+        search, known = self.search, self.completeness
+        one = self.origami if isinstance(self.origami, Scene) else None
+        proved = known.status if known else ""
+        settled = proved == "proved" or search.stopped_by == "complete"
+        reached = search.outcomes.get("minimum", 0) if one else len(self.minima)
+        drawn = search.drawn if isinstance(search, SheetSearch) else search.starts
+        full = one.contact if one else getattr(search, "contact", "full")
+        return ResultFlags(
+            nothing_found=not self.minima,
+            may_miss_minima=not settled and proved != "proved-except-singular",
+            singular_states_open=proved == "proved-except-singular",
+            search_stopped_early=not settled and search.stopped_by in ("cap", "time"),
+            starts_ended_nowhere=not settled and search.stalled > reached,
+            reached_once=not settled and search.seen_once > 0,
+            still_finding=not settled and drawn > 0 and search.quiet == 0,
+            proof_added_minima=bool(known and known.added),
+            undecided_states=bool(search.undecided),
+            solver_failed=any(status != SUCCESS for status in search.statuses),
+            residual_above_tolerance=any(m.flags.residual_above_tolerance for m in self.minima),
+            geometry_moved=bool(one and one.relations.made_exact),
+            made_symmetric=bool(one and one.adjusted > 0),
+            facets_may_cross=full != "full",
+            stability_not_asked=any(verdict(self.origami, m) == NOT_ASKED for m in self.minima),
         )
 
-    @property
-    def barrier_head(self) -> str:
-        """Name of the column of barriers: under an imposed symmetry ways out keep it."""
-        return barrier_head(self.scene)
-
-    def _verdict_of(self, minimum: JudgedState) -> str:
-        """Return what is known of a minimum in the full space, see `stability.verdict`."""
-        return verdict(self.scene, minimum)
-
-    def _freedoms_at(self, minimum: JudgedState) -> int:
-        """Return the degrees of freedom of the symmetric states."""
-        return self.model.freedom
-
-    def _last_cells(self, minimum: JudgedState) -> list[str]:
-        """Return residuals and hits."""
-        residuals = minimum.closure_residual, minimum.kkt_residual
-        return [*map(residual_words, residuals), str(minimum.hits)]
+    # ------------------------------------------------------------ written
 
     def to_fold(self) -> dict[str, Any]:
-        """Return the states as FOLD data; those that are unstable in the full space with their descents."""
-        return minima_to_fold(self.scene, self.minima)
+        """Return the states as FOLD data (spec 1.1), a folded frame each.
+
+        Returns
+        -------
+        dict
+            For `json.dump`; of a vertex, states that are unstable in the full space with their descents.
+        """
+        return minima_to_fold(self.origami, self.minima)
 
     def mesh_parts(self) -> list[Part]:
-        """Return the states side by side as triangles."""
-        return vertex_parts(self.scene, self.minima)
+        """Return the states side by side as triangles.
+
+        Returns
+        -------
+        list of tuple
+            Points [v, 3] and triangles [f, 3] of each.
+        """
+        return state_parts(self.origami, [m.phi for m in self.minima])
+
+    # ------------------------------------------------------------ told
+
+    def table(self) -> Table:
+        """Return one row a minimum."""
+        known = [verdict(self.origami, m) for m in self.minima]
+        barrier, pattern = barrier_head(self.origami), self.is_pattern
+        heads = ("contacts",) if pattern else ("closure", "KKT", "hits")
+        free = [m.freedoms if pattern else self.model.freedom for m in self.minima]
+        last = [_touching(m) if pattern else _reached(m) for m in self.minima]
+        return states_table(self.headline, self.minima, known, free, barrier, heads, last)
 
     def told(self) -> Iterator[Piece]:
         """Return the table, the states and the record of the search."""
-        yield self.table()
-        yield from state_lines(self)
-        survived = [m.survival.degrees for m in self.minima if m.survival]
-        if survived:
-            yield survival_words(max(survived), "rest and sector angles")
-        yield from filter(None, [not_asked_words(self.scene, self.minima)])
+        yield self.table() if self.minima else self.headline
+        group = "" if isinstance(self.origami, Pattern) else self.origami.group.name
+        yield from state_lines(self.minima, group)
+        yield from self._survivals()
+        yield from filter(None, [not_asked_words(self.origami, self.minima)])
+        if self.is_pattern:
+            for s in self.crossing:
+                yield f"energy {s.energy:.6g}: no state of paper, {s.certificate}"
         yield from undecided_lines(self.search)
-        yield from scene_lines(self.scene)
-        yield from flag_lines(self.flags)
+        if isinstance(self.origami, Scene):
+            yield from scene_lines(self.origami)
+            yield from flag_lines(self.flags)
         if self.completeness:
             yield from (Words(line) for line in self.completeness.lines())
         yield from (Words(line, "dim") for line in self.search.words())
+        if self.is_pattern:
+            yield from self._modelled()
+
+    def _survivals(self) -> Iterator[str]:
+        """Say what the column of survivals counts."""
+        found = [m.survival for m in self.minima if m.survival]
+        if not found:
+            return
+        errors = "rest and sector angles"
+        if self.is_pattern:
+            lies = self.model.flattened is not None
+            errors = "rest angles, of sector angles (vertices moved in the flat sheet)"
+            if not lies:
+                errors = "rest angles (not of sector angles: the pattern does not lie flat)"
+        yield survival_words(max(s.degrees for s in found), errors)
+        if any(s.springs is not None for s in found):
+            yield (
+                "closure has as many equations as there are creases, and with errors of positions rigid facets do not "
+                'fold: "springs" counts draws that are survived with errors of rest angles and stiffnesses alone'
+            )
+
+    def _modelled(self) -> Iterator[str]:
+        """Say what closure of a pattern leaves open, and what is not modelled."""
+        balanced = [s for s in self.minima if s.kkt_residual <= 10 * STATIONARY]
+        spare = sorted({self._self_stress(s) for s in balanced})
+        if spare and spare[-1]:
+            many = " or ".join(map(str, spare))
+            where = " where closure balances the springs" * (len(balanced) < len(self.minima))
+            yield (
+                f"states of self-stress{where}: {many}; torques about creases are unique, moments across creases "
+                "are not (rigid facets leave them open)"
+            )
+        yield "modelled: rigid facets without thickness, springs at creases; the way to a state may cross"
+
+    def _rows(self) -> Iterator[dict[str, object]]:
+        for number, m in enumerate(self.minima, start=1):
+            row: dict[str, object] = {"scene": self.name, "number": number}
+            row |= {"energy": m.energy, "kind": m.kind, "dimension": m.local_dimension}
+            row |= {"closure": m.closure_residual, "kkt": m.kkt_residual, "hits": m.hits}
+            row["stable"] = m.full_space and m.full_space.verdict
+            row |= {"softest": m.softest, "barrier": m.escape and m.escape.barrier}
+            row |= {"barrier_method": m.escape and m.escape.method, "shallow": m.shallow}
+            yield row | {f"phi_{k}": v for k, v in enumerate(m.fold_angles, start=1)}
 
     def to_html(self, *, picture: bool = True) -> str:
-        """Return a piece of HTML, static and without links.
+        """Return a piece of HTML, static and without links: what is told, and a picture.
 
         Parameters
         ----------
@@ -206,17 +366,15 @@ class MinimaResult(FoundMinima):
         str
             The piece.
         """
-        from origami_nlp.minima.html import as_html  # pictures are slow to import
+        told = pieces_html(self.told())
+        if not picture or not (self.minima or isinstance(self.origami, Scene)):
+            return told
+        figure = self._from_room(self.PICTURE)(self, size=SIZE)  # pictures are slow to import
+        text = "The states, each drawn folded, and the energy landscape where there is one"
+        return f"{told}\n{inline_image(figure, text, DPI)}"
 
-        return as_html(
-            self.scene,
-            self.minima,
-            self.model.freedom,
-            self.search,
-            self.completeness,
-            self.flags,
-            picture=picture,
-        )
+    def _repr_html_(self) -> str:
+        return self.to_html()
 
     def turned(self, chart: Landscape | None = None) -> Content:
         """Return states, descents and the map of the energy as plain data, see `view`.
@@ -224,7 +382,7 @@ class MinimaResult(FoundMinima):
         Parameters
         ----------
         chart
-            The energy over the scene's coordinates, if it is known already.
+            The energy over the coordinates of a scene, if it is known already.
 
         Returns
         -------
@@ -233,40 +391,22 @@ class MinimaResult(FoundMinima):
         """
         from origami_nlp.minima.turned import turn_minima  # charts are slow to import
 
-        return turn_minima(self.scene, self.model, self.minima, tuple(self.told()), chart)
+        return turn_minima(self.origami, self.model, self.minima, tuple(self.told()), chart)
 
-    def _to_plain(self) -> dict[str, Any]:
-        return {
-            "scene": scene_to_dict(self.scene),
-            "model": pick(
-                self.model,
-                "variables=size",
-                "equalities=equation_count",
-                "inequalities=inequality_count",
-                "contact_pairs",
-                geometry=self.scene.relations,
-                left_out=[pick(item, "what", "why") for item in self.model.left_out],
-            ),
-            "search": to_plain(self.search),
-            "completeness": self.completeness and to_plain(self.completeness),
-            "flags": to_plain(self.flags),
-            "minima": to_plain(self.minima),
-        }
 
-    @classmethod
-    def _from_plain(cls, data: dict[str, Any]) -> Self:
-        """Rebuild all but the model, which is posed anew from the scene."""
-        scene = scene_from_dict(data["scene"])
-        if "geometry" in data["model"]:
-            scene = replace(
-                scene,
-                relations=from_plain(Relations, data["model"]["geometry"], at="model.geometry"),
-            )
-        search = from_plain(SearchReport, data["search"], at="search")
-        known = data.get("completeness")
-        completeness = from_plain(Completeness, known, at="completeness") if known else None
-        minima = from_plain(tuple[JudgedState, ...], data["minima"], at="minima")
-        return cls(scene, Model(scene), minima, search, completeness)
+def _reached(m: JudgedState) -> list[str]:
+    """Return residuals and hits."""
+    return [*map(residual_words, (m.closure_residual, m.kkt_residual)), str(m.hits)]
 
-    def _repr_html_(self) -> str:
-        return self.to_html()
+
+def _touching(m: JudgedState) -> list[str]:
+    """Return which facets touch, and which creases are at their fold limit."""
+    limits = [str(k) for c in m.contacts for k in c.creases]
+    touched = dict.fromkeys(c.facets for c in m.contacts if not c.is_limit)
+    words = [f"facets {_few([f'{a}|{b}' for a, b in touched])} touch"] * bool(touched)
+    words += [f"fold limit of {_few(limits)}"] * bool(limits)
+    return ["; ".join(words)]
+
+
+def _few(names: Sequence[str]) -> str:
+    return ", ".join([*names[:3], *["..."] * (len(names) > 3)])

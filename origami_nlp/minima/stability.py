@@ -14,7 +14,7 @@ from collections.abc import Sequence
 from origami_nlp.kkt import BOUND, OPEN, Escape, rounded_up
 from origami_nlp.minima.minimum import JudgedState
 from origami_nlp.numerics import SHALLOW
-from origami_nlp.pattern import Scene
+from origami_nlp.pattern import Pattern, Scene
 
 ORDER = ("stable", "unstable", "undecided")
 NOT_ASKED = "not asked"
@@ -22,37 +22,42 @@ SEVERAL = 3
 """Isolated flat foldings that are told in one line."""
 
 
-def verdict(scene: Scene, minimum: JudgedState) -> str:
+def verdict(origami: Scene | Pattern, minimum: JudgedState) -> str:
     """Return what is known of a minimum in the full space.
 
     ``stable``, ``unstable`` or ``undecided``; ``not asked`` where nobody did; and empty without imposed symmetry
-    and with less than full contact, where the model's own space is all that there is.
+    and with less than full contact, where the model's own space is all that there is.  A pattern has no symmetry.
     """
     if minimum.full_space is not None:
         return minimum.full_space.verdict
-    if not scene.group.is_trivial:
+    if is_symmetric(origami):
         return NOT_ASKED
-    return "stable" if scene.contact == "full" else ""
+    return "stable" if isinstance(origami, Pattern) or origami.contact == "full" else ""
 
 
-def judged(scene: Scene, minimum: JudgedState) -> str | None:
+def is_symmetric(origami: Scene | Pattern) -> bool:
+    """Tell whether states are asked to keep a symmetry."""
+    return isinstance(origami, Scene) and not origami.group.is_trivial
+
+
+def judged(origami: Scene | Pattern, minimum: JudgedState) -> str | None:
     """Return what is known of a minimum in the full space, as marks of minima show it: None where nobody asked.
 
     Parameters
     ----------
-    scene, minimum
-        A scene and one of its minima.
+    origami, minimum
+        A scene or a pattern, and one of its minima.
 
     Returns
     -------
     str or None
         As `verdict`, a key of `show.VERDICTS`.
     """
-    known = verdict(scene, minimum)
+    known = verdict(origami, minimum)
     return None if known == NOT_ASKED else known
 
 
-def count_words(scene: Scene, minima: Sequence[JudgedState], none: str = "0") -> str:
+def count_words(origami: Scene | Pattern, minima: Sequence[JudgedState], none: str = "0") -> str:
     """Say how many minima there are, and how many of them are stable, as far as that is known.
 
     "4 symmetric minima (3 stable, 1 unstable in the full space)", "4 symmetric minima", "2 stable states" or
@@ -60,7 +65,7 @@ def count_words(scene: Scene, minima: Sequence[JudgedState], none: str = "0") ->
     (barrier below 1e-4 of sum k pi^2/2)".
     """
     shallow = sum(m.shallow for m in minima)
-    firm = _count_words(scene, [m for m in minima if not m.shallow], none)
+    firm = _count_words(origami, [m for m in minima if not m.shallow], none)
     return firm + shallow_words(shallow)
 
 
@@ -76,14 +81,14 @@ def _power(value: float) -> str:
     return f"1e{round(math.log10(value))}"
 
 
-def _count_words(scene: Scene, minima: Sequence[JudgedState], none: str) -> str:
+def _count_words(origami: Scene | Pattern, minima: Sequence[JudgedState], none: str) -> str:
     count = len(minima)
     number = str(count) if count else none
-    known = Counter(verdict(scene, m) for m in minima)
-    if scene.group.is_trivial and count and known["stable"] == count:
+    known, free = Counter(verdict(origami, m) for m in minima), not is_symmetric(origami)
+    if free and known["stable"] == count and (count or isinstance(origami, Pattern)):
         return f"{number} stable state{'s' * (count != 1)}"
     noun = "minimum" if count == 1 else "minima"
-    words = f"{number} {noun}" if scene.group.is_trivial else f"{number} symmetric {noun}"
+    words = f"{number} {noun}" if free else f"{number} symmetric {noun}"
     if not count or known[NOT_ASKED] or known[""]:
         return words
     parts = [f"{known[v]} {v}" for v in ORDER if known[v]]
@@ -152,9 +157,11 @@ def stability_words(
     return f"{stiff}; escape barrier {most}{number} J{to}: {e.method}{', shallow' * e.shallow}"
 
 
-def barrier_head(scene: Scene) -> str:
+def barrier_head(origami: Scene | Pattern) -> str:
     """Name the column of barriers: under an imposed symmetry ways out keep it, "barrier (D1)"."""
-    return "barrier" if scene.group.is_trivial else f"barrier ({scene.group.name})"
+    if isinstance(origami, Scene) and is_symmetric(origami):
+        return f"barrier ({origami.group.name})"
+    return "barrier"
 
 
 def barrier_words(e: Escape | None, unit: str) -> str:
@@ -183,9 +190,9 @@ def asked(minima: Sequence[JudgedState]) -> bool:
     return any(m.full_space is not None for m in minima)
 
 
-def not_asked_words(scene: Scene, minima: Sequence[JudgedState]) -> str:
+def not_asked_words(origami: Scene | Pattern, minima: Sequence[JudgedState]) -> str:
     """Say that stability is open where it is, else nothing."""
-    if not any(verdict(scene, m) == NOT_ASKED for m in minima):
+    if not any(verdict(origami, m) == NOT_ASKED for m in minima):
         return ""
     return (
         "full space: not asked (--full, full=True): a symmetric minimum may be unstable when the "

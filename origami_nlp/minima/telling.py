@@ -1,4 +1,4 @@
-"""What the minima of a scene say: table, states, and how the search went."""
+"""What minima say: table, states, and how the search went."""
 
 from __future__ import annotations
 
@@ -10,8 +10,16 @@ from origami_nlp.minima.account import SearchReport
 from origami_nlp.minima.flags import ResultFlags
 from origami_nlp.minima.full_space import FullSpace
 from origami_nlp.minima.minimum import JudgedState
+from origami_nlp.minima.stability import (
+    asked,
+    isolated_foldings,
+    number_words,
+    softest_words,
+    stiffness_words,
+)
 from origami_nlp.numerics import BALANCED, STATIONARY, residual_words
 from origami_nlp.pattern import Scene
+from origami_nlp.show import KINDS, Cell, Table, Words
 
 MOST_ANGLES = 24
 """Fold angles of a state up to which they are written out; those of larger ones are in the JSON."""
@@ -92,3 +100,95 @@ def scene_lines(scene: Scene) -> list[str]:
         f"sector angles moved by up to {found.moved:.1e} rad, so that {len(found.made_exact)} nearly special "
         "relations hold exactly (origami-nlp model lists them)",
     ]
+
+
+def states_table(
+    title: str,
+    minima: Sequence[JudgedState],
+    known: Sequence[str],
+    free: Sequence[int],
+    barrier: str,
+    last: tuple[str, ...],
+    cells: Sequence[Sequence[str]],
+) -> Table:
+    """Return one row a minimum: energy, kind, verdict where it was asked for, local dimension, and how it is held.
+
+    known, free: of each minimum its verdict in the full space, and the dimension of closed states beside it.
+    barrier: head of the column of barriers.  last, cells: further heads, and what stands below them.
+    """
+    grouped = isolated_foldings(minima)
+    full, noise = asked(minima), any(m.survival is not None for m in minima)
+    heads = ["#", "energy [J]", "kind", "dimension", "softest", barrier, *last]
+    rows = []
+    for k, m in enumerate(minima):
+        if k + 1 in grouped:
+            continue
+        row: list[Cell] = [
+            str(k + 1),
+            f"{m.energy:.9g}",
+            Words(m.kind, KIND_STYLE[m.kind], KINDS[m.kind].colour),
+            *[Words(known[k], VERDICT_STYLE.get(known[k], ""))] * full,
+            freedom_words(m.local_dimension, free[k]),
+            softest_words(m.softest),
+            m.escape.words() if m.escape else "-",
+            *cells[k],
+        ]
+        rows.append([*row, *[str(m.survival)] * noise])
+    if grouped:
+        some = [minima[k - 1] for k in grouped]
+        energies = f"{some[0].energy:.4g} to {some[-1].energy:.4g}"
+        row = [f"({len(some)})", energies, "flat foldings", *[""] * full]
+        row += ["0 isolated", "held", "isolated", *[""] * (len(last) - 1)]
+        row.append(str(sum(m.hits for m in some)) if "hits" in last else "")
+        kept = max((m.survival.kept for m in some if m.survival), default=0)
+        rows.append([*row, *[f"{kept} at most"] * noise])
+    columns = "rrllrr" + ("l" if len(last) == 1 else "r" * len(last))
+    if full:
+        # softness stands below the table, residuals in JSON and on the page: it keeps to 80 columns
+        heads.insert(3, "full space")
+        rows = [row[:5] + row[6:7] + row[9:] for row in rows]
+        heads, columns = heads[:5] + heads[6:7] + heads[9:], "rrlllrr"
+    if noise:
+        heads, columns = [*heads, "survives"], columns + "r"
+    return Table(heads, rows, title, columns, framed=not full, narrow=full)
+
+
+def state_lines(minima: Sequence[JudgedState], group: str = "") -> list[str]:
+    """Return the fold angles, contact moments and certificate of each minimum, a few lines each.
+
+    group: name of the symmetry round whose axis states wind.
+    """
+    lines, grouped = [], isolated_foldings(minima)
+    for number, m in enumerate(minima, start=1):
+        if number in grouped:
+            continue
+        if len(m.fold_angles) <= MOST_ANGLES:
+            angles = " ".join(f"{a:8.3f}" for a in np.round(np.degrees(m.fold_angles), 3) + 0.0)
+            lines.append(
+                f"#{number} fold angles of creases 1..{len(m.fold_angles)} [deg]: {angles}"
+            )
+            told = [m.certificate]
+        else:
+            lines.append(f"#{number} {m.certificate}")
+            told = []
+        if m.winding > 1:
+            lines.append(f"   winds {m.winding} times round the axis of {group}")
+        shown = [c for c in m.contacts if len(m.fold_angles) <= MOST_ANGLES or not c.is_limit]
+        lines += [f"   contact {c.words()}" for c in shown]
+        lines += [f"   {words}" for words in told]
+        if m.escape is not None:
+            lines.append(f"   {stiffness_words(m)}")
+        if m.moment is not None:
+            lines.append(f"   {moment_words(m.moment, m.moment_residual, len(m.fold_angles))}")
+        if m.solver is not None and not m.solver.agrees:
+            lines.append(
+                f"   IPOPT, started here, does not stay: {m.solver.status}, {m.solver.moved:.1g} rad away"
+            )
+        if m.full_space:
+            lines += [f"   {words}" for words in full_space_lines(m.full_space)]
+    if grouped:
+        lines.append(
+            f"#{number_words(grouped)}: {len(grouped)} isolated flat foldings, each crease open or shut and no other "
+            "admissible state near: contact alone holds them, whatever the springs (all are in the JSON)"
+        )
+    return lines

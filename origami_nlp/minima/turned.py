@@ -5,29 +5,28 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
 from origami_nlp.chart import Landscape, chart_of, chart_points, landscape
+from origami_nlp.errors import OptionError
+from origami_nlp.facets import Sheet
 from origami_nlp.kkt import ContactForce
 from origami_nlp.minima.minimum import JudgedState
-from origami_nlp.minima.stability import asked, verdict
-from origami_nlp.minima.telling import full_space_lines, moment_words
+from origami_nlp.minima.stability import asked
+from origami_nlp.minima.telling import MOST_ANGLES, full_space_lines, moment_words
 from origami_nlp.numerics import NONZERO, SETTLED, TYPED, residual_words
-from origami_nlp.pattern import Scene, Vertex
-from origami_nlp.programme import Model
+from origami_nlp.pattern import Pattern, Scene
 from origami_nlp.show import (
     Content,
     Line,
     Mark,
     Panel,
     Piece,
+    Poser,
     Station,
     Track,
-    vertex_body,
-    vertex_folded,
-    vertex_track,
-    vertex_view,
 )
 
 CELLS = 161
@@ -43,8 +42,8 @@ CROSSING = {
 
 
 def turn_minima(
-    scene: Scene,
-    model: Model,
+    origami: Scene | Pattern,
+    model: Any,
     minima: Sequence[JudgedState],
     told: Sequence[Piece],
     chart: Landscape | None = None,
@@ -53,34 +52,53 @@ def turn_minima(
 
     Parameters
     ----------
-    scene, model
+    origami, model
         What is folded, and its nonlinear programme.
     minima
         In order of energy.
     told
         The report in tables and lines.
     chart
-        The energy over the scene's coordinates, if it is known already.
+        The energy over a scene's coordinates, if it is known already.
 
     Returns
     -------
     Content
-        A station for each minimum, in order; a track for each descent, and for each curve of a scene with one freedom.
+        A station for each minimum, in order; of a vertex a track for each descent, and for each curve of a scene with
+        one freedom.
+
+    Raises
+    ------
+    OptionError
+        If a pattern has no minimum.
     """
-    chart = chart or landscape(scene, CELLS)
-    stations = tuple(_station(model, k, m, asked(minima)) for k, m in enumerate(minima))
+    poser = Poser(origami)
+    stations = tuple(
+        Station(
+            m.title(k).removeprefix("state "),
+            poser.folded(m.fold_angles, m.energy),
+            poser.view(m.fold_angles),
+            *_contacts_and_lines(model, m),
+        )
+        for k, m in enumerate(minima, start=1)
+    )
+    if isinstance(origami, Pattern):
+        if not minima:
+            raise OptionError("no stable state was found: there is nothing to turn")
+        return Content(origami.name or "pattern", poser.body, stations, pieces=tuple(told))
+    chart = chart or landscape(origami, CELLS)
     content = Content(
-        scene.label or repr(scene.vertex),
-        vertex_body(scene.vertex),
+        origami.label or repr(origami.vertex),
+        poser.body,
         stations,
         panels=tuple(_panels(chart, minima)),
         pieces=tuple(told),
-        steps=f"Each step is a stored state that closes; {CROSSING[scene.contact]}.",
+        steps=f"Each step is a stored state that closes; {CROSSING[origami.contact]}.",
     )
-    tracks = [*_descents(scene.vertex, minima), *_curves(chart)]
+    tracks = [*_descents(poser, minima), *_curves(poser, chart)]
     if not tracks:
         why = "No path is stored"
-        if not scene.group.is_trivial:
+        if not origami.group.is_trivial:
             why += ": no descent from any state was found"
             if not asked(minima):
                 why = "No path is stored; --full follows unstable states down when the symmetry breaks"
@@ -113,8 +131,11 @@ def points_on(
     ]
 
 
-def images(model: Model, contact: ContactForce) -> tuple[tuple[int, ...], tuple[int, ...]]:
-    """Return the creases and facets (1-based) of a contact with all its images under the symmetry."""
+def images(model: Any, contact: ContactForce) -> tuple[tuple[int, ...], tuple[int, ...]]:
+    """Return the creases and facets (1-based) of a contact with all its images under the symmetry of a vertex."""
+    if isinstance(model, Sheet):
+        pieces = enumerate(model.crossings.facet.tolist(), start=1)
+        return contact.creases, tuple(k for k, f in pieces if f + 1 in contact.facets)
     orbit = model.variable_of_crease
     n = len(orbit)
     wanted = {orbit[c - 1] for c in contact.creases}
@@ -124,31 +145,30 @@ def images(model: Model, contact: ContactForce) -> tuple[tuple[int, ...], tuple[
     return creases, facets
 
 
-def _station(model: Model, k: int, m: JudgedState, judged: bool) -> Station:
-    vertex = model.scene.vertex
+def _contacts_and_lines(model: Any, m: JudgedState) -> tuple[tuple[Mark, ...], tuple[str, ...]]:
+    """Return the marks of a state's contacts, and what is known of it."""
     letters = [LETTERS[n % len(LETTERS)] for n in range(len(m.contacts))]
-    known = f", {verdict(model.scene, m)}" if judged else ""
+    many = len(m.fold_angles)
+    shown = [
+        (x, c)
+        for x, c in zip(letters, m.contacts, strict=True)
+        if many <= MOST_ANGLES or not c.is_limit
+    ]
     angles = ", ".join(f"{a:.3f}" for a in np.round(np.degrees(m.fold_angles), 3) + 0.0)
     lines = [
-        f"fold angles of creases 1..{vertex.degree} [deg]: {angles}",
-        *(f"contact {x}: {c.words()}" for x, c in zip(letters, m.contacts, strict=True)),
+        *[f"fold angles of creases 1..{many} [deg]: {angles}"] * (many <= MOST_ANGLES),
+        *(f"contact {x}: {c.words()}" for x, c in shown),
         m.certificate,
         f"residuals: closure {residual_words(m.closure_residual)}, KKT {residual_words(m.kkt_residual)}; hits {m.hits}",
     ]
     if m.moment is not None:
-        lines.append(moment_words(m.moment, m.moment_residual, vertex.degree))
+        lines.append(moment_words(m.moment, m.moment_residual, many))
     if m.full_space:
         lines += full_space_lines(m.full_space)
-    return Station(
-        f"{k + 1}: {m.energy:.6g} J, {m.kind}{known}",
-        vertex_folded(vertex, m.fold_angles, m.energy),
-        vertex_view(vertex, m.fold_angles),
-        tuple(_mark(model, x, c) for x, c in zip(letters, m.contacts, strict=True)),
-        tuple(lines),
-    )
+    return tuple(_mark(model, x, c) for x, c in shown), tuple(lines)
 
 
-def _mark(model: Model, letter: str, contact: ContactForce) -> Mark:
+def _mark(model: Any, letter: str, contact: ContactForce) -> Mark:
     creases, facets = images(model, contact)
     low, high = contact.multiplier_range
     moment = f"{contact.multiplier:.3g} N m"
@@ -158,7 +178,7 @@ def _mark(model: Model, letter: str, contact: ContactForce) -> Mark:
     return Mark(f"{letter} {moment}", f"contact {letter}: {contact.words()}", high > 0, *at)
 
 
-def _descents(vertex: Vertex, minima: Sequence[JudgedState]) -> list[Track]:
+def _descents(poser: Poser, minima: Sequence[JudgedState]) -> list[Track]:
     """Return the stored descent of each unstable state."""
     found = []
     for k, m in enumerate(minima):
@@ -170,11 +190,11 @@ def _descents(vertex: Vertex, minima: Sequence[JudgedState]) -> list[Track]:
         title = f"{k + 1} → {where}: descent without the symmetry"
         angles, energies = [s.fold_angles for s in steps], [s.energy for s in steps]
         last = end - 1 if end else None
-        found.append(vertex_track(vertex, title, angles, energies, start=k, end=last))
+        found.append(poser.track(title, angles, energies, start=k, end=last))
     return found
 
 
-def _curves(chart: Landscape) -> list[Track]:
+def _curves(poser: Poser, chart: Landscape) -> list[Track]:
     """Return each admissible stretch of the curves of a scene with one freedom."""
     if chart.kind != "curve":
         return []
@@ -186,7 +206,7 @@ def _curves(chart: Landscape) -> list[Track]:
             if b - a > 2:
                 title = " ".join(filter(None, ("all states of", branch.name or "the curve")))
                 states, energies = branch.fold_angles[a:b], branch.energy[a:b]
-                found.append(vertex_track(chart.scene.vertex, title, states, energies))
+                found.append(poser.track(title, states, energies))
     return found
 
 

@@ -48,7 +48,7 @@ class VertexwiseMinima(Told):
     classes: tuple[Alike, ...]
     results: tuple[MinimaResult, ...]
 
-    SCHEMA = "origami-nlp/minima/1"
+    SCHEMA = "origami-nlp/minima/2"
 
     def result(self, vertex: int) -> MinimaResult:
         """Return the result for the class of a vertex, in the labels of its first one.

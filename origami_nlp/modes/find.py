@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from typing import Any
 
 import numpy as np
 
@@ -17,10 +16,9 @@ from origami_nlp.modes.result import BREAKING, Mode, Modes, StateModes
 from origami_nlp.numerics import BALANCED, first_largest
 from origami_nlp.pattern import Scene
 from origami_nlp.programme import Contact, Model
-from origami_nlp.sheets import SheetResult
 
 
-def find_modes(result: MinimaResult | SheetResult, *, state: int | None = None) -> Modes:
+def find_modes(result: MinimaResult, *, state: int | None = None) -> Modes:
     """Say how each minimum gives way: energy along each eigenvector of its reduced Hessian until something touches.
 
     The Hessian is that of the Lagrangian in the space of all N fold angles, whatever symmetry the search kept, on the
@@ -57,19 +55,14 @@ def find_modes(result: MinimaResult | SheetResult, *, state: int | None = None) 
     >>> [len(state.modes) for state in o.find_modes(sheet, state=1).states]
     [1]
     """
-    if not isinstance(result, SheetResult):
-        check_type("result", result, MinimaResult)
+    check_type("result", result, MinimaResult)
     count = len(result.minima)
     if state is not None:
         if not count:
             raise OptionError(f"state = {state}: no minimum was found")
         check_whole("state", state, 1, count)
-    scene: Scene | None = None
-    programme: Any = None
-    if isinstance(result, SheetResult):
-        programme = result.model
-    else:
-        scene, programme = result.scene, Model(full_scene(result.scene))
+    scene = None if result.is_pattern else result.scene
+    programme = result.model if scene is None else Model(full_scene(scene))
     found = [
         modes_of(State(programme, np.array(minimum.fold_angles)), scene, number, minimum)
         for number, minimum in enumerate(result.minima, start=1)

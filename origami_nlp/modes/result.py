@@ -13,7 +13,6 @@ import numpy as np
 from origami_nlp.files import Brief
 from origami_nlp.minima import JudgedState, MinimaResult
 from origami_nlp.modes.geodesic import Geodesic
-from origami_nlp.sheets import SheetResult
 from origami_nlp.show import Piece, Table, Told
 
 BREAKING = "breaking"
@@ -101,18 +100,16 @@ class Modes(Told):
     [0.25223]
     """
 
-    result: MinimaResult | SheetResult
+    result: MinimaResult
     states: tuple[StateModes, ...]
 
     PICTURE = "draw_modes"
-    SCHEMA = "origami-nlp/modes/1"
+    SCHEMA = "origami-nlp/modes/2"
 
     @property
     def label(self) -> str:
         """Whose minima these are."""
-        if isinstance(self.result, SheetResult):
-            return self.result.pattern.name or "pattern"
-        return self.result.scene.label or f"degree {self.result.scene.degree}"
+        return self.result.title
 
     def table(self) -> Table:
         """Return one row a mode: eigenvalue, how far to the first contact each way, and the energy there."""

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from origami_nlp.arguments import check_whole
-from origami_nlp.facets import Layers, Sheet, check_orders
+from origami_nlp.facets import MOVES, Layers, Sheet, check_orders
 from origami_nlp.files import from_plain
 from origami_nlp.numerics import CLOSES, NOISE, RANK, TYPED
 from origami_nlp.pattern import Pattern, as_pattern, pattern_from_dict, pattern_to_dict
@@ -25,8 +25,6 @@ from origami_nlp.show import Piece, Table, Told
 if TYPE_CHECKING:
     from typing import Self
 
-MOVES = 1e-3
-"""A crease folded by more moves [rad]."""
 SIZES = (0.3, 0.5, 1.0)
 """Fold angles from which mountains and valleys are folded [rad]."""
 DRAWN = (0.5, 1.0, 2.0)

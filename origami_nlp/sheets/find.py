@@ -19,10 +19,19 @@ from origami_nlp.arguments import check_flag, check_number, check_whole
 from origami_nlp.errors import Interrupted, OptionError, OutOfTime
 from origami_nlp.facets import MOST_DENSE, Sheet, find_labels, image
 from origami_nlp.kkt import TangentCone
-from origami_nlp.minima import JudgedState, check_noise
+from origami_nlp.minima import (
+    BARRIERS,
+    MEETINGS,
+    OF_VERTEX,
+    POPS,
+    WAYS_OUT,
+    JudgedState,
+    MinimaResult,
+    SheetSearch,
+    check_noise,
+)
 from origami_nlp.numerics import CLOSES, RESOLVED, SAME, rank
 from origami_nlp.pattern import Pattern, as_pattern
-from origami_nlp.sheets.account import BARRIERS, MEETINGS, OF_VERTEX, POPS, WAYS_OUT, SheetSearch
 from origami_nlp.sheets.branches import list_branches
 from origami_nlp.sheets.closed import close, lowest_on, of_vertex
 from origami_nlp.sheets.crossroads import into_family, is_on_plane, split, ways_from
@@ -35,7 +44,6 @@ from origami_nlp.sheets.interpolant import wells
 from origami_nlp.sheets.judgement import judge, judge_end, singular_beside, stationary_beside
 from origami_nlp.sheets.noise import NOISE, with_survival
 from origami_nlp.sheets.pressing import UNTOLD, press, press_along, press_off
-from origami_nlp.sheets.result import SheetResult
 from origami_nlp.starts import OWN, Given, Popped, SearchOptions, families_in_turn, options_of
 
 OUT = 0.2
@@ -58,7 +66,7 @@ def find_states(
     effort: str = "normal",
     options: SearchOptions | None = None,
     max_starts: int | None = None,
-) -> SheetResult:
+) -> MinimaResult:
     """Find the stable states of a pattern.
 
     Parameters
@@ -78,7 +86,7 @@ def find_states(
 
     Returns
     -------
-    SheetResult
+    MinimaResult
         Minima with their certificates, what could not be decided, and what was enumerated, sampled, and ended open.
 
     Raises
@@ -126,7 +134,7 @@ def find_states(
     if noise is not None:
         search.part(NOISE, search.add_survival, noise)
     found = search.result(pattern, starts)
-    if found.search.interrupted:
+    if search.tally.interrupted:
         raise Interrupted(found)
     return found
 
@@ -145,6 +153,7 @@ class _Search:
         self._symmetries = self.labels.symmetries(pattern)
         self.curves = Curves(self.sheet, self.labels, contact)
         self.tally, self._since = SheetSearch(), time.perf_counter()
+        self.tally.contact = "full" if contact else "fold-limits"
         self.judged, self._traced = list[JudgedState](), 0
         self._planes: list[tuple[np.ndarray, np.ndarray]] = []
         self._families = families_in_turn(self.sheet, self.labels)
@@ -231,11 +240,11 @@ class _Search:
         states, given = self.by_energy(), (self.contact, degrees)
         self.judged = with_survival(self.sheet, self.labels, states, *given)
 
-    def result(self, pattern: Pattern, starts: int) -> SheetResult:
+    def result(self, pattern: Pattern, starts: int) -> MinimaResult:
         """Sum up what was judged and done, where `starts` random ones in a row were to find nothing new."""
         minima = self.tally.sum_up(self.by_energy(), self.curves.found, starts)
         self.tally.seconds = time.perf_counter() - self._since
-        return SheetResult(pattern, minima, self.tally, tuple(self.curves.found))
+        return MinimaResult(pattern, minima, self.tally, curves=tuple(self.curves.found))
 
     def by_energy(self) -> list[JudgedState]:
         """Return what was judged, by energy; states of one energy in an order that labels do not change."""

@@ -31,7 +31,7 @@ from origami_nlp.minima import (
     count_survivals,
     drawn_errors,
 )
-from origami_nlp.numerics import CARRIES, CLOSES, cross
+from origami_nlp.numerics import CARRIES, cross
 from origami_nlp.pattern import Pattern
 from origami_nlp.sheets.closed import close
 from origami_nlp.sheets.descent import descend
@@ -74,7 +74,7 @@ def with_survival(
     list of JudgedState
         With `survival` where they are minima.
     """
-    flat, size = flattened(sheet), math.radians(degrees)
+    flat, size = sheet.flattened, math.radians(degrees)
     minima = [s.phi for s in states if s.verdict == "minimum"]
 
     def counts(corners: np.ndarray | None) -> list[int]:
@@ -116,32 +116,6 @@ def is_overdetermined(pattern: Pattern) -> bool:
     return bool(
         pattern.vertices and 3 * len(pattern.vertices) + 6 * len(pattern.holes) >= pattern.creases
     )
-
-
-def measured_words(pattern: Pattern) -> str:
-    """Say what has errors besides the stiffnesses.
-
-    Parameters
-    ----------
-    pattern
-        The pattern.
-
-    Returns
-    -------
-    str
-        Rest angles, and sector angles where the pattern is a flat sheet.
-    """
-    if flattened(Sheet(pattern)) is None:
-        return "rest angles (not of sector angles: the pattern does not lie flat)"
-    return "rest angles, of sector angles (vertices moved in the flat sheet)"
-
-
-def flattened(sheet: Sheet) -> np.ndarray | None:
-    """Return the corners of a sheet where it lies flat, [V, 3]; None where it does not."""
-    pattern, zero = sheet.pattern, np.zeros(sheet.size)
-    if pattern.is_flat:
-        return pattern.corners
-    return None if sheet.residual(zero) > CLOSES else sheet.crossings.poses.corners(zero)
 
 
 def displacements(

@@ -24,18 +24,20 @@ from .drawing import (
     drawn_height as drawn_height,
 )
 from .flags import Flags as Flags, Reason as Reason
-from .folded_vertex import (
-    rotation_onto as rotation_onto,
-    vertex_body as vertex_body,
-    vertex_folded as vertex_folded,
-    vertex_track as vertex_track,
-    vertex_view as vertex_view,
-)
+from .folded_sheet import sheet_view as sheet_view
+from .folded_vertex import rotation_onto as rotation_onto
 from .html import inline_image as inline_image
 from .labels import label_marks as label_marks
 from .pose import Pose as Pose, pose_state as pose_state
+from .posing import Poser as Poser, join_states as join_states
 from .result import Result as Result, read_data as read_data
+from .sheet_drawing import draw_sheet as draw_sheet
 from .stacked import MARGIN as MARGIN, StackedFigure as StackedFigure
+from .states_figure import (
+    MOST_DRAWN as MOST_DRAWN,
+    StatesDrawn as StatesDrawn,
+    draw_states as draw_states,
+)
 from .style import (
     BAND as BAND,
     HANDLE as HANDLE,
@@ -77,6 +79,7 @@ from .text import (
     short_label as short_label,
     subscript as subscript,
 )
+from .touches import touch_places as touch_places
 from .turned import (
     Turnable as Turnable,
     TurnedPage as TurnedPage,

@@ -1,14 +1,12 @@
-"""A single vertex as a body that can be turned: states, and paths of states."""
+"""A single vertex as a body that can be turned."""
 
 from __future__ import annotations
-
-from collections.abc import Iterable, Sequence
 
 import numpy as np
 
 from origami_nlp.folding import fold_vertex
 from origami_nlp.pattern import Vertex
-from origami_nlp.show.bodies import Body, Crease, Folded, Track
+from origami_nlp.show.bodies import Body, Crease, Folded
 
 APEX = 0
 """Corner where creases meet; crease i ends at corner i + 1 (from 0), a unit away."""
@@ -78,60 +76,6 @@ def vertex_view(vertex: Vertex, fold_angles: object) -> np.ndarray:
 
     phi = np.asarray(fold_angles, dtype=float)
     return rotation_onto(fold_vertex(vertex, phi)[0], pose_state(vertex, phi).creases)
-
-
-def vertex_track(
-    vertex: Vertex | Sequence[Vertex],
-    title: str,
-    fold_angles: object,
-    energies: Iterable[float],
-    *,
-    start: int | None = None,
-    end: int | None = None,
-    parameter: object = None,
-    label: str = "arclength in the fold angles [rad]",
-) -> Track:
-    """Return a path of states of a vertex.
-
-    Parameters
-    ----------
-    vertex
-        The vertex, or that of each state.
-    title
-        Its name.
-    fold_angles
-        Of the states, shape [M, N] [rad].
-    energies
-        Of them, M.
-    start, end
-        As in `Track`.
-    parameter, label
-        As in `Track`; by default the arclength.
-
-    Returns
-    -------
-    Track
-        The first state stands as `folding.fold_vertex` has it, each other one is turned as near as can be to the one
-        before, so that the whole does not swing about the facet that `fold_vertex` holds.
-    """
-    phi = np.asarray(fold_angles, dtype=float)
-    if parameter is None:
-        steps = np.linalg.norm(np.diff(phi, axis=0), axis=1)
-        parameter = np.concatenate([[0.0], np.cumsum(steps)])
-    states: list[Folded] = []
-    vertices = [vertex] * len(phi) if isinstance(vertex, Vertex) else vertex
-    for one, row, energy in zip(vertices, phi, energies, strict=True):
-        state = vertex_folded(one, row, energy)
-        if states:
-            turn = rotation_onto(state.corners, states[-1].corners)
-            turned = (state.corners @ turn.T, state.shifts @ turn.T)
-            state = Folded(turned[0], row, state.energy, turned[1])
-        states.append(state)
-    vertex, middle = vertices[len(phi) // 2], phi[len(phi) // 2]
-    # the middle of the path is what is to be seen well; its own frame is that of the first state, turned along
-    turn = rotation_onto(fold_vertex(vertex, middle)[0], states[len(phi) // 2].corners[1:])
-    view = vertex_view(vertex, middle) @ turn.T
-    return Track(title, np.asarray(parameter, float), label, tuple(states), view, start, end)
 
 
 def rotation_onto(points: np.ndarray, target: np.ndarray) -> np.ndarray:

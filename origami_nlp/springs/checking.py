@@ -13,7 +13,6 @@ from origami_nlp.minima import JudgedState, MinimaResult
 from origami_nlp.numerics import DESIGN_FOUND, SAME_ENERGY, SETTLED
 from origami_nlp.pattern import Pattern, Scene
 from origami_nlp.programme import Model
-from origami_nlp.sheets import SheetResult
 from origami_nlp.springs.convex import Posed
 from origami_nlp.springs.result import Design, ExtraMinimum, HeldBarrier, HeldState
 from origami_nlp.springs.robustness import MOVES, Tolerance, tolerance_of
@@ -30,7 +29,7 @@ def check(
     ask: Ask,
     posed: Posed,
     scene: Scene | Pattern,
-    minima: MinimaResult | SheetResult,
+    minima: MinimaResult,
     ways: Mapping[tuple[str, str], Way],
     seed: int,
     say: Callable[[str], None],
@@ -65,7 +64,7 @@ def check(
     energy = {s.name: s.energy for s in states}
     failed += _energies(targets, energy)
     barriers: tuple[HeldBarrier, ...] = ()
-    if isinstance(scene, Scene) and isinstance(minima, MinimaResult):
+    if isinstance(scene, Scene):
         barriers = _barriers(targets, scene, minima, ways, energy, seed)
     failed += [b.why for b in barriers if b.why]
     if extra and ask.extra_states == "forbid":
@@ -92,7 +91,7 @@ def check(
 
 
 def _states(
-    targets: Targets, result: MinimaResult | SheetResult
+    targets: Targets, result: MinimaResult
 ) -> tuple[tuple[HeldState, ...], list[str], set[int]]:
     """Look for every target among the minima, and judge it by itself where it is not there."""
     held, failed, ours = [], [], set()
@@ -109,7 +108,7 @@ def _states(
             if targets.full_space and verdict not in (None, "stable"):
                 failed.append(f"state {who!r} is {verdict} when the symmetry breaks")
             continue
-        made = result.scene if isinstance(result, MinimaResult) else result.pattern
+        made = result.origami
         judged = classify(State(targets.posed(made), placed.state.x))
         energy = float(made.energy(phi))
         held.append(_held(placed, phi, math.inf, energy, judged.kind, judged.reason, None))

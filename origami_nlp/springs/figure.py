@@ -12,8 +12,7 @@ from matplotlib.figure import Figure
 from origami_nlp.arguments import check_type
 from origami_nlp.errors import OptionError
 from origami_nlp.pattern import Pattern
-from origami_nlp.sheets import draw_sheet
-from origami_nlp.show import MOUNTAIN, VALLEY, draw_state, label_text
+from origami_nlp.show import MOUNTAIN, VALLEY, draw_sheet, draw_state, label_text
 from origami_nlp.springs.result import Design
 
 ACROSS = 5

@@ -12,7 +12,6 @@ import numpy as np
 from origami_nlp.minima import MinimaResult
 from origami_nlp.numerics import SAME
 from origami_nlp.pattern import Pattern, Scene
-from origami_nlp.sheets import SheetResult
 from origami_nlp.show import Piece, Table, Told, Words
 from origami_nlp.springs.reasons import Reason
 from origami_nlp.springs.robustness import MOVES, Tolerance
@@ -154,7 +153,7 @@ class Design(Told):
     extra_minima: tuple[ExtraMinimum, ...]
     reason: Reason | None
     failed: tuple[str, ...]
-    minima: MinimaResult | SheetResult | None = field(metadata={"plain": False})
+    minima: MinimaResult | None = field(metadata={"plain": False})
     iterations: int
     residual: float
     barriers: tuple[HeldBarrier, ...] = ()
@@ -179,9 +178,7 @@ class Design(Told):
         Images are states of their own, of equal energy.  "" where it is none of a state asked for, or of an earlier
         extra minimum (``"minimum 1"`` is the first of these).
         """
-        if self.minima is None:
-            return ("",) * len(self.extra_minima)
-        if not isinstance(self.minima, MinimaResult):
+        if self.minima is None or self.minima.is_pattern:
             return ("",) * len(self.extra_minima)
         model = self.minima.model
         known = [(f"state {s.name}", np.array(s.fold_angles)) for s in self.states]

@@ -380,7 +380,7 @@ def test_command(tmp_path):
     result = run(app, ["barriers", str(scene), *asked])
     assert result.exit_code == 0, result.output
     found = json.loads(out[0].read_text())
-    assert found["schema"] == "origami-nlp/landscape/1"
+    assert found["schema"] == "origami-nlp/landscape/2"
     (barrier,) = found["passes"]
     assert (barrier["from_state"], barrier["to_state"], barrier["pass_kind"]) == (
         1,

@@ -125,7 +125,7 @@ def test_all_vertices_of_a_sheet_equal_ones_once(sheet, tmp_path):
     done = run("minima", sheet, "--each-vertex", "--json", out, "--prove", 0)
     assert done.code == 0 and "4 vertices, each on its own: 2 different" in done.out
     data = json.loads(out.read_text())
-    assert data["schema"] == "origami-nlp/minima/1" and len(data["classes"]) == 2
+    assert data["schema"] == "origami-nlp/minima/2" and len(data["classes"]) == 2
     found = o.load(out)
     assert json.loads(json.dumps(found.to_dict())) == data
     for number, scene in o.read_fold_scenes(sheet, tell=lambda note: None).items():
@@ -277,7 +277,7 @@ def test_several_frames_and_json_that_is_no_fold(tmp_path):
     done = run("model", path, "--vertex", 5)
     assert done.code == 0 and "2 frames have geometry: frame 0 is read, --frame" in done.err
     assert "frames" not in run("model", path, "--vertex", 5, "--frame", 1).err
-    path.write_text(json.dumps({"schema": "origami-nlp/minima/1", "scene": {}}))
+    path.write_text(json.dumps({"schema": "origami-nlp/minima/2", "scene": {}}))
     other = tmp_path / "result.txt"
     other.write_bytes(path.read_bytes())
     for file in (path, other):  # by its name, or by what is in it

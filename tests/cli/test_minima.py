@@ -20,14 +20,23 @@ def test_minima_writes_the_contract(scene, tmp_path):
     assert code == 0 and "4 symmetric minima," in table and "IPOPT" in table
     assert "stable state" not in table and "full space: not asked" in table
     data = json.loads(out.read_text())
-    assert data["schema"] == "origami-nlp/minima/1"
-    assert set(data) == {"schema", "scene", "model", "search", "completeness", "flags", "minima"}
+    assert data["schema"] == "origami-nlp/minima/2"
+    assert set(data) == {
+        "schema",
+        "origami",
+        "minima",
+        "search",
+        "completeness",
+        "relations",
+        "model",
+        "flags",
+        "closure_stress",
+    }
     assert set(data["model"]) == {
         "variables",
         "equalities",
         "inequalities",
         "contact_pairs",
-        "geometry",
         "left_out",
     }
     assert data["model"]["contact_pairs"] == [[1, 3]]
@@ -55,7 +64,7 @@ def test_minima_writes_the_contract(scene, tmp_path):
 def test_json_to_stdout_is_only_json(scene):
     few = ("--max-starts", 16)
     code, out, err = run("minima", scene, "--json", "-", *few)
-    assert code == 0 and json.loads(out)["schema"] == "origami-nlp/minima/1"
+    assert code == 0 and json.loads(out)["schema"] == "origami-nlp/minima/2"
     assert "symmetric minima" in err
 
 

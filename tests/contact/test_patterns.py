@@ -21,7 +21,7 @@ def test_forces_are_those_of_the_states(found):
         told = sorted(c.force for c in state.minimum.contacts)
         assert sorted(c.multiplier for c in state.contacts) == pytest.approx(told, abs=1e-12)
     assert (
-        "Resch" in report.headline and len(report.to_dict()["result"]["pattern"]["polygons"]) == 14
+        "Resch" in report.headline and len(report.to_dict()["result"]["origami"]["polygons"]) == 14
     )
     assert "force" in "\n".join(map(str, report.told())) and len(report.to_markdown()) > 500
 

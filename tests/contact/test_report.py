@@ -30,7 +30,7 @@ def test_command_writes_all_its_files(tmp_path: Path) -> None:
     assert done.code == 0, done.err
     assert "load margin" in done.out and "metastable" in done.out
     data = json.loads(files["json"].read_text())
-    assert data["schema"] == "origami-nlp/contacts/1"
+    assert data["schema"] == "origami-nlp/contacts/2"
     (state,) = data["states"]
     minimum = data["result"]["minima"][state["number"] - 1]
     assert minimum["kind"] == "contact-pinned" and state["margin"]["checked"]

@@ -12,14 +12,8 @@ from origami_nlp import Vertex, find_minima
 from origami_nlp.errors import OutOfTime
 from origami_nlp.facets import Features, Placed, Sheet
 from origami_nlp.pattern import Scene
-from origami_nlp.sheets import (
-    draw_states,
-    find_states,
-    judge,
-    list_branches,
-    press,
-    touch_places,
-)
+from origami_nlp.sheets import find_states, judge, list_branches, press
+from origami_nlp.show import draw_states, touch_places
 from tests.patterns import metasheet, wheel
 from tests.relabelled import relabelled
 

@@ -13,7 +13,8 @@ from origami_nlp import Model, Scene, State, Vertex, classify, examine
 from origami_nlp.facets import Faces, Lying, Placed, Sheet, order_layers
 from origami_nlp.kkt import contact_forces
 from origami_nlp.programme import vertices
-from origami_nlp.sheets import judge, singular_beside, touch_places
+from origami_nlp.sheets import judge, singular_beside
+from origami_nlp.show import touch_places
 from tests.patterns import grid, miura, miura_angles, wheel
 
 

@@ -10,10 +10,10 @@ import pytest
 
 import origami_nlp as o
 from origami_nlp import Vertex, examine
-from origami_nlp.facets import Sheet, Stack, check_orders, order_layers
+from origami_nlp.facets import Sheet, Stack, check_orders, order_layers, sheet_frame, sheet_to_fold
 from origami_nlp.folding import Orders, Rules
 from origami_nlp.pattern import frame_pattern, parse_fold, scene_pattern
-from origami_nlp.sheets import judge, overview, sheet_frame, sheet_to_fold
+from origami_nlp.sheets import judge, overview
 from tests.fold_files import others
 from tests.independent.lattice_chains import is_paper
 from tests.patterns import grid, miura, miura_angles, wheel

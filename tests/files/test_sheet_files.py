@@ -11,19 +11,11 @@ from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
 
 import origami_nlp as o
-from origami_nlp.facets import Poses, Sheet
+from origami_nlp.facets import Poses, Sheet, sheet_frame, sheet_parts, sheet_to_fold
 from origami_nlp.minima import write_parts
 from origami_nlp.pattern import Pattern, frame_pattern, make_pattern, parse_fold
-from origami_nlp.sheets import (
-    draw_sheet,
-    find_motion,
-    overview,
-    sheet_content,
-    sheet_frame,
-    sheet_parts,
-    sheet_to_fold,
-)
-from origami_nlp.show import BORDER, MOUNTAIN
+from origami_nlp.sheets import find_motion, overview, sheet_content
+from origami_nlp.show import BORDER, MOUNTAIN, draw_sheet
 from tests.command_line import run
 from tests.patterns import miura, miura_angles
 
@@ -150,7 +142,7 @@ def test_states_and_motions_are_drawn_and_turned(tmp_path):
     assert len(found.draw().axes) == len(found.minima) > 1
     shown, moving = found.turned(), motion.turned()
     assert [s.title for s in shown.stations] == [
-        f"state {k}: {s.kind}, {s.energy:.6g} J" for k, s in enumerate(found.minima, start=1)
+        f"{k}: {s.kind}, {s.energy:.6g} J" for k, s in enumerate(found.minima, start=1)
     ]
     assert len(moving.stations) == 1 and len(moving.tracks[0].states) == len(motion.fold_angles)
     found.view().save(tmp_path / "a.html")

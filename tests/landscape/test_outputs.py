@@ -50,7 +50,7 @@ def strict(text):
 
 def test_json_is_the_contract(written):
     data = strict((written / "l.json").read_text())
-    assert data["schema"] == "origami-nlp/landscape/1"
+    assert data["schema"] == "origami-nlp/landscape/2"
     space, barriers = data["space"], data["barriers"]
     for name in ("components", "pinch_points", "handles"):
         assert isinstance(space[name], list)

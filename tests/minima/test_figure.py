@@ -268,7 +268,7 @@ def test_html(results, name):
     parser, text = parse(html)
     assert "img" in parser.tags and "script" not in parser.tags
     for m in result.minima:
-        assert f"{m.energy:.6g}" in text and m.certificate in text and m.kind in text
+        assert f"{m.energy:.9g}" in text and m.certificate in text and m.kind in text
         for contact in m.contacts:
             assert f"{contact.text}: moment {contact.multiplier:.4g} N m" in text
 
@@ -276,7 +276,7 @@ def test_html(results, name):
 def test_html_escapes_names(results):
     result = results["no chart"]
     scene = dataclasses.replace(result.scene, name="<script>alert(1)</script> & $x_1$")
-    result = dataclasses.replace(result, scene=scene, minima=())
+    result = dataclasses.replace(result, origami=scene, minima=())
     parser, text = parse(result.to_html())
     assert "script" not in parser.tags and "<script>alert(1)</script> & $x_1$" in text
     o.draw_minima(result).savefig(io.BytesIO())  # a name is no formula

@@ -13,10 +13,10 @@ from scipy.spatial.transform import Rotation
 import origami_nlp as o
 from origami_nlp import examples
 from origami_nlp.facets import Sheet
+from origami_nlp.minima import MinimaResult
 from origami_nlp.pattern import make_pattern
 from origami_nlp.sheets import (
     Clearance,
-    SheetResult,
     find_states,
     follow_curve,
     interpolate,
@@ -182,7 +182,7 @@ def test_a_search_ends_in_its_time_and_says_what_it_left_out(name, size, part):
     for state in found.states:  # what was found is whole
         again = judge(Sheet(pattern), state.phi)
         assert (again.verdict, again.kind) == (state.verdict, state.kind)
-    assert SheetResult.from_dict(found.to_dict()).search == found.search
+    assert MinimaResult.from_dict(found.to_dict()).search == found.search
 
 
 def stopped(monkeypatch, after):

@@ -181,7 +181,7 @@ def test_the_command_writes_numbers_and_a_figure(tmp_path):
     assert code == 0, err
     data = json.loads(out)
     (state,) = data["states"]
-    assert data["schema"] == "origami-nlp/modes/1" and state["number"] == 2
+    assert data["schema"] == "origami-nlp/modes/2" and state["number"] == 2
     values = [m["eigenvalue"] for m in state["modes"] if m["block"] == "symmetric"]
     assert values == pytest.approx(modes().states[1].eigenvalues("symmetric"), rel=1e-9)
     assert len(draw(modes(), figure).axes) == 4 and figure.stat().st_size > 10_000

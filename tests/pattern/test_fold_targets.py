@@ -122,7 +122,7 @@ def test_the_command_says_and_chooses(tmp_path):
         args = ["minima", str(file), "--vertex", "0", "--symmetry", "none", "--max-starts", "9"]
         done = RUN.invoke(app, [*args, "--json", str(out), *choice])
         assert done.exit_code == 0 and "90 degrees" in done.stderr, done.exception
-        found[tuple(choice)] = json.loads(out.read_text())["scene"]["creases"]["rest_angles"]
+        found[tuple(choice)] = json.loads(out.read_text())["origami"]["creases"]["rest_angles"]
     assert found[()] == found["--rest-angles", "file"] != found["--rest-angles", "measured"]
     assert all(abs(float(a)) < 1e-12 for a in found["--rest-angles", "measured"])
     done = RUN.invoke(app, ["vertices", str(file), "--json", str(out)])

@@ -9,7 +9,8 @@ import pytest
 import origami_nlp as o
 from origami_nlp.facets import Sheet, find_labels, image
 from origami_nlp.kkt import BOUND, TRACED, Way
-from origami_nlp.sheets import SheetResult, find_states
+from origami_nlp.minima import MinimaResult
+from origami_nlp.sheets import find_states
 from origami_nlp.sheets.escape import _images, _openings
 from tests.computed_once import states
 from tests.relabelled import relabelled
@@ -78,7 +79,7 @@ def test_a_way_goes_to_an_image_and_back() -> None:
     assert seen
 
 
-def test_directions_open_contacts_and_close_none(yoshimura: SheetResult) -> None:
+def test_directions_open_contacts_and_close_none(yoshimura: MinimaResult) -> None:
     """Of a state that two fold limits hold, each is opened by some direction, along closed states to first order."""
     state = yoshimura.minima[1]
     phi, sheet = state.phi, Sheet(yoshimura.pattern)
@@ -95,11 +96,11 @@ def test_directions_open_contacts_and_close_none(yoshimura: SheetResult) -> None
 
 
 @pytest.fixture(scope="module")
-def yoshimura() -> SheetResult:
+def yoshimura() -> MinimaResult:
     return states("yoshimura:2x2")
 
 
-def test_a_bound_is_above_the_exact_pass_and_near_it(yoshimura: SheetResult) -> None:
+def test_a_bound_is_above_the_exact_pass_and_near_it(yoshimura: MinimaResult) -> None:
     assert len(yoshimura.minima) == 2
     for state in yoshimura.minima:
         assert state.escape is not None and state.escape.method == BOUND
@@ -107,9 +108,9 @@ def test_a_bound_is_above_the_exact_pass_and_near_it(yoshimura: SheetResult) -> 
         assert not state.shallow
 
 
-def test_words_and_files_keep_barriers(yoshimura: SheetResult) -> None:
+def test_words_and_files_keep_barriers(yoshimura: MinimaResult) -> None:
     data = json.loads(json.dumps(yoshimura.to_dict(), allow_nan=False))
-    again = SheetResult.from_dict(data)
+    again = MinimaResult.from_dict(data)
     for one, other in zip(yoshimura.minima, again.minima, strict=True):
         assert (one.softest, one.escape) == (other.softest, other.escape)
     assert "barrier" in yoshimura.table().heads and "softest" in yoshimura.table().heads
@@ -117,7 +118,7 @@ def test_words_and_files_keep_barriers(yoshimura: SheetResult) -> None:
     assert "escape barrier at most" in told
 
 
-def test_shallow_states_are_counted_apart(yoshimura: SheetResult) -> None:
+def test_shallow_states_are_counted_apart(yoshimura: MinimaResult) -> None:
     low, high = yoshimura.minima
     assert high.escape is not None
     shallow = replace(high, escape=replace(high.escape, barrier=1e-6, shallow=True))
@@ -131,7 +132,7 @@ def test_no_time_is_left_for_barriers() -> None:
     assert all(s.escape is None for s in found.minima)
 
 
-def test_labels_change_no_barrier(yoshimura: SheetResult) -> None:
+def test_labels_change_no_barrier(yoshimura: MinimaResult) -> None:
     copy, _, _ = relabelled(yoshimura.pattern, 3, mirror=True)
     found = find_states(copy, starts=10)
     for one, other in zip(yoshimura.minima, found.minima, strict=True):

@@ -9,7 +9,8 @@ import pytest
 
 import origami_nlp as o
 from origami_nlp.facets import Sheet, find_labels
-from origami_nlp.sheets import SheetResult, find_states
+from origami_nlp.minima import MinimaResult
+from origami_nlp.sheets import find_states
 from origami_nlp.sheets.angle_sums import angle_sums
 from origami_nlp.sheets.closed import scene_of
 from origami_nlp.sheets.noise import displacements
@@ -62,22 +63,22 @@ def test_errors_are_the_same_under_other_labels(mirror, over) -> None:
 
 
 @pytest.fixture(scope="module")
-def yoshimura() -> SheetResult:
+def yoshimura() -> MinimaResult:
     return find_states(o.examples.pattern("yoshimura", 2, 2), starts=4, escape=False, noise=0.5)
 
 
-def test_survivals_are_told_and_kept(yoshimura: SheetResult) -> None:
+def test_survivals_are_told_and_kept(yoshimura: MinimaResult) -> None:
     low, high = yoshimura.minima
     assert low.survival is not None and high.survival is not None
     assert low.survival.kept == high.survival.kept == 20 and low.survival.springs is None
     assert "survives" in yoshimura.table().heads
     assert "0.5 degrees (standard deviation)" in str(yoshimura)
-    again = SheetResult.from_dict(json.loads(json.dumps(yoshimura.to_dict(), allow_nan=False)))
+    again = MinimaResult.from_dict(json.loads(json.dumps(yoshimura.to_dict(), allow_nan=False)))
     assert [s.survival for s in again.minima] == [s.survival for s in yoshimura.minima]
 
 
 @pytest.mark.slow
-def test_labels_change_no_survival(yoshimura: SheetResult) -> None:
+def test_labels_change_no_survival(yoshimura: MinimaResult) -> None:
     copy, _, _ = relabelled(yoshimura.pattern, 3, mirror=True)
     found = find_states(copy, starts=4, escape=False, noise=0.5)
     assert [s.survival for s in found.minima] == [s.survival for s in yoshimura.minima]

@@ -12,7 +12,7 @@ from PIL import Image
 import origami_nlp as o
 from origami_nlp.folding import examine
 from origami_nlp.minima import MinimaResult
-from origami_nlp.show import Content, animation, write_animation
+from origami_nlp.show import Content, animation, draw_states, write_animation
 from tests.command_line import run, scene_file
 from tests.computed_once import panel_result
 
@@ -86,10 +86,9 @@ def test_what_cannot_be_written_is_said_before_the_search(
 
 
 def test_states_stand_side_by_side(result: MinimaResult) -> None:
-    from origami_nlp.minima import draw_states
-
-    figure = draw_states(result, columns=3)
-    titles = [axes.get_title() for axes in figure.axes if axes.get_title()]
+    states = [(m.title(k), m.phi) for k, m in enumerate(result.minima, start=1)]
+    figure = draw_states(result.scene, states, "")
+    titles = [text.get_text() for text in figure.texts]
     assert len(titles) == len(result.minima)
     assert all(m.kind in title for m, title in zip(result.minima, titles, strict=True))
     figure.canvas.draw()

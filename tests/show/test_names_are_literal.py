@@ -4,7 +4,8 @@ import io
 from dataclasses import replace
 
 from origami_nlp import Vertex, examples, overview
-from origami_nlp.sheets import draw_overview, draw_states
+from origami_nlp.sheets import draw_overview
+from origami_nlp.show import draw_states
 from origami_nlp.springs import Target, Targets, design, draw_design
 
 NAME = r"a $\frac{$ b_c ^ \x"

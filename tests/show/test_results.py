@@ -32,10 +32,11 @@ def results():
     found.append(o.find_modes(result, state=1))
     sheet = o.examples.pattern("metasheet:2x3")
     states = o.find_minima(sheet, starts=1, escape=False)
-    found += [states, o.overview(sheet), o.find_motion(sheet)]
+    found += [o.overview(sheet), o.find_motion(sheet)]
     loaded.append(o.load_path(sheet, 1, to=0.01, state=states.minima[0]))
     found.append(o.paper.cone.phase_diagram(6, size=4))
     named = {type(one).__name__: one for one in found}
+    named["MinimaResult of a pattern"] = states
     return {**named, "LoadPath": loaded[0], "LoadPath of a pattern": loaded[1]}
 
 
@@ -55,13 +56,22 @@ KINDS = {  # rows of the data frame, has a picture, has a schema, is read back
     "PhaseDiagram": (None, True, True, False),
     "LoadPath": (lambda r: sum(len(leg.points) for leg in r.legs), True, True, True),
     "Modes": (None, True, True, True),
-    "SheetResult": (lambda r: len(r.minima), True, True, True),
+    "MinimaResult of a pattern": (lambda r: len(r.minima), True, True, True),
     "Overview": (lambda r: 1, True, True, True),
     "Motion": (lambda r: len(r.fold_angles), True, True, True),
     "LoadPath of a pattern": (lambda r: sum(len(leg.points) for leg in r.legs), True, True, True),
 }
 by_kind = pytest.mark.parametrize("kind", KINDS)
-STRICT = ("CriticalPoints", "Barriers", "LoadPath", "LoadPath of a pattern", "Modes", "Motion")
+STRICT = (
+    "MinimaResult",
+    "MinimaResult of a pattern",
+    "CriticalPoints",
+    "Barriers",
+    "LoadPath",
+    "LoadPath of a pattern",
+    "Modes",
+    "Motion",
+)
 
 
 def test_results_travel_and_print_the_same():
@@ -147,7 +157,7 @@ def test_saved_and_read_back(kind, tmp_path):
         assert type(again) is type(found) and again.to_dict() == found.to_dict()
     if KINDS[kind][1]:
         assert again.draw().axes
-    other = "CriticalPoints" if kind in ("MinimaResult", "SheetResult") else "MinimaResult"
+    other = "CriticalPoints" if kind.startswith("MinimaResult") else "MinimaResult"
     with pytest.raises(o.OrigamiError, match="schema"):
         type(results()[other]).load(path)
     path.write_text("{")

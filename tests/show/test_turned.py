@@ -136,7 +136,7 @@ def test_page_is_small_and_loads_nothing(page: str) -> None:
 def test_text_of_a_user_stays_text(result: MinimaResult) -> None:
     name = "</script><b>&co<!--"
     scene = dataclasses.replace(result.scene, name=name)
-    odd = show.turned_page(dataclasses.replace(result, scene=scene).turned())
+    odd = show.turned_page(dataclasses.replace(result, origami=scene).turned())
     assert name not in odd and "<b>&co" not in odd
     assert data_of(odd)[0]["title"] == scene.label
 

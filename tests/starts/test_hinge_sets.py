@@ -31,7 +31,7 @@ def test_a_report_says_what_was_made_exact() -> None:
     )
     assert "sector angles moved by up to 1.0e-09 rad" in str(result)
     data = result.to_dict()
-    assert data["model"]["geometry"]["made_exact"] and data["search"]["undecided"] == []
+    assert data["relations"]["made_exact"] and data["search"]["undecided"] == []
     assert MinimaResult.from_dict(data).to_dict() == data
 
 

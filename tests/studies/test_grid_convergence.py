@@ -98,7 +98,7 @@ def test_counts_share_states_and_keep_their_meaning():
 def test_grid_errors_want_a_chart():
     result = search(*INTERIOR)
     flat = MinimaResult(
-        o.examples.degree6(symmetry="none"), result.model, result.minima, result.search
+        o.examples.degree6(symmetry="none"), result.minima, result.search, model=result.model
     )
     with pytest.raises(o.OrigamiError, match="chart"):
         grid_errors(flat)

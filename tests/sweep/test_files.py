@@ -8,9 +8,8 @@ import pytest
 
 import origami_nlp as o
 from origami_nlp.errors import OrigamiError
-from origami_nlp.facets import Sheet, order_layers
+from origami_nlp.facets import Sheet, order_layers, sheet_frame, sheet_to_fold
 from origami_nlp.pattern import pattern_from_dict, pattern_to_dict
-from origami_nlp.sheets import sheet_frame, sheet_to_fold
 from origami_nlp.sweep import parse_sweep, read_sweep, run_sweep
 from origami_nlp.sweep.run import run_scene
 from origami_nlp.sweep.store import read_table

@@ -13,7 +13,7 @@ from origami_nlp.facets import Crossings
 from origami_nlp.kkt import ContactForce
 from origami_nlp.numerics import CARRIES, INDEPENDENT
 from origami_nlp.pattern import Pattern
-from origami_nlp.show import IDLE, PUSHES
+from origami_nlp.show.style import IDLE, PUSHES
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

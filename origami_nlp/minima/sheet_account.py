@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
+from typing import Any
 
 from origami_nlp.errors import OUT_OF_TIME
-from origami_nlp.minima import JudgedState, SearchReport
-from origami_nlp.sheets.curves import Traced
+from origami_nlp.minima.account import SearchReport
+from origami_nlp.minima.minimum import JudgedState
 
 WAYS_OUT = "ways out of flat-folded states"
 MEETINGS = "ways out of states where curves meet"
@@ -59,10 +60,8 @@ class SheetSearch(SearchReport):
         stationary state beside the well was solved for, and it is a minimum, none, or one in which facets cross.
     coarse
         Of the curves, those whose polynomials are further from closed states than they are meant to be.
-    left_out
-        Parts of the search that its time, or an interruption, ended: what they had found before is listed.
-    interrupted
-        Whether the user did.
+    contact
+        ``"full"``, or ``"fold-limits"`` where facets may cross.
     """
 
     open: int = 0
@@ -86,8 +85,7 @@ class SheetSearch(SearchReport):
     wells: int = 0
     resolved: int = 0
     coarse: int = 0
-    left_out: tuple[str, ...] = ()
-    interrupted: bool = False
+    contact: str = "full"
 
     def leave_out(self, what: str) -> None:
         """Note a part of the search that its time, or an interruption, ended.
@@ -110,7 +108,7 @@ class SheetSearch(SearchReport):
         self.not_enumerated = "; ".join(dict.fromkeys(filter(None, (self.not_enumerated, why))))
 
     def sum_up(
-        self, judged: Sequence[JudgedState], found: Sequence[Traced], starts: int
+        self, judged: Sequence[JudgedState], found: Sequence[Any], starts: int
     ) -> tuple[JudgedState, ...]:
         """Keep what was judged to be no minimum, and what the curves that are known say; return the minima.
 

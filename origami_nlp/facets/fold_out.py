@@ -13,13 +13,63 @@ from typing import Any
 
 import numpy as np
 
-from origami_nlp.facets import Crossings, Poses, Sheet, order_layers
-from origami_nlp.minima import Part
-from origami_nlp.pattern import REST_KEY, STIFFNESS_KEY, Pattern
+from origami_nlp.facets.crossings import Crossings
+from origami_nlp.facets.layers import order_layers
+from origami_nlp.facets.poses import Poses
+from origami_nlp.facets.sheet import Sheet
+from origami_nlp.folding import folded_frame, frames_to_fold
+from origami_nlp.pattern import REST_KEY, STIFFNESS_KEY, Pattern, Scene
 from origami_nlp.version import __version__
 
 ROOM = 1.25
 """States of a mesh stand apart by this many sizes of the sheet."""
+
+
+def states_to_fold(
+    origami: Scene | Pattern, frames: Iterable[dict[str, Any]] = ()
+) -> dict[str, Any]:
+    """Return a vertex or a pattern as FOLD data (spec 1.1), with states of it as frames.
+
+    Parameters
+    ----------
+    origami
+        What is folded.
+    frames
+        Of `state_frame`.
+
+    Returns
+    -------
+    dict
+        For `json.dump`: as `folding.frames_to_fold` or `sheet_to_fold` has it.
+    """
+    made = frames_to_fold if isinstance(origami, Scene) else sheet_to_fold
+    return made(origami, frames)  # type: ignore[arg-type]
+
+
+def state_frame(
+    origami: Scene | Pattern, fold_angles: Sequence[float] | np.ndarray, title: str, **more: Any
+) -> dict[str, Any]:
+    """Return a folded state of a vertex or a pattern as a frame of FOLD.
+
+    Parameters
+    ----------
+    origami
+        What is folded.
+    fold_angles
+        Of a closed state, [N] [rad].
+    title
+        Of the frame.
+    more
+        Values of our own keys, by their names without the namespace.
+
+    Returns
+    -------
+    dict
+        As `folding.folded_frame` or `sheet_frame` has it.
+    """
+    made: Any = folded_frame if isinstance(origami, Scene) else sheet_frame
+    frame: dict[str, Any] = made(origami, fold_angles, title, **more)
+    return frame
 
 
 def sheet_to_fold(pattern: Pattern, frames: Iterable[dict[str, Any]] = ()) -> dict[str, Any]:
@@ -41,7 +91,7 @@ def sheet_to_fold(pattern: Pattern, frames: Iterable[dict[str, Any]] = ()) -> di
     --------
     >>> import json
     >>> from origami_nlp.pattern import examples, frame_pattern, parse_fold
-    >>> from origami_nlp.sheets import sheet_to_fold
+    >>> from origami_nlp.facets import sheet_to_fold
     >>> (frame,) = parse_fold(json.dumps(sheet_to_fold(examples.pattern("miura", 2, 2))))
     >>> frame_pattern(frame)
     Pattern('Miura, alpha = pi/3': 4 facets, 4 creases, 1 interior vertices)
@@ -112,7 +162,9 @@ def sheet_frame(
     }
 
 
-def sheet_parts(pattern: Pattern, states: Sequence[np.ndarray]) -> list[Part]:
+def sheet_parts(
+    pattern: Pattern, states: Sequence[np.ndarray]
+) -> list[tuple[np.ndarray, np.ndarray]]:
     """Return states side by side, each as triangles.
 
     Parameters
