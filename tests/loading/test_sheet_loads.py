@@ -13,9 +13,6 @@ from scipy.optimize import minimize_scalar
 import origami_nlp as o
 from origami_nlp.errors import OptionError
 from origami_nlp.facets import DeadForce, Pull, Sheet, Torque
-from origami_nlp.kkt import State, classify
-from origami_nlp.kkt.refutation import follow_lines
-from origami_nlp.numerics import CLOSES
 from origami_nlp.sheets import descend, judge
 from tests.command_line import run
 from tests.independent.trigonometry import strip_states
@@ -297,50 +294,6 @@ def test_a_state_whose_contacts_carry_nothing_is_followed_as_far_as_it_is_stable
     for share, good in ((0.999, True), (1.001, False)):
         under = Sheet(pattern).under(pull, event.t * share)
         assert (judge(under, start.phi).verdict == "minimum") == good
-
-
-@pytest.mark.parametrize("share", [0.5, 0.999, 1.001, 1.1, 4.0])
-def test_a_line_that_first_order_leaves_level_refutes_where_it_goes_down(share):
-    """Two creases that lie on each other turn as one hinge: from 8/3 N on that lowers the energy, whatever touches."""
-    pattern, start = folded_cross()
-    under = Sheet(pattern).under(Pull(pattern, (1, 3)), 8 / 3 * share)
-    state = State(under, start.phi)
-    assert not state.contacts.complete
-    what = classify(state)
-    assert what.verdict == ("minimum" if share < 1 else "not stationary")
-    assert (follow_lines(state) is None) == (share < 1)
-
-    def total(phi):  # springs and the pull's work, by the law of cosines across crease 2
-        cosine = math.cos(math.pi / 3) * math.cos(2 * math.pi / 3)
-        cosine -= math.sin(math.pi / 3) * math.sin(2 * math.pi / 3) * math.cos(phi[1])
-        distance = math.sqrt(2 - 2 * cosine)
-        return 0.5 * np.sum((phi - pattern.rest) ** 2) - 8 / 3 * share * distance
-
-    if share > 1:
-        assert np.abs(Sheet(pattern).closure(what.lower)[0]).max() <= CLOSES
-        assert not Sheet(pattern).refuses(what.lower)
-        gain = total(state.x) - total(what.lower)
-        # two creases by u = 1e-3 / sqrt(2) each: u^2 (share - 1) to second order
-        assert gain == pytest.approx((share - 1) * 5e-7, rel=2e-3)
-
-
-def test_a_lower_state_behind_a_rise_or_behind_facets_refutes_nothing(monkeypatch):
-    pattern, start = folded_cross()
-    state = State(Sheet(pattern).under(Pull(pattern, (1, 3)), 4.0), start.phi)
-    change = state.programme.energy_change
-    assert follow_lines(state) is not None
-    with monkeypatch.context() as patch:  # up to 3e-4 rad, and down from there
-
-        def rises(x, y):
-            return change(x, y) * (1 if np.linalg.norm(y - x) > 3e-4 else -1)
-
-        patch.setattr(state.programme, "energy_change", rises)
-        assert follow_lines(state) is None
-    with monkeypatch.context() as patch:  # one state on the way is refused
-        patch.setattr(
-            state.programme, "refuses", lambda y: "" if abs(y - state.x).max() > 4e-4 else "facets"
-        )
-        assert follow_lines(state) is None
 
 
 def test_vertices_that_lie_on_each_other_have_no_pull():
