@@ -172,7 +172,7 @@ def answers(*files: str, search: Sequence[str] = ()) -> Callable[..., Callable[.
     return decorate
 
 
-def _save_frames(found: Any, file: Target) -> None:
+def _save_frames(found: Any, file: Any) -> None:
     from origami_nlp.atlas import write_frames
 
     write_frames(found, file)
