@@ -22,6 +22,7 @@ from .fold_file import (
     parse_fold as parse_fold,
     read_fold as read_fold,
 )
+from .fold_notes import listed as listed
 from .fold_scene import (
     read_fold_scene as read_fold_scene,
     read_fold_scenes as read_fold_scenes,

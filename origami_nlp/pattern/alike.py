@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from origami_nlp.pattern.labels import Labels
+from origami_nlp.pattern.labels import Labels, every_label
 from origami_nlp.pattern.scene import Scene
 
 
@@ -76,19 +76,16 @@ def _match(first: Scene, other: Scene) -> tuple[Labels, float] | None:
     if np.abs(np.sort(sectors) - np.sort(theirs[0])).max() > noise:
         return None
     best = None
-    for start in range(n):
-        for backward in (False, True):
-            for over in (False, True):
-                # fold angles change sign where the sheet is turned over (`Labels.sign`), stiffness and sectors do not
-                labels = Labels(start, backward, over, n)
-                i = labels.creases
-                apart = max(
-                    float(np.abs(theirs[0, labels.facets] - sectors).max()),
-                    float(np.abs(theirs[1, i] / k - 1).max()),
-                    float(np.abs(labels.sign * theirs[2:, i] - rest).max()),
-                )
-                if apart <= noise and (best is None or apart < best[1]) and _keeps(first, other, i):
-                    best = labels, apart
+    for labels in every_label(n):
+        # fold angles change sign where the sheet is turned over (`Labels.sign`), stiffness and sectors do not
+        i = labels.creases
+        apart = max(
+            float(np.abs(theirs[0, labels.facets] - sectors).max()),
+            float(np.abs(theirs[1, i] / k - 1).max()),
+            float(np.abs(labels.sign * theirs[2:, i] - rest).max()),
+        )
+        if apart <= noise and (best is None or apart < best[1]) and _keeps(first, other, i):
+            best = labels, apart
     return best
 
 

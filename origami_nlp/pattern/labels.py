@@ -6,6 +6,7 @@ that all of these agree on.
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -104,18 +105,15 @@ def canonical_labels(scene: Scene) -> Labels:
     k = np.array(scene.stiffness) / np.mean(scene.stiffness)
     columns = np.stack([scene.vertex.sector_angles, k, scene.wound_angles])
     numbers = np.round(columns, 12) + 0.0
-    best: tuple[tuple[float, ...], Labels] | None = None
-    for start in range(n):
-        for backward in (False, True):
-            for over in (False, True):
-                labels = Labels(start, backward, over, n)
-                sectors, stiffness, rest = (
-                    numbers[0, labels.facets],
-                    numbers[1, labels.creases],
-                    labels.sign * numbers[2, labels.creases] + 0.0,
-                )
-                key = (*sectors.tolist(), *stiffness.tolist(), *rest.tolist())
-                if best is None or key < best[0]:
-                    best = key, labels
-    assert best is not None
-    return best[1]
+
+    def seen(labels: Labels) -> list[float]:
+        rest = labels.sign * numbers[2, labels.creases] + 0.0
+        return [*numbers[0, labels.facets], *numbers[1, labels.creases], *rest]
+
+    return min(every_label(n), key=seen)
+
+
+def every_label(degree: int) -> list[Labels]:
+    """Return all labels of a vertex, 4 N of them: from where, which way round, and from which side."""
+    ways = itertools.product(range(degree), (False, True), (False, True))
+    return [Labels(*way, degree) for way in ways]

@@ -22,6 +22,7 @@ from .nlp import (
     separating_normal as separating_normal,
 )
 from .parameters import Parameters as Parameters
+from .posed import Energies as Energies
 from .protocol import Programme as Programme, Solvable as Solvable, Sparse as Sparse
 from .strata import (
     random_strata as random_strata,

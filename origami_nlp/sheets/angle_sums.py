@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 
+from origami_nlp.numerics import unit_normals
 from origami_nlp.pattern import Pattern
 
 
@@ -25,8 +26,7 @@ def angle_sums(pattern: Pattern) -> dict[int, float]:
     inside = {loop.vertex: 0.0 for loop in pattern.vertices}
     for polygon in pattern.polygons:
         x = pattern.corners[list(polygon)]
-        normal = np.cross(x - x[0], np.roll(x, -1, axis=0) - x[0]).sum(axis=0)
-        normal /= np.linalg.norm(normal)
+        normal = unit_normals(x)
         for i, v in enumerate(polygon):
             if v in inside:
                 a, b = x[(i + 1) % len(x)] - x[i], x[i - 1] - x[i]
