@@ -16,7 +16,7 @@ import numpy as np
 
 from origami_nlp.arguments import check_whole
 from origami_nlp.facets import Layers, Sheet, check_orders
-from origami_nlp.files import from_plain
+from origami_nlp.files import from_plain, to_plain
 from origami_nlp.numerics import CLOSES, NOISE, RANK, TYPED
 from origami_nlp.pattern import Pattern, as_pattern, listed, pattern_from_dict, pattern_to_dict
 from origami_nlp.sheets.angle_sums import angle_sums
@@ -211,7 +211,7 @@ class Overview(Told):
             "freedoms": self.freedoms,
             "redundant": self.redundant,
             "self_stress": {"flat": self.stress_flat, "folded": self.redundant},
-            "layers": None if self.layers is None else self.layers.to_dict(),
+            "layers": to_plain(self.layers),
             "edges": p.numbers.tolist(),
             "assignment": p.assignment,
             "stiffness": p.stiffness.tolist(),
