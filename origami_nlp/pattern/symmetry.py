@@ -4,7 +4,7 @@ The point group of a vertex is C_n or D_n (paper, section 2, "Scope of symmetry 
 a group follow the orbits of creases, which are the independent fold angles, and, for D_n, a wedge
 between two neighbouring mirrors, whose rays may be creases or run through the middle of a facet.
 
-Symmetric states may wind round the axis of their symmetry more than once (`windings_of`).  The product T of the folds of
+States may wind round the axis of their symmetry more than once (`windings_of`).  The product T of the folds of
 a period of C_n, or of two wedges of D_n, is repeated n times round the vertex, and the whole is a sheet of paper where
 T^n = -1: T turns by w 2 pi/n, w odd, w <= n.  States of another w are on no path from those of this one: T^n = -1 has
 no others in between.  Facets that must not cross leave w = 1 (docs/concepts.md).
