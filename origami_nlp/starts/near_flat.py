@@ -20,7 +20,6 @@ from collections.abc import Iterator
 import numpy as np
 
 from origami_nlp.numerics import NONZERO, RANK
-from origami_nlp.programme import Model
 from origami_nlp.starts.family import Listed
 
 NEAR = 1.0
@@ -44,10 +43,6 @@ class NearFlat(Listed):
 
     name = "starts beside the flat state"
     sentence = "where second order puts a minimum beside the flat state"
-
-    def __init__(self, model: Model) -> None:
-        self.size = model.size
-        self._model = model
 
     def states(self) -> np.ndarray:
         """Return them closed to second order, [K, n] [rad]; the tip of the cone is not among them."""

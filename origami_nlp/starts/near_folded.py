@@ -42,8 +42,8 @@ class NearFolded(Listed):
     sentence = "where second order puts a minimum beside a flat folding"
 
     def __init__(self, model: Model, foldings: Sequence[np.ndarray]) -> None:
-        self.size = model.size
-        self._model, self._foldings = model, foldings
+        super().__init__(model)
+        self._foldings = foldings
 
     def states(self) -> np.ndarray:
         """Return them closed to second order, shape [K, n] [rad]."""

@@ -31,7 +31,6 @@ contact = true                 # whether facets must not cross
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -49,9 +48,7 @@ from origami_nlp.pattern import (
     read_pattern,
     with_places,
 )
-from origami_nlp.sheets import find_states
 from origami_nlp.sweep.spec import Sweep, checked_search, read_axes
-from origami_nlp.sweep.store import Outcome, Rows, attempted
 
 _SEARCH = {"mode": "grid", "starts": 40, "seed": 0, "contact": True}
 _SIZES = ("rows", "columns")
@@ -189,42 +186,3 @@ def _base(stated: Any, folder: Path | None) -> dict[str, Any]:
     elif not isinstance(base["example"], str):
         raise SweepError(f"pattern.example = {base['example']!r} must be a name such as miura:4x4")
     return base
-
-
-def run_pattern(sweep: PatternSweep, index: int) -> Outcome:
-    """Find the stable states of one sheet; errors become its outcome (this is what a worker does).
-
-    Parameters
-    ----------
-    sweep
-        The sweep.
-    index
-        Of the sheet, from 0.
-
-    Returns
-    -------
-    Outcome
-        Minima with their freedoms as dimension.
-    """
-    s = sweep.search
-
-    def states(sheet: Pattern) -> tuple[Rows, int, None]:
-        found = find_states(
-            sheet, starts=s["starts"], seed=s["seed"], contact=s["contact"], escape=False
-        )
-        rows = tuple(
-            (
-                m.energy,
-                m.kind,
-                m.freedoms,
-                m.closure_residual,
-                m.kkt_residual if math.isfinite(m.kkt_residual) else None,
-                1,
-                None,
-                list(m.fold_angles),
-            )
-            for m in found.minima
-        )
-        return rows, found.search.starts, None
-
-    return attempted(index, sweep.pattern, states)
