@@ -1,4 +1,4 @@
-"""A state refuted along a line of its tangent cone, where contacts cannot be listed: lower states, none that is false."""
+"""A state refuted along a line of its tangent cone, where contacts cannot be listed: lower states, none false."""
 
 import math
 
