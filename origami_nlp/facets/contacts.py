@@ -15,7 +15,6 @@ import math
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 
@@ -23,7 +22,7 @@ from origami_nlp.facets.borders import choices
 from origami_nlp.facets.equations import MOST_DENSE, PatternEquations
 from origami_nlp.facets.faces import Faces, Lying
 from origami_nlp.facets.meeting import needed_rows, touch_words, touches_at
-from origami_nlp.facets.touches import Placed, Touch
+from origami_nlp.facets.touches import Touch
 from origami_nlp.numerics import ANSWERED, CLOSES, INSIDE, LOADED, OUTSIDE, TOUCHES, Matrix, dense
 from origami_nlp.pattern import Pattern
 from origami_nlp.programme import ClosedContacts, Contact, ContactWords, Local, fold_limit
@@ -79,7 +78,6 @@ class PatternContacts(PatternEquations):
         self.origin = np.zeros(3)
         self._touches: list[tuple[Touch, Touch]] = []
         self._numbers: dict[Touch, int] = {}
-        self._seen: dict[str, tuple[bytes, Any]] = {}
 
     @cached_property
     def limits(self) -> tuple[Contact, ...]:
@@ -98,9 +96,13 @@ class PatternContacts(PatternEquations):
 
     def local(self, x: np.ndarray) -> PatternLocal:
         """Evaluate values and first derivatives at a state [n]; dense, but for programmes that are `sparse`."""
-        found = self.rows(x)
         if self.sparse:
-            return found
+            return self.rows(x)
+        found: PatternLocal = self.kept("local", x, lambda: self._dense(x.copy()))
+        return found
+
+    def _dense(self, x: np.ndarray) -> PatternLocal:
+        found = self.rows(x)
         return replace(found, closure_jacobian=dense(found.closure_jacobian))
 
     def rows(self, x: np.ndarray) -> PatternLocal:
@@ -125,18 +127,6 @@ class PatternContacts(PatternEquations):
     def touch(self, contact: Contact) -> Touch:
         """Return the touch of a contact."""
         return self._touches[contact.index][contact.side < 0]
-
-    def kept(self, what: str, x: np.ndarray, make: Any) -> Any:
-        """Return what is asked for several times of one state."""
-        key = x.tobytes()
-        if what not in self._seen or self._seen[what][0] != key:
-            self._seen[what] = key, make()
-        return self._seen[what][1]
-
-    def placed(self, x: np.ndarray) -> Placed:
-        """Return the facets in space at a state."""
-        placed: Placed = self.kept("placed", x, lambda: Placed(self.crossings.poses, x))
-        return placed
 
     def faces(self, x: np.ndarray) -> Faces:
         """Return the facets that lie face to face at a state in which no facets cross."""

@@ -74,7 +74,7 @@ def order_layers(sheet: PatternEquations, phi: np.ndarray) -> Layers:
     pattern = sheet.pattern
     if pattern.is_flat and not phi.any():
         return Layers("ordered")
-    stack = Stack(sheet.crossings, phi, sheet.check_time)
+    stack = sheet.stack(phi)
     many = len(stack.pairs)
     if many > MOST_PAIRS:
         return _too_many(pattern, phi, many)

@@ -36,8 +36,7 @@ def press(sheet: Sheet, phi: np.ndarray, keep: bool = False) -> Descended:
     phi
         The start, within the fold limits, [n] [rad].
     keep
-        Whether steps that take a vertex past its flat state are refused, see `pops`: motions of paper do not.  Steps
-        are shorter then, since long ones of Newton's leave the basin of a start.
+        Whether steps that take a vertex past its flat state are refused, see `pops`: motions of paper do not.
 
     Returns
     -------
@@ -58,7 +57,7 @@ def press(sheet: Sheet, phi: np.ndarray, keep: bool = False) -> Descended:
             sheet,
             phi,
             curved=True,
-            longest=TRUST if keep else TRUST * math.sqrt(sheet.size),
+            longest=TRUST,
             most_steps=MOST_STEPS,
             until=crowded if math.comb(sheet.pattern.facets, 2) > MOST_PAIRS else None,
             leads=(lambda x, y: not is_jump(pops, x, y)) if keep else None,
