@@ -22,7 +22,7 @@ from origami_nlp.facets.borders import choices
 from origami_nlp.facets.equations import MOST_DENSE, PatternEquations
 from origami_nlp.facets.faces import Faces, Lying
 from origami_nlp.facets.meeting import needed_rows, touch_words, touches_at
-from origami_nlp.facets.touches import Touch
+from origami_nlp.facets.touches import Placed, Touch
 from origami_nlp.numerics import ANSWERED, CLOSES, INSIDE, LOADED, OUTSIDE, TOUCHES, Matrix, dense
 from origami_nlp.pattern import Pattern
 from origami_nlp.programme import ClosedContacts, Contact, ContactWords, Local, fold_limit
