@@ -10,9 +10,9 @@ import numpy as np
 from origami_nlp.facets import MOST_DENSE, Sheet
 from origami_nlp.kkt import STOPPED, follow
 from origami_nlp.numerics import CLOSES
+from origami_nlp.sheets.angle_sums import is_jump, pop_rows
 from origami_nlp.sheets.clearance import Stretches
 from origami_nlp.sheets.descent import TRUST, Descended
-from origami_nlp.sheets.pops import is_jump, pop_rows
 
 MOST_STEPS = 400
 """Of a descent."""
@@ -36,8 +36,7 @@ def press(sheet: Sheet, phi: np.ndarray, keep: bool = False) -> Descended:
     phi
         The start, within the fold limits, [n] [rad].
     keep
-        Whether steps that take a vertex past its flat state are refused, see `pops`: motions of paper do not.  Steps
-        are shorter then, since long ones of Newton's leave the basin of a start.
+        Whether steps that take a vertex past its flat state are refused, see `pops`: motions of paper do not.
 
     Returns
     -------
@@ -58,7 +57,7 @@ def press(sheet: Sheet, phi: np.ndarray, keep: bool = False) -> Descended:
             sheet,
             phi,
             curved=True,
-            longest=TRUST if keep else TRUST * math.sqrt(sheet.size),
+            longest=TRUST,
             most_steps=MOST_STEPS,
             until=crowded if math.comb(sheet.pattern.facets, 2) > MOST_PAIRS else None,
             leads=(lambda x, y: not is_jump(pops, x, y)) if keep else None,

@@ -28,7 +28,8 @@ BESIDE_THE_TABLE = {
         chart/boundary_walk.STEPS chart/chart.AROUND cli/timed.SHORTEST contact/margin.ASIDE
         critical/edges.KNOWN critical/edges.STEPS critical/link.RADII facets/faces.ASIDE
         kkt/descent.RESCUE kkt/descent.SHORTEST kkt/descent.TRIED kkt/level.BESIDE_FLAT
-        kkt/neighbours.RADII kkt/neighbours.STEPS kkt/refutation.FAR kkt/refutation.STEPS
+        kkt/neighbours.RADII kkt/neighbours.STEPS kkt/refutation.DOWNHILL kkt/refutation.FAR
+        kkt/refutation.STEPS
         landscape/exact.PIECE loading/driver.SIDE loading/route.LEAST_SPAN
         loading/route.OVER minima/descents.ESCAPE minima/descents.SHORTEST
         minima/escape.SMALLEST minima/one_freedom.ASIDE minima/search.DOWN modes/geodesic.STEP
