@@ -37,7 +37,7 @@ BESIDE_THE_TABLE = {
         path/curve.STEPS path/flat.ARRIVED path/flat.BESIDE_FLAT path/halves.TRIALS
         path/web.STEPS sheets/curve.SHORTEST sheets/curve.STEP sheets/curves.LONG
         sheets/curve.DIFFERENCE sheets/judgement.NEAREST
-        sheets/pops.JUMPS sheets/pressing.REACH sheets/pressing.SMALLER
+        sheets/angle_sums.JUMPS sheets/pressing.REACH sheets/pressing.SMALLER
          sheets/terrain.FIRST space/cells.BESIDE space/mesh.DIFFERENCE
         springs/extras.FIRST springs/extras.SHORT starts/closing.QUADRATIC
         starts/near_folded.INSIDE
@@ -64,7 +64,7 @@ BESIDE_THE_TABLE = {
     "data: stiffnesses and their ratios, and ranges of what is asked for": """
         folding/embedding.LARGEST_TOLERANCE paper/cone/phase.RATIOS
         paper/cone/phase_curves.RATIO_LIMITS pattern/digits.COARSE pattern/drawn.QUAD_STIFFNESS
-        pattern/examples.RATIOS pattern/scene.SMALLEST pattern/springs.STIFFNESS
+        pattern/examples.RATIOS pattern/scene.SMALLEST pattern/designs.STIFFNESS
         springs/convex.LEAST_MARGIN springs/finding.PRICES
     """,
     "options of IPOPT and of a conic solver": """
