@@ -27,7 +27,7 @@ import numpy as np
 
 from origami_nlp.facets.crossings import Crossings, boxes_that_meet
 from origami_nlp.folding import TRANSITIVE, Rule, not_interleaved
-from origami_nlp.numerics import ANSWERED, BESIDE, INSIDE, cross, groups
+from origami_nlp.numerics import ANSWERED, BESIDE, INSIDE, cross, groups, unit_normals
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -90,9 +90,7 @@ class Stack:
         self.crossings, self.phi, self._check = crossings, phi, check
         self.near = INSIDE * crossings.size
         self.x = crossings.placed(phi)
-        normal = cross(self.x - self.x[:, :1], np.roll(self.x, -1, axis=1) - self.x[:, :1])
-        self.normal = normal.sum(axis=1)
-        self.normal /= np.linalg.norm(self.normal, axis=1, keepdims=True)
+        self.normal = unit_normals(self.x)
         self.low, self.high = self.x.min(axis=1) - self.near, self.x.max(axis=1) + self.near
         self.pairs = self._overlapping()
         self.unknown: dict[Pair, int] = {(i, j): k for k, (i, j) in enumerate(self.pairs.tolist())}

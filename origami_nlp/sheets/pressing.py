@@ -10,9 +10,9 @@ import numpy as np
 from origami_nlp.facets import MOST_DENSE, Sheet
 from origami_nlp.kkt import STOPPED, follow
 from origami_nlp.numerics import CLOSES
+from origami_nlp.sheets.angle_sums import is_jump, pop_rows
 from origami_nlp.sheets.clearance import Stretches
 from origami_nlp.sheets.descent import TRUST, Descended
-from origami_nlp.sheets.pops import is_jump, pop_rows
 
 MOST_STEPS = 400
 """Of a descent."""
