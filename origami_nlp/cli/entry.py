@@ -9,25 +9,12 @@ from typing import Annotated, NoReturn
 
 import typer
 
-from origami_nlp.cli.barriers import barriers
-from origami_nlp.cli.boundary import boundary
-from origami_nlp.cli.check_proof import check_proof
-from origami_nlp.cli.contacts import contacts
-from origami_nlp.cli.critical import critical
-from origami_nlp.cli.design import design
-from origami_nlp.cli.example import example
-from origami_nlp.cli.follow import follow
+from origami_nlp.cli.finding import check_proof, landscape, minima
 from origami_nlp.cli.group import Group
-from origami_nlp.cli.landscape import landscape
-from origami_nlp.cli.load import load
-from origami_nlp.cli.minima import minima
-from origami_nlp.cli.model import model
-from origami_nlp.cli.modes import modes
+from origami_nlp.cli.making import design, example, model, vertices
+from origami_nlp.cli.many import boundary, follow, pattern, sweep
 from origami_nlp.cli.paper import paper
-from origami_nlp.cli.pattern import pattern
-from origami_nlp.cli.space import space
-from origami_nlp.cli.sweep import sweep
-from origami_nlp.cli.vertices import vertices
+from origami_nlp.cli.understanding import barriers, contacts, critical, load, modes, space
 from origami_nlp.errors import OrigamiError
 from origami_nlp.files import printable
 from origami_nlp.version import __version__

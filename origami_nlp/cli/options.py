@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import inspect
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -17,28 +19,10 @@ def _one_of(*words: str) -> dict[str, Any]:
     return {"metavar": "|".join(words), "autocompletion": lambda: list(words)}
 
 
-def _seed(value: int) -> int:
-    return check_whole("seed", value, 0)
-
-
-def _max_starts(value: int | None) -> int | None:
-    return None if value is None else check_whole("max_starts", value, 1)
-
-
-def _starts(value: int | None) -> int | None:
-    return None if value is None else check_whole("starts", value, 0)
-
-
-def _workers(value: int | None) -> int | None:
-    return None if value is None else check_whole("workers", value, 1)
-
-
-def _seconds(value: float | None) -> float | None:
-    return None if value is None else check_number("--seconds", value, 0.0)
-
-
-def _noise(value: float | None) -> float | None:
-    return None if value is None else check_number("--noise", value, 0.0, 10.0)
+def _checked(check: Callable[..., Any], *bounds: Any) -> dict[str, Any]:
+    """Return how an option is checked where it is given: by a name for messages, and bounds."""
+    name, *within = bounds
+    return {"callback": lambda value: None if value is None else check(name, value, *within)}
 
 
 def _prove(value: str | None) -> str | None:
@@ -73,27 +57,47 @@ def _rest_angle(value: str | None) -> str | None:
     return value
 
 
+def extended(
+    run: Callable[..., None],
+    command: Callable[..., Any],
+    more: Mapping[str, tuple[Any, Any]],
+    last: bool = False,
+    **kinds: Any,
+) -> Callable[..., None]:
+    """Give what runs a command its parameters, and more options: annotation of each, and what it is unless given.
+
+    last: these stay behind all that are added later.  kinds: annotations in place of stated ones.
+    """
+    stated = inspect.signature(command, eval_str=True)
+    kind = inspect.Parameter.KEYWORD_ONLY if last else inspect.Parameter.POSITIONAL_OR_KEYWORD
+    own = [
+        p.replace(annotation=kinds.get(p.name, p.annotation))
+        for p in stated.parameters.values()
+        if p.kind is not inspect.Parameter.VAR_KEYWORD
+    ]
+    at = len(own) if last else sum(p.kind is not inspect.Parameter.KEYWORD_ONLY for p in own)
+    new = [
+        inspect.Parameter(name, kind, default=usual, annotation=what)
+        for name, (what, usual) in more.items()
+    ]
+    run.__signature__ = stated.replace(parameters=[*own[:at], *new, *own[at:]])  # type: ignore[attr-defined]
+    return run
+
+
 # ---------------------------------------------------------------- what comes in
 
 SceneFile = Annotated[
     str,
     typer.Argument(metavar="SCENE", help="Scene file (TOML), FOLD file, or - for either on stdin."),
 ]
-OrigamiFile = Annotated[
-    str,
-    typer.Argument(
-        metavar="ORIGAMI",
-        help="What is folded: a vertex by its scene file (TOML), a pattern by its FOLD file, - for either on stdin, or "
-        "an example by name, such as miura:8x8.",
-    ),
-]
+ORIGAMI = (
+    "What is folded: a vertex by its scene file (TOML), a pattern by its FOLD file, - for either on stdin, or an "
+    "example by name, such as miura:8x8"
+)
+OrigamiFile = Annotated[str, typer.Argument(metavar="ORIGAMI", help=f"{ORIGAMI}.")]
 OrigamiUnlessPanels = Annotated[
     str | None,
-    typer.Argument(
-        metavar="ORIGAMI",
-        help="What is folded: a vertex by its scene file (TOML), a pattern by its FOLD file, - for either on stdin, or "
-        "an example by name, such as miura:8x8; leave out with --panels.",
-    ),
+    typer.Argument(metavar="ORIGAMI", help=f"{ORIGAMI}; leave out with --panels."),
 ]
 SceneUnlessPanels = Annotated[
     str | None,
@@ -204,16 +208,22 @@ StatesMesh = Annotated[
 # ---------------------------------------------------------------- how to search
 
 Seed = Annotated[
-    int, typer.Option(metavar="N", callback=_seed, help="Seed of all that is drawn at random.")
+    int,
+    typer.Option(
+        metavar="N", **_checked(check_whole, "seed", 0), help="Seed of all that is drawn at random."
+    ),
 ]
 MaxStarts = Annotated[
-    int | None, typer.Option(metavar="N", callback=_max_starts, help="Cap on random starts.")
+    int | None,
+    typer.Option(
+        metavar="N", **_checked(check_whole, "max_starts", 1), help="Cap on random starts."
+    ),
 ]
 Starts = Annotated[
     int | None,
     typer.Option(
         metavar="N",
-        callback=_starts,
+        **_checked(check_whole, "starts", 0),
         help="Of a pattern: random starts in a row that find nothing new, then the search ends (default: by --effort).",
     ),
 ]
@@ -221,7 +231,7 @@ Seconds = Annotated[
     float | None,
     typer.Option(
         metavar="S",
-        callback=_seconds,
+        **_checked(check_number, "--seconds", 0.0),
         help="Wall time after which the command ends with what it has, and says so.",
     ),
 ]
@@ -233,7 +243,7 @@ Noise = Annotated[
     float | None,
     typer.Option(
         metavar="DEG",
-        callback=_noise,
+        **_checked(check_number, "--noise", 0.0, 10.0),
         help="Say how many random errors of DEG degrees each state survives, of angles and stiffnesses.",
     ),
 ]
@@ -273,10 +283,13 @@ FullOrNot = Annotated[
         show_default=False,
     ),
 ]
+_WORKERS = _checked(check_whole, "workers", 1)
 Workers = Annotated[
     int | None,
     typer.Option(
-        metavar="N", callback=_workers, help="Processes; the result is the same with any number."
+        metavar="N",
+        **_WORKERS,
+        help="Processes; the result is the same with any number.",
     ),
 ]
 WorkersWanted = Annotated[
@@ -284,7 +297,7 @@ WorkersWanted = Annotated[
     typer.Option(
         "--workers",
         metavar="N",
-        callback=_workers,
+        **_WORKERS,
         help="Processes; the result is the same with any number (default: one a processor).",
     ),
 ]
@@ -299,6 +312,9 @@ Quick = Annotated[bool, typer.Option("--quick", help="A first look: fewer cases,
 OutFolder = typer.Option("--out", metavar="DIR", help="Folder for the results; made if new.")
 Panels = Annotated[bool, typer.Option("--panels", help="The paper's 18 panels instead of SCENE.")]
 
+StateNumber = Annotated[
+    int | None, typer.Option(metavar="K", help="Only the minimum number K of the list.")
+]
 Over = Annotated[
     str,
     typer.Option(

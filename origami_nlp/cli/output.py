@@ -4,10 +4,13 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from functools import wraps
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from origami_nlp.cli import options as o
+from origami_nlp.cli.timed import end_of
 from origami_nlp.errors import OptionError
 
 if TYPE_CHECKING:
@@ -24,6 +27,24 @@ ENDINGS = {
     "animate": (".gif", ".mp4"),
 }
 """What the names of these files end in."""
+SEARCH = {
+    "full": (o.FullOrNot, None),
+    "seed": (o.Seed, 0),
+    "effort": (o.Effort, "normal"),
+    "max_starts": (o.MaxStarts, None),
+    "starts": (o.Starts, None),
+    "workers": (o.Workers, None),
+    "seconds": (o.Seconds, None),
+}
+"""Options of searches, with what they are where nothing is said."""
+FILES = {
+    "figure": o.FigureFile,
+    "json": o.JsonFile,
+    "markdown": o.MarkdownFile,
+    "fold": o.PathsFold,
+    "html": o.HtmlFile,
+}
+"""What a result may be written to without more ado."""
 
 
 class Output:
@@ -97,7 +118,7 @@ class Output:
 
     def save(self, option: str, save: Callable[..., Any], *arguments: Any) -> None:
         """Let ``save(*arguments, file)`` write the file of `option`, if there is one."""
-        target = self._targets[option]
+        target = self._targets.get(option)
         if target is not None:
             save(*arguments, target)
             self.written(target)
@@ -121,6 +142,40 @@ class Output:
         if files := [str(target) for target in targets if not is_stdout(target)]:
             for file in files:  # whole, to be copied
                 self.console.out(f"written: {printable(file)}", highlight=False)
+
+
+def answers(*files: str, search: Sequence[str] = ()) -> Callable[..., Callable[..., None]]:
+    """Give a command that returns a result the options of these files, to which it goes, and of searches.
+
+    search: of `SEARCH`; the command gets those that are given by their names.
+    """
+    own = {name: SEARCH[name] for name in search} | {name: (FILES[name], None) for name in files}
+
+    def decorate(command: Callable[..., Any]) -> Callable[..., None]:
+        @wraps(command)
+        def run(**given: Any) -> None:
+            from origami_nlp.results import draw
+
+            out = Output(**{name: given.pop(name) for name in files})
+            said = {k: v for k, v in given.items() if k not in search or v is not None}
+            found = command(**said)
+            found.tell(out.console)
+            out.write("json", lambda: found.to_dict())
+            out.write("markdown", lambda: found.to_markdown())
+            out.write("figure", draw, found)
+            out.save("fold", _save_frames, found)
+            out.turn(found)
+            end_of(found)
+
+        return o.extended(run, command, own)
+
+    return decorate
+
+
+def _save_frames(found: Any, file: Any) -> None:
+    from origami_nlp.atlas import write_frames
+
+    write_frames(found, file)
 
 
 def _table(lines: list[str]) -> Table:

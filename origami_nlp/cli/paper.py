@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from origami_nlp.cli import options as o
 from origami_nlp.cli.cone import cone
 from origami_nlp.cli.group import Group
-from origami_nlp.cli.output import Output
+from origami_nlp.cli.output import Output, answers
 from origami_nlp.cli.progress import progress
 from origami_nlp.cli.search import search_panels
-from origami_nlp.cli.transitions import transitions
+from origami_nlp.cli.timed import bounded
 from origami_nlp.pattern import examples
 
 if TYPE_CHECKING:
@@ -113,6 +113,25 @@ def verify(
     out.write("latex", as_latex, results)
     if not all(r.verdict.decided for r in results):
         raise typer.Exit(1)
+
+
+@bounded
+@answers("json", search=("seed",))
+def transitions(
+    family: o.Family, samples: o.Samples = 25, rings: o.Rings = 16, **options: Any
+) -> Any:
+    """Sweep alpha_1 over a FAMILY of the paper and locate every transition of its admissible space.
+
+    The sweep starts from so many --samples of alpha_1.
+    """
+    from origami_nlp.paper import find_transitions
+
+    with progress(family, 1.0) as tell:
+
+        def report(what: str, done: float) -> None:
+            tell(done, text=what)
+
+        return find_transitions(family, samples=samples, size=rings, report=report, **options)
 
 
 paper = Group("The source paper: its 18 panels, its equations, and its families of vertices.")

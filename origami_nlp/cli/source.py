@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import inspect
 import json
 import math
 import sys
@@ -182,16 +181,6 @@ def takes_scene(
     options = FOLD_OPTIONS | (PER_LENGTH if whole else {})
 
     def decorate(command: Callable[..., None]) -> Callable[..., None]:
-        stated = inspect.signature(command, eval_str=True)
-        own = [
-            one.replace(annotation=argument) if name == "scene" else one
-            for name, one in stated.parameters.items()
-        ]
-        fold = [
-            inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=None, annotation=kind)
-            for name, kind in options.items()
-        ]
-
         @wraps(command)
         def run(scene: str | None, **others: Any) -> None:
             values = {name: others.pop(name) for name in options}
@@ -200,8 +189,8 @@ def takes_scene(
                 source.refuse_options("there is no SCENE")
             command(scene=None if scene is None else source, **others)
 
-        run.__signature__ = stated.replace(parameters=[*own, *fold])  # type: ignore[attr-defined]
-        return run
+        more = {name: (kind, None) for name, kind in options.items()}
+        return o.extended(run, command, more, last=True, scene=argument)
 
     return decorate
 

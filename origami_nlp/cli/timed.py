@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import inspect
 import os
 import signal
 import threading
@@ -60,18 +59,12 @@ def paused() -> Iterator[float | None]:
 
 def end_of(found: Any) -> None:
     """End a command whose result is told and written, with the exit code of one whose time was over where it was."""
-    if found.interrupted:
+    if getattr(found, "interrupted", False):
         raise typer.Exit(ENDED)
 
 
 def bounded(command: Callable[..., None]) -> Callable[..., None]:
     """Give a command the option ``--seconds``."""
-    stated = inspect.signature(command, eval_str=True)
-    own = list(stated.parameters.values())
-    after = sum(p.kind is not inspect.Parameter.KEYWORD_ONLY for p in own)
-    limit = inspect.Parameter(
-        "seconds", inspect.Parameter.KEYWORD_ONLY, default=None, annotation=o.Seconds
-    )
 
     @wraps(command)
     def run(seconds: float | None = None, **given: Any) -> None:
@@ -85,8 +78,7 @@ def bounded(command: Callable[..., None]) -> Callable[..., None]:
         except OutOfTime:
             _out_of_time(seconds, given)
 
-    run.__signature__ = stated.replace(parameters=[*own[:after], limit, *own[after:]])  # type: ignore[attr-defined]
-    return run
+    return o.extended(run, command, {"seconds": (o.Seconds, None)})
 
 
 def _out_of_time(seconds: float | None, given: dict[str, Any]) -> NoReturn:

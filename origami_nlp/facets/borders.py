@@ -20,9 +20,9 @@ from typing import TypeAlias
 
 import numpy as np
 
-from origami_nlp.facets.features import Features
+from origami_nlp.facets.features import Features, Planes
 from origami_nlp.facets.touches import Placed, Touch
-from origami_nlp.numerics import CLOSES, DEEP, INSIDE, NONZERO, cross
+from origami_nlp.numerics import CLOSES, DEEP, INSIDE, cross
 
 STEEP = math.sqrt(INSIDE)
 """Slope of a side over the plane of a facet above which it leads away from it."""
@@ -56,66 +56,60 @@ def choices(features: Features, at: Placed, reach: float = 0.0) -> list[Choice]:
     []
     """
     crossings = features.crossings
-    x = crossings.carried(at.turn, at.shift)
-    pairs = crossings.candidates(x, margin=0.5 * max(DEEP, reach) * crossings.size)
+    planes = features.planes(at)
+    pairs = crossings.candidates(planes.x, margin=0.5 * max(DEEP, reach) * crossings.size)
     found: dict[object, Choice] = {}
-    for a, b in (pairs.T, pairs[:, ::-1].T):
-        for choice in _sides_on_faces(features, x, a, b, reach):
-            if reach or max(abs(t.gap(at)) for t in choice) <= 10 * CLOSES * crossings.size:
-                found.setdefault(frozenset((t.key, t.sign) for t in choice), choice)
+    for choice in _sides_on_faces(features, planes, np.vstack([pairs, pairs[:, ::-1]]), reach):
+        if reach or max(abs(t.gap(at)) for t in choice) <= 10 * CLOSES * crossings.size:
+            found.setdefault(frozenset((t.key, t.sign) for t in choice), choice)
     return list(found.values())
 
 
 def _sides_on_faces(
-    features: Features, x: np.ndarray, a: np.ndarray, b: np.ndarray, reach: float
+    features: Features, planes: Planes, pairs: np.ndarray, reach: float
 ) -> Iterator[Choice]:
-    """Go through sides of pieces a that meet the borders of pieces b, [K] each; x are corners [P, q, 3]."""
-    if not len(a):
-        return
+    """Go through sides of the first piece of each pair [K, 2] that meet the borders of the second one."""
     rings, crossings = features.rings_of_pieces, features.crossings
     near, inside = max(DEEP, reach) * crossings.size, max(INSIDE, reach)
-    k = np.arange(len(a))[:, None]
-    of, on = x[a], x[b]
-    next_on = on[k, rings.after[b]]
-    normal = cross(on - on[:, :1], next_on - on[:, :1]).sum(axis=1)
-    normal /= np.linalg.norm(normal, axis=1, keepdims=True)
-    inward = cross(normal[:, None], next_on - on)
-    inward /= np.maximum(np.linalg.norm(inward, axis=2, keepdims=True), NONZERO)
-    after = rings.after[a]
-    start, end = of, of[k, after]
-    low, high = (np.einsum("kqi,ki->kq", y - on[:, :1], normal) for y in (start, end))
-    length = np.linalg.norm(end - start, axis=2)
-    steep = rings.valid[a] & (np.abs(high - low) > STEEP * length)
-    rise = np.where(steep, high - low, 1.0)
-    # where along the side its height over the plane is 0
-    share = np.clip(-low / rise, 0.0, 1.0)
-    point = start + share[..., None] * (end - start)
-    # distance of that point inside each border of the other piece, [K, side, border]
-    depth = np.einsum("kqpi,kpi->kqp", point[:, :, None] - on[:, None], inward)
-    depth = np.where(rings.valid[b][:, None], depth, np.inf)
-    border = depth <= inside * crossings.size
-    met = steep & (np.minimum(np.abs(low), np.abs(high)) <= near) | (steep & (low * high < 0))
-    met &= (depth.min(axis=2) >= -near) & (border & rings.border[b][:, None]).any(axis=2)
     ids, facet = crossings.pieces, crossings.facet
-    for p, i in np.argwhere(met):
-        one, other = int(ids[a[p], i]), int(ids[a[p], after[p, i]])
-        f, g = int(facet[a[p]]), int(facet[b[p]])
-        room = inside * length[p, i]
-        sides = [(int(ids[b[p], j]), int(ids[b[p], rings.after[b[p], j]]), j)
-                 for j in np.flatnonzero(border[p, i])]  # fmt: skip
-        ends = share[p, i] * length[p, i] <= room, (1 - share[p, i]) * length[p, i] <= room
-        # the corner of the side that lies on the border, if its end does
-        here = one if ends[0] else other if ends[1] else -1
-        if here in ids[b[p]] or len(sides) + any(ends) < 2:
-            continue  # a common corner stays one; what meets inside has a gap of its own
+    # sides that come to the plane of the other piece at other places than at a common corner, which stays one
+    a, b = pairs.T
+    low = np.einsum("kqi,ki->kq", planes.x[a] - planes.x[b][:, :1], planes.normal[b])
+    after = rings.after[a]
+    high = np.take_along_axis(low, after, axis=1)
+    length = np.linalg.norm(planes.side[a], axis=2)
+    met = rings.valid[a] & (np.abs(high - low) > STEEP * length)
+    met &= (np.minimum(np.abs(low), np.abs(high)) <= near) | (low * high < 0)
+    # where along the side its height over the plane is 0
+    share = np.clip(-low / np.where(met, high - low, 1.0), 0.0, 1.0)
+    room = inside * length
+    ends = np.stack([share * length <= room, (1 - share) * length <= room])
+    common = (ids[a][:, :, None] == ids[b][:, None]).any(axis=2)
+    met &= ~np.where(ends[0], common, ends[1] & np.take_along_axis(common, after, axis=1))
+    pair, i = np.nonzero(met)
+    a, b, low, high, share = a[pair], b[pair], low[pair, i], high[pair, i], share[pair, i]
+    length, (first, last) = length[pair, i], ends[:, pair, i]
+    side = planes.side[a, i]
+    point = planes.x[a, i] + share[:, None] * side
+    # distance of that point inside each border of the other piece, [K, border]
+    depth = np.einsum("kpi,kpi->kp", point[:, None] - planes.x[b], planes.inward[b])
+    depth = np.where(rings.valid[b], depth, np.inf)
+    border = depth <= inside * crossings.size
+    on = (depth.min(axis=1, initial=np.inf) >= -near) & (border & rings.border[b]).any(axis=1)
+    # what meets inside has a gap of its own
+    on &= border.sum(axis=1) + (first | last) >= 2
+    for k in np.flatnonzero(on):
+        p, q = a[k], b[k]
+        one, other = int(ids[p, i[k]]), int(ids[p, rings.after[p, i[k]]])
+        f, g = int(facet[p]), int(facet[q])
         # an end that lies on the plane has a gap over the facet; each border beside it has one of its own
         gaps = []
-        if any(ends):
-            away = high[p, i] if ends[0] else low[p, i]
-            corners = (here, *map(int, rings.triangle[b[p]]))
+        if first[k] or last[k]:
+            away, here = (high[k], one) if first[k] else (low[k], other)
+            corners = (here, *map(int, rings.triangle[q]))
             gaps.append(Touch("vertex-face", (g, f), corners, float(np.sign(away))))  # type: ignore[arg-type]
-        for q, r, j in sides:
-            way = cross(end[p, i] - start[p, i], next_on[p, j] - on[p, j])
-            sign = float(np.sign(way @ inward[p, j]))
-            gaps.append(Touch("edge-edge", (f, g), (one, other, q, r), sign))
+        for j in np.flatnonzero(border[k]):
+            sign = float(np.sign(cross(side[k], planes.side[q, j]) @ planes.inward[q, j]))
+            ends_of = int(ids[q, j]), int(ids[q, rings.after[q, j]])
+            gaps.append(Touch("edge-edge", (f, g), (one, other, *ends_of), sign))
         yield tuple(gaps)

@@ -12,22 +12,47 @@ a lower state alone (`ClosedContacts.complete`).
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
-from dataclasses import replace
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 
 from origami_nlp.facets.borders import choices
 from origami_nlp.facets.equations import MOST_DENSE, PatternEquations
 from origami_nlp.facets.faces import Faces, Lying
-from origami_nlp.facets.local import PatternLocal
 from origami_nlp.facets.meeting import needed_rows, touch_words, touches_at
 from origami_nlp.facets.touches import Placed, Touch
 from origami_nlp.numerics import ANSWERED, CLOSES, INSIDE, LOADED, OUTSIDE, TOUCHES, Matrix, dense
 from origami_nlp.pattern import Pattern
 from origami_nlp.programme import ClosedContacts, Contact, ContactWords, Local, fold_limit
+
+
+@dataclass(frozen=True, eq=False)
+class PatternLocal(Local):
+    """Values and first derivatives at one state of a pattern; gaps, over a length, are evaluated once, when asked."""
+
+    placed: Callable[[np.ndarray], Placed]
+    touch: Callable[[Contact], Touch]
+    length: float
+    known: dict[Contact, tuple[float, np.ndarray]]
+
+    def openings(self, contacts: Sequence[Contact]) -> tuple[np.ndarray, np.ndarray]:
+        """How far contacts are open (>= 0 where they are), [r], and the gradients of that, [r, n]."""
+        values, slopes = np.zeros(len(contacts)), np.zeros((len(contacts), len(self.x)))
+        for r, contact in enumerate(contacts):
+            if contact.is_limit:
+                values[r] = math.pi - contact.side * self.x[contact.index]
+                slopes[r, contact.index] = -contact.side
+            else:
+                if contact not in self.known:
+                    touch, place = self.touch(contact), self.placed(self.x)
+                    self.known[contact] = (
+                        touch.gap(place) / self.length,
+                        touch.row(place) / self.length,
+                    )
+                values[r], slopes[r] = self.known[contact]
+        return values, slopes
 
 
 class PatternContacts(PatternEquations):
@@ -53,7 +78,6 @@ class PatternContacts(PatternEquations):
         self.origin = np.zeros(3)
         self._touches: list[tuple[Touch, Touch]] = []
         self._numbers: dict[Touch, int] = {}
-        self._seen: dict[str, tuple[bytes, Any]] = {}
 
     @cached_property
     def limits(self) -> tuple[Contact, ...]:
@@ -72,9 +96,13 @@ class PatternContacts(PatternEquations):
 
     def local(self, x: np.ndarray) -> PatternLocal:
         """Evaluate values and first derivatives at a state [n]; dense, but for programmes that are `sparse`."""
-        found = self.rows(x)
         if self.sparse:
-            return found
+            return self.rows(x)
+        found: PatternLocal = self.kept("local", x, lambda: self._dense(x.copy()))
+        return found
+
+    def _dense(self, x: np.ndarray) -> PatternLocal:
+        found = self.rows(x)
         return replace(found, closure_jacobian=dense(found.closure_jacobian))
 
     def rows(self, x: np.ndarray) -> PatternLocal:
@@ -99,18 +127,6 @@ class PatternContacts(PatternEquations):
     def touch(self, contact: Contact) -> Touch:
         """Return the touch of a contact."""
         return self._touches[contact.index][contact.side < 0]
-
-    def kept(self, what: str, x: np.ndarray, make: Any) -> Any:
-        """Return what is asked for several times of one state."""
-        key = x.tobytes()
-        if what not in self._seen or self._seen[what][0] != key:
-            self._seen[what] = key, make()
-        return self._seen[what][1]
-
-    def placed(self, x: np.ndarray) -> Placed:
-        """Return the facets in space at a state."""
-        placed: Placed = self.kept("placed", x, lambda: Placed(self.crossings.poses, x))
-        return placed
 
     def faces(self, x: np.ndarray) -> Faces:
         """Return the facets that lie face to face at a state in which no facets cross."""

@@ -16,6 +16,7 @@ import math
 import time
 from collections.abc import Iterable
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from scipy import sparse
@@ -25,6 +26,8 @@ from origami_nlp.errors import OutOfTime
 from origami_nlp.facets.closure import Closure
 from origami_nlp.facets.crossings import Crossings
 from origami_nlp.facets.features import Features
+from origami_nlp.facets.stacks import Stack
+from origami_nlp.facets.touches import Placed
 from origami_nlp.numerics import (
     CURVED,
     NONZERO,
@@ -74,6 +77,7 @@ class PatternEquations:
         self.scale = float(pattern.stiffness.mean()) if pattern.creases else 1.0
         self._end = [math.inf]
         self._last: tuple[bytes, list[int], Normal] | None = None
+        self._seen: dict[str, tuple[bytes, Any]] = {}
         # of closure alone: shared with the same pattern under other loads
         self._decomposed: dict[bytes, tuple[np.ndarray, np.ndarray]] = {}
 
@@ -97,6 +101,23 @@ class PatternEquations:
             self.until < math.inf and time.monotonic() > self.until
         ):  # which takes microseconds to ask
             raise OutOfTime
+
+    def kept(self, what: str, x: np.ndarray, make: Any) -> Any:
+        """Return what is asked for several times of one state."""
+        key = x.tobytes()
+        if what not in self._seen or self._seen[what][0] != key:
+            self._seen[what] = key, make()
+        return self._seen[what][1]
+
+    def placed(self, x: np.ndarray) -> Placed:
+        """Return the facets in space at a state."""
+        placed: Placed = self.kept("placed", x, lambda: Placed(self.crossings.poses, x))
+        return placed
+
+    def stack(self, x: np.ndarray) -> Stack:
+        """Return the pieces that lie on each other at a state, with the rules of their order."""
+        stack: Stack = self.kept("stack", x, lambda: Stack(self.crossings, x, self.check_time))
+        return stack
 
     @cached_property
     def features(self) -> Features:

@@ -14,7 +14,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
-from functools import cached_property
 from typing import TypeAlias
 
 import numpy as np
@@ -114,10 +113,7 @@ class Faces:
         self.reason, self.known, self.open = "", list[tuple[int, bool]](), list[int]()
         self._sheet, self._phi = sheet, phi
         self._told: dict[int, list[Touch]] = {}
-        self._stack, self._orders = (
-            Stack(sheet.crossings, phi, sheet.check_time),
-            Orders(Rules(0, ())),
-        )
+        self._stack, self._orders = sheet.stack(phi), Orders(Rules(0, ()))
         if not len(self._stack.pairs):
             return
         if len(self._stack.pairs) > MOST_PAIRS:
@@ -169,9 +165,9 @@ class Faces:
         finally:
             orders.values = before
 
-    @cached_property
+    @property
     def _at(self) -> Placed:
-        return Placed(self._sheet.crossings.poses, self._phi)
+        return self._sheet.placed(self._phi)
 
     def reach(self) -> float:
         """Return how far facets reach into each other, over the sheet's size: the rest of a state that is not exact.

@@ -8,7 +8,7 @@ on each other have no single gap, and are no features here.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -16,7 +16,7 @@ import numpy as np
 
 from origami_nlp.facets.crossings import Crossings
 from origami_nlp.facets.touches import Placed, Touch
-from origami_nlp.numerics import INSIDE, NONZERO, OUTSIDE, cross
+from origami_nlp.numerics import INSIDE, NONZERO, OUTSIDE, area_vectors, cross
 
 
 @dataclass(frozen=True)
@@ -30,6 +30,16 @@ class _Rings:
     triangle: np.ndarray
 
 
+@dataclass(frozen=True)
+class Planes:
+    """Convex pieces in space: corners and sides [P, q, 3], normals [P, 3], and normals of sides inward [P, q, 3]."""
+
+    x: np.ndarray
+    side: np.ndarray
+    normal: np.ndarray
+    inward: np.ndarray
+
+
 class Features:
     """Features of the convex pieces of a pattern's facets.
 
@@ -41,6 +51,8 @@ class Features:
 
     def __init__(self, crossings: Crossings) -> None:
         self.crossings = crossings
+        self._planes: tuple[Placed, Planes] | None = None
+        self._facing: tuple[Placed, float, list[tuple[Touch, float, float]]] | None = None
 
     @cached_property
     def rings_of_pieces(self) -> _Rings:
@@ -83,13 +95,20 @@ class Features:
                 return True
         return False
 
-    def facing(
-        self,
-        at: Placed,
-        reach: float,
-        room: float = 0.0,
-        only: Iterable[tuple[int, int]] | None = None,
-    ) -> list[tuple[Touch, float]]:
+    def planes(self, at: Placed) -> Planes:
+        """Return the pieces in space at a state, with the normals of their planes and sides; kept for the last one."""
+        if self._planes is None or self._planes[0] is not at:
+            x, rings = self.crossings.carried(at.turn, at.shift), self.rings_of_pieces
+            after = x[np.arange(len(x))[:, None], rings.after]
+            side = after - x
+            normal = cross(x - x[:, :1], after - x[:, :1]).sum(axis=1)
+            normal /= np.linalg.norm(normal, axis=1, keepdims=True)
+            inward = cross(normal[:, None], side)
+            inward /= np.maximum(np.linalg.norm(inward, axis=2, keepdims=True), NONZERO)
+            self._planes = at, Planes(x, side, normal, inward)
+        return self._planes[1]
+
+    def facing(self, at: Placed, reach: float, room: float = 0.0) -> list[tuple[Touch, float]]:
         """Return features that face each other at a distance of less than `reach`, each once.
 
         Parameters
@@ -100,65 +119,58 @@ class Features:
             Over the sheet's size.
         room
             Share of their size by which they face each other inside.
-        only
-            Pairs of facets that are looked at; all by default.
 
         Returns
         -------
         list of tuple
             Features whose gap is positive where facets are apart, and that gap over the sheet's size.
         """
-        crossings = self.crossings
-        x = crossings.carried(at.turn, at.shift)
-        pairs = crossings.candidates(x, margin=0.5 * reach * crossings.size)
-        if only is not None:
-            f = np.sort(crossings.facet[pairs], axis=1) @ (crossings.pattern.facets, 1)
-            wanted = [min(p) * crossings.pattern.facets + max(p) for p in only]
-            pairs = pairs[np.isin(f, wanted)]
+        if self._facing is None or self._facing[0] is not at or self._facing[1] < reach:
+            # what is closed and what may close is asked for in turn: the wider list has both
+            self._facing = at, reach, self._face(at, reach)
+        found: dict[object, tuple[Touch, float]] = {}
+        for touch, gap, inside in self._facing[2]:
+            if abs(gap) < reach and inside > room:
+                found.setdefault(touch.key, (touch, gap))
+        return list(found.values())
+
+    def _face(self, at: Placed, reach: float) -> list[tuple[Touch, float, float]]:
+        """Return features within reach, those of several pieces several times: gap, and how far they are inside."""
+        crossings, planes = self.crossings, self.planes(at)
+        pairs = crossings.candidates(planes.x, margin=0.5 * reach * crossings.size)
         if not len(pairs):
             return []
         valid, ids = self.rings_of_pieces.valid[pairs], crossings.pieces[pairs]
         same = ids[:, 0, :, None] == ids[:, 1, None]
         same &= valid[:, 0, :, None] & valid[:, 1, None]
         shared = same.sum(axis=(1, 2))
-        found: dict[object, tuple[Touch, float]] = {}
+        found: list[tuple[Touch, float, float]] = []
         # corners of one piece over the other, both ways; pieces with one corner in common leave that corner out
         for joined in (False, True):
             here = shared == int(joined)
-            for a, b, common in (
-                (pairs[here, 0], pairs[here, 1], same[here]),
-                (pairs[here, 1], pairs[here, 0], same[here].swapaxes(1, 2)),
-            ):
-                for touch, gap in self._corners(x, a, b, common if joined else None, reach, room):
-                    found.setdefault(touch.key, (touch, gap))
+            both = np.vstack([pairs[here], pairs[here, ::-1]])
+            common = np.concatenate([same[here], same[here].swapaxes(1, 2)]) if joined else None
+            found += self._corners(planes, both[:, 0], both[:, 1], common, reach)
         apart = pairs[shared == 0]
-        for touch, gap in self._sides(x, apart[:, 0], apart[:, 1], reach, room):
-            found.setdefault(touch.key, (touch, gap))
-        return list(found.values())
+        found += self._sides(planes, apart[:, 0], apart[:, 1], reach)
+        return found
 
     def _corners(
         self,
-        x: np.ndarray,
+        planes: Planes,
         a: np.ndarray,
         b: np.ndarray,
         common: np.ndarray | None,
         reach: float,
-        room: float,
-    ) -> Iterator[tuple[Touch, float]]:
+    ) -> Iterator[tuple[Touch, float, float]]:
         """Go through corners of pieces a over pieces b; `common` are places of the corner they share, [K, q, q]."""
         if not len(a):
             return
         rings, size = self.rings_of_pieces, self.crossings.size
-        of, on = x[a], x[b]
+        of, on = planes.x[a], planes.x[b]
         k = np.arange(len(a))[:, None]
-        after = on[k, rings.after[b]]
-        normal = cross(on - on[:, :1], after - on[:, :1]).sum(axis=1)
-        normal /= np.linalg.norm(normal, axis=1, keepdims=True)
-        height = np.einsum("kqi,ki->kq", of - on[:, :1], normal)
-        side = after - on
-        inward = cross(normal[:, None], side)
-        inward /= np.maximum(np.linalg.norm(inward, axis=2, keepdims=True), NONZERO)
-        depth = np.einsum("kqpi,kpi->kqp", of[:, :, None] - on[:, None], inward)
+        height = np.einsum("kqi,ki->kq", of - on[:, :1], planes.normal[b])
+        depth = np.einsum("kqpi,kpi->kqp", of[:, :, None] - on[:, None], planes.inward[b])
         bound = rings.valid[b]
         good = rings.valid[a]
         if common is None:
@@ -167,8 +179,8 @@ class Features:
             up = height[k, rings.before[a]] - height, height[k, rings.after[a]] - height
             lean = np.stack(up) / size
         else:
-            at_a, at_b = np.divmod(common.reshape(len(a), -1).argmax(axis=1), x.shape[1])
-            place = np.arange(x.shape[1])[None]
+            at_a, at_b = np.divmod(common.reshape(len(a), -1).argmax(axis=1), of.shape[1])
+            place = np.arange(of.shape[1])[None]
             first, last = (
                 rings.after[a][k[:, 0], at_a][:, None],
                 rings.before[a][k[:, 0], at_a][:, None],
@@ -191,24 +203,24 @@ class Features:
         # a cut inside a facet is no border: corners on it are inside, whichever part they are looked up in
         depth += np.where(rings.border[b], 0.0, 2 * INSIDE)[:, None]
         sign, told = _side(height / size, lean.sum(axis=0))
-        good = good & told & (np.abs(height) < reach * size) & (depth.min(axis=2) > room)
+        inside = depth.min(axis=2)
+        good = good & told & (np.abs(height) < reach * size) & (inside > 0)
         ids, facet = self.crossings.pieces, self.crossings.facet
         for p, i in np.argwhere(good):
             corners = (int(ids[a[p], i]), *map(int, rings.triangle[b[p]]))
             pair = int(facet[b[p]]), int(facet[a[p]])
             touch = Touch("vertex-face", pair, corners, float(sign[p, i]))  # type: ignore[arg-type]
-            yield touch, float(sign[p, i] * height[p, i] / size)
+            yield touch, float(sign[p, i] * height[p, i] / size), float(inside[p, i])
 
     def _sides(
-        self, x: np.ndarray, a: np.ndarray, b: np.ndarray, reach: float, room: float
-    ) -> Iterator[tuple[Touch, float]]:
+        self, planes: Planes, a: np.ndarray, b: np.ndarray, reach: float
+    ) -> Iterator[tuple[Touch, float, float]]:
         """Go through sides of pieces a and b that share no corner."""
         if not len(a):
             return
         rings, size = self.rings_of_pieces, self.crossings.size
-        k = np.arange(len(a))[:, None]
-        of, on = x[a], x[b]
-        u, v = (of[k, rings.after[a]] - of)[:, :, None], (on[k, rings.after[b]] - on)[:, None]
+        of, on = planes.x[a], planes.x[b]
+        u, v = planes.side[a][:, :, None], planes.side[b][:, None]
         r = on[:, None] - of[:, :, None]
         w = cross(u, v)
         # feet of the common normal of two lines: a + s u and c + t v with s = (r x v) . w / w^2, t = (r x u) . w / w^2
@@ -219,8 +231,9 @@ class Features:
         )  # sides at less than a thousandth have no common normal to speak of
         good &= rings.border[a][:, :, None] & rings.border[b][:, None]
         square = np.where(good, square, 1.0)
-        for share in ((cross(r, v) * w).sum(axis=3), (cross(r, u) * w).sum(axis=3)):
-            good &= (share > room * square) & (share < (1 - room) * square)
+        shares = np.stack([(cross(r, y) * w).sum(axis=3) for y in (v, u)]) / square
+        inside = np.minimum(shares, 1 - shares).min(axis=0)
+        good &= inside > 0
         w = w / np.sqrt(square)[..., None]
         gap = (r * w).sum(axis=3) / size
         good &= np.abs(gap) < reach
@@ -241,6 +254,7 @@ class Features:
             yield (
                 Touch("edge-edge", pair, corners, float(sign[p, i, j])),
                 float(sign[p, i, j] * gap[p, i, j]),
+                float(inside[p, i, j]),
             )
 
     def margin(self, touch: Touch, at: Placed) -> float:
@@ -267,8 +281,7 @@ class Features:
         for k in np.flatnonzero(crossings.facet == face):
             ring = list(dict.fromkeys(crossings.pieces[k].tolist()))
             x = at.points(np.full(len(ring), face), np.array(ring))
-            normal = cross(x - x[0], np.roll(x, -1, axis=0) - x[0]).sum(axis=0)
-            inward = cross(normal, np.roll(x, -1, axis=0) - x)
+            inward = cross(area_vectors(x), np.roll(x, -1, axis=0) - x)
             inward /= np.linalg.norm(inward, axis=1)[:, None]
             depth, size = np.einsum("qi,qi->q", inward, p[0] - x), crossings.size
             depth += np.where(crossings.inner[k, : len(ring)], INSIDE * size, 0.0)  # cuts are none

@@ -10,7 +10,7 @@ import numpy as np
 from origami_nlp.facets.equations import PatternEquations
 from origami_nlp.facets.faces import Lying
 from origami_nlp.facets.features import Features
-from origami_nlp.facets.touches import Placed, Touch
+from origami_nlp.facets.touches import Touch
 from origami_nlp.numerics import CLOSES, DEEP, INDEPENDENT, INSIDE, nonnegative_least_squares
 
 
@@ -35,7 +35,7 @@ def touches_at(
     list of Touch
         Each contact once.
     """
-    place, touches = Placed(problem.crossings.poses, x), []
+    place, touches = problem.placed(x), []
     for touch, gap in problem.features.facing(place, max(DEEP, within), INSIDE):
         if gap <= within and not any(
             _opened_by(problem, t.row(place), x, shut) for t in _seen_otherwise(problem, touch)

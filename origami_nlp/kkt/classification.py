@@ -14,7 +14,7 @@ from origami_nlp.kkt.certificates import BranchJudgement, judge_branch
 from origami_nlp.kkt.forces import ContactForce, forces_of, joined_forces
 from origami_nlp.kkt.large import judge_large, lower_beside
 from origami_nlp.kkt.neighbours import RADII, dimension_nearby, leads_somewhere, search_spheres
-from origami_nlp.kkt.refutation import Lower, follow_descent, follow_level
+from origami_nlp.kkt.refutation import Lower, follow_descent, follow_level, follow_lines
 from origami_nlp.kkt.splitting import judge_by_splitting
 from origami_nlp.kkt.state import State
 from origami_nlp.numerics import CLOSES, LEVEL, SAME, SETTLED, STATIONARY, UNPOLISHED
@@ -336,11 +336,14 @@ def _by_search(state: State, judged: list[BranchJudgement]) -> Classification:
             forces_of(state, judged[0]),
             stationarity=0.0,
         )
-    if not state.contacts.complete:
-        return _not_decided(judged)  # their directions were followed when they were split
-    lower = next(filter(None, (follow_descent(state, b) for b in judged)), None)
+    # where contacts are incomplete directions of descent were followed when they were split
+    branches = judged if state.contacts.complete else []
+    lower = next(filter(None, (follow_descent(state, b) for b in branches)), None)
+    lower = lower or follow_lines(state)
     if lower is not None:
         return _refuted(lower)
+    if not state.contacts.complete:
+        return _not_decided(judged)
     if model.equation_count > MOST_EQUATIONS:
         return _not_decided(judged)
     rows = tuple(dict.fromkeys(row for b in judged for row in b.rows))

@@ -88,8 +88,9 @@ def follow(
 ) -> Followed:
     """Follow the state `start` [n] downhill, `until` a state on the way is far enough: that one is not judged.
 
-    Steps are downhill in the metric of the springs or, `curved`, Newton's: fewer, and from farther.  They are at most
-    `longest` [rad]; those that `leads`, of a state and the next, refuses are made shorter.
+    Steps are downhill in the metric of the springs or, `curved`, Newton's: fewer, and from farther.  Their length is at
+    most `longest` [rad], of Newton's their largest entry; those that `leads`, of a state and the next, refuses are made
+    shorter.
 
     Where no step along the linearised cone is possible but the state is no minimum (several contacts meet), a lower
     admissible neighbour is searched on small spheres, at most `most_rescues` times.
@@ -200,7 +201,7 @@ def _closed(
     for _ in range(MOST_PASSED):
         y, residual = project(model, want, held, stalls=STALLS if rows else math.inf)
         y = np.clip(y, -model.bound, model.bound)
-        if not (residual <= CLOSES and np.abs(model.closure(y)[0]).max(initial=0.0) <= CLOSES):
+        if not (residual <= CLOSES and np.abs(model.local(y).closure).max(initial=0.0) <= CLOSES):
             return None
         try:
             values, _ = model.local(y).openings(rows)
@@ -221,15 +222,15 @@ def _step(
 ) -> tuple[np.ndarray, float] | None:
     """Take one admissible step down, of at most `length`; None if there is none."""
     model, x = state.programme, state.x
+    near = model.about_to_close(x, length)
     choices = state.pieces
     best: tuple[float, np.ndarray, float] | None = None
-    near = model.about_to_close(x, length)
     tries = [tuple(dict.fromkeys((*rows, *near))) for rows in choices] if near else []
     for rows in (*tries, *choices):
         if best is not None and rows in choices:
             break  # only where looking ahead to contacts that will close led nowhere
         d, held = _pull(state.on(rows), curved)
-        size = float(np.linalg.norm(d))
+        size = float(np.abs(d).max(initial=0.0) if curved else np.linalg.norm(d))
         if size < ROUNDED:
             continue
         slope = float(state.local.gradient @ d)

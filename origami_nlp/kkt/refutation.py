@@ -8,10 +8,19 @@ from dataclasses import dataclass
 import numpy as np
 
 from origami_nlp.kkt.certificates import BranchJudgement
+from origami_nlp.kkt.neighbours import GOES
 from origami_nlp.kkt.projection import project
 from origami_nlp.kkt.second_order import generators, level_directions
 from origami_nlp.kkt.state import State, Stratum
-from origami_nlp.numerics import FOLLOWED, INDEPENDENT, LEVEL, NONZERO, ROUNDED, nearest_in_cone
+from origami_nlp.numerics import (
+    FOLLOWED,
+    INDEPENDENT,
+    LEVEL,
+    NONZERO,
+    ROUNDED,
+    coarse,
+    nearest_in_cone,
+)
 from origami_nlp.programme import Contact
 
 STEPS = (1e-5, 1e-4, 1e-3)
@@ -24,6 +33,8 @@ MOST_PASSED, MOST_STEPS = 6, 6
 """Rounds in which contacts that a step has passed are closed, and steps of each projection: Newton needs five."""
 STALLS = 0.5
 """Share of a residual that Newton leaves at most: a quarter beside a singular state, next to nothing elsewhere."""
+DOWNHILL = (2.5e-4, 5e-4, 1e-3)
+"""Steps [rad] along a line that first order leaves level: each is lower than the one before, beyond rounding."""
 BATCH, MOST_LEVEL = 8, 128
 """Directions that are followed together, and in all."""
 
@@ -154,6 +165,38 @@ def follow_level(state: State) -> Lower | None:
             lower = _follow(state, d[k : k + BATCH], still[k : k + BATCH], (), step)
             if lower is not None:
                 return lower
+    return None
+
+
+def follow_lines(state: State) -> Lower | None:
+    """Step along the lines of the tangent cone, where closure loses rank, as far as each step goes down.
+
+    What contacts leave open is not asked: all states of a way down are admissible, or it shows nothing.
+    """
+    if state.regular:
+        return None
+    model, x = state.programme, state.x
+    size = max(abs(state.energy), model.scale)
+    steep = model.scale * float(np.linalg.norm(state.gradient))
+    shut = np.zeros(len(x), dtype=bool)
+    shut[[row.index for row in state.limits]] = True
+    lines = [d / model.root for d in state.tangent_cone.open(x)]
+    # in an order that rounding does not change: the first that leads down is told
+    for d in sorted((d / np.linalg.norm(d) for d in lines), key=lambda d: (-coarse(d)).tolist()):
+        before = 0.0
+        for step in DOWNHILL:
+            model.check_time()
+            still = shut & (np.abs(d) <= INDEPENDENT)
+            y, residual = project(model, x + step * d, frozen=still)
+            change = model.energy_change(x, y)
+            # at this distance closure changes by step^2 at least: what is left of it moves y by so much over step
+            noise = LEVEL * size + steep * max(float(residual), ROUNDED) / step
+            near = GOES[0] * step < np.linalg.norm(y - x) < GOES[1] * step
+            if not (residual <= FOLLOWED and near and change < before - noise) or model.refuses(y):
+                break
+            before = change
+        else:
+            return Lower(d, step, -change, y)
     return None
 
 

@@ -49,6 +49,9 @@ from origami_nlp.starts import (
 
 FLAT_SLOPE = 1e-10
 """Torque that is left where a descent has converged, relative to the largest that balance."""
+NO_SLOPE = FLAT_SLOPE / 100
+"""A crease with less of it stays where it is: of a contact that others force shut rounding times the condition is left,
+and steps that this sends against its limit end there."""
 SADDLE = -1e-7
 """Eigenvalue (of a Hessian that is 1 for springs alone) below which a stationary state is left downhill."""
 EARLY = 0.3
@@ -202,7 +205,7 @@ class Descents:
         s, p, released, opens = self._release(s, p, slope, size)
         free = s.shut == 0
         # what rounding leaves of a balance has no direction
-        down = np.where(free & (np.abs(p.left) > ROUNDED * size[:, None]), p.left, 0.0)
+        down = np.where(free & (np.abs(p.left) > NO_SLOPE * size[:, None]), p.left, 0.0)
         root = self.closing.root(s)
         swept = sweep(s, p, root) if self._chain else None
         h = np.zeros((len(s), 0, 0)) if swept else self._on_stratum(s, p)

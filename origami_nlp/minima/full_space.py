@@ -130,7 +130,7 @@ def judge_in_full_space(
         return FullSpace("unstable", why, None, 0, eigenvalues, breaking, mode, descent, None)
     return FullSpace(
         "unstable",
-        f"{what.verdict}: {what.reason}; a descent of {len(descent)} admissible states ends lower",
+        f"{what.verdict}: {what.reason}; a descent of admissible states ends lower",
         None,
         0,
         eigenvalues,

@@ -1,3 +1,4 @@
+from .angle_sums import pop_rows as pop_rows
 from .branches import list_branches as list_branches
 from .clearance import Clearance as Clearance, Stretches as Stretches
 from .confirming import Confirmed as Confirmed, confirm_minimum as confirm_minimum
@@ -31,7 +32,6 @@ from .judgement import (
 )
 from .motion import Motion as Motion, find_motion as find_motion
 from .noise import is_overdetermined as is_overdetermined
-from .pops import pop_rows as pop_rows
 from .pressing import press as press, press_along as press_along, press_off as press_off
 from .turnable import (
     sheet_content as sheet_content,

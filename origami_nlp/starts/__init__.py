@@ -1,4 +1,4 @@
-"""Where searches start: one file a family, all with the interface of `StartFamily`, drawn in `rounds` for a vertex.
+"""Where searches start: all with the interface of `StartFamily`, drawn in `rounds` for a vertex.
 
 | family | of | its starts |
 | --- | --- | --- |

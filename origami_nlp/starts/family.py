@@ -6,7 +6,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Iterable, Iterator
 from functools import cached_property
 from itertools import islice
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -26,6 +26,9 @@ class StartFamily(ABC):
 
     name: ClassVar[str]
     sentence: ClassVar[str]
+
+    def __init__(self, model: Any) -> None:
+        self._model = model
 
     @abstractmethod
     def draw(self, rng: np.random.Generator, many: int) -> Samples:
@@ -48,7 +51,9 @@ class StartFamily(ABC):
 class Listed(StartFamily):
     """A family without chance: its states in their order, each once; `size` is the number of their fold angles."""
 
-    size: int
+    def __init__(self, model: Any) -> None:
+        super().__init__(model)
+        self.size = model.size
 
     @abstractmethod
     def states(self) -> Iterable[np.ndarray]:

@@ -48,10 +48,6 @@ class HingeSets(Listed):
     name = "hinge sets"
     sentence = "lowest of all that hinge about one line"
 
-    def __init__(self, model: Model) -> None:
-        self.size = model.size
-        self._model = model
-
     def states(self) -> list[np.ndarray]:
         """List them by energy."""
         model = self._model

@@ -4,6 +4,10 @@ Uniform random fold angles are projected onto loop closure by Gauss-Newton, all 
 leave the fold limits, the sheet or the contact set are kept only when too few feasible ones are
 found.  Every fourth start lies on a fold limit, each limit in turn, so that sets that exist only at
 phi = +-pi (the paper's 1-handles) are searched as well.
+
+`states_on_limits` are states with one or two creases at their fold limits: beside sets that exist only while these stay
+closed.  A solver that needs an interior rarely ends on such a thin set (the paper's 1-handles), so they are looked for
+on purpose; `kkt.thin_at` tells which they are.
 """
 
 from __future__ import annotations
@@ -16,7 +20,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from origami_nlp.kkt import project
-from origami_nlp.numerics import CLOSES
+from origami_nlp.numerics import CLOSES, OUTSIDE
 from origami_nlp.programme import Programme
 from origami_nlp.starts.family import StartFamily
 from origami_nlp.starts.samples import Samples
@@ -44,9 +48,6 @@ class Projected(StartFamily):
 
     name = "interior"
     sentence = "random fold angles, projected onto closure"
-
-    def __init__(self, model: Programme) -> None:
-        self._model = model
 
     def draw(self, rng: np.random.Generator, many: int) -> Samples:
         """Return the first of `starts`."""
@@ -78,3 +79,27 @@ class Projected(StartFamily):
         if keep.sum() < BATCH // 8:
             keep[:] = True
         return [Start(x[k].copy(), bool(feasible[k])) for k in np.flatnonzero(keep)]
+
+
+MOST_BATCHES = 4
+SAMPLES_ON_A_LIMIT = 8
+
+
+def states_on_limits(model: Programme, rng: np.random.Generator) -> list[np.ndarray]:
+    """Return closed states within the fold limits that have one or two fold angles at +-pi."""
+    n = model.size
+    single = [((v, s),) for v in range(n) for s in (-1, 1)] * SAMPLES_ON_A_LIMIT
+    faces = [(v, s) for v in range(n) for s in (-1, 1)]
+    double = [pair for pair in itertools.combinations(faces, 2) if pair[0][0] != pair[1][0]] * 3
+    patterns = (single[:BATCH] + double)[: MOST_BATCHES * BATCH] if n > 4 else single + double
+    patterns = patterns[: MOST_BATCHES * BATCH]
+    x = rng.uniform(-math.pi, math.pi, (len(patterns), n))
+    frozen = np.zeros_like(x, dtype=bool)
+    for row, pattern in enumerate(patterns):
+        for v, s in pattern:
+            x[row, v], frozen[row, v] = s * math.pi, True
+    x, residual = project(model, x, frozen=frozen)
+    # what closing moved onto a limit, to rounding, is at the limit
+    x = np.where(np.abs(np.abs(x) - math.pi) <= OUTSIDE, np.sign(x) * math.pi, x)
+    good = (residual <= CLOSES) & (np.abs(x) <= math.pi).all(axis=1)
+    return [state for state in x[good] if model.on_sheet(state)]

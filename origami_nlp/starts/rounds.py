@@ -12,14 +12,12 @@ from dataclasses import replace
 import numpy as np
 
 from origami_nlp.programme import Model, vertex_candidates
-from origami_nlp.starts.corners import Corners
 from origami_nlp.starts.crossings import model_rows
 from origami_nlp.starts.family import StartFamily
 from origami_nlp.starts.moments import Moments, is_chain
-from origami_nlp.starts.near_corners import NearCorners
 from origami_nlp.starts.options import SearchOptions
 from origami_nlp.starts.samples import Samples, joined
-from origami_nlp.starts.strata import Interior, Strata
+from origami_nlp.starts.strata import Corners, Interior, NearCorners, Strata
 from origami_nlp.starts.touches import Touches
 
 FAMILIES = (Corners, Interior, NearCorners, Strata, Touches, Moments)

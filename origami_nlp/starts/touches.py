@@ -90,7 +90,7 @@ class Touches(StartFamily):
     sentence = "where creases touch facets"
 
     def __init__(self, model: Model) -> None:
-        self._model = model
+        super().__init__(model)
         self.found: TouchStarts | None = None
 
     def draw(self, rng: np.random.Generator, many: int) -> Samples:

@@ -7,12 +7,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from origami_nlp.atlas import Atlas, Family, Over, StateAt, follow_family
+from origami_nlp.atlas import Atlas, Family, Over, follow_family
 from origami_nlp.errors import OptionError
 from origami_nlp.minima import judge_in_full_space
 from origami_nlp.pattern import Scene
 from origami_nlp.sweep.spec import Axis, Sweep
-from origami_nlp.sweep.store import Outcome
+from origami_nlp.sweep.store import Outcome, row_of
 
 
 def follow_chain(sweep: Sweep, chain: range) -> list[Outcome]:
@@ -60,17 +60,12 @@ def _outcome(sweep: Sweep, index: int, atlas: Atlas, value: float, seconds: floa
     begin = time.perf_counter()
     scene = sweep.scene(index)
     found = [m for m in atlas.at(value) if m.verdict == "minimum"]
-    states = tuple(_row(m, scene, sweep.search["full"]) for m in found)
+    states = []
+    for m in found:
+        full = sweep.search["full"] and judge_in_full_space(scene, np.array(m.fold_angles)).verdict
+        states.append(row_of(m, m.local_dimension, full or None))
     check = next((c for c in atlas.checks if c.t == value), None)
     seconds += time.perf_counter() - begin
     starts, missing = (check.starts, check.expected_undiscovered) if check else (0, np.nan)
-    return Outcome(
-        index, "done", "", seconds, starts, missing if np.isfinite(missing) else None, states
-    )
-
-
-def _row(m: StateAt, scene: Scene, full: bool) -> tuple[object, ...]:
-    verdict = judge_in_full_space(scene, np.array(m.fold_angles)).verdict if full else None
-    kkt = m.kkt_residual if np.isfinite(m.kkt_residual) else None
-    angles = list(m.fold_angles)
-    return (m.energy, m.kind, m.local_dimension, m.closure_residual, kkt, 1, verdict, angles)
+    known = missing if np.isfinite(missing) else None
+    return Outcome(index, "done", "", seconds, starts, known, tuple(states))

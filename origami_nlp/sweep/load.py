@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -25,6 +26,11 @@ def _need(module: str) -> Any:
         return import_module(module)
     except ImportError:
         raise SweepError(f'{module} is not installed: pip install "origami_nlp[sweep]"') from None
+
+
+def _rows(folder: str | Path, table: str) -> Iterator[dict[str, Any]]:
+    names, rows = read_table(folder, table)
+    return (dict(zip(names, row, strict=True)) for row in rows)
 
 
 def load_states(folder: str | Path) -> pandas.DataFrame:
@@ -98,16 +104,12 @@ def sweep_grid(folder: str | Path) -> dict[str, Any]:
     count = np.full(total, -1)
     by_kind = {kind: np.full(total, -1) for kind in KINDS}
     energy = np.full(total, np.nan)
-    names, rows = read_table(folder, "scenes")
-    for row in rows:
-        scene = dict(zip(names, row, strict=True))
+    for scene in _rows(folder, "scenes"):
         status[scene["scene"]] = scene["status"]
         if scene["status"] == "done":
             for array in (count, *by_kind.values()):
                 array[scene["scene"]] = 0
-    names, rows = read_table(folder, "states")
-    for row in rows:
-        state = dict(zip(names, row, strict=True))
+    for state in _rows(folder, "states"):
         k = state["scene"]
         count[k] += 1
         by_kind[state["kind"]][k] += 1

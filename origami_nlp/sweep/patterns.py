@@ -31,14 +31,15 @@ contact = true                 # whether facets must not cross
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from origami_nlp.arguments import check_path, shown
 from origami_nlp.errors import OptionError, SweepError
 from origami_nlp.facets import Sheet, check_orders
+from origami_nlp.files import read_toml
 from origami_nlp.pattern import (
     Pattern,
     examples,
@@ -49,9 +50,7 @@ from origami_nlp.pattern import (
     read_pattern,
     with_places,
 )
-from origami_nlp.sheets import find_states
-from origami_nlp.sweep.spec import Sweep, checked_search, read_axes
-from origami_nlp.sweep.store import Outcome, Rows, attempted
+from origami_nlp.sweep.spec import LARGEST, Sweep, checked_search, parse_scenes, read_axes
 
 _SEARCH = {"mode": "grid", "starts": 40, "seed": 0, "contact": True}
 _SIZES = ("rows", "columns")
@@ -191,40 +190,68 @@ def _base(stated: Any, folder: Path | None) -> dict[str, Any]:
     return base
 
 
-def run_pattern(sweep: PatternSweep, index: int) -> Outcome:
-    """Find the stable states of one sheet; errors become its outcome (this is what a worker does).
+def read_sweep(path: str | Path) -> Sweep:
+    """Read a sweep file.
 
     Parameters
     ----------
-    sweep
-        The sweep.
-    index
-        Of the sheet, from 0.
+    path
+        TOML, as the modules `sweep.spec` and `sweep.patterns` describe it; a ``file`` in it is found beside it.
 
     Returns
     -------
-    Outcome
-        Minima with their freedoms as dimension.
+    Sweep
+        The sweep.
+
+    Raises
+    ------
+    SweepError
+        If the file cannot be read, or a key is unknown, missing or wrong.
+    AngleError, VertexError, SceneError, SceneFileError, FoldFileError, OptionError
+        If its scene or pattern is wrong.
     """
-    s = sweep.search
+    return parse_sweep(read_toml(path, LARGEST, "sweep", SweepError), Path(path).parent)
 
-    def states(sheet: Pattern) -> tuple[Rows, int, None]:
-        found = find_states(
-            sheet, starts=s["starts"], seed=s["seed"], contact=s["contact"], escape=False
-        )
-        rows = tuple(
-            (
-                m.energy,
-                m.kind,
-                m.freedoms,
-                m.closure_residual,
-                m.kkt_residual if math.isfinite(m.kkt_residual) else None,
-                1,
-                None,
-                list(m.fold_angles),
+
+def parse_sweep(data: Mapping[str, Any], folder: Path | None = None) -> Sweep:
+    """Make a sweep from the tables of a sweep file.
+
+    Parameters
+    ----------
+    data
+        Tables ``scene`` or ``pattern``, ``axes`` and ``search``.
+    folder
+        Where a ``file`` is looked for.
+
+    Returns
+    -------
+    Sweep
+        The sweep.
+
+    Raises
+    ------
+    SweepError
+        If a key is unknown, missing or wrong.
+
+    Examples
+    --------
+    >>> from origami_nlp.sweep import parse_sweep
+    >>> sweep = parse_sweep({
+    ...     "scene": {"example": "degree6", "alpha": "pi/4"},
+    ...     "axes": [{"set": "ratio", "from": 0.01, "to": 100, "count": 5, "scale": "log"}],
+    ... })
+    >>> sweep.count, sweep.scene(0).label
+    (5, 'degree 6, alpha_1 = pi/4, r_k = 0.01')
+    """
+    if not isinstance(data, Mapping):
+        raise SweepError(f"data = {shown(data)} must be the tables of a sweep file")
+    if folder is not None:
+        check_path("folder", folder)
+        folder = Path(folder)
+    of = "pattern" if "pattern" in data else "scene"
+    for key in data:
+        if key not in (of, "axes", "search"):
+            raise SweepError(
+                f"unknown table [{key}]: a sweep has [scene] or [pattern], [[axes]], [search]"
             )
-            for m in found.minima
-        )
-        return rows, found.search.starts, None
-
-    return attempted(index, sweep.pattern, states)
+    return parse_pattern_sweep(data, folder) if of == "pattern" else parse_scenes(data, folder)

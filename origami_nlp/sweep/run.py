@@ -25,10 +25,10 @@ import numpy as np
 
 from origami_nlp.arguments import check_callback, check_number, check_path, check_type, check_whole
 from origami_nlp.errors import OrigamiError, SweepError
-from origami_nlp.pattern import Scene
-from origami_nlp.sweep.patterns import PatternSweep, run_pattern
+from origami_nlp.pattern import Pattern, Scene
+from origami_nlp.sweep.patterns import PatternSweep
 from origami_nlp.sweep.spec import Sweep
-from origami_nlp.sweep.store import Outcome, Rows, Store, attempted
+from origami_nlp.sweep.store import Outcome, Rows, Store, attempted, row_of
 from origami_nlp.workers import stop_workers, worker_pool
 
 Progress = Callable[[int, int, int], None]
@@ -59,9 +59,15 @@ class SweepReport:
 
 def run_scene(sweep: Sweep, index: int, guesses: Sequence[Sequence[float]]) -> Outcome:
     """Find the states of one scene; errors become its outcome (this is what a worker does)."""
-    if isinstance(sweep, PatternSweep):
-        return run_pattern(sweep, index)
     s = sweep.search
+
+    def states_of_sheet(sheet: Pattern) -> tuple[Rows, int, None]:
+        from origami_nlp.sheets import find_states
+
+        found = find_states(
+            sheet, starts=s["starts"], seed=s["seed"], contact=s["contact"], escape=False
+        )
+        return tuple(row_of(m, m.freedoms, None) for m in found.minima), found.search.starts, None
 
     def states(scene: Scene) -> tuple[Rows, int, float]:
         from origami_nlp.minima import find_minima
@@ -78,20 +84,13 @@ def run_scene(sweep: Sweep, index: int, guesses: Sequence[Sequence[float]]) -> O
             guesses=[np.array(g) for g in guesses],
         )
         rows = tuple(
-            (
-                m.energy,
-                m.kind,
-                m.local_dimension,
-                m.closure_residual,
-                m.kkt_residual if np.isfinite(m.kkt_residual) else None,
-                int(m.polished),
-                m.full_space.verdict if m.full_space else None,
-                list(m.fold_angles),
-            )
+            row_of(m, m.local_dimension, m.full_space.verdict if m.full_space else None)
             for m in result.minima
         )
         return rows, result.search.starts, result.search.expected_undiscovered
 
+    if isinstance(sweep, PatternSweep):
+        return attempted(index, sweep.pattern, states_of_sheet)
     return attempted(index, sweep.scene, states)
 
 

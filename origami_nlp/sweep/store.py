@@ -82,6 +82,13 @@ def attempted(
     return Outcome(index, "done", "", time.perf_counter() - begin, starts, missing, rows)
 
 
+def row_of(state: Any, dimension: int, full: str | None) -> tuple[Any, ...]:
+    """Return a minimum as a row of `Outcome.states`; full: its verdict in the full space, if it is known."""
+    kkt = state.kkt_residual if math.isfinite(state.kkt_residual) else None
+    polished, angles = int(getattr(state, "polished", True)), list(state.fold_angles)
+    return state.energy, state.kind, dimension, state.closure_residual, kkt, polished, full, angles
+
+
 class Store:
     """An open store; use as a context manager."""
 

@@ -136,17 +136,9 @@ def _pressed(case):
     assert case.seconds < 4 * 5 * max(1.0, case.pairs / 100)
 
 
-def test_a_pattern_is_pressed_together_in_time():
+def test_a_pattern_is_pressed_to_a_minimum_in_time():
     (case,) = found().contacts
     _pressed(case)
-
-
-@pytest.mark.xfail(
-    strict=True,
-    reason="the descent stalls where many facets are close, with torque left: not decided",
-)
-def test_a_pattern_is_pressed_to_a_minimum():
-    (case,) = found().contacts
     assert case.verdict == "minimum" and case.pairs > 80 and case.touching > 5
 
 

@@ -289,6 +289,7 @@ def test_a_state_whose_contacts_carry_nothing_is_followed_as_far_as_it_is_stable
     path = o.load_path(pattern, pull, state=start, confirm=False)
     (event,) = path.events
     assert event.t == pytest.approx(8 / 3, abs=1e-10) and "on the verdict" in event.note
+    assert event.type == "branching" and path.legs[-1].why == "snap"
     assert "the load does no work" in str(path) and not path.alarms
     for share, good in ((0.999, True), (1.001, False)):
         under = Sheet(pattern).under(pull, event.t * share)

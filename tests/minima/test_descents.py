@@ -172,3 +172,19 @@ def test_scenes_of_one_vertex_descend_together_as_each_does_alone():
     energies = together.closing.springs(s).energy(x)
     own = [models[k].parameters.energy(v) for k, v in zip(s.springs, x, strict=True)]
     assert energies == pytest.approx(own, rel=1e-14)  # each sample under the springs that it names
+
+
+def test_rounding_does_not_stall_descents_at_contacts_that_force_each_other_shut():
+    """Near the flat-folded states of this panel two contacts hold a third: it has no slope but rounding's."""
+    model = Model(examples.degree6("pi/3", 100))
+    at = np.array([-0.3406, 0.6624, 0.6624, -0.3406])
+    x = at + 1e-12 * np.random.default_rng(0).uniform(-1, 1, (60, 4))
+    limit = np.array([-3.12, math.pi, 3.13, -math.pi])
+    near = limit * (1 - np.linspace(0, 0.01, 20)[:, None] * [1, 0, 1, 0])
+    shut = np.where(np.abs(near) == math.pi, np.sign(near), 0).astype(int)
+    descents = Descents(model)
+    starts = [Samples.on(x), Samples.on(near, shut)]
+    ends = [descents.run(descents.closing.close(s, 12, 1e-14)) for s in starts]
+    for end in ends:
+        assert end.converged.all()
+        assert np.ptp(end.samples.x, axis=0).max() < 1e-8

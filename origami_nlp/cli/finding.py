@@ -1,7 +1,8 @@
-"""`origami-nlp minima`: find, classify and show the energy minima of a vertex or a pattern."""
+"""Commands that find the states of a scene: `minima`, `check-proof` and `landscape`."""
 
 from __future__ import annotations
 
+import io
 from functools import partial
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -10,11 +11,14 @@ import typer
 from origami_nlp.arguments import refuse
 from origami_nlp.cli import options as o
 from origami_nlp.cli.output import Output
+from origami_nlp.cli.progress import progress
 from origami_nlp.cli.search import search
 from origami_nlp.cli.source import Source, takes_scene
+from origami_nlp.cli.timed import bounded
 from origami_nlp.errors import Interrupted, OptionError
 
 if TYPE_CHECKING:
+    from origami_nlp.landscape import ExactLandscape
     from origami_nlp.minima import MinimaResult
 
 
@@ -116,3 +120,92 @@ def _write_certificate(result: MinimaResult, file: str) -> None:
     models = [Model(one) for one in result.scene.of_each_winding]
     proofs = [prove(model, record=True, most=found.boxes) for model in models]
     write_certificate(certificate_of(result.scene, *proofs), file)
+
+
+def check_proof(proof: o.ProofFile, json: o.JsonFile = None) -> None:
+    """Check a proof that a list of minima is complete, claim by claim, in ball arithmetic.
+
+    Exit code 1 if a claim is not confirmed: the first one is named.
+    """
+    from origami_nlp.proof import check_proof as check, read_certificate
+
+    out = Output(json=json)
+    certificate = read_certificate(proof)
+    with progress(f"check of {proof}", len(certificate.nodes.kind)) as report:
+        found = check(certificate, lambda done, total: report(done, total))
+    out.say("\n".join(found.lines), highlight=False, soft_wrap=True)
+    out.write("json", found.to_dict)
+    if found.refused:
+        raise typer.Exit(1)
+
+
+SMALLEST, LARGEST = 16, 4097
+
+
+@bounded
+@takes_scene(o.SceneFile)
+def landscape(
+    scene: Source,
+    figure: o.FigureFile = None,
+    npz: o.NpzFile = None,
+    json: o.JsonFile = None,
+    html: o.HtmlFile = None,
+    size: o.Size = 401,
+    passes: Annotated[
+        bool, typer.Option("--passes", help="Find the passes between minima and draw the paths.")
+    ] = False,
+    seed: o.Seed = 0,
+) -> None:
+    """Map the energy landscape of SCENE: exact boundaries, minima, space, critical points and passes."""
+    from origami_nlp.barriers import find_barriers
+    from origami_nlp.chart import chart_of, landscape as coordinates
+    from origami_nlp.critical import find_critical_points
+    from origami_nlp.landscape import (
+        draw_landscape,
+        find_landscape,
+        landscape_to_dict,
+    )
+    from origami_nlp.show import TurnedPage
+    from origami_nlp.space import find_space
+
+    out = Output(figure=figure, npz=npz, json=json, html=html)
+    stated = scene.read()
+    if not SMALLEST <= size <= LARGEST:
+        raise OptionError(f"--size = {size} must lie between {SMALLEST} and {LARGEST}")
+    if chart_of(stated) is None:
+        why = coordinates(stated, 8).reason or "it has one symmetric freedom only"
+        raise OptionError(f"scene has no landscape over two coordinates: {why}")
+    if json and stated.contact != "full":
+        raise OptionError(
+            f"--json: the admissible space needs contact = 'full', not {stated.contact!r}"
+        )
+    result = search(stated, scene.name, seed=seed, full=True, escape=False)
+    with progress("boundary"):
+        exact = find_landscape(result, size)
+    exact.tell(out.console)
+    barriers = None
+    if json or passes:
+        with progress("passes between minima"):
+            barriers = find_barriers(stated, result, seed=seed)
+        for step in barriers.passes:
+            kind = f"{step.pass_kind}, {step.energy:.9g} J"
+            out.say(f"pass {step.from_state} - {step.to_state}: {kind}", highlight=False)
+    if json:
+        with progress("space and critical points"):
+            space = find_space(stated)
+            critical = find_critical_points(stated, result, seed=seed)
+        out.say(critical.verdict(space.euler_characteristic).text, highlight=False)
+        out.write("json", landscape_to_dict, exact, space, critical, barriers)
+    out.write("npz", _npz, exact)
+    out.write("figure", draw_landscape, exact, barriers)
+    out.save("html", lambda file: TurnedPage(exact.turned(barriers)).save(file))
+
+
+def _npz(exact: ExactLandscape) -> bytes:
+    import numpy as np
+
+    from origami_nlp.landscape import to_arrays
+
+    content = io.BytesIO()
+    np.savez_compressed(content, **to_arrays(exact))
+    return content.getvalue()

@@ -1,0 +1,243 @@
+"""Commands for many vertices, scenes and creases: `pattern`, `follow`, `boundary` and `sweep`."""
+
+from __future__ import annotations
+
+import json as js
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from origami_nlp.cli import options as o
+from origami_nlp.cli.output import Output, answers
+from origami_nlp.cli.progress import progress
+from origami_nlp.cli.source import Source, takes_scene
+from origami_nlp.cli.timed import ENDED
+from origami_nlp.errors import SweepError
+
+if TYPE_CHECKING:
+    from origami_nlp.sheets import Motion, Overview
+
+
+@takes_scene(o.PatternFile, whole=True)
+def pattern(
+    scene: Source,
+    path: Annotated[
+        bool, typer.Option("--path", help="Trace its folding motion up to the first contact.")
+    ] = False,
+    seed: o.Seed = 0,
+    json: o.JsonFile = None,
+    figure: o.FigureFile = None,
+    fold: o.StatesFold = None,
+    mesh: o.StatesMesh = None,
+    html: o.HtmlFile = None,
+) -> None:
+    """Say what a crease pattern is; with --path how it folds as a rigid sheet.
+
+    Facets, creases, vertices, holes, freedoms, redundant equations, what is odd.  Files hold the folding motion, or
+    without --path the folded state at which freedoms were counted.  Its stable states: minima; under a load: load.
+    """
+    from origami_nlp.minima import check_mesh
+    from origami_nlp.sheets import find_motion, overview
+
+    out = Output(json=json, figure=figure, fold=fold, mesh=mesh, html=html)
+    if mesh:
+        check_mesh(mesh)
+    sheet = scene.read_pattern()
+    seen = overview(sheet, seed)
+    seen.tell(out.console)
+    motion = find_motion(sheet, seen, seed) if path else None
+    if motion is not None:
+        motion.tell(out.console)
+    _Files(seen, motion).write(out)
+
+
+class _Files:
+    """What goes to the files of the command."""
+
+    def __init__(self, seen: Overview, motion: Motion | None) -> None:
+        self.seen, self.motion, self.pattern = seen, motion, seen.pattern
+        phi = self.pattern.reference if seen.folded is None else seen.folded
+        title = f"folded: {seen.start}" if seen.start else "as in the file"
+        self.states = [] if motion is not None else [(title, phi)]
+
+    def write(self, out: Output) -> None:
+        """Write them."""
+        out.write("json", self._data)
+        out.write("figure", (self.motion or self.seen).draw)
+        out.write("fold", self._fold)
+        out.save("mesh", self._mesh)
+        out.save("html", self._page)
+
+    def _data(self) -> dict[str, Any]:
+        data = self.seen.to_dict()
+        return data if self.motion is None else {**data, "motion": self.motion.to_dict()}
+
+    def _fold(self) -> str:
+        from origami_nlp.facets import sheet_frame, sheet_to_fold
+
+        frames = [sheet_frame(self.pattern, phi, title) for title, phi in self.states]
+        if self.motion is not None:
+            shown = self.motion.shown(60)
+            frames += [
+                sheet_frame(
+                    self.pattern,
+                    self.motion.fold_angles[k],
+                    f"folding motion, {number} of {len(shown)}",
+                    energy=float(self.motion.energy[k]),
+                    path="folding motion",
+                )
+                for number, k in enumerate(shown, start=1)
+            ]
+        data = sheet_to_fold(self.pattern, frames)
+        return js.dumps(data, indent=1, allow_nan=False) + "\n"
+
+    def _mesh(self, file: str) -> None:
+        from origami_nlp.facets import sheet_parts
+        from origami_nlp.minima import write_parts
+
+        states = [phi for _, phi in self.states]
+        if self.motion is not None:
+            states += [self.motion.fold_angles[k] for k in self.motion.shown(6)]
+        write_parts(sheet_parts(self.pattern, states), file)
+
+    def _page(self, file: str) -> None:
+        from origami_nlp.sheets import sheet_content
+        from origami_nlp.show import TurnedPage
+
+        states: list[Any] = [(title, phi, ()) for title, phi in self.states]
+        if self.motion is not None:
+            states = [(f"end: {self.motion.end}", self.motion.fold_angles[-1], ())]
+        told = [one for one in (self.motion, self.seen) if one is not None]
+        pieces = [piece for one in told for piece in one.told()]
+        TurnedPage(sheet_content(self.pattern, states, self.motion, pieces)).save(file)
+
+
+@takes_scene(o.OrigamiFile, whole=True)
+@answers(
+    "figure", "json", "fold", "html", search=("full", "effort", "seed", "max_starts", "seconds")
+)
+def follow(
+    scene: Source,
+    over: o.Over,
+    checks: Annotated[
+        int,
+        typer.Option(metavar="N", help="Searches: both ends, the middle, then the widest gaps."),
+    ] = 3,
+    through_folds: Annotated[
+        bool, typer.Option(help="Follow states through folds, where they are saddles.")
+    ] = True,
+    morse: Annotated[
+        bool, typer.Option("--morse", help="Check the Morse identity at each check.")
+    ] = False,
+    prove: o.ProveChecks = None,
+    starts: o.Starts = None,
+    **search: Any,
+) -> Any:
+    """Follow the states of ORIGAMI over a parameter, and locate where they appear, change and vanish."""
+    from origami_nlp.atlas import follow as follow_states
+
+    # options of an example by name are among what it can be followed over
+    named = scene.is_example and not scene.given
+    return follow_states(
+        scene.name if named else scene.read_whole(),
+        over,
+        checks=checks,
+        through_folds=through_folds,
+        morse=morse or None,
+        prove=o.wanted_proof(prove),
+        starts=starts,
+        **search,
+    )
+
+
+@takes_scene(o.SceneFile)
+@answers("figure", "json", search=("effort", "seed", "seconds"))
+def boundary(
+    scene: Source,
+    event: Annotated[
+        str,
+        typer.Option(
+            metavar="NAME=FROM:TO",
+            help="The parameter in whose range events are looked for; NAME=VALUE for those nearby.",
+        ),
+    ],
+    over: o.Over,
+    lines: Annotated[
+        int,
+        typer.Option(metavar="N", help="Values of the second at which the first is followed."),
+    ] = 3,
+    **search: Any,
+) -> Any:
+    """Draw where states of SCENE appear, change and vanish over two parameters, as exact curves."""
+    from origami_nlp.atlas import find_boundaries
+
+    return find_boundaries(scene.read(), event, over, lines=lines, **search)
+
+
+def sweep(
+    spec: o.SweepFile,
+    out: Annotated[Path, o.OutFolder],
+    workers: o.WorkersWanted = None,
+    dask: Annotated[
+        str | None,
+        typer.Option(metavar="ADDRESS", help="Run on an existing Dask cluster (extra sweep)."),
+    ] = None,
+    seconds: o.Seconds = None,
+    figure: o.FigureFile = None,
+) -> None:
+    """Find the minima of every scene, or pattern, of SWEEP; run it again to go on after an interruption."""
+    from origami_nlp.files import make_folder
+    from origami_nlp.sweep import draw_sweep, read_sweep, run_sweep
+
+    output = Output(figure=figure)
+    stated = read_sweep(spec)
+    make_folder(out, "--out")
+    with _executor(dask) as executor, progress(Path(spec).name, stated.count) as report:
+        done = run_sweep(
+            stated,
+            out,
+            executor=executor,
+            workers=workers,
+            seconds=seconds,
+            progress=lambda done, total, states: report(done, total, f"{states} states"),
+        )
+    counts = ", ".join(f"{n:,} {status}" for status, n in sorted(done.counts.items())) or "none"
+    output.say(f"{stated.count:,} scenes: {counts}; {done.ran:,} run now in {done.seconds:.1f} s")
+    if done.interrupted:
+        late = seconds is not None and done.seconds >= seconds
+        by = " by the time limit" if late else ""
+        output.say(f"interrupted{by}: the same command goes on from here")
+        raise typer.Exit(ENDED if late else 130)
+    failed = done.counts.get("failed")
+    if failed:
+        output.say("failed scenes are tried again by the same command; reasons are in the store")
+    output.written(out)
+    output.write("figure", draw_sweep, out)
+    if failed:
+        raise typer.Exit(1)
+
+
+@contextmanager
+def _executor(address: str | None):  # type: ignore[no-untyped-def]
+    """The executor of a Dask cluster, or None for processes."""
+    if address is None:
+        yield None
+        return
+    try:
+        from distributed import Client
+    except ImportError:
+        raise SweepError('--dask needs dask: pip install "origami_nlp[sweep]"') from None
+    try:
+        client: Any = Client(address, timeout=10, set_as_default=False)
+    except (OSError, ValueError) as error:
+        raise SweepError(
+            f"--dask {address!r} cannot be reached: {str(error).splitlines()[0]}"
+        ) from None
+    try:
+        pool = client.get_executor()
+        pool.num_workers = sum(client.nthreads().values())
+        yield pool
+    finally:
+        client.close()

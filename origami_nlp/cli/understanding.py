@@ -1,0 +1,302 @@
+"""Commands that say more of states: `contacts`, `modes`, `load`, `barriers`, `critical` and `space`."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import Annotated, Any, TypeAlias
+
+import typer
+
+from origami_nlp.cli import options as o
+from origami_nlp.cli.output import Output, answers
+from origami_nlp.cli.progress import progress
+from origami_nlp.cli.search import search, search as search_minima
+from origami_nlp.cli.source import Source, takes_scene
+from origami_nlp.cli.timed import bounded
+from origami_nlp.errors import OptionError
+from origami_nlp.pattern import Scene, examples
+
+Creases: TypeAlias = Annotated[
+    list[int] | None,
+    typer.Option(
+        metavar="K",
+        help="Torque on crease K, from 1; of a pattern, repeated: on each of them; of a vertex on its images too.",
+    ),
+]
+PullOf: TypeAlias = Annotated[
+    str | None,
+    typer.Option(
+        metavar="V,W",
+        help="Of a pattern: forces that pull vertices V and W apart, numbered from 0 as in the file.",
+    ),
+]
+ForceOn: TypeAlias = Annotated[
+    str | None,
+    typer.Option(
+        metavar="V,X,Y,Z",
+        help="Of a pattern: a force along (X, Y, Z) on vertex V, as seen from the facet --held.",
+    ),
+]
+Held: TypeAlias = Annotated[
+    int, typer.Option(metavar="F", help="With --force: the facet that is held, from 1.")
+]
+
+
+def load_number(text: str) -> float:
+    """Return the load that ``--to`` says."""
+    try:
+        return float(text)
+    except ValueError:
+        raise OptionError(f"--to = {text!r} must be a load, or snap") from None
+
+
+def work_of(
+    sheet: Any, creases: list[int] | None, pull: str | None, force: str | None, held: int
+) -> Any:
+    """Return what a load on a pattern works on, as options say it."""
+    from origami_nlp.facets import DeadForce, Pull, Torque
+
+    if creases:
+        return Torque(sheet, tuple(creases))
+    if pull:
+        a, b = _numbers("--pull", pull, 2)
+        return Pull(sheet, (_whole("--pull", a), _whole("--pull", b)))
+    v, x, y, z = _numbers("--force", force or "", 4)
+    return DeadForce(sheet, _whole("--force", v), (x, y, z), held)
+
+
+def _numbers(option: str, text: str, count: int) -> list[float]:
+    try:
+        values = [float(part) for part in text.split(",")]
+    except ValueError:
+        values = []
+    if len(values) != count or not all(map(math.isfinite, values)):
+        raise OptionError(f"{option} = {text!r} must be {count} numbers with commas between them")
+    return values
+
+
+def _whole(option: str, value: float) -> int:
+    if value != int(value):
+        raise OptionError(f"{option}: vertex {value:g} must be a whole number, as in the file")
+    return int(value)
+
+
+SEARCHES = ("seed", "max_starts", "effort", "starts", "workers")
+"""Options of the search whose minima are looked at."""
+
+
+@bounded
+@takes_scene(o.OrigamiFile, whole=True)
+@answers("json", "markdown", "html", search=SEARCHES)
+def contacts(
+    scene: Source,
+    state: o.StateNumber = None,
+    segments: Annotated[
+        bool, typer.Option("--segments", help="Also follow the contact boundaries (metastability).")
+    ] = False,
+    **options: Any,
+) -> Any:
+    """Report contact moments, stiffness along the contact and load margin of ORIGAMI's pinned states."""
+    from origami_nlp.contact import find_contacts
+
+    stated = scene.read_whole(contact=True)
+    result = search(stated, scene.name, contact=scene.whole_contact, escape=False, **options)
+    return find_contacts(result, state=state, segments=segments)
+
+
+@bounded
+@takes_scene(o.OrigamiFile, whole=True)
+@answers("json", "markdown", "figure", search=SEARCHES)
+def modes(scene: Source, state: o.StateNumber = None, **options: Any) -> Any:
+    """Report stiffness and energy along each eigenmode of ORIGAMI's minima, until something touches."""
+    from origami_nlp.modes import find_modes
+
+    options |= {"prove": None if scene.is_whole else False, "contact": scene.whole_contact}
+    stated = scene.read_whole(contact=True)
+    return find_modes(search(stated, scene.name, escape=False, **options), state=state)
+
+
+@takes_scene(o.OrigamiFile, whole=True)
+@answers(
+    "figure", "json", "fold", "html", search=("full", "effort", "seed", "max_starts", "seconds")
+)
+def load(
+    scene: Source,
+    crease: Creases = None,
+    pull: PullOf = None,
+    force: ForceOn = None,
+    held: Held = 1,
+    to: Annotated[
+        str,
+        typer.Option(
+            metavar="LOAD|snap",
+            help="Torque [N m], force [N] or factor at which the path ends, from 0; snap: both ways to the first snap.",
+        ),
+    ] = "snap",
+    state: Annotated[
+        int, typer.Option(metavar="K", help="Number of the minimum at load 0 that is loaded.")
+    ] = 1,
+    back: Annotated[bool, typer.Option("--back", help="Let the load fall back to 0.")] = False,
+    confirm: Annotated[
+        bool, typer.Option(help="Search for the minima on both sides of each snap.")
+    ] = True,
+    starts: o.Starts = None,
+    **search: Any,
+) -> Any:
+    """Load a stable state of ORIGAMI until it snaps, or to a given load: load against angle, snaps, hysteresis.
+
+    A FOLD file or an example is loaded as a whole, as a rigid sheet, unless --vertex names one vertex of it.  A vertex
+    without --crease is loaded by the scene's own forces.
+    """
+    from origami_nlp.loading import load_path
+    from origami_nlp.pattern import Scene
+
+    what = scene.read_whole()
+    work: Any
+    if isinstance(what, Scene):
+        if pull or force or len(crease or ()) > 1:
+            raise OptionError("--pull, --force and several --crease are for patterns")
+        work = crease[0] if crease else None
+    else:
+        if sum(map(bool, (crease, pull, force))) != 1:
+            raise OptionError(
+                "a pattern is loaded by one of --crease K, --pull V,W and --force V,X,Y,Z"
+            )
+        work = work_of(what, crease, pull, force, held)
+    end = to if to == "snap" else load_number(to)
+    return load_path(
+        what, work, to=end, state=state, back=back, confirm=confirm, starts=starts, **search
+    )  # fmt: skip
+
+
+@bounded
+@takes_scene(o.OrigamiUnlessPanels, whole=True)
+def barriers(
+    scene: Source | None = None,
+    seed: o.Seed = 0,
+    json: o.JsonFile = None,
+    figure: o.FigureFile = None,
+    full: o.Full = False,
+    panels: o.Panels = False,
+    markdown: o.MarkdownFile = None,
+    fold: o.PathsFold = None,
+    html: o.HtmlFile = None,
+    animate: o.AnimateFile = None,
+) -> None:
+    """Find the lowest pass between every two minima of ORIGAMI, and a path through it.
+
+    Of a vertex with up to two freedoms, or of a pattern with one.  With --full the barriers without the symmetry are
+    bounded as well.
+    """
+    from origami_nlp.barriers import (
+        barriers_table,
+        check_freedoms,
+        draw_barriers,
+        find_barriers,
+    )
+
+    given = scene.name if scene else None
+    if panels == (scene is not None):
+        raise OptionError(f"ORIGAMI = {given!r}: give a file, an example or --panels, and not both")
+    out = Output(json=json, figure=figure, markdown=markdown, fold=fold, html=html, animate=animate)
+    if panels and fold is not None:
+        raise OptionError(
+            f"--fold = {fold!r}: paths of one ORIGAMI make a file, those of --panels do not"
+        )
+    if panels and animate:
+        raise OptionError("--animate is for one ORIGAMI, not for --panels")
+    stated: list[Any] = [scene.read_whole()] if scene else [*examples.panels()]
+    for one in stated:
+        if isinstance(one, Scene):
+            check_freedoms(one)
+    found = []
+    for one in stated:
+        result = search(one, given, seed=seed, full=full or None, escape=False)
+        with progress(f"{getattr(one, 'label', given) or given}: passes between the minima"):
+            found.append(find_barriers(one, result, full=full or None, seed=seed))
+        found[-1].tell(out.console)
+    documents = [b.to_dict() for b in found]
+    out.write("json", lambda: documents if panels else documents[0])
+    out.write("markdown", lambda: barriers_table(found).markdown())
+    out.write("fold", lambda: found[0].to_fold())
+    out.write("figure", draw_barriers, *found)
+    out.turn(*found)
+
+
+@bounded
+@takes_scene(o.SceneUnlessPanels)
+def critical(
+    scene: Source | None = None,
+    seed: o.Seed = 0,
+    json: o.JsonFile = None,
+    compare: Annotated[
+        bool,
+        typer.Option(
+            "--compare/--no-compare", help="Also search for minima, and compare the two lists."
+        ),
+    ] = True,
+    panels: o.Panels = False,
+    everything: Annotated[
+        bool, typer.Option("--all", help="Show points that are not essential as well.")
+    ] = False,
+    markdown: o.MarkdownFile = None,
+) -> None:
+    """Find minima, saddles and maxima of SCENE, contacts included, and check the Morse identity."""
+    from rich.text import Text
+
+    from origami_nlp.critical import (
+        PANEL_HEADS,
+        compare_minima,
+        find_critical_points,
+        panel_row,
+    )
+    from origami_nlp.show import rows_markdown, rows_table
+    from origami_nlp.space import find_space
+
+    out = Output(json=json, markdown=markdown)
+    given = scene.name if scene else None
+    if panels and scene is not None:
+        raise OptionError(f"SCENE = {given!r}: give a scene file or --panels, and not both")
+    if scene is None and not panels:
+        raise OptionError("SCENE is missing: give a scene file, or --panels for those of the paper")
+    scenes = [scene.read()] if scene else examples.panels()
+    rows, data = [], []
+    euler: dict[object, int] = {}
+    for number, stated in enumerate(scenes):
+        name = stated.label or str(given)
+        with progress("critical points", len(scenes)) as report:
+            report(number, text=name)
+            found = find_critical_points(stated, seed=seed)
+            if compare:
+                found = compare_minima(found, search_minima(stated, given, seed=seed, escape=False))
+            shape = (stated.vertex, stated.group.name, stated.mirror)
+            if shape not in euler:
+                report(text=f"{name}: space")
+                euler[shape] = find_space(stated).euler_characteristic
+        verdict = found.verdict(euler[shape])
+        rows.append(panel_row(found, verdict.euler_characteristic))
+        data.append(replace(found, morse=verdict).to_dict())
+        if scene is not None:
+            out.say(found.table(everything))
+            for line in found.lines(everything):
+                out.say(Text(line))
+            out.say(verdict.text)
+        elif out.console.is_terminal:
+            out.say(f"{stated.label}: {verdict.text}")
+    if scene is None:
+        out.say(rows_table(PANEL_HEADS, rows, "critical points of the paper's panels"))
+    out.write("markdown", rows_markdown, PANEL_HEADS, rows)
+    out.write("json", lambda: data[0] if scene is not None else data)
+
+
+@bounded
+@takes_scene(o.SceneFile)
+@answers("json", "figure")
+def space(scene: Source, rings: o.Rings = 64) -> Any:
+    """Find components, holes, pinch points and handles of SCENE's admissible symmetric states."""
+    from origami_nlp.space import find_space
+
+    stated = scene.read()
+    with progress(f"{stated.label or scene.name}: mesh, walls, layers"):
+        return find_space(stated, rings)

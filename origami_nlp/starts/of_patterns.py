@@ -1,0 +1,168 @@
+"""Starts of patterns: what the pattern itself gives, any fold angles, grown out of the flat state, vertices popped."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from itertools import product
+
+import numpy as np
+
+from origami_nlp.facets import Labels, Sheet
+from origami_nlp.numerics import CLOSES, RESOLVED
+from origami_nlp.pattern import Pattern
+from origami_nlp.starts.family import Listed, StartFamily
+from origami_nlp.starts.samples import Samples
+
+
+class Given(Listed):
+    """Fold angles that a pattern itself gives.
+
+    Parameters
+    ----------
+    pattern
+        With its springs.
+    """
+
+    name = "starts that the pattern gives"
+    sentence = "what the file states, mountains and valleys folded, rest angles"
+
+    def __init__(self, pattern: Pattern) -> None:
+        self.size = pattern.creases
+        self._pattern = pattern
+
+    def states(self) -> Iterator[np.ndarray]:
+        """Yield them, none closed yet."""
+        pattern = self._pattern
+        if not np.isnan(pattern.file_angles).any():
+            yield pattern.file_angles
+        if pattern.reference.any():
+            yield pattern.reference
+        if pattern.signs.any():
+            yield from (0.4 * pattern.signs, 1.0 * pattern.signs)
+        if pattern.rest.any():
+            yield from (0.3 * pattern.rest, pattern.rest)
+
+
+class Uniform(StartFamily):
+    """Fold angles up to a random size, whatever closes.
+
+    Parameters
+    ----------
+    labels
+        Of the pattern: fold angles are drawn in their order.
+    """
+
+    name = "uniform"
+    sentence = "any fold angles"
+
+    def __init__(self, labels: Labels) -> None:
+        self._labels = labels
+
+    def draw(self, rng: np.random.Generator, many: int) -> Samples:
+        """Draw states one after the other."""
+        x = [self._labels.drawn(self._angles(rng)) for _ in range(many)]
+        return Samples.at_limits(np.array(x).reshape(many, -1))
+
+    def _angles(self, rng: np.random.Generator) -> np.ndarray:
+        size = rng.uniform(0.3, math.pi)
+        return rng.uniform(-size, size, len(self._labels.order))
+
+
+class UniformShut(Uniform):
+    """The same with up to half of the creases shut, which is kept as long as their springs push."""
+
+    name = "uniform, some shut"
+    sentence = "any fold angles, some creases shut"
+
+    def _angles(self, rng: np.random.Generator) -> np.ndarray:
+        angles = super()._angles(rng)
+        n = len(angles)
+        shut = rng.permutation(n)[: int(rng.integers(1, max(2, n // 2)))]
+        angles[shut] = rng.choice([-math.pi, math.pi], len(shut))
+        return angles
+
+
+class Grown(StartFamily):
+    """States that steps along what closure leaves free reach from the flat one.
+
+    Parameters
+    ----------
+    sheet
+        Of a pattern that is flat at zero.
+    labels
+        Of the pattern: directions are drawn in their order.
+    """
+
+    name = "grown"
+    sentence = "grown out of the flat state"
+
+    def __init__(self, sheet: Sheet, labels: Labels) -> None:
+        self._sheet, self._labels = sheet, labels
+
+    def draw(self, rng: np.random.Generator, many: int) -> Samples:
+        """Grow states one after the other."""
+        x = [self._grown(rng) for _ in range(many)]
+        return Samples.at_limits(np.array(x).reshape(many, self._sheet.size))
+
+    def _grown(self, rng: np.random.Generator) -> np.ndarray:
+        sheet = self._sheet
+        n = sheet.size
+        phi, residual = sheet.project(self._labels.drawn(rng.uniform(-0.3, 0.3, n)))
+        way = phi
+        for _ in range(int(rng.integers(0, 8))):
+            aside = self._labels.drawn(rng.normal(size=n))
+            way = sheet.along(phi, way + 0.5 * aside * np.abs(way).max())
+            size = float(np.abs(way).max())
+            if residual > CLOSES or size < RESOLVED:
+                break
+            new, residual = sheet.project(phi + 0.3 * way / size)
+            if residual > CLOSES or np.abs(new).max() > math.pi or not sheet.closure.on_sheet(new):
+                break
+            phi = new
+        return phi
+
+
+def families_in_turn(sheet: Sheet, labels: Labels) -> tuple[StartFamily, ...]:
+    """Return the families of random starts of a pattern, from which one start each is drawn in turn."""
+    anywhere = Uniform(labels)
+    grown = Grown(sheet, labels) if sheet.pattern.is_flat else anywhere
+    return grown, anywhere, UniformShut(labels)
+
+
+POPPED = (1.0, -1.0), (1.0, -0.3), (0.3, -1.0), (0.3, -0.3)
+"""Where a vertex is popped: what all folds are multiplied by, and those round it besides."""
+
+
+class Popped(Listed):
+    """A state with each vertex popped that is not flat, in an order that labels do not change.
+
+    Parameters
+    ----------
+    pattern, labels
+        The pattern, and the order of its creases.
+    phi
+        The state, [n] [rad].
+    """
+
+    name = "minima with a vertex popped"
+    sentence = "a minimum with one vertex on its other side"
+
+    def __init__(self, pattern: Pattern, labels: Labels, phi: np.ndarray) -> None:
+        self.size = pattern.creases
+        self._around, self._phi = creases_around(pattern, labels), phi
+
+    def states(self) -> Iterator[np.ndarray]:
+        """Yield them, none closed yet."""
+        for creases, (size, share) in product(self._around, POPPED):
+            if self._phi[creases].any():
+                start = size * self._phi
+                start[creases] *= share
+                yield start
+
+
+def creases_around(pattern: Pattern, labels: Labels) -> list[list[int]]:
+    """Return the creases round each vertex, in an order of vertices that labels do not change."""
+    rank = np.argsort(labels.order)
+    around = [list(loop.creases) for loop in pattern.vertices]
+    return sorted(around, key=lambda creases: sorted(rank[creases].tolist()))

@@ -1,0 +1,111 @@
+"""Starts that are listed: the rest state, flat foldings and rigid states, isolated points that no descent may find."""
+
+from __future__ import annotations
+
+import itertools
+import math
+
+import numpy as np
+
+from origami_nlp.kkt import project
+from origami_nlp.numerics import BESIDE, CLOSES, NONZERO, ROUNDED
+from origami_nlp.programme import Programme
+from origami_nlp.starts.family import Listed
+from origami_nlp.starts.projected import BATCH
+
+
+class RestState(Listed):
+    """The rest angles where they are a closed state of the model to rounding.
+
+    No state has less energy, however near a singular set it lies.  Beside one, what misses by d closes to d^2:
+    the move that would close it decides, not the residual.  Under forces in space they are nothing special.
+
+    Parameters
+    ----------
+    model
+        Of any scene.
+    """
+
+    name = "the rest state"
+    sentence = "the rest angles, where they close"
+
+    def states(self) -> list[np.ndarray]:
+        """Return it, or nothing."""
+        model = self._model
+        if model.parameters.dead is not None:
+            return []
+        x = model.parameters.rest.copy()
+        value, jacobian = model.closure(x)
+        singular = np.linalg.svd(jacobian, compute_uv=False)
+        move = np.linalg.norm(value) / max(float(singular.min()), NONZERO) if value.any() else 0.0
+        flat = bool((np.abs(x) % math.pi == 0).all())  # flat foldings are exact, and listed as such
+        return [x] if move <= ROUNDED and not flat and model.on_sheet(x) else []
+
+
+MOST_FLAT_VARIABLES = 9
+"""Flat foldings are listed for up to this many variables (3^9 = 19683 candidates)."""
+
+
+def flat_foldings(model: Programme) -> list[np.ndarray]:
+    """Return every state of the model whose fold angles are 0 or +-pi and that closes on the sheet.
+
+    Candidates only: layers are not ordered here.  Only the flat state without fold limits, or for too
+    many variables.
+    """
+    n = model.size
+    few = model.has_limits and n <= MOST_FLAT_VARIABLES
+    places = itertools.product((-1.0, 0.0, 1.0), repeat=n) if few else [(0.0,) * n]
+    x = math.pi * np.array(list(places))
+    closed = np.abs(model.closure(x)[0]).max(axis=1) <= CLOSES
+    return [state for state in x[closed] if model.on_sheet(state)]
+
+
+class FlatFoldings(Listed):
+    """Every flat folding of a model (`flat_foldings`).
+
+    Parameters
+    ----------
+    model
+        Of any scene.
+    """
+
+    name = "flat foldings"
+    sentence = "every fold angle 0 or +-pi"
+
+    def states(self) -> list[np.ndarray]:
+        """List them."""
+        return flat_foldings(self._model)
+
+
+class RigidStates(Listed):
+    """Isolated closed states of a model without freedom, other than flat foldings.
+
+    Gauss-Newton from random fold angles; states next to a flat folding are the slow approach to it.
+
+    Parameters
+    ----------
+    model
+        Without freedom.
+    seed
+        Of the fold angles.
+    """
+
+    name = "states that cannot move"
+    sentence = "isolated states of what has no freedom"
+
+    def __init__(self, model: Programme, seed: int) -> None:
+        super().__init__(model)
+        self._seed = seed
+
+    def states(self) -> list[np.ndarray]:
+        """Return those that are reached."""
+        model = self._model
+        flat = flat_foldings(model)
+        x = np.random.default_rng(self._seed).uniform(-math.pi, math.pi, (4 * BATCH, model.size))
+        x, residual = project(model, x)
+        found: list[np.ndarray] = []
+        for state in x[(residual <= CLOSES) & (np.abs(x) <= model.bound).all(axis=1)]:
+            known = [*flat, *found]
+            if model.on_sheet(state) and all(np.abs(state - k).max() > BESIDE for k in known):
+                found.append(state)
+        return found
