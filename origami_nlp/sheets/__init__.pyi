@@ -5,7 +5,6 @@ from .clearance import Clearance as Clearance, Stretches as Stretches
 from .confirming import Confirmed as Confirmed, confirm_minimum as confirm_minimum
 from .counts import (
     Overview as Overview,
-    jacobian_rank as jacobian_rank,
     overview as overview,
 )
 from .curve import (
