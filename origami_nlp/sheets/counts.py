@@ -300,6 +300,26 @@ def overview(pattern: Pattern | str | Path, seed: int = 0) -> Overview:
     )
 
 
+def jacobian_rank(sheet: Sheet, phi: np.ndarray, below: float = RANK) -> int:
+    """Count the singular values of the Jacobian of closure above a bound.
+
+    Parameters
+    ----------
+    sheet
+        The programme.
+    phi
+        A state [rad], [n].
+    below
+        Values up to this count as zero.
+
+    Returns
+    -------
+    int
+        The rank.
+    """
+    return sheet.rank(phi, below)
+
+
 def _folded(sheet: Sheet, rng: np.random.Generator) -> tuple[np.ndarray | None, str]:
     """Return the closed state in which most creases are folded, and what it was reached from."""
     best: tuple[tuple[int, int], np.ndarray | None, str] = ((0, 0), None, "")
