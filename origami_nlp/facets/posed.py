@@ -105,7 +105,8 @@ def _gap(sheet: Sheet, turns: ca.SX, touch: Touch) -> ca.SX:
         here: ca.SX = ca.SX(ca.DM(x))
         for crease, sign in reversed(sheet.crossings.poses.path(first, second)):
             fold, point = _fold(sheet, turns, crease, sign)
-            here = ca.vertcat(*quat.rotate(fold, here - ca.DM(point))) + ca.DM(point)
+            turned = quat.rotate(fold, ca.vertsplit(here - ca.DM(point)))
+            here = ca.SX(ca.vertcat(*turned) + ca.DM(point))
         return here
 
     a, b, c, d = (p.corners[i] for i in touch.corners)
