@@ -18,7 +18,7 @@ import numpy as np
 
 from origami_nlp.arguments import check_whole, shown
 from origami_nlp.errors import OptionError
-from origami_nlp.facets.poses import Poses
+from origami_nlp.facets.poses import Poses, rotations
 from origami_nlp.numerics import cross
 from origami_nlp.pattern import Pattern
 
@@ -43,7 +43,7 @@ class _Walk:
         for i, angle in enumerate(phi[self.creases] - self.reference):
             axes[i], origins[i] = turn @ self.axes[i], turn @ self.origins[i] + shift
             # motions are x -> turn x + shift; the turn about an axis through o is x -> o + r (x - o)
-            after = _rotation(self.axes[i], angle)
+            after = rotations(self.axes[i : i + 1], np.array([angle]))[0]
             shift = shift + turn @ (self.origins[i] - after @ self.origins[i])
             turn = turn @ after
         x = turn @ self.corner + shift
@@ -53,11 +53,6 @@ class _Walk:
         upper = np.triu(np.ones((len(axes), len(axes)), bool))[..., None]
         second = np.where(upper, second, second.swapaxes(0, 1))
         return x, first, second
-
-
-def _rotation(axis: np.ndarray, angle: float) -> np.ndarray:
-    k = np.array([[0, -axis[2], axis[1]], [axis[2], 0, -axis[0]], [-axis[1], axis[0], 0]])
-    return np.eye(3) + np.sin(angle) * k + 2 * np.sin(angle / 2) ** 2 * (k @ k)
 
 
 def _facets_at(pattern: Pattern, corner: int) -> list[int]:
