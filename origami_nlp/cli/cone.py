@@ -27,19 +27,13 @@ def count(
     json: o.JsonFile = None,
 ) -> None:
     """Count the minima on all 2^(N/2 + 1) branches exactly: interior, pinned by contact, falling at a cut."""
-    from origami_nlp.paper.cone import (
-        Cone,
-        count as count_minima,
-        count_to_dict,
-        print_count,
-        write_lines,
-    )
+    from origami_nlp.paper import cone as cones
 
     out = Output(json=json)
     nu = parse_angle(rest_elevation, "--rest-elevation")
-    found = count_minima(Cone(degree, rest, end), ratio, nu, depth=depth)
-    print_count(found, out.console)
-    out.save("json", write_lines, count_to_dict(found))
+    found = cones.count(cones.Cone(degree, rest, end), ratio, nu, depth=depth)
+    cones.print_count(found, out.console)
+    out.save("json", cones.write_lines, cones.count_to_dict(found))
 
 
 def foldings(
@@ -51,19 +45,13 @@ def foldings(
     json: o.JsonFile = None,
 ) -> None:
     """Count foldings up to rotation (necklaces) and up to rotation and reflection (bracelets)."""
-    from origami_nlp.paper.cone import (
-        LARGEST_LISTED,
-        check_degree,
-        foldings_to_dict,
-        print_foldings,
-        write_lines,
-    )
+    from origami_nlp.paper import cone as cones
 
-    check_degree(degree, LARGEST_LISTED if listed else MOST_DIGITS)
+    cones.check_degree(degree, cones.LARGEST_LISTED if listed else MOST_DIGITS)
     out = Output(json=json)
     shown = degree <= 16 if listed is None else listed
-    print_foldings(degree, out.console, shown)
-    out.save("json", write_lines, foldings_to_dict(degree, shown))
+    cones.print_foldings(degree, out.console, shown)
+    out.save("json", cones.write_lines, cones.foldings_to_dict(degree, shown))
 
 
 def branch(
@@ -73,19 +61,14 @@ def branch(
     json: o.JsonFile = None,
 ) -> None:
     """Print the fold angles of a folded cone, in radians and (as in FOLD files) in degrees."""
-    from origami_nlp.paper.cone import (
-        branch as cone_branch,
-        branch_to_dict,
-        print_branch,
-        write_lines,
-    )
+    from origami_nlp.paper import cone as cones
 
     out = Output(json=json)
     nu = parse_angle(elevation, "--elevation")
-    state = cone_branch(flaps, -1 if nu < 0 else 1, end=end)
-    data = branch_to_dict(state, nu)  # complains past the end, before anything is written
-    print_branch(state, nu, out.console)
-    out.save("json", write_lines, data)
+    state = cones.branch(flaps, -1 if nu < 0 else 1, end=end)
+    data = cones.branch_to_dict(state, nu)  # complains past the end, before anything is written
+    cones.print_branch(state, nu, out.console)
+    out.save("json", cones.write_lines, data)
 
 
 def draw(
@@ -99,27 +82,23 @@ def draw(
 
     A cone by its flaps is drawn at every --elevation that is given.
     """
-    from origami_nlp.paper.cone import (
-        ConeBranch,
-        check_degree,
-        draw_branch,
-        draw_foldings,
-        parse_flaps,
-    )
+    from origami_nlp.paper import cone as cones
 
     out = Output(figure=figure)
     angles = [parse_angle(text, "--elevation") for text in elevation or []]
     if flaps is not None:
-        word = parse_flaps(flaps, degree)
-        branch = ConeBranch(word, -1 if any(v < 0 for v in angles) else 1, end)
+        word = cones.parse_flaps(flaps, degree)
+        branch = cones.ConeBranch(word, -1 if any(v < 0 for v in angles) else 1, end)
         steps = [share * branch.end * branch.direction for share in (0.25, 0.5, 0.75, 1.0)]
-        out.write("figure", draw_branch, branch, angles or steps)
+        out.write("figure", cones.draw_branch, branch, angles or steps)
     elif degree is None:
         raise OptionError("--degree is missing: give a degree, or an assignment with --flaps")
     elif len(angles) > 1:
         raise OptionError("--elevation is given twice: all foldings are drawn at one elevation")
     else:
-        out.write("figure", draw_foldings, check_degree(degree), angles[0] if angles else 0.45)
+        out.write(
+            "figure", cones.draw_foldings, cones.check_degree(degree), angles[0] if angles else 0.45
+        )
 
 
 def phase(
@@ -136,30 +115,22 @@ def phase(
     ] = False,
 ) -> None:
     """Map the number of branch minima over (nu_0, r_k), with its exact boundaries."""
-    from origami_nlp.paper.cone import (
-        Cone,
-        check_size,
-        diagram_to_dict,
-        draw_phase,
-        map_as_csv,
-        phase_diagram,
-        print_diagram,
-    )
+    from origami_nlp.paper import cone as cones
 
-    check_size(size)
+    cones.check_size(size)
     out = Output(figure=figure, csv=csv, json=json)
     with progress(f"cone of degree {degree}", size) as report:
-        diagram = phase_diagram(
-            Cone(degree, rest, end),
+        diagram = cones.phase_diagram(
+            cones.Cone(degree, rest, end),
             size=size,
             depth=depth,
             contact=not without_contact,
             progress=report,
         )
-    print_diagram(diagram, out.console)
-    out.write("csv", map_as_csv, diagram)
-    out.write("json", diagram_to_dict, diagram)
-    out.write("figure", draw_phase, diagram)
+    cones.print_diagram(diagram, out.console)
+    out.write("csv", cones.map_as_csv, diagram)
+    out.write("json", cones.diagram_to_dict, diagram)
+    out.write("figure", cones.draw_phase, diagram)
 
 
 def full(
@@ -171,14 +142,14 @@ def full(
     json: o.JsonFile = None,
 ) -> None:
     """Judge every branch minimum in the full contact-admissible space (degrees up to 16)."""
-    from origami_nlp.paper.cone import Cone, full_space, full_space_to_dict, print_full_space
+    from origami_nlp.paper import cone as cones
 
     out = Output(json=json)
     nu = parse_angle(rest_elevation, "--rest-elevation")
     with progress("branch minima") as report:
-        found = full_space(Cone(degree, rest, end), ratio, nu, progress=report)
-    print_full_space(found, out.console)
-    out.write("json", full_space_to_dict, found)
+        found = cones.full_space(cones.Cone(degree, rest, end), ratio, nu, progress=report)
+    cones.print_full_space(found, out.console)
+    out.write("json", cones.full_space_to_dict, found)
 
 
 cone = Group("Cones (uniform vertices of even degree): branches, their minima, different foldings.")

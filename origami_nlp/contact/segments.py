@@ -185,6 +185,12 @@ def find_segments(
     model = result.model
     curves: list[BoundaryCurve] = []
     states: list[tuple[int, ...]] = []
+
+    def keep(curve: BoundaryCurve | None, *numbers: int) -> None:
+        if curve is not None and len(curve.s) > 1:
+            curves.append(curve)
+            states.append(numbers)
+
     for number, minimum in enumerate(result.minima, start=1):
         own = result.model_of(minimum)
         state = State(own, own.reduce(np.array(minimum.fold_angles)))
@@ -196,26 +202,18 @@ def find_segments(
                     states[known] = (*states[known], number)
                 continue
             curve = follow_boundary(held, stop_at_release=pinned and not every_boundary)
-            if curve is not None and len(curve.s) > 1:
-                curves.append(curve)
-                states.append((number,))
+            keep(curve, number)
     # lines that no stable state lies on: of the chart, then through states drawn at random
     if every_boundary:
         for line in _chart_lines(result.scene):
             middle = model.reduce(line.fold_angles[len(line.fold_angles) // 2])
             if _on_known(State(model, middle).on(line.rows), curves) is not None:
                 continue
-            curve = with_energy(model, line)
-            if len(curve.s) > 1:
-                curves.append(curve)
-                states.append(())
+            keep(with_energy(model, line))
         for held in _boundary_states(model, np.random.default_rng(seed)):
             if _on_known(held, curves) is not None:
                 continue
-            curve = follow_boundary(held, stop_at_release=False)
-            if curve is not None and len(curve.s) > 1:
-                curves.append(curve)
-                states.append(())
+            keep(follow_boundary(held, stop_at_release=False))
     total = sum(result.scene.stiffness)
     angles = [np.array(m.fold_angles) for m in result.minima]
     segments = [

@@ -12,8 +12,8 @@ a lower state alone (`ClosedContacts.complete`).
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
-from dataclasses import replace
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -21,12 +21,38 @@ import numpy as np
 from origami_nlp.facets.borders import choices
 from origami_nlp.facets.equations import MOST_DENSE, PatternEquations
 from origami_nlp.facets.faces import Faces, Lying
-from origami_nlp.facets.local import PatternLocal
 from origami_nlp.facets.meeting import needed_rows, touch_words, touches_at
-from origami_nlp.facets.touches import Touch
+from origami_nlp.facets.touches import Placed, Touch
 from origami_nlp.numerics import ANSWERED, CLOSES, INSIDE, LOADED, OUTSIDE, TOUCHES, Matrix, dense
 from origami_nlp.pattern import Pattern
 from origami_nlp.programme import ClosedContacts, Contact, ContactWords, Local, fold_limit
+
+
+@dataclass(frozen=True, eq=False)
+class PatternLocal(Local):
+    """Values and first derivatives at one state of a pattern; gaps, over a length, are evaluated once, when asked."""
+
+    placed: Callable[[np.ndarray], Placed]
+    touch: Callable[[Contact], Touch]
+    length: float
+    known: dict[Contact, tuple[float, np.ndarray]]
+
+    def openings(self, contacts: Sequence[Contact]) -> tuple[np.ndarray, np.ndarray]:
+        """How far contacts are open (>= 0 where they are), [r], and the gradients of that, [r, n]."""
+        values, slopes = np.zeros(len(contacts)), np.zeros((len(contacts), len(self.x)))
+        for r, contact in enumerate(contacts):
+            if contact.is_limit:
+                values[r] = math.pi - contact.side * self.x[contact.index]
+                slopes[r, contact.index] = -contact.side
+            else:
+                if contact not in self.known:
+                    touch, place = self.touch(contact), self.placed(self.x)
+                    self.known[contact] = (
+                        touch.gap(place) / self.length,
+                        touch.row(place) / self.length,
+                    )
+                values[r], slopes[r] = self.known[contact]
+        return values, slopes
 
 
 class PatternContacts(PatternEquations):

@@ -7,7 +7,7 @@ from functools import cached_property
 import numpy as np
 
 from origami_nlp.facets.poses import Poses
-from origami_nlp.numerics import DEEP, NONZERO, OUTSIDE, cross
+from origami_nlp.numerics import DEEP, NONZERO, OUTSIDE, cross, unit_normals
 from origami_nlp.pattern import Pattern
 
 
@@ -143,7 +143,7 @@ def cross_each_other(a: np.ndarray, b: np.ndarray, deep: float) -> np.ndarray:
     numpy.ndarray
         Of bool, [K].
     """
-    normal_a, normal_b = _normals(a), _normals(b)
+    normal_a, normal_b = unit_normals(a), unit_normals(b)
     line = cross(normal_a, normal_b)
     line /= np.maximum(np.linalg.norm(line, axis=1, keepdims=True), NONZERO)
     origin = b[:, :1]
@@ -154,12 +154,6 @@ def cross_each_other(a: np.ndarray, b: np.ndarray, deep: float) -> np.ndarray:
     shift = np.einsum("ki,ki->k", a[:, 0] - b[:, 0], line)
     overlap = np.minimum(high_a, high_b + shift) - np.maximum(low_a, low_b + shift)
     return through_a & through_b & (overlap > deep)
-
-
-def _normals(x: np.ndarray) -> np.ndarray:
-    """Return unit normals of plane polygons [K, q, 3]; about a corner, so that far from the origin nothing cancels."""
-    normal = cross(x - x[:, :1], np.roll(x, -1, axis=1) - x[:, :1]).sum(axis=1)
-    return normal / np.linalg.norm(normal, axis=1, keepdims=True)
 
 
 def _chord(
@@ -186,8 +180,7 @@ def convex_parts(
     A convex polygon is returned whole; others are cut into triangles by their ears.
     """
     x = corners[list(polygon)]
-    normal = cross(x - x[0], np.roll(x, -1, axis=0) - x[0]).sum(axis=0)
-    normal /= np.linalg.norm(normal)
+    normal = unit_normals(x)
     u = x[1] - x[0]
     u /= np.linalg.norm(u)
     flat = np.column_stack([(x - x[0]) @ u, (x - x[0]) @ cross(normal, u)])

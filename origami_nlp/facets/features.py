@@ -16,7 +16,7 @@ import numpy as np
 
 from origami_nlp.facets.crossings import Crossings
 from origami_nlp.facets.touches import Placed, Touch
-from origami_nlp.numerics import INSIDE, NONZERO, OUTSIDE, cross
+from origami_nlp.numerics import INSIDE, NONZERO, OUTSIDE, area_vectors, cross
 
 
 @dataclass(frozen=True)
@@ -281,8 +281,7 @@ class Features:
         for k in np.flatnonzero(crossings.facet == face):
             ring = list(dict.fromkeys(crossings.pieces[k].tolist()))
             x = at.points(np.full(len(ring), face), np.array(ring))
-            normal = cross(x - x[0], np.roll(x, -1, axis=0) - x[0]).sum(axis=0)
-            inward = cross(normal, np.roll(x, -1, axis=0) - x)
+            inward = cross(area_vectors(x), np.roll(x, -1, axis=0) - x)
             inward /= np.linalg.norm(inward, axis=1)[:, None]
             depth, size = np.einsum("qi,qi->q", inward, p[0] - x), crossings.size
             depth += np.where(crossings.inner[k, : len(ring)], INSIDE * size, 0.0)  # cuts are none

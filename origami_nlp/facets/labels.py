@@ -13,7 +13,7 @@ from itertools import product
 
 import numpy as np
 
-from origami_nlp.numerics import PLACES, SAME, cross
+from origami_nlp.numerics import PLACES, SAME, area_vectors, cross
 from origami_nlp.pattern import Loop, Pattern
 
 OFFSET = 0.37614159
@@ -154,8 +154,7 @@ def _normals(pattern: Pattern) -> np.ndarray:
     """Unit normals of the facets in the reference state, [F, 3]."""
     total = np.zeros((pattern.facets, 3))
     for piece, facet in zip(pattern.polygons, pattern.facet_of, strict=True):
-        x = pattern.corners[list(piece)]
-        total[facet] += cross(x - x[0], np.roll(x, -1, axis=0) - x[0]).sum(axis=0)
+        total[facet] += area_vectors(pattern.corners[list(piece)])
     return total / np.linalg.norm(total, axis=1, keepdims=True)
 
 

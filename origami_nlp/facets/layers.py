@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Any, Literal
+from dataclasses import dataclass, field
+from typing import Literal
 
 import numpy as np
 
@@ -42,7 +42,7 @@ class Layers:
     verdict: Literal["ordered", "crosses", "not decided"]
     reason: str = ""
     pairs: int = 0
-    orders: tuple[tuple[int, int, int], ...] = ()
+    orders: tuple[tuple[int, int, int], ...] = field(default=(), metadata={"plain": False})
     stated: bool = False
 
     def words(self) -> str:
@@ -52,15 +52,6 @@ class Layers:
         return (
             f"as in the file, {'in the order that it states' if self.stated else 'an order exists'}"
         )
-
-    def to_dict(self) -> dict[str, Any]:
-        """Return plain data, less the order itself."""
-        return {
-            "pairs": self.pairs,
-            "verdict": self.verdict,
-            "reason": self.reason,
-            "stated": self.stated,
-        }
 
 
 def order_layers(sheet: PatternEquations, phi: np.ndarray) -> Layers:

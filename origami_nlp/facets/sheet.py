@@ -23,12 +23,13 @@ from origami_nlp.numerics import CLOSES, OUTSIDE, TOUCHES, Matrix, dense
 from origami_nlp.pattern import Pattern
 from origami_nlp.programme import (
     Contact,
+    Energies,
     LoopClosure,
     Parameters,
 )
 
 
-class Sheet(PatternContacts):
+class Sheet(PatternContacts, Energies):
     """The nonlinear programme of a pattern (`programme.protocol.Programme`); states are its n fold angles.
 
     Parameters
@@ -108,22 +109,6 @@ class Sheet(PatternContacts):
         dead = self._dead
         room = 0.0 if dead is None else dead.work.room(self.scale * dead.t) / self.scale
         return float(self.parameters.energy(phi)) + room
-
-    def energy(self, x: np.ndarray) -> float:
-        """Energy of a state [n] in the units of the springs, less the work of the load if there is one."""
-        return self.scale * float(self.parameters.energy(x))
-
-    def energies(self, x: np.ndarray) -> np.ndarray:
-        """Energies of states [..., n], shape [...]."""
-        return np.apply_along_axis(self.energy, -1, np.asarray(x))
-
-    def energy_change(self, x: np.ndarray, y: np.ndarray) -> float:
-        """Energy of y less that of x, without cancellation for nearby states."""
-        return self.scale * float(self.parameters.energy_change(x, y))
-
-    def excess(self, x: np.ndarray) -> float:
-        """Energy above that of springs at rest, over `scale`."""
-        return float(self.parameters.excess(x))
 
     def expand(self, x: np.ndarray) -> np.ndarray:
         """Return the fold angles, which the variables are."""

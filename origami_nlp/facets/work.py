@@ -40,10 +40,10 @@ class _Walk:
         """Return the place [3] of the corner, its first [k, 3] and second derivatives [k, k, 3]."""
         turn, shift = np.eye(3), np.zeros(3)
         axes, origins = np.zeros_like(self.axes), np.zeros_like(self.origins)
-        for i, angle in enumerate(phi[self.creases] - self.reference):
+        turns = rotations(self.axes, phi[self.creases] - self.reference)
+        for i, after in enumerate(turns):
             axes[i], origins[i] = turn @ self.axes[i], turn @ self.origins[i] + shift
             # motions are x -> turn x + shift; the turn about an axis through o is x -> o + r (x - o)
-            after = rotations(self.axes[i : i + 1], np.array([angle]))[0]
             shift = shift + turn @ (self.origins[i] - after @ self.origins[i])
             turn = turn @ after
         x = turn @ self.corner + shift
@@ -82,8 +82,50 @@ def _corner(pattern: Pattern, corner: object, name: str) -> int:
     return number
 
 
+class _OfSheet:
+    """What every load on a sheet has."""
+
+    pattern: Pattern
+
+    @property
+    def unloaded(self) -> Pattern:
+        """The sheet, with its energy without the load."""
+        return self.pattern
+
+
+class _OfPlaces(_OfSheet):
+    """A load on the place of a corner, as a walk over facets carries it; `_at`: what it works on, and derivatives."""
+
+    unit: ClassVar[str] = "N"
+    creases: ClassVar[tuple[int, ...]] = ()
+
+    @cached_property
+    def _walk(self) -> _Walk:
+        raise NotImplementedError
+
+    def _at(self, phi: np.ndarray) -> tuple[float, np.ndarray, np.ndarray]:
+        raise NotImplementedError
+
+    def conjugate(self, phi: np.ndarray) -> np.ndarray:
+        """Return what the load works on, of states [..., n]."""
+        flat = np.reshape(phi, (-1, self.pattern.creases))
+        return np.reshape([self._at(x)[0] for x in flat], np.shape(phi)[:-1])
+
+    def gradient(self, phi: np.ndarray) -> np.ndarray:
+        """Return its derivative, [n]."""
+        out = np.zeros(len(phi))
+        out[self._walk.creases] = self._at(phi)[1]
+        return out
+
+    def hessian(self, phi: np.ndarray) -> np.ndarray | None:
+        """Return its second derivative, [n, n]."""
+        out = np.zeros((len(phi), len(phi)))
+        out[np.ix_(self._walk.creases, self._walk.creases)] = self._at(phi)[2]
+        return out
+
+
 @dataclass(frozen=True, eq=False)
-class Torque:
+class Torque(_OfSheet):
     """A torque t on each of some creases, towards valley > 0.
 
     Attributes
@@ -105,11 +147,6 @@ class Torque:
             check_whole("crease", c, 1, self.pattern.creases)
         if len(set(self.creases)) < len(self.creases):
             raise OptionError(f"creases = {shown(self.creases)} names a crease twice")
-
-    @property
-    def unloaded(self) -> Pattern:
-        """The sheet, with its energy without the load."""
-        return self.pattern
 
     @property
     def name(self) -> str:
@@ -167,7 +204,7 @@ class Torque:
 
 
 @dataclass(frozen=True, eq=False)
-class Pull:
+class Pull(_OfPlaces):
     """Forces t that pull two corners apart along the line between them; t < 0 pushes them together.
 
     Attributes
@@ -180,8 +217,6 @@ class Pull:
 
     pattern: Pattern
     corners: tuple[int, int]
-    unit: ClassVar[str] = "N"
-    creases: ClassVar[tuple[int, ...]] = ()
 
     def __post_init__(self) -> None:
         a, b = (_corner(self.pattern, c, "pull") for c in self.corners)
@@ -189,11 +224,6 @@ class Pull:
             raise OptionError(
                 f"pull = {a}, {b}: these are corners of one facet, their distance is fixed"
             )
-
-    @property
-    def unloaded(self) -> Pattern:
-        """The sheet, with its energy without the load."""
-        return self.pattern
 
     @property
     def name(self) -> str:
@@ -211,39 +241,18 @@ class Pull:
         return float(self.pattern.lengths.mean())
 
     @cached_property
-    def _seen(self) -> tuple[np.ndarray, _Walk]:
+    def _walk(self) -> _Walk:
         a, b = self.corners
-        held = _facets_at(self.pattern, a)
-        walks = [_walk(self.pattern, f, b) for f in held]
-        return self.pattern.corners[a], min(walks, key=lambda w: len(w.creases))
+        walks = [_walk(self.pattern, f, b) for f in _facets_at(self.pattern, a)]
+        return min(walks, key=lambda w: len(w.creases))
 
-    def conjugate(self, phi: np.ndarray) -> np.ndarray:
-        """Return the distance, of states [..., n]."""
-        here, walk = self._seen
-        flat = np.reshape(phi, (-1, self.pattern.creases))
-        far = [float(np.linalg.norm(walk.place(x)[0] - here)) for x in flat]
-        return np.reshape(far, np.shape(phi)[:-1])
-
-    def gradient(self, phi: np.ndarray) -> np.ndarray:
-        """Return its derivative, [n]."""
-        here, walk = self._seen
-        x, first, _ = walk.place(phi)
-        out = np.zeros(len(phi))
-        # d|x - a| = (x - a) . dx / |x - a|
-        out[walk.creases] = first @ (x - here) / np.linalg.norm(x - here)
-        return out
-
-    def hessian(self, phi: np.ndarray) -> np.ndarray | None:
-        """Return its second derivative, [n, n]."""
-        here, walk = self._seen
-        x, first, second = walk.place(phi)
-        far = float(np.linalg.norm(x - here))
-        # |x|'' = (x' . x' - (x' . e)^2) / |x| + x'' . e with e = x / |x|
-        along = first @ (x - here) / far
-        out = np.zeros((len(phi), len(phi)))
-        inner = (first @ first.T - np.outer(along, along)) / far + second @ (x - here) / far
-        out[np.ix_(walk.creases, walk.creases)] = inner
-        return out
+    def _at(self, phi: np.ndarray) -> tuple[float, np.ndarray, np.ndarray]:
+        x, first, second = self._walk.place(phi)
+        apart = x - self.pattern.corners[self.corners[0]]
+        far = float(np.linalg.norm(apart))
+        # d|x| = e . dx, and |x|'' = (x' . x' - (x' . e)^2) / |x| + x'' . e with e = x / |x|
+        along = first @ apart / far
+        return far, along, (first @ first.T - np.outer(along, along)) / far + second @ apart / far
 
     def room(self, t: float) -> float:
         """Return what makes U - t w positive."""
@@ -251,7 +260,7 @@ class Pull:
 
 
 @dataclass(frozen=True, eq=False)
-class DeadForce:
+class DeadForce(_OfPlaces):
     """A force of size t on a corner, of fixed direction seen from a facet that is held.
 
     Attributes
@@ -270,8 +279,6 @@ class DeadForce:
     corner: int
     direction: tuple[float, float, float]
     held: int
-    unit: ClassVar[str] = "N"
-    creases: ClassVar[tuple[int, ...]] = ()
 
     def __post_init__(self) -> None:
         _corner(self.pattern, self.corner, "force")
@@ -285,11 +292,6 @@ class DeadForce:
             raise OptionError(
                 f"force: direction {shown(self.direction)} must be three numbers, not all 0"
             )
-
-    @property
-    def unloaded(self) -> Pattern:
-        """The sheet, with its energy without the load."""
-        return self.pattern
 
     @property
     def name(self) -> str:
@@ -311,24 +313,10 @@ class DeadForce:
     def _walk(self) -> _Walk:
         return _walk(self.pattern, self.held - 1, self.corner)
 
-    def conjugate(self, phi: np.ndarray) -> np.ndarray:
-        """Return where the corner is along the force, of states [..., n]."""
-        flat = np.reshape(phi, (-1, self.pattern.creases))
-        found = [float(self._walk.place(x)[0] @ np.array(self.direction)) for x in flat]
-        return np.reshape(found, np.shape(phi)[:-1])
-
-    def gradient(self, phi: np.ndarray) -> np.ndarray:
-        """Return its derivative, [n]."""
-        out = np.zeros(len(phi))
-        out[self._walk.creases] = self._walk.place(phi)[1] @ np.array(self.direction)
-        return out
-
-    def hessian(self, phi: np.ndarray) -> np.ndarray | None:
-        """Return its second derivative, [n, n]."""
-        out = np.zeros((len(phi), len(phi)))
-        i = self._walk.creases
-        out[np.ix_(i, i)] = self._walk.place(phi)[2] @ np.array(self.direction)
-        return out
+    def _at(self, phi: np.ndarray) -> tuple[float, np.ndarray, np.ndarray]:
+        x, first, second = self._walk.place(phi)
+        way = np.array(self.direction)
+        return float(x @ way), first @ way, second @ way
 
     def room(self, t: float) -> float:
         """Return what makes U - t w positive."""

@@ -77,4 +77,4 @@ from .tolerances import (
     UNBALANCED as UNBALANCED,
     UNPOLISHED as UNPOLISHED,
 )
-from .vectors import cross as cross
+from .vectors import area_vectors as area_vectors, cross as cross, unit_normals as unit_normals

@@ -1,4 +1,4 @@
-"""The cross product of 3-vectors, without the overhead of `numpy.cross` (18 microseconds a call)."""
+"""The cross product of 3-vectors, without the overhead of `numpy.cross` (18 microseconds a call); normals by it."""
 
 from __future__ import annotations
 
@@ -19,3 +19,18 @@ def cross(a: Any, b: Any) -> np.ndarray:
     out = np.empty((*x.shape, 3))
     out[..., 0], out[..., 1], out[..., 2] = x, r * u - p * w, p * v - q * u
     return out
+
+
+def area_vectors(x: np.ndarray) -> np.ndarray:
+    """Return normals of plane polygons [..., q, 3], as long as twice their areas, [..., 3].
+
+    About a corner, so that far from the origin nothing cancels.
+    """
+    about = x - x[..., :1, :]
+    return np.asarray(cross(about, np.roll(x, -1, axis=-2) - x[..., :1, :]).sum(axis=-2))
+
+
+def unit_normals(x: np.ndarray) -> np.ndarray:
+    """Return unit normals of plane polygons [..., q, 3], counter-clockwise seen from where they point, [..., 3]."""
+    normal = area_vectors(x)
+    return np.asarray(normal / np.linalg.norm(normal, axis=-1, keepdims=True))

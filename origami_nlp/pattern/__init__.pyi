@@ -1,5 +1,4 @@
 from . import examples as examples
-from .alike import Alike as Alike, group_alike as group_alike
 from .angles import (
     format_angle as format_angle,
     parse_angle as parse_angle,
@@ -22,6 +21,7 @@ from .fold_file import (
     parse_fold as parse_fold,
     read_fold as read_fold,
 )
+from .fold_notes import listed as listed
 from .fold_scene import (
     read_fold_scene as read_fold_scene,
     read_fold_scenes as read_fold_scenes,
@@ -29,7 +29,12 @@ from .fold_scene import (
     vertex_scene as vertex_scene,
     vertex_scenes as vertex_scenes,
 )
-from .labels import Labels as Labels, canonical_labels as canonical_labels
+from .labels import (
+    Alike as Alike,
+    Labels as Labels,
+    canonical_labels as canonical_labels,
+    group_alike as group_alike,
+)
 from .loads import (
     DeadLoads as DeadLoads,
     Load as Load,
@@ -37,7 +42,6 @@ from .loads import (
     flat_points as flat_points,
     followed as followed,
 )
-from .one_vertex import scene_pattern as scene_pattern
 from .pattern_file import frame_pattern as frame_pattern, read_pattern as read_pattern
 from .places import is_place as is_place, with_places as with_places
 from .relations import Relation as Relation, Relations as Relations
@@ -57,6 +61,10 @@ from .sheet_data import (
     pattern_from_dict as pattern_from_dict,
     pattern_to_dict as pattern_to_dict,
 )
-from .stated import as_origami as as_origami, as_pattern as as_pattern
+from .stated import (
+    as_origami as as_origami,
+    as_pattern as as_pattern,
+    scene_pattern as scene_pattern,
+)
+from .symmetry import windings_of as windings_of
 from .vertex import Vertex as Vertex
-from .windings import windings_of as windings_of

@@ -20,7 +20,7 @@ import numpy as np
 from scipy import sparse
 from scipy.sparse.linalg import splu
 
-from origami_nlp.numerics import EPS, RESOLVED, SUMMED, cross
+from origami_nlp.numerics import EPS, RESOLVED, SUMMED, cross, unit_normals
 from origami_nlp.pattern.polygons import Side, rings, side
 
 ROUNDS = 8
@@ -168,13 +168,7 @@ class _Sectors:
 
     def frames(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Return both sides at each corner and the normal of its polygon, [C, 3] each."""
-        normals = np.array(
-            [
-                cross(p - p[0], np.roll(p, -1, axis=0) - p[0]).sum(axis=0)
-                for p in (x[q] for q in self.lists)
-            ]
-        )
-        normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+        normals = np.array([unit_normals(x[q]) for q in self.lists])
         return x[self.before] - x[self.here], x[self.after] - x[self.here], normals[self.polygon]
 
     def measures(self, x: np.ndarray) -> np.ndarray:

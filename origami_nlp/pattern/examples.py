@@ -15,9 +15,12 @@ from origami_nlp.numerics import CLOSES
 from origami_nlp.pattern import drawn
 from origami_nlp.pattern.angles import format_angle
 from origami_nlp.pattern.designs import (
+    between,
     bird_base as bird_base,
     miura as miura,
+    positive,
     resch as resch,
+    springs,
     square_twist as square_twist,
     waterbomb as waterbomb,
     waterbomb_base as waterbomb_base,
@@ -27,7 +30,6 @@ from origami_nlp.pattern.fold_file import parse_fold
 from origami_nlp.pattern.pattern_file import frame_pattern
 from origami_nlp.pattern.scene import Contact, Scene
 from origami_nlp.pattern.sheet import Pattern
-from origami_nlp.pattern.springs import between, positive, springs
 from origami_nlp.pattern.vertex import Vertex
 
 DEGREE6_ALPHAS = ("pi/4", "pi/3", "5*pi/12")

@@ -74,7 +74,20 @@ def in_radians(angles: np.ndarray, legacy: bool, notes: list[str]) -> bool:
 
 
 def listed(items: list[int], most: int = 8) -> str:
-    """Write the first numbers, and how many there are."""
+    """Write the first numbers, and how many there are.
+
+    Parameters
+    ----------
+    items
+        The numbers.
+    most
+        Of them, the others are counted.
+
+    Returns
+    -------
+    str
+        Such as ``"1, 2, 3, ... (9)"``.
+    """
     shown = ", ".join(str(i) for i in items[:most])
     return shown + (f", ... ({len(items)})" if len(items) > most else "")
 

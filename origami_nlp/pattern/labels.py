@@ -1,11 +1,13 @@
 """The same vertex under other labels: creases numbered from elsewhere, the other way round, or the paper turned over.
 
 None of this changes physics.  A search that draws random numbers by label would; it is therefore made under labels
-that all of these agree on.
+that all of these agree on, and one search serves all vertices that are one under other labels.
 """
 
 from __future__ import annotations
 
+import itertools
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -104,18 +106,108 @@ def canonical_labels(scene: Scene) -> Labels:
     k = np.array(scene.stiffness) / np.mean(scene.stiffness)
     columns = np.stack([scene.vertex.sector_angles, k, scene.wound_angles])
     numbers = np.round(columns, 12) + 0.0
-    best: tuple[tuple[float, ...], Labels] | None = None
-    for start in range(n):
-        for backward in (False, True):
-            for over in (False, True):
-                labels = Labels(start, backward, over, n)
-                sectors, stiffness, rest = (
-                    numbers[0, labels.facets],
-                    numbers[1, labels.creases],
-                    labels.sign * numbers[2, labels.creases] + 0.0,
-                )
-                key = (*sectors.tolist(), *stiffness.tolist(), *rest.tolist())
-                if best is None or key < best[0]:
-                    best = key, labels
-    assert best is not None
-    return best[1]
+
+    def seen(labels: Labels) -> list[float]:
+        rest = labels.sign * numbers[2, labels.creases] + 0.0
+        return [*numbers[0, labels.facets], *numbers[1, labels.creases], *rest]
+
+    return min(every_label(n), key=seen)
+
+
+def every_label(degree: int) -> list[Labels]:
+    """Return all labels of a vertex, 4 N of them: from where, which way round, and from which side."""
+    ways = itertools.product(range(degree), (False, True), (False, True))
+    return [Labels(*way, degree) for way in ways]
+
+
+@dataclass(frozen=True)
+class Alike:
+    """Scenes that differ by labels: where creases are counted from, which way round, which side is up.
+
+    Attributes
+    ----------
+    numbers
+        Of the scenes; the first one stands for all.
+    labels
+        Of each, those under which it is the first scene: ``labels[k].back(x)`` are states x of the first as states of
+        scene k.
+    apart
+        Largest difference of an angle [rad], or relative one of a stiffness, that was taken for noise.
+    """
+
+    numbers: tuple[int, ...]
+    labels: tuple[Labels, ...]
+    apart: float
+
+
+def group_alike(scenes: Mapping[int, Scene]) -> tuple[Alike, ...]:
+    """Gather scenes that are one scene under other labels.
+
+    Parameters
+    ----------
+    scenes
+        By number.  Angles [rad] and relative stiffnesses count as equal within the smaller `symmetry_tolerance`.
+
+    Returns
+    -------
+    tuple of Alike
+        In the order of their first scenes; every number in one of them.
+    """
+    groups: list[list[tuple[int, Labels, float]]] = []
+    for number, scene in scenes.items():
+        for group in groups:
+            match = _match(scenes[group[0][0]], scene)
+            if match is not None:
+                group.append((number, *match))
+                break
+        else:
+            groups.append([(number, Labels(0, False, False, scene.degree), 0.0)])
+    found = []
+    for group in groups:
+        numbers, labels, apart = zip(*group, strict=True)
+        found.append(Alike(numbers, labels, max(apart)))
+    return tuple(found)
+
+
+def _match(first: Scene, other: Scene) -> tuple[Labels, float] | None:
+    """Return the labels under which `other` comes nearest to `first`, and how near, if near enough."""
+    n = first.degree
+    kinds = [(s.contact, s.vertex.flat, s.group.name, s.winding) for s in (first, other)]
+    if first.loads or other.loads:  # forces are told from a facet that has a number
+        return None
+    if other.degree != n or kinds[0] != kinds[1]:
+        return None
+    noise = min(first.symmetry_tolerance, other.symmetry_tolerance)
+    (sectors, k, *rest), theirs = (
+        np.array([s.vertex.sector_angles, s.stiffness, s.rest_angles, s.wound_angles])
+        for s in (first, other)
+    )
+    if np.abs(np.sort(sectors) - np.sort(theirs[0])).max() > noise:
+        return None
+    best = None
+    for labels in every_label(n):
+        # fold angles change sign where the sheet is turned over (`Labels.sign`), stiffness and sectors do not
+        i = labels.creases
+        apart = max(
+            float(np.abs(theirs[0, labels.facets] - sectors).max()),
+            float(np.abs(theirs[1, i] / k - 1).max()),
+            float(np.abs(labels.sign * theirs[2:, i] - rest).max()),
+        )
+        if apart <= noise and (best is None or apart < best[1]) and _keeps(first, other, i):
+            best = labels, apart
+    return best
+
+
+def _keeps(first: Scene, other: Scene, creases: np.ndarray) -> bool:
+    """Tell whether the symmetries of `other`, under labels that name `creases`, are those of `first`."""
+    place = np.argsort(creases)
+    theirs = {tuple(place[p[creases]].tolist()) for p in _permutations(other)}
+    return theirs == {tuple(p.tolist()) for p in _permutations(first)}
+
+
+def _permutations(scene: Scene) -> list[np.ndarray]:
+    """Return where the creases of a scene go under its group."""
+    i = np.arange(scene.degree)
+    return [
+        ((s - i) if mirrored else (i + s)) % scene.degree for s, mirrored in scene.group.elements
+    ]

@@ -11,7 +11,7 @@ import numpy as np
 
 from origami_nlp.arguments import check_type
 from origami_nlp.errors import FoldFileError
-from origami_nlp.numerics import PLACES, TYPED, groups
+from origami_nlp.numerics import PLACES, TYPED, groups, unit_normals
 from origami_nlp.pattern.crease_pattern import APART
 from origami_nlp.pattern.digits import made_exact
 from origami_nlp.pattern.fold_file import LOADS_KEY, PRELOAD_KEY, Frame, read_fold
@@ -364,7 +364,7 @@ class _Sheet:
             return {}, 0.0
         x = self.corners
         left = {(p[i - 1], v): k for k, p in enumerate(self.polygons) for i, v in enumerate(p)}
-        normals = np.array([_normal(x[list(p)]) for p in self.polygons])
+        normals = np.array([unit_normals(x[list(p)]) for p in self.polygons])
         phi, votes, unsure = {}, 0.0, []
         joined = set(self.joins)
         lies = {side(f, g): float(s) for f, g, s in self.orders}
@@ -414,9 +414,3 @@ def _area(xy: np.ndarray) -> float:
     p = xy - xy[0]
     q = np.roll(p, -1, axis=0)
     return 0.5 * float((p[:, 0] * q[:, 1] - p[:, 1] * q[:, 0]).sum())
-
-
-def _normal(x: np.ndarray) -> np.ndarray:
-    n = np.cross(x - x[0], np.roll(x, -1, axis=0) - x[0]).sum(axis=0)
-    unit: np.ndarray = n / np.linalg.norm(n)
-    return unit

@@ -64,15 +64,14 @@ class Relation(Brief):
         shut = [
             (self.first - 1 + k) % n + 1 for k in range(1, m) if self.signs[k] != self.signs[k - 1]
         ]
+        if m == n and self.signs[0] != self.signs[-1]:
+            shut.append(self.first)
+        named = ", ".join(map(str, sorted(shut)))
         if m == n:
-            if self.signs[0] != self.signs[-1]:
-                shut.append(self.first)
-            return f"folds flat with creases {_listed(sorted(shut))} shut"
+            return f"folds flat with creases {named} shut"
         last = (self.first - 1 + m) % n + 1
         how = "coincide" if self.multiple % 2 == 0 else "lie on one line"
-        when = f" while {_listed(sorted(shut))} {'is' if len(shut) == 1 else 'are'} shut" * bool(
-            shut
-        )
+        when = f" while {named} {'is' if len(shut) == 1 else 'are'} shut" * bool(shut)
         return f"creases {self.first} and {last} {how}{when}"
 
 
@@ -217,7 +216,3 @@ def _named(
 def _shown(relations: tuple[Relation, ...], most: int = 4) -> list[str]:
     lines = [f"  {r.text} (missed by {r.miss:+.1e} rad)" for r in relations[:most]]
     return lines + [f"  and {len(relations) - most} more"] * (len(relations) > most)
-
-
-def _listed(numbers: list[int]) -> str:
-    return ", ".join(map(str, numbers))

@@ -16,9 +16,14 @@ from origami_nlp.numerics import EPS, RESOLVED, SUMMED, TYPED
 from origami_nlp.pattern.angles import format_angle, parse_angles
 from origami_nlp.pattern.loads import Load, dead_loads, read_loads
 from origami_nlp.pattern.relations import Relations, find_relations
-from origami_nlp.pattern.symmetry import Symmetry, averaged, find_symmetry
+from origami_nlp.pattern.symmetry import (
+    Symmetry,
+    averaged,
+    check_winding,
+    find_symmetry,
+    windings_of,
+)
 from origami_nlp.pattern.vertex import Vertex
-from origami_nlp.pattern.windings import check_winding, windings_of
 
 Contact = Literal["full", "fold-limits", "none"]
 MOST_CREASES = 1_000

@@ -227,14 +227,8 @@ def scene_to_dict(scene: Scene) -> dict[str, Any]:
     """
     check_type("scene", scene, Scene)
     model: dict[str, Any] = {"symmetry": scene.symmetry, "contact": scene.contact}
-    if scene.mirror is not None:
-        model["mirror"] = scene.mirror
-    if scene.name is not None:
-        model["name"] = scene.name
-    if scene.held_facet is not None:
-        model["held_facet"] = scene.held_facet
-    if scene.winding is not None:
-        model["winding"] = scene.winding
+    own = {key: getattr(scene, key) for key in ("mirror", "name", "held_facet", "winding")}
+    model |= {key: value for key, value in own.items() if value is not None}
     if scene.symmetry_tolerance != TYPED:
         model["symmetry_tolerance"] = scene.symmetry_tolerance
     vertex: dict[str, Any] = {"sector_angles": [_exact(a) for a in scene.vertex.sector_angles]}

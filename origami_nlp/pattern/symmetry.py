@@ -3,6 +3,11 @@
 The point group of a vertex is C_n or D_n (paper, section 2, "Scope of symmetry reductions").  From
 a group follow the orbits of creases, which are the independent fold angles, and, for D_n, a wedge
 between two neighbouring mirrors, whose rays may be creases or run through the middle of a facet.
+
+States may wind round the axis of their symmetry more than once (`windings_of`).  The product T of the folds of
+a period of C_n, or of two wedges of D_n, is repeated n times round the vertex, and the whole is a sheet of paper where
+T^n = -1: T turns by w 2 pi/n, w odd, w <= n.  States of another w are on no path from those of this one: T^n = -1 has
+no others in between.  Facets that must not cross leave w = 1 (docs/concepts.md).
 """
 
 from __future__ import annotations
@@ -16,7 +21,7 @@ from typing import Any
 import numpy as np
 
 from origami_nlp.arguments import shown
-from origami_nlp.errors import SymmetryError
+from origami_nlp.errors import SceneError, SymmetryError
 from origami_nlp.files import Brief
 from origami_nlp.numerics import RESOLVED, TYPED
 from origami_nlp.pattern.vertex import Vertex
@@ -229,3 +234,44 @@ def _wedge(
     elements = [(m * step, False) for m in range(order)]
     elements += [((start + m * step) % n, True) for m in range(order)]
     return Symmetry("D", order, tuple(rays), tuple(orbit), tuple(elements))
+
+
+def windings_of(group: Symmetry, contact: str) -> tuple[int, ...]:
+    """List how often states may wind.
+
+    Parameters
+    ----------
+    group
+        Which they keep.
+    contact
+        As of a `Scene`.
+
+    Returns
+    -------
+    tuple of int
+        Odd numbers up to the order of the group; 1 alone where facets do not cross.
+
+    Examples
+    --------
+    >>> from origami_nlp import Scene, Vertex
+    >>> star = Vertex(("pi/4",) * 8)
+    >>> [Scene(star, (1, 2) * 4, (1,) * 8, "D4", contact).windings for contact in ("full", "fold-limits")]
+    [(1,), (1, 3)]
+    """
+    return tuple(range(1, 2 if contact == "full" else group.order + 1, 2))
+
+
+def check_winding(winding: object, group: Symmetry, contact: str) -> None:
+    """Complain about a winding, where one is asked for, that states cannot have.
+
+    Raises
+    ------
+    SceneError
+        With the value, and what it may be.
+    """
+    known = windings_of(group, contact)
+    if winding is not None and (isinstance(winding, bool) or winding not in known):
+        raise SceneError(
+            f"winding = {shown(winding)} must be one of {', '.join(map(str, known))}: symmetry {group.name}, "
+            f"contact = {contact!r}"
+        )

@@ -7,10 +7,14 @@ from .completion import (
     close_three as close_three,
     complete as complete,
 )
-from .contact import Contact as Contact, fold_limit as fold_limit, held as held
+from .contact import (
+    Contact as Contact,
+    LoopClosure as LoopClosure,
+    fold_limit as fold_limit,
+    held as held,
+)
 from .gaps import Gap as Gap, separation_rows as separation_rows
 from .kinematics import OPEN as OPEN, Folded as Folded, Kinematics as Kinematics
-from .loops import LoopClosure as LoopClosure
 from .model import Local as Local, Model as Model
 from .moment_map import MomentMap as MomentMap, Shot as Shot
 from .nlp import (
@@ -22,6 +26,7 @@ from .nlp import (
     separating_normal as separating_normal,
 )
 from .parameters import Parameters as Parameters
+from .posed import Energies as Energies
 from .protocol import Programme as Programme, Solvable as Solvable, Sparse as Sparse
 from .strata import (
     random_strata as random_strata,

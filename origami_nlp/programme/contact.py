@@ -1,6 +1,7 @@
-"""A contact: what it is worth at a state, how it is held, on which side it is open.
+"""A contact: what it is worth at a state, how it is held, on which side it is open; and closure of loops.
 
-Fold limits, mirrors, the axis and rays on facets are all one inequality each, with a definite side.
+Fold limits, mirrors, the axis and rays on facets are all one inequality each, with a definite side.  What motions of a
+state obey is closure, vertex by vertex.
 """
 
 from __future__ import annotations
@@ -77,3 +78,22 @@ def gap_weights(count: int, contacts: Sequence[Contact], multipliers: np.ndarray
         if not c.is_limit:
             weights[..., c.index] += c.side * multipliers[..., r]
     return weights
+
+
+@dataclass(frozen=True, eq=False)
+class LoopClosure:
+    """Closure round one vertex, or one hole, at a closed state.
+
+    Attributes
+    ----------
+    variables
+        Of the programme that it turns, [d].
+    jacobian
+        Of its equations, [k, d].
+    hessians
+        Of each of its equations, [k, d, d]; zeros where second order is not asked for.
+    """
+
+    variables: np.ndarray
+    jacobian: np.ndarray
+    hessians: np.ndarray

@@ -14,9 +14,8 @@ import numpy as np
 from origami_nlp.folding import examine, pair_depths
 from origami_nlp.numerics import ANSWERED, LOADED, OUTSIDE, TOUCHES
 from origami_nlp.programme.compiled import Functions, compile_structure, mapped
-from origami_nlp.programme.contact import Contact, fold_limit, openings
+from origami_nlp.programme.contact import Contact, LoopClosure, fold_limit, openings
 from origami_nlp.programme.kinematics import Kinematics
-from origami_nlp.programme.loops import LoopClosure
 from origami_nlp.programme.posed import Posed
 from origami_nlp.programme.touching import (
     ClosedContacts,

@@ -7,7 +7,7 @@ import itertools
 import math
 from collections.abc import Sequence
 from functools import cached_property
-from typing import Self
+from typing import Any, Self
 
 import numpy as np
 
@@ -22,7 +22,63 @@ from origami_nlp.programme.gaps import Gap, first_of_each
 from origami_nlp.programme.parameters import Parameters
 
 
-class Posed(Full):
+class Energies:
+    """Energies of a programme in the units of its springs, from its `parameters`, which are over `scale`."""
+
+    parameters: Any
+    scale: float
+
+    def energy(self, x: np.ndarray) -> float:
+        """Elastic energy of a state, less the work of the load if there is one.
+
+        Parameters
+        ----------
+        x
+            The state, shape [n] [rad].
+
+        Returns
+        -------
+        float
+            In the scene's units.
+        """
+        return self.scale * float(self.parameters.energy(np.asarray(x)))
+
+    def energies(self, x: np.ndarray) -> np.ndarray:
+        """Elastic energies of states, less the work of the load if there is one.
+
+        Parameters
+        ----------
+        x
+            States, shape [..., n] [rad].
+
+        Returns
+        -------
+        numpy.ndarray
+            Shape [...], in the scene's units.
+        """
+        return self.scale * self.parameters.energy(np.asarray(x))
+
+    def energy_change(self, x: np.ndarray, y: np.ndarray) -> float:
+        """Energy of y less that of x, without cancellation for nearby states.
+
+        Parameters
+        ----------
+        x, y
+            States, shape [n] [rad].
+
+        Returns
+        -------
+        float
+            In the scene's units.
+        """
+        return self.scale * float(self.parameters.energy_change(x, y))
+
+    def excess(self, x: np.ndarray) -> float:
+        """Energy of a state above that of springs at rest under the load, over `scale`; inf under forces in space."""
+        return float(self.parameters.excess(x))
+
+
+class Posed(Energies, Full):
     """What of a scene is modelled, by name; printing it says what is modelled and what is not.
 
     Energies inside the programme are divided by `scale`, a power of two near the weighted mean
@@ -232,55 +288,6 @@ class Posed(Full):
             # mean over the orbit: the projection onto symmetric fold angles
             out[..., v] += phi[..., crease]
         return out / self.multiplicity
-
-    def energy(self, x: np.ndarray) -> float:
-        """Elastic energy of a state, less the work of the load if there is one.
-
-        Parameters
-        ----------
-        x
-            The state, shape [n] [rad].
-
-        Returns
-        -------
-        float
-            In the scene's units.
-        """
-        return self.scale * float(self.parameters.energy(np.asarray(x)))
-
-    def energies(self, x: np.ndarray) -> np.ndarray:
-        """Elastic energies of states, less the work of the load if there is one.
-
-        Parameters
-        ----------
-        x
-            States, shape [..., n] [rad].
-
-        Returns
-        -------
-        numpy.ndarray
-            Shape [...], in the scene's units.
-        """
-        return self.scale * self.parameters.energy(np.asarray(x))
-
-    def energy_change(self, x: np.ndarray, y: np.ndarray) -> float:
-        """Energy of y less that of x, without cancellation for nearby states.
-
-        Parameters
-        ----------
-        x, y
-            States, shape [n] [rad].
-
-        Returns
-        -------
-        float
-            In the scene's units.
-        """
-        return self.scale * float(self.parameters.energy_change(x, y))
-
-    def excess(self, x: np.ndarray) -> float:
-        """Energy of a state above that of springs at rest under the load, over `scale`; inf under forces in space."""
-        return float(self.parameters.excess(x))
 
     def check_time(self) -> None:
         """Do nothing: searches of one vertex look at the time themselves."""

@@ -10,8 +10,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from origami_nlp.programme.contact import Contact
-from origami_nlp.programme.loops import LoopClosure
+from origami_nlp.programme.contact import Contact, LoopClosure
 from origami_nlp.programme.model import Local
 from origami_nlp.programme.parameters import Parameters
 from origami_nlp.programme.touching import ClosedContacts, ContactWords, PairForce

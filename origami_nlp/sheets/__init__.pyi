@@ -1,4 +1,5 @@
 from .account import SheetSearch as SheetSearch
+from .angle_sums import pop_rows as pop_rows
 from .branches import list_branches as list_branches
 from .clearance import Clearance as Clearance, Stretches as Stretches
 from .confirming import Confirmed as Confirmed, confirm_minimum as confirm_minimum
@@ -42,7 +43,6 @@ from .judgement import (
 from .marks import touch_places as touch_places
 from .motion import Motion as Motion, find_motion as find_motion
 from .noise import is_overdetermined as is_overdetermined
-from .pops import pop_rows as pop_rows
 from .pressing import press as press, press_along as press_along, press_off as press_off
 from .result import SheetResult as SheetResult
 from .turnable import (

@@ -16,9 +16,9 @@ import numpy as np
 
 from origami_nlp.arguments import check_whole
 from origami_nlp.facets import Layers, Sheet, check_orders
-from origami_nlp.files import from_plain
+from origami_nlp.files import from_plain, to_plain
 from origami_nlp.numerics import CLOSES, NOISE, RANK, TYPED
-from origami_nlp.pattern import Pattern, as_pattern, pattern_from_dict, pattern_to_dict
+from origami_nlp.pattern import Pattern, as_pattern, listed, pattern_from_dict, pattern_to_dict
 from origami_nlp.sheets.angle_sums import angle_sums
 from origami_nlp.show import Piece, Table, Told
 
@@ -147,7 +147,7 @@ class Overview(Told):
         few = [loop.vertex for loop in p.vertices if len(loop.creases) < 4]
         if few:
             said.append(
-                f"vertices {_listed(few)} have fewer than four creases: flat ones fold along a straight line only"
+                f"vertices {listed(few)} have fewer than four creases: flat ones fold along a straight line only"
             )
         sums = angle_sums(p)
         bent = {v: a for v, a in sums.items() if abs(a - 2 * math.pi) > NOISE}
@@ -178,7 +178,7 @@ class Overview(Told):
             if len(still):
                 said.append(
                     f"{_many(len(still), 'crease stays', 'creases stay')} flat in that state (edges "
-                    f"{_listed(p.numbers[still].tolist())}); "
+                    f"{listed(p.numbers[still].tolist())}); "
                     "other branches may have fewer freedoms"
                 )
             if (np.abs(self.folded) >= math.pi).any():
@@ -192,7 +192,7 @@ class Overview(Told):
             if len(against):
                 said.append(
                     f"{_many(len(against), 'crease folds', 'creases fold')} against the letters there (edges "
-                    f"{_listed(p.numbers[against].tolist())})"
+                    f"{listed(p.numbers[against].tolist())})"
                 )
         return said
 
@@ -211,7 +211,7 @@ class Overview(Told):
             "freedoms": self.freedoms,
             "redundant": self.redundant,
             "self_stress": {"flat": self.stress_flat, "folded": self.redundant},
-            "layers": None if self.layers is None else self.layers.to_dict(),
+            "layers": to_plain(self.layers),
             "edges": p.numbers.tolist(),
             "assignment": p.assignment,
             "stiffness": p.stiffness.tolist(),
@@ -379,9 +379,3 @@ def _number(value: int | None) -> str:
 
 def _many(count: int, one: str, more: str) -> str:
     return f"{count} {one if count == 1 else more}"
-
-
-def _listed(items: list[int], most: int = 8) -> str:
-    return ", ".join(map(str, items[:most])) + (
-        f", ... ({len(items)})" if len(items) > most else ""
-    )

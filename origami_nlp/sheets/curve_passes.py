@@ -23,8 +23,6 @@ from origami_nlp.sheets.interpolant import Interpolant, stationary
 
 SHARES = np.linspace(0.0, 1.0, 7)
 """Of a stretch beside touching facets, at which it is asked whether facets cross."""
-CUTS = 17
-"""Places in a step at which the nearest one to a state is looked for, again and again."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -214,13 +212,7 @@ def places(sheet: Sheet, curve: Interpolant, phi: np.ndarray) -> list[float]:
         for step in (i - 1, i):
             if not 0 <= step < len(curve.control):
                 continue
-            begin, end, best = 0.0, 1.0, math.inf
-            for _ in range(5):  # closer and closer
-                shares = np.linspace(begin, end, CUTS)
-                distance = [float(np.linalg.norm(curve.at(step, u) - phi)) for u in shares]
-                k = int(np.argmin(distance))
-                at, best = float(shares[k]), distance[k]
-                begin, end = shares[max(k - 1, 0)], shares[min(k + 1, CUTS - 1)]
+            at, best = curve.nearest(step, phi)
             near = any(abs(step + at - other) < BESIDE for other in found)
             if best < ON_CURVE and not near:
                 found.append(step + at)

@@ -121,15 +121,5 @@ class Curves:
         i = int(distance.argmin())
         if distance[i] > 2 * LONG * math.sqrt(self.sheet.size):
             return False
-        for step in (i - 1, i):
-            if not 0 <= step < len(curve.control):
-                continue
-            low, high = 0.0, 1.0
-            for _ in range(5):  # closer and closer
-                shares = np.linspace(low, high, 17)
-                apart = [float(np.linalg.norm(curve.at(step, u) - phi)) for u in shares]
-                best = int(np.argmin(apart))
-                low, high = shares[max(best - 1, 0)], shares[min(best + 1, 16)]
-            if min(apart) < ON_CURVE:
-                return True
-        return False
+        steps = (step for step in (i - 1, i) if 0 <= step < len(curve.control))
+        return any(curve.nearest(step, phi)[1] < ON_CURVE for step in steps)

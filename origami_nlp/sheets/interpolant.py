@@ -45,6 +45,8 @@ POWERS = np.array(
     ]
 )
 """From control points to coefficients of 1, u, u^2, ..."""
+CUTS = 17
+"""Places in a step at which the nearest one to a state is looked for, again and again."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -84,6 +86,16 @@ class Interpolant(Brief):
         powers = u ** np.arange(6.0)
         here: np.ndarray = powers @ (POWERS @ self.control[step])
         return here
+
+    def nearest(self, step: int, phi: np.ndarray) -> tuple[float, float]:
+        """Return the share of a step that is nearest to a state [n], and how far it is: looked at closer and closer."""
+        low, high = 0.0, 1.0
+        for _ in range(5):
+            shares = np.linspace(low, high, CUTS)
+            apart = [float(np.linalg.norm(self.at(step, u) - phi)) for u in shares]
+            k = int(np.argmin(apart))
+            low, high = shares[max(k - 1, 0)], shares[min(k + 1, CUTS - 1)]
+        return float(shares[k]), apart[k]
 
 
 def interpolate(sheet: Sheet, curve: Curve) -> Interpolant:

@@ -10,7 +10,6 @@ import math
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -18,13 +17,10 @@ from origami_nlp.errors import OptionError
 from origami_nlp.facets import Sheet, order_layers
 from origami_nlp.files import OneBased
 from origami_nlp.numerics import BESIDE, CLOSES
-from origami_nlp.pattern import Pattern, as_pattern
+from origami_nlp.pattern import Pattern, as_pattern, listed
 from origami_nlp.sheets.counts import Overview, overview
 from origami_nlp.sheets.curve import Curve, follow_curve
 from origami_nlp.show import Content, Piece, Table, Told, Turnable
-
-if TYPE_CHECKING:
-    pass
 
 MOST_TRACED = 480
 """Creases of a sheet whose motion is traced."""
@@ -251,8 +247,7 @@ def _end(curve: Curve, phi: np.ndarray, touching: tuple[int, int] | None) -> str
         return f"facets {touching[0] + 1} and {touching[1] + 1} touch"
     shut = (np.flatnonzero(math.pi - np.abs(phi) <= BESIDE) + 1).tolist()
     if curve.ends[1] == "limit" or shut:
-        some = ", ".join(map(str, shut[:8])) + (f", ... ({len(shut)})" if len(shut) > 8 else "")
         if len(shut) == 1:
-            return f"crease {some} is shut, at its fold limit"
-        return f"creases {some} are shut, at their fold limits"
+            return f"crease {shut[0]} is shut, at its fold limit"
+        return f"creases {listed(shut)} are shut, at their fold limits"
     return "it returns to its start" if curve.ends[1] == "closed" else curve.ends[1]

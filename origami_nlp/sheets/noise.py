@@ -31,7 +31,7 @@ from origami_nlp.minima import (
     count_survivals,
     drawn_errors,
 )
-from origami_nlp.numerics import CARRIES, CLOSES, cross
+from origami_nlp.numerics import CARRIES, CLOSES, unit_normals
 from origami_nlp.pattern import Pattern
 from origami_nlp.sheets.closed import close
 from origami_nlp.sheets.descent import descend
@@ -163,9 +163,7 @@ def displacements(
     numpy.ndarray
         Vectors in the plane, [V, 3], linear in what was drawn but for their size; zero where nothing depends on them.
     """
-    ring = pattern.corners[list(pattern.polygons[0])]
-    normal = cross(ring - ring[0], np.roll(ring, -1, axis=0) - ring[0]).sum(axis=0)
-    normal = normal / np.linalg.norm(normal)
+    normal = unit_normals(pattern.corners[list(pattern.polygons[0])])
     along = pattern.corners[pattern.ends[:, 1]] - pattern.corners[pattern.ends[:, 0]]
     # seen in the mirror, creases turn the other way
     hand = -1.0 if labels.mirrored else 1.0

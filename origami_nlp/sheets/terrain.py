@@ -11,8 +11,8 @@ import numpy as np
 from origami_nlp.facets import Sheet
 from origami_nlp.kkt import FARTHEST, GOES, Terrain, energy_scale, over_flat
 from origami_nlp.numerics import BESIDE, CLOSES, OUTSIDE, coarse
+from origami_nlp.sheets.angle_sums import is_jump, pop_rows
 from origami_nlp.sheets.descent import Descended, descend
-from origami_nlp.sheets.pops import is_jump, pop_rows
 from origami_nlp.sheets.pressing import press
 
 STEP = 0.25

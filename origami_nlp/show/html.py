@@ -11,8 +11,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-def inline_image(figure: Figure, text: str, dpi: int, *, crop: bool = False) -> str:
-    """Return a figure as an HTML image that holds its own PNG.
+def inline_image(figure: Figure, text: str, dpi: int) -> str:
+    """Return a figure as an HTML image that holds its own PNG, shown as wide as it was made.
 
     Parameters
     ----------
@@ -22,8 +22,6 @@ def inline_image(figure: Figure, text: str, dpi: int, *, crop: bool = False) -> 
         What it shows, for those who cannot see it.
     dpi
         Dots an inch.
-    crop
-        Cut the picture to what is drawn; else it is shown as wide as it was made.
 
     Returns
     -------
@@ -31,8 +29,8 @@ def inline_image(figure: Figure, text: str, dpi: int, *, crop: bool = False) -> 
         An ``img`` element.
     """
     buffer = io.BytesIO()
-    figure.savefig(buffer, format="png", dpi=dpi, bbox_inches="tight" if crop else None)
+    figure.savefig(buffer, format="png", dpi=dpi)
     data = base64.b64encode(buffer.getvalue()).decode("ascii")
     width = round(figure.get_size_inches()[0] * dpi)
-    look = "" if crop else f"width='{width}' style='max-width:100%;height:auto' "
-    return f"<img alt='{escape(text)}' {look}src='data:image/png;base64,{data}'>"
+    look = f"width='{width}' style='max-width:100%;height:auto'"
+    return f"<img alt='{escape(text)}' {look} src='data:image/png;base64,{data}'>"

@@ -16,10 +16,12 @@ springs do not pull along an axis, lam may be its pole, and states lean to eithe
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import NamedTuple
 
 import numpy as np
 
 from origami_nlp.numerics import NONZERO, RANK
+from origami_nlp.programme import Model
 from origami_nlp.starts.family import Listed
 
 NEAR = 1.0
@@ -52,19 +54,46 @@ class NearFlat(Listed):
         none = np.zeros((0, n))
         if np.abs(value).max(initial=0.0) > RANK or not model.on_sheet(flat):
             return none
-        root = np.sqrt(model.parameters.stiffness)
-        u, sizes, vt = np.linalg.svd(jacobian / root)
-        rank = int((sizes > RANK * sizes.max(initial=NONZERO)).sum())
-        if len(u) - rank != 1 or n - rank < 2:
+        cone = cone_at(model, flat, jacobian)
+        if cone is None or cone.kernel.shape[1] < 2:
             return none
-        no_gaps = np.zeros(len(model.structure.gaps))
-        # F: second derivative of s . c alone, without energy and gaps, over sqrt(k) sqrt(k)'
-        form = model.hessian(flat, u[:, rank], no_gaps, 0.0) / np.outer(root, root)
-        kernel = vt[rank:].T
-        y, _ = on_cone(kernel.T @ form @ kernel, kernel.T @ (model.parameters.torque(flat) / root))
-        x = y @ kernel.T / root
+        x = on_cone(cone.form, cone.torque)[0] @ cone.kernel.T / cone.root
         size = np.abs(x).max(axis=1)
         return np.asarray(x[(size > RANK) & (size <= NEAR)])
+
+
+class Cone(NamedTuple):
+    """Closed states beside one at which closure loses one rank, to second order: y'Fy = 0 on the kernel.
+
+    Attributes
+    ----------
+    root
+        sqrt(k): y = root x, [n].
+    kernel
+        Of closure in y, orthonormal, [n, t].
+    form, torque
+        F, and the torque, on the kernel, [t, t] and [t].
+    """
+
+    root: np.ndarray
+    kernel: np.ndarray
+    form: np.ndarray
+    torque: np.ndarray
+
+
+def cone_at(model: Model, x: np.ndarray, jacobian: np.ndarray) -> Cone | None:
+    """Return the cone of closed states at a state [n] with this Jacobian; None where not one rank is lost."""
+    root = np.sqrt(model.parameters.stiffness)
+    u, sizes, vt = np.linalg.svd(jacobian / root)
+    rank = int((sizes > RANK * sizes.max(initial=NONZERO)).sum())
+    if len(u) - rank != 1:
+        return None
+    # one lost rank: the combination s of closure is unique, and so is the cone;
+    # F: second derivative of s . c alone, without energy and gaps, over sqrt(k) sqrt(k)'
+    form = model.hessian(x, u[:, rank], np.zeros(len(model.structure.gaps)), 0.0)
+    kernel = vt[rank:].T
+    torque = kernel.T @ (model.parameters.torque(x) / root)
+    return Cone(root, kernel, kernel.T @ (form / np.outer(root, root)) @ kernel, torque)
 
 
 def on_cone(form: np.ndarray, torque: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -14,10 +14,10 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from origami_nlp.kkt import State
-from origami_nlp.numerics import NONZERO, RANK, SETTLED, null_space
+from origami_nlp.numerics import RANK, SETTLED, null_space
 from origami_nlp.programme import Model
 from origami_nlp.starts.family import Listed
-from origami_nlp.starts.near_flat import NEAR, on_cone
+from origami_nlp.starts.near_flat import NEAR, cone_at, on_cone
 
 MOST_SHUT = 2
 """Variables shut in a folding: with more there are more contacts than a state beside it could leave."""
@@ -69,16 +69,10 @@ def _beside(state: State) -> Iterator[np.ndarray]:
     """Yield starts beside one folding."""
     model: Model = state.programme  # type: ignore[assignment]
     pieces = state.contacts.combinations()
-    root = np.sqrt(model.parameters.stiffness)
-    u, sizes, vt = np.linalg.svd(state.local.closure_jacobian / root)
-    rank = int((sizes > RANK * sizes.max(initial=NONZERO)).sum())
-    # one lost rank: the combination s of closure is unique, and so is the cone
-    if pieces is None or len(pieces) > MOST_PIECES or len(u) - rank != 1:
+    cone = cone_at(model, state.x, state.local.closure_jacobian)
+    if pieces is None or len(pieces) > MOST_PIECES or cone is None:
         return
-    kernel = vt[rank:].T
-    form = model.hessian(state.x, u[:, rank], np.zeros(len(model.structure.gaps)), 0.0)
-    form = kernel.T @ (form / np.outer(root, root)) @ kernel
-    torque = kernel.T @ (model.parameters.torque(state.x) / root)
+    root, kernel, form, torque = cone
     for rows in pieces:
         if len(rows) > MOST_ROWS:
             continue

@@ -36,8 +36,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from origami_nlp.arguments import check_path, shown
 from origami_nlp.errors import OptionError, SweepError
 from origami_nlp.facets import Sheet, check_orders
+from origami_nlp.files import read_toml
 from origami_nlp.pattern import (
     Pattern,
     examples,
@@ -48,7 +50,7 @@ from origami_nlp.pattern import (
     read_pattern,
     with_places,
 )
-from origami_nlp.sweep.spec import Sweep, checked_search, read_axes
+from origami_nlp.sweep.spec import LARGEST, Sweep, checked_search, parse_scenes, read_axes
 
 _SEARCH = {"mode": "grid", "starts": 40, "seed": 0, "contact": True}
 _SIZES = ("rows", "columns")
@@ -186,3 +188,70 @@ def _base(stated: Any, folder: Path | None) -> dict[str, Any]:
     elif not isinstance(base["example"], str):
         raise SweepError(f"pattern.example = {base['example']!r} must be a name such as miura:4x4")
     return base
+
+
+def read_sweep(path: str | Path) -> Sweep:
+    """Read a sweep file.
+
+    Parameters
+    ----------
+    path
+        TOML, as the modules `sweep.spec` and `sweep.patterns` describe it; a ``file`` in it is found beside it.
+
+    Returns
+    -------
+    Sweep
+        The sweep.
+
+    Raises
+    ------
+    SweepError
+        If the file cannot be read, or a key is unknown, missing or wrong.
+    AngleError, VertexError, SceneError, SceneFileError, FoldFileError, OptionError
+        If its scene or pattern is wrong.
+    """
+    return parse_sweep(read_toml(path, LARGEST, "sweep", SweepError), Path(path).parent)
+
+
+def parse_sweep(data: Mapping[str, Any], folder: Path | None = None) -> Sweep:
+    """Make a sweep from the tables of a sweep file.
+
+    Parameters
+    ----------
+    data
+        Tables ``scene`` or ``pattern``, ``axes`` and ``search``.
+    folder
+        Where a ``file`` is looked for.
+
+    Returns
+    -------
+    Sweep
+        The sweep.
+
+    Raises
+    ------
+    SweepError
+        If a key is unknown, missing or wrong.
+
+    Examples
+    --------
+    >>> from origami_nlp.sweep import parse_sweep
+    >>> sweep = parse_sweep({
+    ...     "scene": {"example": "degree6", "alpha": "pi/4"},
+    ...     "axes": [{"set": "ratio", "from": 0.01, "to": 100, "count": 5, "scale": "log"}],
+    ... })
+    >>> sweep.count, sweep.scene(0).label
+    (5, 'degree 6, alpha_1 = pi/4, r_k = 0.01')
+    """
+    if not isinstance(data, Mapping):
+        raise SweepError(f"data = {shown(data)} must be the tables of a sweep file")
+    if folder is not None:
+        check_path("folder", folder)
+        folder = Path(folder)
+    of = "pattern" if "pattern" in data else "scene"
+    for key in data:
+        if key not in (of, "axes", "search"):
+            raise SweepError(
+                f"unknown table [{key}]: a sweep has [scene] or [pattern], [[axes]], [search]"
+            )
+    return parse_pattern_sweep(data, folder) if of == "pattern" else parse_scenes(data, folder)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import replace
+from fractions import Fraction
 from typing import Any
 
 import numpy as np
@@ -17,7 +18,7 @@ from origami_nlp.paper.cone.classes import EnergyClass
 from origami_nlp.paper.cone.energy import class_energy
 from origami_nlp.paper.cone.phase import PhaseDiagram
 from origami_nlp.paper.cone.phase_curves import PhaseBoundary
-from origami_nlp.show import INKS
+from origami_nlp.show import INKS, pi_label
 
 STYLES = {"start": "-", "end": "--", "fold": ":", "depth": "-", "depth-at-end": "-."}
 WORDS = {
@@ -44,18 +45,11 @@ def angle_axis(axis: Any, low: float, high: float) -> None:
         s for s in (1 / 4, 1 / 6, 1 / 12, 1 / 24, 1 / 48, 1 / 96) if span / s >= 3 or s == 1 / 96
     )
     axis.set_major_locator(MultipleLocator(step * math.pi))
-    axis.set_major_formatter(FuncFormatter(lambda x, _: _multiple_of_pi(x)))
+    axis.set_major_formatter(FuncFormatter(_multiple_of_pi))
 
 
-def _multiple_of_pi(x: float) -> str:
-    from fractions import Fraction
-
-    f = Fraction(x / math.pi).limit_denominator(96)
-    if f == 0:
-        return "0"
-    sign, top = "-" if f < 0 else "", abs(f.numerator)
-    head = r"\pi" if top == 1 else rf"{top}\pi"
-    return rf"${sign}{head}$" if f.denominator == 1 else rf"${sign}{head}/{f.denominator}$"
+def _multiple_of_pi(x: float, _: int) -> str:
+    return pi_label(*Fraction(x / math.pi).limit_denominator(96).as_integer_ratio())
 
 
 def draw_map(

@@ -6,9 +6,7 @@ import re
 from collections import Counter
 
 import numpy as np
-from rich import box
 from rich.console import Console
-from rich.table import Table
 from rich.text import Text
 
 from origami_nlp.paper.cone.branches import ConeBranch
@@ -19,12 +17,13 @@ from origami_nlp.paper.cone.necklaces import foldings, number_of_foldings
 from origami_nlp.paper.cone.phase import PhaseDiagram
 from origami_nlp.paper.cone.stability import ConeFullSpace, JudgedMinimum
 from origami_nlp.pattern import format_angle
-from origami_nlp.show import folding_table
+from origami_nlp.show import Table, folding_table
 
 MOST_ROWS, MOST_TIES = 60, 8
 """Minima and ties that are printed one by one."""
 SMALL = 1e-3
 """Elevations below this are written with an exponent: seven decimals would leave less than four digits [rad]."""
+COUNT_HEADS = ("branches", "changes", "number", "elevation", "energy", "depth", "kind")
 FULL_HEADS = ("flaps", "copies", "kind", "|v|", "depth", "slope", "verdict", "why")
 LONGEST_NUMBER = 9
 """Digits of an integer written out in tables."""
@@ -54,7 +53,7 @@ def share_words(part: int, whole: int) -> str:
     return f"{part * 10**8 // whole / 10**8:.6g}"
 
 
-def print_count(count: ConeCount, console: Console, most: int = MOST_ROWS) -> None:
+def print_count(count: ConeCount, console: Console) -> None:
     """Print the numbers of branch minima, then a row for each class and minimum, deepest first.
 
     Parameters
@@ -63,8 +62,6 @@ def print_count(count: ConeCount, console: Console, most: int = MOST_ROWS) -> No
         Of `count`.
     console
         Of rich.
-    most
-        Rows at most.
     """
     whole = count.branches
     rest = count.rest
@@ -93,23 +90,18 @@ def print_count(count: ConeCount, console: Console, most: int = MOST_ROWS) -> No
         console.print(f"  and ties on {len(count.undecided) - MOST_TIES} more classes")
     if not len(count.minima):
         return
-    console.print(count_table(count, most))
-    if len(count.minima) > most:
-        console.print(f"{len(count.minima) - most} more rows: --json FILE has all")
+    console.print(count_table(count))
+    if len(count.minima) > MOST_ROWS:
+        console.print(f"{len(count.minima) - MOST_ROWS} more rows: --json FILE has all")
 
 
-def count_table(count: ConeCount, most: int = MOST_ROWS) -> Table:
+def count_table(count: ConeCount) -> Table:
     """Return one row a class and minimum, deepest first; those at an end with their multiplier."""
-    table = Table(box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False)
-    table.add_column("branches", no_wrap=True)
-    for head in ("changes", "number", "elevation", "energy", "depth"):
-        table.add_column(head, justify="right", no_wrap=True)
-    table.add_column("kind", no_wrap=True)
-    m = count.minima
-    for k in np.argsort(-m.depth, kind="stable")[:most].tolist():
+    m, rows = count.minima, []
+    for k in np.argsort(-m.depth, kind="stable")[:MOST_ROWS].tolist():
         own = EnergyClass(count.cone, int(m.valleys[k]), int(m.changes[k]), int(m.direction[k]))
-        table.add_row(
-            Text(own.name.split(" (")[0]),
+        row = (
+            own.name.split(" (")[0],
             str(own.changes),
             number_words(m.multiplicity[k]),
             f"{m.elevation[k]:.7f}" if abs(m.elevation[k]) > SMALL else f"{m.elevation[k]:.3e}",
@@ -117,7 +109,8 @@ def count_table(count: ConeCount, most: int = MOST_ROWS) -> Table:
             f"{m.depth[k]:.4g}",
             "interior" if m.interior[k] else f"{m.kind[k]}, {m.multiplier[k]:.4g}",
         )
-    return table
+        rows.append(row)
+    return Table(COUNT_HEADS, rows, "", "lrrrrrl", framed=False, narrow=True)
 
 
 def print_foldings(degree: int, console: Console, listed: bool) -> None:
@@ -143,19 +136,12 @@ def print_foldings(degree: int, console: Console, listed: bool) -> None:
     if not listed:
         return
     kept = {f.flaps for f in foldings(degree, mirrors_differ=False)}
-    table = Table(box=box.SIMPLE_HEAD)
-    for head, justify in (
-        ("#", "right"),
-        ("flaps", "left"),
-        ("symmetry", "left"),
-        ("copies", "right"),
-        ("mirror image", "left"),
-    ):
-        table.add_column(head, justify=justify, no_wrap=True)  # type: ignore[arg-type]
+    rows = []
     for number, f in enumerate(foldings(degree), start=1):
         word = "itself" if not f.chiral else "another" if f.flaps in kept else "listed above"
-        table.add_row(str(number), write_flaps(f.flaps), f.symmetry, str(f.copies), word)
-    console.print(table)
+        rows.append((str(number), write_flaps(f.flaps), f.symmetry, str(f.copies), word))
+    heads = ("#", "flaps", "symmetry", "copies", "mirror image")
+    console.print(Table(heads, rows, "", "rllrl", framed=False))
 
 
 def print_branch(branch: ConeBranch, elevation: float, console: Console) -> None:
@@ -175,12 +161,11 @@ def print_branch(branch: ConeBranch, elevation: float, console: Console) -> None
         f"branch {branch!r}, symmetry {branch.symmetry}, elevation {format_angle(elevation)}; "
         f"ends at |elevation| = {format_angle(branch.end)}: {branch.end_text}"
     )
-    table = Table(box=box.SIMPLE_HEAD)
-    for head in ("crease", "fold angle [rad]", "[deg]"):
-        table.add_column(Text(head), justify="right", no_wrap=True)
-    for number, angle in enumerate(phi.tolist(), start=1):
-        table.add_row(str(number), f"{angle:.15g}", f"{np.degrees(angle):.12g}")
-    console.print(table)
+    rows = [
+        (str(number), f"{angle:.15g}", f"{np.degrees(angle):.12g}")
+        for number, angle in enumerate(phi.tolist(), start=1)
+    ]
+    console.print(Table(("crease", "fold angle [rad]", "[deg]"), rows, "", "rrr", framed=False))
 
 
 def print_diagram(diagram: PhaseDiagram, console: Console) -> None:
