@@ -22,6 +22,8 @@ REACH = 0.05
 """Features that face each other closer than this, over the sheet's size, do so closely."""
 UNTOLD = "facets meet at borders or face to face, where no single gap tells them apart"
 """Why a descent ends at a state that is neither held on every piece nor left on one."""
+HALVINGS = 20
+"""Of the way from a state of a curve to the next one in which facets cross, until they touch."""
 SMALLER = 0.8, 0.6, 0.45, 0.3, 0.2, 0.1, 0.05
 """Shares of a start's fold angles, from the reference state on, at which it is asked whether facets cross."""
 
@@ -76,7 +78,7 @@ def press(sheet: Sheet, phi: np.ndarray, keep: bool = False) -> Descended:
 
 
 def press_along(sheet: Sheet, stretches: Stretches) -> Iterator[Descended]:
-    """Go down from every state of a curve whose neighbour crosses and is lower.
+    """Go down from every state of a curve whose neighbour crosses and is lower, or from where their facets touch.
 
     Parameters
     ----------
@@ -93,9 +95,29 @@ def press_along(sheet: Sheet, stretches: Stretches) -> Iterator[Descended]:
     states, crosses = stretches.states, stretches.crosses
     for i in np.flatnonzero(crosses[:-1] != crosses[1:]):
         free, crossed = (i + 1, i) if crosses[i] else (i, i + 1)
-        way = sheet.along(states[free], states[crossed] - states[free])
-        if sheet.torque(states[free]) @ way < 0:
-            yield press(sheet, states[free])
+        start, beyond = states[free], states[crossed]
+        if not _falls(sheet, start, beyond):  # energy may fall again before facets touch
+            start = _last_free(sheet, start, beyond)
+        if _falls(sheet, start, beyond):
+            yield press(sheet, start)
+
+
+def _falls(sheet: Sheet, phi: np.ndarray, ahead: np.ndarray) -> bool:
+    """Tell whether the energy falls from a closed state on the way to another one [n]."""
+    return bool(sheet.torque(phi) @ sheet.along(phi, ahead - phi) < 0)
+
+
+def _last_free(sheet: Sheet, free: np.ndarray, crossed: np.ndarray) -> np.ndarray:
+    """Return the last closed state without crossings on the way to one with crossings near by, by bisection, [n]."""
+    for _ in range(HALVINGS):
+        middle, residual = sheet.project(0.5 * (free + crossed))
+        if residual > CLOSES:
+            break
+        if sheet.crossings.find(middle):
+            crossed = middle
+        else:
+            free = middle
+    return free
 
 
 def press_off(sheet: Sheet, path: Sequence[np.ndarray]) -> Descended | None:

@@ -134,10 +134,6 @@ def test_a_state_vanishes_where_its_contact_opens():
     assert abs(many[0] - many[1]) == 1
 
 
-@pytest.mark.xfail(
-    strict=True,
-    reason="searches miss a state 5e-5 below its saddle, beside the contact that bears it",
-)
 def test_searches_find_the_state_that_a_contact_bears():
     atlas = stiffened()
     (contact,) = [e for e in atlas.events if e.type == "nonsmooth-fold"]
