@@ -1,5 +1,4 @@
 from .angle_sums import pop_rows as pop_rows
-from .branches import list_branches as list_branches
 from .clearance import Clearance as Clearance, Stretches as Stretches
 from .confirming import Confirmed as Confirmed, confirm_minimum as confirm_minimum
 from .counts import (
@@ -19,7 +18,11 @@ from .drawing import (
     draw_overview as draw_overview,
 )
 from .find import find_states as find_states
-from .flat_folded import FlatFolded as FlatFolded, list_flat_folded as list_flat_folded
+from .flat_folded import (
+    FlatFolded as FlatFolded,
+    list_branches as list_branches,
+    list_flat_folded as list_flat_folded,
+)
 from .interpolant import (
     Interpolant as Interpolant,
     interpolate as interpolate,
