@@ -27,7 +27,16 @@ import numpy as np
 
 from origami_nlp.facets.crossings import Crossings, boxes_that_meet
 from origami_nlp.folding import TRANSITIVE, Rule, not_interleaved
-from origami_nlp.numerics import ANSWERED, BESIDE, INSIDE, cross, groups, unit_normals
+from origami_nlp.numerics import (
+    ANSWERED,
+    BESIDE,
+    DEEP,
+    INSIDE,
+    NONZERO,
+    cross,
+    groups,
+    unit_normals,
+)
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -253,7 +262,9 @@ class Stack:
                 continue
             one = self._over(e, along[e])
             if reach[2] == 0:
-                yield one, ((p, d), (p, -d))
+                at = np.linspace(max(reach[0], 0.0), min(reach[1], length[e]), 3)[:, None]
+                if not self._goes_round(one, p, b.start[e] + at * along[e]):
+                    yield one, ((p, d), (p, -d))
                 continue
             for other in self._edges_of[p]:
                 if (pair := _pair(e, other)) in seen or e == other:
@@ -265,6 +276,28 @@ class Stack:
                     continue
                 seen.add(pair)
                 yield one, self._over(other, along[other])
+
+    def _goes_round(self, one: tuple[End, End], p: int, points: np.ndarray) -> bool:
+        """Tell whether a passage over an edge, off a piece by less than `near`, meets its plane beside its paper.
+
+        points: on the edge, [m, 3].  What pierces the piece by more than `DEEP` was found before; what only touches its
+        border does not pass through it.
+        """
+        normal, x = self.normal[p], self.x[p]
+        inward = cross(normal, np.roll(x, -1, axis=0) - x)
+        inward /= np.maximum(np.linalg.norm(inward, axis=1, keepdims=True), NONZERO)
+        height = (points - x[0]) @ normal
+        for piece, way in one:
+            slope = float(way @ normal)
+            if abs(slope) <= ANSWERED or _pair(piece, p) in self.unknown:
+                continue
+            # nearer than `DEEP` the edge itself is on the paper
+            down = (height * slope < 0) & (np.abs(height) > DEEP * self.crossings.size)
+            meets = points - np.where(down, height / slope, 0.0)[:, None] * way
+            inside = np.einsum("mqi,qi->mq", meets[:, None] - x, inward).min(axis=1)
+            if down.any() and (inside <= DEEP * self.crossings.size).all():
+                return True
+        return False
 
     @cached_property
     def _edges_of(self) -> list[list[int]]:

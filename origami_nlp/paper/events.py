@@ -102,7 +102,7 @@ def find_events(
     chain = chain_of(make(middle))
     walls = walls_of(chain)
     k = chain.size
-    found: dict[tuple[int, tuple[str, ...]], Event] = {}
+    found: list[Event] = []
     for count in range(1, MOST_WALLS + 1):
         for chosen in itertools.combinations(range(len(walls)), count):
             variables = [walls[i].variable for i in chosen if walls[i].variable >= 0]
@@ -123,10 +123,14 @@ def find_events(
                 event = _polished(make, [walls[i] for i in chosen], system, answer.x, low, high)
                 if event is None:
                     continue
-                key = (round(event.alpha / RESOLVED), event.walls)
-                if key not in found or (event.admissible and not found[key].admissible):
-                    found[key] = event
-    return sorted(found.values(), key=lambda e: (e.alpha, e.walls))
+                known = [
+                    e
+                    for e in found
+                    if e.walls == event.walls and abs(e.alpha - event.alpha) <= RESOLVED
+                ]
+                if not known or (event.admissible and not known[0].admissible):
+                    found = [e for e in found if e not in known] + [event]
+    return sorted(found, key=lambda e: (e.alpha, e.walls))
 
 
 class System:

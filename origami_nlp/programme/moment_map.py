@@ -133,6 +133,8 @@ class MomentMap:
         angle = 2 * np.arctan2(sine, scalar)
         # rotation vector: axis times angle; angle / sin(angle / 2) tends to 2 where nothing is missed
         miss = vector * np.where(sine > 0, angle / np.maximum(sine, NONZERO), 2.0)
+        # q = -1 has no axis: a whole turn about any of them
+        miss[0] = np.where((sine == 0) & (scalar < 0), angle, miss[0])
         if theta is None:
             return Shot(x, miss.T, None, None)
         left, right = theta[:, :, 0], theta[:, :, 1]

@@ -9,7 +9,7 @@ import numpy as np
 
 from origami_nlp.barriers import find_barriers
 from origami_nlp.kkt import State, classify
-from origami_nlp.minima import JudgedState, MinimaResult
+from origami_nlp.minima import MinimaResult
 from origami_nlp.numerics import DESIGN_FOUND, SAME_ENERGY, SETTLED
 from origami_nlp.pattern import Pattern, Scene
 from origami_nlp.programme import Model
@@ -17,7 +17,7 @@ from origami_nlp.sheets import SheetResult
 from origami_nlp.springs.convex import Posed
 from origami_nlp.springs.result import Design, ExtraMinimum, HeldBarrier, HeldState
 from origami_nlp.springs.robustness import MOVES, Tolerance, tolerance_of
-from origami_nlp.springs.targets import Placed, Targets
+from origami_nlp.springs.targets import Targets
 from origami_nlp.springs.targets_file import Ask
 from origami_nlp.springs.ways import Way, height
 
@@ -99,52 +99,27 @@ def _states(
     for placed in targets.placed:
         who = placed.target.name
         phi = targets.model.expand(placed.state.x)
+        asked = tuple(map(float, placed.target.fold_angles))
+        this = who, asked, tuple(phi.tolist()), placed.moved
         far = [float(np.abs(np.subtract(m.fold_angles, phi)).max()) for m in result.minima]
         i = int(np.argmin(far)) if far else -1
         if far and far[i] <= DESIGN_FOUND:
             m = result.minima[i]
             ours.add(i)
-            held.append(_found(placed, phi, far[i], m))
-            verdict = held[-1].full_space
+            verdict = m.full_space.verdict if m.full_space else None
+            held.append(HeldState(*this, far[i], m.energy, m.kind, m.certificate, verdict))
             if targets.full_space and verdict not in (None, "stable"):
                 failed.append(f"state {who!r} is {verdict} when the symmetry breaks")
             continue
         made = result.scene if isinstance(result, MinimaResult) else result.pattern
         judged = classify(State(targets.posed(made), placed.state.x))
         energy = float(made.energy(phi))
-        held.append(_held(placed, phi, math.inf, energy, judged.kind, judged.reason, None))
+        held.append(HeldState(*this, math.inf, energy, judged.kind, judged.reason, None))
         failed.append(
             f"the search did not find state {who!r}, which by itself is "
             + (f"a minimum ({judged.kind})" if judged.kind else f"none: {judged.reason}")
         )
     return tuple(held), failed, ours
-
-
-def _found(placed: Placed, phi: np.ndarray, far: float, m: JudgedState) -> HeldState:
-    verdict = m.full_space.verdict if m.full_space else None
-    return _held(placed, phi, far, m.energy, m.kind, m.certificate, verdict)
-
-
-def _held(
-    placed: Placed,
-    phi: np.ndarray,
-    found: float,
-    energy: float,
-    kind: str | None,
-    certificate: str,
-    verdict: str | None,
-) -> HeldState:
-    return HeldState(
-        placed.target.name,
-        tuple(map(float, placed.target.fold_angles)),
-        tuple(phi.tolist()),
-        placed.moved,
-        found,
-        energy,
-        kind,
-        certificate,
-        verdict,
-    )
 
 
 def _energies(targets: Targets, energy: dict[str, float]) -> list[str]:

@@ -15,7 +15,9 @@ from origami_nlp.folding import Orders, Rules
 from origami_nlp.pattern import frame_pattern, parse_fold, scene_pattern
 from origami_nlp.sheets import judge, overview, sheet_frame, sheet_to_fold
 from tests.fold_files import others
+from tests.independent.arcs import crossing_margin
 from tests.independent.lattice_chains import is_paper
+from tests.independent.rotations import fold
 from tests.patterns import grid, miura, miura_angles, wheel
 
 
@@ -311,3 +313,34 @@ def test_a_miura_sheet_folds_flat_and_large_ones_are_refused_by_name():
     far = order_layers(Sheet(large), math.pi * np.sign(miura_angles(large, 14, 1.0)))
     assert far.verdict == "not decided"
     assert "pairs" in far.reason
+
+
+def test_a_crease_that_passes_close_by_a_border_does_not_pass_through():
+    """Two creases that come onto each other, one on a facet beside the other: by arcs of great circles."""
+    scene = replace(o.examples.degree6("5*pi/12"), symmetry="none")
+    atlas = o.follow(scene, "ratio=1.79:1.86", prove=False, checks=1, effort="quick")
+
+    def deep(phi):
+        return crossing_margin(fold(scene.vertex.sector_angles, phi)[0])[0]
+
+    rng, crossed, clear, told = np.random.default_rng(0), 0, 0, 0
+    for t in (1.8, 1.81, 1.82, 1.83, 1.838, 1.8383, 1.85):
+        sheet = Sheet(scene_pattern(atlas.family.scene(t)))
+        pinned = [s.fold_angles for s in atlas.at(t) if s.kind == "contact-pinned"]
+        assert len(pinned) == 2
+        for phi in map(np.array, pinned):
+            assert deep(phi) < 1e-12 and not sheet.refuses(phi)
+            for step in (1e-7, 1e-6, 1e-5, 1e-4, 1e-3):
+                for _ in range(4):
+                    beside, missed = sheet.project(phi + step * rng.normal(size=6))
+                    assert missed < 1e-12
+                    depth = deep(beside)
+                    said = sheet.refuses(beside)
+                    told += bool(said)
+                    if depth > 1e-8:
+                        assert said
+                        crossed += 1
+                    elif depth < 1e-13:
+                        assert not said or "not decided" in said, (t, step, said)
+                        clear += 1
+    assert crossed > 50 and clear > 50 and told < crossed + clear

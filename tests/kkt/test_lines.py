@@ -1,4 +1,4 @@
-"""A state refuted along a line of its tangent cone, where contacts cannot be listed: lower states, none false."""
+"""States refuted along a line of their tangent cone, where contacts cannot be listed, and those that must not be."""
 
 import math
 

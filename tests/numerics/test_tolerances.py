@@ -28,7 +28,8 @@ BESIDE_THE_TABLE = {
         chart/boundary_walk.STEPS chart/chart.AROUND cli/timed.SHORTEST contact/margin.ASIDE
         critical/edges.KNOWN critical/edges.STEPS critical/link.RADII facets/faces.ASIDE
         kkt/descent.RESCUE kkt/descent.SHORTEST kkt/descent.TRIED kkt/level.BESIDE_FLAT
-        kkt/neighbours.RADII kkt/neighbours.STEPS kkt/refutation.FAR kkt/refutation.STEPS
+        kkt/neighbours.RADII kkt/neighbours.STEPS kkt/refutation.DOWNHILL kkt/refutation.FAR
+        kkt/refutation.STEPS
         landscape/exact.PIECE loading/driver.SIDE loading/route.LEAST_SPAN
         loading/route.OVER minima/descents.ESCAPE minima/descents.SHORTEST
         minima/escape.SMALLEST minima/one_freedom.ASIDE minima/search.DOWN modes/geodesic.STEP
@@ -36,7 +37,7 @@ BESIDE_THE_TABLE = {
         path/curve.STEPS path/flat.ARRIVED path/flat.BESIDE_FLAT path/halves.TRIALS
         path/web.STEPS sheets/curve.SHORTEST sheets/curve.STEP sheets/curves.LONG
         sheets/curve.DIFFERENCE sheets/judgement.NEAREST
-        sheets/pops.JUMPS sheets/pressing.REACH sheets/pressing.SMALLER
+        sheets/angle_sums.JUMPS sheets/pressing.REACH sheets/pressing.SMALLER
          sheets/terrain.FIRST space/cells.BESIDE space/mesh.DIFFERENCE
         springs/extras.FIRST springs/extras.SHORT starts/closing.QUADRATIC
         starts/near_folded.INSIDE
@@ -63,7 +64,7 @@ BESIDE_THE_TABLE = {
     "data: stiffnesses and their ratios, and ranges of what is asked for": """
         folding/embedding.LARGEST_TOLERANCE paper/cone/phase.RATIOS
         paper/cone/phase_curves.RATIO_LIMITS pattern/digits.COARSE pattern/drawn.QUAD_STIFFNESS
-        pattern/examples.RATIOS pattern/scene.SMALLEST pattern/springs.STIFFNESS
+        pattern/examples.RATIOS pattern/scene.SMALLEST pattern/designs.STIFFNESS
         springs/convex.LEAST_MARGIN springs/finding.PRICES
     """,
     "options of IPOPT and of a conic solver": """

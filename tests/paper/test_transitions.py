@@ -1,5 +1,6 @@
 """Transitions of the admissible space: found without being told where, and confirmed without the sweep."""
 
+import itertools
 import json
 import math
 
@@ -9,8 +10,9 @@ from typer.testing import CliRunner
 
 from origami_nlp.cli import app
 from origami_nlp.errors import OptionError
-from origami_nlp.paper import find_transitions
-from origami_nlp.paper.events import find_events
+from origami_nlp.numerics import RESOLVED
+from origami_nlp.paper import events, find_transitions
+from origami_nlp.paper.events import Event, find_events
 from origami_nlp.paper.transitions import signature_of
 from origami_nlp.pattern import degree6, degree8
 from origami_nlp.space import find_space
@@ -46,6 +48,21 @@ def test_events_of_degree_8(events8):
     """Only where 4 alpha = pi: the two sector angles are equal, and creases 1 and 3 meet on the axis."""
     assert max(abs(e.alpha - math.pi / 4) for e in events8) < 1e-13
     assert any(e.admissible for e in events8)
+
+
+def test_one_event_is_listed_once_wherever_rounding_puts_it(monkeypatch):
+    """Sector angles on both sides of a multiple of the distance at which two are one; the admissible state is kept."""
+    drawn, edge = itertools.count(), (round(0.8 / RESOLVED) + 0.5) * RESOLVED
+
+    def polished(make, walls, *_):
+        k = next(drawn)
+        names = tuple(wall.name for wall in walls)
+        return Event(edge + (-1) ** k * 1e-12, names, (), (), 0.0, False, bool(k % 2))
+
+    monkeypatch.setattr(events, "_polished", polished)
+    found = find_events(degree6, LOW, HIGH, starts=3)
+    assert len(found) == len({e.walls for e in found}) > 3
+    assert sum(e.admissible for e in found) > 3
 
 
 def test_curves_of_events_are_told(events6):

@@ -117,6 +117,19 @@ def test_without_slope_nothing_else_changes():
     assert b.slope is None
 
 
+def test_a_whole_turn_is_no_closed_vertex(monkeypatch):
+    """Halves that meet as q = -1 miss each other by 2 pi, exactly there as beside."""
+    chain = MomentMap(Model(draw(6)))
+    fold = chain._fold(np.zeros((3, 2)), False)
+    for beside in (0.0, 1e-9):
+        ends = np.zeros((4, 2, 2))
+        ends[0] = [[1.0, 1.0], [1.0, -1.0]]  # the second moment's halves: 1 and -1
+        ends[3, 1] = beside
+        monkeypatch.setattr(chain, "_fold", lambda m, slope, ends=ends: (ends, None, fold[2]))
+        missed = np.linalg.norm(chain.shoot(np.zeros((2, 3)), slope=False).miss, axis=1)
+        assert missed == pytest.approx([2 * beside, 2 * math.pi], abs=1e-8)
+
+
 @pytest.mark.parametrize("n", [5, 12, 40])
 def test_rounding_of_the_moment_grows_as_said(n):
     chain = MomentMap(Model(draw(n, contact="none")))
