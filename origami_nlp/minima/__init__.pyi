@@ -72,10 +72,7 @@ from .result import (
     MinimaResult as MinimaResult,
 )
 from .sheet_account import (
-    BARRIERS as BARRIERS,
     MEETINGS as MEETINGS,
-    OF_VERTEX as OF_VERTEX,
-    POPS as POPS,
     WAYS_OUT as WAYS_OUT,
     SheetSearch as SheetSearch,
 )

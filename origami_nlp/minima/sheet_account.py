@@ -13,9 +13,6 @@ from origami_nlp.minima.minimum import JudgedState
 
 WAYS_OUT = "ways out of flat-folded states"
 MEETINGS = "ways out of states where curves meet"
-OF_VERTEX = "the search for single vertices"
-POPS = "minima with a vertex popped"
-BARRIERS = "escape barriers"
 """Parts of a search that its time may end."""
 
 

@@ -11,7 +11,6 @@ from typing import Any
 
 import numpy as np
 
-from origami_nlp.files import pick
 from origami_nlp.folding import examine, pair_depths
 from origami_nlp.numerics import ANSWERED, LOADED, OUTSIDE, TOUCHES
 from origami_nlp.programme.compiled import Functions, compile_structure, mapped
@@ -97,11 +96,6 @@ class Model(Posed):
 
     def __getstate__(self) -> dict[str, Any]:
         return {k: v for k, v in self.__dict__.items() if k != "functions"}
-
-    def _to_plain(self) -> dict[str, Any]:
-        left_out = [pick(item, "what", "why") for item in self.left_out]
-        sizes = ("variables=size", "equalities=equation_count", "inequalities=inequality_count")
-        return pick(self, *sizes, "contact_pairs", left_out=left_out)
 
     def loaded(self, load: np.ndarray) -> Model:
         """Return the same programme with energy U - load . phi; it shares the compiled functions.

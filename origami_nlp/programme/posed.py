@@ -12,7 +12,7 @@ from typing import Any, Self
 import numpy as np
 
 from origami_nlp.arguments import check_type
-from origami_nlp.files import Full
+from origami_nlp.files import Full, pick
 from origami_nlp.numerics import SUMMED
 from origami_nlp.pattern import Scene, dead_loads
 from origami_nlp.programme.choose import enumerate_gaps, facet_of_ray
@@ -304,6 +304,11 @@ class Posed(Energies, Full):
     def root(self) -> np.ndarray:
         """The metric of all N fold angles: y = root x, root = sqrt(multiplicity), [n]."""
         return np.sqrt(self.multiplicity)
+
+    def _to_plain(self) -> dict[str, Any]:
+        left_out = [pick(item, "what", "why") for item in self.left_out]
+        sizes = ("variables=size", "equalities=equation_count", "inequalities=inequality_count")
+        return pick(self, *sizes, "contact_pairs", left_out=left_out)
 
     @property
     def contact_pairs(self) -> list[tuple[int, int]]:

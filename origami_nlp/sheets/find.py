@@ -20,10 +20,7 @@ from origami_nlp.errors import Interrupted, OptionError, OutOfTime
 from origami_nlp.facets import MOST_DENSE, Sheet, find_labels, image
 from origami_nlp.kkt import TangentCone
 from origami_nlp.minima import (
-    BARRIERS,
     MEETINGS,
-    OF_VERTEX,
-    POPS,
     WAYS_OUT,
     JudgedState,
     MinimaResult,
@@ -122,14 +119,14 @@ def find_states(
     for start in Given(search.sheet.pattern).states():
         search.part(Given.name, search.explore, start)
     if len(pattern.vertices) == 1 and not pattern.holes:
-        search.part(OF_VERTEX, search.round_the_vertex, seed)
+        search.part("the search for single vertices", search.round_the_vertex, seed)
     for k in range(min(asked.most_drawn * starts, most)):
         if not search.part("random starts", search.draw, rng, k) or search.tally.quiet == starts:
             break
-    search.part(POPS, search.pop, asked.most_popped * starts)
+    search.part("minima with a vertex popped", search.pop, asked.most_popped * starts)
     search.part("images of minima under symmetries", search.add_images)
     if escape:
-        search.part(BARRIERS, search.add_escapes)
+        search.part("escape barriers", search.add_escapes)
     if noise is not None:
         search.part(NOISE, search.add_survival, noise)
     found = search.result(pattern, starts)
@@ -373,7 +370,7 @@ class _Search:
         seconds = max(0.5 * (self.sheet.until - time.monotonic()), 0.0)
         states, whole = of_vertex(self.sheet.pattern, self.contact, seed, seconds)
         if not whole:
-            self.tally.leave_out(OF_VERTEX)
+            self.tally.leave_out("the search for single vertices")
         for phi in states:
             self.tally.of_vertex += 1
             if not self.known(phi):
