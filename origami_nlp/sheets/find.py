@@ -129,10 +129,9 @@ def find_states(
         search.part("escape barriers", search.add_escapes)
     if noise is not None:
         search.part(NOISE, search.add_survival, noise)
-    found = search.result(pattern, starts)
     if search.tally.interrupted:
-        raise Interrupted(found)
-    return found
+        raise Interrupted(search.result(pattern, starts))
+    return search.result(pattern, starts)
 
 
 class _Search:
@@ -148,9 +147,8 @@ class _Search:
         self.sheet.origin = pattern.corners.mean(axis=0)
         self._symmetries = self.labels.symmetries(pattern)
         self.curves = Curves(self.sheet, self.labels, contact)
-        self.tally, self._since = SheetSearch(), time.perf_counter()
-        self.tally.contact = "full" if contact else "fold-limits"
-        self.judged, self._traced = list[JudgedState](), 0
+        self.tally = SheetSearch(contact="full" if contact else "fold-limits")
+        self._since, self.judged, self._traced = time.perf_counter(), list[JudgedState](), 0
         self._planes: list[tuple[np.ndarray, np.ndarray]] = []
         self._families = families_in_turn(self.sheet, self.labels)
         self._side = self.labels.drawn(np.random.default_rng(0).normal(size=pattern.creases))
