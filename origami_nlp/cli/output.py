@@ -86,7 +86,7 @@ class Output:
         if mesh := targets.get("mesh"):
             from origami_nlp.minima import check_mesh
 
-            check_mesh(mesh)
+            check_mesh(Path(mesh))
         if film := targets.get("animate"):
             from origami_nlp.show import check_animation
 

@@ -207,7 +207,7 @@ class LoadPath(Told, Turnable):
     def mesh_parts(self) -> list[Part]:
         """Return the states at which each leg begins and ends, side by side as triangles."""
         ends = [leg.points[k].fold_angles for leg in self.legs for k in (0, -1)]
-        return self.driver.mesh_parts(np.array(list(dict.fromkeys(map(tuple, ends)))))
+        return self.driver.mesh_parts([np.array(phi) for phi in dict.fromkeys(map(tuple, ends))])
 
     def _rows(self) -> Iterator[dict[str, object]]:
         for number, leg in enumerate(self.legs, start=1):

@@ -77,8 +77,8 @@ def as_scene(
     Examples
     --------
     >>> import origami_nlp as o
-    >>> from origami_nlp.pattern import as_scene
-    >>> as_scene(o.examples.pattern("waterbomb")).degree
+    >>> from origami_nlp.pattern import as_scene, scene_pattern
+    >>> as_scene(scene_pattern(o.examples.waterbomb())).degree
     6
     """
     if not isinstance(stated, Pattern | str | PathLike):
