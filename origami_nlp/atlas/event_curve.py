@@ -10,8 +10,7 @@ from __future__ import annotations
 
 import math
 import time
-from dataclasses import dataclass, replace
-from typing import Protocol
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -53,17 +52,6 @@ class EventPoint:
     frame: Equilibrium
     kkt: float
     event: float
-
-
-class Tracer(Protocol):
-    """Finds one kind of event on lines through the plane; contact: that closes, None for others."""
-
-    @property
-    def plane(self) -> Plane: ...  # noqa: D102
-    @property
-    def contact(self) -> Contact | None: ...  # noqa: D102
-    def at(self, point: np.ndarray, normal: np.ndarray, state: np.ndarray) -> EventPoint | None:
-        """Return the event on the line through a point of the plane, from a state nearby; None where it is not."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -135,6 +123,10 @@ class EventTracer:
         return b if b is not None and abs(b.ahead) <= STATIONARY else None
 
 
+Tracer = FlatTracer | EventTracer
+"""Finds one kind of event on lines through the plane."""
+
+
 def follow_event(
     tracer: Tracer, first: EventPoint, until: float = math.inf
 ) -> tuple[list[EventPoint], tuple[str, str]]:
@@ -198,7 +190,7 @@ def _one_way(
         if (share < 0).any() or (share > 1).any():
             edge = _at_edge(tracer, here, there)
             return ([*out, edge] if edge else out), "range"
-        if not is_equilibrium(replace(there.frame)):
+        if not is_equilibrium(there.frame):
             h /= 2
             if h < SHORTEST:
                 return out, f"{MEETS}{_what(there.frame)}"

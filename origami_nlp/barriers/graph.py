@@ -169,7 +169,8 @@ def _step_out(
     origin = np.repeat(frontier, len(directions), axis=0)
     ahead = ahead.reshape(-1, model.size)
     if model.scene.contact == "full" and (np.abs(frontier).max(axis=1) <= SAME).any():
-        extra = _around(model, spacing)  # the flat state: its tangent cone is no space
+        # around the flat state: its tangent cone is no space
+        extra = spacing * _directions(model.size)
         origin = np.vstack([origin, np.zeros_like(extra)])
         ahead = np.vstack([ahead, extra])
     keep = np.array([c not in occupied for c in _cells(ahead, spacing)])
@@ -192,14 +193,6 @@ def _step_out(
                 occupied.add(cell + on_boundary)
                 out.append(state)
     return np.array(out).reshape(-1, model.size)
-
-
-def _around(model: Programme, spacing: float) -> np.ndarray:
-    """Return points around the flat state in all directions of the fold-angle space."""
-    d = np.array(
-        [v for v in itertools.product((-1, 0, 1), repeat=model.size) if any(v)], dtype=float
-    )
-    return spacing * d / np.linalg.norm(d, axis=1, keepdims=True)
 
 
 def _cut_back(model: Programme, inside: np.ndarray, outside: np.ndarray) -> np.ndarray:

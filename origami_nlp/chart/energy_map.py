@@ -21,6 +21,7 @@ import numpy as np
 
 from origami_nlp.arguments import check_angles, check_type, check_whole
 from origami_nlp.chart.chart import Chart, admissible, chart_of, family_of
+from origami_nlp.chart.grid import allowed
 from origami_nlp.errors import OptionError
 from origami_nlp.files import Brief
 from origami_nlp.folding import examine
@@ -153,12 +154,8 @@ def cells(low: float, high: float, size: int) -> np.ndarray:
 
 def _area(chart: Chart, branch: int, name: str, axes: tuple[np.ndarray, ...]) -> Branch:
     """One branch over the grid of `axes`, inadmissible states blanked out."""
-    phi = chart.fold_angles(branch, *np.meshgrid(*axes))
-    closed = np.isfinite(phi).all(axis=-1)
-    states = phi[closed]
-    states[~admissible(chart.scene, states)] = np.nan
-    phi[closed] = states
-    phi[~closed] = np.nan
+    good, phi = allowed(chart, branch, *np.meshgrid(*axes))
+    phi[~good] = np.nan
     return Branch(name, axes, np.asarray(chart.scene.energy(phi)), phi)
 
 

@@ -15,7 +15,8 @@ without constraint
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
+from functools import partial
 from typing import Literal
 
 import numpy as np
@@ -38,7 +39,6 @@ BY_CURVES = "flat: the energy is level along every curve of states that leaves, 
 BY_CLOSURE = "sharp: the energy grows in every direction that closure leaves to second order"
 SLIDES = "facets face to face press at borders alone, where they may slide off"
 
-NO_MODES = np.zeros((0, 0))
 MANY_ROWS = 12
 """Contacts above which a direction that opens all at once is looked for first."""
 Verdict = Literal["minimum", "saddle", "not stationary", "undecided"]
@@ -68,13 +68,13 @@ class BranchJudgement:
     level: int
     rows: tuple[Contact, ...]
     multipliers: Multipliers
-    regular: bool
-    eigenvalues: np.ndarray
-    direction: np.ndarray | None
     cone_dimension: int
-    tangent: np.ndarray | None
-    held: tuple[Contact, ...]
-    modes: np.ndarray
+    regular: bool = True
+    eigenvalues: np.ndarray = field(default_factory=lambda: np.zeros(0))
+    direction: np.ndarray | None = None
+    tangent: np.ndarray | None = None
+    held: tuple[Contact, ...] = ()
+    modes: np.ndarray = field(default_factory=lambda: np.zeros((0, 0)))
     more: tuple[np.ndarray, ...] = ()
 
 
@@ -104,24 +104,15 @@ def _judge(piece: Stratum, stationary: float) -> BranchJudgement:
     tangent = None if y is None else z @ y / root
     size = 1.0 + np.abs(state.gradient).max()
 
-    def say(  # type: ignore[no-untyped-def]
-        verdict: Verdict, why: str, level: int, eig=(), direction=None, more=(), modes=NO_MODES
-    ) -> BranchJudgement:
-        return BranchJudgement(
-            verdict,
-            why,
-            level,
-            rows,
-            multipliers,
-            regular,
-            np.asarray(eig, dtype=float),
-            direction,
-            dimension,
-            tangent,
-            held,
-            modes,
-            tuple(d / root for d in more),
-        )
+    say = partial(
+        BranchJudgement,
+        rows=rows,
+        multipliers=multipliers,
+        cone_dimension=dimension,
+        regular=regular,
+        tangent=tangent,
+        held=held,
+    )
 
     if dimension == 0:
         # the tangent cone lies in the linearised one, whatever constraints do (Nocedal & Wright, lemma 12.2)
@@ -136,7 +127,8 @@ def _judge(piece: Stratum, stationary: float) -> BranchJudgement:
         d = _descent(z, a, state.gradient)
         verdict: Verdict = "not stationary" if regular and not held else "undecided"
         more = [] if regular else state.tangent_cone.slopes(state.gradient, a)[1]
-        return say(verdict, "no multipliers >= 0 balance the springs", 0, (), d / root, more)
+        why = "no multipliers >= 0 balance the springs"
+        return say(verdict, why, 0, direction=d / root, more=tuple(m / root for m in more))
     # one solution that presses on enough contacts does; all ranges are looked for only where none does
     # critical cone (Nocedal & Wright, 12.53): mu_i > 0 keeps contact i closed
     loaded = multipliers.found > 10 * stationary * size
@@ -167,20 +159,11 @@ def _judge(piece: Stratum, stationary: float) -> BranchJudgement:
         if regular and multipliers.unique:
             why = "regular contact: " if rows else "regular interior: "
             where = "on the critical cone" if rows else "on the tangent space"
-            return say(
-                "minimum",
-                why + f"Hessian positive definite {where}",
-                2 if rows else 1,
-                values,
-                modes=vectors,
-            )
-        return say(
-            "minimum",
-            "second order: a multiplier of the set makes the Hessian positive definite",
-            4,
-            values,
-            modes=vectors,
-        )
+            why, level = f"{why}Hessian positive definite {where}", 2 if rows else 1
+        else:
+            why = "second order: a multiplier of the set makes the Hessian positive definite"
+            level = 4
+        return say("minimum", why, level, eigenvalues=values, modes=vectors)
     # curvature was asked for on the span of the critical cone; only a direction of the cone itself makes a saddle, and
     # the necessary condition (theorem 12.5) needs independent gradients: full rank, one multiplier
     weak = a[~loaded]
@@ -190,15 +173,15 @@ def _judge(piece: Stratum, stationary: float) -> BranchJudgement:
         for sign in (1.0, -1.0):
             d = sign * vectors[:, column]
             if (weak @ d >= -INDEPENDENT).all() and regular and multipliers.unique:
-                return say(
-                    "saddle", "negative curvature along a feasible direction", 0, values, d / root
-                )
+                why = "negative curvature along a feasible direction"
+                return say("saddle", why, 0, eigenvalues=values, direction=d / root)
     why = "" if regular else _rises(piece)
     if why:
-        return say("minimum", why, 5, values)
-    down = [vectors[:, k] for k in range(len(values)) if values[k] < -CURVED * scale]
-    more = [s * d for d in down for s in (1.0, -1.0)]
-    return say("undecided", "neither first nor second order decides", 0, values, None, more)
+        return say("minimum", why, 5, eigenvalues=values)
+    down = [vectors[:, k] / root for k in range(len(values)) if values[k] < -CURVED * scale]
+    both = tuple(s * d for d in down for s in (1.0, -1.0))
+    why = "neither first nor second order decides"
+    return say("undecided", why, 0, eigenvalues=values, more=both)
 
 
 def _rises(piece: Stratum) -> str:

@@ -8,13 +8,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from functools import partial
 from typing import cast
 
 import numpy as np
 from scipy import sparse
 from scipy.sparse.linalg import ArpackNoConvergence, eigsh
 
-from origami_nlp.kkt.certificates import BY_CLOSURE, BranchJudgement, Verdict
+from origami_nlp.kkt.certificates import BY_CLOSURE, BranchJudgement
 from origami_nlp.kkt.multipliers import Multipliers
 from origami_nlp.kkt.refutation import FAR, Lower
 from origami_nlp.kkt.state import State
@@ -54,30 +55,13 @@ def judge_large(state: State) -> Iterator[BranchJudgement]:
     residual = float(np.abs(left).max(initial=0.0))
     found = Multipliers(residual, True, moments)
 
-    def say(
-        verdict: Verdict, why: str, level: int, eig: float = math.nan, more=()
-    ) -> BranchJudgement:  # type: ignore[no-untyped-def]
-        values = np.array([eig] if math.isfinite(eig) else [])
-        return BranchJudgement(
-            verdict,
-            why,
-            level,
-            rows,
-            found,
-            True,
-            values,
-            None,
-            p.freedom,
-            None,
-            (),
-            tuple(more),  # type: ignore[arg-type]
-        )
-
+    say = partial(BranchJudgement, rows=rows, multipliers=found, cone_dimension=p.freedom)
     if residual > STATIONARY * 10 * size:
         why = "no multipliers >= 0 balance the springs"
         yield say("undecided", why, 0, more=(-left,))
         rises, falling, _ = state.tangent_cone.slopes(p.torque(x), _slopes(state, rows))
-        yield say("minimum", BY_CLOSURE, 5) if rises else say("undecided", why, 0, more=falling)
+        down = tuple(falling)
+        yield say("minimum", BY_CLOSURE, 5) if rises else say("undecided", why, 0, more=down)
         return
     # critical cone: limits that are loaded stay shut
     free = np.setdiff1d(np.arange(len(x)), shut[moments > 10 * STATIONARY * size])
@@ -88,12 +72,13 @@ def judge_large(state: State) -> Iterator[BranchJudgement]:
     lowest, vector = smallest_curvature(p.hessian(x, lam)[free][:, free], p.jacobian(x)[:, free])
     way = np.zeros(len(x))
     way[free] = vector
+    values = np.array([lowest] if math.isfinite(lowest) else [])
     if lowest > CURVED:
         why = "Hessian positive definite on the critical cone"
-        yield say("minimum", why, 2 if rows else 1, lowest)
+        yield say("minimum", why, 2 if rows else 1, eigenvalues=values)
     else:
         why = "neither first nor second order decides"
-        yield say("undecided", why, 0, lowest, (way, -way))
+        yield say("undecided", why, 0, eigenvalues=values, more=(way, -way))
 
 
 def _slopes(state: State, limits: tuple[Contact, ...]) -> np.ndarray:

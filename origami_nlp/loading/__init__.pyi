@@ -1,4 +1,4 @@
-from .driver import Driver as Driver, VertexDriver as VertexDriver
+from .driver import VertexDriver as VertexDriver
 from .figure import draw_load as draw_load
 from .find import load_path as load_path
 from .records import Confirmed as Confirmed, Leg as Leg, LoadPoint as LoadPoint, Snap as Snap

@@ -9,7 +9,7 @@ import math
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 
@@ -52,49 +52,6 @@ class Search:
     def left(self) -> float | None:
         """Seconds that are left; None without end."""
         return None if self.until == math.inf else max(self.until - time.monotonic(), 0.0)
-
-
-class Driver(Protocol):
-    """What a load path asks of what drives it: what the load t is, what it works on, and states without it.
-
-    `line` are the programmes over t, `down` leads from the end of a stable state to the next one (or says why not), and
-    `states_at` are stable states at one load by a search that knows nothing of the path.
-    """
-
-    lazy: bool
-    WAY: str
-
-    @property
-    def label(self) -> str: ...  # noqa: D102
-    @property
-    def name(self) -> str: ...  # noqa: D102
-    @property
-    def unit(self) -> str: ...  # noqa: D102
-    @property
-    def coordinate(self) -> str: ...  # noqa: D102
-    @property
-    def creases(self) -> tuple[int, ...]: ...  # noqa: D102
-    @property
-    def farthest(self) -> float: ...  # noqa: D102
-    @property
-    def arm(self) -> float: ...  # noqa: D102
-    @property
-    def unloaded(self) -> Any: ...  # noqa: D102
-    def conjugate(self, fold_angles: np.ndarray) -> np.ndarray: ...  # noqa: D102
-    def line(self) -> ParameterLine: ...  # noqa: D102
-    def full_line(self) -> ParameterLine | None: ...  # noqa: D102
-    def steps(self, steps: ContinuationOptions | None) -> ContinuationOptions: ...  # noqa: D102
-    def begin(  # noqa: D102
-        self, state: Any, search: Search
-    ) -> tuple[Driver, int, np.ndarray]: ...
-    def down(  # noqa: D102
-        self, line: ParameterLine, s: float, node: Node, near: float, until: float
-    ) -> tuple[np.ndarray, Classification] | str: ...
-    def beside(self, t: float) -> float: ...  # noqa: D102
-    def states_at(self, t: float, search: Search) -> list[np.ndarray] | None: ...  # noqa: D102
-    def to_fold(self, states: Sequence[FramedState]) -> dict[str, Any]: ...  # noqa: D102
-    def mesh_parts(self, states: Sequence[np.ndarray]) -> list[Part]: ...  # noqa: D102
-    def poser(self) -> Poser: ...  # noqa: D102
 
 
 FramedState = tuple[str, Sequence[float], dict[str, Any]]

@@ -9,7 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from origami_nlp.kkt import Classification
-from origami_nlp.loading.driver import Driver
+from origami_nlp.loading.driver import VertexDriver
+from origami_nlp.loading.sheet import PatternDriver
 from origami_nlp.numerics import SETTLED
 from origami_nlp.path import LATE, Equilibrium, Web
 
@@ -140,7 +141,7 @@ def _why(web: Web, node: int, end: float) -> str:
 
 
 def let_go(
-    web: Web, node: int, toward: float, driver: Driver
+    web: Web, node: int, toward: float, driver: VertexDriver | PatternDriver
 ) -> tuple[np.ndarray, float, Classification] | str:
     """Descend from the end of a way, a little beyond its load; the minimum, its load and certificate, or why none."""
     point, why = web.nodes[node].point, ""

@@ -26,8 +26,11 @@ from origami_nlp.space.mesh import (
     SEAM,
     MeshError,
     Sheets,
+    beside,
     edges_of,
+    has,
     pull,
+    several,
 )
 
 WITNESSES = 3
@@ -59,7 +62,7 @@ def admissible_cells(sheets: Sheets) -> Cells:
     good = _good_triangles(sheets, sign)
     kept = sheets.triangles[good]
     inner = np.where(sign[good, 1] < 0, 1, -1)  # short of the cut from below: +pi
-    corner_sign = np.where(_on(sheets.on, CUT)[kept], inner[:, None], 0)
+    corner_sign = np.where(has(sheets.on, CUT)[kept], inner[:, None], 0)
     edges, edge_sign = _edges_alone(sheets, kept, corner_sign)
     keys = [kept.ravel() * 3 + corner_sign.ravel() + 1, (edges * 3 + edge_sign + 1).ravel()]
     points = _vertices_alone(sheets, np.unique(np.concatenate(keys)))
@@ -78,10 +81,6 @@ def admissible_cells(sheets: Sheets) -> Cells:
     )
 
 
-def _on(on: np.ndarray, bit: int) -> np.ndarray:
-    return (on >> bit) & 1 == 1
-
-
 def _with_sign(wedge: np.ndarray, sign: np.ndarray) -> np.ndarray:
     """Set the inner fold angle of wedge states [..., k] to +pi or -pi where sign [...] is not 0."""
     out = np.array(wedge)
@@ -92,7 +91,11 @@ def _with_sign(wedge: np.ndarray, sign: np.ndarray) -> np.ndarray:
 
 def _sides(sheets: Sheets) -> np.ndarray:
     """Side of each curved wall on which a triangle lies: the value farthest from 0 of its vertices, [F, 3]."""
-    values = sheets.values[sheets.triangles]  # [F, 3 vertices, 3 walls]
+    return _farthest(sheets.values[sheets.triangles])  # of [F, 3 vertices, 3 walls]
+
+
+def _farthest(values: np.ndarray) -> np.ndarray:
+    """Return the value farthest from 0 along the second axis."""
     far = np.abs(values).argmax(axis=1)
     return np.take_along_axis(values, far[:, None], axis=1)[:, 0]
 
@@ -130,8 +133,7 @@ def _inner_states(sheets: Sheets, side: np.ndarray) -> tuple[np.ndarray, np.ndar
     chain, t = sheets.chain, sheets.triangles
     base = sheets.base[t]
     middles = [base.mean(axis=1), *(0.5 * (base[:, k] + base[:, k - 1]) for k in range(3))]
-    sheet = sheets.sheet[t]
-    sheet = np.take_along_axis(sheet, np.abs(sheet).argmax(axis=1)[:, None], axis=1)[:, 0]
+    sheet = _farthest(sheets.sheet[t])
     count = len(middles)
     point, sides = np.concatenate(middles), np.tile(side, (count, 1))
     states = chain.points(point, np.tile(sheet, count))
@@ -147,11 +149,7 @@ def _inner_states(sheets: Sheets, side: np.ndarray) -> tuple[np.ndarray, np.ndar
 
 def _faces(sheets: Sheets, side: np.ndarray) -> np.ndarray:
     """Number the connected pieces into which the walls divide the surface, for each triangle."""
-    _, of_triangle = edges_of(sheets.triangles)
-    order = of_triangle.ravel().argsort(kind="stable")
-    edge = of_triangle.ravel()[order]
-    pair = np.flatnonzero(edge[1:] == edge[:-1])
-    one, two = order[pair] // 3, order[pair + 1] // 3
+    one, two = beside(sheets.triangles).T
     apart = np.zeros(len(one), dtype=bool)
     for k, wrapped in enumerate(WRAPPED[sheets.chain.kind]):
         differ = side[one, k] * side[two, k] < 0
@@ -169,18 +167,17 @@ def _edges_alone(
     edges, _ = edges_of(sheets.triangles)
     common = sheets.on[edges[:, 0]] & sheets.on[edges[:, 1]]
     edges = edges[(common & ~(1 << SEAM)) != 0]
-    sheet = sheets.sheet[edges]
-    sheet = np.take_along_axis(sheet, np.abs(sheet).argmax(axis=1)[:, None], axis=1)[:, 0]
+    sheet = _farthest(sheets.sheet[edges])
     common = sheets.on[edges[:, 0]] & sheets.on[edges[:, 1]]
     middle = sheets.base[edges].mean(axis=1)
     for bit in (HEIGHT, CUT, OTHER, SEAM):
-        here = _on(common, bit)
+        here = has(common, bit)
         # a straight border stays straight
-        free = here & ~_on(common, BORDER_P) & ~_on(common, BORDER_Q)
+        free = here & ~has(common, BORDER_P) & ~has(common, BORDER_Q)
         middle[free] = pull(sheets.chain, middle[free], sheet[free], bit)
     points = sheets.chain.points(middle, sheet)
     wedge = points.wedge
-    flat = _on(common, HEIGHT)
+    flat = has(common, HEIGHT)
     wedge[flat, -1] = np.copysign(math.pi, wedge[flat, -1])
     used = _edge_keys(
         np.concatenate([kept[:, [0, 1]], kept[:, [1, 2]], kept[:, [2, 0]]]),
@@ -188,10 +185,10 @@ def _edges_alone(
     )
     found, signs = [], []
     for s in (-1, 1):
-        cut = _on(common, CUT)
+        cut = has(common, CUT)
         mine = cut | (np.sign(wedge[:, -2]) == s)
         state = _with_sign(wedge, np.where(cut, s, 0))
-        ends = np.where(_on(sheets.on[edges], CUT), s, 0)
+        ends = np.where(has(sheets.on[edges], CUT), s, 0)
         alone = mine & ~np.isin(_edge_keys(edges, ends), used)
         phi = state[:, sheets.chain.orbit]
         phi = np.where(np.abs(phi) > math.pi, np.sign(phi) * math.pi, phi)
@@ -245,12 +242,9 @@ def _passes(sheets: Sheets, fold_angles: np.ndarray) -> bool:
 
 def _vertices_alone(sheets: Sheets, used: np.ndarray) -> np.ndarray:
     """Keys of admissible vertices on two walls or more that are on no other cell."""
-    walls = sheets.on & ~(1 << SEAM)
-    # more than one bit is set
-    several = (walls & (walls - 1)) != 0
     keys = []
     for s in (-1, 0, 1):
-        who = np.flatnonzero(several & (_on(sheets.on, CUT) == (s != 0)))
+        who = np.flatnonzero(several(sheets.on) & (has(sheets.on, CUT) == (s != 0)))
         key = who * 3 + s + 1
         who = who[~np.isin(key, used)]
         state = _with_sign(sheets.wedge[who], np.full(len(who), s))

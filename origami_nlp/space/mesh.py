@@ -97,7 +97,7 @@ def mesh_sheets(chain: Chain, size: int) -> Sheets:
     for bit in (HEIGHT, SEAM):
         surface = _split(chain, surface, bit)
     margin = chain.fold_margin(surface.base)
-    margin[_has(surface.on, SEAM)] = 0.0
+    margin[has(surface.on, SEAM)] = 0.0
     corners = margin[surface.triangles]
     surface = _double(surface, (corners >= 0).all(axis=1) & (corners > 0).any(axis=1))
     for bit in (CUT, OTHER):
@@ -109,8 +109,8 @@ def mesh_sheets(chain: Chain, size: int) -> Sheets:
     values, wedge = points.walls, points.wedge
     for column, bit in enumerate((HEIGHT, CUT, OTHER)):
         on |= np.where(np.abs(values[:, column]) <= ON, 1 << bit, 0)
-        values[_has(on, bit), column] = 0.0
-    flat = _has(on, HEIGHT)  # the last fold angle is +-pi there, from the side the state is on
+        values[has(on, bit), column] = 0.0
+    flat = has(on, HEIGHT)  # the last fold angle is +-pi there, from the side the state is on
     wedge[flat, -1] = np.copysign(math.pi, wedge[flat, -1])
     return Sheets(chain, base, sheet, on, triangles, values, wedge)
 
@@ -143,8 +143,16 @@ def polar_mesh(reach: tuple[float, float], size: int) -> tuple[np.ndarray, np.nd
     return base, np.vstack(triangles)
 
 
-def _has(on: np.ndarray, bit: int) -> np.ndarray:
+def has(on: np.ndarray, bit: int) -> np.ndarray:
+    """Tell which vertices lie on a wall or the seam."""
     return (on >> bit) & 1 == 1
+
+
+def several(on: np.ndarray) -> np.ndarray:
+    """Tell which vertices lie on two walls or more (the seam of the sheets is none)."""
+    walls = on & ~(1 << SEAM)
+    # more than one bit is set
+    return np.asarray((walls & (walls - 1)) != 0)
 
 
 Evaluate = Callable[[np.ndarray, np.ndarray], np.ndarray]
@@ -220,6 +228,14 @@ def edges_of(triangles: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return edges, inverse.reshape(-1, 3)
 
 
+def beside(triangles: np.ndarray) -> np.ndarray:
+    """Return the pairs of triangles that share an edge, [P, 2]."""
+    names = edges_of(triangles)[1].ravel()
+    order = names.argsort(kind="stable")
+    pair = np.flatnonzero(np.diff(names[order]) == 0)
+    return np.stack([order[pair] // 3, order[pair + 1] // 3], axis=1)
+
+
 def divide(triangles: np.ndarray, middle: np.ndarray) -> np.ndarray:
     """Divide triangles at new vertices on their edges ([F, 3], -1 where an edge is whole)."""
     count = (middle >= 0).sum(axis=1)
@@ -256,12 +272,12 @@ def _find_roots(
 ) -> np.ndarray:
     """Bisect between base points a and b [E, 2]; edges that follow curved walls stay on them."""
     low, high = np.zeros(len(a)), np.ones(len(a))
-    curved = [bit for bit in (HEIGHT, CUT, OTHER, SEAM) if _has(common, bit).any()]
+    curved = [bit for bit in (HEIGHT, CUT, OTHER, SEAM) if has(common, bit).any()]
 
     def at(t: np.ndarray) -> np.ndarray:
         point = a + t[:, None] * (b - a)
         for bit in curved:
-            here = _has(common, bit)
+            here = has(common, bit)
             point[here] = pull(chain, point[here], sheet[here], bit)
         return point
 
@@ -297,7 +313,7 @@ def _double(surface: Surface, kept: np.ndarray) -> Surface:
     """Two copies of the triangles `kept`, joined along the seam."""
     base, on, _, triangles = surface
     triangles = triangles[kept]
-    seam = _has(on, SEAM)
+    seam = has(on, SEAM)
     count = len(base)
     other = np.where(seam, np.arange(count), count + np.arange(count))
     sheet = np.where(seam, 0, 1)
@@ -323,7 +339,7 @@ def _shorten(chain: Chain, surface: Surface, longest: float) -> Surface:
     # edges that follow curved walls would have to be pulled back onto them: those stay
     long = np.flatnonzero((apart.max(axis=1) > longest) & (common & ~STRAIGHT == 0))
     a, b = a[long], b[long]
-    seam_a, seam_b = _has(on[a], SEAM), _has(on[b], SEAM)
+    seam_a, seam_b = has(on[a], SEAM), has(on[b], SEAM)
     # next to the seam states go as the square root of the base point: a quarter of the way is half of it
     t = np.where(seam_a & ~seam_b, 0.25, np.where(seam_b & ~seam_a, 0.75, 0.5))[:, None]
     place = (1 - t) * base[a] + t * base[b]

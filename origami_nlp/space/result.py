@@ -19,7 +19,7 @@ from origami_nlp.files import Brief
 from origami_nlp.numerics import SETTLED, groups
 from origami_nlp.pattern import Scene
 from origami_nlp.show import Piece, Told
-from origami_nlp.space.mesh import SEAM
+from origami_nlp.space.mesh import several
 from origami_nlp.space.words import angle_words
 
 EXTENDED = 1e-3
@@ -224,7 +224,7 @@ class Space(Told):
         """States of X where two contacts or more close, by their contacts, with how many vertices have them."""
         counts: dict[tuple[str, ...], int] = {}
         mesh = self.mesh
-        for v in np.flatnonzero(_several(mesh.on)).tolist():
+        for v in np.flatnonzero(several(mesh.on)).tolist():
             key = mesh.signed_contacts(v)
             counts[key] = counts.get(key, 0) + 1
         return tuple(sorted(counts.items()))
@@ -282,14 +282,10 @@ class Space(Told):
 
 
 def _places(mesh: SpaceMesh) -> np.ndarray:
-    """Number of the chart point (branches apart) of each vertex."""
-    return _groups(np.column_stack([mesh.chart, 10.0 * mesh.branch]))
-
-
-def _groups(points: np.ndarray) -> np.ndarray:
-    """Number the groups of points [V, d] that coincide to `SETTLED`."""
+    """Number of the chart point (to `SETTLED`, branches apart) of each vertex."""
     from scipy.spatial import cKDTree
 
+    points = np.column_stack([mesh.chart, 10.0 * mesh.branch])
     return groups(len(points), cKDTree(points).query_pairs(SETTLED, output_type="ndarray"))
 
 
@@ -318,11 +314,4 @@ def _picture_joins(
 
 def _picture_components(mesh: SpaceMesh) -> int:
     place = _places(mesh)
-    joined = place[mesh.edges]
-    return int(groups(int(place.max()) + 1, joined).max()) + 1
-
-
-def _several(on: np.ndarray) -> np.ndarray:
-    """Where two walls or more are closed (the seam of the sheets is none)."""
-    walls = on & ~(1 << SEAM)
-    return (walls & (walls - 1)) != 0
+    return int(groups(int(place.max()) + 1, place[mesh.edges]).max()) + 1

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from origami_nlp.numerics import groups
-from origami_nlp.space.mesh import edges_of
+from origami_nlp.space.mesh import beside, edges_of
 
 
 @dataclass(frozen=True)
@@ -90,12 +90,7 @@ def _closed_surfaces(triangles: np.ndarray, of: np.ndarray, number: int) -> np.n
 
 def surface_pieces(triangles: np.ndarray) -> np.ndarray:
     """Number the pieces of surface that hang together over edges, for each triangle [F]."""
-    _, of_triangle = edges_of(triangles)
-    order = of_triangle.ravel().argsort(kind="stable")
-    name = of_triangle.ravel()[order]
-    pair = np.flatnonzero(name[1:] == name[:-1])
-    joined = np.stack([order[pair] // 3, order[pair + 1] // 3], axis=1)
-    return groups(len(triangles), joined)
+    return groups(len(triangles), beside(triangles))
 
 
 def spots(count: int, triangles: np.ndarray, extra: np.ndarray) -> list[Spot]:

@@ -9,7 +9,7 @@ import numpy as np
 
 from origami_nlp.barriers import find_barriers
 from origami_nlp.kkt import State, classify
-from origami_nlp.minima import JudgedState, MinimaResult
+from origami_nlp.minima import MinimaResult
 from origami_nlp.numerics import DESIGN_FOUND, SAME_ENERGY, SETTLED
 from origami_nlp.pattern import Pattern, Scene
 from origami_nlp.programme import Model
@@ -17,7 +17,7 @@ from origami_nlp.sheets import SheetResult
 from origami_nlp.springs.convex import Posed
 from origami_nlp.springs.result import Design, ExtraMinimum, HeldBarrier, HeldState
 from origami_nlp.springs.robustness import MOVES, Tolerance, tolerance_of
-from origami_nlp.springs.targets import Placed, Targets
+from origami_nlp.springs.targets import Targets
 from origami_nlp.springs.targets_file import Ask
 from origami_nlp.springs.ways import Way, height
 
@@ -99,52 +99,26 @@ def _states(
     for placed in targets.placed:
         who = placed.target.name
         phi = targets.model.expand(placed.state.x)
-        far = [float(np.abs(np.subtract(m.fold_angles, phi)).max()) for m in result.minima]
-        i = int(np.argmin(far)) if far else -1
-        if far and far[i] <= DESIGN_FOUND:
-            m = result.minima[i]
-            ours.add(i)
-            held.append(_found(placed, phi, far[i], m))
-            verdict = held[-1].full_space
+        asked = tuple(map(float, placed.target.fold_angles))
+        this = who, asked, tuple(phi.tolist()), placed.moved
+        number, far = _nearest(result, phi)
+        if number:
+            m = result.minima[number - 1]
+            ours.add(number - 1)
+            verdict = m.full_space.verdict if m.full_space else None
+            held.append(HeldState(*this, far, m.energy, m.kind, m.certificate, verdict))
             if targets.full_space and verdict not in (None, "stable"):
                 failed.append(f"state {who!r} is {verdict} when the symmetry breaks")
             continue
         made = result.scene if isinstance(result, MinimaResult) else result.pattern
         judged = classify(State(targets.posed(made), placed.state.x))
         energy = float(made.energy(phi))
-        held.append(_held(placed, phi, math.inf, energy, judged.kind, judged.reason, None))
+        held.append(HeldState(*this, math.inf, energy, judged.kind, judged.reason, None))
         failed.append(
             f"the search did not find state {who!r}, which by itself is "
             + (f"a minimum ({judged.kind})" if judged.kind else f"none: {judged.reason}")
         )
     return tuple(held), failed, ours
-
-
-def _found(placed: Placed, phi: np.ndarray, far: float, m: JudgedState) -> HeldState:
-    verdict = m.full_space.verdict if m.full_space else None
-    return _held(placed, phi, far, m.energy, m.kind, m.certificate, verdict)
-
-
-def _held(
-    placed: Placed,
-    phi: np.ndarray,
-    found: float,
-    energy: float,
-    kind: str | None,
-    certificate: str,
-    verdict: str | None,
-) -> HeldState:
-    return HeldState(
-        placed.target.name,
-        tuple(map(float, placed.target.fold_angles)),
-        tuple(phi.tolist()),
-        placed.moved,
-        found,
-        energy,
-        kind,
-        certificate,
-        verdict,
-    )
 
 
 def _energies(targets: Targets, energy: dict[str, float]) -> list[str]:
@@ -194,7 +168,7 @@ def _barriers(
             phi = tuple(model.expand(x).tolist())
         else:
             at = {p.target.name: targets.model.expand(p.state.x) for p in targets.placed}
-            pair = {_number(minima, at[b.start]), _number(minima, at[b.end])}
+            pair = {_nearest(minima, at[end])[0] for end in (b.start, b.end)}
             found = next((p for p in passes if {p.from_state, p.to_state} == pair), None)
             top, phi = (math.nan, ()) if found is None else (found.energy, found.fold_angles)
         rise = top - energy[b.start]
@@ -208,9 +182,11 @@ def _barriers(
     return tuple(out)
 
 
-def _number(minima: MinimaResult, phi: np.ndarray) -> int:
-    far = [float(np.abs(np.subtract(m.fold_angles, phi)).max()) for m in minima.minima]
-    return int(np.argmin(far)) + 1 if far and min(far) <= DESIGN_FOUND else 0
+def _nearest(found: MinimaResult | SheetResult, phi: np.ndarray) -> tuple[int, float]:
+    """Return the number of the minimum that a state is, 0 for none, and how far the nearest one is [rad]."""
+    far = [float(np.abs(np.subtract(m.fold_angles, phi)).max()) for m in found.minima]
+    near = min(far, default=math.inf)
+    return (far.index(near) + 1 if near <= DESIGN_FOUND else 0), near
 
 
 def _tolerance(

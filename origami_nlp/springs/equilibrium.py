@@ -129,17 +129,12 @@ class Balance:
         if self.lost.shape[1] > 1 or len(along):
             return False
         # v C v = 0 needs both signs; Finsler's lemma then gives w with H - w C >= 0 where H >= 0 on these v
-        values = self.lost_curvature
+        values = self.lost_modes[0]
         return bool(values[0] < 0 < values[-1] and np.abs(values).min() > RANK)
 
     @property
-    def lost_curvature(self) -> np.ndarray:
-        """Eigenvalues of the curvature of the one equation that is lost, along the kernel of J, ascending."""
-        return self.lost_modes[0]
-
-    @property
     def lost_modes(self) -> tuple[np.ndarray, np.ndarray]:
-        """Those eigenvalues, and their directions in the basis `kernel`, in columns."""
+        """Curvatures of the one equation that is lost, ascending, and their directions in `kernel`, in columns."""
         c = np.tensordot(self.lost[:, 0], self.curvatures[: len(self.lost)], 1)
         values, vectors = np.linalg.eigh(self.kernel.T @ c @ self.kernel)
         return values, vectors

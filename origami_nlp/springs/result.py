@@ -13,7 +13,7 @@ from origami_nlp.minima import MinimaResult
 from origami_nlp.numerics import SAME
 from origami_nlp.pattern import Pattern, Scene
 from origami_nlp.sheets import SheetResult
-from origami_nlp.show import Piece, Table, Told, Words
+from origami_nlp.show import Piece, Table, Told, Words, rows_table
 from origami_nlp.springs.reasons import Reason
 from origami_nlp.springs.robustness import MOVES, Tolerance
 from origami_nlp.springs.targets import Targets
@@ -267,7 +267,7 @@ class Design(Told):
             )
             for s in self.states
         ]
-        return _table(heads, rows, "States")
+        return rows_table(heads, rows, "States")
 
     def springs(self) -> Table:
         """The springs, one crease a row."""
@@ -281,15 +281,9 @@ class Design(Told):
                 zip(self.scene.stiffness, rest_of(self.scene), preload, strict=True), start=1
             )
         ]
-        return _table(heads, rows, "Springs")
+        return rows_table(heads, rows, "Springs")
 
 
 def rest_of(made: Scene | Pattern) -> Sequence[float]:
     """Return rest angles, [N] [rad]."""
     return made.rest_angles if isinstance(made, Scene) else made.rest.tolist()
-
-
-def _table(heads: tuple[str, ...], rows: list[tuple[str, ...]], title: str) -> Table:
-    from origami_nlp.show import rows_table
-
-    return rows_table(heads, rows, title)

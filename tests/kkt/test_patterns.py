@@ -145,3 +145,12 @@ def test_one_verb_classifies_both():
     with pytest.raises(o.OrigamiError, match="do not close"):
         o.classify(pattern, [1.0, 1.0, 1.0, 1.0])
     assert o.classify(pattern, np.zeros(4)).verdict in ("minimum", "not stationary")
+
+
+def test_a_state_of_a_large_pattern_that_is_not_stationary_is_refuted_along_its_steepest_descent():
+    sheet = Sheet(o.examples.pattern("miura", 20, 16))
+    flat = classify(State(sheet, np.zeros(sheet.size)))
+    # beside the flat state, on the way down: closed, folded, and balanced by nothing
+    found = classify(State(sheet, flat.lower))
+    assert sheet.sparse and found.verdict == "not stationary"
+    assert sheet.energy_change(flat.lower, found.lower) < 0 and not sheet.refuses(found.lower)

@@ -74,7 +74,7 @@ def largest(posed):
         if balance.lost.shape[1]:  # one w, with H - w C >= 0 and C of both signs
             lam = np.linalg.norm(balance.to_closure, 2) * torque
             bent = n + lam * sum(np.linalg.norm(c, 2) for c in balance.curvatures)
-            values = balance.lost_curvature
+            values = balance.lost_modes[0]
             size[where] = ROOM * bent / min(values[-1], -values[0])
         elif balance.free:
             along = balance.stratum.slopes @ balance.kernel
