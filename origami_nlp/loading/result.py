@@ -18,6 +18,7 @@ from origami_nlp.facets import state_frame, states_to_fold
 from origami_nlp.loading.driver import VertexDriver
 from origami_nlp.loading.records import Leg, Snap
 from origami_nlp.loading.sheet import PatternDriver
+from origami_nlp.minima import Part, state_parts
 from origami_nlp.numerics import TYPED
 from origami_nlp.pattern import Pattern, Scene
 from origami_nlp.show import Content, Piece, Table, Told, Turnable, Words
@@ -202,10 +203,20 @@ class LoadPath(Told, Turnable):
 
     def to_fold(self) -> dict[str, Any]:
         """Return the stable states of all legs as FOLD data (spec 1.1), one frame each, in order."""
-        driver = self.driver
-        stated = driver.scene if isinstance(driver, VertexDriver) else driver.pattern
+        stated = self._stated
         frames = [state_frame(stated, phi, title, **more) for title, phi, more in self.states()]
         return states_to_fold(stated, frames)
+
+    @property
+    def _stated(self) -> Scene | Pattern:
+        driver = self.driver
+        return driver.scene if isinstance(driver, VertexDriver) else driver.pattern
+
+    def mesh_parts(self) -> list[Part]:
+        """Return the states at which each leg begins and ends, side by side as triangles."""
+        ends = [leg.points[k].fold_angles for leg in self.legs for k in (0, -1)]
+        states = [np.array(phi) for phi in dict.fromkeys(map(tuple, ends))]
+        return state_parts(self._stated, states)
 
     def _rows(self) -> Iterator[dict[str, object]]:
         for number, leg in enumerate(self.legs, start=1):
