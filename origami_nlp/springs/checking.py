@@ -181,7 +181,7 @@ def _barriers(
     return tuple(out)
 
 
-def _nearest(found: MinimaResult | SheetResult, phi: np.ndarray) -> tuple[int, float]:
+def _nearest(found: MinimaResult, phi: np.ndarray) -> tuple[int, float]:
     """Return the number of the minimum that a state is, 0 for none, and how far the nearest one is [rad]."""
     far = [float(np.abs(np.subtract(m.fold_angles, phi)).max()) for m in found.minima]
     near = min(far, default=math.inf)
