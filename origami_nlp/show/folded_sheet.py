@@ -53,7 +53,18 @@ def sheet_poser(
 
 
 def sheet_view(polygons: list[np.ndarray]) -> np.ndarray:
-    """Return rows right, up and towards the viewer for polygons [q, 3] in space, [3, 3]."""
+    """Return from where a sheet is seen.
+
+    Parameters
+    ----------
+    polygons
+        In space, [q, 3] each.
+
+    Returns
+    -------
+    numpy.ndarray
+        Rows right, up and towards the viewer, [3, 3].
+    """
     areas = np.array(
         [np.cross(x - x[0], np.roll(x, -1, axis=0) - x[0]).sum(axis=0) for x in polygons]
     )

@@ -60,6 +60,10 @@ class StatesDrawn:
         Of titles; black where there are none.
     beside
         Width and height of what stands in the upper left corner [in].
+    rows
+        States of each row, its left and upper end [in].
+    width, height
+        Of all [in].
     """
 
     origami: Scene | Pattern
@@ -70,10 +74,8 @@ class StatesDrawn:
     colours: Sequence[str] = ()
     beside: tuple[float, float] = (0.0, 0.0)
     rows: list[tuple[range, float, float]] = field(init=False)
-    """States of each row, its left and upper end [in]."""
     width: float = field(init=False)
     height: float = field(init=False)
-    """Of all [in]."""
 
     def __post_init__(self) -> None:
         many = len(self.titles)
