@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 
@@ -166,14 +167,8 @@ def _joined(ranges: list[KindRange], new: KindRange) -> list[KindRange]:
     """Add a range; one that goes on in the same kind and direction is made longer."""
     if ranges and (old := ranges[-1]).kind == new.kind and old.index == new.index:
         if (old.t[1] - old.t[0]) * (new.t[1] - new.t[0]) > 0:
-            whole = KindRange(
-                (old.t[0], new.t[1]),
-                old.kind,
-                old.index,
-                old.certificate,
-                (old.points[0], new.points[1]),
-            )
-            return [*ranges[:-1], whole]
+            t, points = (old.t[0], new.t[1]), (old.points[0], new.points[1])
+            return [*ranges[:-1], replace(old, t=t, points=points)]
     return [*ranges, new]
 
 

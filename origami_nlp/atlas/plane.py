@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -55,7 +55,8 @@ class Plane:
         return a, b
 
     @cached_property
-    def _posed(self) -> _Posed:
+    def _posed(self) -> tuple[Model, np.ndarray, np.ndarray]:
+        """Model with every contact, the numbers of the lower corner, and their change with s, [2, .]."""
         shares = np.linspace(0.0, 1.0, GRID)
         flat = [self._model(self.corner + self.size * (a, b)) for a in shares for b in shares]
         alike = posed_alike(flat, self.overs[0].name, [m.scene.label for m in flat])
@@ -70,7 +71,7 @@ class Plane:
                 f"the scenes over {self.overs[0].name} and {self.overs[1].name} do not change smoothly"
             )
         whole = max(flat, key=lambda m: len(m.structure.gaps))
-        return _Posed(whole, posed[0, 0], np.array([first, second]))
+        return whole, posed[0, 0], np.array([first, second])
 
     def _model(self, point: np.ndarray) -> Model:
         t, u = self.values(point)
@@ -78,34 +79,23 @@ class Plane:
 
     def line(self, point: np.ndarray, direction: np.ndarray, weight: float) -> ParameterLine:
         """Return the programmes along a direction [2] from a point [2] of the plane of s."""
-        p = self._posed
-        m = p.whole.parameters
+        whole, origin, slopes = self._posed
+        m = whole.parameters
         none = np.zeros(0) if m.dead is None else m.dead.vector
         lengths = [len(v) for v in (m.sectors, m.stiffness, m.rest, m.load, none)]
         cut = np.cumsum(lengths)
         # logarithms of stiffness among them: log-linear along every line
-        at = p.origin + (point - self.corner) @ p.slopes
+        at = origin + (point - self.corner) @ slopes
         sectors, k, rest, load, dead, angles = np.split(at, cut)
-        d_sectors, d_k, d_rest, d_load, d_dead, change = np.split(direction @ p.slopes, cut)
+        d_sectors, d_k, d_rest, d_load, d_dead, change = np.split(direction @ slopes, cut)
         return ParameterLine(
-            p.whole,
+            whole,
             Parameters(sectors, np.exp(k), rest, load, _forces(m.dead, dead)),
             Parameters(d_sectors, d_k, d_rest, d_load, _forces(m.dead, d_dead)),
-            angles
-            if change.any() or (angles != p.whole.scene.vertex.sector_angles).any()
-            else None,
+            angles if change.any() or (angles != whole.scene.vertex.sector_angles).any() else None,
             change,
             weight,
         )
-
-
-@dataclass(frozen=True, eq=False)
-class _Posed:
-    """whole: model with every contact.  origin: numbers of the lower corner.  slopes: their change with s, [2, .]."""
-
-    whole: Model
-    origin: np.ndarray
-    slopes: np.ndarray = field(repr=False)
 
 
 def _forces(like: DeadLoads | None, vector: np.ndarray) -> DeadLoads | None:

@@ -99,16 +99,11 @@ class RefinedGraph:
         v = self._add(critical.x[None], [(len(self.graph.states),) * 2])
         self.exact[v] = critical
         for side in sides:
-            self._add_descent(v, side)
+            start = len(self.graph.states)
+            chain = [v, *range(start, start + len(side.states))]
+            chain += [] if side.lands_on is None else [side.lands_on]
+            self._add(side.states, list(itertools.pairwise(chain)))
         return v
-
-    def _add_descent(self, v: int, side: Descent) -> None:
-        start = len(self.graph.states)
-        chain = [v, *range(start, start + len(side.states))]
-        links = list(itertools.pairwise(chain))
-        if side.lands_on is not None:
-            links.append((chain[-1], side.lands_on))
-        self._add(side.states, links)
 
     def refine(self) -> MergeTree:
         """Make every merge exact where that succeeds; return the tree of the refined graph."""

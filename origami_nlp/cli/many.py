@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-import json as js
 from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -66,7 +66,7 @@ class _Files:
         """Write them."""
         out.write("json", self._data)
         out.write("figure", (self.motion or self.seen).draw)
-        out.write("fold", self._fold)
+        out.save("fold", self._fold)
         out.save("mesh", self._mesh)
         out.save("html", self._page)
 
@@ -74,24 +74,16 @@ class _Files:
         data = self.seen.to_dict()
         return data if self.motion is None else {**data, "motion": self.motion.to_dict()}
 
-    def _fold(self) -> str:
+    def _fold(self, file: str) -> None:
+        from origami_nlp.folding import path_frames, save_fold
         from origami_nlp.sheets import sheet_frame, sheet_to_fold
 
-        frames = [sheet_frame(self.pattern, phi, title) for title, phi in self.states]
+        frame = partial(sheet_frame, self.pattern)
+        frames = [frame(phi, title) for title, phi in self.states]
         if self.motion is not None:
-            shown = self.motion.shown(60)
-            frames += [
-                sheet_frame(
-                    self.pattern,
-                    self.motion.fold_angles[k],
-                    f"folding motion, {number} of {len(shown)}",
-                    energy=float(self.motion.energy[k]),
-                    path="folding motion",
-                )
-                for number, k in enumerate(shown, start=1)
-            ]
-        data = sheet_to_fold(self.pattern, frames)
-        return js.dumps(data, indent=1, allow_nan=False) + "\n"
+            path = self.motion.fold_angles, self.motion.energy
+            frames = path_frames(frame, *path, "folding motion")
+        save_fold(sheet_to_fold(self.pattern, frames), file)
 
     def _mesh(self, file: str) -> None:
         from origami_nlp.minima import write_parts

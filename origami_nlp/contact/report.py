@@ -11,7 +11,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 from origami_nlp.contact.margin import Check, CreaseMargin, LoadMargin
-from origami_nlp.contact.segments import STIFFNESS, SegmentReport
+from origami_nlp.contact.segments import STIFFNESS, SegmentReport, add_segments
 from origami_nlp.files import Brief, Unbounded
 from origami_nlp.kkt import ContactForce
 from origami_nlp.minima import CELLS, MinimaResult
@@ -181,7 +181,6 @@ class ContactReport(Told, Turnable):
     def turned(self) -> Content:
         """Return states with their contacts and the contact boundaries as plain data, see `view`."""
         from origami_nlp.chart import landscape
-        from origami_nlp.contact.turned import add_segments  # charts are slow to import
 
         one = isinstance(self.result, MinimaResult)
         chart: Any = landscape(self.result.scene, CELLS) if one else None

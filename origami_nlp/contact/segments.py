@@ -15,20 +15,20 @@ All three are free of units: they do not change with the scale of stiffness, and
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from origami_nlp.chart import BoundaryLine, chart_of, trace_boundary, with_energy
+from origami_nlp.chart import BoundaryLine, Landscape, chart_of, trace_boundary, with_energy
 from origami_nlp.files import OneBased
 from origami_nlp.kkt import State, Stratum
-from origami_nlp.minima import MinimaResult
+from origami_nlp.minima import MinimaResult, points_on
 from origami_nlp.numerics import BESIDE, NEAR_CONTACT
 from origami_nlp.path import BoundaryCurve, correct, follow_boundary
 from origami_nlp.pattern import Scene
 from origami_nlp.programme import Contact, Model
-from origami_nlp.show import Told
+from origami_nlp.show import Content, Told, vertex_track
 
 SLOPE = 5e-3
 """Largest |dU/ds| / (pi sum k) of a metastable segment (the paper's tolerance for stationarity)."""
@@ -354,3 +354,39 @@ def _edge(curve: BoundaryCurve, excess: np.ndarray, inside: int, outside: int) -
             if n <= 0 < m:
                 part = min(part, m / (m - n))
     return float(curve.s[inside] + part * (curve.s[outside] - curve.s[inside]))
+
+
+def add_segments(content: Content, chart: Landscape, segments: SegmentReport) -> Content:
+    """Add the contact boundaries that were followed to the minima of a scene.
+
+    Parameters
+    ----------
+    content
+        Of `MinimaResult.turned`.
+    chart
+        The energy over the scene's coordinates.
+    segments
+        Of `find_segments`.
+
+    Returns
+    -------
+    Content
+        With a track for each boundary.
+    """
+    tracks = [
+        vertex_track(
+            segments.scene.vertex,
+            _title(curve.contacts, numbers),
+            curve.fold_angles,
+            curve.energy,
+            parameter=curve.s,
+            label="arclength s [rad]",
+        )
+        for curve, numbers in zip(segments.curves, segments.states, strict=True)
+    ]
+    return content.with_tracks(tracks, points_on(content, chart, tracks))
+
+
+def _title(contacts: Sequence[str], numbers: Sequence[int]) -> str:
+    through = f" through state {', '.join(map(str, numbers))}" if numbers else ""
+    return f"contact boundary{through}: {'; '.join(contacts)}"

@@ -22,7 +22,7 @@ from origami_nlp.facets.borders import choices
 from origami_nlp.facets.equations import MOST_DENSE, PatternEquations
 from origami_nlp.facets.faces import Faces, Lying
 from origami_nlp.facets.meeting import needed_rows, touch_words, touches_at
-from origami_nlp.facets.touches import Placed, Touch
+from origami_nlp.facets.touches import Placed, Touch, gaps_and_rows
 from origami_nlp.numerics import ANSWERED, CLOSES, INSIDE, LOADED, OUTSIDE, TOUCHES, Matrix, dense
 from origami_nlp.pattern import Pattern
 from origami_nlp.programme import ClosedContacts, Contact, ContactWords, Local, fold_limit
@@ -40,17 +40,16 @@ class PatternLocal(Local):
     def openings(self, contacts: Sequence[Contact]) -> tuple[np.ndarray, np.ndarray]:
         """How far contacts are open (>= 0 where they are), [r], and the gradients of that, [r, n]."""
         values, slopes = np.zeros(len(contacts)), np.zeros((len(contacts), len(self.x)))
+        new = [c for c in contacts if not c.is_limit and c not in self.known]
+        if new:
+            gaps, rows = gaps_and_rows([self.touch(c) for c in new], self.placed(self.x))
+            both = zip(gaps / self.length, rows / self.length, strict=True)
+            self.known.update(zip(new, both, strict=True))
         for r, contact in enumerate(contacts):
             if contact.is_limit:
                 values[r] = math.pi - contact.side * self.x[contact.index]
                 slopes[r, contact.index] = -contact.side
             else:
-                if contact not in self.known:
-                    touch, place = self.touch(contact), self.placed(self.x)
-                    self.known[contact] = (
-                        touch.gap(place) / self.length,
-                        touch.row(place) / self.length,
-                    )
                 values[r], slopes[r] = self.known[contact]
         return values, slopes
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import casadi as ca
 import numpy as np
@@ -16,7 +16,7 @@ from scipy.linalg import qr
 
 from origami_nlp.facets.faces import Lying
 from origami_nlp.facets.touches import Touch
-from origami_nlp.numerics import RANK, dense
+from origami_nlp.numerics import RANK, dense, quaternion as quat
 from origami_nlp.pattern import Loop
 from origami_nlp.programme import Nlp
 
@@ -78,28 +78,21 @@ def pose(sheet: Sheet, rows: np.ndarray, touches: Sequence[Touch] = ()) -> Nlp:
 
 def _loop(sheet: Sheet, turns: ca.SX, loop: Loop) -> ca.SX:
     """Return where the folds round a loop lead: vector part of the turn, and shift, [6]."""
-    p = sheet.pattern
-    q, shift = ca.SX([1, 0, 0, 0]), ca.SX.zeros(3)
+    q, shift = quat.IDENTITY, ca.SX.zeros(3)
     for crease, sign in zip(loop.creases, loop.signs, strict=True):
-        half, point = 0.5 * turns[crease], ca.DM(p.corners[p.ends[crease, 0]])
-        fold = ca.vertcat(ca.cos(half), ca.sin(half) * ca.DM(sign * p.directions[crease]))
-        after = _product(q, fold)
+        fold, point = _fold(sheet, turns, crease, sign)
+        after = quat.multiply(q, fold)
         # as in `closure`: the axis passes through `point`
-        shift += _turned(q, point) - _turned(after, point)
+        shift += ca.vertcat(*quat.rotate(q, point)) - ca.vertcat(*quat.rotate(after, point))
         q = after
-    return ca.vertcat(q[1:], shift)
+    return ca.vertcat(*q[1:], shift)
 
 
-def _product(a: ca.SX, b: ca.SX) -> ca.SX:
-    """Multiply quaternions."""
-    v = a[0] * b[1:] + b[0] * a[1:] + ca.cross(a[1:], b[1:])
-    return ca.vertcat(a[0] * b[0] - ca.dot(a[1:], b[1:]), v)
-
-
-def _turned(q: ca.SX, x: ca.SX | ca.DM) -> ca.SX:
-    """Turn a point by a unit quaternion."""
-    t = 2 * ca.cross(q[1:], x)
-    return x + q[0] * t + ca.cross(q[1:], t)
+def _fold(sheet: Sheet, turns: ca.SX, crease: int, sign: float) -> tuple[Any, list[float]]:
+    """Return the fold of a crease as a quaternion, and a point on its axis."""
+    p, half = sheet.pattern, 0.5 * turns[crease]
+    axis = (sign * p.directions[crease]).tolist()
+    return quat.fold(ca.cos(half), ca.sin(half), axis), p.corners[p.ends[crease, 0]].tolist()
 
 
 def _gap(sheet: Sheet, turns: ca.SX, touch: Touch) -> ca.SX:
@@ -111,9 +104,9 @@ def _gap(sheet: Sheet, turns: ca.SX, touch: Touch) -> ca.SX:
         """Move a point of the second facet as the folds between the two do."""
         here: ca.SX = ca.SX(ca.DM(x))
         for crease, sign in reversed(sheet.crossings.poses.path(first, second)):
-            half, point = 0.5 * turns[crease], ca.DM(p.corners[p.ends[crease, 0]])
-            fold = ca.vertcat(ca.cos(half), ca.sin(half) * ca.DM(sign * p.directions[crease]))
-            here = ca.SX(_turned(fold, here - point) + point)
+            fold, point = _fold(sheet, turns, crease, sign)
+            turned = quat.rotate(fold, ca.vertsplit(here - ca.DM(point)))
+            here = ca.SX(ca.vertcat(*turned) + ca.DM(point))
         return here
 
     a, b, c, d = (p.corners[i] for i in touch.corners)

@@ -52,6 +52,7 @@ class Poses:
             self._levels.append((here, before[here], slice(first, len(across_all))))
         self._crossed = np.array([c for c, _ in across_all], int)
         self._senses = np.array([s for _, s in across_all])
+        self._senses_between: dict[tuple[int, int], np.ndarray] = {}
         self._last: tuple[bytes, tuple[np.ndarray, np.ndarray]] | None = None
 
     @cached_property
@@ -112,6 +113,15 @@ class Poses:
         left = np.einsum("kij,kej->kei", turn[p.left], ends) + shift[p.left][:, None]
         right = np.einsum("kij,kej->kei", turn[p.right], ends) + shift[p.right][:, None]
         return float(np.abs(left - right).max(initial=0.0))
+
+    def senses(self, a: int, b: int) -> np.ndarray:
+        """Return how a shortest walk from facet a to facet b crosses each crease: +1, -1, or 0 for not at all, [n]."""
+        if (a, b) not in self._senses_between:
+            row = np.zeros(self.pattern.creases)
+            for crease, sense in self.path(a, b):
+                row[crease] = sense
+            self._senses_between[a, b] = row
+        return self._senses_between[a, b]
 
     def path(self, a: int, b: int) -> tuple[tuple[int, float], ...]:
         """Return the creases of a shortest walk from facet a to facet b, with the sense in which each is crossed."""

@@ -14,13 +14,17 @@ On closed states the gap does not depend on the walk.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Literal
 
 import numpy as np
 
 from origami_nlp.facets.poses import Poses
 from origami_nlp.numerics import INSIDE, cross
+
+RUN_ALONG = "two sides that face each other run along each other"
 
 
 class Parallel(ArithmeticError):
@@ -53,6 +57,11 @@ class Placed:
         self.axes = np.einsum("nij,nj->ni", self.turn[p.left], p.directions)
         ends = p.corners[p.ends[:, 0]]
         self.origins = np.einsum("nij,nj->ni", self.turn[p.left], ends) + self.shift[p.left]
+
+    @cached_property
+    def moments(self) -> np.ndarray:
+        """Moments of the creases' axes about the origin, [n, 3]."""
+        return cross(self.axes, self.origins)
 
     def points(self, facets: np.ndarray, corners: np.ndarray) -> np.ndarray:
         """Return corners as carried by facets, one each, [k, 3]."""
@@ -133,21 +142,8 @@ class Touch:
 
     def slopes(self, at: Placed) -> tuple[np.ndarray, np.ndarray]:
         """Return the creases of the walk and the derivative of the gap by each, [k] and [k]."""
-        creases, c, o = at.walk(*self.facets)
-        p = self.points(at)
-        if self.type != "edge-edge":
-            normal = cross(p[2] - p[1], p[3] - p[1])
-            arms = cross(c, p[0] - o)
-            return creases, self.sign * arms @ (normal / np.linalg.norm(normal))
-        u, v, r = p[1] - p[0], p[3] - p[2], p[2] - p[0]
-        w = _across(u, v)
-        d = float(np.linalg.norm(w))
-        turned = cross(c, v)
-        volume = float(r @ w)
-        # d(V / d) = dV / d - V dd / d^2 with V = r . w, d = |w|, w = u x v, and dv = c x v, dr = c x (p - o)
-        by_volume = cross(c, p[2] - o) @ w + turned @ cross(r, u)
-        by_size = turned @ cross(w, u) / d
-        return creases, self.sign * (by_volume / d - volume * by_size / d**2)
+        creases = np.array([c for c, _ in at.poses.path(*self.facets)], int)
+        return creases, self.row(at)[creases]
 
     def bends(self, at: Placed) -> np.ndarray:
         """Return the second derivatives of the gap by the creases of the walk, [k, k]."""
@@ -175,17 +171,49 @@ class Touch:
 
     def row(self, at: Placed) -> np.ndarray:
         """Return the derivative of the gap by every fold angle, [n]."""
-        out = np.zeros(len(at.axes))
-        creases, slopes = self.slopes(at)
-        out[creases] = slopes
-        return out
+        row: np.ndarray = gaps_and_rows([self], at)[1][0]
+        return row
+
+
+def gaps_and_rows(touches: Sequence[Touch], at: Placed) -> tuple[np.ndarray, np.ndarray]:
+    """Return the gaps of touches, [k], and their derivatives by every fold angle, [k, n]; see `Touch.gap`."""
+    first, second = np.array([t.facets for t in touches], int).T
+    sides = np.array([t.type == "edge-edge" for t in touches])
+    owners = np.column_stack(
+        [np.where(sides, first, second), first, *[np.where(sides, second, first)] * 2]
+    )
+    p = at.points(owners.ravel(), np.array([t.corners for t in touches]).ravel()).reshape(-1, 4, 3)
+    for k, touch in enumerate(touches):
+        if touch.type == "face-face":
+            p[k] = touch.points(at)
+    whole = np.where(sides, 0, 1)[:, None]
+    u, v = p[:, 1] - p[:, 0], p[:, 3] - p[:, 2]
+    normal = np.where(whole, cross(p[:, 2] - p[:, 1], p[:, 3] - p[:, 1]), cross(u, v))
+    size = np.linalg.norm(normal, axis=1)
+    lengths = np.linalg.norm(u, axis=1) * np.linalg.norm(v, axis=1)
+    if (sides & ~(size > INSIDE * lengths)).any():
+        raise Parallel(RUN_ALONG)
+    normal /= size[:, None]
+    r = np.where(whole, -u, p[:, 2] - p[:, 0])
+    gap = np.einsum("ki,ki->k", r, normal)
+    # c x (p - o) . n = c . (p x n) - (c x o) . n, of the point that is carried; the direction of a side is carried too:
+    # with n = w / d of unit length, d(V / d) has the terms c . (v x (r x u)) / d and -V c . (v x (w x u)) / d^3
+    turned = cross(np.where(whole, p[:, 0], p[:, 2]), normal)
+    beside = cross(v, cross(r, u) - gap[:, None] * cross(normal, u)) / size[:, None]
+    turned += np.where(whole, 0.0, beside)
+    sign = np.array([t.sign for t in touches])
+    senses = np.array(
+        [at.poses.senses(a, b) for a, b in zip(first.tolist(), second.tolist(), strict=True)]
+    )
+    rows = sign[:, None] * senses * (turned @ at.axes.T - normal @ at.moments.T)
+    return sign * gap, rows
 
 
 def _across(u: np.ndarray, v: np.ndarray) -> np.ndarray:
     """Return the common normal u x v of two sides."""
     w = cross(u, v)
     if not np.linalg.norm(w) > INSIDE * np.linalg.norm(u) * np.linalg.norm(v):
-        raise Parallel("two sides that face each other run along each other")
+        raise Parallel(RUN_ALONG)
     out: np.ndarray = w
     return out
 

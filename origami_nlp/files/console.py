@@ -13,8 +13,7 @@ from rich.segment import Segment
 from rich.table import Table
 from rich.text import Text
 
-from origami_nlp.files.lines import hang
-from origami_nlp.files.text import printable
+from origami_nlp.files.text import hang, printable
 from origami_nlp.files.writing import Target, is_stdout
 
 WIDE = 1_000_000

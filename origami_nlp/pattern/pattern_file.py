@@ -16,8 +16,14 @@ from origami_nlp.pattern.crease_pattern import APART
 from origami_nlp.pattern.digits import made_exact
 from origami_nlp.pattern.fold_file import LOADS_KEY, PRELOAD_KEY, Frame, read_fold
 from origami_nlp.pattern.fold_notes import NOISE, listed
-from origami_nlp.pattern.fold_parts import check_parts, check_sides
-from origami_nlp.pattern.fold_rings import Rings, check_drawing, coincident, oriented
+from origami_nlp.pattern.fold_rings import (
+    Rings,
+    check_drawing,
+    check_parts,
+    check_sides,
+    coincident,
+    oriented,
+)
 from origami_nlp.pattern.fold_springs import (
     LETTERS_ONLY,
     are_silent,

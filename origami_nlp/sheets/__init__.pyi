@@ -1,6 +1,5 @@
 from .account import SheetSearch as SheetSearch
 from .angle_sums import pop_rows as pop_rows
-from .branches import list_branches as list_branches
 from .clearance import Clearance as Clearance, Stretches as Stretches
 from .confirming import Confirmed as Confirmed, confirm_minimum as confirm_minimum
 from .counts import (
@@ -24,7 +23,11 @@ from .drawing import (
     sheet_view as sheet_view,
 )
 from .find import find_states as find_states
-from .flat_folded import FlatFolded as FlatFolded, list_flat_folded as list_flat_folded
+from .flat_folded import (
+    FlatFolded as FlatFolded,
+    list_branches as list_branches,
+    list_flat_folded as list_flat_folded,
+)
 from .fold_out import (
     sheet_frame as sheet_frame,
     sheet_parts as sheet_parts,

@@ -291,8 +291,8 @@ def overview(pattern: Pattern | str | Path, seed: int = 0) -> Overview:
     return Overview(
         pattern,
         sheet.closure.count,
-        jacobian_rank(sheet, zero, max(RANK, 10 * off)) if off <= NOISE else None,
-        None if folded is None else jacobian_rank(sheet, folded),
+        sheet.rank(zero, max(RANK, 10 * off)) if off <= NOISE else None,
+        None if folded is None else sheet.rank(folded),
         folded,
         start,
         0 if folded is None else len(sheet.crossings.find(folded)),
@@ -344,7 +344,7 @@ def _regular(
     """Move off a state at which more creases are aligned by chance than in its neighbourhood."""
     if phi is None or sheet.size > MOST_VALUES:
         return phi, start
-    rank = jacobian_rank(sheet, phi)
+    rank = sheet.rank(phi)
     if rank == min(sheet.closure.count, sheet.size - 1):
         return phi, start
     for _ in range(NEIGHBOURS):
@@ -353,7 +353,7 @@ def _regular(
         new, residual = sheet.project(inwards + BESIDE * (z @ rng.standard_normal(z.shape[1])))
         if residual > CLOSES or (np.abs(new) > math.pi).any() or not sheet.closure.on_sheet(new):
             continue
-        if (more := jacobian_rank(sheet, new)) > rank:
+        if (more := sheet.rank(new)) > rank:
             phi, rank, start = new, more, start.removeprefix("near: ").join(("near: ", ""))
     return phi, start
 

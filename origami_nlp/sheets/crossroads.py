@@ -14,8 +14,8 @@ import numpy as np
 from origami_nlp.facets import Sheet
 from origami_nlp.kkt import TangentCone
 from origami_nlp.numerics import CLOSES, NONZERO, RESOLVED, SETTLED, dense
-from origami_nlp.sheets.branches import list_branches
 from origami_nlp.sheets.curve import second
+from origami_nlp.sheets.flat_folded import list_branches
 from origami_nlp.sheets.interpolant import Interpolant
 
 MOST_CREASES = 60

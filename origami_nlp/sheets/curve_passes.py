@@ -6,9 +6,9 @@ and at the stable states on it: between two cuts the energy is monotone.  Curves
 
 from __future__ import annotations
 
-import heapq
 import itertools
 import math
+from bisect import bisect_left
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
@@ -16,7 +16,7 @@ import numpy as np
 
 from origami_nlp.facets import Sheet
 from origami_nlp.minima import TracedPasses
-from origami_nlp.numerics import BESIDE, CLOSES, merge_tree
+from origami_nlp.numerics import BESIDE, CLOSES, groups, merge_tree
 from origami_nlp.sheets.clearance import Stretches
 from origami_nlp.sheets.curves import LONG, ON_CURVE, Traced
 from origami_nlp.sheets.interpolant import Interpolant, stationary
@@ -57,21 +57,16 @@ class CurvePasses:
         ends = self.open | (energies < energies[start] - level)
         ends[[first + j for j in others]] = True
         ends[start] = False
-        around: dict[int, list[tuple[int, float]]] = {}
-        for (a, b), height in zip(self.passes.edges.tolist(), self.heights.tolist(), strict=True):
-            around.setdefault(a, []).append((b, height))
-            around.setdefault(b, []).append((a, height))
-        # Dijkstra's algorithm with the highest point of a way in place of its length
-        waiting, done = [(float(energies[start]), start)], set()
-        while waiting:
-            height, at = heapq.heappop(waiting)
-            if ends[at]:
-                return height
-            if at not in done:
-                done.add(at)
-                for to, over in around.get(at, []):
-                    heapq.heappush(waiting, (max(height, over), to))
-        return math.inf
+        levels = np.unique(self.heights)
+
+        def reaches(k: int) -> bool:
+            """Whether a way that climbs no higher than a level leads to an end."""
+            part = groups(len(energies), self.passes.edges[self.heights <= levels[k]])
+            return bool(ends[part == part[start]].any())
+
+        # the higher the level, the more hangs together
+        k = bisect_left(range(len(levels)), True, key=reaches)
+        return max(float(levels[k]), float(energies[start])) if k < len(levels) else math.inf
 
 
 def curve_passes(sheet: Sheet, curves: Sequence[Traced], minima: np.ndarray) -> CurvePasses | None:

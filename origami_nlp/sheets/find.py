@@ -23,14 +23,13 @@ from origami_nlp.minima import JudgedState, check_noise
 from origami_nlp.numerics import CLOSES, RESOLVED, SAME, rank
 from origami_nlp.pattern import Pattern, as_pattern
 from origami_nlp.sheets.account import BARRIERS, MEETINGS, OF_VERTEX, POPS, WAYS_OUT, SheetSearch
-from origami_nlp.sheets.branches import list_branches
 from origami_nlp.sheets.closed import close, lowest_on, of_vertex
 from origami_nlp.sheets.crossroads import into_family, is_on_plane, split, ways_from
 from origami_nlp.sheets.curve import tangents
 from origami_nlp.sheets.curves import ON_CURVE, Curves, Traced
 from origami_nlp.sheets.descent import Descended, descend
 from origami_nlp.sheets.escape import with_escapes
-from origami_nlp.sheets.flat_folded import list_flat_folded, ways_out
+from origami_nlp.sheets.flat_folded import list_branches, list_flat_folded, ways_out
 from origami_nlp.sheets.interpolant import wells
 from origami_nlp.sheets.judgement import judge, judge_end, singular_beside, stationary_beside
 from origami_nlp.sheets.noise import NOISE, with_survival

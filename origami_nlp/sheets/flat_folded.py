@@ -16,9 +16,46 @@ import numpy as np
 from origami_nlp.errors import OrigamiError
 from origami_nlp.facets import Closure, round_vertex
 from origami_nlp.folding import examine
-from origami_nlp.kkt import TangentCone, by_known, combine, loop_modes
+from origami_nlp.kkt import TangentCone, by_known, combine, loop_modes, tangent_cone
 from origami_nlp.numerics import CLOSES, quaternion
 from origami_nlp.pattern import Loop, Pattern
+
+
+def list_branches(
+    pattern: Pattern, phi: np.ndarray | None = None, check: Callable[[], None] = lambda: None
+) -> TangentCone:
+    """Enumerate the ways out of a closed state.
+
+    Parameters
+    ----------
+    pattern
+        The pattern.
+    phi
+        The state [n] [rad]; the reference state without.
+    check
+        Called every now and then: may raise to end it.
+
+    Returns
+    -------
+    TangentCone
+        Candidates to second order at each vertex: whether states follow is seen when they are walked.
+    """
+    n = pattern.creases
+    nothing = np.zeros((0, n))
+    if phi is None:
+        phi = pattern.reference
+        if not pattern.is_flat:
+            return TangentCone(nothing, (), "the reference state is not flat")
+    if pattern.holes:
+        return TangentCone(nothing, (), "ways round holes are not enumerated")
+    cone = tangent_cone(Closure(pattern).loops(phi), n, check)
+    if not cone.split:
+        degree = max(len(loop.creases) for loop in pattern.vertices)
+        return TangentCone(
+            nothing, (), f"vertices of degree {degree} have no modes to be enumerated"
+        )
+    return cone
+
 
 MOST_STATES = 500
 """Flat-folded states that are listed."""

@@ -101,13 +101,12 @@ def _states(
         phi = targets.model.expand(placed.state.x)
         asked = tuple(map(float, placed.target.fold_angles))
         this = who, asked, tuple(phi.tolist()), placed.moved
-        far = [float(np.abs(np.subtract(m.fold_angles, phi)).max()) for m in result.minima]
-        i = int(np.argmin(far)) if far else -1
-        if far and far[i] <= DESIGN_FOUND:
-            m = result.minima[i]
-            ours.add(i)
+        number, far = _nearest(result, phi)
+        if number:
+            m = result.minima[number - 1]
+            ours.add(number - 1)
             verdict = m.full_space.verdict if m.full_space else None
-            held.append(HeldState(*this, far[i], m.energy, m.kind, m.certificate, verdict))
+            held.append(HeldState(*this, far, m.energy, m.kind, m.certificate, verdict))
             if targets.full_space and verdict not in (None, "stable"):
                 failed.append(f"state {who!r} is {verdict} when the symmetry breaks")
             continue
@@ -169,7 +168,7 @@ def _barriers(
             phi = tuple(model.expand(x).tolist())
         else:
             at = {p.target.name: targets.model.expand(p.state.x) for p in targets.placed}
-            pair = {_number(minima, at[b.start]), _number(minima, at[b.end])}
+            pair = {_nearest(minima, at[end])[0] for end in (b.start, b.end)}
             found = next((p for p in passes if {p.from_state, p.to_state} == pair), None)
             top, phi = (math.nan, ()) if found is None else (found.energy, found.fold_angles)
         rise = top - energy[b.start]
@@ -183,9 +182,11 @@ def _barriers(
     return tuple(out)
 
 
-def _number(minima: MinimaResult, phi: np.ndarray) -> int:
-    far = [float(np.abs(np.subtract(m.fold_angles, phi)).max()) for m in minima.minima]
-    return int(np.argmin(far)) + 1 if far and min(far) <= DESIGN_FOUND else 0
+def _nearest(found: MinimaResult | SheetResult, phi: np.ndarray) -> tuple[int, float]:
+    """Return the number of the minimum that a state is, 0 for none, and how far the nearest one is [rad]."""
+    far = [float(np.abs(np.subtract(m.fold_angles, phi)).max()) for m in found.minima]
+    near = min(far, default=math.inf)
+    return (far.index(near) + 1 if near <= DESIGN_FOUND else 0), near
 
 
 def _tolerance(

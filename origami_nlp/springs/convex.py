@@ -10,6 +10,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
@@ -80,8 +81,7 @@ class Posed:
         self._energies()
         for rows in more:
             self.programme.add(rows.cone, rows.a, rows.b, rows.words)
-        self.aim = np.zeros(self.programme.size)
-        self.aim[self.places.margin] = 1.0
+        self.aim = _row(self.programme.size, (self.places.margin, 1.0))
         if heights:
             self._lift(heights)
         if elastic:
@@ -94,14 +94,11 @@ class Posed:
         p = self.programme
         least = p.more(1).start
         for row in heights:
-            up = np.zeros(p.size)
-            up[: len(row)], up[least] = row, -1.0
+            up = _row(p.size, (slice(len(row)), row), (least, -1.0))
             p.add(POSITIVE, up, 0.0, "the smallest barrier")
-        floor = np.zeros(p.size)
-        floor[self.places.margin] = 1.0
+        floor = _row(p.size, (self.places.margin, 1.0))
         p.add(POSITIVE, floor, -LEAST_MARGIN, f"margin at least {LEAST_MARGIN:g}")
-        self.aim = np.zeros(p.size)
-        self.aim[least] = 1.0
+        self.aim = _row(p.size, (least, 1.0))
 
     def _calm(self, price: float) -> None:
         """Pay for the largest torque that springs which are off leave out of balance in a state, over its share.
@@ -129,10 +126,9 @@ class Posed:
             wound = size_of(torque)
             torque[np.arange(len(x)), v.stiffness.start + kind] = x
             now = size_of(torque)
-            row = np.zeros(p.size)
-            row[most] = self.targets.states[i].margin
             # sizes |k (x - r)| and |k r|: torque out of balance by a share s of both
-            row[now], row[wound] = -weight, -weight
+            share = most, self.targets.states[i].margin
+            row = _row(p.size, share, (now, -weight), (wound, -weight))
             p.add(POSITIVE, row, 0.0, "torque out of balance")
         self.aim = np.pad(self.aim, (0, p.size - len(self.aim)))
         self.aim[most] = -price
@@ -158,44 +154,24 @@ class Posed:
         p, v, t = self.programme, self.places, self.targets
         eye, none = np.eye(kinds), np.zeros((kinds, kinds))
         column = np.ones((kinds, 1))
-        mean = np.zeros(v.size)
         # homogeneous of degree one in (k, tau, 1): the mean stiffness is the unit, `scale` its inverse
-        mean[v.stiffness] = self.count
+        mean = _row(v.size, (v.stiffness, self.count))
         p.add(EQUAL, mean, -float(self.count.sum()), "the mean stiffness is 1")
-        cap = np.zeros(v.size)
-        cap[v.margin] = -1.0
-        p.add(POSITIVE, cap, LARGEST_MARGIN, "the margin has a cap")
+        p.add(POSITIVE, _row(v.size, (v.margin, -1.0)), LARGEST_MARGIN, "the margin has a cap")
         low, high = t.stiffness
         creases = [np.flatnonzero(t.kinds == k) + 1 for k in range(kinds)]
         names = ["crease " + ", ".join(map(str, c)) for c in creases]
-        p.add(
-            POSITIVE,
-            np.hstack([eye, none, -low * column]),
-            np.zeros(kinds),
-            tuple(f"{n}: stiffness at least {low:g} N m/rad" for n in names),
-        )
-        p.add(
-            POSITIVE,
-            np.hstack([-eye, none, high * column]),
-            np.zeros(kinds),
-            tuple(f"{n}: stiffness at most {high:g} N m/rad" for n in names),
-        )
-        (least, most), extra = t.rest, 0.0
-        if not isinstance(t.preload, bool):
-            extra = t.preload
-        p.add(
-            POSITIVE,
+        (least, most), extra = t.rest, 0.0 if isinstance(t.preload, bool) else t.preload
+        bounds = (
+            (eye, none, -low, f"stiffness at least {low:g} N m/rad"),
+            (-eye, none, high, f"stiffness at most {high:g} N m/rad"),
             # phi0 = tau / k >= least as tau - least k >= 0: linear, since k > 0
-            np.hstack([-least * eye, eye, extra * column]),
-            np.zeros(kinds),
-            tuple(f"{n}: rest angle at least {math.degrees(least):g} deg" for n in names),
+            (-least * eye, eye, extra, f"rest angle at least {math.degrees(least):g} deg"),
+            (most * eye, -eye, extra, f"rest angle at most {math.degrees(most):g} deg"),
         )
-        p.add(
-            POSITIVE,
-            np.hstack([most * eye, -eye, extra * column]),
-            np.zeros(kinds),
-            tuple(f"{n}: rest angle at most {math.degrees(most):g} deg" for n in names),
-        )
+        for of_k, of_tau, of_scale, words in bounds:
+            rows = np.hstack([of_k, of_tau, of_scale * column])
+            p.add(POSITIVE, rows, np.zeros(kinds), tuple(f"{n}: {words}" for n in names))
 
     def _hold(self, i: int, share: float, name: str) -> None:
         t = self.targets
@@ -226,8 +202,7 @@ class Posed:
         for gap in t.energies:
             row = self.energy(gap.upper) - self.energy(gap.lower)
             words = f"energy of {gap.upper} above {gap.lower}"
-            scale = np.zeros(v.size)
-            scale[v.scale] = 1.0
+            scale = _row(v.size, (v.scale, 1.0))
             if gap.least == gap.most:
                 p.add(EQUAL, row - gap.least * scale, 0.0, f"{words} is {gap.least:g} J")
                 continue
@@ -252,9 +227,7 @@ class Posed:
             a[1, [k, w]] = 1.0, -1.0
             a[2, [k, tau]] = 2 * x[j], -2.0
             p.add(BALL, a, np.zeros(3), f"energy of {name} at crease kind {j + 1}")
-        row = np.zeros(p.size)
-        row[v.scale] = 2 * most
-        row[u] = -self.count
+        row = _row(p.size, (v.scale, 2 * most), (u, -self.count))
         p.add(POSITIVE, row, 0.0, f"energy of {name} at most {most:g} J")
 
     @cached_property
@@ -315,6 +288,14 @@ class Posed:
                 along = balance.stratum.slopes @ balance.kernel
                 out[where] = ROOM * torque / np.linalg.svd(along, compute_uv=False)[-1]
         return out
+
+
+def _row(size: int, *entries: tuple[int | slice, Any]) -> np.ndarray:
+    """Return a row over the unknowns, zero but for some entries."""
+    out = np.zeros(size)
+    for where, value in entries:
+        out[where] = value
+    return out
 
 
 def standing(targets: Targets, i: int) -> State:
@@ -386,14 +367,12 @@ def _active(posed: Posed) -> tuple[list[np.ndarray], list[np.ndarray]]:
     for j in range(len(k)):
         for bound in t.rest if isinstance(t.preload, bool) else ():
             if abs(tau[j] - bound * k[j]) <= DESIGN_ACTIVE * k[j]:
-                row = np.zeros(posed.programme.size)
-                row[places.torque.start + j], row[places.stiffness.start + j] = 1.0, -bound
-                rest.append(row)
+                at = (places.torque.start + j, 1.0), (places.stiffness.start + j, -bound)
+                rest.append(_row(posed.programme.size, *at))
         for bound in t.stiffness:
             if abs(k[j] - bound * v[places.scale]) <= DESIGN_ACTIVE * k[j]:
-                row = np.zeros(posed.programme.size)
-                row[places.stiffness.start + j], row[places.scale] = 1.0, -bound
-                stiffness.append(row)
+                at = (places.stiffness.start + j, 1.0), (places.scale, -bound)
+                stiffness.append(_row(posed.programme.size, *at))
     return rest, stiffness
 
 

@@ -4,8 +4,7 @@ from .crossings import Crossings as Crossings, model_rows as model_rows
 from .family import Listed as Listed, StartFamily as StartFamily
 from .hinge_sets import HingeSets as HingeSets
 from .moments import Moments as Moments, is_chain as is_chain
-from .near_flat import NearFlat as NearFlat
-from .near_folded import NearFolded as NearFolded
+from .near_flat import NearFlat as NearFlat, NearFolded as NearFolded
 from .of_patterns import (
     Given as Given,
     Grown as Grown,

@@ -79,9 +79,7 @@ class Crossings:
         full = bool(len(self._pairs)) and model.scene.group.is_trivial
         self._stack = stack_rule(model.scene.vertex.sector_angles) if full else None
 
-    def of(
-        self, at: Folded, x: np.ndarray, shut: np.ndarray, tolerance: float = OUTSIDE
-    ) -> tuple[np.ndarray, np.ndarray]:
+    def of(self, at: Folded, x: np.ndarray, shut: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return the gap that undoes the deepest crossing of each state (`OPEN`: nothing crosses), and its open side.
 
         Parameters
@@ -90,11 +88,9 @@ class Crossings:
             K folded states.
         x, shut
             Their fold angles, and creases at their fold limits (-1, 0, 1), shape [K, n].
-        tolerance
-            What counts as rounding.
         """
         k = len(x)
-        gap, side, depth = np.full(k, OPEN), np.ones(k, dtype=int), np.full(k, tolerance)
+        gap, side, depth = np.full(k, OPEN), np.ones(k, dtype=int), np.full(k, OUTSIDE)
         if len(self._pairs):
             self._of_pairs(at, gap, side, depth)
         if len(self._walls):

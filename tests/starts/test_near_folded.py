@@ -10,7 +10,7 @@ from mpmath import matrix, mp, mpf
 import origami_nlp as o
 from origami_nlp.programme import Model
 from origami_nlp.starts import flat_foldings
-from origami_nlp.starts.near_folded import NearFolded
+from origami_nlp.starts.near_flat import NearFolded
 from tests.proof.fifty_digits import turn_x, turn_z
 
 

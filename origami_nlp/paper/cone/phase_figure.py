@@ -60,7 +60,6 @@ def draw_map(
     branches: int,
     *,
     title: str = "",
-    bar: bool = True,
 ) -> None:
     """Draw numbers of branch minima as a map with one colour for each number that occurs.
 
@@ -76,8 +75,6 @@ def draw_map(
         Number of all branches.
     title
         Of the map.
-    bar
-        Whether to add a colour bar.
     """
     numbers = sorted({int(x) for x in np.unique(counts)})
     shown = np.searchsorted(np.array(numbers, dtype=object), counts).astype(float)
@@ -93,8 +90,7 @@ def draw_map(
     frame(axes, (x[0], x[-1]), (y[0], y[-1]))
     if title:
         axes.set_title(title, fontsize=9)
-    if bar:
-        _bar(axes, image, numbers, branches)
+    _bar(axes, image, numbers, branches)
 
 
 def _bar(axes: Any, image: Any, numbers: Sequence[int], branches: int) -> None:
