@@ -15,8 +15,9 @@ from origami_nlp.errors import AngleError, OptionError
 
 _MAKERS = {
     "Scene": "a Scene (read_scene reads one from a file)",
+    "Model": "a Model: Model(scene) of one vertex; what a pattern does is searched for (find_minima), not proved",
     "Vertex": "a Vertex (such as scene.vertex)",
-    "MinimaResult": "a MinimaResult: what find_minima(scene) returns",
+    "MinimaResult": "a MinimaResult: what find_minima(scene) returns of one vertex",
     "FoundMinima": "what find_minima(scene or pattern) returns",
     "Barriers": "a Barriers: what find_barriers(scene) returns",
     "ExactLandscape": "an ExactLandscape: what find_landscape(result) returns",

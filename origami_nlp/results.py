@@ -76,7 +76,8 @@ def view(result: object, path: str | PathLike[str] | None = None) -> TurnedPage:
     Parameters
     ----------
     result
-        Minima, barriers, a landscape, a contact report, an atlas or a load path.
+        Minima, barriers, a landscape, a contact report, an atlas or a load path; of modes and of a design the minima
+        that they are of.
     path
         Where to save it as one file that needs no network (.html), if anywhere.
 
@@ -99,10 +100,14 @@ def view(result: object, path: str | PathLike[str] | None = None) -> TurnedPage:
     """
     from origami_nlp.show import Turnable
 
+    if isinstance(result, Result) and not isinstance(result, Turnable):  # of a design, or modes
+        of = getattr(result, "minima", None) or getattr(result, "result", None)
+        result = of if isinstance(of, Turnable) else result
     if not isinstance(result, Turnable):
+        more = "; draw(result) draws it" if getattr(result, "PICTURE", None) else ""
         raise OptionError(
             f"result = {shown(result)} cannot be turned: use minima, barriers, a landscape, a contact report, an atlas "
-            "or a load path"
+            f"or a load path{more}"
         )
     page = result.view()
     if path is not None:

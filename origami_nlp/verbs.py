@@ -18,6 +18,7 @@ from origami_nlp.numerics import CLOSES
 
 if TYPE_CHECKING:
     from origami_nlp.kkt import Classification, State
+    from origami_nlp.loading import LoadPath
     from origami_nlp.minima import FoundMinima, MinimaResult, VertexwiseMinima
     from origami_nlp.pattern import Pattern, Scene
     from origami_nlp.proof import ProofOptions
@@ -32,7 +33,7 @@ _OF_A_PATTERN = {
 }
 _OF_A_SCENE = {
     "full": "states of a pattern keep no symmetry: each is judged among all of them",
-    "prove": "lists of a pattern are not proved",
+    "prove": "lists of a pattern are not proved, those of one vertex are (read_fold_scene, --vertex)",
     "guesses": "a state of a pattern is judged by classify",
     "fewest_starts": "of a pattern, starts says when the search ends",
     "workers": "a pattern is searched in one process",
@@ -253,13 +254,13 @@ def write_fold(result: FoundMinima, target: str | PathLike[str]) -> None:
     save_fold(result.to_fold(), fspath(target))
 
 
-def write_mesh(result: FoundMinima, target: str | PathLike[str]) -> None:
+def write_mesh(result: FoundMinima | LoadPath, target: str | PathLike[str]) -> None:
     """Write the states of a vertex or pattern side by side as one triangle mesh, by way of trimesh (extra ``mesh``).
 
     Parameters
     ----------
     result
-        Of `find_minima`.
+        Of `find_minima`; or of `load_path`: where each of its legs begins and ends.
     target
         The file, ``.obj``, ``.stl`` or ``.glb``.
 
@@ -277,8 +278,10 @@ def write_mesh(result: FoundMinima, target: str | PathLike[str]) -> None:
     >>> path.stat().st_size > 0
     True
     """
+    from origami_nlp.loading import LoadPath
     from origami_nlp.minima import FoundMinima, write_parts
 
-    check_type("result", result, FoundMinima)
+    if not isinstance(result, LoadPath):
+        check_type("result", result, FoundMinima)
     check_path("target", target)
     write_parts(result.mesh_parts(), fspath(target))

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from origami_nlp.arguments import check_type, check_until, check_whole
+from origami_nlp.arguments import check_until, check_whole
 from origami_nlp.atlas.event_curve import (
     MEETS,
     EventPoint,
@@ -26,7 +26,7 @@ from origami_nlp.atlas.records import Interval
 from origami_nlp.errors import OUT_OF_TIME
 from origami_nlp.numerics import BESIDE, SAMPLED, STATIONARY
 from origami_nlp.path import Hold, Node, Tally, Web
-from origami_nlp.pattern import Scene
+from origami_nlp.pattern import Scene, as_scene
 from origami_nlp.programme import Contact, Model
 from origami_nlp.show import Piece, Table, Told, Words
 
@@ -198,7 +198,7 @@ def find_boundaries(
     Parameters
     ----------
     scene
-        What is folded.
+        One vertex; or a pattern that equals one.
     event
         The first parameter and its range, in which events are looked for, such as ``"ratio=0.01:100"``, or a value,
         ``"ratio=1.79"``, for a range around it.
@@ -231,7 +231,7 @@ def find_boundaries(
     >>> o.find_boundaries(scene, "ratio=0.3:0.4", "alpha=59deg:60deg", **few)
     Boundaries(1 curves of events over ratio and alpha)
     """
-    check_type("scene", scene, Scene)
+    scene = as_scene(scene, "a search for boundaries", "follow takes a pattern, over one parameter")
     check_whole("lines", lines, 1, MOST_LINES)
     check_whole("across", across, 0, MOST_LINES)
     begin, until = time.perf_counter(), check_until(seconds)

@@ -54,15 +54,13 @@ def minima(
     Of a scene they are those with its symmetry; --full says which are stable without it.  A FOLD file or an example is
     a pattern with all its vertices coupled; --vertex takes one of them, --each-vertex every one by itself.
     """
-    from origami_nlp.minima import check_mesh, find_vertexwise
+    from origami_nlp.minima import find_vertexwise
     from origami_nlp.pattern import Scene
     from origami_nlp.results import draw
     from origami_nlp.verbs import write_fold, write_mesh
 
     files = {"figure": figure, "fold": fold, "mesh": mesh, "certificate": certificate}
     out = Output(json=json, html=html, animate=animate, **files)
-    if mesh:
-        check_mesh(mesh)
     options: dict[str, Any] = {
         "seed": seed,
         "effort": effort,

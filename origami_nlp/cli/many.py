@@ -38,12 +38,9 @@ def pattern(
     Facets, creases, vertices, holes, freedoms, redundant equations, what is odd.  Files hold the folding motion, or
     without --path the folded state at which freedoms were counted.  Its stable states: minima; under a load: load.
     """
-    from origami_nlp.minima import check_mesh
     from origami_nlp.sheets import find_motion, overview
 
     out = Output(json=json, figure=figure, fold=fold, mesh=mesh, html=html)
-    if mesh:
-        check_mesh(mesh)
     sheet = scene.read_pattern()
     seen = overview(sheet, seed)
     seen.tell(out.console)

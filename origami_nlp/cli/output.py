@@ -43,6 +43,7 @@ FILES = {
     "markdown": o.MarkdownFile,
     "fold": o.PathsFold,
     "html": o.HtmlFile,
+    "mesh": o.StatesMesh,
 }
 """What a result may be written to without more ado."""
 
@@ -82,6 +83,10 @@ class Output:
             from origami_nlp.show import check_view
 
             check_view(f"--html = {str(html)!r}")
+        if mesh := targets.get("mesh"):
+            from origami_nlp.minima import check_mesh
+
+            check_mesh(Path(mesh))
         if film := targets.get("animate"):
             from origami_nlp.show import check_animation
 
@@ -155,6 +160,7 @@ def answers(*files: str, search: Sequence[str] = ()) -> Callable[..., Callable[.
         @wraps(command)
         def run(**given: Any) -> None:
             from origami_nlp.results import draw
+            from origami_nlp.verbs import write_mesh
 
             out = Output(**{name: given.pop(name) for name in files})
             said = {k: v for k, v in given.items() if k not in search or v is not None}
@@ -164,6 +170,7 @@ def answers(*files: str, search: Sequence[str] = ()) -> Callable[..., Callable[.
             out.write("markdown", lambda: found.to_markdown())
             out.write("figure", draw, found)
             out.save("fold", _save_frames, found)
+            out.save("mesh", write_mesh, found)
             out.turn(found)
             end_of(found)
 

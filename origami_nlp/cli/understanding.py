@@ -119,7 +119,12 @@ def modes(scene: Source, state: o.StateNumber = None, **options: Any) -> Any:
 
 @takes_scene(o.OrigamiFile, whole=True)
 @answers(
-    "figure", "json", "fold", "html", search=("full", "effort", "seed", "max_starts", "seconds")
+    "figure",
+    "json",
+    "fold",
+    "mesh",
+    "html",
+    search=("full", "effort", "seed", "max_starts", "seconds"),
 )
 def load(
     scene: Source,

@@ -20,10 +20,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from origami_nlp.arguments import check_type, shown
 from origami_nlp.chart import BoundaryLine, Landscape, chart_of, trace_boundary, with_energy
+from origami_nlp.errors import OptionError
 from origami_nlp.files import OneBased
 from origami_nlp.kkt import State, Stratum
-from origami_nlp.minima import MinimaResult, points_on
+from origami_nlp.minima import FoundMinima, MinimaResult, points_on
 from origami_nlp.numerics import BESIDE, NEAR_CONTACT
 from origami_nlp.path import BoundaryCurve, correct, follow_boundary
 from origami_nlp.pattern import Scene
@@ -175,6 +177,11 @@ def find_segments(
     SegmentReport
         The curves, the states on them, and their metastable segments.
 
+    Raises
+    ------
+    OptionError
+        If the result is not that of one vertex.
+
     Examples
     --------
     >>> import origami_nlp as o
@@ -182,6 +189,12 @@ def find_segments(
     >>> [curve.contacts for curve in o.find_segments(result).curves]
     [('phi = -pi at crease 1',), ('phi = -pi at crease 4',)]
     """
+    if isinstance(result, FoundMinima) and not isinstance(result, MinimaResult):
+        raise OptionError(
+            f"result = {shown(result)}: metastable segments are those of one vertex: find_contacts takes a pattern, "
+            "find_minima(read_fold_scene(file, vertex=K)) one vertex of it"
+        )
+    check_type("result", result, MinimaResult)
     model = result.model
     curves: list[BoundaryCurve] = []
     states: list[tuple[int, ...]] = []

@@ -36,7 +36,7 @@ from origami_nlp.critical.strata import FACE_SAMPLES, Strata, StratumVertex, str
 from origami_nlp.kkt import State, Stratum
 from origami_nlp.minima import MinimaResult
 from origami_nlp.numerics import BALANCED, BESIDE, FIRM, SETTLED, STATIONARY, distinct, rank
-from origami_nlp.pattern import Scene
+from origami_nlp.pattern import Scene, as_scene
 from origami_nlp.programme import Contact, Model, Programme
 
 MOST_SAMPLES = 10_000_000
@@ -86,7 +86,7 @@ def find_critical_points(
     >>> found.morse_sum, len(found.minima)
     (1, 2)
     """
-    check_type("scene", scene, Scene)
+    scene = as_scene(scene, "a search for all critical points", "find_minima takes a pattern")
     scene.check_no_forces("critical points")
     if minima is not None:
         check_type("minima", minima, MinimaResult)

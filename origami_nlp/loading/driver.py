@@ -17,7 +17,7 @@ from origami_nlp.arguments import check_whole
 from origami_nlp.errors import OptionError
 from origami_nlp.folding import folded_frame, frames_to_fold
 from origami_nlp.kkt import Classification, follow
-from origami_nlp.minima import JudgedState, find_minima, full_scene
+from origami_nlp.minima import JudgedState, Part, find_minima, full_scene, vertex_parts
 from origami_nlp.path import ContinuationOptions, Node, ParameterLine, load_line
 from origami_nlp.pattern import Scene, dead_loads
 from origami_nlp.programme import Model, Parameters
@@ -249,6 +249,10 @@ class VertexDriver:
         """Return states as frames of FOLD data (spec 1.1)."""
         frames = [folded_frame(self.scene, phi, title, **more) for title, phi, more in states]
         return frames_to_fold(self.scene, frames)
+
+    def mesh_parts(self, states: Sequence[np.ndarray]) -> list[Part]:
+        """Return states side by side as triangles."""
+        return vertex_parts(self.scene, states)
 
     def poser(self) -> Poser:
         """Return what is folded, and how its states are shown."""

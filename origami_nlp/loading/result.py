@@ -17,6 +17,7 @@ from origami_nlp.errors import OUT_OF_TIME
 from origami_nlp.loading.driver import FramedState, VertexDriver
 from origami_nlp.loading.records import Leg, Snap
 from origami_nlp.loading.sheet import PatternDriver
+from origami_nlp.minima import Part
 from origami_nlp.numerics import TYPED
 from origami_nlp.pattern import Pattern, Scene
 from origami_nlp.show import Content, Piece, Table, Told, Turnable, Words
@@ -202,6 +203,11 @@ class LoadPath(Told, Turnable):
     def to_fold(self) -> dict[str, Any]:
         """Return the stable states of all legs as FOLD data (spec 1.1), one frame each, in order."""
         return self.driver.to_fold(list(self.states()))
+
+    def mesh_parts(self) -> list[Part]:
+        """Return the states at which each leg begins and ends, side by side as triangles."""
+        ends = [leg.points[k].fold_angles for leg in self.legs for k in (0, -1)]
+        return self.driver.mesh_parts([np.array(phi) for phi in dict.fromkeys(map(tuple, ends))])
 
     def _rows(self) -> Iterator[dict[str, object]]:
         for number, leg in enumerate(self.legs, start=1):

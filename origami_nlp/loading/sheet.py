@@ -14,7 +14,7 @@ from origami_nlp.errors import OptionError
 from origami_nlp.facets import DeadForce, Pull, Sheet, Torque, Work, Worked
 from origami_nlp.kkt import Classification, State, classify
 from origami_nlp.loading.driver import CUT, SIDE, STEPS, FramedState, Poser, Search
-from origami_nlp.minima import JudgedState
+from origami_nlp.minima import JudgedState, Part
 from origami_nlp.numerics import NEARLY, SAME
 from origami_nlp.path import ContinuationOptions, Node, ParameterLine
 from origami_nlp.pattern import Pattern
@@ -27,6 +27,7 @@ from origami_nlp.sheets import (
     judge,
     press,
     sheet_frame,
+    sheet_parts,
     sheet_poser,
     sheet_to_fold,
 )
@@ -188,6 +189,10 @@ class PatternDriver:
         """Return states as frames of FOLD data."""
         frames = (sheet_frame(self.pattern, phi, title, **more) for title, phi, more in states)
         return sheet_to_fold(self.pattern, frames)
+
+    def mesh_parts(self, states: Sequence[np.ndarray]) -> list[Part]:
+        """Return states side by side as triangles."""
+        return sheet_parts(self.pattern, states)
 
     def poser(self) -> Poser:
         """Return what is folded, and how its states are shown."""

@@ -22,6 +22,7 @@ from .fold_out import (
     Part as Part,
     check_mesh as check_mesh,
     join_meshes as join_meshes,
+    vertex_parts as vertex_parts,
     write_parts as write_parts,
 )
 from .found import FoundMinima as FoundMinima, state_lines as state_lines

@@ -45,13 +45,13 @@ def minima_to_fold(scene: Scene, minima: Sequence[JudgedState]) -> dict[str, Any
     return frames_to_fold(scene, frames)
 
 
-def vertex_parts(scene: Scene, minima: Sequence[JudgedState]) -> list[Part]:
-    """Return the states side by side, each as triangles."""
+def vertex_parts(scene: Scene, states: Sequence[np.ndarray]) -> list[Part]:
+    """Return states, by their fold angles [N], side by side, each as triangles."""
     n = scene.degree
     faces = np.array([[0, i, i % n + 1] for i in range(1, n + 1)])
     parts = []
-    for k, m in enumerate(minima):
-        creases, _ = fold_vertex(scene.vertex, m.phi)
+    for k, phi in enumerate(states):
+        creases, _ = fold_vertex(scene.vertex, phi)
         points = np.vstack([np.zeros((1, 3)), creases])
         parts.append((points + np.array([2.5 * k, 0.0, 0.0]), faces))
     return parts

@@ -176,7 +176,7 @@ class MinimaResult(FoundMinima):
 
     def mesh_parts(self) -> list[Part]:
         """Return the states side by side as triangles."""
-        return vertex_parts(self.scene, self.minima)
+        return vertex_parts(self.scene, [m.phi for m in self.minima])
 
     def told(self) -> Iterator[Piece]:
         """Return the table, the states and the record of the search."""

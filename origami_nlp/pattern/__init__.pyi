@@ -64,6 +64,7 @@ from .sheet_data import (
 from .stated import (
     as_origami as as_origami,
     as_pattern as as_pattern,
+    as_scene as as_scene,
     scene_pattern as scene_pattern,
 )
 from .symmetry import windings_of as windings_of

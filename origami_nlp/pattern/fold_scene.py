@@ -220,7 +220,7 @@ def vertex_scene(
             some = f" ({listed(good, 12)})" if good else ""
             why = "".join(f"; {note}" for note in notes) if not found else ""
             raise OptionError(
-                f"--vertex is needed: {len(good)} interior vertices can be analysed{some}; "
+                f"--vertex is needed: one vertex is asked for, {len(good)} interior ones can be analysed{some}; "
                 f"origami-nlp vertices lists them{why}"
             )
         vertex = good[0]

@@ -8,12 +8,14 @@ from pathlib import Path
 import numpy as np
 
 from origami_nlp.arguments import check_type
-from origami_nlp.errors import SceneError
+from origami_nlp.errors import OptionError, SceneError
+from origami_nlp.numerics import PLACES
 from origami_nlp.pattern import examples
 from origami_nlp.pattern.pattern_file import read_pattern
 from origami_nlp.pattern.scene import Scene
 from origami_nlp.pattern.scene_file import read_scene
 from origami_nlp.pattern.sheet import Pattern, make_pattern
+from origami_nlp.pattern.vertex import Vertex
 
 
 def as_origami(stated: Scene | Pattern | str | PathLike[str]) -> Scene | Pattern:
@@ -47,6 +49,77 @@ def as_origami(stated: Scene | Pattern | str | PathLike[str]) -> Scene | Pattern
     if isinstance(stated, str | PathLike) and Path(fspath(stated)).suffix.lower() == ".toml":
         return read_scene(fspath(stated))
     return as_pattern(stated, "origami")
+
+
+def as_scene(
+    stated: Scene | Pattern | str | PathLike[str], asked: str = "this", instead: str = ""
+) -> Scene:
+    """Return the one vertex that a question is asked of, however it is stated.
+
+    Parameters
+    ----------
+    stated
+        As `as_origami` takes it.  A pattern is taken as the scene that it equals, without symmetry and with full
+        contact: where it has one interior vertex with all its creases, and no paper beyond the sectors between them.
+    asked, instead
+        What is asked of one vertex alone, and what takes a pattern: for what is said of others.
+
+    Returns
+    -------
+    Scene
+        The vertex with its springs.
+
+    Raises
+    ------
+    OptionError
+        If it is a pattern that equals no scene; and as `as_origami`.
+
+    Examples
+    --------
+    >>> import origami_nlp as o
+    >>> from origami_nlp.pattern import as_scene, scene_pattern
+    >>> as_scene(scene_pattern(o.examples.waterbomb())).degree
+    6
+    """
+    if not isinstance(stated, Pattern | str | PathLike):
+        check_type("scene", stated, Scene)
+    origami = as_origami(stated)
+    scene = origami if isinstance(origami, Scene) else _equal_scene(origami)
+    if scene is None:
+        more = f"; {instead}" if instead else ""
+        raise OptionError(
+            f"scene = {origami!r}: {asked} is for one vertex: read_fold_scene(file, vertex=K) takes one of a file{more}"
+        )
+    return scene
+
+
+def _equal_scene(pattern: Pattern) -> Scene | None:
+    """Return the scene that a pattern equals; None where there is none."""
+    n = pattern.creases
+    if len(pattern.vertices) != 1 or pattern.holes:
+        return None
+    loop = pattern.vertices[0]
+    first = loop.creases.index(0) if 0 in loop.creases else 0
+    if loop.creases[first:] + loop.creases[:first] != tuple(range(n)):
+        return None
+    ends, x = pattern.ends, pattern.corners
+    along = x[ends.sum(axis=1) - loop.vertex] - x[loop.vertex]
+
+    def angle(a: np.ndarray, b: np.ndarray) -> float:
+        return float(np.arctan2(np.linalg.norm(np.cross(a, b)), a @ b))
+
+    sectors = []
+    for i in range(n):
+        j = (i + 1) % n
+        (facet,) = {pattern.left[i], pattern.right[i]} & {pattern.left[j], pattern.right[j]}
+        sectors.append(angle(along[i], along[j]))
+        pieces = (p for p, f in zip(pattern.polygons, pattern.facet_of, strict=True) if f == facet)
+        for corner in {c for piece in pieces for c in piece} - {loop.vertex}:
+            way = x[corner] - x[loop.vertex]
+            if angle(along[i], way) + angle(way, along[j]) - sectors[i] > PLACES:
+                return None
+    springs = tuple(pattern.stiffness.tolist()), tuple(pattern.rest.tolist())
+    return Scene(Vertex(tuple(sectors)), *springs, "none", "full", name=pattern.name)
 
 
 def as_pattern(stated: Pattern | str | PathLike[str], name: str = "pattern") -> Pattern:

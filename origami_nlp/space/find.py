@@ -6,9 +6,9 @@ import math
 
 import numpy as np
 
-from origami_nlp.arguments import check_type, check_whole
+from origami_nlp.arguments import check_whole
 from origami_nlp.chart import wedge_point
-from origami_nlp.pattern import Scene
+from origami_nlp.pattern import Scene, as_scene
 from origami_nlp.space import topology
 from origami_nlp.space.cells import Cells, admissible_cells, check_thin
 from origami_nlp.space.chain import Chain, chain_of
@@ -52,7 +52,7 @@ def find_space(scene: Scene, size: int = SIZE) -> Space:
     >>> len(space.components), space.holes, space.euler_characteristic
     (1, 0, 1)
     """
-    check_type("scene", scene, Scene)
+    scene = as_scene(scene, "the admissible space", "find_motion follows a pattern of one freedom")
     size = check_whole("size", size, *SIZES)
     chain = chain_of(scene)
     # walls may pass a mesh of one size so closely that another one is needed

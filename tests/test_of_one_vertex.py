@@ -1,0 +1,119 @@
+"""What is asked of one vertex alone: of patterns that equal one, and what is said of others; pages and meshes."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import origami_nlp as o
+from origami_nlp.pattern import as_scene, scene_pattern
+from origami_nlp.proof import prove
+from tests.command_line import run
+
+WAYS = {
+    "boundaries": (
+        lambda it: o.find_boundaries(it, "stiffness[1]=0.5:2", "stiffness[2]=0.5:2"),
+        "follow takes a pattern",
+    ),
+    "space": (o.find_space, "find_motion follows a pattern"),
+    "critical points": (o.find_critical_points, "find_minima takes a pattern"),
+}
+
+
+@pytest.mark.parametrize("name", WAYS)
+def test_of_several_vertices_one_line_says_what_takes_them(name):
+    ask, instead = WAYS[name]
+    for it in ("metasheet:2x3", o.examples.pattern("metasheet", 2, 3)):
+        with pytest.raises(o.OrigamiError, match="is for one vertex: read_fold_scene") as said:
+            ask(it)
+        assert instead in str(said.value) and "\n" not in str(said.value)
+    with pytest.raises(o.OrigamiError, match="scene = 3 must be a Scene"):
+        ask(3)
+
+
+def test_results_and_programmes_of_patterns_are_refused_in_one_line():
+    found = o.find_minima("metasheet:2x2", starts=1, escape=False)
+    with pytest.raises(o.OrigamiError, match="find_contacts takes a pattern"):
+        o.find_segments(found)
+    with pytest.raises(o.OrigamiError, match=r"searched for \(find_minima\), not proved"):
+        prove(found.pattern)
+    with pytest.raises(o.OrigamiError, match="those of one vertex are"):
+        o.find_minima("metasheet:2x2", prove=True)
+
+
+@pytest.mark.parametrize("degree", [4, 5, 7])
+def test_a_pattern_of_one_vertex_is_taken_as_the_scene_that_it_equals(degree):
+    rng = np.random.default_rng(degree)
+    sectors = rng.uniform(0.5, 1.5, degree)
+    vertex = o.Vertex(tuple(sectors * 2 * np.pi / sectors.sum()))
+    scene = o.Scene(vertex, tuple(rng.uniform(1, 2, degree)), tuple(rng.uniform(-2, 2, degree)))
+    scene = replace(scene, symmetry="none")
+    again = as_scene(scene_pattern(scene))
+    assert again.vertex.sector_angles == pytest.approx(scene.vertex.sector_angles, abs=1e-14)
+    assert again.stiffness == scene.stiffness and again.rest_angles == scene.rest_angles
+    assert again.contact == "full" and again.group.is_trivial
+    options = {"effort": "quick", "escape": False}
+    one = o.find_minima(again, **options).minima
+    whole = o.find_minima(scene_pattern(scene), **options).minima
+    # every minimum of either is one of the other
+    for a, b in ((one, again), (whole, scene_pattern(scene))):
+        other = scene_pattern(scene) if b is again else again
+        for m in a:
+            assert o.classify(other, m.fold_angles).verdict == "minimum"
+
+
+def test_paper_beyond_the_sectors_makes_another_sheet():
+    pattern = scene_pattern(o.examples.waterbomb())
+    assert as_scene(pattern).degree == 6
+    with pytest.raises(o.OrigamiError, match="is for one vertex"):
+        as_scene(replace(pattern, polygons=((0, 1, 2, 4), *pattern.polygons[1:])))
+
+
+def test_boundaries_of_a_pattern_of_one_vertex_are_those_of_the_vertex():
+    scene = o.Scene(
+        o.Vertex.from_degrees([70, 110, 80, 100]), (1.0, 0.6, 1.4, 0.8), (2.2, -0.7, 0.9, 1.6)
+    )
+    scene = replace(scene, symmetry="none")
+    asked = {"lines": 1, "across": 0, "effort": "quick"}
+    one, same = (
+        o.find_boundaries(it, "stiffness[1]=0.1:30", "stiffness[2]=0.6:0.61", **asked)
+        for it in (scene, scene_pattern(scene))
+    )
+    assert len(one.curves) == len(same.curves) > 0
+    assert [c.type for c in one.curves] == [c.type for c in same.curves]
+
+
+def test_commands_of_one_vertex_say_so():
+    done = run("boundary", "metasheet:3x3", "--event", "ratio=0.5:1", "--over", "alpha=50deg:60deg")
+    assert done.code == 2 and done.err.count("\n") == 1
+    assert "--vertex is needed: one vertex is asked for" in done.err
+
+
+@pytest.mark.parametrize("whole", [True, False], ids=("pattern", "vertex"))
+def test_a_load_path_is_written_as_a_mesh(whole, tmp_path):
+    trimesh = pytest.importorskip("trimesh")
+    target, scene = tmp_path / "ends.stl", o.examples.degree6("5*pi/12")
+    pattern = o.examples.pattern("metasheet", 2, 2) if whole else scene_pattern(scene)
+    (tmp_path / "a.toml").write_text(o.format_scene(scene))
+    given = ("metasheet:2x2" if whole else tmp_path / "a.toml", "--crease", 1, "--to", 0.02)
+    done = run("load", *given, "--no-confirm", "--mesh", target)
+    assert done.code == 0 and f"written: {target}" in done.out
+    area = 0.0
+    for polygon in pattern.polygons:
+        x = pattern.corners[list(polygon)]
+        area += np.linalg.norm(np.cross(x - x[0], np.roll(x, -1, axis=0) - x[0]).sum(axis=0)) / 2
+    mesh = trimesh.load(target)
+    assert mesh.area == pytest.approx(2 * area, rel=1e-5)  # where the one leg begins and ends
+    wrong = run("load", *given, "--mesh", tmp_path / "ends.txt")
+    assert wrong.code == 2 and "must end in .obj, .stl, .glb" in wrong.err
+
+
+def test_modes_and_designs_are_turned_as_the_minima_that_they_are_of():
+    found = o.find_minima(o.examples.degree6("pi/4", ratio=0.01), max_starts=16, escape=False)
+    modes = o.find_modes(found, state=1)
+    assert repr(o.view(modes)) == repr(o.view(found))
+    with pytest.raises(o.OrigamiError, match="cannot be turned"):
+        o.view(3)
+    space = o.find_space(o.examples.degree6("pi/3"), size=8)
+    with pytest.raises(o.OrigamiError, match=r"cannot be turned.*draw\(result\) draws it"):
+        o.view(space)
