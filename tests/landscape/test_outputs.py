@@ -16,7 +16,7 @@ from origami_nlp.landscape.figure import joining_passes
 from origami_nlp.space import find_space
 from tests import computed_once
 from tests.command_line import run, scene_file
-from tests.computed_once import shared, thinned
+from tests.computed_once import minima_once, shared, thinned
 
 
 @shared
@@ -28,6 +28,7 @@ def folder_written():
     files = [folder / name for name in ("l.json", "l.npz", "l.png")]
     options = ["--json", files[0], "--npz", files[1], "--figure", files[2], "--size", 101]
     with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("origami_nlp.minima.find_minima", minima_once)  # a panel
         # meshes of tests/space and tests/barriers, which find the same on them as on finer ones
         patch.setattr("origami_nlp.space.find_space", lambda s: find_space(s, 16))
         coarse = functools.partial(find_barriers, spacing=0.25)
