@@ -208,7 +208,7 @@ CASES = [
 @pytest.mark.parametrize(("function", "name", "wrong", "needs", "fixed"), CASES)
 def test_a_wrong_argument_is_named(made, function, name, wrong, needs, fixed):
     right = {key: made[key] for key in needs} | fixed
-    words = {"path": "path|sweep", "number": "number|vertex", "cone": "degree"}
+    words = {"scene": "scene|FOLD", "path": "path|sweep", "number": "number|vertex", "cone": "degree"}
     word = words.get(name, name)
     for value in wrong:
         with pytest.raises(o.OrigamiError) as raised:

@@ -158,10 +158,10 @@ def stability_words(
 
 
 def barrier_head(origami: Scene | Pattern) -> str:
-    """Name the column of barriers: under an imposed symmetry ways out keep it, "barrier (D1)"."""
+    """Name the column of barriers: under an imposed symmetry ways out keep it, "barrier (D1) [J]"."""
     if isinstance(origami, Scene) and is_symmetric(origami):
-        return f"barrier ({origami.group.name})"
-    return "barrier"
+        return f"barrier ({origami.group.name}) [J]"
+    return "barrier [J]"
 
 
 def barrier_words(e: Escape | None, unit: str) -> str:

@@ -112,8 +112,8 @@ MUTATIONS = [
     ),
     Mutation(  # the length of the common normal changes as well
         "facets/touches.py",
-        "by_volume / d - volume * by_size / d**2",
-        "by_volume / d + volume * by_size / d**2",
+        "tt / d - (both + both.T + volume * ss) / d**2",
+        "tt / d + (both + both.T + volume * ss) / d**2",
         ("facets",),
     ),
 ]

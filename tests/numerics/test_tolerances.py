@@ -40,7 +40,7 @@ BESIDE_THE_TABLE = {
         sheets/angle_sums.JUMPS sheets/pressing.REACH sheets/pressing.SMALLER
          sheets/terrain.FIRST space/cells.BESIDE space/mesh.DIFFERENCE
         springs/extras.FIRST springs/extras.SHORT starts/closing.QUADRATIC
-        starts/near_folded.INSIDE
+        starts/near_flat.INSIDE
     """,
     "shares by which an algorithm goes on, gives up, or refines": """
         barriers/graph.STUCK contact/margin.LEAST_DAMPING contact/margin.SOFT
@@ -56,7 +56,7 @@ BESIDE_THE_TABLE = {
     "what is shown, or said in words": """
         atlas/regions.LEAST chart/boundary_lines.SHORT chart/chart.TIE chart/region.SLIVER
         critical/result.ROUNDING paper/cone/table.SMALL pattern/fold_notes.LOOKS_LIKE_PI
-        pattern/fold_notes.UP pattern/relations.NEAR sheets/counts.MOVES space/result.EXTENDED
+        pattern/fold_notes.UP pattern/relations.NEAR facets/poses.MOVES space/result.EXTENDED
     """,
     "definitions of the source paper": """
         contact/segments.SLOPE contact/segments.STIFFNESS
