@@ -18,7 +18,7 @@ from .methods_casadi import ipopt_alone as ipopt_alone
 from .methods_ours import ours as ours
 from .pattern_contacts import PatternContact as PatternContact, measure_contact as measure_contact
 from .pattern_problems import (
-    PatternProblem as PatternProblem,
+    PatternTask as PatternTask,
     pattern_problems as pattern_problems,
 )
 from .pattern_scaling import PatternScale as PatternScale, measure_scale as measure_scale

@@ -10,7 +10,7 @@ import numpy as np
 
 from origami_nlp.minima import FEW_PAIRS, MOST_PAIR_ROUNDS
 from origami_nlp.numerics import ANSWERED
-from origami_nlp.programme import Model, Solvable
+from origami_nlp.problem import Model, Solvable
 from origami_nlp.starts import Projected
 
 Pairs = tuple[tuple[int, int], ...]

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from benchmarks.cone_speed import BRUTE_NODES, MAP_SIZE, SAMPLED, SpeedRow
+from origami_nlp.display import Table
 from origami_nlp.paper.cone import number_words
-from origami_nlp.show import Table
 
 HEADS = (
     "N",

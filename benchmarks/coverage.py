@@ -31,10 +31,10 @@ from benchmarks.union import (
     write_union,
 )
 from origami_nlp.errors import OptionError
-from origami_nlp.files import Unbounded, to_plain
+from origami_nlp.io import Unbounded, to_plain
 from origami_nlp.numerics import ANSWERED
 from origami_nlp.pattern import Scene
-from origami_nlp.programme import Model
+from origami_nlp.problem import Model
 
 SCHEMA = "origami-nlp/coverage/1"
 SCENES = {

@@ -11,8 +11,8 @@ from typing import Any
 
 from benchmarks.coverage import BEFORE, NOW, Covered, Searched
 from benchmarks.digest import Spread
-from origami_nlp.files import from_plain, save_figure
-from origami_nlp.show import rows_markdown
+from origami_nlp.display import rows_markdown
+from origami_nlp.io import from_plain, save_figure
 
 TIMES = (0.1, 0.2, 0.5, 1.0, 2.0, 5.0)
 """Processor seconds at which searches are compared."""
@@ -155,15 +155,15 @@ def curve_rows(data: dict[str, Any]) -> list[Row]:
         for name in scenes[0].runs:
             runs = [r for c in scenes for r in c.runs[name]]
             attempts = sum(r.attempts for r in runs)
-            told = ("-", "-", "0 (certified)")
+            reported = ("-", "-", "0 (certified)")
             if attempts:
-                told = (
+                reported = (
                     f"{1e3 * sum(r.seconds for r in runs) / attempts:.2g}",
                     _percent(sum(r.rejected for r in runs) / attempts),
                     str(sum(r.false for r in runs)),
                 )
             at = (_percent(share_at(scenes, name, t)) for t in TIMES)
-            out.append((family, name, *at, _percent(share_at(scenes, name, math.inf)), *told))
+            out.append((family, name, *at, _percent(share_at(scenes, name, math.inf)), *reported))
     return out
 
 

@@ -19,9 +19,9 @@ from benchmarks.prescribed import (
     prescribed_rows,
     random_question,
 )
-from origami_nlp.files import to_plain
-from origami_nlp.show import Piece, Table, Told
-from origami_nlp.springs import DEFINITE, Posed, scene_of, smatrix, solve, springs_of
+from origami_nlp.display import Report, Section, Table
+from origami_nlp.inverse_design import DEFINITE, ConvexDesign, scene_of, smatrix, solve, springs_of
+from origami_nlp.io import to_plain
 
 SCHEMA = "origami-nlp/design-bench/1"
 STATES = 2
@@ -60,7 +60,7 @@ class Compared:
 
 
 @dataclass(frozen=True, repr=False)
-class DesignBench(Told):
+class DesignBench(Report):
     """What was measured.
 
     Attributes
@@ -74,7 +74,7 @@ class DesignBench(Told):
     prescribed: tuple[Prescribed, ...]
     compared: tuple[Compared, ...]
 
-    def told(self) -> Iterator[Piece]:
+    def report_sections(self) -> Iterator[Section]:
         """Return both tables."""
         heads, rows = prescribed_rows(self.prescribed)
         title = "Random interior states that springs hold, by degree; all others refuted unless said to be open"
@@ -116,7 +116,7 @@ class DesignBench(Told):
 
     def to_markdown(self) -> str:
         """Return both tables as Markdown."""
-        return "\n".join(p.markdown() for p in self.told() if isinstance(p, Table))
+        return "\n".join(p.markdown() for p in self.report_sections() if isinstance(p, Table))
 
     def to_dict(self) -> dict[str, Any]:
         """Return plain data."""
@@ -152,7 +152,7 @@ def measure_design(
 
 
 def _compared(n: int, vertices: int, tell: Callable[[str], object]) -> Compared:
-    posed: list[Posed] = []
+    posed: list[ConvexDesign] = []
     times: dict[str, list[float]] = {OURS: []}
     found, claimed = dict.fromkeys((OURS, *METHODS), 0), dict.fromkeys(METHODS, 0)
     for number in range(vertices):
@@ -196,9 +196,9 @@ def _compared(n: int, vertices: int, tell: Callable[[str], object]) -> Compared:
     )
 
 
-def plain(posed: Posed) -> dict[str, Any]:
+def plain(posed: ConvexDesign) -> dict[str, Any]:
     """Return a programme as plain data, matrices with all their entries."""
-    p = posed.programme
+    p = posed.problem
     rows = []
     for r in p.rows:
         a, b = p.matrix(r), r.b

@@ -11,9 +11,9 @@ from __future__ import annotations
 import numpy as np
 
 from origami_nlp.kkt import project
-from origami_nlp.numerics import CLOSES, null_space
+from origami_nlp.numerics import CLOSURE_TOL, null_space
 from origami_nlp.pattern import Scene
-from origami_nlp.programme import Model
+from origami_nlp.problem import Model
 
 SOFTEST = 0.05
 """Least stiffness of a spring over the mean of all."""
@@ -31,7 +31,7 @@ def interior_states(scene: Scene, rng: np.random.Generator, count: int = 2) -> l
     model, found = Model(scene), list[np.ndarray]()
     while len(found) < count:
         x, residual = project(model, rng.uniform(-INTERIOR, INTERIOR, model.size))
-        inside = residual <= CLOSES and np.abs(x).max() <= INTERIOR and not model.refuses(x)
+        inside = residual <= CLOSURE_TOL and np.abs(x).max() <= INTERIOR and not model.refuses(x)
         if inside and all(np.abs(x - y).min() > APART for y in found):
             found.append(x)
     return found

@@ -24,7 +24,7 @@ import mpmath as mp
 import numpy as np
 
 from origami_nlp.errors import OptionError
-from origami_nlp.programme import Gap, Model
+from origami_nlp.problem import Gap, Model
 
 LARGEST_DENOMINATOR = 720
 """Angles that are a multiple of pi with a denominator up to this, to rounding, stand for that multiple."""
@@ -41,7 +41,7 @@ class Jet:
 
 
 @dataclass(frozen=True)
-class Moving:
+class TargetTolerance:
     """A vector carried along by folds: value [3], first [n, 3], second [n, n, 3]."""
 
     value: np.ndarray
@@ -63,7 +63,7 @@ def cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     return np.stack([y * w - z * v, z * u - x * w, x * v - y * u], axis=-1)
 
 
-def dot(p: Moving, q: Moving) -> Jet:
+def dot(p: TargetTolerance, q: TargetTolerance) -> Jet:
     """Return the jet of p . q."""
     mixed = p.first @ q.first.T
     return Jet(
@@ -73,11 +73,11 @@ def dot(p: Moving, q: Moving) -> Jet:
     )
 
 
-def cross_moving(p: Moving, q: Moving) -> Moving:
+def cross_moving(p: TargetTolerance, q: TargetTolerance) -> TargetTolerance:
     """Return p x q with its derivatives."""
     mixed = cross(p.first[:, None, :], q.first[None, :, :])
     second = cross(p.second, q.value) + cross(p.value, q.second) + mixed + mixed.transpose(1, 0, 2)
-    return Moving(
+    return TargetTolerance(
         cross(p.value, q.value), cross(p.first, q.value) + cross(p.value, q.first), second
     )
 
@@ -137,11 +137,11 @@ class ExactPiece:
         self._axes = creases
         piece = rotations[self.count]
 
-        def at(ray: int) -> Moving:
+        def at(ray: int) -> TargetTolerance:
             ray %= len(self._flat)
             return self._carry(rotations[ray] @ self._flat[ray], ray)
 
-        def end(v: np.ndarray) -> Moving:
+        def end(v: np.ndarray) -> TargetTolerance:
             return self._carry(piece @ v, self.count)
 
         return self._closure(end), {g: self._gap(self.gap_list[g], at, end) for g in gaps}
@@ -189,11 +189,11 @@ class ExactPiece:
             rotations.append(rotation)
         return rotations, rays
 
-    def _fixed(self, v: np.ndarray) -> Moving:
+    def _fixed(self, v: np.ndarray) -> TargetTolerance:
         n, zero = self.size, mp.mpf(0)
-        return Moving(v, np.full((n, 3), zero), np.full((n, n, 3), zero))
+        return TargetTolerance(v, np.full((n, 3), zero), np.full((n, n, 3), zero))
 
-    def _carry(self, u: np.ndarray, before: int) -> Moving:
+    def _carry(self, u: np.ndarray, before: int) -> TargetTolerance:
         """Return u, which every fold about a ray before number `before` turns, with its derivatives."""
         moving = self._fixed(u)
         first, second = moving.first, moving.second

@@ -8,7 +8,7 @@ from typing import Any
 
 from benchmarks.digest import Contact, Spread, rows
 from benchmarks.methods_ours import OURS
-from origami_nlp.files import save_figure
+from origami_nlp.io import save_figure
 
 STYLES = {  # Okabe and Ito's colours, told apart by marker too
     OURS: ("#000000", "*", 13),

@@ -19,8 +19,8 @@ from benchmarks.attempt import FEASIBLE, Attempt, Method, StartPoint
 from benchmarks.methods_casadi import ipopt_alone, silence
 from benchmarks.methods_scipy import Record, basin_hopping, contacts_held, scipy_methods
 from origami_nlp.kkt import project
-from origami_nlp.numerics import CLOSES, ENDS
-from origami_nlp.programme import Model
+from origami_nlp.numerics import CLOSURE_TOL, ENDPOINT_TOL
+from origami_nlp.problem import Model
 
 DRAWN = 256
 """Vertices of the state space that are drawn and closed together."""
@@ -54,7 +54,7 @@ def uniform(model: Model, rng: np.random.Generator) -> Iterator[np.ndarray]:
         yield rng.uniform(-model.bound, model.bound, model.size)
 
 
-def shut(model: Model, rng: np.random.Generator) -> Iterator[np.ndarray]:
+def at_limit(model: Model, rng: np.random.Generator) -> Iterator[np.ndarray]:
     """Draw fold angles uniformly, then shut (+-pi) a random share of them, for ever."""
     for x in uniform(model, rng):
         chosen = rng.random(model.size) < rng.random()
@@ -85,7 +85,7 @@ def vertices(model: Model, rng: np.random.Generator) -> Iterator[np.ndarray]:
         x = np.where(free, rng.uniform(-np.pi, np.pi, (DRAWN, n)), flat)
         x, residual = project(model, x, frozen=~free)
         x = np.where(free, x, flat)
-        x = x[(residual <= CLOSES) & (np.abs(x) <= model.bound + CLOSES).all(axis=1)]
+        x = x[(residual <= CLOSURE_TOL) & (np.abs(x) <= model.bound + CLOSURE_TOL).all(axis=1)]
         x = x[model.on_sheet(x)]
         barren = 0 if len(x) else barren + 1
         yield from x
@@ -106,7 +106,7 @@ def vertex_starts(model: Model, count: int = 2000) -> np.ndarray:
     found = np.zeros((0, model.size))
     for _ in range(0, count, DRAWN):
         drawn = np.array(list(itertools.islice(stream, DRAWN))).reshape(-1, model.size)
-        known, found = len(found), np.array(distinct(np.vstack([found, drawn]), ENDS))
+        known, found = len(found), np.array(distinct(np.vstack([found, drawn]), ENDPOINT_TOL))
         if len(found) == known:
             break
     return found.reshape(-1, model.size)
@@ -139,11 +139,11 @@ def foreign_methods(starts: np.ndarray | None = None) -> list[Foreign]:
     ipopt = _attempts(next(m for m in ipopt_alone() if not m.sweep))
     out = [
         Foreign("SLSQP", slsqp),
-        Foreign("SLSQP, some shut", slsqp, shut, 1.0),
+        Foreign("SLSQP, some shut", slsqp, at_limit, 1.0),
         Foreign("SLSQP from vertices", slsqp, vertices, aided=True),
         Foreign("IPOPT", ipopt, share=0.25),
         Foreign("basin hopping", basin_hopping, share=0.25),
-        Foreign("SLSQP, contacts held", contacts_held, shut, 1.0, aided=True),
+        Foreign("SLSQP, contacts held", contacts_held, at_limit, 1.0, aided=True),
     ]
     if starts is not None:
         out.append(Foreign("SLSQP, given starts", slsqp, given(starts)))

@@ -13,8 +13,8 @@ from benchmarks.hard_flat import FLAT_CASES
 from benchmarks.hard_fold_point import FOLD_POINT_CASES
 from benchmarks.hard_large import LARGE_CASES
 from benchmarks.hard_springs import SPRING_CASES
-from origami_nlp.files import pick
-from origami_nlp.show import Cell, Table, Words, rows_markdown
+from origami_nlp.display import Cell, Table, Words, rows_markdown
+from origami_nlp.io import pick
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,7 @@ from origami_nlp.kkt import State, classify, polish
 from origami_nlp.minima import Record, find_minima, solve_without_crossing
 from origami_nlp.numerics import ROUNDED
 from origami_nlp.pattern import Scene, examples
-from origami_nlp.programme import Model
+from origami_nlp.problem import Model
 
 CLOSURE_PULL = 0.3
 """Torque [N m] by which closure pulls at the closed crease, so that its rest angle stays within +-pi."""

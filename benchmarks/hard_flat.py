@@ -17,9 +17,9 @@ from origami_nlp.minima import (
     find_minima,
     solve_without_crossing,
 )
-from origami_nlp.numerics import CLOSES, EPS, ROUNDED, SAME
+from origami_nlp.numerics import CLOSURE_TOL, DUPLICATE_TOL, EPS, ROUNDED
 from origami_nlp.pattern import Scene, Vertex, examples, parse_angles
-from origami_nlp.programme import Model
+from origami_nlp.problem import Model
 from origami_nlp.starts import BATCH
 
 
@@ -60,8 +60,8 @@ def known_state(
         Measured("closure", m.closure_residual, ROUNDED),
     )
     verdict, note = f"{m.kind}, dimension {m.local_dimension}", ""
-    if bound < far <= 1.001 * SAME:
-        note = f"a flat folding within {SAME:g} is taken for the same state"
+    if bound < far <= 1.001 * DUPLICATE_TOL:
+        note = f"a flat folding within {DUPLICATE_TOL:g} is taken for the same state"
     return Outcome(setting, measured, verdict, True, result.search.iterations, note=note)
 
 
@@ -163,7 +163,7 @@ def regular_at_pi(angle: float) -> tuple[Scene, np.ndarray]:
     frozen = np.zeros_like(x, dtype=bool)
     frozen[:, 2] = True
     x, residual = project(model, x, frozen=frozen)
-    for state in x[residual <= CLOSES]:
+    for state in x[residual <= CLOSURE_TOL]:
         state[2] = angle
         rank = np.linalg.svd(model.closure(state)[1], compute_uv=False).min()
         if rank > 0.2 and np.abs(np.delete(state, 2)).max() < 3.0 and not model.refuses(state):

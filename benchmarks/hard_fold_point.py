@@ -24,7 +24,7 @@ import numpy as np
 from benchmarks.hard_case import HardCase, Measured, Outcome
 from origami_nlp.kkt import State, classify, newton
 from origami_nlp.pattern import Scene, Vertex
-from origami_nlp.programme import Model
+from origami_nlp.problem import Model
 
 REST = -3.0
 """Rest angle of every crease [rad]: the ratio is then stationary along the branch."""

@@ -16,7 +16,7 @@ from origami_nlp.closed_forms import cone_fold_angles
 from origami_nlp.minima import find_minima
 from origami_nlp.numerics import quaternion as quat
 from origami_nlp.pattern import Scene, Vertex
-from origami_nlp.programme import Model
+from origami_nlp.problem import Model
 
 DEGREE = 60
 STARTS = 150

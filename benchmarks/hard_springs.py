@@ -15,7 +15,7 @@ from origami_nlp.kkt import State
 from origami_nlp.minima import MinimaResult, find_minima
 from origami_nlp.numerics import EPS, ROUNDED
 from origami_nlp.pattern import Scene, Vertex, examples
-from origami_nlp.programme import Model
+from origami_nlp.problem import Model
 from origami_nlp.starts import Projected
 
 

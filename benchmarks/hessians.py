@@ -17,8 +17,8 @@ import numpy as np
 from benchmarks.problems import Problem
 from benchmarks.reference import Unsolved, solve_reference
 from origami_nlp.kkt import State
-from origami_nlp.numerics import SAME
-from origami_nlp.programme import Model
+from origami_nlp.numerics import DUPLICATE_TOL
+from origami_nlp.problem import Model
 from studies import STEPS, appendix_a
 
 
@@ -42,7 +42,7 @@ def compare_hessians(
                 reference = solve_reference(model, phi, ())
             except Unsolved:
                 continue
-            if not len(reference.eigenvalues) or reference.angle_error(phi) > SAME:
+            if not len(reference.eigenvalues) or reference.angle_error(phi) > DUPLICATE_TOL:
                 continue  # not stationary without contact: pinned
             exact_eigenvalues(model, phi)  # warm-up
             out.append(_record(problem, number, model, phi, reference.eigenvalues, rounds))

@@ -17,12 +17,12 @@ import numpy as np
 from benchmarks.attempt import Attempt
 from benchmarks.reference import Reference, Unsolved, solve_reference
 from benchmarks.union import APART, Union
-from origami_nlp.folding import examine
+from origami_nlp.folding import check_admissible
 from origami_nlp.kkt import State, classify, polish
 from origami_nlp.minima import Record, find_minima, solve_without_crossing
-from origami_nlp.numerics import ENDS
+from origami_nlp.numerics import ENDPOINT_TOL
 from origami_nlp.pattern import Scene
-from origami_nlp.programme import Model, Programme
+from origami_nlp.problem import Model, Problem
 
 NEAR = 0.05
 """An answer within this of a minimum in every fold angle [rad] counts for it."""
@@ -141,14 +141,14 @@ class Judge:
         if (np.abs(x) > model.bound + OPEN).any():
             return "beyond a fold limit"
         if self.scene.contact == "full":
-            paper = examine(self.scene.vertex, model.expand(x), tolerance=OPEN)
+            paper = check_admissible(self.scene.vertex, model.expand(x), tolerance=OPEN)
             if not paper.admissible:
                 return "facets cross" if "cross" in paper.reason else "not admissible"
         answer = solve_without_crossing(model, x, Record(), model.structure.pairs[:6])
         state = polish(model, answer) if answer.succeeded else None
         if state is None or np.abs(state.x - x).max() > NEAR:
             return "not stationary"
-        if self._nearest(state.x)[1] <= ENDS:  # a sloppy answer whose polish is known
+        if self._nearest(state.x)[1] <= ENDPOINT_TOL:  # a sloppy answer whose polish is known
             return ""
         what = classify(State(model, state.x), polished=state.converged)
         if what.verdict == "minimum":
@@ -170,14 +170,14 @@ class Judge:
         return Outcome(index, "", exact.angle_error(x), abs(change) / size, multiplier, eigenvalue)
 
 
-def _slope(model: Programme, exact: Reference) -> float:
+def _slope(model: Problem, exact: Reference) -> float:
     """Return the energy that the digits beyond a double of the exact state make."""
     k, rest = model.parameters.stiffness, model.parameters.rest
     return float(model.scale * np.sum(k * (exact.x - rest) * exact.x_rest))
 
 
 def errors_of_derivatives(
-    model: Programme, x: np.ndarray, exact: Reference, own: np.ndarray | None
+    model: Problem, x: np.ndarray, exact: Reference, own: np.ndarray | None
 ) -> tuple[float, float]:
     """Return the relative errors of contact multipliers and of reduced-Hessian eigenvalues at an answer x.
 

@@ -21,9 +21,9 @@ from benchmarks.attempt import (
     StartPoint,
     keep_apart,
 )
-from benchmarks.programme import Programme, programme, violation
+from benchmarks.programme import Problem, problem, violation
 from origami_nlp.minima import OPTIONS
-from origami_nlp.programme import Model, Structure
+from origami_nlp.problem import Model, Structure
 
 TOLERANCES = (1e-4, 1e-6, 1e-8, 1e-10, 1e-12)
 QUIET_QP = {
@@ -133,7 +133,7 @@ class _Prepare:
     def __call__(self, model: Model) -> Solver:
         def once(x: np.ndarray, pairs: Pairs) -> Attempt:
             begin = time.process_time()
-            built = programme(model.structure, pairs)
+            built = problem(model.structure, pairs)
             solver = _solver(model.structure, pairs, self._plugin, self._options)
             building = time.process_time() - begin
             return _solve(model, built, solver, x, building)
@@ -149,7 +149,7 @@ class _Prepare:
 
 @lru_cache(maxsize=4096)
 def _solver(structure: Structure, pairs: Pairs, plugin: str, options: Any) -> ca.Function:
-    built = programme(structure, pairs)
+    built = problem(structure, pairs)
     given = {"print_time": False, "error_on_fail": False, **_thaw(options)}
     if plugin == "fatrop":
         given["equality"] = built.equality
@@ -158,7 +158,7 @@ def _solver(structure: Structure, pairs: Pairs, plugin: str, options: Any) -> ca
 
 
 def _solve(
-    model: Model, built: Programme, solver: ca.Function, x: np.ndarray, building: float
+    model: Model, built: Problem, solver: ca.Function, x: np.ndarray, building: float
 ) -> Attempt:
     bound = built.bound(model)
     try:

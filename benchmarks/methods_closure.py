@@ -19,9 +19,9 @@ import numpy as np
 
 from benchmarks.attempt import FEASIBLE, Attempt, Method, Solver, StartPoint
 from benchmarks.methods_casadi import ipopt_options
-from benchmarks.programme import programme
+from benchmarks.programme import problem
 from origami_nlp.numerics import quaternion as quat
-from origami_nlp.programme import Model
+from origami_nlp.problem import Model
 
 FORMS = {
     "quaternion": "vector part of the quaternion",
@@ -88,7 +88,7 @@ class _Prepare:
     def __call__(self, model: Model) -> Solver:
         n = model.size
         if self._form == "wedge":
-            built = programme(model.structure, ())
+            built = problem(model.structure, ())
             nlp: ca.Function | dict[str, ca.SX] = built.oracle
             lower, upper = built.lower, built.upper
         else:

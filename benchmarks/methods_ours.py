@@ -5,7 +5,7 @@ from __future__ import annotations
 from benchmarks.attempt import Attempt, Method, Solver, StartPoint
 from origami_nlp.kkt import State, classify
 from origami_nlp.minima import Answer, Record, run_one
-from origami_nlp.programme import Model
+from origami_nlp.problem import Model
 
 OURS = "this package"
 

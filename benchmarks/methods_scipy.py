@@ -21,8 +21,8 @@ from benchmarks.attempt import (
     StartPoint,
     keep_apart,
 )
-from benchmarks.programme import Evaluator, Programme, programme, violation
-from origami_nlp.programme import Model, pose_with_gaps
+from benchmarks.programme import Evaluator, Problem, problem, violation
+from origami_nlp.problem import Model, pose_with_gaps
 
 SLSQP_TOLERANCES = (1e-4, 1e-6, 1e-8, 1e-10, 1e-12, 1e-15)
 TRUST_TOLERANCES = (1e-4, 1e-6, 1e-8, 1e-10, 1e-12)
@@ -74,11 +74,11 @@ class _Prepare:
         self._tolerance, self._raw = tolerance, raw
 
     def __call__(self, model: Model) -> Solver:
-        evaluators: dict[Pairs, tuple[Programme, Evaluator]] = {}
+        evaluators: dict[Pairs, tuple[Problem, Evaluator]] = {}
 
-        def get(pairs: Pairs) -> tuple[Programme, Evaluator]:
+        def get(pairs: Pairs) -> tuple[Problem, Evaluator]:
             if pairs not in evaluators:
-                built = programme(model.structure, pairs)
+                built = problem(model.structure, pairs)
                 evaluators[pairs] = built, Evaluator(built.oracle, model.parameters.vector)
             return evaluators[pairs]
 
@@ -108,7 +108,7 @@ class _Prepare:
 
 
 def _slsqp(
-    built: Programme,
+    built: Problem,
     evaluate: Evaluator | _Rows,
     z: np.ndarray,
     bound: np.ndarray,
@@ -131,7 +131,7 @@ def _objective(evaluate: Evaluator | _Rows) -> Callable[[np.ndarray], tuple[floa
     return lambda y: (float(evaluate.at(y).f[0]), evaluate.gradient.copy())
 
 
-def _constraints(built: Programme, evaluate: Evaluator | _Rows) -> list[dict[str, Any]]:
+def _constraints(built: Problem, evaluate: Evaluator | _Rows) -> list[dict[str, Any]]:
     """Return the rows of a programme as SLSQP takes them."""
     equal = np.array(built.equality)
     if equal.all() and not built.lower.any():
@@ -179,7 +179,7 @@ def basin_hopping(model: Model) -> Callable[[np.ndarray, np.random.Generator, Re
     """
     from scipy.optimize import basinhopping
 
-    built = programme(model.structure, ())
+    built = problem(model.structure, ())
     evaluate = Evaluator(built.oracle, model.parameters.vector)
     bound = built.bound(model)
 
@@ -231,7 +231,7 @@ def contacts_held(model: Model) -> Callable[[np.ndarray, np.random.Generator, Re
         rows = (
             [*range(first), *rng.choice(pairs, count, replace=False)] if count else [*range(first)]
         )
-        built = Programme(oracle, np.zeros(len(rows)), np.zeros(len(rows)), ())
+        built = Problem(oracle, np.zeros(len(rows)), np.zeros(len(rows)), ())
         held = _Rows(evaluate, np.array(rows, dtype=int))
         try:
             out = _slsqp(built, held, x, bound, SLSQP_SEARCH[0])
@@ -272,7 +272,7 @@ class _Rows:
 
 
 def _trust_constr(
-    built: Programme, evaluate: Evaluator, z: np.ndarray, bound: np.ndarray, tolerance: float
+    built: Problem, evaluate: Evaluator, z: np.ndarray, bound: np.ndarray, tolerance: float
 ) -> Any:
     from scipy.optimize import Bounds, NonlinearConstraint, minimize
 

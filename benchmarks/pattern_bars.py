@@ -12,7 +12,7 @@ from collections.abc import Iterator
 import numpy as np
 from scipy.optimize import minimize
 
-from benchmarks.pattern_problems import PatternProblem
+from benchmarks.pattern_problems import PatternTask
 from origami_nlp.numerics import cross
 
 
@@ -30,7 +30,7 @@ class Bars:
         Hinges that are creases come first, in the pattern's order: so many.
     """
 
-    def __init__(self, problem: PatternProblem) -> None:
+    def __init__(self, problem: PatternTask) -> None:
         p = problem.pattern
         left: dict[tuple[int, int], int] = {}
         for polygon in p.polygons:

@@ -9,9 +9,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from origami_nlp.facets import Placed, Sheet
 from origami_nlp.pattern import examples
-from origami_nlp.sheets import descend, judge, press_off
+from origami_nlp.pattern_problem import FoldedGeometry, PatternProblem
+from origami_nlp.pattern_states import contact_descent_off, descend, judge
 
 CASES = (
     *(("yoshimura:4x4", seed) for seed in range(6)),
@@ -95,15 +95,17 @@ def measure_contact(name: str, seed: int) -> PatternContact:
     kind, _, size = name.partition(":")
     pattern = examples.pattern(kind, *map(int, size.split("x")))
     rest = np.random.default_rng(seed).uniform(*REST, pattern.creases)
-    sheet = Sheet(pattern.with_springs(1.0, list(pattern.signs * np.minimum(rest, math.pi))))
+    sheet = PatternProblem(
+        pattern.with_springs(1.0, list(pattern.signs * np.minimum(rest, math.pi)))
+    )
     begin = time.process_time()
     start, _ = sheet.project(GUESS * pattern.signs)
     free = descend(sheet, start)
-    end = press_off(sheet, free.path) or free
+    end = contact_descent_off(sheet, free.path) or free
     state = judge(sheet, end.phi)
     seconds = time.process_time() - begin
     decided = end.arrived or state.verdict == "minimum"
-    close = sheet.features.facing(Placed(sheet.crossings.poses, state.phi), CLOSE)
+    close = sheet.features.facing(FoldedGeometry(sheet.crossings.poses, state.phi), CLOSE)
     return PatternContact(
         name,
         seed,

@@ -14,10 +14,10 @@ from scipy.sparse.linalg import lsmr
 
 from benchmarks.methods_casadi import silence
 from benchmarks.pattern_bars import Bars, relax
-from benchmarks.pattern_problems import PatternProblem
-from origami_nlp.facets import Sheet
+from benchmarks.pattern_problems import PatternTask
 from origami_nlp.pattern import Loop
-from origami_nlp.sheets import descend
+from origami_nlp.pattern_problem import PatternProblem
+from origami_nlp.pattern_states import descend
 
 OURS = "this package"
 
@@ -58,7 +58,7 @@ class PatternMethod:
     """
 
     name: str
-    prepare: Callable[[PatternProblem], dict[str, Solve]]
+    prepare: Callable[[PatternTask], dict[str, Solve]]
 
 
 def pattern_methods() -> list[PatternMethod]:
@@ -76,9 +76,9 @@ CUTS = 1, 2, 3, 4, 5, 6, 8, 10, 12, 15, 20, 30
 """Steps after which runs of this package are cut off, to show the error on the way."""
 
 
-def _ours(problem: PatternProblem) -> dict[str, Solve]:
+def _ours(problem: PatternTask) -> dict[str, Solve]:
     """Return runs that are cut off after so many steps, and a whole one."""
-    sheet = Sheet(problem.pattern)
+    sheet = PatternProblem(problem.pattern)
 
     def cut(most: int) -> Iterator[PatternAnswer]:
         end = descend(sheet, problem.start, most)
@@ -101,14 +101,14 @@ FARTHEST = 0.3
 """Change of a fold angle in one step [rad]: as far as this package goes."""
 
 
-def _projection(problem: PatternProblem) -> dict[str, Solve]:
+def _projection(problem: PatternTask) -> dict[str, Solve]:
     """Alternate steps along the torque with Newton's projections of least length, by LSMR.
 
     The projection is that of programs which fold rigid sheets; the descent is the plainest that can be put on top:
     along the torque less what closure balances (without that, sheets fall back into the flat state), by Barzilai's
     and Borwein's length, cut until the sheet closes and the energy is not higher than that of the last few states.
     """
-    sheet = Sheet(problem.pattern)
+    sheet = PatternProblem(problem.pattern)
 
     def project(phi: np.ndarray) -> tuple[np.ndarray, float]:
         for _ in range(PROJECTIONS):
@@ -154,7 +154,7 @@ def _projection(problem: PatternProblem) -> dict[str, Solve]:
     return {"": run}
 
 
-def _bars(problem: PatternProblem) -> dict[str, Solve]:
+def _bars(problem: PatternTask) -> dict[str, Solve]:
     bars = Bars(problem)
 
     def run() -> Iterator[PatternAnswer]:
@@ -171,12 +171,12 @@ PENALTY = 1e8
 """Of elastic rows, over the mean stiffness: with 1e4 they are left open by as much as 1e-4."""
 
 
-def _all_rows(problem: PatternProblem) -> dict[str, Solve]:
+def _all_rows(problem: PatternTask) -> dict[str, Solve]:
     phi = ca.SX.sym("phi", problem.pattern.creases)
     return {"": _ipopt(problem, phi, _energy(problem, phi), _closure(problem, phi), 1e-8)}
 
 
-def _elastic(problem: PatternProblem) -> dict[str, Solve]:
+def _elastic(problem: PatternTask) -> dict[str, Solve]:
     phi = ca.SX.sym("phi", problem.pattern.creases)
     closure = _closure(problem, phi)
     left = ca.SX.sym("w", closure.numel())
@@ -187,12 +187,12 @@ def _elastic(problem: PatternProblem) -> dict[str, Solve]:
     }
 
 
-def _energy(problem: PatternProblem, phi: ca.SX) -> ca.SX:
+def _energy(problem: PatternTask, phi: ca.SX) -> ca.SX:
     p = problem.pattern
     return 0.5 * ca.dot(p.stiffness / p.stiffness.mean(), (phi - p.rest) ** 2)
 
 
-def _closure(problem: PatternProblem, phi: ca.SX) -> ca.SX:
+def _closure(problem: PatternTask, phi: ca.SX) -> ca.SX:
     """Multiply the quaternions of each vertex, as anyone would."""
     p = problem.pattern
 
@@ -207,7 +207,7 @@ def _closure(problem: PatternProblem, phi: ca.SX) -> ca.SX:
     return ca.vertcat(*(vertex(loop) for loop in p.vertices))
 
 
-def _ipopt(problem: PatternProblem, x: ca.SX, f: ca.SX, g: ca.SX, tol: float) -> Solve:
+def _ipopt(problem: PatternTask, x: ca.SX, f: ca.SX, g: ca.SX, tol: float) -> Solve:
     options: dict[str, Any] = {
         "print_time": False,
         "ipopt": {"print_level": 0, "sb": "yes", "tol": tol, "bound_relax_factor": 0.0},

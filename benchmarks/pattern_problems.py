@@ -15,10 +15,10 @@ import numpy as np
 from scipy.optimize import brentq
 
 from origami_nlp.errors import OptionError
-from origami_nlp.facets import Sheet
 from origami_nlp.numerics import Factor
 from origami_nlp.pattern import Pattern, examples
-from origami_nlp.sheets import descend
+from origami_nlp.pattern_problem import PatternProblem
+from origami_nlp.pattern_states import descend
 
 GUESS = 0.4
 """Fold angle of mountains and valleys that all solvers start from, closed by the package [rad]."""
@@ -40,7 +40,7 @@ NEWTON_STEPS = 8
 
 
 @dataclass(frozen=True, eq=False)
-class PatternProblem:
+class PatternTask:
     """One pattern, one start, one answer.
 
     Attributes
@@ -63,7 +63,7 @@ class PatternProblem:
 
     name: str
     pattern: Pattern
-    sheet: Sheet
+    sheet: PatternProblem
     start: np.ndarray
     exact: np.ndarray
     energy: float
@@ -85,7 +85,7 @@ class PatternProblem:
         return 0.5 * (p.stiffness * (self.exact - p.rest) ** 2).sum()
 
 
-def pattern_problems(names: Sequence[str] | None = None) -> list[PatternProblem]:
+def pattern_problems(names: Sequence[str] | None = None) -> list[PatternTask]:
     """Make problems.
 
     Parameters
@@ -95,7 +95,7 @@ def pattern_problems(names: Sequence[str] | None = None) -> list[PatternProblem]
 
     Returns
     -------
-    list of PatternProblem
+    list of PatternTask
 
     Raises
     ------
@@ -105,7 +105,7 @@ def pattern_problems(names: Sequence[str] | None = None) -> list[PatternProblem]
     return [_problem(name) for name in (SPRINGS if names is None else names)]
 
 
-def _problem(name: str) -> PatternProblem:
+def _problem(name: str) -> PatternTask:
     kind, _, size = name.partition(":")
     rows, columns = map(int, size.split("x"))
     pattern = examples.pattern(kind, rows, columns)
@@ -114,17 +114,17 @@ def _problem(name: str) -> PatternProblem:
         rest, equal = springs
         drawn = np.random.default_rng(0).uniform(-DECADES / 2, DECADES / 2, pattern.creases)
         pattern = pattern.with_springs(1.0 if equal else (10.0**drawn).tolist(), rest)
-    sheet = Sheet(pattern)
+    sheet = PatternProblem(pattern)
     start, _ = sheet.project(GUESS * pattern.signs)
     end = descend(sheet, start)
     if not end.arrived or np.abs(end.phi).max() >= math.pi:
         raise OptionError(f"pattern {name} has no free state below its start: take another")
     exact, residual = refine(sheet, end.phi)
     energy = float(0.5 * (pattern.stiffness * (exact - pattern.rest) ** 2).sum())
-    return PatternProblem(name, pattern, sheet, start, exact, energy, residual)
+    return PatternTask(name, pattern, sheet, start, exact, energy, residual)
 
 
-def refine(sheet: Sheet, phi: np.ndarray) -> tuple[np.ndarray, float]:
+def refine(sheet: PatternProblem, phi: np.ndarray) -> tuple[np.ndarray, float]:
     """Take a stationary state without contact to extended precision.
 
     Parameters

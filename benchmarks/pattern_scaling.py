@@ -11,12 +11,12 @@ from typing import TypeVar
 
 import numpy as np
 
-from origami_nlp.facets import Sheet
 from origami_nlp.kkt import smallest_curvature
 from origami_nlp.minima import JudgedState
 from origami_nlp.numerics import EPS
 from origami_nlp.pattern import Pattern, examples
-from origami_nlp.sheets import descend, judge
+from origami_nlp.pattern_problem import PatternProblem
+from origami_nlp.pattern_states import descend, judge
 
 T = TypeVar("T")
 RESTS = {
@@ -127,7 +127,7 @@ def measure_scale(name: str) -> PatternScale:
         return examples.pattern(kind, rows, columns).with_springs(1.0, RESTS[name])
 
     drawn, pattern = _timed(draw, 1)
-    built, sheet = _timed(lambda: Sheet(pattern), 1)
+    built, sheet = _timed(lambda: PatternProblem(pattern), 1)
     shares = np.random.default_rng(0).uniform(0.5, 1.5, STARTS)
     first, state = _timed(lambda: _state(sheet, GUESS), 1)
     others = [_timed(lambda s=share: _state(sheet, GUESS * s), 1)[0] for share in shares]  # type: ignore[misc]
@@ -159,7 +159,7 @@ def measure_scale(name: str) -> PatternScale:
     )
 
 
-def _state(sheet: Sheet, guess: float) -> JudgedState:
+def _state(sheet: PatternProblem, guess: float) -> JudgedState:
     phi, _ = sheet.project(guess * sheet.pattern.signs)
     return judge(sheet, descend(sheet, phi).phi)
 

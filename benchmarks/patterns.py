@@ -17,10 +17,10 @@ import numpy as np
 
 from benchmarks.pattern_contacts import PatternContact, measure_contacts
 from benchmarks.pattern_methods import PatternMethod, Solve, pattern_methods
-from benchmarks.pattern_problems import QUICK, PatternProblem, pattern_problems
+from benchmarks.pattern_problems import QUICK, PatternTask, pattern_problems
 from benchmarks.pattern_scaling import PatternScale, measure_scales
 from benchmarks.run import machine
-from origami_nlp.show import Piece, Table, Told
+from origami_nlp.display import Report, Section, Table
 
 ROUNDS, QUICK_ROUNDS = 3, 2
 BUDGET, QUICK_BUDGET = 10.0, 2.0
@@ -90,7 +90,7 @@ class PatternCase:
 
 
 @dataclass(frozen=True, repr=False)
-class PatternBench(Told):
+class PatternBench(Report):
     """Error against time on patterns, and the times of each part of the work against the size.
 
     Attributes
@@ -133,7 +133,7 @@ class PatternBench(Told):
         good = [p.seconds for p in self.of(pattern, method) if p.angle <= error]
         return min(good, default=math.inf)
 
-    def told(self) -> Iterator[Piece]:
+    def report_sections(self) -> Iterator[Section]:
         """Return the tables: of methods, of parts of the work, of contact."""
         yield self.methods_table()
         yield self.scales_table()
@@ -249,7 +249,7 @@ def run_patterns(
 
 
 def _solved(
-    problem: PatternProblem, methods: Sequence[PatternMethod], rounds: int, budget: float
+    problem: PatternTask, methods: Sequence[PatternMethod], rounds: int, budget: float
 ) -> tuple[PatternCase, list[PatternPoint]]:
     """Run every method on a pattern."""
     building: dict[str, float] = {}
@@ -291,7 +291,7 @@ def _solved(
 
 
 def _timed(
-    problem: PatternProblem, name: str, setting: str, solve: Solve, budget: float, judge: bool
+    problem: PatternTask, name: str, setting: str, solve: Solve, budget: float, judge: bool
 ) -> Iterator[tuple[float, PatternPoint | None]]:
     """Run a method once: seconds until each answer, and the answer, judged outside the clock."""
     spent, run = 0.0, solve()

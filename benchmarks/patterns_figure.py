@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 from benchmarks.pattern_methods import OURS
 from benchmarks.patterns import ELSEWHERE, PatternBench, PatternPoint
-from origami_nlp.files import save_figure
-from origami_nlp.show import INKS
+from origami_nlp.display import INKS
+from origami_nlp.io import save_figure
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -12,10 +12,10 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import least_squares, minimize
 
+from origami_nlp.inverse_design import ConvexDesign, Targets
 from origami_nlp.kkt import State, classify, newton
 from origami_nlp.pattern import Scene
-from origami_nlp.programme import Model
-from origami_nlp.springs import Posed, Targets
+from origami_nlp.problem import Model
 
 WEIGHT = 10.0
 """Of what is missing of the stability, beside torques [per rad]; both over the mean stiffness."""
@@ -51,7 +51,7 @@ class Cost:
 
     def __init__(self, targets: Targets) -> None:
         self.targets = targets
-        self.states = [balance for _, balance, _ in Posed(targets).balances]
+        self.states = [balance for _, balance, _ in ConvexDesign(targets).balances]
         low, high = np.log(targets.stiffness)
         n = targets.blank.degree
         least, most = targets.rest

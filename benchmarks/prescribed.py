@@ -10,7 +10,7 @@ import numpy as np
 
 from benchmarks.designed import interior_states
 from benchmarks.problems import random_vertex
-from origami_nlp.springs import Target, Targets, solve
+from origami_nlp.inverse_design import Target, Targets, solve
 
 DEGREES = range(4, 9)
 STATES = range(1, 5)

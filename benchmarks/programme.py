@@ -13,11 +13,11 @@ import numpy as np
 
 from benchmarks.attempt import Pairs
 from origami_nlp.minima import TOLERANCE, build_solver
-from origami_nlp.programme import Model, Structure, separating_normal
+from origami_nlp.problem import Model, Structure, separating_normal
 
 
 @dataclass(frozen=True)
-class Programme:
+class Problem:
     """min f(z, p) with lower <= g(z, p) <= upper, z = fold angles [n] and one plane [3] for each pair.
 
     oracle: the CasADi function (x, p) -> (f, g) that the package hands to IPOPT.
@@ -46,10 +46,10 @@ class Programme:
 
 
 @lru_cache(maxsize=512)
-def programme(structure: Structure, pairs: Pairs) -> Programme:
+def problem(structure: Structure, pairs: Pairs) -> Problem:
     """Return the programme that the package gives to IPOPT (cached)."""
     built = build_solver(structure, pairs, TOLERANCE)
-    return Programme(built.solver.oracle(), built.lower, built.upper, pairs)
+    return Problem(built.solver.oracle(), built.lower, built.upper, pairs)
 
 
 class Evaluator:
@@ -119,7 +119,7 @@ def _call(
     return run
 
 
-def violation(g: np.ndarray, built: Programme) -> float:
+def violation(g: np.ndarray, built: Problem) -> float:
     """Return the largest violation of the rows, inf if not finite."""
     if not np.isfinite(g).all():
         return math.inf

@@ -12,9 +12,9 @@ from typing import Any
 import numpy as np
 
 from benchmarks.problems import random_vertex
+from origami_nlp.display import Report, Section, Table
 from origami_nlp.minima import find_minima
 from origami_nlp.pattern import Scene, Vertex
-from origami_nlp.show import Piece, Table, Told
 
 SCHEMA = "origami-nlp/proved/1"
 CROSS = "cross of 90 degrees"
@@ -76,7 +76,7 @@ class Counted:
 
 
 @dataclass(frozen=True, repr=False)
-class ProvedCounts(Told):
+class ProvedCounts(Report):
     """Proved numbers of minima.
 
     Attributes
@@ -87,7 +87,7 @@ class ProvedCounts(Told):
 
     families: tuple[Counted, ...]
 
-    def told(self) -> Iterator[Piece]:
+    def report_sections(self) -> Iterator[Section]:
         """Return one table."""
         heads = [
             "random springs",

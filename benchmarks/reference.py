@@ -15,8 +15,8 @@ import mpmath as mp
 import numpy as np
 
 from benchmarks.exact_piece import ExactPiece, Jet
-from origami_nlp.numerics import SAME
-from origami_nlp.programme import Contact, Model, Programme
+from origami_nlp.numerics import DUPLICATE_TOL
+from origami_nlp.problem import Contact, Model, Problem
 
 DIGITS = 50
 WORKING = 60
@@ -85,7 +85,7 @@ def solve_reference(model: Model, start: np.ndarray, rows: tuple[Contact, ...]) 
             except Unsolved as error:
                 problem = problem or str(error)
         flat = np.round(start / math.pi)
-        if np.abs(start - math.pi * flat).max() <= SAME:  # a flat folding, known exactly
+        if np.abs(start - math.pi * flat).max() <= DUPLICATE_TOL:  # a flat folding, known exactly
             x = np.array([mp.pi * int(m) for m in flat])
             return _finish(model, piece, x, rows, (), np.zeros(0, dtype=object), unique=False)
         raise Unsolved(problem)
@@ -109,7 +109,7 @@ def _constraints(
 
 
 def _independent(
-    model: Programme, x: np.ndarray, rows: tuple[Contact, ...], turn: int
+    model: Problem, x: np.ndarray, rows: tuple[Contact, ...], turn: int
 ) -> tuple[tuple[int, ...], bool]:
     """Choose independent constraints: positions in (rows, closure); and tell whether these are all.
 
@@ -219,7 +219,7 @@ def _finish(
     )
 
 
-def _reduced(model: Programme, hessian: np.ndarray, gradients: list[np.ndarray]) -> np.ndarray:
+def _reduced(model: Problem, hessian: np.ndarray, gradients: list[np.ndarray]) -> np.ndarray:
     """Return the eigenvalues of the Hessian on the kernel of `gradients`, in the metric of all N fold angles."""
     root = np.array([mp.sqrt(int(m)) for m in model.multiplicity])
     n, m = len(root), len(gradients)

@@ -15,7 +15,7 @@ from benchmarks.digest import (
     targets,
 )
 from benchmarks.methods_ours import OURS
-from origami_nlp.show import rows_markdown
+from origami_nlp.display import rows_markdown
 
 HEADS = (
     "method",

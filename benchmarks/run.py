@@ -29,9 +29,9 @@ from benchmarks.tally import FEWEST_STARTS, Attempts, summary
 from benchmarks.union import complete
 from origami_nlp.arguments import check_path
 from origami_nlp.errors import OptionError
-from origami_nlp.files import write_whole
+from origami_nlp.io import write_whole
 from origami_nlp.minima import FEW_PAIRS, find_minima
-from origami_nlp.programme import Model
+from origami_nlp.problem import Model
 
 SCHEMA = "origami-nlp/bench/1"
 FULL = Plan(rounds=5, starts=26, sweep=2, budget=0.6)

@@ -16,7 +16,7 @@ import time
 from collections.abc import Callable
 from typing import Any
 
-from origami_nlp.programme import Model
+from origami_nlp.problem import Model
 
 DEGREES = (4, 6, 8, 12, 16, 20, 24, 30, 40, 50, 60)
 QUICK_DEGREES = (4, 8, 12, 20)

@@ -16,10 +16,10 @@ from typing import Any
 
 import numpy as np
 
-from origami_nlp.files import save_figure
+from origami_nlp.display import label_text, rows_markdown, rows_table
+from origami_nlp.io import save_figure
 from origami_nlp.pattern import Scene
-from origami_nlp.programme import Model
-from origami_nlp.show import label_text, rows_markdown, rows_table
+from origami_nlp.problem import Model
 
 STAGES = (
     "building",
@@ -86,7 +86,7 @@ def _wrapped(owner: Any, name: str, wrap: Callable[[Any], Any]) -> Iterator[None
 def measure(scene: Scene, seed: int = 0) -> TimeBudget:
     """Search a scene once, with everything built anew, and return where the time went."""
     from origami_nlp.minima import descents, find, ipopt, job, record
-    from origami_nlp.programme import compiled as structure
+    from origami_nlp.problem import compiled as structure
     from origami_nlp.starts import rounds
 
     watch = _Stopwatch()

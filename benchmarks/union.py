@@ -22,15 +22,15 @@ import numpy as np
 
 from benchmarks.foreign import Ends, Foreign, distinct, foreign_methods, run_foreign
 from origami_nlp.errors import OptionError
-from origami_nlp.files import write_whole
+from origami_nlp.io import write_whole
 from origami_nlp.kkt import Polished, Solve, State, classify, exact_beside, polish
 from origami_nlp.minima import Record, find_minima, solve_without_crossing
-from origami_nlp.numerics import ANSWERED, CLOSES, ENDS
+from origami_nlp.numerics import ANSWERED, CLOSURE_TOL, ENDPOINT_TOL
 from origami_nlp.pattern import Scene, scene_from_dict, scene_to_dict
-from origami_nlp.programme import Model
+from origami_nlp.problem import Model
 
 SCHEMA = "origami-nlp/union/1"
-APART = ENDS
+APART = ENDPOINT_TOL
 """Two minima whose fold angles differ by no more [rad] are one."""
 FOUND = 1e-3
 """An answer within this [rad] of a minimum in every fold angle found it: what a bare solver's tolerance leaves."""
@@ -42,7 +42,7 @@ SCATTERED = 200
 
 Tell = Callable[[str], None]
 Folder = str | os.PathLike[str]
-FEW_FREEDOMS = 2
+FEW_DOF = 2
 """Freedoms up to which a union is proved."""
 UNION_SEEDS = 10
 """Thorough runs of the main job behind a union."""
@@ -136,7 +136,7 @@ def _judged(model: Model, answer: Solve) -> tuple[Polished, str, str]:
     state = polish(model, answer)
     if not state.converged:
         state = exact_beside(model, state)
-    if state.closure_residual > CLOSES:
+    if state.closure_residual > CLOSURE_TOL:
         return state, "", "does not close"
     what = classify(State(model, state.x), polished=state.converged)
     return state, str(what.kind) if what.verdict == "minimum" else "", what.verdict
@@ -147,7 +147,7 @@ def minima_of(model: Model, ends: np.ndarray, known: Iterable[np.ndarray] = ()) 
     found: list[Member] = []
     near: list[np.ndarray] = [np.asarray(k) for k in known]
     for x in distinct(ends, FOUND)[:SCATTERED]:
-        if near and np.abs(np.array(near) - x).max(axis=1).min() <= ENDS:
+        if near and np.abs(np.array(near) - x).max(axis=1).min() <= ENDPOINT_TOL:
             continue
         state, kind, _ = verified(model, x)
         if not kind:
@@ -214,7 +214,7 @@ def complete(scene: Scene, folder: Folder, tell: Tell = lambda text: None) -> Un
         name = f"find_minima, {effort.get('effort', 'default')}, seed {seed}"
         tasks.append((name, _bound(ours, scene, seed, **effort)))
     union = build_union(scene, folder, tasks, tell)
-    if not union.proved and 0 < model.freedom <= FEW_FREEDOMS:
+    if not union.proved and 0 < model.freedom <= FEW_DOF:
         _prove(union, folder, tell)
     return union
 

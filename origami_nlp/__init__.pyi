@@ -1,19 +1,21 @@
-from . import paper as paper, springs as springs, sweep as sweep
-from .atlas import (
+from . import inverse_design as inverse_design, paper as paper, sweep as sweep
+from .barriers import Barriers as Barriers, find_barriers as find_barriers
+from .bifurcation import (
     Atlas as Atlas,
-    Boundaries as Boundaries,
-    find_boundaries as find_boundaries,
+    BifurcationSet as BifurcationSet,
+    find_bifurcation_set as find_bifurcation_set,
     follow as follow,
 )
-from .barriers import Barriers as Barriers, find_barriers as find_barriers
 from .contact import (
     ContactReport as ContactReport,
     find_contacts as find_contacts,
     find_segments as find_segments,
 )
+from .continuation import ContinuationOptions as ContinuationOptions
 from .critical import CriticalPoints as CriticalPoints, find_critical_points as find_critical_points
 from .errors import OrigamiError as OrigamiError
-from .folding import examine as examine
+from .folding import check_admissible as check_admissible
+from .inverse_design import Design as Design, design as design
 from .kkt import State as State, Stratum as Stratum
 from .landscape import ExactLandscape as ExactLandscape, find_landscape as find_landscape
 from .loading import LoadPath as LoadPath, load_path as load_path
@@ -24,7 +26,6 @@ from .minima import (
     draw_minima as draw_minima,
 )
 from .modes import Modes as Modes, find_modes as find_modes
-from .path import ContinuationOptions as ContinuationOptions
 from .pattern import (
     Load as Load,
     Pattern as Pattern,
@@ -38,7 +39,13 @@ from .pattern import (
     read_pattern as read_pattern,
     read_scene as read_scene,
 )
-from .programme import Model as Model
+from .pattern_states import (
+    Mobility as Mobility,
+    Motion as Motion,
+    analyze_mobility as analyze_mobility,
+    find_motion as find_motion,
+)
+from .problem import Model as Model
 from .proof import ProofOptions as ProofOptions
 from .results import (
     draw as draw,
@@ -47,14 +54,7 @@ from .results import (
     to_frame as to_frame,
     view as view,
 )
-from .sheets import (
-    Motion as Motion,
-    Overview as Overview,
-    find_motion as find_motion,
-    overview as overview,
-)
 from .space import Space as Space, find_space as find_space
-from .springs import Design as Design, design as design
 from .starts import SearchOptions as SearchOptions
 from .verbs import (
     classify as classify,

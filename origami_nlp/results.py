@@ -10,14 +10,14 @@ from os import PathLike
 from typing import TYPE_CHECKING, Any
 
 from origami_nlp.arguments import check_type, shown
+from origami_nlp.display import Result, read_data
 from origami_nlp.errors import OptionError
-from origami_nlp.show import Result, read_data
 
 if TYPE_CHECKING:
     import pandas
     from matplotlib.figure import Figure
 
-    from origami_nlp.show import TurnedPage
+    from origami_nlp.display import InteractivePage
 
 _READ = (
     ("minima/2", "classes", "minima", "VertexwiseMinima"),
@@ -26,11 +26,11 @@ _READ = (
     ("load/1", "legs", "loading", "LoadPath"),
     ("modes/2", "states", "modes", "Modes"),
     ("landscape/2", "passes", "barriers", "Barriers"),
-    ("follow/1", "branches", "atlas", "Atlas"),
-    ("follow/1", "curves", "atlas", "Boundaries"),
-    ("pattern/1", "motion", "sheets", "Motion"),
-    ("pattern/1", "arc", "sheets", "Motion"),
-    ("pattern/1", "facets", "sheets", "Overview"),
+    ("follow/1", "branches", "bifurcation", "Atlas"),
+    ("follow/1", "curves", "bifurcation", "BifurcationSet"),
+    ("pattern/1", "motion", "pattern_states", "Motion"),
+    ("pattern/1", "arc", "pattern_states", "Motion"),
+    ("pattern/1", "facets", "pattern_states", "Mobility"),
 )
 """Room and class of what is read back: by its schema, and by a key of it; of several the first."""
 
@@ -67,7 +67,7 @@ def draw(result: Result, path: str | PathLike[str] | None = None) -> Figure:
     return result.draw(path)
 
 
-def view(result: object, path: str | PathLike[str] | None = None) -> TurnedPage:
+def view(result: object, path: str | PathLike[str] | None = None) -> InteractivePage:
     """Return a result as a page that can be turned; it is the one that its command writes with ``--html``.
 
     The extra ``view`` is needed: ``pip install "origami_nlp[view]"``.
@@ -82,7 +82,7 @@ def view(result: object, path: str | PathLike[str] | None = None) -> TurnedPage:
 
     Returns
     -------
-    TurnedPage
+    InteractivePage
         The page; in Jupyter the last line of a cell shows it.
 
     Raises
@@ -95,14 +95,14 @@ def view(result: object, path: str | PathLike[str] | None = None) -> TurnedPage:
     >>> import origami_nlp as o
     >>> result = o.find_minima(o.examples.degree6("pi/3", ratio=1), max_starts=16)
     >>> o.view(result)
-    TurnedPage(degree 6, alpha_1 = pi/3, r_k = 1: last line of a cell in Jupyter, or .save(file))
+    InteractivePage(degree 6, alpha_1 = pi/3, r_k = 1: last line of a cell in Jupyter, or .save(file))
     """
-    from origami_nlp.show import Turnable
+    from origami_nlp.display import Viewable
 
-    if isinstance(result, Result) and not isinstance(result, Turnable):  # of a design, or modes
+    if isinstance(result, Result) and not isinstance(result, Viewable):  # of a design, or modes
         of = getattr(result, "minima", None) or getattr(result, "result", None)
-        result = of if isinstance(of, Turnable) else result
-    if not isinstance(result, Turnable):
+        result = of if isinstance(of, Viewable) else result
+    if not isinstance(result, Viewable):
         more = "; draw(result) draws it" if getattr(result, "PICTURE", None) else ""
         raise OptionError(
             f"result = {shown(result)} cannot be turned: use minima, barriers, a landscape, a contact report, an atlas "

@@ -14,7 +14,7 @@ import numpy as np
 
 from origami_nlp.arguments import check_angles, check_path, check_type, refuse, shown
 from origami_nlp.errors import OptionError
-from origami_nlp.numerics import CLOSES
+from origami_nlp.numerics import CLOSURE_TOL
 
 if TYPE_CHECKING:
     from origami_nlp.kkt import Classification, State
@@ -133,7 +133,7 @@ def find_minima(
     >>> len(o.find_minima("metasheet:2x3", effort="quick", escape=False).minima)
     5
     """
-    from origami_nlp import minima, sheets
+    from origami_nlp import minima, pattern_states
     from origami_nlp.pattern import Scene, as_origami
 
     stated = origami if isinstance(origami, Mapping) else as_origami(origami)
@@ -156,7 +156,7 @@ def find_minima(
     refuse("pattern", _OF_A_SCENE, **given)
     if "contact" in both:
         both["contact"] = _facets_apart(both["contact"])
-    return sheets.find_states(stated, **both)
+    return pattern_states.find_states(stated, **both)
 
 
 def _facets_apart(contact: object) -> bool:
@@ -203,18 +203,18 @@ def classify(
     ('minimum', 2, 'edge-edge')
     """
     from origami_nlp import kkt
-    from origami_nlp.facets import Sheet
     from origami_nlp.pattern import Scene, as_origami
-    from origami_nlp.programme import Model
+    from origami_nlp.pattern_problem import PatternProblem
+    from origami_nlp.problem import Model
 
     if isinstance(origami, kkt.State):
         return kkt.classify(origami, polished=polished)
     stated = as_origami(origami)
-    problem: Any = Model(stated) if isinstance(stated, Scene) else Sheet(stated)
+    problem: Any = Model(stated) if isinstance(stated, Scene) else PatternProblem(stated)
     many = len(problem.expand(np.zeros(problem.size)))
     angles = check_angles("fold_angles", fold_angles, many, one=True)
     state = kkt.State(problem, problem.reduce(angles))
-    if not state.residual <= CLOSES or np.abs(state.fold_angles - angles).max() > CLOSES:
+    if not state.residual <= CLOSURE_TOL or np.abs(state.fold_angles - angles).max() > CLOSURE_TOL:
         raise OptionError(f"fold_angles do not close: residual {state.residual:.1e}")
     return kkt.classify(state, polished=polished)
 

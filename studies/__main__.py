@@ -30,7 +30,7 @@ def reproduce(
 
     FIGURE.png and FIGURE.pdf go to the folder --out, without --figure to the one you are in.
     """
-    from origami_nlp.files import make_folder, save_figure
+    from origami_nlp.io import make_folder, save_figure
 
     if name not in FIGURES:
         raise OptionError(f"FIGURE = {name!r} must be one of {', '.join(FIGURES)}")
@@ -101,8 +101,8 @@ def fractions(
     json: o.JsonFile = None,
 ) -> None:
     """Go through every number of stable states printed in section 5, under nine readings."""
+    from origami_nlp.display import folding_table, rows_markdown
     from origami_nlp.paper.cone import check_size
-    from origami_nlp.show import folding_table, rows_markdown
     from studies import (
         STATEMENTS,
         check_statements,
@@ -128,7 +128,7 @@ def limits(
     json: o.JsonFile = None,
 ) -> None:
     """Measure how fast the cone approaches the continuum cone as N grows, against its series."""
-    from origami_nlp.show import folding_table
+    from origami_nlp.display import folding_table
     from studies import LIMIT_HEADS, limit_row, limits as measure, limits_to_dict
 
     out = Output(json=json)

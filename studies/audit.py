@@ -14,18 +14,18 @@ from typing import Literal
 import numpy as np
 
 from origami_nlp.errors import OptionError
-from origami_nlp.folding import examine
+from origami_nlp.folding import check_admissible
 from origami_nlp.kkt import (
     State,
     follow,
+    lower_dimensional_at,
     project,
-    search_spheres,
-    thin_at,
+    sample_neighbourhood,
 )
 from origami_nlp.minima import MinimaResult, find_minima
-from origami_nlp.numerics import ENDS
+from origami_nlp.numerics import ENDPOINT_TOL
 from origami_nlp.pattern import format_angle
-from origami_nlp.programme import Model
+from origami_nlp.problem import Model
 from studies.baseline import appendix_a
 from studies.chart_states import chart_distance, chart_end, chart_point
 from studies.closing import closing_alphas, mean_of_rows, named_alpha, other_sides
@@ -199,7 +199,7 @@ def _admissible_first(model: Model, members: list[Candidate]) -> list[Candidate]
 
     def key(c: Candidate) -> tuple[bool, int]:
         phi = np.array(c.fold_angles)
-        return not examine(vertex, phi, tolerance=PRINTED).admissible, c.number
+        return not check_admissible(vertex, phi, tolerance=PRINTED).admissible, c.number
 
     return sorted(members, key=key)
 
@@ -214,7 +214,7 @@ def _audit_one(
     """Audit one candidate; `seen` collects the geometries of the panel."""
     model, vertex = result.model, result.scene.vertex
     x, phi = np.array(c.independent), np.array(c.fold_angles)
-    embedding = examine(vertex, phi, tolerance=PRINTED)
+    embedding = check_admissible(vertex, phi, tolerance=PRINTED)
     base = Audited(c, "undecided", embedding.reason, embedding.closure_residual)
     twin = next((n for y, n in seen if np.abs(x - y).max() <= PRINTED), None)
     closes = embedding.closure_residual <= PRINTED
@@ -236,7 +236,7 @@ def _audit_one(
     group = result.scene.group.elements
     if (
         embedding.admissible
-        and not examine(vertex, phi, tolerance=PRINTED, elements=group).admissible
+        and not check_admissible(vertex, phi, tolerance=PRINTED, elements=group).admissible
     ):
         seen.append((x, c.number))
         why = "its layers have an order, but none with the symmetry: no symmetric motion leaves it"
@@ -270,7 +270,7 @@ def distance_from_stationary(state: State) -> float:
     closure, A holds the contacts that are closed to within the state's `tolerance` [rad].  Where touching facets can
     be kept apart in several ways, the best is taken: an upper bound on how stationary the state is.
     """
-    p, z = state.programme, state.kernel
+    p, z = state.problem, state.kernel
     best = math.inf
     for rows in state.pieces:
         piece = state.on(rows)
@@ -291,7 +291,7 @@ def _descend(base: Audited, result: MinimaResult, x: np.ndarray, step: float) ->
     except ValueError:
         return replace(base, reason="touches itself in a way that the model's contacts refuse")
     near = [float(np.abs(path.end - y).max()) for y in exact]
-    hit = int(np.argmin(near)) if near and min(near) <= ENDS else None
+    hit = int(np.argmin(near)) if near and min(near) <= ENDPOINT_TOL else None
     base = replace(
         base,
         distance=float(np.abs(path.end - start).max()),
@@ -300,7 +300,10 @@ def _descend(base: Audited, result: MinimaResult, x: np.ndarray, step: float) ->
     )
     if hit is None:
         rows = State(model, x, CLOSED).contacts.base
-        if base.distance <= ENDS and search_spheres(State(model, x), rows).state is None:
+        if (
+            base.distance <= ENDPOINT_TOL
+            and sample_neighbourhood(State(model, x), rows).state is None
+        ):
             why = "no admissible neighbour: an isolated state, which no symmetric motion leaves"
             return replace(base, cause="isolated", reason=why)
         why = f"the descent ends at no listed minimum: {path.what.verdict}, {path.what.reason}"
@@ -310,7 +313,7 @@ def _descend(base: Audited, result: MinimaResult, x: np.ndarray, step: float) ->
     if steps <= ON_MINIMUM:
         return replace(base, cause="exact", reason=f"{steps:.1f} grid steps from #{hit + 1}")
     at = State(model, start)
-    held = thin_at(at)
+    held = lower_dimensional_at(at)
     if held:
         closed = ", ".join(model.name(row) for row in held)
         why = f"slides along a set that exists only with {closed}: nothing beside it is admissible"
@@ -323,10 +326,10 @@ def _descend(base: Audited, result: MinimaResult, x: np.ndarray, step: float) ->
 
 def _jag(at: State, step: float) -> str:
     """Say between which points of the grid the way down is hidden."""
-    held = State(at.programme, at.x, CLOSED).contacts
+    held = State(at.problem, at.x, CLOSED).contacts
     if held.base or held.branches:
         return "on a contact: grid neighbours off it are excluded"
-    near = State(at.programme, at.x, 8 * step).contacts
+    near = State(at.problem, at.x, 8 * step).contacts
     if near.base or near.branches:
         return "next to a contact boundary that crosses the grid at an angle"
     return "in a narrow valley that runs between the grid's eight directions"
@@ -349,7 +352,9 @@ def _elsewhere(base: Audited, minima: Callable[[Candidate, float], MinimaResult]
         if "pi" not in named_alpha(alpha):
             continue
         result = minima(c, alpha)
-        if not examine(result.scene.vertex, np.array(c.fold_angles), tolerance=PRINTED).admissible:
+        if not check_admissible(
+            result.scene.vertex, np.array(c.fold_angles), tolerance=PRINTED
+        ).admissible:
             continue
         there = _descend(base, result, x, math.pi / 128)
         if there.minimum is not None:

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from origami_nlp.files import pick
+from origami_nlp.display import Table, Words
+from origami_nlp.io import pick
 from origami_nlp.pattern import scene_to_dict
-from origami_nlp.show import Table, Words
 from studies.audit import CAUSES, PanelAudit
 
 SCHEMA = "origami-nlp/audit/1"

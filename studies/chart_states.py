@@ -17,7 +17,7 @@ import numpy as np
 
 from origami_nlp.chart import chart_of, chart_points
 from origami_nlp.numerics import null_space
-from origami_nlp.programme import Model
+from origami_nlp.problem import Model
 
 STRETCHED = 1.0
 """A grid step that spans at least this many radians of fold angle is next to a singular chart point."""

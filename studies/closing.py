@@ -8,7 +8,7 @@ import math
 import numpy as np
 
 from origami_nlp.closed_forms import wedge3
-from origami_nlp.folding import examine
+from origami_nlp.folding import check_admissible
 from origami_nlp.numerics import ROUNDED, quaternion as quat
 from origami_nlp.pattern import Vertex, format_angle
 from studies.published import INDEPENDENT, PRINTED
@@ -81,7 +81,9 @@ def other_sides(
         for flipped in itertools.combinations(at_pi, count):
             y = independent.copy()
             y[list(flipped)] *= -1
-            if examine(vertex, y[list(INDEPENDENT[degree])], tolerance=tolerance).admissible:
+            if check_admissible(
+                vertex, y[list(INDEPENDENT[degree])], tolerance=tolerance
+            ).admissible:
                 return y
     return None
 

@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
+from origami_nlp.display import draw_state
 from origami_nlp.paper.cone import (
     Cone,
     PhaseDiagram,
@@ -24,7 +25,6 @@ from origami_nlp.paper.cone import (
     legend,
     phase_diagram,
 )
-from origami_nlp.show import draw_state
 from studies.section5 import DEPTH
 
 SIZE, ZOOMED = 160, 120

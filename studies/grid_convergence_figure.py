@@ -11,7 +11,7 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import NullLocator
 from rich.console import Console
 
-from origami_nlp.show import Table, short_label
+from origami_nlp.display import Table, short_label
 from studies.grid_convergence import REACH, GridCount, GridErrors
 
 LOOK: dict[str, tuple[str, str, str]] = {

@@ -14,7 +14,7 @@ import numpy as np
 from origami_nlp.chart import Landscape, landscape
 from origami_nlp.kkt import follow
 from origami_nlp.minima import MinimaResult
-from origami_nlp.numerics import ENDS
+from origami_nlp.numerics import ENDPOINT_TOL
 
 
 @dataclass(frozen=True)
@@ -88,7 +88,7 @@ def follow_grid_minima(result: MinimaResult, size: int = 65) -> list[GridMinimum
         start = model.reduce(branch.fold_angles[r, c])
         path = follow(model, start)
         near = [float(np.abs(x - path.end).max()) for x in exact]
-        hit = int(np.argmin(near)) if near and min(near) <= ENDS else None
+        hit = int(np.argmin(near)) if near and min(near) <= ENDPOINT_TOL else None
         out.append(
             GridMinimum(
                 branch.name,

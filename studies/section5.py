@@ -15,7 +15,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from origami_nlp.numerics import SAME
+from origami_nlp.numerics import DUPLICATE_TOL
 from origami_nlp.paper.cone import Cone, class_energy, count_map, energy_classes
 
 DEPTH = 1e-3
@@ -240,7 +240,7 @@ def region_counts(statement: Statement, reading: Reading, size: int) -> np.ndarr
         first, last = Cone(statement.degree).rest_range
         nu = nu[(nu > first) & (nu < last)]
     # grid points avoid the line nu_0 = 0; at the middle of a symmetric interval they meet it to a few eps
-    nu = np.zeros(1) if statement.kind == "flat" else nu[np.abs(nu) > SAME]
+    nu = np.zeros(1) if statement.kind == "flat" else nu[np.abs(nu) > DUPLICATE_TOL]
     if nu.size == 0:
         return np.zeros((0, size), dtype=int)
     bottom, top = np.log(statement.ratio)

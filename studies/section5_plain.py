@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from origami_nlp.files import pick
+from origami_nlp.io import pick
 from studies.cone_limits import DEGREES, Limit
 from studies.section5 import READINGS, Finding
 

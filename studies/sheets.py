@@ -16,6 +16,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from origami_nlp.chart import coordinate_label, trace_boundary
+from origami_nlp.display import Table, angle_ticks, short_label
 from origami_nlp.errors import OptionError
 from origami_nlp.landscape import (
     ExactLandscape,
@@ -26,7 +27,6 @@ from origami_nlp.landscape import (
 )
 from origami_nlp.minima import find_minima
 from origami_nlp.pattern import Scene, examples
-from origami_nlp.show import Table, angle_ticks, short_label
 from origami_nlp.workers import worker_pool
 
 Progress = Callable[[int, int], None]
@@ -34,7 +34,7 @@ Progress = Callable[[int, int], None]
 
 
 @dataclass(frozen=True)
-class Sheet:
+class PatternProblem:
     """Which vertices a sheet shows: maker of scenes, and sector angles of the columns."""
 
     make: Callable[[str, float], Scene]
@@ -48,8 +48,8 @@ class Sheet:
 
 
 SHEETS = {
-    "figure3": Sheet(examples.degree6, examples.DEGREE6_ALPHAS),
-    "figure4": Sheet(examples.degree8, examples.DEGREE8_ALPHAS),
+    "figure3": PatternProblem(examples.degree6, examples.DEGREE6_ALPHAS),
+    "figure4": PatternProblem(examples.degree8, examples.DEGREE8_ALPHAS),
 }
 STYLE = PanelStyle(star=9.5, line=0.75, text=7.5, numbers=False)
 
@@ -126,7 +126,7 @@ def _submit(
     return future
 
 
-def draw_sheet(name: str, panels: list[ExactLandscape]) -> Figure:
+def draw_pattern_state(name: str, panels: list[ExactLandscape]) -> Figure:
     """Draw the nine panels of a sheet, two columns of a journal wide (183 mm)."""
     sheet = SHEETS[name]
     rows, columns = len(sheet.ratios), len(sheet.alphas)

@@ -38,15 +38,15 @@ def slide(c_1: Sequence[Any]) -> tuple[sp.Matrix, sp.Matrix]:
     C d = 0 for both; the first has the symmetry D_2, the average of the second over D_2 is zero.
     """
     s = c_1[2]
-    press = sp.Matrix([1, 0, -s, 0, 1, 0, -s, 0])
+    contact_descent = sp.Matrix([1, 0, -s, 0, 1, 0, -s, 0])
     aside = sp.Matrix([0, 1, 0, -1, 0, 1, 0, -1])
-    return press, aside
+    return contact_descent, aside
 
 
 def descent(c_1: Sequence[Any], c_2: Sequence[Any]) -> sp.Matrix:
     """Press the tips together while sliding them past each other, fast enough to open the contact."""
-    press, aside = slide(c_1)
-    return press + 2 * c_2[0] * c_1[0] / c_2[1] ** 2 * aside
+    contact_descent, aside = slide(c_1)
+    return contact_descent + 2 * c_2[0] * c_1[0] / c_2[1] ** 2 * aside
 
 
 def separating_normal(c_2: Sequence[Any]) -> sp.Matrix:

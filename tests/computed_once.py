@@ -20,7 +20,7 @@ from origami_nlp import MinimaResult, Scene, examples, minima
 from origami_nlp.barriers import Barriers, find_barriers
 from origami_nlp.chart import Boundary, trace_boundary
 from origami_nlp.minima import JudgedState
-from origami_nlp.programme import Model
+from origami_nlp.problem import Model
 
 T = TypeVar("T")
 PANELS = examples.panels()

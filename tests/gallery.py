@@ -15,9 +15,9 @@ import numpy as np
 from matplotlib.figure import Figure
 
 import origami_nlp as o
+from origami_nlp.display import draw_pattern, draw_state
 from origami_nlp.minima import MinimaResult
-from origami_nlp.pattern import fold_vertices, group_alike, parse_fold, vertex_scenes
-from origami_nlp.show import draw_pattern, draw_state
+from origami_nlp.pattern import fold_vertices, group_equivalent_vertices, parse_fold, vertex_scenes
 
 DOCS = Path(__file__).parent.parent / "docs"
 PAGE, FIGURES = DOCS / "examples.md", DOCS / "figures" / "examples"
@@ -61,7 +61,7 @@ def frame_of(name: str):
     (frame,) = parse_fold(json.dumps(o.examples.crease_pattern(name)))
     scene = o.examples.by_name(name)
     scenes = vertex_scenes(frame, tell=lambda note: None, symmetry=scene.symmetry)
-    ours = group_alike({-1: scene, **scenes})[0].numbers[1:]
+    ours = group_equivalent_vertices({-1: scene, **scenes})[0].numbers[1:]
     flat = frame.coords[:, :2]
     middle = flat.mean(axis=0)
     return frame, min(ours, key=lambda v: float(np.linalg.norm(flat[v] - middle)))

@@ -13,8 +13,8 @@ from pathlib import Path
 import matplotlib
 
 import origami_nlp as o
+from origami_nlp.display import draw_states
 from origami_nlp.minima import JudgedState, MinimaResult, barrier_words
-from origami_nlp.show import draw_states
 
 DOCS = Path(__file__).parent.parent / "docs"
 PAGE, FIGURES = DOCS / "sheets.md", DOCS / "figures" / "sheets"
@@ -65,11 +65,11 @@ def rows(result: MinimaResult) -> list[str]:
         first = states[0]
         barrier = first.escape.words() if first.escape else "-"
         touches = {c.facets for c in first.contacts if c.corners}
-        shut = sum(c.type == "fold-limit" for c in first.contacts)
+        at_limit = sum(c.type == "fold-limit" for c in first.contacts)
         held = [f"{len(touches)} pair{'s' * (len(touches) > 1)} of facets"] * bool(touches)
-        held += [f"{shut} fold limit{'s' * (shut > 1)}"] * bool(shut)
+        held += [f"{at_limit} fold limit{'s' * (at_limit > 1)}"] * bool(at_limit)
         energy = f"{1e3 * first.energy:.6g}" if first.energy > 1e-12 else "0"
-        cells = k, energy, len(states), first.kind, first.freedoms, barrier, ", ".join(held)
+        cells = k, energy, len(states), first.kind, first.dof, barrier, ", ".join(held)
         lines.append("| " + " | ".join(map(str, cells)) + " |")
     return lines
 

@@ -127,10 +127,18 @@ CASES = [
     case(o.draw_minima, "result", (SCENE, *SCENES)),
     case(o.draw_minima, "path", PATHS, "result"),
     case(o.draw_minima, "size", (7, *WHOLES), "result"),
-    case(o.examine, "vertex", SCENES, "fold_angles"),
-    case(o.examine, "fold_angles", STATES, "vertex"),
-    case(o.examine, "tolerance", (None, True, [], 0.02, *NOTHING), "vertex", "fold_angles"),
-    case(o.examine, "elements", (None, 0, True, [1], [(1, 1)], *NOTHING), "vertex", "fold_angles"),
+    case(o.check_admissible, "vertex", SCENES, "fold_angles"),
+    case(o.check_admissible, "fold_angles", STATES, "vertex"),
+    case(
+        o.check_admissible, "tolerance", (None, True, [], 0.02, *NOTHING), "vertex", "fold_angles"
+    ),
+    case(
+        o.check_admissible,
+        "elements",
+        (None, 0, True, [1], [(1, 1)], *NOTHING),
+        "vertex",
+        "fold_angles",
+    ),
     *(case(f, "alpha", ANGLES) for f in (o.examples.degree6, o.examples.degree8)),
     *(case(f, "ratio", (0, *NUMBERS)) for f in (o.examples.degree6, o.examples.degree8)),
     *(case(f, "symmetry", NAMES) for f in (o.examples.degree6, o.examples.degree8)),
@@ -208,7 +216,12 @@ CASES = [
 @pytest.mark.parametrize(("function", "name", "wrong", "needs", "fixed"), CASES)
 def test_a_wrong_argument_is_named(made, function, name, wrong, needs, fixed):
     right = {key: made[key] for key in needs} | fixed
-    words = {"scene": "scene|FOLD", "path": "path|sweep", "number": "number|vertex", "cone": "degree"}
+    words = {
+        "scene": "scene|FOLD",
+        "path": "path|sweep",
+        "number": "number|vertex",
+        "cone": "degree",
+    }
     word = words.get(name, name)
     for value in wrong:
         with pytest.raises(o.OrigamiError) as raised:

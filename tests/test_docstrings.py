@@ -18,7 +18,7 @@ import pytest
 import origami_nlp
 
 PACKAGE = Path(origami_nlp.__file__).parent
-ROOMS = "pattern folding files contact space landscape paper.cone sweep show".split()
+ROOMS = "pattern folding io contact space landscape paper.cone sweep display".split()
 WITH_EXAMPLES = sorted(
     ".".join(path.relative_to(PACKAGE.parent).with_suffix("").parts).removesuffix(".__init__")
     for path in PACKAGE.rglob("*.py")

@@ -24,13 +24,13 @@ import origami_nlp
 PACKAGE = Path(origami_nlp.__file__).parent
 ROOT = PACKAGE.parent
 ORDER = (
-    "version errors arguments workers files numerics closed_forms symbolic pattern folding programme kkt facets "
-    "starts path show chart proof "
-    "minima sheets contact modes critical barriers space landscape atlas springs "
+    "version errors arguments workers io numerics closed_forms symbolic pattern folding problem kkt pattern_problem "
+    "starts continuation display chart proof "
+    "minima pattern_states contact modes critical barriers space landscape bifurcation inverse_design "
     "loading sweep results verbs paper cli __main__"
 ).split()
 """Files at the root, then rooms; each imports only from those before it."""
-BESIDE = ("symbolic", "benchmarks", "studies")
+NEAR_SINGULAR_TOL = ("symbolic", "benchmarks", "studies")
 """Packages beside it, run from a checkout; `symbolic` is installed with it, as `origami_nlp.symbolic`."""
 ROOMS = [name for name in ORDER if (PACKAGE / name).is_dir()]
 LONGEST = 450  # lines of a file
@@ -148,7 +148,7 @@ def aim(item: Import, known: dict[str, Path]) -> str:
     return item.module
 
 
-@pytest.mark.parametrize("package", ["origami_nlp", *BESIDE])
+@pytest.mark.parametrize("package", ["origami_nlp", *NEAR_SINGULAR_TOL])
 def test_modules_make_no_circle(package):
     known = modules(package)
     stubs = {
@@ -234,7 +234,7 @@ def readers() -> list[Path]:
     """What shows people how the package is called, and what stands beside it."""
     pages = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *(ROOT / "docs").rglob("*.md")]
     books = (ROOT / "notebooks").rglob("*.ipynb")
-    beside = ("notebooks", *BESIDE)
+    beside = ("notebooks", *NEAR_SINGULAR_TOL)
     return sorted([*pages, *books, *(p for room in beside for p in (ROOT / room).rglob("*.py"))])
 
 
@@ -249,7 +249,7 @@ def test_only_faces_are_imported_from_outside():
     assert not wrong, "\n".join(wrong)
 
 
-@pytest.mark.parametrize("package", ["origami_nlp", *BESIDE, "tests"])
+@pytest.mark.parametrize("package", ["origami_nlp", *NEAR_SINGULAR_TOL, "tests"])
 def test_files_read_in_one_sitting(package):
     long = {n: p for n, p in modules(package).items() if len(p.read_text().splitlines()) > LONGEST}
     assert not long

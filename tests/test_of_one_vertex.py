@@ -12,7 +12,7 @@ from tests.command_line import run
 
 WAYS = {
     "boundaries": (
-        lambda it: o.find_boundaries(it, "stiffness[1]=0.5:2", "stiffness[2]=0.5:2"),
+        lambda it: o.find_bifurcation_set(it, "stiffness[1]=0.5:2", "stiffness[2]=0.5:2"),
         "follow takes a pattern",
     ),
     "space": (o.find_space, "find_motion follows a pattern"),
@@ -76,7 +76,7 @@ def test_boundaries_of_a_pattern_of_one_vertex_are_those_of_the_vertex():
     scene = replace(scene, symmetry="none")
     asked = {"lines": 1, "across": 0, "effort": "quick"}
     one, same = (
-        o.find_boundaries(it, "stiffness[1]=0.1:30", "stiffness[2]=0.6:0.61", **asked)
+        o.find_bifurcation_set(it, "stiffness[1]=0.1:30", "stiffness[2]=0.6:0.61", **asked)
         for it in (scene, scene_pattern(scene))
     )
     assert len(one.curves) == len(same.curves) > 0

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import origami_nlp as o
-from origami_nlp.sheets import find_states
+from origami_nlp.pattern_states import find_states
 
 PATTERN = "metasheet:3x3"
 

@@ -11,12 +11,12 @@ matplotlib.use("Agg")
 from matplotlib.figure import Figure
 
 import origami_nlp as o
-from origami_nlp.show import draw_state
+from origami_nlp.display import draw_state
 
 FOLDER = Path(__file__).parents[1] / "figures"
 SIDE = 2.0
 """Width of a state [inches]."""
-SAME = 1e-6
+DUPLICATE_TOL = 1e-6
 """Energies that differ by less [relative] are those of images of one state."""
 
 
@@ -24,7 +24,7 @@ def different(result: o.MinimaResult, most: int) -> list[o.JudgedState]:
     """The lowest minima of different energy, at most so many."""
     found: list[o.JudgedState] = []
     for one in result.minima:
-        if not found or one.energy > found[-1].energy * (1 + SAME):
+        if not found or one.energy > found[-1].energy * (1 + DUPLICATE_TOL):
             found.append(one)
     return found[:most]
 

@@ -56,11 +56,11 @@ def command_page(path: tuple[str, ...], context) -> str:
     words = inspect.cleandoc(context.command.help or "").split("\n\n")
     rows = "\n".join(option_rows(context))
     usage = f"{context.command_path} {' '.join(context.command.collect_usage_pieces(context))}"
-    told = "\n\n".join(plain(part) for part in words)
-    return f"# {' '.join(path)}\n\n{told}\n\n```text\n{usage}\n```\n\n{rows}"
+    reported = "\n\n".join(plain(part) for part in words)
+    return f"# {' '.join(path)}\n\n{reported}\n\n```text\n{usage}\n```\n\n{rows}"
 
 
-def overview() -> str:
+def analyze_mobility() -> str:
     """Tables of all commands, a group after the other, and the order of their pages."""
     groups: dict[str, list[tuple]] = {}
     for path, context in commands():
@@ -111,13 +111,13 @@ def face_page(name: str) -> str:
 def one_by_one(text: str) -> str:
     """Give each of the attributes `a, b` that share their words these words: else `a` is read as the type of `b`."""
     before, head, after = text.partition("Attributes\n----------\n")
-    told, *others = re.split(r"(?=^\w+\n-{3,}$)", after, maxsplit=1, flags=re.MULTILINE)
+    reported, *others = re.split(r"(?=^\w+\n-{3,}$)", after, maxsplit=1, flags=re.MULTILINE)
     shared = r"^(?P<names>\w+(?:, \w+)+)\n(?P<words>(?: +.*\n)+)"
 
     def each(found: re.Match) -> str:
         return "".join(f"{name}\n{found['words']}" for name in found["names"].split(", "))
 
-    return before + head + re.sub(shared, each, told, flags=re.MULTILINE) + "".join(others)
+    return before + head + re.sub(shared, each, reported, flags=re.MULTILINE) + "".join(others)
 
 
 def as_shown(app, what: str, name: str, thing, options, lines: list[str]) -> None:
@@ -129,9 +129,9 @@ def as_shown(app, what: str, name: str, thing, options, lines: list[str]) -> Non
         if not line.lstrip().startswith((">>>", "...")):  # |x| is a size, not a name to be put in
             spans = re.split(r"(`[^`]*`)", line)
             line = "".join(s if s.startswith("`") else s.replace("|", "\\|") for s in spans)
-        head, _, told = line.partition(": ")
-        if head in named and told:
-            line, within = f":ivar {head}: {told}", True
+        head, _, reported = line.partition(": ")
+        if head in named and reported:
+            line, within = f":ivar {head}: {reported}", True
         elif within:
             within = bool(line.strip())
             line = "    " + line.strip()
@@ -144,7 +144,7 @@ def as_shown(app, what: str, name: str, thing, options, lines: list[str]) -> Non
 def write(app) -> None:
     """Write all pages that have changed, and take away those that are no more."""
     pages = {f"commands/{'_'.join(path)}.md": command_page(path, c) for path, c in commands()}
-    pages["commands/overview.txt"] = overview()
+    pages["commands/overview.txt"] = analyze_mobility()
     for name in ("origami_nlp", *(f"origami_nlp.{room}" for room in ROOMS)):
         pages[f"python/{name}.rst"] = face_page(name)
     folder = Path(app.srcdir) / "reference"

@@ -48,7 +48,7 @@ def draw_barriers(*several: Barriers, columns: int = 2) -> Figure:
 
     from matplotlib.figure import Figure
 
-    from origami_nlp.show import minima_legend, passes_legend
+    from origami_nlp.display import minima_legend, passes_legend
 
     shapes: dict[Tree, list[Barriers]] = {}
     for barriers in several:
@@ -135,7 +135,7 @@ def merge_tree_axes(ax: Axes, barriers: Barriers) -> None:
     """
     from matplotlib.axes import Axes
 
-    from origami_nlp.show import INK, label_text, mark_minimum, pass_look
+    from origami_nlp.display import INK, label_text, mark_minimum, pass_look
 
     check_type("ax", ax, Axes)
     check_type("barriers", barriers, Barriers)

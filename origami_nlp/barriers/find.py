@@ -31,8 +31,8 @@ from origami_nlp.minima import (
 )
 from origami_nlp.numerics import MergeTree
 from origami_nlp.pattern import Pattern, Scene, as_origami
-from origami_nlp.programme import Model
-from origami_nlp.sheets import find_states
+from origami_nlp.pattern_states import find_states
+from origami_nlp.problem import Model
 
 SPACINGS = (0.02, 0.5)
 """Smallest and largest spacing of a mesh [rad]."""
@@ -108,7 +108,7 @@ def find_barriers(
     scene.check_no_forces("barriers")
     if result is not None:
         check_type("result", result, MinimaResult)
-    check_freedoms(scene)
+    check_dof(scene)
     model = Model(scene)
     if model.freedom == 1:
         refuse("vertex of one freedom", _OF_TWO, full=full or None, spacing=spacing)
@@ -163,7 +163,7 @@ def _of_vertex(
     return Barriers(result, passes, merges, work.graph, tuple(unlisted), broken)
 
 
-def check_freedoms(scene: Scene) -> None:
+def check_dof(scene: Scene) -> None:
     """Complain about a scene whose symmetric states form neither curves nor a surface.
 
     Raises

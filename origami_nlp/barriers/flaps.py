@@ -27,7 +27,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from origami_nlp.numerics import CLOSES, TOUCHES
+from origami_nlp.numerics import CLOSURE_TOL, CONTACT_TOL
 from origami_nlp.pattern import Scene
 
 
@@ -40,7 +40,7 @@ class FlapExit:
     state [N] [rad].
     """
 
-    shut: tuple[int, ...]
+    at_limit: tuple[int, ...]
     hinge: int
     energy: float
     fold_angles: np.ndarray = field(repr=False)
@@ -64,18 +64,18 @@ def flap_exit(scene: Scene, fold_angles: np.ndarray) -> FlapExit | None:
     if scene.degree != 6 or not scene.vertex.flat or scene.contact == "none":
         return None
     for first in (0, 1):
-        shut = np.arange(first, 6, 2)
-        hinges = (shut + 1) % 6
-        side = np.sign(phi[shut[0]])
+        at_limit = np.arange(first, 6, 2)
+        hinges = (at_limit + 1) % 6
+        side = np.sign(phi[at_limit[0]])
         if (
-            np.abs(phi[shut] - side * math.pi).max() > TOUCHES
-            or np.abs(sectors[shut] - sectors[shut - 1]).max() > CLOSES
+            np.abs(phi[at_limit] - side * math.pi).max() > CONTACT_TOL
+            or np.abs(sectors[at_limit] - sectors[at_limit - 1]).max() > CLOSURE_TOL
             # step 1: the gaps g_j = pi + s phi(h_j) sum to 2 pi
-            or abs(phi[hinges].sum() + side * math.pi) > 3 * TOUCHES
+            or abs(phi[hinges].sum() + side * math.pi) > 3 * CONTACT_TOL
         ):
             continue
         # step 2: thin where some g_j > pi
-        wide = hinges[side * phi[hinges] > TOUCHES]
+        wide = hinges[side * phi[hinges] > CONTACT_TOL]
         if len(wide) != 1:
             return None
         one, two = (h for h in hinges if h != wide[0])
@@ -86,7 +86,7 @@ def flap_exit(scene: Scene, fold_angles: np.ndarray) -> FlapExit | None:
         x = float(np.clip(x, *sorted((0.0, -side * math.pi))))
         out = np.zeros(6)
         # step 3: phi(h_j) = 0 at every way out
-        out[shut], out[one], out[two] = side * math.pi, x, -side * math.pi - x
-        numbers = tuple((shut + 1).tolist())
+        out[at_limit], out[one], out[two] = side * math.pi, x, -side * math.pi - x
+        numbers = tuple((at_limit + 1).tolist())
         return FlapExit(numbers, int(wide[0]) + 1, float(scene.energy(out)), out)
     return None

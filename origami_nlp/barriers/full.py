@@ -23,13 +23,13 @@ import numpy as np
 
 from origami_nlp.barriers.flaps import flap_exit
 from origami_nlp.barriers.graph import side_of_flat
+from origami_nlp.barriers.lower_dimensional import last_stratum
 from origami_nlp.barriers.passes import Pass, PassKind, critical_at
-from origami_nlp.barriers.thin import last_thin
-from origami_nlp.kkt import State, project, thin_at
+from origami_nlp.kkt import State, lower_dimensional_at, project
 from origami_nlp.minima import full_scene
-from origami_nlp.numerics import CLOSES, OUTSIDE, SAME_ENERGY, null_space
+from origami_nlp.numerics import CLOSURE_TOL, OUTSIDE, SAME_ENERGY, null_space
 from origami_nlp.pattern import Scene
-from origami_nlp.programme import Contact, Model
+from origami_nlp.problem import Contact, Model
 
 EXIT_SPACING = math.pi / 12
 """Distance of the samples of a thin set [rad]."""
@@ -162,7 +162,7 @@ def proved_exit(model: Model, fold_angles: np.ndarray) -> Exits | None:
     found = flap_exit(model.scene, fold_angles)
     if found is None:
         return None
-    held = thin_at(State(model, model.reduce(fold_angles)))
+    held = lower_dimensional_at(State(model, model.reduce(fold_angles)))
     proof = f"proved: phi_{found.hinge} = 0 at every way out"
     return Exits(held, 0, found.energy, model.reduce(found.fold_angles), 2, proof=proof)
 
@@ -174,19 +174,19 @@ def exits(at: State, known: Sequence[np.ndarray] = (), spacing: float = EXIT_SPA
     which is then bisected.  Steps to inadmissible states end the set there.  Those of `known` [n] that are exits
     of this set count as well: samples have to beat them.
     """
-    model, held = at.programme, thin_at(at)
+    model, held = at.problem, lower_dimensional_at(at)
     if not held:
         return Exits((), 0, math.inf, None, model.freedom)
 
-    def is_thin(state: State) -> bool:
-        return set(held) <= set(thin_at(state))
+    def is_lower_dimensional(state: State) -> bool:
+        return set(held) <= set(lower_dimensional_at(state))
 
     seen = [at.x]
     frontier, count, dimension = [at], 1, 0
     lowest, lowest_at = math.inf, None
     for other in map(at.at, known):
-        shut = set(held) <= set(other.contacts.base)
-        if other.energy < lowest and shut and not is_thin(other):
+        at_limit = set(held) <= set(other.contacts.base)
+        if other.energy < lowest and at_limit and not is_lower_dimensional(other):
             lowest, lowest_at = other.energy, other.x
     # invariant: states in `frontier` are on the set, and what is beside them has not been looked at
     while frontier and count < MOST_STATES and len(seen) < 4 * MOST_STATES:
@@ -198,19 +198,19 @@ def exits(at: State, known: Sequence[np.ndarray] = (), spacing: float = EXIT_SPA
             y, residual = project(model, here.x + spacing * step, held)
             # samples about `spacing` apart: a step back to where one has been is no step
             near = np.linalg.norm(np.array(seen) - y, axis=1).min() < 0.7 * spacing
-            if residual > CLOSES or near:
+            if residual > CLOSURE_TOL or near:
                 continue
             seen.append(y)
             there = at.at(y)
             if (np.abs(y) > model.bound + OUTSIDE).any() or there.refused:
                 continue
-            if is_thin(there):
+            if is_lower_dimensional(there):
                 frontier.append(there)
                 count += 1
                 continue
             if min(here.energy, there.energy) >= lowest:
                 continue
-            out = at.at(last_thin(here, y, is_thin, held)[1])
+            out = at.at(last_stratum(here, y, is_lower_dimensional, held)[1])
             if out.energy < lowest:
                 lowest, lowest_at = out.energy, out.x
     return Exits(held, count, lowest, lowest_at, dimension, not frontier)

@@ -20,8 +20,8 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from origami_nlp.kkt import project
-from origami_nlp.numerics import CLOSES, NONZERO, SAME
-from origami_nlp.programme import Model, Programme
+from origami_nlp.numerics import CLOSURE_TOL, DUPLICATE_TOL, NONZERO
+from origami_nlp.problem import Model, Problem
 
 STRAY = 0.3
 """The state half-way along an edge lies within this share of its length of the straight middle."""
@@ -65,7 +65,7 @@ def side_of_flat(fold_angles: np.ndarray) -> np.ndarray:
     facets that touch included (proved in docs/barriers.md).
     """
     phi = np.asarray(fold_angles, dtype=float)
-    flat = np.abs(phi).max(axis=-1) <= SAME
+    flat = np.abs(phi).max(axis=-1) <= DUPLICATE_TOL
     return np.where(flat, 0, np.sign(phi.sum(axis=-1))).astype(int)
 
 
@@ -131,11 +131,11 @@ def grow(
     return StateGraph(x, energy, edges, middle, height, spacing, complete)
 
 
-def close(model: Programme, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def close(model: Problem, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Pull states [K, n] onto loop closure; return them and which of them close."""
     x, residual = project(model, x, steps=12)
-    x = np.where(np.abs(np.abs(x) - math.pi) <= CLOSES, np.copysign(math.pi, x), x)
-    return x, residual <= CLOSES
+    x = np.where(np.abs(np.abs(x) - math.pi) <= CLOSURE_TOL, np.copysign(math.pi, x), x)
+    return x, residual <= CLOSURE_TOL
 
 
 def _cells(x: np.ndarray, spacing: float) -> list[tuple[int, ...]]:
@@ -148,7 +148,7 @@ def _directions(freedom: int) -> np.ndarray:
     return d / np.linalg.norm(d, axis=1, keepdims=True)
 
 
-def _tangents(model: Programme, x: np.ndarray) -> np.ndarray:
+def _tangents(model: Problem, x: np.ndarray) -> np.ndarray:
     """Return an orthonormal basis of the tangent space at each state, [K, n, freedom]; more than that where singular
     states have a larger kernel is left out."""
     _, jac = model.closure(x)
@@ -168,7 +168,7 @@ def _step_out(
     ahead = frontier[:, None] + spacing * np.einsum("kni,di->kdn", tangents, directions)
     origin = np.repeat(frontier, len(directions), axis=0)
     ahead = ahead.reshape(-1, model.size)
-    if model.scene.contact == "full" and (np.abs(frontier).max(axis=1) <= SAME).any():
+    if model.scene.contact == "full" and (np.abs(frontier).max(axis=1) <= DUPLICATE_TOL).any():
         # around the flat state: its tangent cone is no space
         extra = spacing * _directions(model.size)
         origin = np.vstack([origin, np.zeros_like(extra)])
@@ -195,7 +195,7 @@ def _step_out(
     return np.array(out).reshape(-1, model.size)
 
 
-def _cut_back(model: Programme, inside: np.ndarray, outside: np.ndarray) -> np.ndarray:
+def _cut_back(model: Problem, inside: np.ndarray, outside: np.ndarray) -> np.ndarray:
     """Return admissible states on the way from `inside` to `outside`, as far as that goes."""
     low, high = np.zeros(len(inside)), np.ones(len(inside))
     best = np.array(inside)
@@ -253,7 +253,7 @@ def _near(x: np.ndarray, spacing: float) -> np.ndarray:
     return np.unique(edges[touch], axis=0)
 
 
-def _across(model: Programme, a: np.ndarray, b: np.ndarray) -> np.ndarray:
+def _across(model: Problem, a: np.ndarray, b: np.ndarray) -> np.ndarray:
     """Return tangent vectors of length |b - a| across the edge from a to b, [K, n]."""
     if not len(a):
         return np.zeros_like(a)
@@ -269,11 +269,11 @@ def _across(model: Programme, a: np.ndarray, b: np.ndarray) -> np.ndarray:
 
 
 def _reach(
-    model: Programme, want: np.ndarray, stray: np.ndarray, only: np.ndarray | None = None
+    model: Problem, want: np.ndarray, stray: np.ndarray, only: np.ndarray | None = None
 ) -> tuple[np.ndarray, np.ndarray]:
     """Close the states `want` [K, n]; tell which are admissible and within `stray` [K] of them."""
     y, good = close(model, want)
-    good &= np.linalg.norm(y - want, axis=1) <= stray + CLOSES
+    good &= np.linalg.norm(y - want, axis=1) <= stray + CLOSURE_TOL
     if only is not None:
         good &= only
     good[good] = model.admissible(y[good])

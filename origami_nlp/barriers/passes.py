@@ -15,10 +15,18 @@ from typing import Literal
 
 import numpy as np
 
-from origami_nlp.files import Brief, Unbounded
+from origami_nlp.io import ShortRepr, Unbounded
 from origami_nlp.kkt import State, Stratum, follow, judge_branch, newton, project
-from origami_nlp.numerics import BALANCED, CLOSES, CURVED, ENDS, LEVEL, NONZERO, SAME
-from origami_nlp.programme import Contact, Programme, fold_limit
+from origami_nlp.numerics import (
+    BALANCED,
+    CLOSURE_TOL,
+    CURVED,
+    DUPLICATE_TOL,
+    ENDPOINT_TOL,
+    LEVEL,
+    NONZERO,
+)
+from origami_nlp.problem import Contact, Problem, fold_limit
 
 PassKind = Literal["saddle", "contact saddle", "corner", "flat state", "singular", "mesh", "none"]
 OFF = (1e-2, 3e-2, 3e-3, 1e-3)
@@ -26,7 +34,7 @@ OFF = (1e-2, 3e-2, 3e-3, 1e-3)
 
 
 @dataclass(frozen=True, repr=False)
-class Pass(Brief):
+class Pass(ShortRepr):
     """The lowest pass between two minima.
 
     Attributes
@@ -110,7 +118,7 @@ class Descent:
     lands_on: int | None
 
 
-def critical_near(model: Programme, starts: np.ndarray, reach: float) -> list[Critical]:
+def critical_near(model: Problem, starts: np.ndarray, reach: float) -> list[Critical]:
     """Return the KKT points of index 1 that Newton finds from `starts` [K, n] within `reach` [rad] of them."""
     found: list[Critical] = []
     tried: set[tuple[int, tuple[Contact, ...]]] = set()
@@ -126,7 +134,7 @@ def critical_near(model: Programme, starts: np.ndarray, reach: float) -> list[Cr
             polished, _ = newton(model, x, rows)
             if polished is None or not polished.converged or np.abs(polished.x - x).max() > reach:
                 continue
-            if any(np.abs(polished.x - c.x).max() <= SAME for c in found):
+            if any(np.abs(polished.x - c.x).max() <= DUPLICATE_TOL for c in found):
                 continue
             state = State(model, polished.x)
             what = critical_at(state)
@@ -137,7 +145,7 @@ def critical_near(model: Programme, starts: np.ndarray, reach: float) -> list[Cr
 
 def critical_at(state: State) -> Critical | None:
     """Judge a polished state: its index on the pieces of the feasible set; None if it is not stationary on each."""
-    model, x = state.programme, state.x
+    model, x = state.problem, state.x
     judged = [judge_branch(state.on(rows)) for rows in state.pieces]
     size = 1.0 + float(np.abs(state.gradient).max())
     residual = max(b.multipliers.residual for b in judged) / size
@@ -152,7 +160,7 @@ def critical_at(state: State) -> Critical | None:
             # where pieces meet the largest index counts: down on one of them is down
             index, direction = below, b.direction
     if not state.regular:
-        kind: PassKind = "flat state" if np.abs(x).max() <= SAME else "singular"
+        kind: PassKind = "flat state" if np.abs(x).max() <= DUPLICATE_TOL else "singular"
     elif len(judged) > 1 or len(judged[0].rows) >= model.freedom:
         # as many contacts as freedoms leave a point, where the energy need not be stationary
         kind = "corner"
@@ -170,11 +178,11 @@ def _bent_down(piece: Stratum) -> np.ndarray | None:
     z = piece.tangent
     if not z.shape[1]:
         return None
-    return z @ np.linalg.eigh(z.T @ piece.hessian @ z)[1][:, 0] / piece.state.programme.root
+    return z @ np.linalg.eigh(z.T @ piece.hessian @ z)[1][:, 0] / piece.state.problem.root
 
 
 def slide(
-    model: Programme, start: np.ndarray, minima: Sequence[np.ndarray], most_steps: int = 2000
+    model: Problem, start: np.ndarray, minima: Sequence[np.ndarray], most_steps: int = 2000
 ) -> Descent | None:
     """Descend from an admissible state; None if the start is not admissible."""
     try:
@@ -183,12 +191,12 @@ def slide(
         return None
     near = [float(np.abs(path.end - m).max()) for m in minima]
     # None: a minimum that is not listed, or a descent that stopped on its way
-    lands = int(np.argmin(near)) if near and min(near) <= ENDS else None
+    lands = int(np.argmin(near)) if near and min(near) <= ENDPOINT_TOL else None
     return Descent(path.states, lands)
 
 
 def both_sides(
-    model: Programme, pass_: Critical, minima: Sequence[np.ndarray]
+    model: Problem, pass_: Critical, minima: Sequence[np.ndarray]
 ) -> tuple[Descent, Descent] | None:
     """Descend from a saddle along both senses of its unstable direction; None where one side has no lower state."""
     if pass_.direction is None:
@@ -201,7 +209,7 @@ def both_sides(
             y, residual = project(model, pass_.x + sign * off * pass_.direction, held)
             y = np.clip(y, -model.bound, model.bound)
             lower = model.energy_change(pass_.x, y) < 0
-            if residual <= CLOSES and lower and not model.refuses(y):
+            if residual <= CLOSURE_TOL and lower and not model.refuses(y):
                 down = slide(model, y, minima)
                 if down is not None:
                     sides.append(down)
@@ -212,7 +220,7 @@ def both_sides(
 
 
 def leg_is_below(
-    model: Programme, top: np.ndarray, x: np.ndarray, level: float, steps: int = 16
+    model: Problem, top: np.ndarray, x: np.ndarray, level: float, steps: int = 16
 ) -> np.ndarray | None:
     """Return states on the straight way from `top` to x, pulled onto closure, if all are admissible and not above
     `level` (rounding allowed); else None."""
@@ -224,7 +232,7 @@ def leg_is_below(
         over = np.flatnonzero(np.abs(y) > model.bound)
         if model.has_limits and len(over):  # between two states on a wall: stay on it
             y, residual = project(model, y, [fold_limit(int(v), y[v]) for v in over])
-        if residual > CLOSES or np.abs(y - want).max() > 0.5 * np.abs(x - top).max():
+        if residual > CLOSURE_TOL or np.abs(y - want).max() > 0.5 * np.abs(x - top).max():
             return None
         out.append(y)
     states = np.array(out)

@@ -13,6 +13,7 @@ from dataclasses import replace
 import numpy as np
 
 from origami_nlp.barriers.graph import grow
+from origami_nlp.barriers.lower_dimensional import stratum_curves
 from origami_nlp.barriers.passes import (
     Critical,
     Descent,
@@ -22,10 +23,9 @@ from origami_nlp.barriers.passes import (
     leg_is_below,
     slide,
 )
-from origami_nlp.barriers.thin import thin_curves
-from origami_nlp.kkt import State, thin_at
-from origami_nlp.numerics import LEVEL, SAME, SAMPLED, Merge, MergeTree, merge_tree
-from origami_nlp.programme import Model
+from origami_nlp.kkt import State, lower_dimensional_at
+from origami_nlp.numerics import DUPLICATE_TOL, LEVEL, SAMPLED, Merge, MergeTree, merge_tree
+from origami_nlp.problem import Model
 from origami_nlp.starts import flat_foldings
 
 MOST_ROUNDS = 6
@@ -40,21 +40,21 @@ class RefinedGraph:
 
     def __init__(self, model: Model, minima: list[np.ndarray], spacing: float, seed: int) -> None:
         self.model, self.minima, self.spacing = model, minima, spacing
-        self.curves = thin_curves(model, seed, tuple(minima))
+        self.curves = stratum_curves(model, seed, tuple(minima))
         known = list(minima)
         self.exact: dict[int, Critical] = {}
         for x in [*flat_foldings(model), *(s for c in self.curves for s in c.states[[0, -1]])]:
-            if not model.refuses(x) and all(np.abs(x - k).max() > SAME for k in known):
+            if not model.refuses(x) and all(np.abs(x - k).max() > DUPLICATE_TOL for k in known):
                 known.append(x)
         self.singular = range(len(minima), len(known))
-        thin = [v for v, x in enumerate(known) if thin_at(State(model, x))]
+        thin = [v for v, x in enumerate(known) if lower_dimensional_at(State(model, x))]
         self.graph = grow(model, known, spacing, chains=[c.states for c in self.curves], alone=thin)
         self._tie_chains()
         self.mesh = merge_tree(
             self.graph.energy, self.graph.edges, self.graph.height, range(len(minima))
         )
         for v in self.singular:
-            flat = np.abs(known[v]).max() <= SAME
+            flat = np.abs(known[v]).max() <= DUPLICATE_TOL
             kind: PassKind = "flat state" if flat else "singular"
             self.exact[v] = Critical(known[v], (), 1, math.nan, kind)
 
@@ -67,7 +67,7 @@ class RefinedGraph:
             here = np.arange(at, at + len(curve.states))
             for v in range(first):
                 gap = np.linalg.norm(curve.states - self.graph.states[v], axis=1)
-                if gap.min() <= SAME:
+                if gap.min() <= DUPLICATE_TOL:
                     links.append((v, int(here[gap.argmin()])))
                 elif v < len(self.minima) and gap.min() <= SAMPLED:
                     near = np.argsort(gap)[:2]
@@ -197,7 +197,7 @@ class RefinedGraph:
             if (
                 on[0] != on[1]
                 and len(ends) == 1
-                and np.abs(ends[0] - self.graph.states[v]).max() <= SAME
+                and np.abs(ends[0] - self.graph.states[v]).max() <= DUPLICATE_TOL
             ):
                 return True
         return False

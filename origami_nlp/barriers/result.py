@@ -13,11 +13,11 @@ import numpy as np
 from origami_nlp.barriers.full import FullPass
 from origami_nlp.barriers.graph import StateGraph
 from origami_nlp.barriers.passes import Pass, PassKind
-from origami_nlp.facets import state_frame, states_to_fold
+from origami_nlp.display import Content, Report, Section, Table, Viewable, short_label
 from origami_nlp.folding import path_frames
 from origami_nlp.minima import MinimaResult
 from origami_nlp.pattern import Scene
-from origami_nlp.show import Content, Piece, Table, Told, Turnable, short_label
+from origami_nlp.pattern_problem import state_frame, states_to_fold
 
 HEADS = (
     "from",
@@ -79,7 +79,7 @@ class Unlisted:
 
 
 @dataclass(frozen=True, repr=False)
-class Barriers(Told, Turnable):
+class Barriers(Report, Viewable):
     """Passes for every pair of minima, the merge tree, and the graph that they came from.
 
     Attributes
@@ -170,7 +170,7 @@ class Barriers(Told, Turnable):
         angles = "all 0" if p.pass_kind == "flat state" else angles
         return (*pair, f"{p.energy:.9g}", *rises, p.pass_kind, angles)
 
-    def told(self) -> Iterator[Piece]:
+    def report_sections(self) -> Iterator[Section]:
         """Return the table of passes, what bounds each, and what is known without the symmetry."""
         yield self.table()
         for p in self.passes:
@@ -188,15 +188,17 @@ class Barriers(Told, Turnable):
             row |= {"energy": p.energy, "rises": rises[0], "back": rises[1], "kind": p.pass_kind}
             yield row | {f"phi_{k}": v for k, v in enumerate(p.fold_angles, start=1)}
 
-    def turned(self) -> Content:
+    def view_content(self) -> Content:
         """Return states and the paths over the passes as plain data, see `view`."""
-        from origami_nlp.barriers.turned import add_passes  # charts are slow to import
+        from origami_nlp.barriers.interactive import add_passes  # charts are slow to import
         from origami_nlp.chart import landscape
         from origami_nlp.minima import CELLS
 
         chart = None if self.scene is None else landscape(self.scene, CELLS)
-        content = add_passes(self.result.turned(chart), self.result.origami, self.passes, chart)
-        return replace(content, pieces=(*self.told(), *content.pieces))
+        content = add_passes(
+            self.result.view_content(chart), self.result.origami, self.passes, chart
+        )
+        return replace(content, pieces=(*self.report_sections(), *content.pieces))
 
 
 def _full_words(f: FullPass) -> str:

@@ -17,8 +17,8 @@ from origami_nlp.barriers.result import Barriers, Join
 from origami_nlp.errors import OptionError
 from origami_nlp.kkt import State, energy_scale, level_of, project
 from origami_nlp.minima import MinimaResult, TracedPasses, trace, traced_passes
-from origami_nlp.numerics import BESIDE, CLOSES, SETTLED
-from origami_nlp.sheets import curve_passes
+from origami_nlp.numerics import CLOSURE_TOL, NEAR_SINGULAR_TOL, SETTLED
+from origami_nlp.pattern_states import curve_passes
 
 APART = 0.2
 """Length of a step of a path [rad]."""
@@ -62,7 +62,7 @@ def pattern_barriers(result: MinimaResult) -> Barriers:
     OptionError
         If some have more, or no curve of them is known.
     """
-    loose = [k for k, m in enumerate(result.minima, start=1) if m.freedoms > 1]
+    loose = [k for k, m in enumerate(result.minima, start=1) if m.dof > 1]
     if loose:
         numbers = ", ".join(map(str, loose[:8])) + (", ..." if len(loose) > 8 else "")
         raise OptionError(
@@ -119,7 +119,7 @@ def _filled(problem: Any, states: np.ndarray) -> np.ndarray:
         middle, residual = project(problem, (a + b) / 2)
         longer = max(float(np.linalg.norm(problem.root * (middle - end))) for end in (a, b))
         # a projection that goes far aside has come to another curve
-        if size > APART and residual <= CLOSES and longer < ASIDE * size:
+        if size > APART and residual <= CLOSURE_TOL and longer < ASIDE * size:
             waiting.append(middle)
         else:
             out.append(waiting.pop())
@@ -143,7 +143,7 @@ def _between(
             i + 1, j + 1, math.inf, "none", (), (), math.nan, none, none[:, 0], math.inf, words
         )
     top, first = found.top(i, j), len(found.states) - len(found.on_curves)
-    exact = critical_near(problem, top[None], BESIDE)
+    exact = critical_near(problem, top[None], NEAR_SINGULAR_TOL)
     at = State(problem, exact[0].x if exact else top)
     kind, residual = (exact[0].kind, exact[0].residual) if exact else ("corner", math.nan)
     if not exact and not at.regular:

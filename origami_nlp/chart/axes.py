@@ -20,8 +20,8 @@ from origami_nlp.chart.chart import chart_of
 from origami_nlp.chart.energy_map import Branch, Landscape
 from origami_nlp.chart.grid import chart_limits
 from origami_nlp.chart.outline import Outline
+from origami_nlp.display import HANDLE, INK, INKS, angle_ticks, energy_colours, patch, subscript
 from origami_nlp.numerics import NONZERO
-from origami_nlp.show import HANDLE, INK, INKS, angle_ticks, energy_colours, patch, subscript
 
 UNIT = "J"
 """Of energies when stiffness is given in N m/rad."""

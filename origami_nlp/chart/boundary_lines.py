@@ -18,19 +18,19 @@ import numpy as np
 from origami_nlp.chart.boundary_walk import STEPS, walk
 from origami_nlp.chart.chart import Chart, chart_of, chart_points
 from origami_nlp.chart.grid import allowed, chart_limits, crossings_of, distance_from
+from origami_nlp.continuation import BoundaryCurve, Point, boundary_of, correct, evaluate
 from origami_nlp.errors import OptionError
-from origami_nlp.files import Brief
-from origami_nlp.kkt import State, Stratum, thin_at
-from origami_nlp.numerics import BESIDE, NEAR_CONTACT, SETTLED, TOUCHES
-from origami_nlp.path import BoundaryCurve, Point, boundary_of, correct, evaluate
+from origami_nlp.io import ShortRepr
+from origami_nlp.kkt import State, Stratum, lower_dimensional_at
+from origami_nlp.numerics import CONTACT_TOL, NEAR_CONTACT, NEAR_SINGULAR_TOL, SETTLED
 from origami_nlp.pattern import Scene
-from origami_nlp.programme import (
+from origami_nlp.problem import (
     Contact,
     Model,
 )
 
-CORNER = math.sqrt(TOUCHES)
-"""Accuracy [rad] of ends where the next contact closes tangentially: their distance, squared, is `TOUCHES`."""
+CORNER = math.sqrt(CONTACT_TOL)
+"""Accuracy [rad] of ends where the next contact closes tangentially: their distance, squared, is `CONTACT_TOL`."""
 SHORT = 1e-3
 """Shorter lines [rad] are dropped."""
 ASIDE = 1e-3
@@ -40,7 +40,7 @@ NEAR = 0.35
 
 
 @dataclass(frozen=True, repr=False)
-class BoundaryLine(Brief):
+class BoundaryLine(ShortRepr):
     """One contact boundary between two corners.
 
     contacts, rows: held closed.  branch: of the chart.  points: chart coordinates [m, 2].  fold_angles: [m, N].
@@ -77,7 +77,7 @@ class BoundaryLine(Brief):
 
 
 @dataclass(frozen=True, repr=False)
-class Boundary(Brief):
+class Boundary(ShortRepr):
     """All boundary lines of a scene's chart.
 
     crossings: bisected boundary points between the cells of the grid, per branch [k, 2].
@@ -207,7 +207,7 @@ def _pieces(model: Model, line: BoundaryLine, lines: list[BoundaryLine]) -> list
                 s[here] - s[a],
                 line.start if i == 0 else "another boundary ends here",
                 line.end if b == ends[-1] else "another boundary ends here",
-                bool(thin_at(middle)),
+                bool(lower_dimensional_at(middle)),
             )
         )
     return out
@@ -223,7 +223,7 @@ def _line_at(
     at = State(model, model.reduce(fold_angles), NEAR_CONTACT)
     for row in dict.fromkeys(row for rows in at.pieces for row in rows):
         start = correct(at.on((row,)))
-        if start is None or np.abs(start.x - at.x).max() > BESIDE or start.refused:
+        if start is None or np.abs(start.x - at.x).max() > NEAR_SINGULAR_TOL or start.refused:
             continue
         line = _trace(chart, branch, start.on((row,)))
         if line is not None:
@@ -249,7 +249,7 @@ def _thin_lines(
                 if any(distance_from(at / cell, ln.points / cell)[0] < NEAR for ln in known):
                     continue
                 start = State(model, model.reduce(states[k]))
-                rows = thin_at(start)
+                rows = lower_dimensional_at(start)
                 if not rows or start.refused:
                     continue
                 line = _trace(chart, branch, start.on(rows))
@@ -281,12 +281,12 @@ def _stays(chart: Chart, held: Stratum) -> bool:
     point = evaluate(held)
     if point is None or point.dimension != 1:
         return False
-    programme = held.state.programme
-    beside = held.state.at(held.state.x + ASIDE * point.tangent / programme.root)
+    problem = held.state.problem
+    beside = held.state.at(held.state.x + ASIDE * point.tangent / problem.root)
     moved = correct(beside.on(held.contacts))
     if moved is None:
         return False
-    both = chart_points(chart, programme.expand(np.array([held.state.x, moved.x])))
+    both = chart_points(chart, problem.expand(np.array([held.state.x, moved.x])))
     return bool(np.ptp(both, axis=0).max() < SETTLED)
 
 
@@ -295,9 +295,9 @@ def _trace(chart: Chart, branch: int, held: Stratum) -> BoundaryLine | None:
     walked = walk(held)
     if walked is None:
         return None
-    programme = held.state.programme
-    phi = programme.expand(walked.states)
-    names = tuple(programme.name(row) for row in held.contacts)
+    problem = held.state.problem
+    phi = problem.expand(walked.states)
+    names = tuple(problem.name(row) for row in held.contacts)
     points = chart_points(chart, phi)
     return BoundaryLine(
         names, held.contacts, branch, points, phi, walked.s, walked.start, walked.end

@@ -11,10 +11,18 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from origami_nlp.continuation import (
+    SINGULAR,
+    ContinuationOptions,
+    End,
+    Point,
+    closing,
+    correct,
+    trace_held,
+)
 from origami_nlp.kkt import Stratum
 from origami_nlp.numerics import NEAR_CONTACT
-from origami_nlp.path import SINGULAR, ContinuationOptions, End, Point, closing, correct, trace_held
-from origami_nlp.programme import Programme
+from origami_nlp.problem import Problem
 
 STEPS = ContinuationOptions(
     first=1e-2,
@@ -46,8 +54,8 @@ def walk(held: Stratum) -> Walk | None:
 
     None where no motion, or more than one, keeps them closed, or where both ends come at once.
     """
-    programme = held.state.programme
-    end = End[Point](lambda points: _admissible_run(programme, points), REFUSED)
+    problem = held.state.problem
+    end = End[Point](lambda points: _admissible_run(problem, points), REFUSED)
     found = trace_held(held, STEPS, [end], dimension=1)
     if found is None:
         return None
@@ -56,7 +64,7 @@ def walk(held: Stratum) -> Walk | None:
         if why[side] not in (REFUSED, SINGULAR):
             continue
         new = closing(point)
-        names = "; ".join(programme.name(contact) for contact in new)
+        names = "; ".join(problem.name(contact) for contact in new)
         why[side] = f"another contact closes ({names})" if new else SINGULAR
         # the end itself, with all of them closed
         corner = correct(point.stratum.state.on((*held.contacts, *new))) if new else None
@@ -70,17 +78,17 @@ def walk(held: Stratum) -> Walk | None:
     return Walk(np.array(states), np.array(s) - s[0], why[0], why[1])
 
 
-def _admissible_run(programme: Programme, points: Sequence[Point]) -> int:
+def _admissible_run(problem: Problem, points: Sequence[Point]) -> int:
     """How many of the points, from the first on, are admissible."""
     states = np.array([p.x for p in points])
     # a fold angle exceeds pi, by however little, where a held limit does not keep it there
-    inside = (np.abs(states) <= programme.bound).all(axis=1) | (not programme.has_limits)
-    good = inside & programme.admissible(states)
+    inside = (np.abs(states) <= problem.bound).all(axis=1) | (not problem.has_limits)
+    good = inside & problem.admissible(states)
     count = len(points) if good.all() else int(np.argmin(good))
     # the order of layers is looked at where a run ends: it changes at corners, and then stays
     low, high = -1, count
-    if count and programme.refuses(states[count - 1]):
+    if count and problem.refuses(states[count - 1]):
         while high - low > 1:
             middle = (low + high) // 2
-            low, high = (middle, high) if not programme.refuses(states[middle]) else (low, middle)
+            low, high = (middle, high) if not problem.refuses(states[middle]) else (low, middle)
     return high

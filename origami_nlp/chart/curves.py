@@ -14,9 +14,9 @@ import math
 import numpy as np
 
 from origami_nlp.kkt import project
-from origami_nlp.numerics import CLOSES, CROSSING, NONZERO, OUTSIDE
+from origami_nlp.numerics import CLOSURE_TOL, CROSSING, NONZERO, OUTSIDE
 from origami_nlp.pattern import Scene
-from origami_nlp.programme import Model, Programme
+from origami_nlp.problem import Model, Problem
 from origami_nlp.starts import Projected
 
 STARTS = 96
@@ -48,7 +48,7 @@ def trace_curves(scene: Scene, step: float) -> list[np.ndarray]:
     curves: list[np.ndarray] = []
     for start in itertools.islice(Projected(model).starts(np.random.default_rng(0)), STARTS):
         x, residual = _correct(model, start.x)
-        if residual > CLOSES or np.abs(x).max() > math.pi + OUTSIDE:
+        if residual > CLOSURE_TOL or np.abs(x).max() > math.pi + OUTSIDE:
             continue
         if any(np.linalg.norm(c - x, axis=1).min() < step for c in curves):
             continue
@@ -62,14 +62,14 @@ def trace_curves(scene: Scene, step: float) -> list[np.ndarray]:
     return [piece for c in curves for piece in _keep(model, c) if len(piece) > SHORTEST]
 
 
-def _correct(model: Programme, x: np.ndarray, still: int | None = None) -> tuple[np.ndarray, float]:
+def _correct(model: Problem, x: np.ndarray, still: int | None = None) -> tuple[np.ndarray, float]:
     """Move a state onto closure; variable `still` stays.  Returns state and residual."""
     frozen = None if still is None else np.arange(model.size) == still
     y, residual = project(model, x, frozen=frozen, steps=NEWTON)
     return y, float(residual)
 
 
-def _tangent(model: Programme, x: np.ndarray, before: np.ndarray | None) -> np.ndarray | None:
+def _tangent(model: Problem, x: np.ndarray, before: np.ndarray | None) -> np.ndarray | None:
     """Unit tangent at x; where curves cross, the one most nearly along `before`."""
     _, s, vt = np.linalg.svd(model.closure(x)[1])
     null = vt[int((s > CROSSING).sum()) :]
@@ -82,7 +82,7 @@ def _tangent(model: Programme, x: np.ndarray, before: np.ndarray | None) -> np.n
 
 
 def _walk(
-    model: Programme, x: np.ndarray, tangent: np.ndarray, step: float
+    model: Problem, x: np.ndarray, tangent: np.ndarray, step: float
 ) -> tuple[list[np.ndarray], bool]:
     """Follow the curve from x until it leaves |phi| <= pi; tells whether it came back to x."""
     start, points = x, []
@@ -90,7 +90,7 @@ def _walk(
         for stretch in (1.0, 2.0, 0.5, 4.0):  # a crossing point can spoil one Newton step, not all
             y, residual = _correct(model, x + stretch * step * tangent)
             moved = y - x
-            if residual <= CLOSES and 0.2 * step < np.linalg.norm(moved) < 8 * step:
+            if residual <= CLOSURE_TOL and 0.2 * step < np.linalg.norm(moved) < 8 * step:
                 break
         else:
             break
@@ -108,7 +108,7 @@ def _walk(
     return points, False
 
 
-def _end_point(model: Programme, x: np.ndarray, y: np.ndarray) -> np.ndarray | None:
+def _end_point(model: Problem, x: np.ndarray, y: np.ndarray) -> np.ndarray | None:
     """Where the curve from x to y meets |phi| = pi, or None if Newton does not say."""
     # share of the step at which each fold angle reaches the limit that it is moving to
     room = (math.pi - np.sign(y) * x) / np.maximum(np.abs(y - x), NONZERO)
@@ -117,12 +117,12 @@ def _end_point(model: Programme, x: np.ndarray, y: np.ndarray) -> np.ndarray | N
     z = x + room[k] * (y - x)
     z[k] = math.copysign(math.pi, y[k])
     z, residual = _correct(model, z, k)
-    if residual > CLOSES or np.abs(z).max() > math.pi + OUTSIDE:
+    if residual > CLOSURE_TOL or np.abs(z).max() > math.pi + OUTSIDE:
         return None
     return np.clip(z, -math.pi, math.pi)
 
 
-def _keep(model: Programme, curve: np.ndarray) -> list[np.ndarray]:
+def _keep(model: Problem, curve: np.ndarray) -> list[np.ndarray]:
     """Cut a curve where it leaves the sheet q = +1 or passes a mirror or axis contact."""
     good = [model.on_sheet(x) and all(c.is_limit for c in model.beyond(x)) for x in curve]
     pieces = []

@@ -23,14 +23,14 @@ from origami_nlp.arguments import check_angles, check_type, check_whole
 from origami_nlp.chart.chart import Chart, admissible, chart_of, family_of
 from origami_nlp.chart.grid import allowed
 from origami_nlp.errors import OptionError
-from origami_nlp.files import Brief
-from origami_nlp.folding import examine
-from origami_nlp.numerics import TOUCHES
+from origami_nlp.folding import check_admissible
+from origami_nlp.io import ShortRepr
+from origami_nlp.numerics import CONTACT_TOL
 from origami_nlp.pattern import Scene
 
 
 @dataclass(frozen=True, repr=False)
-class Branch(Brief):
+class Branch(ShortRepr):
     """One sheet of the landscape (an area, or one curve).
 
     name: empty where there is only one.
@@ -67,7 +67,7 @@ LARGEST_SIZE = 8192
 
 
 @dataclass(frozen=True, repr=False)
-class Landscape(Brief):
+class Landscape(ShortRepr):
     """Energy over the coordinates of a scene.
 
     kind: ``"area"`` (two coordinates), ``"curve"`` (one) or ``"none"``.
@@ -110,7 +110,7 @@ class Landscape(Brief):
         else:
             place = _place_on_area(self, phi)
         here = winding == (self.scene.winding or 1)
-        return replace(place, drawn=here and bool(np.abs(phi).max() <= math.pi + TOUCHES))
+        return replace(place, drawn=here and bool(np.abs(phi).max() <= math.pi + CONTACT_TOL))
 
 
 def landscape(scene: Scene, size: int = 401) -> Landscape:
@@ -182,7 +182,7 @@ def _handles(chart: Chart, branch: Branch) -> tuple[np.ndarray, ...]:
             # a 1-handle: the border point is admissible, the cell inside of it is not
             alone = np.isnan(inside) & admissible(scene, states)
             # facets lie on each other there: the layers decide
-            alone[alone] = [examine(scene.vertex, phi).admissible for phi in states[alone]]
+            alone[alone] = [check_admissible(scene.vertex, phi).admissible for phi in states[alone]]
             for kept, run in itertools.groupby(range(len(t)), key=alone.__getitem__):
                 k = list(run)
                 if kept and len(k) > 2:
@@ -237,7 +237,7 @@ def _curves(scene: Scene, size: int) -> Landscape:
         phi = x[:, _variables(scene)[orbit]]
         good = admissible(scene, phi)
         if scene.contact == "full":  # few states: the order of touching layers too
-            good[good] = [examine(scene.vertex, state).admissible for state in phi[good]]
+            good[good] = [check_admissible(scene.vertex, state).admissible for state in phi[good]]
         if good.sum() > 1:
             pieces.append((x, np.where(good[:, None], phi, np.nan)))
     if not pieces:

@@ -16,7 +16,7 @@ from origami_nlp.cli.many import boundary, follow, pattern, sweep
 from origami_nlp.cli.paper import paper
 from origami_nlp.cli.understanding import barriers, contacts, critical, load, modes, space
 from origami_nlp.errors import OrigamiError
-from origami_nlp.files import printable
+from origami_nlp.io import printable
 from origami_nlp.version import __version__
 
 MANY = "Many vertices, many scenes, many creases"

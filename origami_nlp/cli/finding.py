@@ -44,7 +44,7 @@ def minima(
     starts: o.Starts = None,
     workers: o.Workers = None,
     seconds: o.Seconds = None,
-    full: o.Full = False,
+    full: o.PrettyRepr = False,
     noise: o.Noise = None,
     prove: o.Prove = None,
     certificate: o.CertificateFile = None,
@@ -108,7 +108,7 @@ def minima(
 
 def _write_certificate(result: MinimaResult, file: str) -> None:
     """Prove again, with the tree of boxes on record, and write it down."""
-    from origami_nlp.programme import Model
+    from origami_nlp.problem import Model
     from origami_nlp.proof import certificate_of, prove, write_certificate
 
     found = result.completeness
@@ -158,12 +158,12 @@ def landscape(
     from origami_nlp.barriers import find_barriers
     from origami_nlp.chart import chart_of, landscape as coordinates
     from origami_nlp.critical import find_critical_points
+    from origami_nlp.display import InteractivePage
     from origami_nlp.landscape import (
         draw_landscape,
         find_landscape,
         landscape_to_dict,
     )
-    from origami_nlp.show import TurnedPage
     from origami_nlp.space import find_space
 
     out = Output(figure=figure, npz=npz, json=json, html=html)
@@ -196,7 +196,7 @@ def landscape(
         out.write("json", landscape_to_dict, exact, space, critical, barriers)
     out.write("npz", _npz, exact)
     out.write("figure", draw_landscape, exact, barriers)
-    out.save("html", lambda file: TurnedPage(exact.turned(barriers)).save(file))
+    out.save("html", lambda file: InteractivePage(exact.view_content(barriers)).save(file))
 
 
 def _npz(exact: ExactLandscape) -> bytes:

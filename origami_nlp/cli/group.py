@@ -85,7 +85,7 @@ def _word(argument: Any) -> str:
 
 
 def _tell_files(options: list[str]) -> None:
-    from origami_nlp.files import Screen
+    from origami_nlp.io import Screen
 
     screen = Screen()
     if screen.is_terminal:

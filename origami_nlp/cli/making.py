@@ -51,14 +51,14 @@ def design(
     Exit code 0: a design that does all that is asked.  1: proved that no springs do.  3: neither; the last lines say
     why.
     """
-    from origami_nlp.facets import sheet_to_fold
-    from origami_nlp.springs import (
+    from origami_nlp.inverse_design import (
         design as find,
         draw_design,
         example_targets,
         parse_targets,
         read_targets,
     )
+    from origami_nlp.pattern_problem import pattern_to_fold
 
     files = Output(scene=scene, json=json, figure=figure, targets=write)
     if (targets is None) == (example is None):
@@ -77,7 +77,7 @@ def design(
     if answer.scene is not None:
         made = answer.scene
         if isinstance(made, Pattern):
-            files.write("scene", lambda: js.dumps(sheet_to_fold(made, []), indent=1) + "\n")
+            files.write("scene", lambda: js.dumps(pattern_to_fold(made, []), indent=1) + "\n")
         else:
             files.write("scene", format_scene, made)
         files.write("figure", draw_design, answer)
@@ -162,9 +162,9 @@ def vertices(
 
     With --scene, write the one of --vertex as a scene file; --figure draws the pattern with the numbers of vertices.
     """
+    from origami_nlp.display import draw_pattern
     from origami_nlp.folding import list_vertices, print_vertices, vertices_to_dict
     from origami_nlp.pattern import format_scene
-    from origami_nlp.show import draw_pattern
 
     out = Output(json=json, scene=toml, figure=figure)
     others = {name: value for name, value in scene.given.items() if name != "frame"}
@@ -186,7 +186,7 @@ def vertices(
 @takes_scene(o.SceneFile)
 def model(scene: Source) -> None:
     """Print variables, equalities, inequalities, facet pairs in and out of the model of SCENE."""
-    from origami_nlp.programme import Model
+    from origami_nlp.problem import Model
 
     stated = scene.read()
     Output().say(f"{stated}\n{Model(stated)}", highlight=False, soft_wrap=True)

@@ -17,7 +17,7 @@ from origami_nlp.cli.timed import ENDED
 from origami_nlp.errors import SweepError
 
 if TYPE_CHECKING:
-    from origami_nlp.sheets import Motion, Overview
+    from origami_nlp.pattern_states import Mobility, Motion
 
 
 @takes_scene(o.PatternFile, whole=True)
@@ -38,11 +38,11 @@ def pattern(
     Facets, creases, vertices, holes, freedoms, redundant equations, what is odd.  Files hold the folding motion, or
     without --path the folded state at which freedoms were counted.  Its stable states: minima; under a load: load.
     """
-    from origami_nlp.sheets import find_motion, overview
+    from origami_nlp.pattern_states import analyze_mobility, find_motion
 
     out = Output(json=json, figure=figure, fold=fold, mesh=mesh, html=html)
     sheet = scene.read_pattern()
-    seen = overview(sheet, seed)
+    seen = analyze_mobility(sheet, seed)
     seen.tell(out.console)
     motion = find_motion(sheet, seen, seed) if path else None
     if motion is not None:
@@ -53,7 +53,7 @@ def pattern(
 class _Files:
     """What goes to the files of the command."""
 
-    def __init__(self, seen: Overview, motion: Motion | None) -> None:
+    def __init__(self, seen: Mobility, motion: Motion | None) -> None:
         self.seen, self.motion, self.pattern = seen, motion, seen.pattern
         phi = self.pattern.reference if seen.folded is None else seen.folded
         title = f"folded: {seen.start}" if seen.start else "as in the file"
@@ -72,35 +72,35 @@ class _Files:
         return data if self.motion is None else {**data, "motion": self.motion.to_dict()}
 
     def _fold(self, file: str) -> None:
-        from origami_nlp.facets import sheet_frame, sheet_to_fold
         from origami_nlp.folding import path_frames, save_fold
+        from origami_nlp.pattern_problem import pattern_frame, pattern_to_fold
 
-        frame = partial(sheet_frame, self.pattern)
+        frame = partial(pattern_frame, self.pattern)
         frames = [frame(phi, title) for title, phi in self.states]
         if self.motion is not None:
             path = self.motion.fold_angles, self.motion.energy
             frames = path_frames(frame, *path, "folding motion")
-        save_fold(sheet_to_fold(self.pattern, frames), file)
+        save_fold(pattern_to_fold(self.pattern, frames), file)
 
     def _mesh(self, file: str) -> None:
-        from origami_nlp.facets import sheet_parts
         from origami_nlp.minima import write_parts
+        from origami_nlp.pattern_problem import pattern_parts
 
         states = [phi for _, phi in self.states]
         if self.motion is not None:
             states += [self.motion.fold_angles[k] for k in self.motion.shown(6)]
-        write_parts(sheet_parts(self.pattern, states), file)
+        write_parts(pattern_parts(self.pattern, states), file)
 
     def _page(self, file: str) -> None:
-        from origami_nlp.sheets import sheet_content
-        from origami_nlp.show import TurnedPage
+        from origami_nlp.display import InteractivePage
+        from origami_nlp.pattern_states import pattern_content
 
         states: list[Any] = [(title, phi, ()) for title, phi in self.states]
         if self.motion is not None:
             states = [(f"end: {self.motion.end}", self.motion.fold_angles[-1], ())]
-        told = [one for one in (self.motion, self.seen) if one is not None]
-        pieces = [piece for one in told for piece in one.told()]
-        TurnedPage(sheet_content(self.pattern, states, self.motion, pieces)).save(file)
+        reported = [one for one in (self.motion, self.seen) if one is not None]
+        pieces = [piece for one in reported for piece in one.report_sections()]
+        InteractivePage(pattern_content(self.pattern, states, self.motion, pieces)).save(file)
 
 
 @takes_scene(o.OrigamiFile, whole=True)
@@ -109,7 +109,7 @@ class _Files:
 )
 def follow(
     scene: Source,
-    over: o.Over,
+    over: o.ParameterRange,
     checks: Annotated[
         int,
         typer.Option(metavar="N", help="Searches: both ends, the middle, then the widest gaps."),
@@ -125,7 +125,7 @@ def follow(
     **search: Any,
 ) -> Any:
     """Follow the states of ORIGAMI over a parameter, and locate where they appear, change and vanish."""
-    from origami_nlp.atlas import follow as follow_states
+    from origami_nlp.bifurcation import follow as follow_states
 
     # options of an example by name are among what it can be followed over
     named = scene.is_example and not scene.given
@@ -152,7 +152,7 @@ def boundary(
             help="The parameter in whose range events are looked for; NAME=VALUE for those nearby.",
         ),
     ],
-    over: o.Over,
+    over: o.ParameterRange,
     lines: Annotated[
         int,
         typer.Option(metavar="N", help="Values of the second at which the first is followed."),
@@ -160,9 +160,9 @@ def boundary(
     **search: Any,
 ) -> Any:
     """Draw where states of SCENE appear, change and vanish over two parameters, as exact curves."""
-    from origami_nlp.atlas import find_boundaries
+    from origami_nlp.bifurcation import find_bifurcation_set
 
-    return find_boundaries(scene.read(), event, over, lines=lines, **search)
+    return find_bifurcation_set(scene.read(), event, over, lines=lines, **search)
 
 
 def sweep(
@@ -177,7 +177,7 @@ def sweep(
     figure: o.FigureFile = None,
 ) -> None:
     """Find the minima of every scene, or pattern, of SWEEP; run it again to go on after an interruption."""
-    from origami_nlp.files import make_folder
+    from origami_nlp.io import make_folder
     from origami_nlp.sweep import draw_sweep, read_sweep, run_sweep
 
     output = Output(figure=figure)

@@ -235,7 +235,7 @@ Seconds = Annotated[
         help="Wall time after which the command ends with what it has, and says so.",
     ),
 ]
-Full = Annotated[
+PrettyRepr = Annotated[
     bool,
     typer.Option("--full", help="Judge in the full space too, where the symmetry may break."),
 ]
@@ -315,7 +315,7 @@ Panels = Annotated[bool, typer.Option("--panels", help="The paper's 18 panels in
 StateNumber = Annotated[
     int | None, typer.Option(metavar="K", help="Only the minimum number K of the list.")
 ]
-Over = Annotated[
+ParameterRange = Annotated[
     str,
     typer.Option(
         metavar="NAME=FROM:TO",

@@ -14,8 +14,8 @@ from origami_nlp.cli.timed import end_of
 from origami_nlp.errors import OptionError
 
 if TYPE_CHECKING:
-    from origami_nlp.files import Screen
-    from origami_nlp.show import Table, Turnable
+    from origami_nlp.display import Table, Viewable
+    from origami_nlp.io import Screen
 
 LONG = 24
 """Letters of a cell from which it is words, and may be folded."""
@@ -69,7 +69,7 @@ class Output:
     """
 
     def __init__(self, *more: tuple[str, Target], **targets: Target | None) -> None:
-        from origami_nlp.files import check_outputs, screen
+        from origami_nlp.io import check_outputs, screen
 
         named = [*((f"--{name}", target) for name, target in targets.items()), *more]
         for option, target in named:
@@ -80,7 +80,7 @@ class Output:
                 )
         check_outputs(*named)
         if html := targets.get("html"):
-            from origami_nlp.show import check_view
+            from origami_nlp.display import check_view
 
             check_view(f"--html = {str(html)!r}")
         if mesh := targets.get("mesh"):
@@ -88,7 +88,7 @@ class Output:
 
             check_mesh(Path(mesh))
         if film := targets.get("animate"):
-            from origami_nlp.show import check_animation
+            from origami_nlp.display import check_animation
 
             check_animation(film)
         self._targets = targets
@@ -128,21 +128,21 @@ class Output:
             save(*arguments, target)
             self.written(target)
 
-    def turn(self, *results: Turnable) -> None:
+    def turn(self, *results: Viewable) -> None:
         """Write ``--html``, a page on all `results`, and ``--animate``, the states of the first, where asked for."""
-        from origami_nlp.show import TurnedPage, write_animation
+        from origami_nlp.display import InteractivePage, write_animation
 
         if not any(self._targets.get(option) for option in ("html", "animate")):
             return
-        contents = [result.turned() for result in results]
+        contents = [result.view_content() for result in results]
         if self._targets.get("html"):
-            self.save("html", lambda file: TurnedPage(*contents).save(file))
+            self.save("html", lambda file: InteractivePage(*contents).save(file))
         if self._targets.get("animate"):
             self.save("animate", lambda file: write_animation(contents[0], file))
 
     def written(self, *targets: Target) -> None:
         """Say which files are there now."""
-        from origami_nlp.files import is_stdout, printable
+        from origami_nlp.io import is_stdout, printable
 
         if files := [str(target) for target in targets if not is_stdout(target)]:
             for file in files:  # whole, to be copied
@@ -180,14 +180,14 @@ def answers(*files: str, search: Sequence[str] = ()) -> Callable[..., Callable[.
 
 
 def _save_frames(found: Any, file: Any) -> None:
-    from origami_nlp.atlas import write_frames
+    from origami_nlp.bifurcation import write_frames
 
     write_frames(found, file)
 
 
 def _table(lines: list[str]) -> Table:
     """Return a table of Markdown; its first column is of words, as are all that hold long texts."""
-    from origami_nlp.show import Table
+    from origami_nlp.display import Table
 
     heads, _, *rows = [
         [cell.strip().replace("\\|", "|") for cell in re.split(r"(?<!\\)\|", line)[1:-1]]
@@ -199,7 +199,7 @@ def _table(lines: list[str]) -> Table:
 
 
 def _write(make: Callable[[], Any], target: Target) -> None:
-    from origami_nlp.files import save_figure, write_json, write_whole
+    from origami_nlp.io import save_figure, write_json, write_whole
 
     content = make()
     if isinstance(content, str | bytes):

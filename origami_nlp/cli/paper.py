@@ -25,9 +25,9 @@ def demo(
     seed: o.Seed = 0,
 ) -> None:
     """Find the symmetric minima of the paper's degree-6 and degree-8 vertices, and which of them are stable."""
-    from origami_nlp.files import make_folder, write_json
+    from origami_nlp.display import rows_table
+    from origami_nlp.io import make_folder, write_json
     from origami_nlp.minima import DEMO_HEADS, demo_rows, draw_minima
-    from origami_nlp.show import rows_table
 
     out = make_folder(out, "--out")
     files = [out / name for name in ("minima.json", "degree6.png", "degree8.png")]
@@ -50,14 +50,14 @@ def demo(
 
 
 def panels(
-    full: o.Full = False,
+    full: o.PrettyRepr = False,
     seed: o.Seed = 0,
     markdown: o.MarkdownFile = None,
     json: o.JsonFile = None,
 ) -> None:
     """Find the symmetric minima of the paper's 18 panels; with --full, decide each in the full space."""
+    from origami_nlp.display import rows_markdown, rows_table
     from origami_nlp.minima import table
-    from origami_nlp.show import rows_markdown, rows_table
 
     out = Output(markdown=markdown, json=json)
     results = search_panels(seed, full)

@@ -9,10 +9,10 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from origami_nlp.files import printable
+from origami_nlp.io import printable
 
 if TYPE_CHECKING:
-    from origami_nlp.files import Screen
+    from origami_nlp.io import Screen
 
 INTERVAL = 10.0
 """Seconds between two lines where there is no terminal."""
@@ -23,7 +23,7 @@ PAUSE = 1.0
 
 
 @dataclass
-class Report:
+class ProgressReport:
     """Where a job is; call it to say so.
 
     done, total: parts (None: unknown; a total of 1.0: a share).  text: what it is at.
@@ -34,7 +34,7 @@ class Report:
     total: float | None = None
     done: float | None = None
     text: str = ""
-    listener: Callable[[Report], None] | None = None
+    listener: Callable[[ProgressReport], None] | None = None
 
     def __call__(
         self, done: float | None = None, total: float | None = None, text: str | None = None
@@ -66,7 +66,7 @@ class Report:
         return f"{self.title}: {self.state}" if self.state else self.title
 
 
-_running: list[Report] = []
+_running: list[ProgressReport] = []
 _heard = {"line": 0.0, "end": -PAUSE}
 """When the last line came, and when the last job ended (`time.monotonic`)."""
 
@@ -77,15 +77,15 @@ def wait(now: float) -> float:
 
 
 @contextmanager
-def progress(title: str, total: float | None = None) -> Iterator[Report]:
+def progress(title: str, total: float | None = None) -> Iterator[ProgressReport]:
     """Show a job of `total` parts (None: unknown; 1.0: a share) while it runs.
 
     Without a terminal a line comes every `INTERVAL` seconds, so that a log shows that the job lives.  A job
     started inside another one appears as what the outer one is at.
     """
-    from origami_nlp.files import Screen
+    from origami_nlp.io import Screen
 
-    report = Report(title, total)
+    report = ProgressReport(title, total)
     screen = Screen(stderr=True)
     show = _inside if _running else _bar if screen.is_terminal else _lines
     with show(report, screen):
@@ -98,18 +98,18 @@ def progress(title: str, total: float | None = None) -> Iterator[Report]:
 
 
 @contextmanager
-def _inside(report: Report, _: Screen) -> Iterator[None]:
+def _inside(report: ProgressReport, _: Screen) -> Iterator[None]:
     outer = _running[-1]
     report.listener = lambda r: outer(text=r.line)
     yield
 
 
 @contextmanager
-def _bar(report: Report, screen: Screen) -> Iterator[None]:
+def _bar(report: ProgressReport, screen: Screen) -> Iterator[None]:
     from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
     from rich.text import Text
 
-    def line(r: Report) -> str:
+    def line(r: ProgressReport) -> str:
         text = Text(r.line)  # one line, however narrow the terminal
         text.truncate(max(1, screen.width - BAR - len(" 0:00:00 ")), overflow="ellipsis")
         return text.plain
@@ -129,7 +129,7 @@ def _bar(report: Report, screen: Screen) -> Iterator[None]:
 
 
 @contextmanager
-def _lines(report: Report, screen: Screen) -> Iterator[None]:
+def _lines(report: ProgressReport, screen: Screen) -> Iterator[None]:
     start, over, stream = time.monotonic(), threading.Event(), screen.file
     if start - _heard["end"] >= PAUSE:
         _heard["line"] = start

@@ -14,7 +14,7 @@ from typing import Any
 from origami_nlp.arguments import check_whole
 from origami_nlp.cli import options as o
 from origami_nlp.errors import FoldFileError, OptionError, SceneFileError
-from origami_nlp.files import read_limited
+from origami_nlp.io import read_limited
 from origami_nlp.pattern import (
     LARGEST,
     Frame,

@@ -82,7 +82,7 @@ def bounded(command: Callable[..., None]) -> Callable[..., None]:
 
 
 def _out_of_time(seconds: float | None, given: dict[str, Any]) -> NoReturn:
-    from origami_nlp.files import screen
+    from origami_nlp.io import screen
 
     console = screen(*(v for v in given.values() if isinstance(v, str | os.PathLike)))
     for result in _kept:

@@ -55,7 +55,7 @@ def work_of(
     sheet: Any, creases: list[int] | None, pull: str | None, force: str | None, held: int
 ) -> Any:
     """Return what a load on a pattern works on, as options say it."""
-    from origami_nlp.facets import DeadForce, Pull, Torque
+    from origami_nlp.pattern_problem import DeadForce, Pull, Torque
 
     if creases:
         return Torque(sheet, tuple(creases))
@@ -182,7 +182,7 @@ def barriers(
     seed: o.Seed = 0,
     json: o.JsonFile = None,
     figure: o.FigureFile = None,
-    full: o.Full = False,
+    full: o.PrettyRepr = False,
     panels: o.Panels = False,
     markdown: o.MarkdownFile = None,
     fold: o.PathsFold = None,
@@ -196,7 +196,7 @@ def barriers(
     """
     from origami_nlp.barriers import (
         barriers_table,
-        check_freedoms,
+        check_dof,
         draw_barriers,
         find_barriers,
     )
@@ -214,7 +214,7 @@ def barriers(
     stated: list[Any] = [scene.read_whole()] if scene else [*examples.panels()]
     for one in stated:
         if isinstance(one, Scene):
-            check_freedoms(one)
+            check_dof(one)
     found = []
     for one in stated:
         result = search(one, given, seed=seed, full=full or None, escape=False)
@@ -256,7 +256,7 @@ def critical(
         find_critical_points,
         panel_row,
     )
-    from origami_nlp.show import rows_markdown, rows_table
+    from origami_nlp.display import rows_markdown, rows_table
     from origami_nlp.space import find_space
 
     out = Output(json=json, markdown=markdown)

@@ -11,10 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patheffects import withStroke
 
-from origami_nlp.kkt import ContactForce
-from origami_nlp.minima import images
-from origami_nlp.programme import Model
-from origami_nlp.show import (
+from origami_nlp.display import (
     IDLE,
     PUSHES,
     Pose,
@@ -24,6 +21,9 @@ from origami_nlp.show import (
     label_text,
     pose_state,
 )
+from origami_nlp.kkt import ContactForce
+from origami_nlp.minima import images
+from origami_nlp.problem import Model
 
 WIDTH = 4.2
 """Of the picture [in]."""

@@ -26,7 +26,7 @@ from typing import Any, Literal
 import numpy as np
 
 from origami_nlp.contact.force_cone import distance_to_boundary
-from origami_nlp.files import Brief
+from origami_nlp.io import ShortRepr
 from origami_nlp.kkt import (
     Multipliers,
     State,
@@ -42,14 +42,14 @@ from origami_nlp.minima import Record, solve_without_crossing
 from origami_nlp.numerics import (
     BALANCED,
     CARRIES,
+    CONTACT_TOL,
+    DUPLICATE_TOL,
     NEAR_CONTACT,
     NONZERO,
     ROUNDED,
-    SAME,
-    TOUCHES,
     null_space,
 )
-from origami_nlp.programme import Programme
+from origami_nlp.problem import Problem
 
 LEAST_DAMPING, SOFT = 1e-2, 1e-2
 """Share of a step at which the search for a critical load gives up, and of the stiffness without load that is soft."""
@@ -118,7 +118,7 @@ class CreaseMargin:
 
 
 @dataclass(frozen=True, repr=False)
-class LoadMargin(Brief):
+class LoadMargin(ShortRepr):
     """The load margin of one state.
 
     Attributes
@@ -178,7 +178,7 @@ def load_margin(state: State, *, check: bool = True) -> LoadMargin:
     check
         Whether to re-solve just below and just above the critical load.
     """
-    model = state.programme
+    model = state.problem
     choices = state.contacts.combinations()
     if choices is None:
         return _nothing(model, "none", "too many pieces of the feasible set meet at the state")
@@ -214,7 +214,7 @@ def _smaller(margins: list[CreaseMargin]) -> CreaseMargin:
     return CreaseMargin(up.creases, up.positive, down.negative, first, (up.ends[0], down.ends[1]))
 
 
-def _nothing(model: Programme, status: Status, reason: str, opens: str = "") -> LoadMargin:
+def _nothing(model: Problem, status: Status, reason: str, opens: str = "") -> LoadMargin:
     norm = {"zero": 0.0, "unbounded": math.inf}.get(status, math.nan)
     return LoadMargin(
         status, norm, norm, (), opens, "lost", (), _cap(model), model.symmetry,
@@ -222,23 +222,23 @@ def _nothing(model: Programme, status: Status, reason: str, opens: str = "") -> 
     )  # fmt: skip
 
 
-def _cap(model: Programme) -> float:
+def _cap(model: Problem) -> float:
     return 2 * math.pi * model.scale * float(model.parameters.stiffness.sum())
 
 
-def under_load(model: Programme, load: np.ndarray) -> Any:
+def under_load(model: Problem, load: np.ndarray) -> Any:
     """The model with energy U - load . y, for a load [n] in the metric of all N fold angles, over `scale`."""
     # work is the same in both metrics: load . y = (root load) . x
     return model.loaded(model.root * load)
 
 
-def moments_of(model: Programme, load: np.ndarray) -> tuple[float, ...]:
+def moments_of(model: Problem, load: np.ndarray) -> tuple[float, ...]:
     """Moment [N m] on each of the N creases of a load in the metric."""
     return tuple(model.expand(model.scale * load / model.root).tolist())
 
 
 def _regular(piece: Stratum, check: bool) -> LoadMargin:
-    model, rows = piece.state.programme, piece.contacts
+    model, rows = piece.state.problem, piece.contacts
     response, _ = piece.response()
     # mu_i + D_i . f = 0 is a plane of loads at the distance mu_i / |D_i|
     margins = piece.forces / np.maximum(np.linalg.norm(response, axis=1), NONZERO)
@@ -282,7 +282,7 @@ def _refine(piece: Stratum, i: int, response: np.ndarray) -> np.ndarray:
     Relinearises mu_i at the loaded state: f <- D_i (D_i . f - mu_i) / |D_i|^2, damped where the loaded
     state cannot be solved for.  Falls back on the first-order direction.
     """
-    model, rows = piece.state.programme, piece.contacts
+    model, rows = piece.state.problem, piece.contacts
     d, mu = response, piece.forces[i]
     start = -mu * d / (d @ d)
     load, y, damping = np.zeros(model.size), piece.state.x, 1.0
@@ -323,7 +323,7 @@ def _critical(piece: Stratum, direction: np.ndarray, cap: float) -> _Event:
 
     The load is bisected to 1e-8 relative.
     """
-    model, rows = piece.state.programme, piece.contacts
+    model, rows = piece.state.problem, piece.contacts
 
     def look(tau: float, near: np.ndarray) -> tuple[np.ndarray, Ending | None, int] | None:
         loaded = under_load(model, tau * direction)
@@ -353,7 +353,7 @@ def _critical(piece: Stratum, direction: np.ndarray, cap: float) -> _Event:
         if found is not None and found[1] is not None:
             ending, row = found[1], found[2]
         step /= 2
-        if step <= SAME * high:
+        if step <= DUPLICATE_TOL * high:
             break
     if ending == "lost":
         # Newton has no solution beyond a fold of the load path, where the stiffness vanishes
@@ -364,7 +364,7 @@ def _critical(piece: Stratum, direction: np.ndarray, cap: float) -> _Event:
 
 def _orbit(piece: Stratum, v: int, response: np.ndarray, cap: float) -> CreaseMargin:
     """Return the margins for moments on the creases of variable v alone."""
-    model = piece.state.programme
+    model = piece.state.problem
     root = math.sqrt(model.multiplicity[v])
     values, linear, ends = [], [], []
     for sign in (1.0, -1.0):
@@ -386,7 +386,7 @@ def _orbit(piece: Stratum, v: int, response: np.ndarray, cap: float) -> CreaseMa
 
 def _resolve(piece: Stratum, near: np.ndarray, i: int, load: np.ndarray, factor: float) -> Check:
     """Solve the loaded scene from a state beside `near` with row i slightly open, and look at that contact."""
-    model, rows = piece.state.programme, piece.contacts
+    model, rows = piece.state.problem, piece.contacts
     loaded = under_load(model, load)
     _, jac = model.constraints(near, rows)
     wanted = np.zeros(len(jac))
@@ -403,16 +403,18 @@ def _resolve(piece: Stratum, near: np.ndarray, i: int, load: np.ndarray, factor:
         float(there.openings[i])
     )  # on another piece of the feasible set it opens to the other side
     multiplier = 0.0
-    if gap <= TOUCHES:  # the same touch may have been described by another row: read it as row i
+    if (
+        gap <= CONTACT_TOL
+    ):  # the same touch may have been described by another row: read it as row i
         multiplier = float(model.scale * there.forces[i] / model.weight(rows[i]))
     moved = float(np.linalg.norm(model.root * (y - piece.state.x)))
-    return Check(factor, by, gap, multiplier, moved, gap <= TOUCHES)
+    return Check(factor, by, gap, multiplier, moved, gap <= CONTACT_TOL)
 
 
 def _dependent(piece: Stratum, check: bool) -> LoadMargin:
     """Margin where contacts are dependent: distance of the pull to the boundary of the cone of contact forces."""
     model, rows, z, pull = (
-        piece.state.programme,
+        piece.state.problem,
         piece.contacts,
         piece.state.kernel,
         piece.state.gradient,

@@ -69,7 +69,7 @@ def find_contacts(
             why = f"no admissible state nearby, so that no contact can open ({minimum.certificate})"
             margin = replace(margin, status="unbounded", norm=math.inf, reason=why)
         stiffness = what.hessian_eigenvalues if one else what.eigenvalues
-        total = at.programme.scale * float(np.sum(at.programme.parameters.stiffness))
+        total = at.problem.scale * float(np.sum(at.problem.parameters.stiffness))
         softness = min(stiffness, default=math.inf) / total
         states.append(PinnedState(number, minimum, what.contacts, stiffness, softness, margin))
     found = find_segments(result) if segments else None

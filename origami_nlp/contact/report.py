@@ -12,10 +12,10 @@ from typing import Any
 
 from origami_nlp.contact.margin import Check, CreaseMargin, LoadMargin
 from origami_nlp.contact.segments import STIFFNESS, SegmentReport, add_segments
-from origami_nlp.files import Brief, Unbounded
+from origami_nlp.display import Content, Report, Section, Table, Viewable, Words
+from origami_nlp.io import ShortRepr, Unbounded
 from origami_nlp.kkt import ContactForce
 from origami_nlp.minima import CELLS, MinimaResult
-from origami_nlp.show import Content, Piece, Table, Told, Turnable, Words
 
 HEADS = (
     "#",
@@ -32,7 +32,7 @@ SOFT = STIFFNESS
 
 
 @dataclass(frozen=True, repr=False)
-class PinnedState(Brief):
+class PinnedState(ShortRepr):
     """One minimum with closed contacts.
 
     Attributes
@@ -80,7 +80,7 @@ class PinnedState(Brief):
 
 
 @dataclass(frozen=True, repr=False)
-class ContactReport(Told, Turnable):
+class ContactReport(Report, Viewable):
     """The minima of a result that are in contact, and, if asked for, its metastable segments.
 
     Attributes
@@ -151,7 +151,7 @@ class ContactReport(Told, Turnable):
         ]
         return Table(HEADS, rows, columns="LLLLLL")
 
-    def told(self) -> Iterator[Piece]:
+    def report_sections(self) -> Iterator[Section]:
         """Return the table, what holds each state, and the metastable segments."""
         yield self.table()
         for state in self.states:
@@ -162,7 +162,7 @@ class ContactReport(Told, Turnable):
                 names, up, down = crease_cells(crease)
                 yield f"   moment on creases {names} alone: valley {up}; mountain {down}"
         if self.segments is not None:
-            yield from self.segments.told()
+            yield from self.segments.report_sections()
 
     def to_markdown(self) -> str:
         """Return the report as a page of Markdown."""
@@ -172,16 +172,16 @@ class ContactReport(Told, Turnable):
             if state.margin.creases:
                 parts += [f"{CREASES}\n", state.creases_table().markdown()]
         if self.segments is not None:
-            parts += ["## Metastable segments\n", _bullets(self.segments.told())]
+            parts += ["## Metastable segments\n", _bullets(self.segments.report_sections())]
         return "\n".join(parts)
 
-    def turned(self) -> Content:
+    def view_content(self) -> Content:
         """Return states with their contacts and the contact boundaries as plain data, see `view`."""
         from origami_nlp.chart import landscape
 
         one = not self.result.is_pattern
         chart: Any = landscape(self.result.scene, CELLS) if one else None
-        content = self.result.turned(chart) if one else self.result.turned()
+        content = self.result.view_content(chart) if one else self.result.view_content()
         stations = list(content.stations)
         for state in self.states:
             old = stations[state.number - 1]
@@ -191,7 +191,7 @@ class ContactReport(Told, Turnable):
         content = replace(content, stations=tuple(stations), pieces=tuple(self._pieces()))
         return content if self.segments is None else add_segments(content, chart, self.segments)
 
-    def _pieces(self) -> Iterator[Piece]:
+    def _pieces(self) -> Iterator[Section]:
         """Return the report with the margins of single creases as tables."""
         yield replace(self.full_table(), title=self.headline)
         for state in self.states:
@@ -199,7 +199,7 @@ class ContactReport(Told, Turnable):
                 title = f"State {state.number}: largest moment on the creases of one orbit alone"
                 yield replace(state.creases_table(), title=title)
         if self.segments is not None:
-            yield from self.segments.told()
+            yield from self.segments.report_sections()
 
     def _rows(self) -> Iterator[dict[str, object]]:
         for state in self.states:

@@ -22,15 +22,15 @@ import numpy as np
 
 from origami_nlp.arguments import check_type, shown
 from origami_nlp.chart import BoundaryLine, Landscape, chart_of, trace_boundary, with_energy
+from origami_nlp.continuation import BoundaryCurve, correct, follow_boundary
+from origami_nlp.display import Content, Poser, Report
 from origami_nlp.errors import OptionError
-from origami_nlp.files import OneBased
+from origami_nlp.io import OneBased
 from origami_nlp.kkt import State, Stratum
 from origami_nlp.minima import MinimaResult, points_on
-from origami_nlp.numerics import BESIDE, NEAR_CONTACT
-from origami_nlp.path import BoundaryCurve, correct, follow_boundary
+from origami_nlp.numerics import NEAR_CONTACT, NEAR_SINGULAR_TOL
 from origami_nlp.pattern import Scene
-from origami_nlp.programme import Contact, Model
-from origami_nlp.show import Content, Poser, Told
+from origami_nlp.problem import Contact, Model
 
 SLOPE = 5e-3
 """Largest |dU/ds| / (pi sum k) of a metastable segment (the paper's tolerance for stationarity)."""
@@ -84,7 +84,7 @@ class Segment:
 
 
 @dataclass(frozen=True, repr=False)
-class SegmentReport(Told):
+class SegmentReport(Report):
     """Boundary curves of a scene, the stable states on them, and their metastable segments.
 
     Attributes
@@ -115,7 +115,7 @@ class SegmentReport(Told):
         """Total length of all metastable segments [rad]."""
         return sum(segment.length for segment in self.segments)
 
-    def told(self) -> Iterator[str]:
+    def report_sections(self) -> Iterator[str]:
         """Return the metastable segments, or that there are none."""
         if not self.curves:
             yield "no contact boundary to follow"
@@ -249,12 +249,12 @@ def _held(state: State, *, one_at_a_time: bool) -> list[Stratum]:
 
 def _on_known(held: Stratum, curves: list[BoundaryCurve]) -> int | None:
     """Return the curve that already runs along a state with the same contacts closed, if there is one."""
-    model, x = held.state.programme, held.state.x
+    model, x = held.state.problem, held.state.x
     for number, curve in enumerate(curves):
         at = curve.states
         distance = np.linalg.norm((at - x) * model.root, axis=1)
         k = int(distance.argmin())
-        step = np.abs(np.diff(curve.s)).max(initial=BESIDE)
+        step = np.abs(np.diff(curve.s)).max(initial=NEAR_SINGULAR_TOL)
         if distance[k] > step:
             continue
         # the same boundary may be described by other contacts: they stay closed along it
@@ -375,7 +375,7 @@ def add_segments(content: Content, chart: Landscape, segments: SegmentReport) ->
     Parameters
     ----------
     content
-        Of `MinimaResult.turned`.
+        Of `MinimaResult.view_content`.
     chart
         The energy over the scene's coordinates.
     segments

@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from origami_nlp.contact.segments import SegmentReport
-from origami_nlp.show import BAND, INK, METASTABLE, label_text, patch
+from origami_nlp.display import BAND, INK, METASTABLE, label_text, patch
 
 MOST_CURVES = 4
 """Boundaries drawn; the figure says how many there are more."""

@@ -8,7 +8,7 @@ from origami_nlp.critical.link import RADII, Link, link_of
 from origami_nlp.critical.result import Kind
 from origami_nlp.kkt import State
 from origami_nlp.numerics import RISES
-from origami_nlp.programme import Parameters
+from origami_nlp.problem import Parameters
 
 
 def links_of(state: State, doubts: list[str]) -> tuple[Link, ...]:

@@ -15,10 +15,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from origami_nlp.continuation import ContinuationOptions, End, trace
 from origami_nlp.kkt import State, project
-from origami_nlp.numerics import CLOSES, RANK, SETTLED, TOUCHES, bracketed_roots
-from origami_nlp.path import ContinuationOptions, End, trace
-from origami_nlp.programme import Contact, Programme, held
+from origami_nlp.numerics import CLOSURE_TOL, CONTACT_TOL, RANK, SETTLED, bracketed_roots
+from origami_nlp.problem import Contact, Problem, held
 
 SEEDS = 96
 """Random states projected onto each contact."""
@@ -50,17 +50,17 @@ class Edge:
         return float(np.linalg.norm(np.diff(self.x, axis=0), axis=1).sum())
 
 
-def trace_edges(model: Programme, rng: np.random.Generator, seeds: int = SEEDS) -> tuple[Edge, ...]:
+def trace_edges(model: Problem, rng: np.random.Generator, seeds: int = SEEDS) -> tuple[Edge, ...]:
     """Find and trace every edge of X."""
     edges: list[Edge] = []
     rows = (*model.limits, *model.gaps)
     for position, row in enumerate(rows):
         start = rng.uniform(-math.pi, math.pi, (seeds, model.size))
         x, residual = project(model, start, (row,))
-        x = x[(residual <= CLOSES) & model.admissible(x)]
+        x = x[(residual <= CLOSURE_TOL) & model.admissible(x)]
         # where an earlier contact is closed as well, this curve is that contact's
         earlier, _ = model.local(x).openings(rows[:position])
-        x = x[(np.abs(earlier) > TOUCHES).all(axis=1)]
+        x = x[(np.abs(earlier) > CONTACT_TOL).all(axis=1)]
         traced = np.zeros((0, model.size))
         for state in x:
             if len(traced) and _distance(traced, state) < KNOWN:
@@ -101,7 +101,7 @@ class _At:
 class _Line:
     """A contact's curve in the programme's variables, for the tracer; see `path.Curve`."""
 
-    model: Programme
+    model: Problem
     row: Contact
 
     @property
@@ -110,7 +110,7 @@ class _Line:
 
     def correct(self, x: np.ndarray) -> np.ndarray | None:
         y, residual = _correct(self.model, x, self.row)
-        return y if residual <= CLOSES else None
+        return y if residual <= CLOSURE_TOL else None
 
     def frame(self, x: np.ndarray, along: np.ndarray) -> _At | None:
         """Return the point at x; None where closure and contact are dependent."""
@@ -121,7 +121,7 @@ class _Line:
         """How many of the points, from the first on, are within the bounds of all fold angles."""
         over = np.abs([p.x for p in points]) - self.model.bound
         over[:, [self.row.index] if self.row.is_limit else []] = -1
-        good = over.max(axis=1) <= TOUCHES
+        good = over.max(axis=1) <= CONTACT_TOL
         return len(points) if good.all() else int(np.argmin(good))
 
     def at_bound(self, a: _At, b: _At) -> _At:
@@ -131,9 +131,7 @@ class _Line:
         return _At(_meet(self.model, a.x, b.x, self.row, limit), b.tangent)
 
 
-def _trace(
-    model: Programme, start: np.ndarray, row: Contact
-) -> tuple[np.ndarray, np.ndarray, bool]:
+def _trace(model: Problem, start: np.ndarray, row: Contact) -> tuple[np.ndarray, np.ndarray, bool]:
     """Trace a contact's curve both ways to the fold limits: states, tangents, and whether it closes."""
     line = _Line(model, row)
     first = line.frame(start, np.zeros(model.size))
@@ -145,15 +143,13 @@ def _trace(
     return found.states, tangents, found.closed
 
 
-def _correct(model: Programme, x: np.ndarray, row: Contact) -> tuple[np.ndarray, float]:
+def _correct(model: Problem, x: np.ndarray, row: Contact) -> tuple[np.ndarray, float]:
     """Project one state onto a contact's curve."""
     y, residual = project(model, x[None], (row,), steps=8)
     return y[0], float(residual[0])
 
 
-def _meet(
-    model: Programme, a: np.ndarray, b: np.ndarray, row: Contact, other: Contact
-) -> np.ndarray:
+def _meet(model: Problem, a: np.ndarray, b: np.ndarray, row: Contact, other: Contact) -> np.ndarray:
     """Return the state on the contact's curve between a and b at which `other` closes, by bracketing.
 
     Newton on both contacts would slide along sets where they are dependent.
@@ -169,7 +165,7 @@ def _meet(
 
 
 def _cut(
-    model: Programme, row: Contact, x: np.ndarray, tangent: np.ndarray, loop: bool
+    model: Problem, row: Contact, x: np.ndarray, tangent: np.ndarray, loop: bool
 ) -> list[Edge]:
     """Cut a traced curve at every event, and keep the parts that belong to X.
 
@@ -180,9 +176,9 @@ def _cut(
     rows = tuple(r for r in (*model.limits, *model.gaps) if r != row)
     values, _ = model.local(x).openings(rows)
     events: dict[int, list[np.ndarray]] = {}
-    sure = np.abs(values) > TOUCHES
+    sure = np.abs(values) > CONTACT_TOL
     changes = sure[:-1] & sure[1:] & ((values[:-1] > 0) != (values[1:] > 0))
-    along_all = [r for r, v in zip(rows, values.T, strict=True) if (np.abs(v) <= TOUCHES).all()]
+    along_all = [r for r, v in zip(rows, values.T, strict=True) if (np.abs(v) <= CONTACT_TOL).all()]
     for contact in (row, *along_all):
         node = _orientation(model, x, tangent, contact)
         for k in np.flatnonzero((node[:-1] > 0) != (node[1:] > 0)):
@@ -216,7 +212,7 @@ def _cut(
     return kept
 
 
-def _orientation(model: Programme, x: np.ndarray, tangent: np.ndarray, row: Contact) -> np.ndarray:
+def _orientation(model: Problem, x: np.ndarray, tangent: np.ndarray, row: Contact) -> np.ndarray:
     """Return det (C; t), [M], C the Jacobian of closure and `row`: 0 where they lose rank."""
     _, jac = model.constraints(x, (row,))
     # test function of a branch point (Kuznetsov, bordered systems): it changes sign where two curves cross
@@ -224,7 +220,7 @@ def _orientation(model: Programme, x: np.ndarray, tangent: np.ndarray, row: Cont
 
 
 def _crossing(
-    model: Programme, a: np.ndarray, b: np.ndarray, tangent: np.ndarray, row: Contact, held: Contact
+    model: Problem, a: np.ndarray, b: np.ndarray, tangent: np.ndarray, row: Contact, held: Contact
 ) -> np.ndarray:
     """Return the state of row's curve between a and b at which closure and `held` lose rank."""
 
@@ -238,7 +234,7 @@ def _crossing(
     return _correct(model, a + share * (b - a), row)[0]
 
 
-def _inside(model: Programme, edge: Edge) -> list[Edge]:
+def _inside(model: Problem, edge: Edge) -> list[Edge]:
     """Return the edge if it belongs to X, nothing if not, and its parts that do if it changes on the way."""
     x = edge.x
     if len(x) <= 3:  # between close events: look half-way

@@ -35,9 +35,17 @@ from origami_nlp.critical.result import (
 from origami_nlp.critical.strata import FACE_SAMPLES, Strata, StratumVertex, strata_of
 from origami_nlp.kkt import State, Stratum
 from origami_nlp.minima import MinimaResult
-from origami_nlp.numerics import BALANCED, BESIDE, FIRM, SETTLED, STATIONARY, distinct, rank
+from origami_nlp.numerics import (
+    BALANCED,
+    FIRM,
+    NEAR_SINGULAR_TOL,
+    SETTLED,
+    STATIONARY,
+    distinct,
+    rank,
+)
 from origami_nlp.pattern import Scene, as_scene
-from origami_nlp.programme import Contact, Model, Programme
+from origami_nlp.problem import Contact, Model, Problem
 
 MOST_SAMPLES = 10_000_000
 """Random states that memory bears."""
@@ -107,7 +115,7 @@ def find_critical_points(
 
 
 def _interior_points(
-    model: Programme, strata: Strata, doubts: list[str], all_links: bool
+    model: Problem, strata: Strata, doubts: list[str], all_links: bool
 ) -> list[CriticalPoint]:
     """Critical points at which nothing touches."""
     starts = np.concatenate([strata.faces, *(edge.x[1:-1:2] for edge in strata.edges)])
@@ -137,13 +145,13 @@ def _interior_points(
     return out
 
 
-def _firm(model: Programme) -> float:
+def _firm(model: Problem) -> float:
     """Return the multiplier and curvature, scaled, from which they decide."""
     return FIRM * float((model.parameters.stiffness / model.multiplicity).min())
 
 
 def _edge_points(
-    model: Programme,
+    model: Problem,
     strata: Strata,
     vertices: np.ndarray,
     doubts: list[str],
@@ -188,7 +196,7 @@ def _edge_point(
     held: Stratum, side: int, push: float, residual: float, doubts: list[str], all_links: bool
 ) -> CriticalPoint:
     """Judge one critical point of an edge; `side` is the sign of the opening inside X, 0 on handles and slits."""
-    state, row, model = held.state, held.contacts[0], held.state.programme
+    state, row, model = held.state, held.contacts[0], held.state.problem
     assert held.dimension == 1  # Newton does not settle where closure and contact are dependent
     curvature, firm = held.stiffness, _firm(model)
     index = int(curvature < 0) if abs(curvature) > firm else None
@@ -213,7 +221,7 @@ def _edge_point(
     return _point(state, index, contribution, part, kind, contacts, moment, residual, how)
 
 
-def _unmet(model: Programme, edge: Edge, found: np.ndarray, vertices: np.ndarray) -> list[str]:
+def _unmet(model: Problem, edge: Edge, found: np.ndarray, vertices: np.ndarray) -> list[str]:
     """Name sign changes of dU/ds along an edge at which no critical point was found."""
     pull = model.parameters.torque(edge.x)
     # a continuous dU/ds that changes sign has a zero in between: a check that shares nothing with Newton
@@ -233,7 +241,7 @@ def _unmet(model: Programme, edge: Edge, found: np.ndarray, vertices: np.ndarray
     return out
 
 
-def _vertex_point(model: Programme, vertex: StratumVertex, doubts: list[str]) -> CriticalPoint:
+def _vertex_point(model: Problem, vertex: StratumVertex, doubts: list[str]) -> CriticalPoint:
     """Judge a vertex by its link."""
     state = State(model, vertex.x)
     rows = _descriptions(state)
@@ -258,7 +266,7 @@ def _vertex_point(model: Programme, vertex: StratumVertex, doubts: list[str]) ->
     return _point(state, None, contribution, part, kind, names, multipliers, state.residual, how)
 
 
-def _distinct(model: Programme, points: KktPoints) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _distinct(model: Problem, points: KktPoints) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Admissible KKT points that differ, most exact first: states, multipliers, residuals."""
     order = np.argsort(points.residual, kind="stable")
     order = order[model.admissible(points.x[order])] if len(order) else order
@@ -274,7 +282,7 @@ def _descriptions(state: State) -> tuple[Contact, ...]:
 
 def _contact_names(state: State) -> tuple[str, ...]:
     """Name the closed contacts of a state."""
-    return tuple(dict.fromkeys(state.programme.name(row) for row in _descriptions(state)))
+    return tuple(dict.fromkeys(state.problem.name(row) for row in _descriptions(state)))
 
 
 def _point(
@@ -310,7 +318,7 @@ def compare_minima(found: CriticalPoints, minima: MinimaResult) -> CriticalPoint
     for j, other in enumerate(minima.minima):
         for k in here:
             apart = np.abs(np.subtract(found.points[k].fold_angles, other.fold_angles)).max()
-            if apart <= BESIDE:
+            if apart <= NEAR_SINGULAR_TOL:
                 pairs.append((k, j))
                 break
     lists = MinimaComparison(

@@ -31,7 +31,7 @@ from origami_nlp.numerics import (
     bracketed_roots,
     null_space,
 )
-from origami_nlp.programme import Contact, Programme
+from origami_nlp.problem import Contact, Problem
 
 RADII = (1e-3, 2e-4)
 """Radii [rad] of the small spheres, in the tangent plane of the model's variables."""
@@ -59,7 +59,7 @@ class Link:
     the tip of a double cone.
     """
 
-    model: Programme
+    model: Problem
     center: np.ndarray
     radius: float
     circles: tuple[Circle, ...]
@@ -108,7 +108,7 @@ def _lone(mask: np.ndarray) -> int:
 
 def closed_rows(state: State) -> tuple[Contact, ...]:
     """Return every contact whose opening vanishes at a state, touching or not."""
-    every = (*state.programme.limits, *state.programme.every_gap)
+    every = (*state.problem.limits, *state.problem.every_gap)
     openings = state.on(every).openings
     return tuple(c for c, v in zip(every, openings, strict=True) if abs(v) <= state.tolerance)
 
@@ -121,7 +121,7 @@ def link_of(state: State, radius: float, samples: int = SAMPLES) -> Link:
     ValueError
         Where closure loses more than one rank, or its quadratic form is degenerate: the cone is unknown.
     """
-    model, rows = state.programme, closed_rows(state)
+    model, rows = state.problem, closed_rows(state)
     circles = []
     for place in _placings(state, radius):
         # an irrational shift keeps samples off the symmetric directions in which contacts stay closed
@@ -145,7 +145,7 @@ def link_of(state: State, radius: float, samples: int = SAMPLES) -> Link:
 
 
 def _on_contacts(
-    model: Programme, place: Placing, roots: np.ndarray, rows: tuple[Contact, ...], radius: float
+    model: Problem, place: Placing, roots: np.ndarray, rows: tuple[Contact, ...], radius: float
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return the states at which contacts stay closed, and whether they belong to X (layers ordered)."""
     at = place(roots) if len(roots) else np.zeros((0, model.size))
@@ -162,7 +162,7 @@ def _on_contacts(
 
 
 def _roots(
-    model: Programme, place: Placing, theta: np.ndarray, rows: tuple[Contact, ...]
+    model: Problem, place: Placing, theta: np.ndarray, rows: tuple[Contact, ...]
 ) -> np.ndarray:
     """Return the angles at which a row changes sign on the circle, sorted and distinct."""
     if not rows:
@@ -183,7 +183,7 @@ def _roots(
 
 def _placings(state: State, radius: float) -> list[Placing]:
     """Return one function theta [K] -> states [K, n] for each circle of directions."""
-    model, x, jac = state.programme, state.x, state.local.closure_jacobian
+    model, x, jac = state.problem, state.x, state.local.closure_jacobian
     u, sizes, _ = np.linalg.svd(jac)
     lost = int((sizes <= RANK).sum())
     if lost == 0:
@@ -220,7 +220,7 @@ def _placings(state: State, radius: float) -> list[Placing]:
 
 
 def _over_plane(
-    model: Programme, x: np.ndarray, radius: float, z: np.ndarray, theta: np.ndarray
+    model: Problem, x: np.ndarray, radius: float, z: np.ndarray, theta: np.ndarray
 ) -> np.ndarray:
     """Return the closed states over a circle in the tangent plane z [n, 2]."""
     y = x + radius * np.stack([np.cos(theta), np.sin(theta)], axis=1) @ z.T

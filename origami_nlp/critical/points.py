@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from origami_nlp.numerics import NONZERO, ROUNDED, STATIONARY
-from origami_nlp.programme import Contact, Programme, held
+from origami_nlp.problem import Contact, Problem, held
 
 LONGEST_STEP = 0.3
 """Newton steps are cut to this length [rad]: a start belongs to the critical points near it."""
@@ -27,7 +27,7 @@ class KktPoints:
     residual: np.ndarray
 
 
-def kkt_newton(model: Programme, start: np.ndarray, rows: tuple[Contact, ...] = ()) -> KktPoints:
+def kkt_newton(model: Problem, start: np.ndarray, rows: tuple[Contact, ...] = ()) -> KktPoints:
     """Run Newton on stationarity, closure and `rows` = 0 from every start [K, n].
 
     Finds minima, saddles and maxima along the stratum alike.  Starts whose Newton does not settle are dropped; a

@@ -7,10 +7,10 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Literal
 
-from origami_nlp.files import Brief
+from origami_nlp.display import Report, Section, Table
+from origami_nlp.io import ShortRepr
 from origami_nlp.numerics import residual_words
 from origami_nlp.pattern import Scene
-from origami_nlp.show import Piece, Table, Told
 
 Part = Literal["interior", "boundary", "corner", "handle", "singular"]
 Kind = Literal["minimum", "saddle", "maximum", "regular", "pinch", "undecided"]
@@ -19,7 +19,7 @@ ROUNDING = 1e-15
 
 
 @dataclass(frozen=True, repr=False)
-class CriticalPoint(Brief):
+class CriticalPoint(ShortRepr):
     """A critical point of the energy on the admissible set X, in the sense of stratified Morse theory.
 
     Attributes
@@ -119,7 +119,7 @@ class MorseVerdict:
 
 
 @dataclass(frozen=True, repr=False)
-class CriticalPoints(Told):
+class CriticalPoints(Report):
     """Critical points of the energy on the contact-admissible symmetric set X.
 
     Attributes
@@ -277,7 +277,7 @@ class CriticalPoints(Told):
         """Return the points that a person wants to see: the essential ones, or all of them."""
         return [p for p in self.points if everything or p.essential or p.kind == "undecided"]
 
-    def told(self) -> Iterator[Piece]:
+    def report_sections(self) -> Iterator[Section]:
         """Return the table, the points and the Morse sum."""
         yield self.table()
         yield from self.lines()

@@ -17,9 +17,9 @@ from origami_nlp.critical.edges import Edge, trace_edges
 from origami_nlp.critical.link import RADII, Link, closed_rows, link_of
 from origami_nlp.errors import OptionError
 from origami_nlp.kkt import State, project
-from origami_nlp.numerics import CLOSES, FOLLOWED, OUTSIDE, RANK, SETTLED, distinct
+from origami_nlp.numerics import CLOSURE_TOL, FOLLOWED, OUTSIDE, RANK, SETTLED, distinct
 from origami_nlp.pattern import Scene, Vertex
-from origami_nlp.programme import Model, Programme
+from origami_nlp.problem import Model, Problem
 from origami_nlp.starts import flat_foldings
 
 FACE_SAMPLES = 8192
@@ -86,7 +86,7 @@ def _strata(vertex: Vertex, symmetry: str, mirror: int | None, samples: int, see
     model = Model(Scene(vertex, (1.0,) * n, (0.0,) * n, symmetry, "full", mirror))
     rng = np.random.default_rng(seed)
     cloud, residual = project(model, rng.uniform(-math.pi, math.pi, (samples, model.size)))
-    cloud = cloud[(residual <= CLOSES) & model.admissible(cloud)]
+    cloud = cloud[(residual <= CLOSURE_TOL) & model.admissible(cloud)]
     edges = trace_edges(model, rng)
     ends = [x for edge in edges if not edge.loop for x in (edge.x[0], edge.x[-1])]
     found = [*flat_foldings(model), *_corners(model, rng), *ends]
@@ -100,11 +100,11 @@ def _strata(vertex: Vertex, symmetry: str, mirror: int | None, samples: int, see
 def _settled(state: State) -> np.ndarray:
     """Close a vertex to rounding, with its fold limits held; contacts and closure may be dependent there."""
     x, rows = state.x, tuple(row for row in closed_rows(state) if row.is_limit)
-    y, residual = project(state.programme, x[None], rows, steps=6, dependent=LOOSE)
+    y, residual = project(state.problem, x[None], rows, steps=6, dependent=LOOSE)
     return y[0] if residual[0] <= FOLLOWED and np.abs(y[0] - x).max() <= SETTLED else x
 
 
-def _side(model: Programme, edge: Edge) -> int:
+def _side(model: Problem, edge: Edge) -> int:
     """Return the sign of the contact's opening in X beside the middle of an edge, 0 if X is on neither or both."""
     circles = link_of(State(model, edge.x[len(edge.x) // 2]), RADII[-1], 24).circles
     if len(circles) != 1:
@@ -124,7 +124,7 @@ def _vertex(state: State) -> StratumVertex:
         return StratumVertex(state.x, (), str(error))
 
 
-def _corners(model: Programme, rng: np.random.Generator) -> list[np.ndarray]:
+def _corners(model: Problem, rng: np.random.Generator) -> list[np.ndarray]:
     """Return the admissible states at which two contacts close whose gradients and closure's are independent."""
     corners: list[np.ndarray] = []
     for pair in itertools.combinations((*model.limits, *model.gaps), 2):

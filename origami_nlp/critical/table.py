@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from origami_nlp.critical.result import CriticalPoints
-from origami_nlp.show import short_label
+from origami_nlp.display import short_label
 
 PANEL_HEADS = (
     "scene (N, alpha_1, r_k)",

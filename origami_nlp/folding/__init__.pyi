@@ -11,7 +11,7 @@ from .crossings import (
 )
 from .embedding import (
     LARGEST_TOLERANCE as LARGEST_TOLERANCE,
-    examine as examine,
+    check_admissible as check_admissible,
     fold_vertex as fold_vertex,
 )
 from .flat_fold import folds_flat as folds_flat

@@ -20,7 +20,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from origami_nlp.numerics import NONZERO, TOUCHES, cross, first_largest
+from origami_nlp.numerics import CONTACT_TOL, NONZERO, cross, first_largest
 
 
 @dataclass(frozen=True, eq=False)
@@ -196,7 +196,7 @@ def stack_rule(sectors: Sequence[float] | np.ndarray) -> StackRule:
     Returns
     -------
     StackRule
-        By crease.  Facets whose widths differ by `TOUCHES` at most end on each other, and nothing is said of them.
+        By crease.  Facets whose widths differ by `CONTACT_TOL` at most end on each other, and nothing is said of them.
     """
     alpha = np.asarray(sectors, dtype=float)
     n = len(alpha)
@@ -209,14 +209,15 @@ def stack_rule(sectors: Sequence[float] | np.ndarray) -> StackRule:
     fits_back = before + np.roll(alpha, 2) <= later
     k = np.where(forward, np.where(fits_forward, i + 2, i - 1), np.where(fits_back, i - 2, i + 1))
     j = np.where(forward, np.where(fits_forward, i - 1, i + 1), np.where(fits_back, i, i - 2))
-    end[np.abs(later - before) <= TOUCHES] = -1
+    end[np.abs(later - before) <= CONTACT_TOL] = -1
     return StackRule(end, np.stack([k % n, j % n], axis=-1))
 
 
-def stack_depths(rule: StackRule, fold_angles: np.ndarray, shut: np.ndarray) -> np.ndarray:
+def stack_depths(rule: StackRule, fold_angles: np.ndarray, at_limit: np.ndarray) -> np.ndarray:
     """Return how deep facets cross that the stack rule keeps apart; crossings that `find_crossings` cannot see.
 
-    It is a necessary condition on two facets and the one that follows; stacks of more layers are for `examine`.
+    It is a necessary condition on two facets and the one that follows; stacks of more layers are for
+    `check_admissible`.
 
     Parameters
     ----------
@@ -224,7 +225,7 @@ def stack_depths(rule: StackRule, fold_angles: np.ndarray, shut: np.ndarray) -> 
         Of the vertex.
     fold_angles
         Closed states, shape [K, N] [rad].
-    shut
+    at_limit
         Which creases are closed, and to which side, shape [K, N], in {-1, 0, 1}.
 
     Returns
@@ -235,10 +236,10 @@ def stack_depths(rule: StackRule, fold_angles: np.ndarray, shut: np.ndarray) -> 
         the wider of them: 1.
     """
     e = rule.end
-    depth = np.maximum(shut * np.sin(fold_angles[:, e]), 0.0)
+    depth = np.maximum(at_limit * np.sin(fold_angles[:, e]), 0.0)
     # folded on to the same side, the next facet is tucked in: that asks for room up to crease i
     mutual = rule.end[e] == np.arange(len(e))  # e's narrower facet is the same one
-    depth[(shut * shut[:, e] > 0) & mutual] = 1.0
+    depth[(at_limit * at_limit[:, e] > 0) & mutual] = 1.0
     depth[:, e < 0] = 0.0
     return depth
 

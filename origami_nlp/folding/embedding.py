@@ -22,7 +22,7 @@ from origami_nlp.arguments import check_angles, check_number, check_type, shown
 from origami_nlp.errors import OptionError
 from origami_nlp.folding.crossings import depths_at, facet_heights
 from origami_nlp.folding.layers import layer_problem
-from origami_nlp.numerics import TOUCHES, first_largest, quaternion as quat
+from origami_nlp.numerics import CONTACT_TOL, first_largest, quaternion as quat
 from origami_nlp.pattern import Vertex
 
 LARGEST_TOLERANCE = 0.01
@@ -134,11 +134,11 @@ def _not_ends(count: int) -> np.ndarray:
     return ~(own | np.roll(own, 1, axis=1))
 
 
-def examine(
+def check_admissible(
     vertex: Vertex,
     fold_angles: np.ndarray,
     *,
-    tolerance: float = TOUCHES,
+    tolerance: float = CONTACT_TOL,
     elements: tuple[tuple[int, bool], ...] = (),
 ) -> Embedding:
     """Tell whether a state of a vertex is admissible with full contact, and why not if not.
@@ -169,10 +169,10 @@ def examine(
 
     Examples
     --------
-    >>> from origami_nlp import Vertex, examine
-    >>> examine(Vertex(("pi/2",) * 4), [1, 0, 1, 0]).admissible
+    >>> from origami_nlp import Vertex, check_admissible
+    >>> check_admissible(Vertex(("pi/2",) * 4), [1, 0, 1, 0]).admissible
     True
-    >>> examine(Vertex(("pi/2",) * 4), [1, 0, 1, 0.5]).reason
+    >>> check_admissible(Vertex(("pi/2",) * 4), [1, 0, 1, 0.5]).reason
     'does not close: |vec q| = 2.5e-01'
     """
     check_type("vertex", vertex, Vertex)

@@ -3,7 +3,7 @@
 Kawasaki's and Maekawa's conditions are necessary.  A sector smaller than both neighbours must have one mountain
 and one valley, and may then be crimped: folded away, so that two creases and two sectors fewer are left, which
 fold flat exactly when the whole does (Bern and Hayes, "The complexity of flat origami", 1996).  Where equal
-sectors leave no such choice, the layers are ordered (`examine`).
+sectors leave no such choice, the layers are ordered (`check_admissible`).
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from origami_nlp.folding.embedding import examine
+from origami_nlp.folding.embedding import check_admissible
 from origami_nlp.numerics import NOISE
 from origami_nlp.pattern import FoldVertex, make_vertex
 
@@ -78,4 +78,4 @@ def crimped(sectors: tuple[float, ...], letters: str) -> bool | None:
 @lru_cache(maxsize=100_000)
 def _ordered(sectors: tuple[float, ...], letters: str) -> bool:
     phi = np.array([math.pi if letter == "V" else -math.pi for letter in letters])
-    return examine(make_vertex(sectors), phi, tolerance=NOISE).admissible
+    return check_admissible(make_vertex(sectors), phi, tolerance=NOISE).admissible

@@ -19,10 +19,10 @@ from typing import Any
 import numpy as np
 
 from origami_nlp.arguments import check_path
-from origami_nlp.files import write_whole
 from origami_nlp.folding.embedding import fold_vertex
 from origami_nlp.folding.layers import layer_problem, ordered
-from origami_nlp.numerics import TOUCHES
+from origami_nlp.io import write_whole
+from origami_nlp.numerics import CONTACT_TOL
 from origami_nlp.pattern import (
     HELD_KEY,
     LOADS_KEY,
@@ -191,7 +191,7 @@ def face_orders(creases: np.ndarray, fold_angles: np.ndarray) -> list[list[int]]
     list
         Triples, sorted; empty where no layers touch.
     """
-    problem = layer_problem(creases, fold_angles, TOUCHES)
+    problem = layer_problem(creases, fold_angles, CONTACT_TOL)
     order = problem.order() if problem is not None else None
     if problem is None or order is None:
         return []

@@ -11,12 +11,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from origami_nlp.files import pick, to_plain
 from origami_nlp.folding.flat_fold import folds_flat
+from origami_nlp.io import pick, to_plain
 from origami_nlp.pattern import FoldVertex, Frame, fold_vertices
 
 if TYPE_CHECKING:
-    from origami_nlp.files import Screen
+    from origami_nlp.io import Screen
 
 SCHEMA = "origami-nlp/pattern/1"
 HEADS = (

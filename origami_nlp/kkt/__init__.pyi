@@ -6,6 +6,11 @@ from .classification import (
     classify as classify,
     of_image as of_image,
 )
+from .contact_forces import (
+    OMIT as OMIT,
+    ContactForce as ContactForce,
+    contact_forces as contact_forces,
+)
 from .descent import (
     LONGEST as LONGEST,
     STOPPED as STOPPED,
@@ -20,18 +25,20 @@ from .escape import (
     TRACED as TRACED,
     TREE as TREE,
     Escape as Escape,
-    Way as Way,
+    EscapePath as EscapePath,
     barriers as barriers,
     bounds as bounds,
+    escape_paths as escape_paths,
     level_of as level_of,
     rounded_up as rounded_up,
-    ways_out as ways_out,
 )
-from .forces import OMIT as OMIT, ContactForce as ContactForce, contact_forces as contact_forces
 from .large import smallest_curvature as smallest_curvature
+from .lower_dimensional import (
+    lower_dimensional_at as lower_dimensional_at,
+)
 from .moment import PassingMoment as PassingMoment, passing_moment as passing_moment
 from .multipliers import Multipliers as Multipliers, find_multipliers as find_multipliers
-from .neighbours import GOES as GOES, search_spheres as search_spheres
+from .neighbourhood import GOES as GOES, sample_neighbourhood as sample_neighbourhood
 from .polishing import (
     Polished as Polished,
     Solve as Solve,
@@ -55,7 +62,4 @@ from .terrain import (
     Terrain as Terrain,
     energy_scale as energy_scale,
     over_flat as over_flat,
-)
-from .thin import (
-    thin_at as thin_at,
 )

@@ -33,7 +33,7 @@ from origami_nlp.numerics import (
     nearest_in_cone,
     null_space,
 )
-from origami_nlp.programme import Contact
+from origami_nlp.problem import Contact
 
 BY_CURVES = "flat: the energy is level along every curve of states that leaves, and curves up"
 BY_CLOSURE = "sharp: the energy grows in every direction that closure leaves to second order"
@@ -84,8 +84,8 @@ def judge_branch(piece: Stratum, stationary: float = STATIONARY) -> BranchJudgem
     if found.verdict != "minimum" or found.level in (3, 5):
         return found
     # of some contacts only others that stay open to second order may press in a proof by curvature
-    programme = piece.state.programme
-    inner = programme.to_second_order(piece.contacts)
+    problem = piece.state.problem
+    inner = problem.to_second_order(piece.contacts)
     if inner == piece.contacts:
         return found
     again = _judge(piece.state.on(inner), stationary)
@@ -97,7 +97,7 @@ def judge_branch(piece: Stratum, stationary: float = STATIONARY) -> BranchJudgem
 def _judge(piece: Stratum, stationary: float) -> BranchJudgement:
     """Judge a state on a piece whose contacts stay open to second order."""
     state, rows, a = piece.state, piece.contacts, piece.slopes
-    root, z, regular = state.programme.root, state.kernel, state.regular
+    root, z, regular = state.problem.root, state.kernel, state.regular
     multipliers = piece.multiplier_set
     # linearised feasible directions, in coordinates of the kernel (Nocedal and Wright, definition 12.3)
     dimension, y, held = cone(a @ z, rows)

@@ -9,18 +9,28 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from origami_nlp.files import Brief
+from origami_nlp.io import ShortRepr
 from origami_nlp.kkt.certificates import BranchJudgement, judge_branch
-from origami_nlp.kkt.forces import ContactForce, forces_of, joined_forces
+from origami_nlp.kkt.contact_forces import ContactForce, forces_of, joined_forces
+from origami_nlp.kkt.descent_witness import (
+    DescentWitness,
+    follow_descent,
+    follow_level,
+    follow_lines,
+)
 from origami_nlp.kkt.large import judge_large, lower_beside
-from origami_nlp.kkt.neighbours import RADII, dimension_nearby, leads_somewhere, search_spheres
-from origami_nlp.kkt.refutation import Lower, follow_descent, follow_level, follow_lines
+from origami_nlp.kkt.neighbourhood import (
+    RADII,
+    dimension_nearby,
+    sample_neighbourhood,
+    tangent_is_feasible,
+)
 from origami_nlp.kkt.splitting import judge_by_splitting
 from origami_nlp.kkt.state import State
-from origami_nlp.numerics import CLOSES, LEVEL, SAME, SETTLED, STATIONARY, UNPOLISHED
-from origami_nlp.programme import Programme
+from origami_nlp.numerics import CLOSURE_TOL, DUPLICATE_TOL, LEVEL, SETTLED, STATIONARY, UNPOLISHED
+from origami_nlp.problem import Problem
 
-AT_REST = CLOSES**2
+AT_REST = CLOSURE_TOL**2
 """Energy over the mean stiffness [rad^2] of springs at rest to rounding of their fold angles."""
 MOST_EQUATIONS = 6
 """Of closure up to which small spheres are searched: of larger programmes some tens of directions say nothing."""
@@ -29,7 +39,7 @@ Kind: TypeAlias = Literal["interior", "contact-pinned", "contact-touching", "deg
 
 
 @dataclass(frozen=True, repr=False)
-class Classification(Brief):
+class Classification(ShortRepr):
     """The decision on a state.
 
     Attributes
@@ -96,8 +106,8 @@ def classify(state: State, *, polished: bool = True) -> Classification:
     'not admissible'
     """
     if not polished:
-        state = State(state.programme, state.x, UNPOLISHED)
-    symmetric = polished and len(state.programme.own_symmetries) > 1
+        state = State(state.problem, state.x, UNPOLISHED)
+    symmetric = polished and len(state.problem.own_symmetries) > 1
     if symmetric and (known := _of_an_image(state)) is not None:
         return known
     what = _decide(state, STATIONARY if polished else UNPOLISHED)
@@ -114,7 +124,7 @@ def _decide(state: State, accuracy: float) -> Classification:
     def reject(verdict: Verdict, why: str, descent: np.ndarray | None = None) -> Classification:
         return Classification(verdict, None, why, 0, descent=descent)
 
-    model = state.programme
+    model = state.problem
     if state.refused:
         doubt = model.doubt(state.x)
         return reject("undecided" if doubt else "not admissible", doubt or state.refused)
@@ -136,12 +146,12 @@ def _decide(state: State, accuracy: float) -> Classification:
                 return _refuted(lower)
     if not contacts.complete:
         judged, failed = judge_by_splitting(state, accuracy)
-        if isinstance(judged, Lower):
+        if isinstance(judged, DescentWitness):
             return _refuted(judged)
         return _by_search(state, failed) if failed else _of_larger(state, judged)
     if choices is None:
         judged, failed = judge_by_splitting(state, accuracy)
-        if isinstance(judged, Lower):
+        if isinstance(judged, DescentWitness):
             return _refuted(judged)
         if failed:
             return _by_search(state, failed)
@@ -152,7 +162,7 @@ def _decide(state: State, accuracy: float) -> Classification:
         b
         for b in judged
         if b.tangent is not None
-        and ((b.regular and not b.rows) or leads_somewhere(state, b.tangent, b.held))
+        and ((b.regular and not b.rows) or tangent_is_feasible(state, b.tangent, b.held))
     ]
     thickest = max(b.cone_dimension for b in judged)
     if not real and thickest == 1 and not relaxed:
@@ -220,7 +230,7 @@ def _decide_large(state: State) -> Classification:
 
 def _of_larger(state: State, judged: list[BranchJudgement]) -> Classification:
     """Return the classification of a minimum of sets that hold all states beside it, and more."""
-    doubt = state.programme.doubt(state.x)
+    doubt = state.problem.doubt(state.x)
     if doubt:
         return Classification("undecided", None, f"not decided: {doubt}", 0)
     words = "; ".join(dict.fromkeys(b.certificate for b in judged))
@@ -230,24 +240,26 @@ def _of_larger(state: State, judged: list[BranchJudgement]) -> Classification:
         words + (_of_branches(len(judged)) if len(judged) > 1 else ""),
         max(b.cone_dimension for b in judged),
         joined_forces([forces_of(state, b) for b in judged]),
-        tuple((state.programme.scale * judged[0].eigenvalues).tolist()),
+        tuple((state.problem.scale * judged[0].eigenvalues).tolist()),
         math.nan if judged[0].level == 5 else judged[0].multipliers.residual,
     )
 
 
-_JUDGED: WeakKeyDictionary[Programme, dict[tuple[float, ...], Classification]] = WeakKeyDictionary()
+_JUDGED: WeakKeyDictionary[Problem, dict[tuple[float, ...], Classification]] = WeakKeyDictionary()
 """What was said of states that are no minima, by image and tolerance."""
 
 
 def _image(state: State) -> tuple[float, ...]:
     """Return the first of the images that the programme's own symmetries make of a state, and its tolerance."""
-    x, p = state.x, state.programme
-    images = [np.round(sign * x[order] / SAME).tolist() for order, sign in p.own_symmetries]
+    x, p = state.x, state.problem
+    images = [
+        np.round(sign * x[order] / DUPLICATE_TOL).tolist() for order, sign in p.own_symmetries
+    ]
     return (*min(images), state.tolerance)
 
 
 def _of_an_image(state: State) -> Classification | None:
-    return _JUDGED.get(state.programme, {}).get(_image(state))
+    return _JUDGED.get(state.problem, {}).get(_image(state))
 
 
 def _keep(state: State, what: Classification) -> None:
@@ -255,7 +267,7 @@ def _keep(state: State, what: Classification) -> None:
     if what.verdict != "minimum":
         names = "crease" in what.reason or "facet" in what.reason
         reason = f"an image under a symmetry of the scene: {what.reason}" if names else what.reason
-        _JUDGED.setdefault(state.programme, {})[_image(state)] = replace(
+        _JUDGED.setdefault(state.problem, {})[_image(state)] = replace(
             what, reason=reason, descent=None, lower=None
         )
 
@@ -284,7 +296,7 @@ def of_image(state: State, what: Classification) -> Classification:
     return replace(what, reason=reason, contacts=forces, descent=None, mode=None)
 
 
-def _refuted(lower: Lower) -> Classification:
+def _refuted(lower: DescentWitness) -> Classification:
     """Return the classification of a state with a lower admissible state next to it."""
     return Classification(
         "not stationary", None, lower.words, 0, descent=lower.direction, lower=lower.state
@@ -298,7 +310,7 @@ def _isolated(state: State, branch: BranchJudgement, reason: str) -> Classificat
     return Classification("minimum", "degenerate", reason, 0, forces)
 
 
-def _held_words(model: Programme, branches: list[BranchJudgement]) -> str:
+def _held_words(model: Problem, branches: list[BranchJudgement]) -> str:
     """Name the contacts that every neighbouring state keeps closed."""
     held = set.intersection(*(set(b.held) for b in branches))
     words = []
@@ -326,7 +338,7 @@ def _kind(branches: list[BranchJudgement]) -> Kind:
 
 def _by_search(state: State, judged: list[BranchJudgement]) -> Classification:
     """Refute a singular state by a lower neighbour on small spheres around it; without one it is undecided."""
-    model = state.programme
+    model = state.problem
     if model.excess(state.x) <= AT_REST:
         return Classification(
             "minimum",
@@ -347,7 +359,7 @@ def _by_search(state: State, judged: list[BranchJudgement]) -> Classification:
     if model.equation_count > MOST_EQUATIONS:
         return _not_decided(judged)
     rows = tuple(dict.fromkeys(row for b in judged for row in b.rows))
-    found = search_spheres(state, rows)
+    found = sample_neighbourhood(state, rows)
     noise = LEVEL * max(state.energy, model.scale)
     where = f"small spheres, radii {min(RADII):g} to {max(RADII):g}, {found.tried} closed states"
     if found.state is not None and found.lowest < -noise:

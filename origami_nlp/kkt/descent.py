@@ -16,27 +16,27 @@ from dataclasses import dataclass
 import numpy as np
 
 from origami_nlp.kkt.classification import Classification, classify
-from origami_nlp.kkt.neighbours import search_spheres
+from origami_nlp.kkt.neighbourhood import sample_neighbourhood
 from origami_nlp.kkt.polishing import Polished, Solve, exact_beside, newton, polish
 from origami_nlp.kkt.projection import project
 from origami_nlp.kkt.state import State, Stratum
 from origami_nlp.numerics import (
-    BESIDE,
     CARRIES,
-    CLOSES,
+    CLOSURE_TOL,
     DECREASE,
     DEPENDENT,
     EPS,
     INDEPENDENT,
     LEVEL,
     NEAR_CONTACT,
+    NEAR_SINGULAR_TOL,
     ROUNDED,
     SLIDES,
     nearest,
     nonnegative_least_squares,
     null_space,
 )
-from origami_nlp.programme import Contact, Programme
+from origami_nlp.problem import Contact, Problem
 
 LONGEST = 0.1
 """Longest step [rad]."""
@@ -76,7 +76,7 @@ class Followed:
 
 
 def follow(
-    model: Programme,
+    model: Problem,
     start: np.ndarray,
     *,
     curved: bool = False,
@@ -102,7 +102,7 @@ def follow(
     """
     x, residual = project(model, np.asarray(start, dtype=float), ())
     x = np.clip(x, -model.bound, model.bound)
-    refused = f"closure {residual:.1e}" if residual > CLOSES else model.refuses(x)
+    refused = f"closure {residual:.1e}" if residual > CLOSURE_TOL else model.refuses(x)
     if refused:
         raise ValueError(f"the start is not a closed, admissible state: {refused}")
     states = [x]
@@ -141,7 +141,7 @@ def follow(
     return Followed(path, energies, path[-1], what)
 
 
-def _strictly_decreasing(model: Programme, states: list[np.ndarray], end: np.ndarray) -> np.ndarray:
+def _strictly_decreasing(model: Problem, states: list[np.ndarray], end: np.ndarray) -> np.ndarray:
     """Keep the states whose energy falls by more than rounding, and the end in place of what is level with it."""
     noise = 2 * EPS * max(model.energy(states[0]), model.scale)  # two roundings
     kept = [states[0]]
@@ -159,13 +159,13 @@ def _strictly_decreasing(model: Programme, states: list[np.ndarray], end: np.nda
 
 def _lower_neighbour(at: State, direction: np.ndarray | None) -> np.ndarray | None:
     """Return an admissible state near by with lower energy: along `direction` if that works, else by search."""
-    model, x = at.programme, at.x
+    model, x = at.problem, at.x
     noise = LEVEL * max(at.energy, model.scale)
     for step, sign in itertools.product(TRIED, (1.0, -1.0)):
         y = None if direction is None else _closed(model, x + sign * step * direction)
         if y is not None and model.energy_change(x, y) < -noise and not model.refuses(y):
             return y
-    found = search_spheres(at, at.contacts.base, radii=RESCUE)
+    found = sample_neighbourhood(at, at.contacts.base, radii=RESCUE)
     return found.state if found.state is not None and found.lowest < -noise else None
 
 
@@ -179,7 +179,7 @@ def _farther(
 
     Where more pieces meet than can be looked at one by one, no step finds the way: the lower state does.
     """
-    model = at.programme
+    model = at.problem
     both = at.at(lower).contacts.base
     done, _ = newton(model, lower, tuple(c for c in at.contacts.base if c in both))
     if done is None or not done.converged or np.linalg.norm(done.x - lower) > longest:
@@ -189,7 +189,7 @@ def _farther(
 
 
 def _closed(
-    model: Programme,
+    model: Problem,
     want: np.ndarray,
     held: tuple[Contact, ...] = (),
     rows: tuple[Contact, ...] = (),
@@ -201,7 +201,10 @@ def _closed(
     for _ in range(MOST_PASSED):
         y, residual = project(model, want, held, stalls=STALLS if rows else math.inf)
         y = np.clip(y, -model.bound, model.bound)
-        if not (residual <= CLOSES and np.abs(model.local(y).closure).max(initial=0.0) <= CLOSES):
+        if not (
+            residual <= CLOSURE_TOL
+            and np.abs(model.local(y).closure).max(initial=0.0) <= CLOSURE_TOL
+        ):
             return None
         try:
             values, _ = model.local(y).openings(rows)
@@ -221,7 +224,7 @@ def _step(
     leads: Callable[[np.ndarray, np.ndarray], bool] | None,
 ) -> tuple[np.ndarray, float] | None:
     """Take one admissible step down, of at most `length`; None if there is none."""
-    model, x = state.programme, state.x
+    model, x = state.problem, state.x
     near = model.about_to_close(x, length)
     choices = state.pieces
     best: tuple[float, np.ndarray, float] | None = None
@@ -259,7 +262,7 @@ def _lower(
 
     The change is to be below `enough`.
     """
-    model, x = state.programme, state.x
+    model, x = state.problem, state.x
     y = _closed(model, x + move, held, rows)
     if y is None:
         return None
@@ -281,7 +284,7 @@ def _pull(piece: Stratum, curved: bool) -> tuple[np.ndarray, tuple[Contact, ...]
     kept then.
     """
     state = piece.state
-    p, z, gaps, slopes = state.programme, state.kernel, piece.openings, piece.slopes
+    p, z, gaps, slopes = state.problem, state.kernel, piece.openings, piece.slopes
     cost, rows = z.T @ state.gradient, slopes @ z
     # sequential quadratic programming, with K in place of the Hessian where that is not asked for
     free, h = np.eye(len(cost)), np.diag(p.parameters.stiffness / p.root**2)
@@ -306,7 +309,7 @@ def _pull(piece: Stratum, curved: bool) -> tuple[np.ndarray, tuple[Contact, ...]
     return d / p.root, tuple(c for c, on in zip(piece.contacts, keeps, strict=True) if on)
 
 
-def _level_with(model: Programme, x: np.ndarray) -> np.ndarray | None:
+def _level_with(model: Problem, x: np.ndarray) -> np.ndarray | None:
     """Polish the end of a path: it may stand a contact tolerance inside a closed contact, so a little lower."""
     most = RISE * max(model.energy(x), model.scale)
     ends = (p.x for p in polished_nearby(model, x) if model.energy_change(x, p.x) <= most)
@@ -314,9 +317,10 @@ def _level_with(model: Programme, x: np.ndarray) -> np.ndarray | None:
 
 
 def polished_nearby(
-    model: Programme, x: np.ndarray, tolerance: float = NEAR_CONTACT
+    model: Problem, x: np.ndarray, tolerance: float = NEAR_CONTACT
 ) -> Iterator[Polished]:
-    """Return stationary states that Newton reaches within `BESIDE` of x [n], contacts that are closed there held first.
+    """Return stationary states that Newton reaches within `NEAR_SINGULAR_TOL` of x [n], contacts that are closed there
+    held first.
 
     Parameters
     ----------
@@ -343,5 +347,5 @@ def polished_nearby(
         done = polish(model, answer, guess)
         if not done.converged:
             done = exact_beside(model, done)
-        if done.converged and np.abs(done.x - x).max() <= BESIDE:
+        if done.converged and np.abs(done.x - x).max() <= NEAR_SINGULAR_TOL:
             yield done

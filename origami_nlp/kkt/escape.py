@@ -14,9 +14,9 @@ from typing import Final, Literal, NamedTuple
 
 import numpy as np
 
-from origami_nlp.files import Brief
+from origami_nlp.io import ShortRepr
 from origami_nlp.kkt.terrain import FLOOR, Terrain
-from origami_nlp.numerics import BESIDE, LEVEL, SETTLED, SHALLOW, coarse
+from origami_nlp.numerics import LEVEL, NEAR_SINGULAR_TOL, SETTLED, SHALLOW, coarse
 
 Method = Literal[
     "exact (traced)", "merge tree", "upper bound (descents)", "not determined", "isolated"
@@ -33,7 +33,7 @@ MOST_CONFIRMED = 5
 
 
 @dataclass(frozen=True, repr=False)
-class Escape(Brief):
+class Escape(ShortRepr):
     """What it takes to leave a stable state.
 
     Attributes
@@ -93,7 +93,7 @@ def rounded_up(value: float) -> str:
     return f"{math.ceil(value / unit * (1 - SETTLED)) * unit:.2g}"
 
 
-class Way(NamedTuple):
+class EscapePath(NamedTuple):
     """A way out of a state: how high it climbs over it, where, and number of the listed state it leads to, or -1."""
 
     height: float
@@ -101,12 +101,12 @@ class Way(NamedTuple):
     to: int
 
 
-def ways_out(
+def escape_paths(
     terrain: Terrain,
     which: Sequence[int],
     sections: int = SECTIONS,
     confirmed: int = MOST_CONFIRMED,
-) -> dict[int, Way]:
+) -> dict[int, EscapePath]:
     """Find a way out of states of a terrain that climbs little.
 
     Each state is displaced along rays; where descents begin to end elsewhere is cut finer, and the lowest of these ways
@@ -242,8 +242,8 @@ def _highest(terrain: Terrain, k: int, states: np.ndarray) -> tuple[float, np.nd
         cut = [i for i in range(len(d)) if d[i] > LONG]
         if not cut and cuts < MOST_CUTS:
             high = (i for i in range(len(d)) if most[i] > enough)
-            told = coarse(np.array(most))
-            cut = sorted(high, key=lambda i: -told[i])[:A_ROUND]
+            reported = coarse(np.array(most))
+            cut = sorted(high, key=lambda i: -reported[i])[:A_ROUND]
         if not cut:
             return max(top, *most), x[int(np.argmax(u))]
         cuts += len(cut)
@@ -268,7 +268,7 @@ ASIDE = 0.75
 """The middle of a step is nearer to either end than this share of the step."""
 
 
-def _way(terrain: Terrain, part: _Parting) -> Way | None:
+def _way(terrain: Terrain, part: _Parting) -> EscapePath | None:
     """Follow the way over a parting, state by state; None where it does not lead elsewhere."""
     k = part.k
     down = terrain.path_down(part.high, lambda x: terrain.is_lower(k, x))
@@ -287,13 +287,13 @@ def _way(terrain: Terrain, part: _Parting) -> Way | None:
         if _listed(terrain, back[-1]) == k:
             over = (_highest(terrain, k, states) for states in _over_passes(terrain, back, down))
             best = min(filter(None, (best, *over)), key=lambda found: found[0], default=None)
-    return None if best is None else Way(*best, -1 if to == k else to)
+    return None if best is None else EscapePath(*best, -1 if to == k else to)
 
 
 def _listed(terrain: Terrain, x: np.ndarray) -> int:
     apart = np.abs(terrain.minima - x).max(axis=1)
     nearest = int(apart.argmin())
-    return nearest if apart[nearest] <= BESIDE else -1
+    return nearest if apart[nearest] <= NEAR_SINGULAR_TOL else -1
 
 
 def _over_passes(terrain: Terrain, back: np.ndarray, down: np.ndarray) -> list[np.ndarray]:
@@ -381,10 +381,10 @@ def level_of(energies: np.ndarray, scale: float) -> float:
 
 def bounds(
     energies: np.ndarray,
-    ways: Mapping[int, Way],
+    ways: Mapping[int, EscapePath],
     heights: np.ndarray,
     scale: float,
-    told: Mapping[int, Escape],
+    reported: Mapping[int, Escape],
     unknown: Callable[[int], str],
     among: str = "",
     digits: bool = True,
@@ -401,7 +401,7 @@ def bounds(
         Of the lowest pass between two of them, over zero, as far as it is known, [M, M].
     scale
         Of energies, see `energy_scale`.
-    told
+    reported
         What is known of some without bounds.
     unknown
         Why there is no way out of one.
@@ -428,8 +428,8 @@ def bounds(
     out = []
     level = level_of(energies, scale)
     for k, (barrier, to) in enumerate(barriers(energies, heights, level, scale, beyond)):
-        if k in told:
-            out.append(told[k])
+        if k in reported:
+            out.append(reported[k])
         elif math.isinf(barrier):
             # that no way was found does not make the barrier infinite: it is not determined
             out.append(Escape(math.nan, OPEN, unknown(k)))

@@ -16,17 +16,17 @@ from scipy import sparse
 from scipy.sparse.linalg import ArpackNoConvergence, eigsh
 
 from origami_nlp.kkt.certificates import BY_CLOSURE, BranchJudgement
+from origami_nlp.kkt.descent_witness import FAR, DescentWitness
 from origami_nlp.kkt.multipliers import Multipliers
-from origami_nlp.kkt.refutation import FAR, Lower
 from origami_nlp.kkt.state import State
 from origami_nlp.numerics import (
-    CLOSES,
+    CLOSURE_TOL,
     CURVED,
     LEVEL,
     STATIONARY,
     nonnegative_least_squares,
 )
-from origami_nlp.programme import Contact, Sparse
+from origami_nlp.problem import Contact, Sparse
 
 PENALTY = 1e4
 """Weight rho."""
@@ -42,9 +42,9 @@ def judge_large(state: State) -> Iterator[BranchJudgement]:
     BranchJudgement
         What is found; where nothing balances then also what the tangent cone says, which takes long to list.
     """
-    p, x, rows = cast(Sparse, state.programme), state.x, state.contacts.base
-    shut = np.array([c.index for c in rows], int)
-    lam, moments, left = p.multipliers(x, shut)
+    p, x, rows = cast(Sparse, state.problem), state.x, state.contacts.base
+    at_limit = np.array([c.index for c in rows], int)
+    lam, moments, left = p.multipliers(x, at_limit)
     size = 1.0 + float(np.abs(p.torque(x)).max(initial=0.0))
     if moments.min(initial=0.0) < -STATIONARY * size:  # they may depend on closure: others may push
         slopes = _slopes(state, rows)
@@ -64,7 +64,7 @@ def judge_large(state: State) -> Iterator[BranchJudgement]:
         yield say("minimum", BY_CLOSURE, 5) if rises else say("undecided", why, 0, more=down)
         return
     # critical cone: limits that are loaded stay shut
-    free = np.setdiff1d(np.arange(len(x)), shut[moments > 10 * STATIONARY * size])
+    free = np.setdiff1d(np.arange(len(x)), at_limit[moments > 10 * STATIONARY * size])
     if not len(free):
         why = "sharp: the energy grows to first order in every feasible direction"
         yield say("minimum", why, 3)
@@ -87,22 +87,22 @@ def _slopes(state: State, limits: tuple[Contact, ...]) -> np.ndarray:
     return out
 
 
-def lower_beside(state: State, branch: BranchJudgement) -> Lower | None:
+def lower_beside(state: State, branch: BranchJudgement) -> DescentWitness | None:
     """Look for a lower admissible state along the directions that were found, and some that are drawn."""
-    p, x = cast(Sparse, state.programme), state.x
+    p, x = cast(Sparse, state.problem), state.x
     noise = LEVEL * max(p.energy(x), p.scale)
     for d in _directions(state, branch):
         for step in FAR:
             start = np.clip(x + step * d, -math.pi, math.pi)
             y, residual = p.project(start, np.abs(start) == math.pi)
             moved = float(np.abs(y - x).max())
-            if residual > CLOSES or not 0.1 * step <= moved <= 3 * step:
+            if residual > CLOSURE_TOL or not 0.1 * step <= moved <= 3 * step:
                 continue
             if np.abs(y).max() > math.pi or p.energy_change(x, y) >= -noise:
                 continue
             if p.refuses(y):
                 break
-            return Lower(d, step, -p.energy_change(x, y), y)
+            return DescentWitness(d, step, -p.energy_change(x, y), y)
     return None
 
 

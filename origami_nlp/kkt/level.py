@@ -11,7 +11,7 @@ import numpy as np
 
 from origami_nlp.kkt.projection import project
 from origami_nlp.kkt.state import State
-from origami_nlp.numerics import CLOSES, CURVED, INDEPENDENT, RANK
+from origami_nlp.numerics import CLOSURE_TOL, CURVED, INDEPENDENT, RANK
 
 BESIDE_FLAT = 1e-3
 """Distance from the flat state at which its curves are looked at [rad]: closure misses by its square, no rounding."""
@@ -19,7 +19,7 @@ BESIDE_FLAT = 1e-3
 
 def curves_up(state: State) -> bool:
     """Tell whether the energy at a flat state is level along all curves that leave it, and curves up on each."""
-    cone, p = state.tangent_cone, state.programme
+    cone, p = state.tangent_cone, state.problem
     if state.x.any() or cone.reason or not cone.split or cone.families or not len(cone.lines):
         return False
     level = INDEPENDENT * float(np.abs(state.gradient).max(initial=0.0))
@@ -35,11 +35,11 @@ def _met_once(state: State, d: np.ndarray) -> bool:
     What holds them to the curve grows as the distance where the line is a single root of closure to second order, and
     as its square where two curves are tangent.
     """
-    p = state.programme
+    p = state.problem
     held = []
     for far in (BESIDE_FLAT, BESIDE_FLAT / 2):
         x, residual = project(p, far * d / p.root)
-        if residual > CLOSES or np.abs(x * p.root / far - d).max() > 10 * BESIDE_FLAT:
+        if residual > CLOSURE_TOL or np.abs(x * p.root / far - d).max() > 10 * BESIDE_FLAT:
             return False
         values = np.linalg.svd(p.closure(x)[1] / p.root, compute_uv=False)
         # n - 1 singular values do not vanish where one freedom is left, and the last of them tells how sharply

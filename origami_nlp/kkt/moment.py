@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from origami_nlp.folding import fold_vertex
-from origami_nlp.numerics import CLOSES, RANK, TOUCHES
+from origami_nlp.numerics import CLOSURE_TOL, CONTACT_TOL, RANK
 from origami_nlp.pattern import Scene
 
 
@@ -65,12 +65,14 @@ def passing_moment(scene: Scene, fold_angles: np.ndarray) -> PassingMoment | Non
     creases, _ = fold_vertex(scene.vertex, phi)
     stiffness = np.array(scene.stiffness)
     torque = stiffness * (phi - np.array(scene.wound_angles))
-    free = np.abs(phi) < math.pi - TOUCHES if scene.contact != "none" else np.ones(len(phi), bool)
+    free = (
+        np.abs(phi) < math.pi - CONTACT_TOL if scene.contact != "none" else np.ones(len(phi), bool)
+    )
     c, t, root = creases[free], torque[free], np.sqrt(stiffness[free])
     if len(c) < 3 or np.linalg.svd(c, compute_uv=False)[2] <= RANK:
         return None
     # weighed by 1 / k_i: what is left is measured by the energy that each spring by itself would release
     m = np.linalg.lstsq(c / root[:, None], t / root, rcond=None)[0]
-    # what closing to `CLOSES` leaves of a component is 0
-    x, y, z = np.where(np.abs(m) <= CLOSES * stiffness[free].max(), 0.0, m).tolist()
+    # what closing to `CLOSURE_TOL` leaves of a component is 0
+    x, y, z = np.where(np.abs(m) <= CLOSURE_TOL * stiffness[free].max(), 0.0, m).tolist()
     return PassingMoment((x, y, z), float(np.abs(t - c @ m).max()))

@@ -17,11 +17,11 @@ import numpy as np
 from origami_nlp.kkt.projection import project
 from origami_nlp.numerics import (
     ANSWERED,
-    BESIDE,
-    CLOSES,
+    CLOSURE_TOL,
     DEPENDENT,
     EPS,
     FOLLOWED,
+    NEAR_SINGULAR_TOL,
     NONZERO,
     RANK,
     ROUNDED,
@@ -30,7 +30,7 @@ from origami_nlp.numerics import (
     UNPOLISHED,
     first_largest,
 )
-from origami_nlp.programme import Contact, Local, Programme, fold_limit, held
+from origami_nlp.problem import Contact, Local, Problem, fold_limit, held
 
 MOST_STEPS = 12
 MANY = 24
@@ -85,7 +85,7 @@ class Polished:
     uncertainty: float = 0.0
 
 
-def polish(model: Programme, answer: Solve, guess: tuple[Contact, ...] | None = None) -> Polished:
+def polish(model: Problem, answer: Solve, guess: tuple[Contact, ...] | None = None) -> Polished:
     """Polish one answer of IPOPT; `guess` gives the active set to try first, where it is known."""
     guess = model.guess(answer.x, answer.pull, answer.pair_force) if guess is None else guess
     firm = tuple(row for row in guess if not row.is_limit or abs(answer.pull[row.index]) > ANSWERED)
@@ -101,30 +101,31 @@ def polish(model: Programme, answer: Solve, guess: tuple[Contact, ...] | None = 
     return Polished(answer.x, (), float(np.abs(model.closure(answer.x)[0]).max()), math.nan, False)
 
 
-def exact_beside(model: Programme, state: Polished) -> Polished:
-    """Return the exact singular state within `BESIDE` of an unpolished one, or the latter where there is none.
+def exact_beside(model: Problem, state: Polished) -> Polished:
+    """Return the exact singular state within `NEAR_SINGULAR_TOL` of an unpolished one, or the latter where there is
+    none.
 
     The fold angles next to 0 and +-pi are taken for these, and the others closed; where there are others, Newton
     has to find the energy stationary along them.
     """
     flat = math.pi * np.round(state.x / math.pi)
-    frozen = np.abs(state.x - flat) <= BESIDE
+    frozen = np.abs(state.x - flat) <= NEAR_SINGULAR_TOL
     if not frozen.any():
         return state
     y, residual = project(model, np.where(frozen, flat, state.x), frozen=frozen)
     exact = Polished(y, (), float(residual), math.nan, True)
-    if frozen.all() and residual <= CLOSES:
+    if frozen.all() and residual <= CLOSURE_TOL:
         return exact
     # a crease put at 0 is free to turn; only at +-pi is it held
-    shut = frozen & (flat != 0) & model.has_limits
-    rows = tuple(fold_limit(int(v), flat[v]) for v in np.flatnonzero(shut))
+    at_limit = frozen & (flat != 0) & model.has_limits
+    rows = tuple(fold_limit(int(v), flat[v]) for v in np.flatnonzero(at_limit))
     along, _ = newton(model, exact.x, rows)
-    if along is None or not along.converged or np.abs(along.x - state.x).max() > BESIDE:
+    if along is None or not along.converged or np.abs(along.x - state.x).max() > NEAR_SINGULAR_TOL:
         return state
     return along
 
 
-def _at_singular_folding(model: Programme, state: Polished) -> Polished:
+def _at_singular_folding(model: Problem, state: Polished) -> Polished:
     """Move a state beside a flat folding where closure loses rank onto it.
 
     There any state at distance d closes to d^2, so that Newton stops short of the folding, or next to it.
@@ -143,16 +144,16 @@ def _at_singular_folding(model: Programme, state: Polished) -> Polished:
     return replace(state, x=y, closure_residual=float(np.abs(residual).max()))
 
 
-def _leads_on(model: Programme, y: np.ndarray, direction: np.ndarray) -> bool:
+def _leads_on(model: Problem, y: np.ndarray, direction: np.ndarray) -> bool:
     """Tell whether closed states go on from y in `direction`, seen 1e-3 rad away, where d^2 is no rounding."""
-    far = BESIDE
+    far = NEAR_SINGULAR_TOL
     guess = y + far * direction / np.linalg.norm(direction)
     x, residual = project(model, guess, steps=8)
     return bool(residual <= FOLLOWED and np.linalg.norm(x - guess) < far / 10)
 
 
 def _repair(
-    model: Programme, x: np.ndarray, rows: tuple[Contact, ...]
+    model: Problem, x: np.ndarray, rows: tuple[Contact, ...]
 ) -> tuple[Polished | None, bool]:
     """Run Newton, adding violated contacts and dropping pulling ones, until the active set is consistent."""
     best: Polished | None = None
@@ -167,7 +168,7 @@ def _repair(
             break
         if result.converged and best is None:
             best = result
-        violated = [c for c in model.beyond(result.x, CLOSES) if c not in key]
+        violated = [c for c in model.beyond(result.x, CLOSURE_TOL) if c not in key]
         if violated:
             rows = tuple(dict.fromkeys((*key, *violated)))
         elif len(multipliers) and multipliers.min() < -ROUNDED * max(1, np.abs(multipliers).max()):
@@ -179,16 +180,16 @@ def _repair(
     return best, False
 
 
-def _with_all_limits(model: Programme, state: Polished) -> Polished:
+def _with_all_limits(model: Problem, state: Polished) -> Polished:
     """Polish once more with every crease held that may be at +-pi, where the state is known better so.
 
     A crease that others force shut pulls by no more than rounding over their levers, so that no row holds it; without
     its row the state is known to that quotient only, with it to rounding.
     """
-    if not model.has_limits or not state.converged or state.uncertainty <= CLOSES:
+    if not model.has_limits or not state.converged or state.uncertainty <= CLOSURE_TOL:
         return state
-    shut = np.flatnonzero(math.pi - np.abs(state.x) <= state.uncertainty)
-    limits = tuple(fold_limit(int(v), state.x[v]) for v in shut)
+    at_limit = np.flatnonzero(math.pi - np.abs(state.x) <= state.uncertainty)
+    limits = tuple(fold_limit(int(v), state.x[v]) for v in at_limit)
     rows = tuple(sorted({*state.rows, *limits}))
     if rows == tuple(sorted(state.rows)):
         return state
@@ -200,7 +201,7 @@ def _with_all_limits(model: Programme, state: Polished) -> Polished:
 
 
 def newton(
-    model: Programme, start: np.ndarray, rows: tuple[Contact, ...]
+    model: Problem, start: np.ndarray, rows: tuple[Contact, ...]
 ) -> tuple[Polished | None, np.ndarray]:
     """Solve stationarity, closure and `rows` = 0 by Newton (least squares where they are
     dependent).
@@ -282,7 +283,7 @@ class _System:
 
 
 def _with_rows(
-    model: Programme, local: Local, rows: tuple[Contact, ...], gradients: np.ndarray
+    model: Problem, local: Local, rows: tuple[Contact, ...], gradients: np.ndarray
 ) -> _System:
     jacobian = np.vstack([local.closure_jacobian, gradients])
     # least-squares multipliers: a function of x alone, right to first order off the KKT point
@@ -292,7 +293,7 @@ def _with_rows(
 
 
 def _limits_out(
-    model: Programme, local: Local, rows: tuple[Contact, ...], gradients: np.ndarray
+    model: Problem, local: Local, rows: tuple[Contact, ...], gradients: np.ndarray
 ) -> _System:
     """Leave out the creases at their limits: they do not move, and take what torque is left."""
     free = np.ones(len(local.x), dtype=bool)
@@ -337,18 +338,18 @@ def _distance_to_singular(jacobian: np.ndarray) -> float:
     return float(singular[singular > DEPENDENT].min(initial=math.inf))
 
 
-def _closed_exactly(model: Programme, x: np.ndarray) -> np.ndarray:
+def _closed_exactly(model: Problem, x: np.ndarray) -> np.ndarray:
     """Set fold angles within rounding of +-pi to +-pi (contacts can force a crease shut that no row holds).
 
     A crease that contacts force shut is known to the rounding of these over their levers: beyond the limit it is at it
     where the state closes there as well; elsewhere it stays beyond, for the active set to see.
     """
-    shut = np.abs(np.abs(x) - math.pi) <= 9 * EPS
-    y = np.where(shut, np.copysign(math.pi, x), x)
+    at_limit = np.abs(np.abs(x) - math.pi) <= 9 * EPS
+    y = np.where(at_limit, np.copysign(math.pi, x), x)
     at_limits = np.clip(y, -math.pi, math.pi)
     if not model.has_limits or (at_limits == y).all():
         return y
-    if np.abs(model.closure(at_limits)[0]).max() > CLOSES:
+    if np.abs(model.closure(at_limits)[0]).max() > CLOSURE_TOL:
         return y
     # what was cut off is left in closure, and over a small singular value it is far in the others: they close it
     return project(model, at_limits, frozen=np.abs(at_limits) == math.pi)[0]

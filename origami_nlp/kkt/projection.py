@@ -7,10 +7,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from origami_nlp.numerics import NONZERO, ROUNDED, TOUCHES
-from origami_nlp.programme import Contact, Programme, held
+from origami_nlp.numerics import CONTACT_TOL, NONZERO, ROUNDED
+from origami_nlp.problem import Contact, Problem, held
 
-UNRESOLVED = TOUCHES
+UNRESOLVED = CONTACT_TOL
 """Singular values below this share of the largest are left out, those that closure has this far [rad] from a singular
 state: what it does not resolve does not move."""
 LONGEST = 1.0
@@ -18,7 +18,7 @@ LONGEST = 1.0
 
 
 def project(
-    programme: Programme,
+    problem: Problem,
     x: np.ndarray,
     contacts: Sequence[Contact] = (),
     *,
@@ -52,14 +52,14 @@ def project(
         where steps of one state led to where a gap is not defined.
     """
     x = held(x, contacts)
-    root = programme.root
+    root = problem.root
     if x.ndim == 1:
         still = ~frozen if frozen is not None else None
         before = math.inf
         for step in range(steps + 1):
             # the retraction of the paper's eq. A8, with normal directions taken at each iterate, not at the first state
             try:
-                f, jac = programme.constraints(x, contacts)
+                f, jac = problem.constraints(x, contacts)
             except ArithmeticError:  # where sides run along each other there is no gap between them
                 return x, np.array(math.inf)
             residual = np.abs(f).max(initial=0.0)
@@ -76,7 +76,7 @@ def project(
     residual = np.full(len(x), np.inf)
     todo = np.arange(len(x))
     for step in range(steps + 1):
-        f, jac = programme.constraints(x[todo], contacts)
+        f, jac = problem.constraints(x[todo], contacts)
         residual[todo] = np.abs(f).max(axis=1, initial=0.0)
         far = residual[todo] > ROUNDED
         todo, f, jac = todo[far], f[far], jac[far] / root

@@ -8,10 +8,10 @@ from typing import TypeAlias
 import numpy as np
 
 from origami_nlp.kkt.certificates import BranchJudgement, judge_branch
-from origami_nlp.kkt.refutation import Lower, follow_descent
+from origami_nlp.kkt.descent_witness import DescentWitness, follow_descent
 from origami_nlp.kkt.state import State
 from origami_nlp.numerics import INDEPENDENT, NONZERO
-from origami_nlp.programme import Contact
+from origami_nlp.problem import Contact
 
 Branches: TypeAlias = tuple[tuple[tuple[Contact, ...], ...], ...]
 MOST_SETS, MOST_FAILED = 100, 6
@@ -20,7 +20,7 @@ MOST_SETS, MOST_FAILED = 100, 6
 
 def judge_by_splitting(
     state: State, accuracy: float
-) -> tuple[list[BranchJudgement] | Lower, list[BranchJudgement]]:
+) -> tuple[list[BranchJudgement] | DescentWitness, list[BranchJudgement]]:
     """Judge the union of pieces without listing them: split a set by one choice after the other.
 
     A minimum of a larger set is one of every piece of it, so most sets need no splitting.  Where one is none, its
@@ -34,7 +34,7 @@ def judge_by_splitting(
     choices: _Choices | None = None
     pending = [state.contacts.base]
     while pending:
-        state.programme.check_time()
+        state.problem.check_time()
         rows = pending.pop()
         b = judge_branch(state.on(rows), accuracy)
         if b.verdict == "minimum":
@@ -74,7 +74,7 @@ class _Choices:
         size = np.maximum(lever, INDEPENDENT)
         known = dict(zip(every, lever.round(9).tolist(), strict=True))
         self.branches = branches if state.contacts.complete else _by_levers(branches, known)
-        self._slopes, self._root = slopes / size[:, None], state.programme.root
+        self._slopes, self._root = slopes / size[:, None], state.problem.root
 
     def open(self, rows: tuple[Contact, ...]) -> list[int]:
         """Return the choices of which no option holds with these contacts."""

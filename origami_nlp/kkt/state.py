@@ -15,8 +15,8 @@ import numpy as np
 
 from origami_nlp.kkt.multipliers import Multipliers, find_multipliers
 from origami_nlp.kkt.tangent_cone import TangentCone, tangent_cone
-from origami_nlp.numerics import DEPENDENT, OUTSIDE, RANK, ROUNDED, TOUCHES, null_space
-from origami_nlp.programme import ClosedContacts, Contact, Local, Programme
+from origami_nlp.numerics import CONTACT_TOL, DEPENDENT, OUTSIDE, RANK, ROUNDED, null_space
+from origami_nlp.problem import ClosedContacts, Contact, Local, Problem
 
 
 class State:
@@ -24,8 +24,8 @@ class State:
 
     Parameters
     ----------
-    programme
-        Anything with energy, closure, contacts and their derivatives: `programme.Programme`, such as a `Model`.
+    problem
+        Anything with energy, closure, contacts and their derivatives: `problem.Problem`, such as a `Model`.
     x
         Values of its variables [rad], shape [n].
     tolerance
@@ -33,7 +33,7 @@ class State:
 
     Attributes
     ----------
-    programme, tolerance
+    problem, tolerance
         As given.
     x
         Shape [n], not writable.
@@ -47,9 +47,9 @@ class State:
     """
 
     def __init__(
-        self, programme: Programme, x: Sequence[float] | np.ndarray, tolerance: float = TOUCHES
+        self, problem: Problem, x: Sequence[float] | np.ndarray, tolerance: float = CONTACT_TOL
     ) -> None:
-        self.programme = programme
+        self.problem = problem
         self.x = np.array(x, dtype=float)
         self.x.setflags(write=False)
         self.tolerance = tolerance
@@ -57,17 +57,17 @@ class State:
     @cached_property
     def local(self) -> Local:
         """Values and first derivatives in the programme's variables."""
-        return self.programme.local(self.x)
+        return self.problem.local(self.x)
 
     @cached_property
     def gradient(self) -> np.ndarray:
         """Of the energy, in the metric, [n]."""
-        return self.local.gradient / self.programme.root
+        return self.local.gradient / self.problem.root
 
     @cached_property
     def jacobian(self) -> np.ndarray:
         """Of loop closure, in the metric, [m, n]."""
-        return self.local.closure_jacobian / self.programme.root
+        return self.local.closure_jacobian / self.problem.root
 
     @cached_property
     def _factors(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -78,7 +78,7 @@ class State:
     @cached_property
     def kernel(self) -> np.ndarray:
         """Orthonormal basis of the directions that closure allows to first order, in the metric, [n, t]."""
-        p: Any = self.programme
+        p: Any = self.problem
         if p.redundant and not p.sparse:  # whose metric is that of all fold angles
             return cast(np.ndarray, p.kernel(self.x))
         _, values, vt = self._factors
@@ -96,7 +96,7 @@ class State:
     @cached_property
     def second_order(self) -> list[np.ndarray]:
         """Forms Q [t, t] on `kernel` where closure loses rank: d' Q d = 0 in every direction that states follow."""
-        p = self.programme
+        p = self.problem
         u, values, _ = self._factors
         # w with w' J = 0: rank C < 3, the singular states that the paper's appendix A does not classify
         lost = u.T[int((values > RANK).sum()) :]
@@ -108,7 +108,7 @@ class State:
     @cached_property
     def tangent_cone(self) -> TangentCone:
         """Subspaces, in the metric, that contain the directions which states follow, where closure loses rank."""
-        p = self.programme
+        p = self.problem
         cone = tangent_cone(p.loops(self.x), len(self.x), p.check_time)
         return cone.within(p.root)
 
@@ -120,13 +120,13 @@ class State:
     @cached_property
     def contacts(self) -> ClosedContacts:
         """Contacts that are closed to `tolerance`."""
-        local = None if self.programme.sparse else self.local
-        return self.programme.closed(self.x, self.tolerance, local)
+        local = None if self.problem.sparse else self.local
+        return self.problem.closed(self.x, self.tolerance, local)
 
     @property
     def limits(self) -> tuple[Contact, ...]:
         """Fold limits that are closed to `tolerance`: known without a look at facets."""
-        rows = self.programme.limits
+        rows = self.problem.limits
         return tuple(c for c in rows if math.pi - c.side * self.x[c.index] <= self.tolerance)
 
     @cached_property
@@ -137,17 +137,17 @@ class State:
     @cached_property
     def refused(self) -> str:
         """Why the state is not admissible; "" where it is."""
-        return self.programme.refuses(self.x, OUTSIDE)
+        return self.problem.refuses(self.x, OUTSIDE)
 
     @property
     def energy(self) -> float:
         """Elastic energy in the scene's units."""
-        return self.programme.energy(self.x)
+        return self.problem.energy(self.x)
 
     @property
     def fold_angles(self) -> np.ndarray:
         """All N fold angles, [N]."""
-        return self.programme.expand(self.x)
+        return self.problem.expand(self.x)
 
     def at(self, x: np.ndarray) -> State:
         """Return another state of the same programme.
@@ -162,7 +162,7 @@ class State:
         State
             With the same tolerance.
         """
-        return State(self.programme, x, self.tolerance)
+        return State(self.problem, x, self.tolerance)
 
     def on(self, contacts: Sequence[Contact] = ()) -> Stratum:
         """Return the state with contacts held closed.
@@ -224,7 +224,7 @@ class Stratum:
     @cached_property
     def slopes(self) -> np.ndarray:
         """Gradients of the openings, in the metric, [r, n]."""
-        return self._openings[1] / self.state.programme.root
+        return self._openings[1] / self.state.problem.root
 
     @cached_property
     def jacobian(self) -> np.ndarray:
@@ -281,7 +281,7 @@ class Stratum:
         numpy.ndarray
             Shape [n, n].
         """
-        p = self.state.programme
+        p = self.state.problem
         h = p.lagrangian_hessian(self.state.x, multipliers, self.contacts)
         # y = root x is linear: derivatives by y are those by x over root
         return h / np.outer(p.root, p.root)

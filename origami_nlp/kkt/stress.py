@@ -66,11 +66,11 @@ def find_stress(state: State, held: Iterable[int] = ()) -> Stress:
     Examples
     --------
     >>> import math, numpy as np, origami_nlp as o
-    >>> from origami_nlp.facets import Sheet
+    >>> from origami_nlp.pattern_problem import PatternProblem
     >>> from origami_nlp.kkt import find_stress
-    >>> sheet = Sheet(o.examples.pattern("miura", 4, 4))
-    >>> phi, _ = sheet.project(0.5 * sheet.pattern.signs)
-    >>> find_stress(o.State(sheet, phi)).states
+    >>> problem = PatternProblem(o.examples.pattern("miura", 4, 4))
+    >>> phi, _ = problem.project(0.5 * problem.pattern.signs)
+    >>> find_stress(o.State(problem, phi)).states
     4
     >>> vertex = o.Vertex((1.0, 2.0, 1.5, 2 * math.pi - 4.5))
     >>> scene = o.Scene(vertex, (1.0,) * 4, (0.5,) * 4, "none", "fold-limits")
@@ -80,7 +80,7 @@ def find_stress(state: State, held: Iterable[int] = ()) -> Stress:
     held = sorted(held)
     free = np.setdiff1d(np.arange(len(state.x)), held)
     local = state.local
-    j, g = local.closure_jacobian, state.programme.scale * local.gradient
+    j, g = local.closure_jacobian, state.problem.scale * local.gradient
     u, values, vt = np.linalg.svd(j[:, free])
     rank = int((values > RANK).sum())
     lam = u[:, :rank] @ ((vt[:rank] @ g[free]) / values[:rank])

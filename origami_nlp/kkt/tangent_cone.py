@@ -30,7 +30,7 @@ from origami_nlp.numerics import (
     nonnegative_least_squares,
     null_space,
 )
-from origami_nlp.programme import LoopClosure
+from origami_nlp.problem import LoopClosure
 
 MOST_CHOICES = 10_000
 """Choices of subspaces at some loops that are carried on to the others."""

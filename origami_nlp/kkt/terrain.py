@@ -1,4 +1,4 @@
-"""Stable states of a programme with descents between them: what ways out of states are sought on (`ways_out`)."""
+"""Stable states of a programme with descents between them: what ways out of states are sought on (`escape_paths`)."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ from collections.abc import Callable, Iterable, Sequence
 
 import numpy as np
 
-from origami_nlp.numerics import BESIDE, LEVEL, SETTLED, SHALLOW
-from origami_nlp.programme import Programme
+from origami_nlp.numerics import LEVEL, NEAR_SINGULAR_TOL, SETTLED, SHALLOW
+from origami_nlp.problem import Problem
 
 NEAREST = 3
 """Other stable states that rays lead towards, those at equal distances counted as one."""
@@ -40,7 +40,7 @@ class Terrain(ABC):
 
     Parameters
     ----------
-    programme
+    problem
         Whose states they are.
     minima
         The states, by number, [M, n].
@@ -49,7 +49,7 @@ class Terrain(ABC):
 
     Attributes
     ----------
-    programme, minima
+    problem, minima
         As given.
     floor
         Energies over a state that are not told apart from nothing.
@@ -57,10 +57,10 @@ class Terrain(ABC):
         Heights above this are made lower where a pass shows how.
     """
 
-    def __init__(self, programme: Programme, minima: np.ndarray, scale: float) -> None:
-        self.programme, self.minima = programme, minima
+    def __init__(self, problem: Problem, minima: np.ndarray, scale: float) -> None:
+        self.problem, self.minima = problem, minima
         self.floor, self.worth = FLOOR * scale, SHALLOW * scale
-        self.noise = LEVEL * np.maximum(programme.energies(minima), programme.scale)
+        self.noise = LEVEL * np.maximum(problem.energies(minima), problem.scale)
 
     @abstractmethod
     def rays(self, which: Sequence[int]) -> Sequence[tuple[int, np.ndarray]]:
@@ -90,7 +90,7 @@ class Terrain(ABC):
 
     def over(self, at: np.ndarray, states: np.ndarray) -> np.ndarray:
         """Energies of states [..., n] over those of others, without cancellation."""
-        p = self.programme
+        p = self.problem
         return np.asarray(p.scale * p.parameters.energy_change(at, states))
 
     def rise(self, k: int, states: np.ndarray) -> np.ndarray:
@@ -99,12 +99,12 @@ class Terrain(ABC):
 
     def slope(self, x: np.ndarray) -> float:
         """Norm of the energy's gradient at a state, in the metric of all fold angles."""
-        p = self.programme
+        p = self.problem
         return p.scale * float(np.linalg.norm(p.parameters.torque(x) / p.root))
 
     def distance(self, a: np.ndarray, b: np.ndarray) -> float:
         """Distance of two states, in the same metric."""
-        return float(np.linalg.norm(self.programme.root * (a - b)))
+        return float(np.linalg.norm(self.problem.root * (a - b)))
 
     def is_lower(self, k: int, x: np.ndarray) -> bool:
         """Whether a state [n] has less energy than state k, by more than rounding."""
@@ -113,17 +113,17 @@ class Terrain(ABC):
     def is_way(self, k: int, end: np.ndarray) -> bool:
         """Whether an end is another state, of no more energy; of any for a state than which none listed has less."""
         at = self.minima[k]
-        if np.abs(end - at).max() <= BESIDE:
+        if np.abs(end - at).max() <= NEAR_SINGULAR_TOL:
             return False
-        # known to `BESIDE` only: that is no more energy as well as can be told
-        slack = (self.slope(end) + self.slope(at)) * BESIDE
+        # known to `NEAR_SINGULAR_TOL` only: that is no more energy as well as can be told
+        slack = (self.slope(end) + self.slope(at)) * NEAR_SINGULAR_TOL
         others = np.arange(len(self.minima)) != k
         lowest = not (self.rise(k, self.minima[others]) <= self.noise[k]).any()
         return lowest or bool(self.rise(k, end) <= slack)
 
     def others(self, k: int) -> np.ndarray:
         """The other states that are nearest to one, [S, n]."""
-        apart = np.linalg.norm(self.programme.root * (self.minima - self.minima[k]), axis=1)
+        apart = np.linalg.norm(self.problem.root * (self.minima - self.minima[k]), axis=1)
         apart[k] = math.inf
         # all at the distance of the last one: labels do not choose among them
         last = np.sort(apart)[min(NEAREST, len(apart)) - 1]

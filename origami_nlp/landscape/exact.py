@@ -26,9 +26,9 @@ from origami_nlp.chart import (
     with_energy,
 )
 from origami_nlp.contact import SLOPE, STIFFNESS, flat_parts
-from origami_nlp.landscape.turned import add_boundary
+from origami_nlp.display import Content, Line, Report, Section, Table, Viewable
+from origami_nlp.landscape.interactive import add_boundary
 from origami_nlp.minima import MinimaResult
-from origami_nlp.show import Content, Line, Piece, Table, Told, Turnable
 
 if TYPE_CHECKING:
     from origami_nlp.barriers import Barriers
@@ -70,7 +70,7 @@ class Stretch:
 
 
 @dataclass(frozen=True, repr=False)
-class ExactLandscape(Told, Turnable):
+class ExactLandscape(Report, Viewable):
     """Energy over the chart, its exact boundary, and the exact minima with their places.
 
     Attributes
@@ -144,7 +144,7 @@ class ExactLandscape(Told, Turnable):
         heads = ("#", "energy [J]", *names, "kind", "full space")
         return Table(heads, rows, self.result.scene.label, "rr" + "r" * len(names) + "ll")
 
-    def told(self) -> Iterator[Piece]:
+    def report_sections(self) -> Iterator[Section]:
         """Return the minima with their places and verdicts, and the boundary."""
         yield self.table()
         text = " -> ".join("?" if n is None else str(n) for n in self.counts)
@@ -162,7 +162,7 @@ class ExactLandscape(Told, Turnable):
             where = "on one chart point, " if part.hidden else ""
             yield f"metastable: {part.length:.2f} rad, {where}{'; '.join(part.contacts)}"
 
-    def turned(self, barriers: Barriers | None = None) -> Content:
+    def view_content(self, barriers: Barriers | None = None) -> Content:
         """Return states and the map with its exact boundaries as plain data, see `view`.
 
         Parameters
@@ -175,18 +175,18 @@ class ExactLandscape(Told, Turnable):
         Content
             What a page shows.
         """
-        content = self.result.turned(self.chart)
-        told = [*self.told(), *content.pieces]
+        content = self.result.view_content(self.chart)
+        reported = [*self.report_sections(), *content.pieces]
         if barriers is not None:
             from origami_nlp.barriers import add_passes  # only who has barriers has loaded them
 
             content = add_passes(content, self.result.scene, barriers.passes, self.chart)
-            told = [*barriers.told(), *told]
+            reported = [*barriers.report_sections(), *reported]
         if self.boundary is not None:
             content = add_boundary(
                 content, self.boundary, [*map(self._stretches, range(len(content.panels)))]
             )
-        return replace(content, pieces=tuple(told))
+        return replace(content, pieces=tuple(reported))
 
     def _stretches(self, branch: int) -> list[Line]:
         return [

@@ -12,10 +12,10 @@ from matplotlib.patheffects import Normal, Stroke
 
 from origami_nlp.arguments import check_type
 from origami_nlp.chart import Chart, chart_of, chart_points, colour_bar
+from origami_nlp.display import MARGIN, StackedFigure, label_text, pass_look, passes_legend
 from origami_nlp.errors import OptionError
 from origami_nlp.landscape.exact import ExactLandscape
 from origami_nlp.landscape.panel import PanelStyle, draw_panel, legend_of
-from origami_nlp.show import MARGIN, StackedFigure, label_text, pass_look, passes_legend
 
 if TYPE_CHECKING:
     from origami_nlp.barriers import Barriers, Pass

@@ -13,9 +13,9 @@ from typing import Any
 from matplotlib.lines import Line2D
 
 from origami_nlp.chart import area_legend, draw_area, norm_of
+from origami_nlp.display import METASTABLE, RING
 from origami_nlp.landscape.exact import ExactLandscape
 from origami_nlp.minima import Drawn, drawn_minima, mark_minima, marks_legend
-from origami_nlp.show import METASTABLE, RING
 
 
 @dataclass(frozen=True)

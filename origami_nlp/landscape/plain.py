@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-from origami_nlp.files import to_plain
+from origami_nlp.io import to_plain
 from origami_nlp.landscape.exact import ExactLandscape
 
 if TYPE_CHECKING:

@@ -14,12 +14,12 @@ from typing import Any
 import numpy as np
 
 from origami_nlp.arguments import check_whole
+from origami_nlp.continuation import ContinuationOptions, ParameterLine, SpecialPoint, load_line
 from origami_nlp.errors import OptionError
 from origami_nlp.kkt import Classification, follow
 from origami_nlp.minima import JudgedState, find_minima, full_scene
-from origami_nlp.path import ContinuationOptions, Node, ParameterLine, load_line
 from origami_nlp.pattern import Scene, dead_loads
-from origami_nlp.programme import Model, Parameters
+from origami_nlp.problem import Model, Parameters
 
 STEPS = ContinuationOptions()
 """Such that curves look smooth."""
@@ -213,7 +213,7 @@ class VertexDriver:
         return result.minima
 
     def down(
-        self, line: ParameterLine, s: float, node: Node, near: float, until: float
+        self, line: ParameterLine, s: float, node: SpecialPoint, near: float, until: float
     ) -> tuple[np.ndarray, Classification] | str:
         """Descend at s from the end of a state to a minimum farther away than `near` [rad], or say why not."""
         try:

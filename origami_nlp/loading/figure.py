@@ -11,11 +11,11 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from origami_nlp.arguments import check_type
-from origami_nlp.atlas import draw_ranges, event_look, kinds_legend
+from origami_nlp.bifurcation import draw_ranges, event_look, kinds_legend
+from origami_nlp.display import draw_pattern_state, label_text
 from origami_nlp.kkt import ContactForce, State, contact_forces
 from origami_nlp.loading.result import LoadPath
 from origami_nlp.pattern import Pattern
-from origami_nlp.show import draw_sheet, label_text
 
 PICTURE_WIDTH = 9.6
 """Of a picture [inches]."""
@@ -82,7 +82,7 @@ def _place_sheets(figure: Any, path: LoadPath, pattern: Pattern) -> None:
             )
         )
         state = np.array(phi)
-        draw_sheet(axes, pattern, state, contacts=carried_at(line.at(t), state))
+        draw_pattern_state(axes, pattern, state, contacts=carried_at(line.at(t), state))
         axes.set_title(title, fontsize=9)
 
 

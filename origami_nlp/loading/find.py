@@ -18,27 +18,34 @@ from origami_nlp.arguments import (
     refuse,
     shown,
 )
-from origami_nlp.atlas import Over, PathEvent, branches_of, chains_of, parts_of
-from origami_nlp.errors import OUT_OF_TIME, OptionError, OutOfTime
-from origami_nlp.facets import Work
-from origami_nlp.kkt import State, classify
-from origami_nlp.loading.driver import Search, VertexDriver
-from origami_nlp.loading.records import Confirmed, Leg, LoadPoint, Snap
-from origami_nlp.loading.result import LoadPath
-from origami_nlp.loading.route import Way, given, let_go, position, restabilises, walk
-from origami_nlp.loading.sheet import PatternDriver, work_on
-from origami_nlp.minima import JudgedState
-from origami_nlp.modes import breaking_stiffness
-from origami_nlp.numerics import SETTLED
-from origami_nlp.path import (
+from origami_nlp.bifurcation import ParameterRange, PathEvent, branches_of, chains_of, parts_of
+from origami_nlp.continuation import (
     LATE,
+    BifurcationDiagram,
     ContinuationOptions,
     Equilibrium,
     EquilibriumCurve,
-    Web,
     is_equilibrium,
 )
+from origami_nlp.errors import OUT_OF_TIME, OptionError, OutOfTime
+from origami_nlp.kkt import State, classify
+from origami_nlp.loading.driver import Search, VertexDriver
+from origami_nlp.loading.pattern_driver import PatternDriver, work_on
+from origami_nlp.loading.records import Confirmed, Leg, LoadPoint, Snap
+from origami_nlp.loading.result import LoadPath
+from origami_nlp.loading.stable_path import (
+    StableSegment,
+    given,
+    position,
+    release,
+    restabilises,
+    walk,
+)
+from origami_nlp.minima import JudgedState
+from origami_nlp.modes import breaking_stiffness
+from origami_nlp.numerics import SETTLED
 from origami_nlp.pattern import Pattern, Scene, as_origami
+from origami_nlp.pattern_problem import Work
 
 MOST_SNAPS = 20
 """Of one path: more are taken for a mistake."""
@@ -170,11 +177,11 @@ class _Job:
         until: float,
     ) -> None:
         self.driver, self.low, self.high = driver, low, high
-        self.over = Over(driver.name, low, high, driver.unit, False)
+        self.over = ParameterRange(driver.name, low, high, driver.unit, False)
         self._full = driver.full_line() if full else None
         self._known: dict[int, tuple[Equilibrium, float]] = {}
         functions = [("breaks-symmetry", self.across)] if self._full else []
-        self.web = Web(
+        self.web = BifurcationDiagram(
             driver.line(),
             low,
             high,
@@ -183,7 +190,7 @@ class _Job:
             lazy=driver.lazy,
             until=until,
         )
-        self.ways: list[tuple[Way, float, int | None]] = []
+        self.ways: list[tuple[StableSegment, float, int | None]] = []
         self.falls: list[tuple[int, float, np.ndarray, str, str]] = []
         self.alarms: list[str] = []
 
@@ -198,9 +205,9 @@ class _Job:
 
     def _in_full_space(self, frame: Equilibrium) -> State:
         assert self._full is not None
-        return State(self._full.at(frame.s), frame.programme.expand(frame.state))
+        return State(self._full.at(frame.s), frame.problem.expand(frame.state))
 
-    def _judged(self, way: Way) -> tuple[str, float | None]:
+    def _judged(self, way: StableSegment) -> tuple[str, float | None]:
         """Say what the states of a way are without the symmetry, and from which load on; it may snap at its end."""
         if self._full is None:
             return "", None
@@ -254,7 +261,7 @@ class _Job:
                 self.ways.append((way, toward, None))
                 last = way.frames[-1]
                 return (last.state, last.s) if way.why == "range" else None
-            landed = let_go(self.web, way.node, toward, self.driver)
+            landed = release(self.web, way.node, toward, self.driver)
             if isinstance(landed, str):
                 self.ways.append((way, toward, None))
                 where = self.web.nodes[way.node].s
@@ -290,12 +297,12 @@ class _Job:
             tuple(dict.fromkeys(self.alarms)), web.tally.steps, web.tally.evaluations,
         )  # fmt: skip
 
-    def _leg(self, way: Way, toward: float, snap: int | None) -> Leg:
+    def _leg(self, way: StableSegment, toward: float, snap: int | None) -> Leg:
         points = []
         for frame in way.frames:
-            phi = frame.programme.expand(frame.state) + 0.0
+            phi = frame.problem.expand(frame.state) + 0.0
             low = (
-                frame.programme.scale * float(frame.eigenvalues[0])
+                frame.problem.scale * float(frame.eigenvalues[0])
                 if len(frame.eigenvalues)
                 else math.nan
             )
@@ -314,14 +321,14 @@ class _Job:
         node, s, landed, kind, certificate = self.falls[k]
         web, found = self.web, self.web.nodes[node]
         before = found.point[:-1]
-        programme = web.line.at(found.s)
+        problem = web.line.at(found.s)
         after = self._at_the_snap(landed, s, found.s)
-        phi = programme.expand(before)
+        phi = problem.expand(before)
         event = min(
             events, key=lambda e: abs(e.t - found.s) + float(np.abs(e.fold_angles - phi).max())
         )
         again = restabilises(web, node)
-        one, two = (programme.expand(x) + 0.0 for x in (before, after))
+        one, two = (problem.expand(x) + 0.0 for x in (before, after))
         return Snap(
             event.id,
             found.s,
@@ -329,7 +336,7 @@ class _Job:
             tuple(one.tolist()),
             tuple(two.tolist()),
             (float(self.driver.conjugate(one)), float(self.driver.conjugate(two))),
-            -float(programme.energy_change(before, after)),
+            -float(problem.energy_change(before, after)),
             kind,
             certificate,
             None if again is None else web.nodes[again].s,
@@ -374,11 +381,11 @@ class _Job:
             found.append(min(apart, default=math.inf) <= SETTLED)
         return Confirmed(loads, (minima[0], minima[1]), (found[0], found[1]))
 
-    def _nearest(self, way: Way, t: float) -> np.ndarray | None:
+    def _nearest(self, way: StableSegment, t: float) -> np.ndarray | None:
         """All fold angles of the stable state at load t that a way passes; None where none is near."""
         near = min(way.frames, key=lambda f: abs(f.s - t), default=None)
         states = [f for _, f in self.web.states_at(t) if not f.index]
         if near is None or not states:
             return None
         best = min(states, key=lambda f: float(np.abs(f.state - near.state).max()))
-        return np.asarray(best.programme.expand(best.state))
+        return np.asarray(best.problem.expand(best.state))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from origami_nlp.files import Brief
+from origami_nlp.io import ShortRepr
 
 
 @dataclass(frozen=True)
@@ -27,7 +27,7 @@ class Confirmed:
 
 
 @dataclass(frozen=True, repr=False)
-class Snap(Brief):
+class Snap(ShortRepr):
     """Where a state ends, and where it goes.
 
     Attributes
@@ -66,7 +66,7 @@ class Snap(Brief):
 
 
 @dataclass(frozen=True, repr=False)
-class LoadPoint(Brief):
+class LoadPoint(ShortRepr):
     """A stable state on the path.
 
     Attributes
@@ -91,7 +91,7 @@ class LoadPoint(Brief):
 
 
 @dataclass(frozen=True, repr=False)
-class Leg(Brief):
+class Leg(ShortRepr):
     """Stable states that the load passes one way.
 
     Attributes

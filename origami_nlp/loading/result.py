@@ -12,16 +12,16 @@ from typing import Any
 
 import numpy as np
 
-from origami_nlp.atlas import PathBranch, PathEvent
+from origami_nlp.bifurcation import PathBranch, PathEvent
+from origami_nlp.display import Content, Report, Section, Table, Viewable, Words
 from origami_nlp.errors import OUT_OF_TIME
-from origami_nlp.facets import state_frame, states_to_fold
 from origami_nlp.loading.driver import VertexDriver
+from origami_nlp.loading.pattern_driver import PatternDriver
 from origami_nlp.loading.records import Leg, Snap
-from origami_nlp.loading.sheet import PatternDriver
 from origami_nlp.minima import Part, state_parts
-from origami_nlp.numerics import TYPED
+from origami_nlp.numerics import INPUT_TOL
 from origami_nlp.pattern import Pattern, Scene
-from origami_nlp.show import Content, Piece, Table, Told, Turnable, Words
+from origami_nlp.pattern_problem import state_frame, states_to_fold
 
 WHY = {
     "range": "stable to the end of the range",
@@ -35,7 +35,7 @@ MOST_ANGLES = 12
 
 
 @dataclass(frozen=True, repr=False)
-class LoadPath(Told, Turnable):
+class LoadPath(Report, Viewable):
     """A state of a vertex or of a pattern under a load that grows, through contacts and snaps.
 
     Attributes
@@ -79,7 +79,7 @@ class LoadPath(Told, Turnable):
     steps: int
     evaluations: int
 
-    PICTURE, TURNED, SCHEMA = "draw_load", "turn_path", "origami-nlp/load/1"
+    PICTURE, TURNED, SCHEMA = "draw_load", "view_path", "origami-nlp/load/1"
     ALSO = ("dissipated", "interrupted")
 
     @property
@@ -107,7 +107,7 @@ class LoadPath(Told, Turnable):
         """Energy lost in all snaps [J]; over a closed cycle the area of the hysteresis loop."""
         return sum(snap.released for snap in self.snaps)
 
-    def turned(self) -> Content:
+    def view_content(self) -> Content:
         """Return legs and snaps as plain data, see `view`."""
         content: Content = self._from_room(self.TURNED)(self)  # bodies in space are slow to import
         return content
@@ -137,7 +137,7 @@ class LoadPath(Told, Turnable):
         )
         return Table(heads, rows, title, "rlrlrl"[: len(heads)])
 
-    def told(self) -> Iterator[Piece]:
+    def report_sections(self) -> Iterator[Section]:
         """Return events, what the state does, and what confirms it."""
         table = self.table()
         yield table if self.events else table.title
@@ -165,7 +165,7 @@ class LoadPath(Told, Turnable):
             yield f"states keep the symmetry {self.scene.group.name}; where they would break it the path stops"
         for number, leg in enumerate(self.legs, start=1):
             at = [p.angle for p in leg.points]
-            if len(at) > 1 and max(at) - min(at) <= TYPED * self.driver.arm:
+            if len(at) > 1 and max(at) - min(at) <= INPUT_TOL * self.driver.arm:
                 yield (
                     f"leg {number}: the load does no work, what it works on stays as it is ({self.driver.coordinate}: "
                     f"{at[0]:.6g}); no motion that is free there changes it to first order"

@@ -33,6 +33,11 @@ from .full_space import (
     judge_in_full_space as judge_in_full_space,
     mode_symmetry as mode_symmetry,
 )
+from .interactive import (
+    CELLS as CELLS,
+    images as images,
+    points_on as points_on,
+)
 from .ipopt import (
     MOST_CONFIRMED as MOST_CONFIRMED,
     OPTIONS as OPTIONS,
@@ -67,15 +72,15 @@ from .noise import (
     survival_words as survival_words,
 )
 from .one_freedom import Traced as Traced, trace as trace
+from .pattern_account import (
+    ESCAPE_PATHS as ESCAPE_PATHS,
+    MEETINGS as MEETINGS,
+    PatternSearchReport as PatternSearchReport,
+)
 from .proved import check_prove as check_prove
 from .record import Answer as Answer, Record as Record
 from .result import (
     MinimaResult as MinimaResult,
-)
-from .sheet_account import (
-    MEETINGS as MEETINGS,
-    WAYS_OUT as WAYS_OUT,
-    SheetSearch as SheetSearch,
 )
 from .stability import (
     barrier_words as barrier_words,
@@ -85,11 +90,6 @@ from .stability import (
 from .stopping import chao1 as chao1
 from .table import DEMO_HEADS as DEMO_HEADS, demo_rows as demo_rows
 from .traced_passes import TracedPasses as TracedPasses, traced_passes as traced_passes
-from .turned import (
-    CELLS as CELLS,
-    images as images,
-    points_on as points_on,
-)
 from .vertexwise import (
     VertexwiseMinima as VertexwiseMinima,
     find_vertexwise as find_vertexwise,

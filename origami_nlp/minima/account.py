@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from origami_nlp.errors import OUT_OF_TIME
-from origami_nlp.files import Brief, Unbounded
+from origami_nlp.io import ShortRepr, Unbounded
 from origami_nlp.kkt import OMIT
 from origami_nlp.minima.coverage import StrataCount
 from origami_nlp.minima.minimum import JudgedState
@@ -16,8 +16,8 @@ from origami_nlp.minima.stopping import unseen_share
 
 
 @dataclass(repr=False)
-class SearchReport(Brief):
-    """What a search did; that of a pattern is a `sheets.SheetSearch`, which says more.
+class SearchReport(ShortRepr):
+    """What a search did; that of a pattern is a `sheets.PatternSearchReport`, which says more.
 
     Attributes
     ----------

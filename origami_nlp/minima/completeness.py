@@ -10,11 +10,11 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from origami_nlp.files import Brief
+from origami_nlp.io import ShortRepr
 
 
 @dataclass(frozen=True, repr=False)
-class Open(Brief):
+class Open(ShortRepr):
     """A region of fold angles that a proof leaves open, or closes by another argument.
 
     Attributes
@@ -40,7 +40,7 @@ class Open(Brief):
 
 
 @dataclass(frozen=True, repr=False)
-class Added(Brief):
+class Added(ShortRepr):
     """A minimum that the proof found and the search had not.
 
     Attributes
@@ -56,7 +56,7 @@ class Added(Brief):
 
 
 @dataclass(frozen=True, repr=False)
-class Completeness(Brief):
+class Completeness(ShortRepr):
     """Whether a list of minima is complete, as a theorem.
 
     Attributes

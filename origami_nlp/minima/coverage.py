@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from origami_nlp.starts import Row, TouchStarts
+from origami_nlp.starts import ContactStarts, Row
 
 
 @dataclass(frozen=True)
@@ -47,14 +47,14 @@ class StrataCount:
 
 
 def count_strata(
-    starts: TouchStarts, minima: Sequence[tuple[Iterable[Row], Iterable[int]]] = ()
+    starts: ContactStarts, minima: Sequence[tuple[Iterable[Row], Iterable[int]]] = ()
 ) -> tuple[tuple[StrataCount, ...], int]:
     """Count strata by class.
 
     Parameters
     ----------
     starts
-        The last answer of `touch_starts`: its counts hold those before.
+        The last answer of `contact_starts`: its counts hold those before.
     minima
         The rows (k, j) and the closed creases of each minimum with touches, 0-based.
 

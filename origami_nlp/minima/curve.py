@@ -17,7 +17,7 @@ from functools import cached_property
 import numpy as np
 
 from origami_nlp.numerics import EPS, NONZERO, RESOLVED, cross
-from origami_nlp.programme import Model, Piece, close_by
+from origami_nlp.problem import CreaseChain, Model, close_by
 
 NODES = 20
 """Chebyshev points of a section."""
@@ -105,7 +105,7 @@ class Curves:
     """All closed states of a model with one freedom, fold angles up to whole turns."""
 
     def __init__(self, model: Model) -> None:
-        self.model, self.piece = model, Piece(model)
+        self.model, self.piece = model, CreaseChain(model)
         n = model.size
         cyclic = self.piece.kind == "C" and self.piece.order > 1
         whole = (self.piece.share == 1) & (not cyclic)

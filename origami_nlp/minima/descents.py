@@ -21,9 +21,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from origami_nlp.minima.sweeps import LEAST_PIVOT, sweep
+from origami_nlp.minima.recursive_newton import LEAST_PIVOT, sweep
 from origami_nlp.numerics import (
     CHOSEN,
+    CONTACT_TOL,
     DECREASE,
     EXPLORED,
     NONZERO,
@@ -31,11 +32,10 @@ from origami_nlp.numerics import (
     SAME_ENERGY,
     SINGULAR,
     TINY,
-    TOUCHES,
     coarse,
     first_largest,
 )
-from origami_nlp.programme import OPEN, Model, Parameters
+from origami_nlp.problem import OPEN, Model, Parameters
 from origami_nlp.starts import (
     Closing,
     Crossings,
@@ -197,13 +197,13 @@ class Descents:
     ) -> tuple[Samples, _Progress]:
         p = self.closing.point(s)
         # what is left of the torque is its projection, no longer than itself; where it is, closure is singular there
-        left = np.abs(np.where(s.shut == 0, p.left, 0.0)).max(axis=1)
+        left = np.abs(np.where(s.at_limit == 0, p.left, 0.0)).max(axis=1)
         lost = ~(left <= 2 * math.sqrt(self.model.size) * np.abs(p.torque).max(axis=1))
         p.left[lost], p.multipliers[lost] = 0.0, 0.0
         size = 1 + np.abs(p.torque).max(axis=1) + np.abs(p.multipliers).max(axis=1)
-        slope = np.abs(np.where(s.shut == 0, p.left, 0.0)).max(axis=1) / size
+        slope = np.abs(np.where(s.at_limit == 0, p.left, 0.0)).max(axis=1) / size
         s, p, released, opens = self._release(s, p, slope, size)
-        free = s.shut == 0
+        free = s.at_limit == 0
         # what rounding leaves of a balance has no direction
         down = np.where(free & (np.abs(p.left) > NO_SLOPE * size[:, None]), p.left, 0.0)
         root = self.closing.root(s)
@@ -237,7 +237,7 @@ class Descents:
         n = s.x.shape[1]
         # projector on the null space of the rows on free creases, 1 - A'(A A')^-1 A (Nocedal and Wright, section 16.3)
         projector = -p.free_rows.transpose(0, 2, 1) @ p.inverse @ p.free_rows
-        projector[:, np.arange(n), np.arange(n)] += s.shut == 0
+        projector[:, np.arange(n), np.arange(n)] += s.at_limit == 0
         h = projector @ self.closing.hessian(s, p) @ projector + np.eye(n) - projector
         return np.asarray(0.5 * (h + h.transpose(0, 2, 1)))
 
@@ -276,7 +276,7 @@ class Descents:
         """Let go the contact that pulls most, where it pulls enough; returns also the gradient of its opening."""
         n = s.x.shape[1]
         # positive where a multiplier has the wrong sign: energy falls as the contact opens
-        pull = np.concatenate([s.shut * p.left, -p.multipliers[:, self._m :]], axis=1)
+        pull = np.concatenate([s.at_limit * p.left, -p.multipliers[:, self._m :]], axis=1)
         pull = pull / size[:, None]
         worst = first_largest(pull)
         early = np.where(slope <= FLAT_SLOPE, 0.0, np.where(s.hold, math.inf, EARLY * slope))
@@ -286,18 +286,18 @@ class Descents:
             return s, p, released, opens
         r = np.flatnonzero(released)
         limit, gap = r[worst[r] < n], r[worst[r] >= n]
-        shut, slots, rows = s.shut.copy(), s.slots.copy(), p.rows.copy()
-        let_go = np.zeros_like(shut, dtype=bool)
-        let_go[limit, worst[limit]] = True
+        at_limit, slots, rows = s.at_limit.copy(), s.slots.copy(), p.rows.copy()
+        release = np.zeros_like(at_limit, dtype=bool)
+        release[limit, worst[limit]] = True
         if self._many:  # what closing finds beyond its limit is shut again
             most = pull[np.arange(len(s)), worst]
-            let_go |= released[:, None] & (pull[:, :n] > np.maximum(EARLY * most, early)[:, None])
-        opens[let_go] = -shut[let_go]
-        shut[let_go] = 0
+            release |= released[:, None] & (pull[:, :n] > np.maximum(EARLY * most, early)[:, None])
+        opens[release] = -at_limit[release]
+        at_limit[release] = 0
         opens[gap] = rows[gap, self._m + worst[gap] - n]
         rows[gap, self._m + worst[gap] - n] = 0.0
         slots[gap, worst[gap] - n] = OPEN
-        s = replace(s, shut=shut, slots=slots, hold=s.hold & ~released)
+        s = replace(s, at_limit=at_limit, slots=slots, hold=s.hold & ~released)
         return s, balance(s, p.at, rows, p.torque), released, opens
 
     def _advance(
@@ -328,10 +328,12 @@ class Descents:
         """Step by a share of dx, to the first fold limit at most, which is held then; not closed."""
         if not self.model.has_limits or self._many:
             return replace(s, x=s.x + share[:, None] * dx), share
-        shut = s.shut.copy()
+        at_limit = s.at_limit.copy()
         room = np.maximum(np.where(dx > 0, math.pi - s.x, math.pi + s.x), 0.0)
         to = np.where(
-            (shut == 0) & (np.abs(dx) > ROUNDED), room / np.maximum(np.abs(dx), NONZERO), math.inf
+            (at_limit == 0) & (np.abs(dx) > ROUNDED),
+            room / np.maximum(np.abs(dx), NONZERO),
+            math.inf,
         )
         nearest = to.min(axis=1)
         first = (to <= nearest[:, None] * NEXT).argmax(axis=1)
@@ -339,8 +341,8 @@ class Descents:
         share = np.minimum(share, nearest)
         x = s.x + share[:, None] * dx
         side = np.sign(dx[hit, first[hit]])
-        shut[hit, first[hit]], x[hit, first[hit]] = side, side * math.pi
-        return replace(s, x=x, shut=shut), share
+        at_limit[hit, first[hit]], x[hit, first[hit]] = side, side * math.pi
+        return replace(s, x=x, at_limit=at_limit), share
 
     def _try(self, trial: Samples, before: _Before) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Tell which trial states are taken; and which gap each crosses (`OPEN` for none), with its open side."""
@@ -353,7 +355,7 @@ class Descents:
         # sufficient decrease (Nocedal and Wright, eq. 3.4), with slack for the rounding of energies
         lower = now <= e + DECREASE * np.minimum(before.slope, 0) + EXPLORED * (1 + e)
         good &= lower | (before.escaped & (now <= e + SAME_ENERGY))
-        gap, side = self.crossings.of(at, trial.x, trial.shut)
+        gap, side = self.crossings.of(at, trial.x, trial.at_limit)
         return good & (gap == OPEN), gap, side
 
     def _meet(
@@ -374,7 +376,7 @@ class Descents:
         was, is_now = values[:k], values[k:]
         share = np.clip(was / np.maximum(was - is_now, NONZERO), 0.1, 0.95)
         # a gap that was closed already is left: its crossing is another one, met half way
-        share = np.where((was > TOUCHES) & (is_now < 0), share, 0.5)
+        share = np.where((was > CONTACT_TOL) & (is_now < 0), share, 0.5)
         shorter, _ = self._moved(s, dx[todo], share)
         held, room = shorter.holding(gap, side)
         first = shorter.x

@@ -20,19 +20,19 @@ from origami_nlp.kkt import (
     barriers,
     bounds,
     energy_scale,
+    escape_paths,
     follow,
     level_of,
     newton,
     over_flat,
     project,
-    ways_out,
 )
 from origami_nlp.minima.descents import Descents
 from origami_nlp.minima.minimum import JudgedState
 from origami_nlp.minima.one_freedom import Traced
 from origami_nlp.minima.traced_passes import TracedPasses, traced_passes
-from origami_nlp.numerics import CLOSES, FOLLOWED, NONZERO, RESOLVED, SHALLOW
-from origami_nlp.programme import Contact, Model
+from origami_nlp.numerics import CLOSURE_TOL, FOLLOWED, NONZERO, RESOLVED, SHALLOW
+from origami_nlp.problem import Contact, Model
 from origami_nlp.starts import Samples
 
 MOST_STATES = 8
@@ -51,7 +51,7 @@ NOTHING_NEAR = "no other admissible state is near"
 
 
 class VertexTerrain(Terrain):
-    """Minima of a model with descents between them: what `kkt.ways_out` walks on."""
+    """Minima of a model with descents between them: what `kkt.escape_paths` walks on."""
 
     def __init__(self, model: Model, minima: np.ndarray, modes: Sequence[list[np.ndarray]]) -> None:
         super().__init__(model, minima, energy_scale(np.array(model.scene.stiffness)))
@@ -118,7 +118,7 @@ class VertexTerrain(Terrain):
             good = (
                 (residual <= FOLLOWED) & (moved > GOES[0] * length[:, 0]) & (moved < GOES[1] * step)
             )
-            good &= np.abs(model.closure(y)[0]).max(axis=1, initial=0.0) <= CLOSES
+            good &= np.abs(model.closure(y)[0]).max(axis=1, initial=0.0) <= CLOSURE_TOL
             # a target that is reached ends its ray
             good &= left > 0
             good[good] = model.admissible(y[good])
@@ -163,8 +163,8 @@ class VertexTerrain(Terrain):
         model = self.model
         x, residual = project(model, want, held)
         x = np.clip(x, -model.bound, model.bound)
-        long = (np.abs(x - want).max(axis=1) > longest + CLOSES).any()
-        if long or (residual > FOLLOWED).any() or (np.abs(model.closure(x)[0]) > CLOSES).any():
+        long = (np.abs(x - want).max(axis=1) > longest + CLOSURE_TOL).any()
+        if long or (residual > FOLLOWED).any() or (np.abs(model.closure(x)[0]) > CLOSURE_TOL).any():
             return None
         if not model.admissible(x).all():
             return None
@@ -174,8 +174,8 @@ class VertexTerrain(Terrain):
 
     def land(self, states: np.ndarray) -> np.ndarray:
         """Where descents in batches end."""
-        shut = np.where(np.abs(states) == math.pi, np.sign(states), 0).astype(int)
-        shut *= self.model.has_limits
+        at_limit = np.where(np.abs(states) == math.pi, np.sign(states), 0).astype(int)
+        at_limit *= self.model.has_limits
         out = np.full(states.shape, math.nan)
         # at the flat state closure has no rank, steps no direction: rounding would choose one
         left = np.abs(states).max(axis=1) > RESOLVED
@@ -185,25 +185,25 @@ class VertexTerrain(Terrain):
         # rays share states: to the flat state, and from there
         keys = [x.tobytes() for x in states]
         new = {keys[i]: i for i in np.flatnonzero(left) if keys[i] not in self._landed}
-        self._land(states, shut, np.array(sorted(new.values()), dtype=int), out)
+        self._land(states, at_limit, np.array(sorted(new.values()), dtype=int), out)
         self._landed |= {key: out[i] for key, i in new.items()}
         for i in np.flatnonzero(left):
             out[i] = self._landed[keys[i]]
         return out
 
     def _land(
-        self, states: np.ndarray, shut: np.ndarray, some: np.ndarray, out: np.ndarray
+        self, states: np.ndarray, at_limit: np.ndarray, some: np.ndarray, out: np.ndarray
     ) -> None:
         """Go down from some states; one at which linear algebra fails, as beside singular ones, ends nowhere."""
         if not len(some):
             return
         try:
             with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-                ends = self._descents.run(Samples.on(states[some], shut[some]))
+                ends = self._descents.run(Samples.on(states[some], at_limit[some]))
         except np.linalg.LinAlgError:
             if len(some) > 1:
                 for half in np.array_split(some, 2):
-                    self._land(states, shut, half, out)
+                    self._land(states, at_limit, half, out)
             return
         known = ends.converged | ends.settled
         out[some[known]] = ends.samples.x[known]
@@ -338,8 +338,8 @@ def _bounded(
     loose = [k for k in range(len(minima)) if not isolated[k]]
     sought = [] if why else loose[:MOST_STATES]
     modes = [_modes(model, m) for m in minima]
-    ways = ways_out(VertexTerrain(model, states, modes), sought) if sought else {}
-    told = {k: Escape(math.inf, ALONE, NOTHING_NEAR) for k in np.flatnonzero(isolated).tolist()}
+    ways = escape_paths(VertexTerrain(model, states, modes), sought) if sought else {}
+    reported = {k: Escape(math.inf, ALONE, NOTHING_NEAR) for k in np.flatnonzero(isolated).tolist()}
 
     def unknown(k: int) -> str:
         if not why and k not in sought:
@@ -351,7 +351,7 @@ def _bounded(
     group = model.scene.group
     kept = "" if group.is_trivial else f"; among states with symmetry {group.name}"
     heights = np.full((len(minima),) * 2, math.inf)
-    found = bounds(energies, ways, heights, scale, told, unknown, kept)
+    found = bounds(energies, ways, heights, scale, reported, unknown, kept)
     return [
         replace(e, top=tuple(model.expand(np.array(e.top)).tolist())) if e.top else e for e in found
     ]

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from origami_nlp.arguments import check_path, check_type
 from origami_nlp.chart import landscape
 from origami_nlp.errors import OptionError
-from origami_nlp.files import save_figure
+from origami_nlp.io import save_figure
 from origami_nlp.minima.picture import compose
 from origami_nlp.minima.result import MinimaResult
 from origami_nlp.pattern import Scene

@@ -43,7 +43,7 @@ from origami_nlp.minima.windings import (
 )
 from origami_nlp.numerics import rank
 from origami_nlp.pattern import Scene
-from origami_nlp.programme import Model
+from origami_nlp.problem import Model
 from origami_nlp.proof import ProofOptions
 from origami_nlp.starts import OWN, SearchOptions, options_of
 

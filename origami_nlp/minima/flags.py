@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from origami_nlp.show import Flags
+from origami_nlp.display import Flags
 
 
 @dataclass(frozen=True, repr=False)
@@ -64,7 +64,7 @@ class ResultFlags(Flags):
         measured.
     facets_may_cross
         Contact between facets that are no neighbours is not modelled, so that a listed state may pass through itself.
-        Cure: contact="full", or `examine` each state.
+        Cure: contact="full", or `check_admissible` each state.
     stability_not_asked
         Only states with the symmetry were compared; a minimum among them may be unstable when the symmetry breaks.
         Cure: full=True, or ``--full``.
@@ -112,7 +112,7 @@ class StateFlags(Flags):
         `find_minima(..., noise=degrees)` says what survives errors of a size that you state.
     solver_disagrees
         IPOPT, started there, left the state or did not converge (`solver`). Cure: Trust the certificate, which does
-        not rest on IPOPT; check the state with `examine` if in doubt.
+        not rest on IPOPT; check the state with `check_admissible` if in doubt.
     residual_above_tolerance
         The state closes, or balances, less well than states do that Newton has polished. Cure: Do not use its digits
         beyond `closure_residual` and `kkt_residual`; please report the scene.

@@ -10,11 +10,11 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 import numpy as np
 
 from origami_nlp.errors import OptionError
-from origami_nlp.facets import sheet_parts, state_frame, states_to_fold
-from origami_nlp.files import write_whole
 from origami_nlp.folding import fold_vertex, path_frames
+from origami_nlp.io import write_whole
 from origami_nlp.minima.minimum import JudgedState
 from origami_nlp.pattern import Pattern, Scene
+from origami_nlp.pattern_problem import pattern_parts, state_frame, states_to_fold
 
 if TYPE_CHECKING:
     from trimesh import Trimesh
@@ -58,7 +58,7 @@ def state_parts(origami: Scene | Pattern, states: Sequence[np.ndarray]) -> list[
         Points [v, 3] and triangles [f, 3] of each.
     """
     if isinstance(origami, Pattern):
-        return sheet_parts(origami, states)
+        return pattern_parts(origami, states)
     n = origami.degree
     faces = np.array([[0, i, i % n + 1] for i in range(1, n + 1)])
     parts = []

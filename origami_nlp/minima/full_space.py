@@ -13,11 +13,11 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
-from origami_nlp.files import Brief
+from origami_nlp.io import ShortRepr
 from origami_nlp.kkt import Classification, Followed, State, classify, follow
-from origami_nlp.numerics import BALANCED, ENDS, INDEPENDENT, null_space
+from origami_nlp.numerics import BALANCED, ENDPOINT_TOL, INDEPENDENT, null_space
 from origami_nlp.pattern import Scene
-from origami_nlp.programme import Contact, Model
+from origami_nlp.problem import Contact, Model
 
 FullVerdict = Literal["stable", "unstable", "undecided"]
 KEPT = 1e-6
@@ -25,7 +25,7 @@ KEPT = 1e-6
 
 
 @dataclass(frozen=True, repr=False)
-class LandsOn(Brief):
+class LandsOn(ShortRepr):
     """The stable state at the end of a descent.
 
     fold_angles, energy, kind, certificate: of that state.  symmetric: number (1-based) of the
@@ -47,7 +47,7 @@ class Step(NamedTuple):
 
 
 @dataclass(frozen=True, repr=False)
-class FullSpace(Brief):
+class FullSpace(ShortRepr):
     """Verdict on one state in the full contact-admissible space.
 
     Attributes
@@ -148,7 +148,7 @@ def _undecided(why: str, eigenvalues: tuple[float, ...], breaking: tuple[float, 
 def _landing(path: Followed, others: tuple[np.ndarray, ...]) -> LandsOn:
     what: Classification = path.what
     near = [float(np.abs(np.asarray(o) - path.end).max()) for o in others]
-    same = int(np.argmin(near)) + 1 if near and min(near) <= ENDS else None
+    same = int(np.argmin(near)) + 1 if near and min(near) <= ENDPOINT_TOL else None
     return LandsOn(
         tuple(path.end.tolist()), float(path.energies[-1]), str(what.kind), what.reason, same
     )
@@ -227,7 +227,7 @@ def hessian_spectra(
     average = group_average(scene)
     # coordinates c on the kernel with no symmetric part: average z c = 0
     breaking = null_space(average @ z, INDEPENDENT)
-    scale = state.programme.scale
+    scale = state.problem.scale
     full = np.linalg.eigvalsh(h) * scale
     block = np.linalg.eigvalsh(breaking.T @ h @ breaking) * scale
     return tuple(full.tolist()), tuple(block.tolist())

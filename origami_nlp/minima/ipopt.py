@@ -11,12 +11,12 @@ import casadi as ca
 import numpy as np
 
 from origami_nlp.kkt import Solve, Stratum
-from origami_nlp.numerics import BESIDE, CLOSES, DEPENDENT
-from origami_nlp.programme import (
+from origami_nlp.numerics import CLOSURE_TOL, DEPENDENT, NEAR_SINGULAR_TOL
+from origami_nlp.problem import (
     PLANE_ROWS,
     Nlp,
     Pairs,
-    Programme,
+    Problem,
     Solvable,
     Structure,
     pose_apart,
@@ -86,8 +86,9 @@ class Confirmation:
 
     @property
     def agrees(self) -> bool:
-        """Whether IPOPT stays at the state: within `BESIDE` [rad], since its barrier keeps off idle contacts."""
-        return self.status == "Solve_Succeeded" and self.moved <= BESIDE
+        """Whether IPOPT stays at the state: within `NEAR_SINGULAR_TOL` [rad], since its barrier keeps off idle
+        contacts."""
+        return self.status == "Solve_Succeeded" and self.moved <= NEAR_SINGULAR_TOL
 
 
 @lru_cache(maxsize=64)
@@ -131,15 +132,15 @@ def confirm_posed(nlp: Nlp, stratum: Stratum, rows: np.ndarray) -> tuple[Confirm
     forces : numpy.ndarray
         Its multipliers of the contacts, over `scale`, [r].
     """
-    return confirm_by(_built(nlp, WARM, tolerance_for(stratum.state.programme)), stratum, rows)
+    return confirm_by(_built(nlp, WARM, tolerance_for(stratum.state.problem)), stratum, rows)
 
 
 def confirm_by(
-    programme: Solver, stratum: Stratum, rows: np.ndarray
+    problem: Solver, stratum: Stratum, rows: np.ndarray
 ) -> tuple[Confirmation, np.ndarray]:
     """Solve once from a state with its own multipliers, see `confirm_posed`."""
-    model, gaps, m, x = stratum.state.programme, gaps_of(stratum), len(rows), stratum.state.x
-    lower, upper = programme.lower.copy(), programme.upper.copy()
+    model, gaps, m, x = stratum.state.problem, gaps_of(stratum), len(rows), stratum.state.x
+    lower, upper = problem.lower.copy(), problem.upper.copy()
     pull, row_pull = np.zeros(model.size), np.zeros(len(lower))
     forces = np.maximum(stratum.multiplier_set.smallest, 0.0)
     rest = stratum.state.gradient - stratum.slopes.T @ forces
@@ -153,7 +154,7 @@ def confirm_by(
             (lower if contact.side > 0 else upper)[row] = 0.0
             row_pull[row] = -contact.side * force
     bound = np.full(model.size, model.bound)
-    out = programme.solver(
+    out = problem.solver(
         x0=x,
         p=model.parameters.vector,
         lbx=-bound,
@@ -163,7 +164,7 @@ def confirm_by(
         lam_x0=pull,
         lam_g0=row_pull,
     )
-    stats = programme.solver.stats()
+    stats = problem.solver.stats()
     moved = float(np.abs(np.asarray(out["x"]).ravel() - x).max())
     bounds, walls = (np.asarray(out[name]).ravel() for name in ("lam_x", "lam_g"))
     found = [
@@ -174,16 +175,17 @@ def confirm_by(
     return what, np.array(found)
 
 
-def tolerance_for(model: Programme) -> float:
+def tolerance_for(model: Problem) -> float:
     """Return IPOPT's tolerance for a model: a power of ten, so that a sweep shares its solvers."""
     return max(
-        CLOSES, TOLERANCE * min(1.0, 10.0 ** math.floor(math.log10(10 * model.parameters.softness)))
+        CLOSURE_TOL,
+        TOLERANCE * min(1.0, 10.0 ** math.floor(math.log10(10 * model.parameters.softness))),
     )
 
 
 def solve(model: Solvable, start: np.ndarray, pairs: Pairs = ()) -> Solve:
     """Minimise the energy from `start` [n] with separating planes for `pairs`."""
-    programme = build_solver(model.structure, pairs, tolerance_for(model))
+    problem = build_solver(model.structure, pairs, tolerance_for(model))
     n = model.size
     x0 = np.asarray(start, dtype=float)
     bound = np.full(n, model.bound)
@@ -192,22 +194,22 @@ def solve(model: Solvable, start: np.ndarray, pairs: Pairs = ()) -> Solve:
         normals = [separating_normal(rays, pair) for pair in pairs]
         x0 = np.concatenate([x0, *normals])
         bound = np.concatenate([bound, np.full(3 * len(pairs), 1.5)])
-    out = programme.solver(
+    out = problem.solver(
         x0=x0,
         p=model.parameters.vector,
         lbx=-bound,
         ubx=bound,
-        lbg=programme.lower,
-        ubg=programme.upper,
+        lbg=problem.lower,
+        ubg=problem.upper,
     )
-    stats = programme.solver.stats()
+    stats = problem.solver.stats()
     x = np.asarray(out["x"]).ravel()
     g = np.asarray(out["g"]).ravel()
     lam_g = np.asarray(out["lam_g"]).ravel()
     violation = max(
         0.0,
-        float(np.max(programme.lower - g, initial=0)),
-        float(np.max(g - programme.upper, initial=0)),
+        float(np.max(problem.lower - g, initial=0)),
+        float(np.max(g - problem.upper, initial=0)),
     )
     # five rows a pair come last: |n| = 1, and four rays on their sides of the plane
     last = len(g) - PLANE_ROWS * len(pairs)

@@ -26,9 +26,15 @@ from origami_nlp.minima.record import (
 )
 from origami_nlp.minima.search import Search, Work
 from origami_nlp.minima.stopping import chao1
-from origami_nlp.numerics import BESIDE, CLOSES, DESIGN_SNAP, NEAR_CONTACT, SAME
+from origami_nlp.numerics import (
+    CLOSURE_TOL,
+    DESIGN_SNAP,
+    DUPLICATE_TOL,
+    NEAR_CONTACT,
+    NEAR_SINGULAR_TOL,
+)
 from origami_nlp.pattern import Labels, canonical_labels
-from origami_nlp.programme import Model
+from origami_nlp.problem import Model
 from origami_nlp.starts import (
     CORNER,
     SOURCES,
@@ -44,7 +50,7 @@ from origami_nlp.starts import (
     is_chain,
 )
 
-FEW_FREEDOMS = 2
+FEW_DOF = 2
 """Freedoms up to which the first round may be the last, within fold limits (beyond, each shape comes in lifts)."""
 Progress = Callable[[int, int, int], None]
 """Called as progress(starts, minima found, how many of these one drawn start reached)."""
@@ -132,7 +138,7 @@ class Job:
         model = self.model
         x = model.reduce(guess)
         verdict: Verdict = "not admissible"
-        if np.abs(model.expand(x) - guess).max() > BESIDE:
+        if np.abs(model.expand(x) - guess).max() > NEAR_SINGULAR_TOL:
             why = "it does not have the symmetry of the scene"
         elif answer is not None and answer.what is not None:
             if answer.is_minimum:
@@ -141,13 +147,13 @@ class Job:
         else:
             closed, residual = project(model, x)
             refused = model.refuses(closed)
-            if residual > CLOSES or np.abs(closed - x).max() > BESIDE:
-                why = f"no state within {BESIDE:g} rad of it closes"
+            if residual > CLOSURE_TOL or np.abs(closed - x).max() > NEAR_SINGULAR_TOL:
+                why = f"no state within {NEAR_SINGULAR_TOL:g} rad of it closes"
             elif refused:
                 why = refused
             else:
                 verdict = "not stationary"
-                why = f"no state within {BESIDE:g} rad of it holds still: it was descended from"
+                why = f"no state within {NEAR_SINGULAR_TOL:g} rad of it holds still: it was descended from"
         return JudgedState(model.energy(x), tuple(guess.tolist()), verdict, why)
 
     def search(self, guesses: list[np.ndarray], workers: int) -> Work:
@@ -214,11 +220,13 @@ class Job:
         if (traced := self.traced) is None:
             return False
         exact = np.isin(traced.origins, EXACT)
-        for x, contacts, stands in zip(traced.states, traced.contacts, exact, strict=True):
+        for x, contacts, verify_minimum in zip(traced.states, traced.contacts, exact, strict=True):
             with self.record.surviving("a candidate on a curve"):
                 end = Solve(x, "", 0, math.nan, np.ones(self.model.size), None)
                 state = polish(self.model, end, contacts)
-                if stands and not (state.converged and np.abs(state.x - x).max() <= SAME):
+                if verify_minimum and not (
+                    state.converged and np.abs(state.x - x).max() <= DUPLICATE_TOL
+                ):
                     # Newton leaves or cannot resolve a state where closure is singular: it is judged where it was found
                     state = exact_state(self.model, x)
                 answer, new = self.record.file(self.model, state)
@@ -241,7 +249,7 @@ class Job:
         hits = self.record.drawn_hits
         if min(hits, default=self.options.hits) >= self.options.hits:
             # the first round holds several: where there is more to find, one that found nothing is wanted as well
-            few = self.model.freedom <= FEW_FREEDOMS and self.model.has_limits
+            few = self.model.freedom <= FEW_DOF and self.model.has_limits
             return quiet > 0 or few
         # Chao's estimate of the minima that nothing has reached yet, from those reached once and twice
         return quiet >= self.options.quiet and chao1(hits) < 0.5

@@ -8,10 +8,10 @@ from typing import Any, NamedTuple
 from matplotlib.lines import Line2D
 
 from origami_nlp.chart import Place
+from origami_nlp.display import RING, label_marks, mark_minimum, minima_legend
 from origami_nlp.minima.minimum import JudgedState
 from origami_nlp.minima.stability import judged
 from origami_nlp.pattern import Pattern, Scene
-from origami_nlp.show import RING, label_marks, mark_minimum, minima_legend
 
 FAMILY = 1.3
 """Size of the ring around a family against a star's."""

@@ -9,19 +9,19 @@ from typing import Any, Literal
 
 import numpy as np
 
-from origami_nlp.files import Brief, to_plain
+from origami_nlp.io import ShortRepr, to_plain
 from origami_nlp.kkt import OMIT, ContactForce, Escape, Kind, Verdict
 from origami_nlp.minima.flags import StateFlags
 from origami_nlp.minima.full_space import FullSpace
 from origami_nlp.minima.ipopt import Confirmation
-from origami_nlp.numerics import CLOSES, STATIONARY
+from origami_nlp.numerics import CLOSURE_TOL, STATIONARY
 
 TRIALS = 20
 """Scenes with random errors that minima are followed into."""
 
 
 @dataclass(frozen=True, repr=False)
-class Survival(Brief):
+class Survival(ShortRepr):
     """How often a minimum was still one after random errors.
 
     Attributes
@@ -55,7 +55,7 @@ class Survival(Brief):
 
 
 @dataclass(frozen=True, repr=False)
-class JudgedState(Brief):
+class JudgedState(ShortRepr):
     """A state of a vertex or a pattern, judged: a local minimum of the energy among admissible states, or why not.
 
     Of a vertex admissible states have the modelled symmetry.
@@ -76,7 +76,7 @@ class JudgedState(Brief):
     local_dimension
         Dimension of the feasible set at a minimum: the model's degrees of freedom where it is full, 1 on a handle, 0 if
         isolated.
-    freedoms
+    dof
         Variables less the rank of closure, of patterns; -1 where it was not asked for: of a vertex, and of states that
         do not close or are beyond a limit.
     closure_residual
@@ -137,7 +137,7 @@ class JudgedState(Brief):
     certificate: str
     kind: Literal[Kind, ""] = ""
     local_dimension: int = 0
-    freedoms: int = field(default=-1, metadata=OMIT)
+    dof: int = field(default=-1, metadata=OMIT)
     closure_residual: float = math.nan
     kkt_residual: float = math.nan
     polished: bool = True
@@ -188,7 +188,7 @@ class JudgedState(Brief):
             isolated=bool(self.kind) and self.local_dimension == 0,
             shallow=self.shallow,
             solver_disagrees=self.solver is not None and not self.solver.agrees,
-            residual_above_tolerance=self.closure_residual > CLOSES or unbalanced,
+            residual_above_tolerance=self.closure_residual > CLOSURE_TOL or unbalanced,
             unstable_in_full_space=verdict == "unstable",
             not_decided_in_full_space=verdict == "undecided",
         )

@@ -9,8 +9,8 @@ import numpy as np
 from origami_nlp.kkt import Solve
 from origami_nlp.minima.ipopt import solve
 from origami_nlp.minima.record import Answer, Record
-from origami_nlp.numerics import ANSWERED, SAME
-from origami_nlp.programme import Model, Solvable
+from origami_nlp.numerics import ANSWERED, DUPLICATE_TOL
+from origami_nlp.problem import Model, Solvable
 from origami_nlp.starts import Projected
 
 MOST_PAIR_ROUNDS = 4
@@ -49,7 +49,7 @@ def run_one(
         return None
     record.converged += count
     for known in record.answers:  # most starts end where another did: no need to polish again
-        if known.polished.converged and np.abs(known.polished.x - answer.x).max() <= SAME:
+        if known.polished.converged and np.abs(known.polished.x - answer.x).max() <= DUPLICATE_TOL:
             found, new = known, False
             break
     else:

@@ -13,9 +13,9 @@ from origami_nlp.arguments import check_number
 from origami_nlp.kkt import Solve, State, classify, follow, polish, project
 from origami_nlp.minima.full_space import full_scene
 from origami_nlp.minima.minimum import TRIALS, JudgedState, Survival
-from origami_nlp.numerics import CLOSES
+from origami_nlp.numerics import CLOSURE_TOL
 from origami_nlp.pattern import canonical_labels
-from origami_nlp.programme import Model, Parameters
+from origami_nlp.problem import Model, Parameters
 
 M = TypeVar("M")
 
@@ -195,7 +195,7 @@ def _beside(model: Model, x: np.ndarray) -> np.ndarray | None:
         if classify(State(model, done.x)).verdict == "minimum":
             return done.x
     start, residual = project(model, x, [c for c in guess if c.is_limit])
-    if residual > CLOSES:
+    if residual > CLOSURE_TOL:
         start, residual = project(model, x)
     try:
         down = follow(model, np.clip(start, -model.bound, model.bound))

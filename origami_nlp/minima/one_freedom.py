@@ -13,7 +13,7 @@ from origami_nlp.kkt import project
 from origami_nlp.minima.curve import NODES, SLOW, TO_SERIES, Branches, Curves
 from origami_nlp.numerics import (
     ANSWERED,
-    CLOSES,
+    CLOSURE_TOL,
     EPS,
     FOLLOWED,
     LEVEL,
@@ -25,7 +25,7 @@ from origami_nlp.numerics import (
     UNPOLISHED,
     distinct,
 )
-from origami_nlp.programme import Contact, Model, fold_limit, vertices
+from origami_nlp.problem import Contact, Model, fold_limit, vertices
 
 MOST_VERTICES = 10_000
 """More candidates than a model with one freedom has."""
@@ -213,7 +213,7 @@ def _at(curves: Curves, b: Branches, where: np.ndarray, lift: np.ndarray) -> np.
     speed = np.abs(tangents)
     fastest = speed[np.arange(len(x)), b.sections.driver] >= SLOW * speed.max(axis=1)
     fastest &= size > RANK  # (crossings are listed by themselves)
-    inside = (np.abs(x) <= curves.model.bound + CLOSES).all(axis=1)
+    inside = (np.abs(x) <= curves.model.bound + CLOSURE_TOL).all(axis=1)
     return np.clip(x[inside & fastest], -curves.model.bound, curves.model.bound)
 
 
@@ -265,14 +265,14 @@ def _crossings(curves: Curves) -> list[np.ndarray]:
     out = []
     for state in states[distinct(states, RESOLVED)]:
         every = state + turns
-        every = every[(np.abs(every) <= model.bound + CLOSES).all(axis=1)]
+        every = every[(np.abs(every) <= model.bound + CLOSURE_TOL).all(axis=1)]
         steps = beside - state
         steps -= curves.period * np.round(steps / curves.period)
         steps = steps[np.abs(steps).max(axis=1) < 1e2 * shift]
         for y in every[curves.piece.misses(every) <= 2 * ROUNDED]:
             # (without fold limits the bound is none of the energy's)
             inside = np.abs(y + steps).max(axis=1) <= (
-                math.pi + CLOSES if model.has_limits else math.inf
+                math.pi + CLOSURE_TOL if model.has_limits else math.inf
             )
             # no minimum where the energy falls along a branch that leaves it
             torque = model.parameters.torque(y)
@@ -296,7 +296,9 @@ def _add_contacts(curves: Curves, branches: Branches, found: _Found) -> None:
                 series = np.einsum("kj,bj->bk", TO_SERIES, values[..., contact.index])
                 size = np.abs(series).sum(axis=1)
                 # as for the slope; gaps that stay closed along a piece (size 0) have no end there
-                may = np.flatnonzero((2 * np.abs(series[:, 0]) <= size + SETTLED) & (size > CLOSES))
+                may = np.flatnonzero(
+                    (2 * np.abs(series[:, 0]) <= size + SETTLED) & (size > CLOSURE_TOL)
+                )
                 k, where, _ = roots(series[may])
                 which = may[k]
                 states = _at(curves, b.take(which), where, np.tile(turns, (len(which), 1)))

@@ -23,11 +23,7 @@ from origami_nlp.chart import (
     norm_of,
     outline_of,
 )
-from origami_nlp.minima.marks import Drawn, drawn_minima, mark_minima, marks_legend
-from origami_nlp.minima.minimum import JudgedState
-from origami_nlp.minima.stability import barrier_words, count_words, verdict
-from origami_nlp.pattern import Pattern, Scene
-from origami_nlp.show import (
+from origami_nlp.display import (
     MARGIN,
     MOST_DRAWN,
     WARNING,
@@ -36,6 +32,10 @@ from origami_nlp.show import (
     label_text,
     subscript,
 )
+from origami_nlp.minima.marks import Drawn, drawn_minima, mark_minima, marks_legend
+from origami_nlp.minima.minimum import JudgedState
+from origami_nlp.minima.stability import barrier_words, count_words, verdict
+from origami_nlp.pattern import Pattern, Scene
 
 STAR, FONT = 16.0, 11.0
 """Size of a star, and of the letters of its number [points]."""
@@ -76,7 +76,7 @@ def compose(
     states = StatesDrawn(
         origami,
         [
-            _state_title(k, m, m.freedoms if chart is None else freedom)
+            _state_title(k, m, m.dof if chart is None else freedom)
             for k, m in enumerate(shown, start=1)
         ],
         [m.phi for m in shown],
@@ -171,11 +171,11 @@ def _notes(
     notes = []
     if chart is not None and chart.kind == "none":
         notes.append(f"No energy landscape: {chart.reason}.")
-    told: dict[str, list[str]] = {}
+    reported: dict[str, list[str]] = {}
     for number, place in enumerate(places, start=1):
         if place.family and place.drawn:
-            told.setdefault(place.family, []).append(str(number))
-    for family, numbers in told.items():
+            reported.setdefault(place.family, []).append(str(number))
+    for family, numbers in reported.items():
         notes.append(f"At {', '.join(numbers)}: {family}.")
     beyond = [str(k) for k, p in enumerate(places, start=1) if not p.drawn]
     if beyond:

@@ -15,9 +15,9 @@ from origami_nlp.errors import OUT_OF_TIME
 from origami_nlp.kkt import Solve, exact_beside, polish, project
 from origami_nlp.minima.completeness import Added, Completeness, Open
 from origami_nlp.minima.record import BREAKDOWNS, Answer, Record, closes, judge, listed
-from origami_nlp.numerics import BESIDE, CLOSES, SAME
+from origami_nlp.numerics import CLOSURE_TOL, DUPLICATE_TOL, NEAR_SINGULAR_TOL
 from origami_nlp.pattern import Scene
-from origami_nlp.programme import Model
+from origami_nlp.problem import Model
 from origami_nlp.proof import (
     Cluster,
     CriticalPoint,
@@ -28,9 +28,9 @@ from origami_nlp.proof import (
     why_not as touches_not_proved,
 )
 
-MOST_FREEDOMS = 3
+MOST_DOF = 3
 """Freedoms up to which a proof is tried where it is asked for: boxes grow by a factor of about 13 a freedom."""
-FEW_FREEDOMS = 2
+FEW_DOF = 2
 """Freedoms up to which it is tried without being asked; 1 where facets may touch and there is no symmetry."""
 UNASKED = 100_000
 """Boxes after which a proof that nobody asked for gives up."""
@@ -102,15 +102,15 @@ def why_not(model: Model) -> str:
         return "the paper does not lie flat: proofs are for flat sheets"
     if model.freedom <= 0 and model.structure.winding == 1:
         return "nothing can move: the states listed are all that were looked for"
-    if model.freedom > MOST_FREEDOMS:
-        return f"{model.freedom} freedoms (at most {MOST_FREEDOMS})"
+    if model.freedom > MOST_DOF:
+        return f"{model.freedom} freedoms (at most {MOST_DOF})"
     return touches_not_proved(model) if model.scene.contact == "full" else ""
 
 
 def is_cheap(model: Model) -> bool:
     """Tell whether a proof is tried without being asked for."""
     touching = bool(model.structure.gaps) and model.scene.group.is_trivial
-    return not why_not(model) and 0 < model.freedom <= (1 if touching else FEW_FREEDOMS)
+    return not why_not(model) and 0 < model.freedom <= (1 if touching else FEW_DOF)
 
 
 def hold_against(
@@ -132,7 +132,8 @@ def hold_against(
     Returns
     -------
     Completeness
-        A minimum counts as missing where no answer on record is that state, to `SAME` and the proof's own radius.
+        A minimum counts as missing where no answer on record is that state, to `DUPLICATE_TOL` and the proof's own
+        radius.
     """
     against: list[str] = []
     added: list[Answer] = []
@@ -217,7 +218,7 @@ def _answer_at(model: Model, record: Record, point: CriticalPoint) -> tuple[Answ
     """Return the answer at a certified critical point; a possible minimum that is not on record is judged and filed."""
     x = np.array(point.x)
     # the point is the only critical one within its radius: what is on record there is it
-    near = _nearest(record, x, point.radius + SAME)
+    near = _nearest(record, x, point.radius + DUPLICATE_TOL)
     if near is not None or point.is_minimum is False:
         return near, False
     return _file(model, record, x)
@@ -255,9 +256,9 @@ def _file(model: Model, record: Record, x: np.ndarray) -> tuple[Answer | None, b
 def _singular(model: Model, x: np.ndarray) -> np.ndarray | None:
     """Return the state beside x whose fold angles next to 0 and +-pi are these; None where none closes."""
     flat = math.pi * np.round(x / math.pi)
-    frozen = np.abs(x - flat) <= BESIDE
+    frozen = np.abs(x - flat) <= NEAR_SINGULAR_TOL
     y, residual = project(model, np.where(frozen, flat, x), frozen=frozen)
-    return y if residual <= CLOSES else None
+    return y if residual <= CLOSURE_TOL else None
 
 
 def _nearest(record: Record, x: np.ndarray, within: float) -> Answer | None:
@@ -276,7 +277,10 @@ def _disagreement(
     """Say what stays open at a critical point: unclear to the proof and to the judge, or seen differently by them."""
     verdict = answer.what.verdict if answer is not None and answer.what is not None else ""
     where = f"at {model.energy(np.array(point.x)):.9g} J"
-    moved = answer is not None and np.abs(answer.polished.x - point.x).max() > point.radius + BESIDE
+    moved = (
+        answer is not None
+        and np.abs(answer.polished.x - point.x).max() > point.radius + NEAR_SINGULAR_TOL
+    )
     if point.is_minimum is False and verdict == "minimum":
         against.append(f"the proof refutes a listed minimum {where}")
     elif point.is_minimum and (verdict != "minimum" or moved):
@@ -317,7 +321,7 @@ def _verdict_at(model: Model, record: Record, x: np.ndarray, added: list[Answer]
 def _judged(model: Model, record: Record, cluster: Cluster, added: list[Answer]) -> Open:
     """Judge the state in a small cluster: that on record, else the polished middle."""
     lower, upper = np.array(cluster.lower), np.array(cluster.upper)
-    if (upper - lower).max() > BESIDE:
+    if (upper - lower).max() > NEAR_SINGULAR_TOL:
         return _region(model, lower, upper, cluster.reason)
     middle = 0.5 * (lower + upper)
     inside = [a for a in record.answers if _within(a.polished.x, lower, upper)]
@@ -356,23 +360,25 @@ def _merged(regions: list[Open]) -> list[Open]:
     kept: list[Open] = []
     for r in sorted(regions, key=lambda r: (not _is_open(r), r.energy)):
         middle = np.add(r.lower, r.upper) / 2
-        same = [k for k in kept if np.abs(np.add(k.lower, k.upper) / 2 - middle).max() <= SAME]
+        same = [
+            k for k in kept if np.abs(np.add(k.lower, k.upper) / 2 - middle).max() <= DUPLICATE_TOL
+        ]
         if not any((k.verdict, bool(k.isolated)) == (r.verdict, bool(r.isolated)) for k in same):
             kept.append(r)
     return kept
 
 
 def _within(x: np.ndarray, lower: np.ndarray, upper: np.ndarray) -> bool:
-    return bool(((x >= lower - SAME) & (x <= upper + SAME)).all())
+    return bool(((x >= lower - DUPLICATE_TOL) & (x <= upper + DUPLICATE_TOL)).all())
 
 
 def _covered(x: np.ndarray, proof: Proof) -> bool:
     """Tell whether a state is a critical point of the proof, or in what it leaves open."""
     # what is certainly no minimum covers none
     points = (p for p in proof.points if p.is_minimum is not False)
-    if any(np.abs(np.array(p.x) - x).max() <= p.radius + SAME for p in points):
+    if any(np.abs(np.array(p.x) - x).max() <= p.radius + DUPLICATE_TOL for p in points):
         return True
-    if proof.flat_radius and proof.flat_is_minimum is None and np.abs(x).max() <= SAME:
+    if proof.flat_radius and proof.flat_is_minimum is None and np.abs(x).max() <= DUPLICATE_TOL:
         return True
     return any(_within(x, np.array(c.lower), np.array(c.upper)) for c in _open(proof))
 

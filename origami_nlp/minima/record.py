@@ -22,8 +22,8 @@ from origami_nlp.kkt import (
     polish,
     project,
 )
-from origami_nlp.numerics import BESIDE, CLOSES, SAME
-from origami_nlp.programme import Contact, Model, Programme
+from origami_nlp.numerics import CLOSURE_TOL, DUPLICATE_TOL, NEAR_SINGULAR_TOL
+from origami_nlp.problem import Contact, Model, Problem
 from origami_nlp.starts import Listed
 
 BREAKDOWNS = (np.linalg.LinAlgError, ArithmeticError)
@@ -115,7 +115,7 @@ class Record:
 
     def known(self, x: np.ndarray) -> Answer | None:
         """Return the answer that a polished state is, if there is one."""
-        near = np.flatnonzero(self._apart(x) <= SAME)
+        near = np.flatnonzero(self._apart(x) <= DUPLICATE_TOL)
         return self.answers[near[0]] if len(near) else None
 
     @contextmanager
@@ -153,7 +153,7 @@ class Record:
             why = str(error)
         return Answer(polished, lost=why), False
 
-    def file(self, model: Programme, polished: Polished) -> tuple[Answer, bool]:
+    def file(self, model: Problem, polished: Polished) -> tuple[Answer, bool]:
         """File a polished state under the answer that it is, or as a new one; tells whether it has to be judged.
 
         What Newton could not polish is taken for the exact state next to it, where there is one.  A listed state
@@ -164,7 +164,7 @@ class Record:
             polished = self._exact_beside(polished) or exact_beside(model, polished)
         # answers that are known less exactly than others may lie farther away and still be the same
         widest = max((a.polished.uncertainty for a in self.answers), default=0.0)
-        may = self._apart(polished.x) <= max(BESIDE, polished.uncertainty + widest)
+        may = self._apart(polished.x) <= max(NEAR_SINGULAR_TOL, polished.uncertainty + widest)
         for known in (self.answers[k] for k in np.flatnonzero(may)):
             if _is_same(known.polished, polished):
                 better = polished.converged and (not known.polished.converged or known.gives_way)
@@ -176,13 +176,13 @@ class Record:
         return answer, True
 
     def _exact_beside(self, state: Polished) -> Polished | None:
-        """Return the nearest exact state on record within `BESIDE` of a state, or None."""
+        """Return the nearest exact state on record within `NEAR_SINGULAR_TOL` of a state, or None."""
         if not self.answers:
             return None
         exact = np.array([a.polished.converged for a in self.answers])
         apart = np.where(exact, self._apart(state.x), math.inf)
         nearest = int(apart.argmin())
-        return self.answers[nearest].polished if apart[nearest] <= BESIDE else None
+        return self.answers[nearest].polished if apart[nearest] <= NEAR_SINGULAR_TOL else None
 
     def _apart(self, x: np.ndarray) -> np.ndarray:
         """Largest difference of a fold angle between each answer and a state [n]."""
@@ -217,7 +217,7 @@ def close_orbit(model: Model, record: Record, answer: Answer) -> None:
 def closes(model: Model, x: np.ndarray) -> bool:
     """Tell whether all N fold angles close the vertex, by a product of rotations that is not the model's closure."""
     _, q = fold_vertex(model.scene.vertex, model.expand(x))
-    return float(np.linalg.norm(q[1:])) <= CLOSES
+    return float(np.linalg.norm(q[1:])) <= CLOSURE_TOL
 
 
 def judge(model: Model, answer: Answer) -> None:
@@ -242,7 +242,7 @@ def listed(model: Model, x: np.ndarray) -> Answer:
     return answer
 
 
-def exact_state(model: Programme, x: np.ndarray) -> Polished:
+def exact_state(model: Problem, x: np.ndarray) -> Polished:
     """Return a state that is known to rounding, as if Newton had ended there."""
     return Polished(x, (), float(np.abs(model.closure(x)[0]).max()), math.nan, True)
 
@@ -250,5 +250,5 @@ def exact_state(model: Programme, x: np.ndarray) -> Polished:
 def _is_same(one: Polished, other: Polished) -> bool:
     """Tell whether two states are one, as far as their accuracy says."""
     exact = one.converged and other.converged
-    near = max(SAME, one.uncertainty + other.uncertainty) if exact else BESIDE
+    near = max(DUPLICATE_TOL, one.uncertainty + other.uncertainty) if exact else NEAR_SINGULAR_TOL
     return bool(np.abs(one.x - other.x).max() <= near)

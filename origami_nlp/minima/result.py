@@ -12,8 +12,17 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from origami_nlp.display import (
+    Content,
+    Report,
+    Section,
+    Table,
+    Viewable,
+    Words,
+    inline_image,
+    pieces_html,
+)
 from origami_nlp.errors import OptionError
-from origami_nlp.facets import MOST_DENSE, Sheet
 from origami_nlp.kkt import State, find_stress
 from origami_nlp.minima.account import SearchReport
 from origami_nlp.minima.completeness import Completeness
@@ -21,7 +30,7 @@ from origami_nlp.minima.flags import ResultFlags
 from origami_nlp.minima.fold_out import Part, minima_to_fold, state_parts
 from origami_nlp.minima.minimum import JudgedState
 from origami_nlp.minima.noise import survival_words
-from origami_nlp.minima.sheet_account import SheetSearch
+from origami_nlp.minima.pattern_account import PatternSearchReport
 from origami_nlp.minima.stability import (
     NOT_ASKED,
     barrier_head,
@@ -38,8 +47,8 @@ from origami_nlp.minima.telling import (
 )
 from origami_nlp.numerics import STATIONARY, rank, residual_words
 from origami_nlp.pattern import Pattern, Relations, Scene
-from origami_nlp.programme import Model
-from origami_nlp.show import Content, Piece, Table, Told, Turnable, Words, inline_image, pieces_html
+from origami_nlp.pattern_problem import MOST_DENSE, PatternProblem
+from origami_nlp.problem import Model
 
 if TYPE_CHECKING:
     from origami_nlp.chart import Landscape
@@ -51,7 +60,7 @@ SIZE, DPI = 301, 72
 
 
 @dataclass(frozen=True, repr=False)
-class MinimaResult(Told, Turnable):
+class MinimaResult(Report, Viewable):
     """Minima of a vertex or of a pattern in order of energy, and the record of the search for them.
 
     Attributes
@@ -90,7 +99,7 @@ class MinimaResult(Told, Turnable):
 
     origami: Scene | Pattern
     minima: tuple[JudgedState, ...]
-    search: SearchReport | SheetSearch
+    search: SearchReport | PatternSearchReport
     completeness: Completeness | None = None
     relations: Relations | None = None
     curves: tuple[Any, ...] = field(default=(), compare=False, metadata={"plain": False})
@@ -107,7 +116,7 @@ class MinimaResult(Told, Turnable):
                 object.__setattr__(self, "origami", stated)
             object.__setattr__(self, "relations", stated.relations)
         if self.model is None:
-            posed = Model(stated) if isinstance(stated, Scene) else Sheet(stated)
+            posed = Model(stated) if isinstance(stated, Scene) else PatternProblem(stated)
             object.__setattr__(self, "model", posed)
 
     # ------------------------------------------------------------ what is folded
@@ -229,7 +238,7 @@ class MinimaResult(Told, Turnable):
 
     def _self_stress(self, state: JudgedState) -> int:
         equations: int = self.model.equation_count
-        return equations - self.pattern.creases + state.freedoms
+        return equations - self.pattern.creases + state.dof
 
     @property
     def flags(self) -> ResultFlags:
@@ -239,7 +248,7 @@ class MinimaResult(Told, Turnable):
         proved = known.status if known else ""
         settled = proved == "proved" or search.stopped_by == "complete"
         reached = search.outcomes.get("minimum", 0) if one else len(self.minima)
-        drawn = search.drawn if isinstance(search, SheetSearch) else search.starts
+        drawn = search.drawn if isinstance(search, PatternSearchReport) else search.starts
         full = one.contact if one else getattr(search, "contact", "full")
         return ResultFlags(
             nothing_found=not self.minima,
@@ -288,11 +297,11 @@ class MinimaResult(Told, Turnable):
         known = [verdict(self.origami, m) for m in self.minima]
         barrier, pattern = barrier_head(self.origami), self.is_pattern
         heads = ("contacts",) if pattern else ("closure", "KKT", "hits")
-        free = [m.freedoms if pattern else self.model.freedom for m in self.minima]
+        free = [m.dof if pattern else self.model.freedom for m in self.minima]
         last = [_touching(m) if pattern else _reached(m) for m in self.minima]
         return states_table(self.headline, self.minima, known, free, barrier, heads, last)
 
-    def told(self) -> Iterator[Piece]:
+    def report_sections(self) -> Iterator[Section]:
         """Return the table, the states and the record of the search."""
         yield self.table() if self.minima else self.headline
         group = "" if isinstance(self.origami, Pattern) else self.origami.group.name
@@ -366,17 +375,17 @@ class MinimaResult(Told, Turnable):
         str
             The piece.
         """
-        told = pieces_html(self.told())
+        reported = pieces_html(self.report_sections())
         if not picture or not (self.minima or isinstance(self.origami, Scene)):
-            return told
+            return reported
         figure = self._from_room(self.PICTURE)(self, size=SIZE)  # pictures are slow to import
         text = "The states, each drawn folded, and the energy landscape where there is one"
-        return f"{told}\n{inline_image(figure, text, DPI)}"
+        return f"{reported}\n{inline_image(figure, text, DPI)}"
 
     def _repr_html_(self) -> str:
         return self.to_html()
 
-    def turned(self, chart: Landscape | None = None) -> Content:
+    def view_content(self, chart: Landscape | None = None) -> Content:
         """Return states, descents and the map of the energy as plain data, see `view`.
 
         Parameters
@@ -389,9 +398,11 @@ class MinimaResult(Told, Turnable):
         Content
             What a page shows.
         """
-        from origami_nlp.minima.turned import turn_minima  # charts are slow to import
+        from origami_nlp.minima.interactive import view_minima  # charts are slow to import
 
-        return turn_minima(self.origami, self.model, self.minima, tuple(self.told()), chart)
+        return view_minima(
+            self.origami, self.model, self.minima, tuple(self.report_sections()), chart
+        )
 
 
 def _reached(m: JudgedState) -> list[str]:

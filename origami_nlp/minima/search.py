@@ -13,9 +13,9 @@ import numpy as np
 from origami_nlp.kkt import Solve, State
 from origami_nlp.minima.descents import Descents
 from origami_nlp.minima.record import Answer, Record, close_orbit, judge
-from origami_nlp.numerics import ALIKE, NEAR_CONTACT, ROUNDED, SAME
+from origami_nlp.numerics import ALIKE, DUPLICATE_TOL, NEAR_CONTACT, ROUNDED
 from origami_nlp.pattern import Labels
-from origami_nlp.programme import OPEN, Contact, Model, fold_limit
+from origami_nlp.problem import OPEN, Contact, Model, fold_limit
 from origami_nlp.starts import DRAWN, GIVEN, SOURCES, Ends, Samples, joined
 from origami_nlp.workers import stop_workers, worker_pool
 
@@ -119,8 +119,8 @@ class Search:
             rows = {c.index for pair in closed.branches for option in pair for c in option}
             if rows:
                 touches = [model.structure.gaps[i].rays for i in sorted(rows)]
-                shut = [c.index for c in closed.base if c.is_limit]
-                out.append(([(r[0], r[1]) for r in touches], shut))
+                at_limit = [c.index for c in closed.base if c.is_limit]
+                out.append(([(r[0], r[1]) for r in touches], at_limit))
         return out
 
     def _parts(self, starts: Samples) -> list[Samples]:
@@ -142,7 +142,7 @@ class Search:
         if not crossings.any:
             return good
         at = self._descents.closing.kinematics.fold(starts.x)
-        gap, _ = crossings.of(at, starts.x, starts.shut)
+        gap, _ = crossings.of(at, starts.x, starts.at_limit)
         return good & (gap == OPEN)
 
     def closed(self, x: np.ndarray, *, touching: bool = False) -> Samples:
@@ -157,7 +157,7 @@ class Search:
             for contact in State(self._descents.model, x[k], NEAR_CONTACT).pieces[0]:
                 if contact.is_limit:
                     s.x[k, contact.index] = contact.side * math.pi
-                    s.shut[k, contact.index] = contact.side
+                    s.at_limit[k, contact.index] = contact.side
                 elif OPEN in s.slots[k]:
                     slot = s.slots[k].tolist().index(OPEN)
                     s.slots[k, slot], s.sides[k, slot] = contact.index, contact.side
@@ -165,7 +165,7 @@ class Search:
         value, _ = self._descents.closing.kinematics.closure(
             self._descents.closing.kinematics.fold(s.x)
         )
-        return s[np.abs(value).max(axis=1) <= SAME]
+        return s[np.abs(value).max(axis=1) <= DUPLICATE_TOL]
 
     def _file(self, ends: Ends, which: np.ndarray) -> None:
         """File ends under the answers that they are, and note starts below new saddles."""
@@ -197,7 +197,9 @@ class Search:
             nearest = int(apart.argmin())
             if apart[nearest] <= ALIKE:
                 return self._answer_of[nearest], False
-        end = Solve(self._stated(x), "", 0, math.nan, np.abs(self._stated(s.shut[k] + 0.0)), None)
+        end = Solve(
+            self._stated(x), "", 0, math.nan, np.abs(self._stated(s.at_limit[k] + 0.0)), None
+        )
         answer, new = self.record.settle(self.model, end, self._held(s, k))
         if new:
             judge(self.model, answer)
@@ -220,8 +222,8 @@ class Search:
 
     def _held(self, s: Samples, k: int) -> tuple[Contact, ...]:
         """The contacts that an end holds."""
-        shut = self._stated(s.shut[k] + 0.0)
-        limits = [fold_limit(int(v), shut[v]) for v in np.flatnonzero(shut)]
+        at_limit = self._stated(s.at_limit[k] + 0.0)
+        limits = [fold_limit(int(v), at_limit[v]) for v in np.flatnonzero(at_limit)]
         slots = zip(s.slots[k].tolist(), s.sides[k].tolist(), strict=True)
         sign = self._labels.sign if self._labels else 1
         gaps = [

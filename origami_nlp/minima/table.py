@@ -5,10 +5,10 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
+from origami_nlp.display import short_label
 from origami_nlp.minima.result import MinimaResult
 from origami_nlp.minima.stability import verdict
 from origami_nlp.numerics import residual_words
-from origami_nlp.show import short_label
 
 SUMMARY_HEADS = (
     "scene",

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from origami_nlp.display import KINDS, Cell, Table, Words
 from origami_nlp.minima.account import SearchReport
 from origami_nlp.minima.flags import ResultFlags
 from origami_nlp.minima.full_space import FullSpace
@@ -19,7 +20,6 @@ from origami_nlp.minima.stability import (
 )
 from origami_nlp.numerics import BALANCED, STATIONARY, residual_words
 from origami_nlp.pattern import Scene
-from origami_nlp.show import KINDS, Cell, Table, Words
 
 MOST_ANGLES = 24
 """Fold angles of a state up to which they are written out; those of larger ones are in the JSON."""
@@ -32,7 +32,7 @@ KIND_STYLE = {
 VERDICT_STYLE = {"stable": "green", "unstable": "red", "undecided": "bold"}
 
 
-def freedom_words(dimension: int, full: int) -> str:
+def dof_words(dimension: int, full: int) -> str:
     """Say what the local dimension of the feasible set means."""
     if dimension == full:
         return f"{dimension}"
@@ -128,7 +128,7 @@ def states_table(
             f"{m.energy:.9g}",
             Words(m.kind, KIND_STYLE[m.kind], KINDS[m.kind].colour),
             *[Words(known[k], VERDICT_STYLE.get(known[k], ""))] * full,
-            freedom_words(m.local_dimension, free[k]),
+            dof_words(m.local_dimension, free[k]),
             softest_words(m.softest),
             m.escape.words() if m.escape else "-",
             *cells[k],
@@ -167,15 +167,15 @@ def state_lines(minima: Sequence[JudgedState], group: str = "") -> list[str]:
             lines.append(
                 f"#{number} fold angles of creases 1..{len(m.fold_angles)} [deg]: {angles}"
             )
-            told = [m.certificate]
+            reported = [m.certificate]
         else:
             lines.append(f"#{number} {m.certificate}")
-            told = []
+            reported = []
         if m.winding > 1:
             lines.append(f"   winds {m.winding} times round the axis of {group}")
         shown = [c for c in m.contacts if len(m.fold_angles) <= MOST_ANGLES or not c.is_limit]
         lines += [f"   contact {c.words()}" for c in shown]
-        lines += [f"   {words}" for words in told]
+        lines += [f"   {words}" for words in reported]
         if m.escape is not None:
             lines.append(f"   {stiffness_words(m)}")
         if m.moment is not None:

@@ -17,7 +17,7 @@ from origami_nlp.kkt import project
 from origami_nlp.minima.curve import NODES, TO_SERIES, Branches, Curves
 from origami_nlp.minima.one_freedom import gaps_of, lifts, roots
 from origami_nlp.numerics import ANSWERED, SETTLED, MergeTree, merge_tree
-from origami_nlp.programme import Model
+from origami_nlp.problem import Model
 
 HALVINGS = 45
 """Of the range of a driver, to find a state on a branch."""

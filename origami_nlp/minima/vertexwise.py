@@ -14,19 +14,19 @@ from typing import Any, Self
 
 import numpy as np
 
+from origami_nlp.display import Report, Section, Table
 from origami_nlp.errors import OUT_OF_TIME, OptionError
-from origami_nlp.files import from_plain, to_plain
+from origami_nlp.io import from_plain, to_plain
 from origami_nlp.minima.find import find_minima
 from origami_nlp.minima.result import MinimaResult
-from origami_nlp.numerics import TYPED, residual_words
-from origami_nlp.pattern import Alike, Labels, Scene, group_alike
-from origami_nlp.show import Piece, Table, Told
+from origami_nlp.numerics import INPUT_TOL, residual_words
+from origami_nlp.pattern import EquivalentVertices, Labels, Scene, group_equivalent_vertices
 
 HEADS = ("vertices", "degree", "minima", "kinds", "lowest [J]", "closure", "KKT")
 
 
 @dataclass(frozen=True, repr=False)
-class VertexwiseMinima(Told):
+class VertexwiseMinima(Report):
     """Minima of several vertices, each as if it were alone.
 
     Attributes
@@ -45,7 +45,7 @@ class VertexwiseMinima(Told):
     (1, (2, 6))
     """
 
-    classes: tuple[Alike, ...]
+    classes: tuple[EquivalentVertices, ...]
     results: tuple[MinimaResult, ...]
 
     SCHEMA = "origami-nlp/minima/2"
@@ -82,7 +82,7 @@ class VertexwiseMinima(Told):
         -------
         numpy.ndarray
             Fold angles [M, N] [rad], in order of energy; those of a vertex that equals another one within noise only
-            (`Alike.apart`) are as exact as that.
+            (`EquivalentVertices.apart`) are as exact as that.
 
         Raises
         ------
@@ -125,11 +125,11 @@ class VertexwiseMinima(Told):
             _largest(m.kkt_residual for m in minima),
         )
 
-    def told(self) -> Iterator[Piece]:
+    def report_sections(self) -> Iterator[Section]:
         """Return the table, and what was taken for equal."""
         yield self.table()
         for one in self.classes:
-            if one.apart > TYPED:
+            if one.apart > INPUT_TOL:
                 names = ", ".join(map(str, one.numbers[:12])) + ", ..." * (len(one.numbers) > 12)
                 yield (
                     f"vertices {names} are equal within {one.apart:.1e} (angles in radians, stiffness relative): "
@@ -158,7 +158,7 @@ class VertexwiseMinima(Told):
         for k, apart in enumerate(data["apart"], start=1):
             mine = [v for v in data["vertices"] if v["class"] == k]
             labels = tuple(_labels(v["creases"], v["over"]) for v in mine)
-            classes.append(Alike(tuple(v["vertex"] for v in mine), labels, apart))
+            classes.append(EquivalentVertices(tuple(v["vertex"] for v in mine), labels, apart))
         return cls(
             tuple(classes), from_plain(tuple[MinimaResult, ...], data["classes"], at="classes")
         )
@@ -216,7 +216,7 @@ def find_vertexwise(
         raise OptionError(
             "origami must be a dictionary of scenes by vertex number, such as `read_fold_scenes` returns"
         )
-    classes = group_alike(scenes)
+    classes = group_equivalent_vertices(scenes)
     results = []
     for one in classes:
         results.append(find(scenes[one.numbers[0]], **options))
@@ -225,7 +225,7 @@ def find_vertexwise(
     return VertexwiseMinima(classes, tuple(results))
 
 
-def _line(one: Alike, result: MinimaResult) -> str:
+def _line(one: EquivalentVertices, result: MinimaResult) -> str:
     """Say what was found at a class of equal vertices."""
     many = len(one.numbers) > 1
     lowest = f", lowest {result.minima[0].energy:.6g} J" if result.minima else ""

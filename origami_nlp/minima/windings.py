@@ -26,7 +26,7 @@ from origami_nlp.minima.proved import is_cheap, prove_complete
 from origami_nlp.minima.record import BREAKDOWNS
 from origami_nlp.minima.search import finish
 from origami_nlp.pattern import Scene
-from origami_nlp.programme import Model
+from origami_nlp.problem import Model
 from origami_nlp.proof import ProofOptions
 from origami_nlp.starts import SearchOptions
 

@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
+from origami_nlp.display import label_text
 from origami_nlp.modes.result import BREAKING, Modes, StateModes
-from origami_nlp.show import label_text
 
 COLOURS = ("#1d3557", "#c1121f", "#2a9d8f", "#b5179e", "#e07a00", "#577590", "#7f5539", "#6a994e")
 MOST_STATES = 6

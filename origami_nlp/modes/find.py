@@ -8,14 +8,14 @@ import numpy as np
 
 from origami_nlp.arguments import check_type, check_whole
 from origami_nlp.errors import OptionError
-from origami_nlp.facets import MOST_DENSE
 from origami_nlp.kkt import State, Stratum
 from origami_nlp.minima import JudgedState, MinimaResult, full_scene, group_average, mode_symmetry
 from origami_nlp.modes.geodesic import geodesic
 from origami_nlp.modes.result import BREAKING, Mode, Modes, StateModes
 from origami_nlp.numerics import BALANCED, first_largest
 from origami_nlp.pattern import Scene
-from origami_nlp.programme import Contact, Model
+from origami_nlp.pattern_problem import MOST_DENSE
+from origami_nlp.problem import Contact, Model
 
 
 def find_modes(result: MinimaResult, *, state: int | None = None) -> Modes:
@@ -62,9 +62,9 @@ def find_modes(result: MinimaResult, *, state: int | None = None) -> Modes:
             raise OptionError(f"state = {state}: no minimum was found")
         check_whole("state", state, 1, count)
     scene = None if result.is_pattern else result.scene
-    programme = result.model if scene is None else Model(full_scene(scene))
+    problem = result.model if scene is None else Model(full_scene(scene))
     found = [
-        modes_of(State(programme, np.array(minimum.fold_angles)), scene, number, minimum)
+        modes_of(State(problem, np.array(minimum.fold_angles)), scene, number, minimum)
         for number, minimum in enumerate(result.minima, start=1)
         if state in (None, number)
     ]
@@ -73,14 +73,14 @@ def find_modes(result: MinimaResult, *, state: int | None = None) -> Modes:
 
 def modes_of(state: State, scene: Scene | None, number: int, minimum: JudgedState) -> StateModes:
     """Return the modes of one minimum, posed without symmetry; `scene` is that of a vertex."""
-    if state.programme.sparse:
+    if state.problem.sparse:
         why = f"a pattern of more than {MOST_DENSE} creases is too large for eigenvectors"
         return StateModes(number, minimum, (), (), 0.0, why)
     held, why = _loaded(state)
     if held is None:
         return StateModes(number, minimum, (), (), 0.0, why)
-    programme = state.programme
-    names = tuple(programme.name(c) for c in held.contacts)
+    problem = state.problem
+    names = tuple(problem.name(c) for c in held.contacts)
     z = held.tangent
     if not z.shape[1]:
         return StateModes(
@@ -96,9 +96,9 @@ def modes_of(state: State, scene: Scene | None, number: int, minimum: JudgedStat
             d = vector * np.sign(vector[first_largest(np.abs(vector))])
             keeps = "" if scene is None or scene.group.is_trivial else mode_symmetry(scene, d)
             # h and its eigenvectors are in the metric of all fold angles, so values are stiffnesses in N m/rad^2
-            stiffness = float(value * programme.scale)
+            stiffness = float(value * problem.scale)
             modes.append(Mode(stiffness, d, name, keeps, geodesic(held, d)))
-    return StateModes(number, minimum, names, tuple(modes), coupling * programme.scale, "")
+    return StateModes(number, minimum, names, tuple(modes), coupling * problem.scale, "")
 
 
 def breaking_stiffness(
@@ -128,7 +128,7 @@ def breaking_stiffness(
     h = z.T @ held.hessian @ z
     for name, basis in _blocks(z, h, scene)[0] if z.shape[1] else ():
         if name == BREAKING:
-            return float(np.linalg.eigvalsh(basis.T @ h @ basis)[0] * state.programme.scale)
+            return float(np.linalg.eigvalsh(basis.T @ h @ basis)[0] * state.problem.scale)
     return math.inf
 
 

@@ -14,10 +14,10 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from origami_nlp.files import Brief
+from origami_nlp.io import ShortRepr
 from origami_nlp.kkt import State, Stratum
 from origami_nlp.numerics import DEPENDENT, FOLLOWED, NEAR_CONTACT
-from origami_nlp.programme import Contact
+from origami_nlp.problem import Contact
 
 STEP = 0.02
 """Length of a step [rad]: distances and energies at the ends are then known to some 1e-4 of themselves."""
@@ -55,7 +55,7 @@ class Reach:
 
 
 @dataclass(frozen=True, repr=False)
-class Geodesic(Brief):
+class Geodesic(ShortRepr):
     """A geodesic through a state.
 
     Attributes
@@ -95,7 +95,7 @@ def geodesic(held: Stratum, direction: np.ndarray, step: float = STEP) -> Geodes
     Geodesic
         From one end to the other.
     """
-    model = held.state.programme
+    model = held.state.problem
     back, forth = (_one_way(held, sign * direction, step) for sign in (-1.0, 1.0))
     s = np.concatenate([-back.s[:0:-1], forth.s])
     x = np.concatenate([back.x[:0:-1], forth.x])
@@ -119,7 +119,7 @@ class _Way:
 
 
 def _one_way(held: Stratum, v: np.ndarray, step: float) -> _Way:
-    model = held.state.programme
+    model = held.state.problem
     farthest = 2 * model.bound * math.sqrt(len(model.expand(held.state.x)))
     s, x = [0.0], [held.state.x]
     here, why = held, ""
@@ -150,7 +150,7 @@ def _one_way(held: Stratum, v: np.ndarray, step: float) -> _Way:
 
 def _tried(here: Stratum, v: np.ndarray, h: float) -> tuple[tuple[Stratum, np.ndarray] | None, str]:
     """Take a step along the unit vector v [n]; None and why where it leads to no admissible state."""
-    model, x, rows = here.state.programme, here.state.x, here.jacobian
+    model, x, rows = here.state.problem, here.state.x, here.jacobian
     y = x + h * v / model.root
     for _ in range(NEWTON):
         f, jacobian = model.constraints(y, here.contacts)
@@ -179,7 +179,7 @@ def _tried(here: Stratum, v: np.ndarray, h: float) -> tuple[tuple[Stratum, np.nd
 
 def _touching(held: Stratum, x: np.ndarray) -> tuple[tuple[Contact, ...], float]:
     """Contacts besides those of the state that are closed at x, and how far the widest of them is open."""
-    state = State(held.state.programme, x, NEAR_CONTACT)
+    state = State(held.state.problem, x, NEAR_CONTACT)
     new = (*state.contacts.base, *(c for options in state.contacts.branches for c in options[0]))
     found = tuple(c for c in dict.fromkeys(new) if c not in held.contacts)
     if not found:

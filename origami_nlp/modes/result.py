@@ -10,16 +10,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from origami_nlp.files import Brief
+from origami_nlp.display import Report, Section, Table
+from origami_nlp.io import ShortRepr
 from origami_nlp.minima import JudgedState, MinimaResult
 from origami_nlp.modes.geodesic import Geodesic
-from origami_nlp.show import Piece, Table, Told
 
 BREAKING = "breaking"
 
 
 @dataclass(frozen=True, repr=False)
-class Mode(Brief):
+class Mode(ShortRepr):
     """One eigenvector of the reduced Hessian, and the energy along it.
 
     Attributes
@@ -44,7 +44,7 @@ class Mode(Brief):
 
 
 @dataclass(frozen=True, repr=False)
-class StateModes(Brief):
+class StateModes(ShortRepr):
     """The modes of one minimum.
 
     Attributes
@@ -82,7 +82,7 @@ class StateModes(Brief):
 
 
 @dataclass(frozen=True, repr=False)
-class Modes(Told):
+class Modes(Report):
     """How the minima of a vertex or a pattern give way.
 
     Attributes
@@ -130,7 +130,7 @@ class Modes(Told):
         title = f"{self.label}: energy along the modes of {len(self.states)} minima"
         return Table(heads, rows, title, "llrrr")
 
-    def told(self) -> Iterator[Piece]:
+    def report_sections(self) -> Iterator[Section]:
         """Return the table, and for each mode its direction and what ends it."""
         yield self.table()
         for state in self.states:

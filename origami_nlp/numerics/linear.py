@@ -13,13 +13,13 @@ import math
 import numpy as np
 
 from origami_nlp.numerics.tolerances import (
+    CONTACT_TOL,
     CURVED,
     INDEPENDENT,
     LEVEL,
     NONZERO,
     RANK,
     ROUNDED,
-    TOUCHES,
 )
 
 MOST_CORNERS = 1000
@@ -234,7 +234,7 @@ def _basis(b: np.ndarray, inside: np.ndarray) -> np.ndarray:
 
 def refined(b: np.ndarray, c: np.ndarray, mu: np.ndarray) -> np.ndarray:
     """Take a solver's solution to rounding by a least-squares correction of its positive entries."""
-    support = mu > TOUCHES * mu.max(initial=0.0)
+    support = mu > CONTACT_TOL * mu.max(initial=0.0)
     better = np.where(support, mu, 0.0)
     for _ in range(2):
         better[support] += np.linalg.lstsq(b[:, support], c - b @ better, rcond=CURVED)[0]

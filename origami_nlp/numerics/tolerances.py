@@ -5,7 +5,7 @@ contacts.  *Coarse*: what IPOPT's answers, and states read from files, are good 
 
 Near a singular state (flat, flat-folded, creases on each other) quantities follow powers of the distance d: closure
 misses by d^2, an opening grows as d^2 or d^3, multipliers as 1/d.  So an opening of eps is a distance of sqrt(eps):
-nothing finer than `TOUCHES` can be told from touching, and nothing coarser may be called so.
+nothing finer than `CONTACT_TOL` can be told from touching, and nothing coarser may be called so.
 """
 
 EPS = 2.0**-52
@@ -16,7 +16,7 @@ NONZERO = 1e-300
 """Divisors are at least this, so that 0 over 0 is 0: no number that comes of sums of doubles near 1 is so small."""
 ROUNDED = 1e-14
 """Largest entry of loop closure that rounding leaves: some 50 eps, a product of up to a few tens of folds."""
-CLOSES = 1e-12
+CLOSURE_TOL = 1e-12
 """A state closes: rounding of a product of up to 1,000 folds, and of sector angles made exact."""
 SUMMED = 2e-14
 """Relations between sector angles [rad] that miss by less hold: sums of up to 14, each typed to 1e-15."""
@@ -24,11 +24,12 @@ FOLLOWED = 1e-13
 """Closure of points of a curve or small sphere: at distance d from a singular state any point closes to d^2, so at
 the smallest radii (1e-6) only residuals below this tell."""
 OUTSIDE = 1e-12
-"""A state is beyond a fold limit, a mirror, the axis or another facet: more than closing to `CLOSES` can do, and less
-than the depth of third order, (2e-4)^3, that crossing facets show on the smallest sphere around a singular state."""
+"""A state is beyond a fold limit, a mirror, the axis or another facet: more than closing to `CLOSURE_TOL` can do, and
+less than the depth of third order, (2e-4)^3, that crossing facets show on the smallest sphere around a singular
+state."""
 EXPLORED = 1e-11
-"""Closure and held gaps of states on their way, which are closed to `CLOSES` at the end, and fold angles [rad] that
-stay at a limit on the way: ten times `CLOSES`, so that one step of Newton more is saved."""
+"""Closure and held gaps of states on their way, which are closed to `CLOSURE_TOL` at the end, and fold angles [rad]
+that stay at a limit on the way: ten times `CLOSURE_TOL`, so that one step of Newton more is saved."""
 STATIONARY = 1e-11
 """Torque without balance, relative to the largest: 1e-16 through a KKT system of condition 1e5."""
 LEVEL = 1e-12
@@ -41,14 +42,14 @@ STEP_NOISE = 1e-10
 """Length of a step of Newton [rad] that is only rounding: `STATIONARY` over a tenth of the curvature of springs."""
 DEPENDENT = 1e-10
 """Singular values of closure and contacts below this belong to constraints that are dependent all along a set: four
-decades above `ROUNDED`, and below the distance at which a singular state nearby can still be told, `TOUCHES`."""
+decades above `ROUNDED`, and below the distance at which a singular state nearby can still be told, `CONTACT_TOL`."""
 CARRIES = 1e-10
 """Multipliers over the mean stiffness up to this carry nothing: what is left of torque at `STATIONARY`, ten times."""
 
 # polished
 SAME_ENERGY = 1e-9
 """Energies, relative, that were found in different ways (sampled and exact, asked for and reached) are one: states are
-known to `SAME`, so that energies of stationary ones differ by its square, and of others by a tenth of it."""
+known to `DUPLICATE_TOL`, so that energies of stationary ones differ by its square, and of others by a tenth of it."""
 DEEP = 1e-9
 """Facets of a pattern that reach less than this share of its size into each other touch, and features further apart
 are not looked at: rounding along walks of 100 creases, with room."""
@@ -58,9 +59,9 @@ differ do so by `RESOLVED` at least, equal ones by `ROUNDED`; two decades are le
 BALANCED = 1e-9
 """Torque that multipliers >= 0 leave, relative to the largest: ten times what the linear programme behind them (its
 tolerance is 1e-10) leaves where too many contacts meet to list corners."""
-TYPED = 1e-9
+INPUT_TOL = 1e-9
 """Stated angles [rad] and relative stiffnesses that differ by no more are meant to be equal: ten digits were typed."""
-TOUCHES = 1e-8
+CONTACT_TOL = 1e-8
 """Opening of a closed contact: sqrt(eps / 2)."""
 SINGULAR = 1e-8
 """Eigenvalues of a Hessian, 1 for springs alone, up to which its inverse is rounding: sqrt(eps / 2)."""
@@ -71,26 +72,26 @@ INSIDE = 1e-6
 sides at less than a thousandth of a turn have no common normal to speak of (its square counts)."""
 FIRM = 1e-7
 """Multipliers, and curvatures over that of the softest crease, up to this do not decide what a singular state is: they
-are known to ten times `TOUCHES` beside it, and states on small spheres around it decide."""
+are known to ten times `CONTACT_TOL` beside it, and states on small spheres around it decide."""
 RANK = 1e-7
 """Singular values of closure (the largest are about 1) below this count as zero: they grow as the distance to the
-singular state, and a state that touches to `TOUCHES` is within a few times that of it."""
+singular state, and a state that touches to `CONTACT_TOL` is within a few times that of it."""
 RESOLVED = 1e-7
 """Angles [rad] that differ, do so by more: relations between sector angles that miss by less are made exact, creases
-and events that are closer are one.  Ten times `TOUCHES`, so that none is taken for a contact."""
-SAME = 1e-8
+and events that are closer are one.  Ten times `CONTACT_TOL`, so that none is taken for a contact."""
+DUPLICATE_TOL = 1e-8
 """Two polished states whose fold angles differ by no more are one."""
 SETTLED = 1e-6
 """Two ends of Newton, corners of curves, or roots on a circle are one: where a root is double, or curves touch, a
-residual of `CLOSES` is a distance of its square root."""
+residual of `CLOSURE_TOL` is a distance of its square root."""
 NEAR_CONTACT = 1e-6
 """A curve has reached a contact: the opening that is left after bisection of a step to 1e-9."""
 DESIGN_ACTIVE = 1e-7
 """A rest angle this close to its bound [rad] is put there: a conic solver stops sqrt(1e-10) from an active bound at
 worst, and less where the margin depends on it."""
 DESIGN_FOUND = 1e-9
-"""A minimum is the state that springs were made for [rad]: both are closed to `CLOSES`, stiff to `DESIGN_MARGIN` at
-least, and balanced to `ROUNDED`; their quotient is 1e-8 at worst, and 1e-14 as a rule."""
+"""A minimum is the state that springs were made for [rad]: both are closed to `CLOSURE_TOL`, stiff to `DESIGN_MARGIN`
+at least, and balanced to `ROUNDED`; their quotient is 1e-8 at worst, and 1e-14 as a rule."""
 
 # coarse
 PLACES = 1e-6
@@ -99,7 +100,7 @@ digits or more, and corners of patterns are a tenth or more apart."""
 ANSWERED = 1e-6
 """Constraints of an answer of IPOPT hold to this, and bound forces above it are no remains of its barrier: ten times
 its tolerance of 1e-7."""
-ENDS = 1e-5
+ENDPOINT_TOL = 1e-5
 """A path downhill ends at a known state [rad]: where the polish fails it stops within some of its shortest steps,
 1e-6."""
 ALIKE = 3e-5
@@ -125,7 +126,7 @@ CHOSEN = 2.0**-16
 first: on different processors it differs by rounding, 1e-16, times the condition of what it was solved from, 1e4 as a
 rule and 1e8 next to singular states, so that one comparison in 1e7, or 1e3, is left to that; and steps rounded so still
 gain four digits each."""
-BESIDE = 1e-3
+NEAR_SINGULAR_TOL = 1e-3
 """Distance of IPOPT's answer from a singular state: the square root of its tolerance, with room."""
 CROSSING = 1e-3
 """Smallest singular value of closure up to which a curve may cross another one within a step: it is about the distance

@@ -21,8 +21,8 @@ from typing import Any
 
 import numpy as np
 
-from origami_nlp.folding import examine, fold_vertex, pair_depths
-from origami_nlp.numerics import DEPENDENT, EPS, RESOLVED, SETTLED, TOUCHES, quaternion as quat
+from origami_nlp.folding import check_admissible, fold_vertex, pair_depths
+from origami_nlp.numerics import CONTACT_TOL, DEPENDENT, EPS, RESOLVED, SETTLED, quaternion as quat
 from origami_nlp.pattern import Scene
 from origami_nlp.space import Chain, chain_of
 
@@ -108,7 +108,7 @@ def find_events(
             variables = [walls[i].variable for i in chosen if walls[i].variable >= 0]
             if len(set(variables)) < len(variables):
                 continue
-            system = System(make, middle, chain, [walls[i] for i in chosen])
+            system = ContactKkt(make, middle, chain, [walls[i] for i in chosen])
             for _ in range(starts):
                 z = np.concatenate([rng.uniform(-math.pi, math.pi, k), [rng.uniform(low, high)]])
                 for i in chosen:
@@ -133,7 +133,7 @@ def find_events(
     return sorted(found, key=lambda e: (e.alpha, e.walls))
 
 
-class System:
+class ContactKkt:
     """The KKT system of one set of walls, compiled."""
 
     def __init__(
@@ -172,7 +172,7 @@ class System:
         """Return the multipliers that fit best at the x and alpha of z."""
         _, jac = self.gradients(z[: self.k], z[self.k])
         target = np.concatenate([np.zeros(self.k), [1.0]])
-        return np.linalg.lstsq(jac.T, target, rcond=TOUCHES)[0]
+        return np.linalg.lstsq(jac.T, target, rcond=CONTACT_TOL)[0]
 
 
 def _equations(
@@ -186,7 +186,7 @@ def _equations(
     """Closure and walls as CasADi expressions of the wedge's fold angles and the sector angle."""
     import casadi as ca
 
-    from origami_nlp.programme import fold_piece
+    from origami_nlp.problem import fold_piece
 
     one, two = (np.array(chain_of(make(a)).sectors) for a in (middle, 0.5 * middle))
     # two scenes of the family give both coefficients
@@ -212,7 +212,7 @@ def _equations(
 def _polished(
     make: Callable[[float], Scene],
     walls: list[Wall],
-    system: System,
+    system: ContactKkt,
     z: np.ndarray,
     low: float,
     high: float,
@@ -238,7 +238,7 @@ def _polished(
         return None
     curve = np.linalg.svd(system.jacobian(z), compute_uv=False)[-1] < SETTLED
     elements = scene.group.elements
-    good = examine(scene.vertex, phi, tolerance=SETTLED, elements=elements).admissible
+    good = check_admissible(scene.vertex, phi, tolerance=SETTLED, elements=elements).admissible
     names = tuple(wall.name for wall in walls)
     lam = tuple(z[system.k + 1 :].tolist())
     return Event(alpha, names, tuple(phi.tolist()), lam, residual, bool(curve), good)

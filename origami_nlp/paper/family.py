@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 
+from origami_nlp.display import Report, Section, Table, Words
 from origami_nlp.paper.events import Event
 from origami_nlp.pattern import format_angle
-from origami_nlp.show import Piece, Table, Told, Words
 from origami_nlp.space import angle_words
 
 TOPOLOGY = (
@@ -104,7 +104,7 @@ class Transition:
     events: tuple[Event, ...]
     witnesses: tuple[Witness, ...]
 
-    def told(self) -> Iterator[Piece]:
+    def report_sections(self) -> Iterator[Section]:
         """Return where the space changes, how, and what confirms it."""
         yield Words(
             f"alpha_1 = {self.alpha:.15f} = {format_angle(self.alpha)}: {', '.join(self.changes)}",
@@ -138,7 +138,7 @@ class Transition:
 
 
 @dataclass(frozen=True, repr=False)
-class Sweep(Told):
+class Sweep(Report):
     """What a sweep over a family of vertices finds.
 
     Attributes
@@ -163,13 +163,13 @@ class Sweep(Told):
 
     SCHEMA, READS = "origami-nlp/paper/1", False
 
-    def told(self) -> Iterator[Piece]:
+    def report_sections(self) -> Iterator[Section]:
         """Return every transition, and what the two searches do not agree on."""
         count = len(self.transitions)
         yield f"{self.family}: {count} transition(s), {len(self.samples)} sector angles swept"
         for t in self.transitions:
             yield ""
-            yield from t.told()
+            yield from t.report_sections()
         for a, b in self.unexplained:
             yield f"unexplained: the signature changes between {a:.9f} and {b:.9f}"
         for a in self.silent:

@@ -20,9 +20,9 @@ from collections.abc import Callable
 import numpy as np
 
 from origami_nlp.errors import OptionError
-from origami_nlp.folding import examine, fold_vertex
-from origami_nlp.numerics import CLOSES, RANK, RESOLVED, ROUNDED, SETTLED, TYPED
-from origami_nlp.paper.events import Event, System, find_events, walls_of
+from origami_nlp.folding import check_admissible, fold_vertex
+from origami_nlp.numerics import CLOSURE_TOL, INPUT_TOL, RANK, RESOLVED, ROUNDED, SETTLED
+from origami_nlp.paper.events import ContactKkt, Event, find_events, walls_of
 from origami_nlp.paper.family import Signature, Sweep, Transition, Witness
 from origami_nlp.pattern import Scene, degree6, degree8
 from origami_nlp.space import MeshError, Space, chain_of, find_space
@@ -39,7 +39,7 @@ SAMPLES = 25
 MARGIN = 0.05
 """The sweep keeps this far from 0 and pi/2 [rad], where facets degenerate."""
 
-Report = Callable[[str, float], None]
+OnProgress = Callable[[str, float], None]
 
 
 def signature_of(space: Space) -> Signature:
@@ -52,7 +52,7 @@ def find_transitions(
     samples: int = SAMPLES,
     size: int = SWEEP_SIZE,
     seed: int = 0,
-    report: Report = lambda what, done: None,
+    report: OnProgress = lambda what, done: None,
 ) -> Sweep:
     """Sweep the sector angle of a family of vertices, and find where the space X of admissible states changes.
 
@@ -236,14 +236,14 @@ def _witnesses(make: Callable[[float], Scene], alpha: float, event: Event) -> li
     for gone in range(len(event.walls)):
         kept = tuple(w for k, w in enumerate(event.walls) if k != gone)
         # one contact let go: the others hold states on both sides of the transition
-        system = System(make, alpha, chain, [walls[w] for w in kept])
+        system = ContactKkt(make, alpha, chain, [walls[w] for w in kept])
         states = [_held(system, x, a) for a in (alpha - SIDE, alpha, alpha + SIDE)]
         if any(s is None for s in states):
             continue
         full = [s[chain.orbit] for s in states if s is not None]
         verdicts = tuple(
-            examine(
-                make(a).vertex, phi, tolerance=TYPED, elements=chain.scene.group.elements
+            check_admissible(
+                make(a).vertex, phi, tolerance=INPUT_TOL, elements=chain.scene.group.elements
             ).admissible
             for a, phi in zip((alpha - SIDE, alpha, alpha + SIDE), full, strict=True)
         )
@@ -253,7 +253,7 @@ def _witnesses(make: Callable[[float], Scene], alpha: float, event: Event) -> li
     return found
 
 
-def _held(system: System, x: np.ndarray, alpha: float) -> np.ndarray | None:
+def _held(system: ContactKkt, x: np.ndarray, alpha: float) -> np.ndarray | None:
     """Newton onto closure with walls held, at a sector angle; None where that does not converge."""
     for _ in range(40):
         value, jacobian = system.gradients(x, alpha)
@@ -261,7 +261,7 @@ def _held(system: System, x: np.ndarray, alpha: float) -> np.ndarray | None:
             break
         x = x - np.linalg.lstsq(jacobian[:, :-1], value, rcond=RANK)[0]
     value, _ = system.gradients(x, alpha)
-    if np.abs(value).max() > CLOSES:
+    if np.abs(value).max() > CLOSURE_TOL:
         return None
-    near = np.abs(np.abs(x) - math.pi) < CLOSES
+    near = np.abs(np.abs(x) - math.pi) < CLOSURE_TOL
     return np.where(near, np.sign(x) * math.pi, x)

@@ -4,6 +4,12 @@ from .angles import (
     parse_angle as parse_angle,
     parse_angles as parse_angles,
 )
+from .coercion import (
+    as_origami as as_origami,
+    as_pattern as as_pattern,
+    as_scene as as_scene,
+    scene_pattern as scene_pattern,
+)
 from .crease_pattern import (
     FoldVertex as FoldVertex,
     fold_vertices as fold_vertices,
@@ -30,10 +36,10 @@ from .fold_scene import (
     vertex_scenes as vertex_scenes,
 )
 from .labels import (
-    Alike as Alike,
+    EquivalentVertices as EquivalentVertices,
     Labels as Labels,
     canonical_labels as canonical_labels,
-    group_alike as group_alike,
+    group_equivalent_vertices as group_equivalent_vertices,
 )
 from .loads import (
     DeadLoads as DeadLoads,
@@ -60,12 +66,6 @@ from .sheet import Loop as Loop, Pattern as Pattern, make_pattern as make_patter
 from .sheet_data import (
     pattern_from_dict as pattern_from_dict,
     pattern_to_dict as pattern_to_dict,
-)
-from .stated import (
-    as_origami as as_origami,
-    as_pattern as as_pattern,
-    as_scene as as_scene,
-    scene_pattern as scene_pattern,
 )
 from .symmetry import windings_of as windings_of
 from .vertex import Vertex as Vertex

@@ -15,7 +15,7 @@ import numpy as np
 
 from origami_nlp.arguments import check_type
 from origami_nlp.errors import OrigamiError
-from origami_nlp.numerics import CLOSES, NONZERO, PLACES, TYPED
+from origami_nlp.numerics import CLOSURE_TOL, INPUT_TOL, NONZERO, PLACES
 from origami_nlp.pattern.fold_file import FOLDS, Frame
 from origami_nlp.pattern.fold_notes import NOISE
 from origami_nlp.pattern.fold_rings import Rings
@@ -175,7 +175,7 @@ def _analyse(
     keep = [k for k in folds if letters[ring[k]] != "F" or _is_sprung(frame, edge[ring[k]])]
     merged = _merge(sectors, keep) if keep else np.array([2 * math.pi])
     if len(keep) < len(creases):
-        if len(keep) < 3 or merged.max() >= math.pi - TYPED:
+        if len(keep) < 3 or merged.max() >= math.pi - INPUT_TOL:
             keep = folds
             merged = _merge(sectors, keep)
             notes.append(
@@ -240,7 +240,7 @@ def _why_not(frame: Frame, at: list[int], sectors: np.ndarray) -> str:
         return f"edge {clash[0]} has conflicting assignments: keep one of the copies"
     if len(at) < 3:
         return f"{len(at)} crease{'s' if len(at) > 1 else ''}: a vertex needs at least 3"
-    if sectors.max() >= math.pi - CLOSES:
+    if sectors.max() >= math.pi - CLOSURE_TOL:
         facet = int(sectors.argmax())
         return (
             f"the facet after edge {int(frame.numbers[at[facet]])} spans "

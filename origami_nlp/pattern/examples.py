@@ -11,10 +11,10 @@ from typing import Any
 
 from origami_nlp.arguments import check_whole, shown
 from origami_nlp.errors import OptionError
-from origami_nlp.numerics import CLOSES
-from origami_nlp.pattern import drawn
+from origami_nlp.numerics import CLOSURE_TOL
+from origami_nlp.pattern import example_patterns
 from origami_nlp.pattern.angles import format_angle
-from origami_nlp.pattern.designs import (
+from origami_nlp.pattern.example_vertices import (
     between,
     bird_base as bird_base,
     miura as miura,
@@ -81,7 +81,7 @@ def degree6(
     a, ratio = between(alpha, math.pi / 2, "pi/2"), positive(ratio)
     m, v = -math.pi, math.pi / 2
     # alpha <= pi/3 decides the assignment; "pi/3" and nearby roundings of it count as equal
-    rest = (m, v, v, m, v, v) if a <= math.pi / 3 + CLOSES else (v, v, m, v, m, v)
+    rest = (m, v, v, m, v, v) if a <= math.pi / 3 + CLOSURE_TOL else (v, v, m, v, m, v)
     b = math.pi - 2 * a
     title = f"degree 6, alpha_1 = {format_angle(a)}, r_k = {ratio:g}"
     return Scene(
@@ -177,7 +177,7 @@ SIZES = {
     "metasheet": (3, 3),
 }
 """Rows and columns of cells of patterns that have them, as they are drawn without others."""
-SHEETS = {"metasheet": drawn.metasheet}
+SHEETS = {"metasheet": example_patterns.metasheet}
 """Patterns that are sheets from the start: their springs are more than mountains and valleys."""
 MOST_CELLS = 100
 """Rows or columns of a pattern."""
@@ -336,14 +336,14 @@ def crease_pattern(
     ]
     if scene is None:
         faces, letter, spring = SHEETS[name](*size)
-        return drawn.to_fold(faces, letter, spring, name)
+        return example_patterns.to_fold(faces, letter, spring, name)
     sectors = scene.vertex.sector_angles
     faces, letter = {
-        "miura": lambda: drawn.miura(sectors[0], *size),
-        "waterbomb": lambda: drawn.waterbomb(*size),
-        "birdbase": drawn.bird_base,
-        "squaretwist": lambda: drawn.square_twist(sectors[3]),
-        "yoshimura": lambda: drawn.yoshimura(sectors[0], *size),
-        "resch": lambda: drawn.resch(*size),
-    }.get(name, lambda: drawn.disc(scene))()
-    return drawn.to_fold(faces, letter, scene, scene.label)
+        "miura": lambda: example_patterns.miura(sectors[0], *size),
+        "waterbomb": lambda: example_patterns.waterbomb(*size),
+        "birdbase": example_patterns.bird_base,
+        "squaretwist": lambda: example_patterns.square_twist(sectors[3]),
+        "yoshimura": lambda: example_patterns.yoshimura(sectors[0], *size),
+        "resch": lambda: example_patterns.resch(*size),
+    }.get(name, lambda: example_patterns.disc(scene))()
+    return example_patterns.to_fold(faces, letter, scene, scene.label)

@@ -18,9 +18,9 @@ from typing import Any, Literal
 import numpy as np
 
 from origami_nlp.errors import FoldFileError
-from origami_nlp.files import printable, read_limited
-from origami_nlp.numerics import TYPED
-from origami_nlp.pattern.digits import last_place
+from origami_nlp.io import printable, read_limited
+from origami_nlp.numerics import INPUT_TOL
+from origami_nlp.pattern.coordinate_repair import last_place
 from origami_nlp.pattern.fold_notes import compare_signs, flattened, in_radians, once
 
 LARGEST = 50_000_000
@@ -273,8 +273,13 @@ def _frame(data: dict[str, Any], number: int) -> Frame:
     stiffness = _numbers(data.get(STIFFNESS_KEY), STIFFNESS_KEY, m)
     preload = _numbers(data.get(PRELOAD_KEY), PRELOAD_KEY, m)
     for key, values, good, what in (
-        ("edges_foldAngle", angles, np.abs(angles) <= math.pi * (1 + TYPED), "within [-180, 180]"),
-        (REST_KEY, rest, np.abs(rest) <= math.pi * (1 + TYPED), "within [-180, 180]"),
+        (
+            "edges_foldAngle",
+            angles,
+            np.abs(angles) <= math.pi * (1 + INPUT_TOL),
+            "within [-180, 180]",
+        ),
+        (REST_KEY, rest, np.abs(rest) <= math.pi * (1 + INPUT_TOL), "within [-180, 180]"),
         (STIFFNESS_KEY, stiffness, stiffness > 0, "positive"),
         (PRELOAD_KEY, preload, np.isfinite(preload), "finite"),
     ):

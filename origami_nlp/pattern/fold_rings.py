@@ -11,7 +11,7 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 
 from origami_nlp.errors import FoldFileError
-from origami_nlp.numerics import TYPED, groups
+from origami_nlp.numerics import INPUT_TOL, groups
 from origami_nlp.pattern.fold_file import FOLDS, Frame
 from origami_nlp.pattern.fold_notes import listed
 from origami_nlp.pattern.polygons import side, sides_of
@@ -180,7 +180,7 @@ def check_drawing(frame: Frame) -> None:
     xy = frame.coords[:, :2]
     lines = linestrings(xy[frame.edges])
     tree = STRtree(lines)
-    near = TYPED * float(np.ptp(xy, axis=0).max())
+    near = INPUT_TOL * float(np.ptp(xy, axis=0).max())
     used: list[int] = np.unique(frame.edges).tolist()
     which, through = tree.query(points(xy[used]), predicate="dwithin", distance=near)
     for v, e in zip(np.array(used)[which].tolist(), through.tolist(), strict=True):
@@ -199,7 +199,7 @@ def check_drawing(frame: Frame) -> None:
 
 def coincident(frame: Frame, vertices: Iterable[int]) -> str:
     """Name another vertex in the place of one of some, and what to do; or '' where there is none."""
-    near = TYPED * float(np.ptp(frame.coords, axis=0).max())
+    near = INPUT_TOL * float(np.ptp(frame.coords, axis=0).max())
     for v in vertices:
         off = np.linalg.norm(frame.coords - frame.coords[v], axis=1)
         off[v] = np.inf
@@ -248,7 +248,7 @@ def check_parts(frame: Frame, faces: Sequence[Face], origin: Sequence[int]) -> N
 
 def _hint(xy: np.ndarray, faces: list[tuple[int, Face]], part: np.ndarray) -> str:
     """Look for vertices of one part in the place of a vertex, or on a side, of another."""
-    near = TYPED * float(np.ptp(xy, axis=0).max())
+    near = INPUT_TOL * float(np.ptp(xy, axis=0).max())
     of: dict[int, set[int]] = {}
     for f, face in faces:
         for v in face:

@@ -121,7 +121,7 @@ def every_label(degree: int) -> list[Labels]:
 
 
 @dataclass(frozen=True)
-class Alike:
+class EquivalentVertices:
     """Scenes that differ by labels: where creases are counted from, which way round, which side is up.
 
     Attributes
@@ -140,7 +140,7 @@ class Alike:
     apart: float
 
 
-def group_alike(scenes: Mapping[int, Scene]) -> tuple[Alike, ...]:
+def group_equivalent_vertices(scenes: Mapping[int, Scene]) -> tuple[EquivalentVertices, ...]:
     """Gather scenes that are one scene under other labels.
 
     Parameters
@@ -165,7 +165,7 @@ def group_alike(scenes: Mapping[int, Scene]) -> tuple[Alike, ...]:
     found = []
     for group in groups:
         numbers, labels, apart = zip(*group, strict=True)
-        found.append(Alike(numbers, labels, max(apart)))
+        found.append(EquivalentVertices(numbers, labels, max(apart)))
     return tuple(found)
 
 

@@ -11,9 +11,9 @@ import numpy as np
 
 from origami_nlp.arguments import check_type
 from origami_nlp.errors import FoldFileError
-from origami_nlp.numerics import PLACES, TYPED, groups, unit_normals
+from origami_nlp.numerics import INPUT_TOL, PLACES, groups, unit_normals
+from origami_nlp.pattern.coordinate_repair import made_exact
 from origami_nlp.pattern.crease_pattern import APART
-from origami_nlp.pattern.digits import made_exact
 from origami_nlp.pattern.fold_file import LOADS_KEY, PRELOAD_KEY, Frame, read_fold
 from origami_nlp.pattern.fold_notes import NOISE, listed
 from origami_nlp.pattern.fold_rings import (
@@ -283,7 +283,7 @@ class _Sheet:
             p = x[list(face)] - x[face[0]]
             _, extent, axes = np.linalg.svd(p, full_matrices=False)
             name = f"faces_vertices[{f}]" if self.frame.faces else f"the facet at vertices {face}"
-            if extent[1] <= TYPED * extent[0]:
+            if extent[1] <= INPUT_TOL * extent[0]:
                 raise FoldFileError(f"{name} has no area: leave it out, or move a vertex")
             if len(face) > 3 and not LinearRing(p @ axes[:2].T).is_simple:
                 raise FoldFileError(

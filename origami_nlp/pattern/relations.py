@@ -20,7 +20,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from origami_nlp.files import Brief
+from origami_nlp.io import ShortRepr
 from origami_nlp.numerics import INDEPENDENT, RESOLVED, SUMMED
 
 NEAR = 1e-3
@@ -32,7 +32,7 @@ LONGEST_RUN, MOST_SUMS = 12, 2**17
 
 
 @dataclass(frozen=True, repr=False)
-class Relation(Brief):
+class Relation(ShortRepr):
     """Signed sum of consecutive sector angles that is, or nearly is, a multiple of pi.
 
     Attributes
@@ -61,22 +61,22 @@ class Relation(Brief):
     def text(self) -> str:
         """The relation in words."""
         n, m = self.degree, len(self.signs)
-        shut = [
+        at_limit = [
             (self.first - 1 + k) % n + 1 for k in range(1, m) if self.signs[k] != self.signs[k - 1]
         ]
         if m == n and self.signs[0] != self.signs[-1]:
-            shut.append(self.first)
-        named = ", ".join(map(str, sorted(shut)))
+            at_limit.append(self.first)
+        named = ", ".join(map(str, sorted(at_limit)))
         if m == n:
             return f"folds flat with creases {named} shut"
         last = (self.first - 1 + m) % n + 1
         how = "coincide" if self.multiple % 2 == 0 else "lie on one line"
-        when = f" while {named} {'is' if len(shut) == 1 else 'are'} shut" * bool(shut)
+        when = f" while {named} {'is' if len(at_limit) == 1 else 'are'} shut" * bool(at_limit)
         return f"creases {self.first} and {last} {how}{when}"
 
 
 @dataclass(frozen=True, repr=False)
-class Relations(Brief):
+class Relations(ShortRepr):
     """What a scene decided on the special relations of its sector angles.
 
     Attributes

@@ -11,8 +11,8 @@ import numpy as np
 
 from origami_nlp.arguments import check_angles, shown
 from origami_nlp.errors import OptionError, SceneError, SymmetryError
-from origami_nlp.files import Full, is_unicode, printable
-from origami_nlp.numerics import EPS, RESOLVED, SUMMED, TYPED
+from origami_nlp.io import PrettyRepr, is_unicode, printable
+from origami_nlp.numerics import EPS, INPUT_TOL, RESOLVED, SUMMED
 from origami_nlp.pattern.angles import format_angle, parse_angles
 from origami_nlp.pattern.loads import Load, dead_loads, read_loads
 from origami_nlp.pattern.relations import Relations, find_relations
@@ -40,7 +40,7 @@ SMALLEST, LARGEST = 1e-300, 1e300
 
 
 @dataclass(frozen=True)
-class Scene(Full):
+class Scene(PrettyRepr):
     """Everything the user states.
 
     Parameters
@@ -120,7 +120,7 @@ class Scene(Full):
     contact: Contact = "full"
     mirror: int | None = None
     name: str | None = None
-    symmetry_tolerance: float = TYPED
+    symmetry_tolerance: float = INPUT_TOL
     preload: tuple[float, ...] = ()
     loads: tuple[Load, ...] = ()
     held_facet: int | None = None
@@ -181,7 +181,7 @@ class Scene(Full):
         tolerance = self.symmetry_tolerance
         if isinstance(tolerance, bool) or not isinstance(tolerance, int | float):
             raise SceneError(f"symmetry_tolerance = {shown(tolerance)} must be a number [rad]")
-        if not TYPED <= tolerance <= 0.1:
+        if not INPUT_TOL <= tolerance <= 0.1:
             raise SceneError(
                 f"symmetry_tolerance = {shown(tolerance)} must lie between 1e-9 and 0.1 rad"
             )
@@ -395,7 +395,7 @@ def check_range(stiffness: Sequence[float]) -> None:
         raise SceneError(
             f"stiffness[{wrong}] = {k:.6g} is not within {SMALLEST:g} to {LARGEST:g}: use other units"
         )
-    if stiff > LARGEST_RATIO * soft * (1 + TYPED):
+    if stiff > LARGEST_RATIO * soft * (1 + INPUT_TOL):
         raise SceneError(
             f"stiffness[{j}] = {stiff:.6g} is more than {LARGEST_RATIO:g} times stiffness[{i}] = {soft:.6g}: "
             f"soft springs would be lost in rounding; bring the ratio to {LARGEST_RATIO:g} or less, or merge "

@@ -12,8 +12,8 @@ from typing import Any
 
 from origami_nlp.arguments import check_type, shown
 from origami_nlp.errors import SceneFileError
-from origami_nlp.files import as_text, check_tables, one_of, parse_toml, read_limited
-from origami_nlp.numerics import TYPED
+from origami_nlp.io import as_text, check_tables, one_of, parse_toml, read_limited
+from origami_nlp.numerics import INPUT_TOL
 from origami_nlp.pattern.angles import format_angle, parse_angles
 from origami_nlp.pattern.scene import Scene
 from origami_nlp.pattern.vertex import Vertex
@@ -229,7 +229,7 @@ def scene_to_dict(scene: Scene) -> dict[str, Any]:
     model: dict[str, Any] = {"symmetry": scene.symmetry, "contact": scene.contact}
     own = {key: getattr(scene, key) for key in ("mirror", "name", "held_facet", "winding")}
     model |= {key: value for key, value in own.items() if value is not None}
-    if scene.symmetry_tolerance != TYPED:
+    if scene.symmetry_tolerance != INPUT_TOL:
         model["symmetry_tolerance"] = scene.symmetry_tolerance
     vertex: dict[str, Any] = {"sector_angles": [_exact(a) for a in scene.vertex.sector_angles]}
     if not scene.vertex.flat:

@@ -1,7 +1,7 @@
 """A whole pattern as plain data and back, to the last bit: what results that are read back carry with them.
 
 Corners are numbered from 0, angles in radians; FOLD files, which state them in degrees and may need repair,
-are for exchange (`sheets.sheet_to_fold`).
+are for exchange (`sheets.pattern_to_fold`).
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from typing import Any, TypeVar
 import numpy as np
 
 from origami_nlp.errors import FoldFileError
-from origami_nlp.files import from_plain, to_plain
+from origami_nlp.io import from_plain, to_plain
 from origami_nlp.pattern.sheet import Pattern, make_pattern
 
 T = TypeVar("T")

@@ -22,8 +22,8 @@ import numpy as np
 
 from origami_nlp.arguments import shown
 from origami_nlp.errors import SceneError, SymmetryError
-from origami_nlp.files import Brief
-from origami_nlp.numerics import RESOLVED, TYPED
+from origami_nlp.io import ShortRepr
+from origami_nlp.numerics import INPUT_TOL, RESOLVED
 from origami_nlp.pattern.vertex import Vertex
 
 Elements = tuple[tuple[int, bool], ...]
@@ -43,7 +43,7 @@ class Ray:
 
 
 @dataclass(frozen=True, repr=False)
-class Symmetry(Brief):
+class Symmetry(ShortRepr):
     """A point group and the piece of the vertex that generates the rest.
 
     Attributes
@@ -85,7 +85,7 @@ def find_symmetry(
     rest_angles: Sequence[Any],
     wanted: str = "auto",
     mirror: int | None = None,
-    tolerance: float = TYPED,
+    tolerance: float = INPUT_TOL,
 ) -> Symmetry:
     """Find the piece of the vertex for the symmetry `wanted`, or for the largest one (``"auto"``).
 
@@ -124,7 +124,7 @@ def shared_symmetries(
     vertex: Vertex,
     stiffness: Sequence[float],
     rest_angles: Sequence[Any],
-    tolerance: float = TYPED,
+    tolerance: float = INPUT_TOL,
 ) -> tuple[list[int], list[int]]:
     """Find all rotations and mirrors that geometry and mechanics share within `tolerance`.
 

@@ -18,13 +18,13 @@ import numpy as np
 
 from origami_nlp.arguments import shown
 from origami_nlp.errors import VertexError
-from origami_nlp.files import Full, cut
-from origami_nlp.numerics import CLOSES, PLACES, RESOLVED, ROUNDED, TYPED
+from origami_nlp.io import PrettyRepr, cut
+from origami_nlp.numerics import CLOSURE_TOL, INPUT_TOL, PLACES, RESOLVED, ROUNDED
 from origami_nlp.pattern.angles import format_angle, parse_angles
 
 
 @dataclass(frozen=True)
-class Vertex(Full):
+class Vertex(PrettyRepr):
     """A sheet of paper with N creases that meet at a point (paper, section 2).
 
     Creases b_1 .. b_N lie in the e1-e2 plane, counter-clockwise, b_1 = e1; sector alpha_i lies between b_i and b_{i+1}.
@@ -35,7 +35,7 @@ class Vertex(Full):
         The N >= 3 sector angles alpha_i in (0, pi) [rad], counter-clockwise.  Numbers, or strings such
         as ``"pi/4"``.
     flat
-        Whether the sheet lies flat: the angles must sum to 2 pi (to `TYPED`).  With False they
+        Whether the sheet lies flat: the angles must sum to 2 pi (to `INPUT_TOL`).  With False they
         may sum to anything from which a closed vertex can be made, and fold angle 0 still means that
         two facets lie in one plane.
 
@@ -68,14 +68,14 @@ class Vertex(Full):
         for i, a in enumerate(angles, start=1):
             if a <= 0:
                 raise VertexError(f"sector_angles[{i}] = {a:.6g} must be positive")
-            if a >= math.pi - CLOSES:
+            if a >= math.pi - CLOSURE_TOL:
                 raise VertexError(
                     f"sector_angles[{i}] = {a:.6g} must be below pi: "
                     "split the facet with a crease, or leave the vertex flat"
                 )
         total = math.fsum(angles)
         if self.flat:
-            if abs(total - 2 * math.pi) > TYPED:
+            if abs(total - 2 * math.pi) > INPUT_TOL:
                 raise VertexError(
                     f"sector_angles sum to {total:.12g} = {total / math.pi:.9g} pi, not 2 pi: correct "
                     f'them, write exact multiples such as "pi/3", or state flat = false for paper '
@@ -201,7 +201,7 @@ def _check_closes(angles: Sequence[float]) -> None:
     total = math.fsum(angles)
     for size in range(1, len(angles) + 1, 2):
         chosen = math.fsum(longest[:size])
-        if 2 * chosen - total > (size - 1) * math.pi + CLOSES:
+        if 2 * chosen - total > (size - 1) * math.pi + CLOSURE_TOL:
             what = (
                 f"the largest, {longest[0]:.6g}, is more than all the others together"
                 if size == 1

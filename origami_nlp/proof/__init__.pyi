@@ -15,7 +15,7 @@ from .certificate import (
     read_certificate as read_certificate,
     write_certificate as write_certificate,
 )
-from .chains import Rows as Rows
+from .chains import VanishingRows as VanishingRows
 from .check import Check as Check, check_proof as check_proof
 from .complete import pose as pose
 from .document import certificate_of as certificate_of

@@ -34,7 +34,7 @@ limits of it.  A crease that is closed at x* and free on the stratum can only op
 *Turned twins.*  No parity.  The facets lie in planes: one until a line turns the sheet, another one between its
 creases, and so on.  Free axes in one of these planes have a normal row; else there is none.
 
-*Rounding.*  Coefficients are computed in doubles, to `CLOSES`: products of a few tens of quaternions, from sector
+*Rounding.*  Coefficients are computed in doubles, to `CLOSURE_TOL`: products of a few tens of quaternions, from sector
 angles known to some ulp.
 """
 
@@ -47,8 +47,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from origami_nlp.numerics import CLOSES, EPS, RANK, SAME
-from origami_nlp.programme import Kinematics, Model
+from origami_nlp.numerics import CLOSURE_TOL, DUPLICATE_TOL, EPS, RANK
+from origami_nlp.problem import Kinematics, Model
 from origami_nlp.proof.forms import Forms
 
 SLACK = 64 * EPS
@@ -103,7 +103,7 @@ class Site:
         size = np.append(size, np.zeros(m))[:m]
         # rows of left' J beyond the rank are zero: the normal ones
         self.rank = int((size > RANK).sum())
-        if (size[self.rank :] > CLOSES).any():
+        if (size[self.rank :] > CLOSURE_TOL).any():
             raise NotShown("its axes nearly lie in one plane")
         if lines and self.rank < m and not self._in_one_plane(seen):
             raise NotShown("its axes seem to lie in one plane, for no reason that is looked for")
@@ -125,7 +125,7 @@ class Site:
         the first facet, or one that a right angle parts from it, which is then at right angles to the mirror.
         """
         axes = self.axes[seen]
-        if np.linalg.norm(np.cross(axes, axes[0]), axis=1).max() <= CLOSES:
+        if np.linalg.norm(np.cross(axes, axes[0]), axis=1).max() <= CLOSURE_TOL:
             return True
         planes = self._planes()
         shared = set.intersection(*(planes[i] for i in seen)) if planes else set()
@@ -153,7 +153,7 @@ class Site:
                 planes[i].add(plane)
         for line in self.lines:
             every = set.union(*(planes[i] for i in line))
-            beside = np.linalg.norm(np.cross(self.axes, self.axes[line[0]]), axis=1) <= CLOSES
+            beside = np.linalg.norm(np.cross(self.axes, self.axes[line[0]]), axis=1) <= CLOSURE_TOL
             for k, other in enumerate(planes):
                 other |= every if beside[k] else set()
         return planes
@@ -175,7 +175,7 @@ class Site:
             )
 
     def forms(self, strata: list[Stratum], radius: float) -> tuple[Forms, np.ndarray]:
-        """Return the rows on strata, for r <= radius, and whether they hold from `SAME` on only, bool [S]."""
+        """Return the rows on strata, for r <= radius, and whether they hold from `DUPLICATE_TOL` on only, bool [S]."""
         free = np.array(strata) == 0
         rows = [(row, np.ones(len(strata), dtype=bool)) for row in self._closure()]
         rows += [
@@ -204,38 +204,38 @@ class Site:
         n, s, even = len(self.point), self.size, self.order == 2
         for a, (j, h) in enumerate(zip(self.jacobian, self.hessian, strict=True)):
             if a < self.rank:
-                yield _Row(n, linear=j, base=CLOSES * n, error=s**3 / 6 if even else s**2 / 2)
+                yield _Row(n, linear=j, base=CLOSURE_TOL * n, error=s**3 / 6 if even else s**2 / 2)
             else:
                 # rest of order 3 (4 by parity) over r^2 / 2
                 error = s**4 / 12 if even else s**3 / 3
-                yield _Row(n, quadratic=h, base=CLOSES * n * n, error=error)
+                yield _Row(n, quadratic=h, base=CLOSURE_TOL * n * n, error=error)
 
     def _balance(self, i: int, t: float, k: int) -> _Row:
         """G_i - t G_k = 0 for all states of a stratum."""
         n, ki, kk = len(self.point), self.stiffness[i], t * self.stiffness[k]
         slope = np.zeros(n)
         slope[k], slope[i] = -kk, ki
-        # 0 at x* but for rounding: then the row holds divided by r, and for r >= SAME only
+        # 0 at x* but for rounding: then the row holds divided by r, and for r >= DUPLICATE_TOL only
         miss = self.torque[i] - t * self.torque[k]
         rounding = SLACK * (ki + abs(kk))
         if abs(miss) <= rounding:
-            return _Row(n, linear=slope, base=2 * rounding / SAME, loose=True)
+            return _Row(n, linear=slope, base=2 * rounding / DUPLICATE_TOL, loose=True)
         return _Row(n, constant=miss, tilt_linear=slope, base=rounding)
 
     def _twins(self, free: np.ndarray) -> Iterator[tuple[_Row, np.ndarray]]:
         """Rows of creases on one line that only closed ones part, and where they hold."""
         s = self.model.structure
         for a, b in itertools.combinations(range(len(self.point)), 2):
-            if np.linalg.norm(np.cross(self.axes[a], self.axes[b])) <= CLOSES:
+            if np.linalg.norm(np.cross(self.axes[a], self.axes[b])) <= CLOSURE_TOL:
                 t = float(np.sign(self.axes[a] @ self.axes[b]) * self.shares[a] / self.shares[b])
-                shut = ~free[:, a + 1 : b].any(axis=1)
+                at_limit = ~free[:, a + 1 : b].any(axis=1)
                 if s.kind == "C" and s.turn == 1:
-                    shut |= ~(free[:, :a].any(axis=1) | free[:, b + 1 :].any(axis=1))
-                yield self._balance(a, t, b), shut & free[:, a] & free[:, b]
+                    at_limit |= ~(free[:, :a].any(axis=1) | free[:, b + 1 :].any(axis=1))
+                yield self._balance(a, t, b), at_limit & free[:, a] & free[:, b]
 
 
 class _Row:
-    """c + a . u + u' M u + r (t . u + u' T u) = +-(base + error r^p); `loose`: for r >= SAME only."""
+    """c + a . u + u' M u + r (t . u + u' T u) = +-(base + error r^p); `loose`: for r >= DUPLICATE_TOL only."""
 
     def __init__(
         self,
@@ -313,9 +313,9 @@ class _Minor:
         g = stiff if rests else float(np.linalg.norm(self.torque)) + stiff * radius
         sizes = np.array([g, *planar, bend])
         more = np.array([0.0, *([more_planar] * rank), more_bend])
-        wrong = np.array([SLACK * stiff, *([CLOSES * root] * rank), CLOSES * root * n])
+        wrong = np.array([SLACK * stiff, *([CLOSURE_TOL * root] * rank), CLOSURE_TOL * root * n])
         if rests:
-            wrong[0] = 2 * SLACK * stiff / SAME
+            wrong[0] = 2 * SLACK * stiff / DUPLICATE_TOL
         error = float(np.prod(sizes + more) - np.prod(sizes)) / radius**site.order
         base = float(np.prod(sizes + more + wrong) - np.prod(sizes + more))
         base += 128 * EPS * float(np.prod(sizes + more))
@@ -340,15 +340,15 @@ class _Minor:
         first = np.array([stiff, *np.linalg.norm(np.abs(self.bends).sum(axis=2), axis=1)])
         second = np.array([0.0, *([site.lever * s * s / 2 * root] * (count - 1))])
         sizes = np.linalg.norm(whole, axis=0)
-        wrong = CLOSES * root * np.array([stiff, *([1.0] * (count - 1))])
+        wrong = CLOSURE_TOL * root * np.array([stiff, *([1.0] * (count - 1))])
         most = float(np.prod(sizes + radius * first + radius**2 * second + wrong))
         linear = sum(first[c] * np.prod(np.delete(sizes, c)) for c in range(count))
         rest = float(np.prod(sizes + radius * first + radius**2 * second) - np.prod(sizes))
         rest += 128 * EPS * most - radius * float(linear)
         base = most - float(np.prod(sizes + radius * first + radius**2 * second)) + 128 * EPS * most
-        doubt = CLOSES * n * count**2 * float(np.prod(sizes + first + 1))  # of the slope
+        doubt = CLOSURE_TOL * n * count**2 * float(np.prod(sizes + first + 1))  # of the slope
         if abs(constant) <= base:
-            base = (abs(constant) + base) / SAME + rest / radius + doubt
+            base = (abs(constant) + base) / DUPLICATE_TOL + rest / radius + doubt
             return _Row(n, linear=slope, base=base, loose=True)
         return _Row(n, constant, tilt_linear=slope, base=base, error=rest / radius**site.order)
 

@@ -26,7 +26,7 @@ import numpy as np
 
 from origami_nlp.numerics import DEPENDENT, NONZERO, RANK, first_largest
 from origami_nlp.proof.affine import TINY, UNIT, Affine, variables
-from origami_nlp.proof.chains import Rows
+from origami_nlp.proof.chains import VanishingRows
 from origami_nlp.proof.options import DEFAULT, ProofOptions
 from origami_nlp.proof.tree import Kind, Recorder
 
@@ -45,7 +45,7 @@ BEYOND = math.nextafter(math.pi, 4.0)
 """The double above pi: free angles range to it."""
 
 
-class Posed(Protocol):
+class BoxProblem(Protocol):
     """What is searched: rows over boxes."""
 
     @property
@@ -61,7 +61,7 @@ class Posed(Protocol):
     @property
     def twins(self) -> tuple[tuple[int, ...], ...]: ...  # noqa: D102
 
-    def rows(self, lower: np.ndarray, upper: np.ndarray, pins: np.ndarray) -> Rows: ...  # noqa: D102
+    def rows(self, lower: np.ndarray, upper: np.ndarray, pins: np.ndarray) -> VanishingRows: ...  # noqa: D102
 
 
 @dataclass(frozen=True, eq=False)
@@ -137,7 +137,7 @@ class Left:
 
 
 def prune(
-    posed: Posed,
+    posed: BoxProblem,
     start: Boxes,
     *,
     flat: float = 0.0,
@@ -212,7 +212,7 @@ def _reach(boxes: Boxes) -> np.ndarray:
 
 
 def _shrunk(
-    posed: Posed, batch: Boxes, small: float, recorder: Recorder | None
+    posed: BoxProblem, batch: Boxes, small: float, recorder: Recorder | None
 ) -> tuple[Boxes, Boxes]:
     """Exclude, contract, bisect what did not shrink by half: boxes that were small and are left, and all others."""
     rows = posed.rows(batch.lower, batch.upper, batch.pins)
@@ -265,7 +265,7 @@ def _halves(batch: Boxes, recorder: Recorder | None) -> list[Boxes]:
 
 
 def _record_rows(
-    posed: Posed, batch: Boxes, closed: np.ndarray, critical: np.ndarray, recorder: Recorder
+    posed: BoxProblem, batch: Boxes, closed: np.ndarray, critical: np.ndarray, recorder: Recorder
 ) -> None:
     """Record which boxes a row excludes, and the first such row."""
     out = closed.any(axis=0)
@@ -278,7 +278,7 @@ def _record_rows(
 
 
 def _contracted(
-    posed: Posed, batch: Boxes, rows: Rows, keep: np.ndarray
+    posed: BoxProblem, batch: Boxes, rows: VanishingRows, keep: np.ndarray
 ) -> tuple[Boxes, np.ndarray, np.ndarray, np.ndarray]:
     """Contract boxes: the batch, new bounds [n, K], and which are empty [K]."""
     middle, half = variables(batch.lower, batch.upper)
@@ -329,7 +329,7 @@ def _bounds(
     return at - spread, at + spread
 
 
-def _inverse_of_pivots(a: np.ndarray, posed: Posed) -> np.ndarray:
+def _inverse_of_pivots(a: np.ndarray, posed: BoxProblem) -> np.ndarray:
     """Matrices [K, n, R]: the inverse of the columns, in the linear rows of closure, that are most independent."""
     boxes, count, n = a.shape
     rows = a[:, posed.linear]

@@ -18,7 +18,7 @@ from typing import Any, Literal, TypeAlias
 import numpy as np
 
 from origami_nlp.errors import CertificateError
-from origami_nlp.files import Finite, check_schema, from_plain, read_json, to_plain, write_json
+from origami_nlp.io import Finite, check_schema, from_plain, read_json, to_plain, write_json
 from origami_nlp.pattern import Scene
 
 SCHEMA = "origami-nlp/proof/1"

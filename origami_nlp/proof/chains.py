@@ -36,14 +36,19 @@ from origami_nlp.proof.affine import (
     variables,
     with_centre,
 )
-from origami_nlp.proof.twins import Twin, twin_rows, twins_asked, twins_of_loop
+from origami_nlp.proof.collinear_creases import (
+    CollinearPair,
+    collinear_creases_of_loop,
+    collinear_rows,
+    twins_asked,
+)
 
 SECTORS = 2
 """Ulp of pi by which a sector angle may differ from the double in the scene."""
 
 
 @dataclass(frozen=True, eq=False)
-class Rows:
+class VanishingRows:
     """What vanishes at every critical point in a box, over K boxes.
 
     Attributes
@@ -66,7 +71,7 @@ class Sprung(Protocol):
 
     stiffness: np.ndarray
     rest: np.ndarray
-    twin_rule: tuple[Twin, ...]
+    twin_rule: tuple[CollinearPair, ...]
 
 
 class Vertex:
@@ -120,7 +125,7 @@ class Vertex:
         self._pose_minors()
         self.minor_count = len(self.fours)
         self.minor_creases = tuple(map(tuple, self.fours.tolist()))
-        self.twin_rule = twins_of_loop(self.sectors, doubt)
+        self.twin_rule = collinear_creases_of_loop(self.sectors, doubt)
         self.twins = tuple(t.creases for t in self.twin_rule)
 
     def _pose_triples(self) -> None:
@@ -151,7 +156,7 @@ class Vertex:
             dtype=int,
         ).reshape(-1, 4)
 
-    def rows(self, lower: np.ndarray, upper: np.ndarray, pins: np.ndarray) -> Rows:
+    def rows(self, lower: np.ndarray, upper: np.ndarray, pins: np.ndarray) -> VanishingRows:
         """Enclose the rows over boxes.
 
         Parameters
@@ -163,13 +168,13 @@ class Vertex:
 
         Returns
         -------
-        Rows
+        VanishingRows
         """
         middle, half = variables(lower, upper)
         closure = self.closure(middle, half, pins)
         fours = ~(pins != 0)[self.fours].any(axis=1)
         minors = self.minors(middle, half, pins)
-        return Rows(closure, *with_twins(self, minors, fours, middle, half, pins))
+        return VanishingRows(closure, *with_twins(self, minors, fours, middle, half, pins))
 
     def closure(self, middle: np.ndarray, half: np.ndarray, pins: np.ndarray) -> Affine:
         """Enclose conj(q_m) (q_left - q_right), q_m = q_left at the middle: four rows."""
@@ -313,7 +318,7 @@ def with_twins(
     if not rule:
         return minors, asked
     _, torque, lean = torques(piece, middle, half)
-    centre, slopes = twin_rows(rule, torque, lean)
+    centre, slopes = collinear_rows(rule, torque, lean)
     size = np.full(centre.shape, 2 * 8.0)  # |torque| <= 2 pi k, k <= 1
     twins = padded(centre, slopes, np.zeros(centre.shape), size, 4)
     return concatenated([minors, twins]), np.concatenate([asked, twins_asked(rule, pins)])

@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 from flint import arb, arb_mat
 
+from origami_nlp.proof.check_domains import Chain
 from origami_nlp.proof.check_forms import (
     AROUND,
     Box,
@@ -24,7 +25,6 @@ from origami_nlp.proof.check_forms import (
     nonzero,
     parts,
 )
-from origami_nlp.proof.check_pieces import Chain
 
 BLUNT = 1e-9
 """Share of its largest slope that a row's error is taken to be at least, for suggestions."""

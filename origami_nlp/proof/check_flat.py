@@ -25,6 +25,7 @@ import numpy as np
 from flint import arb
 
 from origami_nlp.proof.check_bounds import Bounds
+from origami_nlp.proof.check_domains import VertexChain
 from origami_nlp.proof.check_forms import (
     AROUND,
     SQUARE,
@@ -38,13 +39,12 @@ from origami_nlp.proof.check_forms import (
     scaled,
     times,
 )
-from origami_nlp.proof.check_pieces import Sheet
 
 MOST_BOXES = 2_000
 """Boxes of u tried."""
 
 
-def isolated(sheet: Sheet, r0: float, most: int = MOST_BOXES) -> int | None:
+def isolated(sheet: VertexChain, r0: float, most: int = MOST_BOXES) -> int | None:
     """Show that 0 < max |x_i| <= r0 holds no critical point with all creases free.
 
     Parameters
@@ -85,7 +85,7 @@ def isolated(sheet: Sheet, r0: float, most: int = MOST_BOXES) -> int | None:
     return None
 
 
-def rows(sheet: Sheet, box: Box, r0: Any) -> list[Form]:
+def rows(sheet: VertexChain, box: Box, r0: Any) -> list[Form]:
     """Return what vanishes at a critical point r u: omega, zeta and the determinants, over a box of u."""
     n, square, half = sheet.count, SQUARE * r0 * r0, r0 / 2
     even = (1 + half.cos()) / 2 + AROUND * ((1 - half.cos()) / 2)
@@ -139,7 +139,7 @@ def _fixed(value: int) -> Form:
     return arb(value), {}
 
 
-def falls(sheet: Sheet) -> bool:
+def falls(sheet: VertexChain) -> bool:
     """Show that the flat state is no minimum: the energy falls along a way out of it.
 
     Parameters
@@ -171,7 +171,11 @@ def falls(sheet: Sheet) -> bool:
 
 
 def _falls(
-    sheet: Sheet, led: tuple[int, int], others: list[int], start: list[float], end: list[float]
+    sheet: VertexChain,
+    led: tuple[int, int],
+    others: list[int],
+    start: list[float],
+    end: list[float],
 ) -> bool:
     """Tell whether G . u != 0 where Q(u) = 0 between two directions; `led` creases keep sum u_i b_i = 0."""
     u, v = (_completed(sheet, led, others, way) for way in (start, end))
@@ -190,7 +194,7 @@ def _falls(
 
 
 def _completed(
-    sheet: Sheet, led: tuple[int, int], others: list[int], free: list[float]
+    sheet: VertexChain, led: tuple[int, int], others: list[int], free: list[float]
 ) -> list[Any]:
     """Return u with given entries at `others` and sum u_i b_i = 0, in balls."""
     (ax, ay), (bx, by) = (sheet.flat[i] for i in led)
@@ -202,7 +206,7 @@ def _completed(
     return [found[i] for i in range(sheet.count)]
 
 
-def _form(sheet: Sheet, u: list[Any], v: list[Any]) -> Any:
+def _form(sheet: VertexChain, u: list[Any], v: list[Any]) -> Any:
     """Bilinear form of Q, Q(u) = sum over j < i of u_j u_i (b_j x b_i)_z."""
     total = arb(0)
     for j, i in itertools.combinations(range(sheet.count), 2):

@@ -26,8 +26,8 @@ from typing import Any
 
 from flint import arb, arb_mat
 
+from origami_nlp.proof.check_domains import Chain
 from origami_nlp.proof.check_forms import AROUND
-from origami_nlp.proof.check_pieces import Chain
 
 Balls = list[Any]
 NEWTON, GROWTHS = 30, 8

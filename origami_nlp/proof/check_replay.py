@@ -28,13 +28,13 @@ from origami_nlp.proof.certificate import (
     Point,
 )
 from origami_nlp.proof.check_bounds import States
+from origami_nlp.proof.check_domains import VertexChain
 from origami_nlp.proof.check_flat import falls, isolated
 from origami_nlp.proof.check_forms import (
     AROUND,
     Box,
     nonzero,
 )
-from origami_nlp.proof.check_pieces import Sheet
 from origami_nlp.proof.check_points import Located, Refused, Stratum
 from origami_nlp.proof.check_wedges import SymmetricPiece, piece_of
 from origami_nlp.proof.check_whole import check_identity, closing_numbers
@@ -100,7 +100,7 @@ class Replay:
             self._tree()
             # the flat state closes with the first number alone
             winds = (scene.winding or 1) > 1
-            self.flat_falls = winds or (isinstance(self.piece, Sheet) and falls(self.piece))
+            self.flat_falls = winds or (isinstance(self.piece, VertexChain) and falls(self.piece))
 
     def _covers_the_vertex(self) -> None:
         """Check that the whole vertex closes where the piece does, and nowhere that no tree covers."""
@@ -309,7 +309,7 @@ class Replay:
         if any(pins) or not all(-r0 <= low and high <= r0 for low, high in box):
             raise Refused(f"does not lie within {r0:g} rad of the flat state")
         if not self.flat_shown:
-            if not isinstance(self.piece, Sheet) or isolated(self.piece, r0) is None:
+            if not isinstance(self.piece, VertexChain) or isolated(self.piece, r0) is None:
                 raise Refused(f"nothing shows that no state within {r0:g} rad of flat is critical")
             self.flat_shown = True
 

@@ -20,8 +20,8 @@ from typing import Any
 from flint import arb, arb_mat, fmpq
 
 from origami_nlp.pattern import Scene
+from origami_nlp.proof.check_domains import Balls, Chain, VertexChain, cross, near
 from origami_nlp.proof.check_forms import Box, Form, Terms, carry, linear
-from origami_nlp.proof.check_pieces import Balls, Chain, Sheet, cross, near
 from origami_nlp.proof.check_whole import closing_numbers, whole_vertex
 
 
@@ -39,7 +39,7 @@ def piece_of(scene: Scene) -> Chain:
         In balls of the precision that is set.
     """
     if scene.group.is_trivial:
-        return Sheet(scene.vertex.sector_angles, scene.stiffness, scene.wound_angles)
+        return VertexChain(scene.vertex.sector_angles, scene.stiffness, scene.wound_angles)
     if scene.group.kind == "D":
         return Wedge(scene)
     return Loop(scene) if closing_numbers(scene.group.order)[_root(scene)] == -1 else Period(scene)
@@ -280,7 +280,7 @@ class Loop(Period):
     def at(
         self, angles: Sequence[Any]
     ) -> tuple[Balls, list[Balls], list[Balls], list[list[Balls]], Any]:
-        """As of `Chain`, of -T as `Sheet` has it of q."""
+        """As of `Chain`, of -T as `VertexChain` has it of q."""
         t, axes = self.turned(angles)
         w, *v = [-value for value in t]
         slopes = [[(w * a + b) / 2 for a, b in zip(c, cross(c, v), strict=True)] for c in axes]
@@ -291,7 +291,7 @@ class Loop(Period):
         return v, slopes, axes, bends, sheet
 
     def curvature(self, i: int, j: int, bends: list[list[Balls]]) -> Balls:
-        """As of `Sheet`."""
+        """As of `VertexChain`."""
         return [b / 2 for b in bends[i][j]]
 
 

@@ -11,10 +11,11 @@ import numpy as np
 from origami_nlp.arguments import check_type
 from origami_nlp.errors import OptionError
 from origami_nlp.numerics import groups
-from origami_nlp.programme import Model
-from origami_nlp.proof.boxes import Boxes, Posed, joined, prune, strata
+from origami_nlp.problem import Model
+from origami_nlp.proof.boxes import Boxes, BoxProblem, joined, prune, strata
 from origami_nlp.proof.chains import Vertex
 from origami_nlp.proof.flat import RADII, Flat, flat_lemma
+from origami_nlp.proof.mirror_domains import Wedge
 from origami_nlp.proof.options import DEFAULT, ProofOptions
 from origami_nlp.proof.periods import Period
 from origami_nlp.proof.result import Cluster, CriticalPoint, Proof
@@ -26,9 +27,8 @@ from origami_nlp.proof.roots import (
     joined_roots,
     newton,
 )
-from origami_nlp.proof.system import System
+from origami_nlp.proof.system import BoxKkt
 from origami_nlp.proof.tree import Kind, Recorder
-from origami_nlp.proof.wedges import Wedge
 
 NEAR = 0.05
 """Boxes this near to the flat state [rad], beyond its lemma, are made smaller too."""
@@ -88,7 +88,7 @@ def prove(
     near = flat.radius or (RADII[0] if model.scene.group.is_trivial else 0.0)
     limits = {"most": most, "seconds": seconds, "until": until}
     left = prune(posed, start, flat=near, options=options, recorder=recorder, **limits)  # type: ignore[arg-type]
-    system = System(model)
+    system = BoxKkt(model)
     roots, held, number, rest, more = certified(
         system, posed, left.candidates, near, recorder, options
     )
@@ -141,7 +141,7 @@ def prove(
     )
 
 
-def pose(model: Model) -> tuple[Posed, Flat]:
+def pose(model: Model) -> tuple[BoxProblem, Flat]:
     """Return the rows of a model over boxes, and what is shown of its flat state.
 
     Parameters
@@ -187,8 +187,8 @@ def pose(model: Model) -> tuple[Posed, Flat]:
 
 
 def certified(
-    system: System,
-    posed: Posed,
+    system: BoxKkt,
+    posed: BoxProblem,
     boxes: Boxes,
     flat: float,
     recorder: Recorder | None,
@@ -237,11 +237,11 @@ def certified(
     return found, joined(held), np.concatenate(numbers), boxes, more
 
 
-def _none(system: System) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _none(system: BoxKkt) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     return np.zeros((0, system.n)), np.zeros((0, system.m)), np.zeros((0, system.n), dtype=np.int8)
 
 
-def _roots_of(system: System, boxes: Boxes) -> Roots:
+def _roots_of(system: BoxKkt, boxes: Boxes) -> Roots:
     """Newton from the middle of every box, and certificates of what converged."""
     pins = boxes.pins.T
     x = np.where(pins == 0, 0.5 * (boxes.lower + boxes.upper).T, math.pi * pins)
@@ -250,7 +250,7 @@ def _roots_of(system: System, boxes: Boxes) -> Roots:
     return certify(system, x[some], lam[some], pins[some])[0]
 
 
-def _regular(system: System, boxes: Boxes, flat: float, size: float) -> np.ndarray:
+def _regular(system: BoxKkt, boxes: Boxes, flat: float, size: float) -> np.ndarray:
     """Tell at which boxes closure has full rank, on the free variables and for their size, [K]."""
     pins = boxes.pins.T
     x = np.where(pins == 0, 0.5 * (boxes.lower + boxes.upper).T, math.pi * pins)
@@ -304,8 +304,8 @@ def most_left(model: Model, boxes: Boxes) -> str:
     """Say which creases are at +-pi in most of the boxes that were left; "" where none are, or no box was left."""
     if not len(boxes):
         return ""
-    shut, count = np.unique(boxes.pins.T != 0, axis=0, return_counts=True)
-    creases = np.flatnonzero(shut[int(count.argmax())][model.variable_of_crease]) + 1
+    at_limit, count = np.unique(boxes.pins.T != 0, axis=0, return_counts=True)
+    creases = np.flatnonzero(at_limit[int(count.argmax())][model.variable_of_crease]) + 1
     numbers = ", ".join(map(str, creases.tolist()))
     return (
         f"most are left with crease{'s' * (len(creases) > 1)} {numbers} at +-pi" if numbers else ""
@@ -321,7 +321,7 @@ def by_stratum(boxes: Boxes) -> Iterator[np.ndarray]:
         yield np.flatnonzero(inverse.ravel() == s)
 
 
-def reason_of(system: System, boxes: Boxes) -> tuple[str, bool]:
+def reason_of(system: BoxKkt, boxes: Boxes) -> tuple[str, bool]:
     """Say why no root was certified, and whether that is because closure loses rank."""
     pins = boxes.pins[:, 0]
     free = pins == 0

@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from origami_nlp.display import angle_ticks, minimum_look, pass_look
 from origami_nlp.errors import OptionError
-from origami_nlp.programme import Model, complete
+from origami_nlp.problem import Model, complete
 from origami_nlp.proof.boxes import BEYOND
 from origami_nlp.proof.result import Proof
 from origami_nlp.proof.tree import Kind, Tree
-from origami_nlp.show import angle_ticks, minimum_look, pass_look
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

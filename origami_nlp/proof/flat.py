@@ -31,7 +31,7 @@ import numpy as np
 
 from origami_nlp.proof.affine import UNIT, Affine, padded, variables
 from origami_nlp.proof.boxes import Boxes, prune
-from origami_nlp.proof.chains import Rows, Vertex
+from origami_nlp.proof.chains import VanishingRows, Vertex
 
 RADII = (1e-2, 3e-3, 1e-3, 3e-4, 1e-4, 3e-5, 1e-5, 3e-6)
 """Radii [rad] tried, the largest first; smaller ones cost more boxes outside."""
@@ -135,7 +135,7 @@ class Cone:
         pins = np.concatenate([np.eye(n, dtype=np.int8), np.zeros((1, n), np.int8)])
         return Boxes(-1.0 + 2.0 * pins, np.ones((n + 1, n)), pins, np.arange(n))
 
-    def rows(self, lower: np.ndarray, upper: np.ndarray, pins: np.ndarray) -> Rows:
+    def rows(self, lower: np.ndarray, upper: np.ndarray, pins: np.ndarray) -> VanishingRows:
         """Enclose all rows over boxes, as rows of closure: x, y, the minors, z."""
         middle, half = variables(lower, upper)
         u, r, du, dr = middle[:-1], middle[-1], half[:-1], half[-1]
@@ -168,7 +168,7 @@ class Cone:
         )
         none = np.zeros((0, len(r)))
         critical = Affine(none, np.zeros((0, self.size, len(r))), none)
-        return Rows(closure, critical, none.astype(bool))
+        return VanishingRows(closure, critical, none.astype(bool))
 
 
 def _form(

@@ -24,9 +24,9 @@ from origami_nlp.proof.affine import (
     turned,
     variables,
 )
-from origami_nlp.proof.chains import SECTORS, Rows, half_turns, taken, with_twins
-from origami_nlp.proof.twins import Twin, twins_of_loop
-from origami_nlp.proof.wedges import all_free, sums_of_torques
+from origami_nlp.proof.chains import SECTORS, VanishingRows, half_turns, taken, with_twins
+from origami_nlp.proof.collinear_creases import CollinearPair, collinear_creases_of_loop
+from origami_nlp.proof.mirror_domains import all_free, sums_of_torques
 
 
 class Period:
@@ -64,16 +64,16 @@ class Period:
         doubt = SECTORS * 4 * UNIT
         self.doubt = n * (doubt + 2 * TRIGONOMETRIC)
         found = {}
-        for twin in twins_of_loop(np.tile(self.sectors, order), doubt):
+        for twin in collinear_creases_of_loop(np.tile(self.sectors, order), doubt):
             a, b = (c % n for c in twin.creases)
             if a != b:
                 closed = tuple(sorted({c % n for c in twin.closed}))
                 if not {a, b} & set(closed):
                     found[min(a, b), max(a, b), closed] = twin.sign
-        self.twin_rule = tuple(Twin((a, b), sign, c) for (a, b, c), sign in found.items())
+        self.twin_rule = tuple(CollinearPair((a, b), sign, c) for (a, b, c), sign in found.items())
         self.twins = tuple(t.creases for t in self.twin_rule)
 
-    def rows(self, lower: np.ndarray, upper: np.ndarray, pins: np.ndarray) -> Rows:
+    def rows(self, lower: np.ndarray, upper: np.ndarray, pins: np.ndarray) -> VanishingRows:
         """Enclose the rows over boxes, as `Vertex.rows` does."""
         middle, half = variables(lower, upper)
         scalar, slopes = self._products(half_turns(middle, half, pins))
@@ -85,7 +85,7 @@ class Period:
         terms = [[(a, slopes[b], 1.0), (b, slopes[a], -1.0)] for a, b in self.minor_creases]
         minors = sums_of_torques(self, terms, middle, half)
         asked = all_free(self.minor_creases, pins)
-        return Rows(closure, *with_twins(self, minors, asked, middle, half, pins))
+        return VanishingRows(closure, *with_twins(self, minors, asked, middle, half, pins))
 
     def _products(self, turn: Turn) -> tuple[Affine, Affine]:
         """Enclose scalar and x of the product read from every crease on, [n, K]."""

@@ -16,7 +16,7 @@ With X the computed eigenvectors, X' J X = D + R is known with error bounds; whe
 signs of D count (Sylvester, X being regular as X' X is near 1).
 
 Rounding: N folds in doubles are off by at most `FOLD` u each, azimuths of creases by what the sectors before them may
-be off; `System.fold` bounds what both do to g, A and g''.
+be off; `BoxKkt.fold` bounds what both do to g, A and g''.
 """
 
 from __future__ import annotations
@@ -26,10 +26,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from origami_nlp.numerics import CURVED, FOLLOWED, INDEPENDENT, SAME
+from origami_nlp.numerics import CURVED, DUPLICATE_TOL, FOLLOWED, INDEPENDENT
 from origami_nlp.proof.affine import TINY, UNIT
 from origami_nlp.proof.boxes import WIDER, Boxes
-from origami_nlp.proof.system import Local, System
+from origami_nlp.proof.system import BoxKkt, Local
 
 STEPS = 30
 """Newton's steps from the middle of a box."""
@@ -82,7 +82,7 @@ class Roots:
 
 
 def newton(
-    system: System, x: np.ndarray, pins: np.ndarray
+    system: BoxKkt, x: np.ndarray, pins: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Run Newton's method from states: x, multipliers, and which converged beside where they started."""
     start, lam = x, system.start(x, pins)
@@ -104,7 +104,7 @@ def newton(
         if (settled | ~alive).all():
             break
     sheet = system.kinematics.fold(x).sheet
-    return x, lam, alive & (last < SAME) & (sheet > 0)
+    return x, lam, alive & (last < DUPLICATE_TOL) & (sheet > 0)
 
 
 def _solved(jacobian: np.ndarray, f: np.ndarray) -> np.ndarray:
@@ -119,7 +119,7 @@ def _solved(jacobian: np.ndarray, f: np.ndarray) -> np.ndarray:
 
 
 def certify(
-    system: System, x: np.ndarray, lam: np.ndarray, pins: np.ndarray
+    system: BoxKkt, x: np.ndarray, lam: np.ndarray, pins: np.ndarray
 ) -> tuple[Roots, np.ndarray]:
     """Certify zeros of the KKT system.
 
@@ -215,7 +215,7 @@ def _levers(at: Local, within: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.n
     return p, bent.sum(axis=2) + later[:, None] * turned, turned
 
 
-def holds(system: System, roots: Roots, boxes: Boxes) -> np.ndarray:
+def holds(system: BoxKkt, roots: Roots, boxes: Boxes) -> np.ndarray:
     """Number of the root whose uniqueness box holds all critical points in each of K small boxes; -1 if none, [K].
 
     The box lies within `unique`; and the multipliers of a critical point in it, r from the root, are within `spread`:
@@ -290,7 +290,7 @@ def different(roots: Roots, known: int = 0) -> Roots:
 
 
 def _index(
-    system: System,
+    system: BoxKkt,
     at: Local,
     free: np.ndarray,
     radius: np.ndarray,
@@ -331,7 +331,7 @@ def _index(
 
 
 def _signs(
-    system: System,
+    system: BoxKkt,
     x: np.ndarray,
     lam: np.ndarray,
     pins: np.ndarray,

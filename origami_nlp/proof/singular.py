@@ -27,8 +27,8 @@ from weakref import WeakKeyDictionary
 import numpy as np
 
 from origami_nlp.errors import OptionError
-from origami_nlp.numerics import BESIDE, CLOSES, SAME
-from origami_nlp.programme import Kinematics, Model
+from origami_nlp.numerics import CLOSURE_TOL, DUPLICATE_TOL, NEAR_SINGULAR_TOL
+from origami_nlp.problem import Kinematics, Model
 from origami_nlp.proof.blow_up import SLACK, NotShown, Site, Stratum, shares
 from origami_nlp.proof.forms import left_over, none_beside
 
@@ -72,7 +72,7 @@ def isolated(model: Model, x: Sequence[float], stratum: Stratum) -> Isolation:
     model
         A posed scene with fold limits.
     x
-        Near the state, to `BESIDE` [rad], shape [n].
+        Near the state, to `NEAR_SINGULAR_TOL` [rad], shape [n].
     stratum
         +1 or -1 for variables held at +-pi, 0 for free ones; those free may be at +-pi at the state.
 
@@ -121,7 +121,7 @@ def _state_at(model: Model, x: np.ndarray, stratum: Stratum) -> tuple[np.ndarray
     """Return the exact state next to x, and its creases that are turned by no multiple of pi, by their lines."""
     turns = np.rint(x / math.pi)
     point = turns * math.pi
-    turned = np.flatnonzero(np.abs(x - point) > BESIDE).tolist()
+    turned = np.flatnonzero(np.abs(x - point) > NEAR_SINGULAR_TOL).tolist()
     point[turned] = x[turned]
     held = np.flatnonzero(stratum)
     if (turns[held] != np.array(stratum)[held]).any() or np.isin(held, turned).any():
@@ -132,7 +132,7 @@ def _state_at(model: Model, x: np.ndarray, stratum: Stratum) -> tuple[np.ndarray
     lines: list[list[int]] = []
     for i in turned:
         apart = [np.linalg.norm(np.cross(at.axes[0, line[0]], at.axes[0, i])) for line in lines]
-        if lines and min(apart) <= model.size * BESIDE:
+        if lines and min(apart) <= model.size * NEAR_SINGULAR_TOL:
             lines[int(np.argmin(apart))].append(i)
         else:
             lines.append([i])
@@ -142,12 +142,12 @@ def _state_at(model: Model, x: np.ndarray, stratum: Stratum) -> tuple[np.ndarray
             raise NotShown("a crease is turned that has no twin")
         point[line] = _balanced(model, point[line], line, at.axes[0, line])
     quarters = 0.5 * math.pi * np.rint(2 * x[turned] / math.pi)
-    if mirrored and np.abs(x[turned] - quarters).max() <= BESIDE:
+    if mirrored and np.abs(x[turned] - quarters).max() <= NEAR_SINGULAR_TOL:
         point[turned] = quarters
     at = kinematics.fold(point[None])
-    if np.abs(kinematics.closure(at)[0]).max() > CLOSES or at.sheet[0] <= 0:
+    if np.abs(kinematics.closure(at)[0]).max() > CLOSURE_TOL or at.sheet[0] <= 0:
         raise NotShown("no flat folding, nor one with twins turned, closes there")
-    if np.abs(x - point).max() > BESIDE:
+    if np.abs(x - point).max() > NEAR_SINGULAR_TOL:
         raise NotShown("its turned creases are not in balance there")
     return point, lines
 
@@ -178,7 +178,7 @@ def _decide(
         forms, loose = site.forms(strata, radius)
         given_up, left = left_over(forms, radius)
         # leading forms exclude most boxes, the next order those about their common zeros
-        beside = none_beside(forms, left, SAME, radius)
+        beside = none_beside(forms, left, DUPLICATE_TOL, radius)
         for k, s in enumerate(strata):
             mine = left.stratum == k
             if given_up[k] or not beside[mine].all():
@@ -191,7 +191,7 @@ def _decide(
                     key, 0.0, 0.0, f"not shown: rows vanish, as far as looked at, along {what}"
                 )
             else:
-                core = SAME if loose[k] or mine.any() else 0.0
+                core = DUPLICATE_TOL if loose[k] or mine.any() else 0.0
                 out[s] = Isolation(key, radius, core, "closure, minors and twins to second order")
         strata = [s for s in strata if not out[s].radius]
         if not strata:

@@ -20,7 +20,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from origami_nlp.numerics import INDEPENDENT, cross
-from origami_nlp.programme import Folded, Kinematics, Model
+from origami_nlp.problem import Folded, Kinematics, Model
 from origami_nlp.proof.affine import UNIT
 from origami_nlp.proof.chains import SECTORS
 
@@ -95,7 +95,7 @@ def _bordered(corner: np.ndarray, side: np.ndarray) -> np.ndarray:
     return out
 
 
-class System:
+class BoxKkt:
     """The KKT system of a model, over states of any stratum.
 
     Parameters

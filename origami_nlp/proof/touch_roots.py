@@ -1,4 +1,4 @@
-"""The KKT system of states with closed gaps: `System` with the gaps beside closure."""
+"""The KKT system of states with closed gaps: `BoxKkt` with the gaps beside closure."""
 
 from __future__ import annotations
 
@@ -6,11 +6,11 @@ import math
 
 import numpy as np
 
-from origami_nlp.programme import Folded, Model
-from origami_nlp.proof.system import System
+from origami_nlp.problem import Folded, Model
+from origami_nlp.proof.system import BoxKkt
 
 
-class TouchSystem(System):
+class ContactSystem(BoxKkt):
     """The KKT system of a model on a stratum where gaps are closed.
 
     A gap is a product of two unit vectors, one of which the folds between turn: its derivatives in the directions
@@ -29,7 +29,7 @@ class TouchSystem(System):
     def __init__(self, model: Model, gaps: tuple[int, ...]) -> None:
         super().__init__(model)
         self.gaps, self.equations = gaps, self.m
-        self.plain = System(model)
+        self.plain = BoxKkt(model)
         self.m += len(gaps)
         self.beta = self.factor
         sines = [math.sin(a) for a in model.parameters.sectors]

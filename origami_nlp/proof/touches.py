@@ -48,10 +48,9 @@ import numpy as np
 
 from origami_nlp.arguments import check_type
 from origami_nlp.kkt import State, classify
-from origami_nlp.numerics import RESOLVED, SUMMED, TYPED
-from origami_nlp.programme import Model
-from origami_nlp.proof.apart import APART, CROSSED, Signs
-from origami_nlp.proof.boxes import Boxes, Posed, prune, strata
+from origami_nlp.numerics import INPUT_TOL, RESOLVED, SUMMED
+from origami_nlp.problem import Model
+from origami_nlp.proof.boxes import Boxes, BoxProblem, prune, strata
 from origami_nlp.proof.complete import (
     by_stratum,
     certified,
@@ -60,11 +59,12 @@ from origami_nlp.proof.complete import (
     prove as prove_within_limits,
     reason_of,
 )
+from origami_nlp.proof.domains import FundamentalDomain
+from origami_nlp.proof.facet_separation import APART, CROSSED, Signs
 from origami_nlp.proof.options import DEFAULT, ProofOptions
-from origami_nlp.proof.pieces import Piece
 from origami_nlp.proof.result import Cluster, CriticalPoint, Proof
 from origami_nlp.proof.roots import Roots
-from origami_nlp.proof.touch_roots import TouchSystem
+from origami_nlp.proof.touch_roots import ContactSystem
 from origami_nlp.proof.touching_rows import Row, TouchedVertex, TouchedWedge
 
 
@@ -83,7 +83,7 @@ class Stratum:
     """
 
     touches: tuple[Row, ...]
-    posed: Posed
+    posed: BoxProblem
     start: Boxes
 
 
@@ -145,7 +145,7 @@ def prove(
 def why_not(model: Model) -> str:
     """Say why touches of a model are not proved here; "" where they are."""
     s, freedom = model.structure, model.freedom
-    if max(model.scene.vertex.sector_angles) >= math.pi - TYPED:
+    if max(model.scene.vertex.sector_angles) >= math.pi - INPUT_TOL:
         return "a sector of 180 degrees or more"
     rays = len(s.has_crease)
     if s.kind == "C" and s.order > 1:
@@ -162,21 +162,21 @@ def why_not(model: Model) -> str:
     return "" if fits else f"touches of a {model.symmetry} wedge of {rays} rays are not proved"
 
 
-def touch_strata(model: Model) -> Iterator[Stratum]:
+def contact_strata(model: Model) -> Iterator[Stratum]:
     """List the strata with touches of a model that `why_not` has nothing against."""
     freedom = model.freedom
     patterns = strata(model.size)
-    shut = (patterns.pins != 0).sum(axis=0)
+    at_limit = (patterns.pins != 0).sum(axis=0)
     for touches in _sets(model):
         # |P| + |T| <= f
-        allowed = shut <= freedom - len(touches)
+        allowed = at_limit <= freedom - len(touches)
         if model.structure.kind == "C":
             p = model.parameters
-            posed: Posed = TouchedVertex(
+            posed: BoxProblem = TouchedVertex(
                 p.sectors, p.stiffness, p.rest, tuple((t.rays[0], t.rays[1]) for t in touches)
             )
         else:
-            posed = TouchedWedge(Piece(model), touches)
+            posed = TouchedWedge(FundamentalDomain(model), touches)
         if touches[0].kind == "meet":  # the gap off facet 0 is none where that lies on the mirror
             on = patterns.pins[0] != 0
             allowed &= on == (touches[0].rays == (0, 3))
@@ -270,7 +270,7 @@ def with_touches(
     if why := why_not(model):
         undecided.append(cluster_of(model, strata(model.size)[:1], why))
     # gaps closed as equations, creases pinned: boxes are pruned until small, and the roots of the KKT system certified
-    for stratum in () if why else touch_strata(model):
+    for stratum in () if why else contact_strata(model):
         touches, names = stratum.touches, _names(model, stratum.touches)
         left = prune(
             stratum.posed,
@@ -290,7 +290,7 @@ def with_touches(
             for group in by_stratum(left.candidates):
                 undecided.append(cluster_of(model, left.candidates[group], f"a curve; {names}"))
             continue
-        system = TouchSystem(model, tuple(t.gap for t in touches))
+        system = ContactSystem(model, tuple(t.gap for t in touches))
         roots, _, _, rest, more = certified(
             system, stratum.posed, left.candidates, 0.0, None, options
         )
@@ -356,18 +356,18 @@ def _again(
 def _kept_closed(model: Model, touch: Row, stratum: tuple[int, ...]) -> bool:
     """Whether all creases between a ray and what it touches are shut, one way round."""
     has = model.structure.has_crease
-    shut = [bool(stratum[sum(has[:r])]) if h else True for r, h in enumerate(has)]
+    at_limit = [bool(stratum[sum(has[:r])]) if h else True for r, h in enumerate(has)]
     k, n = touch.rays[0], len(has)
     if touch.kind == "start":
-        return all(shut[:k])
+        return all(at_limit[:k])
     if touch.kind == "end":
-        return all(shut[k + 1 :])
+        return all(at_limit[k + 1 :])
     if touch.kind == "meet":
         return False
     j = touch.rays[1]
     ahead = [(j + i) % n for i in range(1, (k - j) % n)]
     back = [(j - i) % n for i in range((j - k) % n)]
-    return all(shut[c] for c in ahead) or all(shut[c] for c in back)
+    return all(at_limit[c] for c in ahead) or all(at_limit[c] for c in back)
 
 
 def _point(model: Model, roots: Roots, i: int, touches: tuple[Row, ...]) -> CriticalPoint:

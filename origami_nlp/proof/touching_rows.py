@@ -19,8 +19,15 @@ from origami_nlp.proof.affine import (
     turned,
     variables,
 )
-from origami_nlp.proof.chains import Rows, Vertex, angle_turns, half_turns, taken
-from origami_nlp.proof.pieces import AXES, Folded, Piece, Product, folded_frame, next_frame
+from origami_nlp.proof.chains import VanishingRows, Vertex, angle_turns, half_turns, taken
+from origami_nlp.proof.domains import (
+    AXES,
+    Folded,
+    FundamentalDomain,
+    Product,
+    folded_frame,
+    next_frame,
+)
 
 COSINE = 1e-15
 """Error of the cosine of a sector angle, in the proof's forms."""
@@ -112,7 +119,7 @@ class TouchedWedge:
         Gaps that are closed.
     """
 
-    def __init__(self, piece: Piece, touches: tuple[Row, ...]) -> None:
+    def __init__(self, piece: FundamentalDomain, touches: tuple[Row, ...]) -> None:
         self.piece, self.touches = piece, touches
         self.size = piece.size
         self.pivots = min(piece.equations + len(touches), self.size)
@@ -126,7 +133,7 @@ class TouchedWedge:
         if axis and len(a) == 2 and piece.size == 3 and abs(a[0] - a[1]) <= SUMMED:
             self.kite = Kite(a[0], 0 if touches[0].kind == "start" else 2, 3)
 
-    def rows(self, lower: np.ndarray, upper: np.ndarray, pins: np.ndarray) -> Rows:
+    def rows(self, lower: np.ndarray, upper: np.ndarray, pins: np.ndarray) -> VanishingRows:
         """Enclose the rows over boxes [n, K] on strata pins [n, K]."""
         f = self.piece.fold(lower, upper, pins)
         gaps = [t.product(f) for t in self.touches]
@@ -149,7 +156,7 @@ class TouchedWedge:
             critical = [determinant(self.piece.torques(lower, upper), columns)]
         boxes = lower.shape[1]
         asked = np.tile((pins == 0).all(axis=0), (len(critical), 1))
-        return Rows(stacked(closure, boxes), stacked(critical, boxes, self.size), asked)
+        return VanishingRows(stacked(closure, boxes), stacked(critical, boxes, self.size), asked)
 
 
 class TouchedVertex(Vertex):
@@ -181,7 +188,7 @@ class TouchedVertex(Vertex):
         self.minor_creases = ()
         self.minor_count = 1 if 3 + len(touches) < self.size else 0
 
-    def rows(self, lower: np.ndarray, upper: np.ndarray, pins: np.ndarray) -> Rows:
+    def rows(self, lower: np.ndarray, upper: np.ndarray, pins: np.ndarray) -> VanishingRows:
         """Enclose the rows over boxes [n, K] on strata pins [n, K]."""
         n, boxes = lower.shape
         middle, half = variables(lower, upper)
@@ -198,7 +205,7 @@ class TouchedVertex(Vertex):
         if self.minor_count:
             critical = [self._minor(middle, half, pins, slopes[0])]
         asked = np.tile((pins == 0).all(axis=0), (len(critical), 1))
-        return Rows(concatenated(closure), stacked(critical, boxes, n), asked)
+        return VanishingRows(concatenated(closure), stacked(critical, boxes, n), asked)
 
     def _chain(
         self, middle: np.ndarray, half: np.ndarray, pins: np.ndarray, j: int, k: int, way: int

@@ -1,6 +1,6 @@
 """Which cells of the mesh of closed states are admissible: faces, then walls and corners that no face borders.
 
-Walls divide the surface into faces; inside a face nothing touches, so one exact look at one state (`examine`)
+Walls divide the surface into faces; inside a face nothing touches, so one exact look at one state (`check_admissible`)
 decides all of it.  Every edge on a wall, and every vertex, that borders no admissible face is looked at by itself,
 layers and all: those that pass are states that exist only while facets touch (the paper's 1-handles, isolated flat
 foldings).
@@ -14,8 +14,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from origami_nlp.chart import admissible
-from origami_nlp.folding import examine
-from origami_nlp.numerics import FOLLOWED, OUTSIDE, TOUCHES, groups
+from origami_nlp.folding import check_admissible
+from origami_nlp.numerics import CONTACT_TOL, FOLLOWED, OUTSIDE, groups
 from origami_nlp.space.chain import WRAPPED
 from origami_nlp.space.mesh import (
     BORDER_P,
@@ -35,7 +35,7 @@ from origami_nlp.space.mesh import (
 
 WITNESSES = 3
 """States of a face that are examined; they must agree."""
-BESIDE = 1e-4
+NEAR_SINGULAR_TOL = 1e-4
 """How close to handles other states are looked for, in base coordinates [rad]."""
 
 
@@ -117,7 +117,9 @@ def _good_triangles(sheets: Sheets, side: np.ndarray) -> np.ndarray:
                 continue  # beyond the last mirror
             raise MeshError("a face of the space is thinner than rounding: use a larger size")
         # next to where two walls meet, facets cross by products of small angles
-        said = [examine(vertex, wedge[m][orbit], tolerance=FOLLOWED).admissible for m in best]
+        said = [
+            check_admissible(vertex, wedge[m][orbit], tolerance=FOLLOWED).admissible for m in best
+        ]
         if len(set(said)) == 2:
             raise MeshError("states of one face differ in admissibility: use a larger size")
         verdict[here] = said[0]
@@ -192,7 +194,7 @@ def _edges_alone(
         alone = mine & ~np.isin(_edge_keys(edges, ends), used)
         phi = state[:, sheets.chain.orbit]
         phi = np.where(np.abs(phi) > math.pi, np.sign(phi) * math.pi, phi)
-        alone &= (np.abs(state) <= math.pi + TOUCHES).all(axis=1)
+        alone &= (np.abs(state) <= math.pi + CONTACT_TOL).all(axis=1)
         alone[alone] = admissible(sheets.chain.scene, phi[alone])
         alone[alone] = [_passes(sheets, p) for p in phi[alone]]
         found.append(edges[alone])
@@ -200,7 +202,7 @@ def _edges_alone(
     return np.concatenate(found), np.concatenate(signs)
 
 
-def check_thin(cells: Cells) -> None:
+def check_lower_dimensional(cells: Cells) -> None:
     """Look around every handle for states that nothing holds: there must be none.
 
     Raises
@@ -213,7 +215,7 @@ def check_thin(cells: Cells) -> None:
         raise MeshError("a handle is shorter than the mesh: use a larger size")
     sheets, origin = cells.sheets, cells.origin[inner]
     turn = 2 * math.pi * np.arange(16) / 16
-    circle = BESIDE * np.stack([np.cos(turn), np.sin(turn)], axis=1)
+    circle = NEAR_SINGULAR_TOL * np.stack([np.cos(turn), np.sin(turn)], axis=1)
     for side in (-1, 1):
         sheet = np.where(sheets.sheet[origin] == 0, side, sheets.sheet[origin])
         for step in circle:
@@ -221,11 +223,11 @@ def check_thin(cells: Cells) -> None:
             states = sheets.chain.points(base, sheet).wedge
             near = np.abs(states - cells.wedge[inner]).max(axis=1) < 0.1  # no jump from +pi to -pi
             near &= sheets.chain.fold_margin(base) > 0
-            near &= np.abs(states).max(axis=1) < math.pi - TOUCHES  # not on the handle itself
+            near &= np.abs(states).max(axis=1) < math.pi - CONTACT_TOL  # not on the handle itself
             states = states[near][:, sheets.chain.orbit]
             states = states[admissible(sheets.chain.scene, states)]
             vertex = sheets.chain.scene.vertex
-            if any(examine(vertex, phi, tolerance=FOLLOWED).admissible for phi in states):
+            if any(check_admissible(vertex, phi, tolerance=FOLLOWED).admissible for phi in states):
                 raise MeshError("a handle has a surface beside it: use a larger size")
 
 
@@ -237,7 +239,7 @@ def _edge_keys(edges: np.ndarray, signs: np.ndarray) -> np.ndarray:
 
 def _passes(sheets: Sheets, fold_angles: np.ndarray) -> bool:
     scene = sheets.chain.scene
-    return examine(scene.vertex, fold_angles, elements=scene.group.elements).admissible
+    return check_admissible(scene.vertex, fold_angles, elements=scene.group.elements).admissible
 
 
 def _vertices_alone(sheets: Sheets, used: np.ndarray) -> np.ndarray:
@@ -249,7 +251,7 @@ def _vertices_alone(sheets: Sheets, used: np.ndarray) -> np.ndarray:
         who = who[~np.isin(key, used)]
         state = _with_sign(sheets.wedge[who], np.full(len(who), s))
         phi = state[:, sheets.chain.orbit]
-        inside = (np.abs(phi) <= math.pi + TOUCHES).all(axis=1)
+        inside = (np.abs(phi) <= math.pi + CONTACT_TOL).all(axis=1)
         phi = np.clip(phi, -math.pi, math.pi)
         inside[inside] = admissible(sheets.chain.scene, phi[inside])
         inside[inside] = [_passes(sheets, p) for p in phi[inside]]

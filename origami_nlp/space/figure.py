@@ -14,7 +14,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from origami_nlp.chart import crease_number
-from origami_nlp.show import HANDLE, INKS, RING, label_text, pi_label, subscript
+from origami_nlp.display import HANDLE, INKS, RING, label_text, pi_label, subscript
 from origami_nlp.space.result import Space, SpaceMesh
 from origami_nlp.space.topology import edges_of, surface_pieces
 

@@ -10,7 +10,7 @@ from origami_nlp.arguments import check_whole
 from origami_nlp.chart import wedge_point
 from origami_nlp.pattern import Scene, as_scene
 from origami_nlp.space import topology
-from origami_nlp.space.cells import Cells, admissible_cells, check_thin
+from origami_nlp.space.cells import Cells, admissible_cells, check_lower_dimensional
 from origami_nlp.space.chain import Chain, chain_of
 from origami_nlp.space.mesh import MeshError, mesh_sheets
 from origami_nlp.space.result import Branch, Component, Handle, PinchPoint, Space, SpaceMesh
@@ -59,7 +59,7 @@ def find_space(scene: Scene, size: int = SIZE) -> Space:
     for attempt in ATTEMPTS:
         try:
             cells = admissible_cells(mesh_sheets(chain, size + attempt))
-            check_thin(cells)
+            check_lower_dimensional(cells)
         except MeshError:
             if attempt == ATTEMPTS[-1]:
                 raise

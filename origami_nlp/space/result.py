@@ -15,10 +15,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from origami_nlp.files import Brief
+from origami_nlp.display import Report, Section
+from origami_nlp.io import ShortRepr
 from origami_nlp.numerics import SETTLED, groups
 from origami_nlp.pattern import Scene
-from origami_nlp.show import Piece, Told
 from origami_nlp.space.mesh import several
 from origami_nlp.space.words import angle_words
 
@@ -80,7 +80,7 @@ class SpaceMesh:
 
 
 @dataclass(frozen=True, repr=False)
-class Component(Brief):
+class Component(ShortRepr):
     """A connected component of X.
 
     Attributes
@@ -120,7 +120,7 @@ class Branch(NamedTuple):
 
 
 @dataclass(frozen=True, repr=False)
-class PinchPoint(Brief):
+class PinchPoint(ShortRepr):
     """A state without which its neighbourhood in X falls apart.
 
     Attributes
@@ -170,7 +170,7 @@ class Handle:
 
 
 @dataclass(frozen=True, repr=False)
-class Space(Told):
+class Space(Report):
     """The space X of admissible states of a scene: its pieces and how they hang together.
 
     Attributes
@@ -249,7 +249,7 @@ class Space(Told):
         joins = [len(states) - 1 for _, states in self.picture_joins]
         return _picture_components(self.mesh) - (self.euler_characteristic - sum(joins))
 
-    def told(self) -> Iterator[Piece]:
+    def report_sections(self) -> Iterator[Section]:
         """Return components, pinch points, handles, and what the picture in the paper's chart hides."""
         yield (
             f"{self.scene.label or 'scene'}: {len(self.components)} component(s), {self.holes} hole(s), "

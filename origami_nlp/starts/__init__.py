@@ -18,11 +18,11 @@
 | `Given` | pattern | what the file states, mountains and valleys folded, rest angles |
 | `Grown` | pattern | grown out of the flat state |
 | `Uniform` | pattern | any fold angles |
-| `UniformShut` | pattern | any fold angles, some creases shut |
+| `UniformFolded` | pattern | any fold angles, some creases shut |
 | `Popped` | pattern | a minimum with one vertex on its other side |
 
 `samples` are states with the contacts that they hold, `closing` brings them onto closure and these contacts, and
-`crossings` tells where facets cross; `touch_strata` lists the strata with touches, which `pinches` closes.
+`crossings` tells where facets cross; `contact_strata` lists the strata with touches, which `pinches` closes.
 """
 
 import lazy_loader

@@ -1,5 +1,8 @@
 from . import rounds as rounds
-from .closing import Closing as Closing, Point as Point, balance as balance
+from .batch_closure import Closing as Closing, Point as Point, balance as balance
+from .batch_states import Ends as Ends, Samples as Samples, joined as joined, put as put
+from .contact_closed_form import close_pinched as close_pinched
+from .contact_strata import ContactStrata as ContactStrata, Row as Row, list_strata as list_strata
 from .crossings import Crossings as Crossings, model_rows as model_rows
 from .family import Listed as Listed, StartFamily as StartFamily
 from .hinge_sets import HingeSets as HingeSets
@@ -10,7 +13,7 @@ from .of_patterns import (
     Grown as Grown,
     Popped as Popped,
     Uniform as Uniform,
-    UniformShut as UniformShut,
+    UniformFolded as UniformFolded,
     creases_around as creases_around,
     families_in_turn as families_in_turn,
 )
@@ -20,7 +23,6 @@ from .options import (
     SearchOptions as SearchOptions,
     options_of as options_of,
 )
-from .pinches import close_pinched as close_pinched
 from .projected import BATCH as BATCH, Projected as Projected, states_on_limits as states_on_limits
 from .rounds import (
     CORNER as CORNER,
@@ -29,7 +31,6 @@ from .rounds import (
     SOURCES as SOURCES,
     Rounds as Rounds,
 )
-from .samples import Ends as Ends, Samples as Samples, joined as joined, put as put
 from .singular import (
     FlatFoldings as FlatFoldings,
     RestState as RestState,
@@ -42,10 +43,9 @@ from .strata import (
     NearCorners as NearCorners,
     Strata as Strata,
 )
-from .touch_strata import Row as Row, TouchStrata as TouchStrata, list_strata as list_strata
-from .touches import (
+from .touching import (
+    ContactStarts as ContactStarts,
     Touches as Touches,
-    TouchStarts as TouchStarts,
+    contact_starts as contact_starts,
     model_strata as model_strata,
-    touch_starts as touch_starts,
 )

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from origami_nlp.folding import find_crossings, pair_depths, pair_rows, stack_depths, stack_rule
-from origami_nlp.numerics import OUTSIDE, TOUCHES, cross, first_largest
-from origami_nlp.programme import OPEN, Folded, Model
-from origami_nlp.starts.touch_strata import Row
+from origami_nlp.numerics import CONTACT_TOL, OUTSIDE, cross, first_largest
+from origami_nlp.problem import OPEN, Folded, Model
+from origami_nlp.starts.contact_strata import Row
 
 NAMELESS = -2
 """Something crosses, but no gap of the model undoes it."""
@@ -79,14 +79,14 @@ class Crossings:
         full = bool(len(self._pairs)) and model.scene.group.is_trivial
         self._stack = stack_rule(model.scene.vertex.sector_angles) if full else None
 
-    def of(self, at: Folded, x: np.ndarray, shut: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def of(self, at: Folded, x: np.ndarray, at_limit: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return the gap that undoes the deepest crossing of each state (`OPEN`: nothing crosses), and its open side.
 
         Parameters
         ----------
         at
             K folded states.
-        x, shut
+        x, at_limit
             Their fold angles, and creases at their fold limits (-1, 0, 1), shape [K, n].
         """
         k = len(x)
@@ -95,8 +95,8 @@ class Crossings:
             self._of_pairs(at, gap, side, depth)
         if len(self._walls):
             self._of_walls(at, gap, side, depth)
-        if self._stack is not None and shut.any():
-            self._of_stacks(x, shut, gap, side)
+        if self._stack is not None and at_limit.any():
+            self._of_stacks(x, at_limit, gap, side)
         return gap, side
 
     def _of_pairs(self, at: Folded, gap: np.ndarray, side: np.ndarray, depth: np.ndarray) -> None:
@@ -124,15 +124,15 @@ class Crossings:
         gap[bad], side[bad], depth[bad] = self._walls[which[bad]], 1, worst[bad]
 
     def _of_stacks(
-        self, x: np.ndarray, shut: np.ndarray, gap: np.ndarray, side: np.ndarray
+        self, x: np.ndarray, at_limit: np.ndarray, gap: np.ndarray, side: np.ndarray
     ) -> None:
         """Name the row of the deepest violation of the stack rule, where depths see no crossing."""
         assert self._stack is not None
-        depths = stack_depths(self._stack, x, shut)
+        depths = stack_depths(self._stack, x, at_limit)
         which, rows = first_largest(depths), np.arange(len(gap))
-        bad = np.flatnonzero((gap == OPEN) & (depths[rows, which] > TOUCHES))
+        bad = np.flatnonzero((gap == OPEN) & (depths[rows, which] > CONTACT_TOL))
         row = self._stack.row[which[bad]]
         gap[bad] = np.where(
             depths[bad, which[bad]] >= 1.0, NAMELESS, self._gap[row[:, 0], row[:, 1]]
         )
-        side[bad] = shut[bad, which[bad]]
+        side[bad] = at_limit[bad, which[bad]]

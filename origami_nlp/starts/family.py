@@ -10,7 +10,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from origami_nlp.starts.samples import Samples
+from origami_nlp.starts.batch_states import Samples
 
 
 class StartFamily(ABC):

@@ -21,8 +21,8 @@ from collections.abc import Iterator
 import numpy as np
 
 from origami_nlp.folding import fold_vertex
-from origami_nlp.numerics import CLOSES, LEVEL, OUTSIDE, ROUNDED, cross
-from origami_nlp.programme import Model
+from origami_nlp.numerics import CLOSURE_TOL, LEVEL, OUTSIDE, ROUNDED, cross
+from origami_nlp.problem import Model
 from origami_nlp.starts.family import Listed
 
 MOST_VARIABLES = 8
@@ -62,7 +62,7 @@ class HingeSets(Listed):
             lowest = x[moving]
             # a hinge at +-pi is shut: that state belongs to another set
             inside = (math.pi - np.abs(lowest) > OUTSIDE).all()
-            if inside and np.abs(model.closure(x)[0]).max() <= CLOSES:
+            if inside and np.abs(model.closure(x)[0]).max() <= CLOSURE_TOL:
                 states.append(x)  # (a piece of a symmetric state may close once round, or wind)
         states.sort(key=model.energy)
         return states[:MOST_STATES]
@@ -71,20 +71,20 @@ class HingeSets(Listed):
 def _sets(model: Model) -> Iterator[tuple[np.ndarray, np.ndarray, np.ndarray, float]]:
     """Yield the polytopes as (fixed fold angles, moving variables, their turn about the line, c)."""
     n, group = model.size, model.variable_of_crease
-    for moving, shut, line, sigma, q in zip(*_books(model), strict=True):
+    for moving, at_limit, line, sigma, q in zip(*_books(model), strict=True):
         turn = np.bincount(group, sigma * moving[group], n)[moving]
         # hinges turn back what the shut folds turn about the line, modulo 4 pi: q = +1
         needed = -2 * math.atan2(q[1:] @ line, q[0])
         reach = float(np.abs(turn).sum()) * math.pi
-        size = model.multiplicity[shut]
+        size = model.multiplicity[at_limit]
         for signs in itertools.product((1, -1), repeat=len(size)):
             # each fold by -pi in place of +pi changes the sign of q: half a turn of 4 pi
             flips = int(size[np.array(signs) < 0].sum()) if signs else 0
             fixed = np.zeros(n)
-            fixed[shut] = math.pi * np.array(signs)
+            fixed[at_limit] = math.pi * np.array(signs)
             for k in range(-n, n + 1):
                 c = needed + 2 * math.pi * flips + 4 * math.pi * k
-                if abs(c) < reach - CLOSES:
+                if abs(c) < reach - CLOSURE_TOL:
                     yield fixed, np.flatnonzero(moving), turn, c
 
 
@@ -100,9 +100,9 @@ def _books(model: Model) -> tuple[np.ndarray, ...]:
     creases, q = fold_vertex(vertex, np.where(kinds == 1, math.pi, 0.0)[:, group])
     hinges, flat = kinds[:, group] == 2, kinds[:, group] == 0
     line = creases[np.arange(len(kinds)), hinges.argmax(axis=1)]
-    on_line = np.linalg.norm(cross(creases, line[:, None]), axis=-1) <= CLOSES
+    on_line = np.linalg.norm(cross(creases, line[:, None]), axis=-1) <= CLOSURE_TOL
     # or hinges could not turn back what the shut folds turn
-    about_it = np.linalg.norm(cross(q[:, 1:], line), axis=-1) <= CLOSES
+    about_it = np.linalg.norm(cross(q[:, 1:], line), axis=-1) <= CLOSURE_TOL
     # a flat crease on the line may turn as well: part of a larger set
     book = about_it & (on_line | ~hinges).all(axis=1) & ~(on_line & flat).any(axis=1)
     sigma = np.round(np.einsum("kni,ki->kn", creases, line))
@@ -143,7 +143,7 @@ def _lowest(weight: np.ndarray, rest: np.ndarray, turn: np.ndarray, c: float) ->
     x = clip(rest + s turn / weight) for the s at which turn . x, which grows with s, is c.
     """
     if not turn.any():
-        return rest if abs(c) <= CLOSES else None
+        return rest if abs(c) <= CLOSURE_TOL else None
     slope = turn / weight
 
     def at(s: float) -> np.ndarray:

@@ -1,6 +1,6 @@
 """Starts from moment vectors: Newton in three unknowns, whatever the number of creases, for thousands of moments.
 
-Stationary states of all strata are zeros of `programme.MomentMap`, which is smooth but for corners where creases reach
+Stationary states of all strata are zeros of `problem.MomentMap`, which is smooth but for corners where creases reach
 their limits (Newton is semismooth there: L. Qi and J. Sun, Math. Programming 58, 1993).  Moments are drawn with random
 directions and lengths uniform in their logarithm, from what turns all creases together a little to what shuts the
 stiffest: low states have short moments, states with many creases shut long ones.  Newton is damped until the miss
@@ -14,11 +14,11 @@ import math
 
 import numpy as np
 
-from origami_nlp.numerics import CLOSES, DECREASE, NONZERO, SAME
-from origami_nlp.programme import Model, MomentMap
-from origami_nlp.starts.closing import Closing
+from origami_nlp.numerics import CLOSURE_TOL, DECREASE, DUPLICATE_TOL, NONZERO
+from origami_nlp.problem import Model, MomentMap
+from origami_nlp.starts.batch_closure import Closing
+from origami_nlp.starts.batch_states import Samples
 from origami_nlp.starts.family import StartFamily
-from origami_nlp.starts.samples import Samples
 
 STEPS = 30
 """Steps of Newton; most of those that converge do so in ten."""
@@ -62,7 +62,7 @@ class Moments(StartFamily):
         m, _ = find_zeros(self.map, self.moments(rng, many))
         s = self._closing.close(Samples.at_limits(self.map.shoot(m, slope=False).x))
         value, _ = self._closing.kinematics.closure(self._closing.kinematics.fold(s.x))
-        return s[np.abs(value).max(axis=1) <= SAME]
+        return s[np.abs(value).max(axis=1) <= DUPLICATE_TOL]
 
 
 def find_zeros(chain: MomentMap, m: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -72,7 +72,7 @@ def find_zeros(chain: MomentMap, m: np.ndarray) -> tuple[np.ndarray, np.ndarray]
     vector, slope = shot.miss, shot.slope
     miss, share = np.linalg.norm(vector, axis=1), np.ones(len(m))
     for _ in range(STEPS):
-        live = np.flatnonzero((miss > CLOSES) & (share > SHORTEST_SHARE))
+        live = np.flatnonzero((miss > CLOSURE_TOL) & (share > SHORTEST_SHARE))
         if not len(live):
             break
         step = -_solved(slope[live], vector[live])

@@ -29,7 +29,7 @@ import numpy as np
 
 from origami_nlp.kkt import State
 from origami_nlp.numerics import NONZERO, RANK, SETTLED, null_space
-from origami_nlp.programme import Model
+from origami_nlp.problem import Model
 from origami_nlp.starts.family import Listed
 
 NEAR = 1.0
@@ -183,7 +183,7 @@ def _h(lam: np.ndarray, a: np.ndarray, g: np.ndarray) -> np.ndarray:
     return np.asarray((a * (g / (1.0 + lam[:, None] * a)) ** 2).sum(axis=1))
 
 
-MOST_SHUT = 2
+MOST_FOLDED = 2
 """Variables shut in a folding: with more there are more contacts than a state beside it could leave."""
 MOST_PIECES, MOST_ROWS = 8, 8
 """Pieces of what contacts allow at a folding, and rows of each."""
@@ -215,7 +215,7 @@ class NearFolded(Listed):
         found: list[np.ndarray] = []
         done: list[np.ndarray] = []
         for x in self._foldings:
-            if not 0 < np.count_nonzero(x) <= MOST_SHUT or _known(model, done, x):
+            if not 0 < np.count_nonzero(x) <= MOST_FOLDED or _known(model, done, x):
                 continue
             done.append(x)
             state = State(model, x)
@@ -231,7 +231,7 @@ def _known(model: Model, done: list[np.ndarray], x: np.ndarray) -> bool:
 
 def _beside(state: State) -> Iterator[np.ndarray]:
     """Yield starts beside one folding."""
-    model: Model = state.programme  # type: ignore[assignment]
+    model: Model = state.problem  # type: ignore[assignment]
     pieces = state.contacts.combinations()
     cone = cone_at(model, state.x, state.local.closure_jacobian)
     if pieces is None or len(pieces) > MOST_PIECES or cone is None:

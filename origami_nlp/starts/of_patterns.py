@@ -8,11 +8,11 @@ from itertools import product
 
 import numpy as np
 
-from origami_nlp.facets import Labels, Sheet
-from origami_nlp.numerics import CLOSES, RESOLVED
+from origami_nlp.numerics import CLOSURE_TOL, RESOLVED
 from origami_nlp.pattern import Pattern
+from origami_nlp.pattern_problem import Labels, PatternProblem
+from origami_nlp.starts.batch_states import Samples
 from origami_nlp.starts.family import Listed, StartFamily
-from origami_nlp.starts.samples import Samples
 
 
 class Given(Listed):
@@ -69,7 +69,7 @@ class Uniform(StartFamily):
         return rng.uniform(-size, size, len(self._labels.order))
 
 
-class UniformShut(Uniform):
+class UniformFolded(Uniform):
     """The same with up to half of the creases shut, which is kept as long as their springs push."""
 
     name = "uniform, some shut"
@@ -78,8 +78,8 @@ class UniformShut(Uniform):
     def _angles(self, rng: np.random.Generator) -> np.ndarray:
         angles = super()._angles(rng)
         n = len(angles)
-        shut = rng.permutation(n)[: int(rng.integers(1, max(2, n // 2)))]
-        angles[shut] = rng.choice([-math.pi, math.pi], len(shut))
+        at_limit = rng.permutation(n)[: int(rng.integers(1, max(2, n // 2)))]
+        angles[at_limit] = rng.choice([-math.pi, math.pi], len(at_limit))
         return angles
 
 
@@ -88,7 +88,7 @@ class Grown(StartFamily):
 
     Parameters
     ----------
-    sheet
+    problem
         Of a pattern that is flat at zero.
     labels
         Of the pattern: directions are drawn in their order.
@@ -97,8 +97,8 @@ class Grown(StartFamily):
     name = "grown"
     sentence = "grown out of the flat state"
 
-    def __init__(self, sheet: Sheet, labels: Labels) -> None:
-        self._sheet, self._labels = sheet, labels
+    def __init__(self, problem: PatternProblem, labels: Labels) -> None:
+        self._sheet, self._labels = problem, labels
 
     def draw(self, rng: np.random.Generator, many: int) -> Samples:
         """Grow states one after the other."""
@@ -106,28 +106,32 @@ class Grown(StartFamily):
         return Samples.at_limits(np.array(x).reshape(many, self._sheet.size))
 
     def _grown(self, rng: np.random.Generator) -> np.ndarray:
-        sheet = self._sheet
-        n = sheet.size
-        phi, residual = sheet.project(self._labels.drawn(rng.uniform(-0.3, 0.3, n)))
+        problem = self._sheet
+        n = problem.size
+        phi, residual = problem.project(self._labels.drawn(rng.uniform(-0.3, 0.3, n)))
         way = phi
         for _ in range(int(rng.integers(0, 8))):
             aside = self._labels.drawn(rng.normal(size=n))
-            way = sheet.along(phi, way + 0.5 * aside * np.abs(way).max())
+            way = problem.along(phi, way + 0.5 * aside * np.abs(way).max())
             size = float(np.abs(way).max())
-            if residual > CLOSES or size < RESOLVED:
+            if residual > CLOSURE_TOL or size < RESOLVED:
                 break
-            new, residual = sheet.project(phi + 0.3 * way / size)
-            if residual > CLOSES or np.abs(new).max() > math.pi or not sheet.closure.on_sheet(new):
+            new, residual = problem.project(phi + 0.3 * way / size)
+            if (
+                residual > CLOSURE_TOL
+                or np.abs(new).max() > math.pi
+                or not problem.closure.on_sheet(new)
+            ):
                 break
             phi = new
         return phi
 
 
-def families_in_turn(sheet: Sheet, labels: Labels) -> tuple[StartFamily, ...]:
+def families_in_turn(problem: PatternProblem, labels: Labels) -> tuple[StartFamily, ...]:
     """Return the families of random starts of a pattern, from which one start each is drawn in turn."""
     anywhere = Uniform(labels)
-    grown = Grown(sheet, labels) if sheet.pattern.is_flat else anywhere
-    return grown, anywhere, UniformShut(labels)
+    grown = Grown(problem, labels) if problem.pattern.is_flat else anywhere
+    return grown, anywhere, UniformFolded(labels)
 
 
 POPPED = (1.0, -1.0), (1.0, -0.3), (0.3, -1.0), (0.3, -0.3)

@@ -7,7 +7,7 @@ phi = +-pi (the paper's 1-handles) are searched as well.
 
 `states_on_limits` are states with one or two creases at their fold limits: beside sets that exist only while these stay
 closed.  A solver that needs an interior rarely ends on such a thin set (the paper's 1-handles), so they are looked for
-on purpose; `kkt.thin_at` tells which they are.
+on purpose; `kkt.lower_dimensional_at` tells which they are.
 """
 
 from __future__ import annotations
@@ -20,10 +20,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from origami_nlp.kkt import project
-from origami_nlp.numerics import CLOSES, OUTSIDE
-from origami_nlp.programme import Programme
+from origami_nlp.numerics import CLOSURE_TOL, OUTSIDE
+from origami_nlp.problem import Problem
+from origami_nlp.starts.batch_states import Samples
 from origami_nlp.starts.family import StartFamily
-from origami_nlp.starts.samples import Samples
 
 BATCH = 64
 """Starts that are drawn and projected together."""
@@ -72,7 +72,7 @@ class Projected(StartFamily):
                 x[row, variable] = value
                 frozen[row, variable] = True
         x, residual = project(model, x, frozen=frozen)
-        feasible = residual <= CLOSES
+        feasible = residual <= CLOSURE_TOL
         feasible[feasible] = model.admissible(x[feasible])
         x = np.clip(x, -model.bound, model.bound)
         keep = feasible | frozen.any(axis=1)
@@ -85,7 +85,7 @@ MOST_BATCHES = 4
 SAMPLES_ON_A_LIMIT = 8
 
 
-def states_on_limits(model: Programme, rng: np.random.Generator) -> list[np.ndarray]:
+def states_on_limits(model: Problem, rng: np.random.Generator) -> list[np.ndarray]:
     """Return closed states within the fold limits that have one or two fold angles at +-pi."""
     n = model.size
     single = [((v, s),) for v in range(n) for s in (-1, 1)] * SAMPLES_ON_A_LIMIT
@@ -101,5 +101,5 @@ def states_on_limits(model: Programme, rng: np.random.Generator) -> list[np.ndar
     x, residual = project(model, x, frozen=frozen)
     # what closing moved onto a limit, to rounding, is at the limit
     x = np.where(np.abs(np.abs(x) - math.pi) <= OUTSIDE, np.sign(x) * math.pi, x)
-    good = (residual <= CLOSES) & (np.abs(x) <= math.pi).all(axis=1)
+    good = (residual <= CLOSURE_TOL) & (np.abs(x) <= math.pi).all(axis=1)
     return [state for state in x[good] if model.on_sheet(state)]

@@ -11,14 +11,14 @@ from dataclasses import replace
 
 import numpy as np
 
-from origami_nlp.programme import Model, vertex_candidates
+from origami_nlp.problem import Model, vertex_candidates
+from origami_nlp.starts.batch_states import Samples, joined
 from origami_nlp.starts.crossings import model_rows
 from origami_nlp.starts.family import StartFamily
 from origami_nlp.starts.moments import Moments, is_chain
 from origami_nlp.starts.options import SearchOptions
-from origami_nlp.starts.samples import Samples, joined
 from origami_nlp.starts.strata import Corners, Interior, NearCorners, Strata
-from origami_nlp.starts.touches import Touches
+from origami_nlp.starts.touching import Touches
 
 FAMILIES = (Corners, Interior, NearCorners, Strata, Touches, Moments)
 """Of starts that are counted; the numbers of sources are places here."""

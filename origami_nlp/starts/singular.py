@@ -8,8 +8,8 @@ import math
 import numpy as np
 
 from origami_nlp.kkt import project
-from origami_nlp.numerics import BESIDE, CLOSES, NONZERO, ROUNDED
-from origami_nlp.programme import Programme
+from origami_nlp.numerics import CLOSURE_TOL, NEAR_SINGULAR_TOL, NONZERO, ROUNDED
+from origami_nlp.problem import Problem
 from origami_nlp.starts.family import Listed
 from origami_nlp.starts.projected import BATCH
 
@@ -46,7 +46,7 @@ MOST_FLAT_VARIABLES = 9
 """Flat foldings are listed for up to this many variables (3^9 = 19683 candidates)."""
 
 
-def flat_foldings(model: Programme) -> list[np.ndarray]:
+def flat_foldings(model: Problem) -> list[np.ndarray]:
     """Return every state of the model whose fold angles are 0 or +-pi and that closes on the sheet.
 
     Candidates only: layers are not ordered here.  Only the flat state without fold limits, or for too
@@ -56,7 +56,7 @@ def flat_foldings(model: Programme) -> list[np.ndarray]:
     few = model.has_limits and n <= MOST_FLAT_VARIABLES
     places = itertools.product((-1.0, 0.0, 1.0), repeat=n) if few else [(0.0,) * n]
     x = math.pi * np.array(list(places))
-    closed = np.abs(model.closure(x)[0]).max(axis=1) <= CLOSES
+    closed = np.abs(model.closure(x)[0]).max(axis=1) <= CLOSURE_TOL
     return [state for state in x[closed] if model.on_sheet(state)]
 
 
@@ -93,7 +93,7 @@ class RigidStates(Listed):
     name = "states that cannot move"
     sentence = "isolated states of what has no freedom"
 
-    def __init__(self, model: Programme, seed: int) -> None:
+    def __init__(self, model: Problem, seed: int) -> None:
         super().__init__(model)
         self._seed = seed
 
@@ -104,8 +104,10 @@ class RigidStates(Listed):
         x = np.random.default_rng(self._seed).uniform(-math.pi, math.pi, (4 * BATCH, model.size))
         x, residual = project(model, x)
         found: list[np.ndarray] = []
-        for state in x[(residual <= CLOSES) & (np.abs(x) <= model.bound).all(axis=1)]:
+        for state in x[(residual <= CLOSURE_TOL) & (np.abs(x) <= model.bound).all(axis=1)]:
             known = [*flat, *found]
-            if model.on_sheet(state) and all(np.abs(state - k).max() > BESIDE for k in known):
+            if model.on_sheet(state) and all(
+                np.abs(state - k).max() > NEAR_SINGULAR_TOL for k in known
+            ):
                 found.append(state)
         return found

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from origami_nlp.programme import random_strata, vertices
+from origami_nlp.problem import random_strata, vertices
+from origami_nlp.starts.batch_states import Samples
 from origami_nlp.starts.family import StartFamily
-from origami_nlp.starts.samples import Samples
 
 
 class Corners(StartFamily):
@@ -22,7 +22,7 @@ class Corners(StartFamily):
     sentence = "where fold limits leave no freedom"
 
     def draw(self, rng: np.random.Generator, many: int) -> Samples:
-        """Return all corners of up to `many` candidates, of a sample of these beyond (`programme.vertices`)."""
+        """Return all corners of up to `many` candidates, of a sample of these beyond (`problem.vertices`)."""
         return Samples.at_limits(vertices(self._model, many, rng))
 
 
@@ -44,11 +44,11 @@ class NearCorners(StartFamily):
     def draw(self, rng: np.random.Generator, many: int) -> Samples:
         """Draw corners, and of each how many of its creases it holds, fewer than all, and which."""
         s = self._corners[rng.integers(len(self._corners), size=many)]
-        closed = s.shut != 0
+        closed = s.at_limit != 0
         # place of each closed crease in a random order; open ones (2.0) come last
         order = np.where(closed, rng.random(s.x.shape), 2.0).argsort(axis=1).argsort(axis=1)
         keep = (rng.random(many) * closed.sum(axis=1)).astype(int)
-        return Samples.on(s.x, np.where(order < keep[:, None], s.shut, 0), hold=True)
+        return Samples.on(s.x, np.where(order < keep[:, None], s.at_limit, 0), hold=True)
 
 
 class Strata(StartFamily):

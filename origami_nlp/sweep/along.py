@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from origami_nlp.atlas import Atlas, Family, Over, follow_family
+from origami_nlp.bifurcation import Atlas, Family, ParameterRange, follow_family
 from origami_nlp.errors import OptionError
 from origami_nlp.minima import judge_in_full_space
 from origami_nlp.pattern import Scene
@@ -48,11 +48,11 @@ def follow_chain(sweep: Sweep, chain: range) -> list[Outcome]:
     ]
 
 
-def _over(axis: Axis, low: float, high: float) -> Over:
+def _over(axis: Axis, low: float, high: float) -> ParameterRange:
     log = all(place == "ratio" or ".stiffness" in place for place in axis.places)
     if not low < high:
         raise OptionError(f"{axis.name} takes one value: there is nothing to follow")
-    return Over(axis.name, low, high, "", log)
+    return ParameterRange(axis.name, low, high, "", log)
 
 
 def _outcome(sweep: Sweep, index: int, atlas: Atlas, value: float, seconds: float) -> Outcome:

@@ -10,9 +10,9 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
+from origami_nlp.display import KINDS, MISSING, label_text, patch
 from origami_nlp.errors import SweepError
 from origami_nlp.numerics import NONZERO
-from origami_nlp.show import KINDS, MISSING, label_text, patch
 from origami_nlp.sweep.load import sweep_grid
 
 UNITS = {

@@ -38,8 +38,7 @@ from typing import Any
 
 from origami_nlp.arguments import check_path, shown
 from origami_nlp.errors import OptionError, SweepError
-from origami_nlp.facets import Sheet, check_orders
-from origami_nlp.files import read_toml
+from origami_nlp.io import read_toml
 from origami_nlp.pattern import (
     Pattern,
     examples,
@@ -50,6 +49,7 @@ from origami_nlp.pattern import (
     read_pattern,
     with_places,
 )
+from origami_nlp.pattern_problem import PatternProblem, check_orders
 from origami_nlp.sweep.spec import LARGEST, Sweep, checked_search, parse_scenes, read_axes
 
 _SEARCH = {"mode": "grid", "starts": 40, "seed": 0, "contact": True}
@@ -92,10 +92,10 @@ class PatternSweep(Sweep):
         """
         values = self.parameters(index)
         given = {p: values[a.name] for a in self.axes for p in a.places}
-        sheet = self._drawn({p: v for p, v in given.items() if not is_place(p)})
-        sheet = sheet.with_springs(self.base.get("stiffness"), self.base.get("rest_angle"))
+        problem = self._drawn({p: v for p, v in given.items() if not is_place(p)})
+        problem = problem.with_springs(self.base.get("stiffness"), self.base.get("rest_angle"))
         try:
-            return with_places(sheet, {p: v for p, v in given.items() if is_place(p)})
+            return with_places(problem, {p: v for p, v in given.items() if is_place(p)})
         except OptionError as error:
             raise SweepError(f"set = {error}") from None
 
@@ -182,9 +182,9 @@ def _base(stated: Any, folder: Path | None) -> dict[str, Any]:
         for key in base:
             if key not in ("file", "stiffness", "rest_angle"):
                 raise SweepError(f"unknown key {key!r} in [pattern]: file, stiffness, rest_angle")
-        sheet = read_pattern((folder or Path()) / str(base.pop("file")))
-        check_orders(Sheet(sheet))
-        base["sheet"] = pattern_to_dict(sheet)
+        problem = read_pattern((folder or Path()) / str(base.pop("file")))
+        check_orders(PatternProblem(problem))
+        base["sheet"] = pattern_to_dict(problem)
     elif not isinstance(base["example"], str):
         raise SweepError(f"pattern.example = {base['example']!r} must be a name such as miura:4x4")
     return base

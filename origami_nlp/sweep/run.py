@@ -62,12 +62,12 @@ def run_scene(sweep: Sweep, index: int, guesses: Sequence[Sequence[float]]) -> O
     s = sweep.search
 
     def states_of_sheet(sheet: Pattern) -> tuple[Rows, int, None]:
-        from origami_nlp.sheets import find_states
+        from origami_nlp.pattern_states import find_states
 
         found = find_states(
             sheet, starts=s["starts"], seed=s["seed"], contact=s["contact"], escape=False
         )
-        return tuple(row_of(m, m.freedoms, None) for m in found.minima), found.search.starts, None
+        return tuple(row_of(m, m.dof, None) for m in found.minima), found.search.starts, None
 
     def states(scene: Scene) -> tuple[Rows, int, float]:
         from origami_nlp.minima import find_minima

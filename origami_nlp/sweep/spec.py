@@ -43,7 +43,7 @@ from typing import Any
 import numpy as np
 
 from origami_nlp.errors import SweepError
-from origami_nlp.files import read_toml
+from origami_nlp.io import read_toml
 from origami_nlp.pattern import Scene, examples, parse_angle, scene_from_dict
 
 MOST_SCENES = 10_000_000

@@ -83,18 +83,18 @@ def sliding_cases() -> Cases:
     c_1, c_2 = (big_c, sp.Integer(0), s), (x, y, z)
     directions = tip_directions(c_1, c_2)
     matrix, normal = sp.Matrix.hstack(*directions), separating_normal(c_2)
-    press, aside = slide(c_1)
+    contact_descent, aside = slide(c_1)
     d = descent(c_1, c_2)
     gradient, _ = gap_gradient(directions)
     average = crease_average(2, 8)
     opening = sp.expand(normal.dot(tip_velocity(directions, d)))
     sides = [sp.expand(normal.dot(c)) for c in directions]
     energy = sp.expand(mu * (gradient.T * average * d)[0])  # dU.d = dU.Ad, and there dU = mu dg
-    closes = sp.expand(matrix * sp.Matrix.hstack(press, aside, d)) == sp.zeros(3, 3)
+    closes = sp.expand(matrix * sp.Matrix.hstack(contact_descent, aside, d)) == sp.zeros(3, 3)
     return [
         ("C d = 0", closes),
         ("rank C = 3", sp.expand(matrix[:, :3].det() - big_c * y) == 0),
-        ("the average of d presses the tips together", average * d == press),
+        ("the average of d presses the tips together", average * d == contact_descent),
         ("creases 2, 4 and 6, 8 on either side", all(sides[i] > 0 > sides[i + 4] for i in (1, 3))),
         ("the tips lie on the plane and leave it on their own sides", opening.is_positive is True),
         ("the energy falls", energy.is_negative is True),
@@ -114,8 +114,8 @@ def tip_minimum_cases() -> Cases:
     average = crease_average(2, 8)
     angles = fold_angles(state)
     rest_inside = all(abs(a) + abs(g) < 3 for a, g in zip(angles, gradient, strict=True))
-    press, _ = slide(c_1)
-    rises = (gradient.T * -press)[0] > 0
+    contact_descent, _ = slide(c_1)
+    rises = (gradient.T * -contact_descent)[0] > 0
     facets = {(i, j) for i in (1, 2) for j in (5, 6)}
     return [
         ("only facets 2, 3 and 6, 7 touch", touching_facets(directions) == facets),

@@ -11,7 +11,7 @@ from typer.testing import CliRunner
 
 from origami_nlp.barriers import find_barriers
 from origami_nlp.barriers.graph import parabola_top, side_of_flat
-from origami_nlp.barriers.thin import thin_curves
+from origami_nlp.barriers.lower_dimensional import stratum_curves
 from origami_nlp.closed_forms import degree6
 from origami_nlp.critical import find_critical_points
 from origami_nlp.errors import OptionError
@@ -19,7 +19,7 @@ from origami_nlp.kkt import State, follow, project
 from origami_nlp.minima import find_minima
 from origami_nlp.numerics import merge_tree
 from origami_nlp.pattern import Scene, Vertex, examples
-from origami_nlp.programme import Model
+from origami_nlp.problem import Model
 from origami_nlp.starts import Projected
 from tests.computed_once import barriers_with_handles, once, panel_result
 from tests.independent.flood import ChartGrid
@@ -316,7 +316,7 @@ def flooded(found, sizes, share, grids=None):
 def grids_of(scene, sizes):
     """Grids of a scene's chart with its thin sets; scenes that differ in springs only share them."""
     model = Model(scene)
-    chains = [model.expand(c.states) for c in thin_curves(model)]
+    chains = [model.expand(c.states) for c in stratum_curves(model)]
     return [ChartGrid(scene, size, chains) for size in sizes]
 
 
@@ -355,9 +355,11 @@ def test_handles_of_the_full_space_are_left_where_the_symmetric_ones_are(handle_
     for f in handle_barriers.full:
         assert f.verdict == "same" and f.lower == pytest.approx(f.upper, rel=1e-12)
         assert "(proved: phi_" in f.why and "sampled" not in f.why
-    told = [line for line in handle_barriers.told() if "in the full space" in str(line)]
-    assert len(told) == len(handle_barriers.full)
-    assert all("(proved: phi_" in str(line) for line in told)
+    reported = [
+        line for line in handle_barriers.report_sections() if "in the full space" in str(line)
+    ]
+    assert len(reported) == len(handle_barriers.full)
+    assert all("(proved: phi_" in str(line) for line in reported)
 
 
 def test_wrong_scenes_are_named(saddle_scene):
@@ -422,7 +424,7 @@ def test_a_coarse_mesh_orders_no_layers_that_stand_apart():
 
 def test_paths_to_fold_along_are_those_over_the_passes(contact_barriers):
     """Each goes from its state over its pass to its state, and lies where the chart has its states."""
-    content = contact_barriers.turned()
+    content = contact_barriers.view_content()
     joined = [p for p in contact_barriers.passes if len(p.path)]
     tracks = content.tracks[-len(joined) :]
     assert len(joined) == len(contact_barriers.passes) > 0

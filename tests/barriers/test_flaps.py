@@ -8,11 +8,11 @@ from scipy.optimize import least_squares
 
 from origami_nlp.barriers.flaps import flap_exit
 from origami_nlp.barriers.full import exits, proved_exit
-from origami_nlp.folding import examine
-from origami_nlp.kkt import State, thin_at
+from origami_nlp.folding import check_admissible
+from origami_nlp.kkt import State, lower_dimensional_at
 from origami_nlp.minima import full_scene
 from origami_nlp.pattern import Scene, Vertex, examples
-from origami_nlp.programme import Model
+from origami_nlp.problem import Model
 from tests.independent import rotations
 
 PI = math.pi
@@ -36,17 +36,17 @@ def polygon(rng, side=-1):
             return np.array([*two, third])
 
 
-def opened(sectors, phi, shut, most=1e-3):
+def opened(sectors, phi, at_limit, most=1e-3):
     """Open the shut creases by `most` in all, near by: (closure left over per `most`, least share), best found.
 
     Shares below zero are beyond the fold limit: bounded at 0 first, then free.
     """
-    side = np.sign(phi[shut[0]])
-    free = [k for k in range(6) if k not in shut]
+    side = np.sign(phi[at_limit[0]])
+    free = [k for k in range(6) if k not in at_limit]
 
     def residual(z):
         x = phi.copy()
-        x[shut] -= side * most * z[:3]
+        x[at_limit] -= side * most * z[:3]
         x[free] += z[3:]
         turn = rotations.rotation_vector(rotations.fold(sectors, x)[1])[0]
         return np.array([*turn / most, z[:3].sum() - 1])
@@ -71,7 +71,7 @@ def opened(sectors, phi, shut, most=1e-3):
 def test_the_set_closes_on_its_plane_and_opens_only_where_no_gap_is_wide(sectors, side):
     """Closure by rotation matrices: shut flaps cannot open where s phi(h_j) > 0 for some j, else they can."""
     rng = np.random.default_rng(side + 1)
-    shut, sectors = np.array([0, 2, 4]), np.array(sectors)
+    at_limit, sectors = np.array([0, 2, 4]), np.array(sectors)
     seen = {True: 0, False: 0}
     for _ in range(24):
         hinges = polygon(rng, side)
@@ -84,7 +84,7 @@ def test_the_set_closes_on_its_plane_and_opens_only_where_no_gap_is_wide(sectors
             continue
         thin = bool((side * hinges > 0).any())
         assert (side * hinges > 0).sum() <= 1
-        within, anyhow, least = opened(sectors, phi, shut)
+        within, anyhow, least = opened(sectors, phi, at_limit)
         if thin:
             assert within > 1e-3, hinges
         else:
@@ -100,12 +100,12 @@ def test_the_package_calls_the_same_states_thin():
     for _ in range(40):
         hinges = polygon(rng)
         phi = three_flaps(hinges)
-        if np.abs(hinges).min() < 0.05 or not examine(model.scene.vertex, phi).admissible:
+        if np.abs(hinges).min() < 0.05 or not check_admissible(model.scene.vertex, phi).admissible:
             continue
         found = flap_exit(model.scene, phi)
-        assert (found is not None) == bool(thin_at(State(model, phi)))
+        assert (found is not None) == bool(lower_dimensional_at(State(model, phi)))
         if found:
-            assert found.shut == (1, 3, 5) and hinges[found.hinge // 2 - 1] < 0
+            assert found.at_limit == (1, 3, 5) and hinges[found.hinge // 2 - 1] < 0
             thin += 1
     assert thin > 5
 

@@ -80,13 +80,13 @@ def test_a_saddle_of_a_miura_is_that_of_its_closed_form(tmp_path):
     assert barriers.matrix()[ends[0], ends[1]] == pytest.approx(energy(roots[1]), rel=1e-9)
     (one,) = [p for p in barriers.passes if {p.from_state - 1, p.to_state - 1} == set(ends)]
     assert one.pass_kind == "saddle" and one.residual < 1e-9
-    assert len(barriers.to_fold()["file_frames"]) > 5 and barriers.turned().tracks
+    assert len(barriers.to_fold()["file_frames"]) > 5 and barriers.view_content().tracks
     assert o.draw(barriers, tmp_path / "b.png").axes
 
 
 def test_what_has_more_freedoms_is_refused_in_one_line():
     found = o.find_minima("waterbomb:1x1", max_starts=4, escape=False)
-    assert max(m.freedoms for m in found.minima) > 1
+    assert max(m.dof for m in found.minima) > 1
     with pytest.raises(OptionError, match="have more than one freedom"):
         o.find_barriers(found.pattern, found)
     pattern, *_ = wells()

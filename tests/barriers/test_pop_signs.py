@@ -8,8 +8,8 @@ from scipy.optimize import linprog
 from scipy.spatial import ConvexHull, QhullError
 from scipy.spatial.transform import Rotation
 
-from origami_nlp.facets import Sheet
-from origami_nlp.sheets import press
+from origami_nlp.pattern_problem import PatternProblem
+from origami_nlp.pattern_states import contact_descent
 from tests.patterns import wheel
 
 
@@ -54,15 +54,15 @@ def test_the_sum_of_folds_is_bounded_by_the_hull_of_the_link(degree):
         pattern = pattern.with_springs(
             rng.uniform(0.2, 2, degree).tolist(), rng.uniform(-3, 3, degree).tolist()
         )
-        sheet = Sheet(pattern)
+        problem = PatternProblem(pattern)
         for _ in range(4):
-            phi, residual = sheet.project(rng.uniform(-1.5, 1.5, degree))
+            phi, residual = problem.project(rng.uniform(-1.5, 1.5, degree))
             inside = (
-                residual < 1e-12 and np.abs(phi).max() <= math.pi and sheet.closure.on_sheet(phi)
+                residual < 1e-12 and np.abs(phi).max() <= math.pi and problem.closure.on_sheet(phi)
             )
-            if not inside or sheet.crossings.find(phi) or np.abs(phi).max() < 1e-3:
+            if not inside or problem.crossings.find(phi) or np.abs(phi).max() < 1e-3:
                 continue
-            held = press(sheet, phi).phi
+            held = contact_descent(problem, phi).phi
             touching += bool(np.abs(held).max() > math.pi - 1e-9)
             for state in (phi, held):
                 if np.abs(state).max() < 1e-3:

@@ -14,7 +14,7 @@ from benchmarks.prescribed import (
     prescribed_rows,
     random_question,
 )
-from origami_nlp.springs import scene_of, solve, springs_of
+from origami_nlp.inverse_design import scene_of, solve, springs_of
 from tests.command_line import run
 
 pytest.importorskip("clarabel")

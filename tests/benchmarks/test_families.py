@@ -12,7 +12,7 @@ from benchmarks.families import design_of
 from benchmarks.problems import random_vertex
 from origami_nlp.kkt import State, classify
 from origami_nlp.pattern import Scene
-from origami_nlp.programme import Model
+from origami_nlp.problem import Model
 from tests.independent.rotations import fold
 
 

@@ -13,7 +13,7 @@ from benchmarks.hard_fold_point import beside, exact_fold_point, find_fold_point
 from origami_nlp import Scene, Vertex, examples, find_minima
 from origami_nlp.kkt import polish
 from origami_nlp.minima import ipopt
-from origami_nlp.programme import Model
+from origami_nlp.problem import Model
 
 QUICK = (
     "flat state as a start",

@@ -15,11 +15,11 @@ from benchmarks.methods_casadi import OTHERS, others, silence
 from benchmarks.methods_closure import FORMS, closure_residual, closures, wedge_against_tied
 from benchmarks.methods_scipy import scipy_methods
 from benchmarks.problems import Problem, panel_problems, random_problems
-from benchmarks.programme import Evaluator, programme
+from benchmarks.programme import Evaluator, problem
 from origami_nlp import examples
 from origami_nlp.kkt import State
 from origami_nlp.minima import hessian_spectra
-from origami_nlp.programme import Model
+from origami_nlp.problem import Model
 from tests.computed_once import thinned
 
 SIMPLE = examples.degree6("5*pi/12", 1.0)
@@ -81,7 +81,7 @@ def test_ours_claims_only_classified_minima_to_rounding(judge, starts):
 @pytest.mark.parametrize("index", [3, 4, 17])
 def test_rivals_get_the_programme_of_the_package(index):
     model = Model(panel_problems()[index].scene)
-    built = programme(model.structure, model.structure.pairs)
+    built = problem(model.structure, model.structure.pairs)
     x = draw_starts(model, 1, 1)[0][0].x
     z = built.begin(model, x)
     f, g = built.oracle(z, model.parameters.vector)
@@ -95,7 +95,7 @@ def test_rivals_get_the_programme_of_the_package(index):
 @pytest.mark.parametrize("index", [4, 17])
 def test_gradients_and_hessians_of_rivals_agree_with_differences(index):
     model = Model(panel_problems()[index].scene)
-    built = programme(model.structure, model.structure.pairs)
+    built = problem(model.structure, model.structure.pairs)
     evaluate = Evaluator(built.oracle, model.parameters.vector)
     rng = np.random.default_rng(index)
     z = built.begin(model, draw_starts(model, 1, 1)[0][0].x) + 0.01 * rng.standard_normal(
@@ -122,7 +122,7 @@ def test_gradients_and_hessians_of_rivals_agree_with_differences(index):
 
 def test_an_evaluator_asked_for_curvature_elsewhere_does_not_keep_stale_values():
     model = Model(SIMPLE)
-    built = programme(model.structure, ())
+    built = problem(model.structure, ())
     evaluate = Evaluator(built.oracle, model.parameters.vector)
     a, b = np.full(model.size, 0.3), np.full(model.size, -0.8)
     wanted = evaluate.at(a).g.copy()

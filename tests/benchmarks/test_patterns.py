@@ -21,7 +21,7 @@ from benchmarks.pattern_contacts import CASES
 from benchmarks.pattern_methods import pattern_methods
 from benchmarks.pattern_problems import miura_state, pattern_problems, wide_closure
 from benchmarks.pattern_scaling import RESTS
-from origami_nlp.facets import Closure
+from origami_nlp.pattern_problem import Closure
 from tests.command_line import run
 from tests.computed_once import shared
 

@@ -11,7 +11,7 @@ from benchmarks.exact_piece import ExactPiece, exact_angle
 from benchmarks.problems import panel_problems, random_problems
 from benchmarks.reference import Unsolved
 from origami_nlp import Scene, Vertex, examples, find_minima
-from origami_nlp.programme import Contact, Model
+from origami_nlp.problem import Contact, Model
 
 SCENES = {
     "D1": examples.degree6("pi/3", 1.0),

@@ -33,7 +33,7 @@ from origami_nlp import examples
 from origami_nlp.cli import main
 from origami_nlp.errors import OptionError
 from origami_nlp.minima import Record, run_one
-from origami_nlp.programme import Model
+from origami_nlp.problem import Model
 from tests.computed_once import thinned
 
 SCENE = examples.degree6("5*pi/12", 1.0)

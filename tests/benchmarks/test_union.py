@@ -37,7 +37,7 @@ from benchmarks.foreign import Ends, vertex_starts
 from benchmarks.union import FOUND, Member, Union, build_union, from_foreign, ours, verified
 from origami_nlp import OrigamiError, find_minima
 from origami_nlp.errors import OptionError
-from origami_nlp.programme import Model
+from origami_nlp.problem import Model
 from tests.independent.rotations import fold
 
 SCENE = family_scene("fold-limits", 0)

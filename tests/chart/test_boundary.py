@@ -20,7 +20,7 @@ from origami_nlp.chart import (
     outline_of,
     trace_boundary,
 )
-from origami_nlp.folding import examine, fold_vertex
+from origami_nlp.folding import check_admissible, fold_vertex
 from tests.computed_once import PANELS, panel_boundary, thinned
 from tests.independent.arcs import nearest_touch
 
@@ -44,7 +44,9 @@ def test_lines_are_where_admissibility_ends(name):
         _, q = fold_vertex(scene.vertex, line.fold_angles)
         assert np.linalg.norm(q[:, 1:], axis=1).max() < 1e-12 and (q[:, 0] > 0).all()
         assert np.abs(line.fold_angles).max() <= math.pi
-        assert all(examine(scene.vertex, phi).admissible for phi in line.fold_angles[1:-1:25])
+        assert all(
+            check_admissible(scene.vertex, phi).admissible for phi in line.fold_angles[1:-1:25]
+        )
         if line.hidden:
             continue
         # away from corners, where the line turns in the chart

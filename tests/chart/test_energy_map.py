@@ -10,8 +10,8 @@ import origami_nlp as o
 from origami_nlp.chart import chart_of, landscape, wedge_elevation
 from origami_nlp.chart.axes import fill_outwards
 from origami_nlp.closed_forms import wedge3
-from origami_nlp.folding import examine, fold_vertex
-from origami_nlp.programme import Model
+from origami_nlp.folding import check_admissible, fold_vertex
+from origami_nlp.problem import Model
 from origami_nlp.starts import Projected
 from tests.computed_once import panel_result, thinned
 
@@ -50,7 +50,7 @@ def check_cells(chart, rng, count=40):
             assert np.linalg.norm(q[1:]) < CLOSURE and q[0] > 0
             assert branch.energy[r, c] == pytest.approx(0.5 * k @ (phi - rest) ** 2, rel=1e-13)
             if scene.contact == "full":
-                assert examine(scene.vertex, phi).admissible
+                assert check_admissible(scene.vertex, phi).admissible
             place = chart.place(phi)
             if not phi.any():  # the flat state lies on every branch
                 there = chart_of(scene).fold_angles(place.branch, *map(np.array, place.point))
@@ -120,7 +120,7 @@ def test_no_admissible_state_is_left_white(scene):
         # states at +-pi exactly may lie on handles, which take no area
         if not start.feasible or np.abs(phi).max() > math.pi - 1e-9:
             continue
-        if not examine(scene.vertex, phi).admissible:
+        if not check_admissible(scene.vertex, phi).admissible:
             continue
         seen += 1
         place = chart.place(phi)
@@ -151,7 +151,7 @@ def test_white_cells_have_no_admissible_state():
                         continue
                     if np.abs(phi).max() > math.pi:
                         continue
-                    assert not examine(scene.vertex, model.expand(phi)).admissible
+                    assert not check_admissible(scene.vertex, model.expand(phi)).admissible
 
 
 @settings(max_examples=30)
@@ -236,14 +236,14 @@ def test_curves(name):
     every = every[np.isfinite(every).all(axis=1)]
     _, q = fold_vertex(scene.vertex, every)
     assert np.linalg.norm(q[:, 1:], axis=1).max() < 1e-11
-    assert all(examine(scene.vertex, phi).admissible for phi in every[::25])
+    assert all(check_admissible(scene.vertex, phi).admissible for phi in every[::25])
     for b in chart.branches:
         np.testing.assert_allclose(b.energy, scene.energy(b.fold_angles), rtol=1e-13)
     model = Model(scene)
     stream = Projected(model).starts(np.random.default_rng(11))
     starts = [next(stream) for _ in range(100)]
     free = [model.expand(s.x) for s in starts if s.feasible and np.abs(s.x).max() < 3.1]
-    inside = [phi for phi in free if examine(scene.vertex, phi).admissible]
+    inside = [phi for phi in free if check_admissible(scene.vertex, phi).admissible]
     assert inside
     for phi in inside:
         # states of one orbit count once: sqrt(N) is the most by which the distance grows

@@ -57,13 +57,13 @@ def test_an_output_checks_all_files_before_any_and_says_what_it_wrote(tmp_path, 
     out.write("markdown", str.upper, "text")
     out.write("html", lambda: pytest.fail("nobody asked for it"))
     assert json.loads(good.read_text()) == {"x": 1} and (tmp_path / "a.md").read_text() == "TEXT"
-    told = capsys.readouterr()
-    assert told.out.splitlines() == [f"written: {good}", f"written: {tmp_path / 'a.md'}"]
+    reported = capsys.readouterr()
+    assert reported.out.splitlines() == [f"written: {good}", f"written: {tmp_path / 'a.md'}"]
     out = Output(json="-", markdown=tmp_path / "b.md")
     out.write("json", lambda: [1])
     out.write("markdown", lambda: "b")
-    told = capsys.readouterr()
-    assert json.loads(told.out) == [1] and told.err == f"written: {tmp_path / 'b.md'}\n"
+    reported = capsys.readouterr()
+    assert json.loads(reported.out) == [1] and reported.err == f"written: {tmp_path / 'b.md'}\n"
 
 
 def test_a_vertex_of_a_fold_file_is_a_scene_and_its_oddities_are_told(tmp_path, capsys):
@@ -72,12 +72,12 @@ def test_a_vertex_of_a_fold_file_is_a_scene_and_its_oddities_are_told(tmp_path, 
     data["edges_vertices"].append(data["edges_vertices"][0])  # a line twice
     data["edges_assignment"].append("M")
     file.write_text(json.dumps(data))
-    told = []
-    scene = origami_nlp.read_fold_scene(file, tell=told.append, stiffness=2.0)
-    assert told and scene.degree == 4 and set(scene.stiffness) == {2.0}
+    reported = []
+    scene = origami_nlp.read_fold_scene(file, tell=reported.append, stiffness=2.0)
+    assert reported and scene.degree == 4 and set(scene.stiffness) == {2.0}
     assert capsys.readouterr().err == ""
     assert origami_nlp.read_fold_scene(file, stiffness=2.0) == scene
-    assert capsys.readouterr().err == "".join(f"note: {note}\n" for note in told)
+    assert capsys.readouterr().err == "".join(f"note: {note}\n" for note in reported)
 
 
 def test_a_pattern_is_taken_by_name_as_it_is_from_a_file(tmp_path):

@@ -45,8 +45,10 @@ def test_bash_completes_by_the_function_that_it_is_given(program):
             f"COMP_WORDS=({quoted}); COMP_CWORD={len(words) - 1}",
             "_origami_nlp_completion origami-nlp; echo = ${COMPREPLY[@]}",
         ]
-    told, *answers = bash(program, "\n".join(script))
-    assert told == "complete -o default -F _origami_nlp_completion origami-nlp"  # default: files
+    reported, *answers = bash(program, "\n".join(script))
+    assert (
+        reported == "complete -o default -F _origami_nlp_completion origami-nlp"
+    )  # default: files
     found = [set(answer.split()[1:]) for answer in answers]
     assert found == list(ASKED.values())
 
@@ -76,14 +78,14 @@ def test_zsh_is_told_words_with_what_they_mean_or_files(program):
         capture_output=True, text=True, check=False,
     )  # fmt: skip
     assert done.returncode == 0 and not done.stderr
-    *told, rest = done.stdout.split("next\n")
+    *reported, rest = done.stdout.split("next\n")
     assert not rest
-    for shown, out in zip(asked.values(), told, strict=True):
+    for shown, out in zip(asked.values(), reported, strict=True):
         assert shown in out and (shown == "_files") == ("_arguments" not in out)
 
 
 def test_completion_is_installed_for_bash_where_it_reads_it(program, tmp_path):
     home = {**program, "HOME": str(tmp_path)}
-    told = bash(home, "origami-nlp --install-completion; . ~/.bashrc; complete -p origami-nlp")
-    assert told[-1] == "complete -o default -F _origami_nlp_completion origami-nlp"
+    reported = bash(home, "origami-nlp --install-completion; . ~/.bashrc; complete -p origami-nlp")
+    assert reported[-1] == "complete -o default -F _origami_nlp_completion origami-nlp"
     assert f"source '{tmp_path}/.bash_completions/" in (tmp_path / ".bashrc").read_text()

@@ -6,7 +6,7 @@ import math
 import pytest
 
 from origami_nlp import read_scene
-from origami_nlp.springs import EXAMPLES
+from origami_nlp.inverse_design import EXAMPLES
 from tests.command_line import run
 
 pytest.importorskip("clarabel")

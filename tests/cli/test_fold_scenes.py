@@ -320,7 +320,7 @@ def test_patterns_are_drawn_with_numbers(sheet, tmp_path):
     assert run("vertices", sheet, "--figure", picture).code == 0
     assert picture.stat().st_size > 10_000
     (frame,) = parse_fold(sheet.read_bytes())
-    from origami_nlp.show import draw_pattern
+    from origami_nlp.display import draw_pattern
 
     figure = draw_pattern(frame)
     (axes,) = figure.axes

@@ -17,8 +17,8 @@ from typer.testing import CliRunner
 
 import origami_nlp
 from origami_nlp.cli import app, main, progress
-from origami_nlp.files import PAGE, Screen, printable
-from origami_nlp.show import Table as ShownTable
+from origami_nlp.display import Table as ShownTable
+from origami_nlp.io import PAGE, Screen, printable
 from tests.fold_files import disc
 
 RUN = CliRunner()
@@ -147,8 +147,8 @@ def test_long_lines_hang_from_where_they_begin(width):
     for whole in ("phi_{1} = -pi", "0.02665 N m", "12.5 deg"):
         assert any(whole in line for line in out), whole
     assert show("  variables     4: " + "x" * 8, **look) == "  variables     4: xxxxxxxx\n"
-    told = show("  variables     " + "word " * 40, **look).splitlines()
-    assert len(told) > 1 and all(line[:16].isspace() for line in told[1:])
+    reported = show("  variables     " + "word " * 40, **look).splitlines()
+    assert len(reported) > 1 and all(line[:16].isspace() for line in reported[1:])
 
 
 def test_a_pipe_is_as_wide_as_the_variable_says(monkeypatch):

@@ -15,7 +15,7 @@ from origami_nlp import (
     Scene,
     Vertex,
     examples,
-    find_boundaries,
+    find_bifurcation_set,
     find_minima,
     follow,
     load,
@@ -127,7 +127,7 @@ def clock_of_tracers(monkeypatch):
     """Let tracers see an hour more after ten steps, so that a curve is cut on every machine."""
     calls = itertools.count()
     clock = SimpleNamespace(monotonic=lambda: time.monotonic() + 3600.0 * (next(calls) >= 10))
-    monkeypatch.setattr("origami_nlp.path.tracer.time", clock)
+    monkeypatch.setattr("origami_nlp.continuation.tracer.time", clock)
 
 
 @pytest.mark.parametrize("name", COMMANDS)
@@ -168,7 +168,7 @@ def test_a_time_that_is_over_before_a_path_begins_is_said():
 
 
 def test_nothing_followed_is_no_count_of_nothing():
-    found = find_boundaries(
+    found = find_bifurcation_set(
         examples.degree6("5*pi/12"), "ratio=1:10", "alpha=74deg:75deg", seconds=0.0
     )
     assert found.interrupted and not found.curves
@@ -199,11 +199,11 @@ def test_vertices_of_a_file_are_told_as_they_are_done(tmp_path, monkeypatch):
     from origami_nlp.minima import find_vertexwise
 
     scenes = {1: examples.degree6("pi/3"), 4: examples.degree6("pi/4")}
-    told = []
+    reported = []
 
     def find(scene, **options):
-        told.append("begun")
+        reported.append("begun")
         return find_minima(scene, max_starts=16, prove=False, **options)
 
-    find_vertexwise(scenes, find=find, found=told.append)
-    assert [line.split(":")[0] for line in told] == ["begun", "vertex 1", "begun", "vertex 4"]
+    find_vertexwise(scenes, find=find, found=reported.append)
+    assert [line.split(":")[0] for line in reported] == ["begun", "vertex 1", "begun", "vertex 4"]

@@ -72,8 +72,8 @@ def test_linear_algebra_has_one_thread_unless_another_number_is_asked_for(asked,
     for name, value in asked.items():
         monkeypatch.setenv(name, value)
     assert run("--version").code == 0
-    told = {name: os.environ[name] for name in THREADS if name in os.environ}
-    assert told == (asked or {"OMP_NUM_THREADS": "1"})
+    reported = {name: os.environ[name] for name in THREADS if name in os.environ}
+    assert reported == (asked or {"OMP_NUM_THREADS": "1"})
 
 
 @POSIX

@@ -47,19 +47,19 @@ class Terminal:
 
     def read(self, until=b""):
         """Return what is shown until a word, or the end."""
-        told = b""
-        while not until or until not in told:
+        reported = b""
+        while not until or until not in reported:
             try:
                 part = os.read(self.mine, 65536)
             except OSError:  # nobody writes any more
                 break
-            told += part
+            reported += part
             if not part:
                 break
         if not until:
             self.code = self.process.wait(300)
             os.close(self.mine)
-        return told.decode().replace("\r\n", "\n")
+        return reported.decode().replace("\r\n", "\n")
 
 
 @pytest.mark.skipif(not hasattr(signal, "SIGINT") or os.name == "nt", reason="needs signals")
@@ -99,8 +99,8 @@ def test_what_is_written_is_told_last(tmp_path):
         asked = (word for name, file in files.items() for word in (f"--{name}", file))
         code, out, _ = run(*command, *asked)
         assert code == 0
-        told = out.splitlines()[-len(options) :]
-        assert set(told) == {f"written: {file}" for file in files.values()}
+        reported = out.splitlines()[-len(options) :]
+        assert set(reported) == {f"written: {file}" for file in files.values()}
         assert out.count("written: ") == len(options)
 
 

@@ -18,7 +18,7 @@ from origami_nlp.kkt import (
 )
 from origami_nlp.minima import JudgedState, MinimaResult
 from origami_nlp.numerics import null_space
-from origami_nlp.programme import (
+from origami_nlp.problem import (
     Contact,
     Model,
 )

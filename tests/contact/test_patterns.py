@@ -18,19 +18,21 @@ def test_forces_are_those_of_the_states(found):
         n for n, s in enumerate(found.minima, 1) if s.contacts
     ]
     for state in report.states:
-        told = sorted(c.force for c in state.minimum.contacts)
-        assert sorted(c.multiplier for c in state.contacts) == pytest.approx(told, abs=1e-12)
+        reported = sorted(c.force for c in state.minimum.contacts)
+        assert sorted(c.multiplier for c in state.contacts) == pytest.approx(reported, abs=1e-12)
     assert (
         "Resch" in report.headline and len(report.to_dict()["result"]["origami"]["polygons"]) == 14
     )
-    assert "force" in "\n".join(map(str, report.told())) and len(report.to_markdown()) > 500
+    assert (
+        "force" in "\n".join(map(str, report.report_sections())) and len(report.to_markdown()) > 500
+    )
 
 
 @pytest.mark.slow
 def test_a_contact_opens_at_the_margin_and_not_before():
     """Solved under the worst load with the contacts held: just below all push, just above one pulls."""
     found = o.find_minima("resch:1x2", starts=4, escape=False)
-    report, told = o.find_contacts(found), 0
+    report, reported = o.find_contacts(found), 0
     for state in report.states:
         margin = state.margin
         if margin.status != "exact" or margin.ends != "opens":
@@ -38,12 +40,12 @@ def test_a_contact_opens_at_the_margin_and_not_before():
         at = found.state_of(state.minimum)
         rows = tuple(c.contact for c in state.contacts)
         for factor in (0.98, 1.02):
-            load = factor * np.array(margin.moments) / at.programme.scale
-            end, forces = newton(at.programme.loaded(load), at.x, rows)
+            load = factor * np.array(margin.moments) / at.problem.scale
+            end, forces = newton(at.problem.loaded(load), at.x, rows)
             assert end is not None and end.converged
             assert (forces.min() > 0) == (factor < 1)
-        told += 1
-    assert told >= 2
+        reported += 1
+    assert reported >= 2
 
 
 def test_what_is_for_vertices_says_so(found):
@@ -52,7 +54,7 @@ def test_what_is_for_vertices_says_so(found):
     with pytest.raises(o.OrigamiError, match="number of a minimum"):
         o.find_contacts(found, state=1000)
     report = o.find_contacts(found)
-    content = report.turned()
+    content = report.view_content()
     assert len(content.stations) == len(found.minima) and report.states
     lines = content.stations[report.states[0].number - 1].lines
     assert any("tangential stiffness" in line for line in lines)

@@ -80,7 +80,7 @@ def test_every_status_of_a_margin_has_words() -> None:
 
 
 def test_states_to_turn_carry_their_loads_and_boundaries(report: ContactReport) -> None:
-    content = report.turned()
+    content = report.view_content()
     (state,) = report.states
     lines = content.stations[state.number - 1].lines
     assert set(margin_lines(state.margin)) <= set(lines) and len(content.stations) == 2

@@ -11,12 +11,19 @@ import pytest
 import origami_nlp as o
 from origami_nlp.contact.segments import SegmentReport, find_segments
 from origami_nlp.contact.segments_figure import draw_segments
+from origami_nlp.continuation import (
+    BoundaryCurve,
+    HeldCurve,
+    Point,
+    advance,
+    evaluate,
+    follow_boundary,
+)
+from origami_nlp.display import METASTABLE
 from origami_nlp.kkt import State
 from origami_nlp.minima import MinimaResult
 from origami_nlp.numerics import FOLLOWED
-from origami_nlp.path import BoundaryCurve, HeldCurve, Point, advance, evaluate, follow_boundary
-from origami_nlp.programme import Contact, Model
-from origami_nlp.show import METASTABLE
+from origami_nlp.problem import Contact, Model
 from tests.computed_once import PANELS, panel_boundary, panel_result, shared
 
 SCENES = {

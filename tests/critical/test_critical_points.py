@@ -19,7 +19,7 @@ from origami_nlp.errors import OptionError
 from origami_nlp.kkt import State, newton, project
 from origami_nlp.numerics import null_space
 from origami_nlp.pattern import Scene, scene_to_dict
-from origami_nlp.programme import Model
+from origami_nlp.problem import Model
 from origami_nlp.space import find_space
 from tests.computed_once import panel_result, shared, thinned
 

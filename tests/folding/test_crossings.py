@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from origami_nlp import Vertex, examine
+from origami_nlp import Vertex, check_admissible
 from origami_nlp.folding import (
     find_crossings,
     pair_depths,
@@ -29,15 +29,15 @@ def problem(rng, n):
             return Problem(a, np.arange(n), np.ones(n), np.zeros(n), "full")
 
 
-def closed_states(rng, p, count, shut=None):
-    """Closed states within +-pi, with the creases of `shut` [count, n] held at +-pi."""
+def closed_states(rng, p, count, at_limit=None):
+    """Closed states within +-pi, with the creases of `at_limit` [count, n] held at +-pi."""
     x = rng.uniform(-math.pi, math.pi, (count, p.size))
-    shut = np.zeros(x.shape, int) if shut is None else shut
-    x = np.where(shut, shut * math.pi, x)
-    x, residual = project(p.sectors, p.orbit, x, held=shut != 0)
+    at_limit = np.zeros(x.shape, int) if at_limit is None else at_limit
+    x = np.where(at_limit, at_limit * math.pi, x)
+    x, residual = project(p.sectors, p.orbit, x, held=at_limit != 0)
     good = (residual <= 1e-13) & (np.abs(x) <= math.pi).all(axis=1)
     good &= spin_sign(p.sectors, x) > 0
-    return x[good], shut[good]
+    return x[good], at_limit[good]
 
 
 def test_depths_are_those_of_the_pairs():
@@ -110,11 +110,11 @@ def test_names_of_the_ends_of_a_pair():
 
 
 def shut_at_random(rng, count, n):
-    shut = np.zeros((count, n), int)
-    for row in shut:
+    at_limit = np.zeros((count, n), int)
+    for row in at_limit:
         chosen = rng.permutation(n)[: rng.integers(1, n - 3)]
         row[chosen] = rng.choice([-1, 1], len(chosen))
-    return shut
+    return at_limit
 
 
 @pytest.mark.slow
@@ -125,12 +125,14 @@ def test_the_stack_rule_refuses_nothing_that_has_an_order():
         for _ in range(10):
             p = problem(rng, n)
             vertex = Vertex(tuple(p.sectors.tolist()))
-            x, shut = closed_states(rng, p, 200, shut_at_random(rng, 200, n))
+            x, at_limit = closed_states(rng, p, 200, shut_at_random(rng, 200, n))
             rays, _ = fold(p.sectors, x)
             clear = find_crossings(rays, facet_pairs(n)).depth.max(axis=1) <= 1e-12
-            depth = stack_depths(stack_rule(p.sectors), x, shut)
+            depth = stack_depths(stack_rule(p.sectors), x, at_limit)
             wrong = depth.max(axis=1) > 1e-6
-            verdict = np.array([examine(vertex, state).admissible for state in x[clear]], bool)
+            verdict = np.array(
+                [check_admissible(vertex, state).admissible for state in x[clear]], bool
+            )
             assert not verdict[wrong[clear]].any()
             flagged += int(wrong[clear].sum())
             refused += int((~verdict).sum())
@@ -189,26 +191,26 @@ def test_a_facet_that_reaches_through_where_its_tip_lies_has_no_order():
             i = int(rng.integers(n))
             if rule.end[i] < 0:
                 continue
-            shut = np.zeros((60, n), int)
+            at_limit = np.zeros((60, n), int)
             others = [m for m in range(n) if m not in (i, rule.end[i])]
-            shut[:, rng.choice(others, n - 5, replace=False)] = 1
-            shut[:, i] = 1
-            shut *= rng.choice([-1, 1], shut.shape)
-            x = np.where(shut, shut * math.pi, rng.uniform(-3, 3, shut.shape))
-            held = shut != 0
+            at_limit[:, rng.choice(others, n - 5, replace=False)] = 1
+            at_limit[:, i] = 1
+            at_limit *= rng.choice([-1, 1], at_limit.shape)
+            x = np.where(at_limit, at_limit * math.pi, rng.uniform(-3, 3, at_limit.shape))
+            held = at_limit != 0
             x[:, rule.end[i]], held[:, rule.end[i]] = 0.0, True
             x, residual = project(p.sectors, p.orbit, x, held=held)
             good = (residual <= 1e-13) & (np.abs(x) <= math.pi).all(axis=1)
             good &= spin_sign(p.sectors, x) > 0
-            x, shut = x[good], shut[good]
+            x, at_limit = x[good], at_limit[good]
             rays, _ = fold(p.sectors, x)
             good = find_crossings(rays, facet_pairs(n)).depth.max(axis=1, initial=0) <= 1e-12
-            good &= stack_depths(rule, x, shut).max(axis=1, initial=0) <= 1e-12
-            x, shut, rays = x[good], shut[good], rays[good]
-            touches = np.concatenate([np.tile(rule.row[i], (len(x), 1)), shut[:, [i]]], axis=1)
+            good &= stack_depths(rule, x, at_limit).max(axis=1, initial=0) <= 1e-12
+            x, at_limit, rays = x[good], at_limit[good], rays[good]
+            touches = np.concatenate([np.tile(rule.row[i], (len(x), 1)), at_limit[:, [i]]], axis=1)
             deep = tip_depths(rays, touches[:, None])[:, 0] > 1e-9
             vertex = Vertex(tuple(p.sectors.tolist()))
-            verdict = np.array([examine(vertex, state).admissible for state in x], bool)
+            verdict = np.array([check_admissible(vertex, state).admissible for state in x], bool)
             assert not verdict[deep].any()
             flagged, fine, seen = (
                 flagged + int(deep.sum()),

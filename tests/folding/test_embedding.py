@@ -6,8 +6,8 @@ import math
 import numpy as np
 import pytest
 
-from origami_nlp import Vertex, examine
-from origami_nlp.programme import Model
+from origami_nlp import Vertex, check_admissible
+from origami_nlp.problem import Model
 from tests.independent.admissible import admissible
 from tests.independent.arcs import crossing_margin, nearest_touch
 from tests.independent.neighbours import Problem
@@ -40,7 +40,7 @@ def compare(a, phi, tolerance=None):
     own = admissible(a, phi)
     vertex = Vertex(tuple(a.tolist()))
     options = {} if tolerance is None else {"tolerance": tolerance}
-    return own, np.array([examine(vertex, state, **options).admissible for state in phi])
+    return own, np.array([check_admissible(vertex, state, **options).admissible for state in phi])
 
 
 def random_agreement(seed, states, batch):
@@ -262,14 +262,14 @@ def test_classes_of_determinants_are_counted_once():
 @pytest.mark.slow
 def test_whether_parts_touch_is_what_the_distance_of_arcs_says():
     """Admissible states that touch and that are clear of it, by distances that know nothing of planes of facets."""
-    rng, told = np.random.default_rng(4), []
+    rng, reported = np.random.default_rng(4), []
     for p, x in touching_states(rng, 40):
         clear = closed_states(rng, x.shape[1], 10)
         for a, states in ((p.sectors, x), clear):
             vertex, near = Vertex(tuple(a.tolist())), nearest_touch(fold(a, states)[0])
             for phi, apart in zip(states, near, strict=True):
-                found = examine(vertex, phi)
+                found = check_admissible(vertex, phi)
                 if found.admissible and (apart <= 1e-12 or apart > 1e-6):
                     assert found.touching == (apart <= 1e-12)
-                    told.append(found.touching)
-    assert 20 < sum(told) < len(told) - 20
+                    reported.append(found.touching)
+    assert 20 < sum(reported) < len(reported) - 20

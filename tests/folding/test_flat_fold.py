@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from origami_nlp import Vertex
-from origami_nlp.folding import examine, folds_flat
+from origami_nlp.folding import check_admissible, folds_flat
 from origami_nlp.folding.flat_fold import crimped
 from origami_nlp.pattern import fold_vertices, parse_fold
 from tests.fold_files import disc
@@ -26,7 +26,9 @@ def test_crimping_agrees_with_the_order_of_layers():
         phi = np.array([math.pi if a == "V" else -math.pi for a in letters])
         answer = crimped(tuple(sectors), letters)
         if answer is not None:
-            assert answer == examine(Vertex(tuple(sectors)), phi, tolerance=1e-4).admissible
+            assert (
+                answer == check_admissible(Vertex(tuple(sectors)), phi, tolerance=1e-4).admissible
+            )
             seen.append(answer)
     assert 50 < sum(seen) < len(seen) - 50
     assert crimped((math.pi / 2,) * 4, "MVVV") is None  # no smallest: layers decide
@@ -36,4 +38,7 @@ def test_crimping_agrees_with_the_order_of_layers():
 def test_equal_sectors_and_wrong_counts(letters):
     (v,) = fold_vertices(parse_fold(json.dumps(disc([90] * 4, letters)))[0])[0]
     phi = np.array([math.pi if a == "V" else -math.pi for a in v.assignment])
-    assert folds_flat(v) == examine(Vertex((math.pi / 2,) * 4), phi, tolerance=1e-4).admissible
+    assert (
+        folds_flat(v)
+        == check_admissible(Vertex((math.pi / 2,) * 4), phi, tolerance=1e-4).admissible
+    )

@@ -25,9 +25,9 @@ def fold_long(sectors: np.ndarray, phi: np.ndarray) -> tuple[np.ndarray, np.ndar
     count, n = phi.shape
     cos, sin = np.cos(phi), np.sin(phi)
     # fold angles of exactly +-pi are exact
-    shut = np.abs(phi) == PI
-    sin[shut] = 0
-    cos[shut] = -1
+    at_limit = np.abs(phi) == PI
+    sin[at_limit] = 0
+    cos[at_limit] = -1
     zero, one = np.zeros(count, LONG), np.ones(count, LONG)
     x, y, z = ([one, zero, zero], [zero, one, zero], [zero, zero, one])
     creases = np.empty((count, n, 3), LONG)

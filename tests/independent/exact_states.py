@@ -13,7 +13,7 @@ from tests.independent.exact import embedded, fold_exactly
 from tests.independent.layering import combinatorics, stackable, stackable_with
 from tests.independent.relations import DIGITS
 from tests.independent.rotations import spin_sign
-from tests.independent.sheet import Sheet, to_long
+from tests.independent.sheet import PatternProblem, to_long
 
 SHUT = 1e-9
 """A reported fold angle this close [rad] to +-pi, or to 0, is there."""
@@ -23,123 +23,125 @@ ROUNDING = 1e-13
 """Features of a reported state this close [rad] touch."""
 
 
-def base(sheet: Sheet, phi: np.ndarray) -> np.ndarray | None:
+def base(problem: PatternProblem, phi: np.ndarray) -> np.ndarray | None:
     """Return the variables of the nearest state that closes, if one is near.
 
     Creases reported at +-pi or 0 are there exactly, if a state with them there is near.
     """
-    x = phi[sheet.first].astype(LONG)
-    shut = np.abs(math.pi - np.abs(phi[sheet.first])) <= SHUT
-    shut &= sheet.contact != "none"
-    x = np.where(shut, np.sign(x) * PI, x)
+    x = phi[problem.first].astype(LONG)
+    at_limit = np.abs(math.pi - np.abs(phi[problem.first])) <= SHUT
+    at_limit &= problem.contact != "none"
+    x = np.where(at_limit, np.sign(x) * PI, x)
     flat = np.abs(x) <= SHUT
-    masks = [shut | flat, shut, np.zeros_like(shut)]
+    masks = [at_limit | flat, at_limit, np.zeros_like(at_limit)]
     start = np.array([np.where(m & flat, LONG(0), x) for m in masks])
     radius = np.full(3, 0.1)
-    y, closed, _ = close(sheet.long, sheet.orbit, start, np.array(masks), x, radius)
+    y, closed, _ = close(problem.long, problem.orbit, start, np.array(masks), x, radius)
     distance = np.where(closed, np.abs(y - x).max(axis=1).astype(float), np.inf)
     if not closed.any():
         return None
     near = np.flatnonzero(distance <= 2 * SHUT)
     best = near[0] if len(near) else int(np.argmin(distance))
     with mp.workdps(DIGITS):
-        exact, _ = close_exactly(sheet, y[best])
+        exact, _ = close_exactly(problem, y[best])
         if exact is None:
             return y[best]
         return np.array([to_long(v) for v in exact])
 
 
-def admissible_to_rounding(sheet: Sheet, x: np.ndarray) -> bool:
+def admissible_to_rounding(problem: PatternProblem, x: np.ndarray) -> bool:
     """Tell whether a state known to rounding is admissible: features within 1e-13 touch."""
-    if exactly_admissible(sheet, x):
+    if exactly_admissible(problem, x):
         return True
-    phi = x[sheet.orbit].astype(float)
-    if not _possible_to_rounding(sheet, x):
+    phi = x[problem.orbit].astype(float)
+    if not _possible_to_rounding(problem, x):
         return False
-    creases = fold_long(sheet.long, x[None, sheet.orbit])[0][0].astype(float)
+    creases = fold_long(problem.long, x[None, problem.orbit])[0][0].astype(float)
     key = combinatorics(creases, phi, ROUNDING)
-    if not sheet.maps:
+    if not problem.maps:
         return stackable(*key)
     close = np.linalg.norm(creases[:, None] - creases[None], axis=2) <= ROUNDING
-    return stackable_with(*key, tuple(int(row.argmax()) for row in close), sheet.maps)
+    return stackable_with(*key, tuple(int(row.argmax()) for row in close), problem.maps)
 
 
-def _possible_to_rounding(sheet: Sheet, x: np.ndarray) -> bool:
-    if sheet.contact != "none":
+def _possible_to_rounding(problem: PatternProblem, x: np.ndarray) -> bool:
+    if problem.contact != "none":
         over = np.abs(x) > PI
         x = np.where(over & (np.abs(x) <= PI + ROUNDING), np.sign(x) * PI, x)
-    return bool(possible(sheet, x[None], np.array([ROUNDING / 8]))[0])
+    return bool(possible(problem, x[None], np.array([ROUNDING / 8]))[0])
 
 
-def possible(sheet: Sheet, y: np.ndarray, error: np.ndarray) -> np.ndarray:
+def possible(problem: PatternProblem, y: np.ndarray, error: np.ndarray) -> np.ndarray:
     """Tell which states, known to `error` [B], keep the fold limits and do not cross for certain."""
     if not len(y):
         return np.zeros(0, dtype=bool)
-    phi = y[:, sheet.orbit]
-    ok = spin_sign(sheet.sectors, phi.astype(float)) > 0
-    if sheet.contact == "none":
+    phi = y[:, problem.orbit]
+    ok = spin_sign(problem.sectors, phi.astype(float)) > 0
+    if problem.contact == "none":
         return ok
     ok &= (np.abs(phi) <= PI).all(axis=1)
-    if sheet.contact == "full":
-        creases, _ = fold_long(sheet.long, phi)
+    if problem.contact == "full":
+        creases, _ = fold_long(problem.long, phi)
         ok &= crossing_margin(creases) <= CROSSING + 8 * error
     return ok
 
 
-def stacked_out(sheet: Sheet, y: np.ndarray, rng: np.random.Generator, sample: int = 20) -> int:
+def stacked_out(
+    problem: PatternProblem, y: np.ndarray, rng: np.random.Generator, sample: int = 20
+) -> int:
     """Estimate how many of the states have touching layers that cannot be stacked, from a sample."""
-    if sheet.contact != "full" or not len(y):
+    if problem.contact != "full" or not len(y):
         return 0
     chosen = rng.permutation(len(y))[:sample]
     bad = 0
     for k in chosen:
-        phi = y[k][sheet.orbit]
-        creases = fold_long(sheet.long, phi[None])[0][0].astype(float)
+        phi = y[k][problem.orbit]
+        creases = fold_long(problem.long, phi[None])[0][0].astype(float)
         if nearest_touch(creases[None])[0] <= 1e-14:
             bad += not stackable(*combinatorics(creases, phi.astype(float), 1e-14))
     return len(y) * bad // len(chosen)
 
 
-def exactly_admissible(sheet: Sheet, y: np.ndarray) -> bool:
+def exactly_admissible(problem: PatternProblem, y: np.ndarray) -> bool:
     """Close y [n] with 80 digits and ask for fold limits, crossings and layers."""
     with mp.workdps(DIGITS):
-        x, creases = close_exactly(sheet, y)
+        x, creases = close_exactly(problem, y)
         if x is None:
             return False
-        if sheet.contact == "none":
+        if problem.contact == "none":
             return True
         if any(abs(v) > mp.pi + mp.mpf(10) ** -28 for v in x):
             return False
-        if sheet.contact == "fold-limits":
+        if problem.contact == "fold-limits":
             return True
-        return embedded(creases, [float(x[v]) for v in sheet.orbit], sheet.maps)
+        return embedded(creases, [float(x[v]) for v in problem.orbit], problem.maps)
 
 
-def close_exactly(sheet: Sheet, y: np.ndarray):
+def close_exactly(problem: PatternProblem, y: np.ndarray):
     """Newton with 80 digits from a state closed to 1e-18; returns variables and creases, or None.
 
     Creases at +-pi and 0 stay there if the state closes so, or else those at +-pi.  At double roots a
     step halves the distance, and the residual is the distance squared.
     """
-    shut = np.asarray(np.abs(y) == PI) & (sheet.contact != "none")
+    at_limit = np.asarray(np.abs(y) == PI) & (problem.contact != "none")
     flat = np.asarray(y == 0)
     start = []
-    for v, s in zip(y, shut, strict=True):
+    for v, s in zip(y, at_limit, strict=True):
         high = float(v)
         start.append(mp.sign(high) * mp.pi if s else mp.mpf(high) + mp.mpf(float(v - LONG(high))))
-    for held in (shut | flat, shut) if flat.any() else (shut,):
-        x, creases = _newton_exactly(sheet, start, held)
+    for held in (at_limit | flat, at_limit) if flat.any() else (at_limit,):
+        x, creases = _newton_exactly(problem, start, held)
         if x is not None and max(abs(a - b) for a, b in zip(x, start, strict=True)) <= 1e-7:
             return x, creases
     return None, None
 
 
-def _newton_exactly(sheet: Sheet, x: list, held: np.ndarray):
+def _newton_exactly(problem: PatternProblem, x: list, held: np.ndarray):
     least = mp.mpf(10) ** -60
-    tie = np.eye(sheet.size)[sheet.orbit] * (1.0 - held)
+    tie = np.eye(problem.size)[problem.orbit] * (1.0 - held)
     before = mp.mpf(0)
     for _ in range(200):
-        creases, (a, b, c) = fold_exactly(sheet.exact, [x[v] for v in sheet.orbit])
+        creases, (a, b, c) = fold_exactly(problem.exact, [x[v] for v in problem.orbit])
         r = [(b[2] - c[1]) / 2, (c[0] - a[2]) / 2, (a[1] - b[0]) / 2]
         size = max(abs(v) for v in r)
         if size < least:

@@ -68,8 +68,8 @@ def minima(
     bound = math.pi if limits else 2 * math.pi
     x = rng.uniform(-math.pi, math.pi, (starts, n))
     if limits:
-        shut = rng.random((starts, n)) < 0.15
-        x = np.where(shut, np.copysign(math.pi, x), x)
+        at_limit = rng.random((starts, n)) < 0.15
+        x = np.where(at_limit, np.copysign(math.pi, x), x)
     x, good = _closed(drawn, x, weight, bound)
     x = x[good]
     step = np.ones(len(x))

@@ -15,7 +15,7 @@ from tests.independent.relations import DIGITS, exact_sectors
 
 
 @dataclass(frozen=True)
-class Sheet:
+class PatternProblem:
     """A scene as numbers.
 
     sectors [N]; orbit: for each crease its variable, from 0; stiffness, rest [N]; contact: "full",
@@ -30,7 +30,7 @@ class Sheet:
     maps: tuple[Map, ...] = ()
 
     @classmethod
-    def of(cls, scene) -> Sheet:
+    def of(cls, scene) -> PatternProblem:
         """Read the numbers of a scene of the package."""
         n = len(scene.stiffness)
         maps = []

@@ -23,18 +23,18 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from tests.independent.exact_states import admissible_to_rounding, base
-from tests.independent.sheet import Sheet, product_of_folds
+from tests.independent.sheet import PatternProblem, product_of_folds
 from tests.independent.ways_down import descend, look
 
 RADII = (1e-6, 1e-4, 1e-2)
-CLOSES = 1e-12
+CLOSURE_TOL = 1e-12
 """Largest entry of M - 1 of a state that may be reported."""
 NEXT = 1e-6
 """A reported state lies this close [rad] to one that closes in extended precision."""
 
 
 @dataclass(frozen=True)
-class Stand:
+class Verification:
     """What the judge found.
 
     closure: largest entry of M - 1 of the reported numbers.  offset: distance [rad] of the reported
@@ -65,47 +65,49 @@ class Stand:
         return bool(self.why)
 
 
-def judge(sheet: Sheet, fold_angles, count: int = 2000, seed: int = 0) -> Stand:
+def judge(problem: PatternProblem, fold_angles, count: int = 2000, seed: int = 0) -> Verification:
     """Judge a claimed minimum; see the module."""
     phi = np.asarray(fold_angles, dtype=float)
-    closure = float(np.abs(product_of_folds(sheet.sectors, phi) - np.eye(3)).max())
+    closure = float(np.abs(product_of_folds(problem.sectors, phi) - np.eye(3)).max())
     rng = np.random.default_rng(seed)
-    x = base(sheet, phi)
+    x = base(problem, phi)
     if x is None:
-        return Stand(closure, math.inf, False, why="no state that closes is near")
-    offset = float(np.abs(x[sheet.orbit] - phi).max())
-    allowed = admissible_to_rounding(sheet, x)
+        return Verification(closure, math.inf, False, why="no state that closes is near")
+    offset = float(np.abs(x[problem.orbit] - phi).max())
+    allowed = admissible_to_rounding(problem, x)
     why = ""
-    if closure > CLOSES:
+    if closure > CLOSURE_TOL:
         why = f"closes to {closure:.1e}"
     elif offset > NEXT:
         why = f"is {offset:.1e} rad from a state that closes"
     elif not allowed:
         why = "is not admissible"
     if why:
-        return Stand(closure, offset, allowed, why=why)
-    return _around(sheet, x, Stand(closure, offset, allowed), count, rng)
+        return Verification(closure, offset, allowed, why=why)
+    return _around(problem, x, Verification(closure, offset, allowed), count, rng)
 
 
-def _around(sheet: Sheet, x: np.ndarray, stand: Stand, count: int, rng) -> Stand:
+def _around(
+    problem: PatternProblem, x: np.ndarray, stand: Verification, count: int, rng
+) -> Verification:
     """Look at the neighbours of x at all radii, and go down from the lowest."""
-    margin = 1e-8 * sheet.scale(x) + 1e-13 * float(sheet.stiffness.sum())
+    margin = 1e-8 * problem.scale(x) + 1e-13 * float(problem.stiffness.sum())
     for radius in RADII:
-        seen, apart, found = look(sheet, x, radius, count, rng)
+        seen, apart, found = look(problem, x, radius, count, rng)
         stand = replace(stand, looked=(*stand.looked, seen), elsewhere=(*stand.elsewhere, apart))
         if not found:
             continue
-        y = min(found, key=lambda one: float(sheet.change(one, x)))
-        end = descend(sheet, y, rng)
-        drop, reach = -float(sheet.change(end, x)), float(np.abs(end - x).max())
+        y = min(found, key=lambda one: float(problem.change(one, x)))
+        end = descend(problem, y, rng)
+        drop, reach = -float(problem.change(end, x)), float(np.abs(end - x).max())
         if drop <= margin * reach:
             continue  # the state is known to rounding only
         return replace(
             stand,
-            neighbour=tuple(y[sheet.orbit].astype(float).tolist()),
+            neighbour=tuple(y[problem.orbit].astype(float).tolist()),
             radius=radius,
-            change=float(sheet.change(y, x)),
-            end=tuple(end[sheet.orbit].astype(float).tolist()),
+            change=float(problem.change(y, x)),
+            end=tuple(end[problem.orbit].astype(float).tolist()),
             drop=drop,
             reach=reach,
             why=f"a neighbour at {radius:g} leads down by {drop:.2e} to {reach:.1e} rad away",

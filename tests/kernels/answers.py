@@ -91,7 +91,7 @@ def capabilities() -> Iterator[Question]:
     vertex = o.Vertex(("pi/3", "2*pi/3", "2*pi/3", "pi/3"))
     wanted = (1.2, -1.2, -0.6, -1.2)
     state = o.find_minima(o.Scene(vertex, (1, 1, 1, 1), wanted)).minima[0].fold_angles
-    targets = o.springs.Targets(vertex, (o.springs.Target("folded", state),))
+    targets = o.inverse_design.Targets(vertex, (o.inverse_design.Target("folded", state),))
     yield "design", lambda: Rounded(o.design(targets))
     yield (
         "atlas",

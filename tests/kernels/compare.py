@@ -118,13 +118,13 @@ def main() -> None:
     groups = [word for word in sys.argv[1:] if not word.startswith("-")] or list(GROUPS)
     heads = ("questions", "answers", "printed", "data", "seconds")
     print(f"{'group':14}{'kernel':12}" + "".join(f"{head:>10}" for head in heads))
-    told = []
+    reported = []
     for group in groups:
         for c in compared(group, list(KERNELS)):
             counts = "".join(f"{n:10}" for n in (c.questions, c.answers, c.printed, c.data))
             print(f"{c.group:14}{c.kernel:12}{counts}{c.seconds:10.1f}", flush=True)
-            told += [f"{c.kernel}: {name}: {line}" for name, line in c.differing]
-    print(*(re.sub(r"\s+", " ", line)[:400] for line in told), sep="\n")
+            reported += [f"{c.kernel}: {name}: {line}" for name, line in c.differing]
+    print(*(re.sub(r"\s+", " ", line)[:400] for line in reported), sep="\n")
 
 
 if __name__ == "__main__":

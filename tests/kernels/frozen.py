@@ -25,9 +25,9 @@ from pathlib import Path
 from typing import Any
 
 import origami_nlp as o
-from origami_nlp import springs
-from origami_nlp.facets import Pull
+from origami_nlp import inverse_design
 from origami_nlp.paper import cone
+from origami_nlp.pattern_problem import Pull
 from origami_nlp.sweep import load_states, parse_sweep, run_sweep
 from origami_nlp.symbolic import catalogue, report
 from tests.kernels.answers import RESIDUAL, SECONDS, Question, answered, generic
@@ -64,7 +64,7 @@ SHEETS = {
 
 
 @dataclass(frozen=True)
-class Told:
+class Report:
     """An answer that is plain data."""
 
     data: Any
@@ -155,9 +155,9 @@ def paths() -> Iterator[Question]:
 
 def designs() -> Iterator[Question]:
     """Springs that hold states: examples."""
-    for name in springs.EXAMPLES:
+    for name in inverse_design.EXAMPLES:
         if name != "monostable8":
-            targets, ask, title = springs.parse_targets(springs.example_targets(name))
+            targets, ask, title = inverse_design.parse_targets(inverse_design.example_targets(name))
             yield name, lambda t=targets, a=ask, n=title: o.design(t, a, name=n)
 
 
@@ -183,21 +183,21 @@ def cones() -> Iterator[Question]:
     for degree, ratio, elevation in ((6, 1.0, 0.6), (8, 0.1, -0.5), (40, 3.0, 0.3)):
         name = f"degree {degree}, r_k = {ratio}, {elevation} rad"
         asked = degree, ratio, elevation
-        yield name, lambda a=asked: Told(cone.count_to_dict(cone.count(*a)))
+        yield name, lambda a=asked: Report(cone.count_to_dict(cone.count(*a)))
         if degree <= 8:
             yield (
                 f"{name}, full space",
-                lambda a=asked: Told(cone.full_space_to_dict(cone.full_space(*a))),
+                lambda a=asked: Report(cone.full_space_to_dict(cone.full_space(*a))),
             )
 
 
 def verify() -> Iterator[Question]:
     """The equations and statements of the paper: verdicts."""
 
-    def decided() -> Told:
+    def decided() -> Report:
         results = catalogue.decide_all(catalogue.claims(), workers=1)
         verdicts = {r.claim.id: r.verdict.verdict for r in results}
-        return Told({"summary": {**report.summary(results), **report.tally(results)}, **verdicts})
+        return Report({"summary": {**report.summary(results), **report.tally(results)}, **verdicts})
 
     yield "verify", decided
 
@@ -206,10 +206,10 @@ def sweeps() -> Iterator[Question]:
     """Twelve scenes with one freedom."""
     from tests.sweep.test_sweep import SMALL
 
-    def rows() -> Told:
+    def rows() -> Report:
         with tempfile.TemporaryDirectory() as folder:
             run_sweep(parse_sweep(tomllib.loads(SMALL)), folder, workers=1)
-            return Told(load_states(folder).to_dict("records"))
+            return Report(load_states(folder).to_dict("records"))
 
     yield "twelve scenes", rows
 

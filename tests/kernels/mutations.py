@@ -39,13 +39,13 @@ class Mutation:
 
 MUTATIONS = [
     Mutation(  # a crease on a mirror folds by half its angle in the wedge
-        "programme/closure.py",
+        "problem/closure.py",
         "half = half / 2",
         "half = half / 1",
         ("programme",),
     ),
     Mutation(  # the gap is the sine of an angle
-        "programme/gaps.py",
+        "problem/gaps.py",
         "rays[k]) / sine",
         "rays[k]) * sine",
         ("programme", "kkt"),
@@ -75,13 +75,13 @@ MUTATIONS = [
         ("kkt",),
     ),
     Mutation(  # a lower state that is reached through facets refutes nothing
-        "kkt/refutation.py",
+        "kkt/descent_witness.py",
         "        if model.refuses(y):\n",
         "        if False:\n",
         ("kkt", "facets"),
     ),
     Mutation(  # downhill
-        "kkt/refutation.py",
+        "kkt/descent_witness.py",
         "falls = slope < -INDEPENDENT",
         "falls = slope > -INDEPENDENT",
         ("kkt",),
@@ -93,25 +93,25 @@ MUTATIONS = [
         ("kkt",),
     ),
     Mutation(  # an arc is longer than its chord
-        "path/tracer.py",
+        "continuation/tracer.py",
         "chord * (1 + 0.5",
         "chord * (1 - 0.5",
         ("path",),
     ),
     Mutation(  # at a fold one eigenvalue changes its sign, at a pitchfork none or two
-        "path/events.py",
+        "continuation/events.py",
         "(a.index - b.index) % 2:",
         "not (a.index - b.index) % 2:",
         ("path",),
     ),
     Mutation(  # chords on the line of both planes are measured from one point
-        "facets/crossings.py",
+        "pattern_problem/crossings.py",
         "np.minimum(high_a, high_b + shift)",
         "np.minimum(high_a, high_b - shift)",
         ("facets",),
     ),
     Mutation(  # the length of the common normal changes as well
-        "facets/touches.py",
+        "pattern_problem/contact_pairs.py",
         "tt / d - (both + both.T + volume * ss) / d**2",
         "tt / d + (both + both.T + volume * ss) / d**2",
         ("facets",),

@@ -64,8 +64,8 @@ def test_answers_are_the_same_on_two_kernels(group):
 def test_all_answers_are_the_same_on_all_kernels(group):
     rows = list(compared(group, list(KERNELS)))
     assert not [row.wrong for row in rows if row.wrong]
-    told = sum(row.questions - row.printed for row in rows)
-    assert told <= 0.05 * sum(row.questions for row in rows)  # how often descents ended where
+    reported = sum(row.questions - row.printed for row in rows)
+    assert reported <= 0.05 * sum(row.questions for row in rows)  # how often descents ended where
 
 
 def test_the_comparison_sees_what_differs():

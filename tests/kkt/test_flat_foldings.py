@@ -10,7 +10,7 @@ import pytest
 
 from origami_nlp import Model, Scene, State, Vertex, classify
 from origami_nlp.kkt import classification
-from tests.independent.sheet import Sheet
+from tests.independent.sheet import PatternProblem
 from tests.independent.stands import judge
 
 SECTORS = {
@@ -67,4 +67,4 @@ def test_a_judge_of_its_own_refutes_them_as_well(name: str) -> None:
     refuted = [x for x in flat_states(model) if not model.refuses(x)]
     for x in refuted[:: max(1, len(refuted) // 3)]:
         assert classify(State(model, x)).verdict == "not stationary"
-        assert judge(Sheet.of(model.scene), x, 60).false
+        assert judge(PatternProblem.of(model.scene), x, 60).false

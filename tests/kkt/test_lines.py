@@ -5,10 +5,10 @@ import math
 import numpy as np
 import pytest
 
-from origami_nlp.facets import Pull, Sheet
 from origami_nlp.kkt import State, classify
-from origami_nlp.kkt.refutation import follow_lines
-from origami_nlp.numerics import CLOSES
+from origami_nlp.kkt.descent_witness import follow_lines
+from origami_nlp.numerics import CLOSURE_TOL
+from origami_nlp.pattern_problem import PatternProblem, Pull
 from tests.patterns import wheel
 
 
@@ -23,7 +23,7 @@ def folded_cross():
 def test_a_line_that_first_order_leaves_level_refutes_where_it_goes_down(share):
     """Two creases that lie on each other turn as one hinge: from 8/3 N on that lowers the energy, whatever touches."""
     pattern, flat = folded_cross()
-    under = Sheet(pattern).under(Pull(pattern, (1, 3)), 8 / 3 * share)
+    under = PatternProblem(pattern).under(Pull(pattern, (1, 3)), 8 / 3 * share)
     state = State(under, flat)
     assert not state.contacts.complete
     what = classify(state)
@@ -37,8 +37,8 @@ def test_a_line_that_first_order_leaves_level_refutes_where_it_goes_down(share):
         return 0.5 * np.sum((phi - pattern.rest) ** 2) - 8 / 3 * share * distance
 
     if share > 1:
-        assert np.abs(Sheet(pattern).closure(what.lower)[0]).max() <= CLOSES
-        assert not Sheet(pattern).refuses(what.lower)
+        assert np.abs(PatternProblem(pattern).closure(what.lower)[0]).max() <= CLOSURE_TOL
+        assert not PatternProblem(pattern).refuses(what.lower)
         gain = total(state.x) - total(what.lower)
         # two creases by u = 1e-3 / sqrt(2) each: u^2 (share - 1) to second order
         assert gain == pytest.approx((share - 1) * 5e-7, rel=2e-3)
@@ -46,18 +46,18 @@ def test_a_line_that_first_order_leaves_level_refutes_where_it_goes_down(share):
 
 def test_a_lower_state_behind_a_rise_or_behind_facets_refutes_nothing(monkeypatch):
     pattern, flat = folded_cross()
-    state = State(Sheet(pattern).under(Pull(pattern, (1, 3)), 4.0), flat)
-    change = state.programme.energy_change
+    state = State(PatternProblem(pattern).under(Pull(pattern, (1, 3)), 4.0), flat)
+    change = state.problem.energy_change
     assert follow_lines(state) is not None
     with monkeypatch.context() as patch:  # up to 3e-4 rad, and down from there
 
         def rises(x, y):
             return change(x, y) * (1 if np.linalg.norm(y - x) > 3e-4 else -1)
 
-        patch.setattr(state.programme, "energy_change", rises)
+        patch.setattr(state.problem, "energy_change", rises)
         assert follow_lines(state) is None
     with monkeypatch.context() as patch:  # one state on the way is refused
         patch.setattr(
-            state.programme, "refuses", lambda y: "" if abs(y - state.x).max() > 4e-4 else "facets"
+            state.problem, "refuses", lambda y: "" if abs(y - state.x).max() > 4e-4 else "facets"
         )
         assert follow_lines(state) is None

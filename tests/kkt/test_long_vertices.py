@@ -7,7 +7,7 @@ import pytest
 
 from origami_nlp import Model, Scene, State, Vertex, examples, find_minima
 from origami_nlp.kkt import Solve, certificates, passing_moment, polish, polishing
-from origami_nlp.programme import fold_limit
+from origami_nlp.problem import fold_limit
 from tests.computed_once import panel_result
 from tests.independent.rotations import about
 
@@ -87,8 +87,8 @@ def test_one_moment_in_the_frame_of_every_facet(n):
         size = 1 + np.abs(m).max()
         assert np.abs(torque - creases @ m)[free].max() < 1e-10 * size
         assert minimum.moment_residual < 1e-10 * size
-        shut = ~free  # the springs push creases at a limit on
-        assert (np.sign(phi[shut]) * (creases @ m - torque)[shut] > 0).all()
+        at_limit = ~free  # the springs push creases at a limit on
+        assert (np.sign(phi[at_limit]) * (creases @ m - torque)[at_limit] > 0).all()
         for start in range(
             1, n
         ):  # numbered from another crease: the same vector, seen from its facet
@@ -100,7 +100,7 @@ def test_one_moment_in_the_frame_of_every_facet(n):
             assert np.abs(np.array(other.vector) - in_facet).max() < 1e-9 * size
         multipliers = (
             State(found.model, phi)
-            .on(tuple(fold_limit(int(v), phi[v]) for v in np.flatnonzero(shut)))
+            .on(tuple(fold_limit(int(v), phi[v]) for v in np.flatnonzero(at_limit)))
             .multipliers[:3]
         )
         half = 0.5 * found.model.scale * multipliers

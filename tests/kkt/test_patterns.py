@@ -7,9 +7,9 @@ import pytest
 
 import origami_nlp as o
 from origami_nlp import State, classify
-from origami_nlp.facets import Sheet
 from origami_nlp.kkt import judge_branch, loop_modes, tangent_cone
-from origami_nlp.kkt.refutation import follow_descent
+from origami_nlp.kkt.descent_witness import follow_descent
+from origami_nlp.pattern_problem import PatternProblem
 from tests.computed_once import states
 from tests.patterns import miura, miura_angles, strip
 
@@ -35,9 +35,9 @@ def test_states_are_decided_as_by_a_judgement_of_patterns_alone(name):
     found = states(name) if name in READ else o.find_minima(name, starts=10, escape=False)
     many = Counter(s.verdict for s in found.states)
     refuted = many["saddle"] + many["not stationary"]
-    told = many["minimum"], refuted, many["not admissible"], many["undecided"]
-    assert told == COUNTS[name]
-    problem = Sheet(found.pattern)
+    reported = many["minimum"], refuted, many["not admissible"], many["undecided"]
+    assert reported == COUNTS[name]
+    problem = PatternProblem(found.pattern)
     for state in found.states:  # in the numbering of the file, not that of the search
         again = classify(State(problem, state.phi))
         assert (again.verdict == "minimum") == (state.verdict == "minimum")
@@ -48,7 +48,7 @@ def held_state():
     """A metasheet whose facets touch: its problem, the state, and its contacts."""
     found = states("metasheet:4x4")
     state = next(s for s in found.minima if s.contacts)
-    problem = Sheet(found.pattern)
+    problem = PatternProblem(found.pattern)
     return problem, State(problem, state.phi)
 
 
@@ -87,7 +87,7 @@ def test_lower_states_that_are_reached_through_facets_refute_nothing():
     free = judge_branch(state.on(()))
     assert free.verdict == "not stationary" and free.direction is not None
     assert follow_descent(state, free) is None
-    through = State(Sheet(problem.pattern, contact=False), state.x)
+    through = State(PatternProblem(problem.pattern, contact=False), state.x)
     lower = follow_descent(through, judge_branch(through.on(())))
     assert lower is not None and lower.gain > 0 and problem.crossings.find(lower.state)
     assert problem.energy(lower.state) == pytest.approx(problem.energy(state.x) - lower.gain)
@@ -95,7 +95,7 @@ def test_lower_states_that_are_reached_through_facets_refute_nothing():
 
 def test_rows_that_always_depend_on_each_other_are_no_loss_of_rank():
     pattern = miura(3, 4)
-    problem = Sheet(pattern)
+    problem = PatternProblem(pattern)
     folded, residual = problem.project(miura_angles(pattern, 4, 1.0))
     state, flat = State(problem, folded), State(problem, np.zeros(problem.size))
     assert residual < 1e-13
@@ -106,7 +106,7 @@ def test_rows_that_always_depend_on_each_other_are_no_loss_of_rank():
 def test_the_tangent_cone_holds_the_tangents_of_curves_and_little_else():
     """Of a flat Miura sheet: the fold itself and every row or column by itself, found by walking."""
     pattern = miura(2, 3)
-    problem = Sheet(pattern)
+    problem = PatternProblem(pattern)
     cone = tangent_cone(problem.loops(np.zeros(problem.size)), problem.size)
     assert cone.split and not cone.reason
     spans = [line[:, None] for line in cone.lines] + list(cone.families)
@@ -127,7 +127,7 @@ def test_the_tangent_cone_holds_the_tangents_of_curves_and_little_else():
 @pytest.mark.parametrize("seed", range(3))
 def test_closed_states_follow_the_lines_of_a_generic_pattern_to_second_order(seed):
     pattern = strip(seed)
-    problem = Sheet(pattern)
+    problem = PatternProblem(pattern)
     cone = tangent_cone(problem.loops(np.zeros(problem.size)), problem.size)
     assert cone.split and len(cone.lines) == 4 and not cone.families
     for line in cone.lines:
@@ -148,9 +148,9 @@ def test_one_verb_classifies_both():
 
 
 def test_a_state_of_a_large_pattern_that_is_not_stationary_is_refuted_along_its_steepest_descent():
-    sheet = Sheet(o.examples.pattern("miura", 20, 16))
-    flat = classify(State(sheet, np.zeros(sheet.size)))
+    problem = PatternProblem(o.examples.pattern("miura", 20, 16))
+    flat = classify(State(problem, np.zeros(problem.size)))
     # beside the flat state, on the way down: closed, folded, and balanced by nothing
-    found = classify(State(sheet, flat.lower))
-    assert sheet.sparse and found.verdict == "not stationary"
-    assert sheet.energy_change(flat.lower, found.lower) < 0 and not sheet.refuses(found.lower)
+    found = classify(State(problem, flat.lower))
+    assert problem.sparse and found.verdict == "not stationary"
+    assert problem.energy_change(flat.lower, found.lower) < 0 and not problem.refuses(found.lower)

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from origami_nlp import Model, Scene, State, Vertex, classify
-from origami_nlp.facets import Sheet
-from origami_nlp.sheets import find_states, judge, list_branches
+from origami_nlp.pattern_problem import PatternProblem
+from origami_nlp.pattern_states import find_states, judge, list_branches
 from tests.independent.rigid import Rigid
 from tests.independent.trigonometry import quadrilateral
 from tests.patterns import grid, metasheet, wheel
@@ -19,19 +19,19 @@ def test_folded_flat_is_a_minimum_where_energy_rises_along_its_curves(seed):
     rng = np.random.default_rng(seed)
     a, b = rng.uniform(0.5, 1.4), rng.uniform(1.5, 2.6)
     sectors = a, b, math.pi - a, math.pi - b
-    shut = [np.array(s) * math.pi for s in product((-1.0, 1.0), repeat=4)]
+    at_limit = [np.array(s) * math.pi for s in product((-1.0, 1.0), repeat=4)]
     pattern = wheel(sectors)
-    k, rest = rng.uniform(0.5, 2, 4), shut[rng.integers(16)] + rng.uniform(-2.5, 2.5, 4)
+    k, rest = rng.uniform(0.5, 2, 4), at_limit[rng.integers(16)] + rng.uniform(-2.5, 2.5, 4)
     pattern = pattern.with_springs(list(k), list(np.clip(rest, -3.0, 3.0)))
-    sheet = Sheet(pattern)
+    problem = PatternProblem(pattern)
     vertex = Model(Scene(Vertex(sectors), tuple(k), tuple(pattern.rest), "none", "fold-limits"))
     beside_shut = [(s * (math.pi - 1e-3), dart) for s in (1, -1) for dart in (False, True)]
     curves = [np.array([x, *quadrilateral(sectors, x, dart)]) for x, dart in beside_shut]
-    assert max(sheet.residual(x) for x in curves) < 1e-9
+    assert max(problem.residual(x) for x in curves) < 1e-9
     verdicts = []
-    for phi in shut:
+    for phi in at_limit:
         beside = [x for x in curves if np.abs(x - phi).max() < 0.1]
-        state = judge(sheet, phi, contact=False)
+        state = judge(problem, phi, contact=False)
         if state.verdict == "not admissible":
             assert not beside
             continue
@@ -72,7 +72,7 @@ def test_a_flat_sheet_that_no_way_leads_out_of_is_stable():
         modes.append([z[out] / z[back] for z in ratios])
     assert min(abs(math.prod(choice) - 1) for choice in product(*modes)) > 1e-3
     pattern = grid(points).with_springs(1.0, list(rng.uniform(-1, 1, 12)))
-    flat = judge(Sheet(pattern), np.zeros(12))
+    flat = judge(PatternProblem(pattern), np.zeros(12))
     assert (flat.verdict, flat.kind) == ("minimum", "degenerate")
     found = find_states(pattern, starts=1, escape=False)
     (only,) = found.minima
@@ -86,7 +86,7 @@ def level_sheet(seed):
     pattern, _ = metasheet(3)
     k = rng.uniform(0.5, 2.0, pattern.creases)
     lines = list_branches(pattern).lines
-    z = Sheet(pattern).kernel(np.zeros(pattern.creases))
+    z = PatternProblem(pattern).kernel(np.zeros(pattern.creases))
     torque = z @ (z.T @ rng.normal(size=pattern.creases))
     torque -= lines.T @ np.linalg.lstsq(lines.T, torque, rcond=None)[0]
     assert len(lines) == 2 and np.linalg.norm(torque) > 0.1
@@ -97,7 +97,7 @@ def level_sheet(seed):
 def test_flat_is_a_minimum_where_the_energy_is_level_along_every_way_out(seed):
     pattern, k, torque, lines = level_sheet(seed)
     sprung = pattern.with_springs(list(k), list(-torque / k))
-    state = judge(Sheet(sprung), np.zeros(pattern.creases))
+    state = judge(PatternProblem(sprung), np.zeros(pattern.creases))
     assert (state.verdict, state.kind) == ("minimum", "degenerate") and state.kkt_residual > 1e-3
     body = Rigid(sprung)
     flat = sprung.energy(np.zeros(pattern.creases))
@@ -109,4 +109,4 @@ def test_flat_is_a_minimum_where_the_energy_is_level_along_every_way_out(seed):
             assert rise > 0 and rise == pytest.approx(0.5 * h**2 * (k @ d**2), rel=0.3)
     # and none where it is not level, however little
     tilted = pattern.with_springs(list(k), list(-(torque + 1e-4 * lines[0]) / k))
-    assert judge(Sheet(tilted), np.zeros(pattern.creases)).verdict != "minimum"
+    assert judge(PatternProblem(tilted), np.zeros(pattern.creases)).verdict != "minimum"

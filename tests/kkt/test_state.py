@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 
 from origami_nlp import Model, Scene, State, Vertex, classify, examples
-from origami_nlp.facets import Sheet
 from origami_nlp.kkt import newton, project
-from origami_nlp.programme import Contact, Programme
+from origami_nlp.pattern_problem import PatternProblem
+from origami_nlp.problem import Contact, Problem
 from tests.computed_once import panel_result, states
 from tests.patterns import strip, wheel
 
@@ -24,10 +24,10 @@ SCENES = {
     "no contact": examples.degree6("pi/3", 1, contact="none"),
 }
 PROBLEMS = {name: lambda s=scene: Model(s) for name, scene in SCENES.items()}
-PROBLEMS["pattern"] = lambda: Sheet(strip(3))
+PROBLEMS["pattern"] = lambda: PatternProblem(strip(3))
 
 
-def some_state(problem: Programme) -> np.ndarray:
+def some_state(problem: Problem) -> np.ndarray:
     x = np.random.default_rng(0).uniform(-1.5, 1.5, problem.size)
     y, residual = project(problem, x)
     assert residual < 1e-13
@@ -59,7 +59,7 @@ def test_derivatives_are_those_of_the_values(name: str) -> None:
         assert (ahead - 2 * here + behind) / h**2 == pytest.approx(d @ hessian @ d, abs=1e-4)
 
 
-def least_curvature(problem: Programme, x: np.ndarray, h: float = 1e-3) -> float:
+def least_curvature(problem: Problem, x: np.ndarray, h: float = 1e-3) -> float:
     """Smallest eigenvalue of second differences of the energy along closed states."""
     z = State(problem, x).kernel
 
@@ -79,10 +79,10 @@ SECTORS = 1.1, 1.3, 1.2, 1.4, math.tau - 5.0
 def test_saddles_are_told_from_minima(kind: str) -> None:
     """Closed states with springs that any multipliers of closure balance: what they are is left to curvature."""
 
-    def problem(k: np.ndarray, rest: np.ndarray) -> Programme:
+    def problem(k: np.ndarray, rest: np.ndarray) -> Problem:
         if kind == "vertex":
             return Model(Scene(Vertex(SECTORS), tuple(k), tuple(rest), "none", "fold-limits"))
-        return Sheet(wheel(SECTORS).with_springs(list(k), list(rest)), contact=False)
+        return PatternProblem(wheel(SECTORS).with_springs(list(k), list(rest)), contact=False)
 
     rng, seen, free = np.random.default_rng(0), Counter(), problem(np.ones(5), np.zeros(5))
     while seen.total() < 40:
@@ -156,7 +156,7 @@ PANELS_HELD = {
 }
 
 
-def settled(name: str) -> tuple[Programme, np.ndarray, tuple[Contact, ...]]:
+def settled(name: str) -> tuple[Problem, np.ndarray, tuple[Contact, ...]]:
     """A minimum of a panel, or of a pattern, with its contacts."""
     if name in PANELS_HELD:
         result = panel_result(PANELS_HELD[name])
@@ -165,7 +165,7 @@ def settled(name: str) -> tuple[Programme, np.ndarray, tuple[Contact, ...]]:
         x = problem.reduce(next(np.array(m.fold_angles) for m in result.minima if m.kind == wanted))
     else:
         found = states("metasheet:4x4")
-        problem = Sheet(found.pattern)
+        problem = PatternProblem(found.pattern)
         x = next(s.phi for s in found.minima if bool(s.contacts) == (name == "facets of a pattern"))
     rows = State(problem, x).pieces[0]
     assert bool(rows) == ("interior" not in name)

@@ -7,9 +7,9 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from origami_nlp import Model, Scene, Vertex
-from origami_nlp.facets import Sheet
 from origami_nlp.kkt import State, find_stress, project
-from origami_nlp.sheets import descend, judge
+from origami_nlp.pattern_problem import PatternProblem
+from origami_nlp.pattern_states import descend, judge
 from tests.patterns import metasheet, miura, miura_angles
 
 RANK = 1e-6
@@ -50,21 +50,21 @@ def test_a_folded_miura_has_a_stress_for_each_facet_inside(size):
     m, n = size
     pattern = miura(m, n)
     phi, j = miura_angles(pattern, n, 1.2), slopes(pattern, miura_angles(pattern, n, 1.2))
-    stress = find_stress(State(Sheet(pattern), phi))
+    stress = find_stress(State(PatternProblem(pattern), phi))
     assert stress.states == stress.basis.shape[1] == (m - 2) * (n - 2) == len(j) - rank(j)
     assert stress.basis.T @ stress.basis == pytest.approx(np.eye(stress.states), abs=1e-12)
     assert np.abs(j.T @ stress.basis).max(initial=0.0) < 1e-9
-    flat = find_stress(State(Sheet(pattern), np.zeros(pattern.creases)))
+    flat = find_stress(State(PatternProblem(pattern), np.zeros(pattern.creases)))
     assert flat.states == len(pattern.vertices)
     # axes of creases lie in the sheet: what they do not feel are moments about its normal
     assert np.abs(flat.basis.reshape(-1, 3, flat.states)[:, :2]).max() < 1e-12
 
 
 def stable(pattern, start):
-    sheet = Sheet(pattern)
-    state = judge(sheet, descend(sheet, start).phi)
+    problem = PatternProblem(pattern)
+    state = judge(problem, descend(problem, start).phi)
     assert state.verdict == "minimum" and state.kind == "interior"
-    return sheet, state.phi
+    return problem, state.phi
 
 
 def redundant():
@@ -78,17 +78,17 @@ def redundant():
     )
     pattern, classes = metasheet(4)
     k, rest = rng.uniform(0.5, 2, pattern.creases), np.array((1.686, -0.133, 1.719, 0.126))[classes]
-    sheet = Sheet(pattern)
-    start, residual = sheet.project(0.5 * rest)
+    problem = PatternProblem(pattern)
+    start, residual = problem.project(0.5 * rest)
     assert residual < 1e-12
     yield stable(pattern.with_springs(list(k), list(0.6 * rest)), start)
 
 
 def test_multipliers_balance_whatever_stress_is_added():
-    for sheet, phi in redundant():
-        pattern = sheet.pattern
+    for problem, phi in redundant():
+        pattern = problem.pattern
         springs = pattern.stiffness * (phi - pattern.rest)
-        stress, j = find_stress(State(sheet, phi)), slopes(pattern, phi)
+        stress, j = find_stress(State(problem, phi)), slopes(pattern, phi)
         assert stress.states == len(j) - rank(j) > 0 and stress.unique
         assert stress.left < 1e-11 < 1e-3 < np.abs(springs).max()
         assert stress.torque == pytest.approx(springs, abs=1e-11)
@@ -110,19 +110,19 @@ def test_multipliers_balance_whatever_stress_is_added():
 def test_what_held_creases_feel_is_not_unique():
     """Stresses of the free creases that held ones feel leave torques open; those of all creases are counted alone."""
     pattern = miura(4, 4)
-    sheet = Sheet(pattern.with_springs(1.0, list(np.linspace(-1, 1, pattern.creases))))
+    problem = PatternProblem(pattern.with_springs(1.0, list(np.linspace(-1, 1, pattern.creases))))
     phi = miura_angles(pattern, 4, 1.2)
     rng, seen = np.random.default_rng(1), set()
     j = slopes(pattern, phi)
     for many in (0, 1, 2, 4, 8, 16):
         held = rng.choice(pattern.creases, many, replace=False)
         free = np.setdiff1d(np.arange(pattern.creases), held)
-        stress = find_stress(State(sheet, phi), held.tolist())
+        stress = find_stress(State(problem, phi), held.tolist())
         assert stress.states == len(j) - rank(j)
         assert stress.unique == (rank(j[:, free]) == rank(j))
         assert np.abs(j.T @ stress.basis).max() < 1e-9
         # what is left is as little as multipliers can leave to free creases
-        springs = sheet.pattern.stiffness * (phi - sheet.pattern.rest)
+        springs = problem.pattern.stiffness * (phi - problem.pattern.rest)
         best = np.linalg.lstsq(j[:, free].T, springs[free], rcond=RANK)[0]
         least = np.abs(springs[free] - j[:, free].T @ best).max()
         assert stress.left == pytest.approx(least, abs=1e-6)

@@ -11,7 +11,7 @@ import pytest
 
 import origami_nlp as o
 from origami_nlp.barriers import find_barriers
-from origami_nlp.folding import examine, fold_vertex
+from origami_nlp.folding import check_admissible, fold_vertex
 from origami_nlp.landscape.figure import joining_passes
 from origami_nlp.space import find_space
 from tests import computed_once
@@ -109,7 +109,7 @@ def test_arrays_hold_states(written):
                 assert np.abs(np.abs(phi).max(axis=1) - math.pi).max() < 1e-12
         for phi, energy in zip(a["minima_fold_angles"], a["minima_energy"], strict=True):
             assert float(scene.energy(phi)) == pytest.approx(energy, rel=1e-13)
-            assert examine(scene.vertex, phi).admissible
+            assert check_admissible(scene.vertex, phi).admissible
         assert set(a["minima_verdict"]) <= {"stable", "unstable", "undecided"}
     assert (written / "l.png").read_bytes().startswith(b"\x89PNG")
 

@@ -5,10 +5,10 @@ import math
 import numpy as np
 import pytest
 
-from origami_nlp.facets import Sheet, Torque
+from origami_nlp.continuation import BifurcationDiagram, EquilibriumCurve, Hold
 from origami_nlp.loading import PatternDriver
-from origami_nlp.path import EquilibriumCurve, Hold, Web
-from origami_nlp.sheets import press
+from origami_nlp.pattern_problem import PatternProblem, Torque
+from origami_nlp.pattern_states import contact_descent
 from tests.loading.test_loads_in_contact import Turned, by_small_steps, loaded, sprung
 
 
@@ -31,8 +31,8 @@ def test_a_descent_beyond_a_fold_in_contact_does_not_creep():
     pattern, _, crease = sprung(6)
     (snap,) = loaded(6, 4.1).snaps
     for share in (1e-5, 1e-4):
-        under = Sheet(pattern).under(Torque(pattern, (crease,)), snap.t * (1 + share))
-        end = press(under, np.array(snap.before))
+        under = PatternProblem(pattern).under(Torque(pattern, (crease,)), snap.t * (1 + share))
+        end = contact_descent(under, np.array(snap.before))
         assert end.arrived and end.steps < 30
 
 
@@ -44,11 +44,11 @@ def test_facets_that_meet_between_two_steps_are_not_passed():
     rigid = Turned(path.pattern)
     for p in path.legs[0].points:
         assert not rigid.crossing(np.array(p.fold_angles))
-    web = Web(PatternDriver(path.driver.work).line(), -5.1, 0.0)
+    web = BifurcationDiagram(PatternDriver(path.driver.work).line(), -5.1, 0.0)
     before = next(p for p in path.legs[0].points if -4.9 < p.t < -4.5)
     held = tuple(c for c in web.line.at(before.t).closed(np.array(before.fold_angles)).base)
     curve = EquilibriumCurve(
-        web.line, Hold(held, tuple(range(web.line.programme.equation_count))), web.tally
+        web.line, Hold(held, tuple(range(web.line.problem.equation_count))), web.tally
     )
     point = np.append(before.fold_angles, before.t)
     for t in np.linspace(before.t, -5.05, 6):

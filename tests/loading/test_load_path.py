@@ -9,9 +9,9 @@ import pytest
 from scipy.interpolate import PchipInterpolator
 
 from origami_nlp import Scene, Vertex, draw, examples, find_minima, format_scene, load_path
+from origami_nlp.continuation import ContinuationOptions
 from origami_nlp.errors import OptionError
 from origami_nlp.loading import VertexDriver
-from origami_nlp.path import ContinuationOptions
 from tests.command_line import run
 from tests.independent.rotations import fold
 
@@ -119,7 +119,7 @@ def test_states_on_the_path_close_and_balance_by_finite_differences():
 
 
 def test_legs_are_turned_with_a_slider_over_the_load():
-    content = loop().turned()
+    content = loop().view_content()
     assert len(content.stations) == 1 + 2 * len(loop().snaps)
     for leg, track in zip(loop().legs, content.tracks, strict=True):
         assert track.parameter.tolist() == [p.t for p in leg.points]
@@ -199,6 +199,6 @@ def test_bad_arguments_are_refused_by_name(arguments, word):
 
 def test_a_path_without_events_shows_no_empty_table():
     quiet = replace(loop(), events=(), snaps=(), legs=loop().legs[:1])
-    first = next(iter(quiet.told()))
+    first = next(iter(quiet.report_sections()))
     assert isinstance(first, str) and "under" in first
     assert "" not in loop().table().heads  # of the column for events that are not located

@@ -13,10 +13,10 @@ from scipy.optimize import brentq
 from scipy.spatial.transform import Rotation
 
 import origami_nlp as o
-from origami_nlp.facets import Sheet, Torque
+from origami_nlp.continuation import ContinuationOptions
 from origami_nlp.numerics import STATIONARY
-from origami_nlp.path import ContinuationOptions
-from origami_nlp.sheets import judge, press
+from origami_nlp.pattern_problem import PatternProblem, Torque
+from origami_nlp.pattern_states import contact_descent, judge
 from tests.independent.rigid import Rigid, collide
 from tests.independent.trigonometry import quadrilateral
 from tests.patterns import QUAD, metasheet
@@ -45,8 +45,10 @@ class Turned(Rigid):
         Not those on both sides of a crease folded by a half turn: they lie on each other, and rounding decides.
         """
         x = [q + 1e-6 * (q.mean(axis=0) - q) for q in self.polygons(phi)]
-        p, shut = self.p, np.abs(phi) == math.pi
-        stacked = {tuple(sorted(pair)) for pair in zip(p.left[shut], p.right[shut], strict=True)}
+        p, at_limit = self.p, np.abs(phi) == math.pi
+        stacked = {
+            tuple(sorted(pair)) for pair in zip(p.left[at_limit], p.right[at_limit], strict=True)
+        }
         pairs = (pair for pair in combinations(range(len(x)), 2) if pair not in stacked)
         return [pair for pair in pairs if collide(*(x[k] for k in pair))]
 
@@ -72,10 +74,10 @@ def driven_sheet():
     pattern, classes = metasheet(3)
     rest = classes_at(-1.5)[classes]
     pattern = pattern.with_springs(1.0, list(rest))
-    sheet = Sheet(pattern)
-    phi, residual = sheet.project(rest)
+    problem = PatternProblem(pattern)
+    phi, residual = problem.project(rest)
     assert residual < 1e-13 and np.abs(phi - rest).max() < 1e-12  # trigonometry closes the sheet
-    return pattern, classes, judge(sheet, phi)
+    return pattern, classes, judge(problem, phi)
 
 
 def over_driven(pattern, classes, driven, h=1e-4):
@@ -223,12 +225,16 @@ def sprung(seed, name="yoshimura", size=(3, 3)):
     pattern = o.examples.pattern(name, *size)
     k, rest = rng.uniform(0.3, 2, pattern.creases), rng.uniform(-2.5, 2.5, pattern.creases)
     pattern = pattern.with_springs(list(k), list(rest))
-    sheet = Sheet(pattern)
+    problem = PatternProblem(pattern)
     start = 0.3 * rng.normal(size=pattern.creases)
     if seed in BEGUN:
         start = np.array(BEGUN[seed].split(), float)
-    phi, _ = sheet.project(start)
-    return pattern, judge(sheet, press(sheet, phi).phi), int(rng.integers(pattern.creases)) + 1
+    phi, _ = problem.project(start)
+    return (
+        pattern,
+        judge(problem, contact_descent(problem, phi).phi),
+        int(rng.integers(pattern.creases)) + 1,
+    )
 
 
 @cache
@@ -352,9 +358,9 @@ def test_a_search_finds_the_state_in_contact_that_a_snap_lands_on():
 def by_small_steps(seed, to, count=60):
     """The state at a load, by descents at loads that grow little by little."""
     pattern, start, crease = sprung(seed)
-    sheet, phi = Sheet(pattern), start.phi
+    problem, phi = PatternProblem(pattern), start.phi
     for t in np.linspace(0.0, to, count)[1:]:
-        end = press(sheet.under(Torque(pattern, (crease,)), t), phi)
+        end = contact_descent(problem.under(Torque(pattern, (crease,)), t), phi)
         assert end.arrived
         phi = end.phi
     return phi

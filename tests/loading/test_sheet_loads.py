@@ -12,8 +12,8 @@ from scipy.optimize import minimize_scalar
 
 import origami_nlp as o
 from origami_nlp.errors import OptionError
-from origami_nlp.facets import DeadForce, Pull, Sheet, Torque
-from origami_nlp.sheets import descend, judge
+from origami_nlp.pattern_problem import DeadForce, PatternProblem, Pull, Torque
+from origami_nlp.pattern_states import descend, judge
 from tests.command_line import run
 from tests.independent.trigonometry import strip_states
 from tests.patterns import miura, miura_angles, strip, wheel
@@ -27,8 +27,8 @@ SNAPPING = (0.2, 1.0), (2.0, 2.6), 2.9
 
 
 def settled(pattern, phi):
-    sheet = Sheet(pattern)
-    return judge(sheet, descend(sheet, sheet.project(np.asarray(phi, float))[0]).phi)
+    problem = PatternProblem(pattern)
+    return judge(problem, descend(problem, problem.project(np.asarray(phi, float))[0]).phi)
 
 
 def folded_miura(m, n, k=(1.0, 1.0), rest=(REST, REST), near=0.8):
@@ -131,12 +131,12 @@ def test_a_sheet_of_more_than_600_creases_follows_its_law():
         assert np.abs(phi - p.fold_angles).max() < 1e-9
         assert t == pytest.approx(p.t, abs=1e-9 * 18**2)
     end = leg.points[-1]
-    sheet, phi = Sheet(pattern).under(path.driver.work, end.t), np.array(end.fold_angles)
-    jacobian = sheet.closure(phi)[1]
-    lam = np.linalg.lstsq(jacobian.T, sheet.torque(phi), rcond=1e-9)[0]
+    problem, phi = PatternProblem(pattern).under(path.driver.work, end.t), np.array(end.fold_angles)
+    jacobian = problem.closure(phi)[1]
+    lam = np.linalg.lstsq(jacobian.T, problem.torque(phi), rcond=1e-9)[0]
     z = null_space(jacobian, rcond=1e-8)
-    values = np.linalg.eigvalsh(z.T @ (sheet.hessian(phi, lam) @ z))
-    assert end.eigenvalue == pytest.approx(values[0] * sheet.scale, rel=1e-8)
+    values = np.linalg.eigvalsh(z.T @ (problem.hessian(phi, lam) @ z))
+    assert end.eigenvalue == pytest.approx(values[0] * problem.scale, rel=1e-8)
 
 
 def test_a_path_stops_where_the_sheet_is_flat():
@@ -146,7 +146,7 @@ def test_a_path_stops_where_the_sheet_is_flat():
     path = o.load_path(pattern, i + 1, to=60.0, state=start)
     (leg,) = path.legs
     assert "the flat state" in leg.why and np.abs(leg.points[-1].fold_angles).max() < 1e-2
-    found = judge(Sheet(pattern).under(path.driver.work, leg.points[-1].t), np.zeros(12))
+    found = judge(PatternProblem(pattern).under(path.driver.work, leg.points[-1].t), np.zeros(12))
     assert found.refuted
 
 
@@ -268,7 +268,7 @@ def test_derivatives_against_differences(make):
         stiff = pattern.with_springs(list(unit * pattern.stiffness), list(pattern.rest))
         t = -3.0 * unit
         least = stiff.rest + t * make(stiff).gradient(stiff.rest) / stiff.stiffness
-        assert Sheet(stiff).under(make(stiff), t).scaled_energy(least) > -1e-12
+        assert PatternProblem(stiff).under(make(stiff), t).scaled_energy(least) > -1e-12
 
 
 def folded_cross():
@@ -277,7 +277,7 @@ def folded_cross():
     pattern = wheel(np.diff(np.r_[angles, 2 * math.pi]))
     flat = math.pi * np.array([-1.0, 1.0, -1.0, -1.0])
     pattern = pattern.with_springs(1.0, list(flat))
-    return pattern, judge(Sheet(pattern), flat)
+    return pattern, judge(PatternProblem(pattern), flat)
 
 
 @pytest.mark.slow
@@ -292,13 +292,13 @@ def test_a_state_whose_contacts_carry_nothing_is_followed_as_far_as_it_is_stable
     assert event.type == "branching" and path.legs[-1].why == "snap"
     assert "the load does no work" in str(path) and not path.alarms
     for share, good in ((0.999, True), (1.001, False)):
-        under = Sheet(pattern).under(pull, event.t * share)
+        under = PatternProblem(pattern).under(pull, event.t * share)
         assert (judge(under, start.phi).verdict == "minimum") == good
 
 
 def test_vertices_that_lie_on_each_other_have_no_pull():
     pattern, start = folded_cross()
-    x = Sheet(pattern).crossings.poses.corners(start.phi)
+    x = PatternProblem(pattern).crossings.poses.corners(start.phi)
     one, two = next((a, b) for a, b in ((1, 3), (2, 4)) if np.linalg.norm(x[a] - x[b]) < 1e-12)
     with pytest.raises(OptionError, match="lie on each other"):
         o.load_path(pattern, Pull(pattern, (one, two)), state=start)
@@ -326,7 +326,7 @@ def test_a_load_that_does_no_work_is_told():
 def test_a_pull_knows_no_facet_that_is_held():
     """The distance of two corners by a walk is that of the corners placed along a tree, whichever comes first."""
     pattern, start = folded_miura(4, 4)
-    x = Sheet(pattern).crossings.poses.corners(start.phi)
+    x = PatternProblem(pattern).crossings.poses.corners(start.phi)
     for a, b in ((0, 24), (24, 0), (3, 21)):
         far = float(Pull(pattern, (a, b)).conjugate(start.phi))
         assert far == pytest.approx(np.linalg.norm(x[a] - x[b]), abs=1e-12)
@@ -351,7 +351,7 @@ def test_a_sheet_renumbered_and_turned_in_space_snaps_at_the_same_load():
 
 def test_what_is_refused_is_named():
     pattern, start = folded_miura(3, 3)
-    flat = judge(Sheet(miura(3, 3)), np.zeros(12))
+    flat = judge(PatternProblem(miura(3, 3)), np.zeros(12))
     for load, options, word in (
         (0, {}, "crease"),
         (13, {}, "crease"),
@@ -402,14 +402,14 @@ def test_the_command_writes_all_of_it(tmp_path):
     assert all(file.stat().st_size > 1000 for file in files.values())
     code, _, err = run("example", "metasheet:3x3", "--fold", tmp_path / "sheet.fold")
     assert code == 0, err
-    sheet = tmp_path / "sheet.fold"
-    code, out, err = run("load", sheet, "--crease", "1", "--to", "0.05", "--json", "-")
+    problem = tmp_path / "sheet.fold"
+    code, out, err = run("load", problem, "--crease", "1", "--to", "0.05", "--json", "-")
     assert code == 0, err
     driver = json.loads(out)["driver"]
     assert driver["type"] == "PatternDriver" and driver["work"]["type"] == "Torque"
     assert driver["work"]["creases"] == [1]
     for more, word in ((), "--pull"), (("--crease", "1", "--symmetry", "D1"), "--vertex"):
-        code, _, err = run("load", sheet, *more)
+        code, _, err = run("load", problem, *more)
         assert code == 2 and word in err
     code, _, err = run("load", "degree6")
     assert code == 2 and "--crease" in err

@@ -34,7 +34,7 @@ def whole(scene):
 
 
 @pytest.mark.parametrize(
-    ("room", "name", "told", "scene"),
+    ("room", "name", "reported", "scene"),
     [
         (job.RestState, "states", "the rest state", TWO_FREEDOMS),
         (job.HingeSets, "states", "hinge sets", TWO_FREEDOMS),
@@ -46,13 +46,13 @@ def whole(scene):
         (find, "confirm", "a confirmation by IPOPT", TWO_FREEDOMS),
     ],
 )
-def test_one_part_that_fails_ends_no_search(monkeypatch, room, name, told, scene):
+def test_one_part_that_fails_ends_no_search(monkeypatch, room, name, reported, scene):
     """Where what it gives is found by other parts as well, the list is the same."""
     known = angles(whole(scene))
-    error = FAILURES[len(told) % 2]
+    error = FAILURES[len(reported) % 2]
     monkeypatch.setattr(room, name, broken(error))
     found = find_minima(scene, max_starts=64, prove=False, escape=False)
-    assert found.search.failed[f"{told}: {error}"] > 0 and f"{told}: {error}" in str(found)
+    assert found.search.failed[f"{reported}: {error}"] > 0 and f"{reported}: {error}" in str(found)
     assert (
         not found.search.complete
     )  # what traced curves hold is not said where they were not traced, or judged

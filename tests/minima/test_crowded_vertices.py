@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from origami_nlp import Scene, Vertex, find_minima
-from origami_nlp.programme import Model
+from origami_nlp.problem import Model
 
 pytestmark = pytest.mark.slow
 h = math.pi / 2

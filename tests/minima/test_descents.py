@@ -11,7 +11,7 @@ from origami_nlp.kkt import project
 from origami_nlp.minima import find_minima_of_each
 from origami_nlp.minima.descents import Descents
 from origami_nlp.pattern import Labels, canonical_labels
-from origami_nlp.programme import OPEN, Contact, fold_limit, random_strata
+from origami_nlp.problem import OPEN, Contact, fold_limit, random_strata
 from origami_nlp.starts import EFFORTS, Samples
 from tests.computed_once import panel_result, thinned
 
@@ -40,15 +40,15 @@ CASES = [
 def test_ends_are_stationary_with_their_contacts(scene):
     model = Model(scene)
     x = random_strata(model, np.random.default_rng(0), 60)
-    shut = np.where(np.abs(x) == math.pi, np.sign(x), 0)
+    at_limit = np.where(np.abs(x) == math.pi, np.sign(x), 0)
     descents = Descents(model)
-    free = descents.crossings.of(descents.closing.kinematics.fold(x), x, shut)[0] == OPEN
-    starts = Samples.on(x[free], shut[free], hold=True)
+    free = descents.crossings.of(descents.closing.kinematics.fold(x), x, at_limit)[0] == OPEN
+    starts = Samples.on(x[free], at_limit[free], hold=True)
     ends = descents.run(starts)
     assert ends.converged.mean() >= 0.8
     for k in np.flatnonzero(ends.converged):
         s, local = ends.samples, model.local(ends.samples.x[k])
-        contacts = [fold_limit(int(v), s.shut[k, v]) for v in np.flatnonzero(s.shut[k])]
+        contacts = [fold_limit(int(v), s.at_limit[k, v]) for v in np.flatnonzero(s.at_limit[k])]
         contacts += [
             Contact("gap", int(g), int(o))
             for g, o in zip(s.slots[k], s.sides[k], strict=True)
@@ -69,9 +69,9 @@ def test_ends_are_stationary_with_their_contacts(scene):
 def test_a_stratum_that_exists_only_while_it_is_held_keeps_its_end():
     model = Model(examples.degree6("pi/3", ratio=0.01))
     guess = np.array([[-math.pi, t, -math.pi, 3 - 2 * t] for t in (1.6, 1.8, 2.1)])
-    shut = np.where(guess == -math.pi, -1, 0)  # phi_1 = phi_3 = phi_5 = -pi: nothing opens
-    x, residual = project(model, guess, frozen=shut != 0)
-    ends = Descents(model).run(Samples.on(x, shut, hold=True))
+    at_limit = np.where(guess == -math.pi, -1, 0)  # phi_1 = phi_3 = phi_5 = -pi: nothing opens
+    x, residual = project(model, guess, frozen=at_limit != 0)
+    ends = Descents(model).run(Samples.on(x, at_limit, hold=True))
     assert (residual <= 1e-12).all() and ends.settled.all()
     assert (np.abs(ends.samples.x[:, [0, 2]]) == math.pi).all()
     handle = [m for m in panel_result(model.scene).minima if m.local_dimension == 1]
@@ -136,7 +136,7 @@ def test_effort_and_what_it_says():
 
 
 def test_all_corners_is_said_only_where_all_were_tried():
-    from origami_nlp.programme import vertices
+    from origami_nlp.problem import vertices
     from origami_nlp.starts import Rounds
 
     for degree, effort in ((5, "quick"), (6, "quick"), (6, "normal"), (9, "normal")):
@@ -181,9 +181,9 @@ def test_rounding_does_not_stall_descents_at_contacts_that_force_each_other_shut
     x = at + 1e-12 * np.random.default_rng(0).uniform(-1, 1, (60, 4))
     limit = np.array([-3.12, math.pi, 3.13, -math.pi])
     near = limit * (1 - np.linspace(0, 0.01, 20)[:, None] * [1, 0, 1, 0])
-    shut = np.where(np.abs(near) == math.pi, np.sign(near), 0).astype(int)
+    at_limit = np.where(np.abs(near) == math.pi, np.sign(near), 0).astype(int)
     descents = Descents(model)
-    starts = [Samples.on(x), Samples.on(near, shut)]
+    starts = [Samples.on(x), Samples.on(near, at_limit)]
     ends = [descents.run(descents.closing.close(s, 12, 1e-14)) for s in starts]
     for end in ends:
         assert end.converged.all()

@@ -12,8 +12,8 @@ from origami_nlp.kkt import Solve, polish
 from origami_nlp.minima import record, search
 from origami_nlp.minima.descents import Descents
 from origami_nlp.minima.search import Search
-from origami_nlp.numerics import CLOSES
-from origami_nlp.starts import Rounds, model_strata, options_of, touch_starts
+from origami_nlp.numerics import CLOSURE_TOL
+from origami_nlp.starts import Rounds, contact_starts, model_strata, options_of
 from tests.independent.closing import EXTENDED
 from tests.independent.sheet import product_of_folds
 
@@ -147,8 +147,8 @@ def test_descents_end_closed_and_at_the_limits_that_they_hold():
         ends = descents.run(samples)
         s = ends.samples
         done = ends.converged | ends.settled
-        assert (np.abs(s.x)[s.shut != 0] == pi).all()
-        assert max(np.abs(model.closure(x)[0]).max() for x in s.x[done]) <= CLOSES
+        assert (np.abs(s.x)[s.at_limit != 0] == pi).all()
+        assert max(np.abs(model.closure(x)[0]).max() for x in s.x[done]) <= CLOSURE_TOL
 
 
 def test_the_polish_sees_a_fold_limit_that_newton_went_beyond():
@@ -159,7 +159,7 @@ def test_the_polish_sees_a_fold_limit_that_newton_went_beyond():
         state = polish(model, Solve(end, "", 0, math.nan, np.zeros(5), None), guess)
         closure = np.abs(model.closure(state.x)[0]).max()
         assert closure == pytest.approx(state.closure_residual, abs=1e-15)
-        assert not state.converged or closure <= CLOSES
+        assert not state.converged or closure <= CLOSURE_TOL
 
 
 def test_an_end_that_does_not_close_spoils_no_proof():
@@ -176,7 +176,7 @@ def test_whatever_a_search_names_closes_by_a_product_of_its_own():
         sectors = np.array(scene.vertex.sector_angles, dtype=np.longdouble)
         for state in (*result.minima, *result.search.undecided, *result.search.rejected):
             whole = product_of_folds(sectors, np.array(state.fold_angles, dtype=np.longdouble))
-            assert float(np.abs(whole - np.eye(3)).max()) < 3 * CLOSES
+            assert float(np.abs(whole - np.eye(3)).max()) < 3 * CLOSURE_TOL
 
 
 def test_an_end_off_closure_is_counted_and_no_state(monkeypatch):
@@ -305,7 +305,7 @@ def test_the_minimum_with_two_touches_is_found_by_default():
 
 def test_strata_with_touches_that_are_hard_to_hit_are_drawn_on():
     model = Model(LOST)
-    drawn = touch_starts(model, np.random.default_rng(0), 200)
+    drawn = contact_starts(model, np.random.default_rng(0), 200)
     (rare,) = model_strata(model).numbers([(5, 0), (4, 1)], [])
     assert drawn.tried[rare] > 1000
     assert drawn.started[rare] > 0

@@ -15,9 +15,9 @@ from matplotlib.image import imread
 from matplotlib.text import Text
 
 import origami_nlp as o
+from origami_nlp.display import KINDS, draw_state, pose_state
 from origami_nlp.folding import fold_vertex
 from origami_nlp.minima.picture import MOST_DRAWN
-from origami_nlp.show import KINDS, draw_state, pose_state
 from tests.computed_once import PANELS, panel_result, shared, thinned
 
 COARSE = 21  # cells of the landscape: the pictures are not looked at here

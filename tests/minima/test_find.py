@@ -7,10 +7,10 @@ import time
 import numpy as np
 import pytest
 
-from origami_nlp import Scene, Vertex, examine, examples, find_minima
+from origami_nlp import Scene, Vertex, check_admissible, examples, find_minima
 from origami_nlp.kkt import follow
 from origami_nlp.minima.stopping import chao1, unseen_share
-from origami_nlp.programme import Model, compile_structure
+from origami_nlp.problem import Model, compile_structure
 from tests.computed_once import panel_result
 
 CLOSURE = 1e-14  # closure of regular states
@@ -24,7 +24,7 @@ def test_every_state_is_polished_admissible_and_certified(scene):
     assert sum(result.search.statuses.values()) == result.search.solves
     for m in result.minima:
         assert m.polished and m.closure_residual <= CLOSURE and m.kkt_residual <= KKT
-        assert examine(scene.vertex, np.array(m.fold_angles)).admissible
+        assert check_admissible(scene.vertex, np.array(m.fold_angles)).admissible
         assert m.energy == pytest.approx(scene.energy(m.fold_angles), rel=1e-12)
         assert "search" not in m.certificate  # every one is decided by a proof
         if m.kind == "interior":
@@ -48,7 +48,7 @@ def test_no_state_is_left_undecided_in_the_full_space(scene):
         assert f.descent[0][0] == pytest.approx(m.fold_angles, abs=1e-9)
         assert all(b < a for a, b in itertools.pairwise(energies))
         for angles, energy in f.descent:
-            state = examine(scene.vertex, np.array(angles))
+            state = check_admissible(scene.vertex, np.array(angles))
             assert state.admissible and state.closure_residual <= 1e-12
             assert energy == pytest.approx(scene.energy(angles), rel=1e-12)
         steps = np.abs(np.diff([a for a, _ in f.descent], axis=0)).max()
@@ -77,7 +77,7 @@ def test_handles_need_one_sign_of_the_closed_creases():
         pair = next(i for i in (1, 2) if abs(wrong[i]) == math.pi)
         for i in (pair, 6 - pair):
             wrong[i] = -wrong[i]
-        state = examine(scene.vertex, wrong)
+        state = check_admissible(scene.vertex, wrong)
         assert state.closure_residual < 1e-12 and not state.admissible and "layer" in state.reason
 
 
@@ -189,8 +189,11 @@ def test_a_search_ended_by_time_says_so():
     result = find_minima(scene, prove=False, seconds=0.3)
     assert time.process_time() - begin < 5
     assert result.search.stopped_by == "time" and result.flags.search_stopped_early
-    told = " ".join(str(result).split())
-    assert "interrupted by the time limit" in told and "drawn starts found no other" not in told
+    reported = " ".join(str(result).split())
+    assert (
+        "interrupted by the time limit" in reported
+        and "drawn starts found no other" not in reported
+    )
     assert (
         find_minima(examples.degree6("pi/3", 1), seconds=60.0, prove=False).search.stopped_by
         == "rule"

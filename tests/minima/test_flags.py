@@ -12,8 +12,8 @@ from pathlib import Path
 import pytest
 
 from origami_nlp import MinimaResult, Scene, Vertex, examples, find_minima
+from origami_nlp.display import Flags
 from origami_nlp.minima import ResultFlags, StateFlags
-from origami_nlp.show import Flags
 
 PAGE = Path(__file__).parents[2] / "docs" / "flags.md"
 HEAD = """# Flags: what can be bad about a result

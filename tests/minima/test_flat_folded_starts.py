@@ -12,10 +12,10 @@ from scipy.spatial.transform import Rotation
 
 import origami_nlp as o
 from origami_nlp import examples
-from origami_nlp.facets import Sheet
 from origami_nlp.minima import MinimaResult
 from origami_nlp.pattern import make_pattern
-from origami_nlp.sheets import (
+from origami_nlp.pattern_problem import PatternProblem
+from origami_nlp.pattern_states import (
     Clearance,
     find_states,
     follow_curve,
@@ -66,24 +66,24 @@ def test_ways_across_a_shut_row():
     heights = pattern.corners[pattern.ends[:, 0], 1]
     row = straight & (np.abs(heights - heights[straight].min()) < 1e-9)
     phi = np.where(row, math.pi, 0.0)
-    sheet = Sheet(pattern)
-    assert sheet.residual(phi) < 1e-13
+    problem = PatternProblem(pattern)
+    assert problem.residual(phi) < 1e-13
     ways = list_branches(pattern, phi)
     across = [d for d in ways.lines if np.abs(d[row]).max() < 1e-6]
     assert across
     for d in across:
-        closed, residual = sheet.project(phi + 0.3 * d / np.abs(d).max(), row)
+        closed, residual = problem.project(phi + 0.3 * d / np.abs(d).max(), row)
         assert residual < 1e-13 and np.abs(closed - phi).max() > 0.2
-        assert pattern.creases - sheet.rank(closed) == 1
+        assert pattern.creases - problem.rank(closed) == 1
 
 
 def test_all_wells_of_a_curve_in_long_steps():
     """As a fine scan of its energy sees them."""
     pattern = strip(0)
-    sheet = Sheet(pattern)
+    problem = PatternProblem(pattern)
     line = list_branches(pattern).lines[0]
-    phi, _ = sheet.project(0.2 * line / np.abs(line).max())
-    curve = interpolate(sheet, follow_curve(sheet, phi, tangents(sheet, phi)[:, 0], 0.3))
+    phi, _ = problem.project(0.2 * line / np.abs(line).max())
+    curve = interpolate(problem, follow_curve(problem, phi, tangents(problem, phi)[:, 0], 0.3))
     fine = np.array(
         [
             curve.at(k, u)
@@ -91,27 +91,27 @@ def test_all_wells_of_a_curve_in_long_steps():
             for u in np.linspace(0, 1, 200, endpoint=False)
         ]
     )
-    energy = np.array([sheet.scaled_energy(x) for x in fine])
+    energy = np.array([problem.scaled_energy(x) for x in fine])
     inside = np.flatnonzero((energy[1:-1] < energy[:-2]) & (energy[1:-1] < energy[2:])) + 1
-    found = [x for x in wells(sheet, curve) if np.abs(x).max() < math.pi - 1e-9]
+    found = [x for x in wells(problem, curve) if np.abs(x).max() < math.pi - 1e-9]
     assert len(found) == len(inside)
     for i in inside:
         assert min(np.abs(x - fine[i]).max() for x in found) < 5e-3
-    assert max(sheet.residual(x) for x in found) < 1e-5
+    assert max(problem.residual(x) for x in found) < 1e-5
 
 
 def test_gaps_are_no_larger_than_distances():
     """Against the least distance of points spread over both facets."""
-    sheet = Sheet(miura(3, 3))
+    problem = PatternProblem(miura(3, 3))
     rng = np.random.default_rng(0)
-    clearance = Clearance(sheet)
-    for line in list_branches(sheet.pattern).lines[:2]:
-        phi, _ = sheet.project(1.5 * line / np.abs(line).max())
-        x = sheet.crossings.placed(phi)
+    clearance = Clearance(problem)
+    for line in list_branches(problem.pattern).lines[:2]:
+        phi, _ = problem.project(1.5 * line / np.abs(line).max())
+        x = problem.crossings.placed(phi)
         gaps = clearance.gaps(x, np.full(len(clearance.first), np.inf))
         weights = rng.dirichlet(np.full(4, 0.4), 300)
         for k, (i, j) in enumerate(zip(clearance.first, clearance.second, strict=True)):
-            if set(sheet.crossings.pieces[i]) & set(sheet.crossings.pieces[j]):
+            if set(problem.crossings.pieces[i]) & set(problem.crossings.pieces[j]):
                 continue
             a, b = weights @ x[i], weights @ x[j]
             assert 0 < gaps[k] <= np.linalg.norm(a[:, None] - b, axis=2).min() + 1e-12
@@ -122,11 +122,11 @@ def test_the_unit_of_length_does_not_part_facets():
     seen = []
     for scale in (1.0, 2.0**-30):
         pattern, _ = metasheet(3)
-        sheet = Sheet(replace(pattern, corners=scale * pattern.corners))
+        problem = PatternProblem(replace(pattern, corners=scale * pattern.corners))
         line = list_branches(pattern).lines[1]
-        phi, _ = sheet.project(0.2 * line / np.abs(line).max())
-        curve = interpolate(sheet, follow_curve(sheet, phi, tangents(sheet, phi)[:, 0], 0.3))
-        seen.append(Clearance(sheet).along(curve))
+        phi, _ = problem.project(0.2 * line / np.abs(line).max())
+        curve = interpolate(problem, follow_curve(problem, phi, tangents(problem, phi)[:, 0], 0.3))
+        seen.append(Clearance(problem).along(curve))
     one, other = seen
     assert one.unclear == other.unclear and (one.states == other.states).all()
     assert (one.crosses == other.crosses).all() and one.crosses.any()
@@ -180,14 +180,14 @@ def test_a_search_ends_in_its_time_and_says_what_it_left_out(name, size, part):
     )
     assert "every well" not in said and "and the ways out of each" not in said
     for state in found.states:  # what was found is whole
-        again = judge(Sheet(pattern), state.phi)
+        again = judge(PatternProblem(pattern), state.phi)
         assert (again.verdict, again.kind) == (state.verdict, state.kind)
     assert MinimaResult.from_dict(found.to_dict()).search == found.search
 
 
 def stopped(monkeypatch, after):
     """The user interrupts the search at this random start."""
-    search = importlib.import_module("origami_nlp.sheets.find")._Search
+    search = importlib.import_module("origami_nlp.pattern_states.find")._Search
     draw = search.draw
 
     def drawn(self, rng, k):

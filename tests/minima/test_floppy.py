@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from origami_nlp.pattern import as_pattern
-from origami_nlp.sheets import find_states
+from origami_nlp.pattern_states import find_states
 
 pytest.importorskip("fcl", reason="python-fcl, of the extra test")
 from tests.independent.rigid import Rigid, depth
@@ -18,7 +18,7 @@ from tests.independent.rigid import Rigid, depth
 CASES = ["waterbomb:3x3", "yoshimura:3x3", "resch:1x2", "resch:2x2"]
 SHALLOW = 1e-11
 """Facets that reach no further into each other touch, over the size of the sheet."""
-BESIDE = 200
+NEAR_SINGULAR_TOL = 200
 """Closed states beside each state."""
 
 
@@ -37,11 +37,11 @@ def deep(body, phi):
 
 def beside(body, phi, rng, most):
     """Closed states beside one: of the creases at their limits all but two at most stay there."""
-    shut = np.flatnonzero(math.pi - np.abs(phi) < 1e-9)
+    at_limit = np.flatnonzero(math.pi - np.abs(phi) < 1e-9)
     slopes = body.differences(phi)
     for _ in range(20):
-        opened = rng.choice(shut, rng.integers(0, min(2, len(shut)) + 1), replace=False)
-        free = np.setdiff1d(np.arange(len(phi)), np.setdiff1d(shut, opened))
+        opened = rng.choice(at_limit, rng.integers(0, min(2, len(at_limit)) + 1), replace=False)
+        free = np.setdiff1d(np.arange(len(phi)), np.setdiff1d(at_limit, opened))
         _, values, vt = np.linalg.svd(slopes[:, free])
         rank = int((values > 1e-6).sum())
         if rank == len(free):
@@ -61,7 +61,7 @@ def beside(body, phi, rng, most):
                 yield new
 
 
-def examine(name, seed, contact, most=BESIDE):
+def check_admissible(name, seed, contact, most=NEAR_SINGULAR_TOL):
     """Return how many minima were claimed, and how many states beside them were looked at."""
     pattern = sprung(name, seed)
     body, rng = Rigid(pattern), np.random.default_rng(seed)
@@ -82,7 +82,7 @@ def examine(name, seed, contact, most=BESIDE):
 
 
 def test_no_minimum_of_a_floppy_sheet_is_refuted():
-    many, looked = examine("yoshimura:3x3", 0, False, 20)
+    many, looked = check_admissible("yoshimura:3x3", 0, False, 20)
     assert many and looked > 10 * many
 
 
@@ -91,4 +91,4 @@ def test_no_minimum_of_a_floppy_sheet_is_refuted():
 @pytest.mark.parametrize("contact", [False, True], ids=["limits", "contact"])
 @pytest.mark.parametrize("name", CASES)
 def test_no_minimum_of_floppy_sheets_is_refuted(name, contact, seed):
-    examine(name, seed, contact)
+    check_admissible(name, seed, contact)

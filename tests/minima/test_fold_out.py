@@ -120,9 +120,9 @@ def test_face_orders_of_shut_creases():
                 alike = np.sign(normals[f] @ normals[g])
                 above[g, f] = int(-s * alike)  # seen from the other face
             n = len(phi)
-            shut = np.flatnonzero(np.abs(np.abs(phi) - math.pi) < 1e-9)
-            assert len(shut) == 0 or orders
-            for i in shut:
+            at_limit = np.flatnonzero(np.abs(np.abs(phi) - math.pi) < 1e-9)
+            assert len(at_limit) == 0 or orders
+            for i in at_limit:
                 assert above[int(i), int(i - 1) % n] == np.sign(phi[i])
 
 

@@ -5,37 +5,37 @@ import numpy as np
 import pytest
 
 import origami_nlp as o
-from origami_nlp.facets import Sheet, independent_rows, pose
 from origami_nlp.kkt import State, classify
-from origami_nlp.sheets import confirm_minimum, judge
+from origami_nlp.pattern_problem import PatternProblem, independent_rows, pose
+from origami_nlp.pattern_states import confirm_minimum, judge
 from tests.patterns import miura
 
 
 @pytest.fixture(scope="module")
 def metasheet():
     found = o.find_minima("metasheet:4x4", starts=2, escape=False)
-    return Sheet(found.pattern), found.minima
+    return PatternProblem(found.pattern), found.minima
 
 
 def test_symbols_and_values_agree(metasheet):
     """Closure at any folds, gaps at closed ones; derivatives by CasADi; and closure of a sheet with a hole."""
-    sheet, minima = metasheet
-    state = State(sheet, next(s.phi for s in minima if s.contacts))
-    touches = [sheet.touch(c) for c in state.contacts.base if not c.is_limit]
+    problem, minima = metasheet
+    state = State(problem, next(s.phi for s in minima if s.contacts))
+    touches = [problem.touch(c) for c in state.contacts.base if not c.is_limit]
     assert len(touches) >= 2
-    every = np.arange(sheet.equation_count)
-    nlp = pose(sheet, every, touches)
+    every = np.arange(problem.equation_count)
+    nlp = pose(problem, every, touches)
     both = ca.Function("g", [nlp.x], [nlp.g, ca.jacobian(nlp.g, nlp.x)])
-    at = np.random.default_rng(0).uniform(-2, 2, sheet.size)
+    at = np.random.default_rng(0).uniform(-2, 2, problem.size)
     assert np.asarray(both(at)[0]).ravel()[: len(every)] == pytest.approx(
-        sheet.closure.values(at), abs=1e-13
+        problem.closure.values(at), abs=1e-13
     )
-    rows = [sheet.contact_of(t) for t in touches]
-    values, slopes = sheet.constraints(state.x, rows)
+    rows = [problem.contact_of(t) for t in touches]
+    values, slopes = problem.constraints(state.x, rows)
     value, slope = (np.asarray(v) for v in both(state.x))
     assert np.abs(value.ravel() - values).max() < 1e-13
     assert np.abs((slope - slopes) @ state.kernel).max() < 1e-11
-    holed = Sheet(miura(5, 5, without=((2, 2),)))
+    holed = PatternProblem(miura(5, 5, without=((2, 2),)))
     assert holed.pattern.holes
     nlp = pose(holed, np.arange(holed.equation_count))
     at = np.random.default_rng(1).uniform(-2, 2, holed.size)
@@ -44,9 +44,9 @@ def test_symbols_and_values_agree(metasheet):
 
 
 def test_ipopt_stays_at_minima_with_multipliers_that_balance(metasheet):
-    sheet, minima = metasheet
+    problem, minima = metasheet
     for minimum in minima:
-        said = confirm_minimum(sheet, minimum)
+        said = confirm_minimum(problem, minimum)
         assert said.solver is not None and said.solver.agrees and said.solver.moved < 1e-6
         ours, theirs = said.forces
         assert said.left < 1e-6 and theirs.min(initial=0.0) > -1e-7
@@ -54,14 +54,14 @@ def test_ipopt_stays_at_minima_with_multipliers_that_balance(metasheet):
             theirs.sum(), abs=1e-6
         )  # of two alike contacts what both carry
     held = next(s for s in minima if s.contacts)
-    assert classify(State(sheet, held.phi)).kind == "degenerate"
+    assert classify(State(problem, held.phi)).kind == "degenerate"
 
 
 def test_unique_multipliers_are_equal():
     found = o.find_minima("miura:2x3", starts=2, escape=False)
-    sheet, told = Sheet(found.pattern), 0
+    problem, reported = PatternProblem(found.pattern), 0
     for minimum in found.minima:
-        said = confirm_minimum(sheet, minimum)
+        said = confirm_minimum(problem, minimum)
         if said.solver is None:
             assert said.reason == "closure loses rank"
             continue
@@ -69,26 +69,26 @@ def test_unique_multipliers_are_equal():
         if all(c.unique for c in minimum.contacts):
             ours, theirs = said.forces
             assert theirs == pytest.approx(ours, abs=1e-5)
-            told += 1
-    assert told
+            reported += 1
+    assert reported
 
 
 def test_ipopt_leaves_what_is_no_minimum():
     pattern = o.examples.pattern("miura", 2, 3)
-    sheet = Sheet(pattern)
-    phi, residual = sheet.project(0.4 * pattern.signs)
+    problem = PatternProblem(pattern)
+    phi, residual = problem.project(0.4 * pattern.signs)
     assert residual < 1e-13
-    state = judge(sheet, phi)
+    state = judge(problem, phi)
     assert state.refuted
-    said = confirm_minimum(sheet, state)
+    said = confirm_minimum(problem, state)
     assert said.solver is not None and not said.solver.agrees
 
 
 def test_independent_rows_span_all():
     pattern = miura(4, 4)
-    sheet = Sheet(pattern)
-    phi, _ = sheet.project(0.5 * pattern.signs)
-    rows, j = independent_rows(sheet, phi), sheet.jacobian(phi)
-    assert len(rows) == sheet.rank(phi) < len(j)
+    problem = PatternProblem(pattern)
+    phi, _ = problem.project(0.5 * pattern.signs)
+    rows, j = independent_rows(problem, phi), problem.jacobian(phi)
+    assert len(rows) == problem.rank(phi) < len(j)
     left = j - j @ np.linalg.pinv(j[rows]) @ j[rows]
     assert np.abs(left).max() < 1e-9

@@ -7,7 +7,7 @@ import pytest
 
 from origami_nlp import examples
 from origami_nlp.pattern import read_pattern
-from origami_nlp.sheets import find_states
+from origami_nlp.pattern_states import find_states
 from tests.fold_files import others
 from tests.patterns import metasheet, strip
 from tests.relabelled import relabelled
@@ -56,7 +56,7 @@ def _agree(found, other, creases, sign):
         assert [s.energy for s in two] == pytest.approx([s.energy for s in one], abs=1e-9)
         for s in two:
             near = [t for t in one if abs(t.energy - s.energy) < 1e-8 and t.verdict == s.verdict]
-            near = [t for t in near if (t.kind, t.freedoms) == (s.kind, s.freedoms)]
+            near = [t for t in near if (t.kind, t.dof) == (s.kind, s.dof)]
             apart = [np.abs(sign * t.phi[creases] - s.phi).max() for t in near]
             assert min(apart) < 1e-6
 

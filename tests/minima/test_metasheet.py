@@ -12,9 +12,9 @@ import numpy as np
 import pytest
 
 import origami_nlp as o
-from origami_nlp.facets import Sheet
 from origami_nlp.pattern import Scene
-from origami_nlp.sheets import find_states, judge
+from origami_nlp.pattern_problem import PatternProblem
+from origami_nlp.pattern_states import find_states, judge
 from tests.independent.trigonometry import quadrilateral, sectors
 from tests.patterns import QUAD, metasheet
 
@@ -66,14 +66,14 @@ def test_without_contact_a_sheet_has_the_states_of_its_vertex(size):
     )
     vertex = o.find_minima(scene, escape=False).minima
     assert len(found) == len(vertex) == 3
-    body, sheet = Rigid(pattern), Sheet(pattern)
+    body, problem = Rigid(pattern), PatternProblem(pattern)
     for state, one in zip(found, vertex, strict=True):
         folds = np.array(one.fold_angles)[[AROUND.index(c) for c in range(4)]]
         assert state.energy == pytest.approx(many * vertex_energy(folds), rel=1e-12)
         assert state.phi == pytest.approx(folds[classes], abs=1e-9)
-        assert (state.kind, state.freedoms) == ("interior", 1)
+        assert (state.kind, state.dof) == ("interior", 1)
         # with contact facets must not cross: as many pairs do as another library finds
-        crossed = judge(sheet, state.phi)
+        crossed = judge(problem, state.phi)
         assert crossed.verdict == ("not admissible" if crossed.crossings else "minimum")
         collide = sorted((a + 1, b + 1) for a, b in body.collide(state.phi))
         assert sorted(crossed.crossings) == collide  # a judged state counts facets from 1
@@ -273,7 +273,7 @@ class FiftyDigits:
 
 
 @pytest.mark.parametrize(
-    ("start", "energy", "sheet"),
+    ("start", "energy", "problem"),
     [
         ((1.719, -0.133, 1.686, 0.126), "2.8338871869", 1),
         ((-3.088, 1.067, -2.798, -1.008), "7.0589350612", 1),
@@ -281,7 +281,7 @@ class FiftyDigits:
         ((2.980, 1.688, -2.766, -1.578), "0.1563274441", -1),
     ],
 )
-def test_three_of_four_closed_stationary_vertices_are_paper(start, energy, sheet):
+def test_three_of_four_closed_stationary_vertices_are_paper(start, energy, problem):
     """In 50 digits: the one of least energy closes with q = -1, and two of its facets pass through each other."""
     with mpmath.workdps(50):
         vertex = FiftyDigits()
@@ -292,8 +292,10 @@ def test_three_of_four_closed_stationary_vertices_are_paper(start, energy, sheet
             k * (f - r) ** 2 / 2 for k, f, r in zip(vertex.k, folds, vertex.rest, strict=True)
         )
         assert abs(3 * total - mpmath.mpf(energy)) < mpmath.mpf("6e-11")
-        assert abs(vertex.half(folds) - sheet) < mpmath.mpf("1e-45")
-        assert bool(vertex.passing(folds)) == (sheet < 0)
+        assert abs(vertex.half(folds) - problem) < mpmath.mpf("1e-45")
+        assert bool(vertex.passing(folds)) == (problem < 0)
     pattern, classes = sprung(3)
-    state = judge(Sheet(pattern), np.array([float(folds[AROUND.index(c)]) for c in classes]), False)
-    assert state.verdict == ("minimum" if sheet > 0 else "not admissible")
+    state = judge(
+        PatternProblem(pattern), np.array([float(folds[AROUND.index(c)]) for c in classes]), False
+    )
+    assert state.verdict == ("minimum" if problem > 0 else "not admissible")

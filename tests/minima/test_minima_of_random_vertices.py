@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from origami_nlp import find_minima
-from origami_nlp.programme import Model
+from origami_nlp.problem import Model
 from tests.computed_once import thinned
 from tests.independent.admissible import admissible
 from tests.independent.neighbours import Problem, look_around

@@ -1,4 +1,4 @@
-"""No false state: every minimum that the package reports stands before a judge of its own (`stands`).
+"""No false state: every minimum that the package reports stands before a judge of its own (`verify_minimum`).
 
 First the judge itself: it accepts true minima and refutes planted false ones.  Then the states of
 nearly singular scenes, of other people's files, and of scenes on which false states were once seen.
@@ -19,8 +19,8 @@ from tests.independent.closing import EXTENDED, PI, close
 from tests.independent.exact_states import base
 from tests.independent.nearly_singular import KINDS, nearly_singular
 from tests.independent.relations import exact_sectors
-from tests.independent.sheet import Sheet, product_of_folds
-from tests.independent.stands import CLOSES, RADII, judge
+from tests.independent.sheet import PatternProblem, product_of_folds
+from tests.independent.stands import CLOSURE_TOL, RADII, judge
 
 pytestmark = pytest.mark.skipif(not EXTENDED, reason="no extended precision on this machine")
 
@@ -34,19 +34,19 @@ def failures(result, count=COUNT, seen=None):
 
     seen: states of the same scene that were judged before.
     """
-    sheet = Sheet.of(result.scene)
+    problem = PatternProblem.of(result.scene)
     seen = {} if seen is None else seen
     out = []
     for m in result.minima:
         state = tuple(np.round(m.fold_angles, 11))
         if state not in seen:
-            seen[state] = judge(sheet, m.fold_angles, count)
+            seen[state] = judge(problem, m.fold_angles, count)
         stand = seen[state]
-        closure = np.abs(product_of_folds(sheet.sectors, m.fold_angles) - np.eye(3)).max()
+        closure = np.abs(product_of_folds(problem.sectors, m.fold_angles) - np.eye(3)).max()
         where = f"U = {m.energy:.6g}, {m.kind}, {m.fold_angles}"
         if stand.false:
             out.append(f"{where} {stand.why}")
-        elif closure > CLOSES:
+        elif closure > CLOSURE_TOL:
             out.append(f"{where} closes to {closure:.1e}")
         elif result.scene.contact != "none" and np.abs(m.fold_angles).max() > pi:
             out.append(f"{where} folds beyond pi")
@@ -58,9 +58,11 @@ def failures(result, count=COUNT, seen=None):
 # ---------------------------------------------------------------- the judge
 
 
-def sheet(sectors, stiffness, rest, contact="full"):
+def problem(sectors, stiffness, rest, contact="full"):
     n = len(sectors)
-    return Sheet(np.array(sectors), np.arange(n), np.array(stiffness), np.array(rest), contact)
+    return PatternProblem(
+        np.array(sectors), np.arange(n), np.array(stiffness), np.array(rest), contact
+    )
 
 
 @pytest.mark.parametrize("scene", thinned(examples.panels()[::7], 2), ids=lambda s: s.name)
@@ -68,7 +70,7 @@ def test_the_judge_accepts_the_minima_of_the_panels(scene):
     minima = panel_result(scene).minima
     assert len(minima) >= 2
     for m in minima:
-        stand = judge(Sheet.of(scene), m.fold_angles, 600)
+        stand = judge(PatternProblem.of(scene), m.fold_angles, 600)
         assert not stand.false, stand
         assert stand.offset <= 1e-14
         assert min(stand.looked) >= 400 and max(stand.elsewhere) == 0
@@ -81,7 +83,7 @@ def test_the_judge_accepts_true_minima_and_refutes_states_beside_them(contact):
     sectors = rng.dirichlet(np.full(5, 8.0)) * 2 * pi
     rest = rng.uniform(-1.2, 1.2, 5)
     scene = Scene(Vertex(tuple(sectors.tolist())), np.ones(5), rest, "none", contact)
-    claim = Sheet.of(scene)
+    claim = PatternProblem.of(scene)
     refuted = 0
     for m in find_minima(scene, max_starts=12, fewest_starts=6, prove=False, escape=False).minima:
         assert not judge(claim, m.fold_angles, 600).false
@@ -93,7 +95,7 @@ def test_the_judge_accepts_true_minima_and_refutes_states_beside_them(contact):
             y, closed, _ = close(claim.long, claim.orbit, start, held, x, np.full(3, 2 * distance))
             for state in y[closed]:
                 stand = judge(claim, state.astype(float), 200)
-                assert stand.false and stand.closure <= CLOSES, stand
+                assert stand.false and stand.closure <= CLOSURE_TOL, stand
                 if stand.allowed:
                     assert stand.drop > 0 and stand.change < 0
                     refuted += 1
@@ -103,10 +105,10 @@ def test_the_judge_accepts_true_minima_and_refutes_states_beside_them(contact):
 def test_the_judge_refutes_a_saddle_and_the_flat_state():
     h = pi / 2
     # unequal springs that pull open a vertex of degree 4: the flat state is stationary on no sheet
-    claim = sheet((h, h + 0.3, h, h - 0.3), (1, 1, 1, 1), (0.5, 0.5, -0.5, 0.5))
+    claim = problem((h, h + 0.3, h, h - 0.3), (1, 1, 1, 1), (0.5, 0.5, -0.5, 0.5))
     assert judge(claim, (0.0, 0.0, 0.0, 0.0), 400).false
     # a book fold with springs at rest at +t and -t alike: flat is a saddle of it
-    claim = sheet((h, h, h, h), (1, 1, 1, 1), (1.0, 0.0, 1.0, 0.0))
+    claim = problem((h, h, h, h), (1, 1, 1, 1), (1.0, 0.0, 1.0, 0.0))
     stand = judge(claim, (0.0, 0.0, 0.0, 0.0), 400)
     assert stand.false and stand.reach > 0.9 and abs(stand.drop - 1.0) < 1e-6
     assert not judge(claim, (1.0, 0.0, 1.0, 0.0), 400).false
@@ -118,7 +120,7 @@ MIURA = math.radians(66.37062226934322)
 @pytest.mark.parametrize("t", thinned([4.27e-5, 1e-3, 1e-5, 0.5, 1e-7], 5))
 def test_the_judge_refutes_the_false_states_of_a_miura_vertex(t):
     a = MIURA
-    claim = sheet((a, a, pi - a, pi - a), (1,) * 4, (pi, pi, -pi, pi))
+    claim = problem((a, a, pi - a, pi - a), (1,) * 4, (pi, pi, -pi, pi))
     stand = judge(claim, (-t, pi, t, pi), 600)
     assert stand.closure <= 1e-15 and stand.allowed
     assert stand.false and stand.radius == 1e-6
@@ -128,11 +130,11 @@ def test_the_judge_refutes_the_false_states_of_a_miura_vertex(t):
 
 def test_the_judge_refutes_a_state_that_closes_only_nearly():
     d, h = 1e-8, pi / 2
-    claim = sheet((h + d, h - d, h + d, h - d), (1,) * 4, (-1.0, -0.7, 1.9, -2.5))
+    claim = problem((h + d, h - d, h + d, h - d), (1,) * 4, (-1.0, -0.7, 1.9, -2.5))
     stand = judge(claim, (-0.71, -pi, 0.71, -pi), 400)
     assert 1e-12 < stand.closure < 1e-7 and stand.false
     d = 1e-12  # closes to rounding, but only with layers that cross
-    claim = sheet((h + d, h - d, h + d, h - d), (1,) * 4, (-1.0, -0.7, 1.9, -2.5))
+    claim = problem((h + d, h - d, h + d, h - d), (1,) * 4, (-1.0, -0.7, 1.9, -2.5))
     stand = judge(claim, (-0.71, -pi, 0.71, -pi), 400)
     assert stand.closure < 1e-11 and stand.false
 
@@ -140,10 +142,10 @@ def test_the_judge_refutes_a_state_that_closes_only_nearly():
 def test_the_judge_refutes_states_that_are_not_admissible():
     h = pi / 2
     # a flat folding whose layers cross: rolled up to one side
-    stand = judge(sheet((h, h, h, h), (1,) * 4, (1.0,) * 4), (pi, pi, pi, pi), 100)
+    stand = judge(problem((h, h, h, h), (1,) * 4, (1.0,) * 4), (pi, pi, pi, pi), 100)
     assert stand.closure < 1e-15 and stand.false and not stand.allowed
     # beyond the fold limit
-    stand = judge(sheet((h, h, h, h), (1,) * 4, (1.0,) * 4), (3.3, 0, 3.3, 0), 100)
+    stand = judge(problem((h, h, h, h), (1,) * 4, (1.0,) * 4), (3.3, 0, 3.3, 0), 100)
     assert stand.false and not stand.allowed
 
 
@@ -288,8 +290,8 @@ def test_nearly_singular_scenes_are_what_they_say():
         assert abs(math.fsum(s.sectors) - 2 * pi) < 1e-13
         gap = closest_relation(s.kind, np.array(s.sectors))
         assert gap <= 2 * s.d + 1e-14
-    shut = [s for s in all_of_them if set(map(abs, s.rest_angles)) <= {pi, 0.0}]
-    assert 80 <= len(shut) <= 120
+    at_limit = [s for s in all_of_them if set(map(abs, s.rest_angles)) <= {pi, 0.0}]
+    assert 80 <= len(at_limit) <= 120
 
 
 def closest_relation(kind, a):

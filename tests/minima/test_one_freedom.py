@@ -11,7 +11,7 @@ from origami_nlp import Scene, Vertex, examples
 from origami_nlp.errors import OptionError
 from origami_nlp.kkt import Solve, State, classify, polish
 from origami_nlp.minima import find_minima, trace
-from origami_nlp.programme import Model
+from origami_nlp.problem import Model
 from tests.computed_once import thinned
 from tests.independent import rotations
 from tests.independent.admissible import admissible

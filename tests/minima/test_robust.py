@@ -12,15 +12,15 @@ import pytest
 
 from origami_nlp import load_path
 from origami_nlp.errors import OptionError
-from origami_nlp.facets import Parallel, Placed, Sheet, Touch
 from origami_nlp.kkt import newton, project
 from origami_nlp.numerics import Normal
 from origami_nlp.pattern import Pattern, make_pattern
-from origami_nlp.sheets import find_states, pop_rows
+from origami_nlp.pattern_problem import ContactPair, FoldedGeometry, Parallel, PatternProblem
+from origami_nlp.pattern_states import find_states, pop_rows
 from tests.patterns import miura, strip
 from tests.relabelled import relabelled
 
-FIND = importlib.import_module("origami_nlp.sheets.find")
+FIND = importlib.import_module("origami_nlp.pattern_states.find")
 
 
 def hinge(rest: float) -> Pattern:
@@ -48,17 +48,17 @@ def test_a_minimum_beside_a_state_that_is_listed_exactly(rest):
 
 def test_sides_along_each_other_have_no_gap():
     """A trial state at which a gap is not defined is none; it was a division by zero."""
-    sheet = Sheet(miura(3, 1))
-    place = Placed(sheet.crossings.poses, np.zeros(2))
-    touch = Touch("edge-edge", (0, 2), (0, 1, 4, 5), 1.0)
-    assert {0, 1} <= sheet.features.rings[0] and {4, 5} <= sheet.features.rings[2]
+    problem = PatternProblem(miura(3, 1))
+    place = FoldedGeometry(problem.crossings.poses, np.zeros(2))
+    touch = ContactPair("edge-edge", (0, 2), (0, 1, 4, 5), 1.0)
+    assert {0, 1} <= problem.features.rings[0] and {4, 5} <= problem.features.rings[2]
     for of in (touch.gap, touch.slopes, touch.bends):
         with pytest.raises(Parallel):
             of(place)
-    contact = sheet.contact_of(touch)
-    assert project(sheet, np.zeros(2), [contact])[1] == math.inf
-    assert project(sheet, np.zeros(2))[1] == 0.0
-    assert newton(sheet, np.zeros(2), (contact,))[0] is None
+    contact = problem.contact_of(touch)
+    assert project(problem, np.zeros(2), [contact])[1] == math.inf
+    assert project(problem, np.zeros(2))[1] == 0.0
+    assert newton(problem, np.zeros(2), (contact,))[0] is None
 
 
 def test_rows_of_very_different_lengths():

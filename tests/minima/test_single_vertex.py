@@ -8,10 +8,10 @@ import pytest
 
 import origami_nlp as o
 from origami_nlp import Scene, Vertex, find_minima
-from origami_nlp.facets import Sheet
 from origami_nlp.folding import frames_to_fold
 from origami_nlp.pattern import frame_pattern, panels, parse_fold, scene_pattern
-from origami_nlp.sheets import find_states, judge
+from origami_nlp.pattern_problem import PatternProblem
+from origami_nlp.pattern_states import find_states, judge
 
 DECIDED = 1e-9
 """Fold angles [rad], and energies over the mean stiffness, of one state found both ways."""
@@ -35,9 +35,9 @@ def compare(scene, starts=4):
     """Judge the minima of a vertex as states of a pattern: what both searches list; verdicts of what was found."""
     one = find_minima(scene, prove=False, escape=False)
     pattern, full = scene_pattern(scene), scene.contact == "full"
-    sheet, verdicts = Sheet(pattern), []
+    problem, verdicts = PatternProblem(pattern), []
     for m in one.minima:
-        state = judge(sheet, np.array(m.fold_angles), full)
+        state = judge(problem, np.array(m.fold_angles), full)
         assert abs(state.energy - m.energy) <= DECIDED * (1 + abs(m.energy))
         assert state.verdict in ("minimum", "undecided"), (m.kind, state.certificate)
         if m.kind != "degenerate":  # for one vertex that says which set it is on, not what holds it
@@ -92,8 +92,8 @@ def test_vertices_with_more_freedoms_have_the_same_minima_both_ways(seed, contac
 @pytest.mark.parametrize("degree", [4, 5, 6])
 def test_20_vertices_are_judged_alike(degree, contact):
     verdicts = [compare(drawn(seed, degree, contact), starts=20) for seed in range(100, 120)]
-    told = [v for one in verdicts for v in one]
-    assert told.count("undecided") <= 0.05 * len(told)
+    reported = [v for one in verdicts for v in one]
+    assert reported.count("undecided") <= 0.05 * len(reported)
 
 
 @pytest.mark.slow

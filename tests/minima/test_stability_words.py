@@ -11,9 +11,9 @@ from typer.testing import CliRunner
 
 import origami_nlp as o
 from origami_nlp.cli import app
+from origami_nlp.display import VERDICTS, WARNING
 from origami_nlp.minima import judge_in_full_space
 from origami_nlp.minima.stability import count_words, not_asked_words, verdict
-from origami_nlp.show import VERDICTS, WARNING
 from tests.computed_once import once, panel_result
 
 SCENE = o.examples.degree6("pi/3", 1)
@@ -51,16 +51,16 @@ def test_without_verdicts_no_word_says_stable(open_):
     assert count_words(open_.scene, open_.minima) == "4 symmetric minima"
     assert {verdict(SCENE, m) for m in open_.minima} == {"not asked"}
     figure = o.draw_minima(open_, size=21)
-    told = [str(open_), open_.to_html(picture=False), *words(figure)]
-    told.append(json.dumps(open_.to_fold()))
-    for text in told:
+    reported = [str(open_), open_.to_html(picture=False), *words(figure)]
+    reported.append(json.dumps(open_.to_fold()))
+    for text in reported:
         plain = text.replace(not_asked_words(open_.scene, open_.minima), "").replace(
             "whether they are stable", ""
         )
         assert "stable" not in plain, text
     assert (
-        not_asked_words(open_.scene, open_.minima) in told[0]
-        and not_asked_words(open_.scene, open_.minima) in told[1]
+        not_asked_words(open_.scene, open_.minima) in reported[0]
+        and not_asked_words(open_.scene, open_.minima) in reported[1]
     )
     assert "full space not asked" in words(figure)
 

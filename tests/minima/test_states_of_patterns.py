@@ -5,9 +5,9 @@ import math
 import numpy as np
 import pytest
 
-from origami_nlp.facets import Sheet
 from origami_nlp.pattern import make_pattern
-from origami_nlp.sheets import descend, find_states, judge, list_branches
+from origami_nlp.pattern_problem import PatternProblem
+from origami_nlp.pattern_states import descend, find_states, judge, list_branches
 from tests.independent.trigonometry import scan
 from tests.patterns import metasheet, miura, miura_angles, strip
 
@@ -43,10 +43,10 @@ def test_miura_settles_where_its_law_says(rows, size):
     pattern = miura(rows, size)
     pattern = pattern.with_springs(1.0, list(1.2 * np.sign(miura_angles(pattern, size, 1.0))))
     zigzag, energy = _miura_scan(pattern, size)
-    sheet = Sheet(pattern)
-    end = descend(sheet, miura_angles(pattern, size, 0.8))
-    state = judge(sheet, end.phi)
-    assert (state.verdict, state.kind, state.freedoms) == ("minimum", "interior", 1)
+    problem = PatternProblem(pattern)
+    end = descend(problem, miura_angles(pattern, size, 0.8))
+    state = judge(problem, end.phi)
+    assert (state.verdict, state.kind, state.dof) == ("minimum", "interior", 1)
     assert state.energy == pytest.approx(energy, rel=1e-12)
     assert np.abs(state.phi - miura_angles(pattern, size, zigzag)).max() < 1e-7
     # curvature per unit of the fold angles along the law: a second difference
@@ -98,10 +98,10 @@ def test_nothing_open_is_reported():
     result = find_states(pattern, starts=40, escape=False)
     assert result.search.open > 5
     for s in result.states:
-        assert Sheet(pattern).residual(s.phi) < 1e-12
-        assert Sheet(pattern).closure.on_sheet(s.phi)
+        assert PatternProblem(pattern).residual(s.phi) < 1e-12
+        assert PatternProblem(pattern).closure.on_sheet(s.phi)
     wrong = 0.3 * np.random.default_rng(0).normal(size=pattern.creases)
-    assert judge(Sheet(pattern), wrong).verdict == "not admissible"
+    assert judge(PatternProblem(pattern), wrong).verdict == "not admissible"
 
 
 @pytest.mark.slow
@@ -112,17 +112,17 @@ def test_solves_that_converge_open_are_no_states():
     pattern, classes = metasheet(4)
     k, rest = (np.array(v) for v in VERTEX_SPRINGS)
     pattern = pattern.with_springs(list(k[classes]), list(rest[classes]))
-    sheet, solve, rng = Sheet(pattern), elastic(pattern), np.random.default_rng(0)
+    problem, solve, rng = PatternProblem(pattern), elastic(pattern), np.random.default_rng(0)
     known = find_states(pattern, starts=0, escape=False).states
     opened = 0
     for _ in range(40):
         phi, said = solve(rng.uniform(-math.pi, math.pi, pattern.creases))
         assert said == "Solve_Succeeded"
-        state = judge(sheet, phi)
+        state = judge(problem, phi)
         assert state.verdict == "not admissible"  # elastic closure is never closed to rounding
-        opened += sheet.residual(phi) > 1e-3
-        closed, residual = sheet.project(phi)
-        if sheet.residual(phi) < 1e-6 and sheet.closure.on_sheet(closed):
+        opened += problem.residual(phi) > 1e-3
+        closed, residual = problem.project(phi)
+        if problem.residual(phi) < 1e-6 and problem.closure.on_sheet(closed):
             assert residual < 1e-13
             assert min(np.abs(s.phi - closed).max() for s in known) < 1e-4
     assert opened > 20
@@ -131,29 +131,33 @@ def test_solves_that_converge_open_are_no_states():
 def test_the_flat_state():
     """Balanced springs hold it; torque that folds it away does not, whatever its sign."""
     pattern = miura(3, 3)
-    assert judge(Sheet(pattern.with_springs(1.0, [0.0] * 12)), np.zeros(12)).verdict == "minimum"
-    sheet = Sheet(pattern)
+    assert (
+        judge(PatternProblem(pattern.with_springs(1.0, [0.0] * 12)), np.zeros(12)).verdict
+        == "minimum"
+    )
+    problem = PatternProblem(pattern)
     # rest angles that closure balances at the flat state: a combination of its equations there
-    j = sheet.closure.jacobian(np.zeros(12))
+    j = problem.closure.jacobian(np.zeros(12))
     rest = j.T @ np.random.default_rng(0).normal(size=j.shape[0])
     held = judge(
-        Sheet(pattern.with_springs(1.0, list(0.5 * rest / np.abs(rest).max()))), np.zeros(12)
+        PatternProblem(pattern.with_springs(1.0, list(0.5 * rest / np.abs(rest).max()))),
+        np.zeros(12),
     )
     assert held.verdict == "minimum"
-    lower = Sheet(pattern.with_springs(1.0, list(0.5 * rest / np.abs(rest).max())))
+    lower = PatternProblem(pattern.with_springs(1.0, list(0.5 * rest / np.abs(rest).max())))
     rng = np.random.default_rng(1)
     for _ in range(30):  # no closed state beside it is lower
         phi, residual = lower.project(rng.uniform(-0.1, 0.1, 12))
         assert residual > 1e-12 or lower.energy(phi) >= lower.energy(np.zeros(12)) - 1e-14
     for sign in (1.0, -1.0):
         pulled = pattern.with_springs(1.0, list(sign * miura_angles(pattern, 3, 1.0)))
-        assert judge(Sheet(pulled), np.zeros(12)).refuted
+        assert judge(PatternProblem(pulled), np.zeros(12)).refuted
 
 
 def test_beyond_shut_by_rounding_is_shut():
     """States of a vertex close to rounding, which may take a shut crease beyond pi by as much."""
     square = np.array([(0, 0), (1, 0), (1, 1), (0, 1)], float)
-    sheet = Sheet(make_pattern(square, [(0, 1, 2), (0, 2, 3)], rest={(0, 2): math.pi}))
-    state = judge(sheet, np.array([math.pi + 1e-13]))
+    problem = PatternProblem(make_pattern(square, [(0, 1, 2), (0, 2, 3)], rest={(0, 2): math.pi}))
+    state = judge(problem, np.array([math.pi + 1e-13]))
     assert state.verdict == "minimum" and state.phi[0] == math.pi
-    assert judge(sheet, np.array([math.pi + 1e-11])).verdict == "not admissible"
+    assert judge(problem, np.array([math.pi + 1e-11])).verdict == "not admissible"

@@ -6,9 +6,9 @@ import math
 import numpy as np
 import pytest
 
-from origami_nlp.facets import Sheet
 from origami_nlp.pattern import Pattern, make_pattern
-from origami_nlp.sheets import find_states, judge
+from origami_nlp.pattern_problem import PatternProblem
+from origami_nlp.pattern_states import find_states, judge
 from tests.independent.strips import Strip
 from tests.patterns import strip
 
@@ -62,13 +62,13 @@ def _apart(wells, found) -> list[float]:
 def test_closed_forms_close(seed):
     """Folds of every curve by quaternions, and their derivatives by differences."""
     pattern = strip(seed, 5, 2)
-    form, sheet = Strip(pattern), Sheet(pattern)
+    form, problem = Strip(pattern), PatternProblem(pattern)
     for signs in itertools.product((1, -1), repeat=4):
         for theta in (1e-6, 0.2, -0.4):
             phi, rate = form.at(signs, theta)
             step = 1e-6 * abs(theta)
             ahead, behind = (form.at(signs, theta + s)[0] for s in (step, -step))
-            assert sheet.residual(phi) < 1e-14
+            assert problem.residual(phi) < 1e-14
             assert np.abs((ahead - behind) / (2 * step) - rate).max() < 1e-6 * np.abs(rate).max()
 
 
@@ -86,8 +86,8 @@ def test_a_well_half_a_degree_from_flat():
     assert found.search.resolved == found.search.wells >= len(wells)
     assert any("every well" in words for words in found.search.words())
     state = next(s for s in found.minima if np.abs(s.phi - nearest).max() < 1e-9)
-    sheet = Sheet(pattern)
-    both = [judge(sheet, state.phi, contact) for contact in (True, False)]
+    problem = PatternProblem(pattern)
+    both = [judge(problem, state.phi, contact) for contact in (True, False)]
     assert [s.verdict for s in both] == ["minimum"] * 2
     assert [s.kind for s in both] == ["interior"] * 2
 

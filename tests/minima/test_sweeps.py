@@ -8,8 +8,8 @@ import pytest
 from origami_nlp import Model, Scene, Vertex
 from origami_nlp.minima import descents as descents_module
 from origami_nlp.minima.descents import Descents
-from origami_nlp.minima.sweeps import sweep
-from origami_nlp.programme import random_strata
+from origami_nlp.minima.recursive_newton import sweep
+from origami_nlp.problem import random_strata
 from origami_nlp.starts import Samples
 
 
@@ -33,11 +33,11 @@ def test_directions_and_curvatures_are_those_of_dense_matrices(n):
     descents, s = Descents(model), on_strata(model, 300)
     p = descents.closing.point(s)
     h = descents._on_stratum(s, p)
-    down = np.where(s.shut == 0, p.left, 0.0)
+    down = np.where(s.at_limit == 0, p.left, 0.0)
     lowest = np.linalg.eigvalsh(h)[:, 0]
     got = sweep(s, p, descents.closing.root(s))
-    assert (got.direction[s.shut != 0] == 0).all()
-    assert (got.bent[s.shut != 0] == 0).all()
+    assert (got.direction[s.at_limit != 0] == 0).all()
+    assert (got.bent[s.at_limit != 0] == 0).all()
     closes = np.abs(p.free_rows @ got.direction[..., None]).max(axis=(1, 2))
     assert (closes <= 1e-7 * (1 + np.abs(got.direction).max(axis=1))).all()
     firm = lowest > 0.1
@@ -52,9 +52,9 @@ def test_directions_and_curvatures_are_those_of_dense_matrices(n):
     saddle = lowest < -1e-3
     assert saddle.sum() > 20
     assert (got.curvature[saddle] < 0).mean() > 0.98
-    told = got.curvature < 0
+    reported = got.curvature < 0
     along = np.einsum("ki,kij,kj->k", got.bent, h, got.bent)
-    assert np.allclose(along[told], got.curvature[told], atol=1e-10)
+    assert np.allclose(along[reported], got.curvature[reported], atol=1e-10)
 
 
 def test_swept_descents_reach_the_minima_that_dense_ones_reach(monkeypatch):

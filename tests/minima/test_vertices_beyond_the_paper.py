@@ -11,7 +11,7 @@ import pytest
 from hypothesis import given, settings, strategies as st
 
 from origami_nlp import OrigamiError, Scene, Vertex, find_minima, format_scene, parse_scene
-from origami_nlp.programme import Model
+from origami_nlp.problem import Model
 from tests.computed_once import thinned
 from tests.independent.rotations import fold, spin_sign
 from tests.minima.test_minima_of_random_vertices import check

@@ -172,27 +172,27 @@ def test_symmetric_lists_hold_what_descents_on_the_whole_vertex_find(number):
 @pytest.mark.slow
 def test_200_symmetric_scenes_against_searches_without_the_wedge():
     """All groups C1 to C8 and D1 to D8, all contacts: nothing is missing where "proved" is printed."""
-    told, false = study(range(200))
-    print(told)
+    reported, false = study(range(200))
+    print(reported)
     assert not false
-    assert told["proved"] >= 35 and told["found"] >= 400
+    assert reported["proved"] >= 35 and reported["found"] >= 400
 
 
 def study(numbers, say=lambda line: None):
     """Count what independent searches found and lists lack; return also the proved lists that lack a minimum."""
-    told, false = Counter(), []
+    reported, false = Counter(), []
     for number in numbers:
         d, scene = drawn(number)
         result = find_minima(scene, escape=False)
         missing, found = lacks(d, scene, result, 100, without=True)
         known = result.completeness
         status = known.status if known else result.search.stopped_by
-        told.update({"scenes": 1, status: 1, "found": found, "listed": len(result.minima)})
-        told.update(
+        reported.update({"scenes": 1, status: 1, "found": found, "listed": len(result.minima)})
+        reported.update(
             {f"{status}: scenes that lack one": bool(len(missing)), "missing": len(missing)}
         )
         several = sum(m.winding > 1 for m in result.minima)
-        told.update({"wind several times": several})
+        reported.update({"wind several times": several})
         if status == "proved" and len(missing):
             false.append((number, np.degrees(missing)))
         lost = [
@@ -201,4 +201,4 @@ def study(numbers, say=lambda line: None):
         say(
             f"{number} {d.group} N={len(d.orbit)} {scene.contact} {status} {found} {len(missing)} {lost}"
         )
-    return told, false
+    return reported, false

@@ -116,7 +116,7 @@ def test_a_pattern_of_one_vertex_has_the_modes_of_the_vertex():
     same = find_modes(find_minima(scene_pattern(scene), effort="quick", starts=0, escape=False))
     known = {s.minimum.energy: s for s in one.states}
     assert [s.minimum.energy for s in same.states] == pytest.approx(sorted(known), rel=1e-12)
-    told = 0
+    reported = 0
     for state in same.states:
         near = [
             s for s in one.states
@@ -130,11 +130,11 @@ def test_a_pattern_of_one_vertex_has_the_modes_of_the_vertex():
             )
             if not distinct:
                 continue
-            told += 1
+            reported += 1
             assert b.direction == pytest.approx(a.direction, abs=1e-9)
             for x, y in zip(a.along.ends, b.along.ends, strict=True):
                 assert (y.s, y.rise) == pytest.approx((x.s, x.rise), abs=1e-9)
-    assert told >= 6
+    assert reported >= 6
 
 
 def miura_speed(t, long, short):
@@ -149,7 +149,7 @@ def test_modes_of_a_miura_run_along_its_closed_form(tmp_path):
     rest = np.where(np.arange(12) % 3 == 0, 0.9, -0.4)
     found = find_minima(pattern.with_springs(rest=rest), effort="quick", escape=False)
     # where it is folded in half along lines, or has more freedoms, its motion is another one
-    kept = [m for m in found.minima if m.freedoms == 1 and np.abs(m.fold_angles).min() >= 0.05]
+    kept = [m for m in found.minima if m.dof == 1 and np.abs(m.fold_angles).min() >= 0.05]
     assert 0 < len(kept) < len(found.minima)
     found = replace(found, minima=tuple(kept))
     modes = find_modes(found)

@@ -18,57 +18,58 @@ TABLE = PACKAGE / "numerics" / "tolerances.py"
 PAGE = PACKAGE.parent / "docs" / "tolerances.md"
 SMALL = 0.1
 """Floats below this are tolerances, until somebody says what else they are."""
-DRAWN = "chart/axes show/ figure drawing picture strip panel segments_figure phase_figure"
+DRAWN = "chart/axes display/ figure drawing picture strip panel segments_figure phase_figure"
 """Modules, rooms, and names of modules in any room, whose small numbers are sizes in pictures."""
 BESIDE_THE_TABLE = {
     "lengths of steps, and of first, last and tried ones [rad, or shares of a range]": """
-        atlas/boundary.AROUND atlas/patterns.SHARE atlas/event_curve.CUSP atlas/event_curve.FIRST
-        atlas/event_curve.LONGEST atlas/event_curve.REACHES atlas/event_curve.SHORTEST
-        barriers/find.SPACINGS barriers/passes.OFF chart/boundary_lines.ASIDE
+        bifurcation/boundary.AROUND bifurcation/patterns.SHARE bifurcation/event_curve.CUSP
+        bifurcation/event_curve.FIRST bifurcation/event_curve.LONGEST bifurcation/event_curve.REACHES
+        bifurcation/event_curve.SHORTEST barriers/find.SPACINGS barriers/passes.OFF chart/boundary_lines.ASIDE
         chart/boundary_walk.STEPS chart/chart.AROUND cli/timed.SHORTEST contact/margin.ASIDE
-        critical/edges.KNOWN critical/edges.STEPS critical/link.RADII facets/faces.ASIDE
+        critical/edges.KNOWN critical/edges.STEPS critical/link.RADII pattern_problem/faces.ASIDE
         kkt/descent.RESCUE kkt/descent.SHORTEST kkt/descent.TRIED kkt/level.BESIDE_FLAT
-        kkt/neighbours.RADII kkt/neighbours.STEPS kkt/refutation.DOWNHILL kkt/refutation.FAR
-        kkt/refutation.STEPS
-        landscape/exact.PIECE loading/driver.SIDE loading/route.LEAST_SPAN
-        loading/route.OVER minima/descents.ESCAPE minima/descents.SHORTEST
+        kkt/neighbourhood.RADII kkt/neighbourhood.STEPS kkt/descent_witness.DOWNHILL kkt/descent_witness.FAR
+        kkt/descent_witness.STEPS
+        landscape/exact.PIECE loading/driver.SIDE loading/stable_path.LEAST_SPAN
+        loading/stable_path.OVER minima/descents.ESCAPE minima/descents.SHORTEST
         minima/escape.SMALLEST minima/one_freedom.ASIDE minima/search.DOWN modes/geodesic.STEP
         paper/transitions.BRACKET paper/transitions.MARGIN paper/transitions.SIDE
-        path/curve.STEPS path/flat.ARRIVED path/flat.BESIDE_FLAT path/halves.TRIALS
-        path/web.STEPS sheets/curve.SHORTEST sheets/curve.STEP sheets/curves.LONG
-        sheets/curve.DIFFERENCE sheets/judgement.NEAREST
-        sheets/angle_sums.JUMPS sheets/pressing.REACH sheets/pressing.SMALLER
-         sheets/terrain.FIRST space/cells.BESIDE space/mesh.DIFFERENCE
-        springs/extras.FIRST springs/extras.SHORT starts/closing.QUADRATIC
+        continuation/curve.STEPS continuation/flat.ARRIVED continuation/flat.BESIDE_FLAT
+        continuation/one_sided_branches.TRIALS continuation/diagram.STEPS pattern_states/curve.SHORTEST
+        pattern_states/curve.STEP pattern_states/curves.LONG pattern_states/curve.DIFFERENCE
+        pattern_states/judgement.NEAREST pattern_states/angle_sums.JUMPS pattern_states/contact_descents.REACH
+         pattern_states/contact_descents.SMALLER pattern_states/terrain.FIRST space/cells.NEAR_SINGULAR_TOL
+         space/mesh.DIFFERENCE
+        inverse_design/unwanted_minima.FIRST inverse_design/unwanted_minima.SHORT starts/batch_closure.QUADRATIC
         starts/near_flat.INSIDE
     """,
     "shares by which an algorithm goes on, gives up, or refines": """
         barriers/graph.STUCK contact/margin.LEAST_DAMPING contact/margin.SOFT
-        critical/strata.LOOSE facets/equations.FALLS facets/stacks.GRID kkt/escape.CERTAIN
-        kkt/neighbours.GOES kkt/refutation.DOWN minima/curve.ROUGH minima/one_freedom.FALLS
-        minima/sweeps.LEAST_PIVOT path/events.POLE sheets/crossroads.FORMS
-        sheets/curves.ON_CURVE springs/reasons.WEIGHTY
-        springs/robustness.ENDED starts/moments.SHORTEST_SHARE
+        critical/strata.LOOSE pattern_problem/equations.FALLS pattern_problem/stacks.GRID kkt/escape.CERTAIN
+        kkt/neighbourhood.GOES kkt/descent_witness.DOWN minima/curve.ROUGH minima/one_freedom.FALLS
+        minima/recursive_newton.LEAST_PIVOT continuation/events.POLE pattern_states/branch_points.FORMS
+        pattern_states/curves.ON_CURVE inverse_design/infeasibility.WEIGHTY
+        inverse_design/robustness.ENDED starts/moments.SHORTEST_SHARE
     """,
     "nodes at which a series is checked": """
         minima/curve.CHECKS
     """,
     "what is shown, or said in words": """
-        atlas/regions.LEAST chart/boundary_lines.SHORT chart/chart.TIE chart/region.SLIVER
+        bifurcation/regions.LEAST chart/boundary_lines.SHORT chart/chart.TIE chart/region.SLIVER
         critical/result.ROUNDING paper/cone/table.SMALL pattern/fold_notes.LOOKS_LIKE_PI
-        pattern/fold_notes.UP pattern/relations.NEAR facets/poses.MOVES space/result.EXTENDED
+        pattern/fold_notes.UP pattern/relations.NEAR pattern_problem/poses.MOVES space/result.EXTENDED
     """,
     "definitions of the source paper": """
         contact/segments.SLOPE contact/segments.STIFFNESS
     """,
     "data: stiffnesses and their ratios, and ranges of what is asked for": """
         folding/embedding.LARGEST_TOLERANCE paper/cone/phase.RATIOS
-        paper/cone/phase_curves.RATIO_LIMITS pattern/digits.COARSE pattern/drawn.QUAD_STIFFNESS
-        pattern/examples.RATIOS pattern/scene.SMALLEST pattern/designs.STIFFNESS
-        springs/convex.LEAST_MARGIN springs/finding.PRICES
+        paper/cone/phase_curves.RATIO_LIMITS pattern/coordinate_repair.COARSE pattern/example_patterns.QUAD_STIFFNESS
+        pattern/examples.RATIOS pattern/scene.SMALLEST pattern/example_vertices.STIFFNESS
+        inverse_design/convex.LEAST_MARGIN inverse_design/finding.PRICES
     """,
     "options of IPOPT and of a conic solver": """
-        minima/ipopt.OPTIONS minima/ipopt.TOLERANCE minima/ipopt.WARM springs/conic.ACCURACIES
+        minima/ipopt.OPTIONS minima/ipopt.TOLERANCE minima/ipopt.WARM inverse_design/conic.ACCURACIES
     """,
     "where curves end before a limit that closed forms lose": """
         paper/cone/phase_curves.NEAREST
@@ -101,19 +102,19 @@ BESIDE_THE_TABLE = {
         minima/descents.SADDLE
     """,
     "weight of what groups share, beside corners": """
-        pattern/digits.LIGHT
+        pattern/coordinate_repair.LIGHT
     """,
     "weight of rows that depend on others": """
-        pattern/digits.SOFT
+        pattern/coordinate_repair.SOFT
     """,
     "torque left in states that are judged afterwards": """
-        sheets/descent.STILL
+        pattern_states/descent.STILL
     """,
     "error of polynomials along a curve, whose wells are polished": """
-        sheets/interpolant.FITS
+        pattern_states/interpolant.FITS
     """,
     "error of roots of polynomials, which are polished": """
-        sheets/interpolant.REAL
+        pattern_states/interpolant.REAL
     """,
     "curvature of a step": """
         kkt/descent.SOFTEST
@@ -125,7 +126,7 @@ BESIDE_THE_TABLE = {
         proof/boxes.EXACT proof/boxes.WIDER proof/check_bounds.BLUNT
         proof/check_forms.THIN proof/complete.LOW proof/complete.NEAR
         proof/flat.NARROW proof/flat.RADII proof/roots.FAR proof/roots.SHARES proof/roots.WITHIN
-        proof/singular.RADII proof/wedges.SHORTEST
+        proof/singular.RADII proof/mirror_domains.SHORTEST
     """,
     "bounds on rounding in proofs": """
         proof/check_bounds.TINY proof/check_whole.AGREES proof/flat.CLEAR
@@ -302,12 +303,12 @@ def test_derived_values():
     value = {e.name: e.value for e in entries()}
     eps = math.ulp(1.0)
     assert value["EPS"] == eps
-    assert value["TOUCHES"] == pytest.approx(math.sqrt(eps / 2), rel=0.1)
-    assert value["RESOLVED"] == pytest.approx(10 * value["TOUCHES"])
+    assert value["CONTACT_TOL"] == pytest.approx(math.sqrt(eps / 2), rel=0.1)
+    assert value["RESOLVED"] == pytest.approx(10 * value["CONTACT_TOL"])
     assert value["ROUNDED"] == pytest.approx(50 * eps, rel=0.2)
     # what closure misses at the smallest radius, 1e-6, can be told from rounding of following
     assert value["FOLLOWED"] < 1e-6**2
-    assert value["ROUNDED"] < value["DEPENDENT"] < value["TOUCHES"]
+    assert value["ROUNDED"] < value["DEPENDENT"] < value["CONTACT_TOL"]
     assert value["ROUNDED"] < value["INDEPENDENT"] < value["RESOLVED"]
     assert value["OUTSIDE"] < (2e-4) ** 3
 

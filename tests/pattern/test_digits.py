@@ -6,9 +6,9 @@ import math
 import numpy as np
 import pytest
 
-from origami_nlp.facets import Poses, Sheet
 from origami_nlp.pattern import examples, frame_pattern, parse_fold
-from origami_nlp.sheets import find_states, judge
+from origami_nlp.pattern_problem import PatternProblem, Poses
+from origami_nlp.pattern_states import find_states, judge
 from tests.fold_files import others
 from tests.relabelled import relabelled
 
@@ -113,7 +113,7 @@ def test_a_side_as_short_as_the_digits_stays():
 @pytest.mark.parametrize("digits", [5, 6])
 def test_a_folded_form_with_few_digits_is_read_as_the_folded_sheet(digits):
     flat = made(examples.crease_pattern("miura", 3, 3))
-    phi, residual = Sheet(flat).project(0.6 * flat.signs)
+    phi, residual = PatternProblem(flat).project(0.6 * flat.signs)
     assert residual < 1e-13
     data = examples.crease_pattern("miura", 3, 3)
     x = np.round(Poses(flat).corners(phi), digits)
@@ -124,9 +124,12 @@ def test_a_folded_form_with_few_digits_is_read_as_the_folded_sheet(digits):
         assert abs(np.linalg.det(p[1:] - p[0])) < 1e-14  # plane
     assert np.abs(folded.reference - phi).max() < 40 * 10.0**-digits
     # the sheet of exact sectors has closed states elsewhere too, as many freedoms, one
-    other, _ = Sheet(folded).project(folded.reference + 0.2 * folded.signs)
-    assert Sheet(folded).residual(other) < 1e-12 and np.abs(other - folded.reference).max() > 0.05
-    singular = np.linalg.svd(Sheet(folded).closure.jacobian(other), compute_uv=False)
+    other, _ = PatternProblem(folded).project(folded.reference + 0.2 * folded.signs)
+    assert (
+        PatternProblem(folded).residual(other) < 1e-12
+        and np.abs(other - folded.reference).max() > 0.05
+    )
+    singular = np.linalg.svd(PatternProblem(folded).closure.jacobian(other), compute_uv=False)
     assert singular[-1] < 1e-12 < 1e-3 < singular[-2]
 
 
@@ -134,10 +137,10 @@ def test_the_folded_square_twist_is_judged_alike_under_other_labels():
     (file,) = others("fold_squaretwist_4xdeg4.fold")
     (frame,) = parse_fold(file.read_bytes())
     pattern = frame_pattern(frame)
-    verdicts = [judge(Sheet(pattern), pattern.reference).verdict]
+    verdicts = [judge(PatternProblem(pattern), pattern.reference).verdict]
     for seed in range(6):
         copy, _, _ = relabelled(pattern, seed, mirror=seed % 2 == 1, over=seed % 3 == 1)
-        verdicts.append(judge(Sheet(copy), copy.reference).verdict)
+        verdicts.append(judge(PatternProblem(copy), copy.reference).verdict)
     assert verdicts == ["minimum"] * 7
 
 

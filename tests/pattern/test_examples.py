@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import origami_nlp as o
-from origami_nlp.pattern import examples, group_alike, parse_fold, vertex_scenes
+from origami_nlp.pattern import examples, group_equivalent_vertices, parse_fold, vertex_scenes
 from tests import gallery
 from tests.computed_once import once
 from tests.independent.rotations import project
@@ -83,7 +83,7 @@ def test_the_scene_is_a_vertex_of_its_pattern_with_the_same_springs(name):
     scene = examples.by_name(name)
     (frame,) = parse_fold(json.dumps(examples.crease_pattern(name)))
     scenes = vertex_scenes(frame, tell=lambda note: None, symmetry=scene.symmetry)
-    ours = group_alike({-1: scene, **scenes})[0]
+    ours = group_equivalent_vertices({-1: scene, **scenes})[0]
     assert len(ours.numbers) > 1 and ours.apart < 1e-12
     with pytest.raises(o.OrigamiError, match=name if name not in examples.SIZES else "rows"):
         examples.crease_pattern(name, 0, 1)

@@ -10,8 +10,8 @@ from typer.testing import CliRunner
 from origami_nlp import OrigamiError, Scene, Vertex
 from origami_nlp.cli import app
 from origami_nlp.errors import SceneFileError
-from origami_nlp.files import parse_toml
 from origami_nlp.folding import folds_flat
+from origami_nlp.io import parse_toml
 from origami_nlp.pattern import fold_file, fold_vertices, parse_fold, parse_scene
 from tests.fold_files import disc, miura
 

@@ -6,7 +6,7 @@ import pytest
 from origami_nlp import Scene, Vertex
 from origami_nlp.pattern import canonical_labels
 from origami_nlp.pattern.relations import find_relations
-from origami_nlp.programme import Model
+from origami_nlp.problem import Model
 
 
 def near(seed, size):

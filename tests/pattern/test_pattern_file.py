@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 import origami_nlp as o
-from origami_nlp.facets import Poses, Sheet
 from origami_nlp.pattern import examples, frame_pattern, parse_fold
+from origami_nlp.pattern_problem import PatternProblem, Poses
 from tests.fold_files import disc, others
 
 FOLDED = {  # facets, creases, interior vertices, counted from the files' arrays by hand or by the file's author
@@ -48,11 +48,11 @@ def test_a_sheet_is_read_alike_however_its_faces_run_or_without_them():
     }
     bare = {k: v for k, v in data.items() if k != "faces_vertices"}
     phi = 0.1 * rng.standard_normal(12)
-    residual = Sheet(whole).closure.values(phi)
+    residual = PatternProblem(whole).closure.values(phi)
     for other in (made(mixed), made(bare)):
         assert keyed(other) == keyed(whole) and other.is_flat
         # the same closure, so the same side up and the same angles in the same order
-        values = Sheet(other).closure.values(phi).reshape(-1, 3)
+        values = PatternProblem(other).closure.values(phi).reshape(-1, 3)
         lengths = np.linalg.norm(values, axis=1)
         assert np.allclose(lengths, np.linalg.norm(residual.reshape(-1, 3), axis=1), atol=1e-15)
 
@@ -62,14 +62,14 @@ def test_any_plane_and_any_folded_form_measure_the_same_angles(seed):
     rng = np.random.default_rng(seed)
     data = miura(4, 4)
     flat = made(data)
-    sheet = Sheet(flat)
-    phi, residual = sheet.project(0.6 * flat.signs)
+    problem = PatternProblem(flat)
+    phi, residual = problem.project(0.6 * flat.signs)
     assert residual < 1e-13 and np.abs(phi).min() > 0.1
     turn = np.linalg.qr(rng.standard_normal((3, 3)))[0]
     turn *= np.sign(np.linalg.det(turn))
     tilted = flat.corners @ turn.T + rng.standard_normal(3)
     again = made({**data, "vertices_coords": tilted.tolist()})
-    assert again.is_flat and np.abs(Sheet(again).closure.values(phi)).max() < 1e-13
+    assert again.is_flat and np.abs(PatternProblem(again).closure.values(phi)).max() < 1e-13
     x = Poses(flat).corners(phi) @ turn.T
     for faces in (data["faces_vertices"], [f[::-1] for f in data["faces_vertices"]]):
         form = {**data, "vertices_coords": x.tolist(), "frame_classes": ["foldedForm"]}
@@ -78,8 +78,8 @@ def test_any_plane_and_any_folded_form_measure_the_same_angles(seed):
         folded = made(form)
         assert np.abs(folded.reference - phi).max() < 1e-12  # measured from normals alone
         # fold angles of other states mean the same, though measured from another reference
-        other, _ = sheet.project(0.9 * flat.signs)
-        assert np.abs(Sheet(folded).closure.values(other)).max() < 1e-12
+        other, _ = problem.project(0.9 * flat.signs)
+        assert np.abs(PatternProblem(folded).closure.values(other)).max() < 1e-12
 
 
 def test_springs_come_from_the_file_then_angles_then_letters():
@@ -128,7 +128,7 @@ def test_faces_with_a_border_all_around_are_holes():
                     letters.append("B" if rim or hole else "V")
     p = made({"vertices_coords": grid, "edges_vertices": edges, "edges_assignment": letters})
     assert (p.facets, p.creases, len(p.vertices), len(p.holes)) == (8, 8, 0, 1)
-    assert Sheet(p).closure.count == 6
+    assert PatternProblem(p).closure.count == 6
 
 
 def test_a_cut_gives_both_sides_a_border_of_their_own():
@@ -310,8 +310,8 @@ def test_what_is_no_sheet_is_refused_in_one_line(name):
 def test_patterns_of_others_are_read():
     for path in others():
         p = o.read_pattern(path)
-        sheet = Sheet(p)
-        assert sheet.residual(p.reference) == 0.0 and Poses(p).apart(p.reference) < 1e-12
+        problem = PatternProblem(p)
+        assert problem.residual(p.reference) == 0.0 and Poses(p).apart(p.reference) < 1e-12
         assert p.facets - p.creases + len(p.vertices) == 1 and not p.holes  # Euler, a disc
         if path.name in FOLDED:
             assert (p.facets, p.creases, len(p.vertices)) == FOLDED[path.name]

@@ -12,7 +12,7 @@ from hypothesis import given, strategies as st
 
 import origami_nlp
 from origami_nlp.pattern.relations import NEAR, RESOLVED, find_relations
-from origami_nlp.programme import Model
+from origami_nlp.problem import Model
 
 
 def count_by_fractions(parts: list[int]) -> int:

@@ -9,7 +9,7 @@ from hypothesis import given, strategies as st
 from origami_nlp import Scene, Vertex, examples, format_scene, parse_scene
 from origami_nlp.errors import AngleError
 from origami_nlp.pattern import format_angle, parse_angle
-from origami_nlp.programme import Model
+from origami_nlp.problem import Model
 
 
 @given(st.integers(-1000, 1000), st.integers(1, 720))

@@ -7,7 +7,7 @@ import numpy as np
 from flint import arb, ctx
 
 from origami_nlp.pattern import Scene, Vertex
-from origami_nlp.proof.check_pieces import Sheet
+from origami_nlp.proof.check_domains import VertexChain
 from tests.independent.rotations import project, spin_sign
 from tests.proof.chains_mp import mp
 
@@ -23,8 +23,8 @@ def scene(degree: int, seed: int) -> Scene:
     )
 
 
-def sheet_of(s: Scene) -> Sheet:
-    return Sheet(s.vertex.sector_angles, s.stiffness, s.rest_angles)
+def sheet_of(s: Scene) -> VertexChain:
+    return VertexChain(s.vertex.sector_angles, s.stiffness, s.rest_angles)
 
 
 def closed_states(s: Scene, starts: np.ndarray, pins: Sequence[int]) -> np.ndarray:

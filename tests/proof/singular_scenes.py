@@ -6,7 +6,7 @@ import math
 import numpy as np
 
 from origami_nlp import Model, Scene, Vertex, examples
-from origami_nlp.programme import Kinematics
+from origami_nlp.problem import Kinematics
 
 KAWASAKI, CROSS, SIXTY = (60, 80, 120, 100), (90,) * 4, (60,) * 6
 PAIRS, TWIST = (50, 60, 70, 110, 70), (90, 45, 90, 135)

@@ -12,7 +12,7 @@ import numpy as np
 from flint import arb, ctx
 
 from origami_nlp.pattern import Scene
-from origami_nlp.programme import Model
+from origami_nlp.problem import Model
 from origami_nlp.proof import certificate as c, certificate_of, prove
 from origami_nlp.proof.check_bounds import States
 from origami_nlp.proof.check_forms import nonzero

@@ -8,12 +8,12 @@ import pytest
 from benchmarks import family_scene
 from origami_nlp import Model, find_minima
 from origami_nlp.pattern import examples
-from origami_nlp.programme import random_strata
+from origami_nlp.problem import random_strata
 from origami_nlp.proof import Kind, Proof, Tree, prove
 from origami_nlp.proof.boxes import BEYOND, strata
 from tests.computed_once import shared, thinned
 
-BESIDE = 1e-9
+NEAR_SINGULAR_TOL = 1e-9
 """A state in doubles closes to 1e-14; by how much [rad] it may lie outside a box that holds the exact one."""
 
 
@@ -55,7 +55,7 @@ class Replay:
             elif kind in (Kind.CONTRACT, Kind.NARROW):
                 lower, upper = self.tree.lower[data].copy(), self.tree.upper[data].copy()
                 outside = np.maximum(lower - x, x - upper).max()
-                if outside > BESIDE:
+                if outside > NEAR_SINGULAR_TOL:
                     return node, kind == Kind.NARROW and not critical
                 x = np.clip(x, lower, upper)
                 node = self.children[node][0]

@@ -12,7 +12,7 @@ from flint import ctx
 
 import origami_nlp.proof.check as check_module
 from origami_nlp.pattern import Scene, Vertex
-from origami_nlp.programme import Model
+from origami_nlp.problem import Model
 from origami_nlp.proof import certificate as c, certificate_of, check_proof, prove
 from tests.computed_once import shared
 from tests.proof.balls import closed_states
@@ -418,7 +418,7 @@ def test_the_check_shares_nothing_with_the_search():
                 continue
             for module in modules:
                 if module.startswith("origami_nlp"):
-                    allowed = {"origami_nlp.errors", "origami_nlp.files", "origami_nlp.pattern"}
+                    allowed = {"origami_nlp.errors", "origami_nlp.io", "origami_nlp.pattern"}
                     assert module in known | allowed, f"{path.name} imports {module}"
                 assert module.split(".")[0] not in ("pickle", "marshal", "shelve", "importlib")
         calls = {

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 from flint import arb, ctx
 
+from origami_nlp.proof.check_domains import VertexChain
 from origami_nlp.proof.check_flat import falls, isolated, rows
 from origami_nlp.proof.check_forms import parts
-from origami_nlp.proof.check_pieces import Sheet
 from tests.independent.rotations import project
 from tests.proof.balls import at, exactly, scene, sheet_of
 from tests.proof.chains_mp import axes, mp, mpf, quaternion
@@ -80,13 +80,13 @@ def test_planted_criticality_is_never_excluded(degree):
         rest *= 2 / abs(rest).max()
         for wrong, done in ((0.0, False), (0.3, True)):
             moved = rest + wrong * rng.normal(size=degree)
-            sheet = Sheet(s.vertex.sector_angles, s.stiffness, moved.tolist())
+            sheet = VertexChain(s.vertex.sector_angles, s.stiffness, moved.tolist())
             assert (isolated(sheet, 1e-6, 400) is not None) == done
 
 
 def test_a_flat_state_at_rest_is_not_said_to_be_isolated_or_to_fall():
     s = scene(4, 0)
-    sheet = Sheet(s.vertex.sector_angles, s.stiffness, (0.0,) * 4)
+    sheet = VertexChain(s.vertex.sector_angles, s.stiffness, (0.0,) * 4)
     assert isolated(sheet, 1e-6, 200) is None
     assert not falls(sheet)
 

@@ -9,7 +9,7 @@ from flint import arb, ctx
 
 from origami_nlp.proof import check_bounds, check_forms as f
 from origami_nlp.proof.check_bounds import States
-from origami_nlp.proof.check_pieces import Sheet
+from origami_nlp.proof.check_domains import VertexChain
 from tests.proof.balls import at, closed_states, exactly, holds, scene, sheet_of
 from tests.proof.chains_mp import axes, mp, mpf, quaternion
 
@@ -173,7 +173,7 @@ TWINS = [
 @pytest.mark.parametrize("sectors", [t[1] for t in TWINS], ids=[t[0] for t in TWINS])
 def test_twins_are_the_creases_whose_axes_coincide(sectors):
     rng, n = np.random.default_rng(0), len(sectors)
-    sheet = Sheet(sectors, (1.0,) * n, (0.0,) * n)
+    sheet = VertexChain(sectors, (1.0,) * n, (0.0,) * n)
     found = 0
     for pins in itertools.product((0, 1, -1), repeat=n):
         for a, b in itertools.permutations([i for i in range(n) if not pins[i]], 2):

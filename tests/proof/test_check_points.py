@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from flint import arb, arb_mat, ctx
 
-from origami_nlp.programme import Model
+from origami_nlp.problem import Model
 from origami_nlp.proof import prove
 from origami_nlp.proof.check_points import Refused, Stratum, negative
 from origami_nlp.proof.check_wedges import piece_of
@@ -81,7 +81,7 @@ def located(s, seed, count, pins):
             continue
 
 
-def examine(s, stratum, one):
+def check_admissible(s, stratum, one):
     """Compare with differences of the energy along closed states of the whole vertex; return the index."""
     sectors, tied = unfolded(s)
     x = [mp.pi * q if q else middle(b) for q, b in zip(stratum.pins, one.x, strict=True)]
@@ -125,7 +125,7 @@ def test_points_signs_and_indices_agree_with_differences_of_the_energy(case):
     assert len(found) > 3
     for p in found:
         stratum = Stratum(piece_of(s), p.stratum)
-        examine(s, stratum, stratum.locate(p.x, p.moment))
+        check_admissible(s, stratum, stratum.locate(p.x, p.moment))
 
 
 @pytest.mark.slow
@@ -136,7 +136,7 @@ def test_indices_of_degree_6_agree_with_differences_of_the_energy():
             place = (pins, round(float(one.x[0].mid()), 6))
             if place not in seen and indices.count(one.index) < 2:
                 seen.add(place)
-                indices.append(examine(s, stratum, one))
+                indices.append(check_admissible(s, stratum, one))
     assert len(set(indices)) > 1
 
 
@@ -150,7 +150,7 @@ def test_points_of_wedges_agree_with_differences_of_the_energy_of_the_whole_vert
         one = stratum.locate(p.x, p.moment)
         if 0 not in [t for t, q in zip(one.signs, p.stratum, strict=True) if q]:
             seen.add(p.stratum)
-            examine(s, stratum, one)
+            check_admissible(s, stratum, one)
         if len(seen) == 4:
             return
     assert len(seen) > 1

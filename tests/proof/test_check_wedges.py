@@ -9,7 +9,7 @@ from flint import arb, ctx
 
 from origami_nlp import find_minima
 from origami_nlp.pattern import Scene, Vertex, examples
-from origami_nlp.programme import Model
+from origami_nlp.problem import Model
 from origami_nlp.proof import certificate_of, check_proof, prove
 from origami_nlp.proof.check_bounds import States
 from origami_nlp.proof.check_points import Stratum

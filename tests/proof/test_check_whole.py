@@ -10,7 +10,7 @@ from flint import arb, ctx
 
 from origami_nlp import find_minima
 from origami_nlp.pattern import Scene, Vertex
-from origami_nlp.programme import Model
+from origami_nlp.problem import Model
 from origami_nlp.proof import (
     certificate_from_dict,
     certificate_of,

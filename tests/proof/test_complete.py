@@ -14,7 +14,7 @@ from origami_nlp.proof import prove
 from origami_nlp.proof.boxes import prune, strata
 from origami_nlp.proof.complete import pose
 from origami_nlp.proof.roots import certify, newton
-from origami_nlp.proof.system import System
+from origami_nlp.proof.system import BoxKkt
 from tests.computed_once import thinned
 from tests.proof.fifty_digits import cross, dot, fold_quaternion, multiply
 
@@ -127,7 +127,7 @@ def index_of(k, m, c, free):
 def test_there_is_one_root_where_one_is_said_to_be():
     """Newton from random states in the uniqueness box ends at its root, or outside."""
     model = Model(DEGREE5[0])
-    system = System(model)
+    system = BoxKkt(model)
     rng = np.random.default_rng(0)
     for point in prove(model).points:
         pins = np.tile(point.stratum, (60, 1))
@@ -144,7 +144,7 @@ def test_there_is_one_root_where_one_is_said_to_be():
 
 def test_what_is_no_root_is_not_certified():
     model = Model(DEGREE4[0])
-    system = System(model)
+    system = BoxKkt(model)
     point = prove(model).points[0]
     x, pins = np.array([point.x]), np.array([point.stratum])
     lam = 2 * np.array([point.moment]) / model.scale

@@ -92,17 +92,17 @@ def pair(first: float, second: float, error: float = 0.0, base: float = 0.0) -> 
     )
 
 
-BESIDE = Boxes(np.array([0]), np.array([[1.0, -1e-3]]), np.array([[1.0, 1e-3]]))
+NEAR_SINGULAR_TOL = Boxes(np.array([0]), np.array([[1.0, -1e-3]]), np.array([[1.0, 1e-3]]))
 
 
 def test_the_next_order_decides_where_the_leading_one_cannot() -> None:
-    assert none_beside(pair(0.5, 0.0), BESIDE, 1e-8, 1e-3)[0]
+    assert none_beside(pair(0.5, 0.0), NEAR_SINGULAR_TOL, 1e-8, 1e-3)[0]
     # u_2 = -r / 2 satisfies both
-    assert not none_beside(pair(0.5, 1.0), BESIDE, 1e-8, 1e-3)[0]
+    assert not none_beside(pair(0.5, 1.0), NEAR_SINGULAR_TOL, 1e-8, 1e-3)[0]
     # and here it does within the errors: of order 2 at r0, of rounding at the core
-    assert not none_beside(pair(0.5, 0.0, error=1e3), BESIDE, 1e-8, 1e-3)[0]
-    assert not none_beside(pair(0.5, 0.0, base=1e-8), BESIDE, 1e-8, 1e-3)[0]
-    assert none_beside(pair(0.5, 0.0, base=1e-10), BESIDE, 1e-8, 1e-3)[0]
+    assert not none_beside(pair(0.5, 0.0, error=1e3), NEAR_SINGULAR_TOL, 1e-8, 1e-3)[0]
+    assert not none_beside(pair(0.5, 0.0, base=1e-8), NEAR_SINGULAR_TOL, 1e-8, 1e-3)[0]
+    assert none_beside(pair(0.5, 0.0, base=1e-10), NEAR_SINGULAR_TOL, 1e-8, 1e-3)[0]
 
 
 @pytest.mark.parametrize("seed", range(20))

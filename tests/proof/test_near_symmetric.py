@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 
 from origami_nlp import Model, Scene, Vertex, find_minima
 from origami_nlp.proof import ProofOptions
-from origami_nlp.proof.touches import touch_strata
+from origami_nlp.proof.touches import contact_strata
 from tests.independent.sheet import product_of_folds
 
 pi = math.pi
@@ -145,14 +145,14 @@ def test_two_touches_of_rays_on_each_others_facets_hold_only_where_a_crease_is_s
 
 
 def test_strata_that_are_left_out_are_those_of_equal_sectors():
-    regular = [s.touches for s in touch_strata(Model(near(5, 0.0, 0)))]
-    other = [s.touches for s in touch_strata(Model(near(5, 1e-3, 0)))]
+    regular = [s.touches for s in contact_strata(Model(near(5, 0.0, 0)))]
+    other = [s.touches for s in contact_strata(Model(near(5, 1e-3, 0)))]
     pairs = {tuple(t.rays for t in touches) for touches in regular if len(touches) == 2}
     assert len(pairs) == 5
     assert pairs == {tuple(t.rays for t in touches) for touches in other if len(touches) == 2}
-    starts = [len(s.start) for s in touch_strata(Model(near(5, 0.0, 0))) if len(s.touches) == 1]
+    starts = [len(s.start) for s in contact_strata(Model(near(5, 0.0, 0))) if len(s.touches) == 1]
     assert starts == [7] * 5  # two of the five creases, both ways, say it already
-    starts = [len(s.start) for s in touch_strata(Model(near(5, 1e-3, 0))) if len(s.touches) == 1]
+    starts = [len(s.start) for s in contact_strata(Model(near(5, 1e-3, 0))) if len(s.touches) == 1]
     assert starts == [11] * 5
 
 

@@ -7,8 +7,8 @@ import pytest
 
 from origami_nlp import Model, Scene, Vertex, examples
 from origami_nlp.errors import OptionError
-from origami_nlp.numerics import SAME
-from origami_nlp.programme import Kinematics
+from origami_nlp.numerics import DUPLICATE_TOL
+from origami_nlp.problem import Kinematics
 from origami_nlp.proof import isolated, pose, prove
 from origami_nlp.proof.blow_up import Site
 from origami_nlp.proof.singular import RADII
@@ -86,7 +86,7 @@ def test_flat_foldings_of_the_panels_stand_alone(alpha: str, ratio: float) -> No
     found = [isolated(model, x, s) for x in flat_foldings(model) for s in touched(x)]
     assert len(found) > 100
     assert min(f.radius for f in found) >= 1e-5
-    assert {f.core for f in found} <= {0.0, SAME}
+    assert {f.core for f in found} <= {0.0, DUPLICATE_TOL}
 
 
 @pytest.mark.parametrize("seed", range(12))

@@ -12,10 +12,10 @@ from origami_nlp import Model, Scene, State, classify, find_minima
 from origami_nlp.pattern import Vertex, examples
 from origami_nlp.proof import prove
 from origami_nlp.proof.affine import variables
-from origami_nlp.proof.apart import APART, CROSSED, Signs
-from origami_nlp.proof.pieces import Piece
+from origami_nlp.proof.domains import FundamentalDomain
+from origami_nlp.proof.facet_separation import APART, CROSSED, Signs
 from origami_nlp.proof.result import Proof
-from origami_nlp.proof.touches import touch_strata, why_not, with_touches
+from origami_nlp.proof.touches import contact_strata, why_not, with_touches
 from origami_nlp.proof.touching_rows import Kite, Row, TouchedVertex
 from tests.computed_once import panel_result, shared, thinned
 from tests.proof.fifty_digits import (
@@ -274,7 +274,7 @@ def test_signs_agree_with_the_test_of_single_states_of_wedges(number):
 
 def test_one_freedom_has_no_touches():
     model = Model(family_scene("full-contact", 0))
-    assert not list(touch_strata(model))
+    assert not list(contact_strata(model))
     proof = prove(model)
     limits = prove(Model(replace(model.scene, contact="fold-limits")))
     assert {p.x for p in proof.points} <= {p.x for p in limits.points}
@@ -329,7 +329,7 @@ def test_the_axis_row_of_equal_sectors():
     none = np.zeros((3, 50), dtype=int)
     kite = Kite(a, 0, 3)
     kite.at(*variables(x, x), none)
-    gap = Row("start", (2,), 1).product(Piece(model).fold(x, x, none)).value()
+    gap = Row("start", (2,), 1).product(FundamentalDomain(model).fold(x, x, none)).value()
     row = kite.value()
     factor = 2 * math.sin(a) * np.cos(x[1] / 2)
     assert np.abs(gap.centre - factor * row.centre).max() < 1e-14

@@ -9,7 +9,7 @@ from mpmath import mp, mpf
 
 from origami_nlp import Model, Scene
 from origami_nlp.pattern import Vertex, examples
-from origami_nlp.programme import Kinematics, random_strata
+from origami_nlp.problem import Kinematics, random_strata
 from origami_nlp.proof.affine import variables
 from origami_nlp.proof.complete import pose
 from tests.proof.fifty_digits import boxes, multiply, points, turn_x, turn_z, value_of
@@ -111,7 +111,7 @@ def test_wedges_hold_their_values(name, width):
 
 def frame_along(normal):
     """The frame in which the difference of the normals is given: the first axis along one of them."""
-    from origami_nlp.proof.wedges import frame_of
+    from origami_nlp.proof.mirror_domains import frame_of
 
     at = np.array([[float(v)] for v in normal])
     return mp.matrix(frame_of(at)[:, :, 0].tolist())

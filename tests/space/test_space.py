@@ -11,7 +11,7 @@ from typer.testing import CliRunner
 from origami_nlp.chart import admissible, chart_of
 from origami_nlp.cli import app
 from origami_nlp.errors import OptionError
-from origami_nlp.folding import examine, fold_vertex
+from origami_nlp.folding import check_admissible, fold_vertex
 from origami_nlp.pattern import degree6, degree8, format_scene
 from origami_nlp.space import find_space, topology
 from origami_nlp.space.chain import chain_of
@@ -67,7 +67,7 @@ def test_mesh_is_a_complex_of_admissible_states(spaces, name):
     elements = scene.group.elements
     for v in rng.choice(len(mesh.wedge), 60, replace=False):
         phi = np.clip(mesh.fold_angles[v], -math.pi, math.pi)
-        said = examine(scene.vertex, phi, elements=elements)
+        said = check_admissible(scene.vertex, phi, elements=elements)
         assert said.admissible, (phi, said.reason)
     # every vertex lies on some edge, every triangle's edges are listed
     assert np.isin(np.arange(len(mesh.wedge)), mesh.edges).all()

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from origami_nlp import Model, Scene, Vertex, examples, starts
-from origami_nlp.facets import Sheet, find_labels
 from origami_nlp.folding import fold_vertex
+from origami_nlp.pattern_problem import PatternProblem, find_labels
 
 SECTORS = (50.0, 75.0, 40.0, 65.0, 80.0, 50.0)
 SCENE = Scene(
@@ -49,13 +49,13 @@ def vertex_families():
 def pattern_families():
     """Every family of a pattern, made anew."""
     pattern = examples.pattern("metasheet", 2, 2)
-    labels, sheet = find_labels(pattern), Sheet(pattern)
-    phi = starts.Grown(sheet, labels).draw(np.random.default_rng(2), 1).x[0]
+    labels, problem = find_labels(pattern), PatternProblem(pattern)
+    phi = starts.Grown(problem, labels).draw(np.random.default_rng(2), 1).x[0]
     return [
         starts.Given(pattern),
-        starts.Grown(sheet, labels),
+        starts.Grown(problem, labels),
         starts.Uniform(labels),
-        starts.UniformShut(labels),
+        starts.UniformFolded(labels),
         starts.Popped(pattern, labels, phi),
     ]
 
@@ -95,7 +95,7 @@ def test_the_same_generator_gives_the_same_starts(number):
     one, two, other = (
         families()[number].draw(np.random.default_rng(seed), 40) for seed in (3, 3, 4)
     )
-    assert np.array_equal(one.x, two.x) and np.array_equal(one.shut, two.shut)
+    assert np.array_equal(one.x, two.x) and np.array_equal(one.at_limit, two.at_limit)
     assert np.array_equal(one.slots, two.slots) and np.isfinite(one.x).all()
     if not isinstance(families()[number], starts.Listed) and NAMES[number] != "Corners":
         most = 80 if NAMES[number] == "Touches" else 40  # and rare strata at first
@@ -124,8 +124,8 @@ EXACT = ("Corners", "Interior", "NearCorners", "Strata", "Touches", "FlatFolding
 def test_starts_of_vertices_close_and_hold_what_they_say(name):
     ((family, model),) = [pair for pair in vertex_families() if type(pair[0]).__name__ == name]
     s = family.draw(np.random.default_rng(1), 500 if name == "Corners" else 30)
-    at = math.pi * s.shut[s.shut != 0]
-    assert np.array_equal(s.x[s.shut != 0], at)
+    at = math.pi * s.at_limit[s.at_limit != 0]
+    assert np.array_equal(s.x[s.at_limit != 0], at)
     for x in s.x:
         _, q = fold_vertex(model.scene.vertex, model.expand(x))
         assert np.linalg.norm(q[1:]) <= 1e-9

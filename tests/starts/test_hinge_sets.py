@@ -13,7 +13,7 @@ import origami_nlp
 from origami_nlp import MinimaResult
 from origami_nlp.kkt import State, classify
 from origami_nlp.minima import JudgedState
-from origami_nlp.programme import Model
+from origami_nlp.problem import Model
 from origami_nlp.starts.hinge_sets import HingeSets
 from tests.independent.rotations import about
 
@@ -94,6 +94,6 @@ def test_what_is_not_polished_is_undecided_and_told_by_name() -> None:
     what = classify(State(result.model, result.model.reduce(state.fold_angles)), polished=False)
     assert what.verdict == "undecided" and what.kind is None and "not polished" in what.reason
     named = JudgedState(state.energy, state.fold_angles, what.verdict, what.reason, hits=1)
-    told = replace(result, search=replace(result.search, undecided=(named,)))
-    assert "not decided: energy" in str(told) and what.reason in str(told)
-    assert MinimaResult.from_dict(told.to_dict()).search.undecided == (named,)
+    reported = replace(result, search=replace(result.search, undecided=(named,)))
+    assert "not decided: energy" in str(reported) and what.reason in str(reported)
+    assert MinimaResult.from_dict(reported.to_dict()).search.undecided == (named,)

@@ -8,7 +8,7 @@ import pytest
 
 from origami_nlp import Model, Scene, State, Vertex, find_minima
 from origami_nlp.kkt import Solve, classify, polish, project
-from origami_nlp.programme import MomentMap, fold_limit
+from origami_nlp.problem import MomentMap, fold_limit
 from origami_nlp.starts.moments import Moments, find_zeros
 
 

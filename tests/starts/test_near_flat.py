@@ -9,7 +9,7 @@ from scipy.optimize import minimize
 
 from origami_nlp import Scene, Vertex, find_minima
 from origami_nlp.pattern import panels
-from origami_nlp.programme import Model
+from origami_nlp.problem import Model
 from origami_nlp.starts.near_flat import NearFlat
 from tests.independent.rotations import fold, rotation_vector
 from tests.minima.test_single_vertex import drawn

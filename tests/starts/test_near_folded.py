@@ -8,7 +8,7 @@ import pytest
 from mpmath import matrix, mp, mpf
 
 import origami_nlp as o
-from origami_nlp.programme import Model
+from origami_nlp.problem import Model
 from origami_nlp.starts import flat_foldings
 from origami_nlp.starts.near_flat import NearFolded
 from tests.proof.fifty_digits import turn_x, turn_z

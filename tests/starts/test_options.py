@@ -6,8 +6,8 @@ import math
 import pytest
 
 import origami_nlp as o
+from origami_nlp.continuation import ContinuationOptions
 from origami_nlp.errors import OptionError
-from origami_nlp.path import ContinuationOptions
 from origami_nlp.proof import ProofOptions
 from origami_nlp.starts import EFFORTS, SearchOptions
 
@@ -94,7 +94,7 @@ def test_fields_of_a_proof_have_their_effect():
 
 
 @pytest.mark.parametrize(
-    ("make", "changed", "told"),
+    ("make", "changed", "reported"),
     [
         (SearchOptions, {"rounds": 0}, "rounds = 0 must be a whole number, at least 1"),
         (SearchOptions, {"corners": 2.5}, "corners = 2.5 must be a whole number, at least 1"),
@@ -121,10 +121,10 @@ def test_fields_of_a_proof_have_their_effect():
         (ProofOptions, {"smaller": (1e-9, 1e-7)}, "smaller = (1e-09, 1e-07) must fall from below"),
     ],
 )
-def test_what_makes_no_sense_is_refused_in_one_line(make, changed, told):
+def test_what_makes_no_sense_is_refused_in_one_line(make, changed, reported):
     with pytest.raises(OptionError) as refused:
         make(**changed)
-    assert str(refused.value).startswith(told) and "\n" not in str(refused.value)
+    assert str(refused.value).startswith(reported) and "\n" not in str(refused.value)
 
 
 @pytest.mark.parametrize(

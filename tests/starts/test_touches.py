@@ -7,12 +7,12 @@ import math
 import numpy as np
 import pytest
 
-from origami_nlp import Scene, Vertex, examine
+from origami_nlp import Scene, Vertex, check_admissible
 from origami_nlp.errors import SceneError
 from origami_nlp.folding import find_crossings, fold_vertex
 from origami_nlp.minima import count_strata
-from origami_nlp.programme import Model
-from origami_nlp.starts import close_pinched, list_strata, model_rows, model_strata, touch_starts
+from origami_nlp.problem import Model
+from origami_nlp.starts import close_pinched, contact_starts, list_strata, model_rows, model_strata
 from tests.independent.admissible import admissible
 from tests.independent.arcs import corner_determinants
 from tests.independent.neighbours import Problem
@@ -40,7 +40,7 @@ def drawn(request):
     rng = np.random.default_rng(int(100 * total) + n)
     for _ in range(20):  # in many vertices of degree 5 nothing can touch
         model = model_of(rng, n, total)
-        starts = touch_starts(model, rng, 200)
+        starts = contact_starts(model, rng, 200)
         if len(starts):
             return model, starts
     raise AssertionError("no vertex with touches")
@@ -88,11 +88,11 @@ def test_starts_are_on_the_stratum_that_they_name(drawn):
 
 def test_nearly_all_starts_are_admissible(drawn):
     model, starts = drawn
-    good = np.array([examine(model.scene.vertex, x).admissible for x in starts.x])
+    good = np.array([check_admissible(model.scene.vertex, x).admissible for x in starts.x])
     assert good.mean() > 0.8
     flat = np.array([bool(starts.strata.find(int(r))[0].pinched[0].flat) for r in starts.stratum])
-    shut = starts.act != 0
-    deep = (shut & np.roll(shut, 1, axis=1)).any(
+    at_limit = starts.act != 0
+    deep = (at_limit & np.roll(at_limit, 1, axis=1)).any(
         axis=1
     )  # closed creases in a row: three layers at least
     assert good[~flat & ~deep].all()  # only stacks of more layers than the tests see are refused
@@ -107,7 +107,7 @@ def test_beside_a_touch_states_are_admissible_on_the_open_side_only():
     for n in (5, 6, 7):
         model = model_of(rng, n)
         sectors = np.array(model.scene.vertex.sector_angles)
-        starts = touch_starts(model, rng, 60)
+        starts = contact_starts(model, rng, 60)
         free = (starts.act == 0).all(axis=1) & (starts.touches[:, 1, 2] == 0)
         for x, touch in zip(starts.x[free], starts.touches[free], strict=True):
             k, j, side = touch[0]
@@ -171,8 +171,8 @@ def test_every_admissible_touch_of_a_vertex_of_degree_5_and_6_is_a_pinch():
 def test_strata_are_started_in_turn():
     rng = np.random.default_rng(13)
     model = model_of(rng, 7)
-    first = touch_starts(model, rng, 100)
-    second = touch_starts(model, rng, 100, first)
+    first = contact_starts(model, rng, 100)
+    second = contact_starts(model, rng, 100, first)
     assert (second.tried >= first.tried).all() and second.tried.sum() > first.tried.sum()
     assert (second.started >= first.started).all()
     assert (second.started > 0).sum() > (first.started > 0).sum()
@@ -191,7 +191,7 @@ def test_strata_are_started_in_turn():
 
 def test_same_seed_same_starts():
     model = model_of(np.random.default_rng(14), 6)
-    one, two, other = (touch_starts(model, np.random.default_rng(seed), 50) for seed in (1, 1, 2))
+    one, two, other = (contact_starts(model, np.random.default_rng(seed), 50) for seed in (1, 1, 2))
     assert (one.x == two.x).all() and (one.stratum == two.stratum).all()
     assert one.x.shape != other.x.shape or (one.x != other.x).any()
 
@@ -244,11 +244,11 @@ def test_two_touches_are_all_pairs_of_chords(n):
 
 def test_a_scene_without_touches_has_no_starts_and_one_with_symmetry_is_refused():
     rng = np.random.default_rng(15)
-    assert len(touch_starts(model_of(rng, 4), rng, 10)) == 0
+    assert len(contact_starts(model_of(rng, 4), rng, 10)) == 0
     scene = Scene(Vertex(("pi/3",) * 6), (1.0,) * 6, (0.5,) * 6, symmetry="C2", contact="full")
     with pytest.raises(SceneError):
-        touch_starts(Model(scene), rng, 10)
+        contact_starts(Model(scene), rng, 10)
     limits = Scene(
         Vertex(("pi/3",) * 6), (1.0,) * 6, (0.5,) * 6, symmetry="none", contact="fold-limits"
     )
-    assert len(touch_starts(Model(limits), rng, 10)) == 0
+    assert len(contact_starts(Model(limits), rng, 10)) == 0

@@ -10,11 +10,11 @@ import pytest
 
 from origami_nlp.closed_forms import wedge3
 from origami_nlp.errors import OptionError, SceneFileError
-from origami_nlp.folding import examine
+from origami_nlp.folding import check_admissible
 from origami_nlp.kkt import State, project
 from origami_nlp.minima import find_minima
 from origami_nlp.pattern import examples
-from origami_nlp.programme import Model
+from origami_nlp.problem import Model
 from studies import (
     as_markdown,
     audit_candidates,
@@ -221,7 +221,7 @@ def small() -> tuple[list[dict[str, object]], dict[int, str]]:
     other = examples.degree6("pi/3", 1.0)
     crossing, residual = project(Model(other), np.array([-1.65, 2.27, 2.27, -1.65]), ())
     assert residual < 1e-12 and np.abs(crossing).max() < 3  # no fold angle at +-pi
-    assert "cross" in examine(other.vertex, Model(other).expand(crossing)).reason
+    assert "cross" in check_admissible(other.vertex, Model(other).expand(crossing)).reason
     data.append(record(crossing.tolist(), alpha="pi/3"))
     causes[len(data)] = "not admissible"
     return data, causes

@@ -11,7 +11,7 @@ from origami_nlp.kkt import State as StateOf, classify, project
 from origami_nlp.minima import FullSpace, JudgedState, find_minima, full_scene
 from origami_nlp.numerics import null_space
 from origami_nlp.pattern import Scene, Vertex, examples
-from origami_nlp.programme import Model
+from origami_nlp.problem import Model
 from studies import STEPS, appendix_a
 from studies.audit import distance_from_stationary
 from studies.baseline import EPS_GRADIENT, Baseline, crease_matrix

@@ -91,6 +91,6 @@ def test_command_prints_every_quantity(tmp_path):
     out = tmp_path / "limits.json"
     result = CliRunner().invoke(app, ["limits", "--json", str(out)])
     assert result.exit_code == 0, result.output
-    told = json.loads(out.read_text())
-    assert [row["name"] for row in told["quantities"]] == [q.name for q in limits()]
-    assert told["degrees"] == list(DEGREES)
+    reported = json.loads(out.read_text())
+    assert [row["name"] for row in reported["quantities"]] == [q.name for q in limits()]
+    assert reported["degrees"] == list(DEGREES)

@@ -8,15 +8,15 @@ import numpy as np
 import pytest
 
 import origami_nlp as o
-from studies import draw_sheet, find_panels, sheet_table, sheets as sheet
+from studies import draw_pattern_state, find_panels, sheet_table, sheets as sheet
 from studies.__main__ import app
-from studies.sheets import Sheet
+from studies.sheets import PatternProblem
 from tests.command_line import run
 
 
 @pytest.fixture
 def one_panel(monkeypatch):
-    small = Sheet(o.examples.degree8, ("pi/4",), (1.0,))
+    small = PatternProblem(o.examples.degree8, ("pi/4",), (1.0,))
     monkeypatch.setitem(sheet.SHEETS, "figure4", small)
 
 
@@ -32,7 +32,7 @@ def test_reproduce_writes_png_and_pdf(one_panel, tmp_path):
 def test_sheet_draws_what_was_found(one_panel):
     (panel,) = find_panels("figure4", size=41, workers=1)
     assert panel.counts == (2, 2, 2)
-    figure = draw_sheet("figure4", [panel])
+    figure = draw_pattern_state("figure4", [panel])
     axes = figure.axes[0]
     stars = [ln for ln in axes.lines if ln.get_marker() not in (None, "None", "")]
     places = {tuple(np.round([*ln.get_xdata(), *ln.get_ydata()], 9)) for ln in stars}
@@ -72,4 +72,4 @@ def test_whole_sheet(name):
         n_sym, n_open, n_full = panel.counts
         assert n_full is not None and n_open is not None
         assert n_sym == len(panel.result.minima) >= n_open >= n_full
-    assert len(draw_sheet(name, panels).axes) == 18
+    assert len(draw_pattern_state(name, panels).axes) == 18

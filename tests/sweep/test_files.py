@@ -8,8 +8,8 @@ import pytest
 
 import origami_nlp as o
 from origami_nlp.errors import OrigamiError
-from origami_nlp.facets import Sheet, order_layers, sheet_frame, sheet_to_fold
 from origami_nlp.pattern import pattern_from_dict, pattern_to_dict
+from origami_nlp.pattern_problem import PatternProblem, order_layers, pattern_frame, pattern_to_fold
 from origami_nlp.sweep import parse_sweep, read_sweep, run_sweep
 from origami_nlp.sweep.run import run_scene
 from origami_nlp.sweep.store import read_table
@@ -18,15 +18,15 @@ from tests.sweep.test_sweep import FEW, PATTERNS, SMALL, Inline
 
 
 def test_orders_of_layers_of_a_file_are_those_of_every_sheet(tmp_path):
-    sheet = o.examples.pattern("miura:2x2")
-    flat = o.find_motion(sheet).fold_angles[-1]
+    problem = o.examples.pattern("miura:2x2")
+    flat = o.find_motion(problem).fold_angles[-1]
     flat = np.copysign(np.pi, flat)
-    data = sheet_to_fold(sheet, [sheet_frame(sheet, flat, "flat-folded")])
+    data = pattern_to_fold(problem, [pattern_frame(problem, flat, "flat-folded")])
     (frame,) = data.pop("file_frames")
     own = {k: v for k, v in frame.items() if k not in ("frame_inherit", "frame_parent")}
     (tmp_path / "folded.fold").write_text(json.dumps(data | own))
     read = o.read_pattern(tmp_path / "folded.fold")
-    assert read.orders and order_layers(Sheet(read), flat).stated
+    assert read.orders and order_layers(PatternProblem(read), flat).stated
     axes = [{"set": "creases.stiffness", "values": [0.01, 2.0]}]
     tables = {"pattern": {"file": "folded.fold"}, "axes": axes, "search": {"starts": 0}}
     sweep = parse_sweep(tables, tmp_path)
@@ -35,7 +35,7 @@ def test_orders_of_layers_of_a_file_are_those_of_every_sheet(tmp_path):
         again = pattern_from_dict(json.loads(json.dumps(pattern_to_dict(made))))
         for one in (made, again):
             assert one.orders == read.orders and one.stiffness[0] == axes[0]["values"][k]
-            assert order_layers(Sheet(one), flat).stated
+            assert order_layers(PatternProblem(one), flat).stated
     # orders that contradict how facets lie are refused before a sheet is searched
     f, g, s = own["faceOrders"][0]
     wrong = [[f, g, -s], *own["faceOrders"][1:]]
@@ -45,8 +45,8 @@ def test_orders_of_layers_of_a_file_are_those_of_every_sheet(tmp_path):
 
 
 def test_places_of_a_pattern(tmp_path):
-    sheet = o.examples.pattern("metasheet:2x2")
-    (tmp_path / "sheet.fold").write_text(json.dumps(sheet_to_fold(sheet)))
+    problem = o.examples.pattern("metasheet:2x2")
+    (tmp_path / "sheet.fold").write_text(json.dumps(pattern_to_fold(problem)))
     (tmp_path / "sweep.toml").write_text(
         '[pattern]\nfile = "sheet.fold"\n'
         '[[axes]]\nset = ["creases.stiffness[2]", "creases.stiffness[4]"]\nvalues = [3, 5]\n'
@@ -57,7 +57,7 @@ def test_places_of_a_pattern(tmp_path):
     (tmp_path / "sheet.fold").unlink()  # the sweep has it
     made = sweep.pattern(1)
     assert sweep.count == 2 and made.stiffness[[1, 3]].tolist() == [5, 5] and made.rest[0] == 1
-    assert made.stiffness[[0, 2]] == pytest.approx(sheet.stiffness[[0, 2]])
+    assert made.stiffness[[0, 2]] == pytest.approx(problem.stiffness[[0, 2]])
     drawn = parse_sweep(
         {
             "pattern": {"example": "miura:2x2", "rest_angle": 1.0},

@@ -172,7 +172,7 @@ def test_a_sweep_is_its_sheets(stores):
         alone = find_minima(sheet, starts=2)
         here = states[states.scene == index]
         assert np.array_equal(here["energy"], [m.energy for m in alone.minima])
-        assert list(here["dimension"]) == [m.freedoms for m in alone.minima]
+        assert list(here["dimension"]) == [m.dof for m in alone.minima]
     assert draw_sweep(finished).axes
 
 

@@ -28,8 +28,8 @@ def verify(monkeypatch, capsys):
         monkeypatch.setattr(sys, "argv", ["origami-nlp", "paper", "verify", *map(str, args)])
         with pytest.raises(SystemExit) as stop:
             main()
-        told = capsys.readouterr()
-        return SimpleNamespace(returncode=stop.value.code, stdout=told.out, stderr=told.err)
+        reported = capsys.readouterr()
+        return SimpleNamespace(returncode=stop.value.code, stdout=reported.out, stderr=reported.err)
 
     return run
 

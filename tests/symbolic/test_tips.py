@@ -18,7 +18,7 @@ from origami_nlp.symbolic.tips import (
     touching_facets,
 )
 
-from origami_nlp import Vertex, examine, examples
+from origami_nlp import Vertex, check_admissible, examples
 from origami_nlp.folding import fold_vertex
 from tests.computed_once import panel_result
 
@@ -61,12 +61,12 @@ def energy(phi, rest):
 def test_finite_slides_stay_admissible_and_descend_at_the_stated_rate(tip):
     vertex, phi, gradient, d = tip
     rest = phi - gradient
-    start = examine(vertex, phi)
+    start = check_admissible(vertex, phi)
     assert start.admissible and start.touching
     slopes = []
     for s in (1e-3, 5e-4, 2.5e-4):
         moved = closed(vertex, phi + s * d)
-        seen = examine(vertex, moved)
+        seen = check_admissible(vertex, moved)
         assert seen.admissible, seen.reason
         assert not seen.touching
         slopes.append((energy(moved, rest) - energy(phi, rest)) / s)
@@ -78,9 +78,9 @@ def test_finite_slides_stay_admissible_and_descend_at_the_stated_rate(tip):
 def test_pressing_without_sliding_crosses(tip):
     vertex, phi, *_ = tip
     _, c_1, _ = tip_example()
-    press = floats([1, 0, -c_1[2], 0] * 2)
-    assert not examine(vertex, closed(vertex, phi + 1e-3 * press)).admissible
-    assert examine(vertex, closed(vertex, phi - 1e-3 * press)).admissible
+    contact_descent = floats([1, 0, -c_1[2], 0] * 2)
+    assert not check_admissible(vertex, closed(vertex, phi + 1e-3 * contact_descent)).admissible
+    assert check_admissible(vertex, closed(vertex, phi - 1e-3 * contact_descent)).admissible
 
 
 def test_no_nearby_symmetric_state_is_admissible_and_lower(tip):
@@ -93,7 +93,7 @@ def test_no_nearby_symmetric_state_is_admissible_and_lower(tip):
         for _ in range(40):
             a, b, c = size * rng.normal(size=3)
             near = closed(vertex, phi + np.array([a, b, c, b] * 2), average)
-            if examine(vertex, near).admissible:
+            if check_admissible(vertex, near).admissible:
                 admissible += 1
                 growth = energy(near, rest) - energy(phi, rest)
                 assert growth >= 5 / 16 * ((near - phi) ** 2).sum() - 1e-14
@@ -137,7 +137,7 @@ def test_the_same_direction_descends_from_the_pinned_states_of_the_panels(alpha)
         torque = np.array(scene.stiffness) * (phi - np.array(scene.rest_angles))
         assert torque @ d < -1e-4
         moved = closed(scene.vertex, phi + 1e-4 * d)
-        assert examine(scene.vertex, moved).admissible
+        assert check_admissible(scene.vertex, moved).admissible
     assert found == 1
 
 

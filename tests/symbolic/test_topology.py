@@ -8,7 +8,7 @@ from origami_nlp.symbolic.claims.section3_topology import derived_segments
 
 from origami_nlp import examples
 from origami_nlp.closed_forms import degree6
-from origami_nlp.folding import examine
+from origami_nlp.folding import check_admissible
 
 PART = {"s3.flat-point": (1, 4), "s3.handle-joints": (1, 3), "s3.corner-points": (5, 12)}
 VERTEX = {name: examples.degree6(f"{p}*pi/{q}").vertex for name, (p, q) in PART.items()}
@@ -38,7 +38,7 @@ def test_the_book_fold_over_the_middle_lies_on_both_sides(claim_id):
     for t in (1e-3, 0.5, 2.0, np.pi):
         for side in (1, -1):
             state = spread(side * t, 0, 0, side * t)
-            assert examine(VERTEX[claim_id], state).admissible
+            assert check_admissible(VERTEX[claim_id], state).admissible
             assert np.sign(state.sum()) == side
 
 
@@ -49,7 +49,7 @@ def test_the_corners_hold_one_state_of_each_region_from_pi_3_on():
     ):  # fmt: skip
         for side in (1, -1):
             for state in (spread(pi, -pi, pi, pi), spread(-pi, -pi, pi, -pi)):
-                assert examine(VERTEX[claim_id], side * state).admissible is admissible
+                assert check_admissible(VERTEX[claim_id], side * state).admissible is admissible
     assert spread(pi, -pi, pi, pi).sum() > 0 > spread(-pi, -pi, pi, -pi).sum()
 
 
@@ -64,7 +64,7 @@ def test_fold_sums_of_admissible_states_vanish_at_the_flat_state_only(claim_id):
     signs = []
     for f2, f3, (f1, f4) in zip(phi_2, phi_3, point.value, strict=True):
         state = spread(f1, f2, f3, f4)
-        if np.abs(state).max() <= np.pi and examine(vertex, state).admissible:
+        if np.abs(state).max() <= np.pi and check_admissible(vertex, state).admissible:
             # near the flat state the sum is of second order in the fold angles
             assert abs(state.sum()) > 0.1 * np.abs(state).max() ** 2
             signs.append(np.sign(state.sum()))
@@ -89,6 +89,6 @@ def test_the_derived_handles_are_admissible_and_have_no_states_beside_them():
                 state, chart = spread(fan, closed, x, closed), (beside, x)
             else:
                 state, chart = spread(closed, x, closed, fan), (x, beside)
-            assert examine(vertex, state).admissible
+            assert check_admissible(vertex, state).admissible
             point = degree6(pi / 3, pi / 3, *chart)
             assert not np.isfinite(point.value).all()  # no sheet of paper closes there

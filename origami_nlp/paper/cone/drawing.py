@@ -7,13 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 from matplotlib.figure import Figure
 
-from origami_nlp.errors import OptionError
-from origami_nlp.paper.cone.branches import ConeBranch
-from origami_nlp.paper.cone.classes import direction_name
-from origami_nlp.paper.cone.flaps import write_flaps
-from origami_nlp.paper.cone.necklaces import foldings
-from origami_nlp.pattern import format_angle
-from origami_nlp.show import (
+from origami_nlp.display import (
     MARGIN,
     StackedFigure,
     crease_legend,
@@ -21,6 +15,12 @@ from origami_nlp.show import (
     drawn_height,
     label_text,
 )
+from origami_nlp.errors import OptionError
+from origami_nlp.paper.cone.branches import ConeBranch
+from origami_nlp.paper.cone.classes import direction_name
+from origami_nlp.paper.cone.flaps import write_flaps
+from origami_nlp.paper.cone.necklaces import foldings
+from origami_nlp.pattern import format_angle
 
 CELL, TITLE = 2.1, 0.42
 """Width of a drawing, and height of its title [in]."""

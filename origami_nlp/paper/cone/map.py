@@ -20,7 +20,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from origami_nlp.errors import OptionError
-from origami_nlp.files import Brief
+from origami_nlp.io import ShortRepr
 from origami_nlp.paper.cone.classes import AssignmentClasses, assignment_classes
 from origami_nlp.paper.cone.energy import SideEnergy
 from origami_nlp.paper.cone.roots import CELLS, FREE, HALVINGS, TIE, curvature_bounds
@@ -31,7 +31,7 @@ LIMB = 30
 
 
 @dataclass(frozen=True, repr=False)
-class CountMap(Brief):
+class CountMap(ShortRepr):
     """Numbers of branch minima, shape [ratios, elevations] each.
 
     Attributes

@@ -21,7 +21,7 @@ from typing import Any
 
 import numpy as np
 
-from origami_nlp.files import Brief
+from origami_nlp.io import ShortRepr
 from origami_nlp.paper.cone.classes import assignment_classes
 from origami_nlp.paper.cone.energy import SideEnergy
 from origami_nlp.paper.cone.roots import polish, slope_signs
@@ -29,7 +29,7 @@ from origami_nlp.paper.cone.rules import LARGEST_DEGREE, Cone, Rest, check_depth
 
 
 @dataclass(frozen=True, repr=False)
-class ConeMinima(Brief):
+class ConeMinima(ShortRepr):
     """Minima of branches, one entry a class and minimum; arrays of one length.
 
     Attributes

@@ -10,12 +10,12 @@ from typing import Any
 import numpy as np
 
 from origami_nlp.arguments import check_callback, check_flag, check_number, check_whole, shown
+from origami_nlp.display import Result
 from origami_nlp.errors import OptionError
-from origami_nlp.files import Brief
+from origami_nlp.io import ShortRepr
 from origami_nlp.paper.cone.map import CountMap, count_map
 from origami_nlp.paper.cone.phase_curves import PhaseBoundary, phase_boundaries
 from origami_nlp.paper.cone.rules import Cone, check_depth, check_ratio
-from origami_nlp.show import Result
 
 RATIOS = (1e-2, 1e2)
 """Smallest and largest ratio of a diagram."""
@@ -25,7 +25,7 @@ LARGEST_DEGREE = 200
 
 
 @dataclass(frozen=True, repr=False)
-class PhaseDiagram(Brief, Result):
+class PhaseDiagram(ShortRepr, Result):
     """Map and boundaries.
 
     Attributes

@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from origami_nlp.files import write_whole
+from origami_nlp.io import write_whole
 from origami_nlp.paper.cone.branches import ConeBranch
 from origami_nlp.paper.cone.classes import direction_name
 from origami_nlp.paper.cone.flaps import write_flaps
@@ -230,8 +230,8 @@ def full_space_to_dict(found: ConeFullSpace) -> dict[str, Any]:
 
 
 def _judged(state: JudgedMinimum) -> dict[str, Any]:
-    own, told = state.branch, state.full_space
-    descent = told.descent
+    own, reported = state.branch, state.full_space
+    descent = reported.descent
     return {
         "flaps": write_flaps(own.flaps),
         "direction": direction_name(own.direction),
@@ -244,8 +244,8 @@ def _judged(state: JudgedMinimum) -> dict[str, Any]:
         "fold_angles": list(state.fold_angles),
         "residual": None if np.isnan(state.residual) else state.residual,
         "verdict": state.verdict,
-        "certificate": told.certificate,
-        "hessian_eigenvalues": list(told.hessian_eigenvalues),
+        "certificate": reported.certificate,
+        "hessian_eigenvalues": list(reported.hessian_eigenvalues),
         "descent": descent and [{"fold_angles": list(a), "energy": e} for a, e in descent],
     }
 

@@ -23,7 +23,7 @@ from origami_nlp.paper.cone.minima import ConeCount, count
 from origami_nlp.paper.cone.necklaces import Folding, foldings
 from origami_nlp.paper.cone.rules import Cone, Rest, check_ratio
 from origami_nlp.pattern import Scene, Vertex
-from origami_nlp.programme import Model
+from origami_nlp.problem import Model
 
 LARGEST_DEGREE = 16
 """The full space is searched with general machinery: 36 arrangements x 2 directions at degree 16."""

@@ -9,6 +9,7 @@ import numpy as np
 from rich.console import Console
 from rich.text import Text
 
+from origami_nlp.display import Table, folding_table
 from origami_nlp.paper.cone.branches import ConeBranch
 from origami_nlp.paper.cone.classes import EnergyClass
 from origami_nlp.paper.cone.flaps import write_flaps
@@ -17,7 +18,6 @@ from origami_nlp.paper.cone.necklaces import foldings, number_of_foldings
 from origami_nlp.paper.cone.phase import PhaseDiagram
 from origami_nlp.paper.cone.stability import ConeFullSpace, JudgedMinimum
 from origami_nlp.pattern import format_angle
-from origami_nlp.show import Table, folding_table
 
 MOST_ROWS, MOST_TIES = 60, 8
 """Minima and ties that are printed one by one."""

@@ -8,11 +8,11 @@ from typer.testing import CliRunner
 
 from origami_nlp.cli import app
 from origami_nlp.errors import OrigamiError
-from origami_nlp.folding import examine, fold_vertex
+from origami_nlp.folding import check_admissible, fold_vertex
 from origami_nlp.minima import find_minima
 from origami_nlp.paper import cone
 from origami_nlp.paper.cone.stability import cone_scene, tangent_slope
-from origami_nlp.programme import Model
+from origami_nlp.problem import Model
 
 POINTS = [(6, 1.0, 0.5), (6, 0.1, -0.4), (8, 0.05, -0.7)]
 
@@ -88,8 +88,8 @@ def test_descents_close_are_admissible_and_fall(judged):
         assert np.abs(path[0] - state.fold_angles).max() < 1e-8
         assert (np.diff(energies) < 0).all()
         for angles in path[:: max(1, len(path) // 8)]:
-            told = examine(scene.vertex, angles)
-            assert told.admissible and told.closure_residual < 1e-11, told.reason
+            reported = check_admissible(scene.vertex, angles)
+            assert reported.admissible and reported.closure_residual < 1e-11, reported.reason
 
 
 @pytest.mark.slow
@@ -140,9 +140,12 @@ def test_command_reports_verdicts(tmp_path):
     options = ["--degree", "6", "--ratio", "1", "--rest-elevation", "pi/6", "--json", str(out)]
     result = CliRunner().invoke(app, ["paper", "cone", "full", *options])
     assert result.exit_code == 0, result.output
-    told = json.loads(out.read_text())
-    assert told["branch_minima"] == told["stable"] + told["unstable"] + told["undecided"]
-    assert all(s["certificate"] for s in told["states"])
+    reported = json.loads(out.read_text())
+    assert (
+        reported["branch_minima"]
+        == reported["stable"] + reported["unstable"] + reported["undecided"]
+    )
+    assert all(s["certificate"] for s in reported["states"])
 
 
 @pytest.mark.parametrize(

@@ -7,7 +7,7 @@ import mpmath as mp
 import numpy as np
 import pytest
 
-from origami_nlp.folding import examine
+from origami_nlp.folding import check_admissible
 from origami_nlp.paper import cone
 from tests.independent import cone_branches as brute
 
@@ -167,8 +167,8 @@ def test_a_cut_end_is_where_nothing_touches(degree, direction):
         if not cut:
             continue
         for v in (branch.end, branch.end + 0.5 * (cone.Cone(degree).lone_end - branch.end)):
-            told = examine(branch.vertex, further.fold_angles(direction * v))
-            assert told.admissible, told.reason
+            reported = check_admissible(branch.vertex, further.fold_angles(direction * v))
+            assert reported.admissible, reported.reason
             assert np.abs(further.fold_angles(direction * v)).max() < math.pi - 1e-3
 
 

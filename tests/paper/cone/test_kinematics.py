@@ -12,7 +12,7 @@ from typer.testing import CliRunner
 
 from origami_nlp.cli import app
 from origami_nlp.errors import AngleError, OptionError
-from origami_nlp.folding import examine, fold_vertex
+from origami_nlp.folding import check_admissible, fold_vertex
 from origami_nlp.paper import cone
 from origami_nlp.paper.cone.necklaces import symmetry_of
 from origami_nlp.paper.cone.rules import END_RULES
@@ -66,7 +66,7 @@ def test_every_branch_closes_and_is_embedded_up_to_its_end(half, data):
     branch = cone.ConeBranch(flaps, direction, data.draw(st.sampled_from(["contract", "contact"])))
     share = data.draw(st.floats(0.01, 0.999))
     phi = branch.fold_angles(direction * share * branch.end)
-    state = examine(branch.vertex, phi)
+    state = check_admissible(branch.vertex, phi)
     assert state.admissible, state.reason
     assert state.closure_residual < 1e-13
     creases, _ = fold_vertex(branch.vertex, phi)
@@ -86,8 +86,8 @@ def test_the_contact_rule_is_where_facets_touch(degree, direction):
         branch = cone.ConeBranch(folding.flaps, direction, "contact")
         before = cone_fold_angles(degree, direction * (branch.end - 1e-4), folding.flaps).value
         after = cone_fold_angles(degree, direction * (branch.end + 1e-4), folding.flaps).value
-        assert examine(branch.vertex, before).admissible
-        assert not examine(branch.vertex, after).admissible
+        assert check_admissible(branch.vertex, before).admissible
+        assert not check_admissible(branch.vertex, after).admissible
 
 
 def test_only_a_single_steep_flap_goes_past_the_contracts_end():

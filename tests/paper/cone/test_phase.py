@@ -204,15 +204,15 @@ def test_command_writes_map_and_boundaries(tmp_path):
         app, ["paper", "cone", "phase", "--degree", "8", "--size", "12", *wanted]
     )
     assert result.exit_code == 0, result.output
-    told = json.loads(files["json"].read_text())
-    assert told["schema"] == "origami-nlp/paper/1" and told["branches"] == "32"
-    assert {b["kind"] for b in told["boundaries"]} <= set(KINDS)
+    reported = json.loads(files["json"].read_text())
+    assert reported["schema"] == "origami-nlp/paper/1" and reported["branches"] == "32"
+    assert {b["kind"] for b in reported["boundaries"]} <= set(KINDS)
     rows = np.loadtxt(files["csv"], delimiter=",", skiprows=1)
     assert len(rows) == 144
     for nu, ratio, *numbers in rows[::17]:
         count = cone.count(8, ratio, nu)
         assert numbers == [count.stable_interior, count.stable_contact, count.falling_at_cut]
-    assert np.array(told["interior"]).shape == (12, 12)
+    assert np.array(reported["interior"]).shape == (12, 12)
     assert files["png"].stat().st_size > 10_000
 
 

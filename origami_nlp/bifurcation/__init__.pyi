@@ -1,0 +1,43 @@
+from .boundary import (
+    BifurcationSet as BifurcationSet,
+    CurvePoint as CurvePoint,
+    EventCurve as EventCurve,
+    find_bifurcation_set as find_bifurcation_set,
+)
+from .branches import branches_of as branches_of, chains_of as chains_of
+from .family import Family as Family, family_of as family_of
+from .figure import (
+    draw_atlas as draw_atlas,
+    draw_boundaries as draw_boundaries,
+    draw_ranges as draw_ranges,
+    event_look as event_look,
+    kinds_legend as kinds_legend,
+)
+from .find import follow as follow, follow_family as follow_family
+from .fold_out import write_frames as write_frames
+from .interactive import view_paths as view_paths
+from .judging import parts_of as parts_of
+from .parameter_range import (
+    ParameterRange as ParameterRange,
+    parse_parameter_range as parse_parameter_range,
+)
+from .patterns import PatternLine as PatternLine, pattern_family as pattern_family
+from .plane import Plane as Plane
+from .records import (
+    BranchEnd as BranchEnd,
+    Check as Check,
+    KindRange as KindRange,
+    Multiplier as Multiplier,
+    PathBranch as PathBranch,
+    PathEvent as PathEvent,
+    PathPoint as PathPoint,
+    Residuals as Residuals,
+    StateAt as StateAt,
+)
+from .regions import (
+    Region as Region,
+    find_regions as find_regions,
+    region_cells as region_cells,
+)
+from .result import Atlas as Atlas
+from .smooth import smooth as smooth

@@ -1,0 +1,395 @@
+"""Follow all minima of a few searches over a parameter: events located, counts between them, checks reported."""
+
+from __future__ import annotations
+
+import math
+import time
+from dataclasses import replace
+from functools import cached_property
+from os import PathLike
+from typing import Any
+from weakref import WeakKeyDictionary
+
+import numpy as np
+
+from origami_nlp.arguments import check_flag, check_type, check_until, check_whole, refuse
+from origami_nlp.bifurcation.branches import branches_of, chains_of, widest_gap
+from origami_nlp.bifurcation.family import SAMPLES, Family, family_of
+from origami_nlp.bifurcation.judging import Touching, breaking_eigenvalue, parts_of
+from origami_nlp.bifurcation.parameter_range import ParameterRange, parse_parameter_range
+from origami_nlp.bifurcation.patterns import PatternFamily, pattern_family
+from origami_nlp.bifurcation.records import Check, Cost, PathBranch
+from origami_nlp.bifurcation.result import Atlas
+from origami_nlp.continuation import (
+    STEPS,
+    BifurcationDiagram,
+    ContinuationOptions,
+    Equilibrium,
+    ParameterLine,
+)
+from origami_nlp.critical import find_critical_points
+from origami_nlp.errors import OUT_OF_TIME, OptionError
+from origami_nlp.kkt import State, classify
+from origami_nlp.minima import MinimaResult, PatternSearchReport, check_prove, full_scene
+from origami_nlp.numerics import SETTLED
+from origami_nlp.pattern import Pattern, Scene, Vertex, as_origami
+from origami_nlp.proof import ProofOptions
+from origami_nlp.space import find_space
+
+MOST_CHECKS = 100
+_OF_A_PATTERN = {"starts": "the effort says how many starts a vertex gets"}
+_OF_A_SCENE = {
+    "full": "states of a pattern keep no symmetry",
+    "morse": "critical points of a pattern are not counted",
+    "prove": "lists of a pattern are not proved",
+}
+"""What only the one or the other takes, and why."""
+JUDGING = 0.1
+"""Share of a time limit that is kept for judging what was followed."""
+
+
+def follow(
+    origami: Scene | Pattern | str | PathLike[str],
+    over: str | ParameterRange,
+    *,
+    checks: int = 3,
+    through_folds: bool = True,
+    full: bool | None = None,
+    morse: bool | None = None,
+    prove: bool | float | ProofOptions | None = None,
+    effort: str = "normal",
+    seed: int = 0,
+    max_starts: int | None = None,
+    starts: int | None = None,
+    options: ContinuationOptions | None = None,
+    seconds: float | None = None,
+) -> Atlas:
+    """Follow the minima of a vertex or a pattern over a parameter.
+
+    Searches at a few values give the states to begin with: the middle for one check, both ends for two, then the
+    middle, then the middle of the widest interval without event or check.  Every state that none of the branches
+    explains begins a new one.  Each
+    of `Scene.windings` is followed by itself, no branch leads from one to another: `Atlas.others`.
+
+    Parameters
+    ----------
+    origami
+        A scene or a pattern, as `find_minima` takes it.
+    over
+        The parameter and its range, such as ``"ratio=0.01:100"``; see `parse_parameter_range`.  Of a pattern also
+        ``"mountains.stiffness=1:2"``, ``"vertices.x[5]=0:0.1"`` (see `pattern.with_places`), or an option of an example
+        by its name, ``"alpha=50deg:60deg"`` of ``"miura:3x3"``.
+    checks
+        Number of searches.
+    through_folds
+        Whether states are followed on through folds, where they are saddles until they turn again.
+    full
+        Of scenes: whether events at which a symmetric state loses its stability without the symmetry are located; None
+        is True.
+    morse
+        Of scenes: whether the Morse identity is checked at each check (two symmetric freedoms and full contact only).
+    prove
+        Of scenes: whether it is proved at each check that no minimum is missing, or the seconds that this may take, as
+        for `find_minima`; where one freedom is left, searches are complete without it.
+    effort, seed, max_starts, starts
+        Of the searches, see `find_minima`; `starts` of patterns.
+    options
+        Of the continuation: lengths of steps, points and arcs at most.
+    seconds
+        Wall time; what was followed by then is judged and returned, `Atlas.interrupted` tells.  None: no limit.
+
+    Returns
+    -------
+    Atlas
+        Branches, events, counts and checks.
+
+    Raises
+    ------
+    OptionError
+        If the scene has no such parameter, or an argument is not what it must be.
+
+    Examples
+    --------
+    >>> import origami_nlp as o
+    >>> atlas = o.follow(o.examples.degree6("pi/3"), "ratio=0.2:1", checks=1, max_starts=16, full=False)
+    >>> [(event.type, round(event.t, 6)) for event in atlas.events]
+    [('closes', 0.355732)]
+    >>> [state.kind for state in atlas.at(0.3)]
+    ['interior', 'contact-touching', 'degenerate', 'degenerate']
+    """
+    stated = parse_parameter_range(over) if isinstance(over, str) else over
+    check_type("over", stated, ParameterRange)
+    until = check_until(seconds)
+    given = {
+        "full": full,
+        "morse": morse,
+        "prove": prove,
+        "max_starts": max_starts,
+        "starts": starts,
+    }
+    asked: dict[str, Any] = {k: v for k, v in given.items() if v is not None}
+    asked |= {
+        "options": options,
+        "checks": checks,
+        "through_folds": through_folds,
+        "effort": effort,
+        "seed": seed,
+        "until": until,
+    }
+    what = as_origami(origami)
+    if not isinstance(what, Scene):
+        refuse("pattern", _OF_A_SCENE, **given)
+        named = origami if isinstance(origami, str) else what
+        return follow_family(pattern_family(named, stated), **asked)
+    refuse("scene", _OF_A_PATTERN, **given)
+    first, *others = (
+        follow_family(family_of(one, stated), **asked) for one in what.of_each_winding
+    )
+    if not others:
+        return first
+    late = any(atlas.interrupted for atlas in (first, *others))
+    return replace(first, others=tuple(others), interrupted=late)
+
+
+def follow_family(
+    family: Family,
+    *,
+    checks: int = 3,
+    through_folds: bool = True,
+    full: bool = True,
+    morse: bool = False,
+    prove: bool | float | ProofOptions = False,
+    effort: str = "normal",
+    seed: int = 0,
+    max_starts: int | None = None,
+    starts: int | None = None,
+    options: ContinuationOptions | None = None,
+    until: float = math.inf,
+) -> Atlas:
+    """Follow the minima of a family of scenes or patterns; arguments as for `follow`.
+
+    options: of the continuation.  until: when the time is over (`time.monotonic`).
+    """
+    check_whole("checks", checks, 1, MOST_CHECKS)
+    for name, flag in (
+        ("through_folds", through_folds),
+        ("full", full),
+        ("morse", morse),
+    ):
+        check_flag(name, flag)
+    check_prove("prove", prove)
+    check_type("options", STEPS if options is None else options, ContinuationOptions)
+    given = {"max_starts": max_starts, "starts": starts}
+    search = {"effort": effort, "seed": seed, **{k: v for k, v in given.items() if v is not None}}
+    if not isinstance(family, PatternFamily):
+        search["prove"] = prove
+    survey = _Survey(family, through_folds, full, morse, search, options, until)
+    survey.web.add_flat()
+    ends = [family.over.low, family.over.high]
+    middle = family.over.t_of(0.5 * (survey.web.low + survey.web.high))
+    survey.check(([middle] if checks == 1 else [*ends, middle])[:checks])
+    while len(survey.checks) < checks and not survey.web.late:
+        s = widest_gap(survey.web, [family.over.s_of(c.t) for c in survey.checks])
+        if s is None:
+            break
+        survey.check([family.over.t_of(s)])
+    return survey.atlas()
+
+
+class _Survey:
+    """Searches and what they start, until the atlas is made."""
+
+    def __init__(
+        self,
+        family: Family,
+        through_folds: bool,
+        full: bool,
+        morse: bool,
+        search: dict[str, object],
+        steps: ContinuationOptions | None,
+        until: float,
+    ) -> None:
+        self._begin = time.perf_counter()
+        self.family, self.over, self._morse, self._search = family, family.over, morse, search
+        self._full = full and family.symmetric
+        low, high = self.over.s_of(self.over.low), self.over.s_of(self.over.high)
+        self._scene = family.scene(self.over.low)
+        self._across: WeakKeyDictionary[Equilibrium, float] = WeakKeyDictionary()
+        self._touching: Touching = {}
+        functions = [("breaks-symmetry", self.across)] if self._full else []
+        # some of the time is for judging what was followed
+        turn = until if math.isinf(until) else until - JUDGING * (until - time.monotonic())
+        self.web = BifurcationDiagram(
+            family.line,
+            low,
+            high,
+            steps=steps or family.steps,
+            through_folds=through_folds,
+            functions=functions,
+            until=turn,
+        )
+        self.checks: list[Check] = []
+        self.alarms: list[str] = []
+        self._euler: dict[Vertex, int] = {}
+
+    @cached_property
+    def _full_line(self) -> ParameterLine | None:
+        if not self._full:
+            return None
+        few = 2 if self.family.one_vertex else SAMPLES
+        return Family(self.over, lambda t: full_scene(self.family.sampled(t)), few).line
+
+    def across(self, frame: Equilibrium) -> float:
+        """Return the smallest eigenvalue across the symmetry; nan where it is not asked for."""
+        if self._full_line is None:
+            return float("nan")
+        if frame not in self._across:
+            self._across[frame] = breaking_eigenvalue(
+                frame, self._full_line, self._scene, self._touching
+            )
+        return self._across[frame]
+
+    def check(self, values: list[float]) -> None:
+        """Search at some values at once; follow what is new at one after the other, and compare."""
+        if self.web.late:
+            return
+        begin, until = time.perf_counter(), self.web.steps.until
+        left = None if math.isinf(until) else max(until - time.monotonic(), 0.0)
+        scenes = [self.family.scene(t) for t in values]
+        results = self.family.search(scenes, left, **self._search)
+        seconds = time.perf_counter() - begin
+        self._begin += seconds
+        for t, result in zip(values, results, strict=True):
+            self._compare(t, result, seconds / len(values))
+
+    def _compare(self, t: float, result: MinimaResult, seconds: float) -> None:
+        """Follow what is new among the minima of a search that took so long, and note what does not fit."""
+        begin = time.perf_counter()
+        morse = ""
+        if self._morse and not self.web.late and not result.is_pattern:
+            morse = self._identity(result.scene, result)
+        more = time.perf_counter() - begin
+        seconds, self._begin = seconds + more, self._begin + more
+        model: Any = result.model
+        s = self.over.s_of(t)
+        new, met, followed = 0, [], self._minima(s)
+        for minimum in result.minima:
+            x = model.reduce(np.array(minimum.fold_angles))
+            # not explained by any branch: it begins one
+            if _nearest(followed, x) > SETTLED:
+                # `followed` has the frames of index 0: what lies on another one is a saddle to the tracer
+                if _nearest([f for _, f in self.web.states_at(s)], x) <= SETTLED:
+                    self.alarms.append(
+                        f"{self.over.name} = {t:.9g}: a minimum lies on a branch of saddles"
+                    )
+                    continue
+                new += self.web.add(x, s, "minimum")
+                followed = self._minima(s)
+            met.append(x)
+        missed = 0
+        for frame in followed:
+            if min((np.abs(frame.state - x).max() for x in met), default=1.0) > SETTLED:
+                what = classify(State(model, frame.state))
+                # a followed state that is a minimum and that the search has not found
+                missed += what.verdict == "minimum"
+                if what.verdict != "minimum":
+                    self.alarms.append(
+                        f"{self.over.name} = {t:.9g}: the state of a branch is {what.verdict}: {what.reason}"
+                    )
+        self.checks.append(
+            Check(
+                t,
+                len(result.minima),
+                len(followed),
+                new,
+                missed,
+                getattr(result.search, "expected_undiscovered", math.inf),
+                result.search.starts,
+                seconds,
+                morse,
+                _complete(result),
+            )
+        )
+
+    def _wound(self, branch: PathBranch) -> PathBranch:
+        """Return a branch whose energies count what it took to wind preloaded springs, as those of scenes do."""
+        if not self.family.preloaded:
+            return branch
+        points = (
+            replace(p, energy=p.energy + self.family.winding(self.over.s_of(p.t)))
+            for p in branch.points
+        )
+        return replace(branch, points=tuple(points))
+
+    def _minima(self, s: float) -> list[Equilibrium]:
+        """Return the states of branches at s that may be minima, each once."""
+        out: list[Equilibrium] = []
+        for frame in (*(f for _, f in self.web.states_at(s)), *self.web.alone_at(s)):
+            if not frame.index and _nearest(out, frame.state) > SETTLED:
+                out.append(frame)
+        return out
+
+    def _identity(self, scene: Scene, result: MinimaResult) -> str:
+        """Say whether the critical points of a scene sum to the Euler characteristic of its states."""
+        try:
+            found = find_critical_points(scene, result)
+            known = self._euler.get(scene.vertex)
+            euler = find_space(scene).euler_characteristic if known is None else known
+        except OptionError as error:
+            return f"no Morse count: {error}"
+        self._euler[scene.vertex] = euler
+        verdict = found.verdict(euler)
+        agree = found.comparison is None or found.comparison.agree
+        if not verdict.closes or not agree:
+            self.alarms.append(f"{scene.label}: {verdict.text}")
+        return verdict.text
+
+    def atlas(self) -> Atlas:
+        """Judge what was followed, and pack it."""
+        web = self.web
+        chains = chains_of(web)
+        parts = {k: parts_of(arc) for k, arc in enumerate(web.arcs)}
+        branches, events = branches_of(web, self.over, chains, parts, self.across)
+        branches = tuple(self._wound(branch) for branch in branches)
+        begun = {k: number for number, chain in enumerate(chains, start=1) for k, _ in chain}
+        for number, branch in enumerate(branches, start=1):
+            for r in branch.kind_ranges:
+                if not r.stable and r.kind != "saddle":
+                    self.alarms.append(
+                        f"branch {number}, {self.over.name} {r.t[0]:.6g} to {r.t[1]:.6g}: {r.kind}: {r.certificate}"
+                    )
+        cost = Cost(
+            web.tally.steps,
+            web.tally.evaluations,
+            time.perf_counter() - self._begin,
+            sum(c.seconds for c in self.checks),
+        )
+        return Atlas(
+            self.family.scene_of(self.over.low),
+            self.over,
+            branches,
+            events,
+            tuple(self.checks),
+            tuple(dict.fromkeys(self.alarms)),
+            cost,
+            self.family,
+            web,
+            begun,
+            interrupted=web.interrupted or any(c.complete == OUT_OF_TIME for c in self.checks),
+            example=getattr(self.family, "example", ""),
+        )
+
+
+def _complete(result: MinimaResult) -> str:
+    """Say why the minima of a search are all, or that its time was over; "" where that is not known."""
+    if isinstance(result.search, PatternSearchReport):
+        return OUT_OF_TIME if result.search.left_out else ""
+    if result.search.stopped_by == "time":
+        return OUT_OF_TIME
+    if result.completeness is not None:
+        return result.completeness.status
+    return "traced" if result.search.complete else ""
+
+
+def _nearest(frames: list[Equilibrium], x: np.ndarray) -> float:
+    return min((float(np.abs(f.state - x).max()) for f in frames), default=np.inf)

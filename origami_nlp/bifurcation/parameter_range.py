@@ -1,0 +1,168 @@
+"""What states are followed over: a parameter by name, and its range.
+
+Names are those of sweep files: ``ratio``, ``alpha``, ``creases.stiffness[1]``, ``creases.rest_angles[1]``,
+``creases.preload[1]``, ``vertex.sector_angles[1]``, where ``creases.`` and ``vertex.`` may be left out; several joined
+by ``+`` take the same value.  ``torque[1]`` is added to the preload of a crease; ``loads`` is the factor of all forces
+that the scene states, ``loads[1]`` that of one.  Of patterns they are those of `pattern.with_places`.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from dataclasses import dataclass
+
+from origami_nlp.errors import AngleError, OptionError
+from origami_nlp.pattern import parse_angle
+
+UNITS = {
+    "ratio": "",
+    "alpha": "rad",
+    "stiffness": "N m/rad",
+    "x": "",
+    "y": "",
+    "rest_angles": "rad",
+    "preload": "N m",
+    "torque": "N m",
+    "sector_angles": "rad",
+    "loads": "",
+}
+"""Of what can be followed over."""
+PLACE = re.compile(
+    r"(?:(?:creases\.)?(stiffness|rest_angles|preload|torque)|(?:vertex\.)?(sector_angles)|(loads))\[(\d{1,4})\]"
+)
+_OF_A_PATTERN = re.compile(
+    r"(?:creases|mountains|valleys)\.(stiffness|rest_angles)|(?:vertices\.)?([xy])\[\d{1,6}\]"
+)
+_DEGREES = re.compile(r"(.*?)\s*deg")
+
+
+@dataclass(frozen=True)
+class ParameterRange:
+    """What is followed over.
+
+    Attributes
+    ----------
+    name
+        Of the parameter, see the module.
+    low, high
+        From and to, in its unit.
+    unit
+        ``"rad"``, ``"N m"``, ``"N m/rad"`` or ``""``.
+    log
+        Whether steps are ratios.
+    """
+
+    name: str
+    low: float
+    high: float
+    unit: str
+    log: bool
+
+    def s_of(self, t: float) -> float:
+        """Return the number that is followed: t, or its logarithm."""
+        return math.log(t) if self.log else t
+
+    def t_of(self, s: float) -> float:
+        """Return the parameter, exact at both ends of the range."""
+        if s == self.s_of(self.low):
+            return self.low
+        if s == self.s_of(self.high):
+            return self.high
+        return math.exp(s) if self.log else s
+
+    def drawn(self, t: float) -> float:
+        """Return a value as axes have it: angles in degrees."""
+        return math.degrees(t) if self.unit == "rad" else t
+
+    @property
+    def axis(self) -> str:
+        """The name for an axis, with its unit."""
+        unit = "deg" if self.unit == "rad" else self.unit
+        return f"{self.name} [{unit}]" if unit else self.name
+
+    def shown(self, t: float, digits: int = 6) -> str:
+        """Return a value in words, angles in degrees."""
+        if self.unit == "rad":
+            return f"{math.degrees(t):.{digits}g} deg"
+        return f"{t:.{digits}g} {self.unit}".rstrip()
+
+
+def parse_parameter_range(text: str) -> ParameterRange:
+    """Read ``NAME=FROM:TO``, angles in radians, as multiples of pi, or with ``deg``.
+
+    Parameters
+    ----------
+    text
+        Such as ``"ratio=0.01:100"``, ``"alpha=30deg:60deg"``, ``"rest_angles[1]=-pi:pi/2"`` or
+        ``"torque[1]=-0.15:0"``.
+
+    Returns
+    -------
+    ParameterRange
+        The parameter and its range.
+
+    Raises
+    ------
+    OptionError
+        If it is not written so, an end is no number, or the range is empty.
+    AngleError
+        If an end of a range of angles is no angle.
+
+    Examples
+    --------
+    >>> from origami_nlp.bifurcation import parse_parameter_range
+    >>> parse_parameter_range("ratio=0.01:100").log
+    True
+    """
+    name, equals, ends = text.partition("=")
+    low, colon, high = ends.partition(":")
+    if not equals or not colon:
+        raise OptionError(f"over = {text!r} must be NAME=FROM:TO, such as ratio=0.01:100")
+    name = name.strip()
+    values = [_number(v, name) for v in (low, high)]
+    kinds = {kind_of(part) for part in name.split("+")}
+    if len(kinds) > 1:
+        raise OptionError(f"over = {text!r}: what takes the same value must be of one kind")
+    (kind,) = kinds
+    log, unit = kind in ("ratio", "stiffness"), UNITS.get(kind, "rad")
+    a, b = values
+    if not a < b:
+        raise OptionError(f"over = {text!r}: the range must run from a smaller to a larger value")
+    if log and a <= 0:
+        raise OptionError(f"over = {text!r}: {name} must be above 0")
+    return ParameterRange(name, a, b, unit, log)
+
+
+NEARBY = 1.3
+"""A value without a range stands for the range from that share of it to that multiple; angles, and zero: 0.2 about."""
+
+
+def kind_of(name: str) -> str:
+    """Return what a parameter is, a key of `UNITS`; the name itself where it is none."""
+    match = PLACE.fullmatch(name.strip()) or _OF_A_PATTERN.fullmatch(name.strip())
+    return next(v for v in match.groups()[:3] if v) if match else name.strip()
+
+
+def parse_nearby(text: str) -> ParameterRange:
+    """Read ``NAME=FROM:TO`` as `parse_parameter_range` does, or ``NAME=VALUE`` for a range around a value."""
+    name, _, value = text.partition("=")
+    if ":" in value or not value:
+        return parse_parameter_range(text)
+    t = _number(value, name.strip())
+    if t and UNITS.get(kind_of(name), "rad") != "rad":
+        low, high = sorted((t / NEARBY, t * NEARBY))
+        return parse_parameter_range(f"{name}={low!r}:{high!r}")
+    return parse_parameter_range(f"{name}={t - 0.2!r}:{t + 0.2!r}")
+
+
+def _number(text: str, name: str) -> float:
+    match = _DEGREES.fullmatch(text.strip())
+    if match:
+        return math.radians(parse_angle(match[1], name))
+    try:
+        return parse_angle(text.strip(), name)
+    except AngleError:
+        if UNITS.get(kind_of(name.partition("+")[0]), "rad") == "rad":
+            raise
+        raise OptionError(f"over: {name} = {text.strip()!r} must be a finite number") from None

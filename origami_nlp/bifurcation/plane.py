@@ -1,0 +1,111 @@
+"""Scenes over two parameters, and the lines of programmes across their plane."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from origami_nlp.bifurcation.family import Family, family_of, linear_numbers, same_problem
+from origami_nlp.bifurcation.parameter_range import ParameterRange
+from origami_nlp.continuation import ParameterLine
+from origami_nlp.errors import OptionError
+from origami_nlp.numerics import RESOLVED
+from origami_nlp.pattern import DeadLoads, Scene
+from origami_nlp.problem import Model, Parameters
+
+GRID = 7
+"""Scenes along each parameter that are posed before anything is followed."""
+
+
+@dataclass(frozen=True, eq=False)
+class Plane:
+    """Scenes that differ from one in two parameters.
+
+    Attributes
+    ----------
+    scene
+        Where the other numbers come from.
+    overs
+        Both parameters with their ranges.
+    """
+
+    scene: Scene
+    overs: tuple[ParameterRange, ParameterRange]
+
+    def family(self, value: float, axis: int = 0) -> Family:
+        """Return the scenes over the first parameter (axis 0) or the second at one value of the other."""
+        along, other = self.overs[axis], self.overs[1 - axis]
+        return family_of(family_of(self.scene, other).scene_of(value), along)
+
+    @cached_property
+    def corner(self) -> np.ndarray:
+        """Values that are followed (logarithms of ratios) at the lower ends, [2]."""
+        return np.array([over.s_of(over.low) for over in self.overs])
+
+    @cached_property
+    def size(self) -> np.ndarray:
+        """Lengths of both ranges, [2]."""
+        return np.array([over.s_of(over.high) for over in self.overs]) - self.corner
+
+    def values(self, point: np.ndarray) -> tuple[float, float]:
+        """Return both parameters in their units at a point [2] of the plane of s."""
+        a, b = (over.t_of(float(s)) for over, s in zip(self.overs, point, strict=True))
+        return a, b
+
+    @cached_property
+    def _posed(self) -> tuple[Model, np.ndarray, np.ndarray]:
+        """Model with every contact, the numbers of the lower corner, and their change with s, [2, .]."""
+        shares = np.linspace(0.0, 1.0, GRID)
+        flat = [self._model(self.corner + self.size * (a, b)) for a in shares for b in shares]
+        alike = same_problem(flat, self.overs[0].name, [m.scene.label for m in flat])
+        posed = np.array([_numbers(m) for m in alike]).reshape(GRID, GRID, -1)
+        first = (posed[-1, 0] - posed[0, 0]) / self.size[0]
+        second = (posed[0, -1] - posed[0, 0]) / self.size[1]
+        i, j = (self.size[k] * shares for k in (0, 1))
+        # what two edges of the plane say of its inside
+        flat_plane = posed[0, 0] + i[:, None, None] * first + j[None, :, None] * second
+        if np.abs(flat_plane - posed).max() > RESOLVED:
+            raise OptionError(
+                f"the scenes over {self.overs[0].name} and {self.overs[1].name} do not change smoothly"
+            )
+        whole = max(flat, key=lambda m: len(m.structure.gaps))
+        return whole, posed[0, 0], np.array([first, second])
+
+    def _model(self, point: np.ndarray) -> Model:
+        t, u = self.values(point)
+        return Model(self.family(u).scene(t))
+
+    def line(self, point: np.ndarray, direction: np.ndarray, weight: float) -> ParameterLine:
+        """Return the programmes along a direction [2] from a point [2] of the plane of s."""
+        whole, origin, slopes = self._posed
+        m = whole.parameters
+        none = np.zeros(0) if m.dead is None else m.dead.vector
+        lengths = [len(v) for v in (m.sectors, m.stiffness, m.rest, m.load, none)]
+        cut = np.cumsum(lengths)
+        # logarithms of stiffness among them: log-linear along every line
+        at = origin + (point - self.corner) @ slopes
+        sectors, k, rest, load, dead, angles = np.split(at, cut)
+        d_sectors, d_k, d_rest, d_load, d_dead, change = np.split(direction @ slopes, cut)
+        return ParameterLine(
+            whole,
+            Parameters(sectors, np.exp(k), rest, load, _forces(m.dead, dead)),
+            Parameters(d_sectors, d_k, d_rest, d_load, _forces(m.dead, d_dead)),
+            angles if change.any() or (angles != whole.scene.vertex.sector_angles).any() else None,
+            change,
+            weight,
+        )
+
+
+def _forces(like: DeadLoads | None, vector: np.ndarray) -> DeadLoads | None:
+    """Return forces with the points and values of a vector, see `DeadLoads.vector`."""
+    if like is None:
+        return None
+    table = vector.reshape(-1, 5)
+    return replace(like, points=table[:, :2], forces=table[:, 2:])
+
+
+def _numbers(model: Model) -> np.ndarray:
+    """Return what is linear over the plane: of the programme, and sectors of the vertex."""
+    return np.append(linear_numbers(model.parameters), model.scene.vertex.sector_angles)

@@ -1,0 +1,468 @@
+"""Equilibria over a parameter as a web: nodes (events and ends) and arcs between them.
+
+From a state every half-branch is followed; where a contact event ends it, one-sided conditions say how it goes on.
+Inner events (folds, branchings) cut arcs too, so that along an arc the parameter runs one way, the contacts held and
+the number of unstable directions stay the same.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from functools import cached_property
+
+import numpy as np
+
+from origami_nlp.continuation.branch_segments import (
+    AGAIN,
+    EVENT,
+    LATE,
+    RANGE,
+    START,
+    BranchSegment,
+    SpecialPoint,
+)
+from origami_nlp.continuation.contact_events import first_contact_event, other_piece_leaves
+from origami_nlp.continuation.equilibrium import Equilibrium, EquilibriumCurve
+from origami_nlp.continuation.events import (
+    Found,
+    change_of_verdict,
+    flat_crossed,
+    folds_and_branchings,
+    multipliers_pass_infinity,
+)
+from origami_nlp.continuation.flat import AT_FLAT, beside_flat, flat_roots, passes
+from origami_nlp.continuation.line import ParameterLine
+from origami_nlp.continuation.one_sided_branches import (
+    OneSidedBranch,
+    balances,
+    find_one_sided_branches,
+    is_equilibrium,
+    judged,
+    one_sided_branches_at,
+    turned,
+)
+from origami_nlp.continuation.redundant import system_at
+from origami_nlp.continuation.system import Tally
+from origami_nlp.continuation.tracer import (
+    ALIGNED,
+    CLOSED_CURVE,
+    ContinuationOptions,
+    End,
+    trace_ahead,
+)
+from origami_nlp.numerics import NEAR_SINGULAR_TOL, RANK, ROUNDED, SETTLED
+
+STEPS = ContinuationOptions(first=1e-2, longest=0.15)
+"""Some 20 to 100 steps for a branch; the tangent turns by at most 17 degrees a step."""
+
+
+Functions = Callable[[Equilibrium], float]
+
+
+class BifurcationDiagram:
+    """Followed equilibria over the range [low, high] of s.
+
+    Parameters
+    ----------
+    line
+        The parameters.
+    low, high
+        The range of s.
+    steps
+        Of the tracer.
+    through_folds
+        Whether unstable states beyond a fold are followed.
+    functions
+        Further functions of a state whose zeros are events, by type.
+    lazy
+        Whether stable states beyond unstable ones, and what branches off, wait until they are asked for (`resume`).
+    until
+        When following ends (`time.monotonic`), wherever it is.
+
+    Attributes
+    ----------
+    nodes, arcs
+        In the order in which they were found.
+    tally
+        What it cost.
+    interrupted
+        Whether the time was over before all that comes of the states given was followed.
+    """
+
+    def __init__(
+        self,
+        line: ParameterLine,
+        low: float,
+        high: float,
+        *,
+        steps: ContinuationOptions = STEPS,
+        through_folds: bool = True,
+        functions: Sequence[tuple[str, Functions]] = (),
+        lazy: bool = False,
+        until: float = math.inf,
+    ) -> None:
+        self.lazy = lazy
+        self.line, self.low, self.high = line, low, high
+        self.steps = replace(steps, until=min(steps.until, until))
+        self.interrupted = False
+        self.through_folds, self.functions = through_folds, tuple(functions)
+        self.nodes: list[SpecialPoint] = []
+        self.arcs: list[BranchSegment] = []
+        self.tally = Tally()
+        self.root = np.append(line.problem.root, line.weight)
+
+    @property
+    def late(self) -> bool:
+        """Whether the time is over; then what was to be followed is not."""
+        self.interrupted |= time.monotonic() > self.steps.until
+        return self.interrupted
+
+    @cached_property
+    def flat(self) -> list[tuple[float, np.ndarray]]:
+        """Where curves pass the flat state, see `flat_roots`."""
+        return flat_roots(self.line, self.low, self.high)
+
+    def states_at(self, s: float) -> list[tuple[int, Equilibrium]]:
+        """Return the states of all arcs at s, with the positions of the arcs."""
+        found = [(k, arc.at(s, self.tally)) for k, arc in enumerate(self.arcs)]
+        return [(k, frame) for k, frame in found if frame is not None]
+
+    def alone_at(self, s: float) -> list[Equilibrium]:
+        """Return the states that were given at s and from which no equilibrium goes on."""
+        ended = {k for arc in self.arcs for k in (arc.start, arc.end)}
+        return [
+            node.halves[0].frame
+            for k, node in enumerate(self.nodes)
+            if k not in ended and node.halves and abs(node.s - s) <= ROUNDED * (1 + abs(s))
+        ]
+
+    def add(
+        self, x: np.ndarray, s: float, verdict: str = "", toward: float = 0.0, follow: bool = True
+    ) -> bool:
+        """Follow the equilibrium x [n] at s both ways, and all that comes of it; False where it is one of s alone, or
+        none.
+
+        verdict: of a state that no multipliers judge, see `find_one_sided_branches`.  toward: 1 or -1: only where s
+        grows or falls at first; the other way is left.  follow: whether anything is followed yet.
+        """
+        point = np.append(x, s)
+        node = SpecialPoint(
+            START, point, halves=find_one_sided_branches(self.line, point, self.tally, verdict)
+        )
+        self.nodes.append(node)
+        # at an end of the range only the half-branches that lead inside are followed
+        ends = {1.0: self.high, -1.0: self.low}
+        inside = [
+            k for k, h in enumerate(node.halves) if s != ends.get(float(np.sign(h.frame.ahead)))
+        ]
+        if len(inside) < len(node.halves):
+            node.type = RANGE
+        node.used += [k for k in range(len(node.halves)) if k not in inside]
+        if not inside:
+            node.type, node.why = (
+                "singular",
+                "no equilibrium goes on from there: a state of this value alone",
+            )
+        node.left = [k for k in inside if not follow or node.halves[k].frame.ahead * toward < 0]
+        self._follow_all([(len(self.nodes) - 1, k) for k in inside if k not in node.left])
+        return bool(inside)
+
+    def _follow_all(self, todo: list[tuple[int, int]]) -> None:
+        """Follow half-branches, as positions of node and half, and all that comes of them."""
+        before = len(self.arcs)
+        while todo and len(self.arcs) - before < self.steps.arcs and not self.late:
+            number, k = todo.pop()
+            if k not in self.nodes[number].used:
+                self.nodes[number].used.append(k)
+                todo += self._follow(number, self.nodes[number].halves[k])
+        if todo and not self.interrupted:
+            self.nodes[todo[0][0]].why = f"more than {self.steps.arcs} arcs"
+
+    def resume(self, number: int, toward: float) -> bool:
+        """Follow what was left at a node and leads to larger (1) or smaller s (-1); False where nothing does."""
+        node = self.nodes[number]
+        onward = [
+            k for k in node.left if node.halves[k].frame.ahead * toward > 0 and k not in node.used
+        ]
+        node.left = [k for k in node.left if k not in onward]
+        self._follow_all([(number, k) for k in onward])
+        return bool(onward)
+
+    def add_flat(self) -> None:
+        """Follow the minima that are born where curves pass the flat state."""
+        for s, direction in [] if self.late else self.flat:
+            for frame in beside_flat(self.line, s, direction, self.tally):
+                if frame is None or frame.index or not self.low <= frame.s <= self.high:
+                    continue
+                known = (np.abs(f.state - frame.state).max() for _, f in self.states_at(frame.s))
+                if min(known, default=1.0) > SETTLED:
+                    self.add(frame.state, frame.s, "minimum")
+
+    def _follow(self, start: int, half: OneSidedBranch) -> list[tuple[int, int]]:
+        """Follow a half-branch; return those that begin where it ends, as positions of node and half."""
+        curve = EquilibriumCurve(
+            self.line, half.frame.hold, self.tally, corrector=self.steps.corrector
+        )
+        frames, stop = self._trace(curve, half)
+        self.tally.steps += len(frames)
+        begun, here = [half.frame], start
+        todo: list[tuple[int, int]] = []
+        for frame in frames:
+            at_flat = frame is stop.frame and stop.why == AT_FLAT  # nothing is said of its index
+            for event in [] if at_flat else self._between(curve, begun[-1], frame, here):
+                number, known = self._node(event)
+                begun.append(event.frame)
+                self._arc(begun, here, number, half.signed)
+                if known or event.type == "singular":
+                    self._arrive(number, event.frame)
+                    return todo
+                begun, here = [event.frame], number
+                # the other curve through the branch point, both ways
+                if event.type == "branching" and not self.lazy:
+                    self.nodes[number].halves = one_sided_branches_at(curve, event.frame)
+                    todo += [(number, k) for k in range(len(self.nodes[number].halves))]
+                if event.type == "fold" and not self.through_folds:
+                    self.nodes[number].why = "not followed through folds"
+                    return todo
+            begun.append(frame)
+        if len(begun) < 2:
+            return todo
+        if stop.type == START:  # once around
+            self._arc(begun, here, start, half.signed)
+            self._arrive(start, begun[-1])
+            return todo
+        number, _ = self._node(stop)
+        self._arc(begun, here, number, half.signed)
+        if stop.type == AGAIN:
+            node = self.nodes[number]
+            node.halves.append(replace(half, frame=stop.frame))
+            node.left.append(len(node.halves) - 1)
+            return todo
+        return [*todo, *self._go_on(number, replace(half, frame=begun[-1]), stop)]
+
+    def _between(
+        self, curve: EquilibriumCurve, a: Equilibrium, b: Equilibrium, here: int
+    ) -> list[Found]:
+        """Return what comes inside a step, in order: events, and states given that lie there; not the node `here`."""
+        # order of events: by the length along the tangent at a, the same for all of them
+        length = float(a.tangent @ (self.root * (b.x - a.x)))
+        found = []
+        for node in self.nodes:
+            h = float(a.tangent @ (self.root * (node.point - a.x)))
+            if node.type == START and 0 < h < length:
+                frame = curve.beside(a, h)
+                if frame is not None and _near(self.root, frame.x, node.point):
+                    found.append(Found(START, replace(frame, x=node.point), None, 0.0, True))
+        found += folds_and_branchings(curve, a, b, self.functions)
+        node = self.nodes[here]
+        near = NEAR_SINGULAR_TOL if node.type == "branching" else SETTLED
+        found = [e for e in found if not _near(self.root, e.frame.x, node.point, near)]
+        return sorted(found, key=lambda e: float(a.tangent @ (self.root * (e.frame.x - a.x))))
+
+    def _arrive(self, number: int, frame: Equilibrium) -> None:
+        """Note that a node was reached: what leads back from there is known."""
+        node = self.nodes[number]
+        node.used += _likest(node.halves, -frame.tangent)
+
+    def _trace(
+        self, curve: EquilibriumCurve, half: OneSidedBranch
+    ) -> tuple[list[Equilibrium], Found]:
+        """Return the frames after a state, the last of them the event that ends them, and that event."""
+        stop, between = list[Found](), list[Equilibrium]()
+        verdict = "" if half.signed else judged(half.frame)
+
+        # of each end: `before` counts the frames up to it, `meet` locates it between the last one and the next
+        def before(frames: Sequence[Equilibrium]) -> int:
+            for k, f in enumerate(frames):
+                good = self.low <= f.s <= self.high and is_equilibrium(f)
+                good = good and (not half.split or balances(f))
+                if not good or (verdict and judged(f) != verdict):
+                    return k
+            return len(frames)
+
+        def meet(a: Equilibrium, b: Equilibrium) -> Equilibrium:
+            frame, event = self._first(curve, a, b, verdict, half.split)
+            stop.append(event)
+            return frame
+
+        # where no multiplier judges, each step is classified: such states mostly stand still
+        steps = self.steps if half.signed else replace(self.steps, longest=4 * self.steps.longest)
+
+        def before_flat(frames: Sequence[Equilibrium]) -> int:
+            flat = (
+                passes(lambda: self.flat, *c) for c in itertools.pairwise((half.frame, *frames))
+            )
+            return next((k for k, root in enumerate(flat) if root), len(frames))
+
+        def meet_flat(a: Equilibrium, b: Equilibrium) -> Equilibrium:
+            root = passes(lambda: self.flat, a, b)
+            assert root is not None
+            between[:], event = flat_crossed(curve, root, a)
+            stop.append(event)
+            return event.frame
+
+        before_it = [half.frame]
+
+        def before_pole(frames: Sequence[Equilibrium]) -> int:
+            for k, f in enumerate(frames):
+                passed = multipliers_pass_infinity(curve, before_it[0], f)
+                if passed is not None:
+                    stop.append(passed)
+                    return k
+                before_it[0] = f
+            return len(frames)
+
+        unstable = [bool(half.frame.index)]
+
+        def before_stable(frames: Sequence[Equilibrium]) -> int:
+            for k, f in enumerate(frames):
+                unstable[0] |= bool(f.index)
+                if unstable[0] and not f.index:
+                    return k
+            return len(frames)
+
+        def meet_stable(a: Equilibrium, b: Equilibrium) -> Equilibrium:
+            stop.append(Found(AGAIN, b, None, 0.0, True))
+            return b
+
+        ends = [End(before_flat, EVENT, meet_flat), End(before, EVENT, meet)]
+        if self.line.problem.redundant:
+            ends.append(End(before_pole, EVENT, lambda a, b: stop[-1].frame))
+        if self.lazy:
+            ends.append(End(before_stable, EVENT, meet_stable))
+        frames, _, why = trace_ahead(curve, half.frame, steps, ends)
+        if stop:
+            frames[-1:-1] = between
+            return frames, stop[-1]
+        last = frames[-1] if frames else half.frame
+        if why == CLOSED_CURVE:
+            return frames, Found(START, last, None, 0.0, True)
+        if why == LATE:
+            self.interrupted = True
+            return frames, Found(LATE, last, None, 0.0, True)
+        return frames, Found("singular", last, None, np.nan, False, why)
+
+    def _first(
+        self, curve: EquilibriumCurve, a: Equilibrium, b: Equilibrium, verdict: str, split: bool
+    ) -> tuple[Equilibrium, Found]:
+        """Return the first event between a, which is followed, and b, which is not."""
+        end = self.low if b.s < self.low else self.high if b.s > self.high else None
+        if end is not None:
+            # a guess; where Newton at s fails, bisection along the curve finds the end
+            share = (end - a.s) / (b.s - a.s)
+            guess = a.x + share * (b.x - a.x)
+            beyond = curve.at(guess, end, a.tangent) or curve.between(a, b, end)
+            if beyond is None:
+                return a, Found("singular", a, None, np.nan, False, "no state at the end")
+            b = beyond
+        if split and not b.seen.refused and not balances(b):
+            leaving = other_piece_leaves(curve, a, b)
+            if is_equilibrium(leaving.frame):
+                return leaving.frame, leaving
+            b = leaving.frame
+        if not is_equilibrium(b):
+            frame, event = first_contact_event(curve, a, b)
+            assert event is not None
+            return frame, event
+        if verdict and judged(b) != verdict:
+            return change_of_verdict(curve, a, b, verdict)
+        return b, Found(RANGE, b, None, 0.0, True)
+
+    def _node(self, event: Found) -> tuple[int, bool]:
+        """Return the node of an event, and whether it was there before."""
+        point = event.frame.x if event.point is None else event.point
+        for k, node in enumerate(self.nodes):
+            if (node.type == START) != (event.type == START) or event.type in (RANGE, LATE):
+                continue
+            # a branching is known to the root of rounding only along its branches
+            # along a branch the eigenvalue vanishes to first order; across it states differ by its square root
+            crude = node.type == event.type == "branching"
+            # met before along another arc: the arcs are joined there
+            if _near(self.root, node.point, point, NEAR_SINGULAR_TOL if crude else SETTLED):
+                return k, True
+        node = SpecialPoint(
+            event.type,
+            point,
+            event.contact,
+            event.value,
+            event.frame.system.residual if event.residual is None else event.residual,
+            event.located,
+            event.why,
+            between=event.between,
+            held=event.frame.hold.contacts,
+        )
+        self.nodes.append(node)
+        return len(self.nodes) - 1, False
+
+    def _arc(self, frames: list[Equilibrium], start: int, end: int, signed: bool) -> None:
+        first, point = frames[0], self.nodes[start].point
+        if not _near(self.root, first.x, point):  # contacts held are dependent where they begin
+            system = system_at(self.line, point, first.hold)
+            frames = [Equilibrium(point, first.tangent, system), *frames]
+        self.arcs.append(BranchSegment(tuple(frames), start, end, signed))
+
+    def _go_on(self, number: int, half: OneSidedBranch, stop: Found) -> list[tuple[int, int]]:
+        """Find how equilibria go on from the node at which a half-branch ends."""
+        node = self.nodes[number]
+        if stop.beyond is not None:
+            return self._go_on_beyond(node, number, half, stop.beyond)
+        if stop.type not in ("closes", "leaves"):
+            return []
+        if not node.halves:
+            node.halves = find_one_sided_branches(self.line, node.point, self.tally)
+        back = turned(half)
+        came = _likest(node.halves, back.frame.tangent)
+        node.used += came
+        onward = [k for k in range(len(node.halves)) if k not in came]
+        ahead = [node.halves[k].frame.ahead for k in onward]
+        same = [
+            k
+            for k in onward
+            if np.allclose(node.halves[k].frame.tangent, half.frame.tangent, atol=RANK)
+        ]
+        # the same tangent with other contacts held: of a dependent set another one takes over, and the states do not
+        # turn
+        if len(onward) == 1 and same and stop.type == "leaves":
+            node.type = "corner"  # another contact of a dependent set takes over
+        elif not onward:
+            node.why = node.why or "no equilibrium goes on from there"
+        # every way on goes back in s: a minimum and a saddle meet at the contact, without a zero eigenvalue
+        elif all(v * back.frame.ahead > 0 for v in ahead):
+            node.type = "nonsmooth-fold"
+        if node.type == "nonsmooth-fold" and not self.through_folds:
+            node.why = "not followed through folds"
+            return []
+        onward = [k for k in onward if k not in node.used]
+        if self.lazy and half.frame.index:
+            # beyond unstable states: those that become stable there wait until they are asked for
+            node.left += [k for k in onward if not node.halves[k].frame.index]
+        return [(number, k) for k in onward if k not in node.left]
+
+    def _go_on_beyond(
+        self, node: SpecialPoint, number: int, half: OneSidedBranch, beyond: Equilibrium
+    ) -> list[tuple[int, int]]:
+        """Go on from a point on the other side of a singular state, with the contacts that carry there."""
+        found = find_one_sided_branches(self.line, beyond.x, self.tally)
+        onward = [h for h in found if h.is_like(half.frame)]
+        known = any(
+            np.abs(f.state - beyond.state).max() <= SETTLED for _, f in self.states_at(beyond.s)
+        )
+        node.halves += [] if known else onward
+        if not onward:
+            node.why += "; no equilibrium was found beyond"
+        return [(number, k) for k in range(len(node.halves)) if k not in node.used]
+
+
+def _near(root: np.ndarray, a: np.ndarray, b: np.ndarray, apart: float = SETTLED) -> bool:
+    return float(np.abs(root * (a - b)).max()) <= apart
+
+
+def _likest(halves: Sequence[OneSidedBranch], along: np.ndarray) -> list[int]:
+    """Return the half-branch that leads most nearly along a direction, as a list; empty where none does."""
+    across = [float(h.frame.tangent @ along) for h in halves]
+    best = max(across, default=0.0)
+    return [across.index(best)] if best > ALIGNED else []

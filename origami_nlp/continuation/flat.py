@@ -1,0 +1,254 @@
+"""Where a curve of equilibria passes a flat or flat-folded state: multipliers pass infinity there.
+
+At such a state x0 closure and held contacts C lose one rank, w' C = 0.  On the curve x = x0 + h d + ..., and the
+multipliers are eta w / h + ...; torques balance on the kernel Z of C at h = 0 only if, with Q the second derivative of
+w' (closure, openings) on Z,
+
+    Z' grad U(x0; s) = eta Q d,        d' Q d = 0 (closure to second order),
+
+so that g' Q^-1 g = 0 with g = Z' grad U(x0; s): one equation for s, without the curve.  At each of its roots one curve
+passes x0, in the direction d = Q^-1 g: where a minimum lies on either side of it, it is born there.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+from numpy.polynomial import chebyshev
+
+from origami_nlp.continuation.equilibrium import Equilibrium, EquilibriumCurve
+from origami_nlp.continuation.line import ParameterLine
+from origami_nlp.continuation.redundant import system_at
+from origami_nlp.continuation.system import BorderedSystem, Hold, Tally
+from origami_nlp.numerics import CLOSURE_TOL, RANK, SETTLED, bracketed_roots
+
+FLAT = 0.1
+"""Fold angles [rad] from a flat state up to which a curve may be about to pass it."""
+DEGREES = (4, 16, 64)
+"""Of the polynomials through g' Q^-1 g: the first whose last terms are rounding.  Loads and rest angles: 2."""
+BESIDE_FLAT = (0.03, 0.01, 0.003)
+"""Distance from the flat state [rad] at which a curve that passes it is begun: the first that Newton reaches."""
+AT_FLAT = "a flat state: closure loses rank, and multipliers pass infinity"
+"""Why a curve is singular there."""
+NEAR, ARRIVED, STRAIGHT = 1.0, 0.02, 0.9
+"""A curve passes the flat state between two points so near to it [rad], or just after one that is nearer, where the
+cosine of both with the direction at a root is so large."""
+
+
+def flat_passage(
+    curve: EquilibriumCurve, near: np.ndarray, low: float, high: float
+) -> tuple[np.ndarray, float, float] | None:
+    """Locate the flat state that a curve passes.
+
+    Parameters
+    ----------
+    curve
+        With what it holds.
+    near
+        A point (x, s) of it close to the state, [n + 1].
+    low, high
+        Values of s between which it passes.
+
+    Returns
+    -------
+    point : numpy.ndarray
+        State and parameter, [n + 1].
+    value, residual : float
+        g' Q^-1 g there over the sizes of g and Q^-1, and the largest entry of closure and openings.
+        None is returned instead of the three where no such state is near, or where more than one rank is lost.
+    """
+    # every fold angle to the next multiple of pi: the flat state or a flat folding
+    x = np.pi * np.round(near[:-1] / np.pi)
+    if np.abs(x - near[:-1]).max() > FLAT:
+        return None
+    first: list[np.ndarray] = []
+
+    def value(s: np.ndarray) -> np.ndarray:
+        return np.array([_balance(curve.system(np.append(x, float(v))), first) for v in s])
+
+    at = [low, high]
+    ends = value(np.array(at))
+    if not np.isfinite(ends).all() or ends[0] * ends[1] > 0:
+        return None
+    s = float(bracketed_roots(value, at[:1], at[1:])[0])
+    point = np.append(x, s)
+    return point, float(value(np.array([s]))[0]), float(np.abs(curve.system(point).values).max())
+
+
+def free_hold(line: ParameterLine) -> Hold:
+    """Return what is held where no contact is: closure alone."""
+    return Hold((), tuple(range(line.problem.equation_count)))
+
+
+def flat_event(line: ParameterLine, s: float) -> tuple[Equilibrium, float]:
+    """Return the flat state at s, and g' Q^-1 g there over the sizes of g and Q^-1; nan where it does not decide."""
+    still = np.zeros(line.problem.size)
+    system = system_at(line, np.append(still, s), free_hold(line))
+    frame = Equilibrium(np.append(still, s), np.append(still, 1.0), system)
+    return frame, _balance(system, [])
+
+
+def flat_roots(line: ParameterLine, low: float, high: float) -> list[tuple[float, np.ndarray]]:
+    """Find where curves of equilibria pass the flat state, whatever curves are known.
+
+    Parameters
+    ----------
+    line
+        The parameters.
+    low, high
+        The range of s.
+
+    Returns
+    -------
+    list of tuple
+        Each s and the direction d of the curve in the metric, [n], of length 1; none where the flat state is no state,
+        or loses more ranks than one.
+    """
+    flat, first = np.zeros(line.problem.size), list[np.ndarray]()
+
+    def tip(s: float) -> tuple[float, np.ndarray] | None:
+        return _tip(system_at(line, np.append(flat, s), free_hold(line)), first)
+
+    if tip(low) is None or not line.problem.on_sheet(flat):
+        return []
+    where, half = 0.5 * (low + high), 0.5 * (high - low)
+
+    def value(u: np.ndarray) -> np.ndarray:
+        tips = (tip(where + half * float(v)) for v in u)
+        return np.array([np.nan if t is None else t[0] for t in tips])
+
+    for degree in DEGREES:
+        # g is linear in loads and rest angles and Q does not change with them: a parabola; other lines need higher
+        # degrees
+        terms = np.asarray(chebyshev.chebinterpolate(value, degree), dtype=float)  # type: ignore[type-var]
+        size = np.abs(terms).max()
+        if not np.isfinite(size) or size == 0.0:
+            return []
+        if np.abs(terms[-2:]).max() <= CLOSURE_TOL * size:
+            break
+    roots = chebyshev.chebroots(chebyshev.chebtrim(terms, CLOSURE_TOL * size))
+    real = np.sort(roots.real[(np.abs(roots.imag) <= SETTLED) & (np.abs(roots.real) <= 1.0)])
+    out = []
+    for u in real:
+        found = tip(where + half * float(u))
+        if found is not None:
+            out.append((where + half * float(u), found[1]))
+    return out
+
+
+def passes(
+    roots: Callable[[], list[tuple[float, np.ndarray]]], a: Equilibrium, b: Equilibrium
+) -> tuple[float, np.ndarray] | None:
+    """Return the root at which a curve passes the flat state between a and b, or just after b; None where it does not.
+
+    The direction is that in which it goes on.  roots: asked for only where both points are near.
+    """
+    y, z = (f.problem.root * f.state for f in (a, b))
+    sizes = np.linalg.norm(y), np.linalg.norm(z)
+    if a.hold.contacts or max(sizes) > NEAR:
+        return None
+    out = []
+    for s, d in roots():
+        onward = d * np.copysign(1.0, d @ (z - y))
+        before, after = float(onward @ y), float(onward @ z)
+        straight = min(-before / sizes[0], abs(after) / sizes[1]) > STRAIGHT
+        if straight and (after > 0 or sizes[1] <= ARRIVED):
+            out.append((s, onward))
+    return min(out, key=lambda root: abs(root[0] - b.s), default=None)
+
+
+def crossing(
+    curve: EquilibriumCurve, root: tuple[float, np.ndarray], a: Equilibrium
+) -> tuple[list[Equilibrium], Equilibrium, float, Equilibrium | None]:
+    """Return a point between a and the flat state that a curve `passes`, that state, its `flat_event`, one beyond it.
+
+    The point between tells what lies there: at the flat state itself the reduced Hessian says nothing.
+    """
+    s, direction = root
+    frame, value = flat_event(curve.line, s)
+    frame = replace(frame, tangent=a.tangent)
+    beyond, before = beside_flat(curve.line, s, direction, curve.tally)
+    length = float(np.linalg.norm(a.problem.root * a.state))
+    between: list[Equilibrium] = []
+    if before is not None and np.linalg.norm(before.problem.root * before.state) < 0.9 * length:
+        between = [replace(before, tangent=-before.tangent)]
+    else:
+        half = curve.beside(a, 0.5 * float(a.tangent @ (curve.root * (frame.x - a.x))))
+        between = [] if half is None else [half]
+    return between, frame, value, beyond
+
+
+def beside_flat(
+    line: ParameterLine, s: float, direction: np.ndarray, tally: Tally
+) -> tuple[Equilibrium | None, Equilibrium | None]:
+    """Return a point on either side of the flat state on the curve that passes it at s; None where Newton fails.
+
+    direction: in the metric; the side that it leads to is first, and tangents lead away from the flat state.
+    """
+    root = line.problem.root
+    curve = EquilibriumCurve(line, free_hold(line), tally)
+    out: list[Equilibrium | None] = []
+    # closed states x and -x come in pairs there, equilibria do not: each side is found by itself
+    for sign in (1.0, -1.0):
+        out.append(None)
+        along = np.append(sign * direction, 0.0)
+        for h in BESIDE_FLAT:
+
+            def so_far(point: np.ndarray, system: BorderedSystem) -> tuple[np.ndarray, float]:
+                return along, h - float(along[:-1] @ (root * point[:-1]))  # noqa: B023
+
+            found = curve.solve(np.append(h * along[:-1] / root, s), so_far)
+            frame = None if found is None else curve.frame_of(*found, along)
+            if frame is not None and np.linalg.norm(root * frame.state) < 2 * h:
+                out[-1] = frame
+                break
+    return out[0], out[1]
+
+
+def _balance(system: BorderedSystem, first: list[np.ndarray]) -> float:
+    """Return g' Q^-1 g over the sizes of g and Q^-1; nan where it does not decide.  first: w, for its sign."""
+    forms = _forms(system, first)
+    if forms is None:
+        return np.nan
+    g, q, _ = forms
+    size = np.abs(np.linalg.eigvalsh(q))
+    # times the smallest |eigenvalue| of Q: between -1 and 1, whatever the units of g and Q are
+    return float(g @ np.linalg.solve(q, g) / (g @ g) * size.min())
+
+
+def _tip(system: BorderedSystem, first: list[np.ndarray]) -> tuple[float, np.ndarray] | None:
+    """Return g' Q^-1 g and the unit direction of Q^-1 g in the metric; None where they say nothing."""
+    forms = _forms(system, first)
+    if forms is None:
+        return None
+    g, q, z = forms
+    d = np.linalg.solve(q, g)
+    size = float(np.linalg.norm(d))
+    return (float(g @ d), z @ d / size) if size > 0.0 else None
+
+
+def _forms(
+    system: BorderedSystem, first: list[np.ndarray]
+) -> tuple[np.ndarray, np.ndarray, np.ndarray] | None:
+    """Return g, Q and Z; None where more than one rank is lost, or Q loses one.  first: w, for its sign."""
+    c = system.jacobian
+    u, values, vt = np.linalg.svd(c)
+    rank = int((values > RANK).sum())
+    if len(c) - rank != 1 or np.abs(system.values).max() > CLOSURE_TOL:
+        return None
+    w, z = u[:, -1], vt[rank:].T
+    first[:] = first or [w]
+    # a singular vector is known but for its sign, which Q and so g' Q^-1 g take along
+    w = w * np.copysign(1.0, w @ first[0])
+    p, hold, m = system.problem, system.hold, len(system.hold.closure)
+    weights = np.zeros(p.equation_count + len(hold.contacts))
+    weights[list(hold.closure)], weights[p.equation_count :] = w[:m], w[m:]
+    # weight 0 and multipliers -w: the second derivative of w' (closure, openings)
+    hessian = p.lagrangian_hessian(system.x, -weights, hold.contacts, 0.0)
+    q = z.T @ (hessian / np.outer(p.root, p.root)) @ z
+    size = np.abs(np.linalg.eigvalsh(q))
+    if not len(size) or size.min() <= RANK * size.max():
+        return None
+    return z.T @ system.imbalance, q, z

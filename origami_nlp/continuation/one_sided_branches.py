@@ -1,0 +1,345 @@
+"""Where equilibria go on from a state: one-sided conditions on contacts choose among the sets that may be held.
+
+At a state with closed contacts R and multipliers mu >= 0 of them, half-branches hold W, a subset of R that carries all
+of a solution mu.  Along one of them the multipliers of W stay >= 0 and the contacts of R outside W open.  Where
+multipliers are not unique every corner of their set has its W.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from typing import cast
+
+import numpy as np
+
+from origami_nlp.continuation.equilibrium import Equilibrium, EquilibriumCurve
+from origami_nlp.continuation.line import ParameterLine
+from origami_nlp.continuation.system import Hold, Tally
+from origami_nlp.continuation.tracer import ALIGNED, advance
+from origami_nlp.kkt import State
+from origami_nlp.numerics import (
+    BALANCED,
+    DEPENDENT,
+    FOLLOWED,
+    INDEPENDENT,
+    INSIDE,
+    RANK,
+    STATIONARY,
+)
+from origami_nlp.problem import Contact, Sparse
+
+MOST_SETS = 128
+"""Sets of held contacts that are tried at one state."""
+TRIALS = (1e-2, 1e-3, 1e-5)
+"""Steps after which a direction must still be an equilibrium: the later ones where an event follows soon."""
+PULLS = -STATIONARY
+"""A multiplier that is smaller, relative to the largest torque, pulls."""
+
+
+@dataclass(frozen=True, eq=False)
+class OneSidedBranch:
+    """One direction in which equilibria go on.
+
+    frame: the state with the tangent that leads there; a short step ahead where the contacts held are dependent at the
+    state itself.  signed: whether the signs of the multipliers tell how far it
+    is one; where they are zero all along, or where nothing has to balance, only the verdict of `kkt.classify` does.
+    split: whether several smooth pieces of what contacts allow meet all along it, each of which must balance.
+    """
+
+    frame: Equilibrium
+    signed: bool
+    split: bool = False
+
+    def is_like(self, other: Equilibrium, sign: float = 1.0) -> bool:
+        """Tell whether it leads the way that `other` does, or comes from there (sign -1)."""
+        return sign * float(self.frame.tangent @ other.tangent) > ALIGNED
+
+
+def find_one_sided_branches(
+    line: ParameterLine, point: np.ndarray, tally: Tally, verdict: str = ""
+) -> list[OneSidedBranch]:
+    """Return the half-branches of equilibria that leave the state (x, s); none where it is no equilibrium.
+
+    verdict: what states are that no multipliers judge; none of those are followed where it is "".
+    """
+    state = State(line.at(float(point[-1])), point[:-1])
+    if state.refused:
+        return []
+    out: list[OneSidedBranch] = []
+    for piece in state.pieces:
+        for hold in _holds(state, piece):
+            for half in _along(line, point, hold, piece, tally):
+                _add(out, half)
+    if not out and verdict:
+        for piece in state.pieces[:1]:
+            everything = Hold(*_independent(state, piece))
+            for half in _frozen(line, point, everything, verdict, tally):
+                _add(out, half)
+    return out
+
+
+def _add(out: list[OneSidedBranch], new: OneSidedBranch) -> None:
+    """Add a half-branch; of two that are the same states, the one that holds more contacts."""
+    for k, old in enumerate(out):
+        if old.is_like(new.frame) and np.allclose(
+            old.frame.tangent, new.frame.tangent, atol=RANK, rtol=0
+        ):
+            if len(new.frame.hold.contacts) > len(old.frame.hold.contacts):
+                out[k] = new
+            return
+    out.append(new)
+
+
+def _independent(
+    state: State, rows: tuple[Contact, ...]
+) -> tuple[tuple[Contact, ...], tuple[int, ...]]:
+    """Return contacts and rows of closure that are independent and span all of them; contacts first."""
+    held = state.on(rows)
+    # Gram and Schmidt: contacts come first, so that a dependent row is dropped from closure, which holds without it
+    basis = np.zeros((0, len(state.x)))
+    chosen: list[int] = []
+    m = len(state.jacobian)
+    for k in (*range(m, m + len(rows)), *range(m)):
+        row = held.jacobian[k]
+        left = row - basis.T @ (basis @ row)
+        if np.linalg.norm(left) > RANK * max(1.0, float(np.linalg.norm(row))):
+            basis = np.vstack([basis, left / np.linalg.norm(left)])
+            chosen.append(k)
+    contacts = tuple(rows[k - m] for k in chosen if k >= m)
+    return contacts, tuple(sorted(k for k in chosen if k < m))
+
+
+def _closure(state: State) -> tuple[int, ...]:
+    """Return rows of closure that are independent: all of them at a regular state."""
+    if state.problem.redundant or state.regular:
+        return tuple(range(len(state.jacobian)))
+    return _independent(state, ())[1]
+
+
+def _holds(state: State, piece: tuple[Contact, ...]) -> Iterator[Hold]:
+    """Yield sets of independent contacts that can carry what the springs ask for, larger ones first."""
+    if state.problem.sparse:
+        yield from _large_holds(state, piece)
+        return
+    held, closure, p = state.on(piece), _closure(state), state.problem
+    found = held.multiplier_set
+    size = 1.0 + float(np.abs(state.gradient).max())
+    if found.residual > BALANCED * size:
+        return
+    # strictly active: every half-branch holds them; weakly active ones may open or press on, and are tried both ways
+    must = [k for k in range(len(piece)) if found.unique and found.found[k] > BALANCED * size]
+    optional = [k for k in range(len(piece)) if k not in must]
+    # no more contacts than freedoms: more would depend on each other
+    most = state.kernel.shape[1] if p.redundant else len(state.x) - len(closure)
+    sets = (
+        (*must, *some)
+        for count in range(min(len(optional), most - len(must)), -1, -1)
+        for some in itertools.combinations(optional, count)
+    )
+    for chosen in itertools.islice(sets, MOST_SETS):
+        jacobian = np.vstack([state.jacobian[list(closure)], held.slopes[list(chosen)]])
+        # rows of a pattern's closure depend on each other: what counts is what they leave free
+        rows = held.slopes[list(chosen)] @ state.kernel if p.redundant else jacobian
+        if np.linalg.svd(rows, compute_uv=False).min(initial=1.0) <= RANK:
+            continue
+        nu = np.linalg.lstsq(jacobian.T, state.gradient, rcond=DEPENDENT)[0]
+        left = np.abs(state.gradient - jacobian.T @ nu).max()
+        if left <= BALANCED * size and (nu[len(closure) :] >= -BALANCED * size).all():
+            yield Hold(tuple(piece[k] for k in chosen), closure)
+
+
+def _large_holds(state: State, piece: tuple[Contact, ...]) -> Iterator[Hold]:
+    """Yield sets of fold limits of a large programme that can carry what the springs ask for: all, and those loaded."""
+    p = cast(Sparse, state.problem)
+    closure = tuple(range(p.equation_count))
+    size = 1.0 + float(np.abs(p.torque(state.x)).max())
+    chosen = piece
+    for _ in range(2):
+        _, moments, left = p.multipliers(state.x, [c.index for c in chosen])
+        balanced = float(np.abs(left).max(initial=0.0)) <= BALANCED * size
+        if balanced and (moments >= -BALANCED * size).all():
+            yield Hold(chosen, closure)
+        chosen = tuple(c for c, m in zip(chosen, moments, strict=True) if m > BALANCED * size)
+
+
+def _along(
+    line: ParameterLine,
+    point: np.ndarray,
+    hold: Hold,
+    piece: tuple[Contact, ...],
+    tally: Tally,
+) -> Iterator[OneSidedBranch]:
+    """Yield the directions in which the states that hold these contacts are equilibria."""
+    curve = EquilibriumCurve(line, hold, tally)
+    system = curve.system(point)
+    found = system.direction()
+    if found is None:
+        return
+    others = tuple(c for c in piece if c not in hold.contacts)
+    slopes, moved = opening_rates(curve, point, others)
+    weak = system.multipliers[len(hold.closure) :] <= BALANCED * system.size
+    for sign in (1.0, -1.0):
+        along, force = (sign * v for v in found)
+        opening = slopes @ along[:-1] + moved * along[-1]
+        force = force[len(hold.closure) :][weak]
+        # complementarity along the curve: of a weak contact the multiplier may not fall where it is held, nor the
+        # opening
+        # where it is not
+        if (force < -INDEPENDENT * system.size).any() or (opening < -INDEPENDENT).any():
+            continue
+        frame = Equilibrium(point, along, system)
+        # a weak multiplier that stays zero to first order says nothing
+        signed = not (np.abs(force) <= INDEPENDENT * system.size).any()
+        if line.problem.redundant:  # a tangent near by spares a factorisation or two a step
+            curve.given[:] = [frame]
+        half = goes_on(curve, OneSidedBranch(frame, signed), others)
+        if half is not None:
+            yield half
+
+
+def opening_rates(
+    curve: EquilibriumCurve, point: np.ndarray, contacts: tuple[Contact, ...]
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return how openings change with the state, [r, n] in the metric, and with w s, [r]."""
+    p = curve.line.at(float(point[-1]))
+    slopes = p.local(point[:-1]).openings(contacts)[1] / p.root
+    none = np.zeros(p.equation_count + len(contacts))
+    moved = p.drift(point[:-1], none, contacts, curve.line.slope(float(point[-1])))[1]
+    return slopes, moved[p.equation_count :] / curve.line.weight
+
+
+def _frozen(
+    line: ParameterLine, point: np.ndarray, hold: Hold, verdict: str, tally: Tally
+) -> Iterator[OneSidedBranch]:
+    """Yield the directions in which a state that nothing moves keeps its verdict."""
+    curve = EquilibriumCurve(line, hold, tally)
+    system = curve.system(point)
+    found = system.direction()
+    if found is None or system.free:
+        return
+    along = found[0]
+    for sign in (1.0, -1.0):
+        half = goes_on(curve, OneSidedBranch(Equilibrium(point, sign * along, system), False))
+        if half is not None:
+            yield half
+
+
+def one_sided_branches_at(curve: EquilibriumCurve, frame: Equilibrium) -> list[OneSidedBranch]:
+    """Return the half-branches that leave a branching across the curve that comes there along `frame.tangent`."""
+    across = frame.system.other_direction(frame.tangent)
+    if across is None:
+        return []
+    both = (
+        goes_on(curve, OneSidedBranch(Equilibrium(frame.x, sign * across, frame.system), True))
+        for sign in (1.0, -1.0)
+    )
+    return [half for half in both if half is not None]
+
+
+def goes_on(
+    curve: EquilibriumCurve, half: OneSidedBranch, others: tuple[Contact, ...] = ()
+) -> OneSidedBranch | None:
+    """Return the half-branch if a short step in this direction ends at an equilibrium; None if not.
+
+    others: contacts of its piece that it does not hold.  One that a step passes to second order only, as where facets
+    that lie on each other begin to overlap, is held too, from the end of that step on.
+    """
+    for h in TRIALS:
+        moved = advance(curve, half.frame, h)
+        if moved is None or not is_equilibrium(moved[0]):
+            continue
+        frame = moved[0]
+        held = _overlapping(curve, frame, others)
+        if held is None and any(_opening(frame, c) < -FOLLOWED for c in others):
+            return None
+        frame = held or frame
+        split = len(frame.seen.pieces) > 1
+        if split and not balances(frame):
+            continue
+        if half.signed or judged(frame) == judged(half.frame):
+            return OneSidedBranch(held or half.frame, half.signed or held is not None, split)
+    return None
+
+
+def _opening(frame: Equilibrium, contact: Contact) -> float:
+    return float(frame.problem.local(frame.state).openings((contact,))[0][0])
+
+
+def _overlapping(
+    curve: EquilibriumCurve, frame: Equilibrium, others: tuple[Contact, ...]
+) -> Equilibrium | None:
+    """Return the equilibrium at the same parameter that holds more contacts, all of which push; None where none does.
+
+    Signs of forces tell what openings of third order in the step cannot: which contacts would be passed without them.
+    """
+    at_limit = tuple(c for c in others if _opening(frame, c) < FOLLOWED)
+    hold = frame.hold
+    for more in dict.fromkeys((at_limit, *((c,) for c in at_limit))):
+        if not more or len(hold.contacts) + len(more) + len(hold.closure) > len(frame.state):
+            continue
+        other = replace(
+            curve, hold=replace(hold, contacts=(*hold.contacts, *more)), known=[], given=[]
+        )
+        found = other.at(frame.x, frame.s, frame.tangent)
+        if found is None or found.system.least <= RANK or not is_equilibrium(found):
+            continue
+        pushes = (found.forces > BALANCED * found.system.size).all()
+        if pushes and all(_opening(found, c) > -FOLLOWED for c in others):
+            return found
+    return None
+
+
+def balances(frame: Equilibrium) -> bool:
+    """Tell whether the springs balance on every piece of what contacts allow, and not only on the one that is held."""
+    state = frame.seen
+    pieces = state.pieces
+    if len(pieces) == 1:
+        return True
+    size = 1.0 + float(np.abs(state.gradient).max())
+    if all(state.on(piece).multiplier_set.residual <= BALANCED * size for piece in pieces):
+        return True
+    return judged(frame) != "not stationary"
+
+
+def is_equilibrium(frame: Equilibrium) -> bool:
+    """Tell whether a point is admissible and all its contacts touch and push."""
+    good = pushes(frame) and not frame.seen.refused and closes(frame)
+    return good and touches(frame)
+
+
+def pushes(frame: Equilibrium) -> bool:
+    """Tell whether no contact that is held pulls."""
+    return not (frame.forces < PULLS * frame.system.size).any()
+
+
+def touches(frame: Equilibrium) -> bool:
+    """Tell whether contacts held touch: a crease may lie in a facet's plane but beside it, or slip off a border."""
+    p, x = frame.problem, frame.state
+    margins = {c: p.margin(c, x) for c in frame.hold.contacts if not c.is_limit}
+    if any(m is not None and m <= INSIDE for m in margins.values()):
+        return False
+    held = {c for c, m in margins.items() if m is None}
+    if not held:
+        return True
+    found = frame.seen.contacts
+    rows = (c for branch in found.branches for option in branch for c in option)
+    return held <= {*found.base, *rows, *(c for c, _ in found.implied)}
+
+
+def closes(frame: Equilibrium) -> bool:
+    """Tell whether closure holds in the rows that are not kept."""
+    if len(frame.hold.closure) == frame.problem.equation_count:
+        return True
+    return bool(np.abs(frame.problem.closure(frame.state)[0]).max() <= INDEPENDENT)
+
+
+def judged(frame: Equilibrium) -> str:
+    """Return the verdict of `kkt.classify`."""
+    return frame.judged.verdict
+
+
+def turned(half: OneSidedBranch) -> OneSidedBranch:
+    """Return the same state, seen the other way."""
+    return replace(half, frame=replace(half.frame, tangent=-half.frame.tangent))

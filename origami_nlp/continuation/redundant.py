@@ -1,0 +1,220 @@
+"""KKT systems whose rows may depend on each other: those of patterns, sparse where they are large.
+
+Nothing here decides on a rank.  With one more row r the direction of the curve and Newton's steps come from
+
+    [ H  F_s C' ] [ dy  ]
+    [ r  r_s 0  ] [ ds  ]
+    [ C  c_s -eps] [-dnu],
+
+where `eps` is taken back by refinement, so that what is found does not know it.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from functools import cached_property
+from typing import Any, cast
+
+import numpy as np
+from scipy import sparse
+from scipy.sparse.linalg import ArpackNoConvergence, LinearOperator, eigsh
+
+from origami_nlp.continuation.line import ParameterLine
+from origami_nlp.continuation.system import ASLANT, BorderedSystem, Hold
+from origami_nlp.numerics import EPS, SETTLED, Factor, Normal, null_space
+from origami_nlp.problem import Local
+
+REFINED = 8
+"""Solutions of one system at most, each of what the ones before leave."""
+LOWEST = 6
+"""Eigenvalues of a large programme that are computed, the smallest ones; as many again where all are negative."""
+
+
+class RedundantSystem(BorderedSystem):
+    """The same where rows of closure may depend on each other all along a set; sparse where the programme is large.
+
+    Newton carries multipliers along: those of least squares change so fast beside the flat state that it would be slow.
+    """
+
+    def _local(self) -> Local:
+        p: Any = self.problem
+        return cast(Local, p.rows(self.x))
+
+    def _scaled(self, jacobian: Any) -> Any:
+        return jacobian  # its metric is that of all fold angles
+
+    def _balanced(self, gradient: np.ndarray) -> np.ndarray:
+        return Normal(self.jacobian).multipliers(gradient)
+
+    def _curvature(self, multipliers: np.ndarray) -> Any:
+        p: Any = self.problem
+        return p.curvature(self.x, multipliers, self.hold.contacts)
+
+    @cached_property
+    def kernel(self) -> np.ndarray:
+        """Orthonormal basis of what closure and contacts leave free, [n, t]."""
+        p: Any = self.problem
+        at_limit = [c.index for c in self.hold.contacts if c.is_limit]
+        z = p.kernel(self.x, at_limit)
+        gaps = [k for k, c in enumerate(self.hold.contacts) if not c.is_limit]
+        if not gaps:
+            return np.asarray(z)
+        first = len(self.jacobian) - len(self.hold.contacts)
+        return np.asarray(z @ null_space(self.jacobian[[first + k for k in gaps]] @ z))
+
+    @property
+    def free(self) -> int:
+        """Number of directions that closure and contacts leave, at least."""
+        return len(self.eigenvalues)
+
+    @cached_property
+    def least(self) -> float:
+        """Smallest singular value of contacts along what closure leaves free."""
+        p: Any = self.problem
+        rows = self.jacobian[len(self.values) - len(self.hold.contacts) :]
+        if not len(self.hold.contacts) or p.sparse:
+            return 1.0
+        rows = rows @ p.kernel(self.x)
+        return (
+            float(np.linalg.svd(rows, compute_uv=False).min())
+            if len(rows) <= rows.shape[1]
+            else 0.0
+        )
+
+    @cached_property
+    def eigenvalues(self) -> np.ndarray:
+        """Of the Hessian on what closure and contacts leave free, ascending; of a large programme the smallest ones."""
+        if not self.problem.sparse:
+            z = self.kernel
+            return np.linalg.eigvalsh(z.T @ (self.hessian @ z))
+        return self._smallest()
+
+    def _smallest(self) -> np.ndarray:
+        n, count = len(self.imbalance), LOWEST
+        h = sparse.csr_array(self.hessian)
+        # below every eigenvalue (Gershgorin), the closest ones are the smallest
+        below = -float(abs(h).sum(axis=1).max()) - 1.0
+        # H - below I > 0, and with rows of J as constraints its inverse on the kernel has eigenvalues 1 / (lambda -
+        # below)
+        shifted = (h - below * sparse.eye_array(n)).tocsr()
+        factor = Factor(shifted, self.jacobian)
+
+        def inverse(v: np.ndarray) -> np.ndarray:
+            """Solve on what is left free; zero across it."""
+            d, change = np.zeros(n), np.zeros(len(self.values))
+            for _ in range(2):
+                left = v - shifted @ d - self.jacobian.T @ change
+                more = factor.solve(left, -(self.jacobian @ d))
+                d, change = d + more[0], change + more[1]
+            return d
+
+        while True:
+            operator = LinearOperator((n, n), matvec=inverse, dtype=float)
+            try:
+                values = eigsh(
+                    operator, k=min(count, n - 1), v0=np.ones(n), return_eigenvectors=False
+                )
+            except ArpackNoConvergence as failed:
+                values = failed.eigenvalues
+            values = values[
+                values > SETTLED / -below
+            ]  # the others are of directions that nothing leaves free
+            found = np.sort(below + 1 / values)
+            if not len(found) or found[-1] >= 0 or len(found) < count:
+                return found
+            count *= 2
+
+    def _bordered(self, row: np.ndarray) -> Callable[..., tuple[np.ndarray, np.ndarray] | None]:
+        """Factorise with one more row over (dy, w ds); return what solves for that and minus the change of nu."""
+        # curvature that multipliers add beside singular states would let eps be taken back slowly
+        size = max(1.0, float(abs(self.hessian).max()))
+        h, c = self.hessian / size, self.jacobian
+        if isinstance(c, np.ndarray):
+            matrix: Any = np.vstack([np.column_stack([h, self.drift / size]), row])
+            below: Any = np.column_stack([c, self.moved])
+            across: Any = np.vstack([c.T, np.zeros(len(self.values))])
+        else:
+            top = sparse.hstack([sparse.csr_array(h), sparse.csr_array(self.drift[:, None] / size)])
+            matrix = sparse.vstack([top, sparse.csr_array(row[None])]).tocsr()
+            below = sparse.hstack([c, sparse.csr_array(self.moved[:, None])]).tocsr()
+            across = sparse.vstack([c.T, sparse.csr_array((1, len(self.values)))]).tocsr()
+        try:
+            factor = Factor(matrix, below, across)
+        except RuntimeError:  # of a sparse matrix that is exactly singular
+            return lambda top, right, bottom: None
+
+        def solve(
+            top: np.ndarray, right: float, bottom: np.ndarray
+        ) -> tuple[np.ndarray, np.ndarray] | None:
+            want, left = np.append(top / size, right), math.inf
+            d, change = np.zeros(len(want)), np.zeros(len(bottom))
+            for _ in range(REFINED):
+                more = factor.solve(want - matrix @ d - across @ change, bottom - below @ d)
+                d, change = d + more[0], change + more[1]
+                before, left = left, float(np.abs(more[0]).max())
+                if not left < before or left <= EPS * float(np.abs(d).max()):
+                    break
+            return (d, -size * change) if np.isfinite(d).all() else None
+
+        return solve
+
+    def direction(self, along: np.ndarray | None = None) -> tuple[np.ndarray, np.ndarray] | None:
+        """Return the direction (dy, w ds) of the curve, of length 1, and the change of multipliers along it."""
+        n, m = len(self.imbalance), len(self.values)
+        # bordered by (row, 1): the solution is the tangent over its cosine with the row
+        row = np.append(np.zeros(n), 1.0) if along is None else along
+        for _ in range(2):
+            found = self._bordered(row)(np.zeros(n), 1.0, np.zeros(m))
+            if found is None:
+                return None
+            v, change = found
+            size = float(np.linalg.norm(v))
+            if not np.isfinite(size) or size == 0.0:
+                return None
+            v, change = v / size, change / size
+            if size <= ASLANT:
+                across = 1.0 if along is None else float(v @ along)
+                return np.copysign(1.0, across) * v, np.copysign(1.0, across) * change
+            row = v  # the curve turns across the row: once more under what was found
+        return None
+
+    def other_direction(self, along: np.ndarray) -> np.ndarray | None:
+        """Return the direction (dy, w ds) across one at a branching, of length 1."""
+        if self.problem.sparse:
+            return None
+        z, n = self.kernel, len(self.imbalance)
+        # on the kernel the KKT system is Z' H Z dz + Z' F_s ds = 0; multipliers follow
+        inside = np.column_stack([z.T @ (self.hessian @ z), z.T @ self.drift])
+        whole = np.vstack([inside, np.append(z.T @ along[:n], along[-1])])
+        v = np.linalg.svd(whole)[2][-1]
+        return np.append(z @ v[:-1], v[-1])
+
+    def shortest_step(self, along: np.ndarray) -> np.ndarray | None:
+        """Return the shortest Newton's step in (x, s); None where the curve turns far from `along` [n + 1]."""
+        solve = self._bordered(along)
+        step = solve(-self.imbalance, 0.0, -self.values)
+        way = solve(np.zeros(len(self.imbalance)), 1.0, np.zeros(len(self.values)))
+        if step is None or way is None or not np.linalg.norm(way[0]) <= ASLANT:
+            return None
+        d, v = step[0], way[0]
+        # takes off what the step has along the curve, in multipliers as well
+        share = float(d @ v) / float(v @ v)
+        self.after = self.multipliers + step[1] - share * way[1]
+        return self._in_variables(d - share * v)
+
+    def step(self, row: np.ndarray, right: float, short: bool = False) -> np.ndarray | None:
+        """Return Newton's step in (x, s) under one more equation, row . (dy, w ds) = right."""
+        found = self._bordered(row)(-self.imbalance, right, -self.values)
+        if found is None:
+            return None
+        self.after = self.multipliers + found[1]
+        return self._in_variables(found[0])
+
+
+def system_at(
+    line: ParameterLine, point: np.ndarray, hold: Hold, multipliers: np.ndarray | None = None
+) -> BorderedSystem:
+    """Return the KKT system of a point (x, s) with contacts held; by default multipliers are those of least squares."""
+    kind = RedundantSystem if line.problem.redundant else BorderedSystem
+    return kind(line, point, hold, multipliers)

@@ -1,0 +1,89 @@
+from .animation import check_animation as check_animation, write_animation as write_animation
+from .bodies import (
+    Body as Body,
+    Content as Content,
+    Crease as Crease,
+    Folded as Folded,
+    Keyframe as Keyframe,
+    Line as Line,
+    Mark as Mark,
+    Panel as Panel,
+    Trajectory as Trajectory,
+)
+from .crease_figure import draw_pattern as draw_pattern
+from .drawing import (
+    BORDER as BORDER,
+    FLAT as FLAT,
+    LIGHT as LIGHT,
+    LOWER as LOWER,
+    MOUNTAIN as MOUNTAIN,
+    UPPER as UPPER,
+    VALLEY as VALLEY,
+    crease_legend as crease_legend,
+    draw_state as draw_state,
+    drawn_height as drawn_height,
+)
+from .flags import Flags as Flags, Reason as Reason
+from .folded_pattern import pattern_view as pattern_view
+from .folded_vertex import rotation_onto as rotation_onto
+from .html import inline_image as inline_image
+from .interactive import (
+    InteractivePage as InteractivePage,
+    Viewable as Viewable,
+    check_view as check_view,
+    interactive_page as interactive_page,
+    page_data as page_data,
+)
+from .labels import label_marks as label_marks
+from .pattern_drawing import draw_pattern_state as draw_pattern_state
+from .pose import Pose as Pose, pose_state as pose_state
+from .posing import Poser as Poser, join_states as join_states
+from .result import Result as Result, read_data as read_data
+from .stacked import MARGIN as MARGIN, StackedFigure as StackedFigure
+from .states_figure import (
+    MOST_DRAWN as MOST_DRAWN,
+    StatesDrawn as StatesDrawn,
+    draw_states as draw_states,
+)
+from .style import (
+    BAND as BAND,
+    HANDLE as HANDLE,
+    IDLE as IDLE,
+    INK as INK,
+    INKS as INKS,
+    KINDS as KINDS,
+    METASTABLE as METASTABLE,
+    MISSING as MISSING,
+    PASSES as PASSES,
+    PUSHES as PUSHES,
+    RING as RING,
+    VERDICTS as VERDICTS,
+    WARNING as WARNING,
+    energy_colours as energy_colours,
+    mark_minimum as mark_minimum,
+    minima_legend as minima_legend,
+    minimum_look as minimum_look,
+    pass_look as pass_look,
+    passes_legend as passes_legend,
+    patch as patch,
+)
+from .table import (
+    Cell as Cell,
+    Report as Report,
+    Section as Section,
+    Table as Table,
+    Words as Words,
+    folding_table as folding_table,
+    pieces_html as pieces_html,
+    plain_text as plain_text,
+    rows_markdown as rows_markdown,
+    rows_table as rows_table,
+)
+from .text import (
+    angle_ticks as angle_ticks,
+    label_text as label_text,
+    pi_label as pi_label,
+    short_label as short_label,
+    subscript as subscript,
+)
+from .touches import contact_places as contact_places

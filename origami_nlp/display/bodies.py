@@ -1,0 +1,259 @@
+"""What a reader can turn in space, as plain data: folded states, paths between them, and maps of the energy.
+
+Nothing here knows where states come from: a room fills a `Content` from its own result, and `view_content` writes it as
+a page.  A `Body` may be a single vertex or a whole sheet: corners, facets between them, creases.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from typing import NamedTuple
+
+import numpy as np
+
+from origami_nlp.display.table import Section
+
+
+class Crease(NamedTuple):
+    """A crease of a body; all numbers from 0.
+
+    Attributes
+    ----------
+    start, end
+        Its corners.
+    right, left
+        The facets beside it, seen from the upper side of the paper, walking from start to end: folding by phi (valley
+        positive) turns the left one up.
+    """
+
+    start: int
+    end: int
+    right: int
+    left: int
+
+
+@dataclass(frozen=True)
+class Body:
+    """What is folded.
+
+    Attributes
+    ----------
+    facets
+        Corners of each, from 0, counterclockwise seen from the upper side of the paper; convex.
+    creases
+        In the order of the fold angles.
+    sectors
+        Whether facets are drawn as sectors of a disc about their first corner, instead of as polygons.
+    """
+
+    facets: tuple[tuple[int, ...], ...]
+    creases: tuple[Crease, ...]
+    sectors: bool = False
+
+
+@dataclass(frozen=True)
+class Folded:
+    """A body in space.
+
+    Attributes
+    ----------
+    corners
+        Shape [V, 3].
+    fold_angles
+        Shape [C] [rad].
+    energy
+        In the scene's units.
+    shifts
+        Displacement of each facet in the picture, [F, 3], where facets lie on each other; zero elsewhere.
+    """
+
+    corners: np.ndarray
+    fold_angles: np.ndarray
+    energy: float
+    shifts: np.ndarray
+
+
+@dataclass(frozen=True)
+class Mark:
+    """A contact, to be marked on a state.
+
+    Attributes
+    ----------
+    label
+        Short, beside the mark.
+    text
+        In words, under the pointer.
+    loaded
+        Whether it pushes; else it only touches.
+    creases, facets
+        Where, from 0; the label stands at the first of them.
+    """
+
+    label: str
+    text: str
+    loaded: bool
+    creases: tuple[int, ...] = ()
+    facets: tuple[int, ...] = ()
+
+
+@dataclass(frozen=True)
+class Keyframe:
+    """A state that a reader can choose.
+
+    Attributes
+    ----------
+    title
+        Its name in a list.
+    folded
+        The state.
+    view
+        Rows: right, up, towards the viewer, in the frame of the corners, [3, 3].
+    marks
+        Its contacts.
+    lines
+        What is known of it: angles, certificate, residuals.
+    """
+
+    title: str
+    folded: Folded
+    view: np.ndarray
+    marks: tuple[Mark, ...] = ()
+    lines: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class Trajectory:
+    """A path of states, in order; any path: a descent, over a pass, along a load.
+
+    Attributes
+    ----------
+    title
+        Its name in a list.
+    parameter
+        Shape [M], increasing or decreasing.
+    label
+        What the parameter is, with its unit.
+    states
+        M of them; each is a state by itself, and nothing is shown between two.
+    view
+        As in `Keyframe`.
+    start, end
+        Stations (from 0) where it starts and ends, or None.
+    """
+
+    title: str
+    parameter: np.ndarray
+    label: str
+    states: tuple[Folded, ...]
+    view: np.ndarray
+    start: int | None = None
+    end: int | None = None
+
+
+class Line(NamedTuple):
+    """A line on a map.
+
+    Attributes
+    ----------
+    points
+        Shape [M, 2].
+    name
+        In the legend and under the pointer.
+    look
+        ``contact``, ``handle``, ``metastable`` or ``curve``.
+    """
+
+    points: np.ndarray
+    name: str
+    look: str
+
+
+@dataclass(frozen=True)
+class Panel:
+    """A map of the energy: over two coordinates, or curves over one.
+
+    Attributes
+    ----------
+    title
+        Above it.
+    labels
+        Of the two axes.
+    x, y
+        Middles of the cells, [nx] and [ny]; empty for curves.
+    energy
+        Shape [ny, nx], nan where there is no admissible state; None for curves, whose second axis is the energy.
+    lines
+        On it.
+    stations
+        (number of the station from 0, x, y).
+    tracks
+        (number of the track from 0, points [M, 2]); nan where a state of it is not on this panel.
+    """
+
+    title: str
+    labels: tuple[str, str]
+    x: np.ndarray
+    y: np.ndarray
+    energy: np.ndarray | None
+    lines: tuple[Line, ...] = ()
+    stations: tuple[tuple[int, float, float], ...] = ()
+    tracks: tuple[tuple[int, np.ndarray], ...] = ()
+
+
+@dataclass(frozen=True)
+class Content:
+    """All that a page shows of one result.
+
+    Attributes
+    ----------
+    title
+        Of the page.
+    body
+        What is folded.
+    stations
+        States, in order.
+    tracks
+        Paths, in order.
+    panels
+        Maps of the energy.
+    pieces
+        Tables and lines of the text report.
+    note
+        Why there is no path, if there is none.
+    steps
+        What is known of every state on the paths.
+    """
+
+    title: str
+    body: Body
+    stations: tuple[Keyframe, ...]
+    tracks: tuple[Trajectory, ...] = ()
+    panels: tuple[Panel, ...] = ()
+    pieces: tuple[Section, ...] = field(default=(), repr=False)
+    note: str = ""
+    steps: str = ""
+
+    def with_tracks(
+        self, tracks: Sequence[Trajectory], points: Sequence[Sequence[np.ndarray]]
+    ) -> Content:
+        """Return the same with more paths.
+
+        Parameters
+        ----------
+        tracks
+            To add.
+        points
+            For each panel, the points [M, 2] of each of these tracks on it.
+
+        Returns
+        -------
+        Content
+            With them behind those that are there.
+        """
+        first = len(self.tracks)
+        panels = [
+            replace(panel, tracks=(*panel.tracks, *enumerate(on, start=first)))
+            for panel, on in zip(self.panels, points, strict=True)
+        ]
+        return replace(self, tracks=(*self.tracks, *tracks), panels=tuple(panels))

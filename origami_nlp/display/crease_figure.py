@@ -1,0 +1,101 @@
+"""A crease pattern drawn: mountains and valleys by colour and by dashes, interior vertices by their numbers."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from matplotlib.collections import LineCollection
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patheffects import withStroke
+
+from origami_nlp.arguments import check_type
+from origami_nlp.display.drawing import MOUNTAIN, VALLEY
+from origami_nlp.errors import OptionError
+from origami_nlp.numerics import NONZERO
+from origami_nlp.pattern import Frame, fold_vertices
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+LOOKS: dict[str, tuple[str, str, Any, float]] = {
+    "B": ("border", "#000000", "solid", 1.6),
+    "M": ("mountain", MOUNTAIN, (0, (7, 1.8, 1.2, 1.8)), 1.5),
+    "V": ("valley", VALLEY, (0, (3.5, 2.2)), 1.5),
+    "?": ("no mountain, no valley", "#8a8a8a", (0, (1, 1.6)), 1.2),
+}
+"""Name, colour, dashes and width of the lines of each letter; others look like ``?``."""
+MOST_NUMBERS = 150
+"""Vertices whose numbers are written; more could not be read."""
+
+
+def draw_pattern(
+    frame: Frame,
+    *,
+    highlight: Sequence[int] = (),
+    axes: Axes | None = None,
+) -> Figure:
+    """Draw a crease pattern with the numbers of its interior vertices, which `--vertex` takes.
+
+    Parameters
+    ----------
+    frame
+        A flat one, of `read_fold`.
+    highlight
+        Numbers of vertices to put in a frame.
+    axes
+        Where to draw; by default a figure of its own, with a legend.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        The figure.
+
+    Raises
+    ------
+    OptionError
+        If `frame` is none, or a folded form.
+    """
+    check_type("frame", frame, Frame)
+    if frame.folded:
+        raise OptionError(
+            f"frame {frame.number} is a folded form: choose one that is a crease pattern (--frame)"
+        )
+    xy = frame.coords[:, :2]
+    extent = np.ptp(xy, axis=0)
+    if axes is None:
+        height = float(np.clip(6.0 * extent[1] / max(extent[0], NONZERO), 2.0, 9.0))
+        figure = Figure(figsize=(6.0, height + 0.5), layout="constrained")
+        here = figure.add_subplot()
+    else:
+        here, figure = axes, axes.get_figure(root=True)  # type: ignore[assignment]
+    letters = np.array([a if a in LOOKS else "B" if a == "C" else "?" for a in frame.assignment])
+    handles = []
+    for letter, (name, colour, dashes, width) in LOOKS.items():
+        lines = xy[frame.edges[letters == letter]]
+        if len(lines):
+            look: dict[str, Any] = {"linestyles": [dashes], "linewidths": width, "colors": colour}
+            here.add_collection(LineCollection(list(lines), capstyle="butt", **look))
+            handles.append(Line2D([], [], color=colour, linestyle=dashes, lw=width, label=name))
+    numbers = [v.number for v in fold_vertices(frame)[0]]
+    for number in numbers if len(numbers) <= MOST_NUMBERS else highlight:
+        bold = number in highlight
+        here.annotate(
+            str(number),
+            xy[number],
+            ha="center",
+            va="center",
+            fontsize=9 if bold else 7,
+            fontweight="bold" if bold else "normal",
+            path_effects=[withStroke(linewidth=2.5, foreground="white")],
+            bbox={"boxstyle": "circle,pad=0.25", "fc": "white", "ec": "black"} if bold else None,
+        )
+    here.set_aspect("equal")
+    here.margins(0.04)
+    here.autoscale_view()
+    here.set_axis_off()
+    if axes is None:
+        figure.legend(handles=handles, loc="outside lower center", ncols=4, frameon=False)
+    return figure

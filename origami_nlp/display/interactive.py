@@ -1,0 +1,295 @@
+"""A page that can be turned: states in space, paths with a slider, the energy under the pointer, the tables.
+
+One file of HTML with plotly's script inside (extra ``view``): it opens without a network, in a browser or in a cell of
+Jupyter.  What moves is `view_content.js`, what it looks like `view_content.html`.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass, field
+from html import escape
+from importlib.resources import files
+from importlib.util import find_spec
+from typing import Any
+
+import numpy as np
+
+from origami_nlp.arguments import check_path
+from origami_nlp.display.bodies import Content, Folded, Keyframe, Panel, Trajectory
+from origami_nlp.display.table import pieces_html
+from origami_nlp.errors import OptionError
+from origami_nlp.io import write_whole
+
+MOST_TRACKED = 55_000
+"""Coordinates of states on paths that a page holds, about nine bytes each: longer paths are thinned."""
+FEWEST_STEPS = 12
+MOST_STEPS = 90
+MOST_CELLS = 60_000
+"""Energies on maps that a page holds, about eight bytes each: finer maps are thinned."""
+STATE_DIGITS, TRACK_DIGITS, ENERGY_DIGITS = 15, 6, 7
+HEIGHT = 900
+"""Of the page in Jupyter [px]."""
+
+
+def check_view(option: str = "view") -> None:
+    """Complain, before any work, where plotly is not installed.
+
+    Parameters
+    ----------
+    option
+        What asks for it, in the message.
+
+    Raises
+    ------
+    OptionError
+        With the command that installs it.
+    """
+    if find_spec("plotly") is None:
+        raise OptionError(f'{option} needs plotly: pip install "origami_nlp[view]"')
+
+
+@dataclass(frozen=True, repr=False)
+class InteractivePage:
+    """One or more results as a page that can be turned.
+
+    Attributes
+    ----------
+    contents
+        What is shown; the reader chooses among several.
+
+    Raises
+    ------
+    OptionError
+        If plotly is not installed.
+    """
+
+    contents: tuple[Content, ...] = field()
+
+    def __init__(self, *contents: Content) -> None:
+        check_view()
+        object.__setattr__(self, "contents", contents)
+
+    def __repr__(self) -> str:
+        names = "; ".join(content.title for content in self.contents)
+        return f"InteractivePage({names}: last line of a cell in Jupyter, or .save(file))"
+
+    def _repr_html_(self) -> str:
+        # a frame of its own: several pages in one notebook do not meet
+        look = f"width:100%;height:{HEIGHT}px;border:0"
+        return (
+            f'<iframe style="{look}" srcdoc="{escape(interactive_page(*self.contents))}"></iframe>'
+        )
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write the page as one file that needs no network.
+
+        Parameters
+        ----------
+        path
+            The file.
+
+        Raises
+        ------
+        OptionError
+            If it cannot be written.
+        """
+        check_path("path", path)
+        write_whole(path, interactive_page(*self.contents).encode())
+
+
+class Viewable(ABC):
+    """A result that can be turned in space: a class says `view_content`, the rest follows."""
+
+    @abstractmethod
+    def view_content(self) -> Content:
+        """Return what there is to see, as plain data."""
+
+    def view(self) -> InteractivePage:
+        """Return a page that can be turned (extra ``view``); the last line of a cell of Jupyter shows it.
+
+        Returns
+        -------
+        InteractivePage
+            Its `save` writes it as one file that needs no network.
+
+        Raises
+        ------
+        OptionError
+            If plotly is not installed.
+        """
+        return InteractivePage(self.view_content())
+
+
+def interactive_page(*contents: Content) -> str:
+    """Return results as one page of HTML that needs no network.
+
+    Parameters
+    ----------
+    contents
+        One or more.
+
+    Returns
+    -------
+    str
+        The page.
+
+    Raises
+    ------
+    OptionError
+        If plotly is not installed.
+    """
+    check_view("a page that can be turned")
+    from plotly.offline import get_plotlyjs
+
+    here = files("origami_nlp.display")
+    data = json.dumps(page_data(contents), allow_nan=False, separators=(",", ":"))
+    parts = {
+        "TITLE": escape(contents[0].title if len(contents) == 1 else f"{len(contents)} scenes"),
+        "TABLES": "\n".join(
+            f"<section class='told' hidden>{pieces_html(content.pieces)}</section>"
+            for content in contents
+        ),
+        "DATA": data.replace("<", "\\u003c"),  # no text of a user ends the script
+        "SCRIPT": (here / "turned.js").read_text("utf-8"),
+        "PLOTLY": get_plotlyjs(),
+    }
+    page, *rest = (here / "turned.html").read_text("utf-8").split("{{")
+    for piece in rest:  # put together, not replaced in turn: what is put in is not looked at again
+        name, tail = piece.split("}}", 1)
+        page += parts[name] + tail
+    return page
+
+
+def page_data(contents: Sequence[Content]) -> list[dict[str, Any]]:
+    """Return what the script of a page reads, as plain JSON data.
+
+    Parameters
+    ----------
+    contents
+        One or more.
+
+    Returns
+    -------
+    list of dict
+        One each; nan is None; states to `STATE_DIGITS` decimals, paths thinned and to `TRACK_DIGITS`.
+    """
+    tracks = [t for c in contents for t in c.tracks]
+    width = max((s.corners.size for t in tracks for s in t.states[:1]), default=1)
+    most = max(FEWEST_STEPS, min(MOST_STEPS, MOST_TRACKED // (width * max(len(tracks), 1))))
+    cells = sum(p.energy.size for c in contents for p in c.panels if p.energy is not None)
+    stride = max(1, math.ceil(math.sqrt(cells / MOST_CELLS)))
+    return [
+        {
+            "title": content.title,
+            "note": content.note,
+            "steps": content.steps,
+            "body": {
+                "facets": content.body.facets,
+                "creases": [crease._asdict() for crease in content.body.creases],
+                "sectors": content.body.sectors,
+            },
+            "stations": [_station(station) for station in content.stations],
+            "tracks": [_track(track, kept_states(track, most)) for track in content.tracks],
+            "panels": [_panel(p, content, stride, most) for p in content.panels],
+        }
+        for content in contents
+    ]
+
+
+def _plain(array: np.ndarray, digits: int) -> list[Any]:
+    """Return rounded numbers, None for nan and inf."""
+    array = np.asarray(array, dtype=float)
+    rounded = (np.round(array, digits) + 0.0).astype(object)
+    rounded[~np.isfinite(array)] = None
+    listed: list[Any] = rounded.tolist()
+    return listed
+
+
+def _short(values: np.ndarray) -> list[Any]:
+    """Return numbers to `ENERGY_DIGITS` significant digits, None for nan and inf."""
+    array = np.asarray(values, dtype=float)
+    short = [float(f"{v:.{ENERGY_DIGITS}g}") if math.isfinite(v) else None for v in array.flat]
+    listed: list[Any] = np.array(short, dtype=object).reshape(array.shape).tolist()
+    return listed
+
+
+def _folded(state: Folded, digits: int) -> dict[str, Any]:
+    shifts = _plain(state.shifts, 4) if state.shifts.any() else None
+    return {
+        "corners": _plain(state.corners, digits),
+        "angles": _plain(state.fold_angles, digits),
+        "shifts": shifts,
+    }
+
+
+def _station(station: Keyframe) -> dict[str, Any]:
+    return {
+        "title": station.title,
+        **_folded(station.folded, STATE_DIGITS),
+        "energy": station.folded.energy,
+        "view": _plain(station.view, 6),
+        "marks": [asdict(mark) for mark in station.marks],
+        "lines": station.lines,
+    }
+
+
+def _track(track: Trajectory, kept: np.ndarray) -> dict[str, Any]:
+    return {
+        "title": track.title,
+        "label": track.label,
+        "of": len(track.states),
+        "parameter": track.parameter[kept].tolist(),
+        "states": [_folded(track.states[k], TRACK_DIGITS) for k in kept],
+        "energy": [track.states[k].energy for k in kept],
+        "view": _plain(track.view, 6),
+        "start": track.start,
+        "end": track.end,
+    }
+
+
+def kept_states(track: Trajectory, most: int) -> np.ndarray:
+    """Choose states of a path that has too many.
+
+    Parameters
+    ----------
+    track
+        The path.
+    most
+        About how many to keep; both ends and the highest state are kept in any case.
+
+    Returns
+    -------
+    numpy.ndarray
+        Their numbers, in order, evenly along the parameter.
+    """
+    s = track.parameter * np.sign(track.parameter[-1] - track.parameter[0])
+    if len(s) <= most:
+        return np.arange(len(s))
+    even = np.searchsorted(s, np.linspace(s[0], s[-1], most - 1)).clip(0, len(s) - 1)
+    top = int(np.argmax([state.energy for state in track.states]))
+    return np.unique([0, *even.tolist(), top, len(s) - 1])
+
+
+def _panel(panel: Panel, content: Content, stride: int, most: int) -> dict[str, Any]:
+    energy = None if panel.energy is None else _short(panel.energy[::stride, ::stride])
+    return {
+        "title": panel.title,
+        "labels": panel.labels,
+        "x": _plain(panel.x[::stride], 5),
+        "y": _plain(panel.y[::stride], 5),
+        "energy": energy,
+        "lines": [
+            {"points": _plain(line.points, 5), "name": line.name, "look": line.look}
+            for line in panel.lines
+        ],
+        "stations": panel.stations,
+        "tracks": [
+            {"track": k, "points": _plain(points[kept_states(content.tracks[k], most)], 5)}
+            for k, points in panel.tracks
+        ],
+    }

@@ -1,0 +1,231 @@
+"""A folded sheet drawn: facets painted by depth, the visible parts of creases and borders as lines over them.
+
+Mountains are red and solid, valleys blue and dashed, by the sign of the fold angle, wider the larger it is; the upper
+side of the paper is warm, the lower cool: all of it can be told in grey.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from matplotlib.collections import LineCollection
+from matplotlib.colors import to_rgb
+from matplotlib.patheffects import withStroke
+
+from origami_nlp.display.drawing import (
+    BORDER,
+    FLAT,
+    LIGHT,
+    LOWER,
+    MOUNTAIN,
+    UPPER,
+    VALLEY,
+)
+from origami_nlp.display.folded_pattern import pattern_view
+from origami_nlp.display.style import PUSHES
+from origami_nlp.display.touches import contact_places, mark_touches, touching_facets
+from origami_nlp.kkt import ContactForce
+from origami_nlp.numerics import CLOSURE_TOL
+from origami_nlp.pattern import Pattern
+from origami_nlp.pattern_problem import MOVES, Crossings, PatternProblem, order_layers
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+PIXELS = 1_000
+"""Of the longer side of the painted picture."""
+PIECE = 0.004
+"""Lines are cut into pieces of this share of the picture, each seen or hidden."""
+DASH, PERIOD = 0.014, 0.022
+"""Of valleys, as shares of the picture."""
+LAYER = 1e-5
+"""Of layers that lie on each other within this share of the picture, the first is shown."""
+TINT = 0.3
+"""Share of the colour of contacts in that of facets that touch."""
+MOST_ORDERED = 400
+"""Polygons up to which layers are ordered for a picture."""
+BEFORE = 4e-3
+"""A line hides only behind what is nearer by more than this share of the picture."""
+
+
+def draw_pattern_state(
+    axes: Axes,
+    pattern: Pattern,
+    fold_angles: np.ndarray,
+    named: Sequence[int] = (),
+    contacts: Sequence[ContactForce] = (),
+) -> None:
+    """Draw a folded sheet into axes, made bare here.
+
+    Parameters
+    ----------
+    axes
+        Of matplotlib.
+    pattern
+        The sheet.
+    fold_angles
+        Of a closed state, [n] [rad].
+    named
+        Facets whose numbers are written, from 0.
+    contacts
+        Of the state: places where facets touch are marked with their numbers, and these facets are tinted.
+    """
+    touching = touching_facets(contacts)
+    phi = np.asarray(fold_angles, float)
+    crossings = Crossings(pattern)
+    pieces = crossings.placed(phi)
+    corners = crossings.poses.polygons(phi)
+    view = pattern_view(corners)
+    seen = pieces @ view.T
+    flat = seen.reshape(-1, 3)
+    low, high = flat[:, :2].min(axis=0), flat[:, :2].max(axis=0)
+    size = 1.06 * float((high - low).max())
+    low = 0.5 * (low + high) - 0.5 * size * (high - low + 0.06 * size) / size
+    shape = np.maximum(1, np.ceil((high - low + 0.03 * size) / size * PIXELS)).astype(int)
+    step = size / PIXELS
+    tinted = np.isin(crossings.facet, touching)
+    above = _layers(pattern, phi, [c @ view.T for c in corners])
+    picture, nearest, first = _paint(seen, crossings.polygon, above, tinted, low, step, shape)
+    right, top = low + step * shape
+    axes.imshow(picture, extent=(low[0], right, low[1], top), origin="lower")
+    lines, looks, owners = _lines(pattern, [c @ view.T for c in corners], phi)
+    for line, (colour, width, dashed), own in zip(lines, looks, owners, strict=True):
+        hidden = np.logical_and.reduce(above[:, own], axis=1)[first]
+        parts = _visible(line, np.where(hidden, np.inf, nearest), low, step, size, dashed)
+        look = {"colors": colour, "linewidths": width, "capstyle": "butt", "zorder": 3}
+        axes.add_collection(LineCollection(parts, **look), autolim=False)
+    for f in named:
+        own_parts = [c for c, g in zip(corners, pattern.facet_of, strict=True) if g == f]
+        x, y, _ = view @ np.concatenate(own_parts).mean(axis=0)
+        around = [withStroke(linewidth=2.5, foreground="white")]
+        axes.text(x, y, str(f + 1), ha="center", va="center", path_effects=around, zorder=4)
+    mark_touches(axes, view, contact_places(pattern, phi, contacts), contacts)
+    axes.set(xlim=(low[0], right), ylim=(low[1], top), aspect="equal")
+    axes.axis("off")
+
+
+def _paint(
+    pieces: np.ndarray,
+    polygon: np.ndarray,
+    above: np.ndarray,
+    tinted: np.ndarray,
+    low: np.ndarray,
+    step: float,
+    shape: np.ndarray,
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Paint convex pieces [P, q, 3] of polygons [P], some tinted [P]: RGBA [y, x, 4], depth and polygon seen [y, x]."""
+    picture = np.zeros((shape[1], shape[0], 4), np.float32)
+    nearest = np.full((shape[1], shape[0]), -np.inf, np.float32)
+    top = np.full((shape[1], shape[0]), -1)
+    near = LAYER * step * PIXELS
+    for x, own, tint in zip(pieces, polygon, tinted, strict=True):
+        normal = np.cross(x - x[0], np.roll(x, -1, axis=0) - x[0]).sum(axis=0)
+        normal /= np.linalg.norm(normal)
+        if abs(normal[2]) < 1e-3:
+            continue
+        first = np.clip(((x[:, :2].min(axis=0) - low) / step).astype(int), 0, shape)
+        last = np.clip(((x[:, :2].max(axis=0) - low) / step).astype(int) + 2, 0, shape)
+        px = low[0] + step * (np.arange(first[0], last[0]) + 0.5)[None, :]
+        py = low[1] + step * (np.arange(first[1], last[1]) + 0.5)[:, None]
+        inside = np.ones((py.size, px.size), bool)
+        turn = math.copysign(1.0, normal[2])
+        for a, b in zip(x, np.roll(x, -1, axis=0), strict=True):
+            inside &= turn * ((b[0] - a[0]) * (py - a[1]) - (b[1] - a[1]) * (px - a[0])) >= 0
+        depth = x[0, 2] - (normal[0] * (px - x[0, 0]) + normal[1] * (py - x[0, 1])) / normal[2]
+        part = slice(first[1], last[1]), slice(first[0], last[0])
+        on = above[own, top[part]] & (depth > nearest[part] - near)
+        front = inside & (on | (depth > nearest[part] + near))
+        nearest[part][front], top[part][front] = depth[front], own
+        towards = normal if normal[2] > 0 else -normal
+        shade = 0.62 + 0.38 * max(0.0, float(towards @ LIGHT))
+        paper = np.array(to_rgb(UPPER if normal[2] > 0 else LOWER))
+        paper = (1 - TINT * tint) * paper + TINT * tint * np.array(to_rgb(PUSHES))
+        colour = np.minimum(1.0, shade * paper)
+        picture[part][front] = (*colour, 1.0)
+    return picture, nearest, top
+
+
+def _layers(pattern: Pattern, phi: np.ndarray, corners: list[np.ndarray]) -> np.ndarray:
+    """Tell which polygons [q, 3] lie on which, as seen, [P + 1, P]; the last row is no polygon."""
+    above = np.zeros((len(corners) + 1, len(corners)), bool)
+    if not (math.pi - np.abs(phi) <= CLOSURE_TOL).any() or len(corners) > MOST_ORDERED:
+        return above
+    towards = [np.cross(x - x[0], np.roll(x, -1, axis=0) - x[0]).sum(axis=0)[2] for x in corners]
+    for f, g, s in order_layers(PatternProblem(pattern), phi).orders:
+        above[(f, g) if s * towards[g] > 0 else (g, f)] = True
+    return above
+
+
+def _lines(
+    pattern: Pattern, corners: list[np.ndarray], phi: np.ndarray
+) -> tuple[list[np.ndarray], list[tuple[Any, float, bool]], list[list[int]]]:
+    """Return borders and creases [2, 3], each with its colour, its width, whether it is dashed, and its polygons."""
+    crease = {tuple(e): k for k, e in enumerate(pattern.ends.tolist())}
+    number = dict.fromkeys(range(len(pattern.polygons)), 0)
+    count: dict[tuple[int, int], int] = {}
+    for p in pattern.polygons:
+        for i, v in enumerate(p):
+            s = (min(p[i - 1], v), max(p[i - 1], v))
+            count[s] = count.get(s, 0) + 1
+    lines, looks, done = [], [], set()
+    scale = min(1.0, 12 / math.sqrt(max(len(number), 1)))
+    owners: dict[tuple[int, int], list[int]] = {}
+    for k, p in enumerate(pattern.polygons):
+        for i, v in enumerate(p):
+            owners.setdefault((min(p[i - 1], v), max(p[i - 1], v)), []).append(k)
+    shown = []
+    for p, x in zip(pattern.polygons, corners, strict=True):
+        for i, v in enumerate(p):
+            s = (min(p[i - 1], v), max(p[i - 1], v))
+            if s in done or (s not in crease and count[s] > 1):
+                continue
+            done.add(s)
+            lines.append(np.array([x[i - 1], x[i]]))
+            shown.append(owners[s])
+            if s not in crease:
+                looks.append((BORDER, 1.3 * scale, False))
+                continue
+            angle = float(phi[crease[s]])
+            if abs(angle) <= MOVES:
+                looks.append((FLAT, 0.8 * scale, False))
+                continue
+            width = (1.2 + 1.4 * abs(angle) / math.pi) * scale
+            looks.append((MOUNTAIN if angle < 0 else VALLEY, width, angle > 0))
+    return lines, looks, shown
+
+
+def _visible(
+    line: np.ndarray, nearest: np.ndarray, low: np.ndarray, step: float, size: float, dashed: bool
+) -> list[np.ndarray]:
+    """Return the parts of a line that nothing hides, [2, 2] each; dashes begin and end with half a dash."""
+    length = float(np.linalg.norm(line[1, :2] - line[0, :2]))
+    if length == 0.0:
+        return []
+    count = max(2, round(length / (PIECE * size)))
+    if dashed:  # a whole number of periods, at least two, begun in the middle of a dash
+        periods = max(2, round(length / (PERIOD * size)))
+        share = DASH / PERIOD
+        starts = (np.arange(periods + 1) - 0.5 * share) / periods
+        spans = np.clip(np.column_stack([starts, starts + share / periods]), 0.0, 1.0)
+    else:
+        grid = np.linspace(0.0, 1.0, count + 1)
+        spans = np.column_stack([grid[:-1], grid[1:]])
+    middle = line[0] + spans.mean(axis=1)[:, None] * (line[1] - line[0])
+    at = ((middle[:, :2] - low) / step).astype(int)
+    rows = np.clip(at[:, 1], 0, nearest.shape[0] - 1)
+    columns = np.clip(at[:, 0], 0, nearest.shape[1] - 1)
+    seen = middle[:, 2] + BEFORE * size >= nearest[rows, columns]
+    parts: list[np.ndarray] = []
+    start = None
+    for k, (a, b) in enumerate(spans):
+        if seen[k] and start is None:
+            start = a
+        last = k + 1 == len(spans) or dashed or not seen[k + 1]
+        if start is not None and last:
+            ends = np.array([start, b])[:, None]
+            parts.append((line[0] + ends * (line[1] - line[0]))[:, :2])
+            start = None
+    return parts

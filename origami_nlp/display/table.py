@@ -1,0 +1,318 @@
+"""Tables of words, and results that tell themselves: on screens, in plain text, as Markdown and as HTML.
+
+Nothing here knows a result: rooms make tables of texts, and this writes them down.  A text may carry a style of
+rich for the screen and a colour for HTML (`Words`); both are dropped where they cannot be shown.
+"""
+
+from __future__ import annotations
+
+import io
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from html import escape
+from textwrap import shorten
+from typing import TYPE_CHECKING, NamedTuple, TypeAlias
+
+from origami_nlp.display.result import Result
+from origami_nlp.io import PrettyRepr
+
+if TYPE_CHECKING:
+    from rich import table as rich_table
+    from rich.console import Console
+    from rich.text import Text
+
+
+class Words(NamedTuple):
+    """A text with a look.
+
+    Attributes
+    ----------
+    text
+        The text.
+    style
+        Of rich, such as ``"bold"``.
+    colour
+        Of a small square before the text in HTML, such as ``"#D55E00"``.
+    """
+
+    text: str
+    style: str = ""
+    colour: str = ""
+
+
+Cell: TypeAlias = str | Words
+
+
+@dataclass(frozen=True)
+class Table:
+    """Heads and rows of texts.
+
+    Attributes
+    ----------
+    heads
+        One a column.
+    rows
+        A text or `Words` a column.
+    title
+        Above the table.
+    columns
+        A letter each, ``l`` left or ``r`` right; a capital where words may wrap when the terminal is narrow.
+        Without: the first column left, the others right.
+    framed
+        With lines around.
+    narrow
+        With less room between columns.
+    ends
+        Numbers of rows (from 0) below which a line is drawn.
+
+    Examples
+    --------
+    >>> from origami_nlp.display import Table
+    >>> print(Table(("state", "energy"), [("1", "0.5")]).markdown().rstrip())
+    | state | energy |
+    |---|---|
+    | 1 | 0.5 |
+    """
+
+    heads: Sequence[str]
+    rows: Sequence[Sequence[Cell]]
+    title: str = ""
+    columns: str = ""
+    framed: bool = True
+    narrow: bool = False
+    ends: Sequence[int] = ()
+
+    def __rich__(self) -> rich_table.Table:
+        """Return the table as a console prints it."""
+        from rich import box, table
+        from rich.text import Text
+
+        look = table.Table(
+            title=Text(self.title) if self.title else None,
+            title_justify="left",
+            box=box.HEAVY_HEAD if self.framed else box.SIMPLE_HEAD,
+            pad_edge=self.framed,
+            padding=(0, 1, 0, 0) if self.narrow else (0, 1),
+        )
+        for head, letter in zip(self.heads, self._letters, strict=True):
+            justify = "left" if letter in "lL" else "right"
+            look.add_column(Text(head), justify=justify, no_wrap=letter.islower())  # type: ignore[arg-type]
+        for number, row in enumerate(self.rows):
+            look.add_row(*map(_rich, row), end_section=number in self.ends)
+        return look
+
+    def markdown(self) -> str:
+        """Return the table in Markdown, without its title; bold cells stay bold."""
+        marks = ["---:" if c in "rR" else "---" for c in self.columns] or ["---"] * len(self.heads)
+        lines = [f"| {' | '.join(map(_markdown, self.heads))} |", f"|{'|'.join(marks)}|"]
+        lines += [f"| {' | '.join(map(_markdown, row))} |" for row in self.rows]
+        return "\n".join(lines) + "\n"
+
+    def html(self) -> str:
+        """Return the table in HTML, without its title; it brings its own style along."""
+        sides = ["left" if c in "lL" else "right" for c in self._letters]
+        look = "vertical-align:top;padding:2px 10px 2px 2px"
+        styles = [f"style='text-align:{side};{look}'" for side in sides]
+
+        def line(tag: str, cells: Sequence[Cell]) -> str:
+            pairs = zip(styles, cells, strict=True)
+            return f"<tr>{''.join(f'<{tag} {s}>{_html(c)}</{tag}>' for s, c in pairs)}</tr>"
+
+        body = "\n".join(line("td", row) for row in self.rows)
+        return (
+            f"<table style='border-collapse:collapse'>\n<thead>{line('th', self.heads)}</thead>"
+            f"<tbody>\n{body}\n</tbody></table>"
+        )
+
+    @property
+    def _letters(self) -> str:
+        return self.columns or "l" + "r" * (len(self.heads) - 1)
+
+
+Section: TypeAlias = Table | Cell
+
+
+class Report(PrettyRepr, Result, ABC):
+    """A result that tells itself: a class says `report_sections`, and is printed everywhere from that.
+
+    ``print(result)``, IPython and Jupyter show all of it; in lists, and in the plain Python prompt, it is one line.
+
+    Examples
+    --------
+    >>> from origami_nlp.display import Report
+    >>> class Answer(Report):
+    ...     def reported(self):
+    ...         yield "42"
+    ...         yield "as was to be expected"
+    >>> Answer()
+    Answer(42)
+    >>> print(Answer())
+    42
+    as was to be expected
+    """
+
+    WIDTH = 110
+    """Columns of the plain text."""
+    BRIEF = 150
+    """Characters of the one line, at most."""
+
+    @abstractmethod
+    def report_sections(self) -> Iterable[Section]:
+        """Return what there is to say: tables and lines, in order."""
+
+    def tell(self, console: Console) -> None:
+        """Print; lines are as long as they are.
+
+        Parameters
+        ----------
+        console
+            Of rich.
+        """
+        for piece in self.report_sections():
+            if isinstance(piece, Table):
+                console.print(piece)
+            else:
+                console.print(_rich(piece), highlight=False, soft_wrap=True)
+
+    def __str__(self) -> str:
+        return plain_text(self.WIDTH, self.tell).rstrip()
+
+    def __repr__(self) -> str:
+        first = next(iter(self.report_sections()), "")
+        words = first.title if isinstance(first, Table) else first
+        text = words if isinstance(words, str) else words.text
+        return f"{type(self).__name__}({shorten('; '.join(text.splitlines()), self.BRIEF)})"
+
+    def _repr_html_(self) -> str:
+        return pieces_html(self.report_sections())
+
+    def to_markdown(self) -> str:
+        """Return tables and lines in Markdown."""
+        return "\n".join(
+            f"{p.title}\n\n{p.markdown()}" if isinstance(p, Table) else f"{_markdown(p)}  "
+            for p in self.report_sections()
+        )
+
+
+def pieces_html(pieces: Iterable[Section]) -> str:
+    """Return tables and lines as HTML, static and without links.
+
+    Parameters
+    ----------
+    pieces
+        Such as those of `Report.report_sections`.
+
+    Returns
+    -------
+    str
+        One ``div``.
+    """
+
+    def parts() -> Iterator[str]:
+        for piece in pieces:
+            if not isinstance(piece, Table):
+                yield f"<div style='white-space:pre-wrap'>{_html(piece)}</div>"
+                continue
+            title = escape(piece.title).replace("\n", "<br>")
+            yield f"<p><b>{title}</b></p>\n{piece.html()}" if title else piece.html()
+
+    return "\n".join(["<div>", *parts(), "</div>"])
+
+
+def plain_text(width: int, tell: Callable[[Console], None]) -> str:
+    """Return what a function prints as plain text.
+
+    In Jupyter a console would display instead of writing to its file.
+
+    Parameters
+    ----------
+    width
+        Columns.
+    tell
+        Prints on a console of rich, such as `Report.tell`.
+
+    Returns
+    -------
+    str
+        The text.
+    """
+    from rich.console import Console
+
+    text = io.StringIO()
+    tell(Console(file=text, width=width, color_system=None, force_jupyter=False))
+    return text.getvalue()
+
+
+def rows_table(heads: Sequence[str], rows: Sequence[Sequence[str]], title: str) -> Table:
+    """Return rows as a table; the first column and long texts to the left, numbers to the right.
+
+    Parameters
+    ----------
+    heads, rows, title
+        Of the table.
+
+    Returns
+    -------
+    Table
+        Without frame.
+    """
+    words = ["L" if head.startswith(("kinds", "how")) else "r" for head in heads]
+    if words[0] == "r":
+        words[0] = "l"
+    return Table(heads, rows, title, "".join(words), framed=False)
+
+
+def rows_markdown(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+    """Return rows as a Markdown table.
+
+    Parameters
+    ----------
+    heads, rows
+        Of the table.
+
+    Returns
+    -------
+    str
+        The table.
+    """
+    return Table(heads, rows).markdown()
+
+
+def folding_table(
+    heads: Sequence[str], rows: Sequence[Sequence[str]], title: str, wrap: Sequence[int] = (0,)
+) -> Table:
+    """Return a table some of whose columns hold words, which wrap where the terminal is narrow.
+
+    Parameters
+    ----------
+    heads, rows, title
+        Of the table.
+    wrap
+        Numbers of those columns, from 0.
+
+    Returns
+    -------
+    Table
+        Without frame.
+    """
+    columns = "".join("L" if k in wrap else "r" for k in range(len(heads)))
+    return Table(heads, rows, title, columns, framed=False)
+
+
+def _rich(cell: Cell) -> Text:
+    from rich.text import Text
+
+    return Text(cell) if isinstance(cell, str) else Text(cell.text, cell.style)
+
+
+def _markdown(cell: Cell) -> str:
+    text, style = (cell, "") if isinstance(cell, str) else cell[:2]
+    text = text.replace("|", "\\|").replace("\n", "<br>")
+    return f"**{text}**" if style == "bold" else text
+
+
+def _html(cell: Cell) -> str:
+    text, colour = (cell, "") if isinstance(cell, str) else (cell.text, cell.colour)
+    square = f"<span style='color:{colour}'>&#9632;</span> " if colour else ""
+    return square + escape(text).replace("\n", "<br>")

@@ -1,0 +1,113 @@
+"""Words and ticks that our figures share."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+
+def label_text(text: str) -> str:
+    """Return text that matplotlib does not take for a formula.
+
+    Parameters
+    ----------
+    text
+        Of a user or a file.
+
+    Returns
+    -------
+    str
+        The text.
+    """
+    pretty = (
+        text.replace("alpha_1", "α₁").replace("r_k", "rₖ").replace("*pi", "π").replace("pi/", "π/")
+    )
+    return pretty.replace("$", r"\$")
+
+
+def short_label(text: str) -> str:
+    """Shorten the label of a scene of the paper to what differs.
+
+    Parameters
+    ----------
+    text
+        Such as `Scene.label`.
+
+    Returns
+    -------
+    str
+        Such as ``N = 6, pi/3, 1``.
+
+    Examples
+    --------
+    >>> from origami_nlp import examples
+    >>> from origami_nlp.display import short_label
+    >>> short_label(examples.degree6("pi/3").label)
+    'N = 6, pi/3, 1'
+    """
+    return text.replace("degree ", "N = ").replace("alpha_1 = ", "").replace("r_k = ", "")
+
+
+def pi_label(numerator: int, denominator: int = 1) -> str:
+    """Write a multiple of pi for the tick of an axis.
+
+    Parameters
+    ----------
+    numerator, denominator
+        Of the multiple.
+
+    Returns
+    -------
+    str
+        Such as ``−3π/4``.
+
+    Examples
+    --------
+    >>> from origami_nlp.display import pi_label
+    >>> pi_label(-3, 4)
+    '−3π/4'
+    """
+    common = math.gcd(numerator, denominator) or 1
+    top, below = abs(numerator) // common, denominator // common
+    if not top:
+        return "0"
+    sign = "−" if numerator < 0 else ""
+    return f"{sign}{'' if top == 1 else top}π{'' if below == 1 else f'/{below}'}"
+
+
+def subscript(number: int) -> str:
+    """Write a number below the line.
+
+    Parameters
+    ----------
+    number
+        At least 0.
+
+    Returns
+    -------
+    str
+        Such as ``₁₂``.
+
+    Examples
+    --------
+    >>> from origami_nlp.display import subscript
+    >>> subscript(12)
+    '₁₂'
+    """
+    return str(number).translate(str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉"))
+
+
+def angle_ticks(axis: Any, low: float, high: float) -> None:
+    """Put ticks at multiples of pi/4, pi/2 where there are many.
+
+    Parameters
+    ----------
+    axis
+        Of matplotlib.
+    low, high
+        Ends of the axis [rad].
+    """
+    quarters = [q for q in range(-8, 9) if low - 1e-9 <= q * math.pi / 4 <= high + 1e-9]
+    if high - low > 1.1 * math.pi:
+        quarters = [q for q in quarters if q % 2 == 0]
+    axis.set_ticks([q * math.pi / 4 for q in quarters], [pi_label(q, 4) for q in quarters])

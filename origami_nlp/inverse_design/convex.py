@@ -1,0 +1,416 @@
+"""The springs that hold given states with the largest margin, or the proof that there are none.
+
+Everything is divided by the mean stiffness, which is an unknown of its own (its inverse, `Springs.scale`), so that
+bounds and energies in the scene's units stay linear.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from origami_nlp.errors import OptionError
+from origami_nlp.inverse_design.conic import BALL, EQUAL, POSITIVE, Answer, ConeRows, ConicProgram
+from origami_nlp.inverse_design.equilibrium import Balance, Springs, balances, energy_row
+from origami_nlp.inverse_design.targets import Targets
+from origami_nlp.kkt import State
+from origami_nlp.numerics import DESIGN_ACTIVE, DESIGN_MARGIN, ROUNDED
+from origami_nlp.pattern import Pattern, Scene
+from origami_nlp.problem import Contact
+
+MOVED = 1e4 * DESIGN_ACTIVE
+"""Largest change that closes equations and active bounds, over the mean stiffness: `DESIGN_ACTIVE` times the worst
+condition 1e4 of the equations (see `DESIGN_MARGIN`); more is another design."""
+ROOM = 2.0
+"""Bounds of moments come of a least singular value in floating point, which is good to far more than this factor."""
+LEAST_MARGIN = 0.01
+"""Of a design that makes barriers largest: at 0 its wells would be none."""
+LARGEST_MARGIN = 10.0
+"""Cap on t: where nothing else bounds it (wound springs on a flat-folded state), more is of no use."""
+MOST_PIECES = 16
+"""Smooth pieces of the feasible set at one state, each with conditions of its own."""
+
+
+class ConvexDesign:
+    """The convex programme of a question.
+
+    Parameters
+    ----------
+    targets
+        The question.
+    touching
+        Contacts without which states are to hold still, each with the number of its state from 0.
+    loose
+        Ask only for what every minimum fulfils: whichever of its contacts press (see `Balance`), and of singular states
+        nothing.  Where that has no answer, no springs hold the states.
+    more
+        Further rows over the springs and the margin, see `Springs`.
+    heights
+        Rows of barriers; where given the smallest is made largest, with a margin of `LEAST_MARGIN`.
+    elastic
+        Let states be out of balance at this price, for a search for better ones.
+    calm
+        Price, over the margin, of the torque that springs which are off throw out of balance (see `_calm`).
+    """
+
+    def __init__(
+        self,
+        targets: Targets,
+        touching: frozenset[tuple[int, Contact]] = frozenset(),
+        more: Sequence[ConeRows] = (),
+        heights: Sequence[np.ndarray] = (),
+        elastic: float = 0.0,
+        loose: bool = False,
+        calm: float = 0.0,
+    ) -> None:
+        self.targets, self.touching, self.loose = targets, touching, loose
+        self.every_refuted = False
+        kinds = int(targets.kinds.max()) + 1
+        self.places = Springs.of(kinds)
+        self.problem = ConicProgram(self.places.size)
+        self.count = np.bincount(targets.kinds, minlength=kinds)
+        self.balances: list[tuple[int, Balance, slice]] = []
+        self._bounds(kinds)
+        for i, placed in enumerate(targets.placed):
+            self._hold(i, placed.target.margin, placed.target.name)
+        self._energies()
+        for rows in more:
+            self.problem.add(rows.cone, rows.a, rows.b, rows.words)
+        self.aim = _row(self.problem.size, (self.places.margin, 1.0))
+        if heights:
+            self._lift(heights)
+        if elastic:
+            self._soften(elastic)
+        if calm:
+            self._calm(calm)
+
+    def _lift(self, heights: Sequence[np.ndarray]) -> None:
+        """Make the smallest height the aim."""
+        p = self.problem
+        least = p.more(1).start
+        for row in heights:
+            up = _row(p.size, (slice(len(row)), row), (least, -1.0))
+            p.add(POSITIVE, up, 0.0, "the smallest barrier")
+        floor = _row(p.size, (self.places.margin, 1.0))
+        p.add(POSITIVE, floor, -LEAST_MARGIN, f"margin at least {LEAST_MARGIN:g}")
+        self.aim = _row(p.size, (least, 1.0))
+
+    def _calm(self, price: float) -> None:
+        """Pay for the largest torque that springs which are off leave out of balance in a state, over its share.
+
+        Where each stiffness k and rest angle r is off by a share s, the torque k (x - r) of a crease changes by at most
+        s (|k (x - r)| + |k r|), and what is felt along closed motions by that times the row of the crease in `kernel`.
+        """
+        p, v = self.problem, self.places
+        most = p.more(1).start
+
+        def size_of(rows: np.ndarray) -> slice:
+            where = p.more(len(rows))
+            for sign in (1.0, -1.0):
+                a = np.zeros((len(rows), p.size))
+                a[:, : rows.shape[1]] = sign * rows
+                a[np.arange(len(rows)), np.arange(where.start, where.stop)] = 1.0
+                p.add(POSITIVE, a, np.zeros(len(rows)), "sizes of torques")
+            return where
+
+        for i, balance, _ in self.balances:
+            kind, x = balance.kind, balance.stratum.state.x
+            weight = np.linalg.norm(balance.kernel, axis=1) * balance.root
+            torque = np.zeros((len(x), v.size))
+            torque[np.arange(len(x)), v.torque.start + kind] = -1.0
+            wound = size_of(torque)
+            torque[np.arange(len(x)), v.stiffness.start + kind] = x
+            now = size_of(torque)
+            # sizes |k (x - r)| and |k r|: torque out of balance by a share s of both
+            share = most, self.targets.states[i].margin
+            row = _row(p.size, share, (now, -weight), (wound, -weight))
+            p.add(POSITIVE, row, 0.0, "torque out of balance")
+        self.aim = np.pad(self.aim, (0, p.size - len(self.aim)))
+        self.aim[most] = -price
+
+    def _soften(self, price: float) -> None:
+        """Replace the balance of states by an exact penalty on what is left (Nocedal and Wright, section 17.2)."""
+        p = self.problem
+        rows = [r for r in p.rows if isinstance(r.words, str) and r.words.endswith(" balances")]
+        p.rows = [r for r in p.rows if not any(r is other for other in rows)]
+        aim = [self.aim]
+        for r in rows:
+            left = p.more(len(r.b))
+            for sign in (1.0, -1.0):
+                a = sign * p.matrix(r)
+                a[np.arange(len(r.b)), np.arange(left.start, left.stop)] = 1.0
+                p.add(POSITIVE, a, sign * r.b, r.words)
+            aim.append(np.full(len(r.b), -price))
+        self.aim = np.concatenate(
+            [np.pad(self.aim, (0, p.size - len(self.aim) - sum(map(len, aim[1:])))), *aim[1:]]
+        )
+
+    def _bounds(self, kinds: int) -> None:
+        p, v, t = self.problem, self.places, self.targets
+        eye, none = np.eye(kinds), np.zeros((kinds, kinds))
+        column = np.ones((kinds, 1))
+        # homogeneous of degree one in (k, tau, 1): the mean stiffness is the unit, `scale` its inverse
+        mean = _row(v.size, (v.stiffness, self.count))
+        p.add(EQUAL, mean, -float(self.count.sum()), "the mean stiffness is 1")
+        p.add(POSITIVE, _row(v.size, (v.margin, -1.0)), LARGEST_MARGIN, "the margin has a cap")
+        low, high = t.stiffness
+        creases = [np.flatnonzero(t.kinds == k) + 1 for k in range(kinds)]
+        names = ["crease " + ", ".join(map(str, c)) for c in creases]
+        (least, most), extra = t.rest, 0.0 if isinstance(t.preload, bool) else t.preload
+        bounds = (
+            (eye, none, -low, f"stiffness at least {low:g} N m/rad"),
+            (-eye, none, high, f"stiffness at most {high:g} N m/rad"),
+            # phi0 = tau / k >= least as tau - least k >= 0: linear, since k > 0
+            (-least * eye, eye, extra, f"rest angle at least {math.degrees(least):g} deg"),
+            (most * eye, -eye, extra, f"rest angle at most {math.degrees(most):g} deg"),
+        )
+        for of_k, of_tau, of_scale, words in bounds:
+            rows = np.hstack([of_k, of_tau, of_scale * column])
+            p.add(POSITIVE, rows, np.zeros(kinds), tuple(f"{n}: {words}" for n in names))
+
+    def _hold(self, i: int, share: float, name: str) -> None:
+        t = self.targets
+        kind = np.rint(t.free.reduce(t.kinds.astype(float))).astype(int)
+        touching = {contact for j, contact in self.touching if j == i}
+        pieces = balances(standing(t, i), kind, touching, self.loose)
+        if len(pieces) > MOST_PIECES:
+            raise OptionError(
+                f"state {name!r}: {len(pieces)} smooth pieces of the feasible set meet there, "
+                f"{MOST_PIECES} are the most"
+            )
+        for piece in pieces:
+            if self.loose and not piece.regular:
+                continue
+            where = piece.pose(self.problem, self.places, share, name)
+            self.balances.append((i, piece, where))
+
+    def energy(self, name: str) -> np.ndarray:
+        """Row of the energy of a state less that of the flat state over the mean stiffness."""
+        t = self.targets
+        i = [s.name for s in t.states].index(name)
+        model = t.model
+        kind = np.rint(model.reduce(t.kinds.astype(float))).astype(int)
+        return energy_row(model, t.placed[i].state.x, kind, self.places)
+
+    def _energies(self) -> None:
+        p, v, t = self.problem, self.places, self.targets
+        for gap in t.energies:
+            row = self.energy(gap.upper) - self.energy(gap.lower)
+            words = f"energy of {gap.upper} above {gap.lower}"
+            scale = _row(v.size, (v.scale, 1.0))
+            if gap.least == gap.most:
+                p.add(EQUAL, row - gap.least * scale, 0.0, f"{words} is {gap.least:g} J")
+                continue
+            if math.isfinite(gap.least):
+                p.add(POSITIVE, row - gap.least * scale, 0.0, f"{words} at least {gap.least:g} J")
+            if math.isfinite(gap.most):
+                p.add(POSITIVE, gap.most * scale - row, 0.0, f"{words} at most {gap.most:g} J")
+        for name, most in t.highest.items():
+            self._highest(name, most)
+
+    def _highest(self, name: str, most: float) -> None:
+        """Bound sum (k x - tau)^2 / (2 k) by cones: u k >= (k x - tau)^2, sum u <= 2 E."""
+        p, v, t = self.problem, self.places, self.targets
+        i = [s.name for s in t.states].index(name)
+        x = t.placed[i].state.x
+        u = p.more(len(x))
+        for j in range(len(x)):
+            a = np.zeros((3, p.size))
+            k, tau, w = v.stiffness.start + j, v.torque.start + j, u.start + j
+            # u k >= y^2 with u, k >= 0 is |(u - k, 2 y)| <= u + k, y = k x - tau
+            a[0, [k, w]] = 1.0, 1.0
+            a[1, [k, w]] = 1.0, -1.0
+            a[2, [k, tau]] = 2 * x[j], -2.0
+            p.add(BALL, a, np.zeros(3), f"energy of {name} at crease kind {j + 1}")
+        row = _row(p.size, (v.scale, 2 * most), (u, -self.count))
+        p.add(POSITIVE, row, 0.0, f"energy of {name} at most {most:g} J")
+
+    @cached_property
+    def answer(self) -> Answer:
+        """The optimum, or the proof that there is no point."""
+        return self.problem.maximise(self.aim)
+
+    @property
+    def margin(self) -> float:
+        """Largest margin t; -inf where the rows contradict each other."""
+        if self.answer.infeasible:
+            return -math.inf
+        return float(self.answer.v[self.places.margin]) if self.answer.solved else math.nan
+
+    @property
+    def feasible(self) -> bool:
+        """Whether springs hold the states with a margin that is more than rounding."""
+        return self.margin > DESIGN_MARGIN
+
+    @property
+    def refuted(self) -> bool:
+        """Whether it is proved that no springs hold the states so, with a margin that is more than rounding.
+
+        Not where a state is singular (flat-folded with creases that lose rank, say) or its contacts depend on each
+        other: there the conditions prove a minimum, but a minimum need not fulfil them (`Balance.regular`).
+        """
+        if not all(balance.regular for _, balance, _ in self.balances):
+            return False
+        a = self.answer
+        if not a.infeasible and not a.solved:
+            return False
+        # for every point 0 <= y . (A v + b): t <= y . b + (c + A' y) . v, where c = 0 if there is to be no point
+        aim = np.zeros_like(self.aim) if a.infeasible else self.aim
+        left = float(np.abs(aim + self.problem.pull(a.duals)) @ self.reach)
+        return bool(a.bound + left < 0.0 if a.infeasible else a.bound + left <= DESIGN_MARGIN)
+
+    @property
+    def reach(self) -> np.ndarray:
+        """How large each unknown can be where the margin is from 0 to its cap and all states are regular, [V]."""
+        t, places = self.targets, self.places
+        n, softest = float(self.count.sum()), t.stiffness[0]
+        wound = max(map(abs, t.rest)) * n
+        if not isinstance(t.preload, bool):
+            wound += t.preload * n / softest
+        out = np.full(self.problem.size, 2.0 * max(t.highest.values(), default=0.0) * n / softest)
+        out[places.stiffness] = n
+        out[places.torque] = wound
+        out[places.scale] = n / softest
+        out[places.margin] = LARGEST_MARGIN
+        for _, balance, where in self.balances:
+            torque = (np.abs(balance.stratum.state.x).max() * n + wound) * math.sqrt(n)
+            if balance.lost.shape[1]:  # one w, with H - w C >= 0 and C of both signs
+                lam = np.linalg.norm(balance.to_closure, 2) * torque
+                bent = n + lam * sum(np.linalg.norm(c, 2) for c in balance.curvatures)
+                values = balance.lost_modes[0]
+                out[where] = ROOM * bent / min(values[-1], -values[0])
+            elif balance.free:
+                along = balance.stratum.slopes @ balance.kernel
+                out[where] = ROOM * torque / np.linalg.svd(along, compute_uv=False)[-1]
+        return out
+
+
+def _row(size: int, *entries: tuple[int | slice, Any]) -> np.ndarray:
+    """Return a row over the unknowns, zero but for some entries."""
+    out = np.zeros(size)
+    for where, value in entries:
+        out[where] = value
+    return out
+
+
+def standing(targets: Targets, i: int) -> State:
+    """Return a state, numbered from 0, in the programme in which it is to stand."""
+    state, t = targets.placed[i].state, targets
+    return state if t.free is t.model else State(t.free, t.free.reduce(t.model.expand(state.x)))
+
+
+@dataclass(frozen=True)
+class Found:
+    """Springs in the scene's units.
+
+    Attributes
+    ----------
+    stiffness, torque
+        Of each kind of crease [N m/rad], [N m].
+    margin
+        Smallest stiffness along a free motion of a state, and smallest moment [per rad] of a contact, over the mean
+        stiffness and over the share of that state.
+    """
+
+    stiffness: np.ndarray
+    torque: np.ndarray
+    margin: float
+
+
+def springs_of(posed: ConvexDesign) -> Found:
+    """Turn the optimum into springs that fulfil every equation to rounding.
+
+    Bounds that are active stay exactly so; then unknowns move by the least that closes the equations.
+
+    Parameters
+    ----------
+    posed
+        A feasible programme.
+
+    Returns
+    -------
+    Found
+        The springs.
+    """
+    places = posed.places
+    equal = [posed.problem.matrix(r) for r in posed.problem.rows if r.cone == EQUAL]
+    right = np.concatenate([-r.b for r in posed.problem.rows if r.cone == EQUAL])
+    rest, stiffness = _active(posed)
+    for pinned in (
+        (*rest, *stiffness),
+        rest,
+        (),
+    ):  # bounds that contradict the balance are no bounds
+        v = posed.answer.v.copy()
+        a = np.vstack([*equal, *pinned])
+        b = np.concatenate([right, np.zeros(len(pinned))])
+        for _ in range(3):
+            # step of least length back onto all equations; repeated, as one leaves rounding of its size
+            v -= np.linalg.lstsq(a, a @ v - b, rcond=ROUNDED)[0]
+        moved = np.abs(v - posed.answer.v)[: places.size].max()
+        if np.abs(a @ v - b).max() <= ROUNDED * (1 + np.abs(v).max()) and moved <= MOVED:
+            break
+    scale = _scale(posed, v)
+    return Found(v[places.stiffness] / scale, v[places.torque] / scale, float(v[places.margin]))
+
+
+def _active(posed: ConvexDesign) -> tuple[list[np.ndarray], list[np.ndarray]]:
+    """Return rows that keep rest angles, and stiffnesses, exactly at the bounds that they are at."""
+    v, places, t = posed.answer.v, posed.places, posed.targets
+    k, tau = v[places.stiffness], v[places.torque]
+    rest, stiffness = [], []
+    for j in range(len(k)):
+        for bound in t.rest if isinstance(t.preload, bool) else ():
+            if abs(tau[j] - bound * k[j]) <= DESIGN_ACTIVE * k[j]:
+                at = (places.torque.start + j, 1.0), (places.stiffness.start + j, -bound)
+                rest.append(_row(posed.problem.size, *at))
+        for bound in t.stiffness:
+            if abs(k[j] - bound * v[places.scale]) <= DESIGN_ACTIVE * k[j]:
+                at = (places.stiffness.start + j, 1.0), (places.scale, -bound)
+                stiffness.append(_row(posed.problem.size, *at))
+    return rest, stiffness
+
+
+def _levels(targets: Targets) -> list[float]:
+    """Return all energies that differences and barriers are compared with [J]."""
+    gaps = [e for g in targets.energies for e in (g.least, g.most)]
+    return gaps + [e for b in targets.barriers for e in (b.least, b.most)]
+
+
+def _scale(posed: ConvexDesign, v: np.ndarray) -> float:
+    """Return 1 / mean stiffness: what energies ask for, or the geometric mean of what the bounds leave."""
+    t = posed.targets
+    absolute = t.highest or not isinstance(t.preload, bool)
+    absolute = absolute or any((math.isfinite(e) and e != 0.0) for e in _levels(t))
+    if absolute:
+        return float(v[posed.places.scale])
+    k, (low, high) = v[posed.places.stiffness], t.stiffness
+    k = np.maximum(
+        k, k.max() * low / high
+    )  # (which the bounds say, and a solver may leave by its accuracy)
+    return math.sqrt(float(k.max()) / high * float(k.min()) / low)
+
+
+def scene_of(targets: Targets, found: Found, name: str | None = None) -> Scene | Pattern:
+    """Return the scene, or the pattern, with these springs.
+
+    Parameters
+    ----------
+    targets
+        The question.
+    found
+        The springs.
+    name
+        Of the scene.
+
+    Returns
+    -------
+    Scene or Pattern
+        A scene with a preload where no rest angle within [-pi, pi] gives the torque.
+    """
+    return targets.made(found.stiffness, found.torque, name)

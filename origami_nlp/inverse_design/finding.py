@@ -1,0 +1,324 @@
+"""From a question to springs that were checked."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from origami_nlp.arguments import check_callback, check_whole, refuse, shown
+from origami_nlp.errors import OptionError
+from origami_nlp.inverse_design.checking import check
+from origami_nlp.inverse_design.conic import ConeRows
+from origami_nlp.inverse_design.contact_choice import solve
+from origami_nlp.inverse_design.convex import ConvexDesign, scene_of, springs_of
+from origami_nlp.inverse_design.infeasibility import why_not
+from origami_nlp.inverse_design.result import Design
+from origami_nlp.inverse_design.robustness import MOST, Tolerance, line_of, lost_at, tolerance_of
+from origami_nlp.inverse_design.targets import Targets
+from origami_nlp.inverse_design.targets_file import Ask
+from origami_nlp.inverse_design.transition_paths import Passes
+from origami_nlp.inverse_design.unwanted_minima import cuts
+from origami_nlp.minima import find_minima
+from origami_nlp.numerics import DESIGN_SNAP
+from origami_nlp.pattern import Pattern, Scene
+from origami_nlp.pattern_states import find_states
+
+Progress = Callable[[str], None]
+TOPS = 6
+"""Rounds in which tops between samples become samples."""
+PRICES = (0.03, 0.1, 0.3, 1.0, 3.0)
+"""Of torque that springs which are off throw out of balance, over the margin: half decades around 1."""
+SHARES = (0.5, 2.0)
+"""Factors by which the share of the margin of one state is changed where the tolerance is made largest."""
+IMPROVEMENTS = 2
+"""Rounds over the states then."""
+MOST_PERCENT = 100.0 * MOST
+_OF_A_VERTEX = {
+    "maximise": "of its springs the margin is made largest",
+    "tolerance_percent": "states of one vertex are followed as springs are off",
+    "extra_states": "minima of one vertex are cut away",
+}
+"""What is not asked of a pattern, and why."""
+
+
+def design(
+    targets: Targets,
+    ask: Ask | None = None,
+    *,
+    name: str | None = None,
+    seed: int = 0,
+    effort: str = "normal",
+    progress: Progress | None = None,
+) -> Design:
+    """Find the springs that hold given states with the largest margin, or prove that there are none.
+
+    At fixed states the conditions are convex in stiffness and torque (`equilibrium`), so that the answer is the best
+    there is, or a proof that none exists within the bounds; then the main job searches the scene for its minima.  Given
+    states with a symmetry imposed are those that wind once round its axis (`Scene.windings`).
+
+    Parameters
+    ----------
+    targets
+        The question.
+    ask
+        What is asked beyond its states: see `Ask`.
+    name
+        Of the scene.
+    seed, effort
+        Of the search that checks the answer, as of `find_minima`; `seed` also of the directions of tolerances.
+    progress
+        Called with a line before each stage.
+
+    Returns
+    -------
+    Design
+        With the scene and its check, or with the reason.
+
+    Raises
+    ------
+    OptionError
+        If an argument is not what it must be, a target does not close or is not admissible, or Clarabel is missing.
+
+    Examples
+    --------
+    >>> import math, origami_nlp as o
+    >>> vertex = o.Vertex(("pi/3", "2*pi/3", "2*pi/3", "pi/3"))
+    >>> result = o.find_minima(o.Scene(vertex, (1, 1, 1, 1), (1.2, -1.2, -0.6, -1.2)))
+    >>> wanted = o.inverse_design.Target("folded", result.minima[0].fold_angles)
+    >>> answer = o.design(o.inverse_design.Targets(vertex, (wanted,)))
+    >>> answer.verified, answer.margin > 0
+    (True, True)
+    """
+    if not isinstance(targets, Targets):
+        raise OptionError(f"targets = {shown(targets)} must be Targets (read_targets reads a file)")
+    ask = Ask() if ask is None else ask
+    if not isinstance(ask, Ask):
+        raise OptionError(f"ask = {shown(ask)} must be an Ask")
+    check_whole("seed", seed, 0)
+    check_callback("progress", progress)
+    _differ(targets)
+    if isinstance(targets.origami, Pattern):
+        tolerant = ask.maximise == "tolerance" or ask.tolerance_percent is not None
+        asked: dict[str, Any] = {"maximise": ask.maximise if ask.maximise != "margin" else None}
+        asked |= {"tolerance_percent": ask.tolerance_percent if tolerant else None}
+        asked |= {"extra_states": ask.extra_states if ask.extra_states != "report" else None}
+        refuse("pattern", _OF_A_VERTEX, **asked)
+    if ask.maximise == "barrier" and not targets.barriers:
+        raise OptionError("[ask] maximise = 'barrier' needs [[barriers]] with the pairs that count")
+    if ask.maximise == "barrier" and targets.model.freedom != 1:
+        raise OptionError(
+            f"[ask] maximise = 'barrier' needs one freedom; the vertex has {targets.model.freedom}"
+        )
+    say = progress or (lambda _: None)
+    work = _Work(targets, ask, name, seed, effort, say)
+    say("springs for the states")
+    posed = work.solved(targets)
+    if not posed.feasible:
+        return _none(targets, posed, work)
+    best = work.made(posed)
+    if ask.extra_states == "forbid":
+        best = work.without_extras(best)
+    if ask.maximise == "tolerance":
+        best = work.most_tolerant(best)
+    return best
+
+
+def _differ(targets: Targets) -> None:
+    """Complain where two targets close to one state."""
+    for a, b in itertools.combinations(targets.placed, 2):
+        if np.abs(a.state.x - b.state.x).max() <= DESIGN_SNAP:
+            raise OptionError(
+                f"states {a.target.name!r} and {b.target.name!r} are one and the same: leave one out"
+            )
+
+
+class _Work:
+    """A question on its way."""
+
+    def __init__(
+        self, targets: Targets, ask: Ask, name: str | None, seed: int, effort: str, say: Progress
+    ) -> None:
+        self.targets, self.ask, self.name = targets, ask, name
+        self.seed, self.effort, self.say = seed, effort, say
+        self.more: tuple[ConeRows, ...] = ()
+        one = bool(targets.barriers) and targets.model.freedom == 1
+        self.passes = Passes(targets) if one else None
+
+    def solved(
+        self, targets: Targets, more: tuple[ConeRows, ...] = (), calm: float = 0.0
+    ) -> ConvexDesign:
+        """Solve, with the best choice of passes where barriers are asked for."""
+        more = (*self.more, *more)
+        if self.passes is None:
+            return solve(targets, more, calm=calm)
+        best = self._best(targets, more, calm)
+        for _ in range(TOPS):
+            # bounds hold at samples: a top between two of them that is too high becomes a sample
+            if not best.feasible or not self.passes.see(
+                targets.posed(scene_of(targets, springs_of(best)))
+            ):
+                break
+            best = self._best(targets, more, calm)
+        return best
+
+    def _best(self, targets: Targets, more: tuple[ConeRows, ...], calm: float) -> ConvexDesign:
+        """Return the best of all choices of passes."""
+        assert self.passes is not None
+        lift = self.ask.maximise == "barrier"
+        choices = self.passes.choices(lift)
+        best: ConvexDesign | None = None
+        for choice in choices:
+            rows, heights = self.passes.rows(choice)
+            posed = solve(targets, (*more, *rows), heights if lift else (), calm)
+            if best is None or _value(posed) > _value(best):
+                best = posed
+        assert best is not None
+        if any(p is not None for choice in choices for p in choice.values()):
+            best.every_refuted = False  # other places of the passes were not tried
+        return best
+
+    def made(self, posed: ConvexDesign, prove: bool = True) -> Design:
+        """Make the scene of an optimum, and check it; `prove` where a proof that no minimum is missing is tried."""
+        scene = scene_of(self.targets, springs_of(posed), self.name)
+        self.say("minima of the scene")
+        if not isinstance(scene, Scene):
+            contact = self.targets.contact == "full"
+            listed = find_states(
+                scene, seed=self.seed, effort=self.effort, contact=contact, escape=False
+            )
+            return check(self.targets, self.ask, posed, scene, listed, {}, self.seed, self.say)
+        full = self.targets.full_space and self.targets.symmetric
+        minima = find_minima(
+            scene,
+            seed=self.seed,
+            effort=self.effort,
+            full=full,
+            prove=None if prove else False,
+            escape=False,
+        )
+        ways = {} if self.passes is None else self.passes.ways
+        return check(self.targets, self.ask, posed, scene, minima, ways, self.seed, self.say)
+
+    def without_extras(self, best: Design) -> Design:
+        """Cut minima away that nobody asked for, a few rounds."""
+        posed = None
+        for number in range(self.ask.rounds + 1):
+            if not best.extra_minima:  # none was found; are there really none?
+                best = replace(self.made(posed), rounds=number) if posed else best
+                posed = None
+                if not best.extra_minima:
+                    break
+            self.say(f"round {number + 1}: {len(best.extra_minima)} minima that nobody asked for")
+            posed = self._cut(best) if number < self.ask.rounds else None
+            if posed is None:
+                break
+            best = replace(self.made(posed, prove=False), rounds=number + 1)
+        return best
+
+    def _cut(self, best: Design) -> ConvexDesign | None:
+        """Solve with the best cut for each of them; None where no springs are left."""
+        posed = None
+        for _, _, phi in best.extra_minima:
+            for options in cuts(self.targets, np.array(phi)):
+                solved = [(self.solved(self.targets, rows), rows) for rows in options]
+                solved = [s for s in solved if s[0].feasible]
+                if solved:
+                    posed, rows = max(solved, key=lambda s: _value(s[0]))
+                    # cuts add up: what one round cut away may not come back in the next
+                    self.more = (*self.more, *rows)
+                    break
+        return posed
+
+    def most_tolerant(self, best: Design) -> Design:
+        """Look for springs of larger tolerance among others that hold the states; check the last.
+
+        First those that are stiff and little out of balance where they are off (`ConvexDesign.calm`), at several
+        prices; then the margin is shared otherwise among the states, as long as the tolerance grows.
+        """
+        if not best.verified or best.tolerance is None or best.tolerance.percent >= MOST_PERCENT:
+            return best
+        self.say("springs of larger tolerance")
+        tolerance, posed, calm = best.tolerance, None, 0.0
+        shares = np.ones(len(self.targets.states))
+
+        def better(price: float, tried: np.ndarray) -> bool:
+            nonlocal tolerance, posed, calm, shares
+            if tolerance.percent >= MOST_PERCENT:
+                return False
+            other = self.solved(self._shared(tried), calm=price)
+            found = self._tolerance(other, tolerance) if other.feasible else None
+            if found is None or found.percent <= tolerance.percent:
+                return False
+            tolerance, posed, calm, shares = found, other, price, tried
+            return True
+
+        # the tolerance is no function that a programme maximises: a few programmes that favour it are tried
+        for price in PRICES:
+            better(price, shares)
+        for _ in range(IMPROVEMENTS if len(shares) > 1 else 0):
+            for i, factor in itertools.product(range(len(shares)), SHARES):
+                tried = shares.copy()
+                tried[i] *= factor
+                better(calm, tried)
+        if posed is None:
+            return best
+        made = replace(self.made(posed), margin=posed.margin * float(shares.min()))
+        return made if _tolerance(made) > _tolerance(best) else best
+
+    def _shared(self, shares: np.ndarray) -> Targets:
+        states = tuple(
+            replace(t, margin=t.margin * float(f))
+            for t, f in zip(self.targets.states, shares, strict=True)
+        )
+        return replace(self.targets, states=states)
+
+    def _tolerance(self, posed: ConvexDesign, known: Tolerance) -> Tolerance | None:
+        """Return the tolerance of a candidate; None where a direction that is known makes it no larger."""
+        t = self.targets
+        scene: Any = scene_of(t, springs_of(posed))
+        at = {p.target.name: t.model.expand(p.state.x) for p in t.placed}
+        most = math.log1p(known.percent / 100.0)
+        for loss in known.losses:
+            line = line_of(scene, np.array(loss.stiffness), np.array(loss.rest_angles))
+            if any(lost_at(line, phi, most).event != "kept" for phi in at.values()):
+                return None
+        return tolerance_of(scene, at, seed=self.seed)
+
+
+def _tolerance(found: Design) -> float:
+    if not found.verified or found.tolerance is None:
+        return -math.inf
+    return found.tolerance.percent
+
+
+def _value(posed: ConvexDesign) -> float:
+    """Return what was maximised; -inf without springs."""
+    return float(posed.aim @ posed.answer.v) if posed.feasible else -math.inf
+
+
+def _none(targets: Targets, posed: ConvexDesign, work: _Work) -> Design:
+
+    def tried(other: Targets) -> bool:
+        again = _Work(other, work.ask, None, work.seed, work.effort, work.say)
+        return again.solved(other).feasible
+
+    reason = why_not(posed, tried)
+    a = posed.answer
+    return Design(
+        targets=targets,
+        margin=posed.margin,
+        scene=None,
+        states=(),
+        extra_minima=(),
+        reason=reason,
+        failed=(),
+        minima=None,
+        iterations=a.iterations,
+        residual=a.residual,
+        refuted=posed.every_refuted,
+    )

@@ -1,0 +1,189 @@
+"""Why no springs hold the states: the dual of the programme in words, and the smallest change that would help."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from origami_nlp.errors import OrigamiError
+from origami_nlp.inverse_design.contact_choice import solve
+from origami_nlp.inverse_design.convex import ConvexDesign
+from origami_nlp.inverse_design.targets import TURNS, Targets
+from origami_nlp.numerics import SETTLED
+
+WEIGHTY = 1e-4
+"""Rows whose dual is below this share of the largest are not named."""
+BISECTIONS, COARSE = 20, 6
+"""Where a size is looked for; the second where each question is many programmes."""
+WIDEST = 1e4
+"""Largest factor by which a range of stiffness is widened when a change is looked for."""
+
+
+@dataclass(frozen=True)
+class Reason:
+    """Why a question has no answer.
+
+    Attributes
+    ----------
+    states
+        Names of the states that are in conflict.
+    bounds
+        Rows that are in conflict, in words, weightiest first.
+    proof
+        What was proved, with its residual.
+    changes
+        Changes after which there is an answer, each alone; empty where none of those tried helps.
+    """
+
+    states: tuple[str, ...]
+    bounds: tuple[str, ...]
+    proof: str
+    changes: tuple[str, ...]
+
+    @property
+    def text(self) -> str:
+        """All of it in one line."""
+        who = " and ".join(self.states) if self.states else "the bounds alone"
+        why = f"no springs hold {who}"
+        why += f" with {'; '.join(self.bounds[:4])}" if self.bounds else ""
+        return f"{why} ({self.proof})"
+
+
+Works = Callable[[Targets], bool]
+
+
+def works(targets: Targets) -> bool:
+    """Tell whether springs hold the states of a question, whatever else is asked for."""
+    return solve(targets).feasible
+
+
+def why_not(posed: ConvexDesign, tried: Works = works) -> Reason:
+    """Turn the dual of a programme without an answer into words.
+
+    Parameters
+    ----------
+    posed
+        Solved, and not feasible.
+    tried
+        Tells whether a changed question has an answer.
+
+    Returns
+    -------
+    Reason
+        With changes that would help.
+    """
+    weights: dict[str, float] = {}
+    for rows, y in zip(posed.problem.rows, posed.answer.duals, strict=True):
+        if isinstance(rows.words, str):
+            weights[rows.words] = weights.get(rows.words, 0.0) + float(np.abs(y).max(initial=0.0))
+        else:
+            for words, value in zip(rows.words, y, strict=True):
+                weights[words] = weights.get(words, 0.0) + abs(float(value))
+    named = ("the mean stiffness is 1", "the margin has a cap")
+    most = max((w for words, w in weights.items() if words not in named), default=0.0)
+    # rows with a dual that counts are those whose combination is contradictory
+    heavy = sorted(
+        ((w, words) for words, w in weights.items() if w > WEIGHTY * most and words not in named),
+        reverse=True,
+    )
+    names = [t.name for t in posed.targets.states]
+    states = tuple(
+        n
+        for n in names
+        if any(words.startswith(f"{n} ") or f" {n} " in f" {words} " for _, words in heavy)
+    )
+    bounds = tuple(words for _, words in heavy if not words.endswith((" balances", " is stiff")))
+    return Reason(states, bounds, proof_of(posed), changes(posed.targets, tried))
+
+
+def proof_of(posed: ConvexDesign) -> str:
+    """Say what the dual proves, and how well its arithmetic closes."""
+    a = posed.answer
+    touching = sorted({posed.targets.states[i].name for i, _ in posed.touching})
+    how = f", with contacts of {', '.join(touching)} that need not press" if touching else ""
+    if posed.loose:
+        how = ", whichever contacts press" if posed.balances else ""
+    if a.infeasible:
+        return f"a combination of the conditions is contradictory{how}; residual {a.residual:.0e}"
+    if a.solved:
+        return f"the largest margin is {a.bound:.3g}{how}; residual {a.residual:.0e}"
+    return f"not decided: the solver ended with {a.status}"
+
+
+def changes(targets: Targets, tried: Works = works) -> tuple[str, ...]:
+    """Find changes after which springs hold the states, each tried alone.
+
+    Parameters
+    ----------
+    targets
+        A question without an answer.
+    tried
+        Tells whether a changed one has one.
+
+    Returns
+    -------
+    tuple of str
+        In words, with the size of the change found by bisection.
+    """
+    out = []
+    steps = COARSE if targets.barriers else BISECTIONS
+    low, high = targets.rest
+    if targets.preload is False:
+        size = max(-low, high)
+
+        def wound(f: float) -> Targets:
+            far = f * size > math.pi * (1 + SETTLED)
+            return replace(targets, preload=far, rest_angles=(f * low, f * high))
+
+        least = _least(tried, wound, 1.0, TURNS / size, steps)
+        if least is not None:
+            how = " (preload = true)" if least * size > math.pi * (1 + SETTLED) else ""
+            out.append(f"let rest angles reach {math.degrees(least * size):.4g} deg{how}")
+    low, high = targets.stiffness
+
+    def wider(f: float) -> Targets:
+        return replace(targets, stiffness=(low / f, high * f))
+
+    least = _least(tried, wider, 1.0, WIDEST, steps)
+    if least is not None:
+        out.append(f"let stiffness range from {low / least:.4g} to {high * least:.4g} N m/rad")
+    if len(targets.states) > 1:
+        for target in targets.states:
+            if _works(tried, without(targets, target.name)):
+                out.append(f"leave out state {target.name!r}")
+    return tuple(out)
+
+
+def _least(
+    tried: Works, make: Callable[[float], Targets], good: float, bad: float, steps: int
+) -> float | None:
+    """Return the smallest factor in (good, bad] that works, by bisection; None if the largest does not."""
+    low, high = good, bad
+    if not _works(tried, make(high)):
+        return None
+    for _ in range(steps):
+        # geometric: factors, not differences
+        middle = math.sqrt(low * high)
+        low, high = (low, middle) if _works(tried, make(middle)) else (middle, high)
+    return high
+
+
+def _works(tried: Works, targets: Targets) -> bool:
+    try:
+        return tried(targets)
+    except OrigamiError:
+        return False
+
+
+def without(targets: Targets, name: str) -> Targets:
+    """Return the question without one state, and without what is asked of its energy."""
+    return replace(
+        targets,
+        states=tuple(t for t in targets.states if t.name != name),
+        energies=tuple(g for g in targets.energies if name not in (g.upper, g.lower)),
+        barriers=tuple(b for b in targets.barriers if name not in (b.start, b.end)),
+        highest={k: v for k, v in targets.highest.items() if k != name},
+    )

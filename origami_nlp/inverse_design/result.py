@@ -1,0 +1,286 @@
+"""What a design returns, how it tells itself."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+import numpy as np
+
+from origami_nlp.display import Report, Section, Table, Words, rows_table
+from origami_nlp.inverse_design.infeasibility import Reason
+from origami_nlp.inverse_design.robustness import MOVES, Tolerance
+from origami_nlp.inverse_design.targets import Targets
+from origami_nlp.minima import MinimaResult
+from origami_nlp.numerics import DUPLICATE_TOL
+from origami_nlp.pattern import Pattern, Scene
+
+
+@dataclass(frozen=True)
+class HeldState:
+    """One target of a design, and what was found there.
+
+    Attributes
+    ----------
+    name
+        As asked.
+    target
+        Fold angles asked for [rad], [N].
+    fold_angles
+        Those of the state that the springs were made for: closed to rounding, [N].
+    moved
+        Largest difference of the two [rad].
+    found
+        Distance of the minimum that the search found from `fold_angles` [rad]; inf where it found none.
+    energy
+        Elastic energy [J].
+    kind
+        Of the minimum; None where the state is none.
+    certificate
+        What proves it, or why it is no minimum.
+    full_space
+        Verdict where the symmetry may break: ``"stable"``, ``"unstable"``, ``"undecided"``; None where not asked.
+    """
+
+    name: str
+    target: tuple[float, ...]
+    fold_angles: tuple[float, ...]
+    moved: float
+    found: float
+    energy: float
+    kind: str | None
+    certificate: str
+    full_space: str | None
+
+
+@dataclass(frozen=True)
+class HeldBarrier:
+    """A barrier of a design, as measured.
+
+    Attributes
+    ----------
+    start, end
+        Names of states.
+    rise
+        Highest energy on the way less that of `start` [J]; nan where not known.
+    fold_angles
+        Where it is highest, [N].
+    why
+        What is wrong with it; "" where it is as asked.
+    """
+
+    start: str
+    end: str
+    rise: float
+    fold_angles: tuple[float, ...]
+    why: str
+
+
+class ExtraMinimum(NamedTuple):
+    """A minimum that nobody asked for.
+
+    Attributes
+    ----------
+    energy
+        In the scene's units.
+    kind
+        Of the minimum.
+    fold_angles
+        All N [rad].
+    """
+
+    energy: float
+    kind: str
+    fold_angles: tuple[float, ...]
+
+
+@dataclass(frozen=True, repr=False)
+class Design(Report):
+    """Springs for given states, checked by the main job; or the reason why there are none.
+
+    Attributes
+    ----------
+    targets
+        The question.
+    margin
+        Smallest stiffness along a free motion of a state, and smallest moment of a pressed contact [per rad], both over
+        the mean stiffness; the largest that any springs have, unless barriers or tolerances were made largest.  At most
+        0, or -inf, where there are none.
+    scene
+        The scene, or the pattern, with the springs; None where there are none.
+    states
+        Each target, as found in the scene.
+    extra_minima
+        Minima of the scene that nobody asked for: energy [J], kind, fold angles.
+    reason
+        Why there are no springs; None where there are.
+    failed
+        What the check of the scene found wrong, in words; empty for a verified design.
+    minima
+        The whole search for the minima of the scene.
+    iterations
+        Of the conic solver.
+    residual
+        Of its dual: the margin is the largest to about this.
+    barriers
+        Those that were asked for, as measured.
+    tolerance
+        How far the springs may be off, where it was asked for.
+    refuted
+        Where there is no scene: whether it is proved that no springs do what was asked.
+    rounds
+        Of cuts that forbade minima.
+
+    Examples
+    --------
+    >>> import math, origami_nlp as o
+    >>> vertex = o.Vertex(("pi/2",) * 4)
+    >>> straight = (math.pi / 3, 0.0, math.pi / 3, 0.0)
+    >>> answer = o.design(o.inverse_design.Targets(vertex, (o.inverse_design.Target("book", straight),)))
+    >>> answer.feasible, [state.name for state in answer.states]
+    (True, ['book'])
+    """
+
+    PICTURE, SCHEMA, READS = "draw_design", "origami-nlp/design/1", False
+    ALSO = ("feasible", "verified", "images")
+
+    targets: Targets = field(metadata={"plain": False})
+    margin: float
+    scene: Scene | Pattern | None
+    states: tuple[HeldState, ...]
+    extra_minima: tuple[ExtraMinimum, ...]
+    reason: Reason | None
+    failed: tuple[str, ...]
+    minima: MinimaResult | None = field(metadata={"plain": False})
+    iterations: int
+    residual: float
+    barriers: tuple[HeldBarrier, ...] = ()
+    tolerance: Tolerance | None = None
+    refuted: bool = False
+    rounds: int = 0
+
+    @property
+    def feasible(self) -> bool:
+        """Whether springs with a positive margin exist."""
+        return self.scene is not None
+
+    @property
+    def verified(self) -> bool:
+        """Whether the main job found and certified every state."""
+        return self.feasible and not self.failed
+
+    @property
+    def images(self) -> tuple[str, ...]:
+        """Of which state each extra minimum is an image, under a symmetry that geometry and springs happen to share.
+
+        Images are states of their own, of equal energy.  "" where it is none of a state asked for, or of an earlier
+        extra minimum (``"minimum 1"`` is the first of these).
+        """
+        if self.minima is None or self.minima.is_pattern:
+            return ("",) * len(self.extra_minima)
+        model = self.minima.model
+        known = [(f"state {s.name}", np.array(s.fold_angles)) for s in self.states]
+        out = []
+        for i, (_, _, angles) in enumerate(self.extra_minima, start=1):
+            phi = np.array(angles)
+            x = model.reduce(phi)
+            same = (
+                name
+                for name, other in known
+                for order, sign in model.own_symmetries[1:]
+                if np.abs(sign * model.reduce(other)[order] - x).max() <= DUPLICATE_TOL
+            )
+            out.append(next(same, ""))
+            known.append((f"minimum {i}", phi))
+        return tuple(out)
+
+    def report_sections(self) -> Iterator[Section]:
+        """Say what was designed and what the check found."""
+        if self.scene is None:
+            assert self.reason is not None
+            yield Words(f"No design: {self.reason.text}")
+            if not self.refuted:
+                yield Words(
+                    "this proves nothing: see what of the question the programme leaves open"
+                )
+            for change in self.reason.changes:
+                yield Words(f"what would help, alone: {change}")
+            return
+        n = len(self.states)
+        what = "verified" if self.verified else "NOT verified"
+        yield Words(
+            f"Design for {n} state{'s' * (n > 1)}: margin {self.margin:.4g}, {what} "
+            f"(conic solver: {self.iterations} iterations, residual {self.residual:.0e})"
+        )
+        yield self.table()
+        yield self.springs()
+        for b in self.barriers:
+            yield Words(f"barrier from {b.start} to {b.end}: {b.rise:.12g} J")
+        if self.tolerance is not None:
+            yield from self._tolerance(self.tolerance)
+        for words in self.failed:
+            yield Words(f"not verified: {words}")
+        if self.extra_minima:
+            yield Words(f"{len(self.extra_minima)} minima that were not asked for:")
+            for (energy, kind, phi), whose in zip(self.extra_minima, self.images, strict=True):
+                angles = "  ".join(f"{math.degrees(a):.3f}" for a in phi)
+                same = f" (image of {whose} under a symmetry of the scene)" if whose else ""
+                yield Words(f"  {energy:.5g} J  {kind}: {angles} deg{same}")
+        else:
+            yield Words("no other minimum was found")
+        known = getattr(self.minima, "completeness", None)
+        if known is not None:
+            yield Words(next(known.lines()))
+
+    @staticmethod
+    def _tolerance(found: Tolerance) -> Iterator[Section]:
+        for loss in found.losses:
+            how = {
+                "kept": "kept that far",
+                MOVES: "along the worst direction found it moves there: it is singular, and not followed",
+            }.get(loss.event, f"along the worst direction found, then: {loss.event}")
+            yield Words(
+                f"{loss.state} stands until every stiffness and rest angle is off by "
+                f"{loss.percent:.4g} % ({how})"
+            )
+        if found.trials:
+            yield Words(
+                f"random springs within {found.percent:.4g} %: all states stand in {found.kept} of {found.trials}"
+            )
+
+    def table(self) -> Table:
+        """The states, one a row."""
+        heads = ("state", "energy [J]", "kind", "full space", "moved [deg]", "found within [rad]")
+        rows: list[tuple[str, ...]] = [
+            (
+                s.name,
+                f"{s.energy:.5g}",
+                s.kind or "no minimum",
+                s.full_space or "-",
+                f"{math.degrees(s.moved):.2g}",
+                f"{s.found:.0e}",
+            )
+            for s in self.states
+        ]
+        return rows_table(heads, rows, "States")
+
+    def springs(self) -> Table:
+        """The springs, one crease a row."""
+        assert self.scene is not None
+        preload = getattr(self.scene, "preload", None) or (0.0,) * len(self.scene.stiffness)
+        wound = any(preload)
+        heads = ("crease", "stiffness [N m/rad]", "rest angle [deg]") + ("preload [N m]",) * wound
+        rows: list[tuple[str, ...]] = [
+            (str(i), f"{k:.5g}", f"{math.degrees(r):.4f}") + (f"{p:.5g}",) * wound
+            for i, (k, r, p) in enumerate(
+                zip(self.scene.stiffness, rest_of(self.scene), preload, strict=True), start=1
+            )
+        ]
+        return rows_table(heads, rows, "Springs")
+
+
+def rest_of(made: Scene | Pattern) -> Sequence[float]:
+    """Return rest angles, [N] [rad]."""
+    return made.rest_angles if isinstance(made, Scene) else made.rest.tolist()

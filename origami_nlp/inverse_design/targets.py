@@ -1,0 +1,413 @@
+"""What a design is asked for: a vertex or a pattern, states it shall hold, and what its springs may be."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from numbers import Real
+from typing import Any
+
+import numpy as np
+
+from origami_nlp.arguments import check_angles, check_number, check_type, refuse, shown
+from origami_nlp.errors import OptionError
+from origami_nlp.kkt import State, project
+from origami_nlp.numerics import CLOSURE_TOL, DESIGN_SNAP, OUTSIDE, ROUNDED
+from origami_nlp.pattern import Contact, Pattern, Scene, Vertex
+from origami_nlp.pattern_problem import PatternProblem
+from origami_nlp.problem import Model
+
+TURNS = 4 * math.pi
+"""Largest rest angle of a wound spring [rad]: two turns."""
+_OF_A_VERTEX = {
+    "symmetry": "equal says which of its springs are equal",
+    "mirror": "equal says which of its springs are equal",
+    "preload": "its springs rest within [-pi, pi]",
+    "barriers": "springs are made for barriers of one vertex",
+}
+"""What is not for a pattern, and why."""
+FAR = 0.1
+"""Farthest that closure may move a fold angle that was asked for [rad]: N angles, each read to 2 deg, are off by
+2 sqrt(N) deg together, 5.7 deg for N = 8; what is farther is another state."""
+
+
+@dataclass(frozen=True)
+class Target:
+    """A state that the springs shall hold.
+
+    Attributes
+    ----------
+    name
+        For tables and for `EnergyGap`.
+    fold_angles
+        All N of them [rad]; moved onto closure, and onto contacts that they nearly close.
+    margin
+        Share of the margin of the whole design that this state must have: twice as stiff for 2.
+    tolerance
+        How far each fold angle may be moved where `move_targets` is asked for [rad].
+    """
+
+    name: str
+    fold_angles: tuple[float, ...]
+    margin: float = 1.0
+    tolerance: float = 0.0
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.name, str) or not self.name.strip():
+            raise OptionError(f"states[].name = {shown(self.name)} must be text")
+        margin = check_number(f"state {self.name!r}: margin", self.margin, 0.0)
+        if margin == 0.0:
+            raise OptionError(f"state {self.name!r}: margin = 0 must be positive")
+        check_number(f"state {self.name!r}: tolerance", self.tolerance, 0.0, math.pi)
+
+
+@dataclass(frozen=True)
+class EnergyGap:
+    """How much higher the energy of one state shall be than that of another [J].
+
+    Attributes
+    ----------
+    upper, lower
+        Names of states.
+    least, most
+        Bounds of U(upper) - U(lower); equal for an exact difference.
+    """
+
+    upper: str
+    lower: str
+    least: float = 0.0
+    most: float = math.inf
+
+
+@dataclass(frozen=True)
+class BarrierAsk:
+    """How much energy it shall take to leave one state for another [J].
+
+    With one freedom the springs are made for it; with two they are checked for it.
+
+    Attributes
+    ----------
+    start, end
+        Names of states.
+    least, most
+        Bounds of the highest energy on the way less that of `start`; equal for an exact barrier.
+    """
+
+    start: str
+    end: str
+    least: float = 0.0
+    most: float = math.inf
+
+
+@dataclass(frozen=True)
+class Targets:
+    """A question: which springs hold these states?
+
+    Parameters
+    ----------
+    origami
+        The crease pattern: one vertex, or a whole pattern.
+    states
+        The states wanted.
+    symmetry, contact, mirror
+        As of a `Scene`; without springs, ``"auto"`` is the largest group of the geometry.  Of a pattern contact alone,
+        ``"full"`` or ``"fold-limits"``.
+    stiffness
+        Bounds of each crease [N m/rad], both positive.
+    rest_angles
+        Bounds of each rest angle [rad], within [-pi, pi] (the default); with ``preload=True`` of wound springs, by
+        default two turns either way.
+    preload
+        Whether springs may be wound beyond [-pi, pi], or the largest torque beyond what a rest angle gives [N m].
+    energies
+        Differences of energy that are asked for.
+    barriers
+        Barriers between two states that are asked for.
+    highest
+        Largest energy of states by name [J].
+    full_space
+        Hold the states also where motions break the symmetry.
+    equal
+        Of a pattern, which creases have equal springs: ``""`` none, ``"letters"`` all of one assignment, or a number
+        for each crease, the same for equal ones.
+    """
+
+    origami: Vertex | Pattern
+    states: tuple[Target, ...]
+    symmetry: str = "none"
+    contact: Contact = "full"
+    mirror: int | None = None
+    stiffness: tuple[float, float] = (0.005, 0.5)
+    rest_angles: tuple[float, float] | None = None
+    preload: float | bool = False
+    energies: tuple[EnergyGap, ...] = ()
+    barriers: tuple[BarrierAsk, ...] = ()
+    highest: dict[str, float] = field(default_factory=dict)
+    full_space: bool = True
+    equal: str | tuple[int, ...] = ""
+
+    def __post_init__(self) -> None:
+        self._check_kind()
+        object.__setattr__(self, "states", tuple(self.states))
+        object.__setattr__(self, "energies", tuple(self.energies))
+        object.__setattr__(self, "barriers", tuple(self.barriers))
+        names = [t.name for t in self.states]
+        if not names:
+            raise OptionError("states is empty: give at least one [[states]] with fold_angles_deg")
+        for name in names:
+            if names.count(name) > 1:
+                raise OptionError(f"two states are called {name!r}: give each a name of its own")
+        for gap in self.energies:
+            for name in (gap.upper, gap.lower):
+                self._known(name, "energy")
+            who = f"energy of {gap.upper!r} above {gap.lower!r}"
+            if gap.upper == gap.lower:
+                raise OptionError(f"{who}: a state is no higher than itself")
+            _ordered(who, gap.least, gap.most)
+        for ask in self.barriers:
+            for name in (ask.start, ask.end):
+                self._known(name, "barrier")
+            who = f"barrier from {ask.start!r} to {ask.end!r}"
+            if ask.start == ask.end:
+                raise OptionError(f"{who}: a barrier is between two states")
+            _ordered(who, ask.least, ask.most, 0.0)
+        for name in self.highest:
+            self._known(name, "highest energy")
+        low, high = _pair("stiffness", self.stiffness)
+        if not 0 < low <= high:
+            raise OptionError(
+                f"stiffness = [{low:g}, {high:g}] must be 0 < least <= most [N m/rad]"
+            )
+        if self.rest_angles is not None:
+            low, high = _pair("rest_angles", self.rest_angles)
+            if low > high:
+                raise OptionError(
+                    f"rest_angles = [{low:.6g}, {high:.6g}] rad must be [least, most]"
+                )
+            most = TURNS if self.preload is True else math.pi
+            if not -most - OUTSIDE <= low or not high <= most + OUTSIDE:
+                raise OptionError(
+                    f"rest_angles = [{low:.6g}, {high:.6g}] must lie in [-{most:.6g}, {most:.6g}] rad"
+                    + (
+                        ""
+                        if self.preload is True
+                        else "; preload = true lets springs be wound beyond"
+                    )
+                )
+        if not isinstance(self.preload, bool):
+            check_number("preload", self.preload, 0.0)
+
+    def _check_kind(self) -> None:
+        """Complain about what is not for a vertex, or not for a pattern."""
+        if isinstance(self.origami, Vertex):
+            refuse(
+                "vertex",
+                {"equal": "its symmetry says which springs are equal"},
+                equal=self.equal or None,
+            )
+            return
+        check_type("origami", self.origami, Pattern)
+        given = {
+            "symmetry": None if self.symmetry == "none" else self.symmetry,
+            "mirror": self.mirror,
+            "preload": self.preload or None,
+            "barriers": self.barriers or None,
+        }
+        refuse("pattern", _OF_A_VERTEX, **given)
+        if self.contact not in ("full", "fold-limits"):
+            raise OptionError(
+                f"contact = {shown(self.contact)} must be 'full' or 'fold-limits' for a pattern"
+            )
+        n = self.origami.creases
+        if self.equal not in ("", "letters") and (
+            isinstance(self.equal, str) or len(self.equal) != n
+        ):
+            raise OptionError(
+                f"equal = {shown(self.equal)} must be '', 'letters' or {n} numbers, one a crease"
+            )
+
+    def _known(self, name: str, what: str) -> None:
+        known = [t.name for t in self.states]
+        if name not in known:
+            raise OptionError(f"{what} of {shown(name)}: states are {', '.join(known)}")
+
+    @property
+    def rest(self) -> tuple[float, float]:
+        """Bounds of each rest angle [rad]."""
+        if self.rest_angles is not None:
+            return self.rest_angles
+        most = TURNS if self.preload is True else math.pi
+        return -most, most
+
+    @property
+    def symmetric(self) -> bool:
+        """Whether states keep a symmetry that is imposed."""
+        return isinstance(self.origami, Vertex) and not self.blank.group.is_trivial
+
+    @cached_property
+    def blank(self) -> Scene:
+        """The scene of a vertex with equal springs, for its geometry."""
+        assert isinstance(self.origami, Vertex)
+        n = self.origami.degree
+        return Scene(
+            self.origami,
+            (1.0,) * n,
+            (0.0,) * n,
+            symmetry=self.symmetry,
+            contact=self.contact,
+            mirror=self.mirror,
+        )
+
+    @cached_property
+    def model(self) -> Any:
+        """The programme with the symmetry, of equal springs."""
+        if isinstance(self.origami, Vertex):
+            return Model(self.blank)
+        return self.posed(self.origami.with_springs(1.0, 0.0))
+
+    def posed(self, made: Scene | Pattern) -> Any:
+        """Return the programme of the same vertex or pattern with some springs."""
+        return (
+            Model(made) if isinstance(made, Scene) else PatternProblem(made, self.contact == "full")
+        )
+
+    def made(
+        self, stiffness: np.ndarray, torque: np.ndarray, name: str | None = None
+    ) -> Scene | Pattern:
+        """Return the scene, or the pattern, with the stiffness and torque k phi0 of each kind of crease."""
+        k, tau = stiffness[self.kinds], torque[self.kinds]
+        rest = np.clip(tau / k, -math.pi, math.pi)
+        if isinstance(self.origami, Pattern):
+            sprung = self.origami.with_springs(k.tolist(), rest.tolist())
+            return replace(sprung, name=name or sprung.name)
+        wound = np.abs(tau / k) > math.pi * (1 + ROUNDED)
+        return Scene(
+            self.origami,
+            tuple(k),
+            tuple(rest),
+            symmetry=self.symmetry,
+            contact=self.contact,
+            mirror=self.mirror,
+            name=name,
+            preload=tuple(np.where(wound, tau - k * rest, 0.0)) if wound.any() else (),
+        )
+
+    @cached_property
+    def free(self) -> Any:
+        """The programme in which the states must stand: without the symmetry where that is asked for."""
+        if not self.full_space or not self.symmetric:
+            return self.model
+        return Model(replace(self.blank, symmetry="none", mirror=None))
+
+    @cached_property
+    def kinds(self) -> np.ndarray:
+        """Which kind of crease each crease is, equal where the symmetry asks for equal springs, shape [N]."""
+        if isinstance(self.origami, Pattern):
+            named = list(self.origami.assignment) if self.equal == "letters" else self.equal
+            return np.unique(named or np.arange(self.origami.creases), return_inverse=True)[1]
+        own = self.model
+        return np.rint(own.expand(np.arange(own.size, dtype=float))).astype(int)
+
+    @cached_property
+    def placed(self) -> tuple[ClosedTarget, ...]:
+        """The states where they close: exact fold angles of every target."""
+        return tuple(place(self.model, t) for t in self.states)
+
+
+@dataclass(frozen=True)
+class ClosedTarget:
+    """A target moved onto closure and onto the contacts that it nearly closes.
+
+    Attributes
+    ----------
+    target
+        As asked.
+    state
+        Exact to rounding, in the programme with the symmetry.
+    moved
+        Largest change of a fold angle [rad].
+    """
+
+    target: Target
+    state: State
+    moved: float
+
+
+def place(model: Any, target: Target) -> ClosedTarget:
+    """Move a target onto closure.
+
+    Parameters
+    ----------
+    model
+        The programme.
+    target
+        With N fold angles.
+
+    Returns
+    -------
+    ClosedTarget
+        The state nearest by, with contacts that the target closes to 1e-4 rad held closed.
+
+    Raises
+    ------
+    OptionError
+        If it does not keep the symmetry, does not close nearby, or is not admissible.
+    """
+    who = f"state {target.name!r}"
+    many = len(model.expand(np.zeros(model.size)))
+    phi = check_angles(f"{who}: fold_angles", target.fold_angles, many, one=True)
+    k = int(np.abs(phi).argmax())
+    if abs(phi[k]) > math.pi + FAR:
+        raise OptionError(
+            f"{who}: fold_angles[{k + 1}] = {phi[k]:.6g} rad is beyond +-pi: facets would pass through each other"
+            + ("; degrees are given as fold_angles_deg" if abs(phi[k]) > 2 * math.pi else "")
+        )
+    x = model.reduce(phi)
+    broken = float(np.abs(model.expand(x) - phi).max())
+    if broken > DESIGN_SNAP:
+        raise OptionError(
+            f"{who}: fold angles break the symmetry {model.symmetry} by {math.degrees(broken):.3g} deg: "
+            "write [model] symmetry = 'none'"
+        )
+    x = np.clip(x, -model.bound, model.bound)
+    near, residual = project(model, x)
+    # what is typed holds contacts to a few digits: they are closed exactly, where that is near enough
+    contacts = State(model, near, DESIGN_SNAP).pieces[0] if residual <= CLOSURE_TOL else ()
+    if contacts:
+        held, left = project(model, near, contacts)
+        if left <= CLOSURE_TOL and np.abs(held - near).max() <= 2 * DESIGN_SNAP:
+            near, residual = held, left
+    if residual > CLOSURE_TOL:
+        raise OptionError(
+            f"{who}: no closed state nearby (closure {residual:.1e}): check the fold angles"
+        )
+    state = State(model, near)
+    if state.refused:
+        raise OptionError(f"{who} is not admissible: {state.refused}")
+    moved = float(np.abs(model.expand(near) - phi).max())
+    if moved > max(FAR, target.tolerance):
+        raise OptionError(
+            f"{who} does not close: the closed state found nearby is {math.degrees(moved):.3g} deg away, "
+            f"more than {math.degrees(max(FAR, target.tolerance)):.3g}: check the fold angles, or give "
+            "tolerance_deg"
+        )
+    return ClosedTarget(target, state, moved)
+
+
+def _ordered(who: str, least: object, most: object, lowest: float = -math.inf) -> None:
+    """Complain unless there are numbers between two bounds, which may be infinite."""
+    for value in (least, most):
+        if not isinstance(value, Real) or isinstance(value, bool) or math.isnan(value):
+            raise OptionError(f"{who}: {shown(value)} must be a number [J]")
+    assert isinstance(least, Real) and isinstance(most, Real)
+    if not lowest <= float(least) <= float(most) or least == math.inf or most == -math.inf:
+        span = f"{lowest:g} <= least <= most" if math.isfinite(lowest) else "[least, most]"
+        raise OptionError(f"{who}: [{least:g}, {most:g}] must be {span} [J]")
+
+
+def _pair(name: str, value: Sequence[float]) -> tuple[float, float]:
+    if not isinstance(value, Sequence) or isinstance(value, str) or len(value) != 2:
+        raise OptionError(f"{name} = {shown(value)} must be two numbers [least, most]")
+    return check_number(f"{name}[1]", value[0]), check_number(f"{name}[2]", value[1])

@@ -1,0 +1,251 @@
+"""Targets as TOML files: read with every mistake named; the file is data, nothing is evaluated."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from origami_nlp.arguments import check_number, check_whole, shown
+from origami_nlp.errors import OptionError
+from origami_nlp.inverse_design.targets import BarrierAsk, EnergyGap, Target, Targets
+from origami_nlp.io import check_tables, one_of, parse_toml, read_json, read_toml
+from origami_nlp.pattern import Pattern, Vertex, as_pattern, parse_angles, vertex_from_dict
+
+_KEYS = {
+    "vertex": ("sector_angles", "sector_angles_deg", "directions", "flat"),
+    "pattern": ("example", "file", "equal"),
+    "model": ("symmetry", "contact", "mirror", "name"),
+    "states": (
+        *("name", "fold_angles", "fold_angles_deg", "like", "margin", "tolerance_deg"),
+        *("energy_above", "energy_difference", "energy_at_most"),
+    ),
+    "barriers": ("from", "to", "at_least", "at_most", "exactly"),
+    "springs": ("stiffness", "rest_angles", "rest_angles_deg", "preload"),
+    "ask": ("maximise", "full_space", "tolerance_percent", "extra_states", "rounds"),
+}
+_LARGEST = 1_000_000
+MAXIMISE = ("margin", "tolerance", "barrier")
+EXTRA = ("report", "forbid")
+MOST_ROUNDS = 100
+"""Of cuts: each is a search for all minima."""
+
+
+@dataclass(frozen=True)
+class Ask:
+    """What is asked of a design beyond its states.
+
+    Attributes
+    ----------
+    maximise
+        ``"margin"``, ``"tolerance"`` (the guaranteed one of springs) or ``"barrier"`` (the smallest one).
+    tolerance_percent
+        Every state must survive this change of each stiffness and rest angle; None: not asked.
+    extra_states
+        ``"report"`` minima that nobody asked for, or ``"forbid"`` them.
+    rounds
+        Of cuts, where they are forbidden.
+    """
+
+    maximise: str = "margin"
+    tolerance_percent: float | None = None
+    extra_states: str = "report"
+    rounds: int = 5
+
+    def __post_init__(self) -> None:
+        for name, value, known in (
+            ("maximise", self.maximise, MAXIMISE),
+            ("extra_states", self.extra_states, EXTRA),
+        ):
+            if value not in known:
+                raise OptionError(f"[ask] {name} = {shown(value)}: use one of {', '.join(known)}")
+        if self.tolerance_percent is not None:
+            check_number("[ask] tolerance_percent", self.tolerance_percent, 0.0, 50.0)
+        check_whole("[ask] rounds", self.rounds, 0, MOST_ROUNDS)
+
+
+def read_targets(source: str | Path) -> tuple[Targets, Ask, str | None]:
+    """Read what a design is asked for from a TOML file.
+
+    Parameters
+    ----------
+    source
+        The file, or ``"-"`` for standard input; states that are ``like`` those of an earlier run name its JSON file
+        relative to this one.
+
+    Returns
+    -------
+    targets : Targets
+        The question.
+    ask : Ask
+        What is asked beyond.
+    name : str or None
+        Of the scene to be made.
+
+    Raises
+    ------
+    OptionError, VertexError, AngleError
+        If the file cannot be read, or a value does not fit; the message names it.
+    """
+    folder = Path(".") if str(source) == "-" else Path(source).parent
+    return _targets(read_toml(source, _LARGEST, "targets", OptionError), folder)
+
+
+def parse_targets(text: str, folder: Path = Path(".")) -> tuple[Targets, Ask, str | None]:
+    """Read what a design is asked for from TOML text; see `read_targets`."""
+    return _targets(parse_toml(text, "targets", OptionError), folder)
+
+
+def _targets(data: Mapping[str, Any], folder: Path) -> tuple[Targets, Ask, str | None]:
+    check_tables(data, _KEYS, "targets have", OptionError, ("states", "barriers"))
+    origami, equal = _origami(data, folder)
+    many = origami.creases if isinstance(origami, Pattern) else origami.degree
+    entries = data.get("states", [])
+    states, gaps, highest = [], [], {}
+    for i, entry in enumerate(entries, start=1):
+        target = _state(entry, i, folder, many)
+        states.append(target)
+        if "energy_above" in entry or "energy_difference" in entry:
+            gaps.append(_gap(entry, target.name))
+        if "energy_at_most" in entry:
+            highest[target.name] = check_number(
+                f"state {target.name!r}: energy_at_most", entry["energy_at_most"], 0.0
+            )
+    barriers = tuple(_barrier(entry) for entry in data.get("barriers", []))
+    springs, model, ask = (
+        data.get("springs", {}),
+        dict(data.get("model", {})),
+        dict(data.get("ask", {})),
+    )
+    name = model.pop("name", None)
+    more: dict[str, Any] = {}
+    if "stiffness" in springs:
+        more["stiffness"] = tuple(_two("[springs] stiffness", springs["stiffness"]))
+    given = [k for k in ("rest_angles", "rest_angles_deg") if k in springs]
+    if len(given) == 2:
+        raise OptionError("[springs] has rest_angles and rest_angles_deg: give one of them")
+    if given:
+        two = _two(f"[springs] {given[0]}", springs[given[0]], numbers=False)
+        more["rest_angles"] = tuple(_angles(two, given[0]))
+    if "preload" in springs:
+        more["preload"] = springs["preload"]
+    if "full_space" in ask:
+        full = ask.pop("full_space")
+        if not isinstance(full, bool):
+            raise OptionError(f"[ask] full_space = {shown(full)} must be true or false")
+        more["full_space"] = full
+    targets = Targets(
+        origami,
+        tuple(states),
+        energies=tuple(gaps),
+        highest=highest,
+        barriers=barriers,
+        **equal,
+        **model,
+        **more,
+    )
+    return targets, Ask(**ask), name
+
+
+def _origami(data: Mapping[str, Any], folder: Path) -> tuple[Vertex | Pattern, dict[str, Any]]:
+    """Return the vertex or the pattern that is asked about, and which springs of a pattern are equal."""
+    if "pattern" not in data:
+        return vertex_from_dict(data.get("vertex", {})), {}
+    if "vertex" in data:
+        raise OptionError("targets have [vertex] and [pattern]: give one of them")
+    stated = data["pattern"]
+    given = one_of(stated, "[pattern]", ("example", "file"), OptionError)
+    if not isinstance(stated[given], str):
+        raise OptionError(f"[pattern] {given} = {shown(stated[given])} must be text")
+    equal = stated.get("equal", "")
+    if isinstance(equal, list):
+        equal = tuple(check_whole("[pattern] equal", v, 0) for v in equal)
+    pattern = as_pattern(
+        stated[given] if given == "example" else folder / stated[given], "[pattern]"
+    )
+    return pattern, {"equal": equal} if equal else {}
+
+
+def _state(entry: Mapping[str, Any], i: int, folder: Path, degree: int) -> Target:
+    name = entry.get("name", f"state {i}")
+    keys = ("fold_angles", "fold_angles_deg", "like")
+    given = one_of(entry, f"[[states]] {name!r}", keys, OptionError)
+    if given == "like":
+        phi = _like(entry["like"], folder, name)
+    else:
+        phi = _angles(entry[given], f"[[states]] {name!r}: {given}")
+    if len(phi) != degree:
+        raise OptionError(
+            f"[[states]] {name!r} has {len(phi)} fold angles, there are {degree} creases"
+        )
+    tolerance = check_number(
+        f"{name!r}: tolerance_deg", entry.get("tolerance_deg", 0.0), 0.0, 180.0
+    )
+    return Target(name, tuple(phi), entry.get("margin", 1.0), math.radians(tolerance))
+
+
+def _angles(values: Any, key: str) -> list[float]:
+    """Read fold angles, which rest angles of wound springs exceed, as numbers or multiples of pi."""
+    return list(parse_angles(values, key, degrees=key.endswith("_deg")))
+
+
+def _like(words: Any, folder: Path, name: str) -> list[float]:
+    """Return the fold angles of a state of an earlier run: ``FILE#2`` is the second of its list."""
+    file, _, number = words.rpartition("#") if isinstance(words, str) else ("", "", "")
+    if not file or not re.fullmatch("[1-9][0-9]{0,8}", number):
+        raise OptionError(
+            f"[[states]] {name!r}: like = {shown(words)} must be 'FILE#NUMBER', such as 'states.json#2'"
+        )
+    data = read_json(folder / file, 200 * _LARGEST, "states", OptionError)
+    states = data.get("minima") if isinstance(data, dict) else None
+    if not isinstance(states, list) or len(states) < int(number):
+        many = len(states) if isinstance(states, list) else "no"
+        raise OptionError(
+            f"[[states]] {name!r}: {file!r} has {many} minima, like asks for {number}"
+        )
+    state = states[int(number) - 1]
+    phi = state.get("fold_angles") if isinstance(state, dict) else None
+    if not isinstance(phi, list) or not all(type(a) in (int, float) for a in phi):
+        raise OptionError(f"[[states]] {name!r}: minimum {number} of {file!r} has no fold_angles")
+    return list(parse_angles(phi, f"[[states]] {name!r}: fold_angles of {file!r}"))
+
+
+def _gap(entry: Mapping[str, Any], name: str) -> EnergyGap:
+    if "energy_above" not in entry:
+        raise OptionError(f"[[states]] {name!r}: energy_difference needs energy_above = 'STATE'")
+    value = entry.get("energy_difference", [0.0, math.inf])
+    if isinstance(value, list):
+        least, most = _two(f"{name!r}: energy_difference", value, finite=False)
+    else:
+        least = most = check_number(f"{name!r}: energy_difference", value)
+    return EnergyGap(name, entry["energy_above"], least, most)
+
+
+def _barrier(entry: Mapping[str, Any]) -> BarrierAsk:
+    """Read what is asked of a barrier."""
+    ends = [entry.get(key) for key in ("from", "to")]
+    if not all(isinstance(name, str) for name in ends):
+        raise OptionError("[[barriers]] needs from = 'STATE' and to = 'STATE'")
+    who = f"barrier from {ends[0]!r} to {ends[1]!r}"
+    value = {
+        key: check_number(f"{who}: {key}", entry[key], 0.0)
+        for key in ("at_least", "at_most", "exactly")
+        if key in entry
+    }
+    if "exactly" in value:
+        if len(value) > 1:
+            raise OptionError(f"{who}: give exactly alone, or at_least and at_most")
+        return BarrierAsk(str(ends[0]), str(ends[1]), value["exactly"], value["exactly"])
+    least, most = value.get("at_least", 0.0), value.get("at_most", math.inf)
+    return BarrierAsk(str(ends[0]), str(ends[1]), least, most)
+
+
+def _two(name: str, value: Any, *, numbers: bool = True, finite: bool = True) -> list[Any]:
+    if not isinstance(value, list) or len(value) != 2:
+        raise OptionError(f"{name} = {shown(value)} must be [least, most]")
+    if numbers and finite:
+        return [check_number(f"{name}[{i}]", v) for i, v in enumerate(value, start=1)]
+    return value

@@ -1,0 +1,324 @@
+"""One freedom: the closed states between two states as a curve, and what barriers ask of the springs there.
+
+Energies and slopes at given states are linear in stiffness and torque, so that a pass that stands where it is
+prescribed has conditions as linear as those of a well.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from origami_nlp.continuation import BoundaryCurve, evaluate, follow_boundary
+from origami_nlp.errors import OptionError
+from origami_nlp.inverse_design.conic import EQUAL, POSITIVE, ConeRows
+from origami_nlp.inverse_design.equilibrium import Springs, energy_row, slope_row
+from origami_nlp.inverse_design.targets import BarrierAsk, Targets
+from origami_nlp.kkt import State, project
+from origami_nlp.numerics import CLOSURE_TOL, DUPLICATE_TOL, LEVEL, SAMPLED, SETTLED
+from origami_nlp.problem import Model
+
+CANDIDATES = 15
+"""Places between two wells at which the pass may be prescribed."""
+MOST_CANDIDATES = 300
+"""Choices of passes for all pairs together."""
+BESIDE_PASS = 0.1
+"""Curvature of a prescribed pass, over the margin."""
+
+
+@dataclass(frozen=True)
+class TransitionPath:
+    """Admissible closed states from one state to another.
+
+    Attributes
+    ----------
+    states
+        From the first to the last, shape [m, n].
+    tangents, bends
+        First and second derivative by arclength in the metric, 0 where the curve is singular, shape [m, n].
+    """
+
+    states: np.ndarray
+    tangents: np.ndarray
+    bends: np.ndarray
+
+    @property
+    def regular(self) -> np.ndarray:
+        """Where the curve has a tangent, shape [m]."""
+        return np.asarray(np.linalg.norm(self.tangents, axis=1) > 0.5)
+
+
+def curve_of(model: Model, x: np.ndarray) -> BoundaryCurve | None:
+    """Return the curve of closed states through x [n], up to contacts or a singular state; None where it has none."""
+    held = State(model, x).on(())
+    first = evaluate(held)
+    if first is None or first.dimension != 1:
+        return None
+    return follow_boundary(held, stop_at_release=False)
+
+
+def paths_between(model: Model, a: np.ndarray, b: np.ndarray) -> list[TransitionPath]:
+    """Return the ways from a to b on the curves of a model with one freedom; two on a loop.
+
+    Parameters
+    ----------
+    model
+        With `freedom` 1.
+    a, b
+        Closed states, shape [n].
+
+    Returns
+    -------
+    list of Way
+        The shortest first; empty where no curve joins them, except through a singular state that is not flat.
+    """
+    one, two = curve_of(model, a), curve_of(model, b)
+    if one is not None and (states := _part(one, a, b)):
+        return [_way(model, s) for s in states]
+    if two is not None and (states := _part(two, b, a)):
+        return [_way(model, s[::-1]) for s in states]
+    out = []
+    for first in outward(one, a):
+        for second in outward(two, b):
+            corner = math.pi * np.round(first[-1] / math.pi)
+            near = max(np.abs(first[-1] - corner).max(), np.abs(second[-1] - corner).max())
+            if near <= SAMPLED and np.abs(model.closure(corner)[0]).max() <= CLOSURE_TOL:
+                out.append(_way(model, _thinned(np.vstack([first[:-1], corner, second[-2::-1]]))))
+    return sorted(out, key=lambda w: len(w.states))
+
+
+def _part(curve: BoundaryCurve, a: np.ndarray, b: np.ndarray) -> list[np.ndarray]:
+    """Cut the ways from a, where the curve was started, to b out of it."""
+    at = curve.states
+    i = int(np.abs(at - a).max(axis=1).argmin())
+    steps = np.diff(at, axis=0)
+    # nearest point of each step of the polyline to b
+    share = np.einsum("ij,ij->i", b - at[:-1], steps) / np.einsum("ij,ij->i", steps, steps)
+    on = at[:-1] + np.clip(share, 0, 1)[:, None] * steps
+    j = int(np.abs(on - b).max(axis=1).argmin())
+    if np.abs(on[j] - b).max() > SAMPLED:
+        return []
+    forward = np.vstack([a, at[i + 1 : j + 1], b]) if j >= i else None
+    backward = np.vstack([a, at[j + 1 : i][::-1], b]) if j < i else None
+    out = [w for w in (forward, backward) if w is not None]
+    if curve.end == "closed curve":
+        ring = at[:-1]
+        rest = [*ring[j + 1 :], *ring[:i]] if j >= i else [*ring[i + 1 :], *ring[: j + 1]]
+        rest = rest[::-1] if j >= i else rest
+        out.append(np.vstack([a, *rest, b]))
+    return sorted(([_thinned(w) for w in out]), key=len)
+
+
+def _thinned(w: np.ndarray) -> np.ndarray:
+    """Drop samples that stand on the one before, the ends kept."""
+    keep = [0]
+    for k in range(1, len(w) - 1):
+        if np.abs(w[k] - w[keep[-1]]).max() > SETTLED and np.abs(w[k] - w[-1]).max() > SETTLED:
+            keep.append(k)
+    return np.asarray(w[[*keep, len(w) - 1]])
+
+
+def outward(curve: BoundaryCurve | None, x: np.ndarray) -> list[np.ndarray]:
+    """Both sides of a curve, from x outwards; a flat state is an arm by itself."""
+    if curve is None:
+        return [np.array([x, x])]
+    i = int(np.abs(curve.states - x).max(axis=1).argmin())
+    out = []
+    for side in (curve.states[i:], curve.states[: i + 1][::-1]):
+        at = np.abs(side - math.pi * np.round(side / math.pi)).max(axis=1)
+        corner = np.flatnonzero(at[1:] <= SAMPLED)  # (other curves may cross this one there)
+        side = side[: corner[0] + 2] if len(corner) else side
+        if len(side) > 1:
+            out.append(np.vstack([x, side[1:]]))
+    return out
+
+
+def _way(model: Model, states: np.ndarray) -> TransitionPath:
+    """Give a way its tangents."""
+    tangents, bends = np.zeros_like(states), np.zeros_like(states)
+    for k, x in enumerate(states):
+        before, after = states[max(k - 1, 0)], states[min(k + 1, len(states) - 1)]
+        point = evaluate(State(model, x).on(()))
+        if point is None or point.dimension != 1:
+            continue
+        sign = math.copysign(1.0, float(point.tangent @ (model.root * (after - before))))
+        tangents[k], bends[k] = sign * point.tangent, point.bend
+    return TransitionPath(states, tangents, bends)
+
+
+def height(model: Model, way: TransitionPath) -> tuple[float, np.ndarray]:
+    """Return the highest energy on a way [J], and the state [n] where it is, found by Newton along the curve.
+
+    Parameters
+    ----------
+    model
+        Of the scene with its springs.
+    way
+        On a curve of its closed states.
+    """
+    energies = model.energies(way.states)
+    k = int(np.argmax(energies))
+    x, best = way.states[k], float(energies[k])
+    if k in (0, len(energies) - 1) or not way.regular[k]:
+        return best, x
+    for _ in range(12):
+        # the tangent keeps the sense of the way
+        point = evaluate(State(model, x).on(()), way.tangents[k])
+        if point is None or point.stiffness >= 0:
+            break
+        # Newton on dU/ds = 0
+        h = float(np.clip(-point.slope / point.stiffness, -SAMPLED, SAMPLED))
+        y, residual = project(model, x + (h * point.tangent + h**2 / 2 * point.bend) / model.root)
+        if residual > CLOSURE_TOL:
+            break
+        x, best = y, max(best, float(model.energy(y)))
+        if abs(h) <= DUPLICATE_TOL:
+            break
+    return best, x
+
+
+class Passes:
+    """What the barriers of a question ask of its springs, for each choice of where the passes stand.
+
+    Parameters
+    ----------
+    targets
+        With barriers, and one freedom.
+    """
+
+    def __init__(self, targets: Targets) -> None:
+        self.targets, model = targets, targets.model
+        self.places = Springs.of(int(targets.kinds.max()) + 1)
+        self.kind = np.rint(model.reduce(targets.kinds.astype(float))).astype(int)
+        self.asks: dict[tuple[str, str], list[BarrierAsk]] = {}
+        for ask in targets.barriers:
+            pair = (ask.start, ask.end)
+            self.asks.setdefault(pair if pair[::-1] not in self.asks else pair[::-1], []).append(
+                ask
+            )
+        at = {p.target.name: p.state.x for p in targets.placed}
+        self.ways: dict[tuple[str, str], TransitionPath] = {}
+        self.tops: dict[tuple[str, str], list[np.ndarray]] = {}
+        for pair in self.asks:
+            found = paths_between(model, at[pair[0]], at[pair[1]])
+            if not found:
+                raise OptionError(
+                    f"[[barriers]] {pair[0]!r} to {pair[1]!r}: no curve of closed states joins them"
+                )
+            self.ways[pair] = found[0]
+
+    def choices(self, lift: bool) -> list[dict[tuple[str, str], int | None]]:
+        """Return where passes may stand: a sample of each way, or None where only a height is bounded from above."""
+        options: list[list[int | None]] = []
+        for pair, asks in self.asks.items():
+            if not lift and all(a.least <= 0.0 for a in asks):
+                options.append([None])
+                continue
+            m = len(self.ways[pair].states)
+            if m < 3:
+                raise OptionError(f"[[barriers]] {pair[0]!r} to {pair[1]!r} are the same state")
+            share = max(2, int(MOST_CANDIDATES ** (1 / len(self.asks))))
+            where = np.linspace(0, m - 1, min(CANDIDATES, share) + 2)[1:-1]
+            options.append([*sorted({int(np.clip(round(w), 1, m - 2)) for w in where})])
+        return [
+            dict(zip(self.asks, c, strict=True))
+            for c in itertools.islice(itertools.product(*options), MOST_CANDIDATES)
+        ]
+
+    def energy(self, x: np.ndarray) -> np.ndarray:
+        """Row of the energy of a state less that of the flat one."""
+        return energy_row(self.targets.model, x, self.kind, self.places)
+
+    def slope(self, way: TransitionPath, k: int) -> np.ndarray:
+        """Row of the slope of the energy along a way."""
+        model = self.targets.model
+        return slope_row(model, way.states[k], way.tangents[k] / model.root, self.kind, self.places)
+
+    def curvature(self, way: TransitionPath, k: int) -> np.ndarray:
+        """Row of the second derivative of the energy along a way."""
+        model = self.targets.model
+        row = slope_row(model, way.states[k], way.bends[k] / model.root, self.kind, self.places)
+        # paper, eq. 3.6: t . K t + grad U . y'', linear in k and tau where the curve is given
+        np.add.at(row, self.places.stiffness.start + self.kind, way.tangents[k] ** 2)
+        return row
+
+    def rows(
+        self, choice: dict[tuple[str, str], int | None]
+    ) -> tuple[tuple[ConeRows, ...], list[np.ndarray]]:
+        """Return the rows of a choice, and those of the barriers' heights over the mean stiffness."""
+        out: list[ConeRows] = []
+        heights = []
+        for pair, asks in self.asks.items():
+            way, p = self.ways[pair], choice[pair]
+            if p is not None:
+                out += self._pass(pair, way, p)
+            for ask in asks:
+                start = self.energy(way.states[0 if ask.start == pair[0] else -1])
+                top = [way.states[p]] if p is not None else way.states[1:-1]
+                if p is None:
+                    top = [*top, *self.tops.get(pair, [])]
+                rises = np.array([self.energy(x) - start for x in top])
+                out += self._bounds(ask, rises)
+                if p is not None:
+                    heights.append(rises[0])
+        return tuple(out), heights
+
+    def see(self, model: Model) -> bool:
+        """Note the tops of ways between samples that are too high in a scene; False where all are low enough."""
+        new = False
+        for pair, asks in self.asks.items():
+            way = self.ways[pair]
+            top, x = height(model, way)
+            for ask in asks:
+                start = float(model.energy(way.states[0 if ask.start == pair[0] else -1]))
+                if top - start > ask.most * (1 + LEVEL):
+                    self.tops.setdefault(pair, []).append(x)
+                    new = True
+        return new
+
+    def _bounds(self, ask: BarrierAsk, rises: np.ndarray) -> list[ConeRows]:
+        words = f"barrier from {ask.start} to {ask.end}"
+        scale = np.zeros(self.places.size)
+        scale[self.places.scale] = 1.0
+        none = np.zeros(len(rises))
+        if ask.least == ask.most:
+            return [ConeRows(EQUAL, rises - ask.least * scale, none, f"{words} is {ask.least:g} J")]
+        out = []
+        if ask.least > 0.0:
+            out.append(
+                ConeRows(
+                    POSITIVE, rises - ask.least * scale, none, f"{words} at least {ask.least:g} J"
+                )
+            )
+        if math.isfinite(ask.most):
+            out.append(
+                ConeRows(
+                    POSITIVE, ask.most * scale - rises, none, f"{words} at most {ask.most:g} J"
+                )
+            )
+        return out
+
+    def _pass(self, pair: tuple[str, str], way: TransitionPath, p: int) -> list[ConeRows]:
+        """Rows of a pass at sample p: up to it, stationary there, down from it."""
+        words = f"the only pass between {pair[0]} and {pair[1]} is the one prescribed"
+        slopes = [
+            # rising before the pass, falling behind it: its only top
+            math.copysign(1.0, p - k) * self.slope(way, k)
+            for k in range(1, len(way.states) - 1)
+            if k != p and way.regular[k]
+        ]
+        out = []
+        if slopes:
+            out.append(ConeRows(POSITIVE, np.array(slopes), np.zeros(len(slopes)), words))
+        if way.regular[p]:
+            # a pass: level and bent down there, rising before and falling behind
+            bend = -self.curvature(way, p)
+            bend[self.places.margin] -= BESIDE_PASS
+            out.append(
+                ConeRows(EQUAL, self.slope(way, p)[None], np.zeros(1), f"{words}: level there")
+            )
+            out.append(ConeRows(POSITIVE, bend[None], np.zeros(1), f"{words}: bends down there"))
+        return out

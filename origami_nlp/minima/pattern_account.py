@@ -1,0 +1,221 @@
+"""The record of a search for states of a sheet: what it enumerated, sampled, left out and could not decide."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+from origami_nlp.errors import OUT_OF_TIME
+from origami_nlp.minima.account import SearchReport
+from origami_nlp.minima.minimum import JudgedState
+
+ESCAPE_PATHS = "ways out of flat-folded states"
+MEETINGS = "ways out of states where curves meet"
+"""Parts of a search that its time may end."""
+
+
+@dataclass(repr=False)
+class PatternSearchReport(SearchReport):
+    """What a search of a pattern enumerated, what it sampled, what ended open; and what every `SearchReport` says.
+
+    Attributes
+    ----------
+    open
+        Starts that could not be closed within the fold limits: never reported.
+    flat
+        Starts that fell back into the flat state.
+    lines, families
+        Ways out of the flat state that were enumerated: with one freedom, with more.
+    flat_folded
+        States with every crease open or shut, the flat one among them, all ways out of which were gone.
+    crossroads
+        Other states at which curves meet, found along curves, all ways out of which were gone.
+    not_enumerated
+        What of these was not enumerated, and why; empty where all were.
+    curves, ended
+        Curves of states with one freedom that are known; how many of them from limit to limit, or round.
+    not_traced
+        Starts whose curves were not traced any more: descents began there instead.
+    outside
+        Of the curves, those that only random starts led to.
+    unclear
+        Parts of steps along curves in which facets may touch and part again unseen.
+    drawn
+        Random starts; `quiet` of them were made since one led to a new minimum or curve.
+    pressed
+        Descents into contact, from where descents that let facets cross ended in crossing.
+    gave_up
+        Of those, how many did not arrive, by reason: limits on time, pairs of facets, creases, or steps.
+    of_vertex
+        Minima that the search for single vertices found, where there is but one.
+    popped, by_pops
+        Starts from minima with one vertex popped, its folds turned over; minima that they led to.
+    wells, resolved
+        Wells of the energy along the curves that are known; how many of them were judged: the descent arrived, or the
+        stationary state beside the well was solved for, and it is a minimum, none, or one in which facets cross.
+    coarse
+        Of the curves, those whose polynomials are further from closed states than they are meant to be.
+    contact
+        ``"full"``, or ``"fold-limits"`` where facets may cross.
+    """
+
+    open: int = 0
+    flat: int = 0
+    lines: int = 0
+    families: int = 0
+    flat_folded: int = 0
+    crossroads: int = 0
+    not_enumerated: str = ""
+    curves: int = 0
+    ended: int = 0
+    not_traced: int = 0
+    outside: int = 0
+    unclear: int = 0
+    drawn: int = 0
+    pressed: int = 0
+    gave_up: dict[str, int] = field(default_factory=Counter)
+    of_vertex: int = 0
+    popped: int = 0
+    by_pops: int = 0
+    wells: int = 0
+    resolved: int = 0
+    coarse: int = 0
+    contact: str = "full"
+
+    def leave_out(self, what: str) -> None:
+        """Note a part of the search that its time, or an interruption, ended.
+
+        Parameters
+        ----------
+        what
+            The part.
+        """
+        self.left_out = (*dict.fromkeys((*self.left_out, what)),)
+
+    def skip(self, why: str) -> None:
+        """Note what was not enumerated, once.
+
+        Parameters
+        ----------
+        why
+            In words.
+        """
+        self.not_enumerated = "; ".join(dict.fromkeys(filter(None, (self.not_enumerated, why))))
+
+    def sum_up(
+        self, judged: Sequence[JudgedState], found: Sequence[Any], starts: int
+    ) -> tuple[JudgedState, ...]:
+        """Keep what was judged to be no minimum, and what the curves that are known say; return the minima.
+
+        Parameters
+        ----------
+        judged
+            States by energy.
+        found
+            The curves.
+        starts
+            Random starts in a row that were to find nothing new.
+
+        Returns
+        -------
+        tuple of JudgedState
+            By energy.
+        """
+        self.undecided = tuple(s for s in judged if s.verdict == "undecided")
+        self.rejected = tuple(s for s in judged if s.verdict not in ("minimum", "undecided"))
+        self.feasible_starts = max(self.starts - self.open, 0)
+        ended = "rule" if self.quiet == starts else "cap"
+        self.stopped_by = "time" if self.left_out else ended
+        self.curves, self.ended = len(found), sum(c.complete for c in found)
+        self.unclear = sum(c.stretches.unclear for c in found if c.stretches is not None)
+        self.coarse = sum(not c.curve.fits for c in found)
+        return tuple(s for s in judged if s.verdict == "minimum")
+
+    def fail(self, failure: Exception) -> None:
+        """Count where linear algebra did not get through.
+
+        Parameters
+        ----------
+        failure
+            What it raised.
+        """
+        why = f"{type(failure).__name__}: {failure}"
+        self.failed[why] = self.failed.get(why, 0) + 1
+
+    def words(self) -> list[str]:
+        """Say how the search went, and what is known of what it did not find."""
+        return list(self._words())
+
+    def _words(self) -> Iterator[str]:
+        if self.left_out:
+            why = "interrupted" if self.interrupted else OUT_OF_TIME
+            yield f"{why}, not through with: {', '.join(self.left_out)}"
+        if self.lines or self.families:
+            what = "family" if self.families == 1 else "families"
+            more = f" and {self.families} {what} with more freedoms" if self.families else ""
+            yield f"ways out of the flat state: all enumerated, {self.lines} with one freedom{more}"
+        if self.flat_folded > 1:
+            ways = "" if ESCAPE_PATHS in self.left_out else ", and the ways out of each"
+            yield f"flat-folded states: {self.flat_folded} enumerated{ways}"
+        if self.crossroads:
+            ways = "" if MEETINGS in self.left_out else ", and the ways out of each"
+            yield f"states where curves meet others: {self.crossroads} found along curves{ways}"
+        if self.not_enumerated:
+            yield self.not_enumerated
+        if self.curves:
+            yield from self._of_curves()
+        yield (
+            f"{self.starts} starts: {self.open} could not be closed, {self.flat} fell back flat, "
+            f"{self.stalled} descents did not arrive"
+        )
+        if self.of_vertex:
+            what = "minimum" if self.of_vertex == 1 else "minima"
+            yield (
+                f"one vertex: {self.of_vertex} {what} of the search for single vertices, judged as states of the sheet"
+            )
+        if self.pressed:
+            what = "descent" if self.pressed == 1 else "descents"
+            yield f"contact: {self.pressed} {what} along states that do not cross"
+            for why, many in self.gave_up.items():
+                yield f"not decided: {many} of them gave up, {why}"
+        for why, many in self.failed.items():
+            yield f"not decided: linear algebra failed {many} time{'s' * (many != 1)}, {why}"
+        if self.resolved < self.wells:
+            open_ = self.wells - self.resolved
+            yield f"not decided: {open_} of {self.wells} wells of the energy along these curves"
+        lost = self.curves != self.ended or self.coarse or self.resolved < self.wells
+        if self.curves and not (lost or self.not_traced or self.left_out or self.failed):
+            yield (
+                f"every well of the energy along these curves was judged, {self.wells} in all; other curves are "
+                "sampled only"
+            )
+        else:
+            yield "sampled, not exhausted: there may be further states"
+        if self.quiet:
+            yield (
+                f"the last {self.quiet} of {self.drawn} drawn starts found no other minimum: those not found draw less "
+                f"than {min(1.0, 3 / self.quiet):.2g} of such starts (95 %)"
+            )
+        elif self.drawn:
+            yield "the last drawn start found another minimum or curve: draw more (starts)"
+        if self.popped:
+            what = "minimum" if self.by_pops == 1 else "minima"
+            new = f"{self.by_pops} further {what}" if self.by_pops else "no further minimum"
+            yield f"{self.popped} starts from minima with one vertex popped: {new}"
+
+    def _of_curves(self) -> Iterator[str]:
+        lost = self.curves - self.ended
+        yield (
+            f"one freedom: {self.curves} curve{'s' * (self.curves != 1)} traced"
+            + (
+                f", {lost} of them lost on the way"
+                if lost
+                else (", each to its ends" if self.curves != 1 else " to its ends")
+            )
+            + (f"; {self.outside} of them known from random starts only" if self.outside else "")
+            + (f"; {self.not_traced} starts on others" if self.not_traced else "")
+        )
+        if self.unclear:
+            yield "in parts of steps along them facets may touch and part again unseen"

@@ -1,0 +1,44 @@
+from .borders import Disjunction as Disjunction, choices as choices
+from .closure import Closure as Closure
+from .contact_pairs import (
+    ContactPair as ContactPair,
+    FoldedGeometry as FoldedGeometry,
+    Parallel as Parallel,
+)
+from .crossings import (
+    Crossings as Crossings,
+    convex_parts as convex_parts,
+    cross_each_other as cross_each_other,
+)
+from .equations import (
+    MOST_DENSE as MOST_DENSE,
+    PatternEquations as PatternEquations,
+)
+from .faces import CoplanarContact as CoplanarContact, Faces as Faces
+from .features import Features as Features
+from .fold_out import (
+    pattern_frame as pattern_frame,
+    pattern_parts as pattern_parts,
+    pattern_to_fold as pattern_to_fold,
+    state_frame as state_frame,
+    states_to_fold as states_to_fold,
+)
+from .labels import Labels as Labels, find_labels as find_labels, image as image
+from .layers import (
+    Layers as Layers,
+    check_orders as check_orders,
+    order_layers as order_layers,
+    round_vertex as round_vertex,
+)
+from .meeting_features import touches_at as touches_at
+from .posed import independent_rows as independent_rows, pose as pose
+from .poses import MOVES as MOVES, Poses as Poses
+from .problem import PatternProblem as PatternProblem
+from .stacks import Stack as Stack
+from .work import (
+    DeadForce as DeadForce,
+    Pull as Pull,
+    Torque as Torque,
+    Work as Work,
+    Worked as Worked,
+)

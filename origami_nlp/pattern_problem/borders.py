@@ -1,0 +1,115 @@
+"""Facets that meet at borders: of several gaps one at least stays open, whichever.
+
+A side s of one facet that leads away from the plane of another facet meets it in a point.  Beside a state in which
+that point is on the border of the facet, the side passes through the facet exactly if its end is on the other side of
+the plane (where the point is an end of the side) and the point is inside every border on which it was.  Paper that
+does not cross therefore keeps one of these gaps open, for every side and facet that meet:
+
+- that of the end over the facet, if the point is an end of the side,
+- that of the side beside the border, for one border, or two where the point is a corner.
+
+Sides that lie in the plane of the facet say nothing here; those that start where they end do.  So sides that lie along
+each other are told by the sides that come next, and facets that lie on each other by nothing.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from typing import TypeAlias
+
+import numpy as np
+
+from origami_nlp.numerics import CLOSURE_TOL, DEEP, INSIDE, cross
+from origami_nlp.pattern_problem.contact_pairs import ContactPair, FoldedGeometry
+from origami_nlp.pattern_problem.features import Features, Planes
+
+STEEP = math.sqrt(INSIDE)
+"""Slope of a side over the plane of a facet above which it leads away from it."""
+Disjunction: TypeAlias = tuple[ContactPair, ...]
+"""Gaps of which one at least is not negative where facets do not cross."""
+
+
+def choices(features: Features, at: FoldedGeometry, reach: float = 0.0) -> list[Disjunction]:
+    """Return what keeps facets apart that meet at borders, each once.
+
+    Parameters
+    ----------
+    features
+        Of a pattern.
+    at
+        A closed state in which no facets cross.
+    reach
+        Over the sheet's size: how close to each other sides and borders are that do not touch; 0: those that do alone.
+
+    Returns
+    -------
+    list of tuple of Touch
+        Gaps of which one at least stays open beside the state; all of them are closed there where `reach` is 0.
+
+    Examples
+    --------
+    >>> import numpy as np, origami_nlp as o
+    >>> from origami_nlp.pattern_problem import Features, FoldedGeometry, PatternProblem, choices
+    >>> problem = PatternProblem(o.examples.pattern("miura", 2, 2))
+    >>> choices(Features(problem.crossings), FoldedGeometry(problem.crossings.poses, np.zeros(4)))
+    []
+    """
+    crossings = features.crossings
+    planes = features.planes(at)
+    pairs = crossings.candidates(planes.x, margin=0.5 * max(DEEP, reach) * crossings.size)
+    found: dict[object, Disjunction] = {}
+    for choice in _sides_on_faces(features, planes, np.vstack([pairs, pairs[:, ::-1]]), reach):
+        if reach or max(abs(t.gap(at)) for t in choice) <= 10 * CLOSURE_TOL * crossings.size:
+            found.setdefault(frozenset((t.key, t.sign) for t in choice), choice)
+    return list(found.values())
+
+
+def _sides_on_faces(
+    features: Features, planes: Planes, pairs: np.ndarray, reach: float
+) -> Iterator[Disjunction]:
+    """Go through sides of the first piece of each pair [K, 2] that meet the borders of the second one."""
+    rings, crossings = features.rings_of_pieces, features.crossings
+    near, inside = max(DEEP, reach) * crossings.size, max(INSIDE, reach)
+    ids, facet = crossings.pieces, crossings.facet
+    # sides that come to the plane of the other piece at other places than at a common corner, which stays one
+    a, b = pairs.T
+    low = np.einsum("kqi,ki->kq", planes.x[a] - planes.x[b][:, :1], planes.normal[b])
+    after = rings.after[a]
+    high = np.take_along_axis(low, after, axis=1)
+    length = np.linalg.norm(planes.side[a], axis=2)
+    met = rings.valid[a] & (np.abs(high - low) > STEEP * length)
+    met &= (np.minimum(np.abs(low), np.abs(high)) <= near) | (low * high < 0)
+    # where along the side its height over the plane is 0
+    share = np.clip(-low / np.where(met, high - low, 1.0), 0.0, 1.0)
+    room = inside * length
+    ends = np.stack([share * length <= room, (1 - share) * length <= room])
+    common = (ids[a][:, :, None] == ids[b][:, None]).any(axis=2)
+    met &= ~np.where(ends[0], common, ends[1] & np.take_along_axis(common, after, axis=1))
+    pair, i = np.nonzero(met)
+    a, b, low, high, share = a[pair], b[pair], low[pair, i], high[pair, i], share[pair, i]
+    length, (first, last) = length[pair, i], ends[:, pair, i]
+    side = planes.side[a, i]
+    point = planes.x[a, i] + share[:, None] * side
+    # distance of that point inside each border of the other piece, [K, border]
+    depth = np.einsum("kpi,kpi->kp", point[:, None] - planes.x[b], planes.inward[b])
+    depth = np.where(rings.valid[b], depth, np.inf)
+    border = depth <= inside * crossings.size
+    on = (depth.min(axis=1, initial=np.inf) >= -near) & (border & rings.border[b]).any(axis=1)
+    # what meets inside has a gap of its own
+    on &= border.sum(axis=1) + (first | last) >= 2
+    for k in np.flatnonzero(on):
+        p, q = a[k], b[k]
+        one, other = int(ids[p, i[k]]), int(ids[p, rings.after[p, i[k]]])
+        f, g = int(facet[p]), int(facet[q])
+        # an end that lies on the plane has a gap over the facet; each border beside it has one of its own
+        gaps = []
+        if first[k] or last[k]:
+            away, here = (high[k], one) if first[k] else (low[k], other)
+            corners = (here, *map(int, rings.triangle[q]))
+            gaps.append(ContactPair("vertex-face", (g, f), corners, float(np.sign(away))))  # type: ignore[arg-type]
+        for j in np.flatnonzero(border[k]):
+            sign = float(np.sign(cross(side[k], planes.side[q, j]) @ planes.inward[q, j]))
+            ends_of = int(ids[q, j]), int(ids[q, rings.after[q, j]])
+            gaps.append(ContactPair("edge-edge", (f, g), (one, other, *ends_of), sign))
+        yield tuple(gaps)

@@ -1,0 +1,294 @@
+"""Loop closure of a pattern in closed form, with first and second derivatives, sparse.
+
+Facets move rigidly from their reference state.  A walk crosses crease i with direction b_i through the point p_i,
+turning by delta_i = phi_i less the reference angle; round a loop these turns must cancel: the product of the
+quaternions (cos delta_i/2, sin delta_i/2 b_i) has no vector part, and round a hole the product of the motions has no
+translation either.  With c_i the axis where the turns before it have brought it, and o_i a point on it,
+
+    dq/dphi_i = 1/2 c_i q,                      d2q/dphi_i dphi_j = 1/4 c_i c_j q           (i <= j in the walk),
+    dt/dphi_i = c_i x (t - o_i),                d2t/dphi_i dphi_j = c_i x (c_j x (t - o_j)).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from scipy import sparse
+
+from origami_nlp.numerics import Matrix, cross
+from origami_nlp.pattern import Loop, Pattern
+from origami_nlp.problem import LoopClosure
+
+MOST_DENSE = 150
+"""Creases up to which matrices are dense arrays: sparse ones cost more to set up than they save."""
+
+
+UNITS = np.array(
+    [
+        [[0, -1, 0, 0], [1, 0, 0, 0], [0, 0, 0, 1], [0, 0, -1, 0]],
+        [[0, 0, -1, 0], [0, 0, 0, -1], [1, 0, 0, 0], [0, 1, 0, 0]],
+        [[0, 0, 0, -1], [0, 0, 1, 0], [0, -1, 0, 0], [1, 0, 0, 0]],
+    ],
+    float,
+)
+"""Matrices of q -> q i, q -> q j, q -> q k on quaternions, the real part first."""
+
+
+@dataclass(frozen=True, eq=False)
+class _Group:
+    """Loops of the same length d: creases [K, d], axes and points of the reference state [K, d, 3], first rows [K].
+
+    `products` are the matrices q -> q (0, axis), [K, d, 4, 4].
+    """
+
+    creases: np.ndarray
+    signs: np.ndarray
+    axes: np.ndarray
+    products: np.ndarray
+    points: np.ndarray | None
+    rows: np.ndarray
+
+
+@dataclass(frozen=True, eq=False)
+class _Turned:
+    """A group at a state: products q [K, 4]; for holes translation t [K, 3], points o [K, d, 3].
+
+    `before` are products up to each crease, `turned` those times its axis, [K, d, 4].
+    """
+
+    q: np.ndarray
+    before: np.ndarray
+    turned: np.ndarray
+    t: np.ndarray | None = None
+    o: np.ndarray | None = None
+
+    @cached_property
+    def c(self) -> np.ndarray:
+        """Axes where the turns before them have brought them, vec(q axis q*), [K, d, 3]; values do not need them."""
+        before, turned = self.before, self.turned
+        v = turned[..., 1:]
+        return before[..., :1] * v - turned[..., :1] * before[..., 1:] - cross(v, before[..., 1:])
+
+
+@dataclass(frozen=True, eq=False)
+class _Form:
+    """Where entries of a matrix of so many rows go: the place of each among those stored.
+
+    Dense matrices store all; sparse ones, row by row, `columns` [K], those of each row from `first` on [rows + 1].
+    """
+
+    rows: int
+    slots: np.ndarray
+    columns: np.ndarray
+    first: np.ndarray
+
+
+def _form(rows: list[np.ndarray], columns: list[np.ndarray], m: int, n: int) -> _Form:
+    """Lay out a matrix [m, n] for entries at these places; those at one place are added up."""
+    # row * n + column: sorted codes are the entries of a compressed row matrix, in order
+    codes = np.concatenate(rows) * n + np.concatenate(columns)
+    if n <= MOST_DENSE:
+        return _Form(m, codes, np.zeros(0, int), np.zeros(0, int))
+    stored, slots = np.unique(codes, return_inverse=True)
+    first = np.searchsorted(stored, np.arange(m + 1) * n)
+    return _Form(m, slots, (stored % n).astype(np.int32), first.astype(np.int32))
+
+
+class Closure:
+    """The closure equations of a pattern.
+
+    Parameters
+    ----------
+    pattern
+        The pattern.
+
+    Attributes
+    ----------
+    count
+        Number of equations m: three for each interior vertex, six for each hole.
+    """
+
+    def __init__(self, pattern: Pattern) -> None:
+        self.pattern = pattern
+        self.count = 3 * len(pattern.vertices) + 6 * len(pattern.holes)
+        self._groups = []
+        row = 0
+        for loops, rows in ((pattern.vertices, 3), (pattern.holes, 6)):
+            by_length: dict[int, list[tuple[int, Loop]]] = {}
+            for loop in loops:
+                by_length.setdefault(len(loop.creases), []).append((row, loop))
+                row += rows
+            for members in by_length.values():
+                self._groups.append(self._group(members, rows == 6))
+        self._last: tuple[bytes, list[_Turned]] | None = None
+        away = pattern.corners - pattern.corners.mean(axis=0)
+        self._size = float(np.abs(away).max(initial=0.0)) or 1.0
+
+    def _group(self, members: list[tuple[int, Loop]], hole: bool) -> _Group:
+        p = self.pattern
+        creases = np.array([loop.creases for _, loop in members], int)
+        signs = np.array([loop.signs for _, loop in members], float)
+        # a turn from left to right about d is one from right to left about -d: the sign goes into the axis
+        axes = signs[..., None] * p.directions[creases]
+        points = p.corners[p.ends[creases, 0]] if hole else None
+        return _Group(
+            creases,
+            signs,
+            axes,
+            np.einsum("kdi,iab->kdab", axes, UNITS),
+            points,
+            np.array([row for row, _ in members], int),
+        )
+
+    def _turn(self, g: _Group, phi: np.ndarray) -> _Turned:
+        half = 0.5 * (phi - self.pattern.reference)[g.creases]
+        cos, sin = np.cos(half)[..., None], np.sin(half)[..., None]
+        count, d = g.creases.shape
+        q, turned = np.empty((count, d + 1, 4)), np.empty((count, d, 4))  # q_i and q_i (0, axis)
+        q[:, 0] = 1.0, 0.0, 0.0, 0.0
+        for i in range(d):
+            # q (cos + sin b) = cos q + sin (q b)
+            turned[:, i] = np.einsum("kab,kb->ka", g.products[:, i], q[:, i])
+            q[:, i + 1] = cos[:, i] * q[:, i] + sin[:, i] * turned[:, i]
+        before = q[:, :-1]
+        if g.points is None:
+            return _Turned(q[:, -1], before, turned)
+        # a turn r about an axis through p is x -> p + r (x - p); carried by Q it adds Q p - Q r p to the translation
+        near, far = _rotate(before, g.points), _rotate(q[:, 1:], g.points)
+        t = np.zeros((count, d + 1, 3))
+        np.cumsum(near - far, axis=1, out=t[:, 1:])
+        return _Turned(q[:, -1], before, turned, t[:, -1], t[:, :-1] + near)
+
+    def turned(self, phi: np.ndarray) -> list[_Turned]:
+        """Turn along every loop at a state [n]; what values and derivatives are made of."""
+        key = phi.tobytes()
+        if self._last is None or self._last[0] != key:
+            # values, derivatives and tests of one state ask for it in turn
+            self._last = key, [self._turn(g, phi) for g in self._groups]
+        return self._last[1]
+
+    def values(self, phi: np.ndarray, at: list[_Turned] | None = None) -> np.ndarray:
+        """Evaluate closure at a state [n], shape [m]: vec q of each loop, and t over the size of the sheet."""
+        out = np.zeros(self.count)
+        for g, s in zip(self._groups, at or self.turned(phi), strict=True):
+            out[g.rows[:, None] + np.arange(3)] = s.q[:, 1:]
+            if s.t is not None:
+                # over the sheet's size, so that rows of translation are angles like those of rotation
+                out[g.rows[:, None] + np.arange(3, 6)] = s.t / self._size
+        return out
+
+    def on_sheet(self, phi: np.ndarray) -> bool:
+        """Tell whether every loop closes with q = +1, as the reference state does (q = -1 is no sheet of paper)."""
+        return all((s.q[:, 0] > 0).all() for s in self.turned(phi))
+
+    def __call__(self, phi: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Evaluate the equations [m] and their Jacobian [m, n] at a state; dense."""
+        at = self.turned(phi)
+        j = self.jacobian(phi, at)
+        return self.values(phi, at), j if isinstance(j, np.ndarray) else j.toarray()
+
+    def loops(self, phi: np.ndarray) -> list[LoopClosure]:
+        """Return closure to second order at a closed state [n], of each vertex; of each hole to first order."""
+        found: dict[int, LoopClosure] = {}
+        for g, s in zip(self._groups, self.turned(phi), strict=True):
+            slopes = self._derivatives(s).swapaxes(1, 2)
+            bent = np.zeros((*slopes.shape, slopes.shape[2]))
+            if g.points is None:  # with q = 1: vec(c_i c_j) / 4 for i before j
+                bent = 0.25 * np.moveaxis(cross(s.c[:, :, None], s.c[:, None]), 3, 1)
+                bent = np.triu(bent, 1)
+                bent = bent + bent.swapaxes(2, 3)
+            for k, row in enumerate(g.rows.tolist()):
+                found[row] = LoopClosure(g.creases[k], slopes[k], bent[k])
+        return [found[row] for row in sorted(found)]
+
+    def axes(self, phi: np.ndarray) -> list[np.ndarray]:
+        """Return the axes of the creases round each interior vertex where a state [n] has brought them, [d, 3] each.
+
+        In the frame of the facet at which the loop begins, with the signs of the loop.
+        """
+        found: dict[int, np.ndarray] = {}
+        for g, s in zip(self._groups, self.turned(phi), strict=True):
+            if g.points is None:
+                found.update(zip(g.rows.tolist(), s.c, strict=True))
+        return [found[row] for row in sorted(found)]
+
+    def _derivatives(self, s: _Turned) -> np.ndarray:
+        """Derivative of a group's equations by each of its turns, [K, d, 3 or 6]."""
+        # vec(c q) = q0 c + c x qv, also off closure, where q is not 1
+        q0, qv = s.q[:, 0], s.q[:, None, 1:]
+        out = 0.5 * (q0[:, None, None] * s.c + cross(s.c, qv))
+        if s.t is None or s.o is None:
+            return out
+        return np.concatenate([out, cross(s.c, s.t[:, None] - s.o) / self._size], axis=2)
+
+    def jacobian(self, phi: np.ndarray, at: list[_Turned] | None = None) -> Matrix:
+        """Evaluate the Jacobian at a state [n], [m, n]; sparse beyond `MOST_DENSE` creases."""
+        data = [self._derivatives(s).ravel() for s in (at or self.turned(phi))]
+        return self._matrix(data, self._places)
+
+    def _matrix(self, data: list[np.ndarray], form: _Form) -> Matrix:
+        """Add up entries at their places in a matrix."""
+        n = self.pattern.creases
+        values = np.concatenate([*data, np.zeros(0)])
+        if n > MOST_DENSE:
+            filled = np.bincount(form.slots, values, len(form.columns))
+            return sparse.csr_array((filled, form.columns, form.first), shape=(form.rows, n))
+        return np.bincount(form.slots, values, form.rows * n).reshape(form.rows, n)
+
+    @cached_property
+    def _places(self) -> _Form:
+        """Places of the entries of the Jacobian."""
+        rows, columns = [np.zeros(0, int)], [np.zeros(0, int)]
+        for g in self._groups:
+            r = 6 if g.points is not None else 3
+            count, d = g.creases.shape
+            shape = count, d, r
+            rows.append(np.broadcast_to((g.rows[:, None] + np.arange(r))[:, None], shape).ravel())
+            columns.append(np.broadcast_to(g.creases[:, :, None], shape).ravel())
+        return _form(rows, columns, self.count, self.pattern.creases)
+
+    @cached_property
+    def _pairs(self) -> _Form:
+        """Places of the entries of the Hessian."""
+        rows, columns = [np.zeros(0, int)], [np.zeros(0, int)]
+        for g in self._groups:
+            count, d = g.creases.shape
+            # creases that two loops share give entries at one place: they are added
+            rows.append(np.broadcast_to(g.creases[:, :, None], (count, d, d)).ravel())
+            columns.append(np.broadcast_to(g.creases[:, None, :], (count, d, d)).ravel())
+        return _form(rows, columns, self.pattern.creases, self.pattern.creases)
+
+    def hessian(
+        self, phi: np.ndarray, multipliers: np.ndarray, at: list[_Turned] | None = None
+    ) -> Matrix:
+        """Evaluate the Hessian of multipliers . closure at a state [n], [n, n]; multipliers [m]."""
+        data = []
+        for g, s in zip(self._groups, at or self.turned(phi), strict=True):
+            lam = multipliers[g.rows[:, None] + np.arange(3)]
+            q0, qv = s.q[:, 0], s.q[:, 1:]
+            # lam . vec(c_i c_j q), c_i c_j = (-c_i . c_j, c_i x c_j)
+            dots = np.einsum("kia,kja->kij", s.c, s.c)
+            crosses = cross(s.c[:, :, None], s.c[:, None])
+            turn = q0[:, None] * lam + cross(qv, lam)  # lam . (q0 v + v x q) = v . turn
+            h = np.einsum("kija,ka->kij", crosses, turn)
+            h -= dots * np.einsum("ka,ka->k", lam, qv)[:, None, None]
+            h *= 0.25
+            if s.t is not None and s.o is not None:
+                push = multipliers[g.rows[:, None] + np.arange(3, 6)] / self._size
+                arm = cross(s.c, s.t[:, None] - s.o)
+                h += np.einsum("ka,kija->kij", push, cross(s.c[:, :, None], arm[:, None]))
+            d = h.shape[1]
+            # formulas hold for i before j in the walk: the upper triangle, mirrored
+            upper = np.triu(np.ones((d, d), bool))
+            h = np.where(upper, h, 0.0)
+            h = h + h.swapaxes(1, 2) * ~np.eye(d, dtype=bool)
+            data.append(h.ravel())
+        return self._matrix(data, self._pairs)
+
+
+def _rotate(q: np.ndarray, v: np.ndarray) -> np.ndarray:
+    """Rotate vectors [..., 3] by unit quaternions [..., 4]."""
+    t = 2 * cross(q[..., 1:], v)
+    return v + q[..., :1] * t + cross(q[..., 1:], t)

@@ -1,0 +1,274 @@
+"""Contacts of a pattern: fold limits of creases, and gaps between features of facets over the sheet's size.
+
+Of a gap one touch is kept, whichever the side from which it is seen: a contact names it by its number and its side.
+What is no single inequality is a choice between several: facets that meet at borders (of several gaps one stays open)
+and facets that lie face to face in an order that is not forced.
+
+The pieces of `closed` are larger than the set of states beside the one asked for: gaps that are certain are kept, what
+else touches only makes the states beside it fewer.  A minimum of a larger set is one; that a state is none is shown by
+a lower state alone (`ClosedContacts.complete`).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from origami_nlp.numerics import (
+    ANSWERED,
+    CLOSURE_TOL,
+    CONTACT_TOL,
+    INSIDE,
+    LOADED,
+    OUTSIDE,
+    Matrix,
+    dense,
+)
+from origami_nlp.pattern import Pattern
+from origami_nlp.pattern_problem.borders import choices
+from origami_nlp.pattern_problem.contact_pairs import ContactPair, FoldedGeometry, gaps_and_rows
+from origami_nlp.pattern_problem.equations import MOST_DENSE, PatternEquations
+from origami_nlp.pattern_problem.faces import CoplanarContact, Faces
+from origami_nlp.pattern_problem.meeting_features import contact_pair_words, needed_rows, touches_at
+from origami_nlp.problem import ClosedContacts, Contact, ContactWords, Local, fold_limit
+
+
+@dataclass(frozen=True, eq=False)
+class PatternLocal(Local):
+    """Values and first derivatives at one state of a pattern; gaps, over a length, are evaluated once, when asked."""
+
+    placed: Callable[[np.ndarray], FoldedGeometry]
+    touch: Callable[[Contact], ContactPair]
+    length: float
+    known: dict[Contact, tuple[float, np.ndarray]]
+
+    def openings(self, contacts: Sequence[Contact]) -> tuple[np.ndarray, np.ndarray]:
+        """How far contacts are open (>= 0 where they are), [r], and the gradients of that, [r, n]."""
+        values, slopes = np.zeros(len(contacts)), np.zeros((len(contacts), len(self.x)))
+        new = [c for c in contacts if not c.is_limit and c not in self.known]
+        if new:
+            gaps, rows = gaps_and_rows([self.touch(c) for c in new], self.placed(self.x))
+            both = zip(gaps / self.length, rows / self.length, strict=True)
+            self.known.update(zip(new, both, strict=True))
+        for r, contact in enumerate(contacts):
+            if contact.is_limit:
+                values[r] = math.pi - contact.side * self.x[contact.index]
+                slopes[r, contact.index] = -contact.side
+            else:
+                values[r], slopes[r] = self.known[contact]
+        return values, slopes
+
+
+class PatternContacts(PatternEquations):
+    """Contacts of a pattern, and what is known of its facets at a state.
+
+    Parameters
+    ----------
+    pattern
+        With its springs.
+    contact
+        Whether facets must not cross; without, only fold limits count.
+
+    Attributes
+    ----------
+    origin
+        Where the pattern's corners are counted from, [3]: of one that was moved to its middle, what to add to a place
+        before it is told.
+    """
+
+    def __init__(self, pattern: Pattern, contact: bool = True) -> None:
+        super().__init__(pattern)
+        self.contact = contact
+        self.origin = np.zeros(3)
+        self._touches: list[tuple[ContactPair, ContactPair]] = []
+        self._numbers: dict[ContactPair, int] = {}
+
+    @cached_property
+    def limits(self) -> tuple[Contact, ...]:
+        """Both fold limits of every crease."""
+        return tuple(Contact("limit", v, side) for v in range(self.size) for side in (-1, 1))
+
+    @property
+    def every_gap(self) -> tuple[Contact, ...]:
+        """None: gaps are listed where facets meet."""
+        return ()
+
+    @property
+    def gaps(self) -> tuple[Contact, ...]:
+        """None: gaps are listed where facets meet."""
+        return ()
+
+    def local(self, x: np.ndarray) -> PatternLocal:
+        """Evaluate values and first derivatives at a state [n]; dense, but for programmes that are `sparse`."""
+        if self.sparse:
+            return self.rows(x)
+        found: PatternLocal = self.kept("local", x, lambda: self._dense(x.copy()))
+        return found
+
+    def _dense(self, x: np.ndarray) -> PatternLocal:
+        found = self.rows(x)
+        return replace(found, closure_jacobian=dense(found.closure_jacobian))
+
+    def rows(self, x: np.ndarray) -> PatternLocal:
+        """Evaluate the same with the Jacobian of closure as `jacobian` has it."""
+        at = self.closure.turned(x)
+        c, j = self.closure.values(x, at), self.closure.jacobian(x, at)
+        none, size = np.zeros((0, self.size)), self.crossings.size
+        known: dict[Contact, tuple[float, np.ndarray]] = self.kept("gaps", x, dict)
+        return PatternLocal(
+            x, self.torque(x), c, j, none[:, 0], none, self.placed, self.touch, size, known
+        )
+
+    def contact_of(self, touch: ContactPair) -> Contact:
+        """Return the contact of a touch."""
+        # one number for both sides, whichever facet passed on which: a curve of states keeps its contacts by number
+        same = replace(touch, sign=1.0)
+        number = self._numbers.setdefault(same, len(self._touches))
+        if number == len(self._touches):
+            self._touches.append((same, replace(same, sign=-1.0)))
+        return Contact("gap", number, 1 if touch.sign > 0 else -1)
+
+    def touch(self, contact: Contact) -> ContactPair:
+        """Return the touch of a contact."""
+        return self._touches[contact.index][contact.side < 0]
+
+    def faces(self, x: np.ndarray) -> Faces:
+        """Return the facets that lie face to face at a state in which no facets cross."""
+        faces: Faces = self.kept("faces", x, lambda: Faces(self, x))
+        return faces
+
+    @property
+    def sparse(self) -> bool:
+        """Whether the pattern is too large for singular values and kernels."""
+        return self.size > MOST_DENSE
+
+    def jacobian(self, x: np.ndarray) -> Matrix:
+        """Jacobian of closure, [m, n]; sparse for all but small patterns."""
+        return self.closure.jacobian(x)
+
+    @property
+    def touching(self) -> bool:
+        """Whether facets are looked at where they touch."""
+        return self.contact and self.size <= MOST_DENSE
+
+    def closed(
+        self, x: np.ndarray, tolerance: float = CONTACT_TOL, local: Local | None = None
+    ) -> ClosedContacts:
+        """Find the contacts of a state that are closed, and the choices that keep facets apart."""
+        at_limit = np.flatnonzero(math.pi - np.abs(x) <= tolerance)
+        limits = tuple(fold_limit(int(v), x[v]) for v in at_limit)
+        if not self.touching:
+            return ClosedContacts(limits, (), ())
+        faces, place = self.faces(x), self.placed(x)
+        # states that are exact close gaps to rounding; of others it is asked what is closed next to them
+        within = CLOSURE_TOL if tolerance <= CONTACT_TOL else tolerance
+
+        def closed(pair: int, above: bool) -> list[Contact]:
+            every = faces.touches(pair, above)
+            # of points that lie on the other facet only those count that touch: facets may be level at a side, and open
+            # beyond
+            near = CLOSURE_TOL * self.crossings.size
+            return [self.contact_of(t) for t in every if t.gap(place) <= near]
+
+        meeting = [self.contact_of(t) for t in touches_at(self, x, at_limit, within)]
+        known = [c for pair, above in faces.known for c in closed(pair, above)]
+        base = self._needed(x, (*limits, *meeting), known)
+        edges = choices(self.features, place)
+        branches: list[tuple[tuple[Contact, ...], ...]]
+        # a choice: one of these gaps stays open, whichever; the set of states is the union over them
+        branches = [tuple((self.contact_of(t),) for t in choice) for choice in edges]
+        branches += [(tuple(closed(k, False)), tuple(closed(k, True))) for k in faces.open]
+        whole = not (meeting or known or branches or faces.reason)
+        return ClosedContacts(base, tuple(branches), (), complete=whole)
+
+    def _needed(
+        self, x: np.ndarray, sure: tuple[Contact, ...], more: Iterable[Contact]
+    ) -> tuple[Contact, ...]:
+        """Leave out contacts that stay open to first order as long as the others do."""
+        rows = [*dict.fromkeys((*sure, *more))]
+        if len(rows) == len(sure):
+            return sure
+        # along closed motions: a contact may follow from others only there
+        keep = needed_rows(self.local(x).openings(rows)[1] @ self.kernel(x), len(sure))
+        return tuple(c for c, on in zip(rows, keep, strict=True) if on)
+
+    def to_second_order(self, contacts: tuple[Contact, ...]) -> tuple[Contact, ...]:
+        """Return contacts that stay open to second order too: corners of overlaps are moved inside both facets."""
+        moved = []
+        for contact in contacts:
+            touch = None if contact.is_limit else self.touch(contact)
+            moved.append(
+                self.contact_of(touch.inside()) if isinstance(touch, CoplanarContact) else contact
+            )
+        return tuple(moved)
+
+    def about_to_close(self, x: np.ndarray, length: float) -> tuple[Contact, ...]:
+        """Return contacts that are open, but closed by a step of `length` [rad] at most."""
+        slack = math.pi - np.abs(x)
+        # twice the step: room for the way back onto closure
+        near = np.flatnonzero((slack > CONTACT_TOL) & (slack <= 2 * length))
+        found = [fold_limit(int(v), x[v]) for v in near]
+        if self.touching:
+            facing = self.features.facing(self.placed(x), 2 * length)
+            found += [self.contact_of(t) for t, gap in facing if gap > CONTACT_TOL]
+        return tuple(found)
+
+    def beyond(self, x: np.ndarray, tolerance: float = OUTSIDE) -> tuple[Contact, ...]:
+        """Return the fold limits that a state is beyond by more than `tolerance`."""
+        over = np.flatnonzero(np.abs(x) > math.pi + tolerance)
+        return tuple(fold_limit(int(v), x[v]) for v in over)
+
+    def guess(self, x: np.ndarray, pull: np.ndarray, pair_force: object) -> tuple[Contact, ...]:
+        """Guess which contacts an answer of a solver closes: slack smaller than force, or both tiny."""
+        slack = math.pi - np.abs(x)
+        at_limit = np.flatnonzero(
+            (slack <= ANSWERED) | ((slack <= LOADED) & (np.abs(pull) > slack))
+        )
+        found = [fold_limit(int(v), x[v]) for v in at_limit]
+        if self.touching:
+            facing = self.features.facing(self.placed(x), ANSWERED, INSIDE)
+            found += [self.contact_of(t) for t, _ in facing]
+        return tuple(found)
+
+    def together(self, x: np.ndarray, contacts: Sequence[Contact]) -> list[tuple[Contact, ...]]:
+        """Return the gaps as one set: facets that touch at several places may stay so at all of them."""
+        return [tuple(contacts)] if len(contacts) > 1 else []
+
+    def name(self, contact: Contact) -> str:
+        """Say in words which contact it is; creases, facets and corners 1-based."""
+        if contact.is_limit:
+            return f"phi = {'+' if contact.side > 0 else '-'}pi at crease {contact.index + 1}"
+        touch = self.touch(contact)
+        return contact_pair_words(touch, self._place(touch))
+
+    def words(self, contact: Contact, x: np.ndarray) -> ContactWords:
+        """Say who touches in a contact."""
+        if contact.is_limit:
+            return ContactWords("fold-limit", (contact.index + 1,), (), self.name(contact))
+        touch = self.touch(contact)
+        a, b = (f + 1 for f in touch.facets)
+        corners = () if isinstance(touch, CoplanarContact) else tuple(c + 1 for c in touch.corners)
+        side = int(touch.sign) if isinstance(touch, CoplanarContact) else 0
+        text, place = self.name(contact), self._place(touch)
+        return ContactWords(touch.type, (), (a, b), text, corners, side, place)
+
+    def _place(self, touch: ContactPair) -> tuple[float, ...]:
+        """Return where the second of two facets that lie face to face is pressed, in the user's coordinates."""
+        if not isinstance(touch, CoplanarContact):
+            return ()
+        return tuple((np.array(touch.place) + self.origin).tolist())
+
+    def margin(self, contact: Contact, x: np.ndarray) -> float:
+        """How far inside each other the features of a contact are at a state, over their size; see `Features`."""
+        touch = None if contact.is_limit else self.touch(contact)
+        if touch is None or isinstance(touch, CoplanarContact):
+            return math.inf
+        return self.features.margin(touch, self.placed(x))
+
+    def weight(self, contact: Contact) -> float:
+        """Return what a multiplier is divided by: gaps are over the sheet's size, so that forces are in N."""
+        return 1.0 if contact.is_limit else self.crossings.size

@@ -1,0 +1,225 @@
+"""Which facets of a folded pattern pass through each other: sort and sweep, then chords of polygons."""
+
+from __future__ import annotations
+
+from functools import cached_property
+
+import numpy as np
+
+from origami_nlp.numerics import DEEP, NONZERO, OUTSIDE, cross, unit_normals
+from origami_nlp.pattern import Pattern
+from origami_nlp.pattern_problem.poses import Poses
+
+
+class Crossings:
+    """The crossing test of a pattern.
+
+    Parameters
+    ----------
+    pattern
+        The pattern; non-convex pieces are cut into convex ones.
+    """
+
+    def __init__(self, pattern: Pattern) -> None:
+        self.pattern, self.poses = pattern, Poses(pattern)
+        pieces, inner, polygons = [], [], []
+        for k, polygon in enumerate(pattern.polygons):
+            for part, cuts in convex_parts(pattern.corners, polygon):
+                pieces.append(part)
+                inner.append(cuts)
+                polygons.append(k)
+        most = max(map(len, pieces))
+        self.polygon = np.array(polygons, int)
+        self.facet = pattern.facet_of[self.polygon]
+        # padded by repeating the first corner: a side of no length
+        self.pieces = np.array([[*p, *[p[0]] * (most - len(p))] for p in pieces], int)
+        self.inner = np.array([[*c, *[True] * (most - len(c))] for c in inner], bool)
+        self.size = float(np.ptp(pattern.corners, axis=0).max())
+
+    @cached_property
+    def joined(self) -> np.ndarray:
+        """Codes of pairs of convex facets that share a crease: their planes meet in its line alone."""
+        p = self.pattern
+        whole = np.bincount(self.facet, minlength=p.facets) == 1
+        # of convex facets only: pieces of others may meet elsewhere on the line of the crease
+        low, high = np.minimum(p.left, p.right), np.maximum(p.left, p.right)
+        return np.unique((low * p.facets + high)[whole[low] & whole[high]])
+
+    @cached_property
+    def hinges(self) -> np.ndarray:
+        """Edges at which two pieces hang together: both pieces, the crease or -1, and the places of the edge's ends.
+
+        Places are those of corners on the first piece, which is on the left of the edge, [K, 5].
+        """
+        pieces = self.pieces.tolist()
+        crease = {(int(a), int(b)): c for c, (a, b) in enumerate(self.pattern.ends)}
+        at = {
+            (a, b): (k, i)
+            for k, piece in enumerate(pieces)
+            for i, (a, b) in enumerate(zip(piece, piece[1:] + piece[:1], strict=True))
+            if a != b
+        }
+        found = [
+            (k, at[b, a][0], crease.get((a, b), -1), i, (i + 1) % len(pieces[k]))
+            for (a, b), (k, i) in at.items()
+            if a < b and (b, a) in at
+        ]
+        return np.array(found, int).reshape(-1, 5)
+
+    def candidates(self, corners: np.ndarray, margin: float = 0.0) -> np.ndarray:
+        """Return pairs of pieces whose boxes overlap, of different facets that can cross, [K, 2]."""
+        a, b = boxes_that_meet(corners.min(axis=1) - margin, corners.max(axis=1) + margin)
+        near = self.facet[a] != self.facet[b]
+        a, b = a[near], b[near]
+        f = np.sort(np.column_stack([self.facet[a], self.facet[b]]), axis=1)
+        code = f[:, 0] * self.pattern.facets + f[:, 1]
+        keep = ~np.isin(code, self.joined)
+        return np.column_stack([a[keep], b[keep]])
+
+    def placed(self, phi: np.ndarray) -> np.ndarray:
+        """Return the corners of the convex pieces in space, [P, q, 3]."""
+        return self.carried(*self.poses.motions(phi))
+
+    def carried(self, turn: np.ndarray, shift: np.ndarray) -> np.ndarray:
+        """Return the corners of the convex pieces where motions [F, 3, 3], [F, 3] carry them, [P, q, 3]."""
+        reference = self.pattern.corners[self.pieces]
+        return np.einsum("pij,pqj->pqi", turn[self.facet], reference) + shift[self.facet][:, None]
+
+    def find(self, phi: np.ndarray) -> list[tuple[int, int]]:
+        """Find the pairs of facets that cross at a closed state.
+
+        Parameters
+        ----------
+        phi
+            Fold angles, shape [n] [rad].
+
+        Returns
+        -------
+        list of tuple
+            Pairs of facets, sorted; facets that merely touch, or lie on each other, are not among them.
+        """
+        x = self.placed(phi)
+        pairs = self.candidates(x)
+        if not len(pairs):
+            return []
+        deep = DEEP * self.size
+        hit = np.zeros(len(pairs), bool)
+        for start in range(0, len(pairs), 20_000):
+            a, b = pairs[start : start + 20_000].T
+            hit[start : start + 20_000] = cross_each_other(x[a], x[b], deep)
+        found = {(min(p, q), max(p, q)) for p, q in self.facet[pairs[hit]].tolist()}
+        return sorted(found)
+
+
+def boxes_that_meet(low: np.ndarray, high: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return the pairs of boxes [K, 3] that have a point in common, by sorting and sweeping."""
+    axis = int(np.ptp(low, axis=0).argmax())
+    order = np.argsort(low[:, axis], kind="stable")
+    # along the axis on which boxes are spread most, each box meets those that begin before it ends
+    ends = np.searchsorted(low[order, axis], high[order, axis], side="right")
+    many = ends - np.arange(len(order)) - 1
+    i = np.repeat(np.arange(len(order)), many)
+    j = np.arange(len(i)) - np.repeat(np.cumsum(many) - many, many) + i + 1
+    a, b = order[i], order[j]
+    near = ((low[a] <= high[b]) & (low[b] <= high[a])).all(axis=1)
+    return a[near], b[near]
+
+
+def cross_each_other(a: np.ndarray, b: np.ndarray, deep: float) -> np.ndarray:
+    """Tell whether convex polygons pass through each other by more than `deep`.
+
+    Each must reach through the plane of the other, and their chords on the line of both planes must overlap: so that
+    polygons which share a corner, or whose sides meet, are told as others are.
+
+    Parameters
+    ----------
+    a, b
+        Corners, [K, q, 3], padded by repeating the first.
+    deep
+        Length.
+
+    Returns
+    -------
+    numpy.ndarray
+        Of bool, [K].
+    """
+    normal_a, normal_b = unit_normals(a), unit_normals(b)
+    line = cross(normal_a, normal_b)
+    line /= np.maximum(np.linalg.norm(line, axis=1, keepdims=True), NONZERO)
+    origin = b[:, :1]
+    through_a, low_a, high_a = _chord(a, normal_b, origin, line, deep)
+    through_b, low_b, high_b = _chord(b, normal_a, a[:, :1], line, deep)
+    # places along the line, both from the first corner of b
+    # chords are measured from different corners: the one of b from a's, and the other way round
+    shift = np.einsum("ki,ki->k", a[:, 0] - b[:, 0], line)
+    overlap = np.minimum(high_a, high_b + shift) - np.maximum(low_a, low_b + shift)
+    return through_a & through_b & (overlap > deep)
+
+
+def _chord(
+    x: np.ndarray, normal: np.ndarray, origin: np.ndarray, line: np.ndarray, deep: float
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Cut polygons by planes: whether they reach through by `deep`, and from where to where along a line."""
+    h = np.einsum("kqi,ki->kq", x - origin, normal)
+    through = (h.max(axis=1) > deep) & (h.min(axis=1) < -deep)
+    h2 = np.roll(h, -1, axis=1)
+    # half open: a corner in the plane counts for one of its sides, so that a convex polygon has two cuts or none
+    cut = ((h > 0) & (h2 <= 0)) | ((h <= 0) & (h2 > 0))
+    with np.errstate(invalid="ignore", divide="ignore"):
+        s = np.where(cut, h / (h - h2), 0.0)
+    t = np.einsum("kqi,ki->kq", x - origin, line)
+    t = t + s * (np.roll(t, -1, axis=1) - t)
+    return through, np.where(cut, t, np.inf).min(axis=1), np.where(cut, t, -np.inf).max(axis=1)
+
+
+def convex_parts(
+    corners: np.ndarray, polygon: tuple[int, ...]
+) -> list[tuple[tuple[int, ...], tuple[bool, ...]]]:
+    """Cut a plane polygon into convex ones: each as its corners, and which of its sides are cuts.
+
+    A convex polygon is returned whole; others are cut into triangles by their ears.
+    """
+    x = corners[list(polygon)]
+    normal = unit_normals(x)
+    u = x[1] - x[0]
+    u /= np.linalg.norm(u)
+    flat = np.column_stack([(x - x[0]) @ u, (x - x[0]) @ cross(normal, u)])
+
+    def turn(a: int, b: int, c: int) -> float:
+        p, q = flat[b] - flat[a], flat[c] - flat[b]
+        return float(p[0] * q[1] - p[1] * q[0])
+
+    ring = list(range(len(polygon)))
+    tiny = OUTSIDE * float(np.ptp(flat, axis=0).max()) ** 2
+    if all(turn(ring[i - 2], ring[i - 1], ring[i]) >= -tiny for i in range(len(ring))):
+        return [(tuple(polygon), (False,) * len(polygon))]
+    sides = {(i, (i + 1) % len(polygon)) for i in range(len(polygon))}
+    parts: list[tuple[int, ...]] = []
+    while len(ring) > 3:
+        for i in range(len(ring)):
+            a, b, c = ring[i - 1], ring[i], ring[(i + 1) % len(ring)]
+            if turn(a, b, c) <= tiny:
+                continue
+            # an ear: a corner that turns to the left, with no other corner in its triangle
+            others = [p for p in ring if p not in (a, b, c)]
+            if not any(
+                turn(a, b, p) >= 0 and turn(b, c, p) >= 0 and turn(c, a, p) >= 0 for p in others
+            ):
+                break
+        else:
+            # no ear but for rounding (corners on one line): the corner that turns most
+            i = max(
+                range(len(ring)),
+                key=lambda i: turn(ring[i - 1], ring[i], ring[(i + 1) % len(ring)]),
+            )
+            a, b, c = ring[i - 1], ring[i], ring[(i + 1) % len(ring)]
+        parts.append((a, b, c))
+        ring.remove(b)
+    parts.append(tuple(ring))
+    return [
+        (
+            tuple(polygon[k] for k in part),
+            tuple((part[k], part[(k + 1) % len(part)]) not in sides for k in range(len(part))),
+        )
+        for part in parts
+    ]

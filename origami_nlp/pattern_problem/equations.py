@@ -1,0 +1,303 @@
+"""A pattern as a nonlinear programme: energy over fold angles, closure as equations, fold limits as bounds.
+
+Closure rows are redundant as a rule (a Miura sheet of m x n facets has (m - 2)(n - 2) that say nothing new, and they
+carry self-stress), so that no step here decides on a rank: linear systems are those of the proximal method,
+
+    [ H   J' ] [ d       ]   [ -grad L ]
+    [ J  -eps] [ d lambda] = [ -c      ],
+
+whose solution does not notice dependent rows, and minima are certified by positive curvature on the kernel of J,
+which is enough whether or not rows are dependent.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Iterable
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from scipy import sparse
+from scipy.sparse.linalg import splu
+
+from origami_nlp.errors import OutOfTime
+from origami_nlp.numerics import (
+    CURVED,
+    DUPLICATE_TOL,
+    NONZERO,
+    RANK,
+    ROUNDED,
+    SYMMETRIC,
+    Matrix,
+    Normal,
+    dense,
+    null_space,
+)
+from origami_nlp.pattern import Pattern
+from origami_nlp.pattern_problem.closure import Closure
+from origami_nlp.pattern_problem.contact_pairs import FoldedGeometry
+from origami_nlp.pattern_problem.crossings import Crossings
+from origami_nlp.pattern_problem.features import Features
+from origami_nlp.pattern_problem.stacks import Stack
+
+MOST_DENSE = 400
+"""Creases up to which kernels are formed by a singular value decomposition; sparse factors beyond."""
+FALLS = 0.05
+"""A residual that falls by less a step asks for new factors: they cost as much as three to ten steps with old ones."""
+LONGEST = 0.5
+"""Steps of a projection are cut to this largest change of a fold angle [rad]."""
+
+
+class PatternEquations:
+    """Energy and closure of a pattern, and linear systems of them.
+
+    Parameters
+    ----------
+    pattern
+        With its springs.
+
+    Attributes
+    ----------
+    closure
+        Its equations.
+    crossings
+        Its test of facets that cross.
+    scale
+        Mean stiffness [N m/rad]: residuals of torques are over it.
+    until
+        Time of `time.monotonic` after which projections and factorisations raise `OutOfTime`; never by default.
+    """
+
+    def __init__(self, pattern: Pattern) -> None:
+        self.pattern = pattern
+        self.closure = Closure(pattern)
+        self.crossings = Crossings(pattern)
+        self.scale = float(pattern.stiffness.mean()) if pattern.creases else 1.0
+        self._end = [math.inf]
+        self._last: tuple[bytes, list[int], Normal] | None = None
+        self._seen: dict[str, tuple[bytes, Any]] = {}
+        # of closure alone: shared with the same pattern under other loads
+        self._decomposed: dict[bytes, tuple[np.ndarray, np.ndarray]] = {}
+
+    @property
+    def until(self) -> float:
+        """See above: one for a sheet and all that is made of it, under whatever load."""
+        return self._end[0]
+
+    @until.setter
+    def until(self, end: float) -> None:
+        self._end[0] = end
+
+    @property
+    def size(self) -> int:
+        """Number of creases n."""
+        return self.pattern.creases
+
+    def check_time(self) -> None:
+        """Raise `OutOfTime` where the time is over: all that takes long goes through here every few milliseconds."""
+        if (
+            self.until < math.inf and time.monotonic() > self.until
+        ):  # which takes microseconds to ask
+            raise OutOfTime
+
+    def kept(self, what: str, x: np.ndarray, make: Any) -> Any:
+        """Return what is asked for several times of one state."""
+        key = x.tobytes()
+        if what not in self._seen or self._seen[what][0] != key:
+            self._seen[what] = key, make()
+        return self._seen[what][1]
+
+    def placed(self, x: np.ndarray) -> FoldedGeometry:
+        """Return the facets in space at a state."""
+        placed: FoldedGeometry = self.kept(
+            "placed", x, lambda: FoldedGeometry(self.crossings.poses, x)
+        )
+        return placed
+
+    def stack(self, x: np.ndarray) -> Stack:
+        """Return the pieces that lie on each other at a state, with the rules of their order."""
+        stack: Stack = self.kept("stack", x, lambda: Stack(self.crossings, x, self.check_time))
+        return stack
+
+    @cached_property
+    def features(self) -> Features:
+        """Features of its facets that can meet."""
+        return Features(self.crossings)
+
+    @cached_property
+    def stiffness(self) -> np.ndarray:
+        """Over `scale`, [n]."""
+        return self.pattern.stiffness / self.scale
+
+    def torque(self, phi: np.ndarray) -> np.ndarray:
+        """Gradient of the energy over `scale`, [n]."""
+        return self.stiffness * (phi - self.pattern.rest)
+
+    def scaled_energy(self, phi: np.ndarray) -> float:
+        """Elastic energy over `scale`."""
+        return float(0.5 * self.stiffness @ (phi - self.pattern.rest) ** 2)
+
+    def residual(self, phi: np.ndarray) -> float:
+        """Largest entry of closure."""
+        return float(np.abs(self.closure.values(phi)).max(initial=0.0))
+
+    def project(
+        self,
+        phi: np.ndarray,
+        held: np.ndarray | None = None,
+        steps: int = 40,
+        near: Normal | None = None,
+    ) -> tuple[np.ndarray, float]:
+        """Move fold angles onto closure by steps of least length.
+
+        Factors are kept from step to step as long as the residual falls fast with them.
+
+        Parameters
+        ----------
+        phi
+            Shape [n] [rad].
+        held
+            Of bool: those that stay, shape [n].
+        steps
+            Of Gauss-Newton at most.
+        near
+            Factors at a closed state nearby with the same creases free, to begin with.
+
+        Returns
+        -------
+        phi : numpy.ndarray
+            Where the steps ended.
+        residual : float
+            Largest entry of closure there: whether that is close enough is for the caller to say.
+        """
+        self.check_time()
+        phi = phi.copy()
+        free = slice(None) if held is None or not held.any() else np.flatnonzero(~held)
+        before = math.inf
+        for _ in range(steps):
+            at = self.closure.turned(phi)
+            c = self.closure.values(phi, at)
+            if np.abs(c).max(initial=0.0) <= ROUNDED:
+                break
+            size = float(np.linalg.norm(c))  # the same in every frame
+            if near is None or not size <= FALLS * before:
+                near = Normal(self.closure.jacobian(phi, at)[:, free])
+            before = size
+            d = near.step(-c)
+            phi[free] += d * min(1.0, LONGEST / max(float(np.abs(d).max(initial=0.0)), NONZERO))
+        return phi, self.residual(phi)
+
+    def multipliers(
+        self, phi: np.ndarray, held: Iterable[int] = ()
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Balance the springs by closure, and by fold limits that are held.
+
+        Parameters
+        ----------
+        phi
+            A closed state, [n].
+        held
+            Creases at a fold limit.
+
+        Returns
+        -------
+        closure : numpy.ndarray
+            Multipliers of smallest norm, [m].
+        limits : numpy.ndarray
+            Moments over `scale` of the limits held, positive where they push, one each.
+        imbalance : numpy.ndarray
+            Torque that is left, [n].
+        """
+        held = list(held)
+        normal, g = self.normal(phi, held), self.torque(phi)
+        if held:
+            free = np.setdiff1d(np.arange(self.size), held)
+            lam = normal.multipliers(g[free])
+            balance = g - self.closure.jacobian(phi).T @ lam
+        else:
+            lam = normal.multipliers(g)
+            balance = g - normal.jacobian.T @ lam
+        # grad U = J' lam + mu (-side): opening pi - side phi has the slope -side, and mu >= 0 pushes the crease open
+        limits = np.array([-math.copysign(1.0, phi[i]) * balance[i] for i in held])
+        balance[held] = 0.0
+        return lam, limits, balance
+
+    def hessian(self, phi: np.ndarray, multipliers: np.ndarray) -> Matrix:
+        """Hessian of U - multipliers . closure over `scale`, [n, n]."""
+        bent = self.closure.hessian(phi, multipliers)
+        if isinstance(bent, np.ndarray):
+            return np.diag(self.stiffness) - bent
+        return sparse.diags_array(self.stiffness).tocsr() - bent
+
+    def along(self, phi: np.ndarray, v: np.ndarray) -> np.ndarray:
+        """Return the part of v [n] that closure allows to first order at a state."""
+        return self.normal(phi).along(v)
+
+    def normal(self, phi: np.ndarray, held: Iterable[int] = ()) -> Normal:
+        """Factorise J J' at a state, of the creases that are not held; the last factors are kept."""
+        self.check_time()
+        held = list(held)
+        key = phi.tobytes()
+        if self._last is None or self._last[1] != held or self._last[0] != key:
+            j = self.closure.jacobian(phi)
+            if held:
+                j = j[:, np.setdiff1d(np.arange(self.size), held)]
+            self._last = key, held, Normal(j)
+        return self._last[2]
+
+    def kernel(self, phi: np.ndarray, held: Iterable[int] = ()) -> np.ndarray:
+        """Orthonormal basis of the motions that closure allows to first order with creases held, [n, t]; dense."""
+        self.check_time()
+        held = list(held)
+        if not held:
+            values, vt = self._singular(phi)
+            return np.array(vt[int((values > RANK).sum()) :].T, order="C")
+        free = np.setdiff1d(np.arange(self.size), held)
+        inside = null_space(dense(self.closure.jacobian(phi))[:, free])
+        z = np.zeros((self.size, inside.shape[1]))
+        z[free] = inside
+        return z
+
+    def loose(self, phi: np.ndarray) -> bool:
+        """Tell whether a closed state is known to less than `DUPLICATE_TOL`: beside one where closure loses rank.
+
+        At a smallest singular value s a residual of `ROUNDED` is a distance of ROUNDED / s, by which directions turn
+        by some ROUNDED / s^2, and with them the torque along what is free.
+        """
+        if self.size > MOST_DENSE:
+            return False
+        values = self._singular(phi)[0]
+        return bool((values[values > RANK] ** 2 < ROUNDED / DUPLICATE_TOL).any())
+
+    def _singular(self, phi: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Singular values of the Jacobian and all right vectors [n, n], in rows; the last ones are kept."""
+        key = phi.tobytes()
+        if key not in self._decomposed:
+            # rank, kernel and curvature of a state are asked for in turn
+            j = dense(self.closure.jacobian(phi))
+            _, values, vt = np.linalg.svd(j, full_matrices=j.shape[0] < j.shape[1])
+            self._decomposed.clear()
+            self._decomposed[key] = values, vt
+        return self._decomposed[key]
+
+    def rank(self, phi: np.ndarray, below: float = RANK) -> int:
+        """Rank of the Jacobian of closure, singular values below a bound being zero.
+
+        Beyond `MOST_DENSE` creases the bound is 1e-6 at least: squares of smaller ones drown in rounding.
+        """
+        if not self.closure.count:
+            return 0
+        if self.size <= MOST_DENSE:
+            return int((self._singular(phi)[0] > below).sum())
+        j = self.closure.jacobian(phi)
+        # on the side with fewer rows; eliminated without exchange, a symmetric matrix has as many positive pivots as
+        # eigenvalues (Sylvester).  Lanczos' method would miss copies of zeros where there are many.
+        # eigenvalues of J'J are squares of singular values
+        square = j @ j.T if j.shape[0] < j.shape[1] else j.T @ j
+        shift = max(CURVED, below**2)
+        lu = splu(sparse.csc_array(square - shift * sparse.eye_array(square.shape[0])), **SYMMETRIC)
+        if np.array_equal(lu.perm_r, lu.perm_c):
+            return int((lu.U.diagonal() > 0).sum())
+        return int((np.linalg.svd(dense(j), compute_uv=False) > below).sum())

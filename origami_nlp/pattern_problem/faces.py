@@ -1,0 +1,306 @@
+"""Facets that lie face to face: which layer is above, and the gaps that stay open.
+
+Two convex pieces of paper that overlap in a plane have an order, and beside the state every point of one that lies
+inside the other stays on its side: over its plane, or under it.  Seen from one piece the other one moves as a rigid
+body, so that to first order its points stay there if those at the corners of the overlap do.  A corner of one facet
+inside the other, and sides that cross inside each other, stay on their side to any order; of a corner of the overlap
+that is on a border this says nothing to second order, since the point may slide off: `CoplanarContact.inside` is the
+same gap of a point that cannot.
+
+Which orders there are is asked of `Orders`; those that all of them agree on are known, the others are a choice.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from typing import TypeAlias
+
+import numpy as np
+
+from origami_nlp.folding import Orders, Rules
+from origami_nlp.numerics import CLOSURE_TOL, INSIDE, cross
+from origami_nlp.pattern_problem.contact_pairs import ContactPair, FoldedGeometry
+from origami_nlp.pattern_problem.equations import PatternEquations
+from origami_nlp.pattern_problem.features import Features
+from origami_nlp.pattern_problem.layers import MOST_PAIRS, Layers, pose_layers
+from origami_nlp.pattern_problem.stacks import Stack, Unclear
+
+Point: TypeAlias = tuple[float, float, float]
+ASIDE = 1e-4
+"""Share of the way to the middle of an overlap at which a point is inside it, and stays inside beside the state."""
+
+
+@dataclass(frozen=True)
+class CoplanarContact(ContactPair):
+    """The gap of a point of one facet over another facet on which it lies.
+
+    Attributes
+    ----------
+    place
+        The point, in the sheet's reference state.
+    middle
+        Of the overlap, likewise.
+
+    Examples
+    --------
+    >>> import math, numpy as np, origami_nlp as o
+    >>> from origami_nlp.pattern_problem import Faces, FoldedGeometry, PatternProblem
+    >>> problem = PatternProblem(o.examples.pattern("miura", 1, 3))
+    >>> phi = np.array([math.pi, -math.pi])
+    >>> faces = Faces(problem, phi)
+    >>> touch = faces.touches(*faces.known[-1])[0]
+    >>> touch.facets, touch.type, round(touch.gap(FoldedGeometry(problem.crossings.poses, phi)), 12)
+    ((2, 0), 'face-face', 0.0)
+    """
+
+    place: Point
+    middle: Point
+
+    @property
+    def key(self) -> tuple[object, ...]:
+        """What tells it from others."""
+        return self.type, self.facets, self.place
+
+    def points(self, at: FoldedGeometry) -> np.ndarray:
+        """Return the point and three corners of the facet in space, [4, 3]."""
+        i, j = self.facets
+        ring = at.points(np.array((i, i, i)), np.array(self.corners[1:]))
+        return np.vstack([at.turn[j] @ np.array(self.place) + at.shift[j], ring])
+
+    def inside(self, share: float = ASIDE) -> CoplanarContact:
+        """Return the gap of a point that is this share of the way to the middle of the overlap inside."""
+        x = np.array(self.place)
+        x += share * (np.array(self.middle) - x)
+        return replace(self, place=_point(x))
+
+    @property
+    def order(self) -> tuple[int, int, int]:
+        """Facets f, g and s as in FOLD: f is on the side of g's normal where s = 1, else on the other."""
+        return self.facets[1], self.facets[0], int(self.sign)
+
+
+class Faces:
+    """Facets that lie face to face at a state, without those that hang together at a crease that is shut.
+
+    Parameters
+    ----------
+    problem
+        The programme.
+    phi
+        A closed state in which no facets pierce each other [rad], [n].
+
+    Attributes
+    ----------
+    reason
+        Why nothing is known of them; empty where it is.
+    known
+        Pairs that lie on each other the same way in every order, and which: (number, whether the first is above).
+    open
+        Numbers of pairs that may lie either way.
+
+    Examples
+    --------
+    >>> import math, numpy as np, origami_nlp as o
+    >>> from origami_nlp.pattern_problem import Faces, PatternProblem
+    >>> problem = PatternProblem(o.examples.pattern("miura", 1, 3))
+    >>> faces = Faces(problem, np.array([math.pi, math.pi]))  # rolled up, either end inside
+    >>> len(faces.known), len(faces.open), len(faces.touches(faces.open[0], True))
+    (0, 1, 4)
+    """
+
+    def __init__(self, problem: PatternEquations, phi: np.ndarray) -> None:
+        self.reason, self.known, self.open = "", list[tuple[int, bool]](), list[int]()
+        self._sheet, self._phi = problem, phi
+        self._told: dict[int, list[ContactPair]] = {}
+        self._stack, self._orders = problem.stack(phi), Orders(Rules(0, ()))
+        if not len(self._stack.pairs):
+            return
+        if len(self._stack.pairs) > MOST_PAIRS:
+            self.reason = f"more than {MOST_PAIRS:,} pairs of facets lie on each other"
+            return
+        try:
+            posed = pose_layers(problem, phi, self._stack)
+            if isinstance(posed, Layers) or posed.solve() is None:
+                self.reason = "layers have no order"
+                return
+        except (Unclear, TimeoutError):
+            self.reason = "which layer is above is not known"
+            return
+        self._orders = posed
+        pattern = problem.pattern
+        at_limit = np.abs(phi) > 0.5 * np.pi
+        beside = zip(pattern.left[at_limit].tolist(), pattern.right[at_limit].tolist(), strict=True)
+        joined = {frozenset(pair) for pair in beside}
+        facets = problem.crossings.facet[self._stack.pairs].tolist()
+        for k, (value, pair) in enumerate(zip(posed.values, facets, strict=True)):
+            if frozenset(pair) in joined:
+                continue  # the fold limit keeps them apart
+            if value < 0:
+                self.open.append(k)
+            else:
+                self.known.append((k, bool(value)))
+
+    def follow(self, above: Mapping[int, bool]) -> dict[int, bool] | None:
+        """Return how open pairs lie where some of them lie as given.
+
+        Parameters
+        ----------
+        above
+            Of some open pairs, by number, whether the first piece is above.
+
+        Returns
+        -------
+        dict or None
+            Those that are given, and those that rules settle then; None where no order has them so.
+        """
+        orders, before = self._orders, list(self._orders.values)
+        try:
+            if orders.assume(above) != -1:
+                return None
+            found = {k: bool(orders.values[k]) for k in self.open if orders.values[k] >= 0}
+            return found if orders.solve() is not None else None
+        except TimeoutError:  # more orders than there are: what holds for them holds for those
+            return found
+        finally:
+            orders.values = before
+
+    @property
+    def _at(self) -> FoldedGeometry:
+        return self._sheet.placed(self._phi)
+
+    def reach(self) -> float:
+        """Return how far facets reach into each other, over the sheet's size: the rest of a state that is not exact.
+
+        Returns
+        -------
+        float
+            Of gaps at corners of overlaps the least, to the side that suits a pair best where it may lie either way;
+            not negative where nothing does.
+        """
+        size = self._sheet.crossings.size
+
+        def least(pair: int, above: bool) -> float:
+            return min(t.gap(self._at) for t in self.touches(pair, above)) / size
+
+        known = [least(k, above) for k, above in self.known]
+        return min([*known, *(max(least(k, False), least(k, True)) for k in self.open), 0.0])
+
+    def touches(self, pair: int, above: bool) -> tuple[ContactPair, ...]:
+        """Return the gaps of a pair that stay open where its first piece is above, or below.
+
+        Parameters
+        ----------
+        pair
+            Its number.
+        above
+            Whether the first piece is above.
+
+        Returns
+        -------
+        tuple of Touch
+            One at each corner of the overlap: a corner inside the other facet, two sides that cross inside each other,
+            and else `CoplanarContact`.
+        """
+        if pair not in self._told:
+            self._told[pair] = self._above(pair)
+        return tuple(t if above else replace(t, sign=-t.sign) for t in self._told[pair])
+
+    def _above(self, pair: int) -> list[ContactPair]:
+        """Return the gaps of a pair whose first piece is above."""
+        stack, crossings = self._stack, self._sheet.crossings
+        one, other = (_Piece(stack, self._sheet.features, int(p)) for p in stack.pairs[pair])
+        up = stack.up[stack.pairs[pair][0]]
+        room = INSIDE * crossings.size
+        found: list[tuple[np.ndarray, ContactPair | None]] = []
+        feature: ContactPair | None
+        for of, on, sense in ((one, other, 1.0), (other, one, -1.0)):
+            # corners of the overlap: corners of either piece inside the other one, and sides that cross
+            for x, corner, depth in zip(of.x, of.corners, on.depth(of.x), strict=True):
+                if depth > room:
+                    # gaps are along the normal of the facet that stays, which may point up or down
+                    sign = sense * float(np.sign(on.way @ up))
+                    feature = ContactPair(
+                        "vertex-face", (on.facet, of.facet), (corner, *on.triangle), sign
+                    )
+                    found.append((x, feature))
+                elif depth >= -10 * CLOSURE_TOL * crossings.size:
+                    found.append((x, None))
+        found += [
+            (
+                x,
+                ContactPair("edge-edge", (other.facet, one.facet), sides, sign)
+                if far > room
+                else None,
+            )
+            for x, sides, sign, far in _crossings(other, one, up)
+        ]
+        kept: list[tuple[np.ndarray, ContactPair | None]] = []
+        for x, feature in found:
+            # a corner on a border is also where sides cross: each point once
+            if all(np.linalg.norm(x - y) > stack.near for y, _ in kept):
+                kept.append((x, feature))
+        turn, shift = self._at.turn[one.facet], self._at.shift[one.facet]
+        # points of the first piece, also where the other one is not quite in its plane
+        points = [x - ((x - one.x[0]) @ one.way) * one.way for x, _ in kept]
+        middle = _point((np.mean(points, axis=0) - shift) @ turn)
+        corners, sign = (-1, *other.triangle), float(np.sign(other.way @ up))
+        facets = other.facet, one.facet
+        return [
+            feature
+            or CoplanarContact(
+                "face-face", facets, corners, sign, _point((x - shift) @ turn), middle
+            )
+            for x, (_, feature) in zip(points, kept, strict=True)
+        ]
+
+
+class _Piece:
+    """A convex piece in space: its corners, those of its sides that are borders of the facet, and its normal."""
+
+    def __init__(self, stack: Stack, features: Features, piece: int) -> None:
+        rings = features.rings_of_pieces
+        real = rings.valid[piece]
+        self.x = stack.x[piece][real]
+        self.corners: list[int] = stack.crossings.pieces[piece][real].tolist()
+        self.border = rings.border[piece][real]
+        self.facet = int(stack.crossings.facet[piece])
+        self.way = stack.normal[piece]
+        a, b, c = rings.triangle[piece].tolist()
+        self.triangle: tuple[int, int, int] = a, b, c
+
+    def depth(self, points: np.ndarray) -> np.ndarray:
+        """Return how far inside points of its plane are, [k, 3] -> [k]."""
+        inward = cross(self.way, np.roll(self.x, -1, axis=0) - self.x)
+        inward /= np.linalg.norm(inward, axis=1, keepdims=True)
+        depth = np.einsum("kpi,pi->kp", points[:, None] - self.x[None], inward)
+        return np.asarray(depth.min(axis=1))
+
+
+def _crossings(
+    one: _Piece, other: _Piece, up: np.ndarray
+) -> Iterator[tuple[np.ndarray, tuple[int, int, int, int], float, float]]:
+    """Go through sides that cross: point, ends, the sign with which the other is above, and the distance of ends."""
+    for i, (a, u) in enumerate(zip(one.x, np.roll(one.x, -1, axis=0) - one.x, strict=True)):
+        for j, (c, v) in enumerate(
+            zip(other.x, np.roll(other.x, -1, axis=0) - other.x, strict=True)
+        ):
+            w = cross(u, v)
+            size = float(w @ up)
+            lengths = float(np.linalg.norm(u)), float(np.linalg.norm(v))
+            if abs(size) <= INSIDE * lengths[0] * lengths[1]:
+                continue  # as good as parallel: corners tell what there is
+            # a + s u = c + t v in the common plane
+            s, t = (float(cross(c - a, y) @ up) / size for y in (v, u))
+            if not (0 < s < 1 and 0 < t < 1):
+                continue
+            far = min(min(s, 1 - s) * lengths[0], min(t, 1 - t) * lengths[1])
+            real = one.border[i] and other.border[j]
+            after = one.corners[(i + 1) % len(one.x)], other.corners[(j + 1) % len(other.x)]
+            sides = one.corners[i], after[0], other.corners[j], after[1]
+            yield a + s * u, sides, float(np.sign(size)), far if real else 0.0
+
+
+def _point(x: np.ndarray) -> Point:
+    a, b, c = x.tolist()
+    return a, b, c

@@ -1,0 +1,284 @@
+"""Facets that lie on each other: can their layers be ordered, and do they have the order that a file states."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Literal
+
+import numpy as np
+
+from origami_nlp.errors import FoldFileError, OrigamiError
+from origami_nlp.folding import MOST_NODES, Orders, Rules, check_admissible
+from origami_nlp.numerics import ANSWERED, CLOSURE_TOL, NOISE
+from origami_nlp.pattern import Loop, Pattern, Vertex
+from origami_nlp.pattern_problem.equations import PatternEquations
+from origami_nlp.pattern_problem.stacks import Stack, Unclear
+
+MOST_PAIRS = 2_000
+"""Overlapping pairs of pieces that are ordered."""
+
+
+@dataclass(frozen=True)
+class Layers:
+    """What is known of the order of layers.
+
+    Attributes
+    ----------
+    verdict
+        Whether an order exists.
+    reason
+        Why not, or why it is not known; empty where it exists.
+    pairs
+        Number of pairs of facets that lie on each other.
+    orders
+        One order that is free of crossings, as in FOLD: (f, g, s), polygon f on the side of polygon g's normal where
+        s = 1, on the other where s = -1; empty where none is known.
+    stated
+        Whether it is one that the file states, completed where that is not whole.
+    """
+
+    verdict: Literal["ordered", "crosses", "not decided"]
+    reason: str = ""
+    pairs: int = 0
+    orders: tuple[tuple[int, int, int], ...] = field(default=(), metadata={"plain": False})
+    stated: bool = False
+
+    def words(self) -> str:
+        """Say whether facets that lie on each other as a file describes them have an order."""
+        if self.verdict != "ordered":
+            return f"as in the file: {self.reason}"
+        return (
+            f"as in the file, {'in the order that it states' if self.stated else 'an order exists'}"
+        )
+
+
+def order_layers(problem: PatternEquations, phi: np.ndarray) -> Layers:
+    """Tell whether the layers of a state that closes, and whose facets do not pierce each other, have an order.
+
+    In the state that the pattern's file describes, the order that the file states is kept.
+
+    Parameters
+    ----------
+    problem
+        The programme.
+    phi
+        Fold angles [rad], [n].
+
+    Returns
+    -------
+    Layers
+        The answer.
+    """
+    pattern = problem.pattern
+    if pattern.is_flat and not phi.any():
+        return Layers("ordered")
+    stack = problem.stack(phi)
+    many = len(stack.pairs)
+    if many > MOST_PAIRS:
+        return _too_many(pattern, phi, many)
+    stated = pattern.orders if _is_stated(pattern, phi) else ()
+    try:
+        return _ordered(stack, stated)
+    except Unclear:
+        why = "layer order not decided: facets are closer than can be told, but not on each other"
+    except TimeoutError:
+        why = "layer order not decided: the search for one was given up"
+    return Layers("not decided", why, len(stack.facets))
+
+
+def check_orders(problem: PatternEquations) -> Layers | None:
+    """Order the layers of the state that the pattern's file describes.
+
+    Parameters
+    ----------
+    problem
+        The programme.
+
+    Returns
+    -------
+    Layers or None
+        None where the file describes no folded state, or one that does not close or in which facets cross.
+
+    Raises
+    ------
+    FoldFileError
+        If faceOrders of the file contradict how the facets lie.
+    """
+    pattern = problem.pattern
+    phi = pattern.stated
+    if phi is None:
+        return None
+    phi, residual = problem.project(phi, np.abs(phi) == math.pi)
+    if (
+        residual > CLOSURE_TOL
+        or np.abs(phi).max(initial=0.0) > math.pi
+        or problem.crossings.find(phi)
+    ):
+        return None
+    found = order_layers(problem, phi)
+    if found.verdict == "crosses" and found.stated:
+        raise FoldFileError(found.reason)
+    return found
+
+
+def _is_stated(pattern: Pattern, phi: np.ndarray) -> bool:
+    at = pattern.stated
+    return at is not None and bool(np.abs(at - phi).max(initial=0.0) <= NOISE)
+
+
+def pose_layers(problem: PatternEquations, phi: np.ndarray, stack: Stack) -> Orders | Layers:
+    """Pose which of the pieces that lie on each other at a state are above, with what creases and the file say of it.
+
+    Parameters
+    ----------
+    problem, phi
+        The programme and a closed state whose facets do not pierce each other, [n] [rad].
+    stack
+        Its pieces.
+
+    Returns
+    -------
+    Orders or Layers
+        Of pairs of the stack, whether the first piece is above; or why they have no order.
+
+    Raises
+    ------
+    Unclear
+        If two pieces are too close to each other.
+    """
+    posed = _posed(stack)
+    if not isinstance(posed, Layers) and _is_stated(problem.pattern, phi):
+        bare = list(posed[0].values)
+        if _conflict(stack, posed[0], problem.pattern.orders)[0]:
+            posed[0].values = bare
+    return posed if isinstance(posed, Layers) else posed[0]
+
+
+def _posed(stack: Stack) -> tuple[Orders, list[tuple[int, ...]]] | Layers:
+    """Pose the orders of a stack, and the pieces that each rule is about."""
+    many = len(stack.facets)
+    rules, about = [], []
+    for rule, pieces in stack.rules():
+        rules.append(rule)
+        about.append(pieces)
+        if not rule[0]:
+            why = f"{_facets(stack, pieces)} pass through each other along a crease"
+            return Layers("crosses", why, many)
+    orders = Orders(Rules(len(stack.pairs), rules), MOST_NODES)
+    for unknown, value, crease in stack.known():
+        # -1: nothing speaks against it; -2: it was forced otherwise before; else the rule that cannot be obeyed
+        bad = orders.assume({unknown: value})
+        if bad != -1:
+            both = stack.pairs[unknown].tolist() if bad == -2 else about[bad]
+            why = (
+                f"{_facets(stack, both)} have no order with the crease {crease + 1} folded as it is"
+            )
+            return Layers("crosses", f"layers have no order: {why}", many)
+    return orders, about
+
+
+def _ordered(stack: Stack, stated: Sequence[tuple[int, int, int]]) -> Layers:
+    """Find an order, the one that is stated where it is."""
+    posed, many = _posed(stack), len(stack.facets)
+    if isinstance(posed, Layers):
+        return posed
+    orders, about = posed
+    if not stated:
+        found = orders.solve()
+        if found is None:
+            return Layers("crosses", "layers have no order in which they do not cross", many)
+        return Layers("ordered", "", many, stack.polygons(found))
+    bare = list(orders.values)
+    core, refused = _conflict(stack, orders, stated)
+    if not core:
+        found = orders.solve()
+        if found is not None:
+            return Layers("ordered", "", many, stack.polygons(found), stated=True)
+    orders.values = bare
+    if orders.solve() is None:
+        return Layers("crosses", "layers have no order in which they do not cross", many)
+    lies = [f"[{f}, {g}, {s}]" for f, g, s in core]
+    reported = ", ".join(lies[:4]) + (f", ... ({len(lies)})" if len(lies) > 4 else "")
+    what = "contradicts how the facets lie" if len(core) == 1 else "contradict each other"
+    if refused >= 0:
+        what += f", by {_facets(stack, about[refused])}"
+    what = f"{reported} {what}" if core else "no order of all layers has those that are stated"
+    why = f"faceOrders: {what}: correct them, or leave faceOrders out"
+    return Layers("crosses", why, many, stated=True)
+
+
+def _conflict(
+    stack: Stack, orders: Orders, stated: Sequence[tuple[int, int, int]]
+) -> tuple[list[tuple[int, int, int]], int]:
+    """Let polygons lie as stated; or return a few statements that contradict each other, and what refuses them."""
+    bare, bad = list(orders.values), -1
+    core: list[tuple[int, int, int]] = []
+    while True:
+        # core first, then the others: what fails is added to the core, until a statement of the core fails by itself
+        orders.values = list(bare)
+        for one in (*core, *stated):
+            bad = _assume(stack, orders, one)
+            if bad != -1:
+                break
+        else:
+            return [], -1
+        if one in core:
+            return core, bad
+        core.append(one)
+
+
+def _assume(stack: Stack, orders: Orders, order: tuple[int, int, int]) -> int:
+    """Let two polygons lie as stated, wherever they overlap: -1, or what speaks against it as `Orders.assume`."""
+    f, g, s = order
+    number = stack.crossings.polygon
+    i, j = number[stack.pairs].T
+    known = {}
+    for k in np.flatnonzero(((i == f) & (j == g)) | ((i == g) & (j == f))).tolist():
+        a, b = (int(p) for p in (stack.pairs[k] if i[k] == f else stack.pairs[k][::-1]))
+        # FOLD: f lies on the side to which g's normal points where s = 1; `up` is one normal for the whole stack
+        unknown, value = stack.said(a, b, (s > 0) == (stack.normal[b] @ stack.up[b] > 0))
+        known[unknown] = value
+    return orders.assume(known)
+
+
+def _facets(stack: Stack, pieces: Sequence[int] | np.ndarray) -> str:
+    """Name facets, 1-based."""
+    which = sorted({int(stack.crossings.facet[p]) + 1 for p in pieces})
+    return "facets " + ", ".join(map(str, which[:-1])) + f" and {which[-1]}"
+
+
+def _too_many(pattern: Pattern, phi: np.ndarray, many: int) -> Layers:
+    """Say that layers are too many to be ordered, unless they already cross round one vertex."""
+    for loop in pattern.vertices:
+        at = round_vertex(pattern, loop)
+        if at is None:
+            continue
+        try:
+            found = check_admissible(at, phi[list(loop.creases)])
+        except OrigamiError:
+            continue
+        if not found.admissible:
+            return Layers("crosses", f"round vertex {loop.vertex}: {found.reason}", many)
+    why = f"{many:,} pairs of facets lie on each other, at most {MOST_PAIRS:,} are ordered"
+    return Layers("not decided", f"layer order not decided: {why}", many)
+
+
+def round_vertex(pattern: Pattern, loop: Loop) -> Vertex | None:
+    """Return an interior vertex with its creases in the order of its loop; None where no `Vertex` describes it."""
+    ends = pattern.corners[pattern.ends[list(loop.creases)]]
+    here = pattern.corners[loop.vertex]
+    # whichever end of the crease is the vertex, the sum of both less twice the vertex is the other one
+    out = ends.sum(axis=1) - 2 * here
+    out /= np.linalg.norm(out, axis=1, keepdims=True)
+    after = np.roll(out, -1, axis=0)
+    angles = np.arctan2(
+        np.linalg.norm(np.cross(out, after), axis=1), np.einsum("ki,ki->k", out, after)
+    )
+    if pattern.is_flat and abs(float(angles.sum()) - 2 * math.pi) > ANSWERED:
+        return None  # a reflex sector
+    try:
+        return Vertex(tuple(angles.tolist()))
+    except OrigamiError:
+        return None

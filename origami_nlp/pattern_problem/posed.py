@@ -1,0 +1,121 @@
+"""The programme of a pattern as CasADi symbols, for any solver: closure as independent rows, gaps of features as rows.
+
+Written from the folds alone, by turns of quaternions along loops and of points along walks of facets: it shares neither
+values nor derivatives with `closure`, `poses` and `touches`.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import casadi as ca
+import numpy as np
+from scipy.linalg import qr
+
+from origami_nlp.numerics import RANK, dense, quaternion as quat
+from origami_nlp.pattern import Loop
+from origami_nlp.pattern_problem.contact_pairs import ContactPair
+from origami_nlp.pattern_problem.faces import CoplanarContact
+from origami_nlp.problem import Nlp
+
+if TYPE_CHECKING:
+    from origami_nlp.pattern_problem.problem import PatternProblem
+
+
+def independent_rows(problem: PatternProblem, phi: np.ndarray) -> np.ndarray:
+    """Return the numbers of closure equations that span all of them at a state [n], ascending."""
+    # pivoting puts independent equations first
+    _, r, order = qr(dense(problem.jacobian(phi)).T, mode="economic", pivoting=True)
+    return np.sort(order[: int((np.abs(np.diag(r)) > RANK).sum())])
+
+
+def pose(problem: PatternProblem, rows: np.ndarray, touches: Sequence[ContactPair] = ()) -> Nlp:
+    """Pose min U subject to some closure equations and gaps.
+
+    Parameters
+    ----------
+    problem
+        The programme.
+    rows
+        Numbers of the equations.
+    touches
+        Features whose gaps, over the sheet's size, are the last rows; their bounds are the caller's.
+
+    Returns
+    -------
+    Nlp
+        Parameters are `Parameters.vector`: stiffness, rest angles and loads.
+
+    Examples
+    --------
+    >>> import numpy as np, origami_nlp as o
+    >>> from origami_nlp.pattern_problem import PatternProblem, independent_rows, pose
+    >>> problem = PatternProblem(o.examples.pattern("miura", 3, 3))
+    >>> phi, _ = problem.project(0.5 * problem.pattern.signs)
+    >>> rows = independent_rows(problem, phi)
+    >>> problem.equation_count, len(rows), pose(problem, rows).g.shape
+    (12, 11, (11, 1))
+    """
+    n = problem.size
+    x, k, rest, load = (ca.SX.sym(name, n) for name in ("x", "k", "rest", "load"))
+    energy = 0.5 * ca.dot(k, (x - rest) ** 2) - ca.dot(load, x)
+    turns = x - ca.DM(problem.pattern.reference)
+    away = problem.pattern.corners - problem.pattern.corners.mean(axis=0)
+    size = float(np.abs(away).max(initial=0.0)) or 1.0
+    loops = [_loop(problem, turns, loop)[:3] for loop in problem.pattern.vertices]
+    for loop in problem.pattern.holes:
+        whole = _loop(problem, turns, loop)
+        loops.append(ca.vertcat(whole[:3], whole[3:] / size))
+    closure = ca.vertcat(ca.SX(0, 1), *loops)
+    gaps = [_gap(problem, turns, touch) / problem.crossings.size for touch in touches]
+    free = np.full(len(gaps), math.inf)
+    lower, upper = (np.append(np.zeros(len(rows)), s * free) for s in (-1.0, 1.0))
+    g = ca.vertcat(closure[rows.tolist()], *gaps)
+    return Nlp(x, ca.vertcat(k, rest, load), energy, g, lower, upper)
+
+
+def _loop(problem: PatternProblem, turns: ca.SX, loop: Loop) -> ca.SX:
+    """Return where the folds round a loop lead: vector part of the turn, and shift, [6]."""
+    q, shift = quat.IDENTITY, ca.SX.zeros(3)
+    for crease, sign in zip(loop.creases, loop.signs, strict=True):
+        fold, point = _fold(problem, turns, crease, sign)
+        after = quat.multiply(q, fold)
+        # as in `closure`: the axis passes through `point`
+        shift += ca.vertcat(*quat.rotate(q, point)) - ca.vertcat(*quat.rotate(after, point))
+        q = after
+    return ca.vertcat(*q[1:], shift)
+
+
+def _fold(
+    problem: PatternProblem, turns: ca.SX, crease: int, sign: float
+) -> tuple[Any, list[float]]:
+    """Return the fold of a crease as a quaternion, and a point on its axis."""
+    p, half = problem.pattern, 0.5 * turns[crease]
+    axis = (sign * p.directions[crease]).tolist()
+    return quat.fold(ca.cos(half), ca.sin(half), axis), p.corners[p.ends[crease, 0]].tolist()
+
+
+def _gap(problem: PatternProblem, turns: ca.SX, touch: ContactPair) -> ca.SX:
+    """Return the gap of two features, seen from the first facet."""
+    p = problem.pattern
+    first, second = touch.facets
+
+    def seen(x: np.ndarray) -> ca.SX:
+        """Move a point of the second facet as the folds between the two do."""
+        here: ca.SX = ca.SX(ca.DM(x))
+        for crease, sign in reversed(problem.crossings.poses.path(first, second)):
+            fold, point = _fold(problem, turns, crease, sign)
+            turned = quat.rotate(fold, ca.vertsplit(here - ca.DM(point)))
+            here = ca.SX(ca.vertcat(*turned) + ca.DM(point))
+        return here
+
+    a, b, c, d = (p.corners[i] for i in touch.corners)
+    if touch.type == "edge-edge":
+        e, f = seen(c), seen(d)
+        normal, off = ca.cross(ca.DM(b - a), f - e), e - ca.DM(a)
+    else:
+        normal = ca.SX(ca.DM(np.cross(c - b, d - b)))
+        off = seen(np.array(touch.place) if isinstance(touch, CoplanarContact) else a) - ca.DM(b)
+    return touch.sign * ca.dot(off, normal) / ca.norm_2(normal)

@@ -1,0 +1,330 @@
+"""A pattern as a nonlinear programme: all that solvers and certificates see of it (`problem.protocol.Problem`).
+
+The energy and the closure of `PatternEquations`, the contacts of `PatternContacts`, and loads.
+"""
+
+from __future__ import annotations
+
+import copy
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from scipy import sparse
+
+from origami_nlp.io import pick
+from origami_nlp.numerics import CLOSURE_TOL, CONTACT_TOL, OUTSIDE, Matrix, dense
+from origami_nlp.pattern import Pattern
+from origami_nlp.pattern_problem.contacts import PatternContacts
+from origami_nlp.pattern_problem.layers import Layers, order_layers
+from origami_nlp.pattern_problem.meeting_features import touches_at
+from origami_nlp.pattern_problem.work import Work, Worked
+from origami_nlp.problem import (
+    Contact,
+    Energies,
+    LoopClosure,
+    Parameters,
+)
+
+
+class PatternProblem(PatternContacts, Energies):
+    """The nonlinear programme of a pattern (`problem.protocol.Problem`); states are its n fold angles.
+
+    Parameters
+    ----------
+    pattern
+        With its springs.
+    contact
+        Whether facets must not cross; without, only fold limits count.
+
+    Attributes
+    ----------
+    contact
+        As given.
+    multiplicity
+        Ones, [n]: every crease stands for itself.
+
+    Examples
+    --------
+    >>> import numpy as np, origami_nlp as o
+    >>> from origami_nlp.pattern_problem import PatternProblem
+    >>> problem = PatternProblem(o.examples.pattern("miura", 1, 2).with_springs(1.0, 0.5))
+    >>> o.classify(o.State(problem, np.array([-0.5]))).verdict
+    'minimum'
+    """
+
+    symmetry = "none"
+    bound = math.pi
+    has_limits = True
+    redundant = True
+
+    def __init__(self, pattern: Pattern, contact: bool = True) -> None:
+        super().__init__(pattern, contact)
+        self.multiplicity = np.ones(self.size, int)
+        self._load = np.zeros(self.size)
+        self._dead: Worked | None = None
+
+    @cached_property
+    def parameters(self) -> Parameters:
+        """Springs and load over `scale`."""
+        return Parameters(np.zeros(0), self.stiffness, self.pattern.rest, self._load, self._dead)
+
+    @cached_property
+    def root(self) -> np.ndarray:
+        """The metric of all fold angles: ones, [n]."""
+        return np.ones(self.size)
+
+    @property
+    def equation_count(self) -> int:
+        """Number of closure equations m; they depend on each other as a rule."""
+        return self.closure.count
+
+    @property
+    def freedom(self) -> int:
+        """Degrees of freedom at least: creases less equations."""
+        return max(self.size - self.closure.count, 0)
+
+    @cached_property
+    def flattened(self) -> np.ndarray | None:
+        """The corners where the sheet lies flat, [V, 3]; None where it does not."""
+        if self.pattern.is_flat:
+            return self.pattern.corners
+        zero = np.zeros(self.size)
+        return None if self.residual(zero) > CLOSURE_TOL else self.crossings.poses.corners(zero)
+
+    def _to_plain(self) -> dict[str, Any]:
+        return pick(self, "variables=size", "equalities=equation_count")
+
+    @property
+    def own_symmetries(self) -> tuple[tuple[np.ndarray, int], ...]:
+        """The identity: images of states are looked for by the search."""
+        return ((np.arange(self.size), 1),)
+
+    def torque(self, phi: np.ndarray) -> np.ndarray:
+        """Gradient of the energy, load included, over `scale`, [n]."""
+        return self.parameters.torque(phi)
+
+    def hessian(self, phi: np.ndarray, multipliers: np.ndarray) -> Matrix:
+        """Hessian of U - multipliers . closure, load included, over `scale`, [n, n]."""
+        plain = super().hessian(phi, multipliers)
+        bent = None if self._dead is None else self._dead.hessian(np.zeros(0), phi)
+        if bent is None:
+            return plain
+        return plain + (bent if isinstance(plain, np.ndarray) else sparse.csr_array(bent))
+
+    def scaled_energy(self, phi: np.ndarray) -> float:
+        """Energy, load included, over `scale`; with a constant, so that it is positive."""
+        # the load is kept over `scale`, the springs of the pattern that complete its square are not
+        dead = self._dead
+        room = 0.0 if dead is None else dead.work.room(self.scale * dead.t) / self.scale
+        return float(self.parameters.energy(phi)) + room
+
+    def expand(self, x: np.ndarray) -> np.ndarray:
+        """Return the fold angles, which the variables are."""
+        return np.asarray(x)
+
+    reduce = expand
+
+    def creases_of(self, variable: int) -> tuple[int, ...]:
+        """Return the crease (1-based) of a variable (0-based)."""
+        return (variable + 1,)
+
+    def constraints(
+        self, x: np.ndarray, contacts: Sequence[Contact] = ()
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Evaluate closure and the openings of contacts, [..., m + r], and their Jacobian [..., m + r, n]."""
+        if x.ndim > 1:
+            each = [self.constraints(one, contacts) for one in x]
+            count, m = len(x), self.closure.count + len(contacts)  # there may be no state
+            values = np.array([v for v, _ in each]).reshape(count, m)
+            return values, np.array([j for _, j in each]).reshape(count, m, self.size)
+        local = self.local(x)
+        values, slopes = local.openings(contacts)
+        return np.append(local.closure, values), np.vstack([dense(local.closure_jacobian), slopes])
+
+    def lagrangian_hessian(
+        self,
+        x: np.ndarray,
+        multipliers: np.ndarray,
+        contacts: Sequence[Contact] = (),
+        weight: float = 1.0,
+    ) -> np.ndarray:
+        """Hessian of weight U - multipliers . (closure, openings) over `scale` at a state, [n, n]; dense."""
+        m = self.closure.count
+        if weight:
+            # weight U - lam . c = weight (U - (lam / weight) . c)
+            h = weight * dense(self.hessian(x, multipliers[:m] / weight))
+        else:
+            h = -dense(self.closure.hessian(x, multipliers[:m]))
+        return h - self._bent(x, multipliers[m:], contacts)
+
+    def curvature(
+        self, x: np.ndarray, multipliers: np.ndarray, contacts: Sequence[Contact]
+    ) -> Matrix:
+        """Hessian of U - multipliers . (closure, openings) over `scale` at a state, [n, n]; sparse where large."""
+        m = self.closure.count
+        h = self.hessian(x, multipliers[:m])
+        if all(c.is_limit for c in contacts):
+            return h
+        bent = self._bent(x, multipliers[m:], contacts)
+        return h - bent if isinstance(h, np.ndarray) else h - sparse.csr_array(bent)
+
+    def _bent(self, x: np.ndarray, forces: np.ndarray, contacts: Sequence[Contact]) -> np.ndarray:
+        """Hessian of forces . openings, [n, n]."""
+        h = np.zeros((self.size, self.size))
+        for force, contact in zip(forces, contacts, strict=True):
+            if force and not contact.is_limit:
+                touch, place = self.touch(contact), self.placed(x)
+                creases, _ = touch.slopes(place)
+                # openings are gaps over the sheet's size
+                h[np.ix_(creases, creases)] += force / self.crossings.size * touch.bends(place)
+        return h
+
+    def loops(self, x: np.ndarray) -> list[LoopClosure]:
+        """Return closure to second order at a state [n], of each vertex and hole by itself."""
+        return self.closure.loops(x)
+
+    def on_sheet(self, x: np.ndarray) -> Any:
+        """Tell whether states [..., n] are on the sheet q = +1."""
+        if x.ndim == 1:
+            return self.closure.on_sheet(x)
+        return np.array([self.closure.on_sheet(one) for one in x], bool)
+
+    def with_contact(self, contact: bool) -> PatternProblem:
+        """Return the same programme with facets that must not cross, or may."""
+        if contact == self.contact:
+            return self
+        other = self._other()
+        other.contact = contact
+        return other
+
+    def crossed(self, x: np.ndarray, tolerance: float = OUTSIDE) -> tuple[tuple[int, int], ...]:
+        """Return the pairs of facets (0-based) that cross at a state."""
+        return tuple(self.crossings.find(x)) if self.contact else ()
+
+    def refuses(self, x: np.ndarray, tolerance: float = OUTSIDE) -> str:
+        """Say why a closed state is not admissible; "" where it is: sheet, fold limits, crossings, order of layers."""
+        if not self.on_sheet(x):
+            return "closes on the other sheet, q = -1, round a vertex"
+        if (np.abs(x) > math.pi + tolerance).any():
+            return "a fold angle is beyond pi"
+        crossed = self.crossed(x)
+        if crossed:
+            many = f"{len(crossed)} pairs of facets" if len(crossed) > 1 else "two facets"
+            return f"{many} pass through each other"
+        if not self.contact:
+            return ""
+        return "" if self._layers(x).verdict == "ordered" else self._layers(x).reason
+
+    def _layers(self, x: np.ndarray) -> Layers:
+        layers: Layers = self.kept("layers", x, lambda: order_layers(self, x))
+        return layers
+
+    def doubt(self, x: np.ndarray) -> str:
+        """Say why it is not known whether a closed state is admissible; "" where it is."""
+        if not self.contact or self.crossed(x):
+            return ""
+        if self._layers(x).verdict == "not decided":
+            return self._layers(x).reason
+        if not self.touching:
+            return ""
+        place, at_limit = self.placed(x), np.flatnonzero(math.pi - np.abs(x) <= CONTACT_TOL)
+        gaps = (t.gap(place) / self.crossings.size for t in touches_at(self, x, at_limit))
+        # rounding of a closed state is some `CLOSURE_TOL`: what reaches in deeper is no closed contact
+        deepest = min([self.faces(x).reach(), *gaps])
+        if deepest >= -10 * CLOSURE_TOL:
+            return ""
+        return f"facets reach into each other by {-deepest:.1e} of the sheet's size"
+
+    def admissible(self, x: np.ndarray, tolerance: float = OUTSIDE) -> np.ndarray:
+        """Tell which closed states [K, n] are admissible; layers are not ordered."""
+        good = np.isfinite(x).all(axis=1) & (np.abs(x) <= math.pi + tolerance).all(axis=1)
+        for k in np.flatnonzero(good):
+            good[k] = self.on_sheet(x[k]) and not self.crossed(x[k])
+        return good
+
+    def numbered_as(self, other: PatternProblem) -> PatternProblem:
+        """Take scale, numbers of contacts and limit of time of another pattern of the same facets and creases.
+
+        Parameters
+        ----------
+        other
+            Its programme.
+
+        Returns
+        -------
+        PatternProblem
+            This one.
+        """
+        self.scale, self._end = other.scale, other._end
+        self._touches, self._numbers = other._touches, other._numbers
+        for kept in ("stiffness", "parameters"):
+            vars(self).pop(kept, None)
+        return self
+
+    def _other(self) -> PatternProblem:
+        other = copy.copy(self)
+        vars(other).pop("parameters", None)
+        other._seen = {}
+        return other
+
+    def under(self, work: Work, t: float) -> PatternProblem:
+        """Return the programme of the pattern under the load t on what it works on.
+
+        Parameters
+        ----------
+        work
+            What the load works on.
+        t
+            The load.
+
+        Returns
+        -------
+        PatternProblem
+            With the energy U - t w(phi); what is known of closure and of facets is shared.
+        """
+        other = self._other()
+        other._dead = Worked(work, t / self.scale)
+        return other
+
+    def loaded(self, load: np.ndarray) -> PatternProblem:
+        """Return the same programme with energy U - load . phi; load over `scale`, [n]."""
+        other = self._other()
+        other._load = np.asarray(load, float)
+        return other
+
+    def varied(
+        self, parameters: Parameters, sector_angles: np.ndarray | None = None
+    ) -> PatternProblem:
+        """Return the same programme with other springs and loads, over the same `scale`."""
+        if sector_angles is not None:
+            raise NotImplementedError("sector angles of a pattern are not varied")
+        other, p = self._other(), self.parameters
+        if not (
+            np.array_equal(p.rest, parameters.rest)
+            and np.array_equal(p.stiffness, parameters.stiffness)
+        ):
+            stiffness = parameters.stiffness * self.scale
+            other.pattern = replace(self.pattern, stiffness=stiffness, rest=parameters.rest)
+            vars(other).pop("stiffness", None)
+        other._load, other._dead = parameters.load, parameters.dead  # type: ignore[assignment]
+        return other
+
+    def drift(
+        self,
+        x: np.ndarray,
+        multipliers: np.ndarray,
+        contacts: Sequence[Contact],
+        change: np.ndarray,
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Differentiate the KKT system along a change of `parameters.vector`: of springs and load alone."""
+        stiffness, rest, load = change[: 3 * self.size].reshape(3, -1)
+        p = self.parameters
+        # d(k (phi - phi0) - load); closure and gaps do not depend on springs and loads
+        torque = stiffness * (x - p.rest) - p.stiffness * rest - load
+        if self._dead is not None:
+            torque = torque - change[-1] * self._dead.work.gradient(x)
+        return torque, np.zeros(len(multipliers))

@@ -1,0 +1,389 @@
+"""Facets of a folded pattern that lie on each other, in any planes, as an ordering problem.
+
+Of every two convex pieces of paper that overlap in a plane one is above.  These are the rules (the conditions on a
+folded state of Demaine and O'Rourke, Geometric Folding Algorithms, section 11.4, for rigid pieces):
+
+- where three overlap, their order is transitive;
+- a crease folded flat says by its sign which of its two facets is above;
+- about a line along which paper runs through (from one piece over an edge to the next, or straight on within a piece),
+  half planes leave in directions that geometry gives, several of them on each other in an order to be found; two such
+  passages must not interleave round the line.  With all paper in one plane these are the rules of flat folding (no
+  facet passes through a crease, two creases do not interleave); creases that leave the plane obey the same rule.
+
+Nothing happens at points that does not happen along a line through them, so that a state whose facets do not pierce
+each other is one of paper exactly if the rules have an answer.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, TypeAlias
+
+import numpy as np
+
+from origami_nlp.folding import TRANSITIVE, Rule, not_interleaved
+from origami_nlp.numerics import (
+    ANSWERED,
+    DEEP,
+    INSIDE,
+    NEAR_SINGULAR_TOL,
+    NONZERO,
+    cross,
+    groups,
+    unit_normals,
+)
+from origami_nlp.pattern_problem.crossings import Crossings, boxes_that_meet
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+
+GRID = 1e-3
+"""Of coordinates where bodies are intersected, over the distance from which features lie on each other."""
+
+Pair = tuple[int, int]
+End: TypeAlias = tuple[int, np.ndarray]
+"""Of a passage: a piece, and the direction in which it leaves the line."""
+
+
+class Unclear(Exception):
+    """Two pieces are closer than can be told, and yet do not lie on each other."""
+
+
+@dataclass(frozen=True, eq=False)
+class Bends:
+    """Edges at which two pieces hang together: creases, joined edges, cuts of facets that are not convex.
+
+    Attributes
+    ----------
+    left, right
+        The pieces, [K].
+    crease
+        The crease, or -1, [K].
+    start, end
+        Of the edge in space, with its left piece on the left, [K, 3].
+    """
+
+    left: NDArray[np.int_]
+    right: NDArray[np.int_]
+    crease: NDArray[np.int_]
+    start: np.ndarray
+    end: np.ndarray
+
+
+class Stack:
+    """Pieces that lie on each other, and the rules of their order.
+
+    Parameters
+    ----------
+    crossings
+        The convex pieces of a pattern.
+    phi
+        Fold angles of a closed state in which no facets pierce each other [rad], [n].
+    check
+        Called every now and then: may raise to end what takes long.
+
+    Attributes
+    ----------
+    pairs
+        Pieces that overlap, the smaller number first, [K, 2].
+    """
+
+    def __init__(
+        self, crossings: Crossings, phi: np.ndarray, check: Callable[[], None] = lambda: None
+    ) -> None:
+        self.crossings, self.phi, self._check = crossings, phi, check
+        self.near = INSIDE * crossings.size
+        self.x = crossings.placed(phi)
+        self.normal = unit_normals(self.x)
+        self.low, self.high = self.x.min(axis=1) - self.near, self.x.max(axis=1) + self.near
+        self.pairs = self._overlapping()
+        self.unknown: dict[Pair, int] = {(i, j): k for k, (i, j) in enumerate(self.pairs.tolist())}
+
+    @property
+    def facets(self) -> list[Pair]:
+        """Pairs of facets that lie on each other, sorted."""
+        f = np.sort(self.crossings.facet[self.pairs], axis=1)
+        return sorted({(a, b) for a, b in f.tolist()})
+
+    def _overlapping(self) -> np.ndarray:
+        """Return pairs of pieces of different facets, in one plane, that have an area in common."""
+        a, b = boxes_that_meet(self.low, self.high)
+        a, b = np.minimum(a, b), np.maximum(a, b)
+        away = np.maximum(self._off(a, b), self._off(b, a))
+        keep = (away <= self.near) & (self.crossings.facet[a] != self.crossings.facet[b])
+        pairs = np.column_stack([a[keep], b[keep]])
+        pairs = pairs[np.lexsort(pairs.T[::-1])]
+        return pairs[self._is_area(self._common(pairs))] if len(pairs) else pairs
+
+    def _off(self, a: np.ndarray, b: np.ndarray) -> np.ndarray:
+        """Return how far pieces b reach out of the planes of pieces a, [K]."""
+        out = np.einsum("kqi,ki->kq", self.x[b] - self.x[a][:, :1], self.normal[a])
+        return np.asarray(np.abs(out).max(axis=1, initial=0.0))
+
+    def _drawn(self, which: np.ndarray, on: np.ndarray) -> NDArray[np.object_]:
+        """Draw pieces in the planes of others, as polygons, [K]."""
+        from shapely import polygons
+
+        u = self.x[on, 1] - self.x[on, 0]
+        u /= np.linalg.norm(u, axis=1, keepdims=True)
+        frame = np.stack([u, cross(self.normal[on], u)], axis=1)
+        flat = np.einsum("kci,kqi->kqc", frame, self.x[which] - self.x[on][:, :1])
+        return np.asarray(polygons(flat))
+
+    def _common(self, pairs: np.ndarray) -> NDArray[np.object_]:
+        a, b = pairs.T
+        return self._shared(self._drawn(a, a), self._drawn(b, a))
+
+    def _shared(self, one: NDArray[np.object_], other: NDArray[np.object_]) -> NDArray[np.object_]:
+        """Intersect bodies on a grid: without one, GEOS finds but points in common of some triangles that coincide.
+
+        Lines and points that they share besides are left out: GEOS intersects no such mixture with others.
+        """
+        from shapely import (
+            GeometryType,
+            get_dimensions,
+            get_parts,
+            get_type_id,
+            intersection,
+            multipolygons,
+        )
+
+        shared = np.asarray(intersection(one, other, grid_size=GRID * self.near))
+        for i in np.flatnonzero(get_type_id(shared) == GeometryType.GEOMETRYCOLLECTION):
+            parts = get_parts(shared[i])
+            shared[i] = multipolygons(parts[get_dimensions(parts) == 2])
+        return shared
+
+    def _is_area(self, body: NDArray[np.object_]) -> NDArray[np.bool_]:
+        """Tell which bodies are wider than `near`."""
+        from shapely import area, length
+
+        # a strip of width w and length l has the area w l and the perimeter 2 l
+        return np.asarray(area(body) > 0.5 * self.near * length(body))
+
+    @cached_property
+    def up(self) -> np.ndarray:
+        """Of each piece the normal of its plane that tells above from below: one for all that lie on each other."""
+        label = groups(len(self.x), self.pairs)
+        _, first = np.unique(label, return_index=True)
+        # the first piece of each stack gives the direction; the others are turned to agree with it
+        way = np.einsum("pi,pi->p", self.normal, self.normal[first[label]])
+        return np.asarray(self.normal * np.where(way < 0, -1.0, 1.0)[:, None])
+
+    @cached_property
+    def bends(self) -> Bends:
+        """Edges at which pieces hang together."""
+        left, right, crease, start, end = self.crossings.hinges.T
+        return Bends(left, right, crease, self.x[left, start], self.x[left, end])
+
+    def known(self) -> Iterator[tuple[int, bool, int]]:
+        """Go through what creases folded flat say: an unknown, its value, the crease."""
+        b = self.bends
+        for i, j, c in zip(b.left.tolist(), b.right.tolist(), b.crease.tolist(), strict=True):
+            if c >= 0 and abs(self.phi[c]) > 0.5 * math.pi and _pair(i, j) in self.unknown:
+                # a valley brings the right facet to the side of the left one's normal
+                right = (self.phi[c] > 0) == (self.normal[i] @ self.up[i] > 0)
+                yield *self.said(j, i, right), c
+
+    def said(self, above: int, below: int, true: bool = True) -> tuple[int, bool]:
+        """Write 'the first piece is above the second' as an unknown and its value."""
+        return self.unknown[_pair(above, below)], (above < below) == true
+
+    def rules(self) -> Iterator[tuple[Rule, tuple[int, ...]]]:
+        """Go through what orders must obey, each with the pieces that it is about.
+
+        A rule without unknowns that allows nothing says that paper passes through paper whatever the order.
+
+        Raises
+        ------
+        Unclear
+            If two pieces are too close to each other.
+        """
+        yield from self._transitive()
+        seen = set()
+        for one, other in self._passages():
+            rule = self._apart(one, other)
+            if rule is not None and rule not in seen:
+                seen.add(rule)
+                yield rule, tuple(piece for piece, _ in (*one, *other))
+
+    def _transitive(self) -> Iterator[tuple[Rule, tuple[int, ...]]]:
+        if not len(self.pairs):
+            return
+        beside: dict[int, set[int]] = {}
+        for i, j in self.pairs.tolist():
+            beside.setdefault(i, set()).add(j)
+        third = [
+            (n, k)
+            for n, (i, j) in enumerate(self.pairs.tolist())
+            for k in sorted(beside[i] & beside.get(j, set()))
+        ]
+        if not third:
+            return
+        n, k = np.array(third).T
+        # an order is transitive only where all three have an area in common
+        both = self._common(self.pairs)[n]
+        common = self._is_area(self._shared(both, self._drawn(k, self.pairs[n, 0])))
+        for (i, j), m in zip(self.pairs[n[common]].tolist(), k[common].tolist(), strict=True):
+            unknowns = self.unknown[i, j], self.unknown[j, m], self.unknown[i, m]
+            yield (unknowns, TRANSITIVE), (i, j, m)
+
+    def _passages(self) -> Iterator[tuple[tuple[End, End], tuple[End, End]]]:
+        """Go through pairs of passages along a common piece of a line, the first of them over an edge."""
+        b = self.bends
+        if not len(b.left):
+            return
+        count = len(b.left)
+        low, high = np.minimum(b.start, b.end), np.maximum(b.start, b.end)
+        i, j = boxes_that_meet(np.vstack([low, self.low]), np.vstack([high, self.high]))
+        i, j = np.minimum(i, j), np.maximum(i, j)
+        mixed = (i < count) & (j >= count)
+        edge, piece = i[mixed], j[mixed] - count
+        own = (piece == b.left[edge]) | (piece == b.right[edge])
+        along = b.end - b.start
+        length = np.linalg.norm(along, axis=1)
+        along /= length[:, None]
+        first = self.x[piece, 0]
+        off = [np.einsum("ki,ki->k", e[edge] - first, self.normal[piece]) for e in (b.start, b.end)]
+        # edges that lie in the plane of a piece they do not belong to: there its passage can be interleaved with theirs
+        keep = ~own & (np.abs(off).max(axis=0, initial=0.0) <= self.near)
+        edge, piece = edge[keep], piece[keep]
+        side = cross(self.normal[piece], along[edge])
+        seen = set()
+        for e, p, d in zip(edge.tolist(), piece.tolist(), side, strict=True):
+            self._check()
+            reach = self._reach(p, b.start[e], along[e], d)
+            if reach is None or min(reach[1], length[e]) - max(reach[0], 0.0) <= 10 * self.near:
+                continue
+            one = self._over(e, along[e])
+            if reach[2] == 0:
+                at = np.linspace(max(reach[0], 0.0), min(reach[1], length[e]), 3)[:, None]
+                if not self._goes_round(one, p, b.start[e] + at * along[e]):
+                    yield one, ((p, d), (p, -d))
+                continue
+            for other in self._edges_of[p]:
+                if (pair := _pair(e, other)) in seen or e == other:
+                    continue
+                ends = np.stack([b.start[other], b.end[other]]) - b.start[e]
+                t = ends @ along[e]
+                apart = np.linalg.norm(ends - t[:, None] * along[e], axis=1).max()
+                if apart > self.near or min(t.max(), length[e]) - max(t.min(), 0) <= 10 * self.near:
+                    continue
+                seen.add(pair)
+                yield one, self._over(other, along[other])
+
+    def _goes_round(self, one: tuple[End, End], p: int, points: np.ndarray) -> bool:
+        """Tell whether a passage over an edge, off a piece by less than `near`, meets its plane beside its paper.
+
+        points: on the edge, [m, 3].  What pierces the piece by more than `DEEP` was found before; what only touches its
+        border does not pass through it.
+        """
+        normal, x = self.normal[p], self.x[p]
+        inward = cross(normal, np.roll(x, -1, axis=0) - x)
+        inward /= np.maximum(np.linalg.norm(inward, axis=1, keepdims=True), NONZERO)
+        height = (points - x[0]) @ normal
+        for piece, way in one:
+            slope = float(way @ normal)
+            if abs(slope) <= ANSWERED or _pair(piece, p) in self.unknown:
+                continue
+            # nearer than `DEEP` the edge itself is on the paper
+            down = (height * slope < 0) & (np.abs(height) > DEEP * self.crossings.size)
+            meets = points - np.where(down, height / slope, 0.0)[:, None] * way
+            inside = np.einsum("mqi,qi->mq", meets[:, None] - x, inward).min(axis=1)
+            if down.any() and (inside <= DEEP * self.crossings.size).all():
+                return True
+        return False
+
+    @cached_property
+    def _edges_of(self) -> list[list[int]]:
+        """Of each piece the edges at which it hangs together with others."""
+        found: list[list[int]] = [[] for _ in self.x]
+        for e, both in enumerate(
+            zip(self.bends.left.tolist(), self.bends.right.tolist(), strict=True)
+        ):
+            for p in both:
+                found[p].append(e)
+        return found
+
+    def _over(self, e: int, along: np.ndarray) -> tuple[End, End]:
+        """Return the passage over an edge."""
+        i, j = int(self.bends.left[e]), int(self.bends.right[e])
+        return (i, cross(self.normal[i], along)), (j, -cross(self.normal[j], along))
+
+    def _reach(
+        self, p: int, origin: np.ndarray, along: np.ndarray, d: np.ndarray
+    ) -> tuple[float, float, int] | None:
+        """Return from where to where a line runs through a piece (0), or along its border (side on which it lies)."""
+        x = self.x[p] - origin
+        t, h = x @ along, x @ d
+        # heights over the line within the piece's plane: of both signs where the line runs through it
+        h = np.where(np.abs(h) <= self.near, 0.0, h)
+        on = t[h == 0.0].tolist()
+        if h.max() > 0 > h.min():
+            t2, h2 = np.roll(t, -1), np.roll(h, -1)
+            cut = h * h2 < 0
+            on += (t[cut] + (t2[cut] - t[cut]) * h[cut] / (h[cut] - h2[cut])).tolist()
+            return min(on), max(on), 0
+        return (min(on), max(on), 1 if h.max() > 0 else -1) if on else None
+
+    def _apart(self, one: tuple[End, End], other: tuple[End, End]) -> Rule | None:
+        """Keep two passages from interleaving; None where no order could make them."""
+        ends = [*one, *other]
+        d = np.array([way for _, way in ends])
+        axis = cross(d[0], self.normal[ends[0][0]])
+        axis /= np.linalg.norm(axis)
+        e1 = d[0] - (d[0] @ axis) * axis
+        e2 = cross(axis, e1)
+        turned = np.arctan2(d @ e2, d @ e1)
+        # ends of passages on one ray: pieces that lie on each other and leave the line in the same direction
+        ray = list(range(4))
+        for k, m in itertools.combinations(range(4), 2):
+            i, j = ends[k][0], ends[m][0]
+            if _pair(i, j) in self.unknown and d[k] @ d[m] > 0:
+                ray = [ray[k] if r == ray[m] else r for r in ray]
+        for k, m in itertools.combinations(range(4), 2):
+            if ray[k] != ray[m] and np.linalg.norm(d[k] - d[m]) < ANSWERED:
+                raise Unclear
+        rank = {r: n for n, r in enumerate(sorted(set(ray), key=lambda r: turned[r]))}
+        # on a ray, what is above comes later, counter-clockwise about the axis, or earlier
+        later = [bool(self.up[p] @ cross(axis, way) > 0) for p, way in ends]
+        pairs: dict[Pair, int] = {}
+        level = []
+        for k, m in itertools.combinations(range(4), 2):
+            if ray[k] == ray[m]:
+                (i, _), (j, _) = ends[k], ends[m]
+                which = pairs.setdefault(_pair(i, j), len(pairs))
+                level.append((k, m, which, (i > j) == later[k]))
+        if any(pair not in self.unknown for pair in pairs):
+            raise Unclear
+        allowed = not_interleaved(tuple(rank[r] for r in ray), tuple(level))
+        if not pairs and allowed:
+            return None
+        if not pairs and any(
+            ray[k] != ray[m] and np.linalg.norm(d[k] - d[m]) < NEAR_SINGULAR_TOL
+            for k, m in itertools.combinations(range(4), 2)
+        ):
+            # the line may be as far off the piece as features that lie on each other: what leaves it at so small an
+            # angle may end before it comes to the other side
+            raise Unclear
+        return tuple(self.unknown[pair] for pair in pairs), allowed
+
+    def polygons(self, values: Iterable[bool]) -> tuple[tuple[int, int, int], ...]:
+        """Return the order as FOLD does: polygons f, g and s = 1 where f lies on the side of g's normal, else -1."""
+        number = self.crossings.polygon
+        found: dict[Pair, set[int]] = {}
+        for (i, j), value in zip(self.pairs.tolist(), values, strict=True):
+            s = 1 if value == (self.normal[j] @ self.up[j] > 0) else -1
+            f, g = int(number[i]), int(number[j])
+            found.setdefault((f, g), set()).add(s)
+        # polygons that are not convex can be above each other here and below there
+        return tuple((f, g, s.pop()) for (f, g), s in sorted(found.items()) if len(s) == 1)
+
+
+def _pair(i: int, j: int) -> Pair:
+    return (i, j) if i < j else (j, i)

@@ -1,0 +1,46 @@
+from .angle_sums import pop_rows as pop_rows
+from .clearance import Clearance as Clearance, Stretches as Stretches
+from .confirming import Confirmed as Confirmed, confirm_minimum as confirm_minimum
+from .contact_descents import (
+    contact_descent as contact_descent,
+    contact_descent_off as contact_descent_off,
+    contact_descents_along as contact_descents_along,
+)
+from .curve import (
+    Curve as Curve,
+    follow_curve as follow_curve,
+    tangents as tangents,
+)
+from .curve_passes import curve_passes as curve_passes
+from .descent import Descended as Descended, descend as descend
+from .drawing import (
+    draw_mobility as draw_mobility,
+    draw_motion as draw_motion,
+)
+from .find import find_states as find_states
+from .flat_folded import (
+    FlatFolded as FlatFolded,
+    list_branches as list_branches,
+    list_flat_folded as list_flat_folded,
+)
+from .interactive import (
+    pattern_content as pattern_content,
+    view_motion as view_motion,
+)
+from .interpolant import (
+    Interpolant as Interpolant,
+    interpolate as interpolate,
+    wells as wells,
+)
+from .judgement import (
+    classified as classified,
+    judge as judge,
+    singular_beside as singular_beside,
+)
+from .mobility import (
+    Mobility as Mobility,
+    analyze_mobility as analyze_mobility,
+    jacobian_rank as jacobian_rank,
+)
+from .motion import Motion as Motion, find_motion as find_motion
+from .noise import is_overdetermined as is_overdetermined

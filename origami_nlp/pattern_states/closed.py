@@ -1,0 +1,67 @@
+"""Starts of a sheet brought onto closure, lowest states of planes, and what is known of a vertex alone."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from origami_nlp.minima import find_minima
+from origami_nlp.numerics import CLOSURE_TOL, DUPLICATE_TOL, EXPLORED, nearest
+from origami_nlp.pattern import Contact, Pattern, Scene
+from origami_nlp.pattern_problem import PatternProblem, round_vertex
+
+
+def close(problem: PatternProblem, start: np.ndarray) -> np.ndarray | None:
+    """Close a start within the fold limits, creases that are shut left so if they can be; None where it is not."""
+    start = np.clip(start, -math.pi, math.pi)
+    at_limit = np.abs(start) == math.pi
+    for held in (at_limit, None) if at_limit.any() else (None,):
+        phi, residual = problem.project(start, held)
+        within = np.abs(phi).max(initial=0.0) <= math.pi + EXPLORED
+        phi = np.clip(phi, -math.pi, math.pi)
+        if residual <= CLOSURE_TOL and within and problem.closure.on_sheet(phi):
+            return phi
+    return None
+
+
+def scene_of(pattern: Pattern, contact: bool) -> tuple[Scene | None, list[int]]:
+    """Return the scene of a pattern's only vertex and its creases in order; None where there are more creases."""
+    (loop,) = pattern.vertices
+    vertex, creases = round_vertex(pattern, loop), list(loop.creases)
+    if vertex is None or len(creases) < pattern.creases:
+        return None, creases
+    stiffness, rest = (tuple(x[creases].tolist()) for x in (pattern.stiffness, pattern.rest))
+    kind: Contact = "full" if contact else "fold-limits"
+    return Scene(vertex, stiffness, rest, "none", kind), creases
+
+
+def of_vertex(
+    pattern: Pattern, contact: bool, seed: int, seconds: float
+) -> tuple[list[np.ndarray], bool]:
+    """Return the minima that the search for single vertices finds, [n] each, and whether it came to its end."""
+    scene, creases = scene_of(pattern, contact)
+    if scene is None:
+        return [], True
+    result = find_minima(scene, seed=seed, prove=False, escape=False, seconds=seconds)
+    states = np.zeros((len(result.minima), pattern.creases))
+    for phi, found in zip(states, result.minima, strict=True):
+        phi[creases] = found.fold_angles
+    return list(states), result.search.stopped_by != "time"
+
+
+def lowest_on(problem: PatternProblem, phi: np.ndarray, basis: np.ndarray) -> np.ndarray | None:
+    """Return the state of lowest energy on a plane of closed states phi + basis y, within the fold limits."""
+    root = np.sqrt(problem.stiffness)[:, None]
+    _, r = np.linalg.qr(root * basis)  # energy = |r y - r y0|^2 / 2 and what stays
+    y0 = np.linalg.lstsq(root * basis, root[:, 0] * (problem.pattern.rest - phi), rcond=None)[0]
+    # in coordinates r y the energy is half a squared distance: the state is the nearest point of a polytope
+    rows = np.linalg.solve(r.T, np.vstack([basis, -basis]).T).T
+    y = nearest(r @ y0, rows, np.concatenate([-math.pi - phi, phi - math.pi]))
+    if y is None:
+        return None
+    state = phi + basis @ np.linalg.solve(r, y)
+    at_limit = math.pi - np.abs(state) < 10 * DUPLICATE_TOL
+    state[at_limit] = np.copysign(math.pi, state[at_limit])
+    state[np.abs(state) < 10 * DUPLICATE_TOL] = 0.0
+    return close(problem, state)

@@ -1,0 +1,159 @@
+"""Downhill into contact, along states in which no facets cross: by the kernel (`kkt.follow`), and from where."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from origami_nlp.kkt import STOPPED, follow
+from origami_nlp.numerics import CLOSURE_TOL
+from origami_nlp.pattern_problem import MOST_DENSE, PatternProblem
+from origami_nlp.pattern_states.angle_sums import is_jump, pop_rows
+from origami_nlp.pattern_states.clearance import Stretches
+from origami_nlp.pattern_states.descent import TRUST, Descended
+
+MOST_STEPS = 400
+"""Of a descent."""
+MOST_PAIRS = 1_000
+"""Pairs of facets that face each other closely: more are refused."""
+REACH = 0.05
+"""Features that face each other closer than this, over the sheet's size, do so closely."""
+UNTOLD = "facets meet at borders or face to face, where no single gap tells them apart"
+"""Why a descent ends at a state that is neither held on every piece nor left on one."""
+HALVINGS = 20
+"""Of the way from a state of a curve to the next one in which facets cross, until they touch."""
+SMALLER = 0.8, 0.6, 0.45, 0.3, 0.2, 0.1, 0.05
+"""Shares of a start's fold angles, from the reference state on, at which it is asked whether facets cross."""
+
+
+def contact_descent(problem: PatternProblem, phi: np.ndarray, keep: bool = False) -> Descended:
+    """Follow the energy downhill from a closed state in which no facets cross, along states of the same kind.
+
+    Parameters
+    ----------
+    problem
+        The programme.
+    phi
+        The start, within the fold limits, [n] [rad].
+    keep
+        Whether steps that take a vertex past its flat state are refused, see `pops`: motions of paper do not.
+
+    Returns
+    -------
+    Descended
+        Where it arrived, a minimum.
+    """
+    if problem.size > MOST_DENSE:
+        many = f"the pattern has {problem.size:,} creases, contact is solved up to {MOST_DENSE}"
+        return Descended(phi, False, 0, many)
+    pops = pop_rows(problem.pattern)
+
+    def crowded(x: np.ndarray) -> bool:
+        facing = problem.features.facing(problem.placed(x), REACH)
+        return len({frozenset(t.facets) for t, _ in facing}) > MOST_PAIRS
+
+    try:
+        found = follow(
+            problem,
+            phi,
+            curved=True,
+            longest=TRUST,
+            most_steps=MOST_STEPS,
+            until=crowded if math.comb(problem.pattern.facets, 2) > MOST_PAIRS else None,
+            leads=(lambda x, y: not is_jump(pops, x, y)) if keep else None,
+        )
+    except np.linalg.LinAlgError:  # a ValueError as well
+        raise
+    except ValueError as refused:
+        return Descended(phi, False, 0, str(refused))
+    arrived, why = found.what.verdict == "minimum", UNTOLD
+    if arrived:
+        problem.kept("classified", found.end, lambda: found.what)
+    elif found.what is STOPPED:
+        why = f"more than {MOST_PAIRS} pairs of facets come close to each other"
+    path = tuple(found.states)
+    return Descended(found.end, arrived, len(path) - 1, "still" if arrived else why, path=path)
+
+
+def contact_descents_along(problem: PatternProblem, stretches: Stretches) -> Iterator[Descended]:
+    """Go down from every state of a curve whose neighbour crosses and is lower, or from where their facets touch.
+
+    Parameters
+    ----------
+    problem
+        The programme.
+    stretches
+        Of `Clearance.along`.
+
+    Yields
+    ------
+    Descended
+        In the order of the curve.
+    """
+    states, crosses = stretches.states, stretches.crosses
+    for i in np.flatnonzero(crosses[:-1] != crosses[1:]):
+        free, crossed = (i + 1, i) if crosses[i] else (i, i + 1)
+        start, beyond = states[free], states[crossed]
+        if not _falls(problem, start, beyond):  # energy may fall again before facets touch
+            start = _last_free(problem, start, beyond)
+        if _falls(problem, start, beyond):
+            yield contact_descent(problem, start)
+
+
+def _falls(problem: PatternProblem, phi: np.ndarray, ahead: np.ndarray) -> bool:
+    """Tell whether the energy falls from a closed state on the way to another one [n]."""
+    return bool(problem.torque(phi) @ problem.along(phi, ahead - phi) < 0)
+
+
+def _last_free(problem: PatternProblem, free: np.ndarray, crossed: np.ndarray) -> np.ndarray:
+    """Return the last closed state without crossings on the way to one with crossings near by, by bisection, [n]."""
+    for _ in range(HALVINGS):
+        middle, residual = problem.project(0.5 * (free + crossed))
+        if residual > CLOSURE_TOL:
+            break
+        if problem.crossings.find(middle):
+            crossed = middle
+        else:
+            free = middle
+    return free
+
+
+def contact_descent_off(problem: PatternProblem, path: Sequence[np.ndarray]) -> Descended | None:
+    """Go down where a descent that let facets cross would have had to stop.
+
+    Parameters
+    ----------
+    problem
+        The programme.
+    path
+        Closed states of the descent, [n] [rad] each.
+
+    Returns
+    -------
+    Descended
+        From the last state before facets cross; where they cross at the start from one that is folded less.  None
+        where they cross at none of the states.
+    """
+    if (
+        problem.size > MOST_DENSE
+    ):  # to be refused: it is enough to know whether there was something to do
+        return contact_descent(problem, path[-1]) if problem.crossings.find(path[-1]) else None
+    crossed = next((k for k, phi in enumerate(path) if problem.crossings.find(phi)), None)
+    if crossed is None:
+        return None
+    if crossed:
+        return contact_descent(problem, path[crossed - 1])
+    reference = problem.pattern.reference
+    for share in SMALLER:
+        start, residual = problem.project(reference + share * (path[0] - reference))
+        if (
+            residual > CLOSURE_TOL
+            or not problem.closure.on_sheet(start)
+            or np.abs(start).max() > math.pi
+        ):
+            continue
+        if not problem.crossings.find(start):
+            return contact_descent(problem, start)
+    return Descended(path[0], False, 0, "no start was found at which facets do not cross")

@@ -1,0 +1,125 @@
+"""All curves of states with one freedom that a search has found, each once, with its images under symmetries."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from origami_nlp.io import ShortRepr
+from origami_nlp.numerics import CLOSURE_TOL, SETTLED
+from origami_nlp.pattern_problem import Labels, PatternProblem, image
+from origami_nlp.pattern_states.branch_points import dips
+from origami_nlp.pattern_states.clearance import Clearance, Stretches
+from origami_nlp.pattern_states.curve import follow_curve
+from origami_nlp.pattern_states.interpolant import Interpolant, interpolate
+
+LONG = 0.08
+"""Largest step along curves that polynomials fill in [rad]."""
+ON_CURVE = 2e-5
+"""A state this close to a curve is on it [rad]: what its polynomials are off, with room."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Traced(ShortRepr):
+    """A curve of states with one freedom.
+
+    Attributes
+    ----------
+    curve
+        As polynomials.
+    stretches
+        Where facets cross along it; None where contact is not asked for.
+    crossroads
+        States of it, not flat or folded flat, at which closure loses rank, [n] each.
+    meets
+        All states of it at which closure loses rank.
+    """
+
+    curve: Interpolant
+    stretches: Stretches | None
+    crossroads: tuple[np.ndarray, ...]
+    meets: tuple[np.ndarray, ...] = ()
+
+    @property
+    def complete(self) -> bool:
+        """Whether both ends are fold limits, or the curve is closed."""
+        return all(end in ("limit", "closed") for end in self.curve.ends)
+
+    def image(self, symmetry: tuple[np.ndarray, float]) -> Traced:
+        """Return where a symmetry of the paper takes it."""
+        seen = self.stretches
+        if seen is not None:
+            seen = replace(seen, states=image(symmetry, seen.states))
+        crossroads, meets = (
+            tuple(image(symmetry, x) for x in which) for which in (self.crossroads, self.meets)
+        )
+        return Traced(self.curve.image(symmetry), seen, crossroads, meets)
+
+
+class Curves:
+    """Curves that were found.
+
+    Parameters
+    ----------
+    problem
+        The programme.
+    labels
+        Of its pattern: symmetries of the paper take curves to curves.
+    contact
+        Whether to ask where facets cross.
+    """
+
+    def __init__(self, problem: PatternProblem, labels: Labels, contact: bool) -> None:
+        self.problem, self.labels = problem, labels
+        self.found: list[Traced] = []
+        self._contact = contact
+
+    @cached_property
+    def _clearance(self) -> Clearance:
+        """Gaps of all pairs of facets: of sheets whose curves are traced."""
+        return Clearance(self.problem)
+
+    def __contains__(self, phi: np.ndarray) -> bool:
+        """Tell whether a closed state is on one of the curves."""
+        return any(self._on(traced.curve, phi) for traced in self.found)
+
+    def trace(self, phi: np.ndarray, along: np.ndarray) -> list[Traced]:
+        """Trace the curve through a closed state that is on none yet.
+
+        Parameters
+        ----------
+        phi
+            The state, [n].
+        along
+            Direction of the curve there, [n].
+
+        Returns
+        -------
+        list of Traced
+            The curve, and its images that are not known yet.
+        """
+        curve = interpolate(self.problem, follow_curve(self.problem, phi, along, LONG))
+        seen = self._clearance.along(curve) if self._contact else None
+        meets = tuple(dips(self.problem, curve))
+        meet = [x for x in meets if np.abs(np.sin(x)).max() > SETTLED]
+        new = [Traced(curve, seen, tuple(meet), meets)]
+        self.found += new
+        for symmetry in self.labels.images:
+            other = image(symmetry, phi)
+            if self.problem.residual(other) <= CLOSURE_TOL and other not in self:
+                copy = new[0].image(symmetry)
+                new.append(copy)
+                self.found.append(copy)
+        return new
+
+    def _on(self, curve: Interpolant, phi: np.ndarray) -> bool:
+        """Tell whether a closed state is on a curve: by its polynomials, as steps of Newton may go over to others."""
+        distance = np.linalg.norm(curve.states - phi, axis=1)
+        i = int(distance.argmin())
+        if distance[i] > 2 * LONG * math.sqrt(self.problem.size):
+            return False
+        steps = (step for step in (i - 1, i) if 0 <= step < len(curve.control))
+        return any(curve.nearest(step, phi)[1] < ON_CURVE for step in steps)

@@ -1,0 +1,199 @@
+"""Downhill along closed states: Newton in the tangent space with a trust radius, projected back after each step."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from scipy import sparse
+
+from origami_nlp.numerics import (
+    BALANCED,
+    CLOSURE_TOL,
+    DECREASE,
+    NONZERO,
+    OUTSIDE,
+    ROUNDED,
+    SETTLED,
+    SINGULAR,
+    TINY,
+    Factor,
+    Normal,
+)
+from origami_nlp.pattern_problem import PatternProblem
+
+TRUST = 0.3
+"""First and largest step [rad]."""
+STILL = 1e-12
+"""Reduced torque over the mean stiffness at which a descent has arrived."""
+MOST_SPECTRAL = 60
+"""Creases up to which steps are taken from a spectrum, which leaves saddles; beyond, curvature is shifted."""
+FAR = 4.0
+"""A step that is cut by more than this goes along the softest ways alone: curvature is shifted instead."""
+
+
+@dataclass(frozen=True)
+class Descended:
+    """Where a descent ended.
+
+    Attributes
+    ----------
+    phi
+        Fold angles [rad], [n].
+    arrived
+        Whether the torque along all free motions vanishes.
+    steps
+        Taken.
+    why
+        How it ended.
+    saddles
+        Number of saddles that were left to one side: the other may lead elsewhere.
+    path
+        Closed states on the way, from the start on.
+    """
+
+    phi: np.ndarray
+    arrived: bool
+    steps: int
+    why: str
+    saddles: int = 0
+    path: tuple[np.ndarray, ...] = ()
+
+
+def descend(
+    problem: PatternProblem,
+    phi: np.ndarray,
+    most: int = 200,
+    side: np.ndarray | None = None,
+    kept: np.ndarray | None = None,
+) -> Descended:
+    """Follow the energy downhill from a closed state.
+
+    Parameters
+    ----------
+    problem
+        The programme.
+    phi
+        A closed state within the fold limits, [n] [rad].
+    most
+        Steps.
+    side
+        Direction [n] that says to which side saddles are left.
+    kept
+        Creases that stay as they are, of bool [n].
+
+    Returns
+    -------
+    Descended
+        A stationary state where it arrived: not yet judged.
+    """
+    radius, saddles = TRUST, 0
+    stays = np.zeros(len(phi), bool) if kept is None else kept
+    held = (np.abs(np.abs(phi) - math.pi) <= OUTSIDE) | stays
+    energy, path = problem.scaled_energy(phi), [phi]
+    for step in range(most):
+        where = np.flatnonzero(held)
+        lam, limits, balance = problem.multipliers(phi, where)
+        normal = problem.normal(phi, where)  # the factors of the multipliers
+        pulls = np.where(stays[where], 0.0, limits)
+        if len(where) and pulls.min() < -STILL:  # the limit would have to pull: let go
+            held[where[int(pulls.argmin())]] = False
+            continue
+        # beside the flat state multipliers are large, and rounding with them
+        size, left = max(1.0, float(np.abs(lam).max(initial=0.0))), float(np.abs(balance).max())
+        still = STILL * size
+        if left <= ROUNDED * size and problem.size > MOST_SPECTRAL:  # no step leaves a saddle there
+            return Descended(phi, True, step, "still", saddles, tuple(path))
+        d, off_saddle = _direction(problem, phi, lam, held, radius, normal, side)
+        saddles += off_saddle
+        slope = float(balance @ d)
+        if left <= still and slope > -(still**2):
+            return Descended(phi, True, step, "still", saddles, tuple(path))
+        moved = False
+        while radius > ROUNDED:
+            trial = _capped(d, radius)
+            new, closes = _retract(problem, phi + trial, held, normal)
+            share = float(np.linalg.norm(trial)) / max(float(np.linalg.norm(d)), NONZERO)
+            lower = problem.scaled_energy(new) < energy - DECREASE * abs(slope) * share
+            tiny = np.abs(trial).max() < TINY and problem.scaled_energy(new) <= energy + ROUNDED * (
+                1 + energy
+            )
+            if closes and (lower or tiny) and np.abs(new - phi).max() <= 3 * radius + OUTSIDE:
+                phi, energy, moved = new, problem.scaled_energy(new), True
+                path.append(phi)
+                held = held | (np.abs(np.abs(phi) - math.pi) <= OUTSIDE)
+                if np.abs(trial).max() >= 0.9 * radius:
+                    radius = min(TRUST, 2 * radius)
+                break
+            radius *= 0.3
+        if not moved:
+            at_rest = np.abs(balance).max() <= BALANCED
+            return Descended(
+                phi, at_rest, step, "no lower state within reach", saddles, tuple(path)
+            )
+        radius = max(radius, SETTLED)
+    return Descended(phi, False, most, "too many steps", saddles, tuple(path))
+
+
+def _direction(
+    problem: PatternProblem,
+    phi: np.ndarray,
+    lam: np.ndarray,
+    held: np.ndarray,
+    radius: float,
+    normal: Normal,
+    side: np.ndarray | None,
+) -> tuple[np.ndarray, bool]:
+    """Newton's step in the tangent space with negative curvature turned round; whether it leaves a saddle."""
+    free = np.flatnonzero(~held)
+    out = np.zeros(problem.size)
+    g = problem.torque(phi)
+    h = problem.hessian(phi, lam)
+    if problem.size <= MOST_SPECTRAL:
+        z = problem.kernel(phi, np.flatnonzero(held))
+        if not z.shape[1]:
+            return out, False
+        values, vectors = np.linalg.eigh(z.T @ (h @ z))
+        slope = vectors.T @ (z.T @ g)
+        size = np.maximum(np.abs(values), SINGULAR)
+        y = -slope / size
+        saddle = bool(values[0] < -BALANCED and abs(slope[0]) < BALANCED)
+        if saddle:
+            towards = slope[0] if side is None else -float(side @ (z @ vectors[:, 0]))
+            y[0] = -math.copysign(radius, towards or 1.0)
+        return z @ (vectors @ y), saddle
+    j = normal.jacobian
+    h = h[free][:, free] if held.any() else h
+    unit = np.eye(len(free)) if isinstance(h, np.ndarray) else sparse.eye_array(len(free))
+    shift = 0.0
+    for _ in range(8):
+        matrix = h + shift * unit
+        d, _ = Factor(matrix, j).solve(-g[free] + j.T @ lam, np.zeros(j.shape[0]))
+        bent = float(d @ (matrix @ d)) <= SINGULAR * float(d @ d) and d.any()
+        if not bent and np.abs(d).max() <= FAR * radius:
+            break
+        shift = max((10 if bent else 3) * shift, 0.1)
+    out[free] = d
+    return out, False
+
+
+def _capped(d: np.ndarray, radius: float) -> np.ndarray:
+    return d * min(1.0, radius / max(float(np.abs(d).max(initial=0.0)), NONZERO))
+
+
+def _retract(
+    problem: PatternProblem, phi: np.ndarray, held: np.ndarray, near: Normal
+) -> tuple[np.ndarray, bool]:
+    """Project back; creases that would pass a limit stop there."""
+    held = held.copy()
+    phi, residual = problem.project(np.clip(phi, -math.pi, math.pi), held, near=near)
+    for _ in range(6):
+        beyond = np.abs(phi) > math.pi
+        if not beyond.any():
+            break
+        held |= beyond
+        phi[beyond] = np.copysign(math.pi, phi[beyond])
+        phi, residual = problem.project(phi, held)
+    good = residual <= CLOSURE_TOL and bool((np.abs(phi) <= math.pi).all())
+    return phi, good and problem.closure.on_sheet(phi)

@@ -1,0 +1,472 @@
+"""Finds the stable states of a sheet: curves traced where one freedom is left, descents from starts elsewhere.
+
+Curves leave flat-folded states, which are enumerated, and cross each other at states where closure loses rank, which
+are looked for along each; random starts, drawn by labels that do not depend on how creases are numbered, are for what
+is on none of them.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from origami_nlp.arguments import check_flag, check_number, check_whole
+from origami_nlp.errors import Interrupted, OptionError, OutOfTime
+from origami_nlp.kkt import TangentCone
+from origami_nlp.minima import (
+    ESCAPE_PATHS,
+    MEETINGS,
+    JudgedState,
+    MinimaResult,
+    PatternSearchReport,
+    check_noise,
+)
+from origami_nlp.numerics import CLOSURE_TOL, DUPLICATE_TOL, RESOLVED, rank
+from origami_nlp.pattern import Pattern, as_pattern
+from origami_nlp.pattern_problem import MOST_DENSE, PatternProblem, find_labels, image
+from origami_nlp.pattern_states.branch_points import (
+    branch_directions,
+    into_family,
+    is_on_plane,
+    split,
+)
+from origami_nlp.pattern_states.closed import close, lowest_on, of_vertex
+from origami_nlp.pattern_states.contact_descents import (
+    UNTOLD,
+    contact_descent,
+    contact_descent_off,
+    contact_descents_along,
+)
+from origami_nlp.pattern_states.curve import tangents
+from origami_nlp.pattern_states.curves import ON_CURVE, Curves, Traced
+from origami_nlp.pattern_states.descent import Descended, descend
+from origami_nlp.pattern_states.escape import with_escapes
+from origami_nlp.pattern_states.flat_folded import escape_paths, list_branches, list_flat_folded
+from origami_nlp.pattern_states.interpolant import wells
+from origami_nlp.pattern_states.judgement import (
+    judge,
+    judge_end,
+    singular_beside,
+    stationary_beside,
+)
+from origami_nlp.pattern_states.noise import NOISE, with_survival
+from origami_nlp.starts import OWN, Given, Popped, SearchOptions, families_in_turn, options_of
+
+OUT = 0.2
+"""First step out of a state where curves meet, of the longest fold angle [rad]."""
+SECONDS = 300.0
+"""For a search, of wall time."""
+FAILURES = np.linalg.LinAlgError, ArithmeticError
+"""What linear algebra may end in at some start: it is counted and named."""
+
+
+def find_states(
+    pattern: Pattern | str,
+    starts: int | None = None,
+    seed: int = 0,
+    contact: bool = True,
+    seconds: float | None = None,
+    escape: bool = True,
+    noise: float | None = None,
+    *,
+    effort: str = "normal",
+    options: SearchOptions | None = None,
+    max_starts: int | None = None,
+) -> MinimaResult:
+    """Find the stable states of a pattern.
+
+    Parameters
+    ----------
+    pattern
+        As `as_pattern` takes it.
+    starts
+        Random starts in a row that find no other minimum or curve, ten times as many at most; None: as `effort` says.
+    seed
+        Of the random starts: numbers of creases, the sheet's place and the side it is seen from change nothing.
+    contact
+        Whether facets must not cross; without, only fold limits count.
+    seconds
+        Wall time for the search, give or take a second or two: what was left out is named.  None: 300 s.
+    escape, noise, effort, options, max_starts
+        As for `minima.find_minima`; errors are those of springs and of the positions of vertices.
+
+    Returns
+    -------
+    MinimaResult
+        Minima with their certificates, what could not be decided, and what was enumerated, sampled, and ended open.
+
+    Raises
+    ------
+    OptionError
+        If an argument is not what it must be, or the pattern has no crease.
+    Interrupted
+        If the user interrupts it: a `KeyboardInterrupt` whose ``result`` holds what was found.
+
+    Examples
+    --------
+    >>> from origami_nlp.pattern_states import find_states
+    >>> len(find_states("metasheet:2x3", starts=4).minima)
+    5
+    """
+    pattern = as_pattern(pattern)
+    asked = options_of(effort, options)
+    starts = asked.in_a_row if starts is None else check_whole("starts", starts, 0)
+    most = (
+        asked.most_drawn * starts
+        if max_starts is None
+        else check_whole("max_starts", max_starts, 1)
+    )
+    rng = np.random.default_rng(check_whole("seed", seed, 0))
+    seconds = check_number("seconds", SECONDS if seconds is None else seconds, 0.0)
+    check_flag("escape", escape)
+    check_noise(noise)
+    if not pattern.creases:
+        raise OptionError("the pattern has no crease: there is nothing to fold")
+    search = _Search(pattern, contact, seconds, asked)
+    search.tally.seed, search.tally.effort = seed, OWN if options else effort
+    if pattern.is_flat:
+        search.part("ways out of the flat state", search.from_crossroads)
+    for start in Given(search.problem.pattern).states():
+        search.part(Given.name, search.explore, start)
+    if len(pattern.vertices) == 1 and not pattern.holes:
+        search.part("the search for single vertices", search.round_the_vertex, seed)
+    for k in range(min(asked.most_drawn * starts, most)):
+        if not search.part("random starts", search.draw, rng, k) or search.tally.quiet == starts:
+            break
+    search.part("minima with a vertex popped", search.pop, asked.most_popped * starts)
+    search.part("images of minima under symmetries", search.add_images)
+    if escape:
+        search.part("escape barriers", search.add_escapes)
+    if noise is not None:
+        search.part(NOISE, search.add_survival, noise)
+    if search.tally.interrupted:
+        raise Interrupted(search.result(pattern, starts))
+    return search.result(pattern, starts)
+
+
+class _Search:
+    """A search on its way."""
+
+    def __init__(
+        self, pattern: Pattern, contact: bool, seconds: float, options: SearchOptions
+    ) -> None:
+        self.options, until = options, time.monotonic() + seconds
+        self.labels, self.contact = find_labels(pattern), contact
+        self.problem = PatternProblem(self.labels.arranged(pattern))
+        self.problem.until = until
+        self.problem.origin = pattern.corners.mean(axis=0)
+        self._symmetries = self.labels.symmetries(pattern)
+        self.curves = Curves(self.problem, self.labels, contact)
+        self.tally = PatternSearchReport(contact="full" if contact else "fold-limits")
+        self._since, self.judged, self._traced = time.perf_counter(), list[JudgedState](), 0
+        self._planes: list[tuple[np.ndarray, np.ndarray]] = []
+        self._families = families_in_turn(self.problem, self.labels)
+        self._side = self.labels.drawn(np.random.default_rng(0).normal(size=pattern.creases))
+
+    def part(self, what: str, work: Callable[..., None], *given: Any) -> bool:
+        """Do a part of the search; False, and noted as left out, where time or the user ends it before."""
+        try:
+            self.problem.check_time()
+            work(*given)
+        except (OutOfTime, KeyboardInterrupt) as stop:
+            if isinstance(stop, KeyboardInterrupt):
+                self.problem.until, self.tally.interrupted = -math.inf, True
+            self.tally.leave_out(what)
+            return False
+        except FAILURES as failure:
+            self.tally.fail(failure)
+        return True
+
+    def attempt(self, work: Callable[..., None], *given: Any) -> None:
+        """Do what concerns one start, or one well; where linear algebra fails there, count and name it."""
+        try:
+            work(*given)
+        except FAILURES as failure:
+            self.tally.fail(failure)
+
+    def known(self, phi: np.ndarray, verdict: str = "minimum") -> bool:
+        """Tell whether a state was judged: one that is not stationary says nothing of a minimum beside it."""
+        least = {"not stationary": CLOSURE_TOL} if verdict == "minimum" else {}
+        apart = ((np.abs(phi - s.phi).max(), s.verdict) for s in self.judged)
+        return any(far <= least.get(what, 10 * DUPLICATE_TOL) for far, what in apart)
+
+    def add(self, state: JudgedState) -> None:
+        """Keep a state, once."""
+        near = singular_beside(self.problem, state.phi) if state.verdict == "undecided" else None
+        if state.dof < 0:  # it does not close, or is beyond a limit
+            self.tally.open += 1
+        elif near is not None and self.known(near):  # not told from what was judged
+            self.tally.stalled += 1
+        elif not self.known(state.phi, state.verdict):
+            self.judged.append(state)
+
+    def settle(self, phi: np.ndarray) -> None:
+        """Go downhill from a state that all but closes, on either side of saddles, and judge what is reached."""
+        if (closed := close(self.problem, phi)) is None or self.known(closed):
+            self.tally.open += closed is None
+            return
+        for side in (self._side, -self._side):
+            end = descend(self.problem, closed, side=side)
+            if not end.arrived and (better := stationary_beside(self.problem, end.phi)) is not None:
+                end = replace(end, phi=better, arrived=True)
+            if not end.arrived:
+                self.tally.stalled += 1
+            elif not self.known(end.phi):
+                self.add(judge_end(self.problem, end.phi, self.contact))
+            if self.contact and (held := contact_descent_off(self.problem, end.path)) is not None:
+                self.contact_descent(held)
+            if not end.saddles:
+                return
+
+    def contact_descent(self, end: Descended) -> None:
+        """Judge where a descent into contact ended."""
+        self.tally.pressed += 1
+        if not end.arrived and end.why != UNTOLD:
+            self.tally.gave_up[end.why] += 1
+            return
+        state = judge(self.problem, end.phi)
+        if not end.arrived or state.verdict == "undecided":
+            beside = singular_beside(self.problem, end.phi)
+            state = state if beside is None else judge(self.problem, beside)
+        if not end.arrived and state.verdict != "minimum":
+            why = f"not decided: pressed down to where {end.why}"
+            state = replace(state, verdict="undecided", kind="", certificate=why)
+        self.add(state)
+
+    def add_escapes(self) -> None:
+        """Add what it takes to leave each minimum."""
+        states, most = self.by_energy(), self.tally.starts
+        self.judged = with_escapes(self.curves, states, self.contact, most)
+        self.problem.check_time()
+
+    def add_survival(self, degrees: float) -> None:
+        """Add how many random errors each minimum survives."""
+        states, given = self.by_energy(), (self.contact, degrees)
+        self.judged = with_survival(self.problem, self.labels, states, *given)
+
+    def result(self, pattern: Pattern, starts: int) -> MinimaResult:
+        """Sum up what was judged and done, where `starts` random ones in a row were to find nothing new."""
+        minima = self.tally.sum_up(self.by_energy(), self.curves.found, starts)
+        self.tally.seconds = time.perf_counter() - self._since
+        return MinimaResult(pattern, minima, self.tally, curves=tuple(self.curves.found))
+
+    def by_energy(self) -> list[JudgedState]:
+        """Return what was judged, by energy; states of one energy in an order that labels do not change."""
+        by_key = sorted(self.judged, key=lambda s: self.labels.key(s.phi))
+        return sorted(by_key, key=lambda s: rank(s.energy / self.problem.scale, ()))
+
+    def _from_popped(self, start: np.ndarray) -> None:
+        """Go downhill from a start along states that do not cross, if it is one of them and on no curve."""
+        phi = self._begun(start)
+        if phi is None or phi in self.curves:
+            return
+        if (
+            self.contact
+            and self.problem.size <= MOST_DENSE
+            and not self.problem.crossings.find(phi)
+        ):
+            self.contact_descent(contact_descent(self.problem, phi, keep=True))
+        else:
+            self._enter(phi)
+
+    def add_images(self) -> None:
+        """Judge images of minima under symmetries of the sheet with its springs."""
+        for symmetry in self._symmetries:
+            for state in [s for s in self.judged if s.verdict == "minimum"]:
+                self.attempt(self.settle, image(symmetry, state.phi))
+
+    def pop(self, most: int) -> None:
+        """Start from each minimum with one vertex popped, the lowest first, what that leads to among them.
+
+        There are states on either side of a vertex (`pops`); those that touching facets hold are seldom met by descents
+        that let facets cross.  Where the sheet has symmetries, one of a minimum and its images is enough.
+        """
+        popped: list[np.ndarray] = []
+        while True:
+            self.problem.check_time()
+            waiting = [
+                s.phi
+                for s in self.by_energy()
+                if s.verdict == "minimum"
+                and s.phi.any()
+                and not any(np.abs(s.phi - x).max() <= 10 * DUPLICATE_TOL for x in popped)
+            ]
+            if not waiting:
+                return
+            phi = waiting[0]
+            popped += [phi, *(image(symmetry, phi) for symmetry in self._symmetries)]
+            for start in Popped(self.problem.pattern, self.labels, phi).states():
+                if self.tally.popped == most:
+                    return
+                self.tally.popped += 1
+                before = self._found()[0]
+                self.tally.starts += 1
+                self.attempt(self._from_popped, start)
+                self.tally.by_pops += self._found()[0] - before
+
+    def from_crossroads(self) -> None:
+        """Go all ways out of flat-folded states, and out of states at which the curves meet others."""
+        pattern, tally = self.problem.pattern, self.tally
+        self.add(judge(self.problem, np.zeros(pattern.creases), self.contact))
+        flat = list_branches(pattern, None, self.problem.check_time)
+        if flat.reason:
+            self.tally.skip(
+                f"ways out of the flat state, and of flat-folded ones: not enumerated, {flat.reason}"
+            )
+            return
+        tally.lines, tally.families = len(flat.lines), len(flat.families)
+        folded = list_flat_folded(pattern, self.contact, self.problem.check_time)
+        states = folded.states
+        if folded.reason:
+            self.tally.skip(
+                f"flat-folded states: not enumerated, {folded.reason}; of them the ways out of the flat one alone"
+            )
+            states = np.zeros((1, pattern.creases))
+        tally.flat_folded = len(states)
+        order = sorted(
+            range(len(states)), key=lambda i: (np.abs(states[i]).sum(), self.labels.key(states[i]))
+        )
+        if not self.part(ESCAPE_PATHS, self._leave_flat_folded, states[order]):
+            return
+        self.part(MEETINGS, self._leave_meetings)
+
+    def _leave_meetings(self) -> None:
+        """Go all ways out of states at which curves meet."""
+        met: list[np.ndarray] = []
+        for traced in self.curves.found:  # which grows
+            for phi in traced.crossroads:
+                if not any(np.abs(phi - x).max() < 10 * RESOLVED for x in met):
+                    met.append(phi)
+                    self.tally.crossroads += 1
+                    self._leave(phi, branch_directions(self.problem, phi))
+
+    def _leave_flat_folded(self, states: np.ndarray) -> None:
+        """Go all ways out of flat-folded states [S, n]."""
+        for phi, ways in escape_paths(self.problem.pattern, states, self.problem.check_time):
+            self._leave(phi, split(self.problem, phi, ways))
+
+    def _leave(self, phi: np.ndarray, ways: TangentCone) -> None:
+        """Go all ways out of a state."""
+        if ways.reason:
+            self.tally.skip(f"ways out of a state where curves meet: {ways.reason}")
+            return
+        lines = sorted(ways.open(phi), key=self.labels.key)
+        for d in lines:
+            self.explore(phi + OUT * d / np.abs(d).max())
+        for basis in ways.families:
+            self._leave_family(phi, basis)
+        if not lines and not ways.families and not self.known(phi):
+            self.add(judge(self.problem, phi, self.contact))
+
+    def _leave_family(self, phi: np.ndarray, basis: np.ndarray) -> None:
+        """Start into a family with several freedoms: once where it is a plane, on which energy has one minimum."""
+        problem = self.problem
+        off = phi - basis @ (basis.T @ phi)
+        if is_on_plane(self._planes, basis, off):
+            return
+        d = basis @ (basis.T @ self._side)
+        d /= np.abs(d).max()
+        # closed at unequal distances both ways along a generic direction: taken for a plane of closed states
+        if (
+            max(problem.residual(phi + 0.7 * d), problem.residual(phi - 1.1 * d))
+            <= 10 * CLOSURE_TOL
+        ):
+            self._planes.append((basis, off))
+            lowest = lowest_on(problem, phi, basis)
+            if lowest is not None and not self.known(lowest):
+                self.add(judge(problem, lowest, self.contact))
+            return
+        for d in into_family(phi, basis, self._side):
+            self.explore(phi + OUT * d / np.abs(d).max())
+
+    def round_the_vertex(self, seed: int) -> None:
+        """Judge the minima that the search for single vertices finds, where there is but one."""
+        # half of the time that is left: what is found is to be judged, and there are other starts
+        seconds = max(0.5 * (self.problem.until - time.monotonic()), 0.0)
+        states, whole = of_vertex(self.problem.pattern, self.contact, seed, seconds)
+        if not whole:
+            self.tally.leave_out("the search for single vertices")
+        for phi in states:
+            self.tally.of_vertex += 1
+            if not self.known(phi):
+                self.add(judge_end(self.problem, phi, self.contact))
+
+    def draw(self, rng: np.random.Generator, k: int) -> None:
+        """Make a random start."""
+        before = self._found()
+        (start,) = self._families[k % len(self._families)].draw(rng, 1).x
+        self.explore(start)
+        self.tally.drawn += 1
+        self.tally.outside += len(self.curves.found) - before[1]
+        self.tally.quiet = self.tally.quiet + 1 if self._found() == before else 0
+
+    def _found(self) -> tuple[int, int]:
+        """Return how many minima and curves are known."""
+        return sum(s.verdict == "minimum" for s in self.judged), len(self.curves.found)
+
+    def explore(self, start: np.ndarray) -> None:
+        """Close a start, trace its curve or go downhill from it, and judge what is found."""
+        self.tally.starts += 1
+        self.attempt(self._explore, start)
+
+    def _explore(self, start: np.ndarray) -> None:
+        if (phi := self._begun(start)) is not None:
+            self._enter(phi)
+
+    def _begun(self, start: np.ndarray) -> np.ndarray | None:
+        """Close a start; None, and counted, where that fails or leads back to the flat state."""
+        phi = close(self.problem, start)
+        near = phi is not None and bool(np.abs(phi).max() < RESOLVED**0.5)
+        flat = near and self.problem.pattern.is_flat
+        self.tally.open += phi is None
+        self.tally.flat += flat
+        return None if flat else phi
+
+    def _enter(self, phi: np.ndarray) -> None:
+        """Trace the curve through a closed state, or go downhill from it."""
+        problem, tally = self.problem, self.tally
+        if problem.size > self.options.most_traced or (z := tangents(problem, phi)).shape[1] != 1:
+            self.settle(phi)
+        elif phi not in self.curves:
+            if self._traced == self.options.most_curves:
+                tally.not_traced += 1
+                self.settle(phi)
+                return
+            self._traced += 1
+            for traced in self.curves.trace(phi, z[:, 0]):
+                self._along(traced)
+
+    def _along(self, traced: Traced) -> None:
+        """Polish and judge the wells of a curve, and states of it that touching facets hold."""
+        for well in wells(self.problem, traced.curve):
+            self.tally.wells += 1
+            self.attempt(self._settle_well, well)
+        if traced.stretches is None:
+            return
+        for end in contact_descents_along(self.problem, traced.stretches):
+            self.attempt(self.contact_descent, end)
+
+    def _settle_well(self, well: np.ndarray) -> None:
+        """Go downhill from a well of a curve; where that leads elsewhere, judge the stationary state beside it."""
+        self.settle(well)
+        known = {"minimum": ON_CURVE, "not admissible": ON_CURVE}
+        known |= dict.fromkeys(("saddle", "not stationary"), 10 * DUPLICATE_TOL)
+        judged = any(np.abs(well - s.phi).max() <= known.get(s.verdict, -1.0) for s in self.judged)
+        if not judged and (closed := close(self.problem, well)) is not None:
+            beside = stationary_beside(self.problem, closed)
+            if beside is not None:
+                if not self.known(beside):
+                    self.add(judge_end(self.problem, beside, self.contact))
+                # where curves meet, a state that is no minimum says nothing of wells beside it on one of them
+                judged = any(
+                    np.abs(beside - s.phi).max() <= 10 * DUPLICATE_TOL
+                    and (s.verdict in ("minimum", "not admissible") or s.dof == 1)
+                    for s in self.judged
+                    if s.verdict in known
+                )
+        self.tally.resolved += judged

@@ -1,0 +1,165 @@
+"""Judges a state of a pattern, by the kernel (`kkt.classify`): does it close, do facets cross, is it a minimum."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+
+from origami_nlp.kkt import Classification, State, classify, newton
+from origami_nlp.minima import JudgedState
+from origami_nlp.numerics import (
+    ANSWERED,
+    CLOSURE_TOL,
+    NEAR_SINGULAR_TOL,
+    NONZERO,
+    OUTSIDE,
+    STATIONARY,
+)
+from origami_nlp.pattern_problem import MOST_DENSE, PatternProblem
+from origami_nlp.problem import fold_limit
+
+NEAREST = 1e-5
+"""Distance [rad] at which a state is told from a singular one: anything closes there to the square of its distance,
+a hundred times `CLOSURE_TOL`."""
+
+
+def judge(problem: PatternProblem, phi: np.ndarray, contact: bool = True) -> JudgedState:
+    """Judge a state.
+
+    Parameters
+    ----------
+    problem
+        The programme.
+    phi
+        Fold angles [rad], [n]; those beyond pi by less than closure can tell are at pi.
+    contact
+        Whether facets must not cross; without, only fold limits count.
+
+    Returns
+    -------
+    JudgedState
+        With the verdict and what it rests on.
+    """
+    phi = np.asarray(phi, float)
+    at_limit = np.clip(phi, -math.pi, math.pi)
+    if np.abs(phi - at_limit).max(initial=0.0) <= CLOSURE_TOL:  # as exactly as states close
+        phi = at_limit
+    problem = problem.with_contact(contact)
+    residual = problem.residual(phi)
+    energy, angles = float(problem.pattern.energy(phi)), tuple(phi.tolist())
+    why = ""
+    if not residual <= CLOSURE_TOL:
+        why = f"does not close: {residual:.1e}"
+    elif not problem.closure.on_sheet(phi):
+        why = "closes on the other sheet, q = -1, round a vertex"
+    elif np.abs(phi).max(initial=0.0) > math.pi:
+        why = "a fold angle is beyond pi"
+    if why:
+        return JudgedState(energy, angles, "not admissible", why, closure_residual=residual)
+    what = classified(problem, phi)
+    missing = what.stationarity
+    if math.isnan(missing):
+        missing = float(np.abs(problem.along(phi, problem.torque(phi))).max(initial=0.0))
+    largest = max(float(np.abs(problem.torque(phi)).max(initial=0.0)), NONZERO)
+    crossed = problem.crossed(phi) if what.verdict == "not admissible" else ()
+    state = JudgedState(
+        energy,
+        angles,
+        what.verdict,
+        what.reason,
+        what.kind or "",
+        what.local_dimension,
+        dof=problem.size - problem.rank(phi),
+        closure_residual=residual,
+        kkt_residual=missing / largest,
+        # the numbers of their gaps are those of this programme alone
+        contacts=tuple(replace(c, contact=None) for c in what.contacts),
+        hessian_eigenvalues=what.eigenvalues,
+        crossings=tuple((a + 1, b + 1) for a, b in crossed),
+        softest_mode=() if what.mode is None else tuple(what.mode.tolist()),
+    )
+    # lower states as well: what closes to rounding may be further off the curve than they are away
+    if (state.verdict == "minimum" or state.refuted) and singular_beside(problem, phi) is not None:
+        why = f"not decided: within {NEAREST:g} rad of a state where closure loses rank, and not told from it"
+        return replace(state, verdict="undecided", kind="", certificate=why)
+    return state
+
+
+def classified(problem: PatternProblem, phi: np.ndarray) -> Classification:
+    """Return what the kernel decides on a closed state; kept, as a descent asks before its end is judged."""
+    what: Classification = problem.kept("classified", phi, lambda: classify(State(problem, phi)))
+    return what
+
+
+def singular_beside(problem: PatternProblem, phi: np.ndarray) -> np.ndarray | None:
+    """Return the state at which creases are flat or shut that all but are, if closure loses rank there.
+
+    Beside such a state whatever obeys closure to first order closes to the square of the distance: to rounding.
+
+    Parameters
+    ----------
+    problem, phi
+        The programme and a closed state, [n] [rad].
+
+    Returns
+    -------
+    numpy.ndarray or None
+        That state, [n]; None where there is none, or it is this one.
+
+    Examples
+    --------
+    >>> import math, numpy as np, origami_nlp as o
+    >>> from origami_nlp.pattern_problem import PatternProblem
+    >>> from origami_nlp.pattern_states import singular_beside
+    >>> problem = PatternProblem(o.examples.pattern("miura", 2, 2))
+    >>> singular_beside(problem, np.zeros(4)) is None, singular_beside(problem, np.full(4, 1e-13)) is None
+    (True, True)
+    """
+    at_limit, flat = math.pi - np.abs(phi) < NEAREST, np.abs(phi) < NEAREST
+    near = np.where(at_limit, np.copysign(math.pi, phi), np.where(flat, 0.0, phi))
+    if np.abs(near - phi).max(initial=0.0) <= OUTSIDE:
+        return None
+    near, residual = problem.project(near, at_limit | flat)
+    lost = residual <= CLOSURE_TOL and np.abs(near - phi).max() < NEAR_SINGULAR_TOL
+    return near if lost and problem.rank(near) < problem.rank(phi, CLOSURE_TOL) else None
+
+
+def judge_end(problem: PatternProblem, phi: np.ndarray, contact: bool = True) -> JudgedState:
+    """Judge the end of a descent, as `judge`; where torque is left, or closing leaves it loose, the state beside it."""
+    state = judge(problem, phi, contact)
+    better = beside(problem, state)
+    return state if better is None else judge(problem, better, contact)
+
+
+def beside(problem: PatternProblem, state: JudgedState) -> np.ndarray | None:
+    """Return the stationary state beside one that leaves some torque or closes loosely, [n]; None: there is none."""
+    left = state.kkt_residual > STATIONARY
+    if state.refuted:
+        left &= state.kkt_residual < ANSWERED
+    elif state.verdict in ("minimum", "undecided"):
+        left |= problem.loose(state.phi)
+    else:
+        return None
+    return stationary_beside(problem, state.phi) if left else None
+
+
+def stationary_beside(problem: PatternProblem, phi: np.ndarray) -> np.ndarray | None:
+    """Solve for the stationary state beside a closed one, creases that are shut kept so.
+
+    Parameters
+    ----------
+    problem, phi
+        The programme and a closed state, [n] [rad].
+
+    Returns
+    -------
+    numpy.ndarray or None
+        The state, [n]; None where it is far, or the sheet has more than `MOST_DENSE` creases.
+    """
+    if problem.size > MOST_DENSE:
+        return None
+    at_limit = np.flatnonzero(np.abs(np.abs(phi) - math.pi) <= OUTSIDE)
+    better, _ = newton(problem, phi, tuple(fold_limit(int(v), phi[v]) for v in at_limit))
+    return None if better is None or np.abs(better.x - phi).max() >= NEAR_SINGULAR_TOL else better.x

@@ -1,0 +1,36 @@
+from . import compiled as compiled
+from .closure import fold_piece as fold_piece
+from .compiled import Structure as Structure, compile_structure as compile_structure
+from .completion import (
+    CreaseChain as CreaseChain,
+    close_by as close_by,
+    close_three as close_three,
+    complete as complete,
+)
+from .contact import (
+    Contact as Contact,
+    LoopClosure as LoopClosure,
+    fold_limit as fold_limit,
+    held as held,
+)
+from .gaps import Gap as Gap, separation_rows as separation_rows
+from .kinematics import OPEN as OPEN, Folded as Folded, Kinematics as Kinematics
+from .model import Local as Local, Model as Model
+from .moment_map import MomentMap as MomentMap, Shot as Shot
+from .nlp import (
+    PLANE_ROWS as PLANE_ROWS,
+    Nlp as Nlp,
+    Pairs as Pairs,
+    pose_apart as pose_apart,
+    pose_with_gaps as pose_with_gaps,
+    separating_normal as separating_normal,
+)
+from .parameters import Parameters as Parameters
+from .posed import Energies as Energies
+from .protocol import Problem as Problem, Solvable as Solvable, Sparse as Sparse
+from .strata import (
+    random_strata as random_strata,
+    vertex_candidates as vertex_candidates,
+    vertices as vertices,
+)
+from .touching import ClosedContacts as ClosedContacts, ContactWords as ContactWords

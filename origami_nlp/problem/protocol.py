@@ -1,0 +1,147 @@
+"""What solvers and certificates see of a problem: energy, closure, contacts, and their derivatives.
+
+A programme of one vertex (`Model`) has all of this, and so has that of a pattern (`facets.PatternProblem`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from typing import Any, Protocol
+
+import numpy as np
+
+from origami_nlp.problem.contact import Contact, LoopClosure
+from origami_nlp.problem.model import Local
+from origami_nlp.problem.parameters import Parameters
+from origami_nlp.problem.touching import ClosedContacts, ContactWords, PairForce
+
+
+class Problem(Protocol):
+    """Shapes and units are those of `Model`, where each of these is described.
+
+    What is `sparse` is too large for singular values and kernels: certificates use what `Sparse` has.  Where closure is
+    `redundant` its rows depend on each other as a rule, and curves of equilibria need what `Redundant` has.
+    """
+
+    multiplicity: np.ndarray
+    scale: float
+
+    @property
+    def parameters(self) -> Parameters: ...  # noqa: D102
+    @property
+    def sparse(self) -> bool: ...  # noqa: D102
+    @property
+    def redundant(self) -> bool: ...  # noqa: D102
+    @property
+    def size(self) -> int: ...  # noqa: D102
+    @property
+    def equation_count(self) -> int: ...  # noqa: D102
+    @property
+    def freedom(self) -> int: ...  # noqa: D102
+    @property
+    def symmetry(self) -> str: ...  # noqa: D102
+    @property
+    def root(self) -> np.ndarray: ...  # noqa: D102
+    @property
+    def bound(self) -> float: ...  # noqa: D102
+    @property
+    def has_limits(self) -> bool: ...  # noqa: D102
+    @property
+    def limits(self) -> tuple[Contact, ...]: ...  # noqa: D102
+    @property
+    def every_gap(self) -> tuple[Contact, ...]: ...  # noqa: D102
+    @property
+    def gaps(self) -> tuple[Contact, ...]: ...  # noqa: D102
+    @property
+    def own_symmetries(self) -> tuple[tuple[np.ndarray, int], ...]: ...  # noqa: D102
+
+    def expand(self, x: np.ndarray) -> np.ndarray: ...  # noqa: D102
+    def energy(self, x: np.ndarray) -> float: ...  # noqa: D102
+    def energies(self, x: np.ndarray) -> np.ndarray: ...  # noqa: D102
+    def energy_change(self, x: np.ndarray, y: np.ndarray) -> float: ...  # noqa: D102
+    def excess(self, x: np.ndarray) -> float: ...  # noqa: D102
+    def check_time(self) -> None: ...  # noqa: D102
+    def local(self, x: np.ndarray) -> Local: ...  # noqa: D102
+    def loops(self, x: np.ndarray) -> list[LoopClosure]: ...  # noqa: D102
+    def closure(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]: ...  # noqa: D102
+    def constraints(  # noqa: D102
+        self, x: np.ndarray, contacts: Sequence[Contact] = ()
+    ) -> tuple[np.ndarray, np.ndarray]: ...
+    def lagrangian_hessian(  # noqa: D102
+        self,
+        x: np.ndarray,
+        multipliers: np.ndarray,
+        contacts: Sequence[Contact] = (),
+        weight: float = 1.0,
+    ) -> np.ndarray: ...
+    def on_sheet(self, x: np.ndarray) -> Any: ...  # noqa: D102
+    def closed(  # noqa: D102
+        self, x: np.ndarray, tolerance: float = ..., local: Local | None = None
+    ) -> ClosedContacts: ...
+    def about_to_close(self, x: np.ndarray, length: float) -> tuple[Contact, ...]: ...  # noqa: D102
+    def crossed(  # noqa: D102
+        self, x: np.ndarray, tolerance: float = ...
+    ) -> tuple[tuple[int, int], ...]: ...
+    def beyond(self, x: np.ndarray, tolerance: float = ...) -> tuple[Contact, ...]: ...  # noqa: D102
+    def refuses(self, x: np.ndarray, tolerance: float = ...) -> str: ...  # noqa: D102
+    def doubt(self, x: np.ndarray) -> str: ...  # noqa: D102
+    def admissible(self, x: np.ndarray, tolerance: float = ...) -> np.ndarray: ...  # noqa: D102
+    def to_second_order(  # noqa: D102
+        self, contacts: tuple[Contact, ...]
+    ) -> tuple[Contact, ...]: ...
+    def together(  # noqa: D102
+        self, x: np.ndarray, contacts: Sequence[Contact]
+    ) -> list[tuple[Contact, ...]]: ...
+
+    def name(self, contact: Contact) -> str: ...  # noqa: D102
+    def weight(self, contact: Contact) -> float: ...  # noqa: D102
+    def words(self, contact: Contact, x: np.ndarray) -> ContactWords: ...  # noqa: D102
+    def margin(self, contact: Contact, x: np.ndarray) -> float | None: ...  # noqa: D102
+    def guess(  # noqa: D102
+        self, x: np.ndarray, pull: np.ndarray, pair_force: PairForce
+    ) -> tuple[Contact, ...]: ...
+    def creases_of(self, variable: int) -> tuple[int, ...]: ...  # noqa: D102
+    def loaded(self, load: np.ndarray) -> Any: ...  # noqa: D102
+    def varied(  # noqa: D102
+        self, parameters: Parameters, sector_angles: np.ndarray | None = None
+    ) -> Any: ...
+    def drift(  # noqa: D102
+        self,
+        x: np.ndarray,
+        multipliers: np.ndarray,
+        contacts: Sequence[Contact],
+        change: np.ndarray,
+    ) -> tuple[np.ndarray, np.ndarray]: ...
+
+
+class Solvable(Problem, Protocol):
+    """What IPOPT needs besides: symbols to build a solver from (`nlp`), and planes that keep facets apart."""
+
+    structure: Any  # hashable; programmes of one structure share their solvers
+
+    def rays(self, x: np.ndarray) -> np.ndarray: ...  # noqa: D102
+
+
+class Sparse(Problem, Protocol):
+    """What certificates of large programmes need besides: sparse matrices, and steps by their factors."""
+
+    def jacobian(self, x: np.ndarray) -> Any: ...  # noqa: D102
+    def hessian(self, x: np.ndarray, multipliers: np.ndarray) -> Any: ...  # noqa: D102
+    def torque(self, x: np.ndarray) -> np.ndarray: ...  # noqa: D102
+    def along(self, x: np.ndarray, v: np.ndarray) -> np.ndarray: ...  # noqa: D102
+    def project(  # noqa: D102
+        self, x: np.ndarray, held: np.ndarray | None = None
+    ) -> tuple[np.ndarray, float]: ...
+    def multipliers(  # noqa: D102
+        self, x: np.ndarray, held: Iterable[int] = ()
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]: ...
+
+
+class Redundant(Problem, Protocol):
+    """What curves of equilibria need besides where rows of closure depend on each other; sparse where large."""
+
+    def rows(self, x: np.ndarray) -> Local: ...  # noqa: D102
+    def kernel(self, x: np.ndarray, held: Iterable[int] = ()) -> np.ndarray: ...  # noqa: D102
+    def curvature(  # noqa: D102
+        self, x: np.ndarray, multipliers: np.ndarray, contacts: Sequence[Contact]
+    ) -> Any: ...

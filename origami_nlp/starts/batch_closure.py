@@ -1,0 +1,201 @@
+"""Samples of a model brought onto closure and the contacts that they hold: values, multipliers, Gauss-Newton."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from origami_nlp.numerics import EPS, OUTSIDE, RANK, ROUNDED
+from origami_nlp.problem import OPEN, Folded, Kinematics, Model, Parameters
+from origami_nlp.starts.batch_states import Samples
+
+CLOSED = 0.1 * OUTSIDE
+"""Closure and held gaps when they are brought closer: what is held must not look crossed."""
+QUADRATIC, SETTLING = 1e-7, 0.1
+"""A step of Gauss-Newton this short [rad] is the last one; after one this short what is beyond a fold limit is held."""
+STEPS = 5
+"""Steps of Gauss-Newton."""
+POOR = 1e10
+"""Condition of rows rows' above which its eigenvalues are looked at one by one."""
+
+
+@dataclass(frozen=True, eq=False)
+class Point:
+    """What samples are at their states, in the metric y = sqrt(k) phi.
+
+    Attributes
+    ----------
+    at
+        The folded states.
+    rows
+        Gradients of closure and held gaps, shape [K, m + S, n].
+    torque
+        G, the gradient of the energy, shape [K, n].
+    multipliers
+        lam, that balance it best on the free creases, shape [K, m + S].
+    left
+        R = G - rows' lam, shape [K, n].
+    free_rows, inverse
+        The rows on the free creases, and the (pseudo-)inverse of their Gram matrix.
+    """
+
+    at: Folded
+    rows: np.ndarray
+    torque: np.ndarray
+    multipliers: np.ndarray
+    left: np.ndarray
+    free_rows: np.ndarray
+    inverse: np.ndarray
+
+
+class Closing:
+    """Closure and held contacts of a model, at many samples.
+
+    Parameters
+    ----------
+    model
+        The posed scene.
+    springs
+        Those that samples name by their number (`Samples.springs`), of the vertex of the model and without forces in
+        space; by default those of the model alone.
+    """
+
+    def __init__(self, model: Model, springs: Sequence[Parameters] = ()) -> None:
+        self.model, self.kinematics = model, Kinematics(model)
+        self._all, self._several = model.parameters, bool(springs)
+        if springs:
+            stiffness, rest, load = (
+                np.array([getattr(p, name) for p in springs])
+                for name in ("stiffness", "rest", "load")
+            )
+            self._all = replace(self._all, stiffness=stiffness, rest=rest, load=load)
+        self._roots = np.sqrt(self._all.stiffness)
+
+    def springs(self, s: Samples) -> Parameters:
+        """Return the springs of samples: numbers [n] where all have the same, [K, n] otherwise."""
+        p, k = self._all, s.springs
+        if not self._several:
+            return p
+        return replace(p, stiffness=p.stiffness[k], rest=p.rest[k], load=p.load[k])
+
+    def root(self, s: Samples) -> np.ndarray:
+        """Return the metric of samples, sqrt(k), [n] or [K, n] as `springs`."""
+        return self._roots[s.springs] if self._several else self._roots
+
+    def rows(self, s: Samples) -> tuple[Folded, np.ndarray, np.ndarray]:
+        """Fold samples; return the folded states, closure and held gaps [K, r], and their Jacobian [K, r, n].
+
+        Slots behind the last one that any sample uses have no rows.
+        """
+        at = self.kinematics.fold(s.x)
+        value, jacobian = self.kinematics.closure(at)
+        used = np.flatnonzero((s.slots != OPEN).any(axis=0))
+        if not len(used):
+            return at, value, jacobian
+        slots, sides = s.slots[:, : used[-1] + 1], s.sides[:, : used[-1] + 1]
+        g, dg = self.kinematics.gaps(at, slots)
+        value = np.concatenate([value, sides * g], axis=1)
+        return at, value, np.concatenate([jacobian, sides[..., None] * dg], axis=1)
+
+    def point(self, s: Samples) -> Point:
+        """Balance the torque of samples on their free creases."""
+        at, _, jacobian = self.rows(s)
+        root = self.root(s)
+        torque = self.springs(s).torque(s.x) / root
+        return balance(s, at, jacobian / root[..., None, :], torque)
+
+    def hessian(self, s: Samples, p: Point) -> np.ndarray:
+        """Hessian of the Lagrangian in the metric, [K, n, n]."""
+        m = self.model.equation_count
+        curved = self.kinematics.closure_hessian(p.at, p.multipliers[:, :m])
+        if p.rows.shape[1] > m:
+            used = p.rows.shape[1] - m
+            forces = s.sides[:, :used] * p.multipliers[:, m:]
+            curved += self.kinematics.gaps_hessian(p.at, s.slots[:, :used], forces)
+        # in y = sqrt(k) phi the springs have the unit matrix: H = 1 - sum lam_i Hess c_i / (root root')
+        own, dead = np.eye(s.x.shape[1]), self.model.parameters.dead
+        if dead is not None:
+            curved = curved - dead.hessian(self.model.parameters.sectors, s.x)
+        root = self.root(s)
+        return own - curved / (root[..., :, None] * root[..., None, :])
+
+    def close(self, s: Samples, steps: int = STEPS, to: float = CLOSED) -> Samples:
+        """Close samples on their strata to a residual; those that leave the fold limits on the way are held there."""
+        x, at_limit, todo = s.x.copy(), s.at_limit.copy(), np.arange(len(s))
+        for _ in range(steps):
+            part = replace(s[todo], x=x[todo], at_limit=at_limit[todo])
+            _, value, rows = self.rows(part)
+            far = np.abs(value).max(axis=1) > to
+            todo, value = todo[far], value[far]
+            if not len(todo):
+                break
+            rows = rows[far] * (at_limit[todo] == 0)[:, None]
+            # shortest Gauss-Newton step on the free creases: rows' (rows rows')^-1 value
+            move = (rows.transpose(0, 2, 1) @ (gram_inverse(rows) @ value[..., None]))[..., 0]
+            length = np.abs(move).max(axis=1)
+            x[todo] -= move / np.maximum(1.0, length)[:, None]
+            left = length > QUADRATIC  # the next residual is the square of this
+            if self.model.has_limits:
+                over = (np.abs(x[todo]) > math.pi + ROUNDED) & (at_limit[todo] == 0)
+                # far from closure a step may leave the limits and come back
+                over &= (length <= SETTLING)[:, None]
+                k, v = todo[over.any(axis=1)], over.any(axis=1)
+                side = np.sign(x[k])
+                x[k] = np.where(over[v], side * math.pi, x[k])
+                at_limit[k] = np.where(over[v], side, at_limit[k])
+                left |= v
+            todo = todo[left]
+            if not len(todo):
+                break
+        return replace(s, x=x, at_limit=at_limit)
+
+
+def balance(s: Samples, at: Folded, rows: np.ndarray, torque: np.ndarray) -> Point:
+    """Find the multipliers of rows [K, r, n] that balance a torque [K, n] best on the free creases."""
+    free_rows = rows * (s.at_limit == 0)[:, None]
+    inverse = gram_inverse(free_rows)
+    # least squares; creases at their limits carry whatever torque is left over
+    lam = (inverse @ (free_rows @ torque[..., None]))[..., 0]
+    left = torque - (lam[:, None] @ rows)[:, 0]
+    return Point(at, rows, torque, lam, left, free_rows, inverse)
+
+
+def gram_inverse(rows: np.ndarray) -> np.ndarray:
+    """Return the (pseudo-)inverse [K, r, r] of rows rows', rows [K, r, n]; empty rows are those of the identity.
+
+    Where rows depend on each other (on a handle, or where a crease lies on another) what they do not
+    resolve is left out: singular values below `RANK`.
+    """
+    a = rows @ rows.transpose(0, 2, 1)
+    d = np.arange(a.shape[1])
+    diagonal = a[:, d, d]
+    trace = diagonal.sum(axis=1)
+    a[:, d, d] += np.where(diagonal == 0, 1.0, ROUNDED**2 * trace[:, None])
+    # shifted in rounding only, so that singular matrices do not raise; those are replaced below
+    inverse = _inverted(a + EPS * trace[:, None, None] * np.eye(len(d)))
+    largest = np.abs(inverse[:, d, d]).max(axis=1, initial=0.0)
+    # not (<=), so that infinite and undefined inverses count as poor
+    poor = np.flatnonzero(~(largest * np.maximum(trace, 1.0) <= POOR))
+    if len(poor):
+        value, vector = np.linalg.eigh(a[poor])
+        # eigenvalues of rows rows' are squares of singular values
+        keep = value > RANK**2 * value[:, -1:]
+        over = np.where(keep, 1 / np.where(keep, value, 1.0), 0.0)
+        inverse[poor] = (vector * over[:, None]) @ vector.transpose(0, 2, 1)
+    return inverse
+
+
+def _inverted(a: np.ndarray) -> np.ndarray:
+    """Return inverses of positive definite matrices [K, r, r]; those of three rows by their cofactors."""
+    if a.shape[1] != 3:
+        return np.linalg.inv(a)
+    (p, q, r), (_, s, t), (_, _, u) = a.transpose(1, 2, 0)
+    pp, pq, pr = s * u - t * t, r * t - q * u, q * t - r * s
+    qq, qr, rr = p * u - r * r, q * r - p * t, p * s - q * q
+    with np.errstate(divide="ignore", invalid="ignore"):
+        over = 1 / (p * pp + q * pq + r * pr)
+        inverse = np.array([[pp, pq, pr], [pq, qq, qr], [pr, qr, rr]]) * over
+    return np.where(np.isfinite(inverse), inverse, math.inf).transpose(2, 0, 1)

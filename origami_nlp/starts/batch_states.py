@@ -1,0 +1,129 @@
+"""Many states at once, each with the contacts that it holds: where descents begin, and where they end."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, fields, replace
+
+import numpy as np
+
+from origami_nlp.problem import OPEN
+
+SLOTS = 3
+"""Gaps that a descent can hold at once, besides fold limits."""
+
+
+@dataclass(frozen=True, eq=False)
+class Samples:
+    """States on their strata.
+
+    Attributes
+    ----------
+    x
+        Fold angles, shape [K, n] [rad].
+    at_limit
+        Creases held at their fold limits: -1, 0 or 1, shape [K, n].
+    slots, sides
+        Gaps held, as positions in `Structure.gaps` or `OPEN`, and the side on which each is open, shape [K, SLOTS].
+    hold
+        Whether contacts are held until the descent has converged on its stratum, shape [K].
+    source
+        Which kind of start it is, shape [K].
+    springs
+        Under which of the springs that descents were given it is, shape [K].
+    """
+
+    x: np.ndarray
+    at_limit: np.ndarray
+    slots: np.ndarray
+    sides: np.ndarray
+    hold: np.ndarray
+    source: np.ndarray
+    springs: np.ndarray
+
+    @classmethod
+    def on(
+        cls,
+        x: np.ndarray,
+        at_limit: np.ndarray | None = None,
+        *,
+        hold: bool = False,
+        source: int = 0,
+    ) -> Samples:
+        """Make samples that hold fold limits only."""
+        k = len(x)
+        at_limit = np.zeros(x.shape, dtype=int) if at_limit is None else at_limit
+        return cls(
+            np.array(x, dtype=float),
+            at_limit.astype(int),
+            np.full((k, SLOTS), OPEN),
+            np.ones((k, SLOTS), dtype=int),
+            np.full(k, hold),
+            np.full(k, source),
+            np.zeros(k, dtype=int),
+        )
+
+    @classmethod
+    def at_limits(cls, x: np.ndarray, *, hold: bool = False) -> Samples:
+        """Make samples that hold the creases that are at their fold limits."""
+        return cls.on(x, np.where(np.abs(x) == math.pi, np.sign(x), 0), hold=hold)
+
+    def __getitem__(self, which: np.ndarray) -> Samples:
+        return Samples(*(getattr(self, f.name)[which] for f in fields(self)))
+
+    def __len__(self) -> int:
+        return len(self.x)
+
+    def holding(self, gap: np.ndarray, side: np.ndarray) -> tuple[Samples, np.ndarray]:
+        """Hold one more gap each (none where `gap` is negative); tells where there was room for it."""
+        slots, sides = self.slots.copy(), self.sides.copy()
+        free = (slots == OPEN) & ~(slots == gap[:, None]).any(axis=1, keepdims=True)
+        room = free.any(axis=1) & (gap >= 0)
+        first, r = free.argmax(axis=1), np.flatnonzero(room)
+        slots[r, first[r]], sides[r, first[r]] = gap[r], side[r]
+        return replace(self, slots=slots, sides=sides), room
+
+
+def joined(*parts: Samples) -> Samples:
+    """Return samples one after the other, as a copy."""
+    return Samples(*(np.concatenate([getattr(p, f.name) for p in parts]) for f in fields(Samples)))
+
+
+def put(into: Samples, where: np.ndarray, new: Samples) -> None:
+    """Overwrite some samples, in place: for the copies of who works on them."""
+    for f in fields(Samples):
+        getattr(into, f.name)[where] = getattr(new, f.name)
+
+
+@dataclass(frozen=True, eq=False)
+class Ends:
+    """Where descents ended.
+
+    Attributes
+    ----------
+    samples
+        The states with what they hold.
+    converged
+        Whether nothing is left to let go and no torque is left, shape [K].
+    settled
+        Whether the descent was stationary on the stratum where it began before its contacts were let go; where it
+        did not converge afterwards, that is the state returned, shape [K].
+    broken
+        Whether linear algebra broke down on the way, shape [K]; then it ends where it began.
+    """
+
+    samples: Samples
+    converged: np.ndarray
+    settled: np.ndarray
+    broken: np.ndarray
+
+    @classmethod
+    def of(cls, parts: Sequence[Ends]) -> Ends:
+        """Return ends one after the other."""
+        samples = joined(*(part.samples for part in parts))
+        rest = (np.concatenate([getattr(part, f.name) for part in parts]) for f in fields(cls)[1:])
+        return cls(samples, *rest)
+
+    def __getitem__(self, which: np.ndarray) -> Ends:
+        return Ends(*(getattr(self, f.name)[which] for f in fields(self)))

@@ -1,0 +1,280 @@
+"""Equilibria over a parameter: points, events and one-sided choices, each checked a second way."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import mpmath as mp
+import numpy as np
+import pytest
+
+from origami_nlp import Model, State, classify, examples, find_minima
+from origami_nlp.continuation import BifurcationDiagram, line_between, load_line
+from origami_nlp.continuation.diagram import STEPS
+from origami_nlp.continuation.one_sided_branches import touches
+from origami_nlp.continuation.system import BorderedSystem, Hold
+from origami_nlp.kkt import follow, project
+
+SNAP, RESTABLE = -0.138149523101, -0.123882378029
+"""Torques on crease 1 [N m] between which a state of degree 6, 5 pi/12, r_k = 1 is unstable, of a prototype."""
+
+
+def minima_of(scene):
+    model = Model(scene)
+    found = find_minima(scene, prove=False, escape=False, max_starts=2000).minima
+    return model, [model.reduce(np.array(m.fold_angles)) for m in found]
+
+
+def over_ratio(alpha, low, high, **options):
+    model, states = minima_of(examples.degree6(alpha, 1.0))
+    line = line_between(model, Model(examples.degree6(alpha, math.e)), 1.0)
+    return BifurcationDiagram(line, math.log(low), math.log(high), **options), states
+
+
+def events(web):
+    return [n for n in web.nodes if n.type not in ("start", "range", "corner")]
+
+
+def torque_web(steps=STEPS, low=-8.0, high=8.0):
+    model, states = minima_of(examples.degree6("5*pi/12", 1.0))
+    return BifurcationDiagram(
+        load_line(model, np.array([1.0, 0, 0, 0])), low, high, steps=steps
+    ), states
+
+
+@pytest.fixture(scope="module")
+def torques():
+    web, states = torque_web()
+    web.add(states[0], 0.0)
+    return web
+
+
+def test_a_torque_snaps_a_state_and_another_holds_it_again(torques):
+    scale = torques.line.problem.scale
+    first = [(n.type, n.s * scale) for n in events(torques)[:2]]
+    assert [kind for kind, _ in first] == ["fold", "nonsmooth-fold"]
+    assert [s for _, s in first] == pytest.approx([SNAP, RESTABLE], abs=1e-12)
+    # by descent at fixed torques, which knows nothing of curves: it stays before the snap, and leaves beyond
+    fold = events(torques)[0]
+    before = next(f for _, f in torques.states_at(fold.s + 0.01) if not f.index)
+    stays, leaves = (
+        follow(torques.line.at(fold.s + e), before.state).end - before.state for e in (0.01, -0.01)
+    )
+    assert np.abs(stays).max() < 1e-8 and np.abs(leaves).max() > 0.5
+
+
+@pytest.mark.parametrize("longest", [0.05, 0.11, 0.3])
+def test_steps_of_any_length_find_the_same_events(torques, longest):
+    web, states = torque_web(replace(STEPS, longest=longest, turn=longest), low=-5.0)
+    web.add(states[0], 0.0)
+    want = [n.s for n in events(torques) if n.s > -5.0]
+    assert [n.s for n in events(web)] == pytest.approx(want, abs=1e-11)
+
+
+def test_backwards_the_same_events_are_found(torques):
+    scale = torques.line.problem.scale
+    beyond = [f for _, f in torques.states_at(-0.13 / scale) if f.hold.contacts]
+    web, _ = torque_web(low=-5.0)
+    web.add(beyond[0].state, beyond[0].s)
+    back = {n.type: n.s * scale for n in events(web) if n.s > -5.0 and n.s < 0}
+    assert back["fold"] == pytest.approx(SNAP, abs=1e-12)
+    assert back["nonsmooth-fold"] == pytest.approx(RESTABLE, abs=1e-12)
+
+
+def test_every_located_event_is_rounding_in_both_functions(torques):
+    for node in events(torques):
+        assert node.located and node.residual < 1e-11 and abs(node.value) < 1e-11
+
+
+def test_points_are_equilibria_and_their_tangents_are_differences(torques):
+    for arc in torques.arcs:
+        frame = arc.frames[len(arc.frames) // 2]
+        assert frame.system.residual < 1e-11
+        h = 1e-5 * abs(frame.ahead)
+        a, b = (arc.at(frame.s + e, torques.tally) for e in (-h, h))
+        slope = torques.line.problem.root * (b.state - a.state) / (2 * h)
+        exact = frame.tangent[:-1] / frame.ahead * torques.line.weight
+        assert slope == pytest.approx(exact, abs=1e-5 * (1 + np.abs(exact).max()))
+        verdict = classify(State(frame.problem, frame.state)).verdict
+        assert verdict == ("saddle" if frame.index else "minimum")
+
+
+def test_the_drift_of_the_kkt_system_is_its_difference():
+    rng = np.random.default_rng(0)
+    model = Model(examples.degree6("5*pi/12", 1.0))
+    x, lam = rng.uniform(-2, 2, 4), rng.normal(size=2)
+    contacts = (*model.gaps[:1], model.limits[1])
+    nu, change = np.append(lam, rng.normal(size=2)), rng.normal(size=model.parameters.vector.size)
+
+    def values(h):
+        p = model.parameters
+        v = p.vector + h * change
+        cut = np.cumsum([len(p.sectors), model.size, model.size])
+        moved = model.varied(type(p)(*np.split(v, cut)))
+        local = moved.local(x)
+        slopes = np.vstack([local.closure_jacobian, local.openings(contacts)[1]])
+        return local.gradient - slopes.T @ nu, np.append(local.closure, local.openings(contacts)[0])
+
+    drift = model.drift(x, nu, contacts, change)
+    for got, up, down in zip(drift, values(1e-6), values(-1e-6), strict=True):
+        assert got == pytest.approx((up - down) / 2e-6, abs=1e-7)
+
+
+def test_the_moment_of_a_contact_ends_where_a_closed_form_says():
+    """At (-a, b, b, -a), cos a = 1/3, b = pi - a, the motion d phi_2 = -d phi_1 keeps the contact without load."""
+    web, states = over_ratio("pi/3", 0.01, 100)
+    web.add(states[0], 0.0)
+    (node,) = events(web)
+    a = math.acos(1 / 3)
+    assert node.type == "leaves"
+    assert math.exp(node.s) == pytest.approx((math.pi - 2 * a) / (math.pi - a), rel=1e-14)
+
+
+def test_a_crease_closes_where_fifty_digits_say():
+    web, states = over_ratio("5*pi/12", 1, 10)
+    for x in states:
+        web.add(x, 0.0)
+    node = next(n for n in events(web) if n.type == "closes")
+    assert math.exp(node.s) == pytest.approx(float(closing_ratio(node)), rel=1e-14)
+
+
+def closing_ratio(node):
+    """Solve balance and closure with phi_2 = pi for angles, forces and ratio, from rotations alone."""
+    with mp.workdps(40):
+        angles = [mp.pi * v / 12 for v in (5, 2, 5, 5, 2, 5)]
+        rest, many = [mp.pi / 2, mp.pi / 2, -mp.pi, mp.pi / 2], (1, 2, 2, 1)
+
+        def turn(a, i, j):
+            m = mp.eye(3)
+            m[i, i] = m[j, j] = mp.cos(a)
+            m[i, j], m[j, i] = -mp.sin(a), mp.sin(a)
+            return m
+
+        def closure(x):
+            m = mp.eye(3)
+            for a, v in zip(angles, (x[0], x[1], x[2], x[3], x[2], x[1]), strict=True):
+                m = m * turn(v, 1, 2) * turn(a, 0, 1)
+            return m[0, 1] - m[1, 0], m[1, 2] - m[2, 1]
+
+        def slopes(x):
+            h = mp.mpf(10) ** -14
+            out = []
+            for i in range(4):
+                up, down = list(x), list(x)
+                up[i] += h
+                down[i] -= h
+                out.append(
+                    [(p - q) / (2 * h) for p, q in zip(closure(up), closure(down), strict=True)]
+                )
+            return out
+
+        def system(x1, x3, x4, l1, l2, push, log):
+            x = [x1, mp.pi, x3, x4]
+            k = [mp.exp(-log / 2)] * 2 + [mp.exp(log / 2), mp.exp(-log / 2)]
+            d = slopes(x)
+            balance = [
+                many[i] * k[i] * (x[i] - rest[i]) - l1 * d[i][0] - l2 * d[i][1] for i in range(4)
+            ]
+            balance[1] += push
+            return [*closure(x), *balance, push]
+
+        x = node.point[:-1]
+        d = np.array([[float(v) for v in row] for row in slopes([mp.mpf(v) for v in x])])
+        k = np.exp(node.s * np.array([-0.5, -0.5, 0.5, -0.5]))
+        lam = np.linalg.lstsq(d, k * many * (x - [float(v) for v in rest]), rcond=None)[0]
+        start = [x[0], x[2], x[3], *lam, 0.0, node.s]
+        found = mp.findroot(system, [mp.mpf(v) for v in start], tol=1e-22)
+        return mp.exp(found[6])
+
+
+def test_handles_and_the_book_fold_are_followed():
+    web, states = over_ratio("pi/3", 0.5, 50)
+    for x in states:
+        assert web.add(x, 0.0, "minimum")
+    assert not events(web)
+    assert len(web.arcs) == 2 * len(states)
+    for _, frame in web.states_at(math.log(20)):
+        assert classify(State(frame.problem, frame.state)).verdict == "minimum"
+
+
+def test_a_contact_that_never_carries_leaves_at_the_first_load():
+    """The book fold of pi/4 rests: any torque that opens it does so at once."""
+    model = Model(examples.degree6("pi/4", 1.0))
+    book = np.array([-math.pi, 0.0, 0.0, -math.pi])
+    web = BifurcationDiagram(load_line(model, np.array([1.0, 0, 0, 0])), -1.0, 1.0)
+    assert web.add(book, 0.0, "minimum")
+    halves = {np.sign(h.frame.ahead): h.frame.hold.contacts for h in web.nodes[0].halves}
+    assert len(halves[-1.0]) == 2 and len(halves[1.0]) < 2
+
+
+def facets_that_begin_to_overlap(ratio, low, high):
+    """The web of degree 8 without symmetry, alpha = 30 deg, from the state whose creases 3 and 7 are about to meet."""
+    scenes = [
+        replace(examples.degree8("pi/6", math.exp(s)), symmetry="none", mirror=None)
+        for s in (0.0, 1.0)
+    ]
+    line = line_between(*map(Model, scenes), 1.0)
+    web = BifurcationDiagram(line, math.log(low), math.log(high))
+    angles = np.radians([-65.5, 142.2, -58.2, 142.0, -65.5, 142.2, -58.2, 142.0])
+    start = follow(line.at(math.log(ratio)), angles).end
+    assert web.add(start, math.log(ratio))
+    return web
+
+
+def test_facets_that_begin_to_overlap_hold_each_other_by_two_contacts():
+    """Two creases meet, and beyond two facets lie on each other, either way round; held by one contact they cross."""
+    web = facets_that_begin_to_overlap(3.2, 3.1, 3.6)
+    (event,) = events(web)
+    assert event.type == "closes" and event.located
+    for ratio, contacts in ((3.19, (0,)), (3.271, (2, 2)), (3.3, (2, 2)), (3.5, (2, 2))):
+        found = [f for _, f in web.states_at(math.log(ratio))]
+        assert tuple(len(f.hold.contacts) for f in found) == contacts
+        for f in found:
+            assert (f.forces > 0).all()
+            assert classify(State(f.problem, f.state)).verdict == "minimum"
+    for f in (f for _, f in web.states_at(math.log(3.5))):
+        # by descent from beside it, which knows nothing of curves
+        aside = (
+            project(f.problem, f.state + 1e-4 * np.sin(k + np.arange(8.0)), ())[0]
+            for k in range(20)
+        )
+        start = next(x for x in aside if not f.problem.refuses(x))
+        assert np.abs(follow(f.problem, start).end - f.state).max() < 1e-7
+    back = facets_that_begin_to_overlap(3.5, 3.1, 3.6)
+    (again,) = events(back)
+    assert again.located and again.s == pytest.approx(event.s, abs=1e-11)
+    assert len(back.states_at(math.log(3.19))) == 1 and len(back.states_at(math.log(3.49))) == 2
+
+
+def test_a_crease_in_the_plane_of_a_facet_and_beside_it_is_no_contact():
+    web = facets_that_begin_to_overlap(3.2, 3.1, 3.6)
+    arc = next(a for a in web.arcs if a.frames[1].hold.contacts)
+    frame = arc.frames[-1]
+    assert touches(frame)
+    # the other way round the creases lie off these facets: in their planes at most
+    other = next(
+        a for a in web.arcs if a.frames[1].hold != arc.frames[1].hold and a.frames[1].hold.contacts
+    )
+    assert not touches(
+        replace(other.frames[-1], system=BorderedSystem(web.line, other.frames[-1].x, frame.hold))
+    )
+
+
+def test_the_shortest_step_is_the_one_across_the_null_vector():
+    """One factorisation with a tangent that is only near gives the step under the row of singular vectors."""
+    a, b = (Model(examples.degree6("5*pi/12", ratio)) for ratio in (0.5, 2.0))
+    line, rng = line_between(a, b, 1.0), np.random.default_rng(0)
+    for minimum in find_minima(examples.degree6("5*pi/12", 1.0), prove=False, escape=False).minima:
+        x = a.reduce(np.array(minimum.fold_angles))
+        contacts = State(line.at(0.5), x).contacts.base
+        for _ in range(10):
+            point = np.append(x, 0.5) + 1e-3 * rng.standard_normal(len(x) + 1)
+            system = BorderedSystem(line, point, Hold(contacts, (0, 1)))
+            row, _ = system.direction()
+            along = row + 0.3 * rng.standard_normal(len(x) + 1)
+            step = system.shortest_step(along)
+            assert step == pytest.approx(system.step(row, 0.0), abs=1e-12)
+            across = np.linalg.svd(along[None])[2][-1]  # perpendicular to `along`
+            off = system.shortest_step(across - (across @ row) * row)
+            assert off is None

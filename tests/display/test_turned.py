@@ -1,0 +1,202 @@
+"""The page that can be turned: its geometry and names against the package, its size, that it needs no network."""
+
+import dataclasses
+import json
+import math
+import re
+from html.parser import HTMLParser
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from plotly.offline import get_plotlyjs
+
+import origami_nlp as o
+from origami_nlp import display
+from origami_nlp.chart import landscape
+from origami_nlp.display import Body, Content, Crease, Folded, Keyframe, Trajectory, rotation_onto
+from origami_nlp.errors import OptionError
+from origami_nlp.folding import check_admissible, fold_vertex
+from origami_nlp.minima import MinimaResult
+from tests.command_line import run, scene_file
+from tests.computed_once import panel_result
+
+LARGEST = 6_000_000  # bytes of a page
+
+
+@pytest.fixture(scope="module")
+def result() -> MinimaResult:
+    return panel_result(o.examples.degree6("pi/3", 1.0), full=True)
+
+
+@pytest.fixture(scope="module")
+def page(result: MinimaResult) -> str:
+    return display.interactive_page(result.view_content())
+
+
+def data_of(page: str) -> Any:
+    found = re.search(r'<script type="application/json" id="data">(.*?)</script>', page, re.DOTALL)
+    assert found
+    return json.loads(found[1])
+
+
+def dihedral(points: np.ndarray, crease: Any, facets: Any) -> float:
+    """The fold angle of a crease from corners alone: by the normals of the facets beside it, valley positive."""
+    axis = points[crease["end"]] - points[crease["start"]]
+    right, left = (
+        np.cross(points[f[1]] - points[f[0]], points[f[2]] - points[f[0]])
+        for f in (facets[crease["right"]], facets[crease["left"]])
+    )
+    sine = np.cross(right, left) @ axis / np.linalg.norm(axis)
+    return math.atan2(sine, right @ left)
+
+
+def test_states_on_the_page_are_those_of_the_package(page: str, result: MinimaResult) -> None:
+    (data,) = data_of(page)
+    assert len(data["stations"]) == len(result.minima) > 3
+    for station, m in zip(data["stations"], result.minima, strict=True):
+        corners = np.array(station["corners"])
+        rays, _ = fold_vertex(result.scene.vertex, np.array(m.fold_angles))
+        assert np.abs(corners[1:] - rays).max() <= 1e-12 and not corners[0].any()
+        assert station["energy"] == m.energy and f"{m.energy:.6g} J" in station["title"]
+        # facets and creases of the body are so numbered that the corners alone give the fold angles back
+        for crease, phi in zip(data["body"]["creases"], m.fold_angles, strict=True):
+            found = dihedral(corners, crease, data["body"]["facets"])
+            assert abs(math.remainder(found - phi, 2 * math.pi)) <= 1e-7
+
+
+def test_contacts_are_named_with_their_moments(page: str, result: MinimaResult) -> None:
+    (data,) = data_of(page)
+    assert any(m.contacts for m in result.minima)
+    for station, m in zip(data["stations"], result.minima, strict=True):
+        assert len(station["marks"]) == len(m.contacts)
+        for mark, contact in zip(station["marks"], m.contacts, strict=True):
+            assert contact.text in mark["text"] and "N m" in mark["label"]
+            assert mark["text"] in station["lines"]
+            assert mark["loaded"] == (contact.multiplier_range[1] > 0)
+            assert {c - 1 for c in contact.creases} <= set(mark["creases"])
+            assert {f - 1 for f in contact.facets} <= set(mark["facets"])
+        said = " ".join(station["lines"])
+        assert m.certificate in said and "closure <1e-11, KKT" in said
+
+
+def test_a_descent_is_a_path_of_admissible_states(page: str, result: MinimaResult) -> None:
+    (data,) = data_of(page)
+    unstable = [m for m in result.minima if m.full_space and m.full_space.descent]
+    assert len(data["tracks"]) == len(unstable) > 0
+    for track, m in zip(data["tracks"], unstable, strict=True):
+        assert m.full_space and m.full_space.descent
+        stored = m.full_space.descent
+        assert track["of"] == len(stored) and track["start"] == result.minima.index(m)
+        assert np.all(np.diff(track["energy"]) < 0) and np.all(np.diff(track["parameter"]) > 0)
+        for state, step in zip(track["states"], stored, strict=True):
+            assert check_admissible(result.scene.vertex, np.array(step.fold_angles)).admissible
+            rays, _ = fold_vertex(result.scene.vertex, np.array(step.fold_angles))
+            corners = np.array(state["corners"])[1:]
+            assert np.abs(corners @ corners.T - rays @ rays.T).max() < 1e-5  # turned as a whole
+            assert np.linalg.det(rotation_onto(rays, corners)) == pytest.approx(1)
+
+
+def test_map_holds_the_energies_of_the_landscape(page: str, result: MinimaResult) -> None:
+    (data,) = data_of(page)
+    (panel,) = data["panels"]
+    scene = result.scene
+    shown = np.array(panel["energy"], dtype=float)  # None becomes nan
+    (branch,) = landscape(scene, len(panel["x"])).branches
+    assert np.isfinite(shown).sum() > 1000
+    assert np.allclose(shown, branch.energy, rtol=1e-6, equal_nan=True)
+    for k, x, y in panel["stations"]:
+        assert np.abs(np.array(result.minima[k].fold_angles)[1:3] - (x, y)).max() <= 1e-12
+    assert len(panel["stations"]) == len(result.minima)
+
+
+class References(HTMLParser):
+    """What a page would load."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.found: list[str] = []
+
+    def handle_starttag(self, tag: str, attrs: Any) -> None:
+        self.found += [
+            v for k, v in attrs if k in ("src", "href", "srcset", "data", "action") and v
+        ]
+
+
+def test_page_is_small_and_loads_nothing(page: str) -> None:
+    assert len(page.encode()) < LARGEST
+    parser = References()
+    parser.feed(page)
+    assert all(reference.startswith("data:") for reference in parser.found)
+    own = page.replace(get_plotlyjs(), "")
+    assert len(own) < 500_000 and not re.search(r"https?://|@import|url\(", own)
+
+
+def test_text_of_a_user_stays_text(result: MinimaResult) -> None:
+    name = "</script><b>&co<!--"
+    scene = dataclasses.replace(result.scene, name=name)
+    odd = display.interactive_page(dataclasses.replace(result, origami=scene).view_content())
+    assert name not in odd and "<b>&co" not in odd
+    assert data_of(odd)[0]["title"] == scene.label
+
+
+def test_several_results_share_a_page(result: MinimaResult) -> None:
+    content = result.view_content()
+    both = display.interactive_page(content, dataclasses.replace(content, title="another"))
+    assert [d["title"] for d in data_of(both)] == [content.title, "another"]
+    assert both.count("<section class='told'") == 2
+
+
+def test_jupyter_shows_the_page_in_a_frame_of_its_own(result: MinimaResult) -> None:
+    shown = result.view()._repr_html_()
+    (frame,) = re.findall(r'<iframe [^>]*srcdoc="([^"]*)"', shown)
+    assert frame.startswith("&lt;!doctype html&gt;")
+
+
+def sheet() -> Content:
+    """Two squares and a crease between them: a body that is no single vertex."""
+    body = Body(((0, 1, 2, 3), (0, 3, 4, 5)), (Crease(0, 3, 0, 1),))
+    corners = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [-1, 1, 0], [-1, 0, 0.0]])
+    states = []
+    for phi in np.linspace(0, 2.5, 300):
+        turned = corners.copy()
+        turned[[4, 5], 0], turned[[4, 5], 2] = -math.cos(phi), math.sin(phi)
+        states.append(Folded(turned, np.array([phi]), phi**2 * (2 - phi), np.zeros((2, 3))))
+    track = Trajectory("load", np.linspace(0, 1, 300), "load [N m]", tuple(states), np.eye(3), 0)
+    return Content("sheet", body, (Keyframe("flat", states[0], np.eye(3)),), (track,))
+
+
+def test_any_path_of_any_body_can_be_shown_and_long_ones_are_thinned() -> None:
+    (data,) = data_of(display.interactive_page(sheet()))
+    (track,) = data["tracks"]
+    assert track["of"] == 300 > len(track["states"]) > 50
+    assert track["parameter"][0] == 0 and track["parameter"][-1] == 1
+    stored = sheet().tracks[0]
+    assert max(track["energy"]) == pytest.approx(max(s.energy for s in stored.states), rel=1e-6)
+    for state in track["states"]:
+        crease, facets = data["body"]["creases"][0], data["body"]["facets"]
+        assert dihedral(np.array(state["corners"]), crease, facets) == pytest.approx(
+            state["angles"][0], abs=1e-5
+        )
+
+
+def test_without_plotly_one_line_says_so_before_the_search(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, result: MinimaResult
+) -> None:
+    from origami_nlp.display import interactive
+
+    monkeypatch.setattr(interactive, "find_spec", lambda name: None)
+    scene = scene_file(tmp_path, result.scene)
+    for command in ("minima", "landscape", "barriers", "contacts"):
+        target = tmp_path / f"{command}.html"
+        done = run(command, scene, "--html", target)
+        assert done.code == 2 and not done.out and not target.exists()
+        assert done.err.count("\n") == 1 and 'pip install "origami_nlp[view]"' in done.err
+    with pytest.raises(OptionError, match="plotly"):
+        o.view(result)
+
+
+def test_what_cannot_be_turned_is_named() -> None:
+    with pytest.raises(OptionError, match="cannot be turned"):
+        o.view(3)

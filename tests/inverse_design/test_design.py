@@ -1,0 +1,289 @@
+"""Designs: found again by the search, the optimum by a second solver, refutations by exact arithmetic."""
+
+import json
+import math
+from dataclasses import replace
+from fractions import Fraction
+
+import numpy as np
+import pytest
+from scipy.optimize import linprog
+
+import origami_nlp as o
+from origami_nlp.errors import OptionError
+from origami_nlp.inverse_design import (
+    Ask,
+    BarrierAsk,
+    EnergyGap,
+    Target,
+    Targets,
+    choose,
+    design,
+    example_targets,
+    move_targets,
+    parse_targets,
+    scene_of,
+    solve,
+    springs_of,
+)
+from origami_nlp.inverse_design.conic import DEFINITE, EQUAL, POSITIVE, smatrix
+from origami_nlp.inverse_design.examples import EXAMPLES
+from origami_nlp.kkt import State, classify
+from origami_nlp.problem import Model
+from tests.inverse_design.questions import built, question
+
+pytest.importorskip("clarabel")
+LONG = pytest.mark.slow
+CASES = [
+    *((n, s, 1, p, 0) for n, s, p in ((4, 0, 0), (5, 1, 1), (6, 2, 0), (8, 3, 0))),
+    *((n, s, 2, p, f) for n, s, p, f in ((4, 0, 0, 0), (4, 1, 1, 0), (4, 5, 1, 1), (5, 2, 0, 1))),
+    *((n, s, 2, 1, 0) for n, s in ((5, 3), (6, 5), (5, 8))),
+    (4, 6, 3, 1, 1),
+]
+
+
+def held_by_hand(targets, scene):
+    """Whether each state is a minimum, by nothing but energies of closed states around it."""
+    from origami_nlp.kkt import project
+
+    model, rng = Model(scene), np.random.default_rng(0)
+    for placed in targets.placed:
+        x = placed.state.x
+        for _ in range(60):
+            y, left = project(model, x + 2e-3 * rng.standard_normal(model.size))
+            if left > 1e-12 or model.refuses(y) or np.abs(y - x).max() < 1e-5:
+                continue
+            if model.energy(y) < model.energy(x):
+                return False
+    return True
+
+
+@pytest.mark.parametrize(("n", "seed", "count", "pinned", "flat"), CASES)
+def test_states_of_a_design_are_minima(n, seed, count, pinned, flat):
+    targets, posed = built(n, seed, count, pinned, flat, preload=count > 1)
+    scene = scene_of(targets, springs_of(posed))
+    for placed in targets.placed:
+        found = classify(State(Model(scene), placed.state.x))
+        assert found.verdict == "minimum", found.reason
+        assert placed.moved < 1e-9
+    assert held_by_hand(targets, scene)
+    low, high = targets.stiffness
+    assert low * (1 - 1e-9) <= min(scene.stiffness) and max(scene.stiffness) <= high * (1 + 1e-9)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(200))
+def test_random_designs_verify(seed):
+    n, count = 4 + seed % 5, 1 + seed % 3
+    if count == 3 and n > 5:
+        n = 4
+    pinned, flat = (seed // 3) % 2 if count else 0, int(count > 1 and seed % 4 == 0)
+    targets, _ = built(n, seed, count, min(pinned, count - flat), flat, preload=True)
+    found = design(targets)
+    assert found.verified, found.failed
+    assert max(s.found for s in found.states) <= 1e-9
+
+
+def cutting_planes(posed):
+    """Largest margin by linear programmes alone: matrices are cut by vectors, no cone is known."""
+    p = posed.problem
+    equal = [(p.matrix(r), -r.b) for r in p.rows if r.cone == EQUAL]
+    above = [(p.matrix(r), r.b) for r in p.rows if r.cone == POSITIVE]
+    blocks = [(p.matrix(r), r.b) for r in p.rows if r.cone == DEFINITE]
+    a, b = (np.concatenate([e[i] for e in equal]) for i in (0, 1))
+    g, h = [np.concatenate([e[i] for e in above]) for i in (0, 1)]
+    for _ in range(300):
+        found = linprog(-posed.aim, -g, h, a, b, bounds=(-50, 50), method="highs")
+        if not found.success:
+            return -math.inf
+        worst = 0.0
+        for m, c in blocks:
+            values, vectors = np.linalg.eigh(smatrix(m @ found.x + c))
+            for v in vectors[:, values < 1e-9].T:
+                row = np.array([v @ smatrix(col) @ v for col in m.T])
+                g, h = np.vstack([g, row]), np.append(h, v @ smatrix(c) @ v)
+            worst = min(worst, values.min(initial=0.0))
+        if worst > -1e-9:
+            break
+    return -found.fun
+
+
+@pytest.mark.parametrize(("n", "seed", "count"), [(4, 0, 1), (4, 1, 2), (5, 2, 2), (5, 4, 1)])
+def test_the_margin_is_that_of_linear_programmes_with_cuts(n, seed, count):
+    targets = question(seed, n, count)
+    posed = solve(targets)
+    again = cutting_planes(posed)
+    if posed.answer.infeasible:
+        assert again == -math.inf
+    else:
+        assert again == pytest.approx(posed.margin, abs=1e-6)
+
+
+def exact_certificate(posed):
+    """Check a refutation in rational numbers: y in the dual cones, y . b < 0 and sum A' y nearly 0.
+
+    What is left over of sum A' y is weighed against |y . b|: unknowns up to (y . b) / |rest| are refuted.
+    """
+    p, answer = posed.problem, posed.answer
+    total = [Fraction(0)] * p.size
+    work = Fraction(0)
+    for rows, y in zip(p.rows, answer.duals, strict=True):
+        y = [Fraction(float(v)) for v in y]
+        if rows.cone == POSITIVE:
+            y = [max(v, Fraction(0)) for v in y]  # rounding of the solver, into the cone
+        if rows.cone == DEFINITE:
+            m = smatrix(np.array([float(v) for v in y]))
+            assert np.linalg.eigvalsh(m).min() > -1e-9 * max(1.0, np.abs(m).max())
+        for a, b, v in zip(p.matrix(rows), rows.b, y, strict=True):
+            work += Fraction(float(b)) * v
+            for j in np.flatnonzero(a):
+                total[j] += Fraction(float(a[j])) * v
+    return work, max(abs(t) for t in total)
+
+
+def test_a_refutation_holds_in_rational_numbers():
+    seen = 0
+    for seed in range(40):
+        targets = question(seed, 5, 3)
+        posed = solve(targets)
+        if posed.answer.infeasible:
+            work, rest = exact_certificate(posed)
+            assert work < 0
+            # springs over their mean are at most N, torques at most pi N: no such unknowns escape
+            assert rest < abs(work) * Fraction(1, 10**6)
+            assert posed.every_refuted
+            seen += 1
+        if seen == 3:
+            return
+    pytest.fail("no refuted question was drawn")
+
+
+def test_a_reason_names_changes_that_help():
+    for seed in range(30):
+        targets = question(seed, 4, 2)
+        if not solve(targets).feasible and solve(replace(targets, preload=True)).feasible:
+            break
+    found = design(targets)
+    assert not found.feasible and found.refuted and found.reason.states == ("s0", "s1")
+    assert any("rest angles reach" in c for c in found.reason.changes)
+    assert any("leave out state" in c for c in found.reason.changes)
+    assert "No design" in str(found)
+    assert design(replace(targets, preload=True)).verified
+
+
+def test_energies_are_exact():
+    targets, _ = built(4, 7, 2, 0, 0, preload=True)
+    for gap in (0.0, 0.0125):
+        asked = replace(targets, energies=(EnergyGap("s1", "s0", gap, gap),))
+        posed = solve(asked)
+        if not posed.feasible:
+            continue
+        scene = scene_of(asked, springs_of(posed))
+        u = [scene.energy(asked.model.expand(p.state.x)) for p in asked.placed]
+        assert u[1] - u[0] == pytest.approx(gap, abs=1e-12)
+        break
+    else:
+        pytest.fail("neither gap is feasible")
+
+
+@pytest.mark.parametrize(
+    "name", [pytest.param(n, marks=LONG) if n == "monostable8" else n for n in EXAMPLES]
+)
+def test_examples_verify(name, tmp_path):
+    targets, ask, title = parse_targets(example_targets(name))
+    found = design(targets, ask, name=title)
+    assert found.verified, found.failed
+    assert max(s.found for s in found.states) <= 1e-9
+    data = json.loads(json.dumps(found.to_dict()))
+    assert data["feasible"] and len(data["states"]) == len(targets.states)
+    if name == "switch":
+        rises = [b.rise for b in found.barriers]
+        assert rises == pytest.approx([0.02, 0.01], abs=1e-12)
+        # the highest of many closed states between the two, found without the rows
+        crest = max(_between(found, 300))
+        low = found.states[0].energy
+        assert crest <= low + 0.02 + 1e-12 and crest == pytest.approx(low + 0.02, abs=1e-4)
+        o.draw(found, tmp_path / "d.png")
+        assert (tmp_path / "d.png").stat().st_size > 10_000
+    if ask.extra_states == "forbid":
+        assert not found.extra_minima and found.minima.completeness is not None
+    if name == "three-equal":
+        u = [s.energy for s in found.states]
+        assert max(u) - min(u) < 1e-12
+
+
+def _between(found, count):
+    """Energies of closed states from the first to the second, over the second crease's fold angle."""
+    from origami_nlp.kkt import project
+
+    model = Model(found.scene)
+    a, b = (model.reduce(np.array(s.fold_angles)) for s in found.states)
+    x = a
+    for angle in np.linspace(a[1], b[1], count):
+        x = x.copy()
+        x[1] = angle
+        x, left = project(model, x, frozen=np.arange(model.size) == 1)
+        assert left < 1e-10
+        yield model.energy(x)
+
+
+def test_the_exact_choice_is_that_of_all_subsets():
+    import itertools
+
+    pool = question(3, 4, 5, preload=True)
+    chosen = choose(pool, exact=True)
+    best = (0, 0.0)
+    for size in range(1, 6):
+        for states in itertools.combinations(pool.states, size):
+            posed = solve(replace(pool, states=states))
+            if posed.feasible:
+                best = max(best, (size, posed.margin))
+    assert (len(chosen.names), chosen.margin) == (best[0], pytest.approx(best[1]))
+    greedy = choose(pool, exact=False)
+    assert len(greedy.names) <= best[0]
+
+
+def test_targets_move_to_springs():
+    for seed in range(12):
+        targets = question(seed, 4, 2)
+        if solve(targets).feasible:
+            continue
+        states = tuple(replace(t, tolerance=math.radians(25)) for t in targets.states)
+        moved = move_targets(replace(targets, states=states))
+        if moved.after == -math.inf:
+            continue
+        assert max(moved.by) <= math.radians(25) + 1e-9
+        scene = scene_of(moved.targets, springs_of(solve(moved.targets)))
+        assert held_by_hand(moved.targets, scene)
+        return
+    pytest.fail("no question was helped")
+
+
+def test_barriers_at_most_and_largest():
+    targets, _, _ = parse_targets(example_targets("switch"))
+    low = replace(targets, barriers=(BarrierAsk("off", "on", 0.0, 0.015),))
+    found = design(low)
+    assert found.verified and found.barriers[0].rise <= 0.015 * (1 + 1e-9)
+    both = (BarrierAsk("off", "on"), BarrierAsk("on", "off"))
+    most = design(replace(targets, barriers=both), Ask("barrier"))
+    mean, other = (np.mean(d.scene.stiffness) for d in (most, found))
+    up = found.barriers[0].rise
+    back = up + found.states[0].energy - found.states[1].energy
+    assert min(b.rise for b in most.barriers) / mean > min(up, back) / other
+
+
+def test_bad_questions_are_named():
+    vertex = o.Vertex(("pi/2",) * 4)
+    state = Target("a", (0.0,) * 4)
+    with pytest.raises(OptionError, match="barrier of 'b'"):
+        Targets(vertex, (state,), barriers=(BarrierAsk("a", "b"),))
+    with pytest.raises(OptionError, match="exactly alone"):
+        parse_targets(
+            "[vertex]\nsector_angles_deg=[90,90,90,90]\n[[states]]\nname='a'\nfold_angles=[0,0,0,0]\n"
+            "[[states]]\nname='b'\nfold_angles=[0,0,0,0]\n"
+            "[[barriers]]\nfrom='a'\nto='b'\nexactly=1\nat_most=2\n"
+        )
+    with pytest.raises(OptionError, match="needs \\[\\[barriers\\]\\]"):
+        design(Targets(vertex, (state,)), Ask("barrier"))
+    with pytest.raises(OptionError, match="use one of"):
+        example_targets("none")

@@ -1,0 +1,100 @@
+"""Springs for states of whole patterns: as for the vertex that they are, checked by the search and by differences."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import origami_nlp as o
+from origami_nlp.errors import OptionError
+from origami_nlp.inverse_design import Target, Targets, parse_targets
+from origami_nlp.pattern import scene_pattern
+from origami_nlp.pattern_problem import PatternProblem
+from tests.command_line import run
+
+QUAD = o.Vertex(("pi/3", "2*pi/3", "2*pi/3", "pi/3"))
+
+
+def wanted(minima):
+    return tuple(Target(f"state {k}", tuple(m.fold_angles)) for k, m in enumerate(minima, start=1))
+
+
+def test_a_pattern_of_one_vertex_gets_the_springs_of_the_vertex():
+    scene = o.Scene(QUAD, (1, 1, 1, 1), (1.2, -1.2, -0.6, -1.2), symmetry="none")
+    states = wanted(o.find_minima(scene, prove=False, escape=False).minima)
+    one = o.design(Targets(QUAD, states))
+    same = o.design(Targets(scene_pattern(scene), states))
+    assert one.verified and same.verified
+    assert same.margin == pytest.approx(one.margin, rel=1e-7)  # to the accuracy of the conic solver
+    for a, b in zip(one.states, same.states, strict=True):
+        assert b.fold_angles == pytest.approx(a.fold_angles, abs=1e-9) and b.found < 1e-9
+
+
+def test_a_design_of_a_metasheet_holds_its_states_by_differences():
+    """Two states of nine facets; along every closed motion the energy rises on both sides of each."""
+    pattern = o.examples.pattern("metasheet:3x3")
+    minima = o.find_minima(pattern, effort="quick", escape=False).minima
+    answer = o.design(Targets(pattern, wanted(minima), stiffness=(0.05, 5.0)), effort="quick")
+    assert answer.verified and answer.margin > 0.01 and len(answer.states) == 2
+    made = answer.scene
+    assert made.stiffness.min() >= 0.05 * (1 - 1e-9) and made.stiffness.max() <= 5 * (1 + 1e-9)
+    problem = PatternProblem(made)
+    for held in answer.states:
+        x = np.array(held.fold_angles)
+        z = problem.kernel(x)
+        assert z.shape[1] == 1
+        d, h = z[:, 0], 1e-4
+        states = [problem.project(x + sign * h * d)[0] for sign in (1, -1)]
+        arc = [np.linalg.norm(y - x) for y in states]
+        rises = [float(made.energy(y) - made.energy(x)) for y in states]
+        assert min(rises) > 0
+        second = 2 * rises[0] / arc[0] ** 2, 2 * rises[1] / arc[1] ** 2
+        assert np.mean(second) >= answer.margin * made.stiffness.mean() * (1 - 1e-3)
+
+
+def test_creases_of_one_letter_may_have_equal_springs(tmp_path):
+    text = """
+[pattern]
+example = "miura:2x3"
+equal = "letters"
+[springs]
+stiffness = [0.05, 5.0]
+[[states]]
+name = "folded"
+fold_angles = %s
+"""
+    pattern = o.examples.pattern("miura:2x3")
+    lowest = o.find_minima(pattern, effort="quick", escape=False).minima[0]
+    text %= np.asarray(lowest.fold_angles).tolist()
+    answer = o.design(*parse_targets(text)[:2], effort="quick")
+    letters = np.array(list(pattern.assignment))
+    for letter in "MV":
+        assert np.ptp(answer.scene.stiffness[letters == letter]) < 1e-9
+        assert np.ptp(answer.scene.rest[letters == letter]) < 1e-9
+    assert answer.verified and o.draw(answer, tmp_path / "d.png").axes
+    file, fold = tmp_path / "t.toml", tmp_path / "d.fold"
+    file.write_text(text)
+    done = run("design", file, "--effort", "quick", "--scene", fold, "--json", tmp_path / "d.json")
+    assert done.code == 0, done.err
+    again = o.read_pattern(fold)
+    assert again.stiffness == pytest.approx(answer.scene.stiffness, rel=1e-9)
+
+
+def test_what_is_for_vertices_alone_is_named():
+    pattern, states = scene_pattern(o.Scene(QUAD, (1,) * 4, (0.5,) * 4)), wanted([])
+    state = (Target("flat", (0.0,) * 4),)
+    assert states == ()
+    for wrong in ({"symmetry": "D1"}, {"preload": True}, {"mirror": 1}):
+        (name,) = wrong
+        with pytest.raises(OptionError, match=f"^{name} = .* is not for a pattern: "):
+            Targets(pattern, state, **wrong)
+    with pytest.raises(OptionError, match=r"equal = .* is not for a vertex: "):
+        Targets(QUAD, state, equal="letters")
+    with pytest.raises(OptionError, match="4 numbers, one a crease"):
+        Targets(pattern, state, equal=(1, 2))
+    with pytest.raises(OptionError, match=r"contact = .none. must be"):
+        Targets(pattern, state, contact="none")
+    ask = o.inverse_design.Ask(extra_states="forbid")
+    with pytest.raises(OptionError, match=r"extra_states = 'forbid' is not for a pattern: "):
+        o.design(Targets(pattern, state), ask)
+    assert replace(Targets(pattern, state), equal=(1, 1, 2, 2)).kinds.tolist() == [0, 0, 1, 1]

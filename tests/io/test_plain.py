@@ -1,0 +1,202 @@
+"""Plain data there and back: what cannot be read is told with its path, its value and what is expected."""
+
+from __future__ import annotations
+
+import json
+import math
+from dataclasses import dataclass, field
+from typing import Literal, NamedTuple
+
+import numpy as np
+import pytest
+
+from origami_nlp.errors import OptionError, SceneFileError
+from origami_nlp.io import (
+    OneBased,
+    Unbounded,
+    check_schema,
+    from_plain,
+    pick,
+    read_json,
+    to_plain,
+)
+from origami_nlp.pattern import Scene, examples
+
+
+class Step(NamedTuple):
+    at: tuple[float, ...]
+    height: float = 0.5
+
+
+@dataclass(frozen=True)
+class Inner:
+    ALSO = ("shout",)
+
+    name: str
+    range: tuple[float, Unbounded]
+
+    @property
+    def shout(self) -> str:
+        return self.name.upper()
+
+
+@dataclass(frozen=True)
+class Outer:
+    inner: tuple[Inner, ...]
+    best: Inner | None
+    steps: tuple[Step, ...] | None
+    value: float
+    count: int
+    grid: np.ndarray
+    table: dict[str, int]
+    kind: Literal["open", "shut"]
+    crease: OneBased
+    facets: tuple[OneBased, OneBased] | None
+    scene: Scene
+    known: object = field(default=None, metadata={"plain": False})
+    winding: int = field(default=1, metadata={"omit": True})
+    last: float = 7.0
+
+
+OUTER = Outer(
+    inner=(Inner("a", (1.0, math.inf)), Inner("b", (2.0, 3.0))),
+    best=None,
+    steps=(Step((1.0, 2.0)),),
+    value=math.nan,
+    count=3,
+    grid=np.array([[1.0, math.nan], [0.0, -math.inf]]),
+    table={"x": 1},
+    kind="open",
+    crease=0,
+    facets=(1, 2),
+    scene=examples.degree6("pi/4"),
+    known=object(),
+)
+
+
+def data():
+    return json.loads(json.dumps(to_plain(OUTER), allow_nan=False))
+
+
+def test_plain_data_is_json_and_reads_back():
+    written = data()
+    assert written["inner"][0] == {"name": "a", "range": [1.0, None], "shout": "A"}
+    assert written["grid"] == [[1.0, None], [0.0, None]] and written["value"] is None
+    assert written["crease"] == 1 and written["facets"] == [2, 3]
+    assert "known" not in written and "winding" not in written
+    again = from_plain(Outer, written)
+    assert again.inner == OUTER.inner and again.steps == OUTER.steps and again.best is None
+    assert isinstance(again.steps[0], Step) and math.isnan(again.value)
+    assert again.crease == 0 and again.facets == (1, 2) and again.scene == OUTER.scene
+    assert np.array_equal(again.grid, [[1.0, math.nan], [0.0, math.nan]], equal_nan=True)
+    assert to_plain(again) == written
+    other = Outer(**{**vars(OUTER), "best": OUTER.inner[1], "steps": None, "winding": 2})
+    full = to_plain(other)
+    again = from_plain(Outer, full)
+    assert again.best == OUTER.inner[1] and again.steps is None and again.winding == 2
+    del full["last"]
+    assert from_plain(Outer, full).last == 7.0
+
+
+def test_numbers_of_numpy_become_numbers():
+    mixed = {"a": np.float64("nan"), "b": np.int32(3), "c": (np.bool_(True), 2.5)}
+    assert to_plain(mixed) == {"a": None, "b": 3, "c": [True, 2.5]}
+    for thing in (object(), {"a": object()}, 1 + 2j):
+        with pytest.raises(TypeError, match="plain form"):
+            to_plain(thing)
+
+
+def put(value, *path):
+    """Data in which one entry has another value; without it for ..., with it where there was none."""
+
+    def change(whole):
+        inside = whole
+        for key in path[:-1]:
+            inside = inside[key]
+        if value is ...:
+            del inside[path[-1]]
+        else:
+            inside[path[-1]] = value
+
+    return change
+
+
+WRONG = {
+    "missing": (put(..., "count"), "count is missing"),
+    "missing within": (put(..., "inner", 1, "name"), r"inner\[2\].name is missing"),
+    "unknown": (put(3, "foo"), "unknown key 'foo': it takes inner, best"),
+    "unknown within": (put(3, "inner", 0, "foo"), r"inner\[1\] has the unknown key 'foo'"),
+    "text for a number": (put("7", "value"), "value = '7' must be a finite number"),
+    "number for a text": (put(7, "inner", 0, "name"), r"inner\[1\].name = 7 must be a text"),
+    "true for a number": (put(True, "value"), "value = True must be a finite number"),
+    "true for an integer": (put(True, "count"), "count = True must be a whole number"),
+    "fraction for an integer": (put(1.5, "count"), "count = 1.5 must be a whole number"),
+    "fraction for an index": (put(1.5, "crease"), "crease = 1.5 must be a whole number"),
+    "null": (put(None, "inner"), "inner = None must be a list"),
+    "nan": (put(math.nan, "value"), "value = nan must be a finite number"),
+    "too large": (put(1e999, "value"), "value = inf must be a finite number"),
+    "huge": (put(10**400, "value"), "value = 1000.* must be a finite number"),
+    "inf in an array": (put(math.inf, "grid", 0, 0), "grid = .* must be finite numbers"),
+    "text in an array": (put("a", "grid", 0, 0), "grid = .* must be finite numbers"),
+    "rows of other lengths": (put([1.0], "grid", 0), "grid = .* must be finite numbers in lists"),
+    "text for a list": (put("abc", "steps", 0, "at"), r"steps\[1\].at = 'abc' must be a list"),
+    "too short": (put([1.0], "inner", 0, "range"), r"inner\[1\].range = .* must be a list of 2"),
+    "number for an object": (put(3, "steps", 0), r"steps\[1\] = 3 must be an object"),
+    "list for an object": (put([1], "table"), "table = .1. must be an object"),
+    "text in a table": (put("q", "table", "y"), r"table\['y'\] = 'q' must be a whole number"),
+    "another word": (put("ajar", "kind"), "kind = 'ajar' must be one of 'open', 'shut'"),
+    "no scene": (put([1], "scene"), "scene = .1. must be an object"),
+    "half a scene": (put(..., "scene", "creases"), "scene: .*creases"),
+    "nan in a scene": (put(math.nan, "scene", "creases", "stiffness", 0), "scene: .*stiffness"),
+}
+
+
+@pytest.mark.parametrize("case", WRONG)
+def test_what_is_wrong_is_told_with_its_path_and_its_value(case):
+    change, message = WRONG[case]
+    wrong = data()
+    change(wrong)
+    with pytest.raises(OptionError, match=message) as reported:
+        from_plain(Outer, wrong, "'a.json'")
+    assert str(reported.value).startswith("'a.json': ") and "\n" not in str(reported.value)
+    with pytest.raises(SceneFileError, match=message):
+        from_plain(Outer, wrong, "'a.json'", SceneFileError)
+
+
+def test_tables_are_checked_after_other_types_were_read():
+    for kind in (dict[str, float], dict[str, int], dict[str, float]):
+        assert from_plain(kind, {"x": 1}) == {"x": 1}
+        with pytest.raises(OptionError, match=r"data = \[1\] must be an object"):
+            from_plain(kind, [1])
+
+
+@pytest.mark.parametrize("whole", [[], 3, None, "x"])
+def test_data_that_are_no_object(whole):
+    with pytest.raises(OptionError, match=r"data = .* must be an object"):
+        from_plain(Outer, whole)
+
+
+def test_picked_entries_keep_their_order_and_names():
+    found = pick(OUTER, "number=count", "value", "first", "inner", first=2, more=math.inf)
+    assert list(found) == ["number", "value", "first", "inner", "more"]
+    assert found["number"] == 3 and found["first"] == 2 and found["more"] is None
+
+
+@pytest.mark.parametrize("found", [{"schema": "a/2"}, {}, [], "a/1", None])
+def test_another_schema_is_named(found):
+    check_schema({"schema": "a/1"}, "a/1")
+    with pytest.raises(OptionError, match=r"'b.json': schema = .*a/1"):
+        check_schema(found, "a/1", "'b.json'")
+
+
+@pytest.mark.parametrize(
+    "content", [b"", b"{", b'{"a": NaN}', b"[" * 100_000, b"\xff\xfe", b"9" * 5000, b"[1] [2]"]
+)
+def test_files_that_are_no_json(content, tmp_path):
+    path = tmp_path / "a.json"
+    path.write_bytes(content)
+    with pytest.raises(OptionError, match=r"thing '.*a\.json' is no JSON file: .") as reported:
+        read_json(path, 10**6, "thing", OptionError)
+    assert "\n" not in str(reported.value) and len(str(reported.value)) < 300
+    with pytest.raises(OptionError, match="larger"):
+        read_json(path, len(content) - 1, "thing", OptionError)

@@ -1,0 +1,233 @@
+"""Motions, and the files of sheets: FOLD frames that say the same read back, meshes, pages, the command."""
+
+import json
+import math
+import struct
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from matplotlib.colors import to_hex
+from matplotlib.figure import Figure
+
+import origami_nlp as o
+from origami_nlp.display import BORDER, MOUNTAIN, draw_pattern_state
+from origami_nlp.minima import write_parts
+from origami_nlp.pattern import Pattern, frame_pattern, make_pattern, parse_fold
+from origami_nlp.pattern_problem import (
+    PatternProblem,
+    Poses,
+    pattern_frame,
+    pattern_parts,
+    pattern_to_fold,
+)
+from origami_nlp.pattern_states import analyze_mobility, find_motion, pattern_content
+from tests.command_line import run
+from tests.patterns import miura, miura_angles
+
+
+def read(data):
+    return [frame_pattern(f) for f in parse_fold(json.dumps(data))]
+
+
+def sides(x, pattern):
+    """Lengths of all sides and diagonals of facets."""
+    return np.array([np.linalg.norm(x[a] - x[b]) for q in pattern.polygons for a in q for b in q])
+
+
+@pytest.mark.parametrize("name", ["miura", "squaretwist", "resch"])
+def test_frames_read_back_are_the_same_states(name):
+    size = () if name == "squaretwist" else (2, 3)
+    p = o.examples.pattern(name, *size)
+    phi = analyze_mobility(p).folded
+    data = pattern_to_fold(p, [pattern_frame(p, phi, "folded", energy=1.0)])
+    flat, folded = read(data)
+    assert flat.is_flat and np.abs(flat.rest - p.rest).max() < 1e-13
+    assert np.array_equal(flat.stiffness, p.stiffness) and np.array_equal(flat.ends, p.ends)
+    # measured from the coordinates alone, by normals of facets
+    bare = {k: v for k, v in data["file_frames"][0].items() if k != "edges_foldAngle"}
+    (_, measured) = read({**data, "file_frames": [bare]})
+    for one in (folded, measured):
+        assert np.abs(one.reference - phi).max() < 1e-12
+    x = np.array(data["file_frames"][0]["vertices_coords"])
+    assert np.abs(sides(x, p) - sides(p.corners, p)).max() < 1e-12  # facets are rigid
+
+
+def test_a_folded_reference_is_written_as_one():
+    p = o.examples.pattern("miura", 2, 2)
+    data = pattern_to_fold(p, [pattern_frame(p, analyze_mobility(p).folded, "folded")])
+    folded = read(data)[1]
+    (again,) = read(pattern_to_fold(folded))
+    assert not again.is_flat and np.abs(again.reference - folded.reference).max() < 1e-12
+    assert np.abs(again.rest - p.rest).max() < 1e-12
+
+
+def test_the_motion_of_a_miura_is_its_law():
+    p = o.examples.pattern("miura", 3, 4)
+    motion = find_motion(p)
+    straight = np.abs(p.directions[:, 1]) < 1e-9
+    assert len(motion.fold_angles) > 30 and motion.dof == 1 and motion.touching is None
+    for phi in motion.fold_angles[:-1]:
+        z, h = np.abs(phi[~straight]), np.abs(phi[straight])
+        assert np.ptp(z) < 1e-9 and np.ptp(h) < 1e-9
+        assert np.abs(np.tan(h / 2) - math.cos(math.pi / 3) * math.tan(z[0] / 2)).max() < 1e-8 / (
+            1e-9 + math.cos(z[0] / 2) ** 2
+        )
+    assert "shut" in motion.end and np.abs(motion.fold_angles[-1]).max() == math.pi
+    assert np.array_equal(np.argsort(motion.arc), np.arange(len(motion.arc)))
+
+
+def test_a_motion_says_what_its_end_is():
+    """Layers at a flat-folded end, what a touch leaves; both come back from JSON."""
+    flat = find_motion(o.examples.pattern("miura", 2, 2))
+    blocked = find_motion(o.examples.pattern("metasheet", 3, 3))
+    free = find_motion(o.examples.pattern("yoshimura", 3, 3))
+    for motion, word in (
+        (flat, "folded flat there: its layers can be ordered"),
+        (blocked, "nothing moves on this way"),
+        (free, "not followed"),
+    ):
+        reported = [piece for piece in motion.report_sections() if isinstance(piece, str)]
+        assert any(word in line for line in reported)
+        assert bool(motion.layers) == (motion is flat)
+        assert type(motion).from_dict(motion.to_dict()).layers == motion.layers
+
+
+def test_a_motion_ends_where_facets_touch():
+    p = o.examples.pattern("metasheet", 3, 3)
+    motion = find_motion(p)
+    a, b = motion.touching
+    problem = PatternProblem(p)
+    last = motion.fold_angles[-1]
+    assert problem.residual(last) < 1e-12 and not problem.crossings.find(last)
+    beyond, _ = problem.project(
+        last + 1e-4 * (last - motion.fold_angles[-2]) / np.abs(last - motion.fold_angles[-2]).max()
+    )
+    assert (min(a, b), max(a, b)) in problem.crossings.find(beyond)
+    # a second way: distance of the two facets, sampled densely over both
+    x = Poses(p).polygons(last)
+    t = np.linspace(0, 1, 41)
+    u, v = np.meshgrid(t, t)
+
+    def sampled(q):
+        e = [q[k] for k in range(4)]
+        s = [(1 - u) * (1 - v), u * (1 - v), u * v, (1 - u) * v]
+        return sum(w[..., None] * c for w, c in zip(s, e, strict=True)).reshape(-1, 3)
+
+    apart = np.linalg.norm(sampled(x[a])[:, None] - sampled(x[b])[None], axis=2).min()
+    assert apart < 0.05 * problem.crossings.size
+
+
+def test_what_does_not_move_is_refused():
+    corner = np.array([(0.0, 0.0), (1.0, 0.0), (-0.5, 0.8), (-0.5, -0.8)])
+    with pytest.raises(o.OrigamiError, match="no folded state"):
+        find_motion(make_pattern(corner, [(0, 1, 2), (0, 2, 3), (0, 3, 1)]))
+    with pytest.raises(o.OrigamiError, match="traced up to"):
+        find_motion(o.examples.pattern("miura", 20, 20))
+
+
+def test_a_page_has_every_facet_and_both_sides_of_each_crease():
+    p = o.examples.pattern("waterbomb", 2, 2)
+    phi = analyze_mobility(p).folded
+    content = pattern_content(p, [("folded", phi, ("a line",))])
+    body, (station,) = content.body, content.stations
+    assert len(body.facets) == p.facets and len(body.creases) == p.creases
+    x = station.folded.corners
+    for crease, angle in zip(body.creases, phi, strict=True):
+        normals = []
+        for f in (crease.right, crease.left):
+            a, b, c = x[list(body.facets[f][:3])]
+            normals.append(np.cross(b - a, c - a) / np.linalg.norm(np.cross(b - a, c - a)))
+        along = x[crease.end] - x[crease.start]
+        turn = np.cross(*normals) @ along / np.linalg.norm(along)
+        assert math.atan2(turn, normals[0] @ normals[1]) == pytest.approx(angle, abs=1e-12)
+
+
+def test_states_and_motions_are_drawn_and_turned(tmp_path):
+    found, motion = o.find_minima("metasheet:2x2", starts=0), o.find_motion("metasheet:2x2")
+    assert len(found.draw().axes) == len(found.minima) > 1
+    shown, moving = found.view_content(), motion.view_content()
+    assert [s.title for s in shown.stations] == [
+        f"{k}: {s.kind}, {s.energy:.6g} J" for k, s in enumerate(found.minima, start=1)
+    ]
+    assert len(moving.stations) == 1 and len(moving.tracks[0].states) == len(motion.fold_angles)
+    found.view().save(tmp_path / "a.html")
+    assert (tmp_path / "a.html").stat().st_size > 1e6
+    nothing = replace(found, minima=())
+    for show in (nothing.draw, nothing.view):
+        with pytest.raises(o.OrigamiError, match="no stable state was found"):
+            show()
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+def test_of_layers_in_one_plane_the_nearest_is_drawn(sign):
+    """A pleat of three: its outer facets are longer, so that one of its two creases is out of sight."""
+    x = np.array([0.0, 1.2, 2.2, 3.4])
+    corners = np.array([(a, b) for a in x for b in (0.0, 1.0)])
+    polygons = [(2 * k, 2 * k + 2, 2 * k + 3, 2 * k + 1) for k in range(3)]
+    pattern = make_pattern(corners, polygons)
+    figure = Figure()
+    axes = figure.add_subplot()
+    draw_pattern_state(axes, pattern, sign * np.array([math.pi, -math.pi]))
+    drawn = {to_hex(c.get_color()[0]) for c in axes.collections if len(c.get_segments())}
+    assert drawn == {BORDER, MOUNTAIN}
+    shades = axes.images[0].get_array()
+    red, _, blue, _ = shades[shades[..., 3] > 0].T
+    assert (red > blue).mean() > 0.999  # the upper side
+
+
+def test_a_mesh_has_every_facet_of_every_state_from_both_sides(tmp_path):
+    """As glTF says: header, lengths, bounds; areas are those of the flat sheet."""
+    pytest.importorskip("trimesh", reason="trimesh is not installed: extra mesh")
+    pattern = miura(2, 3)
+    phi = miura_angles(pattern, 3, 1.0)
+    write_parts(pattern_parts(pattern, [0 * phi, phi]), tmp_path / "a.glb")
+    data = (tmp_path / "a.glb").read_bytes()
+    magic, version, total, length, kind = struct.unpack("<4sII I4s", data[:20])
+    assert (magic, version, total, kind) == (b"glTF", 2, len(data), b"JSON") and not length % 4
+    scene, rest = json.loads(data[20 : 20 + length]), data[28 + length :]
+    assert struct.unpack("<I4s", data[20 + length : 28 + length]) == (len(rest), b"BIN\0")
+    (mesh,) = scene["meshes"]
+    (part,) = mesh["primitives"]
+    assert scene["materials"][part["material"]]["doubleSided"]
+    read = {}
+    for name, number in (("corners", part["attributes"]["POSITION"]), ("sides", part["indices"])):
+        of = scene["accessors"][number]
+        view = scene["bufferViews"][of["bufferView"]]
+        type_ = {5126: "<f4", 5125: "<u4", 5123: "<u2"}[of["componentType"]]
+        width = {"VEC3": 3, "SCALAR": 1}[of["type"]]
+        start = view["byteOffset"] + of.get("byteOffset", 0)
+        x = np.frombuffer(rest, type_, of["count"] * width, start).reshape(-1, width)
+        assert (x.min(axis=0) == of["min"]).all() and (x.max(axis=0) == of["max"]).all()
+        read[name] = x
+    triangles = read["corners"][read["sides"].reshape(-1, 3)].astype(float)
+    a, b, c = triangles.transpose(1, 0, 2)
+    area = 0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1)
+    assert len(area) == 2 * 6 * 2  # states, facets, triangles
+    assert area == pytest.approx(np.full(24, 0.5 * math.sin(math.pi / 3)), abs=1e-6)
+
+
+def test_the_command_writes_states_and_motions(tmp_path):
+    fold, files = tmp_path / "a.fold", {k: tmp_path / f"out.{k}" for k in ("json", "fold", "png")}
+    assert run("example", "metasheet:3x3", "--fold", fold).code == 0
+    options = ["--json", files["json"], "--fold", files["fold"], "--figure", files["png"]]
+    moved = run("pattern", fold, "--path", *options)
+    assert moved.code == 0 and "ends: " in moved.out and files["png"].stat().st_size > 1000
+    assert len(parse_fold(files["fold"].read_text())) > 20
+    assert json.loads(files["json"].read_text())["motion"]["schema"] == "origami-nlp/pattern/1"
+    done = run("minima", fold, "--starts", 2, *options)
+    assert done.code == 0 and "stable state" in done.out
+    data = json.loads(files["json"].read_text())
+    p = o.read_pattern(fold)
+    assert data["minima"] and {"starts", "open"} <= set(data["search"])
+    for state in data["minima"]:
+        keys = "energy fold_angles kind freedoms closure_residual kkt_residual contacts"
+        assert {*keys.split(), "certificate"} <= set(state)
+        phi = np.array(state["fold_angles"])
+        assert state["energy"] == pytest.approx(float(p.energy(phi)), abs=1e-12)
+        assert state["closure_residual"] < 1e-12 and not state.get("crossings")
+    frames = parse_fold(files["fold"].read_text())
+    states = [frame_pattern(f).reference for f in frames[1 : 1 + len(data["minima"])]]
+    for state, phi in zip(data["minima"], states, strict=True):
+        assert np.abs(phi - state["fold_angles"]).max() < 1e-9
+    assert len(frames) == 1 + len(states) and isinstance(p, Pattern)

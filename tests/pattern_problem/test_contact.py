@@ -1,0 +1,362 @@
+"""States that facets in contact hold, where several freedoms are left."""
+
+import math
+from functools import cache
+
+import mpmath
+import numpy as np
+import pytest
+
+import origami_nlp as o
+from origami_nlp import Vertex, find_minima
+from origami_nlp.display import contact_places, draw_states
+from origami_nlp.errors import OutOfTime
+from origami_nlp.pattern import Scene
+from origami_nlp.pattern_problem import Features, FoldedGeometry, PatternProblem
+from origami_nlp.pattern_states import contact_descent, find_states, judge, list_branches
+from tests.patterns import metasheet, wheel
+from tests.relabelled import relabelled
+
+
+def sprung(name, size, seed, reach=3.1):
+    """A pattern with random springs, and a start beside flat at which no facets cross."""
+    pattern = o.examples.pattern(name, *size)
+    rng = np.random.default_rng(seed)
+    k, rest = rng.uniform(0.5, 2, pattern.creases), rng.uniform(-reach, reach, pattern.creases)
+    problem = PatternProblem(pattern.with_springs(list(k), list(rest)))
+    start, residual = problem.project(rng.uniform(-0.3, 0.3, problem.size))
+    assert residual < 1e-12 and not problem.crossings.find(start)
+    return problem, start
+
+
+def closed(problem, phi):
+    """The state with all its contacts held closed."""
+    state = o.State(problem, phi)
+    return state.on(state.contacts.base)
+
+
+@cache
+def held(name="yoshimura", size=(4, 4), seed=8):
+    """A state that several contacts hold."""
+    problem, start = sprung(name, size, seed)
+    end = contact_descent(problem, start)
+    assert end.arrived
+    return problem, judge(problem, end.phi)
+
+
+def exact_gap(problem, touch):
+    """The gap over the fold angles of its walk with 30 digits: matrices of rotations one after the other."""
+    pattern = problem.pattern
+    walk = problem.crossings.poses.path(*touch.facets)
+
+    def vector(v):
+        return mpmath.matrix([mpmath.mpf(float(x)) for x in v])
+
+    def cross(a, b):
+        i = (0, 1, 2)
+        return mpmath.matrix([a[i[k - 2]] * b[i[k - 1]] - a[i[k - 1]] * b[i[k - 2]] for k in i])
+
+    def dot(a, b):
+        return sum(a[k] * b[k] for k in range(3))
+
+    def gap(*angles):
+        def carried(corner):
+            x = vector(pattern.corners[corner])
+            for (crease, sense), angle in reversed(list(zip(walk, angles, strict=True))):
+                p, q = (vector(pattern.corners[k]) for k in pattern.ends[crease])
+                d = (q - p) / mpmath.norm(q - p)
+                turn = sense * (angle - mpmath.mpf(float(pattern.reference[crease])))
+                v = x - p
+                x = p + mpmath.cos(turn) * v + mpmath.sin(turn) * cross(d, v)
+                x += (1 - mpmath.cos(turn)) * dot(d, v) * d
+            return x
+
+        a, b, c, d = touch.corners
+        if touch.type == "vertex-face":
+            q, r, s = (vector(pattern.corners[k]) for k in (b, c, d))
+            normal, off = cross(r - q, s - q), carried(a) - q
+        else:
+            q = vector(pattern.corners[a])
+            normal = cross(vector(pattern.corners[b]) - q, carried(d) - carried(c))
+            off = carried(c) - q
+        return touch.sign * dot(off, normal) / mpmath.norm(normal)
+
+    return gap
+
+
+@pytest.mark.parametrize("kind", ["vertex-face", "edge-edge"])
+def test_gaps_and_their_derivatives_to_thirty_digits(kind):
+    problem, state = held()
+    at = FoldedGeometry(problem.crossings.poses, state.phi)
+    facing = [t for t, _ in Features(problem.crossings).facing(at, 0.2) if t.type == kind]
+    touch = min(facing, key=lambda t: abs(len(problem.crossings.poses.path(*t.facets)) - 3))
+    gap = exact_gap(problem, touch)
+    creases, slopes = touch.slopes(at)
+    bends = touch.bends(at)
+    with mpmath.workdps(30):
+        x = [mpmath.mpf(float(a)) for a in state.phi[creases]]
+        assert touch.gap(at) == pytest.approx(float(gap(*x)), abs=1e-13)
+        for i in range(len(x)):
+            first = [int(k == i) for k in range(len(x))]
+            assert slopes[i] == pytest.approx(float(mpmath.diff(gap, x, first)), abs=1e-12)
+            for j in range(i + 1):
+                second = [a + int(k == j) for k, a in enumerate(first)]
+                exact = float(mpmath.diff(gap, x, second))
+                assert bends[i, j] == pytest.approx(exact, abs=1e-11)
+    assert bends == pytest.approx(bends.T)
+
+
+def test_a_state_held_by_several_contacts_balances_to_rounding():
+    problem, state = held()
+    assert (state.verdict, state.kind) == ("minimum", "contact-pinned")
+    touches = [c for c in state.contacts if c.type != "fold-limit"]
+    assert len(touches) > 1
+    assert state.closure_residual < 1e-12 and state.kkt_residual < 1e-11
+    rows = closed(problem, state.phi)
+    assert np.abs(rows.openings).max() < 1e-14
+    # the torque of the springs along free motions is that of the contacts, put together here
+    z = problem.kernel(state.phi)
+    size = problem.crossings.size
+    units = np.where([c.is_limit for c in rows.contacts], 1.0, size)
+    forces = np.array([c.force for c in state.contacts]) * units
+    springs = problem.pattern.stiffness * (state.phi - problem.pattern.rest)
+    assert (forces >= 0).all() and forces.max() > 0.1
+    assert z.T @ springs == pytest.approx(z.T @ rows.slopes.T @ forces, abs=1e-11)
+
+
+def test_places_of_touch_are_on_both_facets():
+    for name, size, seed in (("yoshimura", (4, 4), 8), ("waterbomb", (2, 2), 12)):
+        problem, state = held(name, size, seed)
+        places = contact_places(problem.pattern, state.phi, state.contacts)
+        touches = [c for c in state.contacts if c.corners]
+        assert len(places) == len(touches) > 1
+        x = problem.crossings.poses.polygons(state.phi)
+        for place, contact in zip(places, touches, strict=True):
+            for facet in (f - 1 for f in contact.facets):
+                corners = x[facet]
+                normal = np.cross(corners[1] - corners[0], corners[2] - corners[0])
+                normal /= np.linalg.norm(normal)
+                assert abs((place - corners[0]) @ normal) < 1e-12
+                inward = np.cross(normal, np.roll(corners, -1, axis=0) - corners)
+                assert np.einsum("qi,qi->q", inward, place - corners).min() > -1e-12
+        figure = draw_states(problem.pattern, [("", state.phi)], "", contacts=[state.contacts])
+        labels = {t.get_text() for t in figure.axes[0].texts}
+        assert labels == {"|".join(map(str, c.facets)) for c in touches}
+
+
+CASES = [
+    ("yoshimura", (4, 4), 8),
+    *(
+        pytest.param(*case, marks=pytest.mark.slow)
+        for case in (
+            ("yoshimura", (4, 4), 12),
+            ("yoshimura", (6, 3), 2),
+            ("yoshimura", (6, 3), 3),
+            ("waterbomb", (2, 2), 6),
+            ("waterbomb", (2, 2), 12),
+            ("waterbomb", (3, 3), 0),
+            ("waterbomb", (3, 3), 12),
+        )
+    ),
+]
+
+
+@pytest.mark.parametrize(("name", "size", "seed"), CASES)
+def test_lower_states_beside_it_cross_by_another_library(name, size, seed):
+    """Random closed states beside it, by matrices of rotations: what is lower, FCL finds crossing."""
+    pytest.importorskip("fcl", reason="python-fcl, of the extra test")
+    from tests.independent.rigid import Rigid
+
+    problem, state = held(name, size, seed)
+    assert state.verdict == "minimum" and any(c.force > 1e-3 for c in state.contacts)
+    body = Rigid(problem.pattern)
+    rng = np.random.default_rng(seed)
+    z = problem.kernel(state.phi)
+    energy, lower = float(problem.pattern.energy(state.phi)), 0
+    down = -z.T @ problem.torque(state.phi)
+    down /= np.linalg.norm(down)
+    inverse, many = body.slopes(state.phi), 0
+    for k in range(200):
+        if many == 30:
+            break
+        way = rng.normal(size=z.shape[1])
+        way = way / np.linalg.norm(way) + (k % 3) * 0.5 * down
+        size = 10 ** rng.uniform(-3, -1.5)
+        phi = body.closed(state.phi + size * z @ way, inverse)
+        if phi is None or np.abs(phi).max() > math.pi:
+            continue
+        many += 1
+        change = float(problem.pattern.energy(phi)) - energy
+        crosses = bool(body.collide(phi))
+        assert crosses or change > 0, (k, change)
+        lower += change < 0
+    assert many == 30 and lower > 7
+
+
+def compare_with_vertex(seed):
+    """States of one vertex that contact holds, by the search for single vertices: judged and reached by this way."""
+    rng = np.random.default_rng(seed)
+    n = int(rng.integers(5, 8))
+    sectors = rng.dirichlet(6 * np.ones(n)) * 2 * np.pi
+    k, rest = rng.uniform(0.2, 2, n), rng.uniform(-3, 3, n)
+    if sectors.max() > 2.8:
+        return 0
+    problem = PatternProblem(wheel(sectors).with_springs(list(k), list(rest)))
+    vertex = Vertex(tuple(sectors.tolist()))
+    scene = Scene(vertex, symmetry="C1", stiffness=list(k), rest_angles=list(rest))
+    many = 0
+    for m in find_minima(scene, prove=False, escape=False).minima:
+        phi = np.array(m.fold_angles)
+        state = judge(problem, phi)
+        if state.verdict == "undecided":  # creases on each other have no gap of their own here
+            assert any("on each other" in c.text for c in m.contacts)
+            continue
+        assert state.verdict == "minimum"
+        assert state.energy == pytest.approx(m.energy, rel=1e-12)
+        if m.kind == "degenerate":
+            continue
+        assert state.kind == m.kind
+        # sides are of length one: a force at the end of a side is a moment about the vertex
+        assert sorted(c.force for c in state.contacts) == pytest.approx(
+            sorted(c.multiplier for c in m.contacts), abs=1e-9
+        )
+        reached = False
+        for size in np.repeat((0.05, 0.01, 0.002), 20):  # shallow ones are left by large steps
+            start, residual = problem.project(
+                np.clip(phi + size * rng.normal(size=n), -np.pi, np.pi)
+            )
+            good = residual < 1e-12 and np.abs(start).max() <= np.pi
+            if not reached and good and not problem.crossings.find(start):
+                end = contact_descent(problem, start)
+                reached = end.arrived and np.abs(end.phi - phi).max() < 1e-9
+        assert reached, (seed, m.kind, m.energy)
+        many += m.kind != "interior"
+    return many
+
+
+def test_one_vertex_is_held_as_its_own_search_says():
+    assert compare_with_vertex(7) == 1
+
+
+@pytest.mark.slow
+def test_more_vertices_are_held_as_their_own_search_says():
+    assert sum(compare_with_vertex(seed) for seed in range(40)) > 20
+
+
+def test_labels_and_place_do_not_matter():
+    """Corners and facets renumbered, the sheet turned in space: the same state, contacts and forces."""
+    problem, state = held()
+    other, at, _ = relabelled(problem.pattern, 5)
+    again = judge(PatternProblem(other), state.phi[at])
+    assert (again.verdict, again.kind) == (state.verdict, state.kind)
+    assert again.softest == pytest.approx(state.softest, rel=1e-9)
+    both = [sorted(c.force for c in s.contacts) for s in (state, again)]
+    assert both[0] == pytest.approx(both[1], abs=1e-9)
+    _, start = sprung("yoshimura", (4, 4), 8)
+    end = contact_descent(PatternProblem(other), start[at])
+    assert end.arrived
+    assert end.phi == pytest.approx(state.phi[at], abs=1e-8)
+
+
+def test_limits_are_named(monkeypatch):
+    problem, start = sprung("yoshimura", (4, 4), 8)
+    monkeypatch.setattr("origami_nlp.pattern_states.contact_descents.MOST_PAIRS", 3)
+    end = contact_descent(problem, start)
+    assert not end.arrived and end.why == "more than 3 pairs of facets come close to each other"
+    problem.until = 0.0
+    with pytest.raises(OutOfTime):
+        contact_descent(problem, start)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("name", "size"), [("waterbomb", (2, 2)), ("yoshimura", (4, 4))])
+def test_planes_and_ipopt_end_in_the_same_state(name, size):
+    """From beside it: closure by CasADi, planes between facets instead of gaps of features.
+
+    From afar IPOPT ends in other basins, or at its iteration limit.
+    """
+    from tests.independent.planes import solve
+
+    problem, start = sprung(name, size, 12)
+    end = contact_descent(problem, start)
+    state = judge(problem, end.phi)
+    assert state.kind == "contact-pinned" and len(state.contacts) > 1
+    start, _ = problem.project(end.phi + 0.02 * (start - end.phi))
+    assert not problem.crossings.find(start)
+    phi = solve(problem, start)
+    assert phi == pytest.approx(end.phi, abs=1e-5)
+    assert problem.scaled_energy(phi) == pytest.approx(problem.scaled_energy(end.phi), abs=1e-4)
+
+
+@cache
+def driven():
+    """A metasheet at rest beyond its first touch: the sheet, the creases that are driven, a state before the touch."""
+    pattern, classes = metasheet(3)
+    problem, driven = PatternProblem(pattern), classes == 2
+    line = max(
+        (s * d for d in list_branches(pattern).lines for s in (1, -1)),
+        key=lambda d: -d[driven].mean(),
+    )
+    phi, _ = problem.project(0.2 * line / np.abs(line).max())
+    start = phi
+    for angle in np.linspace(phi[driven][0], -2.8, 60):
+        free, residual = problem.project(np.where(driven, angle, phi), driven)
+        assert residual < 1e-13
+        start, phi = (free if angle > -1.5 else start), free
+    return PatternProblem(pattern.with_springs(1.0, list(phi))), driven, start
+
+
+def test_a_search_finds_the_state_that_touching_facets_hold():
+    """Where the crossing test says that they touch, with the energy over their distance as force, by differences."""
+    problem, driven_ones, _ = driven()
+    pattern = problem.pattern
+    state = find_states(pattern, starts=0, escape=False).minima[0]
+    assert state.kind == "contact-pinned"
+
+    def at(angle):
+        return problem.project(np.where(driven_ones, angle, state.fold_angles), driven_ones)[0]
+
+    low, high = -2.8, -1.0
+    for _ in range(45):
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if problem.crossings.find(at(middle)) else (low, middle)
+    assert state.phi[driven_ones] == pytest.approx(high, abs=1e-8)
+    assert high == pytest.approx(-2.0762838873, abs=1e-8)
+    assert state.energy == pytest.approx(1.7453290610, abs=1e-9)
+    step = 1e-5
+    a, b = (at(state.phi[driven_ones][0] + s) for s in (step, 2 * step))
+    facets = [f - 1 for f in state.contacts[0].facets]
+    gap = [distance(problem, x, facets) for x in (a, b)]
+    rise = pattern.energy(b) - pattern.energy(a)
+    assert state.contacts[0].force == pytest.approx(rise / (gap[1] - gap[0]), rel=1e-4)
+    assert rise / step == pytest.approx(4.395, abs=1e-3)
+
+
+def distance(problem, phi, pair):
+    """Distance of two facets: the least over their edges, brute force."""
+    x = problem.crossings.placed(phi)
+    a, b = (x[problem.crossings.facet == f][0] for f in pair)
+    best = math.inf
+    for p, q in zip(a, np.roll(a, -1, axis=0), strict=True):
+        for r, s in zip(b, np.roll(b, -1, axis=0), strict=True):
+            m = np.column_stack([q - p, r - s])
+            t = np.clip(np.linalg.lstsq(m, r - p, rcond=None)[0], 0, 1)
+            best = min(best, float(np.linalg.norm(p + t[0] * (q - p) - r - t[1] * (s - r))))
+    return best
+
+
+def test_the_touch_of_a_metasheet_is_reached_by_the_way_of_many_freedoms():
+    sprung, driven_ones, start = driven()
+    end = contact_descent(sprung, start)
+    state = judge(sprung, end.phi)
+    assert state.kind == "contact-pinned" and state.dof == 1
+    assert state.phi[driven_ones] == pytest.approx(-2.0762838873, abs=1e-9)
+    # the force times the opening of the gap with the driven angle is the energy that the springs lose
+    (contact,) = state.contacts
+    rows = closed(sprung, end.phi)
+    (way,) = sprung.kernel(end.phi).T
+    per_angle = way / way[driven_ones][0]
+    opening = float(rows.slopes[0] @ per_angle) * sprung.crossings.size
+    work = float(sprung.torque(end.phi) @ per_angle)
+    assert contact.force * opening == pytest.approx(work, rel=1e-9)
+    assert work == pytest.approx(4.395, abs=1e-3)

@@ -1,0 +1,141 @@
+"""What it takes to leave a stable state of a sheet: exact along curves, else never below the true pass."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import origami_nlp as o
+from origami_nlp.kkt import BOUND, TRACED, EscapePath
+from origami_nlp.minima import MinimaResult
+from origami_nlp.pattern_problem import PatternProblem, find_labels, image
+from origami_nlp.pattern_states import find_states
+from origami_nlp.pattern_states.escape import _images, _openings
+from tests.computed_once import states
+from tests.relabelled import relabelled
+
+PASS = 0.372454
+"""Lowest pass of yoshimura:2x2, by the least energy with its vertex flat, from which descents reach both states."""
+
+
+def flat_energy(pattern) -> float:
+    return float(pattern.energy(np.zeros(pattern.creases)))
+
+
+def test_one_freedom_passes_at_the_flat_state() -> None:
+    """Both states of a metasheet are on curves that meet at the flat state alone, which is the pass."""
+    found = states("metasheet:3x3")
+    pattern = found.pattern
+    assert len(found.minima) == 2
+    for state in found.minima:
+        assert state.escape is not None and state.escape.method == TRACED
+        assert state.energy + state.escape.barrier == pytest.approx(flat_energy(pattern), rel=1e-9)
+        assert 0 < state.softest == state.hessian_eigenvalues[0]
+
+
+def test_a_square_twist_is_left_through_the_flat_state() -> None:
+    """Vertices of degree 4 change sides in the flat state only: no bound may be below it."""
+    found = states("squaretwist")
+    pattern = found.pattern
+    signs = [
+        [np.sign(round(s.phi[list(v.creases)].sum(), 9)) for v in pattern.vertices]
+        for s in found.minima
+    ]
+    known = 0
+    for state, mine in zip(found.minima, signs, strict=True):
+        assert state.escape is not None
+        if state.escape.known and state.escape.to and signs[state.escape.to - 1] != mine:
+            known += 1
+            assert state.energy + state.escape.barrier >= flat_energy(pattern) - 1e-9
+            assert state.energy + state.escape.barrier <= flat_energy(pattern) * 1.01
+    assert known >= 2
+
+    equal = {}
+    for state in found.minima:
+        equal.setdefault(round(state.energy, 9), []).append(state.escape)
+    images = max(equal.values(), key=len)
+    assert len(images) == 4 and {e.words() for e in images} == {images[0].words()} != {"?"}
+    tops = {tuple(np.round(np.abs(e.top), 6)) for e in images if e.top}
+    assert all(len(e.top) in (0, pattern.creases) for e in images) and tops
+
+
+def test_a_way_goes_to_an_image_and_back() -> None:
+    """Along a symmetry and back again it is the same; the end goes where the symmetry takes it."""
+    pattern = o.examples.pattern("squaretwist")
+    labels = find_labels(pattern)
+    x, seen = np.random.default_rng(0).normal(size=pattern.creases), 0
+    for symmetry in labels.symmetries(pattern):
+        at = np.array([x, image(symmetry, x)])
+        first, second = _images(at, labels.symmetries(pattern))
+        assert (first.of, second.of) == (0, 0)
+        # a quarter turn takes the image elsewhere: only half turns and mirrors lead to a listed state
+        if (second.to[1] if second.symmetry else -1) == 0:
+            way = EscapePath(0.5, np.arange(1.0, pattern.creases + 1), 1)
+            assert second.way(way).to == 0
+            assert np.allclose(second.back(second.way(way)).top, way.top)
+            assert second.back(second.way(way)).to == 1
+            seen += 1
+    assert seen
+
+
+def test_directions_open_contacts_and_close_none(yoshimura: MinimaResult) -> None:
+    """Of a state that two fold limits hold, each is opened by some direction, along closed states to first order."""
+    state = yoshimura.minima[1]
+    phi, problem = state.phi, PatternProblem(yoshimura.pattern)
+    at_limit = np.flatnonzero(np.abs(phi) == np.pi)
+    ways = _openings(problem, phi, True)
+    assert len(at_limit) == 2 and 1 <= len(ways) <= 3
+    opened = np.array([-np.sign(phi[at_limit]) * way[at_limit] for way in ways])
+    assert opened.min() > -1e-4 and (opened.max(axis=0) > 0.1).all()
+    for way in ways:
+        assert np.linalg.norm(way) == pytest.approx(1.0, abs=1e-3)
+        assert problem.residual(phi + 1e-4 * way) < 1e-7
+    terrain_ways = _openings(problem, np.array(yoshimura.minima[0].phi), True)
+    assert terrain_ways == []  # nothing touches there
+
+
+@pytest.fixture(scope="module")
+def yoshimura() -> MinimaResult:
+    return states("yoshimura:2x2")
+
+
+def test_a_bound_is_above_the_exact_pass_and_near_it(yoshimura: MinimaResult) -> None:
+    assert len(yoshimura.minima) == 2
+    for state in yoshimura.minima:
+        assert state.escape is not None and state.escape.method == BOUND
+        assert PASS - 1e-6 <= state.energy + state.escape.barrier <= 1.2 * PASS
+        assert not state.shallow
+
+
+def test_words_and_files_keep_barriers(yoshimura: MinimaResult) -> None:
+    data = json.loads(json.dumps(yoshimura.to_dict(), allow_nan=False))
+    again = MinimaResult.from_dict(data)
+    for one, other in zip(yoshimura.minima, again.minima, strict=True):
+        assert (one.softest, one.escape) == (other.softest, other.escape)
+    assert "barrier" in yoshimura.table().heads and "softest" in yoshimura.table().heads
+    reported = " ".join(str(piece) for piece in yoshimura.report_sections())
+    assert "escape barrier at most" in reported
+
+
+def test_shallow_states_are_counted_apart(yoshimura: MinimaResult) -> None:
+    low, high = yoshimura.minima
+    assert high.escape is not None
+    shallow = replace(high, escape=replace(high.escape, barrier=1e-6, shallow=True))
+    found = replace(yoshimura, minima=(low, shallow))
+    assert "1 stable state, and 1 shallow one (barrier below 1e-4" in str(found.table().title)
+
+
+def test_no_time_is_left_for_barriers() -> None:
+    found = find_states(o.examples.pattern("metasheet", 3, 3), starts=4, seconds=0.0)
+    assert "escape barriers" in found.search.left_out
+    assert all(s.escape is None for s in found.minima)
+
+
+def test_labels_change_no_barrier(yoshimura: MinimaResult) -> None:
+    copy, _, _ = relabelled(yoshimura.pattern, 3, mirror=True)
+    found = find_states(copy, starts=10)
+    for one, other in zip(yoshimura.minima, found.minima, strict=True):
+        assert one.escape is not None and other.escape is not None
+        assert one.softest == pytest.approx(other.softest, rel=1e-6)
+        assert one.escape.words() == other.escape.words()

@@ -1,0 +1,228 @@
+"""Dead loads: energy and derivatives against other code and 50 digits, states by hand, and what refuses them."""
+
+import math
+from dataclasses import replace
+
+import mpmath
+import numpy as np
+import pytest
+
+from origami_nlp import (
+    Load,
+    Model,
+    Scene,
+    Vertex,
+    find_barriers,
+    find_critical_points,
+    find_minima,
+    format_scene,
+    parse_scene,
+)
+from origami_nlp.errors import OptionError, SceneError, SceneFileError, SymmetryError
+from origami_nlp.kkt import project
+from origami_nlp.proof import prove
+from tests.independent.rotations import fold
+
+LOADS = (
+    Load(crease=5, distance=0.3, force=(0.1, 0.2, -0.5)),
+    Load(facet=4, point=(0.5, 0.3), force=(0.3, -0.1, 0.2)),
+    Load(facet=2, point=(0.5, 0.3), force=(0.3, -0.1, 0.2)),
+    Load(facet=1, point=(0.7, "pi/18"), force=(-0.2, 0.4, 0.1)),
+)
+FIVE = Scene(
+    Vertex.from_degrees((50, 70, 80, 60, 100)),
+    (1, 2, 0.5, 0.7, 1.3),
+    (1, -1, 0.5, 0.2, 2),
+    loads=LOADS,
+    held_facet=2,
+)
+BOOK = Scene(
+    Vertex(("pi/2",) * 4),
+    (1, 0.1, 1, 0.1),
+    (0.4, 0, 0.4, 0),
+    held_facet=4,
+    loads=[{"crease": 2, "distance": 0.5, "force": [0, 0, -0.3]}],
+)
+
+
+def closed_states(model, count, seed=0):
+    x = np.random.default_rng(seed).uniform(-2.5, 2.5, (count, model.size))
+    x, residual = project(model, x)
+    return x[(residual < 1e-13) & model.on_sheet(x)]
+
+
+def test_the_energy_is_that_of_points_found_from_folded_creases():
+    model = Model(FIVE)
+    x = closed_states(model, 60)
+    assert len(x) > 20
+    sectors = np.array(FIVE.vertex.sector_angles)
+    creases, _ = fold(sectors, x)
+    work = np.zeros(len(x))
+    for load in FIVE.loads:
+        far, angle = load.place
+        i, j = load.number - 1, load.number % 5
+        a = sectors[i]
+        point = (
+            far
+            * (math.sin(a - angle) * creases[:, i] + math.sin(angle) * creases[:, j])
+            / math.sin(a)
+        )
+        e1, other = creases[:, 1], creases[:, 2]
+        e3 = np.cross(e1, other) / math.sin(sectors[1])
+        frame = np.stack([e1, np.cross(e3, e1), e3], axis=1)
+        work += np.einsum("kij,kj,i->k", frame, point, load.force)
+    springs = replace(FIVE, loads=(), held_facet=None).energy(x)
+    assert np.abs(model.energies(x) - springs + work).max() < 1e-13
+    assert np.abs(FIVE.energy(x) - springs + work).max() < 1e-13
+
+
+def energy_with_50_digits(scene, x):
+    """Energy by products of rotation matrices from the held facet on, in mpmath."""
+    total = mpmath.mpf(0)
+    for k, rest, phi in zip(scene.stiffness, scene.wound_angles, x, strict=True):
+        total += mpmath.mpf(k) / 2 * (phi - mpmath.mpf(rest)) ** 2
+    n, held = scene.degree, scene.held_facet - 1
+    for load in scene.loads:
+        turn = mpmath.eye(3)
+        for step in range((load.number - 1 - held) % n):
+            a, phi = (
+                mpmath.mpf(scene.vertex.sector_angles[(held + step) % n]),
+                x[(held + step + 1) % n],
+            )
+            c, s = mpmath.cos(a), mpmath.sin(a)
+            turn *= mpmath.matrix([[c, -s, 0], [s, c, 0], [0, 0, 1]])
+            c, s = mpmath.cos(phi), mpmath.sin(phi)
+            turn *= mpmath.matrix([[1, 0, 0], [0, c, -s], [0, s, c]])
+        far, angle = (mpmath.mpf(v) for v in load.place)
+        point = turn * mpmath.matrix([far * mpmath.cos(angle), far * mpmath.sin(angle), 0])
+        total -= sum(mpmath.mpf(f) * p for f, p in zip(load.force, point, strict=True))
+    return total
+
+
+def test_derivatives_agree_with_50_digits_and_compiled_ones_with_closed_forms():
+    model = Model(FIVE)
+    x = np.random.default_rng(1).uniform(-3, 3, (6, 5))
+    local = model.local(x)
+    none = np.zeros((6, 3)), np.zeros((6, len(model.structure.gaps)))
+    hessian = model.hessian(x, *none)
+    assert np.abs(local.gradient - model.parameters.torque(x)).max() < 1e-15
+    assert np.abs(hessian - model.parameters.hessian(x)).max() < 2e-15
+    with mpmath.workdps(50):
+        at = [mpmath.mpf(v) for v in x[0]]
+
+        def energy(*phi):
+            return energy_with_50_digits(FIVE, phi)
+
+        assert float(energy(*at)) == pytest.approx(model.energy(x[0]), rel=1e-14)
+        for i in range(5):
+            first = mpmath.diff(energy, at, tuple(int(i == k) for k in range(5)))
+            assert model.scale * local.gradient[0, i] == pytest.approx(float(first), abs=1e-14)
+            for j in range(i, 5):
+                order = tuple(int(i == k) + int(j == k) for k in range(5))
+                second = mpmath.diff(energy, at, order)
+                assert model.scale * hessian[0, i, j] == pytest.approx(float(second), abs=1e-13)
+        y = x[0] + 1e-9 * np.array([1, -2, 0.5, 1, -1])
+        change = energy(*[mpmath.mpf(v) for v in y]) - energy(*at)
+        assert model.energy_change(x[0], y) == pytest.approx(float(change), rel=1e-13)
+
+
+def test_a_long_vertex_uses_the_same_derivatives_in_closed_form():
+    n = 26
+    rng = np.random.default_rng(2)
+    load = Load(facet=20, point=(1.0, 0.1), force=(0.2, 0.1, 0.3))
+    scene = Scene(
+        Vertex((2 * math.pi / n,) * n), (1,) * n, tuple(rng.uniform(-1, 1, n)), "auto", "fold-limits",
+        loads=(load,), held_facet=3,
+    )  # fmt: skip
+    model, x = Model(scene), rng.uniform(-0.5, 0.5, n)
+    h = 1e-5 * np.eye(n)
+    gradient = [(model.energy(x + d) - model.energy(x - d)) / 2e-5 for d in h]
+    assert np.abs(model.scale * model.local(x).gradient - gradient).max() < 1e-8
+    slopes = [(model.local(x + d).gradient - model.local(x - d).gradient) / 2e-5 for d in h]
+    assert np.abs(model.hessian(x, np.zeros(3), np.zeros(0)) - slopes).max() < 1e-8
+
+
+def test_a_weight_on_the_crease_of_a_book_by_hand():
+    """Folded by t about creases 1 and 3, crease 2 rises to r sin t: U = (t - 0.4)^2 - f r sin t."""
+    f, r, t = -0.3, 0.5, 0.4
+    for _ in range(50):
+        t -= (2 * (t - 0.4) - f * r * math.cos(t)) / (2 + f * r * math.sin(t))
+    found = find_minima(BOOK, prove=False, escape=False)
+    lowest = found.minima[0]
+    assert np.abs(np.array(lowest.fold_angles) - (t, 0, t, 0)).max() < 1e-14
+    assert lowest.energy == pytest.approx((t - 0.4) ** 2 - f * r * math.sin(t), abs=1e-15)
+    # shut about creases 2 and 4: crease 2 stays on facet 4's side, turned by phi_1 = -phi_3 = u
+    u = 0.0
+    for _ in range(50):
+        u -= (2 * u - f * r * math.cos(u)) / (2 + f * r * math.sin(u))
+    at_limit = sorted(m.fold_angles for m in found.minima[1:])
+    assert np.abs(np.array(at_limit) - [(u, s, -u, s) for s in (-math.pi, math.pi)]).max() < 1e-9
+    assert len(found.minima) == 3
+    assert any("facet 4 is held" in line for line in str(found).splitlines())
+
+
+def test_minima_under_a_load_are_lower_than_states_near_by_and_depend_on_the_held_facet():
+    found = find_minima(FIVE, max_starts=128, effort="quick", prove=False, escape=False)
+    model = Model(FIVE)
+    assert found.minima and found.completeness is None
+    rng = np.random.default_rng(3)
+    for m in found.minima:
+        x = np.array(m.fold_angles) + rng.normal(0, 2e-3, (200, 5))
+        y, residual = project(model, np.clip(x, -math.pi, math.pi))
+        y = y[(residual < 1e-13) & model.admissible(y)]
+        assert len(y) > 10 and (FIVE.energy(y) > m.energy - 1e-13).all()
+        assert m.moment is None
+    other = find_minima(
+        replace(FIVE, held_facet=4), max_starts=64, effort="quick", prove=False, escape=False
+    )
+    assert abs(other.minima[0].energy - found.minima[0].energy) > 1e-3
+
+
+def test_a_moment_of_fixed_direction_has_no_energy():
+    """Three quarter turns about e1, e2, -e1, and one straight back: the moment e3 works on the last one alone."""
+    x = np.array([[1, 0, 0], [0, 0, -1], [0, 1, 0]])
+    y = np.array([[0, 0, 1], [0, 1, 0], [-1, 0, 0]])
+    turned = x.T @ y @ x
+    assert (
+        np.trace(turned) == 1 and (turned @ [0, 0, 1] == [0, 0, 1]).all()
+    )  # a quarter turn about e3
+    with pytest.raises(SceneError, match="no energy"):
+        replace(BOOK, loads=[{"facet": 1, "moment": [0, 0, 1]}])
+
+
+def test_scenes_with_loads_survive_files_and_torques_on_creases_are_preload():
+    assert parse_scene(format_scene(FIVE)) == FIVE
+    torque = replace(FIVE, loads=[{"crease": 2, "torque": 0.3}], held_facet=None)
+    assert torque == replace(FIVE, loads=(), held_facet=None, preload=(0, 0.3, 0, 0, 0))
+    with pytest.raises(SceneFileError, match="loads"):
+        parse_scene(format_scene(FIVE).replace("[[loads]]", "[loads]", 1).split("[[loads]]")[0])
+
+
+@pytest.mark.parametrize(
+    ("change", "word"),
+    [
+        ({"held_facet": None}, "which facet is held"),
+        ({"held_facet": 9}, "1 to 5"),
+        ({"loads": [{"crease": 6, "distance": 1, "force": [0, 0, 1]}]}, "1 to 5"),
+        ({"loads": [{"crease": 1, "distance": -1, "force": [0, 0, 1]}]}, "above 0"),
+        ({"loads": [{"crease": 1, "force": [0, 0, 1]}]}, "none of"),
+        ({"loads": [{"facet": 1, "point": [1, 2.0], "force": [0, 0, 1]}]}, "within facet 1"),
+        ({"loads": [{"facet": 1, "point": [1, 0.1], "force": [0, 1]}]}, "3 numbers"),
+        ({"loads": [{"facet": 1, "point": [1, 0.1], "force": [0, 1, math.inf]}]}, "number"),
+        ({"loads": [{"facet": 1, "colour": 3}]}, "unknown key 'colour'"),
+    ],
+)
+def test_loads_that_make_no_sense_are_refused_by_name(change, word):
+    with pytest.raises(SceneError, match=word):
+        replace(FIVE, **change)
+
+
+def test_what_does_not_know_forces_says_so():
+    with pytest.raises(SymmetryError, match="facet 4 held"):
+        replace(BOOK, symmetry="D1")
+    assert BOOK.group.is_trivial
+    for ask in (find_critical_points, find_barriers, lambda s: prove(Model(s))):
+        with pytest.raises(OptionError, match="not decided for scenes with dead loads"):
+            ask(BOOK)
+    found = find_minima(BOOK, prove=True, escape=False)
+    assert found.completeness.status == "not-proved" and "dead loads" in found.completeness.reason

@@ -1,0 +1,61 @@
+"""Closed forms for many states at once, against CasADi's derivatives of symbols and against finite differences."""
+
+import math
+
+import numpy as np
+import pytest
+
+from origami_nlp import Model, Scene, Vertex
+from origami_nlp.problem import OPEN, Kinematics
+
+ROUNDING = 2e-13  # third derivatives of products of up to 16 turns, over sines of sectors
+
+
+def scenes():
+    rng = np.random.default_rng(0)
+    for n in (4, 5, 8):
+        s = rng.uniform(0.5, 1.5, n)
+        yield Scene(Vertex(tuple(s * 2 * math.pi / s.sum())), (1,) * n, (0,) * n, symmetry="none")
+    cone = tuple(rng.uniform(0.3, 1.0, 6))
+    yield Scene(Vertex(cone, flat=False), (1,) * 6, (0,) * 6, symmetry="none")
+    for group in ("C2", "C3", "C6", "D1", "D2", "D3", "D6"):
+        yield Scene(Vertex(("pi/3",) * 6), (1,) * 6, (0,) * 6, symmetry=group)
+    for group in ("C2", "C4", "D2", "D4"):
+        yield Scene(Vertex(("pi/4",) * 8), (1,) * 8, (0,) * 8, symmetry=group)
+
+
+@pytest.mark.parametrize("scene", list(scenes()), ids=lambda s: f"{s.group.name}-{s.degree}")
+def test_values_and_derivatives_are_those_of_the_symbols(scene):
+    model, rng = Model(scene), np.random.default_rng(1)
+    kinematics, many = Kinematics(model), len(model.structure.gaps)
+    x = rng.uniform(-3, 3, (20, model.size))
+    at, local = kinematics.fold(x), model.local(x)
+    value, jacobian = kinematics.closure(at)
+    assert np.abs(value - local.closure).max() <= ROUNDING
+    assert np.abs(jacobian - local.closure_jacobian).max() <= ROUNDING
+    lam, none = rng.normal(size=local.closure.shape), np.zeros((20, many))
+    hessian = kinematics.closure_hessian(at, lam)
+    assert np.abs(hessian - model.hessian(x, lam, none, 0.0)).max() <= ROUNDING
+    if not many:
+        return
+    slots, weights = rng.integers(OPEN, many, (20, 3)), rng.normal(size=(20, 3))
+    rows = np.arange(20)[:, None]
+    gaps = np.concatenate([local.gaps, np.zeros((20, 1))], axis=1)
+    slopes = np.concatenate([local.gaps_jacobian, np.zeros((20, 1, model.size))], axis=1)
+    g, dg = kinematics.gaps(at, slots)
+    assert np.abs(g - gaps[rows, slots]).max() <= ROUNDING
+    assert np.abs(dg - slopes[rows, slots]).max() <= ROUNDING
+    mu = np.zeros((20, many + 1))
+    np.add.at(mu, (np.broadcast_to(rows, slots.shape), slots), weights)
+    wanted = model.hessian(x, 0 * lam, mu[:, :many], 0.0)
+    assert np.abs(kinematics.gaps_hessian(at, slots, weights) - wanted).max() <= 10 * ROUNDING
+
+
+def test_second_derivatives_by_differences():
+    model = Model(next(scenes()))
+    kinematics, h = Kinematics(model), 1e-6
+    x, lam = np.array([0.3, -1.0, 2.0, 0.7]), np.array([0.2, -0.7, 1.1])
+    steps = np.concatenate([x + h * np.eye(4), x - h * np.eye(4)])
+    gradients = np.einsum("r,krn->kn", lam, kinematics.closure(kinematics.fold(steps))[1])
+    hessian = kinematics.closure_hessian(kinematics.fold(x[None]), lam[None])[0]
+    assert np.allclose((gradients[:4] - gradients[4:]) / (2 * h), hessian, atol=1e-9)

@@ -1,0 +1,180 @@
+"""The map of the moment that passes round: its derivative, its zeros, and the chain without compiled functions."""
+
+import math
+
+import mpmath as mp
+import numpy as np
+import pytest
+
+from origami_nlp import Model, Scene, Vertex
+from origami_nlp.problem import Kinematics, MomentMap, compile_structure, kinematics
+
+
+def draw(n, seed=0, *, contact="fold-limits", flat=True):
+    rng = np.random.default_rng([seed, n])
+    sectors = rng.dirichlet(np.full(n, 3.0)) * (2 * math.pi if flat else 5.5)
+    k, rest = 10 ** rng.uniform(-1, 1, n), rng.uniform(-math.pi, math.pi, n)
+    vertex = Vertex(tuple(sectors.tolist()), flat=flat)
+    return Scene(vertex, tuple(k.tolist()), tuple(rest.tolist()), "none", contact)
+
+
+def turn(axis, angle):
+    """Rotation matrix about a unit axis, in mpmath."""
+    x, y, z = axis
+    c, s = mp.cos(angle), mp.sin(angle)
+    k = mp.matrix([[0, -z, y], [z, 0, -x], [-y, x, 0]])
+    return mp.eye(3) + s * k + (1 - c) * k * k
+
+
+def half_chains(model, m):
+    """Fold both half chains with matrices, forwards and backwards: both ends of the middle facet, and fold angles."""
+    p, n = model.parameters, model.size
+    azimuth = [mp.fsum(map(mp.mpf, p.sectors[:i].tolist())) for i in range(n)]
+    flat = [mp.matrix([mp.cos(a), mp.sin(a), 0]) for a in azimuth]
+    over = mp.fsum(map(mp.mpf, p.sectors.tolist()))
+    x, ends = [mp.mpf(0)] * n, []
+    half = (n + 1) // 2
+    for creases, sign, start in ((range(half), 1, 0), (range(n - 1, half - 1, -1), -1, over)):
+        frame = turn((0, 0, 1), -start)
+        for i in creases:
+            c = frame * flat[i]
+            free = mp.mpf(float(p.rest[i])) + sum(
+                a * b for a, b in zip(m, c, strict=True)
+            ) / mp.mpf(float(p.stiffness[i]))
+            x[i] = max(-mp.pi, min(mp.pi, free)) if model.has_limits else free
+            frame = frame * turn(flat[i], sign * x[i])
+        ends.append(frame)
+    return ends, x
+
+
+def rotation_vector(r):
+    """Shorter of the rotation vectors of a matrix."""
+    w = mp.matrix([r[2, 1] - r[1, 2], r[0, 2] - r[2, 0], r[1, 0] - r[0, 1]]) / 2
+    sine, cosine = mp.norm(w), (r[0, 0] + r[1, 1] + r[2, 2] - 1) / 2
+    return w * (mp.atan2(sine, cosine) / sine)
+
+
+@pytest.mark.parametrize(("n", "flat"), [(6, True), (9, True), (10, False), (21, True)])
+def test_miss_and_newtons_step_are_those_of_50_digits(n, flat):
+    model = Model(draw(n, flat=flat))
+    chain, rng = MomentMap(model), np.random.default_rng(1)
+    compared = 0
+    for m in rng.normal(size=(16, 3)) * 3 * chain.smallest:
+        shot = chain.shoot(m[None])
+        with mp.workdps(50):
+            exact = [mp.mpf(v) for v in m.tolist()]
+
+            def miss(point):
+                (left, right), x = half_chains(model, point)
+                return rotation_vector(right * left.T), x
+
+            value, x = miss(exact)
+            h = mp.mpf(10) ** -20
+            moved = [[v + h * (i == j) for i, v in enumerate(exact)] for j in range(3)]
+            columns = [(miss(point)[0] - value) / h for point in moved]
+            jacobian = mp.matrix(3, 3)
+            for j, column in enumerate(columns):
+                jacobian[:, j] = column
+            step = mp.lu_solve(jacobian, -value)
+            assert (
+                max(abs(float(a - mp.mpf(b))) for a, b in zip(x, shot.x[0].tolist(), strict=True))
+                < 1e-13
+            )
+        if np.linalg.norm(shot.miss) > math.pi:
+            continue  # the longer way to q = +1, which matrices do not see
+        compared += 1
+        assert np.abs(np.array(value.tolist(), dtype=float)[:, 0] - shot.miss[0]).max() < 1e-12
+        ours = -np.linalg.solve(shot.slope[0], shot.miss[0])
+        wanted = np.array(step.tolist(), dtype=float)[:, 0]
+        assert np.abs(ours - wanted).max() <= 1e-9 * np.abs(wanted).max()
+    assert compared >= 2
+
+
+def test_newtons_step_by_differences_the_long_way_too():
+    model, h = Model(draw(8)), 1e-6
+    chain, rng = MomentMap(model), np.random.default_rng(2)
+    m = rng.normal(size=(200, 3)) * 5 * chain.smallest
+    shot = chain.shoot(m)
+    assert (np.linalg.norm(shot.miss, axis=1) > math.pi).sum() > 20
+    columns = [
+        (chain.shoot(m + h * e).miss - chain.shoot(m - h * e).miss) / (2 * h) for e in np.eye(3)
+    ]
+    jacobian = np.stack(columns, axis=2)
+    same = np.linalg.cond(jacobian) < 1e3
+    ours = np.linalg.solve(shot.slope[same], shot.miss[same, :, None])
+    wanted = np.linalg.solve(jacobian[same], shot.miss[same, :, None])
+    error = np.abs(ours - wanted).max(axis=(1, 2)) / np.abs(wanted).max(axis=(1, 2))
+    # a limit between the two points of a difference makes it wrong
+    assert (error < 1e-5).mean() > 0.98
+
+
+def test_without_slope_nothing_else_changes():
+    chain = MomentMap(Model(draw(7)))
+    m = np.random.default_rng(0).normal(size=(5, 3))
+    a, b = chain.shoot(m), chain.shoot(m, slope=False)
+    assert (a.miss == b.miss).all()
+    assert (a.x == b.x).all()
+    assert b.slope is None
+
+
+def test_a_whole_turn_is_no_closed_vertex(monkeypatch):
+    """Halves that meet as q = -1 miss each other by 2 pi, exactly there as beside."""
+    chain = MomentMap(Model(draw(6)))
+    fold = chain._fold(np.zeros((3, 2)), False)
+    for beside in (0.0, 1e-9):
+        ends = np.zeros((4, 2, 2))
+        ends[0] = [[1.0, 1.0], [1.0, -1.0]]  # the second moment's halves: 1 and -1
+        ends[3, 1] = beside
+        monkeypatch.setattr(chain, "_fold", lambda m, slope, ends=ends: (ends, None, fold[2]))
+        missed = np.linalg.norm(chain.shoot(np.zeros((2, 3)), slope=False).miss, axis=1)
+        assert missed == pytest.approx([2 * beside, 2 * math.pi], abs=1e-8)
+
+
+@pytest.mark.parametrize("n", [5, 12, 40])
+def test_rounding_of_the_moment_grows_as_said(n):
+    chain = MomentMap(Model(draw(n, contact="none")))
+    m = np.random.default_rng(0).normal(size=(50, 3)) * 10 * chain.smallest
+    h = 1e-7 * chain.smallest
+    shot = chain.shoot(m)
+    moved = [np.abs(chain.shoot(m + h * e).miss - shot.miss).max(axis=1) / h for e in np.eye(3)]
+    assert (np.max(moved, axis=0) <= 20 * shot.growth + 1e-3).mean() > 0.95
+
+
+@pytest.mark.parametrize("n", [25, 40])
+@pytest.mark.parametrize("contact", ["none", "fold-limits"])
+def test_long_chains_have_the_values_of_compiled_functions(n, contact):
+    model, rng = Model(draw(n, contact=contact)), np.random.default_rng(0)
+    compiled = compile_structure(model.structure).evaluators
+    p, x = model.parameters.vector, rng.uniform(-3, 3, (4, n))
+    lam, none = rng.normal(size=3), np.zeros(0)
+    many = model.local(x)
+    hessians = model.hessian(x, np.tile(lam, (4, 1)), np.zeros((4, 0)), 0.7)
+    for state, h in zip(x, hessians, strict=True):
+        grad, g, jac, _, _ = compiled["local"](state, p)
+        local = model.local(state)
+        assert np.abs(local.gradient - grad[:, 0]).max() < 1e-12
+        assert np.abs(local.closure - g[:, 0]).max() < 1e-13
+        assert np.abs(local.closure_jacobian - jac).max() < 1e-13
+        wanted = compiled["hessian"](state, p, 0.7, lam, none)[0]
+        assert np.abs(model.hessian(state, lam, none, 0.7) - wanted).max() < 1e-12
+        assert np.abs(h - wanted).max() < 1e-12
+        assert np.abs(model.rays(state) - compiled["rays"](state, p)[0].T).max() < 1e-13
+        assert model.on_sheet(state) == (compiled["sheet"](state, p)[0][0, 0] > 0)
+    assert np.abs(many.closure - model.closure(x)[0]).max() == 0
+    assert local.gaps.shape == (0,)
+    assert local.gaps_jacobian.shape == (0, n)
+
+
+def test_products_of_neighbours_are_those_of_one_crease_after_the_other(monkeypatch):
+    even = Vertex(("pi/30",) * 60)
+    wedges = [Scene(even, (1,) * 60, (0,) * 60, symmetry=group) for group in ("C2", "D1", "C3")]
+    for scene in (draw(41), draw(30, flat=False), *wedges):
+        model = Model(scene)
+        chain, x = Kinematics(model), np.random.default_rng(0).uniform(-3, 3, (5, model.size))
+        few = chain.fold(x)
+        monkeypatch.setattr(kinematics, "FEW", 0)
+        many = chain.fold(x)
+        monkeypatch.undo()
+        assert np.abs(few.axes - many.axes).max() < 1e-13
+        assert np.abs(few.end - many.end).max() < 1e-13
+        assert (few.axes != many.axes).any()

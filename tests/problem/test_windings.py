@@ -1,0 +1,72 @@
+"""States of every winding close the whole vertex with q = +1; completions and closed forms know them."""
+
+import math
+
+import numpy as np
+import pytest
+
+from origami_nlp.folding import fold_vertex
+from origami_nlp.kkt import project
+from origami_nlp.pattern import Scene, Vertex
+from origami_nlp.problem import Kinematics, Model
+from origami_nlp.problem.completion import complete
+
+
+def scenes(kind, order, flat):
+    """Vertices of a group with two to five creases a piece; not flat: of less than 2 pi."""
+    rng = np.random.default_rng([order, flat, kind == "D"])
+    whole = 2 * math.pi * (1.0 if flat else 0.8) / order
+    for count in (2, 3, 4, 5):
+        k, rest = rng.uniform(0.5, 2.0, count), rng.uniform(-2.0, 2.0, count)
+        names = np.arange(count)
+        if kind == "C":
+            sectors = rng.uniform(0.5, 1.5, count)
+            sectors *= whole / sectors.sum()
+        else:
+            half = rng.uniform(0.5, 1.5, count - 1)
+            half *= whole / 2 / half.sum()
+            sectors = np.concatenate([half, half[::-1]])
+            names = np.concatenate([names, names[-2:0:-1]])
+        each = (tuple(np.tile(v, order)) for v in (sectors, k[names], rest[names]))
+        sectors, k, rest = each
+        yield Scene(Vertex(sectors, flat), k, rest, f"{kind}{order}", "fold-limits")
+
+
+@pytest.mark.parametrize("flat", [True, False])
+@pytest.mark.parametrize("order", [3, 4, 5, 6, 7])
+@pytest.mark.parametrize("kind", ["C", "D"])
+def test_every_winding_closes_the_whole_vertex(kind, order, flat):
+    rng, seen = np.random.default_rng(0), set()
+    for scene in scenes(kind, order, flat):
+        for one in scene.of_each_winding:
+            model = Model(one)
+            drawn = rng.uniform(-3.0, 3.0, (50, model.size))
+            kinematics = Kinematics(model)
+            for ours, theirs in zip(
+                kinematics.closure(kinematics.fold(drawn)), model.closure(drawn), strict=True
+            ):
+                assert np.abs(ours - theirs).max() < 1e-12
+            x, residual = project(model, drawn)
+            x = x[(residual < 1e-10) & (np.abs(x) <= 2 * math.pi).all(axis=1)]
+            if not len(x) or model.freedom < 0:
+                continue
+            seen.add(one.winding or 1)
+            _, q = fold_vertex(scene.vertex, model.expand(x))
+            assert np.abs(q[:, 1:]).max() < 1e-8
+            assert ((q[:, 0] > 0) == model.on_sheet(x)).all()
+            x = x[model.on_sheet(x) & (np.abs(x) < math.pi - 1e-6).all(axis=1)]
+            solve = tuple(rng.choice(model.size, model.equation_count, replace=False))
+            states, exists = complete(model, x, solve)
+            apart = np.where(exists, np.abs(states - x[:, None]).max(axis=2), 9.0)
+            assert (apart.min(axis=1) < 1e-5).all()
+            _, q = fold_vertex(scene.vertex, model.expand(states[exists]))
+            assert q[:, 0].min(initial=1.0) > 1 - 1e-9
+    assert seen == set(scene.windings)
+
+
+def test_a_model_says_which_states_it_has():
+    (scene, *_) = scenes("D", 5, True)
+    once, thrice, closed = map(str, map(Model, scene.of_each_winding))
+    assert "-cos(pi/5)" in once and "states that wind 3, 5 times" in once
+    assert "-cos(3 pi/5)" in thrice and "wind 3 times round its axis" in thrice
+    assert "H n_k = n_1" in closed and "equalities    2" in closed
