@@ -48,6 +48,7 @@ def minima(
     noise: o.Noise = None,
     prove: o.Prove = None,
     certificate: o.CertificateFile = None,
+    verbose: o.Verbose = False,
 ) -> None:
     """Find the energy minima of ORIGAMI, a vertex or a pattern: its stable states.
 
@@ -82,7 +83,7 @@ def minima(
         found = find_vertexwise(
             scenes, find=partial(search, name=scene.name), found=out.say, **options
         )
-        found.tell(out.console)
+        found.tell(out.console, verbose)
         out.write("json", found.to_dict)
         out.turn(*found.results)
         return
@@ -95,7 +96,7 @@ def minima(
         result = search(stated, scene.name, **options)
     except Interrupted as early:  # what was found is told and written all the same
         result, stopped = early.result, True
-    result.tell(out.console)
+    result.tell(out.console, verbose)
     out.write("json", result.to_dict)
     out.save("figure", draw, result)
     out.save("fold", write_fold, result)

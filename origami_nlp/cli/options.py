@@ -239,6 +239,14 @@ PrettyRepr = Annotated[
     bool,
     typer.Option("--full", help="Judge in the full space too, where the symmetry may break."),
 ]
+Verbose = Annotated[
+    bool,
+    typer.Option(
+        "--verbose",
+        "-v",
+        help="Print certificates, residuals and the account of the search too.",
+    ),
+]
 Noise = Annotated[
     float | None,
     typer.Option(

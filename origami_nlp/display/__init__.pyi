@@ -69,6 +69,7 @@ from .style import (
 )
 from .table import (
     Cell as Cell,
+    Details as Details,
     Report as Report,
     Section as Section,
     Table as Table,

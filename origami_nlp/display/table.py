@@ -130,7 +130,23 @@ class Table:
         return self.columns or "l" + "r" * (len(self.heads) - 1)
 
 
-Section: TypeAlias = Table | Cell
+@dataclass(frozen=True)
+class Details:
+    """Tables and lines for those who check a result: printed with ``verbose``, folded in HTML.
+
+    Attributes
+    ----------
+    pieces
+        In order.
+    title
+        What they hold.
+    """
+
+    pieces: Sequence[Table | Cell]
+    title: str = "Certificates, residuals, account of the search"
+
+
+Section: TypeAlias = Table | Cell | Details
 
 
 class Report(PrettyRepr, Result, ABC):
@@ -161,26 +177,54 @@ class Report(PrettyRepr, Result, ABC):
     def report_sections(self) -> Iterable[Section]:
         """Return what there is to say: tables and lines, in order."""
 
-    def tell(self, console: Console) -> None:
+    def tell(self, console: Console, verbose: bool = False) -> None:
         """Print; lines are as long as they are.
 
         Parameters
         ----------
         console
             Of rich.
+        verbose
+            With `Details`; else a line says where they are.
         """
-        for piece in self.report_sections():
+
+        def write(piece: Section) -> None:
             if isinstance(piece, Table):
                 console.print(piece)
-            else:
+            elif not isinstance(piece, Details):
                 console.print(_rich(piece), highlight=False, soft_wrap=True)
+            elif verbose:
+                console.print()
+                for inner in piece.pieces:
+                    write(inner)
+            else:
+                where = "--verbose, --json; in Python report(verbose=True)"
+                write(Words(f"{piece.title}: {where}", "dim"))
+
+        for piece in self.report_sections():
+            write(piece)
+
+    def report(self, *, verbose: bool = False) -> str:
+        """Return what is printed.
+
+        Parameters
+        ----------
+        verbose
+            With certificates, residuals and the account of the work.
+
+        Returns
+        -------
+        str
+            Plain text.
+        """
+        return plain_text(self.WIDTH, lambda console: self.tell(console, verbose)).rstrip()
 
     def __str__(self) -> str:
-        return plain_text(self.WIDTH, self.tell).rstrip()
+        return self.report()
 
     def __repr__(self) -> str:
         first = next(iter(self.report_sections()), "")
-        words = first.title if isinstance(first, Table) else first
+        words = first.title if isinstance(first, Table | Details) else first
         text = words if isinstance(words, str) else words.text
         return f"{type(self).__name__}({shorten('; '.join(text.splitlines()), self.BRIEF)})"
 
@@ -189,10 +233,7 @@ class Report(PrettyRepr, Result, ABC):
 
     def to_markdown(self) -> str:
         """Return tables and lines in Markdown."""
-        return "\n".join(
-            f"{p.title}\n\n{p.markdown()}" if isinstance(p, Table) else f"{_markdown(p)}  "
-            for p in self.report_sections()
-        )
+        return "\n".join(map(_section_markdown, self.report_sections()))
 
 
 def pieces_html(pieces: Iterable[Section]) -> str:
@@ -211,6 +252,10 @@ def pieces_html(pieces: Iterable[Section]) -> str:
 
     def parts() -> Iterator[str]:
         for piece in pieces:
+            if isinstance(piece, Details):
+                summary = f"<summary>{escape(piece.title)}</summary>"
+                yield f"<details>{summary}\n{pieces_html(piece.pieces)}\n</details>"
+                continue
             if not isinstance(piece, Table):
                 yield f"<div style='white-space:pre-wrap'>{_html(piece)}</div>"
                 continue
@@ -304,6 +349,14 @@ def _rich(cell: Cell) -> Text:
     from rich.text import Text
 
     return Text(cell) if isinstance(cell, str) else Text(cell.text, cell.style)
+
+
+def _section_markdown(piece: Section) -> str:
+    if isinstance(piece, Details):
+        return "\n".join([f"{piece.title}\n", *map(_section_markdown, piece.pieces)])
+    if isinstance(piece, Table):
+        return f"{piece.title}\n\n{piece.markdown()}"
+    return f"{_markdown(piece)}  "
 
 
 def _markdown(cell: Cell) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -13,6 +14,9 @@ from origami_nlp.kkt import OMIT
 from origami_nlp.minima.coverage import StrataCount
 from origami_nlp.minima.minimum import JudgedState
 from origami_nlp.minima.stopping import unseen_share
+
+FEW_QUIET = 10
+"""Random starts in a row without a new minimum below which nothing is said of those that are missing: 3/N > 0.3."""
 
 
 @dataclass(repr=False)
@@ -102,24 +106,49 @@ class SearchReport(ShortRepr):
     rejected: tuple[JudgedState, ...] = field(default=(), repr=False)
     undecided: tuple[JudgedState, ...] = field(default=(), repr=False)
 
+    def open_words(self) -> list[str]:
+        """Say in a few lines what is not proved: what is known of minima that the search did not find."""
+        return [*self._refused(), *self._quiet()]
+
+    def _refused(self) -> Iterator[str]:
+        for r in self.refused:
+            angles = " ".join(f"{a:.6g}" for a in np.degrees(r.fold_angles))
+            yield f"no minimum at the guess {angles} deg: {r.verdict}: {r.certificate}"
+
+    def _quiet(self) -> Iterator[str]:
+        """Say what random starts tell of minima that none of them reached."""
+        if self.stopped_by == "complete":
+            return
+        if self.stopped_by == "time":
+            yield f"{OUT_OF_TIME}: not all of these starts were followed down, nor all of their ends judged"
+        elif self.quiet >= FEW_QUIET:
+            yield (
+                f"No new minimum in the last {self.quiet} random starts: a missing one attracts fewer than "
+                f"{unseen_share(self.quiet):.2g} of them (95 % confidence)."
+            )
+        elif self.starts:
+            yield "New minima were still being found: there may well be more."
+        if self.seen_once:
+            yield f"{self.seen_once} of the minima {'were' if self.seen_once > 1 else 'was'} reached by one start only"
+        if self.stopped_by == "cap":
+            yield "stopped at the cap on starts of this effort, before every minimum was reached often enough"
+
     def words(self) -> list[str]:
         """Say in a few lines how the search went, failures included, and what is known of what it did not find."""
         sources = ", ".join(f"{count} {name}" for name, count in self.by_source.items())
         lines = [
             f"{self.starts} starts ({self.feasible_starts} admissible{'; ' * bool(sources)}{sources}), "
-            f"{self.stalled} ended nowhere, {self.seconds:.2f} s, seed {self.seed}, effort {self.effort}"
+            f"{self.stalled} did not converge, {self.seconds:.2f} s, seed {self.seed}, effort {self.effort}"
             if self.starts
             else f"no start was drawn, {self.seconds:.2f} s",
-            *self._completeness(),
+            *self._coverage(),
+            *self.open_words(),
             f"IPOPT: {self.solves} solves: "
             + (
                 ", ".join(f"{name} {count}" for name, count in sorted(self.statuses.items()))
                 or "none"
             ),
         ]
-        for r in self.refused:
-            angles = " ".join(f"{a:.6g}" for a in np.degrees(r.fold_angles))
-            lines.append(f"no minimum at the guess {angles} deg: {r.verdict}: {r.certificate}")
         if self.failed:
             reasons = ", ".join(f"{why} {count}" for why, count in self.failed.items())
             lines.append(f"left out, as no state or where linear algebra failed: {reasons}")
@@ -137,45 +166,24 @@ class SearchReport(ShortRepr):
         ]
         return lines
 
-    def _completeness(self) -> list[str]:
-        """Say what is known of minima that the search did not find: as much as the numbers carry, and no more."""
+    def _coverage(self) -> Iterator[str]:
+        """Say what was listed whole: as much as the numbers carry, and no more."""
         if self.stopped_by == "complete":
-            return [f"complete: {self.complete}"]
-        if self.stopped_by == "time":
-            return [
-                f"{OUT_OF_TIME}: not all of these starts were followed down, nor all of their ends judged"
-            ]
-        lines = []
+            yield f"complete: {self.complete}"
+        if self.stopped_by in ("complete", "time"):
+            return
         if self.every_corner:
-            lines.append(
-                f"all {self.corners} states that fold limits alone leave without freedom were tried: "
-                + (
-                    "judged, some not decided"
-                    if self.undecided
-                    else "which of them are minima is decided"
-                )
+            judged = (
+                "judged, some not decided"
+                if self.undecided
+                else "which of them are minima is decided"
+            )
+            yield (
+                f"all {self.corners} states that fold limits alone leave without freedom were tried: {judged}"
             )
         if self.strata:
             started, listed = (
                 sum(c.started for c in self.strata),
                 sum(c.listed for c in self.strata),
             )
-            lines.append(
-                f"{started} of {listed} strata with touches were started (others are empty, or were not hit)"
-            )
-        if self.quiet:
-            lines.append(
-                f"the last {self.quiet} drawn starts found no other minimum: those not found draw less than "
-                f"{unseen_share(self.quiet):.2g} of such starts (95 %); nothing follows for their number"
-            )
-        elif self.starts:
-            lines.append("the last drawn start reached another minimum: there may well be more")
-        if self.seen_once:
-            lines.append(
-                f"{self.seen_once} minim{'a were' if self.seen_once > 1 else 'um was'} reached by one drawn start only"
-            )
-        if self.stopped_by == "cap":
-            lines.append(
-                "stopped at the cap on starts of this effort, before every minimum was reached often enough"
-            )
-        return lines
+            yield f"{started} of {listed} strata with touches were started (others are empty, or were not hit)"

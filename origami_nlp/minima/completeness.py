@@ -70,7 +70,7 @@ class Completeness(ShortRepr):
     seconds
         What that took, of wall time.
     critical_points
-        How many states hold still, by index (how many directions lower the energy to second order): "0", "1", ...;
+        How many states are stationary, by index (how many directions lower the energy to second order): "0", "1", ...;
         "unclear" where that, or whether a limit is pushed, is not certified.  Each exists, and outside the regions
         below there are no others.
     held
@@ -113,6 +113,13 @@ class Completeness(ShortRepr):
         """Whether nothing was left open."""
         return self.status == "proved"
 
+    def open_lines(self) -> Iterator[str]:
+        """Say what is not proved, and where."""
+        if self.status == "not-proved":
+            yield f"not proved that the list is complete: {self.reason}"
+        if not self.proved:
+            yield from self._regions()
+
     def lines(self) -> Iterator[str]:
         """Say it, a few lines."""
         work = f"{self.boxes:,} boxes, {self.seconds:.1f} s"
@@ -130,13 +137,12 @@ class Completeness(ShortRepr):
             if self.over:
                 yield f"  {self.over}"
             many = ", ".join(
-                f"{n} judged by its cone" if k == "unclear" else f"{n} of index {k}"
+                f"{n} judged by its cone" if k == "unclear" else _of_index(n, k)
                 for k, n in self.critical_points.items()
             )
             still = sum(self.critical_points.values())
             yield (
-                f"  {still} regular state{'s' * (still != 1)} hold{'s' * (still == 1)} still ({many}), "
-                f"{self.held} more only while contacts are held"
+                f"  {still} regular critical point{'s' * (still != 1)} ({many}), {self.held} more with active contacts"
             )
             if alone:
                 apart = max(u - v for s in alone for u, v in zip(s.upper, s.lower, strict=True)) / 2
@@ -162,6 +168,14 @@ class Completeness(ShortRepr):
                 yield (
                     f"  and {len(regions) - most} more {name}, energies {min(energies):.6g} to {max(energies):.6g} J"
                 )
+
+
+def _of_index(many: int, index: str) -> str:
+    """Name critical points by how many directions lower the energy to second order."""
+    return f"{many} " + {
+        "0": "minim" + ("um" if many == 1 else "a"),
+        "1": "saddle" + "s" * (many != 1),
+    }.get(index, f"of index {index}")
 
 
 def _states(many: int) -> str:

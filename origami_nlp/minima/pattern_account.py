@@ -8,8 +8,9 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from origami_nlp.errors import OUT_OF_TIME
-from origami_nlp.minima.account import SearchReport
+from origami_nlp.minima.account import FEW_QUIET, SearchReport
 from origami_nlp.minima.minimum import JudgedState
+from origami_nlp.minima.stopping import unseen_share
 
 ESCAPE_PATHS = "ways out of flat-folded states"
 MEETINGS = "ways out of states where curves meet"
@@ -146,29 +147,24 @@ class PatternSearchReport(SearchReport):
 
     def words(self) -> list[str]:
         """Say how the search went, and what is known of what it did not find."""
-        return list(self._words())
+        return [*self._done(), *self.open_words()]
 
-    def _words(self) -> Iterator[str]:
-        if self.left_out:
-            why = "interrupted" if self.interrupted else OUT_OF_TIME
-            yield f"{why}, not through with: {', '.join(self.left_out)}"
+    def _done(self) -> Iterator[str]:
         if self.lines or self.families:
             what = "family" if self.families == 1 else "families"
             more = f" and {self.families} {what} with more freedoms" if self.families else ""
-            yield f"ways out of the flat state: all enumerated, {self.lines} with one freedom{more}"
+            yield f"branches from the flat state: all enumerated, {self.lines} with one freedom{more}"
         if self.flat_folded > 1:
-            ways = "" if ESCAPE_PATHS in self.left_out else ", and the ways out of each"
+            ways = "" if ESCAPE_PATHS in self.left_out else ", and the branches from each"
             yield f"flat-folded states: {self.flat_folded} enumerated{ways}"
         if self.crossroads:
-            ways = "" if MEETINGS in self.left_out else ", and the ways out of each"
-            yield f"states where curves meet others: {self.crossroads} found along curves{ways}"
-        if self.not_enumerated:
-            yield self.not_enumerated
+            ways = "" if MEETINGS in self.left_out else ", and the branches from each"
+            yield f"branch points: {self.crossroads} found along curves{ways}"
         if self.curves:
             yield from self._of_curves()
         yield (
-            f"{self.starts} starts: {self.open} could not be closed, {self.flat} fell back flat, "
-            f"{self.stalled} descents did not arrive"
+            f"{self.starts} starts: {self.open} failed to close, {self.flat} converged to the flat state, "
+            f"{self.stalled} did not converge"
         )
         if self.of_vertex:
             what = "minimum" if self.of_vertex == 1 else "minima"
@@ -178,32 +174,49 @@ class PatternSearchReport(SearchReport):
         if self.pressed:
             what = "descent" if self.pressed == 1 else "descents"
             yield f"contact: {self.pressed} {what} along states that do not cross"
-            for why, many in self.gave_up.items():
-                yield f"not decided: {many} of them gave up, {why}"
-        for why, many in self.failed.items():
-            yield f"not decided: linear algebra failed {many} time{'s' * (many != 1)}, {why}"
-        if self.resolved < self.wells:
-            open_ = self.wells - self.resolved
-            yield f"not decided: {open_} of {self.wells} wells of the energy along these curves"
-        lost = self.curves != self.ended or self.coarse or self.resolved < self.wells
-        if self.curves and not (lost or self.not_traced or self.left_out or self.failed):
-            yield (
-                f"every well of the energy along these curves was judged, {self.wells} in all; other curves are "
-                "sampled only"
-            )
-        else:
-            yield "sampled, not exhausted: there may be further states"
-        if self.quiet:
-            yield (
-                f"the last {self.quiet} of {self.drawn} drawn starts found no other minimum: those not found draw less "
-                f"than {min(1.0, 3 / self.quiet):.2g} of such starts (95 %)"
-            )
-        elif self.drawn:
-            yield "the last drawn start found another minimum or curve: draw more (starts)"
         if self.popped:
             what = "minimum" if self.by_pops == 1 else "minima"
             new = f"{self.by_pops} further {what}" if self.by_pops else "no further minimum"
             yield f"{self.popped} starts from minima with one vertex popped: {new}"
+
+    def open_words(self) -> list[str]:
+        """Say in a few lines what is not proved or not decided."""
+        return list(self._open())
+
+    def _open(self) -> Iterator[str]:
+        if self.left_out:
+            why = "interrupted" if self.interrupted else OUT_OF_TIME
+            yield f"{why}, not through with: {', '.join(self.left_out)}"
+        if self.not_enumerated:
+            yield self.not_enumerated
+        if self.unclear:
+            yield "contact cannot be excluded on some sub-intervals of the curves"
+        for why, many in self.gave_up.items():
+            yield f"not decided: {many} descents into contact did not converge, {why}"
+        for why, many in self.failed.items():
+            yield f"not decided: linear algebra failed {many} time{'s' * (many != 1)}, {why}"
+        if self.resolved < self.wells:
+            open_ = self.wells - self.resolved
+            yield f"not decided: {open_} of {self.wells} wells of the energy along the curves"
+        lost = self.curves != self.ended or self.coarse or self.resolved < self.wells
+        if self.curves and not (lost or self.not_traced or self.left_out or self.failed):
+            yield (
+                f"every well of the energy along the curves that are known was judged, {self.wells} in all; other "
+                "curves are sampled only: completeness is not proved"
+            )
+        else:
+            yield "Each state is certified; completeness is not proved: states were sampled."
+        yield from self._quiet()
+
+    def _quiet(self) -> Iterator[str]:
+        """Say what random starts tell of minima that none of them reached."""
+        if self.quiet >= FEW_QUIET:
+            yield (
+                f"No new minimum in the last {self.quiet} of {self.drawn} random starts: a missing one attracts fewer "
+                f"than {unseen_share(self.quiet):.2g} of them (95 % confidence)."
+            )
+        elif self.drawn and not self.quiet:
+            yield "the last random start found another minimum or curve: draw more (starts)"
 
     def _of_curves(self) -> Iterator[str]:
         lost = self.curves - self.ended
@@ -217,5 +230,3 @@ class PatternSearchReport(SearchReport):
             + (f"; {self.outside} of them known from random starts only" if self.outside else "")
             + (f"; {self.not_traced} starts on others" if self.not_traced else "")
         )
-        if self.unclear:
-            yield "in parts of steps along them facets may touch and part again unseen"

@@ -14,6 +14,7 @@ import numpy as np
 
 from origami_nlp.display import (
     Content,
+    Details,
     Report,
     Section,
     Table,
@@ -38,7 +39,9 @@ from origami_nlp.minima.stability import (
     not_asked_words,
     verdict,
 )
+from origami_nlp.minima.summary import find_images, summary_tables, verdict_words
 from origami_nlp.minima.telling import (
+    angle_lines,
     flag_lines,
     scene_lines,
     state_lines,
@@ -149,7 +152,12 @@ class MinimaResult(Report, Viewable):
     def title(self) -> str:
         """Its name, or what it is where it has none."""
         stated = self.origami
-        return self.name or ("pattern" if isinstance(stated, Pattern) else repr(stated.vertex))
+        if self.name:
+            return self.name
+        if isinstance(stated, Pattern):
+            return "pattern"
+        angles = ", ".join(f"{a:.6g}" for a in np.degrees(stated.vertex.sector_angles))
+        return f"vertex with sector angles {angles} deg"
 
     @property
     def headline(self) -> str:
@@ -302,18 +310,46 @@ class MinimaResult(Report, Viewable):
         return states_table(self.headline, self.minima, known, free, barrier, heads, last)
 
     def report_sections(self) -> Iterator[Section]:
-        """Return the table, the states and the record of the search."""
-        yield self.table() if self.minima else self.headline
-        group = "" if isinstance(self.origami, Pattern) else self.origami.group.name
-        yield from state_lines(self.minima, group)
-        yield from self._survivals()
-        yield from filter(None, [not_asked_words(self.origami, self.minima)])
-        if self.is_pattern:
-            for s in self.crossing:
-                yield f"energy {s.energy:.6g}: no state of paper, {s.certificate}"
-        yield from undecided_lines(self.search)
+        """Return how many states are stable, a line each, fold angles, what is not proved, and then the details."""
+        words = verdict_words(self.origami, self.minima, self.completeness, self.search)
+        title, more = f"{self.title}: {words}", None
+        if self.minima:
+            first, more = summary_tables(
+                self.origami, self.minima, title, float(np.mean(self._stiffness))
+            )
+            yield first
+        else:
+            yield title
+        if more:
+            yield f"... {len(more.rows)} more states: --verbose, or --json"
+        yield from angle_lines(self.minima, find_images(self.origami, self.minima))
         if isinstance(self.origami, Scene):
             yield from scene_lines(self.origami)
+        yield from self._survivals()
+        yield from filter(None, [not_asked_words(self.origami, self.minima)])
+        yield from undecided_lines(self.search)
+        if self.completeness:
+            yield from self.completeness.open_lines()
+        if not self.completeness or not self.completeness.proved:
+            yield from self.search.open_words()
+        yield Details(tuple(self._details(more)))
+
+    @property
+    def _stiffness(self) -> Sequence[float] | np.ndarray:
+        return self.origami.stiffness
+
+    def _details(self, more: Table | None) -> Iterator[Table | Words | str]:
+        """Return certificates, residuals, the record of the search, and what is modelled."""
+        if more:
+            yield more
+        if self.minima:
+            yield self.table()
+        group = "" if isinstance(self.origami, Pattern) else self.origami.group.name
+        yield from state_lines(self.minima, group)
+        if self.is_pattern:
+            for s in self.crossing:
+                yield f"rejected: energy {s.energy:.6g} J: {s.certificate}"
+        if isinstance(self.origami, Scene):
             yield from flag_lines(self.flags)
         if self.completeness:
             yield from (Words(line) for line in self.completeness.lines())
@@ -350,7 +386,7 @@ class MinimaResult(Report, Viewable):
                 f"states of self-stress{where}: {many}; torques about creases are unique, moments across creases "
                 "are not (rigid facets leave them open)"
             )
-        yield "modelled: rigid facets without thickness, springs at creases; the way to a state may cross"
+        yield "modelled: rigid facets without thickness, springs at creases; on paths to a state facets may cross"
 
     def _rows(self) -> Iterator[dict[str, object]]:
         for number, m in enumerate(self.minima, start=1):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
@@ -18,11 +18,14 @@ from origami_nlp.minima.stability import (
     softest_words,
     stiffness_words,
 )
+from origami_nlp.minima.summary import MOST_LINES
 from origami_nlp.numerics import BALANCED, STATIONARY, residual_words
 from origami_nlp.pattern import Scene
 
 MOST_ANGLES = 24
 """Fold angles of a state up to which they are written out; those of larger ones are in the JSON."""
+FEW_ANGLES = 9
+"""Fold angles that are written to a thousandth of a degree in one line; more, to a hundredth."""
 KIND_STYLE = {
     "interior": "green",
     "contact-pinned": "yellow",
@@ -45,11 +48,11 @@ def moment_words(moment: Sequence[float], residual: float, degree: int) -> str:
     vector = ", ".join(f"{v:.6g}" if abs(v) > STATIONARY * largest else "0" for v in moment)
     if residual > BALANCED * (1 + largest):
         return (
-            f"no one moment passes round the vertex: ({vector}) N m leaves up to {residual:.2g} N m at a free "
+            f"no constant internal moment: ({vector}) N m leaves up to {residual:.2g} N m at a free "
             "crease, which facets that touch carry"
         )
     return (
-        f"one moment passes round the vertex: ({vector}) N m, seen from the facet between creases {degree} and 1, "
+        f"constant internal moment: ({vector}) N m, seen from the facet between creases {degree} and 1, "
         f"residual {residual_words(residual)} N m"
     )
 
@@ -81,6 +84,31 @@ def _where(state: JudgedState) -> str:
         return ""
     angles = " ".join(f"{a:.6g}" for a in np.degrees(state.fold_angles))
     return f", hits {state.hits}, fold angles [deg] {angles}"
+
+
+def angle_lines(
+    minima: Sequence[JudgedState], images: Mapping[int, tuple[int, str]]
+) -> Iterator[str]:
+    """Return the fold angles of states that are no images of others, the first `MOST_LINES` of them.
+
+    images: states by number that are images of others.
+    """
+    grouped = isolated_foldings(minima)
+    some = [k for k in range(1, len(minima) + 1) if k not in images and k not in grouped]
+    if not some:
+        return
+    n = len(minima[0].fold_angles)
+    if n > MOST_ANGLES:
+        yield f"fold angles of the {n} creases: --json"
+        return
+    yield f"fold angles of creases 1..{n} [deg]"
+    for k in some[:MOST_LINES]:
+        m = minima[k - 1]
+        digits = 3 if n <= FEW_ANGLES else 2
+        shown = np.round(np.degrees(m.fold_angles), digits) + 0.0
+        angles = " ".join(f"{a:{digits + 5}.{digits}f}" for a in shown)
+        winds = f"   winds {m.winding} times round the axis" * (m.winding > 1)
+        yield f"{f'#{k}':>5} {angles}{winds}"
 
 
 def flag_lines(flags: ResultFlags) -> list[str]:
@@ -188,7 +216,7 @@ def state_lines(minima: Sequence[JudgedState], group: str = "") -> list[str]:
             lines += [f"   {words}" for words in full_space_lines(m.full_space)]
     if grouped:
         lines.append(
-            f"#{number_words(grouped)}: {len(grouped)} isolated flat foldings, each crease open or shut and no other "
-            "admissible state near: contact alone holds them, whatever the springs (all are in the JSON)"
+            f"#{number_words(grouped)}: {len(grouped)} isolated flat foldings, creases unfolded or fully folded and no "
+            "other admissible state near: contact alone holds them, whatever the springs (all are in the JSON)"
         )
     return lines

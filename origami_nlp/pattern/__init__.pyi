@@ -40,6 +40,7 @@ from .labels import (
     Labels as Labels,
     canonical_labels as canonical_labels,
     group_equivalent_vertices as group_equivalent_vertices,
+    symmetries as symmetries,
 )
 from .loads import (
     DeadLoads as DeadLoads,

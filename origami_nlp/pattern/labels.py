@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from origami_nlp.numerics import DUPLICATE_TOL
 from origami_nlp.pattern.scene import Scene
 from origami_nlp.pattern.vertex import Vertex
 
@@ -203,6 +204,39 @@ def _keeps(first: Scene, other: Scene, creases: np.ndarray) -> bool:
     place = np.argsort(creases)
     theirs = {tuple(place[p[creases]].tolist()) for p in _permutations(other)}
     return theirs == {tuple(p.tolist()) for p in _permutations(first)}
+
+
+def symmetries(scene: Scene) -> list[Labels]:
+    """Return the labels under which a scene without loads is itself: its symmetries, the identity left out.
+
+    Parameters
+    ----------
+    scene
+        Angles [rad] and relative stiffnesses count as equal within `DUPLICATE_TOL`.
+
+    Returns
+    -------
+    list of Labels
+        ``labels.back(x)`` are the states into which a symmetry takes states x; empty under loads.
+    """
+    if scene.loads:
+        return []
+    sectors, k = np.array(scene.vertex.sector_angles), np.array(scene.stiffness)
+    signed = np.array(
+        [scene.rest_angles, scene.wound_angles, scene.preload or (0.0,) * scene.degree]
+    )
+
+    def keeps(labels: Labels) -> bool:
+        i = labels.creases
+        differ = (
+            sectors[labels.facets] - sectors,
+            k[i] / k - 1,
+            labels.sign * signed[:, i] - signed,
+        )
+        same = max(float(np.abs(d).max()) for d in differ) <= DUPLICATE_TOL
+        return same and _keeps(scene, scene, i)
+
+    return [labels for labels in every_label(scene.degree)[1:] if keeps(labels)]
 
 
 def _permutations(scene: Scene) -> list[np.ndarray]:

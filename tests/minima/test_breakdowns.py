@@ -52,7 +52,9 @@ def test_one_part_that_fails_ends_no_search(monkeypatch, room, name, reported, s
     error = FAILURES[len(reported) % 2]
     monkeypatch.setattr(room, name, broken(error))
     found = find_minima(scene, max_starts=64, prove=False, escape=False)
-    assert found.search.failed[f"{reported}: {error}"] > 0 and f"{reported}: {error}" in str(found)
+    assert found.search.failed[
+        f"{reported}: {error}"
+    ] > 0 and f"{reported}: {error}" in found.report(verbose=True)
     assert (
         not found.search.complete
     )  # what traced curves hold is not said where they were not traced, or judged

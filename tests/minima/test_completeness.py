@@ -60,7 +60,7 @@ def check_comes_back(monkeypatch, scene, k):
     back = np.array([new.fold_angles for new in result.completeness.added])
     assert np.abs(back - gone[0]).max(axis=1).min() <= 1e-9
     assert len(back) == 1 + len(whole.completeness.added)
-    assert "a minimum that the search had missed, found by the proof" in str(result)
+    assert "a minimum that the search had missed, found by the proof" in result.report(verbose=True)
 
 
 @pytest.mark.parametrize("degree", thinned([4, 5], 2))
@@ -100,7 +100,7 @@ def test_a_search_that_is_short_of_the_proof_shows_the_alarm():
     assert len(whole.minima) == len(searched.minima) + 1
     assert np.abs(states(searched) - missed.fold_angles).max(axis=1).min() > 1e-3
     assert missed.fold_angles in [m.fold_angles for m in whole.minima]
-    assert "a minimum that the search had missed, found by the proof" in str(whole)
+    assert "a minimum that the search had missed, found by the proof" in whole.report(verbose=True)
 
 
 def test_a_listed_state_that_is_no_minimum_is_an_alarm(monkeypatch):
@@ -139,7 +139,9 @@ def test_json_carries_it():
     } <= set(c)
     assert c["status"] == "proved" and c["critical_points"]["0"] == len(result.minima)
     assert MinimaResult.from_dict(data).completeness == result.completeness
-    assert "complete: proved" in str(result) and "complete: proved" in result.to_html(picture=False)
+    assert "complete: proved" in result.report(
+        verbose=True
+    ) and "complete: proved" in result.to_html(picture=False)
 
 
 def test_where_it_is_not_asked_for_and_dear_it_is_not_tried():
@@ -158,28 +160,28 @@ def test_where_it_is_not_asked_for_and_dear_it_is_not_tried():
 def test_what_cannot_be_proved_is_refused_with_the_reason(scene, why):
     result = find_minima(scene, max_starts=16, prove=True, escape=False)
     assert result.completeness.status == "not-proved" and why in result.completeness.reason
-    assert "complete: proved" not in str(result)
+    assert "complete: proved" not in result.report(verbose=True)
 
 
 def test_when_time_is_up_nothing_is_claimed():
     result = find_minima(generic(1, 6), max_starts=16, prove=0.2, escape=False)
     c = result.completeness
     assert c.status == "not-proved" and "time was up" in c.reason and c.boxes > 0 and c.undecided
-    assert "complete: proved" not in str(result)
+    assert "complete: proved" not in result.report(verbose=True)
 
 
 def test_the_command_proves_and_writes_what_check_proof_confirms(tmp_path):
     scene, out = scene_file(tmp_path, generic(1, 4)), tmp_path / "proof.json"
-    code, table, _ = run("minima", scene, "--prove", "--certificate", out)
+    code, table, _ = run("minima", scene, "--verbose", "--prove", "--certificate", out)
     assert code == 0 and "complete: proved: all 2 minima are listed" in table
     code, checked, _ = run("check-proof", out)
     assert code == 0 and "checked: complete - 2 minima" in checked
     code, table, _ = run("minima", "--prove", "60", scene)
-    assert code == 0 and "complete: proved" in table
-    code, table, _ = run("minima", scene, "--prove", "0")
+    assert code == 0 and "list proved complete" in table
+    code, table, _ = run("minima", scene, "--verbose", "--prove", "0")
     assert code == 0 and "complete: proved" not in table
     for wrong in (("--prove", "-1"), ("--prove", "0", "--certificate", tmp_path / "b.json")):
-        code, _, err = run("minima", scene, *wrong)
+        code, _, err = run("minima", scene, "--verbose", *wrong)
         assert code == 2 and "prove" in err
         assert not (tmp_path / "b.json").exists()
 

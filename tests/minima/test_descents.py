@@ -127,11 +127,15 @@ def test_effort_and_what_it_says():
     )
     assert quick.search.starts < normal.search.starts and normal.search.stopped_by == "rule"
     assert len(quick.minima) <= len(normal.minima)
-    assert f"draw less than {3 / normal.search.quiet:.2g}" in str(normal)
-    assert "expected undiscovered" not in str(normal) and "complete" not in str(normal)
-    assert normal.search.every_corner and "is decided" in str(normal)
+    assert f"attracts fewer than {3 / normal.search.quiet:.2g}" in normal.report(verbose=True)
+    assert "expected undiscovered" not in normal.report(
+        verbose=True
+    ) and "complete:" not in normal.report(verbose=True)
+    assert normal.search.every_corner and "is decided" in normal.report(verbose=True)
     one = find_minima(vertex(4, 1, "full"), prove=False, escape=False)
-    assert one.search.stopped_by == "complete" and "complete: one freedom" in str(one)
+    assert one.search.stopped_by == "complete" and "complete: one freedom" in one.report(
+        verbose=True
+    )
     assert all(m.solver.agrees and m.solver.iterations <= 1 for m in normal.minima)
 
 
@@ -146,7 +150,7 @@ def test_all_corners_is_said_only_where_all_were_tried():
         assert rounds.every_corner == (rounds.corners == every)
     capped = find_minima(examples.degree6("pi/3", 1), max_starts=16, prove=False, escape=False)
     assert capped.search.corners < 18 and not capped.search.every_corner
-    assert "leave without freedom" not in str(capped)
+    assert "leave without freedom" not in capped.report(verbose=True)
 
 
 def test_scenes_of_one_vertex_descend_together_as_each_does_alone():

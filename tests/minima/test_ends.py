@@ -191,7 +191,7 @@ def test_an_end_off_closure_is_counted_and_no_state(monkeypatch):
     monkeypatch.setattr(record, "polish", off)
     result = find_minima(UNCLOSED, prove=False, escape=False)
     assert result.search.failed["does not close"] >= 5
-    assert "does not close" in str(result)
+    assert "does not close" in result.report(verbose=True)
     assert not result.search.undecided
     assert [m.energy for m in result.minima] == pytest.approx(
         [m.energy for k, m in enumerate(unclosed().minima) if k != 1]
@@ -290,7 +290,7 @@ def test_other_guesses_are_refused_by_name():
     reasons = {r.fold_angles: (r.verdict, r.certificate) for r in result.search.refused}
     assert reasons[tuple(flat)][0] == "not stationary"
     assert reasons[tuple(off)] == ("not admissible", "no state within 0.001 rad of it closes")
-    assert "no minimum at the guess" in str(result)
+    assert "no minimum at the guess" in result.report(verbose=True)
     even = Scene(Vertex(("pi/3",) * 6), (1,) * 6, (1,) * 6, "C2")
     (refused,) = find_minima(
         even, guesses=[np.arange(6) / 10], prove=False, escape=False

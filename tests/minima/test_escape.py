@@ -197,7 +197,7 @@ def test_barriers_among_symmetric_states_say_so():
     assert "D1 barrier [J]" in result.table().heads and "D1 barrier [J]" in result._repr_html_()
     assert all(m.escape.why.endswith("among states with symmetry D1") for m in result.minima)
     assert [m.full_space.verdict for m in result.minima].count("unstable") == 1
-    assert str(result).count("nothing has to be put in to leave it") == 1
+    assert result.report(verbose=True).count("nothing has to be put in to leave it") == 1
     free = waterbomb()
     assert "barrier [J]" in free.table().heads and "symmetry" not in free.minima[0].escape.why
 
@@ -266,7 +266,7 @@ def test_noise_makes_shallow_states_of_a_waterbomb_and_they_are_told_apart(tmp_p
     assert [m.survival.kept for m in result.minima[:2]] == [20, 20]
     words = result.table().title
     assert f"{6 - len(shallow)} stable states, and {len(shallow)} shallow" in words
-    assert "survives" in result.table().heads and "<= 0 " not in str(result)
+    assert "survives" in result.table().heads and "<= 0 " not in result.report(verbose=True)
     result.save(tmp_path / "noisy.json")
     again = load(tmp_path / "noisy.json")
     assert [m.escape for m in again.minima] == [m.escape for m in result.minima]
@@ -284,7 +284,7 @@ def test_isolated_flat_foldings_are_one_line_of_the_table_and_all_in_json():
     alone = [m for m in result.minima if m.local_dimension == 0]
     assert len(alone) == 10 and all(m.escape.method == ALONE for m in alone)
     assert len(result.table().rows) == 3 and result.table().rows[-1][0] == "(10)"
-    assert "#3-12: 10 isolated flat foldings" in str(result)
+    assert "#3-12: 10 isolated flat foldings" in result.report(verbose=True)
     assert len(result.to_dict()["minima"]) == 12
 
 

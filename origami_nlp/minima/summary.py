@@ -1,0 +1,280 @@
+"""What people read first of a list of minima: how many are stable, a line each, and which are images of others."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Callable, Iterator, Sequence
+
+import numpy as np
+
+from origami_nlp.display import Cell, Table, Words
+from origami_nlp.kkt import OPEN, ContactForce
+from origami_nlp.minima.account import SearchReport
+from origami_nlp.minima.completeness import Completeness
+from origami_nlp.minima.minimum import JudgedState
+from origami_nlp.minima.stability import (
+    NOT_ASKED,
+    is_symmetric,
+    isolated_foldings,
+    number_words,
+    shallow_words,
+    verdict,
+)
+from origami_nlp.numerics import BALANCED, DUPLICATE_TOL
+from origami_nlp.pattern import Pattern, Scene, symmetries
+from origami_nlp.pattern_problem import find_labels, image
+
+MOST_LINES = 30
+"""States of which the report has a line; the others are in its details."""
+MOST_NAMES = 6
+"""Creases, or pairs of facets, that a cell names."""
+STYLE = {"stable": "green", "unstable": "red", "not decided": "bold"}
+
+
+def energy_words(energy: float, scale: float, digits: int = 6) -> str:
+    """Return an energy as it is printed: 0 where it is rounding of the energy that it takes to fold the springs."""
+    return f"{energy if abs(energy) > BALANCED * scale else 0.0:.{digits}g}"
+
+
+# ---------------------------------------------------------------- images
+
+
+def find_images(
+    origami: Scene | Pattern, minima: Sequence[JudgedState]
+) -> dict[int, tuple[int, str]]:
+    """Return which minima are images of earlier ones under a symmetry of the creases and their springs.
+
+    Parameters
+    ----------
+    origami, minima
+        A scene or a pattern, and its minima.
+
+    Returns
+    -------
+    dict
+        By number (from 1) the number of the earlier state and words such as "mirror image of 3": fold angles that agree
+        within `DUPLICATE_TOL`, and equal verdicts.
+    """
+    if len(minima) < 2:
+        return {}
+    phi = np.array([m.fold_angles for m in minima])
+    found: dict[int, tuple[int, str]] = {}
+    for move, words in _symmetries(origami):
+        moved = move(phi)
+        for k, there in enumerate(moved):
+            if k + 1 in found:
+                continue
+            # one that is an image itself is listed through the first of its orbit
+            for j in map(int, np.flatnonzero(np.abs(phi - there).max(axis=1) <= DUPLICATE_TOL)):
+                one, other = minima[k], minima[j]
+                known = (verdict(origami, one), one.winding, one.kind)
+                same = known == (verdict(origami, other), other.winding, other.kind)
+                if j > k and same and j + 1 not in found:
+                    found[j + 1] = (k + 1, words)
+    return {number: _first(found, number) for number in found}
+
+
+def _first(found: dict[int, tuple[int, str]], number: int) -> tuple[int, str]:
+    """Return the first state of an orbit, with the symmetry's name where it takes that one there itself."""
+    first, words = found[number]
+    direct = first not in found
+    while first in found:
+        first = found[first][0]
+    return first, f"{words if direct else 'image'} of {first}"
+
+
+def _symmetries(
+    origami: Scene | Pattern,
+) -> Iterator[tuple[Callable[[np.ndarray], np.ndarray], str]]:
+    if isinstance(origami, Pattern):
+        for to in find_labels(origami).symmetries(origami):
+            yield lambda phi, to=to: image(to, phi), "image"  # type: ignore[misc]
+        return
+    # where a state has a symmetry itself several take it there: the plainest one is named
+    for one in sorted(symmetries(origami), key=lambda g: (g.over, g.backward, g.start)):
+        words = "mirror image" if one.backward else "rotated copy" if one.start else "copy"
+        yield one.back, words + ", turned over," * one.over
+
+
+# ---------------------------------------------------------------- words
+
+
+def verdict_words(
+    origami: Scene | Pattern,
+    minima: Sequence[JudgedState],
+    completeness: Completeness | None,
+    search: SearchReport,
+) -> str:
+    """Say how many states are stable, under which assumptions, and whether the list is complete."""
+    firm = [m for m in minima if not m.shallow]
+    known = Counter(verdict(origami, m) for m in firm)
+    parts = []
+    if known["stable"] or not firm:
+        parts.append(f"{known['stable']} stable state{'s' * (known['stable'] != 1)}")
+    if n := known["unstable"]:
+        verb = "is" if n == 1 else "are"
+        its = "its" if n == 1 else "their"
+        parts.append(
+            f"{n} {'more ' * bool(parts)}that {verb} stable only while {its} symmetry is kept"
+        )
+    if n := known["undecided"]:
+        parts.append(f"{n} {'more ' * bool(parts)}not decided without the symmetry")
+    if n := known[NOT_ASKED]:
+        parts.append(f"{n} symmetric minim{'um' if n == 1 else 'a'}")
+    if n := known[""]:
+        parts.append(f"{n} minim{'um' if n == 1 else 'a'}")
+    notes = [*_assumed(origami, search), _complete(completeness, search)]
+    return f"{'; '.join(parts)}{shallow_words(len(minima) - len(firm))} ({', '.join(notes)})"
+
+
+def _assumed(origami: Scene | Pattern, search: SearchReport) -> Iterator[str]:
+    if is_symmetric(origami):
+        yield f"symmetry {origami.group.name} kept"  # type: ignore[union-attr]
+    of_pattern = getattr(search, "contact", "full")
+    contact = origami.contact if isinstance(origami, Scene) else of_pattern
+    yield {
+        "full": "contact on",
+        "none": "contact off: facets may cross",
+        "fold-limits": "fold limits only: facets may cross",
+    }[contact]
+
+
+def _complete(completeness: Completeness | None, search: SearchReport) -> str:
+    status = completeness.status if completeness else ""
+    if status == "proved":
+        return "list proved complete"
+    if status == "proved-except-singular":
+        return "list proved complete except at singular states"
+    if search.stopped_by == "complete":
+        return "every curve of closed states traced"
+    return "completeness not proved"
+
+
+def held_words(m: JudgedState, scale: float) -> str:
+    """Say what holds a state: its springs, or contacts with their moments."""
+    if m.local_dimension == 0:
+        return "geometry: isolated"
+    if not m.contacts:
+        return "springs"
+    none = BALANCED * scale
+    loaded = [c for c in m.contacts if c.unique and c.multiplier > none]
+    open_ = [c for c in m.contacts if not c.unique]
+    idle = [c for c in m.contacts if c.unique and c.multiplier <= none]
+    parts: list[str] = ["springs"] * (not loaded and not open_)
+    parts += [f"{_who([c])}: {c.multiplier:.3g} {_unit(c)}" for c in loaded[:MOST_NAMES]]
+    if len(loaded) > MOST_NAMES:
+        parts.append(f"{len(loaded) - MOST_NAMES} more contacts")
+    if open_:
+        least = [c for c in open_ if c.multiplier_range[0] > none]
+        some = [
+            f"{_who([c])}: >= {c.multiplier_range[0]:.3g} {_unit(c)}" for c in least[:MOST_NAMES]
+        ]
+        if rest := [c for c in open_ if c not in least[:MOST_NAMES]]:
+            some.append(_who(rest))
+        parts.append(f"{'; '.join(some)} (statically indeterminate)")
+    for limit, word in ((True, "fully folded"), (False, "touching")):
+        if same := [c for c in idle if c.is_limit == limit]:
+            parts.append(f"{_who(same, named=False)} {word}, no load")
+    return "; ".join(parts)
+
+
+def _unit(c: ContactForce) -> str:
+    return "N m/length" if c.type in ("vertex-face", "edge-edge", "face-face") else "N m"
+
+
+def _who(contacts: Sequence[ContactForce], named: bool = True) -> str:
+    """Name creases at fold limits, and facets that touch, 1-based."""
+    limits = sorted({k for c in contacts if c.is_limit for k in c.creases})
+    facets = [
+        f"facets {c.facets[0]}|{c.facets[1]}" if c.corners else c.text.partition(" (")[0]
+        for c in contacts
+        if not c.is_limit
+    ]
+    parts = []
+    if limits:
+        plural = "s" * (len(limits) > 1)
+        parts.append(f"{f'fold limit{plural} ' if named else f'crease{plural} '}{_few(limits)}")
+    if facets:
+        parts.append(_few(list(dict.fromkeys(facets))))
+    return ", ".join(parts)
+
+
+def _few(names: Sequence[object]) -> str:
+    more = len(names) - MOST_NAMES
+    return ", ".join(map(str, names[:MOST_NAMES])) + (f" and {more} more" if more > 0 else "")
+
+
+def _stability(origami: Scene | Pattern, m: JudgedState) -> Words:
+    known = verdict(origami, m)
+    word = {"undecided": "not decided", "": "minimum", "unstable": "unstable (asymmetric)"}
+    said = word.get(known, known) + ", shallow" * m.shallow
+    return Words(said, STYLE.get(known if known in STYLE else said, ""))
+
+
+def _barrier(m: JudgedState, scale: float) -> str:
+    full = m.full_space
+    if full is not None and full.verdict == "unstable":
+        ends = full.lands_on
+        return f"falls to {energy_words(ends.energy, scale, 4)}" if ends else "none"
+    if m.escape is None:
+        return "-"
+    return "not known" if m.escape.method == OPEN else m.escape.words()
+
+
+def summary_tables(
+    origami: Scene | Pattern, minima: Sequence[JudgedState], title: str, scale: float
+) -> tuple[Table, Table | None]:
+    """Return a line a state: the first `MOST_LINES`, and a table of the others.
+
+    Parameters
+    ----------
+    origami, minima
+        A scene or a pattern, and its minima.
+    title
+        Of the first table.
+    scale
+        Mean stiffness, the unit of energies and moments that count as zero.
+
+    Returns
+    -------
+    tuple
+        The tables, the second None where there is none.
+    """
+    grouped, images = isolated_foldings(minima), find_images(origami, minima)
+    kept = f"{origami.group.name} " if is_symmetric(origami) else ""  # type: ignore[union-attr]
+    heads = ["#", "energy [J]", "stability", "held by", "softest mode\n[N m/rad]"]
+    heads.append(f"{kept}escape\nbarrier [J]")
+    noise = any(m.survival is not None for m in minima)
+    blank: list[Cell] = ["", ""]
+    rows: list[list[Cell]] = []
+    for number, m in enumerate(minima, start=1):
+        if number in grouped:
+            continue
+        own: list[Cell] = [str(number), energy_words(m.energy, scale)]
+        survives: list[Cell] = [str(m.survival)] * noise
+        if number in images:
+            rows.append([*own, _stability(origami, m), images[number][1], *blank, *survives])
+            continue
+        softest = "-" if math.isinf(m.softest) else f"{m.softest:.3g}"
+        row: list[Cell] = [_stability(origami, m), held_words(m, scale), softest]
+        row.append(_barrier(m, scale))
+        rows.append([*own, *row, *survives])
+    if grouped:
+        some = [minima[k - 1] for k in grouped]
+        low, high = (energy_words(m.energy, scale, 4) for m in (some[0], some[-1]))
+        words = f"geometry: isolated flat foldings {number_words(grouped)}"
+        known = Counter(verdict(origami, m) for m in some)
+        said = _stability(origami, some[0]) if len(known) == 1 else Words("see details")
+        most = max((m.survival.kept for m in some if m.survival), default=0)
+        rows.append([f"({len(some)})", f"{low} to {high}", said, words, "-", "isolated"])
+        rows[-1] += [f"{most} at most"] * noise
+    if noise:
+        heads.append("survives")
+    columns = "rrlLrr" + "r" * noise
+
+    def table(part: list[list[Cell]], name: str) -> Table:
+        return Table(heads, part, name, columns, framed=False, narrow=True)
+
+    rest = rows[MOST_LINES:]
+    return table(rows[:MOST_LINES], title), table(rest, "further states") if rest else None

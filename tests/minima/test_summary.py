@@ -1,0 +1,101 @@
+"""What people read first of a list of minima: verdict, a line a state, images; all else on demand."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import origami_nlp as o
+from origami_nlp.minima.summary import MOST_LINES, energy_words, find_images, held_words
+from tests.computed_once import once, panel_result
+
+SCENE = o.examples.degree6("pi/3", 1)
+
+
+@pytest.fixture(scope="module")
+def six():
+    return panel_result(SCENE, full=True)
+
+
+@pytest.fixture(scope="module")
+def sheet():
+    return once("sheet of two rows", lambda: o.find_minima("metasheet:2x3", starts=4))
+
+
+def flat(text):
+    return " ".join(text.split())
+
+
+def test_the_verdict_comes_first_and_the_account_on_demand(six):
+    text, whole = str(six), six.report(verbose=True)
+    head = "3 stable states; 1 more that is stable only while its symmetry is kept"
+    assert flat(text).startswith(f"{SCENE.label}: {head} (symmetry D1 kept, contact on")
+    for words in ("KKT", "hits", "IPOPT", "regular contact", "starts", "constant internal moment"):
+        assert words not in text, words
+    for words in ("IPOPT: ", "regular contact", "4 symmetric minima"):
+        assert words in whole
+    html = six.to_html(picture=False)
+    assert html.count("<details>") == 1 and html.index("3 stable") < html.index("<details>")
+    assert html.index("<details>") < html.index("IPOPT: ")
+    assert "IPOPT: " in six.to_markdown()
+
+
+def test_what_holds_each_state(six):
+    scale = float(np.mean(SCENE.stiffness))
+    first, second, third, _ = (held_words(m, scale) for m in six.minima)
+    assert first == "creases 1 and 4 on each other: 0.0267 N m"
+    assert second == "springs; creases 1, 4 fully folded, no load"
+    assert third == "fold limit 1: >= 0.138 N m; fold limits 3, 5 (statically indeterminate)"
+
+
+def test_images_are_found_by_symmetry_never_by_energy(six, sheet):
+    assert find_images(six.scene, six.minima) == {4: (3, "rotated copy of 3")}
+    assert find_images(sheet.pattern, sheet.minima) == {3: (2, "image of 2")}
+    # springs that differ: the same list is no list of images any more
+    stiffness = (*SCENE.stiffness[:3], 1.5 * SCENE.stiffness[3], *SCENE.stiffness[4:])
+    assert not find_images(replace(SCENE, stiffness=stiffness), six.minima)
+    other = sheet.pattern.with_springs(np.arange(1.0, 8.0), sheet.pattern.rest)
+    assert not find_images(other, sheet.minima)
+    # equal energies elsewhere
+    third, fourth = six.minima[2:]
+    moved = replace(fourth, fold_angles=tuple(np.array(fourth.fold_angles) + 1e-3))
+    assert moved.energy == fourth.energy and not find_images(six.scene, (third, moved))
+
+
+def test_an_image_is_another_state_with_the_same_energy(six):
+    from origami_nlp.pattern import symmetries
+
+    scene, phi = six.scene, np.array([m.fold_angles for m in six.minima])
+    group = symmetries(scene)
+    assert len(group) == 3  # the mirror, half a turn, and both
+    alike = replace(scene, rest_angles=(1.0,) * 6, symmetry="none")
+    assert len(symmetries(alike)) == 11
+    assert not symmetries(replace(alike, stiffness=(1.0, 2.0, 4.0, 3.0, 5.0, 6.0)))
+    for one in group:
+        assert [scene.energy(x) for x in one.back(phi)] == pytest.approx(
+            [m.energy for m in six.minima], abs=1e-14
+        )
+
+
+def test_long_lists_are_cut_and_nothing_is_lost(sheet):
+    many = tuple(
+        replace(sheet.minima[0], fold_angles=(*sheet.minima[0].fold_angles[:6], k * 1e-3))
+        for k in range(MOST_LINES + 7)
+    )
+    found = replace(sheet, minima=many)
+    text = str(found)
+    assert "... 7 more states: --verbose" in text and "further states" not in text
+    assert f"#{MOST_LINES}" in text and f"#{MOST_LINES + 1}" not in text
+    whole = found.report(verbose=True)
+    assert "further states" in whole and f"#{MOST_LINES + 7}" in whole
+
+
+def test_zero_is_printed_as_zero():
+    assert energy_words(6.9e-29, 1.0) == "0" and energy_words(-1e-17, 1.0) == "0"
+    assert energy_words(6.9e-29, 1e-29) == "6.9e-29"
+
+
+def test_a_vertex_without_a_name_is_named_by_its_angles_in_degrees():
+    free = replace(SCENE, name=None)
+    result = o.find_minima(free, max_starts=8, prove=False, escape=False)
+    assert str(result).startswith("vertex with sector angles 60, 60, 60, 60, 60, 60 deg: ")
