@@ -9,6 +9,7 @@ from typing import Annotated, NoReturn
 
 import typer
 
+from origami_nlp.cli.fault import report_fault
 from origami_nlp.cli.finding import check_proof, landscape, minima
 from origami_nlp.cli.group import Group
 from origami_nlp.cli.making import design, example, model, vertices
@@ -16,7 +17,7 @@ from origami_nlp.cli.many import boundary, follow, pattern, sweep
 from origami_nlp.cli.paper import paper
 from origami_nlp.cli.understanding import barriers, contacts, critical, load, modes, space
 from origami_nlp.errors import OrigamiError
-from origami_nlp.io import printable
+from origami_nlp.io import inputs_kept, printable
 from origami_nlp.version import __version__
 
 MANY = "Many vertices, many scenes, many creases"
@@ -55,7 +56,8 @@ def run(commands: Group | None = None) -> None:
             stream.reconfigure(errors="backslashreplace")
     try:
         try:
-            (commands or app)()
+            with inputs_kept() as inputs:
+                (commands or app)()
         finally:
             if sys.stdout is not None:
                 sys.stdout.flush()  # a full disk shows here, where it can still be said
@@ -71,6 +73,8 @@ def run(commands: Group | None = None) -> None:
         _close_stdout()
         where = repr(error.filename) if error.filename else "input or output"
         _stop(f"{where}: {error.strerror or error}")
+    except Exception as error:  # a fault of ours
+        report_fault(error, inputs)
 
 
 def _stop(line: str) -> NoReturn:
