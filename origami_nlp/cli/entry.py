@@ -20,16 +20,16 @@ from origami_nlp.errors import OrigamiError
 from origami_nlp.io import inputs_kept, printable
 from origami_nlp.version import __version__
 
-MANY = "Many vertices, many scenes, many creases"
+FIRST, ANALYSIS = "Start here", "Analysis"
 app = Group(
-    "Energy minima of an origami vertex: found, classified, and which are stable states.",
+    "Stable states of rigid origami, of a vertex or a whole crease pattern: found, certified, loaded, designed.  "
+    "Creases and facets count from 1, vertices and frames of FOLD files from 0 as in the file.",
     completion=True,
 )
-app.add(minima, check_proof, landscape, under="Find the states of a scene")
-app.add(contacts, modes, load, under="Understand them")
-app.add(barriers, critical, space, under="Understand them")
-app.add(design, example, vertices, model, under="Make and read scenes")
-app.add(pattern, follow, boundary, sweep, under=MANY)
+app.add(minima, pattern, load, follow, design, under=FIRST)
+app.add(vertices, example, under=FIRST)
+app.add(landscape, barriers, modes, contacts, critical, space, under=ANALYSIS)
+app.add(boundary, sweep, check_proof, model, under=ANALYSIS)
 app.add_group("paper", paper, under="The source paper")
 
 

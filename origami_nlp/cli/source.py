@@ -37,7 +37,7 @@ FOLD_OPTIONS = {
     "contact": o.FoldContact,
     "stiffness": o.FoldStiffness,
     "rest_angle": o.FoldRestAngle,
-    "rest_angles": o.FoldRestAngles,
+    "rest_from": o.FoldRestFrom,
 }
 """What a FOLD file needs beside the file; every command that takes a scene has them."""
 PER_LENGTH = {"per_length": o.PerLength}
