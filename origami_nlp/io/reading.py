@@ -27,7 +27,13 @@ _kept: list[dict[str, bytes]] = []
 
 @contextmanager
 def inputs_kept() -> Iterator[dict[str, bytes]]:
-    """Keep the content of each file that is read meanwhile, by its name, for a report on an internal error."""
+    """Keep the content of each file that is read meanwhile, for a report on an internal error.
+
+    Returns
+    -------
+    dict
+        Bytes by the name of the file; filled while they are read.
+    """
     inputs: dict[str, bytes] = {}
     _kept.append(inputs)
     try:

@@ -166,6 +166,18 @@ def test_legacy_angles_in_radians(scale):
     assert any("radians" in note for note in one.notes)
 
 
+@pytest.mark.parametrize(
+    ("largest", "said"), [(math.pi, "180"), (1.5, "85.9437"), (4, None), (0.01, None)]
+)
+def test_fold_angles_that_look_like_radians_are_read_as_degrees_with_a_note(largest, said):
+    data = disc(SECTORS, "MVVV", angles=[-largest, largest, 0.5 * largest, largest])
+    one = frame(data)
+    rest = scene_at(one, 0, symmetry="none").rest_angles
+    assert by_edge(one, rest)[1] == pytest.approx(largest)
+    notes = [note for note in one.notes if "radians" in note]
+    assert len(notes) == (said is not None) and all(f"write {said}" in note for note in notes)
+
+
 def test_legacy_angles_in_degrees_and_both_names():
     one = frame(legacy([-90, 3, 2, 1]))
     assert by_edge(one, scene_at(one, 0, symmetry="none").rest_angles) == pytest.approx(
