@@ -14,9 +14,7 @@ from origami_nlp.pattern_states.angle_sums import angle_sums
 from tests.command_line import run
 from tests.fold_files import others
 
-KEYS = (
-    "facets interior_vertices creases closure_rows rank_flat rank_folded freedoms redundant".split()
-)
+KEYS = "facets interior_vertices creases closure_rows rank_flat rank_folded dof redundant".split()
 TABLE = {
     "miura 2x2": (4, 1, 4, 3, 2, 3, 1, 0),
     "miura 4x4": (16, 9, 24, 27, 18, 23, 1, 4),
