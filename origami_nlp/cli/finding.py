@@ -181,7 +181,7 @@ def landscape(
         )
     result = search(stated, scene.name, seed=seed, full=True, escape=False)
     with progress("boundary"):
-        exact = find_landscape(result, size)
+        exact = find_landscape(result, size=size)
     exact.tell(out.console)
     barriers = None
     if json or passes:

@@ -33,8 +33,8 @@ def _to_stderr(note: str) -> None:
 def read_fold_scene(
     source: str | Path,
     vertex: int | None = None,
-    frame: int | None = None,
     *,
+    frame: int | None = None,
     tell: Callable[[str], object] = _to_stderr,
     **options: Any,
 ) -> Scene:
@@ -79,8 +79,8 @@ def read_fold_scene(
 
 def read_fold_scenes(
     source: str | Path,
-    frame: int | None = None,
     *,
+    frame: int | None = None,
     tell: Callable[[str], object] = _to_stderr,
     **options: Any,
 ) -> dict[int, Scene]:

@@ -39,8 +39,8 @@ FORCES = f"{LOADS_KEY}: left out, forces of a file are those on one vertex"
 
 def read_pattern(
     source: str | Path,
-    frame: int | None = None,
     *,
+    frame: int | None = None,
     stiffness: float = 1.0,
     rest_angle: float = math.pi,
     rest_from: Literal["file", "measured"] | None = None,

@@ -246,7 +246,7 @@ class Mobility(Report):
         yield {name: data[name] for name in names}
 
 
-def analyze_mobility(pattern: Pattern | str | Path, seed: int = 0) -> Mobility:
+def analyze_mobility(pattern: Pattern | str | Path, *, seed: int = 0) -> Mobility:
     """Count what a pattern has, and the freedoms of its flat and of a folded state.
 
     The folded state is reached from the reference state of a folded form, the fold angles of the file, or its mountains
