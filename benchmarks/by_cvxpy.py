@@ -25,7 +25,7 @@ ACCURACY = {
 
 
 def is_there() -> bool:
-    """Tell whether CVXPY and both solvers are installed."""
+    """Return whether CVXPY and both solvers are installed."""
     return all(find_spec(name) is not None for name in ("cvxpy", "clarabel", "scs"))
 
 

@@ -213,7 +213,7 @@ def _join(model: Model, union: Union, minima: Sequence[Member], name: str) -> No
 
 
 def _claimed(model: Model, ends: Ends) -> np.ndarray:
-    """Tell which attempts claim a state: they converged, on the sheet, and no facets cross by more than 1e-6 [a]."""
+    """Return which attempts claim a state: they converged, on the sheet, and no facets cross by more than 1e-6 [a]."""
     good = ends.claims.copy()
     if good.any():
         good[good] = model.admissible(ends.x[good], ANSWERED)

@@ -23,7 +23,7 @@ from origami_nlp.pattern_states import descend
 GUESS = 0.4
 """Fold angle of mountains and valleys that all solvers start from, closed by the package [rad]."""
 DECADES = 2.0
-"""Of stiffness, drawn once, in patterns with many freedoms: with equal springs a step along the torque is Newton's."""
+"""Of stiffness, drawn once, in patterns with many degrees of freedom: with equal springs a torque step is Newton's."""
 SPRINGS: dict[str, tuple[float, bool] | None] = {
     "miura:4x4": (1.2, True),
     "miura:8x8": (1.2, True),

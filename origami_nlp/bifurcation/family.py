@@ -131,7 +131,7 @@ class Family:
         return states_to_fold(self.scene(self.over.low), frames)
 
     def _check(self, posed: Sequence[Any], where: np.ndarray) -> None:
-        """Complain where the numbers of scenes are not linear in s."""
+        """Raise an error where the numbers of scenes are not linear in s."""
         # equal steps of s: numbers that are linear change by the same from scene to scene
         change = np.diff([linear_numbers(m.parameters) for m in posed], axis=0)
         apart = np.abs(change - np.median(change, axis=0)).max(axis=1)

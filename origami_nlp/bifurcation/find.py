@@ -87,16 +87,17 @@ def follow(
         Of scenes: whether events at which a symmetric state loses its stability without the symmetry are located; None
         is True.
     morse
-        Of scenes: whether the Morse identity is checked at each check (two symmetric freedoms and full contact only).
+        Of scenes: whether the Morse identity is checked at each check (two symmetric degrees of freedom and full
+        contact only).
     prove
         Of scenes: whether it is proved at each check that no minimum is missing, or the seconds that this may take, as
-        for `find_minima`; where one freedom is left, searches are complete without it.
+        for `find_minima`; where one degree of freedom is left, searches are complete without it.
     effort, seed, max_starts, starts
         Of the searches, see `find_minima`; `starts` of patterns.
     options
         Of the continuation: lengths of steps, points and arcs at most.
     seconds
-        Wall time; what was followed by then is judged and returned, `Atlas.interrupted` tells.  None: no limit.
+        Wall time; what was followed by then is judged and returned, see `Atlas.interrupted`.  None: no limit.
 
     Returns
     -------

@@ -139,7 +139,7 @@ NEARBY = 1.3
 
 
 def kind_of(name: str) -> str:
-    """Return what a parameter is, a key of `UNITS`; the name itself where it is none."""
+    """Return what a parameter is, a key of `UNITS`; the name itself where it is not one."""
     match = PLACE.fullmatch(name.strip()) or _OF_A_PATTERN.fullmatch(name.strip())
     return next(v for v in match.groups()[:3] if v) if match else name.strip()
 

@@ -35,8 +35,9 @@ def pattern(
 ) -> None:
     """Say what a crease pattern is; with --path how it folds as a rigid sheet.
 
-    Facets, creases, vertices, holes, freedoms, redundant equations, what is odd.  Files hold the folding motion, or
-    without --path the folded state at which freedoms were counted.  Its stable states: minima; under a load: load.
+    Facets, creases, vertices, holes, degrees of freedom, redundant equations, what is odd.  Files hold the folding
+    motion, or without --path the folded state at which degrees of freedom were counted.  Its stable states: minima;
+    under a load: load.
     """
     from origami_nlp.pattern_states import analyze_mobility, find_motion
 

@@ -7,7 +7,7 @@ for the model's variables x, |dy| = ds.  With C the Jacobian of closure and held
     dU/ds = grad U . t,        d2U/ds2 = t . K t + grad U . y'' = t . H t,
 
 because C y'' = -t . (Hessian of each constraint) t: the paper's effective tangential stiffness, without
-differences.  Where more than one freedom is left the curve is the geodesic of the contact-preserving
+differences.  Where more than one degree of freedom is left the curve is the geodesic of the contact-preserving
 set that leaves the state in its softest direction; y'' is normal to that set and the formula stays exact.
 """
 

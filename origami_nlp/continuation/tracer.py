@@ -302,5 +302,5 @@ def _before(frames: Sequence[F], ends: Sequence[End[F]]) -> tuple[int, End[F] | 
 
 
 def _is_back(curve: Curve[F], step: _Step[F], first: F, back: float) -> bool:
-    """Tell whether a step came back to the first point: nearer than it is long, in the same direction."""
+    """Return whether a step came back to the first point: nearer than it is long, in the same direction."""
     return back <= 0.75 * step.length and float(step.frame.tangent @ first.tangent) > ALIGNED

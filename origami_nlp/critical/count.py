@@ -50,7 +50,7 @@ def count_links(
 
 
 def _first_order(links: tuple[Link, ...], stiffness: np.ndarray, rest: np.ndarray) -> bool:
-    """Tell whether slopes of U alone decide: firm at the ends of every arc, and with the same lower link."""
+    """Return whether slopes of U alone decide: firm at the ends of every arc, and with the same lower link."""
     for link in links:
         pull = stiffness * (link.center - rest)
         firm = RISES * float(np.linalg.norm(pull))

@@ -37,7 +37,7 @@ HEIGHT = 900
 
 
 def check_view(option: str = "view") -> None:
-    """Complain, before any work, where plotly is not installed.
+    """Raise an error, before any work, where plotly is not installed.
 
     Parameters
     ----------

@@ -130,6 +130,6 @@ def contact_legend(contacts: Iterable[ContactForce]) -> list[Line2D]:
 
 
 def _how(contact: ContactForce) -> str:
-    """Tell how a contact pushes, by the least and the largest force that balance the springs."""
+    """Describe a contact force, by the least and the largest force that balance the springs."""
     least, most = contact.multiplier_range
     return PUSH if least > CARRIES else SHARE if most > CARRIES else REST

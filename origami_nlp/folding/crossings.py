@@ -47,7 +47,7 @@ def find_crossings(
     pairs: Sequence[tuple[int, int]] | np.ndarray,
     real: np.ndarray | None = None,
 ) -> CrossedPairs:
-    """Tell which pairs of facets cross at many states, how deep, and by which row each is undone.
+    """Return which pairs of facets cross at many states, how deep, and by which row each is undone.
 
     Parameters
     ----------
@@ -159,7 +159,7 @@ def pair_rows(pairs: Sequence[tuple[int, int]] | np.ndarray, count: int) -> np.n
 
 
 def _is_row(rows: np.ndarray, count: int) -> np.ndarray:
-    """Tell which (k, j) are rows, shape [..., 2] -> [...]."""
+    """Return which (k, j) are rows, shape [..., 2] -> [...]."""
     apart = (rows[..., 0] - rows[..., 1]) % count
     return np.asarray((apart >= 3) & (apart <= count - 2))
 

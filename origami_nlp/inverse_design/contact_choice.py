@@ -24,7 +24,7 @@ def solve(
 ) -> ConvexDesign:
     """Pose and solve a question, with contacts pressed, or else touching.
 
-    A contact that can carry no moment is no hindrance where the state holds still without it.  Each choice of
+    A contact that can carry no moment is no hindrance where the state is in equilibrium without it.  Each choice of
     touching contacts is a convex programme: first none, then all of some states, then one or more of all, at most
     `MOST_CHOICES`.  The first that is feasible is returned.  If none is, it is a refutation where already what all
     choices have in common has no answer (`ConvexDesign.loose`), or where each choice is refuted and no state has more

@@ -112,7 +112,7 @@ def design(
         raise OptionError("[ask] maximise = 'barrier' needs [[barriers]] with the pairs that count")
     if ask.maximise == "barrier" and targets.model.freedom != 1:
         raise OptionError(
-            f"[ask] maximise = 'barrier' needs one freedom; the vertex has {targets.model.freedom}"
+            f"[ask] maximise = 'barrier' needs one degree of freedom; the vertex has {targets.model.freedom}"
         )
     say = progress or (lambda _: None)
     work = _Work(targets, ask, name, seed, effort, say)
@@ -129,7 +129,7 @@ def design(
 
 
 def _differ(targets: Targets) -> None:
-    """Complain where two targets close to one state."""
+    """Raise an error where two targets close to one state."""
     for a, b in itertools.combinations(targets.placed, 2):
         if np.abs(a.state.x - b.state.x).max() <= DESIGN_SNAP:
             raise OptionError(

@@ -56,7 +56,7 @@ Works = Callable[[Targets], bool]
 
 
 def works(targets: Targets) -> bool:
-    """Tell whether springs hold the states of a question, whatever else is asked for."""
+    """Return whether springs hold the states of a question, whatever else is asked for."""
     return solve(targets).feasible
 
 
@@ -68,7 +68,7 @@ def why_not(posed: ConvexDesign, tried: Works = works) -> Reason:
     posed
         Solved, and not feasible.
     tried
-        Tells whether a changed question has an answer.
+        Returns whether a changed question has an answer.
 
     Returns
     -------
@@ -121,7 +121,7 @@ def changes(targets: Targets, tried: Works = works) -> tuple[str, ...]:
     targets
         A question without an answer.
     tried
-        Tells whether a changed one has one.
+        Returns whether a changed one has one.
 
     Returns
     -------

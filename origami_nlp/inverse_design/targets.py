@@ -85,7 +85,7 @@ class EnergyGap:
 class BarrierAsk:
     """How much energy it shall take to leave one state for another [J].
 
-    With one freedom the springs are made for it; with two they are checked for it.
+    With one degree of freedom the springs are made for it; with two they are checked for it.
 
     Attributes
     ----------
@@ -200,7 +200,7 @@ class Targets:
             check_number("preload", self.preload, 0.0)
 
     def _check_kind(self) -> None:
-        """Complain about what is not for a vertex, or not for a pattern."""
+        """Raise an error for what is not for a vertex, or not for a pattern."""
         if isinstance(self.origami, Vertex):
             refuse(
                 "vertex",
@@ -397,7 +397,7 @@ def place(model: Any, target: Target) -> ClosedTarget:
 
 
 def _ordered(who: str, least: object, most: object, lowest: float = -math.inf) -> None:
-    """Complain unless there are numbers between two bounds, which may be infinite."""
+    """Raise an error unless there are numbers between two bounds, which may be infinite."""
     for value in (least, most):
         if not isinstance(value, Real) or isinstance(value, bool) or math.isnan(value):
             raise OptionError(f"{who}: {shown(value)} must be a number [J]")

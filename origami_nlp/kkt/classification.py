@@ -1,4 +1,4 @@
-"""What a polished state is: which kind of minimum, with which certificate, or why it is none."""
+"""What a polished state is: which kind of minimum, with which certificate, or why it is not one."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ class Classification(ShortRepr):
     kind
         For minima ``interior``, ``contact-pinned``, ``contact-touching`` or ``degenerate``; else None.
     reason
-        The certificate of a minimum, or why it is none.
+        The certificate of a minimum, or why it is not one.
     local_dimension
         Dimension of the feasible set at the state: the model's degrees of freedom where it is full, 1 on a handle, 0 if
         isolated.

@@ -63,7 +63,7 @@ def judge_large(state: State) -> Iterator[BranchJudgement]:
         down = tuple(falling)
         yield say("minimum", BY_CLOSURE, 5) if rises else say("undecided", why, 0, more=down)
         return
-    # critical cone: limits that are loaded stay shut
+    # critical cone: limits that are loaded stay active
     free = np.setdiff1d(np.arange(len(x)), at_limit[moments > 10 * STATIONARY * size])
     if not len(free):
         why = "sharp: the energy grows to first order in every feasible direction"

@@ -115,7 +115,7 @@ def judge_in_full_space(
             None,
             None,
         )
-    # a descent to a lower state proves that it is none
+    # a descent to a lower state proves that it is not a minimum
     path = follow(model, x)
     if len(path.states) < 2:
         why = f"{what.verdict}: {what.reason}; but no admissible state lower than it was found"

@@ -103,7 +103,7 @@ class JudgedState(ShortRepr):
         What IPOPT says when it is started at the state with its multipliers; None with too many fold angles for it,
         or fewer than equations, and of patterns (`sheets.confirm_minimum` asks it).
     moment
-        The moment m that passes round the vertex [N m], k_i (phi_i - phi0_i) = m . c_i at each free crease, in the
+        The constant internal moment m of the vertex [N m], k_i (phi_i - phi0_i) = m . c_i at each free crease, in the
         frame of the facet between crease N and crease 1 (`kkt.PassingMoment`); None where free creases do not
         determine it, and of patterns, where each vertex has one of its own.
     moment_residual
@@ -173,7 +173,7 @@ class JudgedState(ShortRepr):
 
     @property
     def shallow(self) -> bool:
-        """Whether a way out is known that climbs next to nothing, see `Escape.shallow`."""
+        """Whether an escape path is known that climbs next to nothing, see `Escape.shallow`."""
         return self.escape is not None and self.escape.shallow
 
     @property

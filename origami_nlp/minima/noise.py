@@ -119,7 +119,7 @@ def with_survival(model: Model, minima: Sequence[JudgedState], degrees: float) -
     """Follow minima into scenes with random errors.
 
     The errors are the same for all minima, drawn by labels that do not depend on how creases are numbered, and break
-    every symmetry: a minimum among symmetric states that is none beside them does not survive.
+    every symmetry: a minimum among symmetric states that is not one beside them does not survive.
 
     Parameters
     ----------
@@ -175,7 +175,7 @@ def _noisy(exact: Model, size: float, trial: int) -> list[Model]:
 def _survives(
     way: Sequence[M], x: np.ndarray, beside: Callable[[M, np.ndarray], np.ndarray | None]
 ) -> bool:
-    """Tell whether a state [N] can be followed, and is a minimum at the end."""
+    """Return whether a state [N] can be followed, and is a minimum at the end."""
     for problem in way:
         new = beside(problem, x)
         if new is None or np.abs(new - x).max() > FARTHEST:

@@ -11,8 +11,8 @@ from origami_nlp.errors import OUT_OF_TIME
 from origami_nlp.minima.account import SearchReport
 from origami_nlp.minima.minimum import JudgedState
 
-ESCAPE_PATHS = "ways out of flat-folded states"
-MEETINGS = "ways out of states where curves meet"
+ESCAPE_PATHS = "branch directions of flat-folded states"
+MEETINGS = "branch directions of states where curves meet"
 """Parts of a search that its time may end."""
 
 
@@ -27,15 +27,16 @@ class PatternSearchReport(SearchReport):
     flat
         Starts that fell back into the flat state.
     lines, families
-        Ways out of the flat state that were enumerated: with one freedom, with more.
+        Branch directions of the flat state that were enumerated: with one degree of freedom, with more.
     flat_folded
-        States with every crease open or shut, the flat one among them, all ways out of which were gone.
+        States with every crease open or fully folded, the flat one among them, all branch directions of which were
+        followed.
     crossroads
-        Other states at which curves meet, found along curves, all ways out of which were gone.
+        Other states at which curves meet, found along curves, all branch directions of which were followed.
     not_enumerated
         What of these was not enumerated, and why; empty where all were.
     curves, ended
-        Curves of states with one freedom that are known; how many of them from limit to limit, or round.
+        Curves of states with one degree of freedom that are known; how many of them from limit to limit, or round.
     not_traced
         Starts whose curves were not traced any more: descents began there instead.
     outside
@@ -154,13 +155,15 @@ class PatternSearchReport(SearchReport):
             yield f"{why}, not through with: {', '.join(self.left_out)}"
         if self.lines or self.families:
             what = "family" if self.families == 1 else "families"
-            more = f" and {self.families} {what} with more freedoms" if self.families else ""
-            yield f"ways out of the flat state: all enumerated, {self.lines} with one freedom{more}"
+            more = (
+                f" and {self.families} {what} with more degrees of freedom" if self.families else ""
+            )
+            yield f"branch directions of the flat state: all enumerated, {self.lines} with one degree of freedom{more}"
         if self.flat_folded > 1:
-            ways = "" if ESCAPE_PATHS in self.left_out else ", and the ways out of each"
+            ways = "" if ESCAPE_PATHS in self.left_out else ", and the branch directions of each"
             yield f"flat-folded states: {self.flat_folded} enumerated{ways}"
         if self.crossroads:
-            ways = "" if MEETINGS in self.left_out else ", and the ways out of each"
+            ways = "" if MEETINGS in self.left_out else ", and the branch directions of each"
             yield f"states where curves meet others: {self.crossroads} found along curves{ways}"
         if self.not_enumerated:
             yield self.not_enumerated
@@ -208,7 +211,7 @@ class PatternSearchReport(SearchReport):
     def _of_curves(self) -> Iterator[str]:
         lost = self.curves - self.ended
         yield (
-            f"one freedom: {self.curves} curve{'s' * (self.curves != 1)} traced"
+            f"one degree of freedom: {self.curves} curve{'s' * (self.curves != 1)} traced"
             + (
                 f", {lost} of them lost on the way"
                 if lost

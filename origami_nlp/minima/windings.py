@@ -1,4 +1,4 @@
-"""One search and one proof for each winding of symmetric states, told as one.
+"""One search and one proof for each winding of symmetric states, reported as one.
 
 Symmetric states may wind several times round the axis (`Scene.windings`): each winding is a programme of its own, and
 no path leads from one to another.
@@ -165,7 +165,7 @@ def _apart(jobs: Sequence[Job], minima: Sequence[JudgedState]) -> Iterator[tuple
 
 
 def join_reports(windings: Sequence[int], reports: Sequence[SearchReport]) -> SearchReport:
-    """Tell of several searches as of one.
+    """Report several searches as one.
 
     Parameters
     ----------

@@ -101,7 +101,7 @@ def nearest(point: np.ndarray, rows: np.ndarray, lower: np.ndarray) -> np.ndarra
 
 
 def unbounded(b: np.ndarray) -> np.ndarray:
-    """Tell for which i some d >= 0 has B d = 0 and d_i > 0, [r]: along which {mu >= 0: B mu = c} is unbounded.
+    """Return for which i some d >= 0 has B d = 0 and d_i > 0, [r]: along which {mu >= 0: B mu = c} is unbounded.
 
     Where there is such a d it settles all of its positive entries; where there is none, what the other columns leave
     of column i, left, has left . B >= 0, and settles all entries where that is positive (Farkas).
@@ -211,7 +211,7 @@ def _pivot(b: np.ndarray, basis: np.ndarray, table: np.ndarray, new: int) -> np.
 
 
 def _independent(columns: np.ndarray) -> bool:
-    """Tell whether columns [t, k] are a basis, by their smallest singular value."""
+    """Return whether columns [t, k] are a basis, by their smallest singular value."""
     t, k = columns.shape
     return t == k and bool(np.linalg.svd(columns, compute_uv=False).min(initial=1.0) > INDEPENDENT)
 

@@ -174,7 +174,7 @@ def oriented(faces: Sequence[tuple[int, ...]]) -> tuple[list[tuple[int, ...]], i
 
 
 def check_drawing(frame: Frame) -> None:
-    """Complain about edges that cross, or pass through a vertex, in a drawing whose faces are to be walked round."""
+    """Raise an error for edges that cross, or pass through a vertex, in a drawing whose faces are to be traced."""
     from shapely import STRtree, linestrings, points
 
     xy = frame.coords[:, :2]
@@ -213,7 +213,7 @@ Face = tuple[int, ...]
 
 
 def check_sides(faces: Sequence[Face]) -> None:
-    """Complain about faces, oriented alike as far as can be, that come back to each other turned over."""
+    """Raise an error for faces, oriented alike as far as can be, that come back to each other turned over."""
     directed = Counter((f[i - 1], v) for f in faces for i, v in enumerate(f))
     for (a, b), count in directed.items():
         if count == 2 and (b, a) not in directed:
@@ -224,7 +224,7 @@ def check_sides(faces: Sequence[Face]) -> None:
 
 
 def check_parts(frame: Frame, faces: Sequence[Face], origin: Sequence[int]) -> None:
-    """Complain about faces that fall apart.
+    """Raise an error for faces that fall apart.
 
     Parameters
     ----------

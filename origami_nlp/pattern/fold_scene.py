@@ -308,7 +308,7 @@ def _by_letters(
     rest_angles: str | None = None,
     **_: Any,
 ) -> bool:
-    """Tell whether M and V alone say that every crease of a vertex rests shut."""
+    """Return whether M and V alone say that every crease of a vertex rests fully folded."""
     silent = are_silent(frame, np.searchsorted(frame.numbers, v.edges))
     letters = not frame.folded or rest_angles == "file"
     return silent and letters and set(v.assignment) <= {"M", "V"} and rest_angle == math.pi

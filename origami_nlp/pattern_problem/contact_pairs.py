@@ -112,7 +112,7 @@ class ContactPair:
 
     @property
     def key(self) -> tuple[object, ...]:
-        """What tells it from others: a corner and a facet, or two sides, of whichever facets they are taken."""
+        """What distinguishes it from others: a corner and a facet, or two sides, of whichever facets they are taken."""
         a, b, c, d = self.corners
         if self.type == "vertex-face":
             return self.facets[0], a

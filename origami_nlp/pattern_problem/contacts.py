@@ -5,8 +5,8 @@ What is no single inequality is a choice between several: facets that meet at bo
 and facets that lie face to face in an order that is not forced.
 
 The pieces of `closed` are larger than the set of states beside the one asked for: gaps that are certain are kept, what
-else touches only makes the states beside it fewer.  A minimum of a larger set is one; that a state is none is shown by
-a lower state alone (`ClosedContacts.complete`).
+else touches only makes the states beside it fewer.  A minimum of a larger set is one; that a state is not a minimum is
+shown by a lower state alone (`ClosedContacts.complete`).
 """
 
 from __future__ import annotations
@@ -77,7 +77,7 @@ class PatternContacts(PatternEquations):
     ----------
     origin
         Where the pattern's corners are counted from, [3]: of one that was moved to its middle, what to add to a place
-        before it is told.
+        before it is reported.
     """
 
     def __init__(self, pattern: Pattern, contact: bool = True) -> None:

@@ -261,7 +261,7 @@ class PatternEquations:
         return z
 
     def loose(self, phi: np.ndarray) -> bool:
-        """Tell whether a closed state is known to less than `DUPLICATE_TOL`: beside one where closure loses rank.
+        """Return whether a closed state is known to less than `DUPLICATE_TOL`: beside one where closure loses rank.
 
         At a smallest singular value s a residual of `ROUNDED` is a distance of ROUNDED / s, by which directions turn
         by some ROUNDED / s^2, and with them the torque along what is free.

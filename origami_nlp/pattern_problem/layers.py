@@ -55,7 +55,7 @@ class Layers:
 
 
 def order_layers(problem: PatternEquations, phi: np.ndarray) -> Layers:
-    """Tell whether the layers of a state that closes, and whose facets do not pierce each other, have an order.
+    """Return whether the layers of a state that closes, and whose facets do not pierce each other, have an order.
 
     In the state that the pattern's file describes, the order that the file states is kept.
 
@@ -82,7 +82,9 @@ def order_layers(problem: PatternEquations, phi: np.ndarray) -> Layers:
     try:
         return _ordered(stack, stated)
     except Unclear:
-        why = "layer order not decided: facets are closer than can be told, but not on each other"
+        why = (
+            "layer order not decided: facets are closer than can be resolved, but not on each other"
+        )
     except TimeoutError:
         why = "layer order not decided: the search for one was given up"
     return Layers("not decided", why, len(stack.facets))

@@ -188,7 +188,7 @@ class PatternProblem(PatternContacts, Energies):
         return self.closure.loops(x)
 
     def on_sheet(self, x: np.ndarray) -> Any:
-        """Tell whether states [..., n] are on the sheet q = +1."""
+        """Return whether states [..., n] are on the sheet q = +1."""
         if x.ndim == 1:
             return self.closure.on_sheet(x)
         return np.array([self.closure.on_sheet(one) for one in x], bool)
@@ -240,7 +240,7 @@ class PatternProblem(PatternContacts, Energies):
         return f"facets reach into each other by {-deepest:.1e} of the sheet's size"
 
     def admissible(self, x: np.ndarray, tolerance: float = OUTSIDE) -> np.ndarray:
-        """Tell which closed states [K, n] are admissible; layers are not ordered."""
+        """Return which closed states [K, n] are admissible; layers are not ordered."""
         good = np.isfinite(x).all(axis=1) & (np.abs(x) <= math.pi + tolerance).all(axis=1)
         for k in np.flatnonzero(good):
             good[k] = self.on_sheet(x[k]) and not self.crossed(x[k])

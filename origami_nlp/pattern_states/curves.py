@@ -1,4 +1,4 @@
-"""All curves of states with one freedom that a search has found, each once, with its images under symmetries."""
+"""All curves of states that a search has found (one degree of freedom), each once, with its symmetric images."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ ON_CURVE = 2e-5
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Traced(ShortRepr):
-    """A curve of states with one freedom.
+    """A curve of states with one degree of freedom.
 
     Attributes
     ----------
@@ -83,7 +83,7 @@ class Curves:
         return Clearance(self.problem)
 
     def __contains__(self, phi: np.ndarray) -> bool:
-        """Tell whether a closed state is on one of the curves."""
+        """Return whether a closed state is on one of the curves."""
         return any(self._on(traced.curve, phi) for traced in self.found)
 
     def trace(self, phi: np.ndarray, along: np.ndarray) -> list[Traced]:
@@ -116,7 +116,7 @@ class Curves:
         return new
 
     def _on(self, curve: Interpolant, phi: np.ndarray) -> bool:
-        """Tell whether a closed state is on a curve: by its polynomials, as steps of Newton may go over to others."""
+        """Return whether a closed state is on a curve: by its polynomials, as steps of Newton may go over to others."""
         distance = np.linalg.norm(curve.states - phi, axis=1)
         i = int(distance.argmin())
         if distance[i] > 2 * LONG * math.sqrt(self.problem.size):

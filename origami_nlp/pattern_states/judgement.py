@@ -21,7 +21,7 @@ from origami_nlp.pattern_problem import MOST_DENSE, PatternProblem
 from origami_nlp.problem import fold_limit
 
 NEAREST = 1e-5
-"""Distance [rad] at which a state is told from a singular one: anything closes there to the square of its distance,
+"""Distance [rad] at which a state is distinguished from a singular one: anything closes there to its square,
 a hundred times `CLOSURE_TOL`."""
 
 
@@ -33,7 +33,7 @@ def judge(problem: PatternProblem, phi: np.ndarray, contact: bool = True) -> Jud
     problem
         The programme.
     phi
-        Fold angles [rad], [n]; those beyond pi by less than closure can tell are at pi.
+        Fold angles [rad], [n]; those beyond pi by less than closure can resolve are at pi.
     contact
         Whether facets must not cross; without, only fold limits count.
 
@@ -82,7 +82,7 @@ def judge(problem: PatternProblem, phi: np.ndarray, contact: bool = True) -> Jud
     )
     # lower states as well: what closes to rounding may be further off the curve than they are away
     if (state.verdict == "minimum" or state.refuted) and singular_beside(problem, phi) is not None:
-        why = f"not decided: within {NEAREST:g} rad of a state where closure loses rank, and not told from it"
+        why = f"not decided: within {NEAREST:g} rad of a state where closure loses rank, and not distinguished from it"
         return replace(state, verdict="undecided", kind="", certificate=why)
     return state
 
@@ -94,7 +94,7 @@ def classified(problem: PatternProblem, phi: np.ndarray) -> Classification:
 
 
 def singular_beside(problem: PatternProblem, phi: np.ndarray) -> np.ndarray | None:
-    """Return the state at which creases are flat or shut that all but are, if closure loses rank there.
+    """Return the state at which creases are flat or fully folded that all but are, if closure loses rank there.
 
     Beside such a state whatever obeys closure to first order closes to the square of the distance: to rounding.
 
@@ -146,7 +146,7 @@ def beside(problem: PatternProblem, state: JudgedState) -> np.ndarray | None:
 
 
 def stationary_beside(problem: PatternProblem, phi: np.ndarray) -> np.ndarray | None:
-    """Solve for the stationary state beside a closed one, creases that are shut kept so.
+    """Solve for the stationary state beside a closed one, creases that are fully folded kept so.
 
     Parameters
     ----------

@@ -299,7 +299,7 @@ class Model(PosedProblem):
         return np.swapaxes(self._call("rays", x)[0], -1, -2)
 
     def on_sheet(self, x: np.ndarray) -> Any:
-        """Tell whether states [..., n] are on the sheet q = +1 (q = -1 closes too but is no sheet of paper)."""
+        """Return whether states [..., n] are on the sheet q = +1 (q = -1 closes too but is no sheet of paper)."""
         q = self._call("sheet", x)[0][..., 0, 0]
         return bool(q > 0) if x.ndim == 1 else q > 0
 
@@ -418,7 +418,7 @@ class Model(PosedProblem):
         )
 
     def admissible(self, x: np.ndarray, tolerance: float = OUTSIDE) -> np.ndarray:
-        """Tell which closed states are admissible: `refuses` for many, but touching layers are not ordered.
+        """Return which closed states are admissible: `refuses` for many, but touching layers are not ordered.
 
         Where nothing but the boundary of a full-dimensional set touches, this is all of admissibility.
 

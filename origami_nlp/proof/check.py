@@ -11,7 +11,7 @@ sign. No regularity is assumed.
 What is checked. (a) The tree covers all 3^n strata; every box that is dropped, and every part that a contraction
 removes, holds no such state. (b) Each point claimed exists, is the only one within its radius, and is of the kind
 claimed; leaves that rest on it lie within that radius. (c) Leaves at the flat state lie where the flat lemma is shown
-anew. (d) What the proof leaves open is told. (e) The minima claimed are those of (b). (f) With symmetry, that there
+anew. (d) What the proof leaves open is reported. (e) The minima claimed are those of (b). (f) With symmetry, that there
 is a tree for every way in which the whole vertex closes: from the product of all its folds (`check_whole`), not from
 its piece.
 

@@ -168,7 +168,7 @@ class Wedge(SymmetricPiece):
             return None if whole is None else -1 if int(whole) % 2 else 1
         last = len(self.gaps) - 1
         for mirror, first, end in ((0, 0, r), (last, r, last)):
-            # a facet that a mirror runs through stands across it; a crease there, shut, lays its facets into it
+            # a facet that a mirror runs through stands across it; a crease there, fully folded, lays its facets into it
             if mirror not in self.places and first < end:
                 angle = self.plate(range(first, end), pins, first)
                 if angle is not None and (angle - arb(0.5)).unique_fmpz() is not None:

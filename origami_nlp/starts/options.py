@@ -115,7 +115,7 @@ def options_of(effort: object, options: SearchOptions | None = None) -> SearchOp
     Raises
     ------
     OptionError
-        If there is no such effort, or the options are none.
+        If there is no such effort, or the options are not valid.
     """
     if options is not None:
         check_type("options", options, SearchOptions)

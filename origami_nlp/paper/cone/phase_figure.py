@@ -281,7 +281,7 @@ def draw_phase(diagram: PhaseDiagram) -> Figure:
     Raises
     ------
     OptionError
-        If `diagram` is none.
+        If `diagram` is not of its type.
     """
     check_type("diagram", diagram, PhaseDiagram)
     counts = diagram.map
