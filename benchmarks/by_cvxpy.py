@@ -1,6 +1,6 @@
 """The programme of a design posed and solved by CVXPY, in a process of its own, to compare times and optima.
 
-``python -m benchmarks.by_cvxpy`` reads programmes as JSON and writes margins and processor times.  CVXPY loads
+``python -m benchmarks.by_cvxpy`` reads programs as JSON and writes margins and processor times.  CVXPY loads
 a library that crashes beside CasADi, so that nothing of this package that needs CasADi is loaded there.
 """
 
@@ -29,12 +29,12 @@ def is_there() -> bool:
     return all(find_spec(name) is not None for name in ("cvxpy", "clarabel", "scs"))
 
 
-def by_cvxpy(programmes: list[dict[str, Any]]) -> list[dict[str, tuple[float, float]]]:
-    """Solve programmes by both solvers.
+def by_cvxpy(programs: list[dict[str, Any]]) -> list[dict[str, tuple[float, float]]]:
+    """Solve programs by both solvers.
 
     Parameters
     ----------
-    programmes
+    programs
         Each with ``size``, ``aim`` (position of what is made largest) and ``rows``: cone, a, b.
 
     Returns
@@ -44,7 +44,7 @@ def by_cvxpy(programmes: list[dict[str, Any]]) -> list[dict[str, tuple[float, fl
     """
     done = subprocess.run(
         [sys.executable, "-m", "benchmarks.by_cvxpy"],
-        input=json.dumps(programmes),
+        input=json.dumps(programs),
         capture_output=True,
         text=True,
         check=True,
@@ -78,11 +78,11 @@ def _solve(programme: dict[str, Any], solver: str) -> float:
 
 
 def main() -> None:
-    """Read programmes from standard input and write what was found to standard output."""
+    """Read programs from standard input and write what was found to standard output."""
     out = []
-    programmes = json.load(sys.stdin)
-    _solve(programmes[0], SOLVERS[0])  # loads the library
-    for programme in programmes:
+    programs = json.load(sys.stdin)
+    _solve(programs[0], SOLVERS[0])  # loads the library
+    for programme in programs:
         found = {}
         for solver in SOLVERS:
             times = []

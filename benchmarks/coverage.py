@@ -185,7 +185,7 @@ def _jobs(
 def judge(
     family: str, scene: Scene, union: Union, jobs: dict[str, list[Job]], ends: Sequence[Ends]
 ) -> Covered:
-    """Say what each run found; what is new is verified, and joins the union first."""
+    """Describe what each run found; what is new is verified, and joins the union first."""
     before = len(union.members)
     model = Model(scene)
     for name, of in jobs.items():

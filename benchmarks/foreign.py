@@ -1,7 +1,7 @@
 """Searches that a user would write without this package, for as long as they are given: multi-starts of SLSQP and
 IPOPT, and basin hopping.
 
-They get the package's own programme (closure, planes between facets that an answer makes cross) with exact
+They get the package's own problem (closure, planes between facets that an answer makes cross) with exact
 derivatives, and none of its starts: uniform random fold angles, some of them fully folded at random, or starts that are
 handed in.  What they end at is recorded as it comes, with the processor time; nothing is judged here.
 """
@@ -118,7 +118,7 @@ Run = Callable[[np.ndarray, np.random.Generator, Record], bool]
 
 @dataclass(frozen=True)
 class Foreign:
-    """A search that shares nothing with the package's but the programme.
+    """A search that shares nothing with the package's but the problem.
 
     name: for tables.  prepare(model): builds what is needed.  starts: where its attempts begin.
     share: of the time for building a union.  aided: it holds contacts, for building unions only: no user's search.

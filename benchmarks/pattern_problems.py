@@ -50,7 +50,7 @@ class PatternTask:
     pattern
         With its springs.
     sheet
-        Its programme.
+        Its problem.
     start
         Closed fold angles [rad], [n].
     exact
@@ -130,7 +130,7 @@ def refine(sheet: PatternProblem, phi: np.ndarray) -> tuple[np.ndarray, float]:
     Parameters
     ----------
     sheet
-        The programme.
+        The problem.
     phi
         The state, good to some digits, [n] [rad].
 

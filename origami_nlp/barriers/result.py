@@ -202,7 +202,7 @@ class Barriers(Report, Viewable):
 
 
 def _full_words(f: FullPass) -> str:
-    """Say what is known of one barrier without the symmetry."""
+    """Describe what is known of one barrier without the symmetry."""
     if f.verdict == "same":
         return f"{f.upper:.9g} J as well: no symmetry-breaking path is lower ({f.why})"
     if f.verdict == "lower":

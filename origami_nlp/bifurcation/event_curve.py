@@ -209,7 +209,7 @@ def _one_way(
 
 
 def _what(frame: Equilibrium) -> str:
-    """Say which other event makes a state none."""
+    """Return which other event makes a state none."""
     p = frame.problem
     pulls = [
         p.words(c, frame.state).text

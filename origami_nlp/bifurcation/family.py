@@ -1,4 +1,4 @@
-"""A family of scenes over one parameter, and the line of its programmes.
+"""A family of scenes over one parameter, and the line of its problems.
 
 What a crease gets, its images under the symmetry get too; names of parameters: see `over`.
 """
@@ -71,7 +71,7 @@ class Family:
 
     @cached_property
     def line(self) -> ParameterLine:
-        """The programmes along it.
+        """The problems along it.
 
         Raises
         ------

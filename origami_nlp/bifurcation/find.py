@@ -331,7 +331,7 @@ class _Survey:
         return out
 
     def _identity(self, scene: Scene, result: MinimaResult) -> str:
-        """Say whether the critical points of a scene sum to the Euler characteristic of its states."""
+        """Return whether the critical points of a scene sum to the Euler characteristic of its states."""
         try:
             found = find_critical_points(scene, result)
             known = self._euler.get(scene.vertex)
@@ -382,7 +382,7 @@ class _Survey:
 
 
 def _complete(result: MinimaResult) -> str:
-    """Say why the minima of a search are all, or that its time was over; "" where that is not known."""
+    """Return why the minima of a search are all, or that its time was over; "" where that is not known."""
     if isinstance(result.search, PatternSearchReport):
         return OUT_OF_TIME if result.search.left_out else ""
     if result.search.stopped_by == "time":

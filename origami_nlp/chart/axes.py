@@ -1,6 +1,6 @@
 """Putting a landscape into matplotlib Axes: areas cut at exact boundaries, or curves.
 
-Colours and lines are those of `show.style`; minima and passes are marked by who knows them.
+Colours and lines are those of `display.style`; minima and passes are marked by who knows them.
 """
 
 from __future__ import annotations

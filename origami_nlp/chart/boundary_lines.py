@@ -3,7 +3,7 @@
 Admissibility is looked at on a grid of chart points; between every admissible cell and an excluded neighbour (or the
 edge of the chart) the boundary point is bisected to rounding, so that no piece of boundary that separates cells can be
 missed.  The contact that closes there is then held, and its zero set followed on the manifold of closed states
-(`path.trace`: closure and contact to `FOLLOWED` at every point) both ways, to where another contact
+(`continuation.trace`: closure and contact to `FOLLOWED` at every point) both ways, to where another contact
 closes.  Only geometry enters: the lines are the same for every stiffness (`with_energy` adds a scene's energy).
 """
 

@@ -151,7 +151,7 @@ def facet_pairs(scene: Scene) -> list[tuple[int, int]]:
 
 
 def family_of(scene: Scene, phi: np.ndarray) -> str:
-    """Say why a whole family of states shares the chart point of `phi`, or return ''."""
+    """Return why a whole family of states shares the chart point of `phi`, or return ''."""
     group = scene.group
     first, last = crease_number(scene, 0), crease_number(scene, len(group.rays) - 1)
     pairs = [(first, last)]

@@ -1,9 +1,9 @@
 """One-dimensional sets of closed states, at even distances, straight through the states where they cross.
 
-Not by `path.trace`: at a crossing (the flat state is one for every vertex) closure loses rank, there is no one tangent,
-and steps that are halved onto the singular state never pass it.  Here every step has the same length, and a tangent is
-what of the last direction closure leaves, so that a curve jumps over the crossing and each branch keeps its own way.
-Evenly spaced states are also what a landscape draws.
+Not by `continuation.trace`: at a crossing (the flat state is one for every vertex) closure loses rank, there is no one
+tangent, and steps that are halved onto the singular state never pass it.  Here every step has the same length, and a
+tangent is what of the last direction closure leaves, so that a curve jumps over the crossing and each branch keeps its
+own way. Evenly spaced states are also what a landscape draws.
 """
 
 from __future__ import annotations

@@ -141,7 +141,7 @@ def landscape(scene: Scene, size: int = 401) -> Landscape:
     if freedom <= 0:
         why = f"the vertex is rigid within the symmetry {group.name}"
     elif freedom == 2:
-        why = f"{what}, but no closed-form chart is known for this arrangement of creases"
+        why = f"{what}: no two-coordinate chart for this vertex, the energy landscape is not drawn"
     else:
         why = f"{what}: too many for a plane"
     return Landscape(scene, "none", (), (), why)

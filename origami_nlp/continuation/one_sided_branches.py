@@ -151,7 +151,7 @@ def _holds(state: State, piece: tuple[Contact, ...]) -> Iterator[Hold]:
 
 
 def _large_holds(state: State, piece: tuple[Contact, ...]) -> Iterator[Hold]:
-    """Yield sets of fold limits of a large programme that can carry what the springs ask for: all, and those loaded."""
+    """Yield sets of fold limits of a large problem that can carry what the springs ask for: all, and those loaded."""
     p = cast(Sparse, state.problem)
     closure = tuple(range(p.equation_count))
     size = 1.0 + float(np.abs(p.torque(state.x)).max())

@@ -58,7 +58,7 @@ class Curve(Protocol[F_co]):
         """Move x [n] onto the curve; None if that fails."""
 
     def frame(self, x: np.ndarray, along: np.ndarray) -> F_co | None:
-        """Say where the curve goes at x, its tangent on the side of `along` [n] (metric); None where it does not."""
+        """Return where the curve goes at x, its tangent on the side of `along` [n] (metric); None where it does not."""
 
 
 @dataclass(frozen=True)

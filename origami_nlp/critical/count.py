@@ -70,7 +70,7 @@ def _first_order(links: tuple[Link, ...], stiffness: np.ndarray, rest: np.ndarra
 
 
 def shape_of(link: Link) -> str:
-    """Say what the link of a singular state is."""
+    """Describe what the link of a singular state is."""
     if link.pieces == 0:
         return "isolated state"
     parts = []

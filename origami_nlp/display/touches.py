@@ -19,9 +19,9 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 PUSH, SHARE, REST = (
-    "facets touch and push",
-    "push, how it is shared is open",
-    "touch without force",
+    "contact with force",
+    "contact forces statically indeterminate",
+    "contact without force",
 )
 RING: dict[str, Any] = {"ls": "", "marker": "o", "ms": 7, "mew": 1.6}
 LOOKS: dict[str, dict[str, Any]] = {

@@ -182,7 +182,7 @@ class StackRule:
 
 
 def stack_rule(sectors: Sequence[float] | np.ndarray) -> StackRule:
-    """Say for each crease i which crease e may not turn on to its side once i is closed, and by which row.
+    """Return for each crease i which crease e may not turn on to its side once i is closed, and by which row.
 
     With crease i at a pi, a = +-1, its two facets lie on each other, the one that is entered later on the side a of the
     other.  The tip of the narrower one, crease e, lies on the wider one, and the facet that goes on from there

@@ -41,7 +41,7 @@ def check(
     targets, ask
         The question.
     posed
-        The programme that the springs come from.
+        The problem that the springs come from.
     scene
         With them.
     minima

@@ -37,7 +37,7 @@ MOST_PIECES = 16
 
 
 class ConvexDesign:
-    """The convex programme of a question.
+    """The convex program of a question.
 
     Parameters
     ----------
@@ -299,7 +299,7 @@ def _row(size: int, *entries: tuple[int | slice, Any]) -> np.ndarray:
 
 
 def standing(targets: Targets, i: int) -> State:
-    """Return a state, numbered from 0, in the programme in which it is to stand."""
+    """Return a state, numbered from 0, in the problem in which it is to stand."""
     state, t = targets.placed[i].state, targets
     return state if t.free is t.model else State(t.free, t.free.reduce(t.model.expand(state.x)))
 
@@ -330,7 +330,7 @@ def springs_of(posed: ConvexDesign) -> Found:
     Parameters
     ----------
     posed
-        A feasible programme.
+        A feasible problem.
 
     Returns
     -------

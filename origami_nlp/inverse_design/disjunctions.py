@@ -35,7 +35,7 @@ class Disjunction:
     exact
         Whether no larger set has springs (of those, whether none has a larger margin), as far as each programme is
         decided.
-    programmes
+    programs
         How many were solved.
     """
 
@@ -43,7 +43,7 @@ class Disjunction:
     names: tuple[str, ...]
     margin: float
     exact: bool
-    programmes: int
+    programs: int
 
 
 class _Pool:

@@ -27,7 +27,7 @@ from origami_nlp.problem import Contact, Problem
 
 @dataclass(frozen=True)
 class Springs:
-    """Where the springs are among the unknowns of a programme.
+    """Where the springs are among the unknowns of a problem.
 
     Attributes
     ----------
@@ -155,7 +155,7 @@ class Balance:
         return out
 
     def pose(self, problem: ConicProgram, places: Springs, share: float, name: str) -> slice:
-        """Add the conditions to a programme.
+        """Add the conditions to a problem.
 
         Parameters
         ----------

@@ -257,7 +257,7 @@ class _Work:
             tolerance, posed, calm, shares = found, other, price, tried
             return True
 
-        # the tolerance is no function that a programme maximises: a few programmes that favour it are tried
+        # the tolerance is no function that a problem maximises: a few problems that favour it are tried
         for price in PRICES:
             better(price, shares)
         for _ in range(IMPROVEMENTS if len(shares) > 1 else 0):

@@ -197,14 +197,12 @@ class Design(Report):
         return tuple(out)
 
     def report_sections(self) -> Iterator[Section]:
-        """Say what was designed and what the check found."""
+        """Describe what was designed and what the check found."""
         if self.scene is None:
             assert self.reason is not None
             yield Words(f"No design: {self.reason.text}")
             if not self.refuted:
-                yield Words(
-                    "this proves nothing: see what of the question the programme leaves open"
-                )
+                yield Words("this proves nothing: see what of the question the problem leaves open")
             for change in self.reason.changes:
                 yield Words(f"what would help, alone: {change}")
             return

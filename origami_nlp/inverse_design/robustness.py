@@ -108,7 +108,7 @@ class Tolerance:
 
 
 def line_of(scene: Scene, stiffness: np.ndarray, rest: np.ndarray) -> ParameterLine:
-    """Return the line of programmes over s = ln(1 + p), without symmetry.
+    """Return the line of problems over s = ln(1 + p), without symmetry.
 
     Parameters
     ----------

@@ -80,7 +80,7 @@ class Escape(ShortRepr):
         return math.isfinite(self.barrier)
 
     def words(self) -> str:
-        """Say it in a cell of a table: "0.0123", "<= 0.013", "none" (no escape path), "?" (not determined)."""
+        """Format it for a cell of a table: "0.0123", "<= 0.013", "none" (no escape path), "?" (not determined)."""
         if not self.known:
             return {ALONE: "isolated", OPEN: "?"}.get(self.method, "no escape path")
         return f"<= {rounded_up(self.barrier)}" if self.method == BOUND else f"{self.barrier:.3g}"
@@ -413,7 +413,7 @@ def bounds(
     Returns
     -------
     list of Escape
-        One a state; tops of ways in the programme's variables.
+        One a state; tops of ways in the problem's variables.
     """
     heights, beyond = heights.copy(), np.full(len(energies), math.inf)
     for k, way in ways.items():

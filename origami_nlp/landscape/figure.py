@@ -128,7 +128,7 @@ def _title(exact: ExactLandscape) -> str:
 
 
 def _notes(exact: ExactLandscape) -> list[str]:
-    """Say what the picture does not show; what it shows is in its legend, lengths and passes in the report."""
+    """Describe what the picture does not show; what it shows is in its legend, lengths and passes in the report."""
     missed = sum(map(len, exact.boundary.missed)) if exact.boundary else 0
     notes = []
     if missed:

@@ -238,7 +238,7 @@ def with_escapes(
     Parameters
     ----------
     model
-        The programme.
+        The problem.
     minima
         All that are known.
     traced
@@ -272,7 +272,7 @@ def with_merge_tree(
     Parameters
     ----------
     model
-        The programme.
+        The problem.
     minima
         Its minima.
     heights

@@ -191,7 +191,7 @@ def _average(elements: tuple[tuple[int, bool], ...], n: int) -> np.ndarray:
 
 
 def mode_symmetry(scene: Scene, direction: np.ndarray, tolerance: float = KEPT) -> str:
-    """Say which elements of the scene's group a change of the fold angles keeps."""
+    """Return which elements of the scene's group a change of the fold angles keeps."""
     size = float(np.abs(direction).max())
     kept = [
         name

@@ -53,7 +53,7 @@ def view_minima(
     Parameters
     ----------
     origami, model
-        What is folded, and its nonlinear programme.
+        What is folded, and its nonlinear program.
     minima
         In order of energy.
     reported

@@ -134,7 +134,7 @@ class Job:
         return [state for state in found if closes(self.model, state.x)]
 
     def _refusal(self, guess: np.ndarray, answer: Answer | None) -> JudgedState | None:
-        """Say why no minimum is listed at a guess [N]; None where one is."""
+        """Return why no minimum is listed at a guess [N]; None where one is."""
         model = self.model
         x = model.reduce(guess)
         verdict: Verdict = "not admissible"
@@ -282,7 +282,7 @@ class Job:
         seconds: float,
         effort: str,
     ) -> SearchReport:
-        """Say what was done."""
+        """Describe what was done."""
         r = self.record
         return SearchReport(
             starts=r.starts,

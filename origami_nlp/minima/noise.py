@@ -94,7 +94,7 @@ def count_survivals(
 
 
 def survival_words(degrees: float, measured: str) -> str:
-    """Say what was counted.
+    """Describe what was counted.
 
     Parameters
     ----------
@@ -146,7 +146,7 @@ def with_survival(model: Model, minima: Sequence[JudgedState], degrees: float) -
 
 
 def _noisy(exact: Model, size: float, trial: int) -> list[Model]:
-    """Return programmes with one draw of errors, which grow from one to the next."""
+    """Return problems with one draw of errors, which grow from one to the next."""
     labels = canonical_labels(exact.scene)
     rest, stiffness, sectors = drawn_errors(trial, 3, exact.scene.degree)
     # a rest angle turns with the sheet when labels are of its other side

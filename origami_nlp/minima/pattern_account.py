@@ -42,7 +42,7 @@ class PatternSearchReport(SearchReport):
     outside
         Of the curves, those that only random starts led to.
     unclear
-        Parts of steps along curves in which facets may touch and part again unseen.
+        Parts of steps along curves on which contact cannot be excluded.
     drawn
         Random starts; `quiet` of them were made since one led to a new minimum or curve.
     pressed
@@ -146,7 +146,7 @@ class PatternSearchReport(SearchReport):
         self.failed[why] = self.failed.get(why, 0) + 1
 
     def words(self) -> list[str]:
-        """Say how the search went, and what is known of what it did not find."""
+        """Describe how the search went, and what is known of what it did not find."""
         return list(self._words())
 
     def _words(self) -> Iterator[str]:
@@ -170,8 +170,8 @@ class PatternSearchReport(SearchReport):
         if self.curves:
             yield from self._of_curves()
         yield (
-            f"{self.starts} starts: {self.open} could not be closed, {self.flat} fell back flat, "
-            f"{self.stalled} descents did not arrive"
+            f"{self.starts} starts: {self.open} failed to close, {self.flat} converged to the flat state, "
+            f"{self.stalled} did not converge"
         )
         if self.of_vertex:
             what = "minimum" if self.of_vertex == 1 else "minima"
@@ -198,11 +198,11 @@ class PatternSearchReport(SearchReport):
             yield "sampled, not exhausted: there may be further states"
         if self.quiet:
             yield (
-                f"the last {self.quiet} of {self.drawn} drawn starts found no other minimum: those not found draw less "
-                f"than {min(1.0, 3 / self.quiet):.2g} of such starts (95 %)"
+                f"no new minimum in the last {self.quiet} of {self.drawn} random starts: a missing one attracts fewer "
+                f"than {min(1.0, 3 / self.quiet):.2g} of them (95 % confidence)"
             )
         elif self.drawn:
-            yield "the last drawn start found another minimum or curve: draw more (starts)"
+            yield "the last random start found another minimum or curve: use more starts"
         if self.popped:
             what = "minimum" if self.by_pops == 1 else "minima"
             new = f"{self.by_pops} further {what}" if self.by_pops else "no further minimum"
@@ -221,4 +221,4 @@ class PatternSearchReport(SearchReport):
             + (f"; {self.not_traced} starts on others" if self.not_traced else "")
         )
         if self.unclear:
-            yield "in parts of steps along them facets may touch and part again unseen"
+            yield "contact cannot be excluded on some sub-intervals of the curves"

@@ -93,7 +93,7 @@ def prove_complete(
 
 
 def why_not(model: Model) -> str:
-    """Say why a scene is not tried to be proved complete; "" where it is."""
+    """Return why a scene is not tried to be proved complete; "" where it is."""
     if model.scene.loads:
         return "dead loads: proofs know springs and torques on creases only"
     if not model.has_limits:
@@ -274,7 +274,7 @@ def _nearest(record: Record, x: np.ndarray, within: float) -> Answer | None:
 def _disagreement(
     model: Model, point: CriticalPoint, answer: Answer | None, against: list[str]
 ) -> Iterator[Open]:
-    """Say what stays open at a critical point: unclear to the proof and to the judge, or seen differently by them."""
+    """Describe what stays open at a critical point: unclear to proof and judgement, or judged differently by them."""
     verdict = answer.what.verdict if answer is not None and answer.what is not None else ""
     where = f"at {model.energy(np.array(point.x)):.9g} J"
     moved = (

@@ -91,7 +91,7 @@ class Record:
 
     @property
     def quiet(self) -> int:
-        """Drawn starts since one reached a minimum that none before had reached."""
+        """Random starts since one reached a minimum that none before had reached."""
         first: dict[int, int] = {}
         for a in self.minima:
             if a.first:
@@ -101,7 +101,7 @@ class Record:
 
     @property
     def drawn_hits(self) -> list[int]:
-        """How often drawn starts reached each minimum, or an image of it, that any start reached."""
+        """How often random starts reached each minimum, or an image of it, that any start reached."""
         hits: Counter[int] = Counter()
         for a in self.minima:
             if a.hits or a.orbit:

@@ -1,6 +1,6 @@
 """Nearest points of small polyhedra, and the extremes of their coordinates.
 
-The programmes of a few contacts are small and decide what a state is, so they are solved to rounding by finite
+The problems of a few contacts are small and decide what a state is, so they are solved to rounding by finite
 methods: the active-set method of Lawson and Hanson (1974, chapter 23), the list of all corners, and the simplex method
 where there are too many corners to list.
 """
@@ -31,7 +31,7 @@ MOST_PIVOTS = 200
 def nonnegative_least_squares(b: np.ndarray, c: np.ndarray) -> np.ndarray:
     """Minimise |B mu - c| over mu >= 0 to rounding relative to the sizes of B [t, r] and c [t].
 
-    The columns of B that carry a positive entry of the answer are independent.  A linear programme would only
+    The columns of B that carry a positive entry of the answer are independent.  A linear program would only
     balance the springs to a solver's tolerance, which hides whether a state is stationary.
     """
     r = b.shape[1]

@@ -57,7 +57,7 @@ INDEPENDENT = 1e-9
 """Slopes of contacts along unit directions, and singular values of unit rows, below this are zero: contacts that
 differ do so by `RESOLVED` at least, equal ones by `ROUNDED`; two decades are left for products of slopes."""
 BALANCED = 1e-9
-"""Torque that multipliers >= 0 leave, relative to the largest: ten times what the linear programme behind them (its
+"""Torque that multipliers >= 0 leave, relative to the largest: ten times what the linear program behind them (its
 tolerance is 1e-10) leaves where too many contacts meet to list corners."""
 INPUT_TOL = 1e-9
 """Stated angles [rad] and relative stiffnesses that differ by no more are meant to be equal: ten digits were typed."""

@@ -264,7 +264,7 @@ def _refused(
 
 
 def _compare(frame: Frame, at: list[int], phi: np.ndarray) -> list[str]:
-    """Say where the angles of a folded form are not those that its file states."""
+    """Return where the angles of a folded form are not those that its file states."""
     stated = frame.fold_angles[at]
     apart = np.nan_to_num(np.abs(phi - stated))
     if apart.max() > APART:

@@ -103,7 +103,7 @@ class Rings:
         return found
 
     def _open_ends(self, border: set[int], cut: set[int]) -> str:
-        """Say what to add where creases end in the open, so that vertices inside the paper lie on its outside."""
+        """Describe what to add where creases end in the open, so that vertices inside the paper lie on its outside."""
         of = self.frame.edges.tolist()
         at = {v for e in border for v in of[e]}
         ends = sorted(v for v in at if len(self.edge[v]) == 1)

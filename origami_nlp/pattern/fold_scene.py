@@ -291,7 +291,7 @@ def _vertex_at(frame: Frame, number: int) -> FoldVertex:
 
 
 def _what_it_is(frame: Frame, number: int) -> str:
-    """Say what a vertex is that is no interior one with creases."""
+    """Describe what a vertex is that is no interior one with creases."""
     here = f"frame {frame.number}"
     if number >= len(frame.coords):
         return f"is not in {here}, whose vertices are 0 to {len(frame.coords) - 1}"

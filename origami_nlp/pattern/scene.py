@@ -79,7 +79,7 @@ class Scene(PrettyRepr):
         depends on it.
     winding
         How often states of C_n or D_n, n > 2, wind round the axis of their symmetry: an odd number up to n.  Default:
-        a search looks at all of `windings`; whatever poses one programme of the scene takes states that wind once.
+        a search looks at all of `windings`; whatever poses one problem of the scene takes states that wind once.
     relations
         Special relations of the sector angles: which hold, which nearly hold and were made exact by moving
         sector angles (by at most 1e-7 rad, `relations.moved`), and which are different.  Decided here; an

@@ -103,7 +103,7 @@ class PatternContacts(PatternEquations):
         return ()
 
     def local(self, x: np.ndarray) -> PatternLocal:
-        """Evaluate values and first derivatives at a state [n]; dense, but for programmes that are `sparse`."""
+        """Evaluate values and first derivatives at a state [n]; dense, but for problems that are `sparse`."""
         if self.sparse:
             return self.rows(x)
         found: PatternLocal = self.kept("local", x, lambda: self._dense(x.copy()))
@@ -239,14 +239,14 @@ class PatternContacts(PatternEquations):
         return [tuple(contacts)] if len(contacts) > 1 else []
 
     def name(self, contact: Contact) -> str:
-        """Say in words which contact it is; creases, facets and corners 1-based."""
+        """Describe which contact it is; creases, facets and corners 1-based."""
         if contact.is_limit:
             return f"phi = {'+' if contact.side > 0 else '-'}pi at crease {contact.index + 1}"
         touch = self.touch(contact)
         return contact_pair_words(touch, self._place(touch))
 
     def words(self, contact: Contact, x: np.ndarray) -> ContactWords:
-        """Say who touches in a contact."""
+        """Name the facets and creases that touch in a contact."""
         if contact.is_limit:
             return ContactWords("fold-limit", (contact.index + 1,), (), self.name(contact))
         touch = self.touch(contact)

@@ -1,4 +1,4 @@
-"""Which facets of a folded pattern pass through each other: sort and sweep, then chords of polygons."""
+"""Which facets of a folded pattern intersect: sort and sweep, then chords of polygons."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A pattern as a nonlinear programme: energy over fold angles, closure as equations, fold limits as bounds.
+"""A pattern as a nonlinear program: energy over fold angles, closure as equations, fold limits as bounds.
 
 Closure rows are redundant as a rule (a Miura sheet of m x n facets has (m - 2)(n - 2) that say nothing new, and they
 carry self-stress), so that no step here decides on a rank: linear systems are those of the proximal method,

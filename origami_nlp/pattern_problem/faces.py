@@ -86,7 +86,7 @@ class Faces:
     Parameters
     ----------
     problem
-        The programme.
+        The problem.
     phi
         A closed state in which no facets pierce each other [rad], [n].
 

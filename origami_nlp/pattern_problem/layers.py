@@ -46,7 +46,7 @@ class Layers:
     stated: bool = False
 
     def words(self) -> str:
-        """Say whether facets that lie on each other as a file describes them have an order."""
+        """Return whether facets that lie on each other as a file describes them have an order."""
         if self.verdict != "ordered":
             return f"as in the file: {self.reason}"
         return (
@@ -62,7 +62,7 @@ def order_layers(problem: PatternEquations, phi: np.ndarray) -> Layers:
     Parameters
     ----------
     problem
-        The programme.
+        The problem.
     phi
         Fold angles [rad], [n].
 
@@ -96,7 +96,7 @@ def check_orders(problem: PatternEquations) -> Layers | None:
     Parameters
     ----------
     problem
-        The programme.
+        The problem.
 
     Returns
     -------
@@ -136,7 +136,7 @@ def pose_layers(problem: PatternEquations, phi: np.ndarray, stack: Stack) -> Ord
     Parameters
     ----------
     problem, phi
-        The programme and a closed state whose facets do not pierce each other, [n] [rad].
+        The problem and a closed state whose facets do not pierce each other, [n] [rad].
     stack
         Its pieces.
 
@@ -166,7 +166,7 @@ def _posed(stack: Stack) -> tuple[Orders, list[tuple[int, ...]]] | Layers:
         rules.append(rule)
         about.append(pieces)
         if not rule[0]:
-            why = f"{_facets(stack, pieces)} pass through each other along a crease"
+            why = f"{_facets(stack, pieces)} intersect along a crease"
             return Layers("crosses", why, many)
     orders = Orders(Rules(len(stack.pairs), rules), MOST_NODES)
     for unknown, value, crease in stack.known():
@@ -252,7 +252,7 @@ def _facets(stack: Stack, pieces: Sequence[int] | np.ndarray) -> str:
 
 
 def _too_many(pattern: Pattern, phi: np.ndarray, many: int) -> Layers:
-    """Say that layers are too many to be ordered, unless they already cross round one vertex."""
+    """State that layers are too many to be ordered, unless they already cross round one vertex."""
     for loop in pattern.vertices:
         at = round_vertex(pattern, loop)
         if at is None:

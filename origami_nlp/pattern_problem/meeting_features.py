@@ -22,7 +22,7 @@ def touches_at(
     Parameters
     ----------
     problem
-        The programme.
+        The problem.
     x
         A closed state in which no facets cross, [n] [rad].
     at_limit
@@ -127,7 +127,7 @@ def needed_rows(slopes: np.ndarray, sure: int) -> np.ndarray:
 
 
 def contact_pair_words(touch: ContactPair, place: Sequence[float]) -> str:
-    """Say what touches, 1-based; of two sides that of the lower facet first, from whichever they were found.
+    """Describe what touches, 1-based; of two sides that of the lower facet first, from whichever they were found.
 
     place: of facets face to face, the point of the second one in the user's coordinates.
     """

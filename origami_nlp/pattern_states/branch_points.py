@@ -31,7 +31,7 @@ def dips(problem: PatternProblem, curve: Interpolant) -> list[np.ndarray]:
     Parameters
     ----------
     problem
-        The programme.
+        The problem.
     curve
         Of states with one degree of freedom.
 
@@ -101,7 +101,7 @@ def branch_directions(problem: PatternProblem, phi: np.ndarray) -> TangentCone:
     Parameters
     ----------
     problem
-        The programme.
+        The problem.
     phi
         The state, [n] [rad].
 
@@ -121,7 +121,7 @@ def split(problem: PatternProblem, phi: np.ndarray, ways: TangentCone) -> Tangen
     Parameters
     ----------
     problem, phi
-        The programme and a closed state, [n].
+        The problem and a closed state, [n].
     ways
         Out of it.
 

@@ -54,7 +54,7 @@ class Clearance:
     Parameters
     ----------
     problem
-        The programme.
+        The problem.
     """
 
     def __init__(self, problem: PatternProblem) -> None:

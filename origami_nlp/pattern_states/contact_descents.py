@@ -34,7 +34,7 @@ def contact_descent(problem: PatternProblem, phi: np.ndarray, keep: bool = False
     Parameters
     ----------
     problem
-        The programme.
+        The problem.
     phi
         The start, within the fold limits, [n] [rad].
     keep
@@ -83,7 +83,7 @@ def contact_descents_along(problem: PatternProblem, stretches: Stretches) -> Ite
     Parameters
     ----------
     problem
-        The programme.
+        The problem.
     stretches
         Of `Clearance.along`.
 
@@ -126,7 +126,7 @@ def contact_descent_off(problem: PatternProblem, path: Sequence[np.ndarray]) -> 
     Parameters
     ----------
     problem
-        The programme.
+        The problem.
     path
         Closed states of the descent, [n] [rad] each.
 

@@ -77,7 +77,7 @@ def curve_passes(
     Parameters
     ----------
     problem
-        The programme.
+        The problem.
     curves
         Of it.
     minima

@@ -65,7 +65,7 @@ class Curves:
     Parameters
     ----------
     problem
-        The programme.
+        The problem.
     labels
         Of its pattern: symmetries of the paper take curves to curves.
     contact

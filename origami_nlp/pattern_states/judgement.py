@@ -31,7 +31,7 @@ def judge(problem: PatternProblem, phi: np.ndarray, contact: bool = True) -> Jud
     Parameters
     ----------
     problem
-        The programme.
+        The problem.
     phi
         Fold angles [rad], [n]; those beyond pi by less than closure can resolve are at pi.
     contact
@@ -74,7 +74,7 @@ def judge(problem: PatternProblem, phi: np.ndarray, contact: bool = True) -> Jud
         dof=problem.size - problem.rank(phi),
         closure_residual=residual,
         kkt_residual=missing / largest,
-        # the numbers of their gaps are those of this programme alone
+        # the numbers of their gaps are those of this problem alone
         contacts=tuple(replace(c, contact=None) for c in what.contacts),
         hessian_eigenvalues=what.eigenvalues,
         crossings=tuple((a + 1, b + 1) for a, b in crossed),
@@ -101,7 +101,7 @@ def singular_beside(problem: PatternProblem, phi: np.ndarray) -> np.ndarray | No
     Parameters
     ----------
     problem, phi
-        The programme and a closed state, [n] [rad].
+        The problem and a closed state, [n] [rad].
 
     Returns
     -------
@@ -151,7 +151,7 @@ def stationary_beside(problem: PatternProblem, phi: np.ndarray) -> np.ndarray | 
     Parameters
     ----------
     problem, phi
-        The programme and a closed state, [n] [rad].
+        The problem and a closed state, [n] [rad].
 
     Returns
     -------

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 SIZES = (0.3, 0.5, 1.0)
 """Fold angles from which mountains and valleys are folded [rad]."""
 DRAWN = (0.5, 1.0, 2.0)
-"""Largest fold angles of starts drawn at random [rad]."""
+"""Largest fold angles of random starts [rad]."""
 MOST_DRAWN = 30
 """Of such starts; one of the largest sheets."""
 NEIGHBOURS = 6
@@ -129,7 +129,7 @@ class Mobility(Report):
             yield f"note: {note}"
 
     def _stresses(self) -> str:
-        """Say how many stresses closure can carry that springs do not feel."""
+        """Report how many stresses closure can carry that springs do not feel."""
         said = "states of self-stress, folded"
         return said if self.stress_flat is None else f"{said}; flat {self.stress_flat}"
 
@@ -304,7 +304,7 @@ def jacobian_rank(problem: PatternProblem, phi: np.ndarray, below: float = RANK)
     Parameters
     ----------
     problem
-        The programme.
+        The problem.
     phi
         A state [rad], [n].
     below

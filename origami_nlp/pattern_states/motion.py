@@ -202,7 +202,7 @@ def find_motion(
 
 
 def _layers(problem: PatternProblem, phi: np.ndarray) -> str:
-    """Say whether the layers of a state that is folded flat can be ordered; empty where it is not."""
+    """Return whether the layers of a state that is folded flat can be ordered; empty where it is not."""
     if (np.minimum(np.abs(phi), math.pi - np.abs(phi)) > NEAR_SINGULAR_TOL).any():
         return ""
     flat, residual = problem.project(

@@ -89,7 +89,7 @@ class ContactWords:
 
 
 def contact_words(model: PosedProblem, contact: Contact, rays: Rays) -> ContactWords:
-    """Say who touches in a contact; a facet pair by its two creases where they lie on each other."""
+    """Name the facets and creases of a contact; a facet pair by its two creases where these lie on each other."""
     text = model.name(contact)
     if contact.is_limit:
         return ContactWords("fold-limit", model.creases_of(contact.index), (), text)

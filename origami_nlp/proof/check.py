@@ -194,7 +194,7 @@ def degrees(angles: Sequence[float]) -> str:
 
 
 def _open(certificate: Certificate, found: Sequence[Located], flat_falls: bool) -> Iterator[str]:
-    """Say what the proof leaves open."""
+    """Describe what the proof leaves open."""
     for name in ("singular", "undecided"):
         for number, left in enumerate(getattr(certificate, name), start=1):
             middle = [0.5 * (a + b) for a, b in zip(left.lower, left.upper, strict=True)]

@@ -301,7 +301,7 @@ def clusters(boxes: Boxes, options: ProofOptions) -> Iterator[np.ndarray]:
 
 
 def most_left(model: Model, boxes: Boxes) -> str:
-    """Say which creases are at +-pi in most of the boxes that were left; "" where none are, or no box was left."""
+    """Return which creases are at +-pi in most of the boxes that were left; "" where none are, or no box was left."""
     if not len(boxes):
         return ""
     at_limit, count = np.unique(boxes.pins.T != 0, axis=0, return_counts=True)
@@ -322,7 +322,7 @@ def by_stratum(boxes: Boxes) -> Iterator[np.ndarray]:
 
 
 def reason_of(system: BoxKkt, boxes: Boxes) -> tuple[str, bool]:
-    """Say why no root was certified, and whether that is because closure loses rank."""
+    """Return why no root was certified, and whether that is because closure loses rank."""
     pins = boxes.pins[:, 0]
     free = pins == 0
     if free.sum() < system.m:

@@ -15,7 +15,7 @@ Where some are exactly zero the contacts that are held say why:
 - Rays of a D_1 wedge on each other, on the mirror: the facets touch where their planes differ.
 
 Images of a wedge are kept apart by the mirrors as long as its rays are between them: fold limits and the gaps of the
-model (`problem.choose`) say so.
+model (`problem.model_reduction`) say so.
 """
 
 from __future__ import annotations
@@ -97,7 +97,7 @@ class Signs:
         self.turn = three.value().signs() if n > 2 else np.zeros(len(self.inside), dtype=int)
 
     def contacts(self, r: int, touches: tuple[Row, ...]) -> Contacts:
-        """Say what the facets do at state number r, where `touches` are held."""
+        """Describe what the facets do at state number r, where `touches` are held."""
         sides = tuple(self._side(r, t) for t in touches)
         verdicts = [self._pair(r, i, j, touches) for i, j in self.model.structure.pairs]
         if not self.cyclic:
@@ -109,7 +109,7 @@ class Signs:
         return Contacts(APART if clear else UNCLEAR, tuple(int(s or 0) for s in sides))
 
     def _side(self, r: int, t: Row) -> int | None:
-        """Open side of a touch; 0 where it is unclear, None where facets pass through each other."""
+        """Open side of a touch; 0 where it is unclear, None where facets intersect."""
         if t.kind in ("start", "end"):
             return 1
         if t.kind == "meet":

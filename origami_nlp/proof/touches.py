@@ -144,7 +144,7 @@ def prove(
 
 
 def why_not(model: Model) -> str:
-    """Say why touches of a model are not proved here; "" where they are."""
+    """Return why touches of a model are not proved here; "" where they are."""
     s, freedom = model.structure, model.freedom
     if max(model.scene.vertex.sector_angles) >= math.pi - INPUT_TOL:
         return "a sector of 180 degrees or more"
@@ -319,7 +319,7 @@ def with_touches(
 
 
 def _refused(model: Model, cluster: Cluster, size: float) -> Cluster:
-    """Say of a singular state if its layers have no order: the state at multiples of pi that the box holds."""
+    """Return of a singular state whether its layers have no order: the state at multiples of pi that the box holds."""
     middle = 0.5 * (np.array(cluster.lower) + np.array(cluster.upper))
     flat = math.pi * np.round(middle / math.pi)
     x = np.where(np.abs(middle - flat) < size, flat, middle)

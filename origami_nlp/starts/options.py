@@ -23,7 +23,7 @@ class SearchOptions:
     rounds
         Of a vertex: rounds at most.
     hits
-        Of a vertex: how often drawn starts must have reached every minimum before the search stops.
+        Of a vertex: how often random starts must have reached every minimum before the search stops.
     quiet
         Of a vertex: rounds without a new minimum after which it may stop although one was reached less often.
     batch

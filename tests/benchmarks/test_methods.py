@@ -1,4 +1,4 @@
-"""Every method of the benchmark does what it says: same programme, right derivatives, right minimum."""
+"""Every method of the benchmark does what it says: same problem, right derivatives, right minimum."""
 
 import importlib.util
 from dataclasses import replace

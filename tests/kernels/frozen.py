@@ -60,7 +60,7 @@ SHEETS = {
     "resch:1x2": 4,
     "birdbase": 6,
 }
-"""Patterns by name, and drawn starts."""
+"""Patterns by name, and random starts."""
 
 
 @dataclass(frozen=True)

@@ -135,9 +135,7 @@ def test_the_unit_of_length_does_not_part_facets():
 def test_an_account_of_drawn_starts():
     found = find_states(strip(3), starts=3, contact=False, escape=False)
     assert found.search.drawn >= found.search.quiet == 3
-    assert any(
-        "3 of" in words and "found no other minimum" in words for words in found.search.words()
-    )
+    assert any("3 of" in words and "no new minimum" in words for words in found.search.words())
 
 
 @pytest.mark.slow

@@ -114,7 +114,7 @@ class ConeBranch:
         ------
         AngleError
             On the wrong side of the flat state, and past the end of the branch, where facets would
-            pass through each other: no other root is followed.
+            intersect: no other root is followed.
         """
         v = np.asarray(elevation, dtype=float)
         if not np.all(np.isfinite(v)):
