@@ -22,15 +22,15 @@ if TYPE_CHECKING:
 _READ = (
     ("minima/2", "classes", "minima", "VertexwiseMinima"),
     ("minima/2", "minima", "minima", "MinimaResult"),
-    ("landscape/1", "points", "critical", "CriticalPoints"),
-    ("load/1", "legs", "loading", "LoadPath"),
+    ("landscape/2", "points", "critical", "CriticalPoints"),
+    ("load/2", "legs", "loading", "LoadPath"),
     ("modes/2", "states", "modes", "Modes"),
     ("landscape/2", "passes", "barriers", "Barriers"),
-    ("follow/1", "branches", "bifurcation", "Atlas"),
-    ("follow/1", "curves", "bifurcation", "BifurcationSet"),
-    ("pattern/1", "motion", "pattern_states", "Motion"),
-    ("pattern/1", "arc", "pattern_states", "Motion"),
-    ("pattern/1", "facets", "pattern_states", "Mobility"),
+    ("follow/2", "branches", "bifurcation", "Atlas"),
+    ("follow/2", "curves", "bifurcation", "BifurcationSet"),
+    ("pattern/2", "motion", "pattern_states", "Motion"),
+    ("pattern/2", "arc", "pattern_states", "Motion"),
+    ("pattern/2", "facets", "pattern_states", "Mobility"),
 )
 """Room and class of what is read back: by its schema, and by a key of it; of several the first."""
 

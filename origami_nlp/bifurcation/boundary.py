@@ -147,7 +147,7 @@ class BifurcationSet(Report):
     seconds: float
     interrupted: bool = False
 
-    PICTURE, SCHEMA = "draw_boundaries", "origami-nlp/follow/1"
+    PICTURE, SCHEMA = "draw_boundaries", "origami-nlp/follow/2"
 
     def report_sections(self) -> Iterator[Section]:
         """Return the curves, and the counts along each line."""

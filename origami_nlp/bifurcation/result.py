@@ -78,7 +78,7 @@ class Atlas(Report, Viewable):
     interrupted: bool = False
     example: str = field(default="", metadata={"omit": True})
 
-    PICTURE, SCHEMA = "draw_atlas", "origami-nlp/follow/1"
+    PICTURE, SCHEMA = "draw_atlas", "origami-nlp/follow/2"
     ALSO = ("intervals",)
 
     def __post_init__(self) -> None:

@@ -108,7 +108,7 @@ class SegmentReport(Report):
     slope: float
     stiffness: float
 
-    PICTURE, SCHEMA, READS = "draw_segments", "origami-nlp/contacts/1", False
+    PICTURE, SCHEMA, READS = "draw_segments", "origami-nlp/contacts/2", False
 
     @property
     def length(self) -> float:

@@ -149,7 +149,7 @@ class CriticalPoints(Report):
     doubts: tuple[str, ...] = field(default=())
     morse: MorseVerdict | None = None
 
-    WIDTH, SCHEMA = 160, "origami-nlp/landscape/1"
+    WIDTH, SCHEMA = 160, "origami-nlp/landscape/2"
     ALSO = ("morse_sum",)
 
     @property

@@ -142,7 +142,7 @@ class Report(PrettyRepr, Result, ABC):
     --------
     >>> from origami_nlp.display import Report
     >>> class Answer(Report):
-    ...     def reported(self):
+    ...     def report_sections(self):
     ...         yield "42"
     ...         yield "as was to be expected"
     >>> Answer()

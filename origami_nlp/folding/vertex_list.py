@@ -18,7 +18,7 @@ from origami_nlp.pattern import FoldVertex, Frame, fold_vertices
 if TYPE_CHECKING:
     from origami_nlp.io import Screen
 
-SCHEMA = "origami-nlp/pattern/1"
+SCHEMA = "origami-nlp/pattern/2"
 HEADS = (
     "vertex",
     "degree",

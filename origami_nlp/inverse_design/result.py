@@ -143,7 +143,7 @@ class Design(Report):
     (True, ['book'])
     """
 
-    PICTURE, SCHEMA, READS = "draw_design", "origami-nlp/design/1", False
+    PICTURE, SCHEMA, READS = "draw_design", "origami-nlp/design/2", False
     ALSO = ("feasible", "verified", "images")
 
     targets: Targets = field(metadata={"plain": False})

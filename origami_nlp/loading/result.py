@@ -79,7 +79,7 @@ class LoadPath(Report, Viewable):
     steps: int
     evaluations: int
 
-    PICTURE, TURNED, SCHEMA = "draw_load", "view_path", "origami-nlp/load/1"
+    PICTURE, TURNED, SCHEMA = "draw_load", "view_path", "origami-nlp/load/2"
     ALSO = ("dissipated", "interrupted")
 
     @property

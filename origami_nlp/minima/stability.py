@@ -158,9 +158,9 @@ def stability_words(
 
 
 def barrier_head(origami: Scene | Pattern) -> str:
-    """Name the column of barriers: under an imposed symmetry ways out keep it, "barrier (D1) [J]"."""
+    """Name the column of barriers: under an imposed symmetry ways out keep it, "D1 barrier [J]"."""
     if isinstance(origami, Scene) and is_symmetric(origami):
-        return f"barrier ({origami.group.name}) [J]"
+        return f"{origami.group.name} barrier [J]"
     return "barrier [J]"
 
 

@@ -75,7 +75,7 @@ class Mobility(Report):
     """
 
     PICTURE = "draw_mobility"
-    SCHEMA = "origami-nlp/pattern/1"
+    SCHEMA = "origami-nlp/pattern/2"
     pattern: Pattern
     closure_rows: int
     rank_flat: int | None

@@ -64,7 +64,7 @@ class Motion(Report, Viewable):
     """
 
     PICTURE = "draw_motion"
-    SCHEMA = "origami-nlp/pattern/1"
+    SCHEMA = "origami-nlp/pattern/2"
     pattern: Pattern
     dof: int
     fold_angles: np.ndarray

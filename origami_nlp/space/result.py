@@ -209,7 +209,7 @@ class Space(Report):
     euler_characteristic: int
     mesh: SpaceMesh = field(metadata={"plain": False})
 
-    PICTURE, SCHEMA, READS = "draw_space", "origami-nlp/landscape/1", False
+    PICTURE, SCHEMA, READS = "draw_space", "origami-nlp/landscape/2", False
 
     @property
     def signature(self) -> tuple[int, ...]:

@@ -227,7 +227,7 @@ def test_boundaries_without_a_state_are_found_on_request() -> None:
 
 def test_json_is_plain_and_finite() -> None:
     data = json.loads(json.dumps(segments("fold limit").to_dict(), allow_nan=False))
-    assert data["schema"] == "origami-nlp/contacts/1"
+    assert data["schema"] == "origami-nlp/contacts/2"
     assert data["segments"][0]["curve"] == 1
     assert len(data["curves"][0]["s"]) == len(data["curves"][0]["fold_angles"])
 

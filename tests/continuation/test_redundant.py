@@ -62,6 +62,6 @@ def test_drift_is_the_derivative_by_the_load():
 
 def test_a_point_beside_the_curve_comes_back_to_it():
     for line, hold, system in systems():
-        curve = EquilibriumCurve(line, hold, o.path.Tally())
+        curve = EquilibriumCurve(line, hold, o.continuation.Tally())
         found = curve.at(np.append(system.x, 0.0), 0.0, np.append(np.zeros(len(system.x)), 1.0))
         assert found is not None and found.system.residual < 1e-12 and found.index == 0

@@ -214,7 +214,7 @@ def test_the_command_writes_states_and_motions(tmp_path):
     moved = run("pattern", fold, "--path", *options)
     assert moved.code == 0 and "ends: " in moved.out and files["png"].stat().st_size > 1000
     assert len(parse_fold(files["fold"].read_text())) > 20
-    assert json.loads(files["json"].read_text())["motion"]["schema"] == "origami-nlp/pattern/1"
+    assert json.loads(files["json"].read_text())["motion"]["schema"] == "origami-nlp/pattern/2"
     done = run("minima", fold, "--starts", 2, *options)
     assert done.code == 0 and "stable state" in done.out
     data = json.loads(files["json"].read_text())

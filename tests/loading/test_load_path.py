@@ -170,7 +170,7 @@ def test_the_command_writes_numbers_a_figure_and_frames(tmp_path):
     code, out, err = run("load", scene, *args, "--json", "-", "--fold", tmp_path / "path.fold")
     assert code == 0, err
     data = json.loads(out)
-    assert data["schema"] == "origami-nlp/load/1" and data["driver"]["unit"] == "N m"
+    assert data["schema"] == "origami-nlp/load/2" and data["driver"]["unit"] == "N m"
     assert [e["type"] for e in data["events"]] == ["fold", "nonsmooth-fold"]
     assert data["events"][0]["t"] == pytest.approx(SNAP, abs=1e-10)
     assert {"id", "kind_ranges", "points", "ends"} <= set(data["branches"][0])

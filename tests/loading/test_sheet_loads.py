@@ -396,7 +396,7 @@ def test_the_command_writes_all_of_it(tmp_path):
     assert code == 0, err
     assert "stable to the end of the range" in out
     data = json.loads(files["json"].read_text())
-    assert data["schema"] == "origami-nlp/load/1" and data["driver"]["unit"] == "N"
+    assert data["schema"] == "origami-nlp/load/2" and data["driver"]["unit"] == "N"
     frames = json.loads(files["fold"].read_text())["file_frames"]
     assert len(frames) == len(data["legs"][0]["points"])
     assert all(file.stat().st_size > 1000 for file in files.values())

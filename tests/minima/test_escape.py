@@ -194,7 +194,7 @@ def test_middles_of_many_steps_are_those_of_each():
 
 def test_barriers_among_symmetric_states_say_so():
     result = panel_result(examples.degree6("pi/3", ratio=1), full=True)
-    assert "barrier (D1) [J]" in result.table().heads and "barrier (D1) [J]" in result._repr_html_()
+    assert "D1 barrier [J]" in result.table().heads and "D1 barrier [J]" in result._repr_html_()
     assert all(m.escape.why.endswith("among states with symmetry D1") for m in result.minima)
     assert [m.full_space.verdict for m in result.minima].count("unstable") == 1
     assert str(result).count("nothing has to be put in to leave it") == 1

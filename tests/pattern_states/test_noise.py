@@ -69,7 +69,7 @@ DRAWS = 5
 @pytest.fixture(scope="module", autouse=True)
 def _few_draws():
     with pytest.MonkeyPatch.context() as patch:
-        for room in ("minima", "sheets"):
+        for room in ("minima", "pattern_states"):
             patch.setattr(f"origami_nlp.{room}.noise.TRIALS", DRAWS)
         yield
 

@@ -285,7 +285,7 @@ def test_command_writes_json_and_figures(spaces, tmp_path):
     spaces["6, pi/3"].draw(tmp_path / "space.svg")
     assert (tmp_path / "space.svg").stat().st_size > 1000
     data = json.loads(out.read_text())
-    assert data["schema"] == "origami-nlp/landscape/1"
+    assert data["schema"] == "origami-nlp/landscape/2"
     assert len(data["handles"]) == 4
     assert data["euler_characteristic"] == 1
     bad = run(app, ["space", str(scene), "--figure", str(tmp_path / "space.doc")])
