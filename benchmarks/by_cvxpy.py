@@ -1,4 +1,4 @@
-"""The programme of a design posed and solved by CVXPY, in a process of its own, to compare times and optima.
+"""The program of a design posed and solved by CVXPY, in a process of its own, to compare times and optima.
 
 ``python -m benchmarks.by_cvxpy`` reads programs as JSON and writes margins and processor times.  CVXPY loads
 a library that crashes beside CasADi, so that nothing of this package that needs CasADi is loaded there.
@@ -53,12 +53,12 @@ def by_cvxpy(programs: list[dict[str, Any]]) -> list[dict[str, tuple[float, floa
     return [{k: (v[0], v[1]) for k, v in one.items()} for one in json.loads(done.stdout)]
 
 
-def _solve(programme: dict[str, Any], solver: str) -> float:
+def _solve(program: dict[str, Any], solver: str) -> float:
     import cvxpy as cp
 
-    v = cp.Variable(programme["size"])
+    v = cp.Variable(program["size"])
     rules = []
-    for cone, a, b in programme["rows"]:
+    for cone, a, b in program["rows"]:
         slack = np.array(a) @ v + np.array(b)
         if cone == "=":
             rules.append(slack == 0)
@@ -67,7 +67,7 @@ def _solve(programme: dict[str, Any], solver: str) -> float:
         else:
             q = round(len(b) ** 0.5)
             rules.append(cp.reshape(slack, (q, q), order="C") >> 0)
-    problem = cp.Problem(cp.Maximize(v[programme["aim"]]), rules)
+    problem = cp.Problem(cp.Maximize(v[program["aim"]]), rules)
     try:
         problem.solve(solver=solver, **ACCURACY[solver])
     except cp.error.SolverError:
@@ -82,13 +82,13 @@ def main() -> None:
     out = []
     programs = json.load(sys.stdin)
     _solve(programs[0], SOLVERS[0])  # loads the library
-    for programme in programs:
+    for program in programs:
         found = {}
         for solver in SOLVERS:
             times = []
             for _ in range(REPEATS):
                 start = time.process_time()
-                value = _solve(programme, solver)
+                value = _solve(program, solver)
                 times.append(time.process_time() - start)
             found[solver] = (value, float(np.median(times)))
         out.append(found)

@@ -21,7 +21,7 @@ from benchmarks.attempt import (
     StartPoint,
     keep_apart,
 )
-from benchmarks.programme import Problem, problem, violation
+from benchmarks.nonlinear_program import Problem, problem, violation
 from origami_nlp.minima import OPTIONS
 from origami_nlp.problem import Model, Structure
 

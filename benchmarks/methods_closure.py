@@ -19,7 +19,7 @@ import numpy as np
 
 from benchmarks.attempt import FEASIBLE, Attempt, Method, Solver, StartPoint
 from benchmarks.methods_casadi import ipopt_options
-from benchmarks.programme import problem
+from benchmarks.nonlinear_program import problem
 from origami_nlp.numerics import quaternion as quat
 from origami_nlp.problem import Model
 

@@ -21,7 +21,7 @@ from benchmarks.attempt import (
     StartPoint,
     keep_apart,
 )
-from benchmarks.programme import Evaluator, Problem, problem, violation
+from benchmarks.nonlinear_program import Evaluator, Problem, problem, violation
 from origami_nlp.problem import Model, pose_with_gaps
 
 SLSQP_TOLERANCES = (1e-4, 1e-6, 1e-8, 1e-10, 1e-12, 1e-15)

@@ -35,7 +35,7 @@ from origami_nlp.pattern import Scene
 class FlapExit:
     """The lowest exit of a thin set of three closed flaps.
 
-    shut: creases that stay fully folded on it (1-based).  hinge: the crease (1-based) that is flat at every exit.
+    closed: creases that stay fully folded on it (1-based).  hinge: the crease (1-based) that is flat at every exit.
      energy: smallest one there, in the scene's units; no path out stays below.  fold_angles: of that
     state [N] [rad].
     """

@@ -34,7 +34,7 @@ class OutOfTime(BaseException):
 _end: list[float] = []
 """When the time is over (`time.monotonic`), for a command with a limit."""
 _rung: list[bool] = []
-"""Whether the command was told to end."""
+"""Whether the command was asked to end."""
 _kept: list[Any] = []
 """What the command has found, and not yet reported."""
 

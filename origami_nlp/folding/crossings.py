@@ -6,7 +6,7 @@ the facet, or its neighbour, and meets it only where the crease between is folde
 
 Two arcs cross where their four ends alternate; each end is off the plane of the other arc by the sine of its distance
 from the common point times that of the angle between the arcs.  So the smallest of the four belongs to the end nearest
-to the common point, its foot lies on the other arc, and its row is the nearest way out.
+to the common point, its foot lies on the other arc, and its row is the nearest exit.
 
 Where a crease is folded to +-pi the tip of its narrower facet lies *on* the wider one, and the sines of a crossing
 there vanish: the facet that goes on from the tip may leave only to the side that the fold left open (`stack_depths`).

@@ -33,7 +33,7 @@ class Disjunction:
     margin
         Of their springs.
     exact
-        Whether no larger set has springs (of those, whether none has a larger margin), as far as each programme is
+        Whether no larger set has springs (of those, whether none has a larger margin), as far as each program is
         decided.
     programs
         How many were solved.
@@ -47,7 +47,7 @@ class Disjunction:
 
 
 class _Pool:
-    """Programmes of subsets of a question's states, each solved once."""
+    """Programs of subsets of a question's states, each solved once."""
 
     def __init__(self, targets: Targets) -> None:
         self.targets = targets

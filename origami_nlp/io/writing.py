@@ -1,4 +1,4 @@
-"""One way out for every file: whole or not at all, and refused before long work starts.
+"""One writer for every file: whole or not at all, and refused before long work starts.
 
 A regular file is written beside its place and moved there, through symbolic links to what they point at, with
 the mode that it had (or that the umask gives a new one).  Devices, pipes, process substitutions and names of

@@ -212,7 +212,7 @@ def _sharpen(terrain: Terrain, parts: Sequence[_Parting], sections: int) -> None
 
 
 CERTAIN = 1e-3
-"""The highest state of a way is told to this share of its height: printed are two digits."""
+"""The highest state of a path is located to this share of its height: printed are two digits."""
 MOST_CUTS, A_ROUND = 150, 16
 """Cuts of a way, and cuts made before the steps that may be highest are looked for again."""
 LONG = 0.1
@@ -333,7 +333,7 @@ def barriers(
     scale
         Of energies, see `energy_scale`.
     beyond
-        What a way from each to a lower state that is none of these climbs, [M]; inf for none.
+        What a way from each to a lower state that is not among these climbs, [M]; inf for none.
 
     Returns
     -------
@@ -396,7 +396,7 @@ def bounds(
     energies
         Of the states, [M].
     ways
-        Out of some of them.
+        Escape paths from some of them.
     heights
         Of the lowest pass between two of them, over zero, as far as it is known, [M, M].
     scale

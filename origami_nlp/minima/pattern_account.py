@@ -31,7 +31,7 @@ class PatternSearchReport(SearchReport):
     flat_folded
         States with every crease open or fully folded, the flat one among them, all branch directions of which were
         followed.
-    crossroads
+    branch_points
         Other states at which curves meet, found along curves, all branch directions of which were followed.
     not_enumerated
         What of these was not enumerated, and why; empty where all were.
@@ -48,7 +48,7 @@ class PatternSearchReport(SearchReport):
     pressed
         Descents into contact, from where descents that let facets cross ended in crossing.
     gave_up
-        Of those, how many did not arrive, by reason: limits on time, pairs of facets, creases, or steps.
+        Of those, how many did not converge, by reason: limits on time, pairs of facets, creases, or steps.
     of_vertex
         Minima that the search for single vertices found, where there is but one.
     popped, by_pops
@@ -67,7 +67,7 @@ class PatternSearchReport(SearchReport):
     lines: int = 0
     families: int = 0
     flat_folded: int = 0
-    crossroads: int = 0
+    branch_points: int = 0
     not_enumerated: str = ""
     curves: int = 0
     ended: int = 0
@@ -162,9 +162,9 @@ class PatternSearchReport(SearchReport):
         if self.flat_folded > 1:
             ways = "" if ESCAPE_PATHS in self.left_out else ", and the branch directions of each"
             yield f"flat-folded states: {self.flat_folded} enumerated{ways}"
-        if self.crossroads:
+        if self.branch_points:
             ways = "" if MEETINGS in self.left_out else ", and the branch directions of each"
-            yield f"states where curves meet others: {self.crossroads} found along curves{ways}"
+            yield f"states where curves meet others: {self.branch_points} found along curves{ways}"
         if self.not_enumerated:
             yield self.not_enumerated
         if self.curves:

@@ -90,13 +90,13 @@ def nearest(point: np.ndarray, rows: np.ndarray, lower: np.ndarray) -> np.ndarra
     e = np.vstack([rows.T, missing / size])
     f = np.zeros(len(e))
     f[-1] = 1.0
-    pressing = nonnegative_least_squares(e, f)
-    left = e @ pressing - f
+    forces = nonnegative_least_squares(e, f)
+    left = e @ forces - f
     if abs(left[-1]) <= CURVED:
         return None
     # least distance programming: the residual of the least-squares problem is the answer, but for a factor
     y = point - size * (left[:-1] / left[-1])
-    on = pressing > 0  # where rows meet at sharp angles, the rows that hold say it more precisely
+    on = forces > 0  # where rows meet at sharp angles, the rows that hold say it more precisely
     return y + np.linalg.lstsq(rows[on], lower[on] - rows[on] @ y, rcond=CURVED)[0]
 
 

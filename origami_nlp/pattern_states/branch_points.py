@@ -123,7 +123,7 @@ def split(problem: PatternProblem, phi: np.ndarray, ways: TangentCone) -> Tangen
     problem, phi
         The problem and a closed state, [n].
     ways
-        Out of it.
+        Its branch directions.
 
     Returns
     -------

@@ -32,7 +32,7 @@ class Traced(ShortRepr):
         As polynomials.
     stretches
         Where facets cross along it; None where contact is not asked for.
-    crossroads
+    branch_points
         States of it, not flat or folded flat, at which closure loses rank, [n] each.
     meets
         All states of it at which closure loses rank.
@@ -40,7 +40,7 @@ class Traced(ShortRepr):
 
     curve: Interpolant
     stretches: Stretches | None
-    crossroads: tuple[np.ndarray, ...]
+    branch_points: tuple[np.ndarray, ...]
     meets: tuple[np.ndarray, ...] = ()
 
     @property
@@ -53,10 +53,10 @@ class Traced(ShortRepr):
         seen = self.stretches
         if seen is not None:
             seen = replace(seen, states=image(symmetry, seen.states))
-        crossroads, meets = (
-            tuple(image(symmetry, x) for x in which) for which in (self.crossroads, self.meets)
+        branch_points, meets = (
+            tuple(image(symmetry, x) for x in which) for which in (self.branch_points, self.meets)
         )
-        return Traced(self.curve.image(symmetry), seen, crossroads, meets)
+        return Traced(self.curve.image(symmetry), seen, branch_points, meets)
 
 
 class Curves:

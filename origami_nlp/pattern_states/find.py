@@ -339,10 +339,10 @@ class _Search:
         """Go all branch directions of states at which curves meet."""
         met: list[np.ndarray] = []
         for traced in self.curves.found:  # which grows
-            for phi in traced.crossroads:
+            for phi in traced.branch_points:
                 if not any(np.abs(phi - x).max() < 10 * RESOLVED for x in met):
                     met.append(phi)
-                    self.tally.crossroads += 1
+                    self.tally.branch_points += 1
                     self._leave(phi, branch_directions(self.problem, phi))
 
     def _leave_flat_folded(self, states: np.ndarray) -> None:

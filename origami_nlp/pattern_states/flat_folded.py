@@ -1,4 +1,4 @@
-"""Flat-folded states of a pattern, every crease open or shut: enumerated, with the branch directions of each.
+"""Flat-folded states of a pattern, every crease flat or at its limit: enumerated, with the branch directions of each.
 
 A vertex that is folded flat is singular as the flat one is, and several ways lead out of it: a Miura sheet whose first
 row of creases is fully folded folds on across the fully folded row, along curves that the flat state is not on.

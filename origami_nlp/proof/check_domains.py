@@ -175,7 +175,7 @@ class Chain(ABC):
         return rows
 
     def twin_row(self, a: int, b: int, box: Box, pins: Sequence[int]) -> Form | None:
-        """G_a - sg G_b of twins, G_a of one across a mirror (a = b); None where they are none."""
+        """G_a - sg G_b of twins, G_a of one across a mirror (a = b); None where they are not."""
         sign = self.twin(a, b, pins)
         if sign is None:
             return None

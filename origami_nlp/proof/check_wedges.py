@@ -96,7 +96,7 @@ class SymmetricPiece(Chain):
         return carry(arb_mat([[1], [0], [0], [0]]), maps)
 
     def plate(self, run: Sequence[int], pins: Sequence[int], first: int) -> Any | None:
-        """Angle between two rays, those between shut: sectors add with a sign that turns at every crease; or None."""
+        """Angle between two rays, those between closed: sectors add with a sign that turns at every crease; or None."""
         total, sign = arb(0), 1
         for r, gap in enumerate(run):
             if r:

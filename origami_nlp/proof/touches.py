@@ -22,7 +22,7 @@ Two kinds of strata of a vertex of degree five are curves, or empty, and are lef
   crease k+1 is fully folded between equal sectors: the case before.
 
 Which gaps there are is taken from the model, which leaves out what cannot touch.  On D_1 (four rays) facets 1 and 3
-meet where rays 1 and 4 do, or where one of them lies on the mirror with its crease shut: the row is that the rays meet.
+meet where rays 1 and 4 do, or where one of them lies on the mirror, its crease closed: the row is that the rays meet.
 
 Of each critical point the signs of all rays off all facets are computed with intervals (`apart`).  Certainly crossing:
 it is left out.  Apart but for P and T, whose gradients are independent as the point is regular: admissible states near

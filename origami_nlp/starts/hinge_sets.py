@@ -60,7 +60,7 @@ class HingeSets(Listed):
             if x is None:
                 continue
             lowest = x[moving]
-            # a hinge at +-pi is shut: that state belongs to another set
+            # a hinge at +-pi is fully folded: that state belongs to another set
             inside = (math.pi - np.abs(lowest) > OUTSIDE).all()
             if inside and np.abs(model.closure(x)[0]).max() <= CLOSURE_TOL:
                 states.append(x)  # (a piece of a symmetric state may close once round, or wind)

@@ -15,7 +15,7 @@ from benchmarks.methods_casadi import OTHERS, others, silence
 from benchmarks.methods_closure import FORMS, closure_residual, closures, wedge_against_tied
 from benchmarks.methods_scipy import scipy_methods
 from benchmarks.problems import Problem, panel_problems, random_problems
-from benchmarks.programme import Evaluator, problem
+from benchmarks.nonlinear_program import Evaluator, problem
 from origami_nlp import examples
 from origami_nlp.kkt import State
 from origami_nlp.minima import hessian_spectra
