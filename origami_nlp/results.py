@@ -205,7 +205,7 @@ def to_frame(*results: Result) -> pandas.DataFrame:
     >>> import origami_nlp as o
     >>> result = o.find_minima(o.examples.degree6("pi/3", ratio=1), max_starts=16)
     >>> list(o.to_frame(result).columns[:4])
-    ['scene', 'number', 'energy', 'kind']
+    ['scene', 'number', 'energy_J', 'kind']
     """
     for k, result in enumerate(results, start=1):
         check_type(f"results[{k}]", result, Result)

@@ -102,7 +102,7 @@ def find_panels(
         for k, scene in enumerate(scenes):
             result = find_minima(scene, seed=seed, full=True, escape=False)
             finished()
-            panels.append(find_landscape(result, size, boundary=boundaries[k % columns]))
+            panels.append(find_landscape(result, size=size, boundary=boundaries[k % columns]))
             finished()
         return panels
     with worker_pool(count) as pool:

@@ -51,8 +51,8 @@ SPACING = 0.12
 def find_barriers(
     origami: Scene | Pattern | str | PathLike[str],
     result: MinimaResult | None = None,
-    full: bool | None = None,
     *,
+    full: bool | None = None,
     spacing: float | None = None,
     seed: int = 0,
 ) -> Barriers:

@@ -13,7 +13,15 @@ import numpy as np
 from origami_nlp.barriers.full import FullPass
 from origami_nlp.barriers.graph import StateGraph
 from origami_nlp.barriers.passes import Pass, PassKind
-from origami_nlp.display import Content, Report, Section, Table, Viewable, short_label
+from origami_nlp.display import (
+    Content,
+    Report,
+    Section,
+    Table,
+    Viewable,
+    angle_columns,
+    short_label,
+)
 from origami_nlp.folding import path_frames
 from origami_nlp.minima import MinimaResult
 from origami_nlp.pattern import Scene
@@ -185,8 +193,9 @@ class Barriers(Report, Viewable):
         for p in self.passes:
             rises = [p.energy - end for end in self._energies(p)]
             row = {"scene": self.label, "from": p.from_state, "to": p.to_state}
-            row |= {"energy": p.energy, "rises": rises[0], "back": rises[1], "kind": p.pass_kind}
-            yield row | {f"phi_{k}": v for k, v in enumerate(p.fold_angles, start=1)}
+            row |= {"energy_J": p.energy, "rises_J": rises[0], "back_J": rises[1]}
+            row["kind"] = p.pass_kind
+            yield row | angle_columns(p.fold_angles)
 
     def view_content(self) -> Content:
         """Return states and the paths over the passes as plain data, see `view`."""

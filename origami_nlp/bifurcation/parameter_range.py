@@ -118,19 +118,21 @@ def parse_parameter_range(text: str) -> ParameterRange:
     name, equals, ends = text.partition("=")
     low, colon, high = ends.partition(":")
     if not equals or not colon:
-        raise OptionError(f"over = {text!r} must be NAME=FROM:TO, such as ratio=0.01:100")
+        raise OptionError(f"parameter = {text!r} must be NAME=FROM:TO, such as ratio=0.01:100")
     name = name.strip()
     values = [_number(v, name) for v in (low, high)]
     kinds = {kind_of(part) for part in name.split("+")}
     if len(kinds) > 1:
-        raise OptionError(f"over = {text!r}: what takes the same value must be of one kind")
+        raise OptionError(f"parameter = {text!r}: what takes the same value must be of one kind")
     (kind,) = kinds
     log, unit = kind in ("ratio", "stiffness"), UNITS.get(kind, "rad")
     a, b = values
     if not a < b:
-        raise OptionError(f"over = {text!r}: the range must run from a smaller to a larger value")
+        raise OptionError(
+            f"parameter = {text!r}: the range must run from a smaller to a larger value"
+        )
     if log and a <= 0:
-        raise OptionError(f"over = {text!r}: {name} must be above 0")
+        raise OptionError(f"parameter = {text!r}: {name} must be above 0")
     return ParameterRange(name, a, b, unit, log)
 
 
@@ -165,4 +167,4 @@ def _number(text: str, name: str) -> float:
     except AngleError:
         if UNITS.get(kind_of(name.partition("+")[0]), "rad") == "rad":
             raise
-        raise OptionError(f"over: {name} = {text.strip()!r} must be a finite number") from None
+        raise OptionError(f"parameter: {name} = {text.strip()!r} must be a finite number") from None

@@ -213,5 +213,5 @@ def pattern_family(stated: Any, over: ParameterRange) -> PatternFamily:
         with_places(problem, dict.fromkeys(names, over.low))
     except OptionError as error:
         more = f"; of {example}: {', '.join(options)}" if options else ""
-        raise OptionError(f"over = {error}, or ratio{more}") from None
+        raise OptionError(f"parameter = {error}, or ratio{more}") from None
     return PatternFamily(over, lambda t: with_places(problem, dict.fromkeys(names, t)))  # type: ignore[arg-type, return-value]

@@ -37,7 +37,7 @@ FOLD_OPTIONS = {
     "contact": o.FoldContact,
     "stiffness": o.FoldStiffness,
     "rest_angle": o.FoldRestAngle,
-    "rest_angles": o.FoldRestAngles,
+    "rest_from": o.FoldRestFrom,
 }
 """What a FOLD file needs beside the file; every command that takes a scene has them."""
 PER_LENGTH = {"per_length": o.PerLength}
@@ -104,7 +104,12 @@ class Source:
         """Return the scene; what is odd in a FOLD file goes to standard error."""
         if not self.is_fold:
             self.refuse_options("a scene file states it itself")
-            return decode_scene(self._content, self.name)
+            scene = decode_scene(self._content, self.name)
+            if change := scene.vertex.normalized:
+                _tell(
+                    f"sector angles normalized to a sum of 360 deg: each by {math.degrees(change):+.6g} deg"
+                )
+            return scene
         if "per_length" in self.given:
             raise OptionError("--per-length is for whole patterns, not for a vertex of one")
         if self.vertex is not None:

@@ -204,11 +204,12 @@ class ContactReport(Report, Viewable):
     def _rows(self) -> Iterator[dict[str, object]]:
         for state in self.states:
             row = {"scene": self._label, "state": state.number}
-            row |= {"energy": state.minimum.energy, "kind": state.minimum.kind}
-            last = {"margin": state.margin.norm, "margin_is": state.margin.status}
+            row |= {"energy_J": state.minimum.energy, "kind": state.minimum.kind}
+            last = {"margin_N_m": state.margin.norm, "margin_is": state.margin.status}
             for c in state.contacts:
                 least, most = c.multiplier_range
-                own = {"contact": c.text, "moment": c.multiplier, "least": least, "most": most}
+                own = {"contact": c.text, "moment_N_m": c.multiplier}
+                own |= {"least_N_m": least, "most_N_m": most}
                 yield row | own | last
 
 

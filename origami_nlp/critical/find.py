@@ -53,7 +53,7 @@ MOST_SAMPLES = 10_000_000
 
 def find_critical_points(
     scene: Scene,
-    minima: MinimaResult | None = None,
+    result: MinimaResult | None = None,
     *,
     samples: int = FACE_SAMPLES,
     seed: int = 0,
@@ -67,8 +67,8 @@ def find_critical_points(
     ----------
     scene
         What is folded.
-    minima
-        Result of `find_minima` on the same scene; the lists of minima are then compared.
+    result
+        Of `find_minima` on the same scene; the lists of minima are then compared.
     samples
         Random states that are spread over X as starts of Newton.
     seed
@@ -96,8 +96,8 @@ def find_critical_points(
     """
     scene = as_scene(scene, "a search for all critical points", "find_minima takes a pattern")
     scene.check_no_forces("critical points")
-    if minima is not None:
-        check_type("minima", minima, MinimaResult)
+    if result is not None:
+        check_type("result", result, MinimaResult)
     check_whole("samples", samples, 1, MOST_SAMPLES)
     check_whole("seed", seed, 0)
     check_flag("all_links", all_links)
@@ -111,7 +111,7 @@ def find_critical_points(
     _warn_of_neighbours(model, points, vertices, doubts)
     points.sort(key=lambda p: rank(p.energy / model.scale, p.fold_angles))
     found = CriticalPoints(scene, tuple(points), None, tuple(doubts))
-    return found if minima is None else compare_minima(found, minima)
+    return found if result is None else compare_minima(found, result)
 
 
 def _interior_points(

@@ -6,6 +6,7 @@ import itertools
 import math
 from collections.abc import Callable
 from dataclasses import replace
+from os import PathLike, fspath
 from typing import Any
 
 import numpy as np
@@ -20,7 +21,7 @@ from origami_nlp.inverse_design.infeasibility import why_not
 from origami_nlp.inverse_design.result import Design
 from origami_nlp.inverse_design.robustness import MOST, Tolerance, line_of, lost_at, tolerance_of
 from origami_nlp.inverse_design.targets import Targets
-from origami_nlp.inverse_design.targets_file import Ask
+from origami_nlp.inverse_design.targets_file import Ask, read_targets
 from origami_nlp.inverse_design.transition_paths import Passes
 from origami_nlp.inverse_design.unwanted_minima import cuts
 from origami_nlp.minima import find_minima
@@ -47,7 +48,7 @@ _OF_A_VERTEX = {
 
 
 def design(
-    targets: Targets,
+    targets: Targets | str | PathLike[str],
     ask: Ask | None = None,
     *,
     name: str | None = None,
@@ -64,11 +65,11 @@ def design(
     Parameters
     ----------
     targets
-        The question.
+        The question; or a TOML file that states it, with what is asked beyond and the name of the scene.
     ask
-        What is asked beyond its states: see `Ask`.
+        What is asked beyond its states: see `Ask`; in place of what a file asks.
     name
-        Of the scene.
+        Of the scene; in place of that of a file.
     seed, effort
         Of the search that checks the answer, as of `find_minima`; `seed` also of the directions of tolerances.
     progress
@@ -94,8 +95,11 @@ def design(
     >>> answer.verified, answer.margin > 0
     (True, True)
     """
+    if isinstance(targets, str | PathLike):
+        targets, of_file, label = read_targets(fspath(targets))
+        ask, name = ask or of_file, name or label
     if not isinstance(targets, Targets):
-        raise OptionError(f"targets = {shown(targets)} must be Targets (read_targets reads a file)")
+        raise OptionError(f"targets = {shown(targets)} must be Targets, or a TOML file of them")
     ask = Ask() if ask is None else ask
     if not isinstance(ask, Ask):
         raise OptionError(f"ask = {shown(ask)} must be an Ask")

@@ -19,6 +19,7 @@ from origami_nlp.display import (
     Table,
     Viewable,
     Words,
+    angle_columns,
     inline_image,
     pieces_html,
 )
@@ -82,9 +83,9 @@ class MinimaResult(Report, Viewable):
 
     Notes
     -----
-    `to_frame` has a row a minimum: scene (its name), number (from 1), energy [the scene's units], kind, dimension,
-    closure, kkt (residuals), hits, stable (None where the full space was not asked), softest (stiffness), barrier
-    (energy), barrier_method, shallow, phi_1 .. phi_N [rad].
+    `to_frame` has a row a minimum: scene (its name), number (from 1), energy_J, kind, dimension,
+    closure, kkt (residuals), hits, stable (None where the full space was not asked), softest_N_m_per_rad, barrier_J,
+    barrier_method, shallow, phi_1_rad .. phi_N_rad.
 
     Examples
     --------
@@ -355,12 +356,12 @@ class MinimaResult(Report, Viewable):
     def _rows(self) -> Iterator[dict[str, object]]:
         for number, m in enumerate(self.minima, start=1):
             row: dict[str, object] = {"scene": self.name, "number": number}
-            row |= {"energy": m.energy, "kind": m.kind, "dimension": m.local_dimension}
+            row |= {"energy_J": m.energy, "kind": m.kind, "dimension": m.local_dimension}
             row |= {"closure": m.closure_residual, "kkt": m.kkt_residual, "hits": m.hits}
             row["stable"] = m.full_space and m.full_space.verdict
-            row |= {"softest": m.softest, "barrier": m.escape and m.escape.barrier}
+            row |= {"softest_N_m_per_rad": m.softest, "barrier_J": m.escape and m.escape.barrier}
             row |= {"barrier_method": m.escape and m.escape.method, "shallow": m.shallow}
-            yield row | {f"phi_{k}": v for k, v in enumerate(m.fold_angles, start=1)}
+            yield row | angle_columns(m.fold_angles)
 
     def to_html(self, *, picture: bool = True) -> str:
         """Return a piece of HTML, static and without links: what is told, and a picture.

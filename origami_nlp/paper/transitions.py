@@ -98,7 +98,7 @@ def find_transitions(
 
     def look(alpha: float) -> Signature | None:
         try:
-            return signature_of(find_space(make(alpha), size))
+            return signature_of(find_space(make(alpha), size=size))
         except MeshError:  # features thinner than the mesh resolves
             return None
 
@@ -127,7 +127,8 @@ def find_transitions(
         alpha = float(np.median([e.alpha for e in group]))
         report("confirmation", 0.0)
         around = tuple(
-            signature_of(find_space(make(a), size)) for a in (alpha - SIDE, alpha, alpha + SIDE)
+            signature_of(find_space(make(a), size=size))
+            for a in (alpha - SIDE, alpha, alpha + SIDE)
         )
         changes = _changes(around[0], around[1], around[2])
         if not changes:

@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
-from origami_nlp.display import Content, Report, Section, Table, Viewable
+from origami_nlp.display import Content, Report, Section, Table, Viewable, angle_columns
 from origami_nlp.errors import OptionError
 from origami_nlp.io import OneBased
 from origami_nlp.numerics import CLOSURE_TOL, NEAR_SINGULAR_TOL
@@ -131,12 +131,12 @@ class Motion(Report, Viewable):
 
     def _rows(self) -> Iterable[dict[str, object]]:
         for k, phi in enumerate(self.fold_angles):
-            angles = {f"phi_{i + 1}": float(a) for i, a in enumerate(phi)}
-            yield {"state": k + 1, "arc": self.arc[k], "energy": self.energy[k], **angles}
+            row = {"state": k + 1, "arc_rad": self.arc[k], "energy_J": self.energy[k]}
+            yield row | angle_columns(phi)
 
 
 def find_motion(
-    pattern: Pattern | str | Path, seen: Mobility | None = None, seed: int = 0
+    pattern: Pattern | str | Path, seen: Mobility | None = None, *, seed: int = 0
 ) -> Motion:
     """Trace the folding motion of a sheet up to its first contact.
 
@@ -172,7 +172,7 @@ def find_motion(
         raise OptionError(
             f"the pattern has {pattern.creases:,} creases: motions are traced up to {MOST_TRACED}"
         )
-    seen = analyze_mobility(pattern, seed) if seen is None else seen
+    seen = analyze_mobility(pattern, seed=seed) if seen is None else seen
     if seen.folded is None or seen.dof is None:
         raise OptionError("no folded state was found from which to trace a motion")
     if seen.dof == 0:

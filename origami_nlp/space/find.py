@@ -22,8 +22,8 @@ ATTEMPTS = (0, 1, 3, 5, 9)
 """Rings added where a mesh turns out too coarse."""
 
 
-def find_space(scene: Scene, size: int = SIZE) -> Space:
-    """Analyse the admissible space of a scene with two symmetric degrees of freedom and full contact.
+def find_space(scene: Scene, *, size: int = SIZE) -> Space:
+    """Analyse the admissible space of a scene with two symmetric freedoms and full contact.
 
     Parameters
     ----------
