@@ -247,7 +247,7 @@ class Mobility(Report):
 
 
 def analyze_mobility(pattern: Pattern | str | Path, *, seed: int = 0) -> Mobility:
-    """Count what a pattern has, and the freedoms of its flat and of a folded state.
+    """Count what a pattern has, and the degrees of freedom of its flat and of a folded state.
 
     The folded state is reached from the reference state of a folded form, the fold angles of the file, or its mountains
     and valleys; otherwise, or where creases stay flat, from random starts: of all that close within the fold limits it

@@ -23,7 +23,7 @@ ATTEMPTS = (0, 1, 3, 5, 9)
 
 
 def find_space(scene: Scene, *, size: int = SIZE) -> Space:
-    """Analyse the admissible space of a scene with two symmetric freedoms and full contact.
+    """Analyse the admissible space of a scene with two symmetric degrees of freedom and full contact.
 
     Parameters
     ----------
