@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from origami_nlp.bifurcation.parameter_range import PLACE, ParameterRange, kind_of
+from origami_nlp.bifurcation.parameter_range import PLACE, ParameterRange, kind_of, meant_by
 from origami_nlp.continuation import STEPS, ContinuationOptions, ParameterLine, line_between
 from origami_nlp.errors import OptionError
 from origami_nlp.minima import MinimaResult, find_minima_of_each
@@ -220,6 +220,7 @@ def family_of(scene: Scene, over: ParameterRange) -> Family:
                 f"parameter = {over.name!r} is no parameter of the scene: write ratio, alpha, stiffness[1], "
                 f"rest_angles[1], preload[1], torque[1] or sector_angles[1], with entries 1 to {base.degree}"
                 + (f", or loads, loads[1] to loads[{len(base.loads)}]" if base.loads else "")
+                + meant_by(name)
             )
         places.append((kind_of(name), int(match[4]) - 1))
     return Family(over, _over_places(base, places))

@@ -10,8 +10,10 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Iterable
 from dataclasses import dataclass
 
+from origami_nlp.arguments import did_you_mean
 from origami_nlp.errors import AngleError, OptionError
 from origami_nlp.pattern import parse_angle
 
@@ -144,6 +146,13 @@ def kind_of(name: str) -> str:
     """Return what a parameter is, a key of `UNITS`; the name itself where it is not one."""
     match = PLACE.fullmatch(name.strip()) or _OF_A_PATTERN.fullmatch(name.strip())
     return next(v for v in match.groups()[:3] if v) if match else name.strip()
+
+
+def meant_by(name: str, options: Iterable[str] = ()) -> str:
+    """Return ``; did you mean ...?`` for a parameter that is none, or nothing; options: what it could be as well."""
+    known = [*UNITS, *options]
+    bare = (re.sub(r".*\.|\[.*", "", part.strip()) for part in name.split("+"))
+    return "".join(did_you_mean(part, known) for part in bare if part not in known)
 
 
 def parse_nearby(text: str) -> ParameterRange:

@@ -13,7 +13,7 @@ from os import PathLike
 from pathlib import Path
 from typing import Any
 
-from origami_nlp.arguments import check_path, shown
+from origami_nlp.arguments import check_path, did_you_mean, shown
 from origami_nlp.errors import OrigamiError
 
 MOST_PARTS = 100
@@ -246,7 +246,9 @@ def check_tables(
     """
     for table, content in data.items():
         if table not in known:
-            raise error(f"unknown table [{table}]: {whole} {', '.join(known)}")
+            raise error(
+                f"unknown table [{table}]: {whole} {', '.join(known)}{did_you_mean(table, known)}"
+            )
         many = isinstance(content, list)
         entries = content if many else [content]
         if many != (table in lists) or not all(isinstance(one, Mapping) for one in entries):
@@ -255,7 +257,10 @@ def check_tables(
             raise error(f"{table} = {shown(content)} must be {should}")
         for key in (key for one in entries for key in one if known[table]):
             if key not in known[table]:
-                raise error(f"unknown key {key!r} in [{table}]: it takes {', '.join(known[table])}")
+                meant = did_you_mean(key, known[table])
+                raise error(
+                    f"unknown key {key!r} in [{table}]: it takes {', '.join(known[table])}{meant}"
+                )
 
 
 def one_of(

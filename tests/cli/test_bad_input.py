@@ -38,6 +38,7 @@ BAD = {
     "unknown table": (text("[vertx]\na = 1"), ["vertx", "vertex"]),
     "table is a number": ("vertex = 3", ["vertex", "table"]),
     "unknown key": (text("colour = 1"), ["colour", "symmetry"]),
+    "misspelt key": (text("contakt = 'full'"), ["contakt", "did you mean contact?"]),
     "angles given twice": (
         text().replace("[creases]", "sector_angles_deg = [45, 90, 45, 45, 90, 45]\n[creases]"),
         ["sector_angles_deg", "exactly one"],
@@ -250,6 +251,42 @@ BAD_CALLS = {
     "CSV into no folder": ([*PHASE, "--degree", 8, "--csv", "no/such/folder.csv"], "csv"),
     "rest state unknown": ([*PHASE, "--degree", 8, "--rest", "mine"], "rest"),
 }
+
+
+MISSPELT = {
+    "example as input": (["minima", "muira:3x3"], "did you mean miura?"),
+    "example": (["example", "yoshimora"], "did you mean yoshimura?"),
+    "targets": (["design", "--example", "three-equals"], "did you mean three-equal?"),
+    "parameter": (
+        ["follow", SCENE, "--parameter", "rest_angle[1]=0:1"],
+        "did you mean rest_angles?",
+    ),
+    "of a pattern": (
+        ["follow", "miura:2x2", "--parameter", "creases.stifness[1]=1:2"],
+        "did you mean stiffness?",
+    ),
+    "of an example": (
+        ["follow", "miura:2x2", "--parameter", "alfa=50deg:60deg"],
+        "did you mean alpha?",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", MISSPELT)
+def test_a_misspelt_name_gets_the_closest_one(name, tmp_path, monkeypatch):
+    arguments, question = MISSPELT[name]
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / SCENE).write_text(text())
+    code, _, err = run(*arguments)
+    assert code == 2 and err.count("\n") == 1 and err.endswith(f"; {question}\n")
+
+
+def test_what_is_far_from_all_names_gets_no_question(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / SCENE).write_text(text())
+    for parameter in ("colour=1:5", "stiffness[99]=1:5"):
+        code, _, err = run("follow", SCENE, "--parameter", parameter)
+        assert code == 2 and "did you mean" not in err
 
 
 @pytest.mark.parametrize("name", BAD_CALLS)
