@@ -149,7 +149,7 @@ def kind_of(name: str) -> str:
 
 
 def meant_by(name: str, options: Iterable[str] = ()) -> str:
-    """Return ``; did you mean ...?`` for a parameter that is none, or nothing; options: what it could be as well."""
+    """Return ``; did you mean ...?`` for a parameter that is not one, or nothing; options: what it could be as well."""
     known = [*UNITS, *options]
     bare = (re.sub(r".*\.|\[.*", "", part.strip()) for part in name.split("+"))
     return "".join(did_you_mean(part, known) for part in bare if part not in known)

@@ -38,7 +38,7 @@ WORDS = {
     r"gone out of": "followed",
     r"leads? somewhere": "is followed by admissible states",
     r"crossroads?": "branch points",
-    r"(why|that|or|they|it|state) (is|are) (?-i:none)(?! of)": "is not one",
+    r"why it is (?-i:none)|that (is|are) (?-i:none)(?! of)": "is not one",
 }
 """What is not said, and what is."""
 ELSEWHERE = (
