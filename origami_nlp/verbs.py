@@ -36,7 +36,7 @@ _OF_A_SCENE = {
     "guesses": "a state of a pattern is judged by classify",
     "fewest_starts": "of a pattern, starts says when the search ends",
     "workers": "a pattern is searched in one process",
-    "progress": "a pattern tells no progress",
+    "progress": "a pattern reports no progress",
 }
 """What only the one or the other takes, and why."""
 
@@ -160,7 +160,7 @@ def find_minima(
 
 
 def _facets_apart(contact: object) -> bool:
-    """Tell whether facets of a pattern must not cross."""
+    """Return whether facets of a pattern must not cross."""
     if not isinstance(contact, str) or contact not in CONTACTS:
         known = " or ".join(map(repr, CONTACTS))
         raise OptionError(f"contact = {shown(contact)} must be {known} for a pattern")
@@ -173,7 +173,7 @@ def classify(
     *,
     polished: bool = True,
 ) -> Classification:
-    """Classify a state of a vertex or of a pattern: a minimum, with its certificate and contacts, or why it is none.
+    """Classify a state of a vertex or of a pattern: a minimum, with its certificate and contacts, or why it is not one.
 
     Parameters
     ----------

@@ -152,7 +152,7 @@ class Source:
         return vertex_scenes(self._frame(), tell=_tell, **self._spring_options())
 
     def refuse_options(self, why: str) -> None:
-        """Complain about options of FOLD files, if there are any."""
+        """Raise an error for options of FOLD files, if there are any."""
         if self.given:
             option = next(iter(self.given)).replace("_", "-")
             raise OptionError(f"--{option} is for FOLD files (.fold); {why}")
