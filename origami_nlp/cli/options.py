@@ -340,7 +340,10 @@ VertexNumber = Annotated[
 ]
 FoldSymmetry = Annotated[
     str | None,
-    typer.Option(metavar="GROUP", help="FOLD file: none, auto, C<n> or D<n> (default auto)."),
+    typer.Option(
+        metavar="GROUP",
+        help="none, auto, C<n> or D<n> in place of a scene file's; of a FOLD file auto.",
+    ),
 ]
 FoldContact = Annotated[
     str | None,
