@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 import os
 import time
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
+from difflib import get_close_matches
 from numbers import Integral, Real
 from typing import Any
 
@@ -41,6 +42,12 @@ def shown(value: object) -> str:
     except Exception:  # a repr of the user's, or an integer of too many digits
         text = f"<{type(value).__name__}>"
     return text if len(text) <= 60 else f"{text[:57]}..."
+
+
+def did_you_mean(word: object, known: Iterable[str]) -> str:
+    """Return a question to append to a complaint about a word: the closest known one, or nothing if none is close."""
+    close = get_close_matches(str(word).lower(), list(known), n=1)
+    return f"; did you mean {close[0]}?" if close else ""
 
 
 def check_type(name: str, value: object, kind: type) -> None:

@@ -118,7 +118,7 @@ def follow(
     ['interior', 'contact-touching', 'degenerate', 'degenerate']
     """
     stated = parse_parameter_range(over) if isinstance(over, str) else over
-    check_type("over", stated, ParameterRange)
+    check_type("parameter", stated, ParameterRange)
     until = check_until(seconds)
     given = {
         "full": full,

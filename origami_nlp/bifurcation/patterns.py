@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from origami_nlp.bifurcation.family import Family, stiffness_over_ratio
-from origami_nlp.bifurcation.parameter_range import ParameterRange
+from origami_nlp.bifurcation.parameter_range import ParameterRange, meant_by
 from origami_nlp.continuation import STEPS, ContinuationOptions, ParameterLine, line_between
 from origami_nlp.errors import OptionError
 from origami_nlp.minima import MinimaResult
@@ -213,5 +213,7 @@ def pattern_family(stated: Any, over: ParameterRange) -> PatternFamily:
         with_places(problem, dict.fromkeys(names, over.low))
     except OptionError as error:
         more = f"; of {example}: {', '.join(options)}" if options else ""
-        raise OptionError(f"over = {error}, or ratio{more}") from None
+        raise OptionError(
+            f"parameter = {error}, or ratio{more}{meant_by(over.name, options)}"
+        ) from None
     return PatternFamily(over, lambda t: with_places(problem, dict.fromkeys(names, t)))  # type: ignore[arg-type, return-value]

@@ -10,6 +10,7 @@ import typer
 
 from origami_nlp.arguments import refuse
 from origami_nlp.cli import options as o
+from origami_nlp.cli.group import FOLD_FILES
 from origami_nlp.cli.output import Output
 from origami_nlp.cli.progress import progress
 from origami_nlp.cli.search import search
@@ -29,7 +30,8 @@ def minima(
         bool,
         typer.Option(
             "--each-vertex",
-            help="FOLD file: every vertex by itself, equal ones once, as one table.",
+            rich_help_panel=FOLD_FILES,
+            help="Every vertex by itself, equal ones once, as one table.",
         ),
     ] = False,
     seed: o.Seed = 0,

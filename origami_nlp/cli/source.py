@@ -11,7 +11,7 @@ from functools import cached_property, wraps
 from pathlib import Path
 from typing import Any
 
-from origami_nlp.arguments import check_whole
+from origami_nlp.arguments import check_whole, did_you_mean
 from origami_nlp.cli import options as o
 from origami_nlp.errors import FoldFileError, OptionError, SceneFileError
 from origami_nlp.io import read_limited
@@ -37,7 +37,7 @@ FOLD_OPTIONS = {
     "contact": o.FoldContact,
     "stiffness": o.FoldStiffness,
     "rest_angle": o.FoldRestAngle,
-    "rest_angles": o.FoldRestAngles,
+    "rest_from": o.FoldRestFrom,
 }
 """What a FOLD file needs beside the file; every command that takes a scene has them."""
 PER_LENGTH = {"per_length": o.PerLength}
@@ -76,7 +76,8 @@ class Source:
             return json.dumps(examples.crease_pattern(self.name)).encode()
         if self.name != "-" and not Path(self.name).suffix and not Path(self.name).exists():
             known = ", ".join(_examples())
-            raise OptionError(f"{self.name!r} is no file, and no example: those are {known}")
+            meant = did_you_mean(self.name.partition(":")[0], _examples())
+            raise OptionError(f"{self.name!r} is no file, and no example: those are {known}{meant}")
         if _named_fold(self.name):
             return read_limited(self.name, LARGEST, "FOLD", FoldFileError)
         return read_limited(self.name, LARGEST, "scene", SceneFileError)
@@ -105,6 +106,10 @@ class Source:
         if not self.is_fold:
             self.refuse_options("a scene file states it itself", but=("symmetry",))
             scene = decode_scene(self._content, self.name)
+            if change := scene.vertex.normalized:
+                _tell(
+                    f"sector angles normalized to a sum of 360 deg: each by {math.degrees(change):+.6g} deg"
+                )
             if (symmetry := self.given.get("symmetry")) is None:
                 return scene
             return replace(scene, symmetry=symmetry, mirror=None, winding=None)

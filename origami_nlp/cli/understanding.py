@@ -35,11 +35,14 @@ ForceOn: TypeAlias = Annotated[
     str | None,
     typer.Option(
         metavar="V,X,Y,Z",
-        help="Of a pattern: a force along (X, Y, Z) on vertex V, as seen from the facet --held.",
+        help="Of a pattern: a force along (X, Y, Z) on vertex V, as seen from the facet --fixed-facet.",
     ),
 ]
-Held: TypeAlias = Annotated[
-    int, typer.Option(metavar="F", help="With --force: the facet that is held, from 1.")
+FixedFacet: TypeAlias = Annotated[
+    int,
+    typer.Option(
+        "--fixed-facet", metavar="F", help="With --force: the facet that is fixed in space, from 1."
+    ),
 ]
 
 
@@ -131,7 +134,7 @@ def load(
     crease: Creases = None,
     pull: PullOf = None,
     force: ForceOn = None,
-    held: Held = 1,
+    fixed_facet: FixedFacet = 1,
     to: Annotated[
         str,
         typer.Option(
@@ -142,7 +145,9 @@ def load(
     state: Annotated[
         int, typer.Option(metavar="K", help="Number of the minimum at load 0 that is loaded.")
     ] = 1,
-    back: Annotated[bool, typer.Option("--back", help="Let the load fall back to 0.")] = False,
+    unload: Annotated[
+        bool, typer.Option("--unload", help="Take the load back to 0 afterwards.")
+    ] = False,
     confirm: Annotated[
         bool, typer.Option(help="Search for the minima on both sides of each snap.")
     ] = True,
@@ -168,10 +173,10 @@ def load(
             raise OptionError(
                 "a pattern is loaded by one of --crease K, --pull V,W and --force V,X,Y,Z"
             )
-        work = work_of(what, crease, pull, force, held)
+        work = work_of(what, crease, pull, force, fixed_facet)
     end = to if to == "snap" else load_number(to)
     return load_path(
-        what, work, to=end, state=state, back=back, confirm=confirm, starts=starts, **search
+        what, work, to=end, state=state, back=unload, confirm=confirm, starts=starts, **search
     )  # fmt: skip
 
 

@@ -270,13 +270,13 @@ def _compare(frame: Frame, at: list[int], phi: np.ndarray) -> list[str]:
         return [
             f"measured fold angles differ from edges_foldAngle by up to {math.degrees(apart[k]):.4g} degrees (edge "
             f"{int(frame.numbers[at[k]])}: {math.degrees(phi[k]):.4g} measured, {math.degrees(stated[k]):.4g} in the "
-            "file): rest angles are those of the file, or with --rest-angles measured the others"
+            "file): rest angles are those of the file, or with --rest-from measured the others"
         ]
     letters = {frame.assignment[e] for e in at}
     silent = np.isnan(stated) & np.isnan(frame.rest_angles[at])
     if silent.all() and np.abs(phi).max() < APART and letters & {"M", "V"}:
         return [
-            "it lies flat and the file gives no fold angles: rest angles are 0, or with --rest-angles file those of M "
+            "it lies flat and the file gives no fold angles: rest angles are 0, or with --rest-from file those of M "
             "and V"
         ]
     return []

@@ -152,8 +152,8 @@ class Scene(PrettyRepr):
         for i, a in enumerate(rest, start=1):
             if abs(a) > math.pi * (1 + 4 * EPS):
                 raise SceneError(
-                    f"rest_angles[{i}] = {a:.6g} is outside [-pi, pi]: fold angles are radians, "
-                    "valley positive; a torque beyond is stated as preload"
+                    f"rest_angles[{i}] = {a:.6g} rad is outside [-pi, pi]: fold angles are radians, valley positive "
+                    "(degrees: rest_angles_deg); a torque beyond is stated as preload"
                 )
         if not isinstance(self.contact, str) or self.contact not in get_args(Contact):
             raise SceneError(
@@ -176,7 +176,7 @@ class Scene(PrettyRepr):
             relations = find_relations(self.vertex.sector_angles)
             object.__setattr__(self, "relations", relations)
             if relations.moved:
-                moved = Vertex(relations.sector_angles, self.vertex.flat)
+                moved = self.vertex.with_angles(relations.sector_angles)
                 object.__setattr__(self, "vertex", moved)
         tolerance = self.symmetry_tolerance
         if isinstance(tolerance, bool) or not isinstance(tolerance, int | float):
@@ -258,7 +258,7 @@ class Scene(PrettyRepr):
             if _change(made, self._numbers) <= SUMMED:
                 return
             object.__setattr__(self, "adjusted", _change(made, stated))
-            object.__setattr__(self, "vertex", Vertex(sectors, self.vertex.flat))
+            object.__setattr__(self, "vertex", self.vertex.with_angles(sectors))
             found = find_relations(self.vertex.sector_angles)
             record = replace(
                 self.relations, sector_angles=self.vertex.sector_angles, exact=found.exact

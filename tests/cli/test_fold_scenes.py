@@ -38,7 +38,7 @@ def pocket(tmp_path):
 COMMANDS = (
     "model minima contacts modes load barriers critical space landscape follow boundary".split()
 )
-OVER = ("--over", "ratio=0.01:1")
+OVER = ("--parameter", "ratio=0.01:1")
 NEEDED = {"follow": OVER, "boundary": (*OVER, "--event", "creases.stiffness[1]=1")}
 
 

@@ -117,9 +117,9 @@ def test_an_error_before_the_time_is_over_is_an_error():
 
 
 COMMANDS = {
-    "follow": ("--over", "ratio=1:10", "--checks", "1", "--max-starts", "16"),
+    "follow": ("--parameter", "ratio=1:10", "--checks", "1", "--max-starts", "16"),
     "load": ("--crease", "1", "--to", "-0.15", "--max-starts", "16"),
-    "boundary": ("--event", "ratio=1:10", "--over", "alpha=74deg:75deg", "--lines", "1"),
+    "boundary": ("--event", "ratio=1:10", "--parameter", "alpha=74deg:75deg", "--lines", "1"),
 }
 
 

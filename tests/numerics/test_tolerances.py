@@ -57,7 +57,8 @@ BESIDE_THE_TABLE = {
     "what is shown, or said in words": """
         bifurcation/regions.LEAST chart/boundary_lines.SHORT chart/chart.TIE chart/region.SLIVER
         critical/result.ROUNDING paper/cone/table.SMALL pattern/fold_notes.LOOKS_LIKE_PI
-        pattern/fold_notes.UP pattern/relations.NEAR pattern_problem/poses.MOVES space/result.EXTENDED
+        pattern/fold_notes.SMALLEST_FOLD pattern/fold_notes.UP pattern/relations.NEAR
+        pattern_problem/poses.MOVES space/result.EXTENDED
     """,
     "definitions of the source paper": """
         contact/segments.SLOPE contact/segments.STIFFNESS
