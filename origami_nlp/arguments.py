@@ -51,7 +51,7 @@ def did_you_mean(word: object, known: Iterable[str]) -> str:
 
 
 def check_type(name: str, value: object, kind: type) -> None:
-    """Complain unless `value` is a `kind`.
+    """Raise an error unless `value` is a `kind`.
 
     Raises
     ------
@@ -63,7 +63,7 @@ def check_type(name: str, value: object, kind: type) -> None:
 
 
 def refuse(kind: str, reasons: Mapping[str, str], **given: object) -> None:
-    """Complain about the first argument that was given (is not None) and is not for what is asked, with the reason."""
+    """Raise an error for the first argument that was given (is not None) and is not for what is asked, and why."""
     for name, value in given.items():
         if value is not None and name in reasons:
             raise OptionError(f"{name} = {shown(value)} is not for a {kind}: {reasons[name]}")
@@ -105,19 +105,19 @@ def check_until(seconds: Any) -> float:
 
 
 def check_flag(name: str, value: object) -> None:
-    """Complain unless `value` is true or false."""
+    """Raise an error unless `value` is true or false."""
     if not isinstance(value, bool | np.bool_):
         raise OptionError(f"{name} = {shown(value)} must be True or False")
 
 
 def check_callback(name: str, value: object) -> None:
-    """Complain unless `value` is a function, or None."""
+    """Raise an error unless `value` is a function, or None."""
     if value is not None and not callable(value):
         raise OptionError(f"{name} = {shown(value)} must be a function to call, or None")
 
 
 def check_path(name: str, value: Any) -> None:
-    """Complain unless `value` names a file or folder; a number would be taken for an open file."""
+    """Raise an error unless `value` names a file or folder; a number would be taken for an open file."""
     if not isinstance(value, str | os.PathLike) or not isinstance(os.fspath(value), str):
         raise OptionError(f"{name} = {shown(value)} must be a path: text or a pathlib.Path")
     if "\0" in os.fspath(value):

@@ -1,6 +1,6 @@
 """Any result by one name: `load` finds its class by the schema in the file, `to_frame` joins several.
 
-The methods of results (`show.Result`) do the rest; `draw`, `view` and `save` are those methods as functions.
+The methods of results (`display.Result`) do the rest; `draw`, `view` and `save` are those methods as functions.
 """
 
 from __future__ import annotations

@@ -36,7 +36,7 @@ _OF_A_SCENE = {
     "guesses": "a state of a pattern is judged by classify",
     "fewest_starts": "of a pattern, starts says when the search ends",
     "workers": "a pattern is searched in one process",
-    "progress": "a pattern tells no progress",
+    "progress": "a pattern reports no progress",
 }
 """What only the one or the other takes, and why."""
 
@@ -112,8 +112,7 @@ def find_minima(
         Standard deviation [degrees] of random errors: how many of 20 draws each minimum survives.
     others
         Of a scene alone: ``fewest_starts``, ``guesses``, ``full`` (judge each without the symmetry; None: up to 12
-        creases and 64 states),  ``prove``, ``workers``,
-        ``progress``, see `minima.find_minima`.  Of a pattern alone: ``starts`` (random starts in a row that find
+        creases and 64 states), ``prove``, ``workers``, ``progress``, see `minima.find_minima`.  Of a pattern alone: ``starts`` (random starts in a row that find
         nothing new, in place of the effort) and ``contact`` (``"full"``, or ``"fold-limits"``: facets may cross).
 
     Returns
@@ -161,7 +160,7 @@ def find_minima(
 
 
 def _facets_apart(contact: object) -> bool:
-    """Tell whether facets of a pattern must not cross."""
+    """Return whether facets of a pattern must not cross."""
     if not isinstance(contact, str) or contact not in CONTACTS:
         known = " or ".join(map(repr, CONTACTS))
         raise OptionError(f"contact = {shown(contact)} must be {known} for a pattern")
@@ -174,7 +173,7 @@ def classify(
     *,
     polished: bool = True,
 ) -> Classification:
-    """Classify a state of a vertex or of a pattern: a minimum, with its certificate and contacts, or why it is none.
+    """Classify a state of a vertex or of a pattern: a minimum, with its certificate and contacts, or why it is not one.
 
     Parameters
     ----------

@@ -110,7 +110,7 @@ _kept = by_scene(SEARCH)
 
 
 def minima_once(scene: Scene, **options: Any) -> MinimaResult:
-    """Return `find_minima(scene, **options)`, the same for the same question; no progress is told."""
+    """Return `find_minima(scene, **options)`, the same for the same question; no progress is reported."""
     asked = {k: v for k, v in options.items() if k != "progress" and v != DEFAULTS[k]}
     if scene in PANELS and set(asked) <= {"full"}:
         return panel_result(scene, **asked)

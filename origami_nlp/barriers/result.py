@@ -1,4 +1,4 @@
-"""Barriers as they are found, and how they tell themselves: tables and lines."""
+"""Barriers as they are found, and how they are printed: tables and lines."""
 
 from __future__ import annotations
 
@@ -99,8 +99,8 @@ class Barriers(Report, Viewable):
     merges
         The merge tree: where branches meet, in order of energy.
     graph
-        Admissible states and the steps between them; None with one freedom, whose curves are traced, and where it was
-        read from a file.
+        Admissible states and the steps between them; None with one degree of freedom, whose curves are traced, and
+        where it was read from a file.
     unlisted
         The deepest basins of the graph without a listed minimum.
     full
@@ -211,7 +211,7 @@ class Barriers(Report, Viewable):
 
 
 def _full_words(f: FullPass) -> str:
-    """Say what is known of one barrier without the symmetry."""
+    """Describe what is known of one barrier without the symmetry."""
     if f.verdict == "same":
         return f"{f.upper:.9g} J as well: no symmetry-breaking path is lower ({f.why})"
     if f.verdict == "lower":

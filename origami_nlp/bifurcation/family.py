@@ -1,4 +1,4 @@
-"""A family of scenes over one parameter, and the line of its programmes.
+"""A family of scenes over one parameter, and the line of its problems.
 
 What a crease gets, its images under the symmetry get too; names of parameters: see `over`.
 """
@@ -71,7 +71,7 @@ class Family:
 
     @cached_property
     def line(self) -> ParameterLine:
-        """The programmes along it.
+        """The problems along it.
 
         Raises
         ------
@@ -131,7 +131,7 @@ class Family:
         return states_to_fold(self.scene(self.over.low), frames)
 
     def _check(self, posed: Sequence[Any], where: np.ndarray) -> None:
-        """Complain where the numbers of scenes are not linear in s."""
+        """Raise an error where the numbers of scenes are not linear in s."""
         # equal steps of s: numbers that are linear change by the same from scene to scene
         change = np.diff([linear_numbers(m.parameters) for m in posed], axis=0)
         apart = np.abs(change - np.median(change, axis=0)).max(axis=1)

@@ -87,16 +87,17 @@ def follow(
         Of scenes: whether events at which a symmetric state loses its stability without the symmetry are located; None
         is True.
     morse
-        Of scenes: whether the Morse identity is checked at each check (two symmetric freedoms and full contact only).
+        Of scenes: whether the Morse identity is checked at each check (two symmetric degrees of freedom and full
+        contact only).
     prove
         Of scenes: whether it is proved at each check that no minimum is missing, or the seconds that this may take, as
-        for `find_minima`; where one freedom is left, searches are complete without it.
+        for `find_minima`; where one degree of freedom is left, searches are complete without it.
     effort, seed, max_starts, starts
         Of the searches, see `find_minima`; `starts` of patterns.
     options
         Of the continuation: lengths of steps, points and arcs at most.
     seconds
-        Wall time; what was followed by then is judged and returned, `Atlas.interrupted` tells.  None: no limit.
+        Wall time; what was followed by then is judged and returned, see `Atlas.interrupted`.  None: no limit.
 
     Returns
     -------
@@ -330,7 +331,7 @@ class _Survey:
         return out
 
     def _identity(self, scene: Scene, result: MinimaResult) -> str:
-        """Say whether the critical points of a scene sum to the Euler characteristic of its states."""
+        """Return whether the critical points of a scene sum to the Euler characteristic of its states."""
         try:
             found = find_critical_points(scene, result)
             known = self._euler.get(scene.vertex)
@@ -381,7 +382,7 @@ class _Survey:
 
 
 def _complete(result: MinimaResult) -> str:
-    """Say why the minima of a search are all, or that its time was over; "" where that is not known."""
+    """Return why the minima of a search are all, or that its time was over; "" where that is not known."""
     if isinstance(result.search, PatternSearchReport):
         return OUT_OF_TIME if result.search.left_out else ""
     if result.search.stopped_by == "time":

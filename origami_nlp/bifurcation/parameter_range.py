@@ -143,13 +143,13 @@ NEARBY = 1.3
 
 
 def kind_of(name: str) -> str:
-    """Return what a parameter is, a key of `UNITS`; the name itself where it is none."""
+    """Return what a parameter is, a key of `UNITS`; the name itself where it is not one."""
     match = PLACE.fullmatch(name.strip()) or _OF_A_PATTERN.fullmatch(name.strip())
     return next(v for v in match.groups()[:3] if v) if match else name.strip()
 
 
 def meant_by(name: str, options: Iterable[str] = ()) -> str:
-    """Return ``; did you mean ...?`` for a parameter that is none, or nothing; options: what it could be as well."""
+    """Return ``; did you mean ...?`` for a parameter that is not one, or nothing; options: what it could be as well."""
     known = [*UNITS, *options]
     bare = (re.sub(r".*\.|\[.*", "", part.strip()) for part in name.split("+"))
     return "".join(did_you_mean(part, known) for part in bare if part not in known)

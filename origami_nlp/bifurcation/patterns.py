@@ -1,4 +1,4 @@
-"""A family of patterns over one parameter, and the line of its programmes.
+"""A family of patterns over one parameter, and the line of its problems.
 
 Springs change along a `ParameterLine` as those of scenes do: names are those of `pattern.with_places`, and ``ratio``.
 What moves vertices (``vertices.x[5]``, or an option of an example such as ``alpha`` of ``miura:3x3``) changes closure
@@ -29,13 +29,13 @@ from origami_nlp.problem import Contact
 SHARE = 1e-3
 """Of the range: the step of the difference that follows closure along it; its error is the fourth power."""
 KEPT = 64
-"""Programmes of a line that are kept: a point, what it is differentiated by, and the points before."""
+"""Problems of a line that are kept: a point, what it is differentiated by, and the points before."""
 CREASES = 6
 """Steps and weights of `path` are those of so many creases; their lengths grow as the root of the number."""
 
 
 class Moved(PatternProblem):
-    """The programme of a pattern on a `PatternLine`: its KKT system is differentiated along that line alone."""
+    """The problem of a pattern on a `PatternLine`: its KKT system is differentiated along that line alone."""
 
     line: PatternLine
     s: float
@@ -65,14 +65,14 @@ class Moved(PatternProblem):
 
 @dataclass(frozen=True, eq=False)
 class PatternLine:
-    """Programmes of patterns of one structure whose vertices move with s: what `ParameterLine` is for springs.
+    """Problems of patterns of one structure whose vertices move with s: what `ParameterLine` is for springs.
 
     Attributes
     ----------
     pattern_of
         The pattern at s.
     start
-        Value of s whose programme lends scale and numbers of contacts to all.
+        Value of s whose problem lends scale and numbers of contacts to all.
     length
         Of the range of s.
     weight
@@ -93,7 +93,7 @@ class PatternLine:
 
     @cached_property
     def at(self) -> Callable[[float], Any]:
-        """Return the programme at s; the last ones are kept."""
+        """Return the problem at s; the last ones are kept."""
 
         def made(s: float) -> PatternProblem:
             return self.problem if s == self.start else self._made(s, self.problem)
@@ -106,7 +106,7 @@ class PatternLine:
         return problem if like is None else problem.numbered_as(like)
 
     def slope(self, s: float) -> np.ndarray:
-        """Return the change of s along itself, [1]: the programmes know the rest."""
+        """Return the change of s along itself, [1]: the problems know the rest."""
         return np.ones(1)
 
 
@@ -126,7 +126,7 @@ class PatternFamily(Family):
 
     @cached_property
     def line(self) -> ParameterLine | PatternLine:  # type: ignore[override]
-        """The programmes along it.
+        """The problems along it.
 
         Raises
         ------

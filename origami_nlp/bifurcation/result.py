@@ -20,7 +20,10 @@ from origami_nlp.errors import OUT_OF_TIME, OptionError
 from origami_nlp.numerics import DUPLICATE_TOL
 from origami_nlp.pattern import Pattern, Scene
 
-COMPLETE = {"proved": "proved to be all", "traced": "all that the curves of its one freedom hold"}
+COMPLETE = {
+    "proved": "proved to be all",
+    "traced": "all that the curves of its one degree of freedom hold",
+}
 """How it is said that a check is complete."""
 
 

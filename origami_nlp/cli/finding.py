@@ -95,7 +95,7 @@ def minima(
     stopped = False
     try:
         result = search(stated, scene.name, **options)
-    except Interrupted as early:  # what was found is told and written all the same
+    except Interrupted as early:  # what was found is reported and written all the same
         result, stopped = early.result, True
     result.tell(out.console)
     out.write("json", result.to_dict)
@@ -173,7 +173,7 @@ def landscape(
     if not SMALLEST <= size <= LARGEST:
         raise OptionError(f"--size = {size} must lie between {SMALLEST} and {LARGEST}")
     if chart_of(stated) is None:
-        why = coordinates(stated, 8).reason or "it has one symmetric freedom only"
+        why = coordinates(stated, 8).reason or "it has one symmetric degree of freedom only"
         raise OptionError(f"scene has no landscape over two coordinates: {why}")
     if json and stated.contact != "full":
         raise OptionError(

@@ -53,7 +53,7 @@ class _Command(_Helped, TyperCommand):
         return super().parse_args(ctx, filled)
 
     def invoke(self, ctx: Any) -> Any:
-        """Run it; on a terminal, tell who asked for no file what could be written."""
+        """Run it; on a terminal, inform who asked for no file what could be written."""
         answer = super().invoke(ctx)
         could = [p for p in self.params if p.param_type_name == "option" and p.metavar == WRITES]
         if could and not any(ctx.params.get(p.name) for p in could):

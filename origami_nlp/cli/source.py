@@ -154,7 +154,7 @@ class Source:
         return vertex_scenes(self._frame(), tell=_tell, **self._spring_options())
 
     def refuse_options(self, why: str, but: Sequence[str] = ()) -> None:
-        """Complain about options of FOLD files, if there are any; but: those that scene files take too."""
+        """Raise an error for options of FOLD files, if there are any; but: those that scene files take too."""
         if given := [name for name in self.given if name not in but]:
             option = given[0].replace("_", "-")
             raise OptionError(f"--{option} is for FOLD files (.fold); {why}")

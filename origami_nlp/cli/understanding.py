@@ -196,8 +196,8 @@ def barriers(
 ) -> None:
     """Find the lowest pass between every two minima of ORIGAMI, and a path through it.
 
-    Of a vertex with up to two freedoms, or of a pattern with one.  With --full the barriers without the symmetry are
-    bounded as well.
+    Of a vertex with up to two degrees of freedom, or of a pattern with one.  With --full the barriers without the
+    symmetry are bounded as well.
     """
     from origami_nlp.barriers import (
         barriers_table,

@@ -1,6 +1,6 @@
 """Metastable segments: stretches of a contact boundary along which the energy is nearly flat.
 
-A boundary is followed from every stable state with a closed contact (`path.follow_boundary`), the contact
+A boundary is followed from every stable state with a closed contact (`continuation.follow_boundary`), the contact
 held.  A stretch of it is metastable where, at every point,
 
 - |dU/ds| / (pi sum k) <= 5e-3: the paper's own tolerance for a stationary state;

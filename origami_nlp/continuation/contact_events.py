@@ -44,7 +44,7 @@ BISECTIONS, SOON = 24, 7
 touches is what will close."""
 LATE = 30
 """Lengths of what bisection leaves by which is stepped back: facets that cross are seen from a depth on, and there the
-sides on which features are can no longer be told."""
+sides on which features are can no longer be determined."""
 MOST_TRIED = 8
 """Contacts that are looked for by Newton, the nearest ones."""
 MOST_NAMED = 8
@@ -92,7 +92,7 @@ def _first_sliding(curve: EquilibriumCurve, a: Equilibrium, b: Equilibrium) -> F
     """Return where features held first come to a border between a, where they are inside each other, and b.
 
     Where nothing else happens between `INSIDE` and the border itself it is the border, and the event is located: there
-    facets slip off each other.  Otherwise it is the last state of which their gap tells.
+    facets slip off each other.  Otherwise it is the last state at which their gap is meaningful.
     """
     found: list[Found] = []
     for contact in (c for c in b.hold.contacts if _margin(b, c) <= 0.0):
@@ -222,14 +222,14 @@ def _not_located(good: Equilibrium, bad: Equilibrium) -> Found:
     why = bad.seen.refused or "closure"
     if p.beyond(bad.state) and len(at_limit) > 1:
         named = ", ".join(map(str, at_limit[:MOST_NAMED])) + ", ..." * (len(at_limit) > MOST_NAMED)
-        why = f"creases {named} at their fold limits: closure loses rank where so many creases shut at once"
+        why = f"creases {named} at their fold limits: closure loses rank where so many creases close at once"
     return Found("refused", good, None, np.nan, False, why)
 
 
 def _guesses(
     curve: EquilibriumCurve, a: Equilibrium, good: Equilibrium, bad: Equilibrium
 ) -> list[float]:
-    """Return lengths of steps from a just before and just after the next contact closes, as far as Newton tells."""
+    """Return lengths of steps just before and after the next contact closes, as far as Newton resolves them."""
     at_limit = (curve.where_closed(good, c, a.tangent) for c in _candidates(curve, good, bad, good))
     first = step_length(a, good, curve.root)
     lengths = [step_length(a, f, curve.root) for f in at_limit if f is not None]

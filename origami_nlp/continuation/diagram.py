@@ -1,4 +1,4 @@
-"""Equilibria over a parameter as a web: nodes (events and ends) and arcs between them.
+"""Equilibria over a parameter as a bifurcation diagram: nodes (events and ends) and arcs between them.
 
 From a state every half-branch is followed; where a contact event ends it, one-sided conditions say how it goes on.
 Inner events (folds, branchings) cut arcs too, so that along an arc the parameter runs one way, the contacts held and

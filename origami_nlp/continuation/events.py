@@ -10,8 +10,8 @@ slides          features of a held contact come to a border, where their gap no 
 touches         facets come to touch where no single gap keeps them apart: the curve ends
 
 These, and `singular` (closure or contacts lose rank), are the generic ways in which a one-parameter family of
-programmes changes (Jongen, Jonker and Twilt 1986: types 2 to 5); where a contact event turns the parameter back,
-a minimum meets a saddle there without any eigenvalue that tells: `nonsmooth-fold`.
+parametric problems changes (Jongen, Jonker and Twilt 1986: types 2 to 5); where a contact event turns the parameter
+back, a minimum meets a saddle there without any eigenvalue that shows it: `nonsmooth-fold`.
 """
 
 from __future__ import annotations
@@ -147,7 +147,7 @@ def folds_and_branchings(
 
 
 def is_zero(value: Value, frame: Equilibrium, a: Equilibrium, b: Equilibrium) -> bool:
-    """Tell whether a function that changes sign between a and b does so through zero, and not through infinity."""
+    """Return whether a function that changes sign between a and b does so through zero, and not through infinity."""
     return abs(value(frame)) <= SETTLED * max(abs(value(a)), abs(value(b)))
 
 

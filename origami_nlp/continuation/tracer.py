@@ -58,7 +58,7 @@ class Curve(Protocol[F_co]):
         """Move x [n] onto the curve; None if that fails."""
 
     def frame(self, x: np.ndarray, along: np.ndarray) -> F_co | None:
-        """Say where the curve goes at x, its tangent on the side of `along` [n] (metric); None where it does not."""
+        """Return where the curve goes at x, its tangent on the side of `along` [n] (metric); None where it does not."""
 
 
 @dataclass(frozen=True)
@@ -302,5 +302,5 @@ def _before(frames: Sequence[F], ends: Sequence[End[F]]) -> tuple[int, End[F] | 
 
 
 def _is_back(curve: Curve[F], step: _Step[F], first: F, back: float) -> bool:
-    """Tell whether a step came back to the first point: nearer than it is long, in the same direction."""
+    """Return whether a step came back to the first point: nearer than it is long, in the same direction."""
     return back <= 0.75 * step.length and float(step.frame.tangent @ first.tangent) > ALIGNED

@@ -84,8 +84,8 @@ def find_critical_points(
     Raises
     ------
     OptionError
-        If the scene has dead loads, not two symmetric freedoms or not full contact, or an argument is not what it must
-        be.
+        If the scene has dead loads, not two symmetric degrees of freedom or not full contact, or an argument is not
+        what it must be.
 
     Examples
     --------

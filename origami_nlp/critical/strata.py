@@ -1,4 +1,4 @@
-"""The pieces of the admissible set X of a scene with two symmetric freedoms: faces, edges, vertices.
+"""The pieces of the admissible set X of a scene with two symmetric degrees of freedom: faces, edges, vertices.
 
 They depend on sector angles, symmetry and contact only, not on stiffness and rest angles, and are found once for
 all energies on the same geometry.
@@ -63,13 +63,13 @@ def strata_of(scene: Scene, *, samples: int = FACE_SAMPLES, seed: int = 0) -> St
     Raises
     ------
     OptionError
-        If the scene has not two symmetric freedoms, or its contact is not ``"full"``: X is not compact
+        If the scene has not two symmetric degrees of freedom, or its contact is not ``"full"``: X is not compact
         without contact, and its boundary is another one with fold limits only.
     """
     model = Model(scene)
     if model.freedom != 2:
         raise OptionError(
-            f"symmetry = {scene.symmetry!r} leaves {model.freedom} freedoms: critical points are "
+            f"symmetry = {scene.symmetry!r} leaves {model.freedom} degrees of freedom: critical points are "
             "found for 2 (degree 6 with D1, degree 8 with D2)"
         )
     if scene.contact != "full":

@@ -62,7 +62,7 @@ class Shot(NamedTuple):
 
 
 def check_animation(target: str | os.PathLike[str]) -> None:
-    """Complain, before any work, about a film that could not be written.
+    """Raise, before any work, an error for a film that could not be written.
 
     Parameters
     ----------

@@ -37,7 +37,7 @@ HEIGHT = 900
 
 
 def check_view(option: str = "view") -> None:
-    """Complain, before any work, where plotly is not installed.
+    """Raise an error, before any work, where plotly is not installed.
 
     Parameters
     ----------
@@ -151,7 +151,7 @@ def interactive_page(*contents: Content) -> str:
     parts = {
         "TITLE": escape(contents[0].title if len(contents) == 1 else f"{len(contents)} scenes"),
         "TABLES": "\n".join(
-            f"<section class='told' hidden>{pieces_html(content.pieces)}</section>"
+            f"<section class='report' hidden>{pieces_html(content.pieces)}</section>"
             for content in contents
         ),
         "DATA": data.replace("<", "\\u003c"),  # no text of a user ends the script

@@ -29,7 +29,7 @@ condition 1e4 of the equations (see `DESIGN_MARGIN`); more is another design."""
 ROOM = 2.0
 """Bounds of moments come of a least singular value in floating point, which is good to far more than this factor."""
 LEAST_MARGIN = 0.01
-"""Of a design that makes barriers largest: at 0 its wells would be none."""
+"""Of a design that makes barriers largest: at 0 its wells would vanish."""
 LARGEST_MARGIN = 10.0
 """Cap on t: where nothing else bounds it (wound springs on a flat-folded state), more is of no use."""
 MOST_PIECES = 16
@@ -37,14 +37,14 @@ MOST_PIECES = 16
 
 
 class ConvexDesign:
-    """The convex programme of a question.
+    """The convex program of a question.
 
     Parameters
     ----------
     targets
         The question.
     touching
-        Contacts without which states are to hold still, each with the number of its state from 0.
+        Contacts without which states are to be in equilibrium, each with the number of its state from 0.
     loose
         Ask only for what every minimum fulfils: whichever of its contacts press (see `Balance`), and of singular states
         nothing.  Where that has no answer, no springs hold the states.
@@ -299,7 +299,7 @@ def _row(size: int, *entries: tuple[int | slice, Any]) -> np.ndarray:
 
 
 def standing(targets: Targets, i: int) -> State:
-    """Return a state, numbered from 0, in the programme in which it is to stand."""
+    """Return a state, numbered from 0, in the problem in which it is to stand."""
     state, t = targets.placed[i].state, targets
     return state if t.free is t.model else State(t.free, t.free.reduce(t.model.expand(state.x)))
 
@@ -330,7 +330,7 @@ def springs_of(posed: ConvexDesign) -> Found:
     Parameters
     ----------
     posed
-        A feasible programme.
+        A feasible problem.
 
     Returns
     -------

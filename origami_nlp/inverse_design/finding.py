@@ -116,7 +116,7 @@ def design(
         raise OptionError("[ask] maximise = 'barrier' needs [[barriers]] with the pairs that count")
     if ask.maximise == "barrier" and targets.model.freedom != 1:
         raise OptionError(
-            f"[ask] maximise = 'barrier' needs one freedom; the vertex has {targets.model.freedom}"
+            f"[ask] maximise = 'barrier' needs one degree of freedom; the vertex has {targets.model.freedom}"
         )
     say = progress or (lambda _: None)
     work = _Work(targets, ask, name, seed, effort, say)
@@ -133,7 +133,7 @@ def design(
 
 
 def _differ(targets: Targets) -> None:
-    """Complain where two targets close to one state."""
+    """Raise an error where two targets close to one state."""
     for a, b in itertools.combinations(targets.placed, 2):
         if np.abs(a.state.x - b.state.x).max() <= DESIGN_SNAP:
             raise OptionError(
@@ -261,7 +261,7 @@ class _Work:
             tolerance, posed, calm, shares = found, other, price, tried
             return True
 
-        # the tolerance is no function that a programme maximises: a few programmes that favour it are tried
+        # the tolerance is no function that a problem maximises: a few problems that favour it are tried
         for price in PRICES:
             better(price, shares)
         for _ in range(IMPROVEMENTS if len(shares) > 1 else 0):

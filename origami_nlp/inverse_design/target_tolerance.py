@@ -32,7 +32,7 @@ class Moved:
         Largest margin with the states as given, and as moved; -inf where there are no springs.
     by
         Largest change of a fold angle of each state [rad].
-    programmes
+    programs
         How many were solved.
     """
 
@@ -40,7 +40,7 @@ class Moved:
     before: float
     after: float
     by: tuple[float, ...]
-    programmes: int
+    programs: int
 
 
 def move_targets(targets: Targets, *, rounds: int = 40) -> Moved:

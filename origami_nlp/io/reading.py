@@ -109,7 +109,7 @@ def read_json(
     Raises
     ------
     error
-        If it cannot be read, is larger, or is no JSON: NaN and Infinity are none.
+        If it cannot be read, is larger, or is no JSON: NaN and Infinity are not JSON.
     OptionError
         If `source` is no path.
     """
@@ -209,7 +209,7 @@ def as_text(raw: bytes, what: str, error: type[OrigamiError]) -> str:
     Raises
     ------
     error
-        If they are none.
+        If they are not of this type.
     """
     try:
         return raw.decode()
@@ -224,7 +224,7 @@ def check_tables(
     error: type[OrigamiError],
     lists: Collection[str] = (),
 ) -> None:
-    """Complain about what a file of tables cannot have.
+    """Raise an error for what a file of tables cannot have.
 
     Parameters
     ----------
@@ -242,7 +242,7 @@ def check_tables(
     Raises
     ------
     error
-        If a table or one of its keys is unknown, or a table is none.
+        If a table or one of its keys is unknown, or what must be a table is not one.
     """
     for table, content in data.items():
         if table not in known:

@@ -185,7 +185,7 @@ def _judge(piece: Stratum, stationary: float) -> BranchJudgement:
 
 
 def _rises(piece: Stratum) -> str:
-    """Say why the energy grows in every direction that closure leaves to second order; "" where that is not shown."""
+    """Return why the energy grows in every direction that closure leaves to second order; "" if not shown."""
     state, z = piece.state, piece.state.kernel
     rows = np.vstack([piece.slopes @ z, -(state.gradient @ z)[None]])
     if has_no_level_direction(state.second_order, rows):

@@ -325,7 +325,7 @@ def polished_nearby(
     Parameters
     ----------
     model
-        The programme.
+        The problem.
     x
         A state, shape [n] [rad].
     tolerance

@@ -1,4 +1,4 @@
-"""Admissible states near a given one: does a direction exist in reality, and is any neighbour lower?"""
+"""Admissible states near a given one: do any follow a tangent direction, and is any of them lower?"""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ STEPS = (1e-3, 1e-4, 1e-5, 1e-6)
 
 
 def tangent_is_feasible(state: State, tangent: np.ndarray, held: tuple[Contact, ...]) -> bool:
-    """Tell whether the direction `tangent`, or its mirror image, is followed by admissible states."""
+    """Return whether the direction `tangent`, or its mirror image, is followed by admissible states."""
     for step in STEPS:
         for sign in (1.0, -1.0):
             y, residual = project(state.problem, state.x + sign * step * tangent, held)

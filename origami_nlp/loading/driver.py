@@ -154,7 +154,7 @@ class VertexDriver:
         return self.scene.label or repr(self.scene.vertex)
 
     def line(self) -> ParameterLine:
-        """Return the programmes of the scene over t."""
+        """Return the problems of the scene over t."""
         return self._line(self.scene)
 
     def full_line(self) -> ParameterLine | None:
@@ -216,7 +216,7 @@ class VertexDriver:
     def down(
         self, line: ParameterLine, s: float, node: SpecialPoint, near: float, until: float
     ) -> tuple[np.ndarray, Classification] | str:
-        """Descend at s from the end of a state to a minimum farther away than `near` [rad], or say why not."""
+        """Descend at s from the end of a state to a minimum farther away than `near` [rad], or return why not."""
         try:
             end = follow(line.at(s), node.point[:-1])
         except ValueError as why:

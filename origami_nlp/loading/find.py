@@ -208,7 +208,7 @@ class _Job:
         return State(self._full.at(frame.s), frame.problem.expand(frame.state))
 
     def _judged(self, way: StableSegment) -> tuple[str, float | None]:
-        """Say what the states of a way are without the symmetry, and from which load on; it may snap at its end."""
+        """Describe the states of a segment without the symmetry, and from which load on; it may snap at its end."""
         if self._full is None:
             return "", None
         last = max(len(way.frames) - 1 - (way.why != "range"), 0)

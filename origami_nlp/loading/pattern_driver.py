@@ -101,7 +101,7 @@ class PatternDriver:
         return self.work.conjugate(fold_angles)
 
     def line(self) -> ParameterLine:
-        """Return the programmes of the pattern over t; a load that could turn all springs is one [rad] long."""
+        """Return the problems of the pattern over t; a load that could turn all springs is one [rad] long."""
         problem = PatternProblem(self.pattern).under(self.work, 0.0)
         none = np.zeros(problem.size)
         change = Parameters(none[:0], none, none, none, Worked(self.work, 1 / problem.scale))  # type: ignore[arg-type]
@@ -156,7 +156,7 @@ class PatternDriver:
     def down(
         self, line: ParameterLine, s: float, node: SpecialPoint, near: float, until: float
     ) -> tuple[np.ndarray, Classification] | str:
-        """Descend at s from the end of a state to one farther away than `near` [rad], or say why there is none."""
+        """Descend at s from the end of a state to one farther away than `near` [rad], or return why there is none."""
         loaded: Any = line.at(s)
         loaded.until = until
         phi, touching = node.point[:-1], any(not c.is_limit for c in node.held)

@@ -31,7 +31,7 @@ WHY = {
 
 
 MOST_ANGLES = 12
-"""Fold angles that are told of one state."""
+"""Fold angles that are printed of one state."""
 
 
 @dataclass(frozen=True, repr=False)

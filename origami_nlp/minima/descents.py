@@ -50,7 +50,7 @@ from origami_nlp.starts import (
 FLAT_SLOPE = 1e-10
 """Torque that is left where a descent has converged, relative to the largest that balance."""
 NO_SLOPE = FLAT_SLOPE / 100
-"""A crease with less of it stays where it is: of a contact that others force shut rounding times the condition is left,
+"""A crease with less of it stays where it is: of a contact that others close rounding times the condition is left,
 and steps that this sends against its limit end there."""
 SADDLE = -1e-7
 """Eigenvalue (of a Hessian that is 1 for springs alone) below which a stationary state is left downhill."""
@@ -116,7 +116,7 @@ class Descents:
     Attributes
     ----------
     closing, crossings
-        What brings states onto their strata, and what tells where they cross something.
+        What brings states onto their strata, and what determines where they cross something.
     """
 
     def __init__(
@@ -250,7 +250,7 @@ class Descents:
         escapes: np.ndarray,
         known: tuple[np.ndarray, np.ndarray] | None = None,
     ) -> np.ndarray:
-        """Set the direction `d` of saddles downhill (in place; they have not converged); tells which they are.
+        """Set the direction `d` of saddles downhill (in place; they have not converged); return which they are.
 
         known: lowest curvatures [K] and their directions [K, n], where they are.
         """
@@ -289,7 +289,7 @@ class Descents:
         at_limit, slots, rows = s.at_limit.copy(), s.slots.copy(), p.rows.copy()
         release = np.zeros_like(at_limit, dtype=bool)
         release[limit, worst[limit]] = True
-        if self._many:  # what closing finds beyond its limit is shut again
+        if self._many:  # what closing finds beyond its limit is put back to it
             most = pull[np.arange(len(s)), worst]
             release |= released[:, None] & (pull[:, :n] > np.maximum(EARLY * most, early)[:, None])
         opens[release] = -at_limit[release]
@@ -345,7 +345,7 @@ class Descents:
         return replace(s, x=x, at_limit=at_limit), share
 
     def _try(self, trial: Samples, before: _Before) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Tell which trial states are taken; and which gap each crosses (`OPEN` for none), with its open side."""
+        """Return which trial states are taken; and which gap each crosses (`OPEN` for none), with its open side."""
         at, value, _ = self.closing.rows(trial)
         good = np.abs(value).max(axis=1) <= EXPLORED
         good &= (np.abs(trial.x) <= self.model.bound + ROUNDED).all(axis=1) & (at.sheet > 0)

@@ -54,7 +54,7 @@ MOST_STARTS = 100_000
 
 
 def check_options(seed: object, max_starts: object, fewest_starts: object = FEWEST_STARTS) -> None:
-    """Complain about a seed or a cap on starts that is no natural number.
+    """Raise OptionError unless seed and cap on starts are non-negative integers.
 
     Raises
     ------
@@ -113,21 +113,21 @@ def find_minima(
     guesses
         States to start from first (of a neighbouring scene, say), shape [N] each [rad]; they do not
         enter the stopping rule.  Each is also judged where it is: a minimum there is listed, and
-        `SearchReport.refused` says why another guess is none.
+        `SearchReport.refused` says why another guess is not one.
     full
         Also decide each minimum in the full contact-admissible space, symmetry-breaking motions included.  None: where
         that is affordable, see `minima.full_space.is_affordable`.
     prove
         Prove that the list is complete: True (in at most 2 million boxes, about a minute), seconds of processor time
         that this may take, or `ProofOptions`; False: do not try.
-        Without being asked it is tried where it is cheap: within fold limits, up to two freedoms.
+        Without being asked it is tried where it is cheap: within fold limits, up to two degrees of freedom.
     seconds
         Wall time after which the search goes no further, and what is left is not judged in the full space; a proof gets
         what is left.  The report says so, and the answer
         depends on the machine.  None: the effort alone bounds it.
     escape
-        Say what it takes to leave each minimum (`JudgedState.escape`): with one freedom exactly, otherwise by descents
-        out of it, which takes about as long as the search of a small vertex. False: do not.
+        Say what it takes to leave each minimum (`JudgedState.escape`): with one degree of freedom exactly, otherwise by
+        descents out of it, which takes about as long as the search of a small vertex. False: do not.
     noise
         Standard deviation [degrees] of random errors of rest angles, stiffnesses (as a share, in radians) and sector
         angles: how many of 20 draws each minimum survives, followed as the errors grow (`JudgedState.survival`).

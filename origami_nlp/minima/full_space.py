@@ -148,7 +148,7 @@ def judge_in_full_space(
             None,
             None,
         )
-    # a descent to a lower state proves that it is none
+    # a descent to a lower state proves that it is not a minimum
     path = follow(model, x)
     if len(path.states) < 2:
         why = f"{what.verdict}: {what.reason}; but no admissible state lower than it was found"
@@ -224,7 +224,7 @@ def _average(elements: tuple[tuple[int, bool], ...], n: int) -> np.ndarray:
 
 
 def mode_symmetry(scene: Scene, direction: np.ndarray, tolerance: float = KEPT) -> str:
-    """Say which elements of the scene's group a change of the fold angles keeps."""
+    """Return which elements of the scene's group a change of the fold angles keeps."""
     size = float(np.abs(direction).max())
     kept = [
         name

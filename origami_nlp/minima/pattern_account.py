@@ -11,8 +11,8 @@ from origami_nlp.errors import OUT_OF_TIME
 from origami_nlp.minima.account import SearchReport
 from origami_nlp.minima.minimum import JudgedState
 
-ESCAPE_PATHS = "ways out of flat-folded states"
-MEETINGS = "ways out of states where curves meet"
+ESCAPE_PATHS = "branch directions of flat-folded states"
+MEETINGS = "branch directions of states where curves meet"
 """Parts of a search that its time may end."""
 
 
@@ -27,27 +27,28 @@ class PatternSearchReport(SearchReport):
     flat
         Starts that fell back into the flat state.
     lines, families
-        Ways out of the flat state that were enumerated: with one freedom, with more.
+        Branch directions of the flat state that were enumerated: with one degree of freedom, with more.
     flat_folded
-        States with every crease open or shut, the flat one among them, all ways out of which were gone.
-    crossroads
-        Other states at which curves meet, found along curves, all ways out of which were gone.
+        States with every crease open or fully folded, the flat one among them, all branch directions of which were
+        followed.
+    branch_points
+        Other states at which curves meet, found along curves, all branch directions of which were followed.
     not_enumerated
         What of these was not enumerated, and why; empty where all were.
     curves, ended
-        Curves of states with one freedom that are known; how many of them from limit to limit, or round.
+        Curves of states with one degree of freedom that are known; how many of them from limit to limit, or round.
     not_traced
         Starts whose curves were not traced any more: descents began there instead.
     outside
         Of the curves, those that only random starts led to.
     unclear
-        Parts of steps along curves in which facets may touch and part again unseen.
+        Parts of steps along curves on which contact cannot be excluded.
     drawn
         Random starts; `quiet` of them were made since one led to a new minimum or curve.
     pressed
         Descents into contact, from where descents that let facets cross ended in crossing.
     gave_up
-        Of those, how many did not arrive, by reason: limits on time, pairs of facets, creases, or steps.
+        Of those, how many did not converge, by reason: limits on time, pairs of facets, creases, or steps.
     of_vertex
         Minima that the search for single vertices found, where there is but one.
     popped, by_pops
@@ -66,7 +67,7 @@ class PatternSearchReport(SearchReport):
     lines: int = 0
     families: int = 0
     flat_folded: int = 0
-    crossroads: int = 0
+    branch_points: int = 0
     not_enumerated: str = ""
     curves: int = 0
     ended: int = 0
@@ -145,7 +146,7 @@ class PatternSearchReport(SearchReport):
         self.failed[why] = self.failed.get(why, 0) + 1
 
     def words(self) -> list[str]:
-        """Say how the search went, and what is known of what it did not find."""
+        """Describe how the search went, and what is known of what it did not find."""
         return list(self._words())
 
     def _words(self) -> Iterator[str]:
@@ -154,21 +155,23 @@ class PatternSearchReport(SearchReport):
             yield f"{why}, not through with: {', '.join(self.left_out)}"
         if self.lines or self.families:
             what = "family" if self.families == 1 else "families"
-            more = f" and {self.families} {what} with more freedoms" if self.families else ""
-            yield f"ways out of the flat state: all enumerated, {self.lines} with one freedom{more}"
+            more = (
+                f" and {self.families} {what} with more degrees of freedom" if self.families else ""
+            )
+            yield f"branch directions of the flat state: all enumerated, {self.lines} with one degree of freedom{more}"
         if self.flat_folded > 1:
-            ways = "" if ESCAPE_PATHS in self.left_out else ", and the ways out of each"
+            ways = "" if ESCAPE_PATHS in self.left_out else ", and the branch directions of each"
             yield f"flat-folded states: {self.flat_folded} enumerated{ways}"
-        if self.crossroads:
-            ways = "" if MEETINGS in self.left_out else ", and the ways out of each"
-            yield f"states where curves meet others: {self.crossroads} found along curves{ways}"
+        if self.branch_points:
+            ways = "" if MEETINGS in self.left_out else ", and the branch directions of each"
+            yield f"states where curves meet others: {self.branch_points} found along curves{ways}"
         if self.not_enumerated:
             yield self.not_enumerated
         if self.curves:
             yield from self._of_curves()
         yield (
-            f"{self.starts} starts: {self.open} could not be closed, {self.flat} fell back flat, "
-            f"{self.stalled} descents did not arrive"
+            f"{self.starts} starts: {self.open} failed to close, {self.flat} converged to the flat state, "
+            f"{self.stalled} did not converge"
         )
         if self.of_vertex:
             what = "minimum" if self.of_vertex == 1 else "minima"
@@ -195,11 +198,11 @@ class PatternSearchReport(SearchReport):
             yield "sampled, not exhausted: there may be further states"
         if self.quiet:
             yield (
-                f"the last {self.quiet} of {self.drawn} drawn starts found no other minimum: those not found draw less "
-                f"than {min(1.0, 3 / self.quiet):.2g} of such starts (95 %)"
+                f"no new minimum in the last {self.quiet} of {self.drawn} random starts: a missing one attracts fewer "
+                f"than {min(1.0, 3 / self.quiet):.2g} of them (95 % confidence)"
             )
         elif self.drawn:
-            yield "the last drawn start found another minimum or curve: draw more (starts)"
+            yield "the last random start found another minimum or curve: use more starts"
         if self.popped:
             what = "minimum" if self.by_pops == 1 else "minima"
             new = f"{self.by_pops} further {what}" if self.by_pops else "no further minimum"
@@ -208,7 +211,7 @@ class PatternSearchReport(SearchReport):
     def _of_curves(self) -> Iterator[str]:
         lost = self.curves - self.ended
         yield (
-            f"one freedom: {self.curves} curve{'s' * (self.curves != 1)} traced"
+            f"one degree of freedom: {self.curves} curve{'s' * (self.curves != 1)} traced"
             + (
                 f", {lost} of them lost on the way"
                 if lost
@@ -218,4 +221,4 @@ class PatternSearchReport(SearchReport):
             + (f"; {self.not_traced} starts on others" if self.not_traced else "")
         )
         if self.unclear:
-            yield "in parts of steps along them facets may touch and part again unseen"
+            yield "contact cannot be excluded on some sub-intervals of the curves"

@@ -61,7 +61,7 @@ def sweep(s: Samples, p: Point, root: np.ndarray) -> Sweep:
     Returns
     -------
     Sweep
-        Directions along the strata of the samples; all moves keep the creases shut that are.
+        Directions along the strata of the samples; all moves keep the creases fully folded that are.
     """
     free = s.at_limit == 0
     a = np.where(free[..., None], p.at.axes / root[:, None], 0.0)

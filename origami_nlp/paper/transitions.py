@@ -1,6 +1,6 @@
 """Sweep the sector angle of a family of vertices and find every transition of its admissible space X.
 
-Two searches that share only the geometry of the half-chain, and neither is told where to look:
+Two searches that share only the geometry of the half-chain, and neither is given the places to look at:
 
 - the sweep: X is analysed at many sector angles; where its signature (topology, corners, and the loops of its picture
   in the paper's chart) differs between neighbours, bisection closes in on the change;

@@ -191,7 +191,9 @@ def _analyse(
     if frame.folded and not broken:
         phi, unsure = _measured(d, normals, keep, frame, at)
         if unsure:
-            notes.append("a shut crease without assignment or fold angle: taken for a valley")
+            notes.append(
+                "a fully folded crease without assignment or fold angle: taken for a valley"
+            )
         notes += _compare(frame, at, phi)
     reason = broken or _why_not(frame, at, merged)
     if not reason:
@@ -262,7 +264,7 @@ def _refused(
 
 
 def _compare(frame: Frame, at: list[int], phi: np.ndarray) -> list[str]:
-    """Say where the angles of a folded form are not those that its file states."""
+    """Return where the angles of a folded form are not those that its file states."""
     stated = frame.fold_angles[at]
     apart = np.nan_to_num(np.abs(phi - stated))
     if apart.max() > APART:
@@ -285,7 +287,7 @@ def _compare(frame: Frame, at: list[int], phi: np.ndarray) -> list[str]:
 def _measured(
     d: np.ndarray, normals: np.ndarray, keep: list[int], frame: Frame, at: list[int]
 ) -> tuple[np.ndarray, bool]:
-    """Fold angles from the facets' normals; where a crease is shut the file says to which side."""
+    """Fold angles from the facets' normals; where a crease is fully folded the file says to which side."""
     unit = normals / np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), NONZERO)
     phi, unsure = [], False
     for k, e in zip(keep, at, strict=True):

@@ -246,7 +246,7 @@ def split_size(name: str) -> tuple[str, tuple[int, int] | tuple[None, None]]:
     Raises
     ------
     OptionError
-        If the size is none.
+        If the size is not valid.
 
     Examples
     --------

@@ -57,7 +57,7 @@ def compare_signs(letters: list[str], angles: np.ndarray, notes: list[str]) -> N
 
 
 def in_radians(angles: np.ndarray, legacy: bool, notes: list[str]) -> bool:
-    """Tell whether fold angles are radians.
+    """Return whether fold angles are radians.
 
     FOLD says degrees, under both names; under the old one programs wrote radians as well, and a file whose
     largest fold is below 3.15 degrees is no file that people make.

@@ -291,7 +291,7 @@ def _vertex_at(frame: Frame, number: int) -> FoldVertex:
 
 
 def _what_it_is(frame: Frame, number: int) -> str:
-    """Say what a vertex is that is no interior one with creases."""
+    """Describe what a vertex is that is no interior one with creases."""
     here = f"frame {frame.number}"
     if number >= len(frame.coords):
         return f"is not in {here}, whose vertices are 0 to {len(frame.coords) - 1}"
@@ -308,7 +308,7 @@ def _by_letters(
     rest_from: str | None = None,
     **_: Any,
 ) -> bool:
-    """Tell whether M and V alone say that every crease of a vertex rests shut."""
+    """Return whether M and V alone say that every crease of a vertex rests fully folded."""
     silent = are_silent(frame, np.searchsorted(frame.numbers, v.edges))
     letters = not frame.folded or rest_from == "file"
     return silent and letters and set(v.assignment) <= {"M", "V"} and rest_angle == math.pi

@@ -19,7 +19,7 @@ LETTERS_ONLY = (
 
 
 def check_fold_springs(frame: Frame, stiffness: float, rest_angle: float, rest_from: Any) -> None:
-    """Complain unless springs can be had of a frame in the way asked for; parameters as for `frame_pattern`."""
+    """Raise an error unless springs can be had of a frame in the way asked for; parameters as for `frame_pattern`."""
     check_number("stiffness", stiffness)
     check_number("rest_angle", rest_angle, 0.0, math.pi)
     if rest_from not in (None, "file", "measured"):
@@ -58,7 +58,7 @@ def fold_springs(
 
 
 def are_silent(frame: Frame, edges: ArrayLike) -> bool:
-    """Tell whether the file gives no angle of some edges, neither a fold angle nor a rest angle."""
+    """Return whether the file gives no angle of some edges, neither a fold angle nor a rest angle."""
     at = np.asarray(edges, dtype=np.intp)
     return bool((np.isnan(frame.fold_angles[at]) & np.isnan(frame.rest_angles[at])).all())
 

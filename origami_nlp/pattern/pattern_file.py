@@ -1,4 +1,4 @@
-"""A whole frame of a FOLD file as a pattern: facets, creases between them, springs; or why it is none."""
+"""A whole frame of a FOLD file as a pattern: facets, creases between them, springs; or why it is not one."""
 
 from __future__ import annotations
 
@@ -390,7 +390,7 @@ class _Sheet:
             elif abs(angle) > PLACES:
                 votes += sign * math.copysign(1.0, angle)
             phi[ends] = angle
-        note = f"shut creases {listed(unsure)} without assignment or fold angle: taken for valleys"
+        note = f"fully folded creases {listed(unsure)} without assignment or fold angle: taken for valleys"
         if unsure and note not in self.notes:
             self.notes.append(note)
         return phi, votes

@@ -79,7 +79,7 @@ class Scene(PrettyRepr):
         depends on it.
     winding
         How often states of C_n or D_n, n > 2, wind round the axis of their symmetry: an odd number up to n.  Default:
-        a search looks at all of `windings`; whatever poses one programme of the scene takes states that wind once.
+        a search looks at all of `windings`; whatever poses one problem of the scene takes states that wind once.
     relations
         Special relations of the sector angles: which hold, which nearly hold and were made exact by moving
         sector angles (by at most 1e-7 rad, `relations.moved`), and which are different.  Decided here; an
@@ -294,7 +294,7 @@ class Scene(PrettyRepr):
         return self.vertex.degree
 
     def check_no_forces(self, what: str) -> None:
-        """Complain where forces pull in space, which `what` does not know.
+        """Raise an error where forces pull in space, which `what` does not know.
 
         Parameters
         ----------
@@ -387,7 +387,7 @@ def _change(new: Sequence[Any], old: Sequence[Any]) -> float:
 
 
 def check_range(stiffness: Sequence[float]) -> None:
-    """Complain about stiffnesses that cannot be computed with, or not together."""
+    """Raise an error for stiffnesses that cannot be computed with, or not together."""
     soft, stiff = min(stiffness), max(stiffness)
     i, j = stiffness.index(soft) + 1, stiffness.index(stiff) + 1
     if soft < SMALLEST or stiff > LARGEST:
@@ -429,7 +429,7 @@ def _same_length(values: Sequence[float], name: str, degree: int) -> None:
 
 
 def _numbers(values: object, name: str, degree: int) -> tuple[float, ...]:
-    """Read `degree` floats, or complain about field `name`."""
+    """Read `degree` floats, or raise an error about field `name`."""
     wrong = SceneError(f"{name} must be a list of numbers, one for each crease")
     if isinstance(values, str | bytes):
         raise wrong

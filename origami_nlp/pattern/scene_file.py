@@ -96,7 +96,7 @@ def decode_scene(raw: bytes, name: str) -> Scene:
 
 
 def is_json(raw: bytes) -> bool:
-    """Tell whether bytes begin as a JSON object does, and no TOML file.
+    """Return whether bytes begin as a JSON object does, and no TOML file.
 
     Parameters
     ----------

@@ -392,7 +392,7 @@ class _Loops:
 
 
 def _check_topology(facet_of: np.ndarray, left: np.ndarray, right: np.ndarray, loops: int) -> None:
-    """Complain unless the facets hang together and the loops generate every closed walk over them."""
+    """Raise an error unless the facets hang together and the loops generate every closed walk over them."""
     facets = int(facet_of.max(initial=-1)) + 1
     parts = int(groups(facets, np.column_stack([left, right])).max(initial=-1)) + 1
     if parts != 1:

@@ -75,7 +75,7 @@ class Vertex(PrettyRepr):
         self._set(parse_angles(self.sector_angles, "sector_angles"), _Unit("sector_angles", 1.0))
 
     def _set(self, angles: tuple[float, ...], unit: _Unit) -> None:
-        """Check the angles [rad], complain in the unit in which they were stated, and keep them."""
+        """Check the angles [rad], raise an error in the unit in which they were stated, and keep them."""
         if len(angles) < 3:
             raise VertexError(
                 f"sector_angles has {len(angles)} entries: a vertex needs at least 3 creases"
@@ -249,7 +249,7 @@ class _Unit:
         return f"{angle * self.scale:.{digits}g} {'deg' if self.in_degrees else 'rad'}"
 
     def check_each(self, angles: Sequence[float]) -> None:
-        """Complain about an angle that is no sector."""
+        """Raise an error for an angle that is no sector."""
         for i, a in enumerate(angles, start=1):
             if a <= 0:
                 raise VertexError(f"{self.field}[{i}] = {self.show(a)} must be positive")
@@ -260,7 +260,7 @@ class _Unit:
                 )
 
     def of_sum(self, angles: Sequence[float], total: float) -> str:
-        """Say what is missing of a flat sheet, and what can be done about it."""
+        """Describe what is missing of a flat sheet, and what can be done about it."""
         missing = 2 * math.pi - total
         full = "360 deg" if self.in_degrees else f"2 pi = {2 * math.pi:.9g} rad"
         which = "missing" if missing > 0 else "too much"

@@ -41,7 +41,7 @@ def confirm_minimum(problem: PatternProblem, minimum: JudgedState) -> Confirmed:
     Parameters
     ----------
     problem
-        The programme.
+        The problem.
     minimum
         A minimum of it.
 

@@ -1,6 +1,6 @@
 """What two scenes must share to be solved by the same compiled functions, and those functions.
 
-A `Structure` holds only what changes the form of the nonlinear programme: group, rays, contacts.
+A `Structure` holds only what changes the form of the nonlinear program: group, rays, contacts.
 Sector angles, stiffness, rest angles and load are parameters, so one solver serves a whole sweep.
 """
 
@@ -73,7 +73,7 @@ def evaluator(function: ca.Function) -> Evaluate:
 
 @dataclass(frozen=True)
 class Structure:
-    """The form of the nonlinear programme.
+    """The form of the nonlinear program.
 
     kind, order: the point group C_n or D_n.
     winding: how often states wind round its axis.

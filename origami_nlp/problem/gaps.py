@@ -68,7 +68,7 @@ def touching_deficit(chain: Sequence[float]) -> float:
 
 
 def can_cross(sector_angles: Sequence[float], i: int, j: int) -> bool:
-    """Tell whether facets i and j (0-based) of a vertex could ever cross.
+    """Return whether facets i and j (0-based) of a vertex could ever cross.
 
     A common point splits the polygon into two closed loops; each closes only if the parts s, t of
     the two facets that belong to it bridge the deficit of its chain.  Both loops share alpha_i +

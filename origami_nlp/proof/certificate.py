@@ -239,7 +239,7 @@ def read_certificate(source: str | Path) -> Certificate:
     Raises
     ------
     CertificateError
-        If it cannot be read or is none.
+        If it cannot be read or is not one.
     """
     return certificate_from_dict(read_json(source, LARGEST, "proof", CertificateError))
 

@@ -175,7 +175,7 @@ class FundamentalDomain:
                 frame = next_frame(frame, self.sectors[r], self.doubt)
         along, across = (TargetTolerance(v.on(n), n) for v in frame[:2])
         if self.kind == "C":
-            # F e1 has no part along e2 and e3, F e2 none along e3: F is 1 or a half turn, which `sheet` tells apart
+            # F e1 has no part along e2 and e3, F e2 none along e3: F is 1 or a half turn, which `sheet` distinguishes
             zero = Product((e2, along)), Product((e3, along)), Product((e3, across))
             return Folded(tuple(rays), zero, (Product((e1, along)), Product((e2, across))), e2, e2)
         end = TargetTolerance(-across.vector, n)

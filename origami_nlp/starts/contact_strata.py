@@ -10,9 +10,9 @@ of k - j and N - (k - j) + 1 corners (mod N), at least three each.  A second tou
 A *stack touch* pinches nothing: crease i is closed and the crease e at the tip of its narrower facet is flat, so that
 the facet beyond the tip lies on the wider one (`folding.stack_rule`).
 
-A *stratum* is a set of touches with a set of closed creases; sides of touches and signs of creases are not told apart.
-Only strata in general position are listed: in each piece three turns must be left to close it, and the corner at a
-touch is not closed itself, except where one touch leaves another turn in exchange.
+A *stratum* is a set of touches with a set of closed creases; sides of touches and signs of creases are not
+distinguished. Only strata in general position are listed: in each piece three turns must be left to close it, and the
+corner at a touch is not closed itself, except where one touch leaves another turn in exchange.
 What is not listed is of higher codimension: creases on creases, and pieces that lie folded flat.
 """
 
@@ -163,11 +163,11 @@ def _family(ways: list[Pinched], n: int, most: int) -> Family:
     masks = np.zeros((len(chosen), n), bool)
     for mask, creases in zip(masks, chosen, strict=True):
         mask[creases] = True
-    # bookkeeping: `used` counts shut creases by piece, `left` how many each piece can spare
+    # bookkeeping: `used` counts fully folded creases by piece, `left` how many each piece can spare
     way_of, at_limit, tip_closed = [], [], []
     for t, way in enumerate(ways):
         own = [np.isin(np.arange(n), [c[0] for c in piece]) for piece in way.pieces]
-        # three turns close a piece, so that all others may be shut
+        # three turns close a piece, so that all others may be fully folded
         room = np.array([len(piece) - 3 for piece in way.pieces])
         tips = [k for k, _ in way.touches] if not way.flat else []
         good = ~masks[:, tips].any(axis=1)

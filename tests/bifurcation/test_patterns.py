@@ -27,7 +27,7 @@ QUAD = o.Scene(
         (QUAD, "stiffness[1]=0.1:30", ["fold", "closes", "singular", "fold"]),
         (replace(o.examples.degree6("5*pi/12"), symmetry="none"), "ratio=2:5", ["closes"]),
     ],
-    ids=("one freedom", "three"),
+    ids=("one degree of freedom", "three"),
 )
 def test_a_pattern_of_one_vertex_has_the_events_of_the_vertex(scene, over, types):
     one = o.follow(scene, over, prove=False, **FEW)

@@ -329,4 +329,4 @@ def test_patterns_are_drawn_with_numbers(sheet, tmp_path):
     dashes = {str(lines.get_linestyle()) for lines in axes.collections}
     assert (
         len(dashes) == len(axes.collections) == 3
-    )  # borders, mountains, valleys: told apart without colour
+    )  # borders, mountains, valleys: distinguished without colour

@@ -145,7 +145,7 @@ def test_several_results_share_a_page(result: MinimaResult) -> None:
     content = result.view_content()
     both = display.interactive_page(content, dataclasses.replace(content, title="another"))
     assert [d["title"] for d in data_of(both)] == [content.title, "another"]
-    assert both.count("<section class='told'") == 2
+    assert both.count("<section class='report'") == 2
 
 
 def test_jupyter_shows_the_page_in_a_frame_of_its_own(result: MinimaResult) -> None:

@@ -86,7 +86,7 @@ def test_random_designs_verify(seed):
 
 
 def cutting_planes(posed):
-    """Largest margin by linear programmes alone: matrices are cut by vectors, no cone is known."""
+    """Largest margin by linear programs alone: matrices are cut by vectors, no cone is known."""
     p = posed.problem
     equal = [(p.matrix(r), -r.b) for r in p.rows if r.cone == EQUAL]
     above = [(p.matrix(r), r.b) for r in p.rows if r.cone == POSITIVE]

@@ -77,7 +77,7 @@ def test_a_vertex_as_a_pattern_snaps_where_the_vertex_does(to, back, count):
         assert path.snaps[0].t == pytest.approx(-0.138149523101, abs=1e-11)
 
 
-# ---------------------------------------------------------------- one freedom, in closed form
+# ---------------------------------------------------------------- one degree of freedom, in closed form
 
 
 def law(pattern, n, i, z):
@@ -189,7 +189,7 @@ def test_a_path_stops_where_all_creases_shut_at_once():
     pattern, start = folded_miura(2, 3)
     i = int(np.flatnonzero(np.abs(pattern.directions[:, 1]) > 1e-9)[0])
     path = o.load_path(pattern, i + 1, to=-40.0, state=start)
-    assert "shut at once" in path.legs[0].why and not path.snaps
+    assert "close at once" in path.legs[0].why and not path.snaps
 
 
 def test_springs_take_up_the_work_of_the_load():

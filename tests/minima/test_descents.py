@@ -131,7 +131,7 @@ def test_effort_and_what_it_says():
     assert "expected undiscovered" not in str(normal) and "complete" not in str(normal)
     assert normal.search.every_corner and "is decided" in str(normal)
     one = find_minima(vertex(4, 1, "full"), prove=False, escape=False)
-    assert one.search.stopped_by == "complete" and "complete: one freedom" in str(one)
+    assert one.search.stopped_by == "complete" and "complete: one degree of freedom" in str(one)
     assert all(m.solver.agrees and m.solver.iterations <= 1 for m in normal.minima)
 
 
@@ -146,7 +146,7 @@ def test_all_corners_is_said_only_where_all_were_tried():
         assert rounds.every_corner == (rounds.corners == every)
     capped = find_minima(examples.degree6("pi/3", 1), max_starts=16, prove=False, escape=False)
     assert capped.search.corners < 18 and not capped.search.every_corner
-    assert "leave without freedom" not in str(capped)
+    assert "leave without degrees of freedom" not in str(capped)
 
 
 def test_scenes_of_one_vertex_descend_together_as_each_does_alone():

@@ -95,7 +95,7 @@ def test_a_search_that_went_badly_says_so(changes, up):
     result = search_with(**good | changes)
     assert set(result.flags.up) == up | {"may_miss_minima"}
     assert all(name in str(result) and name in result.to_html(picture=False) for name in up)
-    settled = search_with(**changes, complete="one freedom")
+    settled = search_with(**changes, complete="one degree of freedom")
     settled = dataclasses.replace(
         settled, search=dataclasses.replace(settled.search, stopped_by="complete")
     )

@@ -53,7 +53,7 @@ scale = "log"
 [search]
 starts = 4
 """
-"""Twelve scenes with one freedom."""
+"""Twelve scenes with one degree of freedom."""
 FEW = SMALL.replace("count = 6", "count = 2")
 
 PATTERNS = """

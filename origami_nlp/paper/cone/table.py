@@ -169,7 +169,7 @@ def print_branch(branch: ConeBranch, elevation: float, console: Console) -> None
 
 
 def print_diagram(diagram: PhaseDiagram, console: Console) -> None:
-    """Say which numbers occur and how much of the map each takes, and count the boundaries.
+    """Return which numbers occur and how much of the map each takes, and count the boundaries.
 
     Parameters
     ----------
