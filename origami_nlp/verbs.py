@@ -112,7 +112,8 @@ def find_minima(
         Standard deviation [degrees] of random errors: how many of 20 draws each minimum survives.
     others
         Of a scene alone: ``fewest_starts``, ``guesses``, ``full`` (judge each without the symmetry; None: up to 12
-        creases and 64 states), ``prove``, ``workers``, ``progress``, see `minima.find_minima`.  Of a pattern alone: ``starts`` (random starts in a row that find
+        creases and 64 states), ``prove``, ``workers``, ``progress``, see
+        `minima.find_minima`.  Of a pattern alone: ``starts`` (random starts in a row that find
         nothing new, in place of the effort) and ``contact`` (``"full"``, or ``"fold-limits"``: facets may cross).
 
     Returns
