@@ -41,7 +41,7 @@ from origami_nlp.minima.windings import (
     prove_each,
     survival_of_each,
 )
-from origami_nlp.numerics import rank
+from origami_nlp.numerics import energy_or_zero, rank
 from origami_nlp.pattern import Scene
 from origami_nlp.problem import Model
 from origami_nlp.proof import ProofOptions
@@ -284,7 +284,7 @@ def _minimum(
     phi = model.expand(p.x)
     passing = passing_moment(model.scene, phi)
     return JudgedState(
-        model.energy(p.x),
+        float(energy_or_zero(model.energy(p.x), model.scene.stiffness)),
         tuple(phi.tolist()),
         what.verdict,
         what.reason,
