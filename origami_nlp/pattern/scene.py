@@ -12,7 +12,7 @@ import numpy as np
 from origami_nlp.arguments import check_angles, shown
 from origami_nlp.errors import OptionError, SceneError, SymmetryError
 from origami_nlp.io import PrettyRepr, is_unicode, printable
-from origami_nlp.numerics import EPS, INPUT_TOL, RESOLVED, SUMMED
+from origami_nlp.numerics import EPS, INPUT_TOL, RESOLVED, SUMMED, energy_or_zero
 from origami_nlp.pattern.angles import format_angle, parse_angles
 from origami_nlp.pattern.loads import Load, dead_loads, read_loads
 from origami_nlp.pattern.relations import Relations, find_relations
@@ -355,7 +355,7 @@ class Scene(PrettyRepr):
         """
         phi = check_angles("fold_angles", fold_angles, self.degree, finite=False)
         k, rest = np.array(self.stiffness), np.array(self.wound_angles)
-        energy = 0.5 * np.sum(k * (phi - rest) ** 2, axis=-1)
+        energy = energy_or_zero(0.5 * np.sum(k * (phi - rest) ** 2, axis=-1), k)
         if (dead := dead_loads(self.loads, self.held_facet)) is not None:
             energy = energy + dead.energy(np.array(self.vertex.sector_angles), phi)
         return float(energy) if energy.ndim == 0 else energy
