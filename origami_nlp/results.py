@@ -168,8 +168,8 @@ def load(path: str | PathLike[str]) -> Any:
     >>> import os, tempfile, origami_nlp as o
     >>> path = os.path.join(tempfile.mkdtemp(), "minima.json")
     >>> o.find_minima(o.examples.degree6("pi/4", ratio=0.01), max_starts=16).save(path)
-    >>> o.load(path)
-    MinimaResult('degree 6, alpha_1 = pi/4, r_k = 0.01'; 2 symmetric minima, symmetry D1, contact full)
+    >>> [m.full_space.verdict for m in o.load(path).minima]
+    ['stable', 'stable']
     """
     data = read_data(path)
     schema = data.get("schema") if isinstance(data, dict) else None

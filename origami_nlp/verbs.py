@@ -111,8 +111,9 @@ def find_minima(
     noise
         Standard deviation [degrees] of random errors: how many of 20 draws each minimum survives.
     others
-        Of a scene alone: ``fewest_starts``, ``guesses``, ``full``, ``prove``, ``workers``,
-        ``progress``, see `minima.find_minima`.  Of a pattern alone: ``starts`` (random starts in a row that find
+        Of a scene alone: ``fewest_starts``, ``guesses``, ``full`` (judge each without the symmetry; None: up to 12
+        creases and 64 states), ``prove``, ``workers``, ``progress``, see
+        `minima.find_minima`.  Of a pattern alone: ``starts`` (random starts in a row that find
         nothing new, in place of the effort) and ``contact`` (``"full"``, or ``"fold-limits"``: facets may cross).
 
     Returns
@@ -240,7 +241,7 @@ def write_fold(result: MinimaResult, target: str | PathLike[str]) -> None:
     >>> path = pathlib.Path(tempfile.mkdtemp(), "states.fold")
     >>> o.write_fold(o.find_minima(o.examples.degree6("pi/4", ratio=0.01), max_starts=16), path)
     >>> [frame["frame_title"] for frame in json.loads(path.read_text())["file_frames"]]
-    ['state 1: interior, 0.0090858 J', 'state 2: contact-touching, 1.2337 J']
+    ['state 1: interior, 0.0090858 J, stable', 'state 2: contact-touching, 1.2337 J, stable']
     >>> o.write_fold(o.find_minima("miura:2x2", starts=1), path)
     >>> len(json.loads(path.read_text())["file_frames"]) > 0
     True

@@ -228,13 +228,16 @@ def barriers_table(several: Sequence[Barriers]) -> Table:
     rows = []
     for barriers in several:
         name = short_label(barriers.label).replace("*", r"\*")
-        judged = barriers.full or any(
-            getattr(m, "full_space", None) is not None for m in barriers.result.minima
-        )
+        unstable = {
+            number
+            for number, m in enumerate(barriers.result.minima, start=1)
+            if (known := getattr(m, "full_space", None)) and known.verdict == "unstable"
+        }
         full = {(f.from_state, f.to_state): f for f in barriers.full}
         for p in barriers.passes:
             one, two = barriers._energies(p)
             f = full.get((p.from_state, p.to_state))
+            judged = barriers.full or unstable & {p.from_state, p.to_state}
             said = "an end is unstable there" if judged else "not asked"
             if f is not None:
                 said = f"same: {f.why}"

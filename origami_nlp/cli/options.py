@@ -345,7 +345,11 @@ VertexNumber = Annotated[
 ]
 FoldSymmetry = Annotated[
     str | None,
-    typer.Option(metavar="GROUP", **_OF_FOLD, help="none, auto, C<n> or D<n> (default auto)."),
+    typer.Option(
+        metavar="GROUP",
+        **_OF_FOLD,
+        help="none, auto, C<n> or D<n> (default auto); in place of a scene file's own, too.",
+    ),
 ]
 FoldContact = Annotated[
     str | None,

@@ -5,8 +5,8 @@ from __future__ import annotations
 import json
 import math
 import sys
-from collections.abc import Callable
-from dataclasses import dataclass, field
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
 from functools import cached_property, wraps
 from pathlib import Path
 from typing import Any
@@ -104,13 +104,15 @@ class Source:
     def read(self) -> Scene:
         """Return the scene; what is odd in a FOLD file goes to standard error."""
         if not self.is_fold:
-            self.refuse_options("a scene file states it itself")
+            self.refuse_options("a scene file states it itself", but=("symmetry",))
             scene = decode_scene(self._content, self.name)
             if change := scene.vertex.normalized:
                 _tell(
                     f"sector angles normalized to a sum of 360 deg: each by {math.degrees(change):+.6g} deg"
                 )
-            return scene
+            if (symmetry := self.given.get("symmetry")) is None:
+                return scene
+            return replace(scene, symmetry=symmetry, mirror=None, winding=None)
         if "per_length" in self.given:
             raise OptionError("--per-length is for whole patterns, not for a vertex of one")
         if self.vertex is not None:
@@ -151,10 +153,10 @@ class Source:
         """Return the scene of every vertex of a FOLD file that can be analysed, by its number."""
         return vertex_scenes(self._frame(), tell=_tell, **self._spring_options())
 
-    def refuse_options(self, why: str) -> None:
-        """Raise an error for options of FOLD files, if there are any."""
-        if self.given:
-            option = next(iter(self.given)).replace("_", "-")
+    def refuse_options(self, why: str, but: Sequence[str] = ()) -> None:
+        """Raise an error for options of FOLD files, if there are any; but: those that scene files take too."""
+        if given := [name for name in self.given if name not in but]:
+            option = given[0].replace("_", "-")
             raise OptionError(f"--{option} is for FOLD files (.fold); {why}")
 
     def _frame(self) -> Frame:

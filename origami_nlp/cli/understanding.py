@@ -242,7 +242,8 @@ def barriers(
             check_dof(one)
     found = []
     for one in stated:
-        result = search(one, given, seed=seed, full=full or None, escape=False)
+        asked = {"full": full} if isinstance(one, Scene) else {"full": full or None}
+        result = search(one, given, seed=seed, escape=False, **asked)
         with progress(f"{getattr(one, 'label', given) or given}: passes between the minima"):
             found.append(find_barriers(one, result, full=full or None, seed=seed))
         found[-1].tell(out.console)

@@ -25,7 +25,7 @@ from origami_nlp.kkt import (
     State,
     passing_moment,
 )
-from origami_nlp.minima.full_space import FullSpace, judge_in_full_space, not_judged
+from origami_nlp.minima.full_space import FullSpace, is_affordable, judge_in_full_space, not_judged
 from origami_nlp.minima.ipopt import MOST_CONFIRMED, Confirmation, confirm
 from origami_nlp.minima.job import Job, Progress
 from origami_nlp.minima.minimum import JudgedState
@@ -85,7 +85,7 @@ def find_minima(
     max_starts: int = MOST_STARTS,
     fewest_starts: int = FEWEST_STARTS,
     guesses: Sequence[np.ndarray] = (),
-    full: bool = False,
+    full: bool | None = None,
     prove: bool | float | ProofOptions | None = None,
     seconds: float | None = None,
     escape: bool = True,
@@ -115,8 +115,8 @@ def find_minima(
         enter the stopping rule.  Each is also judged where it is: a minimum there is listed, and
         `SearchReport.refused` says why another guess is not one.
     full
-        Also decide each minimum in the full contact-admissible space, symmetry-breaking motions
-        included.
+        Also decide each minimum in the full contact-admissible space, symmetry-breaking motions included.  None: where
+        that is affordable, see `minima.full_space.is_affordable`.
     prove
         Prove that the list is complete: True (in at most 2 million boxes, about a minute), seconds of processor time
         that this may take, or `ProofOptions`; False: do not try.
@@ -159,7 +159,8 @@ def find_minima(
     check_type("scene", scene, Scene)
     check_options(seed, max_starts, fewest_starts)
     wanted = options_of(effort, options)
-    check_flag("full", full)
+    if full is not None:
+        check_flag("full", full)
     check_prove("prove", prove)
     until = check_until(seconds)
     check_flag("escape", escape)
@@ -226,7 +227,7 @@ def _result(
     jobs: Sequence[Job],
     effort: str,
     prove: bool | float | ProofOptions | None,
-    full: bool,
+    full: bool | None,
     escape: bool = False,
     noise: float | None = None,
 ) -> MinimaResult:
@@ -248,7 +249,7 @@ def _result(
         minima = escapes_of_each(jobs, minima)
     if noise is not None:
         minima = survival_of_each(jobs, minima, noise)
-    if full:
+    if is_affordable(model.scene, len(minima)) if full is None else full:
         minima = _in_full_space(model.scene, minima, until)
     windings = [job.model.structure.winding for job in jobs]
     report = join_reports(windings, reports)

@@ -36,6 +36,7 @@ from origami_nlp.minima.stability import (
     NOT_ASKED,
     barrier_head,
     count_words,
+    imposed_words,
     not_asked_words,
     verdict,
 )
@@ -308,7 +309,8 @@ class MinimaResult(Report, Viewable):
         group = "" if isinstance(self.origami, Pattern) else self.origami.group.name
         yield from state_lines(self.minima, group)
         yield from self._survivals()
-        yield from filter(None, [not_asked_words(self.origami, self.minima)])
+        said = not_asked_words(self.origami, self.minima), imposed_words(self.origami)
+        yield from filter(None, said)
         if self.is_pattern:
             for s in self.crossing:
                 yield f"energy {s.energy:.6g}: no state of paper, {s.certificate}"

@@ -43,7 +43,7 @@ def of_vertex(
     scene, creases = scene_of(pattern, contact)
     if scene is None:
         return [], True
-    result = find_minima(scene, seed=seed, prove=False, escape=False, seconds=seconds)
+    result = find_minima(scene, seed=seed, full=False, prove=False, escape=False, seconds=seconds)
     states = np.zeros((len(result.minima), pattern.creases))
     for phi, found in zip(states, result.minima, strict=True):
         phi[creases] = found.fold_angles
