@@ -51,8 +51,8 @@ class BranchJudgement:
     level: number of the certificate (module docstring), 0 for none.
     rows, multipliers: active constraints of the branch and the set of their multipliers.
     regular: whether closure has full rank.
-    eigenvalues: of the Hessian of the Lagrangian on the subspace that keeps the loaded contacts closed, in the metric of
-        all N fold angles, scaled energy.
+    eigenvalues: of the Hessian of the Lagrangian on the subspace that keeps the loaded contacts closed, in the metric
+        of all N fold angles, scaled energy.
     direction: a direction of descent of the linearised problem, or of negative curvature, if one was found.
     cone_dimension, tangent: dimension of the linearised feasible cone, and a direction in its relative interior [n].
     held: rows that the cone keeps closed (implicit equalities).
