@@ -18,7 +18,7 @@ from origami_nlp.bifurcation.family import SAMPLES, Family, family_of
 from origami_nlp.bifurcation.judging import Touching, breaking_eigenvalue, parts_of
 from origami_nlp.bifurcation.parameter_range import ParameterRange, parse_parameter_range
 from origami_nlp.bifurcation.patterns import PatternFamily, pattern_family
-from origami_nlp.bifurcation.records import Check, Cost, PathBranch
+from origami_nlp.bifurcation.records import Cost, PathBranch, SearchCheck
 from origami_nlp.bifurcation.result import Atlas
 from origami_nlp.continuation import (
     STEPS,
@@ -229,7 +229,7 @@ class _Survey:
             functions=functions,
             until=turn,
         )
-        self.checks: list[Check] = []
+        self.checks: list[SearchCheck] = []
         self.alarms: list[str] = []
         self._euler: dict[Vertex, int] = {}
 
@@ -298,7 +298,7 @@ class _Survey:
                         f"{self.over.name} = {t:.9g}: the state of a branch is {what.verdict}: {what.reason}"
                     )
         self.checks.append(
-            Check(
+            SearchCheck(
                 t,
                 len(result.minima),
                 len(followed),

@@ -34,7 +34,7 @@ CREASES = 6
 """Steps and weights of `path` are those of so many creases; their lengths grow as the root of the number."""
 
 
-class Moved(PatternProblem):
+class MovedVertices(PatternProblem):
     """The problem of a pattern on a `PatternLine`: its KKT system is differentiated along that line alone."""
 
     line: PatternLine
@@ -101,7 +101,7 @@ class PatternLine:
         return lru_cache(maxsize=KEPT)(made)
 
     def _made(self, s: float, like: PatternProblem | None = None) -> PatternProblem:
-        problem = Moved(self.pattern_of(s))
+        problem = MovedVertices(self.pattern_of(s))
         problem.line, problem.s = self, s
         return problem if like is None else problem.numbered_as(like)
 

@@ -190,7 +190,7 @@ class PathEvent(ShortRepr):
 
 
 @dataclass(frozen=True)
-class Check:
+class SearchCheck:
     """A search at one value of the parameter, beside what was followed.
 
     Attributes

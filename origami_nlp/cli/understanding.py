@@ -15,13 +15,21 @@ from origami_nlp.cli.search import search, search as search_minima
 from origami_nlp.cli.source import Source, takes_scene
 from origami_nlp.cli.timed import bounded
 from origami_nlp.errors import OptionError
-from origami_nlp.pattern import Scene, examples
+from origami_nlp.pattern import Pattern, Scene, examples, listed
 
 Creases: TypeAlias = Annotated[
     list[int] | None,
     typer.Option(
         metavar="K",
         help="Torque on crease K, from 1; of a pattern, repeated: on each of them; of a vertex on its images too.",
+    ),
+]
+Edges: TypeAlias = Annotated[
+    list[int] | None,
+    typer.Option(
+        metavar="E",
+        help="Of a pattern, in place of --crease: torque on the crease that is edge E of the file, from 0; repeated: "
+        "on each of them.",
     ),
 ]
 PullOf: TypeAlias = Annotated[
@@ -67,6 +75,17 @@ def work_of(
         return Pull(sheet, (_whole("--pull", a), _whole("--pull", b)))
     v, x, y, z = _numbers("--force", force or "", 4)
     return DeadForce(sheet, _whole("--force", v), (x, y, z), held)
+
+
+def creases_of(pattern: Pattern, edges: list[int] | None) -> list[int]:
+    """Return the numbers of creases, from 1, that are edges of the file, from 0."""
+    number = {edge: crease for crease, edge in enumerate(pattern.numbers.tolist(), start=1)}
+    for edge in edges or ():
+        if edge not in number:
+            raise OptionError(
+                f"--edge = {edge} is no crease: the file has creases at edges {listed([*number])}"
+            )
+    return [number[edge] for edge in edges or ()]
 
 
 def _numbers(option: str, text: str, count: int) -> list[float]:
@@ -132,6 +151,7 @@ def modes(scene: Source, state: o.StateNumber = None, **options: Any) -> Any:
 def load(
     scene: Source,
     crease: Creases = None,
+    edge: Edges = None,
     pull: PullOf = None,
     force: ForceOn = None,
     fixed_facet: FixedFacet = 1,
@@ -165,15 +185,15 @@ def load(
     what = scene.read_whole()
     work: Any
     if isinstance(what, Scene):
-        if pull or force or len(crease or ()) > 1:
-            raise OptionError("--pull, --force and several --crease are for patterns")
+        if edge or pull or force or len(crease or ()) > 1:
+            raise OptionError("--edge, --pull, --force and several --crease are for patterns")
         work = crease[0] if crease else None
     else:
-        if sum(map(bool, (crease, pull, force))) != 1:
+        if sum(map(bool, (crease, edge, pull, force))) != 1:
             raise OptionError(
-                "a pattern is loaded by one of --crease K, --pull V,W and --force V,X,Y,Z"
+                "a pattern is loaded by one of --crease K, --edge E, --pull V,W and --force V,X,Y,Z"
             )
-        work = work_of(what, crease, pull, force, fixed_facet)
+        work = work_of(what, creases_of(what, edge) or crease, pull, force, fixed_facet)
     end = to if to == "snap" else load_number(to)
     return load_path(
         what, work, to=end, state=state, back=unload, confirm=confirm, starts=starts, **search

@@ -10,7 +10,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field, replace
 from typing import Any
 
-from origami_nlp.contact.margin import Check, CreaseMargin, LoadMargin
+from origami_nlp.contact.margin import CreaseMargin, LoadMargin, MarginCheck
 from origami_nlp.contact.segments import STIFFNESS, SegmentReport, add_segments
 from origami_nlp.display import Content, Report, Section, Table, Viewable, Words
 from origami_nlp.io import ShortRepr, Unbounded
@@ -245,7 +245,7 @@ def margin_lines(margin: LoadMargin) -> list[str]:
     return lines
 
 
-def _check_words(check: Check) -> str:
+def _check_words(check: MarginCheck) -> str:
     head = f"re-solved at {100 * check.factor:.1f} % of it ({check.by})"
     if check.closed:
         return f"{head}: contact closed, moment {check.multiplier:.3g} N m"

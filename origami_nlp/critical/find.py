@@ -32,7 +32,7 @@ from origami_nlp.critical.result import (
     MinimaComparison,
     Part,
 )
-from origami_nlp.critical.strata import FACE_SAMPLES, Strata, StratumVertex, strata_of
+from origami_nlp.critical.strata import FACE_SAMPLES, StratifiedSet, StratumVertex, strata_of
 from origami_nlp.kkt import State, Stratum
 from origami_nlp.minima import MinimaResult
 from origami_nlp.numerics import (
@@ -115,7 +115,7 @@ def find_critical_points(
 
 
 def _interior_points(
-    model: Problem, strata: Strata, doubts: list[str], all_links: bool
+    model: Problem, strata: StratifiedSet, doubts: list[str], all_links: bool
 ) -> list[CriticalPoint]:
     """Critical points at which nothing touches."""
     starts = np.concatenate([strata.faces, *(edge.x[1:-1:2] for edge in strata.edges)])
@@ -152,7 +152,7 @@ def _firm(model: Problem) -> float:
 
 def _edge_points(
     model: Problem,
-    strata: Strata,
+    strata: StratifiedSet,
     vertices: np.ndarray,
     doubts: list[str],
     all_links: bool,

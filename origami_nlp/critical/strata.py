@@ -43,7 +43,7 @@ class StratumVertex:
 
 
 @dataclass(frozen=True)
-class Strata:
+class StratifiedSet:
     """Faces as a cloud of states [S, n] in X, edges and vertices of X.
 
     sides: for each edge the sign of its contact's opening inside X; 0 where X is not one half-plane beside the
@@ -57,7 +57,7 @@ class Strata:
     vertices: tuple[StratumVertex, ...]
 
 
-def strata_of(scene: Scene, *, samples: int = FACE_SAMPLES, seed: int = 0) -> Strata:
+def strata_of(scene: Scene, *, samples: int = FACE_SAMPLES, seed: int = 0) -> StratifiedSet:
     """Return the strata of X; scenes that differ in stiffness and rest angles share them.
 
     Raises
@@ -80,7 +80,9 @@ def strata_of(scene: Scene, *, samples: int = FACE_SAMPLES, seed: int = 0) -> St
 
 
 @lru_cache(maxsize=32)
-def _strata(vertex: Vertex, symmetry: str, mirror: int | None, samples: int, seed: int) -> Strata:
+def _strata(
+    vertex: Vertex, symmetry: str, mirror: int | None, samples: int, seed: int
+) -> StratifiedSet:
     """Find the strata with springs that have the symmetry of the vertex: all equal."""
     n = vertex.degree
     model = Model(Scene(vertex, (1.0,) * n, (0.0,) * n, symmetry, "full", mirror))
@@ -94,7 +96,7 @@ def _strata(vertex: Vertex, symmetry: str, mirror: int | None, samples: int, see
     states = states[distinct(states, SETTLED)]
     keep = [at for at in (State(model, x) for x in states) if not at.refused]
     sides = tuple(_side(model, edge) for edge in edges)
-    return Strata(model, cloud, edges, sides, tuple(_vertex(state) for state in keep))
+    return StratifiedSet(model, cloud, edges, sides, tuple(_vertex(state) for state in keep))
 
 
 def _settled(state: State) -> np.ndarray:

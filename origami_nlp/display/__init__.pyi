@@ -3,7 +3,7 @@ from .bodies import (
     Body as Body,
     Content as Content,
     Crease as Crease,
-    Folded as Folded,
+    FoldedBody as FoldedBody,
     Keyframe as Keyframe,
     Line as Line,
     Mark as Mark,
@@ -23,7 +23,7 @@ from .drawing import (
     draw_state as draw_state,
     drawn_height as drawn_height,
 )
-from .flags import Flags as Flags, Reason as Reason
+from .flags import Flags as Flags, FlagText as FlagText
 from .folded_pattern import pattern_view as pattern_view
 from .folded_vertex import rotation_onto as rotation_onto
 from .html import inline_image as inline_image

@@ -305,7 +305,7 @@ def standing(targets: Targets, i: int) -> State:
 
 
 @dataclass(frozen=True)
-class Found:
+class ConvexOptimum:
     """Springs in the scene's units.
 
     Attributes
@@ -322,7 +322,7 @@ class Found:
     margin: float
 
 
-def springs_of(posed: ConvexDesign) -> Found:
+def springs_of(posed: ConvexDesign) -> ConvexOptimum:
     """Turn the optimum into springs that fulfil every equation to rounding.
 
     Bounds that are active stay exactly so; then unknowns move by the least that closes the equations.
@@ -334,7 +334,7 @@ def springs_of(posed: ConvexDesign) -> Found:
 
     Returns
     -------
-    Found
+    ConvexOptimum
         The springs.
     """
     places = posed.places
@@ -356,7 +356,9 @@ def springs_of(posed: ConvexDesign) -> Found:
         if np.abs(a @ v - b).max() <= ROUNDED * (1 + np.abs(v).max()) and moved <= MOVED:
             break
     scale = _scale(posed, v)
-    return Found(v[places.stiffness] / scale, v[places.torque] / scale, float(v[places.margin]))
+    return ConvexOptimum(
+        v[places.stiffness] / scale, v[places.torque] / scale, float(v[places.margin])
+    )
 
 
 def _active(posed: ConvexDesign) -> tuple[list[np.ndarray], list[np.ndarray]]:
@@ -396,7 +398,7 @@ def _scale(posed: ConvexDesign, v: np.ndarray) -> float:
     return math.sqrt(float(k.max()) / high * float(k.min()) / low)
 
 
-def scene_of(targets: Targets, found: Found, name: str | None = None) -> Scene | Pattern:
+def scene_of(targets: Targets, found: ConvexOptimum, name: str | None = None) -> Scene | Pattern:
     """Return the scene, or the pattern, with these springs.
 
     Parameters

@@ -23,7 +23,7 @@ WIDEST = 1e4
 
 
 @dataclass(frozen=True)
-class Reason:
+class Infeasibility:
     """Why a question has no answer.
 
     Attributes
@@ -60,7 +60,7 @@ def works(targets: Targets) -> bool:
     return solve(targets).feasible
 
 
-def why_not(posed: ConvexDesign, tried: Works = works) -> Reason:
+def why_not(posed: ConvexDesign, tried: Works = works) -> Infeasibility:
     """Turn the dual of a problem without an answer into words.
 
     Parameters
@@ -72,7 +72,7 @@ def why_not(posed: ConvexDesign, tried: Works = works) -> Reason:
 
     Returns
     -------
-    Reason
+    Infeasibility
         With changes that would help.
     """
     weights: dict[str, float] = {}
@@ -96,7 +96,7 @@ def why_not(posed: ConvexDesign, tried: Works = works) -> Reason:
         if any(words.startswith(f"{n} ") or f" {n} " in f" {words} " for _, words in heavy)
     )
     bounds = tuple(words for _, words in heavy if not words.endswith((" balances", " is stiff")))
-    return Reason(states, bounds, proof_of(posed), changes(posed.targets, tried))
+    return Infeasibility(states, bounds, proof_of(posed), changes(posed.targets, tried))
 
 
 def proof_of(posed: ConvexDesign) -> str:

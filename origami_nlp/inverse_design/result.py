@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from origami_nlp.display import Report, Section, Table, Words, rows_table
-from origami_nlp.inverse_design.infeasibility import Reason
+from origami_nlp.inverse_design.infeasibility import Infeasibility
 from origami_nlp.inverse_design.robustness import MOVES, Tolerance
 from origami_nlp.inverse_design.targets import Targets
 from origami_nlp.minima import MinimaResult
@@ -151,7 +151,7 @@ class Design(Report):
     scene: Scene | Pattern | None
     states: tuple[HeldState, ...]
     extra_minima: tuple[ExtraMinimum, ...]
-    reason: Reason | None
+    reason: Infeasibility | None
     failed: tuple[str, ...]
     minima: MinimaResult | None = field(metadata={"plain": False})
     iterations: int

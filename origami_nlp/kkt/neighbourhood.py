@@ -41,7 +41,7 @@ def tangent_is_feasible(state: State, tangent: np.ndarray, held: tuple[Contact, 
 
 
 @dataclass(frozen=True)
-class Search:
+class NeighbourhoodSample:
     """Outcome of a search on small spheres.
 
     lowest: lowest energy change found at an admissible neighbour, in the scene's units.  state: where, or None where no
@@ -61,7 +61,7 @@ def sample_neighbourhood(
     rows: tuple[Contact, ...],
     seed: int = 0,
     radii: tuple[float, ...] = RADII,
-) -> Search:
+) -> NeighbourhoodSample:
     """Look for admissible states at small distances from x, on every stratum of its closed
     contacts.
 
@@ -84,7 +84,7 @@ def sample_neighbourhood(
             dimension = max(dimension, at.at(y).on(held).dimension)
         if lowest < -noise:  # one lower neighbour settles it
             break
-    return Search(lowest, state, tried, dimension)
+    return NeighbourhoodSample(lowest, state, tried, dimension)
 
 
 def dimension_nearby(state: State, rows: tuple[Contact, ...], seed: int = 0) -> int:

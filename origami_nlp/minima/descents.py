@@ -38,9 +38,9 @@ from origami_nlp.numerics import (
 from origami_nlp.problem import OPEN, Model, Parameters
 from origami_nlp.starts import (
     Closing,
+    ClosurePoint,
     Crossings,
     Ends,
-    Point,
     Samples,
     balance,
     joined,
@@ -232,7 +232,7 @@ class Descents:
         converged[lost], reach[lost] = False, 0.0
         return s, _Progress(reach, escaped, converged, moved)
 
-    def _on_stratum(self, s: Samples, p: Point) -> np.ndarray:
+    def _on_stratum(self, s: Samples, p: ClosurePoint) -> np.ndarray:
         """Hessian along the stratum of each sample, the identity across it, [K, n, n]."""
         n = s.x.shape[1]
         # projector on the null space of the rows on free creases, 1 - A'(A A')^-1 A (Nocedal and Wright, section 16.3)
@@ -271,8 +271,8 @@ class Descents:
         return escaped
 
     def _release(
-        self, s: Samples, p: Point, slope: np.ndarray, size: np.ndarray
-    ) -> tuple[Samples, Point, np.ndarray, np.ndarray]:
+        self, s: Samples, p: ClosurePoint, slope: np.ndarray, size: np.ndarray
+    ) -> tuple[Samples, ClosurePoint, np.ndarray, np.ndarray]:
         """Let go the contact that pulls most, where it pulls enough; returns also the gradient of its opening."""
         n = s.x.shape[1]
         # positive where a multiplier has the wrong sign: energy falls as the contact opens

@@ -90,7 +90,7 @@ def full_scene(scene: Scene) -> Scene:
 
 
 def is_affordable(scene: Scene, states: int) -> bool:
-    """Tell whether so many states of a scene are judged in the full space without being asked.
+    """Return whether so many states of a scene are judged in the full space without being asked.
 
     Without imposed symmetry there is nothing to judge.  A verdict takes 1 ms (4 creases) to 0.3 s (12 creases) where
     the state is stable; the search that found it takes 0.1 s to 20 s.

@@ -23,7 +23,7 @@ from origami_nlp.errors import OptionError
 from origami_nlp.folding import check_admissible, fold_vertex
 from origami_nlp.numerics import CLOSURE_TOL, INPUT_TOL, RANK, RESOLVED, ROUNDED, SETTLED
 from origami_nlp.paper.events import ContactKkt, Event, find_events, walls_of
-from origami_nlp.paper.family import Signature, Sweep, Transition, Witness
+from origami_nlp.paper.family import Signature, Transition, TransitionSweep, Witness
 from origami_nlp.pattern import Scene, degree6, degree8
 from origami_nlp.space import MeshError, Space, chain_of, find_space
 
@@ -53,7 +53,7 @@ def find_transitions(
     size: int = SWEEP_SIZE,
     seed: int = 0,
     report: OnProgress = lambda what, done: None,
-) -> Sweep:
+) -> TransitionSweep:
     """Sweep the sector angle of a family of vertices, and find where the space X of admissible states changes.
 
     This takes minutes: events are solved for exactly, and confirmed by states on either side.
@@ -73,7 +73,7 @@ def find_transitions(
 
     Returns
     -------
-    Sweep
+    TransitionSweep
         The transitions, and what the sweep saw that no event explains.
 
     Raises
@@ -139,7 +139,7 @@ def find_transitions(
     explained = {t.bracket for t in transitions}
     unexplained = tuple(b for b in brackets if b not in explained)
     pairs = tuple(zip(angles.tolist(), signatures, strict=True))
-    return Sweep(family, pairs, tuple(transitions), unexplained, tuple(silent))
+    return TransitionSweep(family, pairs, tuple(transitions), unexplained, tuple(silent))
 
 
 def _bisect(

@@ -17,7 +17,7 @@ import numpy as np
 
 from origami_nlp.numerics import quaternion as quat
 from origami_nlp.pattern import flat_points, followed
-from origami_nlp.problem.closure import Folded, fold_piece
+from origami_nlp.problem.closure import FoldedExpressions, fold_piece
 from origami_nlp.problem.gaps import Gap, gap_expression
 
 Evaluate = Callable[..., tuple[np.ndarray, ...]]
@@ -130,7 +130,7 @@ class Functions:
     x: ca.SX
     p: ca.SX
     energy: ca.SX
-    piece: Folded
+    piece: FoldedExpressions
     gaps: ca.SX
     closure: ca.Function
     local: ca.Function

@@ -66,7 +66,7 @@ class Located:
     energy: Any
 
 
-class Stratum:
+class CheckedStratum:
     """Critical points with given creases pinned.
 
     Parameters

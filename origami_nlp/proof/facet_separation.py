@@ -27,7 +27,7 @@ import numpy as np
 
 from origami_nlp.numerics import CONTACT_TOL, EPS
 from origami_nlp.problem import Model
-from origami_nlp.proof.domains import Folded, FundamentalDomain, Product, cross, times
+from origami_nlp.proof.domains import FoldedDomain, FundamentalDomain, Product, cross, times
 from origami_nlp.proof.touching_rows import Row
 
 APART, CROSSED, UNCLEAR = 1, -1, 0
@@ -85,7 +85,7 @@ class Signs:
                 if k not in (j, (j + 1) % n):
                     self.inside[:, k, j] = _inside(folded, k, j)
 
-    def _wedge(self, folded: Folded, n: int) -> None:
+    def _wedge(self, folded: FoldedDomain, n: int) -> None:
         if self.cyclic:
             return
         gaps = self.model.structure.gaps
@@ -236,7 +236,7 @@ class Signs:
         return UNCLEAR
 
 
-def _inside(folded: Folded, k: int, j: int) -> np.ndarray:
+def _inside(folded: FoldedDomain, k: int, j: int) -> np.ndarray:
     """Whether ray k is between rays j and j + 1, +1 or -1: n.(c_j x c_k) and n.(c_k x c_{j+1}) are positive, [R]."""
     a, b, c = (folded.rays[i % len(folded.rays)].vector for i in (j, j + 1, k))
     normal = cross(a, b)

@@ -70,7 +70,7 @@ from origami_nlp.proof.touching_rows import Row, TouchedVertex, TouchedWedge
 
 
 @dataclass(frozen=True, eq=False)
-class Stratum:
+class ContactStratum:
     """Touches, and the boxes of the fold limits that go with them.
 
     Attributes
@@ -163,7 +163,7 @@ def why_not(model: Model) -> str:
     return "" if fits else f"touches of a {model.symmetry} wedge of {rays} rays are not proved"
 
 
-def contact_strata(model: Model) -> Iterator[Stratum]:
+def contact_strata(model: Model) -> Iterator[ContactStratum]:
     """List the strata with touches of a model that `why_not` has nothing against."""
     freedom = model.freedom
     patterns = strata(model.size)
@@ -185,7 +185,7 @@ def contact_strata(model: Model) -> Iterator[Stratum]:
             if any(_says_nothing(model, t, crease) for t in touches):
                 allowed &= patterns.pins[crease] == 0
         if allowed.any():
-            yield Stratum(touches, posed, patterns[allowed])
+            yield ContactStratum(touches, posed, patterns[allowed])
 
 
 def _sets(model: Model) -> Iterator[tuple[Row, ...]]:

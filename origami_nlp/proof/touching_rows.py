@@ -22,7 +22,7 @@ from origami_nlp.proof.affine import (
 from origami_nlp.proof.chains import VanishingRows, Vertex, angle_turns, half_turns, taken
 from origami_nlp.proof.domains import (
     AXES,
-    Folded,
+    FoldedDomain,
     FundamentalDomain,
     Product,
     folded_frame,
@@ -52,7 +52,7 @@ class Row:
     rays: tuple[int, ...]
     gap: int
 
-    def product(self, folded: Folded) -> Product:
+    def product(self, folded: FoldedDomain) -> Product:
         """What vanishes."""
         if self.kind == "facet":
             return folded.on_facet(*self.rays)

@@ -123,7 +123,7 @@ def _stacked(sectors: tuple[float, ...], rows: Collection[Row]) -> list[Pinched]
 
 
 @dataclass(frozen=True, eq=False)
-class Family:
+class StratumFamily:
     """Strata of equally many pinches as arrays: T ways to pinch (P pieces of at most M corners), R strata.
 
     Attributes
@@ -150,7 +150,7 @@ class Family:
     tip_closed: np.ndarray
 
 
-def _family(ways: list[Pinched], n: int, most: int) -> Family:
+def _family(ways: list[Pinched], n: int, most: int) -> StratumFamily:
     """Write ways to pinch as arrays and list the closed creases, at most `most`, of each."""
     pieces = len(ways[0].pieces)
     widest = max(len(piece) for way in ways for piece in way.pieces)
@@ -188,7 +188,7 @@ def _family(ways: list[Pinched], n: int, most: int) -> Family:
             tip_closed.append(np.full(len(closed), tip))
     turn, facet, start, end = np.moveaxis(corners, -1, 0)
     where = np.concatenate(way_of), np.concatenate(at_limit), np.concatenate(tip_closed)
-    return Family(tuple(ways), turn, facet, start, end, *where)
+    return StratumFamily(tuple(ways), turn, facet, start, end, *where)
 
 
 @dataclass(frozen=True, eq=False)
@@ -207,7 +207,7 @@ class ContactStrata:
         Equal for strata with the same touches and closed creases, [R]: two creases on one facet, in either order.
     """
 
-    families: tuple[Family, ...]
+    families: tuple[StratumFamily, ...]
     touches: np.ndarray
     closed: np.ndarray
     label: np.ndarray
@@ -234,7 +234,7 @@ class ContactStrata:
             seen += len(family.way)
         return np.concatenate([np.zeros(0, int), *out])
 
-    def find(self, number: int) -> tuple[Family, int]:
+    def find(self, number: int) -> tuple[StratumFamily, int]:
         """Return the family of a stratum and its position there."""
         for family in self.families:
             if number < len(family.way):

@@ -15,7 +15,15 @@ from plotly.offline import get_plotlyjs
 import origami_nlp as o
 from origami_nlp import display
 from origami_nlp.chart import landscape
-from origami_nlp.display import Body, Content, Crease, Folded, Keyframe, Trajectory, rotation_onto
+from origami_nlp.display import (
+    Body,
+    Content,
+    Crease,
+    FoldedBody,
+    Keyframe,
+    Trajectory,
+    rotation_onto,
+)
 from origami_nlp.errors import OptionError
 from origami_nlp.folding import check_admissible, fold_vertex
 from origami_nlp.minima import MinimaResult
@@ -162,7 +170,7 @@ def sheet() -> Content:
     for phi in np.linspace(0, 2.5, 300):
         turned = corners.copy()
         turned[[4, 5], 0], turned[[4, 5], 2] = -math.cos(phi), math.sin(phi)
-        states.append(Folded(turned, np.array([phi]), phi**2 * (2 - phi), np.zeros((2, 3))))
+        states.append(FoldedBody(turned, np.array([phi]), phi**2 * (2 - phi), np.zeros((2, 3))))
     track = Trajectory("load", np.linspace(0, 1, 300), "load [N m]", tuple(states), np.eye(3), 0)
     return Content("sheet", body, (Keyframe("flat", states[0], np.eye(3)),), (track,))
 

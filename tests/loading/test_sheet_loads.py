@@ -408,6 +408,13 @@ def test_the_command_writes_all_of_it(tmp_path):
     driver = json.loads(out)["driver"]
     assert driver["type"] == "PatternDriver" and driver["work"]["type"] == "Torque"
     assert driver["work"]["creases"] == [1]
+    edges = o.read_pattern(problem).numbers
+    assert edges[1] != 1  # borders are edges too
+    code, out, err = run("load", problem, "--edge", edges[1], "--to", "0.01", "--json", "-")
+    assert code == 0 and json.loads(out)["driver"]["work"]["creases"] == [2], err
+    border = next(e for e in range(edges.max()) if e not in edges)
+    code, _, err = run("load", problem, "--edge", border)
+    assert code == 2 and f"--edge = {border} is no crease" in err and err.count("\n") == 1
     for more, word in ((), "--pull"), (("--crease", "1", "--symmetry", "D1"), "--vertex"):
         code, _, err = run("load", problem, *more)
         assert code == 2 and word in err
