@@ -2,8 +2,8 @@
 
 Steps go along the projection of the springs' pull on the linearised feasible cone, measured in the stiffness metric,
 and are pulled back onto loop closure; a backtracking line search shortens them until the state closes, is admissible
-and lower than the one before.  Unlike a restart of the solver, the path cannot jump to another basin: it is the evidence for
-what becomes of a minimum that a grid reports.
+and lower than the one before. Unlike a restart of the solver, the path cannot jump to another basin: it is the
+evidence for what becomes of a minimum that a grid reports.
 """
 
 from __future__ import annotations
