@@ -1,6 +1,6 @@
-"""The programme of a design posed and solved by CVXPY, in a process of its own, to compare times and optima.
+"""The program of a design posed and solved by CVXPY, in a process of its own, to compare times and optima.
 
-``python -m benchmarks.by_cvxpy`` reads programmes as JSON and writes margins and processor times.  CVXPY loads
+``python -m benchmarks.by_cvxpy`` reads programs as JSON and writes margins and processor times.  CVXPY loads
 a library that crashes beside CasADi, so that nothing of this package that needs CasADi is loaded there.
 """
 
@@ -25,16 +25,16 @@ ACCURACY = {
 
 
 def is_there() -> bool:
-    """Tell whether CVXPY and both solvers are installed."""
+    """Return whether CVXPY and both solvers are installed."""
     return all(find_spec(name) is not None for name in ("cvxpy", "clarabel", "scs"))
 
 
-def by_cvxpy(programmes: list[dict[str, Any]]) -> list[dict[str, tuple[float, float]]]:
-    """Solve programmes by both solvers.
+def by_cvxpy(programs: list[dict[str, Any]]) -> list[dict[str, tuple[float, float]]]:
+    """Solve programs by both solvers.
 
     Parameters
     ----------
-    programmes
+    programs
         Each with ``size``, ``aim`` (position of what is made largest) and ``rows``: cone, a, b.
 
     Returns
@@ -44,7 +44,7 @@ def by_cvxpy(programmes: list[dict[str, Any]]) -> list[dict[str, tuple[float, fl
     """
     done = subprocess.run(
         [sys.executable, "-m", "benchmarks.by_cvxpy"],
-        input=json.dumps(programmes),
+        input=json.dumps(programs),
         capture_output=True,
         text=True,
         check=True,
@@ -53,12 +53,12 @@ def by_cvxpy(programmes: list[dict[str, Any]]) -> list[dict[str, tuple[float, fl
     return [{k: (v[0], v[1]) for k, v in one.items()} for one in json.loads(done.stdout)]
 
 
-def _solve(programme: dict[str, Any], solver: str) -> float:
+def _solve(program: dict[str, Any], solver: str) -> float:
     import cvxpy as cp
 
-    v = cp.Variable(programme["size"])
+    v = cp.Variable(program["size"])
     rules = []
-    for cone, a, b in programme["rows"]:
+    for cone, a, b in program["rows"]:
         slack = np.array(a) @ v + np.array(b)
         if cone == "=":
             rules.append(slack == 0)
@@ -67,7 +67,7 @@ def _solve(programme: dict[str, Any], solver: str) -> float:
         else:
             q = round(len(b) ** 0.5)
             rules.append(cp.reshape(slack, (q, q), order="C") >> 0)
-    problem = cp.Problem(cp.Maximize(v[programme["aim"]]), rules)
+    problem = cp.Problem(cp.Maximize(v[program["aim"]]), rules)
     try:
         problem.solve(solver=solver, **ACCURACY[solver])
     except cp.error.SolverError:
@@ -78,17 +78,17 @@ def _solve(programme: dict[str, Any], solver: str) -> float:
 
 
 def main() -> None:
-    """Read programmes from standard input and write what was found to standard output."""
+    """Read programs from standard input and write what was found to standard output."""
     out = []
-    programmes = json.load(sys.stdin)
-    _solve(programmes[0], SOLVERS[0])  # loads the library
-    for programme in programmes:
+    programs = json.load(sys.stdin)
+    _solve(programs[0], SOLVERS[0])  # loads the library
+    for program in programs:
         found = {}
         for solver in SOLVERS:
             times = []
             for _ in range(REPEATS):
                 start = time.process_time()
-                value = _solve(programme, solver)
+                value = _solve(program, solver)
                 times.append(time.process_time() - start)
             found[solver] = (value, float(np.median(times)))
         out.append(found)

@@ -185,7 +185,7 @@ def _jobs(
 def judge(
     family: str, scene: Scene, union: Union, jobs: dict[str, list[Job]], ends: Sequence[Ends]
 ) -> Covered:
-    """Say what each run found; what is new is verified, and joins the union first."""
+    """Describe what each run found; what is new is verified, and joins the union first."""
     before = len(union.members)
     model = Model(scene)
     for name, of in jobs.items():
@@ -213,7 +213,7 @@ def _join(model: Model, union: Union, minima: Sequence[Member], name: str) -> No
 
 
 def _claimed(model: Model, ends: Ends) -> np.ndarray:
-    """Tell which attempts claim a state: they converged, on the sheet, and no facets cross by more than 1e-6 [a]."""
+    """Return which attempts claim a state: they converged, on the sheet, and no facets cross by more than 1e-6 [a]."""
     good = ends.claims.copy()
     if good.any():
         good[good] = model.admissible(ends.x[good], ANSWERED)

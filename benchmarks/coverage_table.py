@@ -17,12 +17,12 @@ from origami_nlp.io import from_plain, save_figure
 TIMES = (0.1, 0.2, 0.5, 1.0, 2.0, 5.0)
 """Processor seconds at which searches are compared."""
 RIVAL = "SLSQP"
-STYLES = {  # Okabe and Ito's colours; grey levels, dashes and markers tell them apart too
+STYLES = {  # Okabe and Ito's colours; grey levels, dashes and markers distinguish them too
     NOW: ("#000000", "-", "*"),
     BEFORE: ("#777777", "-", "o"),
     RIVAL: ("#D55E00", "--", "^"),
     "SLSQP, given starts": ("#E69F00", "-.", "v"),
-    "SLSQP, some shut": ("#CC79A7", (0, (5, 1, 1, 1, 1, 1)), "s"),
+    "SLSQP, some fully folded": ("#CC79A7", (0, (5, 1, 1, 1, 1, 1)), "s"),
     "IPOPT": ("#0072B2", ":", "D"),
     "basin hopping": ("#56B4E9", (0, (1, 2)), "X"),
 }

@@ -1,4 +1,4 @@
-"""Springs for given states: the convex programme against CVXPY and against penalties, on the same random questions."""
+"""Springs for given states: the convex program against CVXPY and against penalties, on the same random questions."""
 
 from __future__ import annotations
 
@@ -38,9 +38,9 @@ class Compared:
     degree
         Creases.
     questions, held, refuted
-        How many there were, how many have springs by the programme, how many it refutes.
+        How many there were, how many have springs by the problem, how many it refutes.
     seconds
-        Median processor time of a question by method; of the programme targets included.
+        Median processor time of a question by method; of the problem targets included.
     found
         By method, of the questions that have springs: in how many it found some.
     claimed
@@ -197,7 +197,7 @@ def _compared(n: int, vertices: int, tell: Callable[[str], object]) -> Compared:
 
 
 def plain(posed: ConvexDesign) -> dict[str, Any]:
-    """Return a programme as plain data, matrices with all their entries."""
+    """Return a problem as plain data, matrices with all their entries."""
     p = posed.problem
     rows = []
     for r in p.rows:

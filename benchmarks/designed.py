@@ -1,4 +1,4 @@
-"""Springs that hold a vertex in given states: stationary and stable in each, by a few linear programmes.
+"""Springs that hold a vertex in given states: stationary and stable in each, by a few linear programs.
 
 At a state x springs k and rest angles r balance if k (x - r) = J' lam for some lam, J the Jacobian of loop closure.
 With two states that leaves k = (J1' lam1 - J2' lam2) / (x1 - x2), r = x1 - J1' lam1 / k: everything is linear in the

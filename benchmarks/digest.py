@@ -186,7 +186,7 @@ def targets(data: dict[str, Any]) -> list[Target]:
 
 
 def _why(data: dict[str, Any], name: str) -> str:
-    """Say where a rival's time goes, in numbers."""
+    """Return where a rival's time goes, in numbers."""
     labelled = {r.label: r for r in rows(data)}
     ours = rows(data)[0]
     best = [r for r in labelled.values() if r.family == name and r.missed is not None and r.seconds]
@@ -195,7 +195,7 @@ def _why(data: dict[str, Any], name: str) -> str:
     row = min(best, key=lambda r: r.seconds.median if r.seconds else math.inf)
     assert row.seconds is not None
     return (
-        f"{name} gets the package's own programme, projected starts and compiled derivatives, and takes "
+        f"{name} gets the package's own problem, projected starts and compiled derivatives, and takes "
         f"{1e3 * row.seconds.median:.2g} ms a start where the package takes {1e3 * ours.seconds.median:.2g} ms; "
         f"it does not pay for polish, classification and proofs, and claims {row.false_states} states that are no "
         f"minima"

@@ -1,6 +1,6 @@
 """The modelled piece of a vertex in extended precision, with analytic first and second derivatives.
 
-Rotation matrices, where the programme has quaternions.  With R the product of the folds before it, a flat
+Rotation matrices, where the problem has quaternions.  With R the product of the folds before it, a flat
 vector v is carried to u = R v, and folding about a deformed crease c_i turns all that follows:
 
     d u / d phi_i = w_i c_i x u,    d2 u / d phi_i d phi_j = w_i w_j c_i x (c_j x u)   (i before or equal to j),
@@ -83,7 +83,7 @@ def cross_moving(p: TargetTolerance, q: TargetTolerance) -> TargetTolerance:
 
 
 class ExactPiece:
-    """The programme of a `Model` in extended precision; make and use it inside `mp.workdps`.
+    """The problem of a `Model` in extended precision; make and use it inside `mp.workdps`.
 
     Of states that wind once round the axis of their symmetry.
 

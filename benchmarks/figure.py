@@ -10,7 +10,7 @@ from benchmarks.digest import Contact, Spread, rows
 from benchmarks.methods_ours import OURS
 from origami_nlp.io import save_figure
 
-STYLES = {  # Okabe and Ito's colours, told apart by marker too
+STYLES = {  # Okabe and Ito's colours, distinguished by marker too
     OURS: ("#000000", "*", 13),
     "IPOPT alone": ("#0072B2", "o", 6),
     "IPOPT L-BFGS": ("#56B4E9", "s", 6),

@@ -1,8 +1,8 @@
 """Searches that a user would write without this package, for as long as they are given: multi-starts of SLSQP and
 IPOPT, and basin hopping.
 
-They get the package's own programme (closure, planes between facets that an answer makes cross) with exact
-derivatives, and none of its starts: uniform random fold angles, some of them shut at random, or starts that are
+They get the package's own problem (closure, planes between facets that an answer makes cross) with exact
+derivatives, and none of its starts: uniform random fold angles, some of them fully folded at random, or starts that are
 handed in.  What they end at is recorded as it comes, with the processor time; nothing is judged here.
 """
 
@@ -55,7 +55,7 @@ def uniform(model: Model, rng: np.random.Generator) -> Iterator[np.ndarray]:
 
 
 def at_limit(model: Model, rng: np.random.Generator) -> Iterator[np.ndarray]:
-    """Draw fold angles uniformly, then shut (+-pi) a random share of them, for ever."""
+    """Draw fold angles uniformly, then fully folded (+-pi) a random share of them, for ever."""
     for x in uniform(model, rng):
         chosen = rng.random(model.size) < rng.random()
         yield np.where(chosen, np.copysign(np.pi, x), x)
@@ -73,7 +73,7 @@ def given(starts: Sequence[np.ndarray] | np.ndarray) -> Starts:
 
 
 def vertices(model: Model, rng: np.random.Generator) -> Iterator[np.ndarray]:
-    """Close random vertices of the state space for ever: all creases shut but as many as closure has equations.
+    """Close random vertices of the state space for ever: all creases fully folded but as many as closure has equations.
 
     Newton from random angles of the free creases; nothing of the search's closed forms.  Ends where `BARREN` draws
     give none.
@@ -118,7 +118,7 @@ Run = Callable[[np.ndarray, np.random.Generator, Record], bool]
 
 @dataclass(frozen=True)
 class Foreign:
-    """A search that shares nothing with the package's but the programme.
+    """A search that shares nothing with the package's but the problem.
 
     name: for tables.  prepare(model): builds what is needed.  starts: where its attempts begin.
     share: of the time for building a union.  aided: it holds contacts, for building unions only: no user's search.
@@ -139,7 +139,7 @@ def foreign_methods(starts: np.ndarray | None = None) -> list[Foreign]:
     ipopt = _attempts(next(m for m in ipopt_alone() if not m.sweep))
     out = [
         Foreign("SLSQP", slsqp),
-        Foreign("SLSQP, some shut", slsqp, at_limit, 1.0),
+        Foreign("SLSQP, some fully folded", slsqp, at_limit, 1.0),
         Foreign("SLSQP from vertices", slsqp, vertices, aided=True),
         Foreign("IPOPT", ipopt, share=0.25),
         Foreign("basin hopping", basin_hopping, share=0.25),

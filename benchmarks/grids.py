@@ -48,7 +48,7 @@ def run_grid(problem: Problem, judge: Judge, size: int, rounds: int) -> dict[str
 def judge_grid(
     judge: Judge, states: list[np.ndarray], step: float, distance: Callable[..., float]
 ) -> dict[str, Any]:
-    """Say which exact minima the grid minima are; `distance(model, x, y)` is that of the chart."""
+    """Return which exact minima the grid minima are; `distance(model, x, y)` is that of the chart."""
     model = judge.model
     best: dict[int, float] = {}
     duplicates = false = 0

@@ -176,7 +176,7 @@ def _fold_point() -> Iterator[Outcome]:
 
 
 def _exists(side: int) -> bool:
-    """Tell on which side of the fold point the pair exists: from the curvature of R(v), in closed form."""
+    """Return on which side of the fold point the pair exists: from the curvature of R(v), in closed form."""
     ratio, v, _ = exact_fold_point()
     return (_ratio_at(v + mp.mpf("1e-3")) - ratio) * side > 0
 

@@ -101,7 +101,7 @@ class Judge:
         return None, problem
 
     def judge(self, attempt: Attempt) -> Outcome:
-        """Say what a claimed answer is."""
+        """Describe what a claimed answer is."""
         assert attempt.x is not None
         x = attempt.x
         near, distance = self._nearest(x)
@@ -123,7 +123,7 @@ class Judge:
         return int(np.argmin(distance)), min(distance)
 
     def _what(self, x: np.ndarray) -> str:
-        """Say what an answer far from all known minima is; empty if it is a new minimum, now known."""
+        """Describe what an answer far from all known minima is; empty if it is a new minimum, now known."""
         for y, reason in self._false:
             if np.abs(x - y).max() <= NEAR:
                 return reason

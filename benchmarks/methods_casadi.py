@@ -1,4 +1,4 @@
-"""IPOPT alone, and CasADi's other solvers that ship in its wheel, on the package's own programme."""
+"""IPOPT alone, and CasADi's other solvers that ship in its wheel, on the package's own problem."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from benchmarks.attempt import (
     StartPoint,
     keep_apart,
 )
-from benchmarks.programme import Problem, problem, violation
+from benchmarks.nonlinear_program import Problem, problem, violation
 from origami_nlp.minima import OPTIONS
 from origami_nlp.problem import Model, Structure
 
@@ -73,9 +73,9 @@ LEFT_OUT = {
     "bonmin": "a mixed-integer solver: without integers it is IPOPT",
     "blocksqp": "needs the linear solver MA27 (libhsl), which the wheel does not hold",
     "qrsqp": "its QP solver stops with an error at the first indefinite Hessian, and no option reaches it",
-    "scpgen": "accepts MX programmes only, and is marked as under development",
+    "scpgen": "accepts MX problems only, and is marked as under development",
 }
-"""Solvers of the wheel that do not run on this programme."""
+"""Solvers of the wheel that do not run on this problem."""
 
 
 def ipopt_alone(sweep: bool = True) -> list[Method]:

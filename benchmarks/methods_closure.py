@@ -7,7 +7,7 @@ All use the whole vertex, with fold angles of one orbit tied to one variable whe
 - logarithm: the rotation vector of F (three equations; singular at half turns);
 - entries: all nine entries of F - I.
 
-`wedge` is the package's own programme of the symmetric piece.
+`wedge` is the package's own problem of the symmetric piece.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ import numpy as np
 
 from benchmarks.attempt import FEASIBLE, Attempt, Method, Solver, StartPoint
 from benchmarks.methods_casadi import ipopt_options
-from benchmarks.programme import problem
+from benchmarks.nonlinear_program import problem
 from origami_nlp.numerics import quaternion as quat
 from origami_nlp.problem import Model
 

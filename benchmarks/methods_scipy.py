@@ -1,4 +1,4 @@
-"""SciPy's SLSQP and trust-constr on the package's own programme, with exact gradients (and Hessians)."""
+"""SciPy's SLSQP and trust-constr on the package's own problem, with exact gradients (and Hessians)."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from benchmarks.attempt import (
     StartPoint,
     keep_apart,
 )
-from benchmarks.programme import Evaluator, Problem, problem, violation
+from benchmarks.nonlinear_program import Evaluator, Problem, problem, violation
 from origami_nlp.problem import Model, pose_with_gaps
 
 SLSQP_TOLERANCES = (1e-4, 1e-6, 1e-8, 1e-10, 1e-12, 1e-15)
@@ -132,7 +132,7 @@ def _objective(evaluate: Evaluator | _Rows) -> Callable[[np.ndarray], tuple[floa
 
 
 def _constraints(built: Problem, evaluate: Evaluator | _Rows) -> list[dict[str, Any]]:
-    """Return the rows of a programme as SLSQP takes them."""
+    """Return the rows of a problem as SLSQP takes them."""
     equal = np.array(built.equality)
     if equal.all() and not built.lower.any():
         return [

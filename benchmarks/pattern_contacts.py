@@ -42,7 +42,7 @@ class PatternContact:
     touching
         Contacts that are closed there: fold limits and features.
     seconds
-        Processor time from the pattern's programme to the judged state.
+        Processor time from the pattern's problem to the judged state.
     verdict
         Of the state; "not decided" where the descent found no way on, nor that none is left.
     closure, torque

@@ -23,7 +23,7 @@ from origami_nlp.pattern_states import descend
 GUESS = 0.4
 """Fold angle of mountains and valleys that all solvers start from, closed by the package [rad]."""
 DECADES = 2.0
-"""Of stiffness, drawn once, in patterns with many freedoms: with equal springs a step along the torque is Newton's."""
+"""Of stiffness, drawn once, in patterns with many degrees of freedom: with equal springs a torque step is Newton's."""
 SPRINGS: dict[str, tuple[float, bool] | None] = {
     "miura:4x4": (1.2, True),
     "miura:8x8": (1.2, True),
@@ -50,7 +50,7 @@ class PatternTask:
     pattern
         With its springs.
     sheet
-        Its programme.
+        Its problem.
     start
         Closed fold angles [rad], [n].
     exact
@@ -130,7 +130,7 @@ def refine(sheet: PatternProblem, phi: np.ndarray) -> tuple[np.ndarray, float]:
     Parameters
     ----------
     sheet
-        The programme.
+        The problem.
     phi
         The state, good to some digits, [n] [rad].
 

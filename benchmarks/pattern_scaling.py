@@ -49,9 +49,9 @@ class PatternScale:
     drawn
         From the name to the pattern: FOLD data written, read and checked.
     built
-        The programme: closure, poses, test of crossings.
+        The problem: closure, poses, test of crossings.
     first, another
-        A state from its start, judged: with the programme built, and without.
+        A state from its start, judged: with the problem built, and without.
     polish
         A descent from a state that is 1e-4 off.
     stability

@@ -172,7 +172,7 @@ class PatternBench(Report):
         ]
 
     def ended(self, point: PatternPoint) -> str:
-        """Say how the last answer of a run came about."""
+        """Describe how the last answer of a run came about."""
         if math.isnan(point.angle):
             return f"refused: {point.status}"
         if point.angle > ELSEWHERE:

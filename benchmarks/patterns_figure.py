@@ -1,4 +1,4 @@
-"""Error against time on patterns, a panel each: told apart by marker and line as well as by colour."""
+"""Error against time on patterns, a panel each: distinguished by marker and line as well as by colour."""
 
 from __future__ import annotations
 

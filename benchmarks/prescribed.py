@@ -1,4 +1,4 @@
-"""How many states springs can hold at once: random admissible states, the programme, and what it refutes."""
+"""How many states springs can hold at once: random admissible states, the problem, and what it refutes."""
 
 from __future__ import annotations
 

@@ -119,7 +119,7 @@ def markdown(data: dict[str, Any], figure: str | None = None) -> str:
         f"{s['rounds']} rounds of {s['starts']} starts each ({s['sweep']} for settings that only the diagram needs), "
         f"seed {s['seed']}, all methods interleaved start by start in rotating order, single process, one warm-up "
         "start untimed. Numbers are medians with [quartiles] over problems and rounds, errors medians over problems. "
-        "Every method gets the same programme (the package's own, with its separating planes added by the package's "
+        "Every method gets the same problem (the package's own, with its separating planes added by the package's "
         "rule) and the same starts, projected onto closure (raw: uniform random fold "
         "angles); seconds are processor time; drawing and projecting is in every method's time, building "
         f"functions is not. A method stops after {s['budget']:g} s on one problem and round. Machine: {m['system']} "

@@ -169,7 +169,7 @@ def run_search(
 
 
 def suits(method: Method, judge: Judge) -> bool:
-    """Tell whether a method is run on a problem.
+    """Return whether a method is run on a problem.
 
     The wheel's other solvers are not where more than a few facet pairs have planes: one start then takes seconds to
     minutes, and a compiled solver cannot be interrupted.

@@ -43,7 +43,7 @@ SCATTERED = 200
 Tell = Callable[[str], None]
 Folder = str | os.PathLike[str]
 FEW_DOF = 2
-"""Freedoms up to which a union is proved."""
+"""Degrees of freedom up to which a union is proved."""
 UNION_SEEDS = 10
 """Thorough runs of the main job behind a union."""
 SECONDS = {4: 1.0, 5: 4.0, 6: 8.0, 7: 14.0, 8: 20.0}
@@ -93,7 +93,7 @@ class Union:
         return far.argmin(axis=1), far.min(axis=1)
 
     def done(self, name: str) -> bool:
-        """Tell whether a run is on record."""
+        """Return whether a run is on record."""
         return any(t.name == name for t in self.tasks)
 
     def add(self, name: str, minima: Sequence[Member], seconds: float) -> Task:

@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 import os
 import time
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
+from difflib import get_close_matches
 from numbers import Integral, Real
 from typing import Any
 
@@ -43,8 +44,14 @@ def shown(value: object) -> str:
     return text if len(text) <= 60 else f"{text[:57]}..."
 
 
+def did_you_mean(word: object, known: Iterable[str]) -> str:
+    """Return a question to append to a complaint about a word: the closest known one, or nothing if none is close."""
+    close = get_close_matches(str(word).lower(), list(known), n=1)
+    return f"; did you mean {close[0]}?" if close else ""
+
+
 def check_type(name: str, value: object, kind: type) -> None:
-    """Complain unless `value` is a `kind`.
+    """Raise an error unless `value` is a `kind`.
 
     Raises
     ------
@@ -56,7 +63,7 @@ def check_type(name: str, value: object, kind: type) -> None:
 
 
 def refuse(kind: str, reasons: Mapping[str, str], **given: object) -> None:
-    """Complain about the first argument that was given (is not None) and is not for what is asked, with the reason."""
+    """Raise an error for the first argument that was given (is not None) and is not for what is asked, and why."""
     for name, value in given.items():
         if value is not None and name in reasons:
             raise OptionError(f"{name} = {shown(value)} is not for a {kind}: {reasons[name]}")
@@ -98,19 +105,19 @@ def check_until(seconds: Any) -> float:
 
 
 def check_flag(name: str, value: object) -> None:
-    """Complain unless `value` is true or false."""
+    """Raise an error unless `value` is true or false."""
     if not isinstance(value, bool | np.bool_):
         raise OptionError(f"{name} = {shown(value)} must be True or False")
 
 
 def check_callback(name: str, value: object) -> None:
-    """Complain unless `value` is a function, or None."""
+    """Raise an error unless `value` is a function, or None."""
     if value is not None and not callable(value):
         raise OptionError(f"{name} = {shown(value)} must be a function to call, or None")
 
 
 def check_path(name: str, value: Any) -> None:
-    """Complain unless `value` names a file or folder; a number would be taken for an open file."""
+    """Raise an error unless `value` names a file or folder; a number would be taken for an open file."""
     if not isinstance(value, str | os.PathLike) or not isinstance(os.fspath(value), str):
         raise OptionError(f"{name} = {shown(value)} must be a path: text or a pathlib.Path")
     if "\0" in os.fspath(value):

@@ -1,6 +1,6 @@
 """Any result by one name: `load` finds its class by the schema in the file, `to_frame` joins several.
 
-The methods of results (`show.Result`) do the rest; `draw`, `view` and `save` are those methods as functions.
+The methods of results (`display.Result`) do the rest; `draw`, `view` and `save` are those methods as functions.
 """
 
 from __future__ import annotations
@@ -168,8 +168,8 @@ def load(path: str | PathLike[str]) -> Any:
     >>> import os, tempfile, origami_nlp as o
     >>> path = os.path.join(tempfile.mkdtemp(), "minima.json")
     >>> o.find_minima(o.examples.degree6("pi/4", ratio=0.01), max_starts=16).save(path)
-    >>> o.load(path)
-    MinimaResult('degree 6, alpha_1 = pi/4, r_k = 0.01'; 2 symmetric minima, symmetry D1, contact full)
+    >>> [m.full_space.verdict for m in o.load(path).minima]
+    ['stable', 'stable']
     """
     data = read_data(path)
     schema = data.get("schema") if isinstance(data, dict) else None
@@ -205,7 +205,7 @@ def to_frame(*results: Result) -> pandas.DataFrame:
     >>> import origami_nlp as o
     >>> result = o.find_minima(o.examples.degree6("pi/3", ratio=1), max_starts=16)
     >>> list(o.to_frame(result).columns[:4])
-    ['scene', 'number', 'energy', 'kind']
+    ['scene', 'number', 'energy_J', 'kind']
     """
     for k, result in enumerate(results, start=1):
         check_type(f"results[{k}]", result, Result)

@@ -36,7 +36,7 @@ _OF_A_SCENE = {
     "guesses": "a state of a pattern is judged by classify",
     "fewest_starts": "of a pattern, starts says when the search ends",
     "workers": "a pattern is searched in one process",
-    "progress": "a pattern tells no progress",
+    "progress": "a pattern reports no progress",
 }
 """What only the one or the other takes, and why."""
 
@@ -111,8 +111,9 @@ def find_minima(
     noise
         Standard deviation [degrees] of random errors: how many of 20 draws each minimum survives.
     others
-        Of a scene alone: ``fewest_starts``, ``guesses``, ``full``, ``prove``, ``workers``,
-        ``progress``, see `minima.find_minima`.  Of a pattern alone: ``starts`` (random starts in a row that find
+        Of a scene alone: ``fewest_starts``, ``guesses``, ``full`` (judge each without the symmetry; None: up to 12
+        creases and 64 states), ``prove``, ``workers``, ``progress``, see
+        `minima.find_minima`.  Of a pattern alone: ``starts`` (random starts in a row that find
         nothing new, in place of the effort) and ``contact`` (``"full"``, or ``"fold-limits"``: facets may cross).
 
     Returns
@@ -160,7 +161,7 @@ def find_minima(
 
 
 def _facets_apart(contact: object) -> bool:
-    """Tell whether facets of a pattern must not cross."""
+    """Return whether facets of a pattern must not cross."""
     if not isinstance(contact, str) or contact not in CONTACTS:
         known = " or ".join(map(repr, CONTACTS))
         raise OptionError(f"contact = {shown(contact)} must be {known} for a pattern")
@@ -173,7 +174,7 @@ def classify(
     *,
     polished: bool = True,
 ) -> Classification:
-    """Classify a state of a vertex or of a pattern: a minimum, with its certificate and contacts, or why it is none.
+    """Classify a state of a vertex or of a pattern: a minimum, with its certificate and contacts, or why it is not one.
 
     Parameters
     ----------
@@ -240,7 +241,7 @@ def write_fold(result: MinimaResult, target: str | PathLike[str]) -> None:
     >>> path = pathlib.Path(tempfile.mkdtemp(), "states.fold")
     >>> o.write_fold(o.find_minima(o.examples.degree6("pi/4", ratio=0.01), max_starts=16), path)
     >>> [frame["frame_title"] for frame in json.loads(path.read_text())["file_frames"]]
-    ['state 1: interior, 0.0090858 J', 'state 2: contact-touching, 1.2337 J']
+    ['state 1: interior, 0.0090858 J, stable', 'state 2: contact-touching, 1.2337 J, stable']
     >>> o.write_fold(o.find_minima("miura:2x2", starts=1), path)
     >>> len(json.loads(path.read_text())["file_frames"]) > 0
     True

@@ -87,7 +87,7 @@ def grid(
         raise OptionError(f"--size = {size} must lie between 9 and 4097")
     chart = landscape(stated, 9)
     if chart.kind != "area":
-        why = chart.reason or "it has one symmetric freedom only"
+        why = chart.reason or "it has one symmetric degree of freedom only"
         raise OptionError(f"scene has no two-dimensional chart: {why}")
     out = Output()
     result = search.search(stated, scene.name, seed=seed)

@@ -38,7 +38,7 @@ def chart_distance(model: Model, x: np.ndarray, y: np.ndarray) -> float:
 
 
 def chart_end(model: Model, x: np.ndarray, step: float) -> str:
-    """Say which end of the chart lies within one grid `step` of state x; empty if none does."""
+    """Return which end of the chart lies within one grid `step` of state x; empty if none does."""
     if model.scene.degree == 6:
         jac = model.closure(x)[1]
         shown = null_space(jac)[1:3]

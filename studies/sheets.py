@@ -102,7 +102,7 @@ def find_panels(
         for k, scene in enumerate(scenes):
             result = find_minima(scene, seed=seed, full=True, escape=False)
             finished()
-            panels.append(find_landscape(result, size, boundary=boundaries[k % columns]))
+            panels.append(find_landscape(result, size=size, boundary=boundaries[k % columns]))
             finished()
         return panels
     with worker_pool(count) as pool:
@@ -182,7 +182,7 @@ def draw_pattern_state(name: str, panels: list[ExactLandscape]) -> Figure:
 
 
 def _counts(panel: ExactLandscape) -> str:
-    """Say how many minima there are, and how many of them are stable."""
+    """Report how many minima there are, and how many of them are stable."""
     every, possible, stable = panel.counts
     words = f"{every} minim{'um' if every == 1 else 'a'}"
     if stable is not None and possible is not None:

@@ -110,7 +110,7 @@ _kept = by_scene(SEARCH)
 
 
 def minima_once(scene: Scene, **options: Any) -> MinimaResult:
-    """Return `find_minima(scene, **options)`, the same for the same question; no progress is told."""
+    """Return `find_minima(scene, **options)`, the same for the same question; no progress is reported."""
     asked = {k: v for k, v in options.items() if k != "progress" and v != DEFAULTS[k]}
     if scene in PANELS and set(asked) <= {"full"}:
         return panel_result(scene, **asked)
@@ -129,7 +129,7 @@ def states(name: str) -> MinimaResult:
 def barriers_with_handles() -> Barriers:
     """Return the barriers of the panel alpha_1 = pi/3, r_k = 1, with two handles, also in the full space."""
     scene = examples.degree6("pi/3", 1)
-    return find_barriers(scene, panel_result(scene, full=True), True, spacing=0.25)
+    return find_barriers(scene, panel_result(scene, full=True), full=True, spacing=0.25)
 
 
 @shared

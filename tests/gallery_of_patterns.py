@@ -23,7 +23,7 @@ SHEETS = {
     "metasheet:4x4": "A quadrilateral and its half-turns, after Waitukaitis; springs as in [metasheets](metasheet.md).",
     "miura:4x4": "Sixteen parallelograms. Beside the states of the Miura fold there are pleats, and mixtures of both.",
     "squaretwist": "Four vertices round a square, stable partly folded and folded flat.",
-    "yoshimura:3x3": "Diamonds, each folded in two: several freedoms are left.",
+    "yoshimura:3x3": "Diamonds, each folded in two: several degrees of freedom are left.",
     "waterbomb:2x2": "Two by two cells of the waterbomb tessellation.",
     "resch:1x2": "Two triangles of Resch's pattern, with the tucks around them.",
     "birdbase": "The base of the crane: four vertices of degree 4 and one of degree 6.",
@@ -40,9 +40,9 @@ not determined.
 origami-nlp minima metasheet:4x4 --starts {STARTS} --figure metasheet.png
 ```
 
-Of sheets whose vertices have degree 4 the ways out of the flat state with one freedom are traced; of the others, and
-of what these ways do not lead to, starts are sampled: what is known of states that are not listed is said under each
-table ([limits](pattern_limits.md)). Written by
+Of sheets whose vertices have degree 4 the branch directions of the flat state with one degree of freedom are traced; of
+the others, and of what these ways do not lead to, starts are sampled: what is known of states that are not listed is
+said under each table ([limits](pattern_limits.md)). Written by
 `python -m tests.gallery_of_patterns`; seconds are processor time of one run.
 """
 
@@ -85,7 +85,7 @@ def section(name: str, result: MinimaResult, seconds: float) -> str:
         "",
         f"![states of {name}](figures/sheets/{file}.png)",
         "",
-        "| # | energy [mJ] | states | kind | freedoms | barrier [J] | held by |",
+        "| # | energy [mJ] | states | kind | dof | barrier [J] | held by |",
         "|---|---:|---:|---|---:|---:|---|",
         *rows(result),
         "",

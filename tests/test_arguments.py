@@ -154,7 +154,7 @@ CASES = [
     case(find_space, "scene", SCENES),
     case(find_space, "size", (7, 1026, *WHOLES), "scene"),
     case(find_critical_points, "scene", SCENES),
-    case(find_critical_points, "minima", (SCENE, *SCENES[1:]), "scene"),
+    case(find_critical_points, "result", (SCENE, *SCENES[1:]), "scene"),
     case(find_critical_points, "samples", (0, *WHOLES), "scene"),
     case(find_critical_points, "seed", SEEDS, "scene"),
     case(find_critical_points, "all_links", FLAGS, "scene"),

@@ -84,7 +84,9 @@ def test_boundaries_of_a_pattern_of_one_vertex_are_those_of_the_vertex():
 
 
 def test_commands_of_one_vertex_say_so():
-    done = run("boundary", "metasheet:3x3", "--event", "ratio=0.5:1", "--over", "alpha=50deg:60deg")
+    done = run(
+        "boundary", "metasheet:3x3", "--event", "ratio=0.5:1", "--parameter", "alpha=50deg:60deg"
+    )
     assert done.code == 2 and done.err.count("\n") == 1
     assert "--vertex is needed: one vertex is asked for" in done.err
 

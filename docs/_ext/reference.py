@@ -15,8 +15,8 @@ import origami_nlp
 from origami_nlp.cli import app as command_line
 
 ROOMS = (
-    "pattern programme kkt minima loading modes atlas springs proof contact critical barriers path space chart "
-    "landscape facets sheets sweep folding paper paper.cone"
+    "pattern problem kkt minima loading modes bifurcation inverse_design proof contact critical "
+    "barriers continuation space chart landscape pattern_problem pattern_states sweep folding paper paper.cone"
 ).split()
 """Rooms whose faces users of Python need, in the order of the pages."""
 

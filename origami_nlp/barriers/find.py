@@ -40,7 +40,7 @@ SPACINGS = (0.02, 0.5)
 MOST_UNLISTED = 3
 """Basins of the graph that are followed downhill."""
 _OF_TWO = {
-    "full": "states of one freedom have passes on their curves alone",
+    "full": "states of one degree of freedom have passes on their curves alone",
     "spacing": "curves are traced, there is no lattice",
 }
 """What a graph of states takes alone, and why."""
@@ -51,15 +51,15 @@ SPACING = 0.12
 def find_barriers(
     origami: Scene | Pattern | str | PathLike[str],
     result: MinimaResult | None = None,
-    full: bool | None = None,
     *,
+    full: bool | None = None,
     spacing: float | None = None,
     seed: int = 0,
 ) -> Barriers:
-    """Find the lowest pass between every two minima of a vertex with up to two freedoms, or of a pattern with one.
+    """Find the lowest pass between every two minima of a vertex (up to two degrees of freedom) or of a pattern (one).
 
-    With one freedom passes are those of all curves of closed states, exactly.  Of a vertex they join states that wind
-    once round the axis, or `Scene.winding` times: no path within the symmetry leads to others.
+    With one degree of freedom passes are those of all curves of closed states, exactly.  Of a vertex they join states
+    that wind once round the axis, or `Scene.winding` times: no path within the symmetry leads to others.
 
     Parameters
     ----------
@@ -68,9 +68,9 @@ def find_barriers(
     result
         Its minima, of `find_minima`; found here if not given.
     full
-        Of two freedoms: also look for lower passes that break the symmetry.
+        Of two degrees of freedom: also look for lower passes that break the symmetry.
     spacing
-        Of two freedoms: lattice of the graph of states [rad]; None: 0.12.
+        Of two degrees of freedom: lattice of the graph of states [rad]; None: 0.12.
     seed
         Of the search for minima and for thin sets.
 
@@ -82,8 +82,8 @@ def find_barriers(
     Raises
     ------
     OptionError
-        If a scene has dead loads or another number of symmetric freedoms, a pattern minima with more than one freedom,
-        or an argument is not what it must be.
+        If a scene has dead loads or another number of symmetric degrees of freedom, a pattern minima with more than one
+        degree of freedom, or an argument is not what it must be.
 
     Examples
     --------
@@ -111,7 +111,7 @@ def find_barriers(
     check_dof(scene)
     model = Model(scene)
     if model.freedom == 1:
-        refuse("vertex of one freedom", _OF_TWO, full=full or None, spacing=spacing)
+        refuse("vertex of one degree of freedom", _OF_TWO, full=full or None, spacing=spacing)
     found: Any = result
     if found is None:
         found = find_minima(
@@ -164,7 +164,7 @@ def _of_vertex(
 
 
 def check_dof(scene: Scene) -> None:
-    """Complain about a scene whose symmetric states form neither curves nor a surface.
+    """Raise an error for a scene whose symmetric states form neither curves nor a surface.
 
     Raises
     ------

@@ -1,6 +1,6 @@
-"""Three closed flaps that turn about one edge: their thin set, and the lowest way out of it, proved.
+"""Three closed flaps that turn about one edge: their thin set, and the lowest exit from it, proved.
 
-Degree 6, creases c_1, c_2, c_3 (every other one) shut at s pi, s = +-1, equal sectors on both sides of each:
+Degree 6, creases c_1, c_2, c_3 (every other one) fully folded at s pi, s = +-1, equal sectors on both sides of each:
 three flaps two facets thick, whose other creases h_1, h_2, h_3 lie on one axis.  Fold limits hold (|phi| <= pi).
 
 1. *The set.*  Turning about the axis, neighbouring flaps stand g_j = pi + s phi(h_j) apart, g_j >= 0, and the vertex
@@ -10,7 +10,7 @@ three flaps two facets thick, whose other creases h_1, h_2, h_3 lie on one axis.
    i across the axis, w_i = sin(sector) > 0.  If some g_j > pi, all u_i lie in an open half plane: there is a vector
    v with v . u_i >= d > 0 for every i, also at all states near by, so that closure gives
    0 >= d min(w) sum a_i - O(a^2) and hence all a_i = 0.  So every admissible state near by keeps the
-   three creases shut.
+   three creases fully folded.
 3. *Its ends.*  g_j > pi means s phi(h_j) > 0, for one j only (the g sum to 2 pi).  The states with s phi(h_j) > 0
    are thus open in the set of all admissible states, and a path that leaves them passes through their closure's
    only other states, s phi(h_j) = 0: the segment phi(h_j) = 0, phi(h_k) + phi(h_l) = -s pi.
@@ -33,10 +33,10 @@ from origami_nlp.pattern import Scene
 
 @dataclass(frozen=True)
 class FlapExit:
-    """The lowest way out of a thin set of three closed flaps.
+    """The lowest exit of a thin set of three closed flaps.
 
-    shut: creases that stay shut on it (1-based).  hinge: the crease (1-based) that is flat at every
-    way out.  energy: smallest one there, in the scene's units; no path out stays below.  fold_angles: of that
+    closed: creases that stay fully folded on it (1-based).  hinge: the crease (1-based) that is flat at every exit.
+     energy: smallest one there, in the scene's units; no path out stays below.  fold_angles: of that
     state [N] [rad].
     """
 
@@ -85,7 +85,7 @@ def flap_exit(scene: Scene, fold_angles: np.ndarray) -> FlapExit | None:
         # step 4: a parabola on a segment is least at its vertex, or at the end next to it
         x = float(np.clip(x, *sorted((0.0, -side * math.pi))))
         out = np.zeros(6)
-        # step 3: phi(h_j) = 0 at every way out
+        # step 3: phi(h_j) = 0 at every exit
         out[at_limit], out[one], out[two] = side * math.pi, x, -side * math.pi - x
         numbers = tuple((at_limit + 1).tolist())
         return FlapExit(numbers, int(wide[0]) + 1, float(scene.energy(out)), out)

@@ -163,7 +163,7 @@ def proved_exit(model: Model, fold_angles: np.ndarray) -> Exits | None:
     if found is None:
         return None
     held = lower_dimensional_at(State(model, model.reduce(fold_angles)))
-    proof = f"proved: phi_{found.hinge} = 0 at every way out"
+    proof = f"proved: phi_{found.hinge} = 0 at every exit"
     return Exits(held, 0, found.energy, model.reduce(found.fold_angles), 2, proof=proof)
 
 

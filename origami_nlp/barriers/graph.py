@@ -26,7 +26,7 @@ from origami_nlp.problem import Model, Problem
 STRAY = 0.3
 """The state half-way along an edge lies within this share of its length of the straight middle."""
 STUCK = 0.05
-"""Share of the way out below which a state is not moved to the border."""
+"""Share of the escape path below which a state is not moved to the border."""
 BISECTIONS = 20
 ASIDE = 0.15
 """How far an edge may go aside to pass a bent boundary, as a share of its length."""
@@ -58,7 +58,7 @@ class StateGraph:
 
 
 def side_of_flat(fold_angles: np.ndarray) -> np.ndarray:
-    """Tell on which side of the flat state admissible states [..., N] lie: the sign of the sum of all fold angles.
+    """Return on which side of the flat state admissible states [..., N] lie: the sign of the sum of all fold angles.
 
     Up (+1) and down (-1) are joined by admissible states only through the flat state (0), symmetric or not: round
     every other one |sum phi| >= 2 pi - area(K) > 0, with K the convex hull of the spherical polygon of the vertex,
@@ -271,7 +271,7 @@ def _across(model: Problem, a: np.ndarray, b: np.ndarray) -> np.ndarray:
 def _reach(
     model: Problem, want: np.ndarray, stray: np.ndarray, only: np.ndarray | None = None
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Close the states `want` [K, n]; tell which are admissible and within `stray` [K] of them."""
+    """Close the states `want` [K, n]; return which are admissible and within `stray` [K] of them."""
     y, good = close(model, want)
     good &= np.linalg.norm(y - want, axis=1) <= stray + CLOSURE_TOL
     if only is not None:

@@ -19,7 +19,7 @@ from origami_nlp.problem import Contact, Model
 from origami_nlp.starts import states_on_limits
 
 SNAP = 2 * SETTLED
-"""`lower_dimensional_at` tells slopes from `INDEPENDENT` on, so that it finds an end to about this [rad]."""
+"""`lower_dimensional_at` distinguishes slopes from `INDEPENDENT` on, so that it finds an end to about this [rad]."""
 SHORTEST = 10 * ROUNDED
 """Ends of a thin curve are bisected to this length [rad]."""
 
@@ -99,7 +99,7 @@ def last_stratum(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Bisect between a state where a set is thin and one [n] where it is not, both with `held` closed.
 
-    Returns the last state seen on either side, as near to each other as projection tells them apart.
+    Returns the last state seen on either side, as near to each other as projection separates them.
     """
     low, high = thin.x, thick
     while (apart := np.abs(high - low).max()) > SHORTEST:

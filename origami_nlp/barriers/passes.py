@@ -162,7 +162,7 @@ def critical_at(state: State) -> Critical | None:
     if not state.regular:
         kind: PassKind = "flat state" if np.abs(x).max() <= DUPLICATE_TOL else "singular"
     elif len(judged) > 1 or len(judged[0].rows) >= model.freedom:
-        # as many contacts as freedoms leave a point, where the energy need not be stationary
+        # as many contacts as degrees of freedom leave a point, where the energy need not be stationary
         kind = "corner"
     else:
         kind = "contact saddle" if judged[0].rows else "saddle"

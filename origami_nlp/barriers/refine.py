@@ -185,7 +185,7 @@ class RefinedGraph:
         self.graph = replace(g, height=height)
 
     def only_exit(self, v: int, i: int, j: int) -> bool:
-        """Tell whether vertex v is the one end at which a thin set with just one of minima i and j is left."""
+        """Return whether vertex v is the one end at which a thin set with just one of minima i and j is left."""
         for curve in self.curves:
             on = [
                 bool(np.abs(curve.states - self.minima[k]).max(axis=1).min() <= SAMPLED)

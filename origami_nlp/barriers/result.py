@@ -1,4 +1,4 @@
-"""Barriers as they are found, and how they tell themselves: tables and lines."""
+"""Barriers as they are found, and how they are printed: tables and lines."""
 
 from __future__ import annotations
 
@@ -13,7 +13,15 @@ import numpy as np
 from origami_nlp.barriers.full import FullPass
 from origami_nlp.barriers.graph import StateGraph
 from origami_nlp.barriers.passes import Pass, PassKind
-from origami_nlp.display import Content, Report, Section, Table, Viewable, short_label
+from origami_nlp.display import (
+    Content,
+    Report,
+    Section,
+    Table,
+    Viewable,
+    angle_columns,
+    short_label,
+)
 from origami_nlp.folding import path_frames
 from origami_nlp.minima import MinimaResult
 from origami_nlp.pattern import Scene
@@ -91,8 +99,8 @@ class Barriers(Report, Viewable):
     merges
         The merge tree: where branches meet, in order of energy.
     graph
-        Admissible states and the steps between them; None with one freedom, whose curves are traced, and where it was
-        read from a file.
+        Admissible states and the steps between them; None with one degree of freedom, whose curves are traced, and
+        where it was read from a file.
     unlisted
         The deepest basins of the graph without a listed minimum.
     full
@@ -185,8 +193,9 @@ class Barriers(Report, Viewable):
         for p in self.passes:
             rises = [p.energy - end for end in self._energies(p)]
             row = {"scene": self.label, "from": p.from_state, "to": p.to_state}
-            row |= {"energy": p.energy, "rises": rises[0], "back": rises[1], "kind": p.pass_kind}
-            yield row | {f"phi_{k}": v for k, v in enumerate(p.fold_angles, start=1)}
+            row |= {"energy_J": p.energy, "rises_J": rises[0], "back_J": rises[1]}
+            row["kind"] = p.pass_kind
+            yield row | angle_columns(p.fold_angles)
 
     def view_content(self) -> Content:
         """Return states and the paths over the passes as plain data, see `view`."""
@@ -202,7 +211,7 @@ class Barriers(Report, Viewable):
 
 
 def _full_words(f: FullPass) -> str:
-    """Say what is known of one barrier without the symmetry."""
+    """Describe what is known of one barrier without the symmetry."""
     if f.verdict == "same":
         return f"{f.upper:.9g} J as well: no symmetry-breaking path is lower ({f.why})"
     if f.verdict == "lower":
@@ -219,13 +228,16 @@ def barriers_table(several: Sequence[Barriers]) -> Table:
     rows = []
     for barriers in several:
         name = short_label(barriers.label).replace("*", r"\*")
-        judged = barriers.full or any(
-            getattr(m, "full_space", None) is not None for m in barriers.result.minima
-        )
+        unstable = {
+            number
+            for number, m in enumerate(barriers.result.minima, start=1)
+            if (known := getattr(m, "full_space", None)) and known.verdict == "unstable"
+        }
         full = {(f.from_state, f.to_state): f for f in barriers.full}
         for p in barriers.passes:
             one, two = barriers._energies(p)
             f = full.get((p.from_state, p.to_state))
+            judged = barriers.full or unstable & {p.from_state, p.to_state}
             said = "an end is unstable there" if judged else "not asked"
             if f is not None:
                 said = f"same: {f.why}"

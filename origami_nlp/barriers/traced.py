@@ -1,7 +1,7 @@
-"""Barriers where one freedom is left: passes along all curves of closed states, of a vertex or of a pattern.
+"""Barriers where one degree of freedom is left: passes along all curves of closed states, of a vertex or of a pattern.
 
-With one freedom a motion follows its curve, and leaves it at states where curves meet alone: the merge tree of the
-curves, cut where the energy is stationary, holds the lowest pass between every two states on them.
+With one degree of freedom a motion follows its curve, and leaves it at states where curves meet alone: the merge tree
+of the curves, cut where the energy is stationary, holds the lowest pass between every two states on them.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ APART = 0.2
 """Length of a step of a path [rad]."""
 ASIDE = 0.9
 """The projected middle of a step is nearer to both ends than this share of its length."""
-EVERY = "no lower way: all curves of the one freedom are known"
+EVERY = "no lower way: all curves of the one degree of freedom are known"
 FOLLOWED = (
     "no lower way: motions from the first state follow traced curves, to where others meet them"
 )
@@ -33,7 +33,7 @@ EXPLICIT = "the lowest way on traced curves; others lead on from them, or facets
 
 
 def vertex_barriers(model: Any, result: MinimaResult) -> Barriers:
-    """Return the barriers of a vertex with one freedom.
+    """Return the barriers of a vertex with one degree of freedom.
 
     Raises
     ------
@@ -49,13 +49,13 @@ def vertex_barriers(model: Any, result: MinimaResult) -> Barriers:
         found = traced_passes(model, curves.curves, curves.branches, states, energies)
     if found is None:
         raise OptionError(
-            "the curves of the one freedom could not be resolved: passes may be missing"
+            "the curves of the one degree of freedom could not be resolved: passes may be missing"
         )
     return _barriers(model, result, found, 1.0, lambda i, j, height: EVERY)
 
 
 def pattern_barriers(result: MinimaResult) -> Barriers:
-    """Return the barriers of a pattern whose minima have one freedom each, or none.
+    """Return the barriers of a pattern whose minima have one degree of freedom each, or none.
 
     Raises
     ------
@@ -66,12 +66,12 @@ def pattern_barriers(result: MinimaResult) -> Barriers:
     if loose:
         numbers = ", ".join(map(str, loose[:8])) + (", ..." if len(loose) > 8 else "")
         raise OptionError(
-            f"minima {numbers} have more than one freedom: barriers of a pattern are those on curves of one freedom "
+            f"minima {numbers} have more than one degree of freedom: barriers of a pattern are those on curves "
             "(`escape` of each minimum has a bound)"
         )
     if not result.curves:
         raise OptionError(
-            "no curve of one freedom is known: barriers of a pattern need the result of a search, not one from a file"
+            "no curve of states is known: barriers of a pattern need the result of a search, not one from a file"
         )
     problem, states = result.model, np.array([m.fold_angles for m in result.minima])
     traced = curve_passes(problem, result.curves, states)

@@ -25,13 +25,13 @@ from .patterns import PatternLine as PatternLine, pattern_family as pattern_fami
 from .plane import Plane as Plane
 from .records import (
     BranchEnd as BranchEnd,
-    Check as Check,
     KindRange as KindRange,
     Multiplier as Multiplier,
     PathBranch as PathBranch,
     PathEvent as PathEvent,
     PathPoint as PathPoint,
     Residuals as Residuals,
+    SearchCheck as SearchCheck,
     StateAt as StateAt,
 )
 from .regions import (

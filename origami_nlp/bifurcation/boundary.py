@@ -216,7 +216,7 @@ def find_bifurcation_set(
     seed, effort
         Of the searches.
     seconds
-        Wall time; what was followed by then is returned, `BifurcationSet.interrupted` tells.  None: no limit.
+        Wall time; what was followed by then is returned, see `BifurcationSet.interrupted`.  None: no limit.
 
     Returns
     -------
@@ -371,7 +371,7 @@ def _systems(
 
 
 def _lies_on(tracer: Tracer, curve: EventCurve, first: EventPoint, axis: int) -> bool:
-    """Tell whether an event is a point of a curve: between two of its points, at the same value of parameter `axis`."""
+    """Return whether an event is a point of a curve: between two of its points, at the same value of `axis`."""
     plane = tracer.plane
     words = tracer.contact and first.frame.problem.words(tracer.contact, first.frame.state).text
     if (words or "").split(" (")[0] != curve.contact.split(" (")[0]:

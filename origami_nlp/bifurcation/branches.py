@@ -1,4 +1,4 @@
-"""Arcs of a web joined to branches, and its nodes made events."""
+"""Arcs of a bifurcation diagram joined to branches, and its nodes made events."""
 
 from __future__ import annotations
 

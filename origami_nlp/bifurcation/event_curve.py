@@ -39,7 +39,7 @@ MOST_CUSPS = 4
 MOST = 1000
 """Points of a curve, one way."""
 MEETS = "meets another event"
-"""Why a curve ends where beyond it the states are none; what is met follows."""
+"""Why a curve ends where beyond it there are no states; what is met follows."""
 FOLD_STEPS = 12
 """Of the secant method for a fold."""
 
@@ -209,7 +209,7 @@ def _one_way(
 
 
 def _what(frame: Equilibrium) -> str:
-    """Say which other event makes a state none."""
+    """Return which other event makes a state none."""
     p = frame.problem
     pulls = [
         p.words(c, frame.state).text

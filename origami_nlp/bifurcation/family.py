@@ -1,4 +1,4 @@
-"""A family of scenes over one parameter, and the line of its programmes.
+"""A family of scenes over one parameter, and the line of its problems.
 
 What a crease gets, its images under the symmetry get too; names of parameters: see `over`.
 """
@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from origami_nlp.bifurcation.parameter_range import PLACE, ParameterRange, kind_of
+from origami_nlp.bifurcation.parameter_range import PLACE, ParameterRange, kind_of, meant_by
 from origami_nlp.continuation import STEPS, ContinuationOptions, ParameterLine, line_between
 from origami_nlp.errors import OptionError
 from origami_nlp.minima import MinimaResult, find_minima_of_each
@@ -71,7 +71,7 @@ class Family:
 
     @cached_property
     def line(self) -> ParameterLine:
-        """The programmes along it.
+        """The problems along it.
 
         Raises
         ------
@@ -131,7 +131,7 @@ class Family:
         return states_to_fold(self.scene(self.over.low), frames)
 
     def _check(self, posed: Sequence[Any], where: np.ndarray) -> None:
-        """Complain where the numbers of scenes are not linear in s."""
+        """Raise an error where the numbers of scenes are not linear in s."""
         # equal steps of s: numbers that are linear change by the same from scene to scene
         change = np.diff([linear_numbers(m.parameters) for m in posed], axis=0)
         apart = np.abs(change - np.median(change, axis=0)).max(axis=1)
@@ -217,9 +217,10 @@ def family_of(scene: Scene, over: ParameterRange) -> Family:
         most = len(base.loads) if match and match[3] else base.degree
         if match is None or not 1 <= int(match[4]) <= most:
             raise OptionError(
-                f"over = {over.name!r} is no parameter of the scene: write ratio, alpha, stiffness[1], rest_angles[1], "
-                f"preload[1], torque[1] or sector_angles[1], with entries 1 to {base.degree}"
+                f"parameter = {over.name!r} is no parameter of the scene: write ratio, alpha, stiffness[1], "
+                f"rest_angles[1], preload[1], torque[1] or sector_angles[1], with entries 1 to {base.degree}"
                 + (f", or loads, loads[1] to loads[{len(base.loads)}]" if base.loads else "")
+                + meant_by(name)
             )
         places.append((kind_of(name), int(match[4]) - 1))
     return Family(over, _over_places(base, places))
@@ -236,7 +237,7 @@ def stiffness_over_ratio(k: np.ndarray, rest: np.ndarray) -> Callable[[float], l
     mountain = rest < 0
     if mountain.all() or not mountain.any():
         raise OptionError(
-            "over = 'ratio' is the stiffness of mountains over that of valleys: there is only one of them"
+            "parameter = 'ratio' is the stiffness of mountains over that of valleys: there is only one of them"
         )
     log = np.log(k)
     # k_m / k_v = r, their geometric mean unchanged (paper, section 3: k_m = 0.025 sqrt(r), k_v = 0.025 / sqrt(r))
@@ -259,7 +260,7 @@ def _over_alpha(scene: Scene) -> Callable[[float], Scene]:
         if np.abs(origin + sectors[0] * change - sectors).max() <= RESOLVED:
             return lambda t: replace(scene, vertex=Vertex(tuple((origin + t * change).tolist())))
     raise OptionError(
-        "over = 'alpha' needs the sector angles of the families degree6 or degree8 (`origami-nlp example`)"
+        "parameter = 'alpha' needs the sector angles of the families degree6 or degree8 (`origami-nlp example`)"
     )
 
 

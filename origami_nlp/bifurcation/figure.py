@@ -48,13 +48,13 @@ def draw_atlas(atlas: Atlas) -> Figure:
     Returns
     -------
     matplotlib.figure.Figure
-        Energy, the fold angle that tells branches apart best, and contact moments where there are any, over the
+        Energy, the fold angle that separates branches best, and contact moments where there are any, over the
         parameter; events are marked and numbered, the number of minima stands above.
 
     Raises
     ------
     OptionError
-        If `atlas` is none.
+        If `atlas` is not of its type.
     """
     check_type("atlas", atlas, Atlas)
     crease = _telling_crease(atlas)
@@ -212,7 +212,7 @@ def draw_boundaries(boundaries: BifurcationSet) -> Figure:
     Raises
     ------
     OptionError
-        If `boundaries` are none.
+        If `boundaries` are not of its type.
     """
     check_type("boundaries", boundaries, BifurcationSet)
     up, across = boundaries.overs

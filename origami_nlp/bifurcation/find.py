@@ -18,7 +18,7 @@ from origami_nlp.bifurcation.family import SAMPLES, Family, family_of
 from origami_nlp.bifurcation.judging import Touching, breaking_eigenvalue, parts_of
 from origami_nlp.bifurcation.parameter_range import ParameterRange, parse_parameter_range
 from origami_nlp.bifurcation.patterns import PatternFamily, pattern_family
-from origami_nlp.bifurcation.records import Check, Cost, PathBranch
+from origami_nlp.bifurcation.records import Cost, PathBranch, SearchCheck
 from origami_nlp.bifurcation.result import Atlas
 from origami_nlp.continuation import (
     STEPS,
@@ -87,16 +87,17 @@ def follow(
         Of scenes: whether events at which a symmetric state loses its stability without the symmetry are located; None
         is True.
     morse
-        Of scenes: whether the Morse identity is checked at each check (two symmetric freedoms and full contact only).
+        Of scenes: whether the Morse identity is checked at each check (two symmetric degrees of freedom and full
+        contact only).
     prove
         Of scenes: whether it is proved at each check that no minimum is missing, or the seconds that this may take, as
-        for `find_minima`; where one freedom is left, searches are complete without it.
+        for `find_minima`; where one degree of freedom is left, searches are complete without it.
     effort, seed, max_starts, starts
         Of the searches, see `find_minima`; `starts` of patterns.
     options
         Of the continuation: lengths of steps, points and arcs at most.
     seconds
-        Wall time; what was followed by then is judged and returned, `Atlas.interrupted` tells.  None: no limit.
+        Wall time; what was followed by then is judged and returned, see `Atlas.interrupted`.  None: no limit.
 
     Returns
     -------
@@ -118,7 +119,7 @@ def follow(
     ['interior', 'contact-touching', 'degenerate', 'degenerate']
     """
     stated = parse_parameter_range(over) if isinstance(over, str) else over
-    check_type("over", stated, ParameterRange)
+    check_type("parameter", stated, ParameterRange)
     until = check_until(seconds)
     given = {
         "full": full,
@@ -228,7 +229,7 @@ class _Survey:
             functions=functions,
             until=turn,
         )
-        self.checks: list[Check] = []
+        self.checks: list[SearchCheck] = []
         self.alarms: list[str] = []
         self._euler: dict[Vertex, int] = {}
 
@@ -297,7 +298,7 @@ class _Survey:
                         f"{self.over.name} = {t:.9g}: the state of a branch is {what.verdict}: {what.reason}"
                     )
         self.checks.append(
-            Check(
+            SearchCheck(
                 t,
                 len(result.minima),
                 len(followed),
@@ -330,7 +331,7 @@ class _Survey:
         return out
 
     def _identity(self, scene: Scene, result: MinimaResult) -> str:
-        """Say whether the critical points of a scene sum to the Euler characteristic of its states."""
+        """Return whether the critical points of a scene sum to the Euler characteristic of its states."""
         try:
             found = find_critical_points(scene, result)
             known = self._euler.get(scene.vertex)
@@ -381,7 +382,7 @@ class _Survey:
 
 
 def _complete(result: MinimaResult) -> str:
-    """Say why the minima of a search are all, or that its time was over; "" where that is not known."""
+    """Return why the minima of a search are all, or that its time was over; "" where that is not known."""
     if isinstance(result.search, PatternSearchReport):
         return OUT_OF_TIME if result.search.left_out else ""
     if result.search.stopped_by == "time":

@@ -17,7 +17,7 @@ from origami_nlp.bifurcation.records import PathBranch, PathEvent, PathPoint
 from origami_nlp.display import (
     Body,
     Content,
-    Folded,
+    FoldedBody,
     Keyframe,
     Line,
     Panel,
@@ -132,7 +132,7 @@ class _Posers:
         name = first.name if isinstance(family, PatternFamily) else first.label
         self.name = name or ("pattern" if isinstance(family, PatternFamily) else repr(first.vertex))
 
-    def folded(self, t: float, phi: Sequence[float], energy: float) -> Folded:
+    def folded(self, t: float, phi: Sequence[float], energy: float) -> FoldedBody:
         return self._at(t).folded(phi, energy)
 
     def view(self, t: float, phi: Sequence[float]) -> np.ndarray:

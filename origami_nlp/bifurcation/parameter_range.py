@@ -10,8 +10,10 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Iterable
 from dataclasses import dataclass
 
+from origami_nlp.arguments import did_you_mean
 from origami_nlp.errors import AngleError, OptionError
 from origami_nlp.pattern import parse_angle
 
@@ -118,19 +120,21 @@ def parse_parameter_range(text: str) -> ParameterRange:
     name, equals, ends = text.partition("=")
     low, colon, high = ends.partition(":")
     if not equals or not colon:
-        raise OptionError(f"over = {text!r} must be NAME=FROM:TO, such as ratio=0.01:100")
+        raise OptionError(f"parameter = {text!r} must be NAME=FROM:TO, such as ratio=0.01:100")
     name = name.strip()
     values = [_number(v, name) for v in (low, high)]
     kinds = {kind_of(part) for part in name.split("+")}
     if len(kinds) > 1:
-        raise OptionError(f"over = {text!r}: what takes the same value must be of one kind")
+        raise OptionError(f"parameter = {text!r}: what takes the same value must be of one kind")
     (kind,) = kinds
     log, unit = kind in ("ratio", "stiffness"), UNITS.get(kind, "rad")
     a, b = values
     if not a < b:
-        raise OptionError(f"over = {text!r}: the range must run from a smaller to a larger value")
+        raise OptionError(
+            f"parameter = {text!r}: the range must run from a smaller to a larger value"
+        )
     if log and a <= 0:
-        raise OptionError(f"over = {text!r}: {name} must be above 0")
+        raise OptionError(f"parameter = {text!r}: {name} must be above 0")
     return ParameterRange(name, a, b, unit, log)
 
 
@@ -139,9 +143,16 @@ NEARBY = 1.3
 
 
 def kind_of(name: str) -> str:
-    """Return what a parameter is, a key of `UNITS`; the name itself where it is none."""
+    """Return what a parameter is, a key of `UNITS`; the name itself where it is not one."""
     match = PLACE.fullmatch(name.strip()) or _OF_A_PATTERN.fullmatch(name.strip())
     return next(v for v in match.groups()[:3] if v) if match else name.strip()
+
+
+def meant_by(name: str, options: Iterable[str] = ()) -> str:
+    """Return ``; did you mean ...?`` for a parameter that is not one, or nothing; options: what it could be as well."""
+    known = [*UNITS, *options]
+    bare = (re.sub(r".*\.|\[.*", "", part.strip()) for part in name.split("+"))
+    return "".join(did_you_mean(part, known) for part in bare if part not in known)
 
 
 def parse_nearby(text: str) -> ParameterRange:
@@ -165,4 +176,4 @@ def _number(text: str, name: str) -> float:
     except AngleError:
         if UNITS.get(kind_of(name.partition("+")[0]), "rad") == "rad":
             raise
-        raise OptionError(f"over: {name} = {text.strip()!r} must be a finite number") from None
+        raise OptionError(f"parameter: {name} = {text.strip()!r} must be a finite number") from None

@@ -1,4 +1,4 @@
-"""A family of patterns over one parameter, and the line of its programmes.
+"""A family of patterns over one parameter, and the line of its problems.
 
 Springs change along a `ParameterLine` as those of scenes do: names are those of `pattern.with_places`, and ``ratio``.
 What moves vertices (``vertices.x[5]``, or an option of an example such as ``alpha`` of ``miura:3x3``) changes closure
@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from origami_nlp.bifurcation.family import Family, stiffness_over_ratio
-from origami_nlp.bifurcation.parameter_range import ParameterRange
+from origami_nlp.bifurcation.parameter_range import ParameterRange, meant_by
 from origami_nlp.continuation import STEPS, ContinuationOptions, ParameterLine, line_between
 from origami_nlp.errors import OptionError
 from origami_nlp.minima import MinimaResult
@@ -29,13 +29,13 @@ from origami_nlp.problem import Contact
 SHARE = 1e-3
 """Of the range: the step of the difference that follows closure along it; its error is the fourth power."""
 KEPT = 64
-"""Programmes of a line that are kept: a point, what it is differentiated by, and the points before."""
+"""Problems of a line that are kept: a point, what it is differentiated by, and the points before."""
 CREASES = 6
 """Steps and weights of `path` are those of so many creases; their lengths grow as the root of the number."""
 
 
-class Moved(PatternProblem):
-    """The programme of a pattern on a `PatternLine`: its KKT system is differentiated along that line alone."""
+class MovedVertices(PatternProblem):
+    """The problem of a pattern on a `PatternLine`: its KKT system is differentiated along that line alone."""
 
     line: PatternLine
     s: float
@@ -65,14 +65,14 @@ class Moved(PatternProblem):
 
 @dataclass(frozen=True, eq=False)
 class PatternLine:
-    """Programmes of patterns of one structure whose vertices move with s: what `ParameterLine` is for springs.
+    """Problems of patterns of one structure whose vertices move with s: what `ParameterLine` is for springs.
 
     Attributes
     ----------
     pattern_of
         The pattern at s.
     start
-        Value of s whose programme lends scale and numbers of contacts to all.
+        Value of s whose problem lends scale and numbers of contacts to all.
     length
         Of the range of s.
     weight
@@ -93,7 +93,7 @@ class PatternLine:
 
     @cached_property
     def at(self) -> Callable[[float], Any]:
-        """Return the programme at s; the last ones are kept."""
+        """Return the problem at s; the last ones are kept."""
 
         def made(s: float) -> PatternProblem:
             return self.problem if s == self.start else self._made(s, self.problem)
@@ -101,12 +101,12 @@ class PatternLine:
         return lru_cache(maxsize=KEPT)(made)
 
     def _made(self, s: float, like: PatternProblem | None = None) -> PatternProblem:
-        problem = Moved(self.pattern_of(s))
+        problem = MovedVertices(self.pattern_of(s))
         problem.line, problem.s = self, s
         return problem if like is None else problem.numbered_as(like)
 
     def slope(self, s: float) -> np.ndarray:
-        """Return the change of s along itself, [1]: the programmes know the rest."""
+        """Return the change of s along itself, [1]: the problems know the rest."""
         return np.ones(1)
 
 
@@ -126,7 +126,7 @@ class PatternFamily(Family):
 
     @cached_property
     def line(self) -> ParameterLine | PatternLine:  # type: ignore[override]
-        """The programmes along it.
+        """The problems along it.
 
         Raises
         ------
@@ -213,5 +213,7 @@ def pattern_family(stated: Any, over: ParameterRange) -> PatternFamily:
         with_places(problem, dict.fromkeys(names, over.low))
     except OptionError as error:
         more = f"; of {example}: {', '.join(options)}" if options else ""
-        raise OptionError(f"over = {error}, or ratio{more}") from None
+        raise OptionError(
+            f"parameter = {error}, or ratio{more}{meant_by(over.name, options)}"
+        ) from None
     return PatternFamily(over, lambda t: with_places(problem, dict.fromkeys(names, t)))  # type: ignore[arg-type, return-value]

@@ -1,4 +1,4 @@
-"""Scenes over two parameters, and the lines of programmes across their plane."""
+"""Scenes over two parameters, and the lines of problems across their plane."""
 
 from __future__ import annotations
 
@@ -78,7 +78,7 @@ class Plane:
         return Model(self.family(u).scene(t))
 
     def line(self, point: np.ndarray, direction: np.ndarray, weight: float) -> ParameterLine:
-        """Return the programmes along a direction [2] from a point [2] of the plane of s."""
+        """Return the problems along a direction [2] from a point [2] of the plane of s."""
         whole, origin, slopes = self._posed
         m = whole.parameters
         none = np.zeros(0) if m.dead is None else m.dead.vector
@@ -107,5 +107,5 @@ def _forces(like: DeadLoads | None, vector: np.ndarray) -> DeadLoads | None:
 
 
 def _numbers(model: Model) -> np.ndarray:
-    """Return what is linear over the plane: of the programme, and sectors of the vertex."""
+    """Return what is linear over the plane: of the problem, and sectors of the vertex."""
     return np.append(linear_numbers(model.parameters), model.scene.vertex.sector_angles)

@@ -190,7 +190,7 @@ class PathEvent(ShortRepr):
 
 
 @dataclass(frozen=True)
-class Check:
+class SearchCheck:
     """A search at one value of the parameter, beside what was followed.
 
     Attributes
@@ -215,7 +215,7 @@ class Check:
         What the Morse identity says there, "" where it was not asked.
     complete
         ``proved`` (or ``proved-except-singular``, ``not-proved``) where a proof was asked for, ``traced`` where one
-        freedom was traced to all its ends, that the time limit ended the search where it did; "" elsewhere.
+        degree of freedom was traced to all its ends, that the time limit ended the search where it did; "" elsewhere.
     """
 
     t: float

@@ -93,7 +93,12 @@ def find_regions(
             point = plane.corner + (np.array(at) + 0.5) / CELLS * plane.size
             t, u = plane.values(point)
             result = find_minima(
-                plane.family(u).scene(t), prove=False, escape=False, effort=effort, seed=seed
+                plane.family(u).scene(t),
+                full=False,
+                prove=False,
+                escape=False,
+                effort=effort,
+                seed=seed,
             )
             found.append(dict(Counter(str(m.kind) for m in result.minima)))
             cells = np.indices(depth.shape)

@@ -13,14 +13,24 @@ from origami_nlp.bifurcation.family import Family, family_of
 from origami_nlp.bifurcation.judging import states_at
 from origami_nlp.bifurcation.parameter_range import ParameterRange
 from origami_nlp.bifurcation.patterns import pattern_family
-from origami_nlp.bifurcation.records import Check, Cost, Interval, PathBranch, PathEvent, StateAt
+from origami_nlp.bifurcation.records import (
+    Cost,
+    Interval,
+    PathBranch,
+    PathEvent,
+    SearchCheck,
+    StateAt,
+)
 from origami_nlp.continuation import BifurcationDiagram
 from origami_nlp.display import Content, Report, Section, Table, Viewable, Words
 from origami_nlp.errors import OUT_OF_TIME, OptionError
 from origami_nlp.numerics import DUPLICATE_TOL
 from origami_nlp.pattern import Pattern, Scene
 
-COMPLETE = {"proved": "proved to be all", "traced": "all that the curves of its one freedom hold"}
+COMPLETE = {
+    "proved": "proved to be all",
+    "traced": "all that the curves of its one degree of freedom hold",
+}
 """How it is said that a check is complete."""
 
 
@@ -65,7 +75,7 @@ class Atlas(Report, Viewable):
     over: ParameterRange
     branches: tuple[PathBranch, ...]
     events: tuple[PathEvent, ...]
-    checks: tuple[Check, ...]
+    checks: tuple[SearchCheck, ...]
     alarms: tuple[str, ...]
     cost: Cost
     family: Family = field(default=None, metadata={"plain": False})  # type: ignore[assignment]

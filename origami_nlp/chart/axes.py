@@ -1,6 +1,6 @@
 """Putting a landscape into matplotlib Axes: areas cut at exact boundaries, or curves.
 
-Colours and lines are those of `show.style`; minima and passes are marked by who knows them.
+Colours and lines are those of `display.style`; minima and passes are marked by who knows them.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from origami_nlp.numerics import NONZERO
 UNIT = "J"
 """Of energies when stiffness is given in N m/rad."""
 DASHES = ("-", (0, (6, 2)), (0, (1.5, 1.5)), (0, (6, 2, 1.5, 2)))
-"""Of the curves of one freedom, so that they differ in grey too."""
+"""Of the curves of one degree of freedom, so that they differ in grey too."""
 WHITE = {
     "full": "excluded: facets cross or |φ| > π",
     "fold-limits": "excluded: |φ| > π",
@@ -260,7 +260,7 @@ def curve_name(chart: Landscape, k: int) -> str:
     states = chart.branches[k].fold_angles
     at = states[:, crease - 1]
     towards = 1.0 if np.nanmax(at) > -np.nanmin(at) - 1e-6 else -1.0
-    # halfway: where creases are at their limits or flat again, the rest tells nothing
+    # halfway: where creases are at their limits or flat again, the rest says nothing
     middle = states[int(np.nanargmin(np.abs(at - towards * np.nanmax(towards * at) / 2)))]
     letters = "".join("V" if phi > 1e-6 else "M" if phi < -1e-6 else "−" for phi in middle)
     return f"{letters} for φ{subscript(crease)} {'>' if towards > 0 else '<'} 0"

@@ -3,7 +3,7 @@
 Admissibility is looked at on a grid of chart points; between every admissible cell and an excluded neighbour (or the
 edge of the chart) the boundary point is bisected to rounding, so that no piece of boundary that separates cells can be
 missed.  The contact that closes there is then held, and its zero set followed on the manifold of closed states
-(`path.trace`: closure and contact to `FOLLOWED` at every point) both ways, to where another contact
+(`continuation.trace`: closure and contact to `FOLLOWED` at every point) both ways, to where another contact
 closes.  Only geometry enters: the lines are the same for every stiffness (`with_energy` adds a scene's energy).
 """
 
@@ -113,7 +113,7 @@ def trace_boundary(scene: Scene, size: int = 161) -> Boundary:
     chart = chart_of(scene)
     if chart is None or scene.contact != "full":
         raise OptionError(
-            "the boundary is traced for scenes with two symmetric freedoms, a closed-form chart "
+            "the boundary is traced for scenes with two symmetric degrees of freedom, a closed-form chart "
             f"and contact = 'full', not symmetry {scene.group.name}, contact = {scene.contact!r}"
         )
     model = Model(scene)
@@ -277,7 +277,7 @@ def _hidden_lines(chart: Chart, model: Model, lines: list[BoundaryLine]) -> list
 
 
 def _stays(chart: Chart, held: Stratum) -> bool:
-    """Tell whether moving from a state with a contact held stays on the same point of the chart."""
+    """Return whether moving from a state with a contact held stays on the same point of the chart."""
     point = evaluate(held)
     if point is None or point.dimension != 1:
         return False

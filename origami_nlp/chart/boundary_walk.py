@@ -1,7 +1,7 @@
 """Walk along a contact boundary to both its ends: cheap steps first, the exact corner last.
 
-Like `path.follow_boundary`, but made to trace all boundaries of a chart: admissibility is looked at for many points at
-once, energy plays no part, and ends are put on the corner by Newton.
+Like `continuation.follow_boundary`, but made to trace all boundaries of a chart: admissibility is looked at for many
+points at once, energy plays no part, and ends are put on the corner by Newton.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""The paper's coordinates of a scene with two symmetric freedoms, from the generated closed forms.
+"""The paper's coordinates of a scene with two symmetric degrees of freedom, from the generated closed forms.
 
 - D_1, degree 6: (phi_2, phi_3), the fold angles between the mirror creases; one branch
   (`closed_forms.degree6`, paper, eq. 3.2, phi1-6-fold).
@@ -69,7 +69,7 @@ class Chart:
 
 
 def chart_of(scene: Scene) -> Chart | None:
-    """The chart of a scene with two symmetric freedoms, or None where no closed form is known."""
+    """The chart of a scene with two symmetric degrees of freedom, or None where no closed form is known."""
     group = scene.group
     # closed forms are those of states that wind once
     if (scene.winding or 1) > 1:
@@ -108,7 +108,7 @@ def crease_number(scene: Scene, ray: int) -> int:
 
 
 def admissible(scene: Scene, fold_angles: np.ndarray) -> np.ndarray:
-    """Tell which closed states [K, N] keep the contact that the scene asks for, shape [K].
+    """Return which closed states [K, N] keep the contact that the scene asks for, shape [K].
 
     Adjacent facets by |phi| <= pi; non-adjacent ones by crossing of their arcs (pairs that the
     symmetry maps to one another are looked at once).  Layers of touching facets are not ordered.
@@ -151,7 +151,7 @@ def facet_pairs(scene: Scene) -> list[tuple[int, int]]:
 
 
 def family_of(scene: Scene, phi: np.ndarray) -> str:
-    """Say why a whole family of states shares the chart point of `phi`, or return ''."""
+    """Return why a whole family of states shares the chart point of `phi`, or return ''."""
     group = scene.group
     first, last = crease_number(scene, 0), crease_number(scene, len(group.rays) - 1)
     pairs = [(first, last)]

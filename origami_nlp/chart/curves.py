@@ -1,9 +1,9 @@
 """One-dimensional sets of closed states, at even distances, straight through the states where they cross.
 
-Not by `path.trace`: at a crossing (the flat state is one for every vertex) closure loses rank, there is no one tangent,
-and steps that are halved onto the singular state never pass it.  Here every step has the same length, and a tangent is
-what of the last direction closure leaves, so that a curve jumps over the crossing and each branch keeps its own way.
-Evenly spaced states are also what a landscape draws.
+Not by `continuation.trace`: at a crossing (the flat state is one for every vertex) closure loses rank, there is no one
+tangent, and steps that are halved onto the singular state never pass it.  Here every step has the same length, and a
+tangent is what of the last direction closure leaves, so that a curve jumps over the crossing and each branch keeps its
+own way. Evenly spaced states are also what a landscape draws.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ NEWTON = 12
 
 
 def trace_curves(scene: Scene, step: float) -> list[np.ndarray]:
-    """Trace the closed states of a scene with one freedom, inside |phi| <= pi.
+    """Trace the closed states of a scene with one degree of freedom, inside |phi| <= pi.
 
     Parameters
     ----------
@@ -84,7 +84,7 @@ def _tangent(model: Problem, x: np.ndarray, before: np.ndarray | None) -> np.nda
 def _walk(
     model: Problem, x: np.ndarray, tangent: np.ndarray, step: float
 ) -> tuple[list[np.ndarray], bool]:
-    """Follow the curve from x until it leaves |phi| <= pi; tells whether it came back to x."""
+    """Follow the curve from x until it leaves |phi| <= pi; return whether it came back to x."""
     start, points = x, []
     for count in range(LONGEST):
         for stretch in (1.0, 2.0, 0.5, 4.0):  # a crossing point can spoil one Newton step, not all

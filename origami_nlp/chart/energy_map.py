@@ -2,11 +2,11 @@
 
 Three forms, by the scene's symmetric degrees of freedom:
 
-- D_1, degree 6 (two freedoms): (phi_2, phi_3), the fold angles between the mirror creases; the rest
+- D_1, degree 6 (two degrees of freedom): (phi_2, phi_3), the fold angles between the mirror creases; the rest
   from `closed_forms.degree6` (paper, eq. 3.2, phi1-6-fold).
-- D_n, n >= 2, wedge of three creases (degree 4 n; two freedoms): (phi_2, elevation upsilon of crease
+- D_n, n >= 2, wedge of three creases (degree 4 n; two degrees of freedom): (phi_2, elevation upsilon of crease
   1, paper's sign: F_1 = Q(e2, upsilon) Q(b_1, phi_1/2)), two branches, from `closed_forms.wedge3`.
-- one freedom: the curves of closed states, traced numerically, over one of their fold angles.
+- one degree of freedom: the curves of closed states, traced numerically, over one of their fold angles.
 
 Anything else has no chart: `Landscape.reason` says why.  Radians; energies in the scene's units.
 """
@@ -141,7 +141,7 @@ def landscape(scene: Scene, size: int = 401) -> Landscape:
     if freedom <= 0:
         why = f"the vertex is rigid within the symmetry {group.name}"
     elif freedom == 2:
-        why = f"{what}, but no closed-form chart is known for this arrangement of creases"
+        why = f"{what}: no two-coordinate chart for this vertex, the energy landscape is not drawn"
     else:
         why = f"{what}: too many for a plane"
     return Landscape(scene, "none", (), (), why)
@@ -224,7 +224,7 @@ def _place_on_area(picture: Landscape, phi: np.ndarray) -> Place:
     return Place((drawn or candidates)[0], point, family_of(picture.scene, phi))
 
 
-# ---------------------------------------------------------------- one freedom: curves
+# ---------------------------------------------------------------- one degree of freedom: curves
 
 
 def _curves(scene: Scene, size: int) -> Landscape:

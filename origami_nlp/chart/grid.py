@@ -75,7 +75,7 @@ def faces_of(chart: Chart, branch: int, lines: list[Any], least: float) -> Multi
 def allowed(
     chart: Chart, branch: int, x: np.ndarray, y: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Tell which chart points have an admissible state, and return the states, shape S + (N,)."""
+    """Return which chart points have an admissible state, and return the states, shape S + (N,)."""
     phi = chart.fold_angles(branch, x, y)
     closed = np.isfinite(phi).all(axis=-1)
     good = np.zeros(closed.shape, dtype=bool)

@@ -66,7 +66,7 @@ def branch(
     out = Output(json=json)
     nu = parse_angle(elevation, "--elevation")
     state = cones.branch(flaps, -1 if nu < 0 else 1, end=end)
-    data = cones.branch_to_dict(state, nu)  # complains past the end, before anything is written
+    data = cones.branch_to_dict(state, nu)  # an error past the end, before anything is written
     cones.print_branch(state, nu, out.console)
     out.save("json", cones.write_lines, data)
 

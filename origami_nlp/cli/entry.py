@@ -9,6 +9,7 @@ from typing import Annotated, NoReturn
 
 import typer
 
+from origami_nlp.cli.fault import report_fault
 from origami_nlp.cli.finding import check_proof, landscape, minima
 from origami_nlp.cli.group import Group
 from origami_nlp.cli.making import design, example, model, vertices
@@ -16,19 +17,19 @@ from origami_nlp.cli.many import boundary, follow, pattern, sweep
 from origami_nlp.cli.paper import paper
 from origami_nlp.cli.understanding import barriers, contacts, critical, load, modes, space
 from origami_nlp.errors import OrigamiError
-from origami_nlp.io import printable
+from origami_nlp.io import inputs_kept, printable
 from origami_nlp.version import __version__
 
-MANY = "Many vertices, many scenes, many creases"
+FIRST, ANALYSIS = "Start here", "Analysis"
 app = Group(
-    "Energy minima of an origami vertex: found, classified, and which are stable states.",
+    "Stable states of rigid origami, of a vertex or a whole crease pattern: found, certified, loaded, designed.  "
+    "Creases and facets count from 1, vertices and frames of FOLD files from 0 as in the file.",
     completion=True,
 )
-app.add(minima, check_proof, landscape, under="Find the states of a scene")
-app.add(contacts, modes, load, under="Understand them")
-app.add(barriers, critical, space, under="Understand them")
-app.add(design, example, vertices, model, under="Make and read scenes")
-app.add(pattern, follow, boundary, sweep, under=MANY)
+app.add(minima, pattern, load, follow, design, under=FIRST)
+app.add(vertices, example, under=FIRST)
+app.add(landscape, barriers, modes, contacts, critical, space, under=ANALYSIS)
+app.add(boundary, sweep, check_proof, model, under=ANALYSIS)
 app.add_group("paper", paper, under="The source paper")
 
 
@@ -55,7 +56,8 @@ def run(commands: Group | None = None) -> None:
             stream.reconfigure(errors="backslashreplace")
     try:
         try:
-            (commands or app)()
+            with inputs_kept() as inputs:
+                (commands or app)()
         finally:
             if sys.stdout is not None:
                 sys.stdout.flush()  # a full disk shows here, where it can still be said
@@ -71,6 +73,8 @@ def run(commands: Group | None = None) -> None:
         _close_stdout()
         where = repr(error.filename) if error.filename else "input or output"
         _stop(f"{where}: {error.strerror or error}")
+    except Exception as error:  # a fault of ours
+        report_fault(error, inputs)
 
 
 def _stop(line: str) -> NoReturn:

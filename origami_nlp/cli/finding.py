@@ -10,6 +10,7 @@ import typer
 
 from origami_nlp.arguments import refuse
 from origami_nlp.cli import options as o
+from origami_nlp.cli.group import FOLD_FILES
 from origami_nlp.cli.output import Output
 from origami_nlp.cli.progress import progress
 from origami_nlp.cli.search import search
@@ -29,7 +30,8 @@ def minima(
         bool,
         typer.Option(
             "--each-vertex",
-            help="FOLD file: every vertex by itself, equal ones once, as one table.",
+            rich_help_panel=FOLD_FILES,
+            help="Every vertex by itself, equal ones once, as one table.",
         ),
     ] = False,
     seed: o.Seed = 0,
@@ -94,7 +96,7 @@ def minima(
     stopped = False
     try:
         result = search(stated, scene.name, **options)
-    except Interrupted as early:  # what was found is told and written all the same
+    except Interrupted as early:  # what was found is reported and written all the same
         result, stopped = early.result, True
     result.tell(out.console, verbose)
     out.write("json", result.to_dict)
@@ -172,7 +174,7 @@ def landscape(
     if not SMALLEST <= size <= LARGEST:
         raise OptionError(f"--size = {size} must lie between {SMALLEST} and {LARGEST}")
     if chart_of(stated) is None:
-        why = coordinates(stated, 8).reason or "it has one symmetric freedom only"
+        why = coordinates(stated, 8).reason or "it has one symmetric degree of freedom only"
         raise OptionError(f"scene has no landscape over two coordinates: {why}")
     if json and stated.contact != "full":
         raise OptionError(
@@ -180,7 +182,7 @@ def landscape(
         )
     result = search(stated, scene.name, seed=seed, full=True, escape=False)
     with progress("boundary"):
-        exact = find_landscape(result, size)
+        exact = find_landscape(result, size=size)
     exact.tell(out.console)
     barriers = None
     if json or passes:

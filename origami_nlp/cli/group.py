@@ -17,8 +17,8 @@ MAY_LACK_VALUE = ("--prove",)
 """Options whose value, a number, may be left out."""
 WRITES = "FILE"
 """Metavar of every option that writes what a command found, and of no other option."""
-
-
+FOLD_FILES = "Options for FOLD files and examples"
+"""Heading of the options that say what a FOLD file leaves open; `rich_help_panel` of each."""
 UNBROKEN = "\u2011"
 """A hyphen at which no line breaks."""
 
@@ -53,7 +53,7 @@ class _Command(_Helped, TyperCommand):
         return super().parse_args(ctx, filled)
 
     def invoke(self, ctx: Any) -> Any:
-        """Run it; on a terminal, tell who asked for no file what could be written."""
+        """Run it; on a terminal, inform who asked for no file what could be written."""
         answer = super().invoke(ctx)
         could = [p for p in self.params if p.param_type_name == "option" and p.metavar == WRITES]
         if could and not any(ctx.params.get(p.name) for p in could):
@@ -66,17 +66,24 @@ class _Command(_Helped, TyperCommand):
         return [self.options_metavar or "", *words]
 
     def format_options(self, ctx: Any, formatter: Any) -> None:
-        """Write arguments without the type of their text, then options."""
-        records = [(p.param_type_name, p, p.get_help_record(ctx)) for p in self.get_params(ctx)]
-        for kind, heading in (("argument", "Arguments"), ("option", "Options")):
+        """Write arguments without the type of their text, then options, those for FOLD files by themselves."""
+        records = [(_heading(p), p, p.get_help_record(ctx)) for p in self.get_params(ctx)]
+        for heading in ("Arguments", "Options", FOLD_FILES):
             rows = [
-                (p.metavar or r[0] if kind == "argument" else r[0], r[1])
-                for which, p, r in records
-                if which == kind and r is not None
+                (p.metavar or r[0] if heading == "Arguments" else r[0], r[1])
+                for under, p, r in records
+                if under == heading and r is not None
             ]
             if rows:
                 with formatter.section(heading):
                     formatter.write_dl(rows)
+
+
+def _heading(parameter: Any) -> str:
+    """Return under which heading a parameter stands in the help."""
+    if parameter.param_type_name == "argument":
+        return "Arguments"
+    return getattr(parameter, "rich_help_panel", None) or "Options"
 
 
 def _word(argument: Any) -> str:

@@ -33,18 +33,19 @@ def pattern(
     mesh: o.StatesMesh = None,
     html: o.HtmlFile = None,
 ) -> None:
-    """Say what a crease pattern is; with --path how it folds as a rigid sheet.
+    """Analyze the mobility of a crease pattern; with --path trace its folding motion as a rigid sheet.
 
-    Facets, creases, vertices, holes, freedoms, redundant equations, what is odd.  Files hold the folding motion, or
-    without --path the folded state at which freedoms were counted.  Its stable states: minima; under a load: load.
+    Facets, creases, vertices, holes, degrees of freedom, redundant equations, defects of the file.  Files hold the
+    folding motion, or without --path the folded state at which the degrees of freedom were counted.  Its stable
+    states: minima; under a load: load.
     """
     from origami_nlp.pattern_states import analyze_mobility, find_motion
 
     out = Output(json=json, figure=figure, fold=fold, mesh=mesh, html=html)
     sheet = scene.read_pattern()
-    seen = analyze_mobility(sheet, seed)
+    seen = analyze_mobility(sheet, seed=seed)
     seen.tell(out.console)
-    motion = find_motion(sheet, seen, seed) if path else None
+    motion = find_motion(sheet, seen, seed=seed) if path else None
     if motion is not None:
         motion.tell(out.console)
     _Files(seen, motion).write(out)
@@ -109,7 +110,7 @@ class _Files:
 )
 def follow(
     scene: Source,
-    over: o.ParameterRange,
+    parameter: o.ParameterRange,
     checks: Annotated[
         int,
         typer.Option(metavar="N", help="Searches: both ends, the middle, then the widest gaps."),
@@ -131,7 +132,7 @@ def follow(
     named = scene.is_example and not scene.given
     return follow_states(
         scene.name if named else scene.read_whole(),
-        over,
+        parameter,
         checks=checks,
         through_folds=through_folds,
         morse=morse or None,
@@ -152,7 +153,7 @@ def boundary(
             help="The parameter in whose range events are looked for; NAME=VALUE for those nearby.",
         ),
     ],
-    over: o.ParameterRange,
+    parameter: o.ParameterRange,
     lines: Annotated[
         int,
         typer.Option(metavar="N", help="Values of the second at which the first is followed."),
@@ -162,7 +163,7 @@ def boundary(
     """Draw where states of SCENE appear, change and vanish over two parameters, as exact curves."""
     from origami_nlp.bifurcation import find_bifurcation_set
 
-    return find_bifurcation_set(scene.read(), event, over, lines=lines, **search)
+    return find_bifurcation_set(scene.read(), event, parameter, lines=lines, **search)
 
 
 def sweep(

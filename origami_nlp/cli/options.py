@@ -10,7 +10,7 @@ from typing import Annotated, Any
 import typer
 
 from origami_nlp.arguments import check_number, check_whole, shown
-from origami_nlp.cli.group import WITHOUT_VALUE
+from origami_nlp.cli.group import FOLD_FILES, WITHOUT_VALUE
 from origami_nlp.errors import OptionError
 
 
@@ -44,7 +44,7 @@ def wanted_proof(value: str | None) -> bool | float | None:
 
 
 def _rest_angle(value: str | None) -> str | None:
-    """Let a size in degrees stand after --rest-angle; what stands after --rest-angles is a word."""
+    """Let a size in degrees stand after --rest-angle; what stands after --rest-from is a word."""
     if value is None:
         return None
     try:
@@ -52,7 +52,7 @@ def _rest_angle(value: str | None) -> str | None:
     except ValueError:
         raise OptionError(
             f"--rest-angle = {shown(value)} must be a number from 0 to 180 [deg], the size for creases without an "
-            "angle; whether a folded form rests as the file says or as measured is --rest-angles file|measured"
+            "angle; whether a folded form rests as the file says or as measured is --rest-from file|measured"
         ) from None
     return value
 
@@ -326,64 +326,80 @@ StateNumber = Annotated[
 ParameterRange = Annotated[
     str,
     typer.Option(
+        "--parameter",
         metavar="NAME=FROM:TO",
-        help="The parameter to follow states over: ratio, alpha, creases.stiffness[1], creases.rest_angles[1] or "
+        help="The parameter that varies: ratio, alpha, creases.stiffness[1], creases.rest_angles[1] or "
         "vertex.sector_angles[1]; of a pattern mountains.stiffness or vertices.x[5] too; angles as 0.5, pi/6 or 30deg.",
     ),
 ]
 
 # ---------------------------------------------------------------- FOLD files
 
+_OF_FOLD: Any = {"rich_help_panel": FOLD_FILES}
 FrameNumber = Annotated[
     int | None,
     typer.Option(
         "--frame",
         metavar="N",
-        help="FOLD file: the frame, from 0 (default: the first with geometry).",
+        **_OF_FOLD,
+        help="The frame, from 0 as in the file (default: the first with geometry).",
     ),
 ]
 VertexNumber = Annotated[
     int | None,
-    typer.Option(metavar="V", help="FOLD file: the vertex, numbered from 0 as in the file."),
+    typer.Option(
+        metavar="V", **_OF_FOLD, help="One vertex by itself, numbered from 0 as in the file."
+    ),
 ]
 FoldSymmetry = Annotated[
     str | None,
-    typer.Option(metavar="GROUP", help="FOLD file: none, auto, C<n> or D<n> (default auto)."),
+    typer.Option(
+        metavar="GROUP",
+        **_OF_FOLD,
+        help="none, auto, C<n> or D<n> (default auto); in place of a scene file's own, too.",
+    ),
 ]
 FoldContact = Annotated[
     str | None,
     typer.Option(
         **_one_of("full", "fold-limits", "none"),
-        help="FOLD file: full, fold-limits or none (default full).",
+        **_OF_FOLD,
+        help="full, fold-limits or none (default full).",
     ),
 ]
 PerLength = Annotated[
     bool | None,
     typer.Option(
         "--per-length",
-        help="FOLD file: stiffness is per length [N/rad], times the length of the crease.",
+        **_OF_FOLD,
+        help="Stiffness is per length [N/rad], times the length of the crease.",
         show_default=False,
     ),
 ]
 FoldStiffness = Annotated[
     float | None,
-    typer.Option(metavar="K", help="FOLD file: of creases without one [N m/rad] (default 1)."),
+    typer.Option(
+        metavar="K",
+        **_OF_FOLD,
+        help="Stiffness of creases for which the file gives none [N m/rad] (default 1).",
+    ),
 ]
 FoldRestAngle = Annotated[
     str | None,
     typer.Option(
-        metavar="DEGREES",
+        metavar="DEG",
         callback=_rest_angle,
-        help="FOLD file: a number [deg], the size of the rest angle of M and V creases for which the file gives "
-        "no angle (default 180).",
+        **_OF_FOLD,
+        help="Size of the rest angle of M and V creases for which the file gives no angle [deg] (default 180).",
     ),
 ]
-FoldRestAngles = Annotated[
+FoldRestFrom = Annotated[
     str | None,
     typer.Option(
         **_one_of("file", "measured"),
-        help="FOLD file: a word, whether a folded form rests at the angles that the file states or at those at which "
-        "it is folded (default: file where it states them).",
+        **_OF_FOLD,
+        help="A folded form rests at the angles that the file states, or at those measured on it (default: file where "
+        "it states them).",
     ),
 ]
 

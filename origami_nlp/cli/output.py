@@ -51,7 +51,7 @@ FILES = {
 class Output:
     """The files of a command, checked before its work, and the console for people.
 
-    People are told on standard error where one of the files is standard output.  Each file is written whole or not
+    People are informed on standard error where one of the files is standard output.  Each file is written whole or not
     at all, and named when it is there.
 
     Parameters
@@ -95,7 +95,7 @@ class Output:
         self.console: Screen = screen(*targets.values())
 
     def say(self, *things: Any, **options: Any) -> None:
-        """Print for people, as `rich.console.Console.print` does; a result tells itself."""
+        """Print for people, as `rich.console.Console.print` does; a result prints itself."""
         for thing in things or ("",):
             if hasattr(thing, "tell"):
                 thing.tell(self.console)

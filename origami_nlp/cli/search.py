@@ -10,7 +10,7 @@ from origami_nlp.pattern import Pattern, Scene, examples
 
 
 def search(origami: Scene | Pattern, name: str | None, **options: Any) -> Any:
-    """Find the minima of a vertex or a pattern, and tell starts and minima (on stderr).
+    """Find the minima of a vertex or a pattern, and report starts and minima (on stderr).
 
     name: of what has no label.  options: of `find_minima`; what is None is left to it.
     """

@@ -5,13 +5,13 @@ from __future__ import annotations
 import json
 import math
 import sys
-from collections.abc import Callable
-from dataclasses import dataclass, field
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
 from functools import cached_property, wraps
 from pathlib import Path
 from typing import Any
 
-from origami_nlp.arguments import check_whole
+from origami_nlp.arguments import check_whole, did_you_mean
 from origami_nlp.cli import options as o
 from origami_nlp.errors import FoldFileError, OptionError, SceneFileError
 from origami_nlp.io import read_limited
@@ -20,6 +20,7 @@ from origami_nlp.pattern import (
     Frame,
     Pattern,
     Scene,
+    Vertex,
     decode_scene,
     examples,
     fold_vertices,
@@ -37,7 +38,7 @@ FOLD_OPTIONS = {
     "contact": o.FoldContact,
     "stiffness": o.FoldStiffness,
     "rest_angle": o.FoldRestAngle,
-    "rest_angles": o.FoldRestAngles,
+    "rest_from": o.FoldRestFrom,
 }
 """What a FOLD file needs beside the file; every command that takes a scene has them."""
 PER_LENGTH = {"per_length": o.PerLength}
@@ -76,7 +77,8 @@ class Source:
             return json.dumps(examples.crease_pattern(self.name)).encode()
         if self.name != "-" and not Path(self.name).suffix and not Path(self.name).exists():
             known = ", ".join(_examples())
-            raise OptionError(f"{self.name!r} is no file, and no example: those are {known}")
+            meant = did_you_mean(self.name.partition(":")[0], _examples())
+            raise OptionError(f"{self.name!r} is no file, and no example: those are {known}{meant}")
         if _named_fold(self.name):
             return read_limited(self.name, LARGEST, "FOLD", FoldFileError)
         return read_limited(self.name, LARGEST, "scene", SceneFileError)
@@ -103,8 +105,12 @@ class Source:
     def read(self) -> Scene:
         """Return the scene; what is odd in a FOLD file goes to standard error."""
         if not self.is_fold:
-            self.refuse_options("a scene file states it itself")
-            return decode_scene(self._content, self.name)
+            self.refuse_options("a scene file states it itself", but=("symmetry",))
+            scene = decode_scene(self._content, self.name)
+            tell_normalized(scene.vertex)
+            if (symmetry := self.given.get("symmetry")) is None:
+                return scene
+            return replace(scene, symmetry=symmetry, mirror=None, winding=None)
         if "per_length" in self.given:
             raise OptionError("--per-length is for whole patterns, not for a vertex of one")
         if self.vertex is not None:
@@ -145,10 +151,10 @@ class Source:
         """Return the scene of every vertex of a FOLD file that can be analysed, by its number."""
         return vertex_scenes(self._frame(), tell=_tell, **self._spring_options())
 
-    def refuse_options(self, why: str) -> None:
-        """Complain about options of FOLD files, if there are any."""
-        if self.given:
-            option = next(iter(self.given)).replace("_", "-")
+    def refuse_options(self, why: str, but: Sequence[str] = ()) -> None:
+        """Raise an error for options of FOLD files, if there are any; but: those that scene files take too."""
+        if given := [name for name in self.given if name not in but]:
+            option = given[0].replace("_", "-")
             raise OptionError(f"--{option} is for FOLD files (.fold); {why}")
 
     def _frame(self) -> Frame:
@@ -193,6 +199,13 @@ def takes_scene(
         return o.extended(run, command, more, last=True, scene=argument)
 
     return decorate
+
+
+def tell_normalized(vertex: Vertex) -> None:
+    """Say on standard error by how much ``normalize`` changed sector angles, where it did."""
+    if vertex.normalized:
+        each = math.degrees(vertex.normalized)
+        _tell(f"sector angles normalized to a sum of 360 deg: each by {each:+.6g} deg")
 
 
 def _examples() -> tuple[str, ...]:

@@ -1,4 +1,4 @@
-"""A limit of wall time for a command: what was found until then is told, and that the limit ended it, by name."""
+"""A limit of wall time for a command: what was found until then is reported, and that the limit ended it, by name."""
 
 from __future__ import annotations
 
@@ -34,13 +34,13 @@ class OutOfTime(BaseException):
 _end: list[float] = []
 """When the time is over (`time.monotonic`), for a command with a limit."""
 _rung: list[bool] = []
-"""Whether the command was told to end."""
+"""Whether the command was asked to end."""
 _kept: list[Any] = []
-"""What the command has found, and not told."""
+"""What the command has found, and not yet reported."""
 
 
 def keep(result: Any) -> None:
-    """Keep a result, to be told if the time is over before the command tells more."""
+    """Keep a result, to be reported if the time is over before the command reports more."""
     _kept[:] = [result]
 
 
@@ -58,7 +58,7 @@ def paused() -> Iterator[float | None]:
 
 
 def end_of(found: Any) -> None:
-    """End a command whose result is told and written, with the exit code of one whose time was over where it was."""
+    """End a command whose result is written, with the exit code of one whose time was over where it was."""
     if getattr(found, "interrupted", False):
         raise typer.Exit(ENDED)
 

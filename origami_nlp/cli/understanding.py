@@ -15,13 +15,21 @@ from origami_nlp.cli.search import search, search as search_minima
 from origami_nlp.cli.source import Source, takes_scene
 from origami_nlp.cli.timed import bounded
 from origami_nlp.errors import OptionError
-from origami_nlp.pattern import Scene, examples
+from origami_nlp.pattern import Pattern, Scene, examples, listed
 
 Creases: TypeAlias = Annotated[
     list[int] | None,
     typer.Option(
         metavar="K",
         help="Torque on crease K, from 1; of a pattern, repeated: on each of them; of a vertex on its images too.",
+    ),
+]
+Edges: TypeAlias = Annotated[
+    list[int] | None,
+    typer.Option(
+        metavar="E",
+        help="Of a pattern, in place of --crease: torque on the crease that is edge E of the file, from 0; repeated: "
+        "on each of them.",
     ),
 ]
 PullOf: TypeAlias = Annotated[
@@ -35,11 +43,14 @@ ForceOn: TypeAlias = Annotated[
     str | None,
     typer.Option(
         metavar="V,X,Y,Z",
-        help="Of a pattern: a force along (X, Y, Z) on vertex V, as seen from the facet --held.",
+        help="Of a pattern: a force along (X, Y, Z) on vertex V, as seen from the facet --fixed-facet.",
     ),
 ]
-Held: TypeAlias = Annotated[
-    int, typer.Option(metavar="F", help="With --force: the facet that is held, from 1.")
+FixedFacet: TypeAlias = Annotated[
+    int,
+    typer.Option(
+        "--fixed-facet", metavar="F", help="With --force: the facet that is fixed in space, from 1."
+    ),
 ]
 
 
@@ -64,6 +75,17 @@ def work_of(
         return Pull(sheet, (_whole("--pull", a), _whole("--pull", b)))
     v, x, y, z = _numbers("--force", force or "", 4)
     return DeadForce(sheet, _whole("--force", v), (x, y, z), held)
+
+
+def creases_of(pattern: Pattern, edges: list[int] | None) -> list[int]:
+    """Return the numbers of creases, from 1, that are edges of the file, from 0."""
+    number = {edge: crease for crease, edge in enumerate(pattern.numbers.tolist(), start=1)}
+    for edge in edges or ():
+        if edge not in number:
+            raise OptionError(
+                f"--edge = {edge} is no crease: the file has creases at edges {listed([*number])}"
+            )
+    return [number[edge] for edge in edges or ()]
 
 
 def _numbers(option: str, text: str, count: int) -> list[float]:
@@ -129,9 +151,10 @@ def modes(scene: Source, state: o.StateNumber = None, **options: Any) -> Any:
 def load(
     scene: Source,
     crease: Creases = None,
+    edge: Edges = None,
     pull: PullOf = None,
     force: ForceOn = None,
-    held: Held = 1,
+    fixed_facet: FixedFacet = 1,
     to: Annotated[
         str,
         typer.Option(
@@ -142,7 +165,9 @@ def load(
     state: Annotated[
         int, typer.Option(metavar="K", help="Number of the minimum at load 0 that is loaded.")
     ] = 1,
-    back: Annotated[bool, typer.Option("--back", help="Let the load fall back to 0.")] = False,
+    unload: Annotated[
+        bool, typer.Option("--unload", help="Take the load back to 0 afterwards.")
+    ] = False,
     confirm: Annotated[
         bool, typer.Option(help="Search for the minima on both sides of each snap.")
     ] = True,
@@ -160,18 +185,18 @@ def load(
     what = scene.read_whole()
     work: Any
     if isinstance(what, Scene):
-        if pull or force or len(crease or ()) > 1:
-            raise OptionError("--pull, --force and several --crease are for patterns")
+        if edge or pull or force or len(crease or ()) > 1:
+            raise OptionError("--edge, --pull, --force and several --crease are for patterns")
         work = crease[0] if crease else None
     else:
-        if sum(map(bool, (crease, pull, force))) != 1:
+        if sum(map(bool, (crease, edge, pull, force))) != 1:
             raise OptionError(
-                "a pattern is loaded by one of --crease K, --pull V,W and --force V,X,Y,Z"
+                "a pattern is loaded by one of --crease K, --edge E, --pull V,W and --force V,X,Y,Z"
             )
-        work = work_of(what, crease, pull, force, held)
+        work = work_of(what, creases_of(what, edge) or crease, pull, force, fixed_facet)
     end = to if to == "snap" else load_number(to)
     return load_path(
-        what, work, to=end, state=state, back=back, confirm=confirm, starts=starts, **search
+        what, work, to=end, state=state, back=unload, confirm=confirm, starts=starts, **search
     )  # fmt: skip
 
 
@@ -191,8 +216,8 @@ def barriers(
 ) -> None:
     """Find the lowest pass between every two minima of ORIGAMI, and a path through it.
 
-    Of a vertex with up to two freedoms, or of a pattern with one.  With --full the barriers without the symmetry are
-    bounded as well.
+    Of a vertex with up to two degrees of freedom, or of a pattern with one.  With --full the barriers without the
+    symmetry are bounded as well.
     """
     from origami_nlp.barriers import (
         barriers_table,
@@ -217,7 +242,8 @@ def barriers(
             check_dof(one)
     found = []
     for one in stated:
-        result = search(one, given, seed=seed, full=full or None, escape=False)
+        asked = {"full": full} if isinstance(one, Scene) else {"full": full or None}
+        result = search(one, given, seed=seed, escape=False, **asked)
         with progress(f"{getattr(one, 'label', given) or given}: passes between the minima"):
             found.append(find_barriers(one, result, full=full or None, seed=seed))
         found[-1].tell(out.console)
@@ -304,4 +330,4 @@ def space(scene: Source, rings: o.Rings = 64) -> Any:
 
     stated = scene.read()
     with progress(f"{stated.label or scene.name}: mesh, walls, layers"):
-        return find_space(stated, rings)
+        return find_space(stated, size=rings)

@@ -64,7 +64,7 @@ Ending = Literal["opens", "closes", "softens", "cap", "lost"]
 
 
 @dataclass(frozen=True)
-class Check:
+class MarginCheck:
     """One re-solve with a load, from a state with the contact slightly open.
 
     Attributes
@@ -164,8 +164,8 @@ class LoadMargin(ShortRepr):
     creases: tuple[CreaseMargin, ...]
     cap: float
     symmetry: str
-    below: Check | None
-    above: Check | None
+    below: MarginCheck | None
+    above: MarginCheck | None
     checked: bool
     reason: str
 
@@ -384,7 +384,9 @@ def _orbit(piece: Stratum, v: int, response: np.ndarray, cap: float) -> CreaseMa
     )
 
 
-def _resolve(piece: Stratum, near: np.ndarray, i: int, load: np.ndarray, factor: float) -> Check:
+def _resolve(
+    piece: Stratum, near: np.ndarray, i: int, load: np.ndarray, factor: float
+) -> MarginCheck:
     """Solve the loaded scene from a state beside `near` with row i slightly open, and look at that contact."""
     model, rows = piece.state.problem, piece.contacts
     loaded = under_load(model, load)
@@ -408,7 +410,7 @@ def _resolve(piece: Stratum, near: np.ndarray, i: int, load: np.ndarray, factor:
     ):  # the same touch may have been described by another row: read it as row i
         multiplier = float(model.scale * there.forces[i] / model.weight(rows[i]))
     moved = float(np.linalg.norm(model.root * (y - piece.state.x)))
-    return Check(factor, by, gap, multiplier, moved, gap <= CONTACT_TOL)
+    return MarginCheck(factor, by, gap, multiplier, moved, gap <= CONTACT_TOL)
 
 
 def _dependent(piece: Stratum, check: bool) -> LoadMargin:

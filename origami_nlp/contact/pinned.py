@@ -19,7 +19,7 @@ from origami_nlp.minima import MinimaResult
 def find_contacts(
     result: MinimaResult, *, state: int | None = None, segments: bool = False, check: bool = True
 ) -> ContactReport:
-    """Say what holds each minimum that has closed contacts: moments, stiffness along the contact, load margin.
+    """Describe what holds each minimum that has closed contacts: moments, stiffness along the contact, load margin.
 
     Parameters
     ----------

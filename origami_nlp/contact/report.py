@@ -10,7 +10,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field, replace
 from typing import Any
 
-from origami_nlp.contact.margin import Check, CreaseMargin, LoadMargin
+from origami_nlp.contact.margin import CreaseMargin, LoadMargin, MarginCheck
 from origami_nlp.contact.segments import STIFFNESS, SegmentReport, add_segments
 from origami_nlp.display import Content, Report, Section, Table, Viewable, Words
 from origami_nlp.io import ShortRepr, Unbounded
@@ -204,11 +204,12 @@ class ContactReport(Report, Viewable):
     def _rows(self) -> Iterator[dict[str, object]]:
         for state in self.states:
             row = {"scene": self._label, "state": state.number}
-            row |= {"energy": state.minimum.energy, "kind": state.minimum.kind}
-            last = {"margin": state.margin.norm, "margin_is": state.margin.status}
+            row |= {"energy_J": state.minimum.energy, "kind": state.minimum.kind}
+            last = {"margin_N_m": state.margin.norm, "margin_is": state.margin.status}
             for c in state.contacts:
                 least, most = c.multiplier_range
-                own = {"contact": c.text, "moment": c.multiplier, "least": least, "most": most}
+                own = {"contact": c.text, "moment_N_m": c.multiplier}
+                own |= {"least_N_m": least, "most_N_m": most}
                 yield row | own | last
 
 
@@ -244,7 +245,7 @@ def margin_lines(margin: LoadMargin) -> list[str]:
     return lines
 
 
-def _check_words(check: Check) -> str:
+def _check_words(check: MarginCheck) -> str:
     head = f"re-solved at {100 * check.factor:.1f} % of it ({check.by})"
     if check.closed:
         return f"{head}: contact closed, moment {check.multiplier:.3g} N m"

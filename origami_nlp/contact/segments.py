@@ -1,6 +1,6 @@
 """Metastable segments: stretches of a contact boundary along which the energy is nearly flat.
 
-A boundary is followed from every stable state with a closed contact (`path.follow_boundary`), the contact
+A boundary is followed from every stable state with a closed contact (`continuation.follow_boundary`), the contact
 held.  A stretch of it is metastable where, at every point,
 
 - |dU/ds| / (pi sum k) <= 5e-3: the paper's own tolerance for a stationary state;
@@ -140,8 +140,9 @@ class SegmentReport(Report):
         for s in self.segments:
             row: dict[str, object] = {"scene": self.scene.label}
             row["contacts"] = "; ".join(self.curves[s.curve].contacts)
-            row |= {"length": s.length, "start": s.start, "end": s.end, "moment": s.moment}
-            yield row | {"energy_change": s.energy_change, "slope": s.slope}
+            row |= {"length_rad": s.length, "start_rad": s.start, "end_rad": s.end}
+            row |= {"moment_N_m": s.moment, "energy_change_J": s.energy_change}
+            yield row | {"slope": s.slope}
 
 
 def find_segments(

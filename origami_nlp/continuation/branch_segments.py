@@ -1,4 +1,4 @@
-"""What a web of equilibria is made of: nodes (events and ends) and arcs between them."""
+"""What a bifurcation diagram of equilibria is made of: nodes (events and ends) and arcs between them."""
 
 from __future__ import annotations
 

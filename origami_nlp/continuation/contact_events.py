@@ -9,7 +9,7 @@ import numpy as np
 
 from origami_nlp.continuation.equilibrium import Equilibrium, EquilibriumCurve
 from origami_nlp.continuation.events import (
-    Found,
+    LocatedEvent,
     found_at,
     is_zero,
     pole,
@@ -44,7 +44,7 @@ BISECTIONS, SOON = 24, 7
 touches is what will close."""
 LATE = 30
 """Lengths of what bisection leaves by which is stepped back: facets that cross are seen from a depth on, and there the
-sides on which features are can no longer be told."""
+sides on which features are can no longer be determined."""
 MOST_TRIED = 8
 """Contacts that are looked for by Newton, the nearest ones."""
 MOST_NAMED = 8
@@ -54,7 +54,7 @@ Forces = Callable[[Equilibrium], np.ndarray]
 
 def first_contact_event(
     curve: EquilibriumCurve, a: Equilibrium, b: Equilibrium
-) -> tuple[Equilibrium, Found | None]:
+) -> tuple[Equilibrium, LocatedEvent | None]:
     """Return the first point between a (an equilibrium) and b (none) where a contact closes or leaves."""
     leaving = _first_leaving(curve, a, b)
     beyond = b if leaving is None else leaving.frame
@@ -63,13 +63,15 @@ def first_contact_event(
         return slides.frame, slides
     if not beyond.seen.refused and closes(beyond) and touches(beyond):
         if leaving is None:
-            return a, Found("refused", a, None, np.nan, False, "no event was found in a step")
+            return a, LocatedEvent(
+                "refused", a, None, np.nan, False, "no event was found in a step"
+            )
         return leaving.frame, leaving
     return _closing(curve, a, beyond)
 
 
-def _first_leaving(curve: EquilibriumCurve, a: Equilibrium, b: Equilibrium) -> Found | None:
-    found: list[Found] = []
+def _first_leaving(curve: EquilibriumCurve, a: Equilibrium, b: Equilibrium) -> LocatedEvent | None:
+    found: list[LocatedEvent] = []
     for k in np.flatnonzero(b.forces < PULLS * b.system.size):
         frame = root_between(curve, a, b, lambda f, k=k: float(f.forces[k]))  # type: ignore[misc]
         if frame is None:
@@ -88,13 +90,13 @@ def _first_leaving(curve: EquilibriumCurve, a: Equilibrium, b: Equilibrium) -> F
     return _named(curve, a, found) if found else None
 
 
-def _first_sliding(curve: EquilibriumCurve, a: Equilibrium, b: Equilibrium) -> Found | None:
+def _first_sliding(curve: EquilibriumCurve, a: Equilibrium, b: Equilibrium) -> LocatedEvent | None:
     """Return where features held first come to a border between a, where they are inside each other, and b.
 
     Where nothing else happens between `INSIDE` and the border itself it is the border, and the event is located: there
-    facets slip off each other.  Otherwise it is the last state of which their gap tells.
+    facets slip off each other.  Otherwise it is the last state at which their gap is meaningful.
     """
-    found: list[Found] = []
+    found: list[LocatedEvent] = []
     for contact in (c for c in b.hold.contacts if _margin(b, c) <= 0.0):
 
         def reported(f: Equilibrium, contact: Contact = contact) -> float:
@@ -108,7 +110,7 @@ def _first_sliding(curve: EquilibriumCurve, a: Equilibrium, b: Equilibrium) -> F
             return _margin(f, contact) + INSIDE
 
         why = "to a border: beyond, no single gap keeps the facets apart"
-        event = Found("slides", near, contact, reported(near), False, why)
+        event = LocatedEvent("slides", near, contact, reported(near), False, why)
         for beyond in (b, curve.beside(a, 2 * step_length(a, b, curve.root))):
             if beyond is not None and border(beyond) < 0.0:
                 there = root_between(curve, near, beyond, border)
@@ -125,9 +127,9 @@ def _margin(frame: Equilibrium, contact: Contact) -> float:
     return np.inf if margin is None else margin - INSIDE
 
 
-def other_piece_leaves(curve: EquilibriumCurve, a: Equilibrium, b: Equilibrium) -> Found:
+def other_piece_leaves(curve: EquilibriumCurve, a: Equilibrium, b: Equilibrium) -> LocatedEvent:
     """Return where, between a and b, a contact of a piece that is not held stops pushing: beyond, nothing balances."""
-    found: list[Found] = []
+    found: list[LocatedEvent] = []
     for piece in b.seen.pieces:
 
         def forces(f: Equilibrium, piece: tuple[Contact, ...] = piece) -> np.ndarray:
@@ -143,11 +145,11 @@ def other_piece_leaves(curve: EquilibriumCurve, a: Equilibrium, b: Equilibrium) 
                 found.append(found_at("leaves", frame, force(frame), piece[k]))
     if not found:
         why = "no multipliers >= 0 balance the springs on another piece of what contacts allow"
-        return Found("singular", a, None, np.nan, False, why)
+        return LocatedEvent("singular", a, None, np.nan, False, why)
     return _named(curve, a, found)
 
 
-def _named(curve: EquilibriumCurve, a: Equilibrium, found: Sequence[Found]) -> Found:
+def _named(curve: EquilibriumCurve, a: Equilibrium, found: Sequence[LocatedEvent]) -> LocatedEvent:
     """Return the first of some events after a; of those at one state that of a contact held, then in their order."""
     steps = [step_length(a, e.frame, curve.root) for e in found]
     together = [e for e, h in zip(found, steps, strict=True) if h <= min(steps) + SETTLED]
@@ -155,7 +157,9 @@ def _named(curve: EquilibriumCurve, a: Equilibrium, found: Sequence[Found]) -> F
     return min(held or together, key=lambda e: (e.contact is None, e.contact))
 
 
-def _closing(curve: EquilibriumCurve, a: Equilibrium, b: Equilibrium) -> tuple[Equilibrium, Found]:
+def _closing(
+    curve: EquilibriumCurve, a: Equilibrium, b: Equilibrium
+) -> tuple[Equilibrium, LocatedEvent]:
     """Locate the contact that closes between a and b by bisection on the verdict, then by Newton on its opening."""
     low, high, good, bad = 0.0, step_length(a, b, curve.root), a, b
     ahead = _guesses(curve, a, good, bad)
@@ -179,7 +183,7 @@ def _closing(curve: EquilibriumCurve, a: Equilibrium, b: Equilibrium) -> tuple[E
     back = curve.beside(a, max(0.0, low - LATE * (high - low))) or good
     passed = b.problem.beyond(b.state) if b.problem.redundant else ()
     met: list[tuple[float, float, Equilibrium, Contact]] = []
-    last: list[tuple[float, Found]] = []
+    last: list[tuple[float, LocatedEvent]] = []
     for contact in _candidates(curve, good, bad, back):
         frame = curve.where_closed(good, contact, a.tangent)
         # beside singular states Newton may fail before a limit that is passed all the same
@@ -209,27 +213,27 @@ def _closing(curve: EquilibriumCurve, a: Equilibrium, b: Equilibrium) -> tuple[E
     return frame, found_at("closes", frame, float(opening), contact)
 
 
-def _not_located(good: Equilibrium, bad: Equilibrium) -> Found:
+def _not_located(good: Equilibrium, bad: Equilibrium) -> LocatedEvent:
     """Return the last state before one that is refused, where no contact is found that closes."""
     p, crossed = bad.problem, bad.problem.crossed(bad.state)
     if crossed:
         names = "; ".join(f"facets {i + 1} and {j + 1} touch" for i, j in crossed[:MOST_NAMED])
         where = "at borders or face to face, where no single gap keeps them apart"
-        return Found(
+        return LocatedEvent(
             "touches", good, None, np.nan, False, f"{names}: {where}: bracketed, not located"
         )
     at_limit = [v + 1 for v in np.flatnonzero(np.pi - np.abs(good.state) < NEARLY).tolist()]
     why = bad.seen.refused or "closure"
     if p.beyond(bad.state) and len(at_limit) > 1:
         named = ", ".join(map(str, at_limit[:MOST_NAMED])) + ", ..." * (len(at_limit) > MOST_NAMED)
-        why = f"creases {named} at their fold limits: closure loses rank where so many creases shut at once"
-    return Found("refused", good, None, np.nan, False, why)
+        why = f"creases {named} at their fold limits: closure loses rank where so many creases close at once"
+    return LocatedEvent("refused", good, None, np.nan, False, why)
 
 
 def _guesses(
     curve: EquilibriumCurve, a: Equilibrium, good: Equilibrium, bad: Equilibrium
 ) -> list[float]:
-    """Return lengths of steps from a just before and just after the next contact closes, as far as Newton tells."""
+    """Return lengths of steps just before and after the next contact closes, as far as Newton resolves them."""
     at_limit = (curve.where_closed(good, c, a.tangent) for c in _candidates(curve, good, bad, good))
     first = step_length(a, good, curve.root)
     lengths = [step_length(a, f, curve.root) for f in at_limit if f is not None]

@@ -7,7 +7,7 @@ for the model's variables x, |dy| = ds.  With C the Jacobian of closure and held
     dU/ds = grad U . t,        d2U/ds2 = t . K t + grad U . y'' = t . H t,
 
 because C y'' = -t . (Hessian of each constraint) t: the paper's effective tangential stiffness, without
-differences.  Where more than one freedom is left the curve is the geodesic of the contact-preserving
+differences.  Where more than one degree of freedom is left the curve is the geodesic of the contact-preserving
 set that leaves the state in its softest direction; y'' is normal to that set and the formula stays exact.
 """
 
@@ -51,7 +51,7 @@ class Point:
 
     @property
     def x(self) -> np.ndarray:
-        """The state in the programme's variables, [n]."""
+        """The state in the problem's variables, [n]."""
         return self.stratum.state.x
 
     @property
@@ -101,7 +101,7 @@ class BoundaryCurve(ShortRepr):
     """A followed contact boundary, in the scene's units.
 
     contacts: the contacts held closed.  s: arclength [m], 0 at the state or sample it was started from.
-    states, fold_angles: in the programme's variables [m, n], all of them [m, N].
+    states, fold_angles: in the problem's variables [m, n], all of them [m, N].
     energy, slope, stiffness: U, dU/ds, d2U/ds2 [m].  springs: t . K t, the part
     of the stiffness that the springs would have along a straight path; the rest is the bend of the boundary.
     multipliers: moment at each single contact, [m, contacts]; pressed: whether all contacts push, [m].
@@ -132,7 +132,7 @@ class BoundaryCurve(ShortRepr):
 
 @dataclass(frozen=True)
 class HeldCurve:
-    """The closed states of a programme on which contacts stay closed, as a curve to trace; see `tracer.Curve`.
+    """The closed states of a problem on which contacts stay closed, as a curve to trace; see `tracer.Curve`.
 
     Where the contacts leave a set of more dimensions, its geodesics.
     """

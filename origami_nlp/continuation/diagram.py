@@ -1,8 +1,8 @@
-"""Equilibria over a parameter as a web: nodes (events and ends) and arcs between them.
+"""Equilibria over a parameter as a bifurcation diagram: nodes (events and ends) and arcs between them.
 
 From a state every half-branch is followed; where a contact event ends it, one-sided conditions say how it goes on.
-Inner events (folds, branchings) cut arcs too, so that along an arc the parameter runs one way, the contacts held and
-the number of unstable directions stay the same.
+Inner events (limit points, branch points) cut arcs too, so that along an arc the parameter runs one way, the contacts
+held and the number of unstable directions stay the same.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ from origami_nlp.continuation.branch_segments import (
 from origami_nlp.continuation.contact_events import first_contact_event, other_piece_leaves
 from origami_nlp.continuation.equilibrium import Equilibrium, EquilibriumCurve
 from origami_nlp.continuation.events import (
-    Found,
+    LocatedEvent,
     change_of_verdict,
     flat_crossed,
     folds_and_branchings,
@@ -246,7 +246,7 @@ class BifurcationDiagram:
 
     def _between(
         self, curve: EquilibriumCurve, a: Equilibrium, b: Equilibrium, here: int
-    ) -> list[Found]:
+    ) -> list[LocatedEvent]:
         """Return what comes inside a step, in order: events, and states given that lie there; not the node `here`."""
         # order of events: by the length along the tangent at a, the same for all of them
         length = float(a.tangent @ (self.root * (b.x - a.x)))
@@ -256,7 +256,7 @@ class BifurcationDiagram:
             if node.type == START and 0 < h < length:
                 frame = curve.beside(a, h)
                 if frame is not None and _near(self.root, frame.x, node.point):
-                    found.append(Found(START, replace(frame, x=node.point), None, 0.0, True))
+                    found.append(LocatedEvent(START, replace(frame, x=node.point), None, 0.0, True))
         found += folds_and_branchings(curve, a, b, self.functions)
         node = self.nodes[here]
         near = NEAR_SINGULAR_TOL if node.type == "branching" else SETTLED
@@ -270,9 +270,9 @@ class BifurcationDiagram:
 
     def _trace(
         self, curve: EquilibriumCurve, half: OneSidedBranch
-    ) -> tuple[list[Equilibrium], Found]:
+    ) -> tuple[list[Equilibrium], LocatedEvent]:
         """Return the frames after a state, the last of them the event that ends them, and that event."""
-        stop, between = list[Found](), list[Equilibrium]()
+        stop, between = list[LocatedEvent](), list[Equilibrium]()
         verdict = "" if half.signed else judged(half.frame)
 
         # of each end: `before` counts the frames up to it, `meet` locates it between the last one and the next
@@ -326,7 +326,7 @@ class BifurcationDiagram:
             return len(frames)
 
         def meet_stable(a: Equilibrium, b: Equilibrium) -> Equilibrium:
-            stop.append(Found(AGAIN, b, None, 0.0, True))
+            stop.append(LocatedEvent(AGAIN, b, None, 0.0, True))
             return b
 
         ends = [End(before_flat, EVENT, meet_flat), End(before, EVENT, meet)]
@@ -340,15 +340,15 @@ class BifurcationDiagram:
             return frames, stop[-1]
         last = frames[-1] if frames else half.frame
         if why == CLOSED_CURVE:
-            return frames, Found(START, last, None, 0.0, True)
+            return frames, LocatedEvent(START, last, None, 0.0, True)
         if why == LATE:
             self.interrupted = True
-            return frames, Found(LATE, last, None, 0.0, True)
-        return frames, Found("singular", last, None, np.nan, False, why)
+            return frames, LocatedEvent(LATE, last, None, 0.0, True)
+        return frames, LocatedEvent("singular", last, None, np.nan, False, why)
 
     def _first(
         self, curve: EquilibriumCurve, a: Equilibrium, b: Equilibrium, verdict: str, split: bool
-    ) -> tuple[Equilibrium, Found]:
+    ) -> tuple[Equilibrium, LocatedEvent]:
         """Return the first event between a, which is followed, and b, which is not."""
         end = self.low if b.s < self.low else self.high if b.s > self.high else None
         if end is not None:
@@ -357,7 +357,7 @@ class BifurcationDiagram:
             guess = a.x + share * (b.x - a.x)
             beyond = curve.at(guess, end, a.tangent) or curve.between(a, b, end)
             if beyond is None:
-                return a, Found("singular", a, None, np.nan, False, "no state at the end")
+                return a, LocatedEvent("singular", a, None, np.nan, False, "no state at the end")
             b = beyond
         if split and not b.seen.refused and not balances(b):
             leaving = other_piece_leaves(curve, a, b)
@@ -370,9 +370,9 @@ class BifurcationDiagram:
             return frame, event
         if verdict and judged(b) != verdict:
             return change_of_verdict(curve, a, b, verdict)
-        return b, Found(RANGE, b, None, 0.0, True)
+        return b, LocatedEvent(RANGE, b, None, 0.0, True)
 
-    def _node(self, event: Found) -> tuple[int, bool]:
+    def _node(self, event: LocatedEvent) -> tuple[int, bool]:
         """Return the node of an event, and whether it was there before."""
         point = event.frame.x if event.point is None else event.point
         for k, node in enumerate(self.nodes):
@@ -405,7 +405,9 @@ class BifurcationDiagram:
             frames = [Equilibrium(point, first.tangent, system), *frames]
         self.arcs.append(BranchSegment(tuple(frames), start, end, signed))
 
-    def _go_on(self, number: int, half: OneSidedBranch, stop: Found) -> list[tuple[int, int]]:
+    def _go_on(
+        self, number: int, half: OneSidedBranch, stop: LocatedEvent
+    ) -> list[tuple[int, int]]:
         """Find how equilibria go on from the node at which a half-branch ends."""
         node = self.nodes[number]
         if stop.beyond is not None:

@@ -46,7 +46,7 @@ class Equilibrium:
 
     @property
     def state(self) -> np.ndarray:
-        """Variables of the programme, [n]."""
+        """Variables of the problem, [n]."""
         return self.x[:-1]
 
     @property

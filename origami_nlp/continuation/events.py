@@ -1,17 +1,17 @@
 """Events between two points of a curve of equilibria, each located in its own function.
 
-fold            ds/dl = 0 along the curve: the parameter turns back
-branching       an eigenvalue of the reduced Hessian is zero, and the parameter does not turn
-leaves          the multiplier of a held contact is zero
-closes          the opening of another contact is zero
+fold            limit point: ds/dl = 0 along the curve, the parameter turns back
+branching       branch point (bifurcation): an eigenvalue of the reduced Hessian is zero, the parameter does not turn
+leaves          the Lagrange multiplier of a held contact is zero: an active constraint becomes inactive
+closes          the opening of another contact is zero: a constraint becomes active
 breaks-symmetry the smallest eigenvalue across the symmetry, in the space without it, is zero
 slides          features of a held contact come to a border, where their gap no longer keeps facets apart: they slip off
                 each other there, or the curve ends
 touches         facets come to touch where no single gap keeps them apart: the curve ends
 
 These, and `singular` (closure or contacts lose rank), are the generic ways in which a one-parameter family of
-programmes changes (Jongen, Jonker and Twilt 1986: types 2 to 5); where a contact event turns the parameter back,
-a minimum meets a saddle there without any eigenvalue that tells: `nonsmooth-fold`.
+parametric problems changes (Jongen, Jonker and Twilt 1986: types 2 to 5); where a contact event turns the parameter
+back, a minimum meets a saddle there without any eigenvalue that shows it: `nonsmooth-fold`.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ Value = Callable[[Equilibrium], float]
 
 
 @dataclass(frozen=True, eq=False)
-class Found:
+class LocatedEvent:
     """An event on a curve.
 
     type: as in the module, or ``range`` (the end of what is followed), or ``refused``.  frame: where, on the curve that
@@ -59,15 +59,15 @@ class Found:
 
 def found_at(
     type: str, frame: Equilibrium, value: float, contact: Contact | None = None, why: str = ""
-) -> Found:
+) -> LocatedEvent:
     """Return an event, located where its function and the KKT system vanish."""
     if type == "branching" and abs(value) > SETTLED:
         # a pole, no zero: beside a state where closure loses rank multipliers and curvatures grow without bound
         why = f"an eigenvalue changes its sign by a jump, from {value:.1e}"
-        return Found("singular", frame, contact, value, False, why)
+        return LocatedEvent("singular", frame, contact, value, False, why)
     located = abs(value) <= STATIONARY and frame.system.residual <= STATIONARY
     why = why if located or why else f"its function is {value:.1e} there"
-    return Found(type, frame, contact, value, located, why)
+    return LocatedEvent(type, frame, contact, value, located, why)
 
 
 def step_length(a: Equilibrium, b: Equilibrium, root: np.ndarray) -> float:
@@ -118,12 +118,12 @@ def folds_and_branchings(
     a: Equilibrium,
     b: Equilibrium,
     others: Sequence[tuple[str, Value]] = (),
-) -> list[Found]:
+) -> list[LocatedEvent]:
     """Return the events inside a step that leave the contacts as they are, in order.
 
     others: further functions, by the type of event that a change of their sign is.
     """
-    out: list[Found] = []
+    out: list[LocatedEvent] = []
     # limit point (fold): ds/dl changes sign; at a simple one a single eigenvalue passes zero with it
     turns = a.ahead * b.ahead < 0
     if turns:
@@ -147,11 +147,11 @@ def folds_and_branchings(
 
 
 def is_zero(value: Value, frame: Equilibrium, a: Equilibrium, b: Equilibrium) -> bool:
-    """Tell whether a function that changes sign between a and b does so through zero, and not through infinity."""
+    """Return whether a function that changes sign between a and b does so through zero, and not through infinity."""
     return abs(value(frame)) <= SETTLED * max(abs(value(a)), abs(value(b)))
 
 
-def pole(curve: EquilibriumCurve, a: Equilibrium, b: Equilibrium, value: Value) -> Found:
+def pole(curve: EquilibriumCurve, a: Equilibrium, b: Equilibrium, value: Value) -> LocatedEvent:
     """Return the singular state at which a function passes infinity, as the nearest point that Newton reaches."""
     frame = _towards(curve, a, b, lambda f: 1.0 / value(f)) or a
     event = _contacts_become_one(curve, a, b, frame)
@@ -163,18 +163,18 @@ def pole(curve: EquilibriumCurve, a: Equilibrium, b: Equilibrium, value: Value) 
     if flat is not None and max(abs(flat[1]), flat[2]) <= STATIONARY:
         point, off, residual = flat
         why = "a flat state: closure and contacts lose rank, and multipliers pass infinity"
-        return Found("singular", frame, None, off, True, why, b, point, residual)
+        return LocatedEvent("singular", frame, None, off, True, why, b, point, residual)
     why = (
         f"closure and contacts lose rank (smallest singular value {frame.system.least:.1e} at the nearest point) and "
         "multipliers grow without bound: the equilibria on both sides are followed, each by itself"
     )
     least = frame.system.least
-    return Found("singular", frame, None, least, False, why, b, between=between)
+    return LocatedEvent("singular", frame, None, least, False, why, b, between=between)
 
 
 def multipliers_pass_infinity(
     curve: EquilibriumCurve, a: Equilibrium, b: Equilibrium
-) -> Found | None:
+) -> LocatedEvent | None:
     """Return the last state before one at which closure loses rank, and multipliers pass infinity; None if they do not.
 
     Ways cross there, at the flat state for one: closure does not balance what pulls along another of them, and the
@@ -197,24 +197,24 @@ def multipliers_pass_infinity(
     flat = float(np.abs(last.state).max()) < NEARLY
     where = "the flat state" if flat else "creases are aligned"
     why = f"{where}: closure loses rank, ways cross, and the load pulls along another one"
-    return Found("singular", last, None, np.nan, False, why)
+    return LocatedEvent("singular", last, None, np.nan, False, why)
 
 
 def flat_crossed(
     curve: EquilibriumCurve, root: tuple[float, np.ndarray], a: Equilibrium
-) -> tuple[list[Equilibrium], Found]:
+) -> tuple[list[Equilibrium], LocatedEvent]:
     """Return a point on the way from a to the flat state that the curve passes at a root, and this event."""
     between, frame, value, beyond = crossing(curve, root, a)
     residual = float(np.abs(frame.system.values).max())
     located = max(abs(value), residual) <= STATIONARY
-    return between, Found(
+    return between, LocatedEvent(
         "singular", frame, None, value, located, AT_FLAT, beyond, residual=residual
     )
 
 
 def _contacts_become_one(
     curve: EquilibriumCurve, a: Equilibrium, b: Equilibrium, near: Equilibrium
-) -> Found | None:
+) -> LocatedEvent | None:
     """Return the event at which held contacts become dependent because facets no longer overlap; None where none is.
 
     There a state without one or more of them closes another; on the way to it only their sum is a force.
@@ -244,7 +244,9 @@ def _between(frame: Equilibrium, a: Equilibrium, b: Equilibrium) -> Equilibrium:
     return Equilibrium(frame.x, along / np.linalg.norm(along), frame.system)
 
 
-def _eigenvalue_passes(curve: EquilibriumCurve, a: Equilibrium, b: Equilibrium, k: int) -> Found:
+def _eigenvalue_passes(
+    curve: EquilibriumCurve, a: Equilibrium, b: Equilibrium, k: int
+) -> LocatedEvent:
     """Return the event at which eigenvalue k of the reduced Hessian changes sign: through zero, or through infinity."""
 
     def eigenvalue(f: Equilibrium) -> float:
@@ -260,7 +262,7 @@ def _eigenvalue_passes(curve: EquilibriumCurve, a: Equilibrium, b: Equilibrium, 
 
 def change_of_verdict(
     curve: EquilibriumCurve, a: Equilibrium, b: Equilibrium, verdict: str
-) -> tuple[Equilibrium, Found]:
+) -> tuple[Equilibrium, LocatedEvent]:
     """Bisect on the verdict of states that no multiplier judges."""
     root = curve.root
     low, high, good, other = 0.0, float(a.tangent @ (root * (b.x - a.x))), a, judged(b)
@@ -273,4 +275,4 @@ def change_of_verdict(
             high = middle
     why = f"{verdict} before, {other} beyond: by bisection on the verdict"
     ends = verdict == "minimum" and other in ("saddle", "not stationary")
-    return good, Found("branching" if ends else "singular", good, None, np.nan, False, why)
+    return good, LocatedEvent("branching" if ends else "singular", good, None, np.nan, False, why)

@@ -164,7 +164,7 @@ def crossing(
 ) -> tuple[list[Equilibrium], Equilibrium, float, Equilibrium | None]:
     """Return a point between a and the flat state that a curve `passes`, that state, its `flat_event`, one beyond it.
 
-    The point between tells what lies there: at the flat state itself the reduced Hessian says nothing.
+    The point between shows what lies there: at the flat state itself the reduced Hessian says nothing.
     """
     s, direction = root
     frame, value = flat_event(curve.line, s)

@@ -1,4 +1,4 @@
-"""A line of parameters: which programme belongs to each value of one number s.
+"""A line of parameters: which problem belongs to each value of one number s.
 
 Sector angles, rest angles and loads are linear in s, stiffnesses log-linear, so that a ratio of stiffnesses r is
 followed in s = ln r.  Several lines can be added: two parameters, or several creases at once.
@@ -17,7 +17,7 @@ from origami_nlp.problem import Parameters, Problem
 
 @dataclass(frozen=True, eq=False)
 class ParameterLine:
-    """Programmes along a line of parameters.
+    """Problems along a line of parameters.
 
     Attributes
     ----------
@@ -41,7 +41,7 @@ class ParameterLine:
     weight: float = 0.3
 
     def at(self, s: float) -> Problem:
-        """Return the programme at s."""
+        """Return the problem at s."""
         a, d = self.start, self.direction
         parameters = Parameters(
             a.sectors + s * d.sectors,
@@ -82,7 +82,7 @@ class ParameterLine:
 
 
 def line_between(a: Problem, b: Problem, length: float, weight: float = 0.3) -> ParameterLine:
-    """Return the line from programme a at s = 0 to b at s = `length`, both of one structure and scale.
+    """Return the line from problem a at s = 0 to b at s = `length`, both of one structure and scale.
 
     Sector angles of the whole vertex are for the caller to add (`dataclasses.replace`) where they differ.
     """

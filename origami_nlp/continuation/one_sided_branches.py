@@ -43,7 +43,7 @@ class OneSidedBranch:
     """One direction in which equilibria go on.
 
     frame: the state with the tangent that leads there; a short step ahead where the contacts held are dependent at the
-    state itself.  signed: whether the signs of the multipliers tell how far it
+    state itself.  signed: whether the signs of the multipliers state how far it
     is one; where they are zero all along, or where nothing has to balance, only the verdict of `kkt.classify` does.
     split: whether several smooth pieces of what contacts allow meet all along it, each of which must balance.
     """
@@ -53,7 +53,7 @@ class OneSidedBranch:
     split: bool = False
 
     def is_like(self, other: Equilibrium, sign: float = 1.0) -> bool:
-        """Tell whether it leads the way that `other` does, or comes from there (sign -1)."""
+        """Return whether it leads the way that `other` does, or comes from there (sign -1)."""
         return sign * float(self.frame.tangent @ other.tangent) > ALIGNED
 
 
@@ -131,7 +131,7 @@ def _holds(state: State, piece: tuple[Contact, ...]) -> Iterator[Hold]:
     # strictly active: every half-branch holds them; weakly active ones may open or press on, and are tried both ways
     must = [k for k in range(len(piece)) if found.unique and found.found[k] > BALANCED * size]
     optional = [k for k in range(len(piece)) if k not in must]
-    # no more contacts than freedoms: more would depend on each other
+    # no more contacts than degrees of freedom: more would depend on each other
     most = state.kernel.shape[1] if p.redundant else len(state.x) - len(closure)
     sets = (
         (*must, *some)
@@ -151,7 +151,7 @@ def _holds(state: State, piece: tuple[Contact, ...]) -> Iterator[Hold]:
 
 
 def _large_holds(state: State, piece: tuple[Contact, ...]) -> Iterator[Hold]:
-    """Yield sets of fold limits of a large programme that can carry what the springs ask for: all, and those loaded."""
+    """Yield sets of fold limits of a large problem that can carry what the springs ask for: all, and those loaded."""
     p = cast(Sparse, state.problem)
     closure = tuple(range(p.equation_count))
     size = 1.0 + float(np.abs(p.torque(state.x)).max())
@@ -272,7 +272,7 @@ def _overlapping(
 ) -> Equilibrium | None:
     """Return the equilibrium at the same parameter that holds more contacts, all of which push; None where none does.
 
-    Signs of forces tell what openings of third order in the step cannot: which contacts would be passed without them.
+    Signs of forces show what openings of third order in the step cannot: which contacts would be passed without them.
     """
     at_limit = tuple(c for c in others if _opening(frame, c) < FOLLOWED)
     hold = frame.hold
@@ -292,7 +292,7 @@ def _overlapping(
 
 
 def balances(frame: Equilibrium) -> bool:
-    """Tell whether the springs balance on every piece of what contacts allow, and not only on the one that is held."""
+    """Return whether the springs balance on every smooth branch that contacts allow, not only on the one held."""
     state = frame.seen
     pieces = state.pieces
     if len(pieces) == 1:
@@ -304,18 +304,18 @@ def balances(frame: Equilibrium) -> bool:
 
 
 def is_equilibrium(frame: Equilibrium) -> bool:
-    """Tell whether a point is admissible and all its contacts touch and push."""
+    """Return whether a point is admissible and all its contacts touch and push."""
     good = pushes(frame) and not frame.seen.refused and closes(frame)
     return good and touches(frame)
 
 
 def pushes(frame: Equilibrium) -> bool:
-    """Tell whether no contact that is held pulls."""
+    """Return whether no contact that is held pulls."""
     return not (frame.forces < PULLS * frame.system.size).any()
 
 
 def touches(frame: Equilibrium) -> bool:
-    """Tell whether contacts held touch: a crease may lie in a facet's plane but beside it, or slip off a border."""
+    """Return whether contacts held touch: a crease may lie in a facet's plane but beside it, or slip off a border."""
     p, x = frame.problem, frame.state
     margins = {c: p.margin(c, x) for c in frame.hold.contacts if not c.is_limit}
     if any(m is not None and m <= INSIDE for m in margins.values()):
@@ -329,7 +329,7 @@ def touches(frame: Equilibrium) -> bool:
 
 
 def closes(frame: Equilibrium) -> bool:
-    """Tell whether closure holds in the rows that are not kept."""
+    """Return whether closure holds in the rows that are not kept."""
     if len(frame.hold.closure) == frame.problem.equation_count:
         return True
     return bool(np.abs(frame.problem.closure(frame.state)[0]).max() <= INDEPENDENT)

@@ -28,11 +28,11 @@ from origami_nlp.problem import Local
 REFINED = 8
 """Solutions of one system at most, each of what the ones before leave."""
 LOWEST = 6
-"""Eigenvalues of a large programme that are computed, the smallest ones; as many again where all are negative."""
+"""Eigenvalues of a large problem that are computed, the smallest ones; as many again where all are negative."""
 
 
 class RedundantSystem(BorderedSystem):
-    """The same where rows of closure may depend on each other all along a set; sparse where the programme is large.
+    """The same where rows of closure may depend on each other all along a set; sparse where the problem is large.
 
     Newton carries multipliers along: those of least squares change so fast beside the flat state that it would be slow.
     """
@@ -84,7 +84,7 @@ class RedundantSystem(BorderedSystem):
 
     @cached_property
     def eigenvalues(self) -> np.ndarray:
-        """Of the Hessian on what closure and contacts leave free, ascending; of a large programme the smallest ones."""
+        """Of the Hessian on what closure and contacts leave free, ascending; of a large problem the smallest ones."""
         if not self.problem.sparse:
             z = self.kernel
             return np.linalg.eigvalsh(z.T @ (self.hessian @ z))

@@ -1,8 +1,9 @@
-"""Trace a curve: predictor, corrector, step control, and what ends it.
+"""Continuation of a curve in its arclength: predictor, corrector, step control, and what ends it.
 
 A curve is anything that moves a point near it onto it (`Curve.correct`) and says where it goes there (`Curve.frame`):
 states with contacts held, later states and a load together.  Nothing of an energy or of a vertex enters.  Lengths are
-those of the metric y = root x; with unit tangent y' and bend y'' the predictor is y + h y' + h^2 y'' / 2.
+those of the metric y = root x; with unit tangent y' and bend y'' the predictor is y + h y' + h^2 y'' / 2, and the
+corrector steps across the curve (pseudo-arclength continuation), so that limit points need no special care.
 """
 
 from __future__ import annotations
@@ -58,7 +59,7 @@ class Curve(Protocol[F_co]):
         """Move x [n] onto the curve; None if that fails."""
 
     def frame(self, x: np.ndarray, along: np.ndarray) -> F_co | None:
-        """Say where the curve goes at x, its tangent on the side of `along` [n] (metric); None where it does not."""
+        """Return where the curve goes at x, its tangent on the side of `along` [n] (metric); None where it does not."""
 
 
 @dataclass(frozen=True)
@@ -302,5 +303,5 @@ def _before(frames: Sequence[F], ends: Sequence[End[F]]) -> tuple[int, End[F] | 
 
 
 def _is_back(curve: Curve[F], step: _Step[F], first: F, back: float) -> bool:
-    """Tell whether a step came back to the first point: nearer than it is long, in the same direction."""
+    """Return whether a step came back to the first point: nearer than it is long, in the same direction."""
     return back <= 0.75 * step.length and float(step.frame.tangent @ first.tangent) > ALIGNED

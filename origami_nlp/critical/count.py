@@ -50,7 +50,7 @@ def count_links(
 
 
 def _first_order(links: tuple[Link, ...], stiffness: np.ndarray, rest: np.ndarray) -> bool:
-    """Tell whether slopes of U alone decide: firm at the ends of every arc, and with the same lower link."""
+    """Return whether slopes of U alone decide: firm at the ends of every arc, and with the same lower link."""
     for link in links:
         pull = stiffness * (link.center - rest)
         firm = RISES * float(np.linalg.norm(pull))
@@ -70,7 +70,7 @@ def _first_order(links: tuple[Link, ...], stiffness: np.ndarray, rest: np.ndarra
 
 
 def shape_of(link: Link) -> str:
-    """Say what the link of a singular state is."""
+    """Describe what the link of a singular state is."""
     if link.pieces == 0:
         return "isolated state"
     parts = []

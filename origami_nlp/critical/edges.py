@@ -1,7 +1,7 @@
 """The edges of the admissible set X: curves along which one contact stays closed.
 
-With two freedoms left, a closed contact leaves a curve in the space of the model's variables.  Each contact's curve
-is found from many random states projected onto it, traced both ways to the fold limits, and cut where it leaves
+With two degrees of freedom left, a closed contact leaves a curve in the space of the model's variables.  Each contact's
+curve is found from many random states projected onto it, traced both ways to the fold limits, and cut where it leaves
 X: where another contact closes, or where touching layers stop having an order.  Handles, the sets that
 exist only while two contacts stay closed, are edges too: no state beside them belongs to X.
 """
@@ -99,7 +99,7 @@ class _At:
 
 @dataclass(frozen=True)
 class _Line:
-    """A contact's curve in the programme's variables, for the tracer; see `path.Curve`."""
+    """A contact's curve in the problem's variables, for the tracer; see `continuation.Curve`."""
 
     model: Problem
     row: Contact
@@ -259,12 +259,12 @@ def _inside(model: Problem, edge: Edge) -> list[Edge]:
 
 
 def _belongs(state: State, row: Contact) -> bool:
-    """Tell whether a state belongs to X, layers included, and `row` is a contact that touches there."""
+    """Return whether a state belongs to X, layers included, and `row` is a contact that touches there."""
     return not state.refused and touches(state, row)
 
 
 def touches(state: State, row: Contact) -> bool:
-    """Tell whether a contact whose opening vanishes touches: a facet's plane may be met beside the facet."""
+    """Return whether a contact whose opening vanishes touches: a facet's plane may be met beside the facet."""
     if row.is_limit:
         return True
     found = state.contacts

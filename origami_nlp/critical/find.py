@@ -32,7 +32,7 @@ from origami_nlp.critical.result import (
     MinimaComparison,
     Part,
 )
-from origami_nlp.critical.strata import FACE_SAMPLES, Strata, StratumVertex, strata_of
+from origami_nlp.critical.strata import FACE_SAMPLES, StratifiedSet, StratumVertex, strata_of
 from origami_nlp.kkt import State, Stratum
 from origami_nlp.minima import MinimaResult
 from origami_nlp.numerics import (
@@ -53,7 +53,7 @@ MOST_SAMPLES = 10_000_000
 
 def find_critical_points(
     scene: Scene,
-    minima: MinimaResult | None = None,
+    result: MinimaResult | None = None,
     *,
     samples: int = FACE_SAMPLES,
     seed: int = 0,
@@ -67,8 +67,8 @@ def find_critical_points(
     ----------
     scene
         What is folded.
-    minima
-        Result of `find_minima` on the same scene; the lists of minima are then compared.
+    result
+        Of `find_minima` on the same scene; the lists of minima are then compared.
     samples
         Random states that are spread over X as starts of Newton.
     seed
@@ -84,8 +84,8 @@ def find_critical_points(
     Raises
     ------
     OptionError
-        If the scene has dead loads, not two symmetric freedoms or not full contact, or an argument is not what it must
-        be.
+        If the scene has dead loads, not two symmetric degrees of freedom or not full contact, or an argument is not
+        what it must be.
 
     Examples
     --------
@@ -96,8 +96,8 @@ def find_critical_points(
     """
     scene = as_scene(scene, "a search for all critical points", "find_minima takes a pattern")
     scene.check_no_forces("critical points")
-    if minima is not None:
-        check_type("minima", minima, MinimaResult)
+    if result is not None:
+        check_type("result", result, MinimaResult)
     check_whole("samples", samples, 1, MOST_SAMPLES)
     check_whole("seed", seed, 0)
     check_flag("all_links", all_links)
@@ -111,11 +111,11 @@ def find_critical_points(
     _warn_of_neighbours(model, points, vertices, doubts)
     points.sort(key=lambda p: rank(p.energy / model.scale, p.fold_angles))
     found = CriticalPoints(scene, tuple(points), None, tuple(doubts))
-    return found if minima is None else compare_minima(found, minima)
+    return found if result is None else compare_minima(found, result)
 
 
 def _interior_points(
-    model: Problem, strata: Strata, doubts: list[str], all_links: bool
+    model: Problem, strata: StratifiedSet, doubts: list[str], all_links: bool
 ) -> list[CriticalPoint]:
     """Critical points at which nothing touches."""
     starts = np.concatenate([strata.faces, *(edge.x[1:-1:2] for edge in strata.edges)])
@@ -152,7 +152,7 @@ def _firm(model: Problem) -> float:
 
 def _edge_points(
     model: Problem,
-    strata: Strata,
+    strata: StratifiedSet,
     vertices: np.ndarray,
     doubts: list[str],
     all_links: bool,

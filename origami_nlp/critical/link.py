@@ -189,7 +189,7 @@ def _placings(state: State, radius: float) -> list[Placing]:
     if lost == 0:
         z = null_space(jac)
         if z.shape[1] != 2:
-            raise ValueError(f"the state has {z.shape[1]} freedoms, not 2")
+            raise ValueError(f"the state has {z.shape[1]} degrees of freedom, not 2")
         return [lambda theta: _over_plane(model, x, radius, z, theta)]
     if lost > 1:
         raise ValueError(f"closure loses {lost} ranks")

@@ -16,7 +16,7 @@ MOST_STEPS = 25
 
 @dataclass(frozen=True)
 class KktPoints:
-    """KKT points that Newton reached, not yet told apart.
+    """KKT points that Newton reached, not yet distinguished.
 
     x: [P, n].  multipliers: of the rows, [P, r] (scaled energy; > 0 where the contact pushes).
     residual: largest entry of stationarity (relative), closure and rows, [P].

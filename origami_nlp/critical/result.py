@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Literal
 
-from origami_nlp.display import Report, Section, Table
+from origami_nlp.display import Report, Section, Table, angle_columns
 from origami_nlp.io import ShortRepr
 from origami_nlp.numerics import residual_words
 from origami_nlp.pattern import Scene
@@ -286,7 +286,12 @@ class CriticalPoints(Report):
 
     def _rows(self) -> Iterator[dict[str, object]]:
         for number, p in enumerate(self.points, start=1):
-            row = {"scene": self.scene.label, "number": number, "energy": p.energy, "kind": p.kind}
-            row |= {"stratum": p.stratum, "index": p.index, "contribution": p.contribution}
+            row = {"scene": self.scene.label, "number": number, "energy_J": p.energy}
+            row |= {
+                "kind": p.kind,
+                "stratum": p.stratum,
+                "index": p.index,
+                "contribution": p.contribution,
+            }
             row["contacts"] = "; ".join(p.contacts)
-            yield row | {f"phi_{k}": v for k, v in enumerate(p.fold_angles, start=1)}
+            yield row | angle_columns(p.fold_angles)

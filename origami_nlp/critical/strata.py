@@ -1,4 +1,4 @@
-"""The pieces of the admissible set X of a scene with two symmetric freedoms: faces, edges, vertices.
+"""The pieces of the admissible set X of a scene with two symmetric degrees of freedom: faces, edges, vertices.
 
 They depend on sector angles, symmetry and contact only, not on stiffness and rest angles, and are found once for
 all energies on the same geometry.
@@ -43,7 +43,7 @@ class StratumVertex:
 
 
 @dataclass(frozen=True)
-class Strata:
+class StratifiedSet:
     """Faces as a cloud of states [S, n] in X, edges and vertices of X.
 
     sides: for each edge the sign of its contact's opening inside X; 0 where X is not one half-plane beside the
@@ -57,19 +57,19 @@ class Strata:
     vertices: tuple[StratumVertex, ...]
 
 
-def strata_of(scene: Scene, *, samples: int = FACE_SAMPLES, seed: int = 0) -> Strata:
+def strata_of(scene: Scene, *, samples: int = FACE_SAMPLES, seed: int = 0) -> StratifiedSet:
     """Return the strata of X; scenes that differ in stiffness and rest angles share them.
 
     Raises
     ------
     OptionError
-        If the scene has not two symmetric freedoms, or its contact is not ``"full"``: X is not compact
+        If the scene has not two symmetric degrees of freedom, or its contact is not ``"full"``: X is not compact
         without contact, and its boundary is another one with fold limits only.
     """
     model = Model(scene)
     if model.freedom != 2:
         raise OptionError(
-            f"symmetry = {scene.symmetry!r} leaves {model.freedom} freedoms: critical points are "
+            f"symmetry = {scene.symmetry!r} leaves {model.freedom} degrees of freedom: critical points are "
             "found for 2 (degree 6 with D1, degree 8 with D2)"
         )
     if scene.contact != "full":
@@ -80,7 +80,9 @@ def strata_of(scene: Scene, *, samples: int = FACE_SAMPLES, seed: int = 0) -> St
 
 
 @lru_cache(maxsize=32)
-def _strata(vertex: Vertex, symmetry: str, mirror: int | None, samples: int, seed: int) -> Strata:
+def _strata(
+    vertex: Vertex, symmetry: str, mirror: int | None, samples: int, seed: int
+) -> StratifiedSet:
     """Find the strata with springs that have the symmetry of the vertex: all equal."""
     n = vertex.degree
     model = Model(Scene(vertex, (1.0,) * n, (0.0,) * n, symmetry, "full", mirror))
@@ -94,7 +96,7 @@ def _strata(vertex: Vertex, symmetry: str, mirror: int | None, samples: int, see
     states = states[distinct(states, SETTLED)]
     keep = [at for at in (State(model, x) for x in states) if not at.refused]
     sides = tuple(_side(model, edge) for edge in edges)
-    return Strata(model, cloud, edges, sides, tuple(_vertex(state) for state in keep))
+    return StratifiedSet(model, cloud, edges, sides, tuple(_vertex(state) for state in keep))
 
 
 def _settled(state: State) -> np.ndarray:

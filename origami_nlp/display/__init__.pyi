@@ -3,7 +3,7 @@ from .bodies import (
     Body as Body,
     Content as Content,
     Crease as Crease,
-    Folded as Folded,
+    FoldedBody as FoldedBody,
     Keyframe as Keyframe,
     Line as Line,
     Mark as Mark,
@@ -23,7 +23,7 @@ from .drawing import (
     draw_state as draw_state,
     drawn_height as drawn_height,
 )
-from .flags import Flags as Flags, Reason as Reason
+from .flags import Flags as Flags, FlagText as FlagText
 from .folded_pattern import pattern_view as pattern_view
 from .folded_vertex import rotation_onto as rotation_onto
 from .html import inline_image as inline_image
@@ -38,7 +38,11 @@ from .labels import label_marks as label_marks
 from .pattern_drawing import draw_pattern_state as draw_pattern_state
 from .pose import Pose as Pose, pose_state as pose_state
 from .posing import Poser as Poser, join_states as join_states
-from .result import Result as Result, read_data as read_data
+from .result import (
+    Result as Result,
+    angle_columns as angle_columns,
+    read_data as read_data,
+)
 from .stacked import MARGIN as MARGIN, StackedFigure as StackedFigure
 from .states_figure import (
     MOST_DRAWN as MOST_DRAWN,

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from origami_nlp.arguments import check_path, check_type
-from origami_nlp.display.bodies import Content, Folded, Trajectory
+from origami_nlp.display.bodies import Content, FoldedBody, Trajectory
 from origami_nlp.display.interactive import kept_states
 from origami_nlp.display.pose import Pose
 from origami_nlp.display.text import label_text
@@ -54,7 +54,7 @@ class Shot(NamedTuple):
         Under it.
     """
 
-    state: Folded
+    state: FoldedBody
     view: np.ndarray
     middle: np.ndarray
     reach: float
@@ -62,7 +62,7 @@ class Shot(NamedTuple):
 
 
 def check_animation(target: str | os.PathLike[str]) -> None:
-    """Complain, before any work, about a film that could not be written.
+    """Raise, before any work, an error for a film that could not be written.
 
     Parameters
     ----------
@@ -161,7 +161,7 @@ def _along(track: Trajectory, view: np.ndarray) -> Iterator[Shot]:
         yield Shot(state, view, *seen, f"{track.title}\nU = {state.energy:.6g} J")
 
 
-def _around(states: list[Folded]) -> tuple[np.ndarray, float]:
+def _around(states: list[FoldedBody]) -> tuple[np.ndarray, float]:
     """Return centre and half the width of a picture that holds all states however they are turned."""
     corners = np.vstack([state.corners for state in states])
     middle = (corners.min(axis=0) + corners.max(axis=0)) / 2

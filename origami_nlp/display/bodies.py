@@ -53,7 +53,7 @@ class Body:
 
 
 @dataclass(frozen=True)
-class Folded:
+class FoldedBody:
     """A body in space.
 
     Attributes
@@ -116,7 +116,7 @@ class Keyframe:
     """
 
     title: str
-    folded: Folded
+    folded: FoldedBody
     view: np.ndarray
     marks: tuple[Mark, ...] = ()
     lines: tuple[str, ...] = ()
@@ -145,7 +145,7 @@ class Trajectory:
     title: str
     parameter: np.ndarray
     label: str
-    states: tuple[Folded, ...]
+    states: tuple[FoldedBody, ...]
     view: np.ndarray
     start: int | None = None
     end: int | None = None

@@ -56,7 +56,7 @@ def draw_pattern(
     Raises
     ------
     OptionError
-        If `frame` is none, or a folded form.
+        If `frame` is not of its type, or a folded form.
     """
     check_type("frame", frame, Frame)
     if frame.folded:

@@ -19,7 +19,7 @@ from origami_nlp.io import to_plain
 _ENTRY = re.compile(r"^(\w+)\n((?:    .*\n?)+)", re.MULTILINE)
 
 
-class Reason(NamedTuple):
+class FlagText(NamedTuple):
     """What a flag means.
 
     Attributes
@@ -64,19 +64,19 @@ class Flags(Report):
         return tuple(f.name for f in fields(self) if getattr(self, f.name))  # type: ignore[arg-type]
 
     @classmethod
-    def reasons(cls) -> dict[str, Reason]:
+    def reasons(cls) -> dict[str, FlagText]:
         """Return cause and cure of each flag, from the docstring.
 
         Returns
         -------
         dict
-            A `Reason` by name, in order.
+            A `FlagText` by name, in order.
         """
         listed = (inspect.getdoc(cls) or "").partition("Attributes\n----------\n")[2]
         out = {}
         for name, text in _ENTRY.findall(listed):
             cause, _, cure = " ".join(text.split()).partition(" Cure: ")
-            out[name] = Reason(cause, cure)
+            out[name] = FlagText(cause, cure)
         return out
 
     @classmethod

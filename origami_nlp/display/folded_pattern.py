@@ -7,7 +7,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from origami_nlp.display.bodies import Body, Crease, Folded
+from origami_nlp.display.bodies import Body, Crease, FoldedBody
 from origami_nlp.pattern import Pattern
 from origami_nlp.pattern_problem import Crossings
 
@@ -21,7 +21,7 @@ LONG = 0.8
 
 def pattern_poser(
     pattern: Pattern,
-) -> tuple[Body, Callable[[np.ndarray, float], Folded], Callable[[np.ndarray], np.ndarray]]:
+) -> tuple[Body, Callable[[np.ndarray, float], FoldedBody], Callable[[np.ndarray], np.ndarray]]:
     """Return a sheet as a body, and what puts its states into space and says from where they are seen.
 
     Parameters
@@ -40,11 +40,11 @@ def pattern_poser(
     creases = tuple(Crease(a, b, left[b, a], left[a, b]) for a, b in pattern.ends.tolist())
     scale = LONG / float(pattern.lengths.mean() if pattern.creases else crossings.size)
 
-    def folded(phi: np.ndarray, energy: float) -> Folded:
+    def folded(phi: np.ndarray, energy: float) -> FoldedBody:
         x = np.nan_to_num(crossings.poses.corners(phi))
         middle = x[crossings.pieces.ravel()].mean(axis=0)
         shifts = np.zeros((len(parts), 3))
-        return Folded((x - middle) * scale, phi, energy, shifts)
+        return FoldedBody((x - middle) * scale, phi, energy, shifts)
 
     def view(phi: np.ndarray) -> np.ndarray:
         return pattern_view(crossings.poses.polygons(phi))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from origami_nlp.display.bodies import Body, Crease, Folded
+from origami_nlp.display.bodies import Body, Crease, FoldedBody
 from origami_nlp.folding import fold_vertex
 from origami_nlp.pattern import Vertex
 
@@ -30,7 +30,7 @@ def vertex_body(vertex: Vertex) -> Body:
     return Body(facets, tuple(Crease(APEX, i + 1, (i - 1) % n, i) for i in range(n)), sectors=True)
 
 
-def vertex_folded(vertex: Vertex, fold_angles: object, energy: float) -> Folded:
+def vertex_folded(vertex: Vertex, fold_angles: object, energy: float) -> FoldedBody:
     """Fold a vertex.
 
     Parameters
@@ -44,7 +44,7 @@ def vertex_folded(vertex: Vertex, fold_angles: object, energy: float) -> Folded:
 
     Returns
     -------
-    Folded
+    FoldedBody
         Corners as `folding.fold_vertex` has them, the apex at the origin.
     """
     from origami_nlp.display.pose import layer_offsets
@@ -54,7 +54,7 @@ def vertex_folded(vertex: Vertex, fold_angles: object, energy: float) -> Folded:
     normals = np.cross(creases, np.roll(creases, -1, axis=0))
     normals /= np.linalg.norm(normals, axis=1, keepdims=True)
     corners = np.vstack([np.zeros((1, 3)), creases])
-    return Folded(corners, phi, float(energy), layer_offsets(phi, normals))
+    return FoldedBody(corners, phi, float(energy), layer_offsets(phi, normals))
 
 
 def vertex_view(vertex: Vertex, fold_angles: object) -> np.ndarray:

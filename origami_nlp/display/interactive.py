@@ -20,7 +20,7 @@ from typing import Any
 import numpy as np
 
 from origami_nlp.arguments import check_path
-from origami_nlp.display.bodies import Content, Folded, Keyframe, Panel, Trajectory
+from origami_nlp.display.bodies import Content, FoldedBody, Keyframe, Panel, Trajectory
 from origami_nlp.display.table import pieces_html
 from origami_nlp.errors import OptionError
 from origami_nlp.io import write_whole
@@ -37,7 +37,7 @@ HEIGHT = 900
 
 
 def check_view(option: str = "view") -> None:
-    """Complain, before any work, where plotly is not installed.
+    """Raise an error, before any work, where plotly is not installed.
 
     Parameters
     ----------
@@ -151,7 +151,7 @@ def interactive_page(*contents: Content) -> str:
     parts = {
         "TITLE": escape(contents[0].title if len(contents) == 1 else f"{len(contents)} scenes"),
         "TABLES": "\n".join(
-            f"<section class='told' hidden>{pieces_html(content.pieces)}</section>"
+            f"<section class='report' hidden>{pieces_html(content.pieces)}</section>"
             for content in contents
         ),
         "DATA": data.replace("<", "\\u003c"),  # no text of a user ends the script
@@ -218,7 +218,7 @@ def _short(values: np.ndarray) -> list[Any]:
     return listed
 
 
-def _folded(state: Folded, digits: int) -> dict[str, Any]:
+def _folded(state: FoldedBody, digits: int) -> dict[str, Any]:
     shifts = _plain(state.shifts, 4) if state.shifts.any() else None
     return {
         "corners": _plain(state.corners, digits),

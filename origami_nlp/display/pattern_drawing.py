@@ -1,7 +1,7 @@
 """A folded sheet drawn: facets painted by depth, the visible parts of creases and borders as lines over them.
 
 Mountains are red and solid, valleys blue and dashed, by the sign of the fold angle, wider the larger it is; the upper
-side of the paper is warm, the lower cool: all of it can be told in grey.
+side of the paper is warm, the lower cool: all of it can be read in grey.
 """
 
 from __future__ import annotations
@@ -149,7 +149,7 @@ def _paint(
 
 
 def _layers(pattern: Pattern, phi: np.ndarray, corners: list[np.ndarray]) -> np.ndarray:
-    """Tell which polygons [q, 3] lie on which, as seen, [P + 1, P]; the last row is no polygon."""
+    """Return which polygons [q, 3] lie on which, as seen, [P + 1, P]; the last row is no polygon."""
     above = np.zeros((len(corners) + 1, len(corners)), bool)
     if not (math.pi - np.abs(phi) <= CLOSURE_TOL).any() or len(corners) > MOST_ORDERED:
         return above

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from origami_nlp.display.bodies import Folded, Trajectory
+from origami_nlp.display.bodies import FoldedBody, Trajectory
 from origami_nlp.display.folded_pattern import pattern_poser
 from origami_nlp.display.folded_vertex import (
     rotation_onto,
@@ -47,7 +47,7 @@ class Poser:
         self._fold = lambda phi, energy: vertex_folded(vertex, phi, energy)
         self._view = lambda phi: vertex_view(vertex, phi)
 
-    def folded(self, fold_angles: object, energy: float) -> Folded:
+    def folded(self, fold_angles: object, energy: float) -> FoldedBody:
         """Put a state into space.
 
         Parameters
@@ -59,7 +59,7 @@ class Poser:
 
         Returns
         -------
-        Folded
+        FoldedBody
             The state.
         """
         return self._fold(np.asarray(fold_angles, float), float(energy))
@@ -122,7 +122,7 @@ class Poser:
 
 def join_states(
     title: str,
-    states: Sequence[Folded],
+    states: Sequence[FoldedBody],
     view: np.ndarray,
     parameter: object,
     label: str,
@@ -151,7 +151,7 @@ def join_states(
     for state in states[1:]:
         turn = rotation_onto(state.corners, joined[-1].corners)
         corners, shifts = state.corners @ turn.T, state.shifts @ turn.T
-        joined.append(Folded(corners, state.fold_angles, state.energy, shifts))
+        joined.append(FoldedBody(corners, state.fold_angles, state.energy, shifts))
     # the middle of the path is what is to be seen well; its own frame is that of the first state, turned along
     k = len(states) // 2
     turn = rotation_onto(states[k].corners, joined[k].corners)

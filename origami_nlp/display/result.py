@@ -126,7 +126,8 @@ class Result:
         Returns
         -------
         pandas.DataFrame
-            A row a state, pass, contact, ...; angles [rad], energies in the scene's units.
+            A row a state, pass, contact, ...; columns end with their unit, ``energy_J``, ``phi_1_rad``, where they have
+            one (stiffnesses of scenes are taken as N m/rad).
 
         Raises
         ------
@@ -197,6 +198,28 @@ class Result:
     @classmethod
     def _lacks(cls, what: str) -> OptionError:
         return OptionError(f"result = a {cls.__name__} has {what}")
+
+
+def angle_columns(fold_angles: Iterable[float]) -> dict[str, object]:
+    """Return fold angles [N] as columns of a data frame.
+
+    Parameters
+    ----------
+    fold_angles
+        One a crease [rad].
+
+    Returns
+    -------
+    dict
+        ``phi_1_rad`` to ``phi_N_rad``.
+
+    Examples
+    --------
+    >>> from origami_nlp.display import angle_columns
+    >>> angle_columns([0.1, -0.2])
+    {'phi_1_rad': 0.1, 'phi_2_rad': -0.2}
+    """
+    return {f"phi_{k}_rad": float(v) for k, v in enumerate(fold_angles, start=1)}
 
 
 def read_data(path: str | PathLike[str]) -> Any:

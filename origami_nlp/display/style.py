@@ -1,7 +1,7 @@
 """What every figure says in the same way: marks of minima and passes, lines of boundaries, colours of energy.
 
 A minimum's shape is its kind and its filling its verdict in the full space; so both survive print in grey.  Passes
-are white.  Colours are told apart by readers with deuteranopia and protanopia, and by their lightness.
+are white.  Colours are distinguished by readers with deuteranopia and protanopia, and by their lightness.
 """
 
 from __future__ import annotations

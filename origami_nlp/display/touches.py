@@ -19,9 +19,9 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 PUSH, SHARE, REST = (
-    "facets touch and push",
-    "push, how it is shared is open",
-    "touch without force",
+    "contact with force",
+    "contact forces statically indeterminate",
+    "contact without force",
 )
 RING: dict[str, Any] = {"ls": "", "marker": "o", "ms": 7, "mew": 1.6}
 LOOKS: dict[str, dict[str, Any]] = {
@@ -130,6 +130,6 @@ def contact_legend(contacts: Iterable[ContactForce]) -> list[Line2D]:
 
 
 def _how(contact: ContactForce) -> str:
-    """Tell how a contact pushes, by the least and the largest force that balance the springs."""
+    """Describe a contact force, by the least and the largest force that balance the springs."""
     least, most = contact.multiplier_range
     return PUSH if least > CARRIES else SHARE if most > CARRIES else REST

@@ -128,10 +128,10 @@ function markTraces(state, normal, marks, towards) {
         return [add(times(ring.reduce(add), 1 / ring.length), shift(state, f)), normal[f]];
       })];
     places.forEach(([place, out], n) => {
-      // what is folded shut has an outside only: above a mountain, below a valley
-      const shut = n < mark.creases.length && Math.abs(state.angles[mark.creases[n]]) > 2;
-      const seen = shut ? -Math.sign(state.angles[mark.creases[n]]) : dot(out, towards) >= 0 ? 1 : -1;
-      for (const side of shut ? [seen] : [seen, -seen])
+      // what is fully folded has an outside only: above a mountain, below a valley
+      const closed = n < mark.creases.length && Math.abs(state.angles[mark.creases[n]]) > 2;
+      const seen = closed ? -Math.sign(state.angles[mark.creases[n]]) : dot(out, towards) >= 0 ? 1 : -1;
+      for (const side of closed ? [seen] : [seen, -seen])
         found[mark.loaded].push({place: add(place, times(out, side * OFF)), text: safe(mark.text)});
       if (n) return;
       const right = dot(place, scene.right) >= 0 ? 1 : -1;
@@ -313,7 +313,7 @@ function chooseScene(n) {
   fill($("state"), data.stations.map(s => s.title), 0);
   fill($("path"), ["none: the state alone", ...data.tracks.map(t => t.title)], 0);
   document.querySelectorAll(".paths").forEach(e => { e.style.display = data.tracks.length ? "" : "none"; });
-  document.querySelectorAll(".told").forEach((e, k) => { e.hidden = k !== n; });
+  document.querySelectorAll(".report").forEach((e, k) => { e.hidden = k !== n; });
   $("maps").replaceChildren(...data.panels.map((_, m) =>
     Object.assign(document.createElement("div"), {id: "map" + m, className: "map"})));
   scene.maps = data.panels.map(mapTraces);

@@ -6,7 +6,7 @@ the facet, or its neighbour, and meets it only where the crease between is folde
 
 Two arcs cross where their four ends alternate; each end is off the plane of the other arc by the sine of its distance
 from the common point times that of the angle between the arcs.  So the smallest of the four belongs to the end nearest
-to the common point, its foot lies on the other arc, and its row is the nearest way out.
+to the common point, its foot lies on the other arc, and its row is the nearest exit.
 
 Where a crease is folded to +-pi the tip of its narrower facet lies *on* the wider one, and the sines of a crossing
 there vanish: the facet that goes on from the tip may leave only to the side that the fold left open (`stack_depths`).
@@ -47,7 +47,7 @@ def find_crossings(
     pairs: Sequence[tuple[int, int]] | np.ndarray,
     real: np.ndarray | None = None,
 ) -> CrossedPairs:
-    """Tell which pairs of facets cross at many states, how deep, and by which row each is undone.
+    """Return which pairs of facets cross at many states, how deep, and by which row each is undone.
 
     Parameters
     ----------
@@ -159,7 +159,7 @@ def pair_rows(pairs: Sequence[tuple[int, int]] | np.ndarray, count: int) -> np.n
 
 
 def _is_row(rows: np.ndarray, count: int) -> np.ndarray:
-    """Tell which (k, j) are rows, shape [..., 2] -> [...]."""
+    """Return which (k, j) are rows, shape [..., 2] -> [...]."""
     apart = (rows[..., 0] - rows[..., 1]) % count
     return np.asarray((apart >= 3) & (apart <= count - 2))
 
@@ -182,7 +182,7 @@ class StackRule:
 
 
 def stack_rule(sectors: Sequence[float] | np.ndarray) -> StackRule:
-    """Say for each crease i which crease e may not turn on to its side once i is closed, and by which row.
+    """Return for each crease i which crease e may not turn on to its side once i is closed, and by which row.
 
     With crease i at a pi, a = +-1, its two facets lie on each other, the one that is entered later on the side a of the
     other.  The tip of the narrower one, crease e, lies on the wider one, and the facet that goes on from there

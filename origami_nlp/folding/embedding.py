@@ -129,7 +129,7 @@ def _not_adjacent(count: int) -> tuple[tuple[int, int], ...]:
 
 @lru_cache(maxsize=64)
 def _not_ends(count: int) -> np.ndarray:
-    """Tell which creases are not ends of a facet, [facet, crease]."""
+    """Return which creases are not ends of a facet, [facet, crease]."""
     own = np.eye(count, dtype=bool)
     return ~(own | np.roll(own, 1, axis=1))
 
@@ -141,7 +141,7 @@ def check_admissible(
     tolerance: float = CONTACT_TOL,
     elements: tuple[tuple[int, bool], ...] = (),
 ) -> Embedding:
-    """Tell whether a state of a vertex is admissible with full contact, and why not if not.
+    """Return whether a state of a vertex is admissible with full contact, and why not if not.
 
     Parameters
     ----------

@@ -22,7 +22,7 @@ GRAIN = NOISE / 1000
 
 
 def folds_flat(v: FoldVertex) -> bool | None:
-    """Tell whether a vertex of a crease pattern folds flat with its mountains and valleys.
+    """Return whether a vertex of a crease pattern folds flat with its mountains and valleys.
 
     Parameters
     ----------

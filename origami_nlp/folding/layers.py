@@ -83,7 +83,7 @@ class LayerProblem:
         return {}
 
     def solvable(self, assume: dict[Pair, bool] | None = None) -> bool:
-        """Tell whether some layer order exists (that also has the orders in `assume`)."""
+        """Return whether some layer order exists (that also has the orders in `assume`)."""
         asked = assume or {}
         if self._orders is None or any(self.fixed.get(pair, v) != v for pair, v in asked.items()):
             return False
@@ -102,7 +102,7 @@ class LayerProblem:
         return found
 
     def forced_side(self, one: Strand, other: Strand) -> int:
-        """Tell on which side strand `one` must lie of `other`, in the direction of their segment.
+        """Return on which side strand `one` must lie of `other`, in the direction of their segment.
 
         Returns +1 (left), -1 (right) or 0 (both are possible, or they share no segment).
         """

@@ -90,7 +90,7 @@ class Orders:
         return self._propagate(self.values, [k for u in known for k in self._of[u]])
 
     def possible(self, known: Mapping[int, bool]) -> bool:
-        """Tell whether there is an answer with some values, all that rules force being settled.
+        """Return whether there is an answer with some values, all that rules force being settled.
 
         Parameters
         ----------

@@ -1,4 +1,4 @@
-"""Springs for states that are given: convex programmes, proofs that there are none, and the check of every answer."""
+"""Springs for states that are given: convex programs, proofs that there are none, and the check of every answer."""
 
 import lazy_loader
 

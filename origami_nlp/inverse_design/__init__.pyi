@@ -8,7 +8,7 @@ from .conic import (
 from .contact_choice import solve as solve
 from .convex import (
     ConvexDesign as ConvexDesign,
-    Found as Found,
+    ConvexOptimum as ConvexOptimum,
     scene_of as scene_of,
     springs_of as springs_of,
 )
@@ -16,7 +16,7 @@ from .disjunctions import Disjunction as Disjunction, choose as choose
 from .examples import EXAMPLES as EXAMPLES, example_targets as example_targets
 from .figure import draw_design as draw_design
 from .finding import design as design
-from .infeasibility import Reason as Reason, why_not as why_not
+from .infeasibility import Infeasibility as Infeasibility, why_not as why_not
 from .result import Design as Design, HeldBarrier as HeldBarrier, HeldState as HeldState
 from .robustness import (
     Loss as Loss,
@@ -26,7 +26,7 @@ from .robustness import (
     lost_at as lost_at,
     tolerance_of as tolerance_of,
 )
-from .target_tolerance import Moved as Moved, move_targets as move_targets
+from .target_tolerance import MovedTargets as MovedTargets, move_targets as move_targets
 from .targets import (
     BarrierAsk as BarrierAsk,
     ClosedTarget as ClosedTarget,

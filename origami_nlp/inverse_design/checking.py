@@ -41,13 +41,13 @@ def check(
     targets, ask
         The question.
     posed
-        The programme that the springs come from.
+        The problem that the springs come from.
     scene
         With them.
     minima
         Of the scene.
     ways
-        Curves between states whose barriers are asked for, with one freedom.
+        Curves between states whose barriers are asked for, with one degree of freedom.
     seed
         Of directions of tolerances.
     say
@@ -145,14 +145,18 @@ def _barriers(
     energy: dict[str, float],
     seed: int,
 ) -> tuple[HeldBarrier, ...]:
-    """Measure every barrier: along the curve with one freedom, by `find_barriers` with two."""
+    """Measure every barrier: along the curve with one degree of freedom, by `find_barriers` with two."""
     if not targets.barriers:
         return ()
     freedom = targets.model.freedom
     if freedom > 2:
         return tuple(
             HeldBarrier(
-                b.start, b.end, math.nan, (), f"barriers of {freedom} freedoms are not known"
+                b.start,
+                b.end,
+                math.nan,
+                (),
+                f"barriers of {freedom} degrees of freedom are not known",
             )
             for b in targets.barriers
         )

@@ -1,4 +1,4 @@
-"""A conic programme: linear rows, second-order cones and linear matrix inequalities, solved by Clarabel.
+"""A conic program: linear rows, second-order cones and linear matrix inequalities, solved by Clarabel.
 
     maximise c . v   subject to   rows v = 0,   slack = a v + b in a cone (>= 0, second order, or semidefinite).
 
@@ -20,7 +20,7 @@ from origami_nlp.numerics import BALANCED, DEPENDENT, NONZERO
 EQUAL, POSITIVE, BALL, DEFINITE = "=", ">=", "|.|<=", "psd"
 
 ACCURACIES = (1e-10, 1e-9, 1e-8)
-"""Of gap and feasibility, asked for in turn: where a programme is badly scaled the first is below its rounding."""
+"""Of gap and feasibility, asked for in turn: where a problem is badly scaled the first is below its rounding."""
 
 
 def smatrix(v: np.ndarray) -> np.ndarray:
@@ -72,7 +72,7 @@ class Answer:
     v
         The point, shape [V]; where the rows contradict each other of no use.
     duals
-        y of each of the programme's `rows`, in their cones' duals.
+        y of each of the problem's `rows`, in their cones' duals.
     bound
         Where solved: no point has a larger objective than this, up to `residual`.
     residual
@@ -101,7 +101,7 @@ class Answer:
 
 @dataclass
 class ConicProgram:
-    """A conic programme that grows row by row.
+    """A conic program that grows row by row.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Which contacts of the states press: one convex programme for each choice, and a refutation of all of them."""
+"""Which contacts of the states press: one convex program for each choice, and a refutation of all of them."""
 
 from __future__ import annotations
 
@@ -24,8 +24,8 @@ def solve(
 ) -> ConvexDesign:
     """Pose and solve a question, with contacts pressed, or else touching.
 
-    A contact that can carry no moment is no hindrance where the state holds still without it.  Each choice of
-    touching contacts is a convex programme: first none, then all of some states, then one or more of all, at most
+    A contact that can carry no moment is no hindrance where the state is in equilibrium without it.  Each choice of
+    touching contacts is a convex program: first none, then all of some states, then one or more of all, at most
     `MOST_CHOICES`.  The first that is feasible is returned.  If none is, it is a refutation where already what all
     choices have in common has no answer (`ConvexDesign.loose`), or where each choice is refuted and no state has more
     than one contact.  (Where several touch without moments, stiffness in the directions that open them would do, which

@@ -29,7 +29,7 @@ condition 1e4 of the equations (see `DESIGN_MARGIN`); more is another design."""
 ROOM = 2.0
 """Bounds of moments come of a least singular value in floating point, which is good to far more than this factor."""
 LEAST_MARGIN = 0.01
-"""Of a design that makes barriers largest: at 0 its wells would be none."""
+"""Of a design that makes barriers largest: at 0 its wells would vanish."""
 LARGEST_MARGIN = 10.0
 """Cap on t: where nothing else bounds it (wound springs on a flat-folded state), more is of no use."""
 MOST_PIECES = 16
@@ -37,14 +37,14 @@ MOST_PIECES = 16
 
 
 class ConvexDesign:
-    """The convex programme of a question.
+    """The convex program of a question.
 
     Parameters
     ----------
     targets
         The question.
     touching
-        Contacts without which states are to hold still, each with the number of its state from 0.
+        Contacts without which states are to be in equilibrium, each with the number of its state from 0.
     loose
         Ask only for what every minimum fulfils: whichever of its contacts press (see `Balance`), and of singular states
         nothing.  Where that has no answer, no springs hold the states.
@@ -299,13 +299,13 @@ def _row(size: int, *entries: tuple[int | slice, Any]) -> np.ndarray:
 
 
 def standing(targets: Targets, i: int) -> State:
-    """Return a state, numbered from 0, in the programme in which it is to stand."""
+    """Return a state, numbered from 0, in the problem in which it is to stand."""
     state, t = targets.placed[i].state, targets
     return state if t.free is t.model else State(t.free, t.free.reduce(t.model.expand(state.x)))
 
 
 @dataclass(frozen=True)
-class Found:
+class ConvexOptimum:
     """Springs in the scene's units.
 
     Attributes
@@ -322,7 +322,7 @@ class Found:
     margin: float
 
 
-def springs_of(posed: ConvexDesign) -> Found:
+def springs_of(posed: ConvexDesign) -> ConvexOptimum:
     """Turn the optimum into springs that fulfil every equation to rounding.
 
     Bounds that are active stay exactly so; then unknowns move by the least that closes the equations.
@@ -330,11 +330,11 @@ def springs_of(posed: ConvexDesign) -> Found:
     Parameters
     ----------
     posed
-        A feasible programme.
+        A feasible problem.
 
     Returns
     -------
-    Found
+    ConvexOptimum
         The springs.
     """
     places = posed.places
@@ -356,7 +356,9 @@ def springs_of(posed: ConvexDesign) -> Found:
         if np.abs(a @ v - b).max() <= ROUNDED * (1 + np.abs(v).max()) and moved <= MOVED:
             break
     scale = _scale(posed, v)
-    return Found(v[places.stiffness] / scale, v[places.torque] / scale, float(v[places.margin]))
+    return ConvexOptimum(
+        v[places.stiffness] / scale, v[places.torque] / scale, float(v[places.margin])
+    )
 
 
 def _active(posed: ConvexDesign) -> tuple[list[np.ndarray], list[np.ndarray]]:
@@ -396,7 +398,7 @@ def _scale(posed: ConvexDesign, v: np.ndarray) -> float:
     return math.sqrt(float(k.max()) / high * float(k.min()) / low)
 
 
-def scene_of(targets: Targets, found: Found, name: str | None = None) -> Scene | Pattern:
+def scene_of(targets: Targets, found: ConvexOptimum, name: str | None = None) -> Scene | Pattern:
     """Return the scene, or the pattern, with these springs.
 
     Parameters

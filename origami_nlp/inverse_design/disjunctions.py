@@ -33,9 +33,9 @@ class Disjunction:
     margin
         Of their springs.
     exact
-        Whether no larger set has springs (of those, whether none has a larger margin), as far as each programme is
+        Whether no larger set has springs (of those, whether none has a larger margin), as far as each program is
         decided.
-    programmes
+    programs
         How many were solved.
     """
 
@@ -43,11 +43,11 @@ class Disjunction:
     names: tuple[str, ...]
     margin: float
     exact: bool
-    programmes: int
+    programs: int
 
 
 class _Pool:
-    """Programmes of subsets of a question's states, each solved once."""
+    """Programs of subsets of a question's states, each solved once."""
 
     def __init__(self, targets: Targets) -> None:
         self.targets = targets

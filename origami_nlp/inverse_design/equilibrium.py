@@ -9,7 +9,7 @@ crease, the moments mu of its closed contacts and the forces w of closure equati
 J is the Jacobian of closure, A the gradients of the openings of the closed contacts, C and G their Hessians, all in the
 metric of all fold angles; Z_J spans the kernel of J, Z that of J and of A of the pressed contacts, W the left kernel of
 J.  A state that closes regularly has no w; flat and flat-folded states do, and any w that makes the matrix positive
-proves a minimum.  Contacts that touch may carry moments or none: the state holds still without them.
+proves a minimum.  Contacts that touch may carry moments or none: the state is in equilibrium without them.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from origami_nlp.problem import Contact, Problem
 
 @dataclass(frozen=True)
 class Springs:
-    """Where the springs are among the unknowns of a programme.
+    """Where the springs are among the unknowns of a problem.
 
     Attributes
     ----------
@@ -155,7 +155,7 @@ class Balance:
         return out
 
     def pose(self, problem: ConicProgram, places: Springs, share: float, name: str) -> slice:
-        """Add the conditions to a programme.
+        """Add the conditions to a problem.
 
         Parameters
         ----------

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from importlib.resources import files
 
-from origami_nlp.arguments import shown
+from origami_nlp.arguments import did_you_mean, shown
 from origami_nlp.errors import OptionError
 
 NAMES = ("waitukaitis-five", "switch", "flat-and-one", "three-equal", "monostable8")
@@ -27,5 +27,7 @@ def example_targets(name: str) -> str:
         If there is none of this name.
     """
     if name not in EXAMPLES:
-        raise OptionError(f"example = {shown(name)}: use one of {', '.join(EXAMPLES)}")
+        raise OptionError(
+            f"example = {shown(name)}: use one of {', '.join(EXAMPLES)}{did_you_mean(name, EXAMPLES)}"
+        )
     return EXAMPLES[name]

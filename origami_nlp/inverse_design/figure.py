@@ -37,7 +37,7 @@ def draw_design(design: Design) -> Figure:
     Raises
     ------
     OptionError
-        If `design` is none or has no springs.
+        If `design` is not of its type or has no springs.
     """
     check_type("design", design, Design)
     if design.scene is None:

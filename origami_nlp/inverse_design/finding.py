@@ -6,6 +6,7 @@ import itertools
 import math
 from collections.abc import Callable
 from dataclasses import replace
+from os import PathLike, fspath
 from typing import Any
 
 import numpy as np
@@ -20,7 +21,7 @@ from origami_nlp.inverse_design.infeasibility import why_not
 from origami_nlp.inverse_design.result import Design
 from origami_nlp.inverse_design.robustness import MOST, Tolerance, line_of, lost_at, tolerance_of
 from origami_nlp.inverse_design.targets import Targets
-from origami_nlp.inverse_design.targets_file import Ask
+from origami_nlp.inverse_design.targets_file import Ask, read_targets
 from origami_nlp.inverse_design.transition_paths import Passes
 from origami_nlp.inverse_design.unwanted_minima import cuts
 from origami_nlp.minima import find_minima
@@ -47,7 +48,7 @@ _OF_A_VERTEX = {
 
 
 def design(
-    targets: Targets,
+    targets: Targets | str | PathLike[str],
     ask: Ask | None = None,
     *,
     name: str | None = None,
@@ -64,11 +65,11 @@ def design(
     Parameters
     ----------
     targets
-        The question.
+        The question; or a TOML file that states it, with what is asked beyond and the name of the scene.
     ask
-        What is asked beyond its states: see `Ask`.
+        What is asked beyond its states: see `Ask`; in place of what a file asks.
     name
-        Of the scene.
+        Of the scene; in place of that of a file.
     seed, effort
         Of the search that checks the answer, as of `find_minima`; `seed` also of the directions of tolerances.
     progress
@@ -94,8 +95,11 @@ def design(
     >>> answer.verified, answer.margin > 0
     (True, True)
     """
+    if isinstance(targets, str | PathLike):
+        targets, of_file, label = read_targets(fspath(targets))
+        ask, name = ask or of_file, name or label
     if not isinstance(targets, Targets):
-        raise OptionError(f"targets = {shown(targets)} must be Targets (read_targets reads a file)")
+        raise OptionError(f"targets = {shown(targets)} must be Targets, or a TOML file of them")
     ask = Ask() if ask is None else ask
     if not isinstance(ask, Ask):
         raise OptionError(f"ask = {shown(ask)} must be an Ask")
@@ -112,7 +116,7 @@ def design(
         raise OptionError("[ask] maximise = 'barrier' needs [[barriers]] with the pairs that count")
     if ask.maximise == "barrier" and targets.model.freedom != 1:
         raise OptionError(
-            f"[ask] maximise = 'barrier' needs one freedom; the vertex has {targets.model.freedom}"
+            f"[ask] maximise = 'barrier' needs one degree of freedom; the vertex has {targets.model.freedom}"
         )
     say = progress or (lambda _: None)
     work = _Work(targets, ask, name, seed, effort, say)
@@ -129,7 +133,7 @@ def design(
 
 
 def _differ(targets: Targets) -> None:
-    """Complain where two targets close to one state."""
+    """Raise an error where two targets close to one state."""
     for a, b in itertools.combinations(targets.placed, 2):
         if np.abs(a.state.x - b.state.x).max() <= DESIGN_SNAP:
             raise OptionError(
@@ -257,7 +261,7 @@ class _Work:
             tolerance, posed, calm, shares = found, other, price, tried
             return True
 
-        # the tolerance is no function that a programme maximises: a few programmes that favour it are tried
+        # the tolerance is no function that a problem maximises: a few problems that favour it are tried
         for price in PRICES:
             better(price, shares)
         for _ in range(IMPROVEMENTS if len(shares) > 1 else 0):

@@ -1,4 +1,4 @@
-"""Why no springs hold the states: the dual of the programme in words, and the smallest change that would help."""
+"""Why no springs hold the states: the dual of the problem in words, and the smallest change that would help."""
 
 from __future__ import annotations
 
@@ -17,13 +17,13 @@ from origami_nlp.numerics import SETTLED
 WEIGHTY = 1e-4
 """Rows whose dual is below this share of the largest are not named."""
 BISECTIONS, COARSE = 20, 6
-"""Where a size is looked for; the second where each question is many programmes."""
+"""Where a size is looked for; the second where each question is many problems."""
 WIDEST = 1e4
 """Largest factor by which a range of stiffness is widened when a change is looked for."""
 
 
 @dataclass(frozen=True)
-class Reason:
+class Infeasibility:
     """Why a question has no answer.
 
     Attributes
@@ -56,23 +56,23 @@ Works = Callable[[Targets], bool]
 
 
 def works(targets: Targets) -> bool:
-    """Tell whether springs hold the states of a question, whatever else is asked for."""
+    """Return whether springs hold the states of a question, whatever else is asked for."""
     return solve(targets).feasible
 
 
-def why_not(posed: ConvexDesign, tried: Works = works) -> Reason:
-    """Turn the dual of a programme without an answer into words.
+def why_not(posed: ConvexDesign, tried: Works = works) -> Infeasibility:
+    """Turn the dual of a problem without an answer into words.
 
     Parameters
     ----------
     posed
         Solved, and not feasible.
     tried
-        Tells whether a changed question has an answer.
+        Returns whether a changed question has an answer.
 
     Returns
     -------
-    Reason
+    Infeasibility
         With changes that would help.
     """
     weights: dict[str, float] = {}
@@ -96,11 +96,11 @@ def why_not(posed: ConvexDesign, tried: Works = works) -> Reason:
         if any(words.startswith(f"{n} ") or f" {n} " in f" {words} " for _, words in heavy)
     )
     bounds = tuple(words for _, words in heavy if not words.endswith((" balances", " is stiff")))
-    return Reason(states, bounds, proof_of(posed), changes(posed.targets, tried))
+    return Infeasibility(states, bounds, proof_of(posed), changes(posed.targets, tried))
 
 
 def proof_of(posed: ConvexDesign) -> str:
-    """Say what the dual proves, and how well its arithmetic closes."""
+    """Describe what the dual proves, and how well its arithmetic closes."""
     a = posed.answer
     touching = sorted({posed.targets.states[i].name for i, _ in posed.touching})
     how = f", with contacts of {', '.join(touching)} that need not press" if touching else ""
@@ -121,7 +121,7 @@ def changes(targets: Targets, tried: Works = works) -> tuple[str, ...]:
     targets
         A question without an answer.
     tried
-        Tells whether a changed one has one.
+        Returns whether a changed one has one.
 
     Returns
     -------

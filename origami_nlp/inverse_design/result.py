@@ -1,4 +1,4 @@
-"""What a design returns, how it tells itself."""
+"""What a design returns, how it is printed."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from origami_nlp.display import Report, Section, Table, Words, rows_table
-from origami_nlp.inverse_design.infeasibility import Reason
+from origami_nlp.inverse_design.infeasibility import Infeasibility
 from origami_nlp.inverse_design.robustness import MOVES, Tolerance
 from origami_nlp.inverse_design.targets import Targets
 from origami_nlp.minima import MinimaResult
@@ -37,7 +37,7 @@ class HeldState:
     energy
         Elastic energy [J].
     kind
-        Of the minimum; None where the state is none.
+        Of the minimum; None where the state is not one.
     certificate
         What proves it, or why it is no minimum.
     full_space
@@ -151,7 +151,7 @@ class Design(Report):
     scene: Scene | Pattern | None
     states: tuple[HeldState, ...]
     extra_minima: tuple[ExtraMinimum, ...]
-    reason: Reason | None
+    reason: Infeasibility | None
     failed: tuple[str, ...]
     minima: MinimaResult | None = field(metadata={"plain": False})
     iterations: int
@@ -175,7 +175,7 @@ class Design(Report):
     def images(self) -> tuple[str, ...]:
         """Of which state each extra minimum is an image, under a symmetry that geometry and springs happen to share.
 
-        Images are states of their own, of equal energy.  "" where it is none of a state asked for, or of an earlier
+        Images are states of their own, of equal energy.  "" where it is not one of a state asked for, or of an earlier
         extra minimum (``"minimum 1"`` is the first of these).
         """
         if self.minima is None or self.minima.is_pattern:
@@ -197,14 +197,12 @@ class Design(Report):
         return tuple(out)
 
     def report_sections(self) -> Iterator[Section]:
-        """Say what was designed and what the check found."""
+        """Describe what was designed and what the check found."""
         if self.scene is None:
             assert self.reason is not None
             yield Words(f"No design: {self.reason.text}")
             if not self.refuted:
-                yield Words(
-                    "this proves nothing: see what of the question the programme leaves open"
-                )
+                yield Words("this proves nothing: see what of the question the problem leaves open")
             for change in self.reason.changes:
                 yield Words(f"what would help, alone: {change}")
             return

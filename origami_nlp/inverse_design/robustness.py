@@ -108,7 +108,7 @@ class Tolerance:
 
 
 def line_of(scene: Scene, stiffness: np.ndarray, rest: np.ndarray) -> ParameterLine:
-    """Return the line of programmes over s = ln(1 + p), without symmetry.
+    """Return the line of problems over s = ln(1 + p), without symmetry.
 
     Parameters
     ----------
@@ -125,7 +125,7 @@ def line_of(scene: Scene, stiffness: np.ndarray, rest: np.ndarray) -> ParameterL
 
 
 class LostAt(NamedTuple):
-    """Where a minimum is none any more: s, what happens there, and the state [N]."""
+    """Where a minimum ceases to be one: s, what happens there, and the state [N]."""
 
     s: float
     event: str
@@ -133,7 +133,7 @@ class LostAt(NamedTuple):
 
 
 def lost_at(line: ParameterLine, start: np.ndarray, most: float) -> LostAt:
-    """Follow a minimum `start` [N] to where it is none, at most to s = `most`; the event is ``kept`` there."""
+    """Follow a minimum `start` [N] to where it ceases to be one, at most to s = `most`; the event is ``kept`` there."""
     if not State(line.at(0.0), start).regular:
         return _in_place(line, start, most)
     web = BifurcationDiagram(line, 0.0, most, through_folds=False)

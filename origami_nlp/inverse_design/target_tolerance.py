@@ -21,7 +21,7 @@ PRICE = 100.0
 
 
 @dataclass(frozen=True)
-class Moved:
+class MovedTargets:
     """Targets that were moved.
 
     Attributes
@@ -32,7 +32,7 @@ class Moved:
         Largest margin with the states as given, and as moved; -inf where there are no springs.
     by
         Largest change of a fold angle of each state [rad].
-    programmes
+    programs
         How many were solved.
     """
 
@@ -40,10 +40,10 @@ class Moved:
     before: float
     after: float
     by: tuple[float, ...]
-    programmes: int
+    programs: int
 
 
-def move_targets(targets: Targets, *, rounds: int = 40) -> Moved:
+def move_targets(targets: Targets, *, rounds: int = 40) -> MovedTargets:
     """Move the targets that have a tolerance to where the margin of the best springs is larger.
 
     The margin is a function of the states' coordinates along their closed motions; where no springs hold them the
@@ -59,7 +59,7 @@ def move_targets(targets: Targets, *, rounds: int = 40) -> Moved:
 
     Returns
     -------
-    Moved
+    MovedTargets
         With the question of the states found, which are those given where none are better.
 
     Raises
@@ -130,8 +130,8 @@ def move_targets(targets: Targets, *, rounds: int = 40) -> Moved:
         after = solve(moved)
         if after.feasible and after.margin > held and _holds(after):
             by = tuple(float(np.abs(a - b).max()) for a, b in zip(start, best, strict=True))
-            return Moved(moved, held, after.margin, by, len(known))
-    return Moved(targets, held, held, (0.0,) * len(start), len(known))
+            return MovedTargets(moved, held, after.margin, by, len(known))
+    return MovedTargets(targets, held, held, (0.0,) * len(start), len(known))
 
 
 def _holds(posed: ConvexDesign) -> bool:

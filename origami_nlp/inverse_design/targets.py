@@ -85,7 +85,7 @@ class EnergyGap:
 class BarrierAsk:
     """How much energy it shall take to leave one state for another [J].
 
-    With one freedom the springs are made for it; with two they are checked for it.
+    With one degree of freedom the springs are made for it; with two they are checked for it.
 
     Attributes
     ----------
@@ -200,7 +200,7 @@ class Targets:
             check_number("preload", self.preload, 0.0)
 
     def _check_kind(self) -> None:
-        """Complain about what is not for a vertex, or not for a pattern."""
+        """Raise an error for what is not for a vertex, or not for a pattern."""
         if isinstance(self.origami, Vertex):
             refuse(
                 "vertex",
@@ -262,13 +262,13 @@ class Targets:
 
     @cached_property
     def model(self) -> Any:
-        """The programme with the symmetry, of equal springs."""
+        """The problem with the symmetry, of equal springs."""
         if isinstance(self.origami, Vertex):
             return Model(self.blank)
         return self.posed(self.origami.with_springs(1.0, 0.0))
 
     def posed(self, made: Scene | Pattern) -> Any:
-        """Return the programme of the same vertex or pattern with some springs."""
+        """Return the problem of the same vertex or pattern with some springs."""
         return (
             Model(made) if isinstance(made, Scene) else PatternProblem(made, self.contact == "full")
         )
@@ -296,7 +296,7 @@ class Targets:
 
     @cached_property
     def free(self) -> Any:
-        """The programme in which the states must stand: without the symmetry where that is asked for."""
+        """The problem in which the states must stand: without the symmetry where that is asked for."""
         if not self.full_space or not self.symmetric:
             return self.model
         return Model(replace(self.blank, symmetry="none", mirror=None))
@@ -325,7 +325,7 @@ class ClosedTarget:
     target
         As asked.
     state
-        Exact to rounding, in the programme with the symmetry.
+        Exact to rounding, in the problem with the symmetry.
     moved
         Largest change of a fold angle [rad].
     """
@@ -341,7 +341,7 @@ def place(model: Any, target: Target) -> ClosedTarget:
     Parameters
     ----------
     model
-        The programme.
+        The problem.
     target
         With N fold angles.
 
@@ -361,7 +361,7 @@ def place(model: Any, target: Target) -> ClosedTarget:
     k = int(np.abs(phi).argmax())
     if abs(phi[k]) > math.pi + FAR:
         raise OptionError(
-            f"{who}: fold_angles[{k + 1}] = {phi[k]:.6g} rad is beyond +-pi: facets would pass through each other"
+            f"{who}: fold_angles[{k + 1}] = {phi[k]:.6g} rad is beyond +-pi: facets would intersect"
             + ("; degrees are given as fold_angles_deg" if abs(phi[k]) > 2 * math.pi else "")
         )
     x = model.reduce(phi)
@@ -397,7 +397,7 @@ def place(model: Any, target: Target) -> ClosedTarget:
 
 
 def _ordered(who: str, least: object, most: object, lowest: float = -math.inf) -> None:
-    """Complain unless there are numbers between two bounds, which may be infinite."""
+    """Raise an error unless there are numbers between two bounds, which may be infinite."""
     for value in (least, most):
         if not isinstance(value, Real) or isinstance(value, bool) or math.isnan(value):
             raise OptionError(f"{who}: {shown(value)} must be a number [J]")

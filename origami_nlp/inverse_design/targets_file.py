@@ -16,7 +16,7 @@ from origami_nlp.io import check_tables, one_of, parse_toml, read_json, read_tom
 from origami_nlp.pattern import Pattern, Vertex, as_pattern, parse_angles, vertex_from_dict
 
 _KEYS = {
-    "vertex": ("sector_angles", "sector_angles_deg", "directions", "flat"),
+    "vertex": ("sector_angles", "sector_angles_deg", "directions", "flat", "normalize"),
     "pattern": ("example", "file", "equal"),
     "model": ("symmetry", "contact", "mirror", "name"),
     "states": (

@@ -1,4 +1,4 @@
-"""One freedom: the closed states between two states as a curve, and what barriers ask of the springs there.
+"""One degree of freedom: the closed states between two states as a curve, and what barriers ask of the springs there.
 
 Energies and slopes at given states are linear in stiffness and torque, so that a pass that stands where it is
 prescribed has conditions as linear as those of a well.
@@ -61,7 +61,7 @@ def curve_of(model: Model, x: np.ndarray) -> BoundaryCurve | None:
 
 
 def paths_between(model: Model, a: np.ndarray, b: np.ndarray) -> list[TransitionPath]:
-    """Return the ways from a to b on the curves of a model with one freedom; two on a loop.
+    """Return the ways from a to b on the curves of a model with one degree of freedom; two on a loop.
 
     Parameters
     ----------
@@ -186,7 +186,7 @@ class Passes:
     Parameters
     ----------
     targets
-        With barriers, and one freedom.
+        With barriers, and one degree of freedom.
     """
 
     def __init__(self, targets: Targets) -> None:

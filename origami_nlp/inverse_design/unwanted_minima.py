@@ -26,14 +26,14 @@ FIRST, GROWTH, STEP = 0.003, 1.8, 0.1
 narrow basin, which longer steps would lead over."""
 SHORT = 1e-3
 """Steps that are shorter [rad] say nothing of a fall: they are rounding of the one before."""
-WORDS = "a minimum that nobody asked for is none"
+WORDS = "an unwanted minimum ceases to be one"
 
 
 def cuts(targets: Targets, unwanted: np.ndarray) -> list[list[tuple[ConeRows, ...]]]:
     """Return rows each of which makes a state no minimum.
 
-    With one freedom the energy falls at every sample from the state to the next wanted one (or to a singular state
-    where curves meet); otherwise it falls along steps to a wanted one, or along a few steps in any direction.
+    With one degree of freedom the energy falls at every sample from the state to the next wanted one (or to a singular
+    state where curves meet); otherwise it falls along steps to a wanted one, or along a few steps in any direction.
 
     Parameters
     ----------

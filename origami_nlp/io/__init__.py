@@ -1,4 +1,4 @@
-"""Files and screens: the one way in, the one way out, and the console of every command."""
+"""Files and screens: the one reader, the one writer, and the console of every command."""
 
 import lazy_loader
 

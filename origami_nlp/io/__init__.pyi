@@ -11,6 +11,7 @@ from .plain import (
 from .reading import (
     as_text as as_text,
     check_tables as check_tables,
+    inputs_kept as inputs_kept,
     one_of as one_of,
     parse_toml as parse_toml,
     read_json as read_json,

@@ -23,14 +23,14 @@ PAGE = 100
 MOST_BOXED = 500
 """Rows of a table with lines around its cells."""
 NARROWEST = 16
-"""Columns that a column of words keeps; where that is too much, rows are told one after the other."""
+"""Columns that a column of words keeps; where that is too much, rows are listed one after the other."""
 
 
 class Screen(Console):
     """A rich console that shows text of users as it is.
 
     Square brackets are no markup, and control characters are shown by their pictures.  Lines of words are broken
-    between words.  Tables too wide for the terminal are folded, or their rows are told one after the other; in a
+    between words.  Tables too wide for the terminal are folded, or their rows are listed one after the other; in a
     file or a pipe they are as wide as they are.
     """
 

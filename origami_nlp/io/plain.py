@@ -149,7 +149,7 @@ def from_plain(
 def check_schema(
     data: Any, schema: str, what: str = "", error: type[OrigamiError] = OptionError
 ) -> None:
-    """Complain about data that is no object of a schema.
+    """Raise an error for data that is no object of a schema.
 
     Parameters
     ----------

@@ -7,18 +7,39 @@ import json
 import re
 import sys
 import tomllib
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterator, Mapping
+from contextlib import contextmanager
 from os import PathLike
 from pathlib import Path
 from typing import Any
 
-from origami_nlp.arguments import check_path, shown
+from origami_nlp.arguments import check_path, did_you_mean, shown
 from origami_nlp.errors import OrigamiError
 
 MOST_PARTS = 100
 """Parts of a dotted key; `tomllib` takes time and memory that grow with their square."""
 _PART = r"""(?:[A-Za-z0-9_-]+|"[^"\n]*"|'[^'\n]*')"""
 _LONG_KEY = re.compile(rf"(?<![A-Za-z0-9_-]){_PART}(?:[ \t]*\.[ \t]*{_PART}){{{MOST_PARTS}}}")
+
+_kept: list[dict[str, bytes]] = []
+"""Where `read_limited` keeps what it read, if anywhere."""
+
+
+@contextmanager
+def inputs_kept() -> Iterator[dict[str, bytes]]:
+    """Keep the content of each file that is read meanwhile, for a report on an internal error.
+
+    Returns
+    -------
+    dict
+        Bytes by the name of the file; filled while they are read.
+    """
+    inputs: dict[str, bytes] = {}
+    _kept.append(inputs)
+    try:
+        yield inputs
+    finally:
+        _kept.remove(inputs)
 
 
 def read_limited(
@@ -65,6 +86,8 @@ def read_limited(
         raise error(
             f"{what} {str(source)!r} is larger than {largest // 10**6} MB: not a {what} file"
         )
+    for inputs in _kept:
+        inputs[str(source)] = raw
     return raw.removeprefix(codecs.BOM_UTF8)
 
 
@@ -86,7 +109,7 @@ def read_json(
     Raises
     ------
     error
-        If it cannot be read, is larger, or is no JSON: NaN and Infinity are none.
+        If it cannot be read, is larger, or is no JSON: NaN and Infinity are not JSON.
     OptionError
         If `source` is no path.
     """
@@ -186,7 +209,7 @@ def as_text(raw: bytes, what: str, error: type[OrigamiError]) -> str:
     Raises
     ------
     error
-        If they are none.
+        If they are not of this type.
     """
     try:
         return raw.decode()
@@ -201,7 +224,7 @@ def check_tables(
     error: type[OrigamiError],
     lists: Collection[str] = (),
 ) -> None:
-    """Complain about what a file of tables cannot have.
+    """Raise an error for what a file of tables cannot have.
 
     Parameters
     ----------
@@ -219,11 +242,13 @@ def check_tables(
     Raises
     ------
     error
-        If a table or one of its keys is unknown, or a table is none.
+        If a table or one of its keys is unknown, or what must be a table is not one.
     """
     for table, content in data.items():
         if table not in known:
-            raise error(f"unknown table [{table}]: {whole} {', '.join(known)}")
+            raise error(
+                f"unknown table [{table}]: {whole} {', '.join(known)}{did_you_mean(table, known)}"
+            )
         many = isinstance(content, list)
         entries = content if many else [content]
         if many != (table in lists) or not all(isinstance(one, Mapping) for one in entries):
@@ -232,7 +257,10 @@ def check_tables(
             raise error(f"{table} = {shown(content)} must be {should}")
         for key in (key for one in entries for key in one if known[table]):
             if key not in known[table]:
-                raise error(f"unknown key {key!r} in [{table}]: it takes {', '.join(known[table])}")
+                meant = did_you_mean(key, known[table])
+                raise error(
+                    f"unknown key {key!r} in [{table}]: it takes {', '.join(known[table])}{meant}"
+                )
 
 
 def one_of(

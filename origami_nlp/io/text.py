@@ -50,7 +50,7 @@ def printable(text: str, *, lines: bool = False) -> str:
 
 
 def is_unicode(text: str) -> bool:
-    """Tell whether a text can be written as UTF-8: half of a surrogate pair is no character.
+    """Return whether a text can be written as UTF-8: half of a surrogate pair is no character.
 
     Parameters
     ----------
@@ -126,7 +126,7 @@ def _parts(line: str, width: int, inset: int) -> list[tuple[int, int]]:
 
 
 def _may_break(line: str, start: int, end: int) -> bool:
-    """Tell whether a line may end at these spaces: not beside a unit, nor at an equals sign."""
+    """Return whether a line may end at these spaces: not beside a unit, nor at an equals sign."""
     before, after = line[:start], line[end:]
     unit = before[-1:] in "0123456789)" and _UNIT.match(after)
     half = before.endswith((" N", "[N")) and after.startswith("m")

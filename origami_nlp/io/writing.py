@@ -1,4 +1,4 @@
-"""One way out for every file: whole or not at all, and complained about before long work starts.
+"""One writer for every file: whole or not at all, and refused before long work starts.
 
 A regular file is written beside its place and moved there, through symbolic links to what they point at, with
 the mode that it had (or that the umask gives a new one).  Devices, pipes, process substitutions and names of
@@ -86,7 +86,7 @@ def save_figure(figure: Figure, target: Target, dpi: float | Literal["figure"] =
 
 
 def is_stdout(target: Target | None) -> bool:
-    """Tell whether a target is standard output.
+    """Return whether a target is standard output.
 
     Parameters
     ----------
@@ -102,7 +102,7 @@ def is_stdout(target: Target | None) -> bool:
 
 
 def check_writable(target: Target | None, option: str) -> None:
-    """Complain early, before long work, about a file that could not be written.
+    """Raise an error early, before long work, for a file that could not be written.
 
     Where a file will be made, one is made and taken away again: permissions, read-only and virtual file
     systems are the system's to judge.  That the disk fills up later, nobody can know.

@@ -1,4 +1,4 @@
-"""A state of a programme: polished, its multipliers, what kind of point it is, and what lies beside it."""
+"""A state of a problem: polished, its multipliers, what kind of point it is, and what lies beside it."""
 
 import lazy_loader
 

@@ -1,4 +1,4 @@
-"""What a polished state is: which kind of minimum, with which certificate, or why it is none."""
+"""What a polished state is: which kind of minimum, with which certificate, or why it is not one."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ from origami_nlp.problem import Problem
 AT_REST = CLOSURE_TOL**2
 """Energy over the mean stiffness [rad^2] of springs at rest to rounding of their fold angles."""
 MOST_EQUATIONS = 6
-"""Of closure up to which small spheres are searched: of larger programmes some tens of directions say nothing."""
+"""Of closure up to which small spheres are searched: of larger problems some tens of directions say nothing."""
 Verdict: TypeAlias = Literal["minimum", "saddle", "not stationary", "not admissible", "undecided"]
 Kind: TypeAlias = Literal["interior", "contact-pinned", "contact-touching", "degenerate"]
 
@@ -49,7 +49,7 @@ class Classification(ShortRepr):
     kind
         For minima ``interior``, ``contact-pinned``, ``contact-touching`` or ``degenerate``; else None.
     reason
-        The certificate of a minimum, or why it is none.
+        The certificate of a minimum, or why it is not one.
     local_dimension
         Dimension of the feasible set at the state: the model's degrees of freedom where it is full, 1 on a handle, 0 if
         isolated.
@@ -218,7 +218,7 @@ def _softest_mode(branch: BranchJudgement, root: np.ndarray) -> np.ndarray | Non
 
 
 def _decide_large(state: State) -> Classification:
-    """Decide on a state of a programme that is too large for kernels."""
+    """Decide on a state of a problem that is too large for kernels."""
     for branch in judge_large(state):
         if branch.verdict == "minimum":
             return _of_larger(state, [branch])
@@ -250,7 +250,7 @@ _JUDGED: WeakKeyDictionary[Problem, dict[tuple[float, ...], Classification]] = W
 
 
 def _image(state: State) -> tuple[float, ...]:
-    """Return the first of the images that the programme's own symmetries make of a state, and its tolerance."""
+    """Return the first of the images that the problem's own symmetries make of a state, and its tolerance."""
     x, p = state.x, state.problem
     images = [
         np.round(sign * x[order] / DUPLICATE_TOL).tolist() for order, sign in p.own_symmetries
@@ -273,7 +273,7 @@ def _keep(state: State, what: Classification) -> None:
 
 
 def of_image(state: State, what: Classification) -> Classification:
-    """Say of the image of a minimum, under a symmetry that the programme has, what is true of both.
+    """Classify the image of a minimum, under a symmetry that the problem has, what is true of both.
 
     Certificates depend on the order in which contacts are looked at, so that one of two images may be certified and the
     other not; what is proved of one holds for both.

@@ -51,7 +51,7 @@ class ContactForce(ShortRepr):
     place
         Of facets face to face, the point of the second one at which the force acts, in the sheet's reference state.
     contact
-        The contact itself, as the programme knows it; None where it was read from a file, and in the states of a
+        The contact itself, as the problem knows it; None where it was read from a file, and in the states of a
         pattern that a search lists.
     """
 
@@ -85,7 +85,7 @@ class ContactForce(ShortRepr):
         return self.type == "fold-limit"
 
     def words(self) -> str:
-        """Say what touches, 1-based, and the moment or force that it carries, or the range of it."""
+        """Describe what touches, 1-based, and the moment or force that it carries, or the range of it."""
         of_pattern = self.type in ("vertex-face", "edge-edge", "face-face")
         what, unit = ("force", "N m per unit of length") if of_pattern else ("moment", "N m")
         said = f"{self.text}: {what} {self.multiplier:.4g} {unit}"
@@ -119,7 +119,7 @@ def _carried(state: State, rows: tuple[Contact, ...], m: Multipliers) -> tuple[C
         text = who.text
         if contact in also:
             text += " (so " + ", ".join(sorted(set(also[contact]))) + ")"
-        # one multiplier of the reduced programme stands for all images of a contact; scaled energies become the scene's
+        # one multiplier of the reduced problem stands for all images of a contact; scaled energies become the scene's
         unit = model.scale / model.weight(contact)
         # where nothing balances there are no multipliers: the state is isolated, any contact may carry any moment >= 0
         values = (m.smallest[r], m.lower[r], m.upper[r]) if stationary else (0.0, 0.0, math.inf)

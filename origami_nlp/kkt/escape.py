@@ -29,7 +29,7 @@ ALONE: Final = "isolated"
 SECTIONS, ROUNDS = 9, 2
 """States that a step is cut at in one round, and rounds: a step is cut to a hundredth."""
 MOST_CONFIRMED = 5
-"""Ways out of a state that are gone down carefully, the one of the least height first."""
+"""Escape paths from a state that are gone down carefully, the one of the least height first."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -43,9 +43,9 @@ class Escape(ShortRepr):
         where no way leads to another state, nan where it is not determined.  Under an imposed symmetry it is that of
         ways that keep the symmetry.
     method
-        ``exact (traced)`` (curves of one freedom), ``merge tree`` (of a graph of states, with exact passes),
-        ``upper bound (descents)`` (an explicit way out: there may be lower ones), ``isolated`` (no other state is near:
-        geometry holds it), or ``not determined``.
+        ``exact (traced)`` (curves of one degree of freedom), ``merge tree`` (of a graph of states, with exact passes),
+        ``upper bound (descents)`` (an explicit escape path: there may be lower ones), ``isolated`` (no other state is
+        near: geometry holds it), or ``not determined``.
     why
         What that rests on.
     to
@@ -72,7 +72,7 @@ class Escape(ShortRepr):
 
     def __post_init__(self) -> None:
         if math.isnan(self.barrier) and self.method in (TRACED, ALONE):  # read from a file
-            object.__setattr__(self, "barrier", math.inf)  # no way out
+            object.__setattr__(self, "barrier", math.inf)  # no escape path
 
     @property
     def known(self) -> bool:
@@ -80,9 +80,9 @@ class Escape(ShortRepr):
         return math.isfinite(self.barrier)
 
     def words(self) -> str:
-        """Say it in a cell of a table: "0.0123", "<= 0.013", "none" (no way out), "?" (not determined)."""
+        """Format it for a cell of a table: "0.0123", "<= 0.013", "none" (no escape path), "?" (not determined)."""
         if not self.known:
-            return {ALONE: "isolated", OPEN: "?"}.get(self.method, "no way out")
+            return {ALONE: "isolated", OPEN: "?"}.get(self.method, "no escape path")
         return f"<= {rounded_up(self.barrier)}" if self.method == BOUND else f"{self.barrier:.3g}"
 
 
@@ -94,7 +94,7 @@ def rounded_up(value: float) -> str:
 
 
 class EscapePath(NamedTuple):
-    """A way out of a state: how high it climbs over it, where, and number of the listed state it leads to, or -1."""
+    """An escape path: how high it climbs over its state, where, and number of the listed state it leads to, or -1."""
 
     height: float
     top: np.ndarray
@@ -107,7 +107,7 @@ def escape_paths(
     sections: int = SECTIONS,
     confirmed: int = MOST_CONFIRMED,
 ) -> dict[int, EscapePath]:
-    """Find a way out of states of a terrain that climbs little.
+    """Find an escape path from states of a terrain that climbs little.
 
     Each state is displaced along rays; where descents begin to end elsewhere is cut finer, and the lowest of these ways
     gone down step by step, which is the way: an upper bound of the barrier.  Descents from either side of where they
@@ -122,7 +122,7 @@ def escape_paths(
     sections
         That a step is cut at in one round.
     confirmed
-        Ways out of a state that are gone down carefully.
+        Escape paths from a state that are gone down carefully.
 
     Returns
     -------
@@ -179,7 +179,7 @@ def _rank(part: _Parting) -> float:
 
 
 def _away(terrain: Terrain, starts: Sequence[tuple[int, np.ndarray]]) -> np.ndarray:
-    """Tell of some states whether descents from them leave the state, of some number, for good."""
+    """Return whether descents from them leave the state, of some number, for good."""
     away = np.array([terrain.is_lower(k, x) for k, x in starts], dtype=bool)
     todo = np.flatnonzero(~away).tolist()
     if len(todo):
@@ -212,7 +212,7 @@ def _sharpen(terrain: Terrain, parts: Sequence[_Parting], sections: int) -> None
 
 
 CERTAIN = 1e-3
-"""The highest state of a way is told to this share of its height: printed are two digits."""
+"""The highest state of a path is located to this share of its height: printed are two digits."""
 MOST_CUTS, A_ROUND = 150, 16
 """Cuts of a way, and cuts made before the steps that may be highest are looked for again."""
 LONG = 0.1
@@ -333,7 +333,7 @@ def barriers(
     scale
         Of energies, see `energy_scale`.
     beyond
-        What a way from each to a lower state that is none of these climbs, [M]; inf for none.
+        What a way from each to a lower state that is not among these climbs, [M]; inf for none.
 
     Returns
     -------
@@ -389,14 +389,14 @@ def bounds(
     among: str = "",
     digits: bool = True,
 ) -> list[Escape]:
-    """Tell what it takes to leave each state: as it is told already, or bounded by ways out.
+    """Return what it takes to leave each state: as it is known already, or bounded by escape paths.
 
     Parameters
     ----------
     energies
         Of the states, [M].
     ways
-        Out of some of them.
+        Escape paths from some of them.
     heights
         Of the lowest pass between two of them, over zero, as far as it is known, [M, M].
     scale
@@ -404,7 +404,7 @@ def bounds(
     reported
         What is known of some without bounds.
     unknown
-        Why there is no way out of one.
+        Why there is no escape path of one.
     among
         What ways keep, in words.
     digits
@@ -413,7 +413,7 @@ def bounds(
     Returns
     -------
     list of Escape
-        One a state; tops of ways in the programme's variables.
+        One a state; tops of ways in the problem's variables.
     """
     heights, beyond = heights.copy(), np.full(len(energies), math.inf)
     for k, way in ways.items():
@@ -436,7 +436,7 @@ def bounds(
         else:
             barrier = max(barrier, FLOOR * scale)
             barrier = float(rounded_up(barrier)) if digits else barrier
-            why = f"an explicit way out climbs so high; lower ones are not excluded{among}"
+            why = f"an explicit escape path climbs so high; lower ones are not excluded{among}"
             top = tuple(ways[k].top.tolist()) if k in ways and ways[k].to == to else ()
             out.append(Escape(barrier, BOUND, why, to + 1, top, barrier < SHALLOW * scale))
     return out

@@ -1,4 +1,4 @@
-"""States of programmes too large for singular values and kernels: certificates by sparse factors, fold limits alone.
+"""States of problems too large for singular values and kernels: certificates by sparse factors, fold limits alone.
 
 Positive curvature along what closure and loaded limits leave free is shown by H + rho J'J > 0 (Finsler), whatever the
 rank of J: the smallest eigenvalue of that matrix bounds the curvature on the kernel from below.
@@ -63,7 +63,7 @@ def judge_large(state: State) -> Iterator[BranchJudgement]:
         down = tuple(falling)
         yield say("minimum", BY_CLOSURE, 5) if rises else say("undecided", why, 0, more=down)
         return
-    # critical cone: limits that are loaded stay shut
+    # critical cone: strongly active limits stay active
     free = np.setdiff1d(np.arange(len(x)), at_limit[moments > 10 * STATIONARY * size])
     if not len(free):
         why = "sharp: the energy grows to first order in every feasible direction"

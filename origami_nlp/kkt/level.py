@@ -18,7 +18,7 @@ BESIDE_FLAT = 1e-3
 
 
 def curves_up(state: State) -> bool:
-    """Tell whether the energy at a flat state is level along all curves that leave it, and curves up on each."""
+    """Return whether the energy at a flat state is level along all curves that leave it, and curves up on each."""
     cone, p = state.tangent_cone, state.problem
     if state.x.any() or cone.reason or not cone.split or cone.families or not len(cone.lines):
         return False
@@ -30,7 +30,7 @@ def curves_up(state: State) -> bool:
 
 
 def _met_once(state: State, d: np.ndarray) -> bool:
-    """Tell whether closed states leave the flat one along d with one freedom, and closure bends as it should there.
+    """Return whether closed states leave the flat one along d on one curve, and closure bends as it should there.
 
     What holds them to the curve grows as the distance where the line is a single root of closure to second order, and
     as its square where two curves are tangent.
@@ -42,7 +42,8 @@ def _met_once(state: State, d: np.ndarray) -> bool:
         if residual > CLOSURE_TOL or np.abs(x * p.root / far - d).max() > 10 * BESIDE_FLAT:
             return False
         values = np.linalg.svd(p.closure(x)[1] / p.root, compute_uv=False)
-        # n - 1 singular values do not vanish where one freedom is left, and the last of them tells how sharply
+        # n - 1 singular values do not vanish where one degree of freedom is left, and the last of them measures how
+        # sharply
         across = len(x) - 2  # of all directions but the one along the curve the weakest
         held.append(float(values[across]) if 0 <= across < len(values) else 0.0)
     return held[1] > RANK and held[0] < 3 * held[1]

@@ -1,6 +1,7 @@
 """Sets of states that exist only while several contacts stay exactly closed: the paper's 1-handles.
 
-Where the linearised feasible cone has fewer dimensions than the model has freedoms, a state lies on a thin set.
+Where the linearised feasible cone has fewer dimensions than the model has degrees of freedom, a state lies on a thin
+set.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""The moment that passes round a vertex: one vector, of which each free crease feels the component along itself."""
+"""The constant internal moment of a vertex: one vector, of which each free crease feels the component along itself."""
 
 from __future__ import annotations
 

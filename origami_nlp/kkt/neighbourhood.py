@@ -1,4 +1,4 @@
-"""Admissible states near a given one: does a direction exist in reality, and is any neighbour lower?"""
+"""Admissible states near a given one: do any follow a tangent direction, and is any of them lower?"""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ STEPS = (1e-3, 1e-4, 1e-5, 1e-6)
 
 
 def tangent_is_feasible(state: State, tangent: np.ndarray, held: tuple[Contact, ...]) -> bool:
-    """Tell whether the direction `tangent`, or its mirror image, is followed by admissible states."""
+    """Return whether the direction `tangent`, or its mirror image, is followed by admissible states."""
     for step in STEPS:
         for sign in (1.0, -1.0):
             y, residual = project(state.problem, state.x + sign * step * tangent, held)
@@ -41,7 +41,7 @@ def tangent_is_feasible(state: State, tangent: np.ndarray, held: tuple[Contact, 
 
 
 @dataclass(frozen=True)
-class Search:
+class NeighbourhoodSample:
     """Outcome of a search on small spheres.
 
     lowest: lowest energy change found at an admissible neighbour, in the scene's units.  state: where, or None where no
@@ -61,7 +61,7 @@ def sample_neighbourhood(
     rows: tuple[Contact, ...],
     seed: int = 0,
     radii: tuple[float, ...] = RADII,
-) -> Search:
+) -> NeighbourhoodSample:
     """Look for admissible states at small distances from x, on every stratum of its closed
     contacts.
 
@@ -84,7 +84,7 @@ def sample_neighbourhood(
             dimension = max(dimension, at.at(y).on(held).dimension)
         if lowest < -noise:  # one lower neighbour settles it
             break
-    return Search(lowest, state, tried, dimension)
+    return NeighbourhoodSample(lowest, state, tried, dimension)
 
 
 def dimension_nearby(state: State, rows: tuple[Contact, ...], seed: int = 0) -> int:

@@ -37,7 +37,7 @@ MANY = 24
 """Variables above which those at their limits are left out of the KKT system."""
 MOST_REPAIRS = 8
 RESOLVED = 0.1
-"""A state is told from a singular one at a distance of which its uncertainty is at most this share."""
+"""A state is distinguished from a singular one at a distance of which its uncertainty is at most this share."""
 LONGEST_STEP = 0.5
 """A Newton step longer than this [rad] has left the neighbourhood of IPOPT's answer."""
 
@@ -72,7 +72,7 @@ class Polished:
     x: fold angles [n].  rows: active contacts held.  closure_residual, kkt_residual: largest entry
     of loop closure, and of stationarity, contacts and sign conditions (energy divided by the mean
     stiffness).
-    converged: whether Newton reached rounding, at a state that rounding tells from a singular one; if
+    converged: whether Newton reached rounding, at a state that rounding distinguishes from a singular one; if
     not, x is IPOPT's answer or the nearest closed state.
     uncertainty: largest distance [rad] to the exact state that rounding of closure and torques allows.
     """
@@ -145,7 +145,7 @@ def _at_singular_folding(model: Problem, state: Polished) -> Polished:
 
 
 def _leads_on(model: Problem, y: np.ndarray, direction: np.ndarray) -> bool:
-    """Tell whether closed states go on from y in `direction`, seen 1e-3 rad away, where d^2 is no rounding."""
+    """Return whether closed states go on from y in `direction`, seen 1e-3 rad away, where d^2 is no rounding."""
     far = NEAR_SINGULAR_TOL
     guess = y + far * direction / np.linalg.norm(direction)
     x, residual = project(model, guess, steps=8)
@@ -183,8 +183,8 @@ def _repair(
 def _with_all_limits(model: Problem, state: Polished) -> Polished:
     """Polish once more with every crease held that may be at +-pi, where the state is known better so.
 
-    A crease that others force shut pulls by no more than rounding over their levers, so that no row holds it; without
-    its row the state is known to that quotient only, with it to rounding.
+    A crease that others force to its fold limit pulls by no more than rounding over their levers, so that no row holds
+    it; without its row the state is known to that quotient only, with it to rounding.
     """
     if not model.has_limits or not state.converged or state.uncertainty <= CLOSURE_TOL:
         return state
@@ -229,7 +229,7 @@ def newton(
         length = float(np.linalg.norm(step))
         if not math.isfinite(length) or length > LONGEST_STEP:
             return None, np.zeros(0)
-        # a soft spring moves far under a residual that is small beside the stiff ones: the step tells
+        # a soft spring moves far under a residual that is small beside the stiff ones: the step shows it
         reached = kkt <= STATIONARY and closure <= rounded and length <= model.parameters.step_noise
         merit = max(kkt, closure, length)
         if best is None or merit < best[0]:
@@ -339,10 +339,10 @@ def _distance_to_singular(jacobian: np.ndarray) -> float:
 
 
 def _closed_exactly(model: Problem, x: np.ndarray) -> np.ndarray:
-    """Set fold angles within rounding of +-pi to +-pi (contacts can force a crease shut that no row holds).
+    """Set fold angles within rounding of +-pi to +-pi (contacts can hold a crease there without a row).
 
-    A crease that contacts force shut is known to the rounding of these over their levers: beyond the limit it is at it
-    where the state closes there as well; elsewhere it stays beyond, for the active set to see.
+    A crease that contacts force to its fold limit is known to the rounding of these over their levers: beyond the limit
+    it is at it where the state closes there as well; elsewhere it stays beyond, for the active set to see.
     """
     at_limit = np.abs(np.abs(x) - math.pi) <= 9 * EPS
     y = np.where(at_limit, np.copysign(math.pi, x), x)

@@ -20,7 +20,7 @@ MOST_RAYS = 1000
 
 
 def has_no_level_direction(forms: list[np.ndarray], rows: np.ndarray) -> bool:
-    """Tell whether, for some form Q, d' Q d vanishes for no d != 0 with rows d >= 0.
+    """Return whether, for some form Q, d' Q d vanishes for no d != 0 with rows d >= 0.
 
     Parameters
     ----------

@@ -86,7 +86,7 @@ class _Choices:
         ]
 
     def open_along(self, free: list[int], direction: np.ndarray) -> bool:
-        """Tell whether a direction [n] passes none of these choices."""
+        """Return whether a direction [n] passes none of these choices."""
         return not self.passed(free, direction)
 
     def passed(self, free: list[int], direction: np.ndarray) -> list[int]:
@@ -114,7 +114,7 @@ def _by_levers(branches: Branches, lever: dict[Contact, float]) -> Branches:
 
 
 def _is_new(direction: np.ndarray | None, tried: list[np.ndarray]) -> bool:
-    """Tell whether a direction is none of those tried, and note it: sets that share contacts share their descent."""
+    """Return whether a direction is none of those tried, and note it: sets that share contacts share their descent."""
     if direction is None or any(np.abs(direction - d).max() <= INDEPENDENT for d in tried):
         return False
     tried.append(direction)

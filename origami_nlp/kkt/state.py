@@ -1,4 +1,4 @@
-"""A state of a programme, and a stratum: a state with contacts held.  What is asked twice is computed once.
+"""A state of a problem, and a stratum: a state with contacts held.  What is asked twice is computed once.
 
 Everything is in the metric of all N fold angles, y = root x with root = sqrt(multiplicity), so that a state says the
 same within its symmetry and without; energies are divided by `Model.scale`.
@@ -20,7 +20,7 @@ from origami_nlp.problem import ClosedContacts, Contact, Local, Problem
 
 
 class State:
-    """A closed state x [n] of a programme.  What is asked twice is computed once.
+    """A closed state x [n] of a problem.  What is asked twice is computed once.
 
     Parameters
     ----------
@@ -56,7 +56,7 @@ class State:
 
     @cached_property
     def local(self) -> Local:
-        """Values and first derivatives in the programme's variables."""
+        """Values and first derivatives in the problem's variables."""
         return self.problem.local(self.x)
 
     @cached_property
@@ -150,7 +150,7 @@ class State:
         return self.problem.expand(self.x)
 
     def at(self, x: np.ndarray) -> State:
-        """Return another state of the same programme.
+        """Return another state of the same problem.
 
         Parameters
         ----------

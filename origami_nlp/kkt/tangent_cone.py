@@ -45,7 +45,7 @@ class TangentCone:
     Attributes
     ----------
     lines
-        Unit directions where one freedom is left, [L, n]; both senses of each count.
+        Unit directions where one degree of freedom is left, [L, n]; both senses of each count.
     families
         Orthonormal bases of subspaces with more, [n, k] each.
     reason
@@ -98,7 +98,7 @@ class TangentCone:
         lengths = np.linalg.norm(rows, axis=1)
         steep = RISES * float(np.abs(gradient).max(initial=0.0))
         rises, falling, dimension = True, [], 0
-        # to second order a motion and its opposite are alike; contacts and the energy tell them apart
+        # to second order a motion and its opposite are alike; contacts and the energy distinguish them
         for d in (s * line for line in self.lines for s in (1.0, -1.0)):
             if (rows @ d < -RISES * lengths).any():
                 continue
@@ -312,7 +312,7 @@ def _distinct(subspaces: list[np.ndarray]) -> list[np.ndarray]:
 
 
 def _rises_on(rows: np.ndarray, gradient: np.ndarray, steep: float) -> bool:
-    """Tell whether gradient . y > 0 for all y != 0 with rows y >= 0, [r, k].
+    """Return whether gradient . y > 0 for all y != 0 with rows y >= 0, [r, k].
 
     So it is where the gradient is a sum of rows with positive factors, and rows span.
     """

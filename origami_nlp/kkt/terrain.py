@@ -1,4 +1,4 @@
-"""Stable states of a programme with descents between them: what ways out of states are sought on (`escape_paths`)."""
+"""Stable states of a problem with descents between them: what `escape_paths` searches."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ class Terrain(ABC):
     problem, minima
         As given.
     floor
-        Energies over a state that are not told apart from nothing.
+        Energies over a state that are not distinguished from nothing.
     worth
         Heights above this are made lower where a pass shows how.
     """
@@ -64,7 +64,7 @@ class Terrain(ABC):
 
     @abstractmethod
     def rays(self, which: Sequence[int]) -> Sequence[tuple[int, np.ndarray]]:
-        """Closed admissible states [S, n] along ways out of some states, with the state's number; it comes first."""
+        """Closed admissible states [S, n] along escape paths, with the number of the state that each begins at."""
 
     @abstractmethod
     def between(self, a: np.ndarray, b: np.ndarray, shares: np.ndarray) -> np.ndarray | None:
@@ -115,7 +115,7 @@ class Terrain(ABC):
         at = self.minima[k]
         if np.abs(end - at).max() <= NEAR_SINGULAR_TOL:
             return False
-        # known to `NEAR_SINGULAR_TOL` only: that is no more energy as well as can be told
+        # known to `NEAR_SINGULAR_TOL` only: that is no more energy as well as can be determined
         slack = (self.slope(end) + self.slope(at)) * NEAR_SINGULAR_TOL
         others = np.arange(len(self.minima)) != k
         lowest = not (self.rise(k, self.minima[others]) <= self.noise[k]).any()

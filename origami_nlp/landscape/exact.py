@@ -201,7 +201,7 @@ class ExactLandscape(Report, Viewable):
 
 
 def find_landscape(
-    result: MinimaResult, size: int = 401, *, boundary: Boundary | None = None
+    result: MinimaResult, *, size: int = 401, boundary: Boundary | None = None
 ) -> ExactLandscape:
     """Put a landscape together: energy over the chart, exact boundaries and minima (the paper's figures 3 and 4).
 

@@ -58,7 +58,10 @@ def draw_landscape(exact: ExactLandscape, barriers: Barriers | None = None) -> F
 
         check_type("barriers", barriers, Barriers)
     if exact.chart.kind != "area":
-        why = exact.chart.reason or "one symmetric freedom only: `origami-nlp minima --figure`"
+        why = (
+            exact.chart.reason
+            or "one symmetric degree of freedom only: `origami-nlp minima --figure`"
+        )
         raise OptionError(f"scene has no two-dimensional landscape: {why}")
     count = len(exact.chart.branches)
     groups = [list(range(count))] if exact.one_plane else [[k] for k in range(count)]
@@ -110,7 +113,7 @@ def _paths(axes: Any, exact: ExactLandscape, group: list[int], passes: list[Pass
 
 
 def _on(chart: Chart, path: np.ndarray, group: list[int]) -> np.ndarray:
-    """Tell which states of a path lie on the branches of a panel."""
+    """Return which states of a path lie on the branches of a panel."""
     return np.array([chart.locate(phi)[0][0] in group for phi in path])
 
 
@@ -125,7 +128,7 @@ def _title(exact: ExactLandscape) -> str:
 
 
 def _notes(exact: ExactLandscape) -> list[str]:
-    """Say what the picture does not show; what it shows is in its legend, lengths and passes in the report."""
+    """Describe what the picture does not show; what it shows is in its legend, lengths and passes in the report."""
     missed = sum(map(len, exact.boundary.missed)) if exact.boundary else 0
     notes = []
     if missed:

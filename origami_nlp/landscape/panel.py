@@ -1,7 +1,7 @@
 """One landscape with exact boundaries in matplotlib Axes, in the manner of the paper.
 
-Marks and colours are those of `show.style`; red lines: metastable stretches; dashed: 1-handles, on which states exist
-only at phi = +-pi exactly.
+Marks and colours are those of `display.style`; red lines: metastable stretches; dashed: 1-handles, on which states
+exist only at phi = +-pi exactly.
 """
 
 from __future__ import annotations

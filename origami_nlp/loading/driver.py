@@ -29,7 +29,7 @@ SIDE = 0.01
 
 
 @dataclass(eq=False)
-class Search:
+class LoadSearch:
     """Searches for stable states with what is left of the time.
 
     Attributes
@@ -154,7 +154,7 @@ class VertexDriver:
         return self.scene.label or repr(self.scene.vertex)
 
     def line(self) -> ParameterLine:
-        """Return the programmes of the scene over t."""
+        """Return the problems of the scene over t."""
         return self._line(self.scene)
 
     def full_line(self) -> ParameterLine | None:
@@ -190,7 +190,7 @@ class VertexDriver:
         """Return the steps of the tracer."""
         return steps or STEPS
 
-    def begin(self, state: Any, search: Search) -> tuple[VertexDriver, int, np.ndarray]:
+    def begin(self, state: Any, search: LoadSearch) -> tuple[VertexDriver, int, np.ndarray]:
         """Return the driver, the number of the minimum that is loaded, and its variables.
 
         The path keeps the winding of its first state.
@@ -206,16 +206,17 @@ class VertexDriver:
             driver = replace(self, scene=replace(self.scene, winding=start.winding))
         return driver, state, Model(driver.scene).reduce(np.array(start.fold_angles))
 
-    def _minima(self, t: float, search: Search) -> Sequence[JudgedState]:
+    def _minima(self, t: float, search: LoadSearch) -> Sequence[JudgedState]:
         scene, left = self.scene_at(t), search.left
-        result = find_minima(scene, prove=False, escape=False, seconds=left, **search.options)
+        asked = {"full": False, "prove": False, "escape": False, "seconds": left}
+        result = find_minima(scene, **asked, **search.options)
         search.cut = result.search.stopped_by == "time"
         return result.minima
 
     def down(
         self, line: ParameterLine, s: float, node: SpecialPoint, near: float, until: float
     ) -> tuple[np.ndarray, Classification] | str:
-        """Descend at s from the end of a state to a minimum farther away than `near` [rad], or say why not."""
+        """Descend at s from the end of a state to a minimum farther away than `near` [rad], or return why not."""
         try:
             end = follow(line.at(s), node.point[:-1])
         except ValueError as why:
@@ -228,6 +229,6 @@ class VertexDriver:
         """Return the distance between a snap at t and the searches beside it."""
         return SIDE * (Model(self.scene).scale if self.crease else abs(t))
 
-    def states_at(self, t: float, search: Search) -> list[np.ndarray]:
+    def states_at(self, t: float, search: LoadSearch) -> list[np.ndarray]:
         """Return the fold angles of the minima at t."""
         return [np.array(m.fold_angles) for m in self._minima(t, search)]

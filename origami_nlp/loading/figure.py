@@ -42,7 +42,7 @@ def draw_load(path: LoadPath) -> Figure:
     Raises
     ------
     OptionError
-        If `path` is none.
+        If `path` is not of its type.
     """
     check_type("path", path, LoadPath)
     height, tall = _height(path), 0.0 if path.pattern is None else TALL

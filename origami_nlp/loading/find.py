@@ -29,9 +29,9 @@ from origami_nlp.continuation import (
 )
 from origami_nlp.errors import OUT_OF_TIME, OptionError, OutOfTime
 from origami_nlp.kkt import State, classify
-from origami_nlp.loading.driver import Search, VertexDriver
+from origami_nlp.loading.driver import LoadSearch, VertexDriver
 from origami_nlp.loading.pattern_driver import PatternDriver, work_on
-from origami_nlp.loading.records import Confirmed, Leg, LoadPoint, Snap
+from origami_nlp.loading.records import ConfirmedSnap, Leg, LoadPoint, Snap
 from origami_nlp.loading.result import LoadPath
 from origami_nlp.loading.stable_path import (
     StableSegment,
@@ -145,7 +145,7 @@ def load_path(
     if (isinstance(to, str) and to != "snap") or to == 0:
         raise OptionError(f"to = {shown(to)} must be a load other than 0, or 'snap'")
     ends = [-far, far] if to == "snap" else [check_number("to", to)]
-    search = Search(asked, check_until(seconds))
+    search = LoadSearch(asked, check_until(seconds))
     driver, number, x = driver.begin(state, search)
     job = _Job(driver, min(0.0, *ends), max(0.0, *ends), full, options, search.until)
     try:
@@ -208,7 +208,7 @@ class _Job:
         return State(self._full.at(frame.s), frame.problem.expand(frame.state))
 
     def _judged(self, way: StableSegment) -> tuple[str, float | None]:
-        """Say what the states of a way are without the symmetry, and from which load on; it may snap at its end."""
+        """Describe the states of a segment without the symmetry, and from which load on; it may snap at its end."""
         if self._full is None:
             return "", None
         last = max(len(way.frames) - 1 - (way.why != "range"), 0)
@@ -280,7 +280,7 @@ class _Job:
         self.alarms.append(f"more than {MOST_SNAPS} snaps")
         return None
 
-    def path(self, state: int, search: Search | None) -> LoadPath:
+    def path(self, state: int, search: LoadSearch | None) -> LoadPath:
         """Judge what was followed, and pack it; that takes as long as it takes."""
         web = self.web
         parts = {k: parts_of(arc, not self.driver.lazy) for k, arc in enumerate(web.arcs)}
@@ -317,7 +317,7 @@ class _Job:
             )
         return Leg(int(toward), tuple(points), way.why, snap, *self._judged(way))
 
-    def _snap(self, k: int, events: tuple[PathEvent, ...], search: Search | None) -> Snap:
+    def _snap(self, k: int, events: tuple[PathEvent, ...], search: LoadSearch | None) -> Snap:
         node, s, landed, kind, certificate = self.falls[k]
         web, found = self.web, self.web.nodes[node]
         before = found.point[:-1]
@@ -359,7 +359,9 @@ class _Job:
         same = same or curve.at(frame.x, at, frame.tangent)
         return landed if same is None or not is_equilibrium(same) else same.state
 
-    def _confirmed(self, k: int, landed: np.ndarray, s: float, search: Search) -> Confirmed | None:
+    def _confirmed(
+        self, k: int, landed: np.ndarray, s: float, search: LoadSearch
+    ) -> ConfirmedSnap | None:
         """Search on both sides of a snap for the states that the path has there."""
         way, toward = next((w, d) for w, d, snap in self.ways if snap == k + 1)
         at = self.web.nodes[way.node].s
@@ -379,7 +381,7 @@ class _Job:
             minima.append(len(states))
             apart = [float(np.abs(x - state).max()) for x in states] if state is not None else []
             found.append(min(apart, default=math.inf) <= SETTLED)
-        return Confirmed(loads, (minima[0], minima[1]), (found[0], found[1]))
+        return ConfirmedSnap(loads, (minima[0], minima[1]), (found[0], found[1]))
 
     def _nearest(self, way: StableSegment, t: float) -> np.ndarray | None:
         """All fold angles of the stable state at load t that a way passes; None where none is near."""

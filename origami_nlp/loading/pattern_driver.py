@@ -13,7 +13,7 @@ from origami_nlp.arguments import check_whole
 from origami_nlp.continuation import ContinuationOptions, ParameterLine, SpecialPoint
 from origami_nlp.errors import OptionError
 from origami_nlp.kkt import Classification, State, classify
-from origami_nlp.loading.driver import CUT, SIDE, STEPS, Search
+from origami_nlp.loading.driver import CUT, SIDE, STEPS, LoadSearch
 from origami_nlp.minima import JudgedState
 from origami_nlp.numerics import DUPLICATE_TOL, NEARLY
 from origami_nlp.pattern import Pattern
@@ -101,7 +101,7 @@ class PatternDriver:
         return self.work.conjugate(fold_angles)
 
     def line(self) -> ParameterLine:
-        """Return the programmes of the pattern over t; a load that could turn all springs is one [rad] long."""
+        """Return the problems of the pattern over t; a load that could turn all springs is one [rad] long."""
         problem = PatternProblem(self.pattern).under(self.work, 0.0)
         none = np.zeros(problem.size)
         change = Parameters(none[:0], none, none, none, Worked(self.work, 1 / problem.scale))  # type: ignore[arg-type]
@@ -116,7 +116,7 @@ class PatternDriver:
         rms, size = steps or STEPS, math.sqrt(self.pattern.creases)
         return replace(rms, first=size * rms.first, longest=size * rms.longest)
 
-    def begin(self, state: Any, search: Search) -> tuple[PatternDriver, int, np.ndarray]:
+    def begin(self, state: Any, search: LoadSearch) -> tuple[PatternDriver, int, np.ndarray]:
         """Return the driver, the number of the stable state (0 where it was given itself), and its fold angles."""
         number = 0
         if not isinstance(state, JudgedState):
@@ -147,7 +147,7 @@ class PatternDriver:
         return self, number, state.phi
 
     @staticmethod
-    def _states(pattern: Pattern, search: Search) -> tuple[JudgedState, ...]:
+    def _states(pattern: Pattern, search: LoadSearch) -> tuple[JudgedState, ...]:
         limit: dict[str, Any] = {} if search.left is None else {"seconds": search.left}
         found = find_states(pattern, **search.options, **limit, escape=False)
         search.cut = bool(found.search.left_out)
@@ -156,7 +156,7 @@ class PatternDriver:
     def down(
         self, line: ParameterLine, s: float, node: SpecialPoint, near: float, until: float
     ) -> tuple[np.ndarray, Classification] | str:
-        """Descend at s from the end of a state to one farther away than `near` [rad], or say why there is none."""
+        """Descend at s from the end of a state to one farther away than `near` [rad], or return why there is none."""
         loaded: Any = line.at(s)
         loaded.until = until
         phi, touching = node.point[:-1], any(not c.is_limit for c in node.held)
@@ -184,7 +184,7 @@ class PatternDriver:
         """Return the distance between a snap at t and the searches beside it."""
         return SIDE * float(self.pattern.stiffness.mean())
 
-    def states_at(self, t: float, search: Search) -> list[np.ndarray] | None:
+    def states_at(self, t: float, search: LoadSearch) -> list[np.ndarray] | None:
         """Return the fold angles of the stable states at t; None under forces, which no search takes."""
         if not isinstance(self.work, Torque):
             return None

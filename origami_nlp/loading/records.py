@@ -8,7 +8,7 @@ from origami_nlp.io import ShortRepr
 
 
 @dataclass(frozen=True)
-class Confirmed:
+class ConfirmedSnap:
     """Searches on both sides of a snap, which know nothing of the path.
 
     Attributes
@@ -62,7 +62,7 @@ class Snap(ShortRepr):
     kind: str
     certificate: str
     restabilises: float | None
-    confirmed: Confirmed | None
+    confirmed: ConfirmedSnap | None
 
 
 @dataclass(frozen=True, repr=False)

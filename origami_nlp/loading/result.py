@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from origami_nlp.bifurcation import PathBranch, PathEvent
-from origami_nlp.display import Content, Report, Section, Table, Viewable, Words
+from origami_nlp.display import Content, Report, Section, Table, Viewable, Words, angle_columns
 from origami_nlp.errors import OUT_OF_TIME
 from origami_nlp.loading.driver import VertexDriver
 from origami_nlp.loading.pattern_driver import PatternDriver
@@ -31,7 +31,7 @@ WHY = {
 
 
 MOST_ANGLES = 12
-"""Fold angles that are told of one state."""
+"""Fold angles that are printed of one state."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -219,13 +219,10 @@ class LoadPath(Report, Viewable):
         return state_parts(self._stated, states)
 
     def _rows(self) -> Iterator[dict[str, object]]:
+        load = "_".join(["t", *self.driver.unit.split()])
+        place = "angle_rad" if self.driver.coordinate.endswith("[rad]") else "position_m"
         for number, leg in enumerate(self.legs, start=1):
             for p in leg.points:
-                row: dict[str, object] = {
-                    "leg": number,
-                    "t": p.t,
-                    "angle": p.angle,
-                    "energy": p.energy,
-                    "eigenvalue": p.eigenvalue,
-                }
-                yield row | {f"phi_{i + 1}": a for i, a in enumerate(p.fold_angles)}
+                row: dict[str, object] = {"leg": number, load: p.t, place: p.angle}
+                row |= {"energy_J": p.energy, "eigenvalue_N_m_per_rad": p.eigenvalue}
+                yield row | angle_columns(p.fold_angles)

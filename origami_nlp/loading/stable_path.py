@@ -1,4 +1,4 @@
-"""The way of a state through a web of equilibria while the load runs one way: as far as it stays a minimum."""
+"""The path of a state through a bifurcation diagram, the load running one way: as far as it stays a minimum."""
 
 from __future__ import annotations
 
@@ -63,8 +63,8 @@ def walk(
 ) -> StableSegment | None:
     """Go from the stable state `start` at s towards the load `end`, through all that leaves it a minimum.
 
-    None where it is not in the web.  What was left of it (`BifurcationDiagram.resume`) is followed where the way goes
-    on there. across: smallest eigenvalue across the symmetry; where it changes sign to below zero the way ends.
+    None where it is not in the diagram.  What was left of it (`BifurcationDiagram.resume`) is followed where the way
+    goes on there. across: smallest eigenvalue across the symmetry; where it changes sign to below zero the way ends.
     """
     ahead = _ahead(web, start, s, toward)
     if not ahead:

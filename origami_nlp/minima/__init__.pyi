@@ -30,6 +30,7 @@ from .full_space import (
     full_scene as full_scene,
     group_average as group_average,
     hessian_spectra as hessian_spectra,
+    is_affordable as is_affordable,
     judge_in_full_space as judge_in_full_space,
     mode_symmetry as mode_symmetry,
 )

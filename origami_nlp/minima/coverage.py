@@ -12,7 +12,7 @@ from origami_nlp.starts import ContactStarts, Row
 
 @dataclass(frozen=True)
 class StrataCount:
-    """Strata of one class; sides of touches and signs of closed creases are not told apart.
+    """Strata of one class; sides of touches and signs of closed creases are not distinguished.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""Closed states with one freedom as curves: Chebyshev series of fold angles and tangents, piece by piece.
+"""Closed states with one degree of freedom as curves: Chebyshev series of fold angles and tangents, piece by piece.
 
 One variable drives, all others follow in closed form, with two completions at most.  Between the angles where these
 meet and those where a fold angle reaches a whole or half turn, a completion is an analytic function of the driver.
@@ -33,7 +33,7 @@ SLOW = 0.5
 
 POINTS = np.cos(math.pi * (np.arange(NODES) + 0.5) / NODES)
 CHECKS = np.array([-0.71, 0.03, 0.57])
-"""Between the nodes: values there tell a series that only seems to have converged."""
+"""Between the nodes: values there reveal a series that only seems to have converged."""
 TO_SERIES = np.cos(np.outer(np.arange(NODES), np.arccos(POINTS))) * 2 / NODES
 TO_SERIES[0] /= 2
 AT_CHECKS = np.cos(np.outer(np.arccos(CHECKS), np.arange(NODES)))
@@ -102,7 +102,7 @@ class Branches:
 
 
 class Curves:
-    """All closed states of a model with one freedom, fold angles up to whole turns."""
+    """All closed states of a model with one degree of freedom, fold angles up to whole turns."""
 
     def __init__(self, model: Model) -> None:
         self.model, self.piece = model, CreaseChain(model)
@@ -206,7 +206,7 @@ class Curves:
         return x, t.reshape(x.shape), size.reshape(odd.shape), odd
 
     def ambiguous(self, x: np.ndarray) -> np.ndarray:
-        """Tell which fold angles [..., n] are half a period, where rounding decides on the sign."""
+        """Return which fold angles [..., n] are half a period, where rounding decides on the sign."""
         return self.period / 2 - np.abs(x) <= RESOLVED
 
     def _aligned(self, x: np.ndarray, odd: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -223,7 +223,7 @@ class Curves:
         return x, odd
 
     def _beyond(self, x: np.ndarray, odd: np.ndarray) -> np.ndarray:
-        """Tell which branches [B, N, n] are no states of the model, whatever the resolution."""
+        """Return which branches [B, N, n] are no states of the model, whatever the resolution."""
         if not self.model.has_limits:
             return np.zeros(len(x), dtype=bool)
         outside = (np.abs(x) > self.reach + RESOLVED).any(axis=2).all(axis=1)

@@ -5,8 +5,10 @@ Hessian the identity: all curvature comes from closure and from the contacts tha
 
     G = rows' lam + R,      rows = closure and held gaps,      R = 0 on the free creases where it is stationary;
 
-a fold limit whose R pulls, and a gap whose multiplier does, is let go; a step that reaches a limit, a mirror or another
-facet stops there and holds it.  What comes out are candidates: polishing and judging them is for others.
+a fold limit whose R pulls, and a gap whose Lagrange multiplier does, leaves the active set; a step that reaches a
+limit, a mirror or another facet stops there and adds it.  Steps are accepted by a sufficient decrease of the energy;
+after a refused one the next is shorter, as in a trust region.  What comes out are candidates: polishing and judging
+them is for others.
 
 Directions are rounded to `CHOSEN` and ties go to the first, so that a descent goes the same way on other processors,
 but beside singular strata: states differ by what rounding leaves, and this does not grow from step to step.
@@ -38,9 +40,9 @@ from origami_nlp.numerics import (
 from origami_nlp.problem import OPEN, Model, Parameters
 from origami_nlp.starts import (
     Closing,
+    ClosurePoint,
     Crossings,
     Ends,
-    Point,
     Samples,
     balance,
     joined,
@@ -50,7 +52,7 @@ from origami_nlp.starts import (
 FLAT_SLOPE = 1e-10
 """Torque that is left where a descent has converged, relative to the largest that balance."""
 NO_SLOPE = FLAT_SLOPE / 100
-"""A crease with less of it stays where it is: of a contact that others force shut rounding times the condition is left,
+"""A crease with less of it stays where it is: of a contact that others close rounding times the condition is left,
 and steps that this sends against its limit end there."""
 SADDLE = -1e-7
 """Eigenvalue (of a Hessian that is 1 for springs alone) below which a stationary state is left downhill."""
@@ -116,7 +118,7 @@ class Descents:
     Attributes
     ----------
     closing, crossings
-        What brings states onto their strata, and what tells where they cross something.
+        What brings states onto their strata, and what determines where they cross something.
     """
 
     def __init__(
@@ -232,7 +234,7 @@ class Descents:
         converged[lost], reach[lost] = False, 0.0
         return s, _Progress(reach, escaped, converged, moved)
 
-    def _on_stratum(self, s: Samples, p: Point) -> np.ndarray:
+    def _on_stratum(self, s: Samples, p: ClosurePoint) -> np.ndarray:
         """Hessian along the stratum of each sample, the identity across it, [K, n, n]."""
         n = s.x.shape[1]
         # projector on the null space of the rows on free creases, 1 - A'(A A')^-1 A (Nocedal and Wright, section 16.3)
@@ -250,7 +252,7 @@ class Descents:
         escapes: np.ndarray,
         known: tuple[np.ndarray, np.ndarray] | None = None,
     ) -> np.ndarray:
-        """Set the direction `d` of saddles downhill (in place; they have not converged); tells which they are.
+        """Set the direction `d` of saddles downhill (in place; they have not converged); return which they are.
 
         known: lowest curvatures [K] and their directions [K, n], where they are.
         """
@@ -271,8 +273,8 @@ class Descents:
         return escaped
 
     def _release(
-        self, s: Samples, p: Point, slope: np.ndarray, size: np.ndarray
-    ) -> tuple[Samples, Point, np.ndarray, np.ndarray]:
+        self, s: Samples, p: ClosurePoint, slope: np.ndarray, size: np.ndarray
+    ) -> tuple[Samples, ClosurePoint, np.ndarray, np.ndarray]:
         """Let go the contact that pulls most, where it pulls enough; returns also the gradient of its opening."""
         n = s.x.shape[1]
         # positive where a multiplier has the wrong sign: energy falls as the contact opens
@@ -289,7 +291,7 @@ class Descents:
         at_limit, slots, rows = s.at_limit.copy(), s.slots.copy(), p.rows.copy()
         release = np.zeros_like(at_limit, dtype=bool)
         release[limit, worst[limit]] = True
-        if self._many:  # what closing finds beyond its limit is shut again
+        if self._many:  # what closing finds beyond its limit is put back to it
             most = pull[np.arange(len(s)), worst]
             release |= released[:, None] & (pull[:, :n] > np.maximum(EARLY * most, early)[:, None])
         opens[release] = -at_limit[release]
@@ -345,7 +347,7 @@ class Descents:
         return replace(s, x=x, at_limit=at_limit), share
 
     def _try(self, trial: Samples, before: _Before) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Tell which trial states are taken; and which gap each crosses (`OPEN` for none), with its open side."""
+        """Return which trial states are taken; and which gap each crosses (`OPEN` for none), with its open side."""
         at, value, _ = self.closing.rows(trial)
         good = np.abs(value).max(axis=1) <= EXPLORED
         good &= (np.abs(trial.x) <= self.model.bound + ROUNDED).all(axis=1) & (at.sheet > 0)

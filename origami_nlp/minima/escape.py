@@ -1,4 +1,4 @@
-"""Escape barriers of the minima of a scene: traced with one freedom, bounded by descents with more."""
+"""Escape barriers of the minima of a scene: traced with one degree of freedom, bounded by descents with more."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ from origami_nlp.starts import Samples
 MOST_STATES = 8
 """Minima, images of one another counted once, out of which ways are sought: those of lowest energy."""
 MOST_VARIABLES = 12
-"""Variables up to which ways out are sought."""
+"""Variables up to which escape paths are sought."""
 SMALLEST, LARGEST = 1e-3, 0.25
 """First and longest step along a ray [rad]; each is twice the one before."""
 MOST_STEPS = 12
@@ -238,11 +238,11 @@ def with_escapes(
     Parameters
     ----------
     model
-        The programme.
+        The problem.
     minima
         All that are known.
     traced
-        The curves of a model with one freedom, where they were resolved.
+        The curves of a model with one degree of freedom, where they were resolved.
 
     Returns
     -------
@@ -272,7 +272,7 @@ def with_merge_tree(
     Parameters
     ----------
     model
-        The programme.
+        The problem.
     minima
         Its minima.
     heights
@@ -283,7 +283,7 @@ def with_merge_tree(
     Returns
     -------
     list of JudgedState
-        With `escape` where the tree knows a way out of a minimum; the others as they were.
+        With `escape` where the tree knows an escape path from a minimum; the others as they were.
     """
     energies = np.array([m.energy for m in minima])
     scale = energy_scale(np.array(model.scene.stiffness))
@@ -329,12 +329,12 @@ def _bounded(
     isolated: Sequence[bool],
     scale: float,
 ) -> list[Escape]:
-    """Bound barriers by ways out that descents show."""
+    """Bound barriers by escape paths that descents show."""
     why = ""
     if model.scene.loads:
-        why = "forces in space: ways out are not sought under them"
+        why = "forces in space: escape paths are not sought under them"
     elif model.size > MOST_VARIABLES:
-        why = f"more than {MOST_VARIABLES} variables: ways out are not sought"
+        why = f"more than {MOST_VARIABLES} variables: escape paths are not sought"
     loose = [k for k in range(len(minima)) if not isolated[k]]
     sought = [] if why else loose[:MOST_STATES]
     modes = [_modes(model, m) for m in minima]

@@ -25,7 +25,7 @@ def draw_minima(
     On the landscape, white is excluded; with full contact its border is traced, not a matter of cells.  States that
     exist only at a fold angle of +-pi exactly (1-handles) take no area.  Where a scene has two panels, they are the two
     solutions of loop closure; an elevation above 0 lowers the crease that the axis names.  A ring marks a point of the
-    chart that a family of states shares.  Curves of one freedom are named by the folds of their creases.
+    chart that a family of states shares.  Curves of one degree of freedom are named by the folds of their creases.
 
     In the drawings mountain creases are red and solid, valleys blue and dashed, both wider and darker for larger
     |phi|; the upper side of the paper is warm, the lower side cool; numbers of hidden creases are pale, and facets that

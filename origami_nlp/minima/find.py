@@ -25,7 +25,7 @@ from origami_nlp.kkt import (
     State,
     passing_moment,
 )
-from origami_nlp.minima.full_space import FullSpace, judge_in_full_space, not_judged
+from origami_nlp.minima.full_space import FullSpace, is_affordable, judge_in_full_space, not_judged
 from origami_nlp.minima.ipopt import MOST_CONFIRMED, Confirmation, confirm
 from origami_nlp.minima.job import Job, Progress
 from origami_nlp.minima.minimum import JudgedState
@@ -41,7 +41,7 @@ from origami_nlp.minima.windings import (
     prove_each,
     survival_of_each,
 )
-from origami_nlp.numerics import rank
+from origami_nlp.numerics import energy_or_zero, rank
 from origami_nlp.pattern import Scene
 from origami_nlp.problem import Model
 from origami_nlp.proof import ProofOptions
@@ -54,7 +54,7 @@ MOST_STARTS = 100_000
 
 
 def check_options(seed: object, max_starts: object, fewest_starts: object = FEWEST_STARTS) -> None:
-    """Complain about a seed or a cap on starts that is no natural number.
+    """Raise OptionError unless seed and cap on starts are non-negative integers.
 
     Raises
     ------
@@ -85,7 +85,7 @@ def find_minima(
     max_starts: int = MOST_STARTS,
     fewest_starts: int = FEWEST_STARTS,
     guesses: Sequence[np.ndarray] = (),
-    full: bool = False,
+    full: bool | None = None,
     prove: bool | float | ProofOptions | None = None,
     seconds: float | None = None,
     escape: bool = True,
@@ -113,21 +113,21 @@ def find_minima(
     guesses
         States to start from first (of a neighbouring scene, say), shape [N] each [rad]; they do not
         enter the stopping rule.  Each is also judged where it is: a minimum there is listed, and
-        `SearchReport.refused` says why another guess is none.
+        `SearchReport.refused` says why another guess is not one.
     full
-        Also decide each minimum in the full contact-admissible space, symmetry-breaking motions
-        included.
+        Also decide each minimum in the full contact-admissible space, symmetry-breaking motions included.  None: where
+        that is affordable, see `minima.full_space.is_affordable`.
     prove
         Prove that the list is complete: True (in at most 2 million boxes, about a minute), seconds of processor time
         that this may take, or `ProofOptions`; False: do not try.
-        Without being asked it is tried where it is cheap: within fold limits, up to two freedoms.
+        Without being asked it is tried where it is cheap: within fold limits, up to two degrees of freedom.
     seconds
         Wall time after which the search goes no further, and what is left is not judged in the full space; a proof gets
         what is left.  The report says so, and the answer
         depends on the machine.  None: the effort alone bounds it.
     escape
-        Say what it takes to leave each minimum (`JudgedState.escape`): with one freedom exactly, otherwise by descents
-        out of it, which takes about as long as the search of a small vertex. False: do not.
+        Say what it takes to leave each minimum (`JudgedState.escape`): with one degree of freedom exactly, otherwise by
+        descents out of it, which takes about as long as the search of a small vertex. False: do not.
     noise
         Standard deviation [degrees] of random errors of rest angles, stiffnesses (as a share, in radians) and sector
         angles: how many of 20 draws each minimum survives, followed as the errors grow (`JudgedState.survival`).
@@ -159,7 +159,8 @@ def find_minima(
     check_type("scene", scene, Scene)
     check_options(seed, max_starts, fewest_starts)
     wanted = options_of(effort, options)
-    check_flag("full", full)
+    if full is not None:
+        check_flag("full", full)
     check_prove("prove", prove)
     until = check_until(seconds)
     check_flag("escape", escape)
@@ -226,7 +227,7 @@ def _result(
     jobs: Sequence[Job],
     effort: str,
     prove: bool | float | ProofOptions | None,
-    full: bool,
+    full: bool | None,
     escape: bool = False,
     noise: float | None = None,
 ) -> MinimaResult:
@@ -248,7 +249,7 @@ def _result(
         minima = escapes_of_each(jobs, minima)
     if noise is not None:
         minima = survival_of_each(jobs, minima, noise)
-    if full:
+    if is_affordable(model.scene, len(minima)) if full is None else full:
         minima = _in_full_space(model.scene, minima, until)
     windings = [job.model.structure.winding for job in jobs]
     report = join_reports(windings, reports)
@@ -283,7 +284,7 @@ def _minimum(
     phi = model.expand(p.x)
     passing = passing_moment(model.scene, phi)
     return JudgedState(
-        model.energy(p.x),
+        float(energy_or_zero(model.energy(p.x), model.scene.stiffness)),
         tuple(phi.tolist()),
         what.verdict,
         what.reason,

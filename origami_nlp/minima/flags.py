@@ -15,7 +15,7 @@ class ResultFlags(Flags):
     """Of a `MinimaResult`: what to know before the list is used.
 
     Those about the search are down where nothing can be missing: where the list is proved complete, or all curves of
-    one freedom were traced.
+    one degree of freedom were traced.
 
     Attributes
     ----------
@@ -25,8 +25,8 @@ class ResultFlags(Flags):
         effort="thorough".
     may_miss_minima
         No proof says that the list is complete; there may be minima that no start reached. Cure: prove=True, or
-        seconds for it (within fold limits up to three freedoms, with contact where `completeness.reason` does not say
-        no); else another `seed`, effort="thorough", and compare.
+        seconds for it (within fold limits up to three degrees of freedom, with contact where `completeness.reason` does
+        not say no); else another `seed`, effort="thorough", and compare.
     singular_states_open
         The list is proved complete but for regions around singular states, where creases lose rank
         (`completeness.singular`). Cure: Judge these states by other means, such as starts near them (`guesses`).
@@ -57,7 +57,7 @@ class ResultFlags(Flags):
         digits beyond that; please report the scene.
     geometry_moved
         Sector angles that were special to within 1e-7 rad were moved to be exactly so (`scene.relations`), since
-        doubles cannot tell the two cases apart. Cure: State the exact angles, or angles that are clearly different.
+        doubles cannot distinguish the two cases. Cure: State the exact angles, or angles that are clearly different.
     made_symmetric
         Angles or stiffnesses were averaged over the symmetry (`scene.adjusted` is the largest change): the states are
         those of the averaged scene. Cure: A smaller `symmetry_tolerance`, or symmetry="none", to keep what was
@@ -107,9 +107,9 @@ class StateFlags(Flags):
         No other admissible state is near (`local_dimension` is 0): geometry alone holds it, whatever the springs.
         Cure: None is needed; do not read stiffness into it.
     shallow
-        A way out of it is known that climbs by less than 1e-4 of the energy that folds every crease by pi (`escape`):
-        errors of rest angles of a hundredth of a degree make such states, and remove them. Cure: Do not build on it;
-        `find_minima(..., noise=degrees)` says what survives errors of a size that you state.
+        An escape path from it is known that climbs by less than 1e-4 of the energy that folds every crease by pi
+        (`escape`): errors of rest angles of a hundredth of a degree make such states, and remove them. Cure: Do not
+        build on it; `find_minima(..., noise=degrees)` says what survives errors of a size that you state.
     solver_disagrees
         IPOPT, started there, left the state or did not converge (`solver`). Cure: Trust the certificate, which does
         not rest on IPOPT; check the state with `check_admissible` if in doubt.

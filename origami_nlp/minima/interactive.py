@@ -53,7 +53,7 @@ def view_minima(
     Parameters
     ----------
     origami, model
-        What is folded, and its nonlinear programme.
+        What is folded, and its nonlinear program.
     minima
         In order of energy.
     reported
@@ -65,7 +65,7 @@ def view_minima(
     -------
     Content
         A station for each minimum, in order; of a vertex a track for each descent, and for each curve of a scene with
-        one freedom.
+        one degree of freedom.
 
     Raises
     ------
@@ -195,7 +195,7 @@ def _descents(poser: Poser, minima: Sequence[JudgedState]) -> list[Trajectory]:
 
 
 def _curves(poser: Poser, chart: Landscape) -> list[Trajectory]:
-    """Return each admissible stretch of the curves of a scene with one freedom."""
+    """Return each admissible stretch of the curves of a scene with one degree of freedom."""
     if chart.kind != "curve":
         return []
     found = []

@@ -1,4 +1,4 @@
-"""IPOPT on the nonlinear programme of a structure: one solver per structure and set of facet pairs, reused."""
+"""IPOPT on the nonlinear program of a structure: one solver per structure and set of facet pairs, reused."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ TOLERANCE = 1e-7
 
 @dataclass(frozen=True)
 class Solver:
-    """IPOPT for one form of programme, and the bounds of its rows."""
+    """IPOPT for one form of problem, and the bounds of its rows."""
 
     solver: ca.Function
     lower: np.ndarray
@@ -123,7 +123,7 @@ def gaps_of(stratum: Stratum) -> tuple[int, ...]:
 
 
 def confirm_posed(nlp: Nlp, stratum: Stratum, rows: np.ndarray) -> tuple[Confirmation, np.ndarray]:
-    """Solve once from a state, on a programme whose rows are `rows` of closure and then `gaps_of` the stratum.
+    """Solve once from a state, on a problem whose rows are `rows` of closure and then `gaps_of` the stratum.
 
     Returns
     -------

@@ -51,7 +51,7 @@ from origami_nlp.starts import (
 )
 
 FEW_DOF = 2
-"""Freedoms up to which the first round may be the last, within fold limits (beyond, each shape comes in lifts)."""
+"""Degrees of freedom up to which one round may suffice, within fold limits (beyond, each shape comes in lifts)."""
 Progress = Callable[[int, int, int], None]
 """Called as progress(starts, minima found, how many of these one drawn start reached)."""
 
@@ -134,7 +134,7 @@ class Job:
         return [state for state in found if closes(self.model, state.x)]
 
     def _refusal(self, guess: np.ndarray, answer: Answer | None) -> JudgedState | None:
-        """Say why no minimum is listed at a guess [N]; None where one is."""
+        """Return why no minimum is listed at a guess [N]; None where one is."""
         model = self.model
         x = model.reduce(guess)
         verdict: Verdict = "not admissible"
@@ -153,7 +153,7 @@ class Job:
                 why = refused
             else:
                 verdict = "not stationary"
-                why = f"no state within {NEAR_SINGULAR_TOL:g} rad of it holds still: it was descended from"
+                why = f"no state within {NEAR_SINGULAR_TOL:g} rad of it is an equilibrium: it was descended from"
         return JudgedState(model.energy(x), tuple(guess.tolist()), verdict, why)
 
     def search(self, guesses: list[np.ndarray], workers: int) -> Work:
@@ -207,15 +207,15 @@ class Job:
             self.strata, _ = count_strata(rounds.touches.found, search.minima_on_touches())
 
     def _late(self) -> bool:
-        """Tell whether the time is over, and remember it."""
+        """Return whether the time is over, and remember it."""
         if time.monotonic() > self.turn:
             self.stopped_by = "time"
         return self.stopped_by == "time"
 
     def _traced(self) -> bool:
-        """Judge all that the curves of one freedom hold; tells whether they were resolved, and all of it judged."""
+        """Judge all states on curves (one degree of freedom); return whether these were resolved and all was judged."""
         broken = self.record.failed.total()
-        with self.record.surviving("curves of one freedom"):
+        with self.record.surviving("curves of one degree of freedom"):
             self.traced = trace(self.model)
         if (traced := self.traced) is None:
             return False
@@ -282,7 +282,7 @@ class Job:
         seconds: float,
         effort: str,
     ) -> SearchReport:
-        """Say what was done."""
+        """Describe what was done."""
         r = self.record
         return SearchReport(
             starts=r.starts,

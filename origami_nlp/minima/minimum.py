@@ -96,14 +96,14 @@ class JudgedState(ShortRepr):
         Tangential stiffness [N m/rad], on the subspace that keeps loaded contacts closed, per unit length in
         the space of all N fold angles; of patterns with many creases the smallest alone.
     crossings
-        Pairs of facets (1-based) that pass through each other, of a pattern.
+        Pairs of facets (1-based) that intersect, of a pattern.
     full_space
         Verdict in the full contact-admissible space, where it was asked for: of vertices with an imposed symmetry.
     solver
         What IPOPT says when it is started at the state with its multipliers; None with too many fold angles for it,
-        or fewer than equations, and of patterns (`sheets.confirm_minimum` asks it).
+        or fewer than equations, and of patterns (`pattern_states.confirm_minimum` asks it).
     moment
-        The moment m that passes round the vertex [N m], k_i (phi_i - phi0_i) = m . c_i at each free crease, in the
+        The constant internal moment m of the vertex [N m], k_i (phi_i - phi0_i) = m . c_i at each free crease, in the
         frame of the facet between crease N and crease 1 (`kkt.PassingMoment`); None where free creases do not
         determine it, and of patterns, where each vertex has one of its own.
     moment_residual
@@ -173,7 +173,7 @@ class JudgedState(ShortRepr):
 
     @property
     def shallow(self) -> bool:
-        """Whether a way out is known that climbs next to nothing, see `Escape.shallow`."""
+        """Whether an escape path is known that climbs next to nothing, see `Escape.shallow`."""
         return self.escape is not None and self.escape.shallow
 
     @property
@@ -211,7 +211,7 @@ class JudgedState(ShortRepr):
         return f"state {number}: {kind}, {self.energy:.6g} J{full}"
 
     def lines(self) -> tuple[str, ...]:
-        """Say what is proved, and which facets touch."""
+        """Describe what is proved, and which facets touch."""
         return self.certificate, *(c.words() for c in self.contacts if not c.is_limit)
 
     def frame_entries(self) -> dict[str, Any]:

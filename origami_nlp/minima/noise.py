@@ -94,7 +94,7 @@ def count_survivals(
 
 
 def survival_words(degrees: float, measured: str) -> str:
-    """Say what was counted.
+    """Describe what was counted.
 
     Parameters
     ----------
@@ -119,7 +119,7 @@ def with_survival(model: Model, minima: Sequence[JudgedState], degrees: float) -
     """Follow minima into scenes with random errors.
 
     The errors are the same for all minima, drawn by labels that do not depend on how creases are numbered, and break
-    every symmetry: a minimum among symmetric states that is none beside them does not survive.
+    every symmetry: a minimum among symmetric states that is not one beside them does not survive.
 
     Parameters
     ----------
@@ -146,7 +146,7 @@ def with_survival(model: Model, minima: Sequence[JudgedState], degrees: float) -
 
 
 def _noisy(exact: Model, size: float, trial: int) -> list[Model]:
-    """Return programmes with one draw of errors, which grow from one to the next."""
+    """Return problems with one draw of errors, which grow from one to the next."""
     labels = canonical_labels(exact.scene)
     rest, stiffness, sectors = drawn_errors(trial, 3, exact.scene.degree)
     # a rest angle turns with the sheet when labels are of its other side
@@ -175,7 +175,7 @@ def _noisy(exact: Model, size: float, trial: int) -> list[Model]:
 def _survives(
     way: Sequence[M], x: np.ndarray, beside: Callable[[M, np.ndarray], np.ndarray | None]
 ) -> bool:
-    """Tell whether a state [N] can be followed, and is a minimum at the end."""
+    """Return whether a state [N] can be followed, and is a minimum at the end."""
     for problem in way:
         new = beside(problem, x)
         if new is None or np.abs(new - x).max() > FARTHEST:

@@ -1,4 +1,4 @@
-"""All minima of a scene with one freedom: every curve of closed states, every root of the energy's slope on it."""
+"""All minima with one degree of freedom: every curve of closed states, every root of the energy's slope on it."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ from origami_nlp.numerics import (
 from origami_nlp.problem import Contact, Model, fold_limit, vertices
 
 MOST_VERTICES = 10_000
-"""More candidates than a model with one freedom has."""
+"""More candidates than a model with one degree of freedom has."""
 ASIDE, FALLS = 1e-4, 1e-2
 """Distance [rad] at which curves are looked at beside a crossing, and slope of the energy there, over the torque, that
 falls."""
@@ -40,7 +40,7 @@ BATCH = 256
 
 @dataclass(frozen=True, eq=False)
 class Traced:
-    """Where the minima of a model with one freedom can be.
+    """Where the minima of a model with one degree of freedom can be.
 
     Attributes
     ----------
@@ -72,7 +72,7 @@ class Traced:
 
 
 def trace(model: Model) -> Traced:
-    """Find every state of a model with one freedom that can be a minimum.
+    """Find every state of a model with one degree of freedom that can be a minimum.
 
     All closed states lie on curves over the fold angle of one crease, given in closed form.  Each piece is resolved as
     a Chebyshev series, with each variable as the driver where it is the fastest; all roots of the energy's slope are
@@ -91,10 +91,12 @@ def trace(model: Model) -> Traced:
     Raises
     ------
     OptionError
-        If the model has more freedoms, or none.
+        If the model has more degrees of freedom, or none.
     """
     if model.freedom != 1:
-        raise OptionError(f"a model with {model.freedom} freedoms has no curves to trace: need 1")
+        raise OptionError(
+            f"a model with {model.freedom} degrees of freedom has no curves to trace: need 1"
+        )
     curves = Curves(model)
     branches, failures = curves.resolved()
     found = _Found()
@@ -132,8 +134,8 @@ class _Found:
         good = np.flatnonzero(model.admissible(x, ANSWERED))
         keep = good[distinct(x[good], RESOLVED)]
         reason = (
-            f"one freedom: each of {pieces} pieces of the curves of closed states was resolved, and every root of the "
-            f"energy's slope taken; nearer than {SETTLED:g} rad to a crossing nothing was told apart from it"
+            f"one degree of freedom: each of {pieces} pieces of the curves of closed states was resolved, and every "
+            f"root of the energy's slope taken; states nearer than {SETTLED:g} rad to a crossing are not distinguished"
         )
         if failures:
             reason = "not resolved: " + "; ".join(failures[:3])

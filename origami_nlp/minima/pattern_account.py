@@ -12,8 +12,8 @@ from origami_nlp.minima.account import FEW_QUIET, SearchReport
 from origami_nlp.minima.minimum import JudgedState
 from origami_nlp.minima.stopping import unseen_share
 
-ESCAPE_PATHS = "ways out of flat-folded states"
-MEETINGS = "ways out of states where curves meet"
+ESCAPE_PATHS = "branch directions of flat-folded states"
+MEETINGS = "branch directions of states where curves meet"
 """Parts of a search that its time may end."""
 
 
@@ -28,27 +28,28 @@ class PatternSearchReport(SearchReport):
     flat
         Starts that fell back into the flat state.
     lines, families
-        Ways out of the flat state that were enumerated: with one freedom, with more.
+        Branch directions of the flat state that were enumerated: with one degree of freedom, with more.
     flat_folded
-        States with every crease open or shut, the flat one among them, all ways out of which were gone.
-    crossroads
-        Other states at which curves meet, found along curves, all ways out of which were gone.
+        States with every crease open or fully folded, the flat one among them, all branch directions of which were
+        followed.
+    branch_points
+        Other states at which curves meet, found along curves, all branch directions of which were followed.
     not_enumerated
         What of these was not enumerated, and why; empty where all were.
     curves, ended
-        Curves of states with one freedom that are known; how many of them from limit to limit, or round.
+        Curves of states with one degree of freedom that are known; how many of them from limit to limit, or round.
     not_traced
         Starts whose curves were not traced any more: descents began there instead.
     outside
         Of the curves, those that only random starts led to.
     unclear
-        Parts of steps along curves in which facets may touch and part again unseen.
+        Parts of steps along curves on which contact cannot be excluded.
     drawn
         Random starts; `quiet` of them were made since one led to a new minimum or curve.
     pressed
         Descents into contact, from where descents that let facets cross ended in crossing.
     gave_up
-        Of those, how many did not arrive, by reason: limits on time, pairs of facets, creases, or steps.
+        Of those, how many did not converge, by reason: limits on time, pairs of facets, creases, or steps.
     of_vertex
         Minima that the search for single vertices found, where there is but one.
     popped, by_pops
@@ -67,7 +68,7 @@ class PatternSearchReport(SearchReport):
     lines: int = 0
     families: int = 0
     flat_folded: int = 0
-    crossroads: int = 0
+    branch_points: int = 0
     not_enumerated: str = ""
     curves: int = 0
     ended: int = 0
@@ -146,20 +147,20 @@ class PatternSearchReport(SearchReport):
         self.failed[why] = self.failed.get(why, 0) + 1
 
     def words(self) -> list[str]:
-        """Say how the search went, and what is known of what it did not find."""
+        """Describe how the search went, and what is known of what it did not find."""
         return [*self._done(), *self.open_words()]
 
     def _done(self) -> Iterator[str]:
         if self.lines or self.families:
             what = "family" if self.families == 1 else "families"
-            more = f" and {self.families} {what} with more freedoms" if self.families else ""
-            yield f"branches from the flat state: all enumerated, {self.lines} with one freedom{more}"
+            more = f" and {self.families} {what} with more degrees of freedom" * bool(self.families)
+            yield f"branch directions of the flat state: all enumerated, {self.lines} with one degree of freedom{more}"
         if self.flat_folded > 1:
-            ways = "" if ESCAPE_PATHS in self.left_out else ", and the branches from each"
+            ways = "" if ESCAPE_PATHS in self.left_out else ", and the branch directions of each"
             yield f"flat-folded states: {self.flat_folded} enumerated{ways}"
-        if self.crossroads:
-            ways = "" if MEETINGS in self.left_out else ", and the branches from each"
-            yield f"branch points: {self.crossroads} found along curves{ways}"
+        if self.branch_points:
+            ways = "" if MEETINGS in self.left_out else ", and the branch directions of each"
+            yield f"branch points: {self.branch_points} found along curves{ways}"
         if self.curves:
             yield from self._of_curves()
         yield (
@@ -216,12 +217,12 @@ class PatternSearchReport(SearchReport):
                 f"than {unseen_share(self.quiet):.2g} of them (95 % confidence)."
             )
         elif self.drawn and not self.quiet:
-            yield "the last random start found another minimum or curve: draw more (starts)"
+            yield "the last random start found another minimum or curve: use more starts"
 
     def _of_curves(self) -> Iterator[str]:
         lost = self.curves - self.ended
         yield (
-            f"one freedom: {self.curves} curve{'s' * (self.curves != 1)} traced"
+            f"one degree of freedom: {self.curves} curve{'s' * (self.curves != 1)} traced"
             + (
                 f", {lost} of them lost on the way"
                 if lost

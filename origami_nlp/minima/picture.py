@@ -167,7 +167,7 @@ def _state_title(number: int, minimum: JudgedState, freedom: int) -> str:
 def _notes(
     minima: tuple[JudgedState, ...], chart: Landscape | None, places: list[Place]
 ) -> list[str]:
-    """Say what the picture leaves out or cannot show."""
+    """Describe what the picture leaves out or cannot show."""
     notes = []
     if chart is not None and chart.kind == "none":
         notes.append(f"No energy landscape: {chart.reason}.")

@@ -29,15 +29,15 @@ from origami_nlp.proof import (
 )
 
 MOST_DOF = 3
-"""Freedoms up to which a proof is tried where it is asked for: boxes grow by a factor of about 13 a freedom."""
+"""Degrees of freedom up to which a proof is tried where it is asked for: each multiplies boxes by about 13."""
 FEW_DOF = 2
-"""Freedoms up to which it is tried without being asked; 1 where facets may touch and there is no symmetry."""
+"""Degrees of freedom up to which it is tried without being asked; 1 where facets may touch and there is no symmetry."""
 UNASKED = 100_000
 """Boxes after which a proof that nobody asked for gives up."""
 
 
 def check_prove(name: str, value: object) -> None:
-    """Complain about what is neither None, a flag, a positive number of seconds nor `ProofOptions`.
+    """Raise an error for what is neither None, a flag, a positive number of seconds nor `ProofOptions`.
 
     Raises
     ------
@@ -93,7 +93,7 @@ def prove_complete(
 
 
 def why_not(model: Model) -> str:
-    """Say why a scene is not tried to be proved complete; "" where it is."""
+    """Return why a scene is not tried to be proved complete; "" where it is."""
     if model.scene.loads:
         return "dead loads: proofs know springs and torques on creases only"
     if not model.has_limits:
@@ -103,12 +103,12 @@ def why_not(model: Model) -> str:
     if model.freedom <= 0 and model.structure.winding == 1:
         return "nothing can move: the states listed are all that were looked for"
     if model.freedom > MOST_DOF:
-        return f"{model.freedom} freedoms (at most {MOST_DOF})"
+        return f"{model.freedom} degrees of freedom (at most {MOST_DOF})"
     return touches_not_proved(model) if model.scene.contact == "full" else ""
 
 
 def is_cheap(model: Model) -> bool:
-    """Tell whether a proof is tried without being asked for."""
+    """Return whether a proof is tried without being asked for."""
     touching = bool(model.structure.gaps) and model.scene.group.is_trivial
     return not why_not(model) and 0 < model.freedom <= (1 if touching else FEW_DOF)
 
@@ -225,18 +225,18 @@ def _answer_at(model: Model, record: Record, point: CriticalPoint) -> tuple[Answ
 
 
 def _index(point: CriticalPoint) -> str:
-    """Name the index of a state that holds still, if it is certain."""
+    """Name the index of a critical state, if it is certain."""
     unclear = any(s and not sign for s, sign in zip(point.stratum, point.pinned_signs, strict=True))
     return "unclear" if unclear or point.index is None else str(point.index)
 
 
 def _leaves(point: CriticalPoint) -> bool:
-    """Tell whether a point is critical only while contacts are held that it would leave."""
+    """Return whether a point is critical only while contacts are held that it would leave."""
     return 1 in point.pinned_signs or min(point.forces, default=0.0) < 0
 
 
 def _file(model: Model, record: Record, x: np.ndarray) -> tuple[Answer | None, bool]:
-    """Polish, file and judge a state; tells whether it is new.
+    """Polish, file and judge a state; return whether it is new.
 
     The middle of a box is no state: where it cannot be polished there is none.
     """
@@ -274,7 +274,7 @@ def _nearest(record: Record, x: np.ndarray, within: float) -> Answer | None:
 def _disagreement(
     model: Model, point: CriticalPoint, answer: Answer | None, against: list[str]
 ) -> Iterator[Open]:
-    """Say what stays open at a critical point: unclear to the proof and to the judge, or seen differently by them."""
+    """Describe what stays open at a critical point: unclear to proof and judgement, or judged differently by them."""
     verdict = answer.what.verdict if answer is not None and answer.what is not None else ""
     where = f"at {model.energy(np.array(point.x)):.9g} J"
     moved = (
@@ -351,7 +351,7 @@ def _region(
 
 
 def _is_open(region: Open) -> bool:
-    """Tell whether nothing decides what is in a region: no state was judged there, or one of them without success."""
+    """Return whether nothing decides what is in a region: no state was judged there, or one of them without success."""
     return not region.verdict or "undecided" in region.verdict
 
 
@@ -373,7 +373,7 @@ def _within(x: np.ndarray, lower: np.ndarray, upper: np.ndarray) -> bool:
 
 
 def _covered(x: np.ndarray, proof: Proof) -> bool:
-    """Tell whether a state is a critical point of the proof, or in what it leaves open."""
+    """Return whether a state is a critical point of the proof, or in what it leaves open."""
     # what is certainly no minimum covers none
     points = (p for p in proof.points if p.is_minimum is not False)
     if any(np.abs(np.array(p.x) - x).max() <= p.radius + DUPLICATE_TOL for p in points):

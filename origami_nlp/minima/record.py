@@ -91,7 +91,7 @@ class Record:
 
     @property
     def quiet(self) -> int:
-        """Drawn starts since one reached a minimum that none before had reached."""
+        """Random starts since one reached a minimum that none before had reached."""
         first: dict[int, int] = {}
         for a in self.minima:
             if a.first:
@@ -101,7 +101,7 @@ class Record:
 
     @property
     def drawn_hits(self) -> list[int]:
-        """How often drawn starts reached each minimum, or an image of it, that any start reached."""
+        """How often random starts reached each minimum, or an image of it, that any start reached."""
         hits: Counter[int] = Counter()
         for a in self.minima:
             if a.hits or a.orbit:
@@ -135,7 +135,7 @@ class Record:
     def settle(
         self, model: Model, end: Solve, guess: tuple[Contact, ...] | None = None
     ) -> tuple[Answer, bool]:
-        """Polish an end and file it; tells whether it has to be judged.
+        """Polish an end and file it; return whether it has to be judged.
 
         One that does not close is polished once more from the closed state next to it; what does not close then either,
         or breaks linear algebra, is lost: no state, and on no list.
@@ -154,7 +154,7 @@ class Record:
         return Answer(polished, lost=why), False
 
     def file(self, model: Problem, polished: Polished) -> tuple[Answer, bool]:
-        """File a polished state under the answer that it is, or as a new one; tells whether it has to be judged.
+        """File a polished state under the answer that it is, or as a new one; return whether it has to be judged.
 
         What Newton could not polish is taken for the exact state next to it, where there is one.  A listed state
         that is not stationary gives way to the stationary one that Newton finds next to it: with data that are
@@ -215,7 +215,7 @@ def close_orbit(model: Model, record: Record, answer: Answer) -> None:
 
 
 def closes(model: Model, x: np.ndarray) -> bool:
-    """Tell whether all N fold angles close the vertex, by a product of rotations that is not the model's closure."""
+    """Return whether all N fold angles close the vertex, by a product of rotations that is not the model's closure."""
     _, q = fold_vertex(model.scene.vertex, model.expand(x))
     return float(np.linalg.norm(q[1:])) <= CLOSURE_TOL
 
@@ -248,7 +248,7 @@ def exact_state(model: Problem, x: np.ndarray) -> Polished:
 
 
 def _is_same(one: Polished, other: Polished) -> bool:
-    """Tell whether two states are one, as far as their accuracy says."""
+    """Return whether two states are one, as far as their accuracy says."""
     exact = one.converged and other.converged
     near = max(DUPLICATE_TOL, one.uncertainty + other.uncertainty) if exact else NEAR_SINGULAR_TOL
     return bool(np.abs(one.x - other.x).max() <= near)

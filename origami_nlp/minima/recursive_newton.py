@@ -20,7 +20,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from origami_nlp.numerics import EPS, NONZERO, cross
-from origami_nlp.starts import Point, Samples
+from origami_nlp.starts import ClosurePoint, Samples
 
 LEAST_PIVOT = 1e-2
 """Pivots (1 for springs alone) are at least this."""
@@ -30,7 +30,7 @@ makes pivots positive where only states that do not close have negative curvatur
 
 
 @dataclass(frozen=True, eq=False)
-class Sweep:
+class NewtonSweep:
     """Newton's directions of samples, and how curved they are.
 
     Attributes
@@ -48,7 +48,7 @@ class Sweep:
     curvature: np.ndarray
 
 
-def sweep(s: Samples, p: Point, root: np.ndarray) -> Sweep:
+def sweep(s: Samples, p: ClosurePoint, root: np.ndarray) -> NewtonSweep:
     """Sweep over the creases of samples that hold nothing but fold limits.
 
     Parameters
@@ -60,8 +60,8 @@ def sweep(s: Samples, p: Point, root: np.ndarray) -> Sweep:
 
     Returns
     -------
-    Sweep
-        Directions along the strata of the samples; all moves keep the creases shut that are.
+    NewtonSweep
+        Directions along the strata of the samples; all moves keep the creases fully folded that are.
     """
     free = s.at_limit == 0
     a = np.where(free[..., None], p.at.axes / root[:, None], 0.0)
@@ -82,7 +82,7 @@ def sweep(s: Samples, p: Point, root: np.ndarray) -> Sweep:
     curvature = 1 + 2 * np.einsum("kj,kjx,kjx->k", bent, turn, bend)
     none = (back.first < 0) | (size <= EPS)
     bent[none], curvature[none] = 0.0, 1.0
-    return Sweep(d, bent, curvature)
+    return NewtonSweep(d, bent, curvature)
 
 
 class _Backward:

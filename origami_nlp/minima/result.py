@@ -20,6 +20,7 @@ from origami_nlp.display import (
     Table,
     Viewable,
     Words,
+    angle_columns,
     inline_image,
     pieces_html,
 )
@@ -36,6 +37,7 @@ from origami_nlp.minima.stability import (
     NOT_ASKED,
     barrier_head,
     count_words,
+    imposed_words,
     not_asked_words,
     verdict,
 )
@@ -79,15 +81,15 @@ class MinimaResult(Report, Viewable):
     relations
         What was decided on special relations of a scene's sector angles; None of a pattern.
     curves
-        Of a pattern, those with one freedom that were traced; none of a result that was read from a file.
+        Of a pattern, those with one degree of freedom that were traced; none of a result that was read from a file.
     model
         The nonlinear programme that its states are states of: posed anew where it is not given.
 
     Notes
     -----
-    `to_frame` has a row a minimum: scene (its name), number (from 1), energy [the scene's units], kind, dimension,
-    closure, kkt (residuals), hits, stable (None where the full space was not asked), softest (stiffness), barrier
-    (energy), barrier_method, shallow, phi_1 .. phi_N [rad].
+    `to_frame` has a row a minimum: scene (its name), number (from 1), energy_J, kind, dimension,
+    closure, kkt (residuals), hits, stable (None where the full space was not asked), softest_N_m_per_rad, barrier_J,
+    barrier_method, shallow, phi_1_rad .. phi_N_rad.
 
     Examples
     --------
@@ -326,7 +328,8 @@ class MinimaResult(Report, Viewable):
         if isinstance(self.origami, Scene):
             yield from scene_lines(self.origami)
         yield from self._survivals()
-        yield from filter(None, [not_asked_words(self.origami, self.minima)])
+        said = not_asked_words(self.origami, self.minima), imposed_words(self.origami)
+        yield from filter(None, said)
         yield from undecided_lines(self.search)
         if self.completeness:
             yield from self.completeness.open_lines()
@@ -391,12 +394,12 @@ class MinimaResult(Report, Viewable):
     def _rows(self) -> Iterator[dict[str, object]]:
         for number, m in enumerate(self.minima, start=1):
             row: dict[str, object] = {"scene": self.name, "number": number}
-            row |= {"energy": m.energy, "kind": m.kind, "dimension": m.local_dimension}
+            row |= {"energy_J": m.energy, "kind": m.kind, "dimension": m.local_dimension}
             row |= {"closure": m.closure_residual, "kkt": m.kkt_residual, "hits": m.hits}
             row["stable"] = m.full_space and m.full_space.verdict
-            row |= {"softest": m.softest, "barrier": m.escape and m.escape.barrier}
+            row |= {"softest_N_m_per_rad": m.softest, "barrier_J": m.escape and m.escape.barrier}
             row |= {"barrier_method": m.escape and m.escape.method, "shallow": m.shallow}
-            yield row | {f"phi_{k}": v for k, v in enumerate(m.fold_angles, start=1)}
+            yield row | angle_columns(m.fold_angles)
 
     def to_html(self, *, picture: bool = True) -> str:
         """Return a piece of HTML, static and without links: what is told, and a picture.

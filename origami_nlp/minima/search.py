@@ -171,7 +171,7 @@ class Search:
         """File ends under the answers that they are, and note starts below new saddles."""
         x, source = ends.samples.x, ends.samples.source
         drawn, counted = np.isin(source, DRAWN), source != GIVEN
-        number = self.record.drawn + np.cumsum(drawn)  # of drawn starts up to each
+        number = self.record.drawn + np.cumsum(drawn)  # of random starts up to each
         while len(which) and time.monotonic() <= self._until:
             # all ends that are one state as its first, then those that are left
             same = np.abs(x[which] - x[which[0]]).max(axis=1) <= ALIKE

@@ -12,6 +12,7 @@ from collections import Counter
 from collections.abc import Sequence
 
 from origami_nlp.kkt import BOUND, OPEN, Escape, rounded_up
+from origami_nlp.minima.full_space import MOST_CREASES, MOST_STATES, is_affordable
 from origami_nlp.minima.minimum import JudgedState
 from origami_nlp.numerics import SHALLOW
 from origami_nlp.pattern import Pattern, Scene
@@ -194,7 +195,19 @@ def not_asked_words(origami: Scene | Pattern, minima: Sequence[JudgedState]) -> 
     """Say that stability is open where it is, else nothing."""
     if not any(verdict(origami, m) == NOT_ASKED for m in minima):
         return ""
+    unasked = f"; unasked up to {MOST_CREASES} creases and {MOST_STATES} states"
+    few = isinstance(origami, Scene) and is_affordable(origami, len(minima))
     return (
-        "full space: not asked (--full, full=True): a symmetric minimum may be unstable when the "
-        "symmetry breaks"
+        f"full space: not asked (--full, full=True{'' if few else unasked}): a symmetric minimum may be unstable "
+        "when the symmetry breaks"
+    )
+
+
+def imposed_words(origami: Scene | Pattern) -> str:
+    """Say that states which break an imposed symmetry are not listed, and how to list them; else nothing."""
+    if not isinstance(origami, Scene) or not is_symmetric(origami):
+        return ""
+    return (
+        f"states that break the symmetry {origami.group.name} are not listed: --symmetry none, or "
+        'symmetry = "none" in the scene, lists all'
     )

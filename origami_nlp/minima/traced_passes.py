@@ -1,4 +1,4 @@
-"""Passes between the minima of a scene with one freedom: exact, from all curves of its states.
+"""Passes between the minima of a scene with one degree of freedom: exact, from all curves of its states.
 
 Each branch of a curve is cut where the energy is stationary, where fold limits and gaps close, and where another branch
 begins or ends on it: between two cuts the energy is monotone and all states are admissible, or none is.  Cuts that are
@@ -82,7 +82,7 @@ def traced_passes(
     Parameters
     ----------
     model
-        With one freedom and fold limits.
+        With one degree of freedom and fold limits.
     curves, branches
         Of it, resolved.
     minima, energies
@@ -194,7 +194,7 @@ def _ends_on(p: _Pieces) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _admissible(model: Model, p: _Pieces, which: np.ndarray, where: np.ndarray) -> np.ndarray:
-    """Tell which states of pieces are admissible, taken to rounding first."""
+    """Return which states of pieces are admissible, taken to rounding first."""
     x = p.at(which, where)
     if not len(x):
         return np.zeros(0, dtype=bool)
@@ -212,7 +212,7 @@ def _dangling(
     good: np.ndarray,
     pairs: np.ndarray,
 ) -> bool:
-    """Tell whether an end of a piece, beside admissible states and within the limits, is joined to no other piece."""
+    """Return whether an end of a piece, beside admissible states and within the limits, is joined to no other piece."""
     which, where, states, inside = cuts
     count = len(which)
     beside = np.zeros(count, dtype=bool)

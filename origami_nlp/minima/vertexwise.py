@@ -226,7 +226,7 @@ def find_vertexwise(
 
 
 def _line(one: EquivalentVertices, result: MinimaResult) -> str:
-    """Say what was found at a class of equal vertices."""
+    """Describe what was found at a class of equal vertices."""
     many = len(one.numbers) > 1
     lowest = f", lowest {result.minima[0].energy:.6g} J" if result.minima else ""
     late = f"; {OUT_OF_TIME}" if result.search.stopped_by == "time" else ""

@@ -1,6 +1,6 @@
-"""One search and one proof for each winding of symmetric states, told as one.
+"""One search and one proof for each winding of symmetric states, reported as one.
 
-Symmetric states may wind several times round the axis (`Scene.windings`): each winding is a programme of its own, and
+Symmetric states may wind several times round the axis (`Scene.windings`): each winding is a problem of its own, and
 no path leads from one to another.
 """
 
@@ -69,7 +69,7 @@ def finish_all(
     jobs = [job for some in searches for job in some]
     given: dict[int, list[np.ndarray]] = {id(job): [] for job in jobs}
     for guess in guesses:
-        # a state closes in the programme of its own winding only
+        # a state closes in the problem of its own winding only
         given[id(min(jobs, key=lambda job: _miss(job.model, guess)))].append(guess)
     for winding in sorted({job.model.structure.winding for job in jobs}):
         some = [job for job in jobs if job.model.structure.winding == winding]
@@ -165,7 +165,7 @@ def _apart(jobs: Sequence[Job], minima: Sequence[JudgedState]) -> Iterator[tuple
 
 
 def join_reports(windings: Sequence[int], reports: Sequence[SearchReport]) -> SearchReport:
-    """Tell of several searches as of one.
+    """Report several searches as one.
 
     Parameters
     ----------

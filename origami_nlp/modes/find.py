@@ -19,7 +19,7 @@ from origami_nlp.problem import Contact, Model
 
 
 def find_modes(result: MinimaResult, *, state: int | None = None) -> Modes:
-    """Say how each minimum gives way: energy along each eigenvector of its reduced Hessian until something touches.
+    """Compute soft modes of minima: energy along each eigenvector of the reduced Hessian until something touches.
 
     The Hessian is that of the Lagrangian in the space of all N fold angles, whatever symmetry the search kept, on the
     directions that keep closure and loaded contacts.  Along each eigenvector the energy is that of the geodesic that

@@ -1,4 +1,4 @@
-"""Rotations, vectors and small linear programmes: mathematics that knows nothing of origami."""
+"""Rotations, vectors and small linear programs: mathematics that knows nothing of origami."""
 
 import lazy_loader
 

@@ -20,6 +20,7 @@ from .merge_tree import Merge as Merge, MergeTree as MergeTree, merge_tree as me
 from .roots import bracketed_roots as bracketed_roots, distinct as distinct
 from .rounding import (
     coarse as coarse,
+    energy_or_zero as energy_or_zero,
     first_largest as first_largest,
     rank as rank,
     residual_words as residual_words,

@@ -1,6 +1,6 @@
 """Nearest points of small polyhedra, and the extremes of their coordinates.
 
-The programmes of a few contacts are small and decide what a state is, so they are solved to rounding by finite
+The problems of a few contacts are small and decide what a state is, so they are solved to rounding by finite
 methods: the active-set method of Lawson and Hanson (1974, chapter 23), the list of all corners, and the simplex method
 where there are too many corners to list.
 """
@@ -31,7 +31,7 @@ MOST_PIVOTS = 200
 def nonnegative_least_squares(b: np.ndarray, c: np.ndarray) -> np.ndarray:
     """Minimise |B mu - c| over mu >= 0 to rounding relative to the sizes of B [t, r] and c [t].
 
-    The columns of B that carry a positive entry of the answer are independent.  A linear programme would only
+    The columns of B that carry a positive entry of the answer are independent.  A linear program would only
     balance the springs to a solver's tolerance, which hides whether a state is stationary.
     """
     r = b.shape[1]
@@ -90,18 +90,18 @@ def nearest(point: np.ndarray, rows: np.ndarray, lower: np.ndarray) -> np.ndarra
     e = np.vstack([rows.T, missing / size])
     f = np.zeros(len(e))
     f[-1] = 1.0
-    pressing = nonnegative_least_squares(e, f)
-    left = e @ pressing - f
+    forces = nonnegative_least_squares(e, f)
+    left = e @ forces - f
     if abs(left[-1]) <= CURVED:
         return None
     # least distance programming: the residual of the least-squares problem is the answer, but for a factor
     y = point - size * (left[:-1] / left[-1])
-    on = pressing > 0  # where rows meet at sharp angles, the rows that hold say it more precisely
+    on = forces > 0  # where rows meet at sharp angles, the rows that hold say it more precisely
     return y + np.linalg.lstsq(rows[on], lower[on] - rows[on] @ y, rcond=CURVED)[0]
 
 
 def unbounded(b: np.ndarray) -> np.ndarray:
-    """Tell for which i some d >= 0 has B d = 0 and d_i > 0, [r]: along which {mu >= 0: B mu = c} is unbounded.
+    """Return for which i some d >= 0 has B d = 0 and d_i > 0, [r]: along which {mu >= 0: B mu = c} is unbounded.
 
     Where there is such a d it settles all of its positive entries; where there is none, what the other columns leave
     of column i, left, has left . B >= 0, and settles all entries where that is positive (Farkas).
@@ -211,7 +211,7 @@ def _pivot(b: np.ndarray, basis: np.ndarray, table: np.ndarray, new: int) -> np.
 
 
 def _independent(columns: np.ndarray) -> bool:
-    """Tell whether columns [t, k] are a basis, by their smallest singular value."""
+    """Return whether columns [t, k] are a basis, by their smallest singular value."""
     t, k = columns.shape
     return t == k and bool(np.linalg.svd(columns, compute_uv=False).min(initial=1.0) > INDEPENDENT)
 

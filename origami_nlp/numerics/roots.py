@@ -1,4 +1,4 @@
-"""Roots of many functions at once, and states told apart."""
+"""Roots of many functions at once, and states distinguished."""
 
 from __future__ import annotations
 

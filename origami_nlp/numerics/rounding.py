@@ -6,6 +6,7 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from origami_nlp.numerics.tolerances import CHOSEN, ROUNDED, STATIONARY
 
@@ -32,6 +33,31 @@ def rank(energy: float, fold_angles: Sequence[float]) -> tuple[float, ...]:
     True
     """
     return (round(energy, 9) + 0.0, *(round(float(a), 7) + 0.0 for a in fold_angles))
+
+
+def energy_or_zero(energy: np.ndarray, stiffness: ArrayLike) -> np.ndarray:
+    """Return energies of springs, as 0 where fold angles within `STATIONARY` of rest have more.
+
+    Parameters
+    ----------
+    energy
+        Shape [...].
+    stiffness
+        Of the springs, shape [n], in the unit of the energy a square radian.
+
+    Returns
+    -------
+    ndarray
+        Shape [...].
+
+    Examples
+    --------
+    >>> from origami_nlp.numerics import energy_or_zero
+    >>> energy_or_zero([1.2e-29, 1e-9], [1.0, 1.0])
+    array([0.e+00, 1.e-09])
+    """
+    noise = 0.5 * np.sum(stiffness) * STATIONARY**2
+    return np.where(np.abs(energy) <= noise, 0.0, energy)[()]  # a number stays one
 
 
 def residual_words(residual: float) -> str:

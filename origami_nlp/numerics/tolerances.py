@@ -5,7 +5,7 @@ contacts.  *Coarse*: what IPOPT's answers, and states read from files, are good 
 
 Near a singular state (flat, flat-folded, creases on each other) quantities follow powers of the distance d: closure
 misses by d^2, an opening grows as d^2 or d^3, multipliers as 1/d.  So an opening of eps is a distance of sqrt(eps):
-nothing finer than `CONTACT_TOL` can be told from touching, and nothing coarser may be called so.
+nothing finer than `CONTACT_TOL` can be distinguished from touching, and nothing coarser may be called so.
 """
 
 EPS = 2.0**-52
@@ -22,7 +22,7 @@ SUMMED = 2e-14
 """Relations between sector angles [rad] that miss by less hold: sums of up to 14, each typed to 1e-15."""
 FOLLOWED = 1e-13
 """Closure of points of a curve or small sphere: at distance d from a singular state any point closes to d^2, so at
-the smallest radii (1e-6) only residuals below this tell."""
+the smallest radii (1e-6) only residuals below this are conclusive."""
 OUTSIDE = 1e-12
 """A state is beyond a fold limit, a mirror, the axis or another facet: more than closing to `CLOSURE_TOL` can do, and
 less than the depth of third order, (2e-4)^3, that crossing facets show on the smallest sphere around a singular
@@ -42,7 +42,7 @@ STEP_NOISE = 1e-10
 """Length of a step of Newton [rad] that is only rounding: `STATIONARY` over a tenth of the curvature of springs."""
 DEPENDENT = 1e-10
 """Singular values of closure and contacts below this belong to constraints that are dependent all along a set: four
-decades above `ROUNDED`, and below the distance at which a singular state nearby can still be told, `CONTACT_TOL`."""
+decades above `ROUNDED`, and below the distance at which a singular state is still distinguished, `CONTACT_TOL`."""
 CARRIES = 1e-10
 """Multipliers over the mean stiffness up to this carry nothing: what is left of torque at `STATIONARY`, ten times."""
 
@@ -57,7 +57,7 @@ INDEPENDENT = 1e-9
 """Slopes of contacts along unit directions, and singular values of unit rows, below this are zero: contacts that
 differ do so by `RESOLVED` at least, equal ones by `ROUNDED`; two decades are left for products of slopes."""
 BALANCED = 1e-9
-"""Torque that multipliers >= 0 leave, relative to the largest: ten times what the linear programme behind them (its
+"""Torque that multipliers >= 0 leave, relative to the largest: ten times what the linear program behind them (its
 tolerance is 1e-10) leaves where too many contacts meet to list corners."""
 INPUT_TOL = 1e-9
 """Stated angles [rad] and relative stiffnesses that differ by no more are meant to be equal: ten digits were typed."""

@@ -1,4 +1,4 @@
 from . import cone as cone
 from .events import Event as Event
-from .family import Sweep as Sweep, Transition as Transition
+from .family import Transition as Transition, TransitionSweep as TransitionSweep
 from .transitions import find_transitions as find_transitions

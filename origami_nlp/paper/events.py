@@ -7,7 +7,7 @@ KKT point of "alpha is extreme":
 
     g = 0,   f_A = 0,   (g_x; f_x)' lambda = 0,   (g_alpha; f_alpha) . lambda = 1.
 
-The system is square.  It is solved from many random starts for every set A of up to three walls; nothing is told
+The system is square.  It is solved from many random starts for every set A of up to three walls; nothing is reported
 about where to look.  Events at which a whole curve is critical (two walls coincide) are found as points of that curve.
 """
 

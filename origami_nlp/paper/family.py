@@ -138,7 +138,7 @@ class Transition:
 
 
 @dataclass(frozen=True, repr=False)
-class Sweep(Report):
+class TransitionSweep(Report):
     """What a sweep over a family of vertices finds.
 
     Attributes

@@ -1,6 +1,6 @@
 """Sweep the sector angle of a family of vertices and find every transition of its admissible space X.
 
-Two searches that share only the geometry of the half-chain, and neither is told where to look:
+Two searches that share only the geometry of the half-chain, and neither is given the places to look at:
 
 - the sweep: X is analysed at many sector angles; where its signature (topology, corners, and the loops of its picture
   in the paper's chart) differs between neighbours, bisection closes in on the change;
@@ -23,7 +23,7 @@ from origami_nlp.errors import OptionError
 from origami_nlp.folding import check_admissible, fold_vertex
 from origami_nlp.numerics import CLOSURE_TOL, INPUT_TOL, RANK, RESOLVED, ROUNDED, SETTLED
 from origami_nlp.paper.events import ContactKkt, Event, find_events, walls_of
-from origami_nlp.paper.family import Signature, Sweep, Transition, Witness
+from origami_nlp.paper.family import Signature, Transition, TransitionSweep, Witness
 from origami_nlp.pattern import Scene, degree6, degree8
 from origami_nlp.space import MeshError, Space, chain_of, find_space
 
@@ -53,7 +53,7 @@ def find_transitions(
     size: int = SWEEP_SIZE,
     seed: int = 0,
     report: OnProgress = lambda what, done: None,
-) -> Sweep:
+) -> TransitionSweep:
     """Sweep the sector angle of a family of vertices, and find where the space X of admissible states changes.
 
     This takes minutes: events are solved for exactly, and confirmed by states on either side.
@@ -73,7 +73,7 @@ def find_transitions(
 
     Returns
     -------
-    Sweep
+    TransitionSweep
         The transitions, and what the sweep saw that no event explains.
 
     Raises
@@ -98,7 +98,7 @@ def find_transitions(
 
     def look(alpha: float) -> Signature | None:
         try:
-            return signature_of(find_space(make(alpha), size))
+            return signature_of(find_space(make(alpha), size=size))
         except MeshError:  # features thinner than the mesh resolves
             return None
 
@@ -127,7 +127,8 @@ def find_transitions(
         alpha = float(np.median([e.alpha for e in group]))
         report("confirmation", 0.0)
         around = tuple(
-            signature_of(find_space(make(a), size)) for a in (alpha - SIDE, alpha, alpha + SIDE)
+            signature_of(find_space(make(a), size=size))
+            for a in (alpha - SIDE, alpha, alpha + SIDE)
         )
         changes = _changes(around[0], around[1], around[2])
         if not changes:
@@ -138,7 +139,7 @@ def find_transitions(
     explained = {t.bracket for t in transitions}
     unexplained = tuple(b for b in brackets if b not in explained)
     pairs = tuple(zip(angles.tolist(), signatures, strict=True))
-    return Sweep(family, pairs, tuple(transitions), unexplained, tuple(silent))
+    return TransitionSweep(family, pairs, tuple(transitions), unexplained, tuple(silent))
 
 
 def _bisect(

@@ -28,7 +28,7 @@ ROUNDS = 8
 COARSE = 1e-3
 """Angles [rad] below which a file must state its sectors, or nothing can be said of what was drawn."""
 SOFT = 1e-10
-"""Rows that depend on others are weighed with this, so that they need not be told."""
+"""Rows that depend on others are weighed with this, so that they need not be known beforehand."""
 LIGHT = 1e-6
 """Weight of the angles and lengths that groups share, beside corners over the size of the sheet."""
 SHORTENS = 0.1

@@ -191,7 +191,9 @@ def _analyse(
     if frame.folded and not broken:
         phi, unsure = _measured(d, normals, keep, frame, at)
         if unsure:
-            notes.append("a shut crease without assignment or fold angle: taken for a valley")
+            notes.append(
+                "a fully folded crease without assignment or fold angle: taken for a valley"
+            )
         notes += _compare(frame, at, phi)
     reason = broken or _why_not(frame, at, merged)
     if not reason:
@@ -262,7 +264,7 @@ def _refused(
 
 
 def _compare(frame: Frame, at: list[int], phi: np.ndarray) -> list[str]:
-    """Say where the angles of a folded form are not those that its file states."""
+    """Return where the angles of a folded form are not those that its file states."""
     stated = frame.fold_angles[at]
     apart = np.nan_to_num(np.abs(phi - stated))
     if apart.max() > APART:
@@ -270,13 +272,13 @@ def _compare(frame: Frame, at: list[int], phi: np.ndarray) -> list[str]:
         return [
             f"measured fold angles differ from edges_foldAngle by up to {math.degrees(apart[k]):.4g} degrees (edge "
             f"{int(frame.numbers[at[k]])}: {math.degrees(phi[k]):.4g} measured, {math.degrees(stated[k]):.4g} in the "
-            "file): rest angles are those of the file, or with --rest-angles measured the others"
+            "file): rest angles are those of the file, or with --rest-from measured the others"
         ]
     letters = {frame.assignment[e] for e in at}
     silent = np.isnan(stated) & np.isnan(frame.rest_angles[at])
     if silent.all() and np.abs(phi).max() < APART and letters & {"M", "V"}:
         return [
-            "it lies flat and the file gives no fold angles: rest angles are 0, or with --rest-angles file those of M "
+            "it lies flat and the file gives no fold angles: rest angles are 0, or with --rest-from file those of M "
             "and V"
         ]
     return []
@@ -285,7 +287,7 @@ def _compare(frame: Frame, at: list[int], phi: np.ndarray) -> list[str]:
 def _measured(
     d: np.ndarray, normals: np.ndarray, keep: list[int], frame: Frame, at: list[int]
 ) -> tuple[np.ndarray, bool]:
-    """Fold angles from the facets' normals; where a crease is shut the file says to which side."""
+    """Fold angles from the facets' normals; where a crease is fully folded the file says to which side."""
     unit = normals / np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), NONZERO)
     phi, unsure = [], False
     for k, e in zip(keep, at, strict=True):

@@ -77,7 +77,7 @@ def miura(
     OptionError
         If `alpha`, `ratio`, `mountain` or `valley` is out of range.
     AngleError
-        If an angle is none.
+        If an angle is not a number.
     SceneError, SymmetryError
         If `symmetry` or `contact` is none of this vertex.
 
@@ -181,7 +181,7 @@ def bird_base(
 ) -> Scene:
     """Make a petal corner of the bird base: (pi/4, 5 pi/8, 3 pi/4, 3 pi/8), degree 4, no two sectors equal.
 
-    Crease 1 is the fold line of the petal, the only valley; mountains pull it shut half way only.  It is stable near
+    Crease 1 is the fold line of the petal, the only valley; mountains fold it half way only.  It is stable near
     the base, and nearly flat on the other branch of its motion, where the long creases 2 and 4 hardly fold.
 
     Parameters
@@ -264,8 +264,8 @@ def yoshimura(
 ) -> Scene:
     """Make a vertex of the Yoshimura pattern: sector angles (a, pi - 2a, a, a, pi - 2a, a), degree 6.
 
-    Creases 1 and 4 are one straight valley, the others mountains.  It is stable as a part of the buckled tube, and shut
-    flat along the straight line, where facets touch.
+    Creases 1 and 4 are one straight valley, the others mountains.  It is stable as a part of the buckled tube, and
+    fully folded flat along the straight line, where facets touch.
 
     Parameters
     ----------

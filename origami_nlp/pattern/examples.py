@@ -9,7 +9,7 @@ import re
 from collections.abc import Callable
 from typing import Any
 
-from origami_nlp.arguments import check_whole, shown
+from origami_nlp.arguments import check_whole, did_you_mean, shown
 from origami_nlp.errors import OptionError
 from origami_nlp.numerics import CLOSURE_TOL
 from origami_nlp.pattern import example_patterns
@@ -216,11 +216,15 @@ def by_name(name: str, **options: Any) -> Scene:
             f"name = {shown(name)} is a sheet, not one vertex: give --fold FILE for its pattern"
         )
     if name not in BY_NAME:
-        raise OptionError(f"name = {shown(name)} is no example: use one of {', '.join(BY_NAME)}")
+        raise OptionError(
+            f"name = {shown(name)} is no example: use one of {', '.join(BY_NAME)}{did_you_mean(name, BY_NAME)}"
+        )
     known = inspect.signature(BY_NAME[name]).parameters
     for option in options:
         if option not in known:
-            raise OptionError(f"{name} has no option {option}: it has {', '.join(known)}")
+            raise OptionError(
+                f"{name} has no option {option}: it has {', '.join(known)}{did_you_mean(option, known)}"
+            )
     return BY_NAME[name](**options)
 
 
@@ -242,7 +246,7 @@ def split_size(name: str) -> tuple[str, tuple[int, int] | tuple[None, None]]:
     Raises
     ------
     OptionError
-        If the size is none.
+        If the size is not valid.
 
     Examples
     --------

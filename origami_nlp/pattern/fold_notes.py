@@ -10,6 +10,8 @@ from origami_nlp.numerics import NOISE, NONZERO, PLACES
 
 LOOKS_LIKE_PI = 1e-3
 """Degrees beside pi that nobody means: who writes so means radians."""
+SMALLEST_FOLD = 0.05
+"""The largest fold of a file that is read as it stands and yet could be radians: 0.05 rad are 3 degrees."""
 UP = (1e-6, 1e-3, 1.0)
 """Where a sheet without a side is seen from: above, and from somewhere where its normal lies in the plane."""
 
@@ -55,7 +57,7 @@ def compare_signs(letters: list[str], angles: np.ndarray, notes: list[str]) -> N
 
 
 def in_radians(angles: np.ndarray, legacy: bool, notes: list[str]) -> bool:
-    """Tell whether fold angles are radians.
+    """Return whether fold angles are radians.
 
     FOLD says degrees, under both names; under the old one programs wrote radians as well, and a file whose
     largest fold is below 3.15 degrees is no file that people make.
@@ -66,9 +68,10 @@ def in_radians(angles: np.ndarray, legacy: bool, notes: list[str]) -> bool:
             f"edges_foldAngles: the largest is {largest:.6g}, read as radians; name it edges_foldAngle for degrees"
         )
         return True
-    if abs(largest - math.pi) < LOOKS_LIKE_PI:
+    if SMALLEST_FOLD <= largest <= math.pi + LOOKS_LIKE_PI:
         notes.append(
-            "edges_foldAngle: the largest is pi, read as degrees as FOLD says: if it means radians, write 180"
+            f"edges_foldAngle: the largest is {largest:.6g}, read as degrees as FOLD says: if the file has radians, "
+            f"write {math.degrees(largest):.6g}"
         )
     return False
 

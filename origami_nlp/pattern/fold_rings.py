@@ -103,7 +103,7 @@ class Rings:
         return found
 
     def _open_ends(self, border: set[int], cut: set[int]) -> str:
-        """Say what to add where creases end in the open, so that vertices inside the paper lie on its outside."""
+        """Describe what to add where creases end in the open, so that vertices inside the paper lie on its outside."""
         of = self.frame.edges.tolist()
         at = {v for e in border for v in of[e]}
         ends = sorted(v for v in at if len(self.edge[v]) == 1)
@@ -174,7 +174,7 @@ def oriented(faces: Sequence[tuple[int, ...]]) -> tuple[list[tuple[int, ...]], i
 
 
 def check_drawing(frame: Frame) -> None:
-    """Complain about edges that cross, or pass through a vertex, in a drawing whose faces are to be walked round."""
+    """Raise an error for edges that cross, or pass through a vertex, in a drawing whose faces are to be traced."""
     from shapely import STRtree, linestrings, points
 
     xy = frame.coords[:, :2]
@@ -213,7 +213,7 @@ Face = tuple[int, ...]
 
 
 def check_sides(faces: Sequence[Face]) -> None:
-    """Complain about faces, oriented alike as far as can be, that come back to each other turned over."""
+    """Raise an error for faces, oriented alike as far as can be, that come back to each other turned over."""
     directed = Counter((f[i - 1], v) for f in faces for i, v in enumerate(f))
     for (a, b), count in directed.items():
         if count == 2 and (b, a) not in directed:
@@ -224,7 +224,7 @@ def check_sides(faces: Sequence[Face]) -> None:
 
 
 def check_parts(frame: Frame, faces: Sequence[Face], origin: Sequence[int]) -> None:
-    """Complain about faces that fall apart.
+    """Raise an error for faces that fall apart.
 
     Parameters
     ----------

@@ -33,8 +33,8 @@ def _to_stderr(note: str) -> None:
 def read_fold_scene(
     source: str | Path,
     vertex: int | None = None,
-    frame: int | None = None,
     *,
+    frame: int | None = None,
     tell: Callable[[str], object] = _to_stderr,
     **options: Any,
 ) -> Scene:
@@ -79,8 +79,8 @@ def read_fold_scene(
 
 def read_fold_scenes(
     source: str | Path,
-    frame: int | None = None,
     *,
+    frame: int | None = None,
     tell: Callable[[str], object] = _to_stderr,
     **options: Any,
 ) -> dict[int, Scene]:
@@ -127,7 +127,7 @@ def scene_at(
     contact: Contact = "full",
     stiffness: float = 1.0,
     rest_angle: float = math.pi,
-    rest_angles: Literal["file", "measured"] | None = None,
+    rest_from: Literal["file", "measured"] | None = None,
 ) -> Scene:
     """Make a scene of one interior vertex of a frame.
 
@@ -144,7 +144,7 @@ def scene_at(
     rest_angle
         Size of the rest angle of mountains and valleys for which the file gives neither a rest angle nor a
         fold angle [rad]; FOLD's M and V alone mean folded flat.  Unassigned creases rest at 0.
-    rest_angles
+    rest_from
         What a folded form rests at: what the file says, as of a crease pattern (``"file"``), or the angles at which
         it is folded (``"measured"``).  Default: of each crease the file's angle, and the measured one where the
         file has none.
@@ -157,18 +157,18 @@ def scene_at(
     Raises
     ------
     FoldFileError
-        If the vertex is not there, or cannot be analysed, or `rest_angles` asks for what the frame does not have.
+        If the vertex is not there, or cannot be analysed, or `rest_from` asks for what the frame does not have.
     SceneError, SymmetryError
         If a value does not fit the vertex.
     """
     check_type("frame", frame, Frame)
     v = number if isinstance(number, FoldVertex) else _vertex_at(frame, number)
-    check_fold_springs(frame, stiffness, rest_angle, rest_angles)
+    check_fold_springs(frame, stiffness, rest_angle, rest_from)
     if v.reason:
         raise FoldFileError(f"vertex {v.number} cannot be analysed: {v.reason}")
     at = np.searchsorted(frame.numbers, v.edges)
     measured = np.array(v.fold_angles)
-    k, rest = fold_springs(frame, at, measured, stiffness, rest_angle, rest_angles)
+    k, rest = fold_springs(frame, at, measured, stiffness, rest_angle, rest_from)
     if frame.loads and len(fold_vertices(frame)[0]) > 1:
         raise FoldFileError(
             f"{LOADS_KEY}: forces are on the creases of one vertex, and the frame has several: leave them out"
@@ -291,7 +291,7 @@ def _vertex_at(frame: Frame, number: int) -> FoldVertex:
 
 
 def _what_it_is(frame: Frame, number: int) -> str:
-    """Say what a vertex is that is no interior one with creases."""
+    """Describe what a vertex is that is no interior one with creases."""
     here = f"frame {frame.number}"
     if number >= len(frame.coords):
         return f"is not in {here}, whose vertices are 0 to {len(frame.coords) - 1}"
@@ -305,10 +305,10 @@ def _by_letters(
     frame: Frame,
     v: FoldVertex,
     rest_angle: float = math.pi,
-    rest_angles: str | None = None,
+    rest_from: str | None = None,
     **_: Any,
 ) -> bool:
-    """Tell whether M and V alone say that every crease of a vertex rests shut."""
+    """Return whether M and V alone say that every crease of a vertex rests fully folded."""
     silent = are_silent(frame, np.searchsorted(frame.numbers, v.edges))
-    letters = not frame.folded or rest_angles == "file"
+    letters = not frame.folded or rest_from == "file"
     return silent and letters and set(v.assignment) <= {"M", "V"} and rest_angle == math.pi

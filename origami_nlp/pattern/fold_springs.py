@@ -18,18 +18,18 @@ LETTERS_ONLY = (
 )
 
 
-def check_fold_springs(frame: Frame, stiffness: float, rest_angle: float, rest_angles: Any) -> None:
-    """Complain unless springs can be had of a frame in the way asked for; parameters as for `frame_pattern`."""
+def check_fold_springs(frame: Frame, stiffness: float, rest_angle: float, rest_from: Any) -> None:
+    """Raise an error unless springs can be had of a frame in the way asked for; parameters as for `frame_pattern`."""
     check_number("stiffness", stiffness)
     check_number("rest_angle", rest_angle, 0.0, math.pi)
-    if rest_angles not in (None, "file", "measured"):
+    if rest_from not in (None, "file", "measured"):
         raise FoldFileError(
-            f"--rest-angles = {shown(rest_angles)} must be file or measured, the angles at which a folded form rests; "
+            f"--rest-from = {shown(rest_from)} must be file or measured, the angles at which a folded form rests; "
             "the size for creases without an angle is --rest-angle, in degrees"
         )
-    if rest_angles == "measured" and not frame.folded:
+    if rest_from == "measured" and not frame.folded:
         raise FoldFileError(
-            f"--rest-angles measured: frame {frame.number} is a crease pattern, on which no angle can be measured; "
+            f"--rest-from measured: frame {frame.number} is a crease pattern, on which no angle can be measured; "
             "--rest-angle gives the size for creases without an angle"
         )
 
@@ -40,7 +40,7 @@ def fold_springs(
     measured: np.ndarray,
     stiffness: float,
     rest_angle: float,
-    rest_angles: str | None,
+    rest_from: str | None,
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return stiffness [N m/rad] and rest angle [rad] of some edges, [n] each; other parameters as for `frame_pattern`.
 
@@ -49,7 +49,7 @@ def fold_springs(
     at = np.asarray(edges, dtype=np.intp)
     k = np.where(np.isnan(frame.stiffness[at]), stiffness, frame.stiffness[at])
     stated = (frame.rest_angles[at], frame.fold_angles[at])
-    ways = {"file": stated, "measured": (measured,), None: (*stated, measured)}[rest_angles]
+    ways = {"file": stated, "measured": (measured,), None: (*stated, measured)}[rest_from]
     letters = [{"M": -rest_angle, "V": rest_angle}.get(frame.assignment[e], 0.0) for e in at]
     rest = np.full(len(at), math.nan)
     for way in (*ways, np.array(letters)):
@@ -58,7 +58,7 @@ def fold_springs(
 
 
 def are_silent(frame: Frame, edges: ArrayLike) -> bool:
-    """Tell whether the file gives no angle of some edges, neither a fold angle nor a rest angle."""
+    """Return whether the file gives no angle of some edges, neither a fold angle nor a rest angle."""
     at = np.asarray(edges, dtype=np.intp)
     return bool((np.isnan(frame.fold_angles[at]) & np.isnan(frame.rest_angles[at])).all())
 

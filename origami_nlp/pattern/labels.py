@@ -174,7 +174,7 @@ def _match(first: Scene, other: Scene) -> tuple[Labels, float] | None:
     """Return the labels under which `other` comes nearest to `first`, and how near, if near enough."""
     n = first.degree
     kinds = [(s.contact, s.vertex.flat, s.group.name, s.winding) for s in (first, other)]
-    if first.loads or other.loads:  # forces are told from a facet that has a number
+    if first.loads or other.loads:  # forces are counted from a facet that has a number
         return None
     if other.degree != n or kinds[0] != kinds[1]:
         return None
@@ -200,7 +200,7 @@ def _match(first: Scene, other: Scene) -> tuple[Labels, float] | None:
 
 
 def _keeps(first: Scene, other: Scene, creases: np.ndarray) -> bool:
-    """Tell whether the symmetries of `other`, under labels that name `creases`, are those of `first`."""
+    """Return whether the symmetries of `other`, under labels that name `creases`, are those of `first`."""
     place = np.argsort(creases)
     theirs = {tuple(place[p[creases]].tolist()) for p in _permutations(other)}
     return theirs == {tuple(p.tolist()) for p in _permutations(first)}

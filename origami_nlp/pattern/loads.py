@@ -185,7 +185,7 @@ class DeadLoads:
     points
         In the plane of the facet, x along its first crease, [L, 2] [m].
     forces
-        In the frame of the held facet, [L, 3] [N], or over the scale of a programme.
+        In the frame of the held facet, [L, 3] [N], or over the scale of a problem.
     """
 
     held: int

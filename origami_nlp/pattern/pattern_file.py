@@ -1,4 +1,4 @@
-"""A whole frame of a FOLD file as a pattern: facets, creases between them, springs; or why it is none."""
+"""A whole frame of a FOLD file as a pattern: facets, creases between them, springs; or why it is not one."""
 
 from __future__ import annotations
 
@@ -39,11 +39,11 @@ FORCES = f"{LOADS_KEY}: left out, forces of a file are those on one vertex"
 
 def read_pattern(
     source: str | Path,
-    frame: int | None = None,
     *,
+    frame: int | None = None,
     stiffness: float = 1.0,
     rest_angle: float = math.pi,
-    rest_angles: Literal["file", "measured"] | None = None,
+    rest_from: Literal["file", "measured"] | None = None,
 ) -> Pattern:
     """Read a FOLD file as a pattern of rigid facets.
 
@@ -53,7 +53,7 @@ def read_pattern(
         FOLD file, or ``"-"`` for standard input.
     frame
         Which, from 0; by default the first with geometry.
-    stiffness, rest_angle, rest_angles
+    stiffness, rest_angle, rest_from
         Of creases for which the file states none, as for `frame_pattern`.
 
     Returns
@@ -76,9 +76,7 @@ def read_pattern(
     Pattern('Miura, alpha = pi/3': 16 facets, 24 creases, 9 interior vertices)
     """
     (chosen,) = read_fold(source, "first" if frame is None else frame)
-    return frame_pattern(
-        chosen, stiffness=stiffness, rest_angle=rest_angle, rest_angles=rest_angles
-    )
+    return frame_pattern(chosen, stiffness=stiffness, rest_angle=rest_angle, rest_from=rest_from)
 
 
 def frame_pattern(
@@ -86,7 +84,7 @@ def frame_pattern(
     *,
     stiffness: float = 1.0,
     rest_angle: float = math.pi,
-    rest_angles: Literal["file", "measured"] | None = None,
+    rest_from: Literal["file", "measured"] | None = None,
 ) -> Pattern:
     """Make a pattern of a frame.
 
@@ -103,7 +101,7 @@ def frame_pattern(
     rest_angle
         Size of the rest angle of mountains and valleys for which the file gives neither a rest angle nor a fold angle
         [rad]; others rest at 0.
-    rest_angles
+    rest_from
         What a folded form rests at: ``"file"``, ``"measured"``, or of each crease the file's angle and the measured
         one where the file has none.
 
@@ -126,7 +124,7 @@ def frame_pattern(
     4
     """
     check_type("frame", frame, Frame)
-    check_fold_springs(frame, stiffness, rest_angle, rest_angles)
+    check_fold_springs(frame, stiffness, rest_angle, rest_from)
     wound = np.flatnonzero(np.nan_to_num(frame.preload))
     if len(wound):
         raise FoldFileError(
@@ -144,7 +142,7 @@ def frame_pattern(
     sheet.note_targets(measured)
     creases, at = [s for s, _ in edges], [e for _, e in edges]
     found = np.array([measured.get(s, math.nan) for s in creases])
-    k, rest = fold_springs(frame, at, found, stiffness, rest_angle, rest_angles)
+    k, rest = fold_springs(frame, at, found, stiffness, rest_angle, rest_from)
     drawn = {frame.assignment[e] for e in at} & set("MV")
     if drawn and are_silent(frame, at) and not frame.folded and rest_angle == math.pi:
         sheet.notes.append(LETTERS_ONLY)
@@ -392,7 +390,7 @@ class _Sheet:
             elif abs(angle) > PLACES:
                 votes += sign * math.copysign(1.0, angle)
             phi[ends] = angle
-        note = f"shut creases {listed(unsure)} without assignment or fold angle: taken for valleys"
+        note = f"fully folded creases {listed(unsure)} without assignment or fold angle: taken for valleys"
         if unsure and note not in self.notes:
             self.notes.append(note)
         return phi, votes

@@ -25,7 +25,7 @@ PLACE = re.compile(
 
 
 def is_place(name: str) -> bool:
-    """Tell whether a name is that of numbers of a pattern.
+    """Return whether a name is that of numbers of a pattern.
 
     Parameters
     ----------

@@ -1,10 +1,10 @@
 """Special relations between the sector angles of a vertex, decided once: exact, made exact, or different.
 
 Where the creases between creases i and j lie at 0 or +-pi, their facets form one flat plate, and the
-angle from crease i to crease j is a signed sum of sector angles, the sign turning at every shut crease.
+angle from crease i to crease j is a signed sum of sector angles, the sign turning at every fully folded crease.
 The space of folded states is singular where such a sum is a multiple of pi: the two creases then lie on
 one line and turn as one hinge, or, for the whole vertex, it folds flat.  In double precision a sum that
-misses such a value by much less than the accuracy of contacts (1e-8 rad) can neither be told from it nor
+misses such a value by much less than the accuracy of contacts (1e-8 rad) can neither be distinguished from it nor
 be treated as equal to it: a state next to the singular set closes to the square of its distance.
 
 So each scene decides: a sum within rounding of a multiple of pi is *exact*; one within `RESOLVED` of it is
@@ -68,10 +68,12 @@ class Relation(ShortRepr):
             at_limit.append(self.first)
         named = ", ".join(map(str, sorted(at_limit)))
         if m == n:
-            return f"folds flat with creases {named} shut"
+            return f"folds flat with creases {named} fully folded"
         last = (self.first - 1 + m) % n + 1
         how = "coincide" if self.multiple % 2 == 0 else "lie on one line"
-        when = f" while {named} {'is' if len(at_limit) == 1 else 'are'} shut" * bool(at_limit)
+        when = f" while {named} {'is' if len(at_limit) == 1 else 'are'} fully folded" * bool(
+            at_limit
+        )
         return f"creases {self.first} and {last} {how}{when}"
 
 

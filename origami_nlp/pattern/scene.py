@@ -12,7 +12,7 @@ import numpy as np
 from origami_nlp.arguments import check_angles, shown
 from origami_nlp.errors import OptionError, SceneError, SymmetryError
 from origami_nlp.io import PrettyRepr, is_unicode, printable
-from origami_nlp.numerics import EPS, INPUT_TOL, RESOLVED, SUMMED
+from origami_nlp.numerics import EPS, INPUT_TOL, RESOLVED, SUMMED, energy_or_zero
 from origami_nlp.pattern.angles import format_angle, parse_angles
 from origami_nlp.pattern.loads import Load, dead_loads, read_loads
 from origami_nlp.pattern.relations import Relations, find_relations
@@ -79,7 +79,7 @@ class Scene(PrettyRepr):
         depends on it.
     winding
         How often states of C_n or D_n, n > 2, wind round the axis of their symmetry: an odd number up to n.  Default:
-        a search looks at all of `windings`; whatever poses one programme of the scene takes states that wind once.
+        a search looks at all of `windings`; whatever poses one problem of the scene takes states that wind once.
     relations
         Special relations of the sector angles: which hold, which nearly hold and were made exact by moving
         sector angles (by at most 1e-7 rad, `relations.moved`), and which are different.  Decided here; an
@@ -152,8 +152,8 @@ class Scene(PrettyRepr):
         for i, a in enumerate(rest, start=1):
             if abs(a) > math.pi * (1 + 4 * EPS):
                 raise SceneError(
-                    f"rest_angles[{i}] = {a:.6g} is outside [-pi, pi]: fold angles are radians, "
-                    "valley positive; a torque beyond is stated as preload"
+                    f"rest_angles[{i}] = {a:.6g} rad is outside [-pi, pi]: fold angles are radians, valley positive "
+                    "(degrees: rest_angles_deg); a torque beyond is stated as preload"
                 )
         if not isinstance(self.contact, str) or self.contact not in get_args(Contact):
             raise SceneError(
@@ -176,7 +176,7 @@ class Scene(PrettyRepr):
             relations = find_relations(self.vertex.sector_angles)
             object.__setattr__(self, "relations", relations)
             if relations.moved:
-                moved = Vertex(relations.sector_angles, self.vertex.flat)
+                moved = self.vertex.with_angles(relations.sector_angles)
                 object.__setattr__(self, "vertex", moved)
         tolerance = self.symmetry_tolerance
         if isinstance(tolerance, bool) or not isinstance(tolerance, int | float):
@@ -258,7 +258,7 @@ class Scene(PrettyRepr):
             if _change(made, self._numbers) <= SUMMED:
                 return
             object.__setattr__(self, "adjusted", _change(made, stated))
-            object.__setattr__(self, "vertex", Vertex(sectors, self.vertex.flat))
+            object.__setattr__(self, "vertex", self.vertex.with_angles(sectors))
             found = find_relations(self.vertex.sector_angles)
             record = replace(
                 self.relations, sector_angles=self.vertex.sector_angles, exact=found.exact
@@ -294,7 +294,7 @@ class Scene(PrettyRepr):
         return self.vertex.degree
 
     def check_no_forces(self, what: str) -> None:
-        """Complain where forces pull in space, which `what` does not know.
+        """Raise an error where forces pull in space, which `what` does not know.
 
         Parameters
         ----------
@@ -355,7 +355,7 @@ class Scene(PrettyRepr):
         """
         phi = check_angles("fold_angles", fold_angles, self.degree, finite=False)
         k, rest = np.array(self.stiffness), np.array(self.wound_angles)
-        energy = 0.5 * np.sum(k * (phi - rest) ** 2, axis=-1)
+        energy = energy_or_zero(0.5 * np.sum(k * (phi - rest) ** 2, axis=-1), k)
         if (dead := dead_loads(self.loads, self.held_facet)) is not None:
             energy = energy + dead.energy(np.array(self.vertex.sector_angles), phi)
         return float(energy) if energy.ndim == 0 else energy
@@ -387,7 +387,7 @@ def _change(new: Sequence[Any], old: Sequence[Any]) -> float:
 
 
 def check_range(stiffness: Sequence[float]) -> None:
-    """Complain about stiffnesses that cannot be computed with, or not together."""
+    """Raise an error for stiffnesses that cannot be computed with, or not together."""
     soft, stiff = min(stiffness), max(stiffness)
     i, j = stiffness.index(soft) + 1, stiffness.index(stiff) + 1
     if soft < SMALLEST or stiff > LARGEST:
@@ -429,7 +429,7 @@ def _same_length(values: Sequence[float], name: str, degree: int) -> None:
 
 
 def _numbers(values: object, name: str, degree: int) -> tuple[float, ...]:
-    """Read `degree` floats, or complain about field `name`."""
+    """Read `degree` floats, or raise an error about field `name`."""
     wrong = SceneError(f"{name} must be a list of numbers, one for each crease")
     if isinstance(values, str | bytes):
         raise wrong

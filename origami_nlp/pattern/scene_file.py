@@ -19,7 +19,7 @@ from origami_nlp.pattern.scene import Scene
 from origami_nlp.pattern.vertex import Vertex
 
 _KEYS: dict[str, tuple[str, ...]] = {
-    "vertex": ("sector_angles", "sector_angles_deg", "directions", "flat"),
+    "vertex": ("sector_angles", "sector_angles_deg", "directions", "flat", "normalize"),
     "creases": ("stiffness", "rest_angles", "rest_angles_deg", "preload"),
     "model": (
         "symmetry",
@@ -96,7 +96,7 @@ def decode_scene(raw: bytes, name: str) -> Scene:
 
 
 def is_json(raw: bytes) -> bool:
-    """Tell whether bytes begin as a JSON object does, and no TOML file.
+    """Return whether bytes begin as a JSON object does, and no TOML file.
 
     Parameters
     ----------
@@ -172,7 +172,14 @@ def scene_from_dict(data: Mapping[str, Any]) -> Scene:
     check_tables(data, _KEYS, "a scene has", SceneFileError, ("loads",))
     vertex, creases = vertex_from_dict(data.get("vertex", {})), data.get("creases", {})
     rest_key = one_of(creases, "[creases]", ("rest_angles", "rest_angles_deg"), SceneFileError)
-    rest = parse_angles(creases[rest_key], rest_key, degrees=rest_key.endswith("_deg"))
+    in_degrees = rest_key.endswith("_deg")
+    rest = parse_angles(creases[rest_key], rest_key, degrees=in_degrees)
+    for i, stated in enumerate(creases[rest_key] if in_degrees else (), start=1):
+        if abs(stated) > 180:
+            raise SceneFileError(
+                f"{rest_key}[{i}] = {stated:.6g} deg is outside [-180, 180]: valley is positive; "
+                "a torque beyond is stated as preload"
+            )
     if "stiffness" not in creases:
         raise SceneFileError("missing key in [creases]: give stiffness, one number a crease")
     more = {"preload": creases["preload"]} if "preload" in creases else {}
@@ -200,11 +207,17 @@ def vertex_from_dict(table: Mapping[str, Any]) -> Vertex:
     """
     keys = ("sector_angles", "sector_angles_deg", "directions")
     given, flat = one_of(table, "[vertex]", keys, SceneFileError), table.get("flat", True)
+    normalize = table.get("normalize", False)
     if given == "directions":
         if flat is not True:
             raise SceneFileError("directions are those of a flat sheet: give sector_angles instead")
+        if normalize is not False:
+            raise SceneFileError(
+                "directions go once round: normalize is for sector angles, leave it out"
+            )
         return Vertex.from_directions(table[given])
-    return (Vertex.from_degrees if given == "sector_angles_deg" else Vertex)(table[given], flat)
+    make = Vertex.from_degrees if given == "sector_angles_deg" else Vertex
+    return make(table[given], flat, normalize=normalize)
 
 
 def scene_to_dict(scene: Scene) -> dict[str, Any]:

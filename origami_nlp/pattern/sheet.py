@@ -16,7 +16,7 @@ import numpy as np
 
 from origami_nlp.arguments import check_number, shown
 from origami_nlp.errors import FoldFileError, SceneError
-from origami_nlp.numerics import groups
+from origami_nlp.numerics import energy_or_zero, groups
 from origami_nlp.pattern.polygons import rings, sides_of
 from origami_nlp.pattern.scene import check_range
 
@@ -225,7 +225,8 @@ class Pattern:
         ndarray
             Shape [...].
         """
-        return 0.5 * np.sum(self.stiffness * (fold_angles - self.rest) ** 2, axis=-1)
+        energy = 0.5 * np.sum(self.stiffness * (fold_angles - self.rest) ** 2, axis=-1)
+        return energy_or_zero(energy, self.stiffness)
 
     def __repr__(self) -> str:
         many = len(self.holes)
@@ -392,7 +393,7 @@ class _Loops:
 
 
 def _check_topology(facet_of: np.ndarray, left: np.ndarray, right: np.ndarray, loops: int) -> None:
-    """Complain unless the facets hang together and the loops generate every closed walk over them."""
+    """Raise an error unless the facets hang together and the loops generate every closed walk over them."""
     facets = int(facet_of.max(initial=-1)) + 1
     parts = int(groups(facets, np.column_stack([left, right])).max(initial=-1)) + 1
     if parts != 1:

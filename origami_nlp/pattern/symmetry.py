@@ -262,7 +262,7 @@ def windings_of(group: Symmetry, contact: str) -> tuple[int, ...]:
 
 
 def check_winding(winding: object, group: Symmetry, contact: str) -> None:
-    """Complain about a winding, where one is asked for, that states cannot have.
+    """Raise an error for a winding, where one is asked for, that states cannot have.
 
     Raises
     ------

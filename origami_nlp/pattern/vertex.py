@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import lru_cache
 
 import numpy as np
@@ -21,6 +21,11 @@ from origami_nlp.errors import VertexError
 from origami_nlp.io import PrettyRepr, cut
 from origami_nlp.numerics import CLOSURE_TOL, INPUT_TOL, PLACES, RESOLVED, ROUNDED
 from origami_nlp.pattern.angles import format_angle, parse_angles
+
+MOST_SPREAD = 0.1
+"""What `normalize` spreads at most over the sectors of a vertex [rad]: 5.7 degrees; more is a sector that is wrong."""
+CLOSE_TO_360 = 10
+"""Numbers whose sum is so close to 360 are degrees."""
 
 
 @dataclass(frozen=True)
@@ -38,6 +43,13 @@ class Vertex(PrettyRepr):
         Whether the sheet lies flat: the angles must sum to 2 pi (to `INPUT_TOL`).  With False they
         may sum to anything from which a closed vertex can be made, and fold angle 0 still means that
         two facets lie in one plane.
+    normalize
+        Spread what the angles of a flat sheet miss of 2 pi, at most `MOST_SPREAD`, over them by equal parts.
+
+    Attributes
+    ----------
+    normalized
+        Change that `normalize` made to each stated angle [rad].
 
     Raises
     ------
@@ -56,31 +68,37 @@ class Vertex(PrettyRepr):
 
     sector_angles: tuple[float, ...]
     flat: bool = True
+    normalize: bool = field(default=False, kw_only=True, compare=False)
+    normalized: float = field(default=0.0, init=False, compare=False)
 
     def __post_init__(self) -> None:
-        angles = parse_angles(self.sector_angles, "sector_angles")
+        self._set(parse_angles(self.sector_angles, "sector_angles"), _Unit("sector_angles", 1.0))
+
+    def _set(self, angles: tuple[float, ...], unit: _Unit) -> None:
+        """Check the angles [rad], raise an error in the unit in which they were stated, and keep them."""
         if len(angles) < 3:
             raise VertexError(
                 f"sector_angles has {len(angles)} entries: a vertex needs at least 3 creases"
             )
-        if not isinstance(self.flat, bool):
-            raise VertexError(f"flat = {shown(self.flat)} must be true or false")
-        for i, a in enumerate(angles, start=1):
-            if a <= 0:
-                raise VertexError(f"sector_angles[{i}] = {a:.6g} must be positive")
-            if a >= math.pi - CLOSURE_TOL:
-                raise VertexError(
-                    f"sector_angles[{i}] = {a:.6g} must be below pi: "
-                    "split the facet with a crease, or leave the vertex flat"
-                )
+        for name in ("flat", "normalize"):
+            if not isinstance(getattr(self, name), bool):
+                raise VertexError(f"{name} = {shown(getattr(self, name))} must be true or false")
+        if self.normalize and not self.flat:
+            raise VertexError(
+                "normalize = true is for a sheet that lies flat: leave out flat = false"
+            )
         total = math.fsum(angles)
+        unit.check_each(angles)
         if self.flat:
-            if abs(total - 2 * math.pi) > INPUT_TOL:
-                raise VertexError(
-                    f"sector_angles sum to {total:.12g} = {total / math.pi:.9g} pi, not 2 pi: correct "
-                    f'them, write exact multiples such as "pi/3", or state flat = false for paper '
-                    f"that does not lie flat"
-                )
+            missing = 2 * math.pi - total
+            if abs(missing) > (MOST_SPREAD if self.normalize else INPUT_TOL):
+                raise VertexError(unit.of_sum(angles, total))
+            if self.normalize:
+                # equal parts: the smallest change, in the sum of squares, that makes the sum 2 pi
+                object.__setattr__(self, "normalized", missing / len(angles))
+                angles = tuple(a + self.normalized for a in angles)
+                unit.check_each(angles)
+                total = math.fsum(angles)
             if abs(total - 2 * math.pi) > ROUNDED:  # typed digits: spread what is missing evenly
                 angles = tuple(a * (2 * math.pi / total) for a in angles)
         elif abs(total - 2 * math.pi) <= RESOLVED:
@@ -88,18 +106,20 @@ class Vertex(PrettyRepr):
                 f"sector_angles sum to 2 pi within {RESOLVED:g} rad: this sheet lies flat, leave out flat = false"
             )
         else:
-            _check_closes(angles)
+            _check_closes(angles, unit)
         object.__setattr__(self, "sector_angles", angles)
 
     @classmethod
-    def from_degrees(cls, sector_angles: Sequence[float], flat: bool = True) -> Vertex:
+    def from_degrees(
+        cls, sector_angles: Sequence[float], flat: bool = True, *, normalize: bool = False
+    ) -> Vertex:
         """Make a vertex from sector angles in degrees.
 
         Parameters
         ----------
         sector_angles
             The N sector angles [deg], counter-clockwise.
-        flat
+        flat, normalize
             As for `Vertex`.
 
         Returns
@@ -114,7 +134,29 @@ class Vertex(PrettyRepr):
         AngleError
             If one is no number.
         """
-        return cls(parse_angles(sector_angles, "sector_angles_deg", degrees=True), flat)
+        vertex = object.__new__(cls)
+        for name, value in (("flat", flat), ("normalize", normalize), ("normalized", 0.0)):
+            object.__setattr__(vertex, name, value)
+        angles = parse_angles(sector_angles, "sector_angles_deg", degrees=True)
+        vertex._set(angles, _Unit("sector_angles_deg", math.degrees(1.0)))
+        return vertex
+
+    def with_angles(self, sector_angles: tuple[float, ...]) -> Vertex:
+        """Return the vertex with other sector angles that sum to the same, and with its record `normalized`.
+
+        Parameters
+        ----------
+        sector_angles
+            Shape [N] [rad].
+
+        Returns
+        -------
+        Vertex
+            The vertex.
+        """
+        vertex = Vertex(sector_angles, self.flat)
+        object.__setattr__(vertex, "normalized", self.normalized)
+        return vertex
 
     @classmethod
     def from_directions(cls, directions: object) -> Vertex:
@@ -191,7 +233,57 @@ def _creases(sector_angles: tuple[float, ...]) -> np.ndarray:
     return out
 
 
-def _check_closes(angles: Sequence[float]) -> None:
+@dataclass(frozen=True)
+class _Unit:
+    """The unit in which sector angles were stated, for complaints: their field, and its number of units a radian."""
+
+    field: str
+    scale: float
+
+    @property
+    def in_degrees(self) -> bool:
+        return self.scale != 1.0
+
+    def show(self, angle: float, digits: int = 6) -> str:
+        """Write an angle [rad] in the unit."""
+        return f"{angle * self.scale:.{digits}g} {'deg' if self.in_degrees else 'rad'}"
+
+    def check_each(self, angles: Sequence[float]) -> None:
+        """Raise an error for an angle that is no sector."""
+        for i, a in enumerate(angles, start=1):
+            if a <= 0:
+                raise VertexError(f"{self.field}[{i}] = {self.show(a)} must be positive")
+            if a >= math.pi - CLOSURE_TOL:
+                raise VertexError(
+                    f"{self.field}[{i}] = {self.show(a)} must be below {'180' if self.in_degrees else 'pi'}: "
+                    + (self._other(angles) or "split the facet with a crease")
+                )
+
+    def of_sum(self, angles: Sequence[float], total: float) -> str:
+        """Describe what is missing of a flat sheet, and what can be done about it."""
+        missing = 2 * math.pi - total
+        full = "360 deg" if self.in_degrees else f"2 pi = {2 * math.pi:.9g} rad"
+        which = "missing" if missing > 0 else "too much"
+        if abs(missing) <= MOST_SPREAD:
+            cure = (
+                f"correct them, or add normalize = true (each changes by {self.show(missing / len(angles), 3)})"
+                + ("" if self.in_degrees else '; exact multiples are written "pi/3"')
+            )
+        else:
+            cure = self._other(angles) or "a sector is missing or wrong"
+        return f"{self.field} sum to {self.show(total, 9)}, not {full}: {self.show(abs(missing), 4)} {which}; {cure}"
+
+    def _other(self, angles: Sequence[float]) -> str:
+        """Give the hint at the other unit, where the angles are none in this one, or sum to a sheet there."""
+        total = math.fsum(angles)
+        if not self.in_degrees and (max(angles) > 2 * math.pi or abs(total - 360) <= CLOSE_TO_360):
+            return "these look like degrees, which are given as sector_angles_deg (Vertex.from_degrees)"
+        if self.in_degrees and abs(math.degrees(total) - 2 * math.pi) <= MOST_SPREAD:
+            return "these look like radians, which are given as sector_angles"
+        return ""
+
+
+def _check_closes(angles: Sequence[float], unit: _Unit) -> None:
     """Refuse sides of which no closed spherical polygon can be made.
 
     Arcs a_i in (0, pi) close up exactly when, for every odd set S of them, sum_S a - sum_rest a <=
@@ -203,8 +295,8 @@ def _check_closes(angles: Sequence[float]) -> None:
         chosen = math.fsum(longest[:size])
         if 2 * chosen - total > (size - 1) * math.pi + CLOSURE_TOL:
             what = (
-                f"the largest, {longest[0]:.6g}, is more than all the others together"
+                f"the largest, {unit.show(longest[0])}, is more than all the others together"
                 if size == 1
-                else f"the {size} largest sum to {chosen:.6g}: too much for the others to bring back"
+                else f"the {size} largest sum to {unit.show(chosen)}: too much for the others to bring back"
             )
-            raise VertexError(f"sector_angles cannot close around a vertex: {what}")
+            raise VertexError(f"{unit.field} cannot close around a vertex: {what}")

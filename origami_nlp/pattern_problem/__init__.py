@@ -1,4 +1,4 @@
-"""A pattern as a programme: fold angles that close round vertices and holes, facets in space, touches, layers."""
+"""A pattern as a problem: fold angles that close round vertices and holes, facets in space, touches, layers."""
 
 import lazy_loader
 

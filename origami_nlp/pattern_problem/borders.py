@@ -9,7 +9,7 @@ does not cross therefore keeps one of these gaps open, for every side and facet 
 - that of the side beside the border, for one border, or two where the point is a corner.
 
 Sides that lie in the plane of the facet say nothing here; those that start where they end do.  So sides that lie along
-each other are told by the sides that come next, and facets that lie on each other by nothing.
+each other are distinguished by the sides that come next, and facets that lie on each other by nothing.
 """
 
 from __future__ import annotations

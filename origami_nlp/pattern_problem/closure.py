@@ -180,7 +180,7 @@ class Closure:
         return out
 
     def on_sheet(self, phi: np.ndarray) -> bool:
-        """Tell whether every loop closes with q = +1, as the reference state does (q = -1 is no sheet of paper)."""
+        """Return whether every loop closes with q = +1, as the reference state does (q = -1 is no sheet of paper)."""
         return all((s.q[:, 0] > 0).all() for s in self.turned(phi))
 
     def __call__(self, phi: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

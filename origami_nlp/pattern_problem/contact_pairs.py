@@ -112,7 +112,7 @@ class ContactPair:
 
     @property
     def key(self) -> tuple[object, ...]:
-        """What tells it from others: a corner and a facet, or two sides, of whichever facets they are taken."""
+        """What distinguishes it from others: a corner and a facet, or two sides, of whichever facets they are taken."""
         a, b, c, d = self.corners
         if self.type == "vertex-face":
             return self.facets[0], a
@@ -136,7 +136,7 @@ class ContactPair:
         if self.type != "edge-edge":
             normal, off = cross(p[2] - p[1], p[3] - p[1]), p[0] - p[1]
         else:
-            # |gap| is the distance of two lines; the volume r . (u x v) changes sign as they pass through each other
+            # |gap| is the distance of two lines; the volume r . (u x v) changes sign as they intersect
             normal, off = _across(p[1] - p[0], p[3] - p[2]), p[2] - p[0]
         return self.sign * float(off @ normal) / float(np.linalg.norm(normal))
 

@@ -5,8 +5,8 @@ What is no single inequality is a choice between several: facets that meet at bo
 and facets that lie face to face in an order that is not forced.
 
 The pieces of `closed` are larger than the set of states beside the one asked for: gaps that are certain are kept, what
-else touches only makes the states beside it fewer.  A minimum of a larger set is one; that a state is none is shown by
-a lower state alone (`ClosedContacts.complete`).
+else touches only makes the states beside it fewer.  A minimum of a larger set is one; that a state is not a minimum is
+shown by a lower state alone (`ClosedContacts.complete`).
 """
 
 from __future__ import annotations
@@ -77,7 +77,7 @@ class PatternContacts(PatternEquations):
     ----------
     origin
         Where the pattern's corners are counted from, [3]: of one that was moved to its middle, what to add to a place
-        before it is told.
+        before it is reported.
     """
 
     def __init__(self, pattern: Pattern, contact: bool = True) -> None:
@@ -103,7 +103,7 @@ class PatternContacts(PatternEquations):
         return ()
 
     def local(self, x: np.ndarray) -> PatternLocal:
-        """Evaluate values and first derivatives at a state [n]; dense, but for programmes that are `sparse`."""
+        """Evaluate values and first derivatives at a state [n]; dense, but for problems that are `sparse`."""
         if self.sparse:
             return self.rows(x)
         found: PatternLocal = self.kept("local", x, lambda: self._dense(x.copy()))
@@ -239,14 +239,14 @@ class PatternContacts(PatternEquations):
         return [tuple(contacts)] if len(contacts) > 1 else []
 
     def name(self, contact: Contact) -> str:
-        """Say in words which contact it is; creases, facets and corners 1-based."""
+        """Describe which contact it is; creases, facets and corners 1-based."""
         if contact.is_limit:
             return f"phi = {'+' if contact.side > 0 else '-'}pi at crease {contact.index + 1}"
         touch = self.touch(contact)
         return contact_pair_words(touch, self._place(touch))
 
     def words(self, contact: Contact, x: np.ndarray) -> ContactWords:
-        """Say who touches in a contact."""
+        """Name the facets and creases that touch in a contact."""
         if contact.is_limit:
             return ContactWords("fold-limit", (contact.index + 1,), (), self.name(contact))
         touch = self.touch(contact)

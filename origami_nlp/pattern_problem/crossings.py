@@ -1,4 +1,4 @@
-"""Which facets of a folded pattern pass through each other: sort and sweep, then chords of polygons."""
+"""Which facets of a folded pattern intersect: sort and sweep, then chords of polygons."""
 
 from __future__ import annotations
 
@@ -126,10 +126,10 @@ def boxes_that_meet(low: np.ndarray, high: np.ndarray) -> tuple[np.ndarray, np.n
 
 
 def cross_each_other(a: np.ndarray, b: np.ndarray, deep: float) -> np.ndarray:
-    """Tell whether convex polygons pass through each other by more than `deep`.
+    """Return whether convex polygons pass through each other by more than `deep`.
 
     Each must reach through the plane of the other, and their chords on the line of both planes must overlap: so that
-    polygons which share a corner, or whose sides meet, are told as others are.
+    polygons which share a corner, or whose sides meet, are treated as others are.
 
     Parameters
     ----------

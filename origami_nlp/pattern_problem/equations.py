@@ -1,4 +1,4 @@
-"""A pattern as a nonlinear programme: energy over fold angles, closure as equations, fold limits as bounds.
+"""A pattern as a nonlinear program: energy over fold angles, closure as equations, fold limits as bounds.
 
 Closure rows are redundant as a rule (a Miura sheet of m x n facets has (m - 2)(n - 2) that say nothing new, and they
 carry self-stress), so that no step here decides on a rank: linear systems are those of the proximal method,
@@ -261,7 +261,7 @@ class PatternEquations:
         return z
 
     def loose(self, phi: np.ndarray) -> bool:
-        """Tell whether a closed state is known to less than `DUPLICATE_TOL`: beside one where closure loses rank.
+        """Return whether a closed state is known to less than `DUPLICATE_TOL`: beside one where closure loses rank.
 
         At a smallest singular value s a residual of `ROUNDED` is a distance of ROUNDED / s, by which directions turn
         by some ROUNDED / s^2, and with them the torque along what is free.

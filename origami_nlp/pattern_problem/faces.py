@@ -59,7 +59,7 @@ class CoplanarContact(ContactPair):
 
     @property
     def key(self) -> tuple[object, ...]:
-        """What tells it from others."""
+        """What distinguishes it from others."""
         return self.type, self.facets, self.place
 
     def points(self, at: FoldedGeometry) -> np.ndarray:
@@ -81,12 +81,12 @@ class CoplanarContact(ContactPair):
 
 
 class Faces:
-    """Facets that lie face to face at a state, without those that hang together at a crease that is shut.
+    """Facets that lie face to face at a state, without those that hang together at a crease that is fully folded.
 
     Parameters
     ----------
     problem
-        The programme.
+        The problem.
     phi
         A closed state in which no facets pierce each other [rad], [n].
 
@@ -289,7 +289,7 @@ def _crossings(
             size = float(w @ up)
             lengths = float(np.linalg.norm(u)), float(np.linalg.norm(v))
             if abs(size) <= INSIDE * lengths[0] * lengths[1]:
-                continue  # as good as parallel: corners tell what there is
+                continue  # as good as parallel: corners show what there is
             # a + s u = c + t v in the common plane
             s, t = (float(cross(c - a, y) @ up) / size for y in (v, u))
             if not (0 < s < 1 and 0 < t < 1):

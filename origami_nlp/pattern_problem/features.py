@@ -87,7 +87,7 @@ class Features:
         return out
 
     def between(self, touch: ContactPair, pair: tuple[int, int]) -> bool:
-        """Tell whether features are of these two facets, among others that share a corner or a side with them."""
+        """Return whether features are of these two facets, among others that share a corner or a side with them."""
         (a, b), (p, q, r, s) = pair, touch.corners
         for one, other in ((a, b), (b, a)):
             if touch.type == "vertex-face":
@@ -288,7 +288,9 @@ class Features:
             inward = cross(area_vectors(x), np.roll(x, -1, axis=0) - x)
             inward /= np.linalg.norm(inward, axis=1)[:, None]
             depth, size = np.einsum("qi,qi->q", inward, p[0] - x), crossings.size
-            depth += np.where(crossings.inner[k, : len(ring)], INSIDE * size, 0.0)  # cuts are none
+            depth += np.where(
+                crossings.inner[k, : len(ring)], INSIDE * size, 0.0
+            )  # cuts do not count
             apex = [i for i, c in enumerate(ring) if c in common]
             if apex:
                 depth = depth[[apex[0], apex[0] - 1]]
@@ -298,7 +300,7 @@ class Features:
 
 
 def _side(gap: np.ndarray, lean: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return signs that make gaps positive where facets are apart, and whether they are told; all over the size."""
-    # a gap near 0 has the sign of rounding: the rest of the facet, which leans to one side, tells
+    """Return signs that make gaps positive where facets are apart, and whether they are known; all over the size."""
+    # a gap near 0 has the sign of rounding: the rest of the facet, which leans to one side, decides
     body = (np.abs(gap) < INSIDE) & (np.abs(lean) > 10 * INSIDE)
     return np.sign(np.where(body, lean, gap)), body | (np.abs(gap) > OUTSIDE)

@@ -46,7 +46,7 @@ class Layers:
     stated: bool = False
 
     def words(self) -> str:
-        """Say whether facets that lie on each other as a file describes them have an order."""
+        """Return whether facets that lie on each other as a file describes them have an order."""
         if self.verdict != "ordered":
             return f"as in the file: {self.reason}"
         return (
@@ -55,14 +55,14 @@ class Layers:
 
 
 def order_layers(problem: PatternEquations, phi: np.ndarray) -> Layers:
-    """Tell whether the layers of a state that closes, and whose facets do not pierce each other, have an order.
+    """Return whether the layers of a state that closes, and whose facets do not pierce each other, have an order.
 
     In the state that the pattern's file describes, the order that the file states is kept.
 
     Parameters
     ----------
     problem
-        The programme.
+        The problem.
     phi
         Fold angles [rad], [n].
 
@@ -82,7 +82,9 @@ def order_layers(problem: PatternEquations, phi: np.ndarray) -> Layers:
     try:
         return _ordered(stack, stated)
     except Unclear:
-        why = "layer order not decided: facets are closer than can be told, but not on each other"
+        why = (
+            "layer order not decided: facets are closer than can be resolved, but not on each other"
+        )
     except TimeoutError:
         why = "layer order not decided: the search for one was given up"
     return Layers("not decided", why, len(stack.facets))
@@ -94,7 +96,7 @@ def check_orders(problem: PatternEquations) -> Layers | None:
     Parameters
     ----------
     problem
-        The programme.
+        The problem.
 
     Returns
     -------
@@ -134,7 +136,7 @@ def pose_layers(problem: PatternEquations, phi: np.ndarray, stack: Stack) -> Ord
     Parameters
     ----------
     problem, phi
-        The programme and a closed state whose facets do not pierce each other, [n] [rad].
+        The problem and a closed state whose facets do not pierce each other, [n] [rad].
     stack
         Its pieces.
 
@@ -164,7 +166,7 @@ def _posed(stack: Stack) -> tuple[Orders, list[tuple[int, ...]]] | Layers:
         rules.append(rule)
         about.append(pieces)
         if not rule[0]:
-            why = f"{_facets(stack, pieces)} pass through each other along a crease"
+            why = f"{_facets(stack, pieces)} intersect along a crease"
             return Layers("crosses", why, many)
     orders = Orders(Rules(len(stack.pairs), rules), MOST_NODES)
     for unknown, value, crease in stack.known():
@@ -250,7 +252,7 @@ def _facets(stack: Stack, pieces: Sequence[int] | np.ndarray) -> str:
 
 
 def _too_many(pattern: Pattern, phi: np.ndarray, many: int) -> Layers:
-    """Say that layers are too many to be ordered, unless they already cross round one vertex."""
+    """State that layers are too many to be ordered, unless they already cross round one vertex."""
     for loop in pattern.vertices:
         at = round_vertex(pattern, loop)
         if at is None:

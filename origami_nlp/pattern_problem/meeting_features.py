@@ -22,7 +22,7 @@ def touches_at(
     Parameters
     ----------
     problem
-        The programme.
+        The problem.
     x
         A closed state in which no facets cross, [n] [rad].
     at_limit
@@ -47,7 +47,7 @@ def touches_at(
 def _opened_by(
     problem: PatternEquations, row: np.ndarray, x: np.ndarray, at_limit: np.ndarray
 ) -> bool:
-    """Tell whether a gap with this slope opens as creases at their limits do, and by nothing else."""
+    """Return whether a gap with this slope opens as creases at their limits do, and by nothing else."""
     tiny = INDEPENDENT * problem.crossings.size
     # -side d(gap)/dphi >= 0 for creases at their limits, and nothing for the rest: the limits imply the gap
     others = np.abs(np.delete(row, at_limit)).max(initial=0.0)
@@ -73,7 +73,7 @@ def _seen_otherwise(problem: PatternEquations, touch: ContactPair) -> Iterator[C
 
 
 def _without_borders(features: Features, touches: list[ContactPair]) -> list[ContactPair]:
-    """Leave out sides on borders of a facet that lie on it from a corner of it on: one contact, told twice."""
+    """Leave out sides on borders of a facet that lie on it from a corner of it on: one contact, listed twice."""
     lying = [(t.facets[0], t.corners[0]) for t in touches if t.type == "vertex-face"]
 
     def reported(touch: ContactPair) -> bool:
@@ -93,7 +93,7 @@ def _without_borders(features: Features, touches: list[ContactPair]) -> list[Con
 
 
 def needed_rows(slopes: np.ndarray, sure: int) -> np.ndarray:
-    """Tell which gaps are needed beside the first ones: others stay open to first order as long as those do.
+    """Return which gaps are needed beside the first ones: others stay open to first order as long as those do.
 
     Parameters
     ----------
@@ -127,7 +127,7 @@ def needed_rows(slopes: np.ndarray, sure: int) -> np.ndarray:
 
 
 def contact_pair_words(touch: ContactPair, place: Sequence[float]) -> str:
-    """Say what touches, 1-based; of two sides that of the lower facet first, from whichever they were found.
+    """Describe what touches, 1-based; of two sides that of the lower facet first, from whichever they were found.
 
     place: of facets face to face, the point of the second one in the user's coordinates.
     """

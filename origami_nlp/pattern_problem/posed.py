@@ -1,4 +1,4 @@
-"""The programme of a pattern as CasADi symbols, for any solver: closure as independent rows, gaps of features as rows.
+"""The problem of a pattern as CasADi symbols, for any solver: closure as independent rows, gaps of features as rows.
 
 Written from the folds alone, by turns of quaternions along loops and of points along walks of facets: it shares neither
 values nor derivatives with `closure`, `poses` and `touches`.
@@ -37,7 +37,7 @@ def pose(problem: PatternProblem, rows: np.ndarray, touches: Sequence[ContactPai
     Parameters
     ----------
     problem
-        The programme.
+        The problem.
     rows
         Numbers of the equations.
     touches

@@ -1,4 +1,4 @@
-"""A pattern as a nonlinear programme: all that solvers and certificates see of it (`problem.protocol.Problem`).
+"""A pattern as a nonlinear program: all that solvers and certificates see of it (`problem.protocol.Problem`).
 
 The energy and the closure of `PatternEquations`, the contacts of `PatternContacts`, and loads.
 """
@@ -31,7 +31,7 @@ from origami_nlp.problem import (
 
 
 class PatternProblem(PatternContacts, Energies):
-    """The nonlinear programme of a pattern (`problem.protocol.Problem`); states are its n fold angles.
+    """The nonlinear program of a pattern (`problem.protocol.Problem`); states are its n fold angles.
 
     Parameters
     ----------
@@ -188,13 +188,13 @@ class PatternProblem(PatternContacts, Energies):
         return self.closure.loops(x)
 
     def on_sheet(self, x: np.ndarray) -> Any:
-        """Tell whether states [..., n] are on the sheet q = +1."""
+        """Return whether states [..., n] are on the sheet q = +1."""
         if x.ndim == 1:
             return self.closure.on_sheet(x)
         return np.array([self.closure.on_sheet(one) for one in x], bool)
 
     def with_contact(self, contact: bool) -> PatternProblem:
-        """Return the same programme with facets that must not cross, or may."""
+        """Return the same problem with facets that must not cross, or may."""
         if contact == self.contact:
             return self
         other = self._other()
@@ -206,7 +206,7 @@ class PatternProblem(PatternContacts, Energies):
         return tuple(self.crossings.find(x)) if self.contact else ()
 
     def refuses(self, x: np.ndarray, tolerance: float = OUTSIDE) -> str:
-        """Say why a closed state is not admissible; "" where it is: sheet, fold limits, crossings, order of layers."""
+        """Return why a closed state is not admissible, or "": sheet, fold limits, crossings, order of layers."""
         if not self.on_sheet(x):
             return "closes on the other sheet, q = -1, round a vertex"
         if (np.abs(x) > math.pi + tolerance).any():
@@ -214,7 +214,7 @@ class PatternProblem(PatternContacts, Energies):
         crossed = self.crossed(x)
         if crossed:
             many = f"{len(crossed)} pairs of facets" if len(crossed) > 1 else "two facets"
-            return f"{many} pass through each other"
+            return f"{many} intersect"
         if not self.contact:
             return ""
         return "" if self._layers(x).verdict == "ordered" else self._layers(x).reason
@@ -224,7 +224,7 @@ class PatternProblem(PatternContacts, Energies):
         return layers
 
     def doubt(self, x: np.ndarray) -> str:
-        """Say why it is not known whether a closed state is admissible; "" where it is."""
+        """Return why it is not known whether a closed state is admissible; "" where it is."""
         if not self.contact or self.crossed(x):
             return ""
         if self._layers(x).verdict == "not decided":
@@ -240,7 +240,7 @@ class PatternProblem(PatternContacts, Energies):
         return f"facets reach into each other by {-deepest:.1e} of the sheet's size"
 
     def admissible(self, x: np.ndarray, tolerance: float = OUTSIDE) -> np.ndarray:
-        """Tell which closed states [K, n] are admissible; layers are not ordered."""
+        """Return which closed states [K, n] are admissible; layers are not ordered."""
         good = np.isfinite(x).all(axis=1) & (np.abs(x) <= math.pi + tolerance).all(axis=1)
         for k in np.flatnonzero(good):
             good[k] = self.on_sheet(x[k]) and not self.crossed(x[k])
@@ -252,7 +252,7 @@ class PatternProblem(PatternContacts, Energies):
         Parameters
         ----------
         other
-            Its programme.
+            Its problem.
 
         Returns
         -------
@@ -272,7 +272,7 @@ class PatternProblem(PatternContacts, Energies):
         return other
 
     def under(self, work: Work, t: float) -> PatternProblem:
-        """Return the programme of the pattern under the load t on what it works on.
+        """Return the problem of the pattern under the load t on what it works on.
 
         Parameters
         ----------
@@ -291,7 +291,7 @@ class PatternProblem(PatternContacts, Energies):
         return other
 
     def loaded(self, load: np.ndarray) -> PatternProblem:
-        """Return the same programme with energy U - load . phi; load over `scale`, [n]."""
+        """Return the same problem with energy U - load . phi; load over `scale`, [n]."""
         other = self._other()
         other._load = np.asarray(load, float)
         return other
@@ -299,7 +299,7 @@ class PatternProblem(PatternContacts, Energies):
     def varied(
         self, parameters: Parameters, sector_angles: np.ndarray | None = None
     ) -> PatternProblem:
-        """Return the same programme with other springs and loads, over the same `scale`."""
+        """Return the same problem with other springs and loads, over the same `scale`."""
         if sector_angles is not None:
             raise NotImplementedError("sector angles of a pattern are not varied")
         other, p = self._other(), self.parameters

@@ -51,7 +51,7 @@ End: TypeAlias = tuple[int, np.ndarray]
 
 
 class Unclear(Exception):
-    """Two pieces are closer than can be told, and yet do not lie on each other."""
+    """Two pieces are closer than can be resolved, and yet do not lie on each other."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -160,7 +160,7 @@ class Stack:
         return shared
 
     def _is_area(self, body: NDArray[np.object_]) -> NDArray[np.bool_]:
-        """Tell which bodies are wider than `near`."""
+        """Return which bodies are wider than `near`."""
         from shapely import area, length
 
         # a strip of width w and length l has the area w l and the perimeter 2 l
@@ -168,7 +168,7 @@ class Stack:
 
     @cached_property
     def up(self) -> np.ndarray:
-        """Of each piece the normal of its plane that tells above from below: one for all that lie on each other."""
+        """Of each piece the normal of its plane, from below to above: one for all that lie on each other."""
         label = groups(len(self.x), self.pairs)
         _, first = np.unique(label, return_index=True)
         # the first piece of each stack gives the direction; the others are turned to agree with it
@@ -278,7 +278,7 @@ class Stack:
                 yield one, self._over(other, along[other])
 
     def _goes_round(self, one: tuple[End, End], p: int, points: np.ndarray) -> bool:
-        """Tell whether a passage over an edge, off a piece by less than `near`, meets its plane beside its paper.
+        """Return whether a passage over an edge, off a piece by less than `near`, meets its plane beside its paper.
 
         points: on the edge, [m, 3].  What pierces the piece by more than `DEEP` was found before; what only touches its
         border does not pass through it.

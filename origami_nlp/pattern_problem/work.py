@@ -349,7 +349,7 @@ class Worked:
     work
         What the load works on.
     t
-        The load, over the scale of the programme.
+        The load, over the scale of the problem.
     """
 
     work: Work

@@ -1,4 +1,4 @@
-"""Whole crease patterns: closure round every vertex and hole, facets that do not cross, states that hold still."""
+"""Whole crease patterns: closure round every vertex and hole, facets that do not cross, stable states."""
 
 import lazy_loader
 

@@ -1,6 +1,6 @@
 from .angle_sums import pop_rows as pop_rows
 from .clearance import Clearance as Clearance, Stretches as Stretches
-from .confirming import Confirmed as Confirmed, confirm_minimum as confirm_minimum
+from .confirming import IpoptConfirmation as IpoptConfirmation, confirm_minimum as confirm_minimum
 from .contact_descents import (
     contact_descent as contact_descent,
     contact_descent_off as contact_descent_off,

@@ -74,7 +74,7 @@ def pop_rows(pattern: Pattern) -> np.ndarray:
 
 
 def is_jump(rows: np.ndarray, before: np.ndarray, after: np.ndarray) -> bool:
-    """Tell whether a step from one state to another [n] takes a vertex past its flat state, by more than `JUMPS`."""
+    """Return whether a step from one state to another [n] takes a vertex past its flat state, by more than `JUMPS`."""
     passed = (rows @ before) * (rows @ after) < 0
     far = (rows * np.abs(after - before)).max(axis=1, initial=0.0) > JUMPS
     return bool((passed & far).any())

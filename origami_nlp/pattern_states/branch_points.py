@@ -1,7 +1,7 @@
-"""States on a curve at which closure loses rank, where other curves may leave: found, with the ways out of them.
+"""States on a curve at which closure loses rank, where other curves may leave: found, with the escape paths from them.
 
-Along a curve of states with one freedom the smallest singular value of closure that is not zero falls to zero, in
-proportion to the distance, where curves meet.  Between two samples that is a sharp dip.
+Along a curve of states with one degree of freedom the smallest singular value of closure that is not zero falls to
+zero, in proportion to the distance, where curves meet.  Between two samples that is a sharp dip.
 """
 
 from __future__ import annotations
@@ -31,9 +31,9 @@ def dips(problem: PatternProblem, curve: Interpolant) -> list[np.ndarray]:
     Parameters
     ----------
     problem
-        The programme.
+        The problem.
     curve
-        Of states with one freedom.
+        Of states with one degree of freedom.
 
     Returns
     -------
@@ -78,7 +78,7 @@ def _smallest(problem: PatternProblem, states: np.ndarray) -> np.ndarray:
         most = np.array([open_[:, list(loop.creases)].max(axis=1) for loop in loops])
         return most.min(axis=0)
     problem.check_time()
-    # with one freedom the rank is n - 1: the singular value of that number, from the largest on
+    # with one degree of freedom the rank is n - 1: the singular value of that number, from the largest on
     j = np.array([dense(problem.closure.jacobian(x)) for x in states])
     values = np.linalg.svd(j, compute_uv=False)
     # one crease alone is held by nothing, and meets no other curve
@@ -86,7 +86,7 @@ def _smallest(problem: PatternProblem, states: np.ndarray) -> np.ndarray:
 
 
 def _snapped(problem: PatternProblem, phi: np.ndarray) -> np.ndarray | None:
-    """Close a state, with creases that are all but open or shut made so where that closes too."""
+    """Close a state, with creases that are all but open or fully folded made so where that closes too."""
     whole = np.round(phi / math.pi) * math.pi
     held = np.abs(phi - whole) < SETTLED
     new, residual = problem.project(np.where(held, whole, phi), held)
@@ -96,12 +96,12 @@ def _snapped(problem: PatternProblem, phi: np.ndarray) -> np.ndarray | None:
 
 
 def branch_directions(problem: PatternProblem, phi: np.ndarray) -> TangentCone:
-    """Enumerate the ways out of a closed state, those of two freedoms cut down by what closure says to second order.
+    """Enumerate the branch directions of a closed state, planes cut down by what closure says to second order.
 
     Parameters
     ----------
     problem
-        The programme.
+        The problem.
     phi
         The state, [n] [rad].
 
@@ -114,21 +114,21 @@ def branch_directions(problem: PatternProblem, phi: np.ndarray) -> TangentCone:
 
 
 def split(problem: PatternProblem, phi: np.ndarray, ways: TangentCone) -> TangentCone:
-    """Cut families of two freedoms down to lines where closure is not met to second order.
+    """Cut families of two degrees of freedom down to lines where closure is not met to second order.
 
     Self-stresses s, s J = 0, of the whole sheet ask for s . c''(d, d) = 0, where vertices by themselves do not.
 
     Parameters
     ----------
     problem, phi
-        The programme and a closed state, [n].
+        The problem and a closed state, [n].
     ways
-        Out of it.
+        Its branch directions.
 
     Returns
     -------
     TangentCone
-        With lines instead of families that are none.
+        With lines instead of families that are not real.
     """
     if not ways.families:
         return ways
@@ -166,7 +166,7 @@ def split(problem: PatternProblem, phi: np.ndarray, ways: TangentCone) -> Tangen
 def is_on_plane(
     planes: Sequence[tuple[np.ndarray, np.ndarray]], basis: np.ndarray, off: np.ndarray
 ) -> bool:
-    """Tell whether a plane of closed states, spanned by a basis [n, t] from a state [n], is one of some."""
+    """Return whether a plane of closed states, spanned by a basis [n, t] from a state [n], is one of some."""
     return any(
         other.shape == basis.shape
         and np.abs(off - there).max() < SETTLED

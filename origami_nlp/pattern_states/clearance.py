@@ -54,7 +54,7 @@ class Clearance:
     Parameters
     ----------
     problem
-        The programme.
+        The problem.
     """
 
     def __init__(self, problem: PatternProblem) -> None:
@@ -132,7 +132,7 @@ class Clearance:
         return np.minimum(size * ways, FAR)
 
     def crosses(self, placed: np.ndarray) -> bool:
-        """Tell whether facets cross, from corners of pieces in space [P, q, 3]."""
+        """Return whether facets cross, from corners of pieces in space [P, q, 3]."""
         a, b = placed[self.first], placed[self.second]
         near = (a.min(axis=1) <= b.max(axis=1)).all(axis=1) & (b.min(axis=1) <= a.max(axis=1)).all(
             axis=1

@@ -13,7 +13,7 @@ from origami_nlp.pattern_problem import PatternProblem, round_vertex
 
 
 def close(problem: PatternProblem, start: np.ndarray) -> np.ndarray | None:
-    """Close a start within the fold limits, creases that are shut left so if they can be; None where it is not."""
+    """Close a start within the fold limits, fully folded creases left so if possible; None where it does not close."""
     start = np.clip(start, -math.pi, math.pi)
     at_limit = np.abs(start) == math.pi
     for held in (at_limit, None) if at_limit.any() else (None,):
@@ -43,7 +43,7 @@ def of_vertex(
     scene, creases = scene_of(pattern, contact)
     if scene is None:
         return [], True
-    result = find_minima(scene, seed=seed, prove=False, escape=False, seconds=seconds)
+    result = find_minima(scene, seed=seed, full=False, prove=False, escape=False, seconds=seconds)
     states = np.zeros((len(result.minima), pattern.creases))
     for phi, found in zip(states, result.minima, strict=True):
         phi[creases] = found.fold_angles

@@ -13,7 +13,7 @@ from origami_nlp.problem import Contact
 
 
 @dataclass(frozen=True)
-class Confirmed:
+class IpoptConfirmation:
     """What IPOPT says of a minimum of a pattern.
 
     Attributes
@@ -35,19 +35,19 @@ class Confirmed:
     reason: str = ""
 
 
-def confirm_minimum(problem: PatternProblem, minimum: JudgedState) -> Confirmed:
+def confirm_minimum(problem: PatternProblem, minimum: JudgedState) -> IpoptConfirmation:
     """Let IPOPT solve from a minimum with its contacts closed, and compare the multipliers.
 
     Parameters
     ----------
     problem
-        The programme.
+        The problem.
     minimum
         A minimum of it.
 
     Returns
     -------
-    Confirmed
+    IpoptConfirmation
         The comparison; of patterns with more than `MOST_CONFIRMED` creases, and of states where closure loses rank so
         that no choice of its rows stands for all of them, why there is none.
 
@@ -63,14 +63,14 @@ def confirm_minimum(problem: PatternProblem, minimum: JudgedState) -> Confirmed:
     """
     none = np.zeros(0), np.zeros(0)
     if problem.size > MOST_CONFIRMED:
-        return Confirmed(None, none, np.nan, f"more than {MOST_CONFIRMED} creases")
+        return IpoptConfirmation(None, none, np.nan, f"more than {MOST_CONFIRMED} creases")
     state = State(problem, minimum.phi)
     if not state.regular:
-        return Confirmed(None, none, np.nan, "closure loses rank")
+        return IpoptConfirmation(None, none, np.nan, "closure loses rank")
     stratum = state.on([c.contact for c in classify(state).contacts if c.contact is not None])
     rows = independent_rows(problem, state.x)
     touches = [problem.touch(Contact("gap", k, 1)) for k in gaps_of(stratum)]
     solver, forces = confirm_posed(pose(problem, rows, touches), stratum, rows)
     torque = state.kernel.T @ (state.gradient - stratum.slopes.T @ forces)
     left = float(np.abs(torque).max(initial=0.0))
-    return Confirmed(solver, (stratum.multiplier_set.smallest, forces), left)
+    return IpoptConfirmation(solver, (stratum.multiplier_set.smallest, forces), left)

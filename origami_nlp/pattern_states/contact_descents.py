@@ -20,7 +20,7 @@ MOST_PAIRS = 1_000
 """Pairs of facets that face each other closely: more are refused."""
 REACH = 0.05
 """Features that face each other closer than this, over the sheet's size, do so closely."""
-UNTOLD = "facets meet at borders or face to face, where no single gap tells them apart"
+UNTOLD = "facets meet at borders or face to face, where no single gap distinguishes them"
 """Why a descent ends at a state that is neither held on every piece nor left on one."""
 HALVINGS = 20
 """Of the way from a state of a curve to the next one in which facets cross, until they touch."""
@@ -34,7 +34,7 @@ def contact_descent(problem: PatternProblem, phi: np.ndarray, keep: bool = False
     Parameters
     ----------
     problem
-        The programme.
+        The problem.
     phi
         The start, within the fold limits, [n] [rad].
     keep
@@ -83,7 +83,7 @@ def contact_descents_along(problem: PatternProblem, stretches: Stretches) -> Ite
     Parameters
     ----------
     problem
-        The programme.
+        The problem.
     stretches
         Of `Clearance.along`.
 
@@ -103,7 +103,7 @@ def contact_descents_along(problem: PatternProblem, stretches: Stretches) -> Ite
 
 
 def _falls(problem: PatternProblem, phi: np.ndarray, ahead: np.ndarray) -> bool:
-    """Tell whether the energy falls from a closed state on the way to another one [n]."""
+    """Return whether the energy falls from a closed state on the way to another one [n]."""
     return bool(problem.torque(phi) @ problem.along(phi, ahead - phi) < 0)
 
 
@@ -126,7 +126,7 @@ def contact_descent_off(problem: PatternProblem, path: Sequence[np.ndarray]) -> 
     Parameters
     ----------
     problem
-        The programme.
+        The problem.
     path
         Closed states of the descent, [n] [rad] each.
 

@@ -1,7 +1,8 @@
-"""A pattern with one freedom left, traced: the curve of its closed states, from limit to limit.
+"""A pattern with one degree of freedom left, traced: the curve of its closed states, from limit to limit.
 
-The curve is followed by `path.tracer` along the kernel of the Jacobian of closure; where rows lose more rank (at a flat
-or flat-folded state, branches cross) it goes straight on, so that each branch is followed through the crossing.
+The curve is followed by `continuation.tracer` along the kernel of the Jacobian of closure; where rows lose more rank
+(at a flat or flat-folded state, branches cross) it goes straight on, so that each branch is followed through the
+crossing.
 """
 
 from __future__ import annotations
@@ -73,7 +74,7 @@ def second(
 
 @dataclass(frozen=True, eq=False)
 class Sample:
-    """A state of a curve with its unit tangent and curvature, [n] each: a `path.CurveFrame`."""
+    """A state of a curve with its unit tangent and curvature, [n] each: a `continuation.CurveFrame`."""
 
     x: np.ndarray
     tangent: np.ndarray
@@ -82,7 +83,7 @@ class Sample:
 
 @dataclass(frozen=True, eq=False)
 class ClosedStates:
-    """The closed states of a sheet, as a curve to trace; where several freedoms are left, straight on."""
+    """The closed states of a sheet, as a curve to trace; where several degrees of freedom are left, straight on."""
 
     problem: PatternProblem
 
@@ -97,7 +98,7 @@ class ClosedStates:
         return new if residual <= CLOSURE_TOL and self.problem.closure.on_sheet(new) else None
 
     def frame(self, x: np.ndarray, along: np.ndarray) -> Sample | None:
-        """Say where the curve goes at x: where branches cross, the kernel is larger, and it goes straight on."""
+        """Return where the curve goes at x: where branches cross, the kernel is larger, and it goes straight on."""
         size = float(np.linalg.norm(self.problem.along(x, along)))
         return None if size < BENT else self.at(x, along)
 
@@ -110,10 +111,10 @@ class ClosedStates:
         return Sample(x, tangent, -normal.step(second(self.problem, x, tangent, tangent)))
 
     def limit(self, here: Sample, beyond: Sample) -> Sample | None:
-        """Return the state inside a step at which creases shut: all that come close to pi together, or the first."""
+        """Return the state inside a step at which creases reach fold limits: all that do together, or the first."""
         went = beyond.x - here.x
         near = np.abs(beyond.x) > math.pi - np.abs(went) - EXPLORED
-        # creases that are shut and stay so do not end the curve
+        # creases that are fully folded and stay so do not end the curve
         opening = np.where(math.pi - np.abs(here.x) > EXPLORED, math.pi - np.abs(here.x), math.inf)
         share = opening / np.maximum(np.abs(beyond.x) - np.abs(here.x), NONZERO)
         share[np.abs(beyond.x) <= math.pi] = math.inf
@@ -139,7 +140,7 @@ def follow_curve(
     Parameters
     ----------
     problem
-        The programme.
+        The problem.
     phi
         A closed state, [n] [rad].
     along

@@ -77,7 +77,7 @@ def curve_passes(
     Parameters
     ----------
     problem
-        The programme.
+        The problem.
     curves
         Of it.
     minima
@@ -168,7 +168,7 @@ class _Network:
         return len(self.states) - 1
 
     def _closed(self, curve: Interpolant, at: float) -> np.ndarray:
-        """Return the closed state at a place of a curve, as exactly as closure can tell."""
+        """Return the closed state at a place of a curve, as exactly as closure determines it."""
         step = min(int(at), len(curve.control) - 1)
         x = curve.at(step, at - step)
         at_limit = np.abs(x) >= math.pi - ON_CURVE**2
@@ -177,7 +177,7 @@ class _Network:
         return new if residual <= CLOSURE_TOL and np.abs(new - x).max() <= ON_CURVE else x
 
     def _passes(self, curve: Interpolant, flags: list[list[bool]], p: float, q: float) -> bool:
-        """Tell whether facets do not cross on a stretch inside one step: known between samples apart, else asked."""
+        """Return whether facets do not cross on a stretch inside one step: known between samples apart, else asked."""
         step = min(int((p + q) / 2), len(curve.control) - 1)
         if all(flags[step]):
             return False
@@ -201,7 +201,7 @@ def _flags(curve: Interpolant, seen: Stretches) -> Iterator[list[bool]]:
 
 
 def places(problem: PatternProblem, curve: Interpolant, phi: np.ndarray) -> list[float]:
-    """Return where on a curve a state is, as steps and shares of them: by its polynomials, as `Curves` tells it."""
+    """Return where on a curve a state is, as steps and shares of them: by its polynomials, as `Curves` gives it."""
     apart = np.linalg.norm(curve.states - phi, axis=1)
     padded = np.r_[math.inf, apart, math.inf]
     low = (apart <= padded[:-2]) & (apart <= padded[2:]) & (apart <= 2 * LONG * problem.size**0.5)

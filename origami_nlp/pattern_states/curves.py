@@ -1,4 +1,4 @@
-"""All curves of states with one freedom that a search has found, each once, with its images under symmetries."""
+"""All curves of states that a search has found (one degree of freedom), each once, with its symmetric images."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ ON_CURVE = 2e-5
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Traced(ShortRepr):
-    """A curve of states with one freedom.
+    """A curve of states with one degree of freedom.
 
     Attributes
     ----------
@@ -32,7 +32,7 @@ class Traced(ShortRepr):
         As polynomials.
     stretches
         Where facets cross along it; None where contact is not asked for.
-    crossroads
+    branch_points
         States of it, not flat or folded flat, at which closure loses rank, [n] each.
     meets
         All states of it at which closure loses rank.
@@ -40,7 +40,7 @@ class Traced(ShortRepr):
 
     curve: Interpolant
     stretches: Stretches | None
-    crossroads: tuple[np.ndarray, ...]
+    branch_points: tuple[np.ndarray, ...]
     meets: tuple[np.ndarray, ...] = ()
 
     @property
@@ -53,10 +53,10 @@ class Traced(ShortRepr):
         seen = self.stretches
         if seen is not None:
             seen = replace(seen, states=image(symmetry, seen.states))
-        crossroads, meets = (
-            tuple(image(symmetry, x) for x in which) for which in (self.crossroads, self.meets)
+        branch_points, meets = (
+            tuple(image(symmetry, x) for x in which) for which in (self.branch_points, self.meets)
         )
-        return Traced(self.curve.image(symmetry), seen, crossroads, meets)
+        return Traced(self.curve.image(symmetry), seen, branch_points, meets)
 
 
 class Curves:
@@ -65,7 +65,7 @@ class Curves:
     Parameters
     ----------
     problem
-        The programme.
+        The problem.
     labels
         Of its pattern: symmetries of the paper take curves to curves.
     contact
@@ -83,7 +83,7 @@ class Curves:
         return Clearance(self.problem)
 
     def __contains__(self, phi: np.ndarray) -> bool:
-        """Tell whether a closed state is on one of the curves."""
+        """Return whether a closed state is on one of the curves."""
         return any(self._on(traced.curve, phi) for traced in self.found)
 
     def trace(self, phi: np.ndarray, along: np.ndarray) -> list[Traced]:
@@ -116,7 +116,7 @@ class Curves:
         return new
 
     def _on(self, curve: Interpolant, phi: np.ndarray) -> bool:
-        """Tell whether a closed state is on a curve: by its polynomials, as steps of Newton may go over to others."""
+        """Return whether a closed state is on a curve: by its polynomials, as steps of Newton may go over to others."""
         distance = np.linalg.norm(curve.states - phi, axis=1)
         i = int(distance.argmin())
         if distance[i] > 2 * LONG * math.sqrt(self.problem.size):

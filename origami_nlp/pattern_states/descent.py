@@ -73,7 +73,7 @@ def descend(
     Parameters
     ----------
     problem
-        The programme.
+        The problem.
     phi
         A closed state within the fold limits, [n] [rad].
     most

@@ -58,7 +58,7 @@ def draw_mobility(seen: Mobility, path: Any = None) -> Figure:
             draw_pattern_state(axes, p, phi)
         axes.set_title(label_text(title), fontsize=10)
     free = "not known" if seen.dof is None else str(seen.dof)
-    title = f"{p.name}: {p.facets} facets, {p.creases} creases, freedoms: {free}"
+    title = f"{p.name}: {p.facets} facets, {p.creases} creases, degrees of freedom: {free}"
     figure.suptitle(label_text(title), fontsize=11)
     figure.legend(handles=crease_legend(), loc="outside lower center", ncols=4, frameon=False)
     if path is not None:

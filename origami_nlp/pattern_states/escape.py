@@ -39,7 +39,7 @@ from origami_nlp.pattern_states.terrain import PatternTerrain
 from origami_nlp.starts import creases_around
 
 MOST_CREASES = 60
-"""Creases up to which ways out are sought by descents."""
+"""Creases up to which escape paths are sought by descents."""
 MOST_DESCENTS, A_STATE = 60, 15
 """Descents in all, and for each state out of which ways are sought."""
 MOST_OPENED = 3
@@ -91,7 +91,7 @@ def _escapes(
     exact = _exact(problem, minima, traced, sure, level, scale, contact)
     why = ""
     if problem.size > MOST_CREASES:
-        why = f"more than {MOST_CREASES} creases: ways out are not sought"
+        why = f"more than {MOST_CREASES} creases: escape paths are not sought"
     loose = [k for k, s in enumerate(minima) if s.dof > 0 and k not in exact]
     symmetries = curves.labels.symmetries(problem.pattern)
     images = _images(at, symmetries)
@@ -139,7 +139,7 @@ def _exact(
     scale: float,
     contact: bool,
 ) -> dict[int, Escape]:
-    """Return the barriers that curves tell exactly: a way that climbs no higher than every way does."""
+    """Return the barriers that curves give exactly: a way that climbs no higher than every way does."""
     if traced is None:
         return {}
     energies = np.array([s.energy for s in minima])
@@ -197,7 +197,7 @@ def _of_first(ways: Mapping[int, EscapePath], images: Sequence[_Image]) -> dict[
 
 
 def _images(at: np.ndarray, symmetries: Sequence[tuple[np.ndarray, float]]) -> list[_Image]:
-    """Return for each state [M, n] the first one of which it is an image: ways out are sought of that alone."""
+    """Return for each state [M, n] the first one of which it is an image: escape paths are sought of that alone."""
     found: dict[int, _Image] = {}
     for k in range(len(at)):
         if k in found:
@@ -247,7 +247,7 @@ def _openings(problem: PatternProblem, phi: np.ndarray, contact: bool) -> list[n
 
 
 def _modes(problem: PatternProblem, state: JudgedState) -> list[np.ndarray]:
-    """Return the softest motions of a state that closure allows, shut creases held, where they are single."""
+    """Return the softest motions of a state that closure allows, fully folded creases held, where they are single."""
     phi = state.phi
     at_limit = np.flatnonzero(np.abs(phi) >= math.pi - OUTSIDE)
     z = problem.kernel(phi, at_limit)

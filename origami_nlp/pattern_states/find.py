@@ -1,4 +1,4 @@
-"""Finds the stable states of a sheet: curves traced where one freedom is left, descents from starts elsewhere.
+"""Finds the stable states of a sheet: traced curves where one degree of freedom is left, descents elsewhere.
 
 Curves leave flat-folded states, which are enumerated, and cross each other at states where closure loses rank, which
 are looked for along each; random starts, drawn by labels that do not depend on how creases are numbered, are for what
@@ -130,7 +130,7 @@ def find_states(
     search = _Search(pattern, contact, seconds, asked)
     search.tally.seed, search.tally.effort = seed, OWN if options else effort
     if pattern.is_flat:
-        search.part("ways out of the flat state", search.from_crossroads)
+        search.part("branch directions of the flat state", search.from_crossroads)
     for start in Given(search.problem.pattern).states():
         search.part(Given.name, search.explore, start)
     if len(pattern.vertices) == 1 and not pattern.holes:
@@ -190,7 +190,7 @@ class _Search:
             self.tally.fail(failure)
 
     def known(self, phi: np.ndarray, verdict: str = "minimum") -> bool:
-        """Tell whether a state was judged: one that is not stationary says nothing of a minimum beside it."""
+        """Return whether a state was judged: one that is not stationary says nothing of a minimum beside it."""
         least = {"not stationary": CLOSURE_TOL} if verdict == "minimum" else {}
         apart = ((np.abs(phi - s.phi).max(), s.verdict) for s in self.judged)
         return any(far <= least.get(what, 10 * DUPLICATE_TOL) for far, what in apart)
@@ -200,7 +200,7 @@ class _Search:
         near = singular_beside(self.problem, state.phi) if state.verdict == "undecided" else None
         if state.dof < 0:  # it does not close, or is beyond a limit
             self.tally.open += 1
-        elif near is not None and self.known(near):  # not told from what was judged
+        elif near is not None and self.known(near):  # not distinguished from what was judged
             self.tally.stalled += 1
         elif not self.known(state.phi, state.verdict):
             self.judged.append(state)
@@ -310,13 +310,13 @@ class _Search:
                 self.tally.by_pops += self._found()[0] - before
 
     def from_crossroads(self) -> None:
-        """Go all ways out of flat-folded states, and out of states at which the curves meet others."""
+        """Go all branch directions of flat-folded states, and out of states at which the curves meet others."""
         pattern, tally = self.problem.pattern, self.tally
         self.add(judge(self.problem, np.zeros(pattern.creases), self.contact))
         flat = list_branches(pattern, None, self.problem.check_time)
         if flat.reason:
             self.tally.skip(
-                f"ways out of the flat state, and of flat-folded ones: not enumerated, {flat.reason}"
+                f"branch directions of the flat state, and of flat-folded ones: not enumerated, {flat.reason}"
             )
             return
         tally.lines, tally.families = len(flat.lines), len(flat.families)
@@ -324,7 +324,7 @@ class _Search:
         states = folded.states
         if folded.reason:
             self.tally.skip(
-                f"flat-folded states: not enumerated, {folded.reason}; of them the ways out of the flat one alone"
+                f"flat-folded states: not enumerated, {folded.reason}; only branches from the flat state are followed"
             )
             states = np.zeros((1, pattern.creases))
         tally.flat_folded = len(states)
@@ -336,24 +336,24 @@ class _Search:
         self.part(MEETINGS, self._leave_meetings)
 
     def _leave_meetings(self) -> None:
-        """Go all ways out of states at which curves meet."""
+        """Go all branch directions of states at which curves meet."""
         met: list[np.ndarray] = []
         for traced in self.curves.found:  # which grows
-            for phi in traced.crossroads:
+            for phi in traced.branch_points:
                 if not any(np.abs(phi - x).max() < 10 * RESOLVED for x in met):
                     met.append(phi)
-                    self.tally.crossroads += 1
+                    self.tally.branch_points += 1
                     self._leave(phi, branch_directions(self.problem, phi))
 
     def _leave_flat_folded(self, states: np.ndarray) -> None:
-        """Go all ways out of flat-folded states [S, n]."""
+        """Go all branch directions of flat-folded states [S, n]."""
         for phi, ways in escape_paths(self.problem.pattern, states, self.problem.check_time):
             self._leave(phi, split(self.problem, phi, ways))
 
     def _leave(self, phi: np.ndarray, ways: TangentCone) -> None:
-        """Go all ways out of a state."""
+        """Go all branch directions of a state."""
         if ways.reason:
-            self.tally.skip(f"ways out of a state where curves meet: {ways.reason}")
+            self.tally.skip(f"branch directions of a state where curves meet: {ways.reason}")
             return
         lines = sorted(ways.open(phi), key=self.labels.key)
         for d in lines:
@@ -364,7 +364,7 @@ class _Search:
             self.add(judge(self.problem, phi, self.contact))
 
     def _leave_family(self, phi: np.ndarray, basis: np.ndarray) -> None:
-        """Start into a family with several freedoms: once where it is a plane, on which energy has one minimum."""
+        """Start into a family of several dimensions: once where it is a plane, on which energy has one minimum."""
         problem = self.problem
         off = phi - basis @ (basis.T @ phi)
         if is_on_plane(self._planes, basis, off):

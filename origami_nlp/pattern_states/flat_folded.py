@@ -1,7 +1,7 @@
-"""Flat-folded states of a pattern, every crease open or shut: enumerated, with the ways out of each.
+"""Flat-folded states of a pattern, every crease flat or at its limit: enumerated, with the branch directions of each.
 
 A vertex that is folded flat is singular as the flat one is, and several ways lead out of it: a Miura sheet whose first
-row of creases is shut folds on across the shut row, along curves that the flat state is not on.
+row of creases is fully folded folds on across the fully folded row, along curves that the flat state is not on.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from origami_nlp.pattern_problem import Closure, round_vertex
 def list_branches(
     pattern: Pattern, phi: np.ndarray | None = None, check: Callable[[], None] = lambda: None
 ) -> TangentCone:
-    """Enumerate the ways out of a closed state.
+    """Enumerate the branch directions of a closed state.
 
     Parameters
     ----------
@@ -96,7 +96,8 @@ def list_flat_folded(
     Returns
     -------
     FlatFolded
-        Every choice of open and shut creases that closes round each vertex; layers of the whole are not ordered here.
+        Every choice of open and fully folded creases that closes round each vertex; layers of the whole are not ordered
+        here.
     """
     n = pattern.creases
     none = np.zeros((0, n))
@@ -152,7 +153,7 @@ def _foldings(pattern: Pattern, loop: Loop, contact: bool) -> np.ndarray:
 def escape_paths(
     pattern: Pattern, states: np.ndarray, check: Callable[[], None] = lambda: None
 ) -> Iterator[tuple[np.ndarray, TangentCone]]:
-    """Go through flat-folded states [S, n] with the ways out of each.
+    """Go through flat-folded states [S, n] with the branch directions of each.
 
     Parameters
     ----------

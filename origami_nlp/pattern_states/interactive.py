@@ -18,7 +18,7 @@ def pattern_content(
     motion: Motion | None = None,
     pieces: Sequence[Section] = (),
 ) -> Content:
-    """Return states of a sheet, and its motion, as what `show.InteractivePage` shows.
+    """Return states of a sheet, and its motion, as what `display.InteractivePage` shows.
 
     Parameters
     ----------

@@ -104,7 +104,7 @@ def interpolate(problem: PatternProblem, curve: Curve) -> Interpolant:
     Parameters
     ----------
     problem
-        The programme.
+        The problem.
     curve
         Of `follow_curve`.
 
@@ -168,7 +168,7 @@ def stationary(problem: PatternProblem, curve: Interpolant) -> list[tuple[int, f
     Parameters
     ----------
     problem
-        The programme.
+        The problem.
     curve
         Of `interpolate`.
 
@@ -211,7 +211,7 @@ def wells(problem: PatternProblem, curve: Interpolant) -> list[np.ndarray]:
     Parameters
     ----------
     problem
-        The programme.
+        The problem.
     curve
         Of `interpolate`.
 

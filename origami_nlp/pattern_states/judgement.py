@@ -21,7 +21,7 @@ from origami_nlp.pattern_problem import MOST_DENSE, PatternProblem
 from origami_nlp.problem import fold_limit
 
 NEAREST = 1e-5
-"""Distance [rad] at which a state is told from a singular one: anything closes there to the square of its distance,
+"""Distance [rad] at which a state is distinguished from a singular one: anything closes there to its square,
 a hundred times `CLOSURE_TOL`."""
 
 
@@ -31,9 +31,9 @@ def judge(problem: PatternProblem, phi: np.ndarray, contact: bool = True) -> Jud
     Parameters
     ----------
     problem
-        The programme.
+        The problem.
     phi
-        Fold angles [rad], [n]; those beyond pi by less than closure can tell are at pi.
+        Fold angles [rad], [n]; those beyond pi by less than closure can resolve are at pi.
     contact
         Whether facets must not cross; without, only fold limits count.
 
@@ -74,7 +74,7 @@ def judge(problem: PatternProblem, phi: np.ndarray, contact: bool = True) -> Jud
         dof=problem.size - problem.rank(phi),
         closure_residual=residual,
         kkt_residual=missing / largest,
-        # the numbers of their gaps are those of this programme alone
+        # the numbers of their gaps are those of this problem alone
         contacts=tuple(replace(c, contact=None) for c in what.contacts),
         hessian_eigenvalues=what.eigenvalues,
         crossings=tuple((a + 1, b + 1) for a, b in crossed),
@@ -82,7 +82,7 @@ def judge(problem: PatternProblem, phi: np.ndarray, contact: bool = True) -> Jud
     )
     # lower states as well: what closes to rounding may be further off the curve than they are away
     if (state.verdict == "minimum" or state.refuted) and singular_beside(problem, phi) is not None:
-        why = f"not decided: within {NEAREST:g} rad of a state where closure loses rank, and not told from it"
+        why = f"not decided: within {NEAREST:g} rad of a state where closure loses rank, and not distinguished from it"
         return replace(state, verdict="undecided", kind="", certificate=why)
     return state
 
@@ -94,14 +94,14 @@ def classified(problem: PatternProblem, phi: np.ndarray) -> Classification:
 
 
 def singular_beside(problem: PatternProblem, phi: np.ndarray) -> np.ndarray | None:
-    """Return the state at which creases are flat or shut that all but are, if closure loses rank there.
+    """Return the state at which creases are flat or fully folded that all but are, if closure loses rank there.
 
     Beside such a state whatever obeys closure to first order closes to the square of the distance: to rounding.
 
     Parameters
     ----------
     problem, phi
-        The programme and a closed state, [n] [rad].
+        The problem and a closed state, [n] [rad].
 
     Returns
     -------
@@ -146,12 +146,12 @@ def beside(problem: PatternProblem, state: JudgedState) -> np.ndarray | None:
 
 
 def stationary_beside(problem: PatternProblem, phi: np.ndarray) -> np.ndarray | None:
-    """Solve for the stationary state beside a closed one, creases that are shut kept so.
+    """Solve for the stationary state beside a closed one, creases that are fully folded kept so.
 
     Parameters
     ----------
     problem, phi
-        The programme and a closed state, [n] [rad].
+        The problem and a closed state, [n] [rad].
 
     Returns
     -------

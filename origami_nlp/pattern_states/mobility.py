@@ -1,4 +1,4 @@
-"""What a pattern is: how much there is of it, how many freedoms it has flat and folded, and what is odd.
+"""What a pattern is: how much there is of it, how many degrees of freedom it has flat and folded, and what is odd.
 
 In JSON vertices and edges are numbered from 0 as in the file, angles in radians.
 """
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 SIZES = (0.3, 0.5, 1.0)
 """Fold angles from which mountains and valleys are folded [rad]."""
 DRAWN = (0.5, 1.0, 2.0)
-"""Largest fold angles of starts drawn at random [rad]."""
+"""Largest fold angles of random starts [rad]."""
 MOST_DRAWN = 30
 """Of such starts; one of the largest sheets."""
 NEIGHBOURS = 6
@@ -129,7 +129,7 @@ class Mobility(Report):
             yield f"note: {note}"
 
     def _stresses(self) -> str:
-        """Say how many stresses closure can carry that springs do not feel."""
+        """Report how many stresses closure can carry that springs do not feel."""
         said = "states of self-stress, folded"
         return said if self.stress_flat is None else f"{said}; flat {self.stress_flat}"
 
@@ -164,12 +164,12 @@ class Mobility(Report):
             )
         if self.dof == 0 and p.creases:
             said.append(
-                "no freedom is left: with rigid facets it holds still as it is; patterns such as Kresling's and the "
+                "no degree of freedom is left: with rigid facets it does not move; patterns such as Kresling's and the "
                 "hypar bend their facets, which is not modelled"
             )
         if self.folded is None and self.dof is None:
             said.append(
-                "no folded state was found: it may have none, or its assignment leads to none; freedoms are not known"
+                "no folded state was found: there may be none, or none of its assignment; dof are unknown"
             )
         elif self.folded is not None:
             still = np.flatnonzero(np.abs(self.folded) <= MOVES)
@@ -177,11 +177,11 @@ class Mobility(Report):
                 said.append(
                     f"{_many(len(still), 'crease stays', 'creases stay')} flat in that state (edges "
                     f"{listed(p.numbers[still].tolist())}); "
-                    "other branches may have fewer freedoms"
+                    "other branches may have fewer degrees of freedom"
                 )
             if (np.abs(self.folded) >= math.pi).any():
                 said.append(
-                    "creases are shut in that state: where layers lie on each other it may have more freedoms than its "
+                    "creases are fully folded in that state: where layers coincide it may have more dof than its "
                     "neighbours"
                 )
             if self.crossed:
@@ -246,8 +246,8 @@ class Mobility(Report):
         yield {name: data[name] for name in names}
 
 
-def analyze_mobility(pattern: Pattern | str | Path, seed: int = 0) -> Mobility:
-    """Count what a pattern has, and the freedoms of its flat and of a folded state.
+def analyze_mobility(pattern: Pattern | str | Path, *, seed: int = 0) -> Mobility:
+    """Count what a pattern has, and the degrees of freedom of its flat and of a folded state.
 
     The folded state is reached from the reference state of a folded form, the fold angles of the file, or its mountains
     and valleys; otherwise, or where creases stay flat, from random starts: of all that close within the fold limits it
@@ -268,7 +268,7 @@ def analyze_mobility(pattern: Pattern | str | Path, seed: int = 0) -> Mobility:
     Raises
     ------
     OptionError
-        If `pattern` is none.
+        If `pattern` is not of its type.
     FoldFileError
         If faceOrders of the file contradict how its facets lie.
 
@@ -304,7 +304,7 @@ def jacobian_rank(problem: PatternProblem, phi: np.ndarray, below: float = RANK)
     Parameters
     ----------
     problem
-        The programme.
+        The problem.
     phi
         A state [rad], [n].
     below

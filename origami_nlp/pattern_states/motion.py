@@ -1,7 +1,7 @@
-"""How a sheet folds: closed states from near flat until facets touch or a crease is shut.
+"""How a sheet folds: closed states from near flat until facets touch or a crease is fully folded.
 
-With one freedom the motion is the sheet's only one on its branch.  With more it is one of many: it starts towards more
-folding in every crease, and goes on as straight as closure lets it.
+With one degree of freedom the motion is the sheet's only one on its branch.  With more it is one of many: it starts
+towards more folding in every crease, and goes on as straight as closure lets it.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
-from origami_nlp.display import Content, Report, Section, Table, Viewable
+from origami_nlp.display import Content, Report, Section, Table, Viewable, angle_columns
 from origami_nlp.errors import OptionError
 from origami_nlp.io import OneBased
 from origami_nlp.numerics import CLOSURE_TOL, NEAR_SINGULAR_TOL
@@ -96,14 +96,14 @@ class Motion(Report, Viewable):
         yield Table(heads, rows, f"{self.pattern.name}: folding motion", "rrrr", framed=False)
         yield f"ends: {self.end}"
         many = (
-            "one freedom: the motion of this branch"
+            "one degree of freedom: the motion of this branch"
             if self.dof == 1
-            else f"{self.dof} freedoms: one of many motions, as straight as closure lets it go"
+            else f"{self.dof} degrees of freedom: one of many motions, as straight as closure lets it go"
         )
         yield many
         if self.touching is not None:
             yield (
-                "one freedom and a touch: nothing moves on this way"
+                "one degree of freedom and a touch: nothing moves on this way"
                 if self.dof == 1
                 else "past the touch facets may slide along each other: that is not followed"
             )
@@ -131,12 +131,12 @@ class Motion(Report, Viewable):
 
     def _rows(self) -> Iterable[dict[str, object]]:
         for k, phi in enumerate(self.fold_angles):
-            angles = {f"phi_{i + 1}": float(a) for i, a in enumerate(phi)}
-            yield {"state": k + 1, "arc": self.arc[k], "energy": self.energy[k], **angles}
+            row = {"state": k + 1, "arc_rad": self.arc[k], "energy_J": self.energy[k]}
+            yield row | angle_columns(phi)
 
 
 def find_motion(
-    pattern: Pattern | str | Path, seen: Mobility | None = None, seed: int = 0
+    pattern: Pattern | str | Path, seen: Mobility | None = None, *, seed: int = 0
 ) -> Motion:
     """Trace the folding motion of a sheet up to its first contact.
 
@@ -157,13 +157,13 @@ def find_motion(
     Raises
     ------
     OptionError
-        If the sheet has too many creases, no folded state was found, or no freedom is left.
+        If the sheet has too many creases, no folded state was found, or no degree of freedom is left.
 
     Examples
     --------
     >>> import origami_nlp as o
     >>> o.find_motion(o.examples.pattern("miura", 2, 3)).end
-    'creases 1, 2, 3, 4, 5, 6, 7 are shut, at their fold limits'
+    'creases 1, 2, 3, 4, 5, 6, 7 are at their fold limits'
     """
     pattern = as_pattern(pattern)
     if not pattern.creases:
@@ -172,11 +172,11 @@ def find_motion(
         raise OptionError(
             f"the pattern has {pattern.creases:,} creases: motions are traced up to {MOST_TRACED}"
         )
-    seen = analyze_mobility(pattern, seed) if seen is None else seen
+    seen = analyze_mobility(pattern, seed=seed) if seen is None else seen
     if seen.folded is None or seen.dof is None:
         raise OptionError("no folded state was found from which to trace a motion")
     if seen.dof == 0:
-        raise OptionError("no freedom is left: the sheet does not move with rigid facets")
+        raise OptionError("no degree of freedom is left: the sheet does not move with rigid facets")
     problem = PatternProblem(pattern)
     z = problem.kernel(seen.folded)
     curve = follow_curve(problem, seen.folded, z @ (z.T @ seen.folded))
@@ -202,7 +202,7 @@ def find_motion(
 
 
 def _layers(problem: PatternProblem, phi: np.ndarray) -> str:
-    """Say whether the layers of a state that is folded flat can be ordered; empty where it is not."""
+    """Return whether the layers of a state that is folded flat can be ordered; empty where it is not."""
     if (np.minimum(np.abs(phi), math.pi - np.abs(phi)) > NEAR_SINGULAR_TOL).any():
         return ""
     flat, residual = problem.project(
@@ -215,7 +215,7 @@ def _layers(problem: PatternProblem, phi: np.ndarray) -> str:
 
 
 def _at_limit(problem: PatternProblem, phi: np.ndarray) -> np.ndarray:
-    """Add the flat-folded state ahead, where many creases shut at once and steps cannot be told from each other."""
+    """Add the flat-folded state ahead, where many creases reach their fold limits at once and steps look alike."""
     last = phi[-1]
     near = math.pi - np.abs(last) < AHEAD
     end, residual = problem.project(np.where(near, np.copysign(math.pi, last), last), near)
@@ -252,6 +252,6 @@ def _end(curve: Curve, phi: np.ndarray, touching: tuple[int, int] | None) -> str
     at_limit = (np.flatnonzero(math.pi - np.abs(phi) <= NEAR_SINGULAR_TOL) + 1).tolist()
     if curve.ends[1] == "limit" or at_limit:
         if len(at_limit) == 1:
-            return f"crease {at_limit[0]} is shut, at its fold limit"
-        return f"creases {listed(at_limit)} are shut, at their fold limits"
+            return f"crease {at_limit[0]} is at its fold limit"
+        return f"creases {listed(at_limit)} are at their fold limits"
     return "it returns to its start" if curve.ends[1] == "closed" else curve.ends[1]

@@ -98,7 +98,7 @@ def with_survival(
 
 
 def is_overdetermined(pattern: Pattern) -> bool:
-    """Tell whether closure has as many equations as creases: then folded states are there for special positions only.
+    """Return whether closure has as many equations as creases: then folded states are there for special positions only.
 
     Parameters
     ----------
@@ -220,7 +220,7 @@ def _solved(step: _Step, x: np.ndarray, contact: bool) -> np.ndarray | None:
 
 
 def _gone_down(step: _Step, x: np.ndarray, contact: bool) -> np.ndarray | None:
-    """Go downhill from a closed state beside one: where creases are shut and open ones are, errors may leave none."""
+    """Descend from a closed state near one: at fully folded and flat creases errors may leave none."""
     problem, pressed = step.after, contact and step.after.size <= MOST_DENSE
     for share in OPENED:
         start = close(problem, share * x)

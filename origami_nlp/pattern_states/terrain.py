@@ -74,7 +74,7 @@ class PatternTerrain(Terrain):
         return None if self.contact and not jumps and is_jump(self._pops, a, x) else x
 
     def between(self, a: np.ndarray, b: np.ndarray, shares: np.ndarray) -> np.ndarray | None:
-        """States between two; creases that both have shut stay so."""
+        """States between two; creases that are fully folded at both stay so."""
         out = []
         at_limit = (np.abs(a) >= math.pi - OUTSIDE) & (a == b)
         flat = (a == 0) & (b == 0)
@@ -168,7 +168,7 @@ class PatternTerrain(Terrain):
         return [(k, self._thinned(k, path)) for k, path in out] + self._over_flat_vertices(which)
 
     def _over_flat_vertices(self, which: Sequence[int]) -> list[tuple[int, np.ndarray]]:
-        """Go from states of least energy with one vertex flat down to both sides: backwards, these are ways out."""
+        """Go from states of least energy with one vertex flat down to both sides: backwards, these are escape paths."""
         out: list[tuple[int, np.ndarray]] = []
         seen: list[np.ndarray] = []
         for k, creases in ((j, creases) for j in which for creases in self._around[j]):

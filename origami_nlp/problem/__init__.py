@@ -1,4 +1,4 @@
-"""A scene as a nonlinear programme: closure, contacts, what is modelled, and the one test of admissibility."""
+"""A scene as a nonlinear program: closure, contacts, what is modelled, and the one test of admissibility."""
 
 import lazy_loader
 

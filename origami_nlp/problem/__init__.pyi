@@ -14,7 +14,7 @@ from .contact import (
     held as held,
 )
 from .gaps import Gap as Gap, separation_rows as separation_rows
-from .kinematics import OPEN as OPEN, Folded as Folded, Kinematics as Kinematics
+from .kinematics import OPEN as OPEN, FoldedRays as FoldedRays, Kinematics as Kinematics
 from .model import Local as Local, Model as Model
 from .moment_map import MomentMap as MomentMap, Shot as Shot
 from .nlp import (

@@ -13,7 +13,7 @@ e1, and a mirror that runs through ray 1 stays the e1-e3 plane.
   angle w pi/n. With n/w pieces to a turn in place of n the conditions are those above (w = n: those of n = 1), for a
   piece that is unrolled.
 - no symmetry: the vector part of q vanishes (three equations).  q = -1 also solves them; it is no sheet of
-  paper, and `is_sheet` tells.
+  paper, and `is_sheet` decides.
 
 A vertex that is not flat is unrolled: the last ray of its piece lies at the sum s of the sectors, not at pi/n
 or 2 pi/n.  The conditions on the folded state stay the same: H n_k with n_k = (sin s, -cos s, 0), T = q Q(e3, s),
@@ -33,7 +33,7 @@ from origami_nlp.numerics import quaternion as quat
 
 
 @dataclass(frozen=True)
-class Folded:
+class FoldedExpressions:
     """The folded piece in symbols.
 
     rays: deformed unit rays c_r of the piece; for C_n also their images, the whole vertex in order.
@@ -57,7 +57,7 @@ def fold_piece(
     fold_angles: ca.SX,
     sectors: ca.SX,
     flat_sheet: bool = True,
-) -> Folded:
+) -> FoldedExpressions:
     """Fold the piece of a vertex with group `kind`_`order`.
 
     Parameters
@@ -107,20 +107,20 @@ def fold_piece(
             equations = ca.vertcat(q[1], q[3])
         else:
             equations = normal[1] + exact_cosine(order)
-        return Folded(tuple(rays), q, normal, equations, ca.SX(1))
+        return FoldedExpressions(tuple(rays), q, normal, equations, ca.SX(1))
     if not flat_sheet:
         gap = ca.sum1(sectors) - 2 * math.pi / order
         q = quat.multiply(q, (ca.cos(gap / 2), 0, 0, ca.sin(gap / 2)))
     if order == 1:
-        # paper, eq. 2.3, F_N = I: q = +-1, a rotation by 0 or by 2 pi, which `sheet` tells apart
-        return Folded(tuple(rays), q, None, ca.vertcat(q[1], q[2], q[3]), q[0])
+        # paper, eq. 2.3, F_N = I: q = +-1, a rotation by 0 or by 2 pi, which `sheet` distinguishes
+        return FoldedExpressions(tuple(rays), q, None, ca.vertcat(q[1], q[2], q[3]), q[0])
     half_turn = math.pi / order
     turn = quat.multiply(q, (math.cos(half_turn), 0, 0, math.sin(half_turn)))
     images = list(rays)
     for _ in range(int(order) - 1 if order == int(order) else 0):
         images += [quat.rotate(turn, c) for c in images[-count:]]
     # T^n = -1 for every solution of T_w = cos(w pi/n), w odd, so the n-fold product is on the sheet q = +1
-    return Folded(tuple(images), turn, None, turn[0] - exact_cosine(order), ca.SX(1))
+    return FoldedExpressions(tuple(images), turn, None, turn[0] - exact_cosine(order), ca.SX(1))
 
 
 def exact_cosine(order: int | Fraction) -> float:

@@ -1,6 +1,6 @@
 """What two scenes must share to be solved by the same compiled functions, and those functions.
 
-A `Structure` holds only what changes the form of the nonlinear programme: group, rays, contacts.
+A `Structure` holds only what changes the form of the nonlinear program: group, rays, contacts.
 Sector angles, stiffness, rest angles and load are parameters, so one solver serves a whole sweep.
 """
 
@@ -17,7 +17,7 @@ import numpy as np
 
 from origami_nlp.numerics import quaternion as quat
 from origami_nlp.pattern import flat_points, followed
-from origami_nlp.problem.closure import Folded, fold_piece
+from origami_nlp.problem.closure import FoldedExpressions, fold_piece
 from origami_nlp.problem.gaps import Gap, gap_expression
 
 Evaluate = Callable[..., tuple[np.ndarray, ...]]
@@ -73,7 +73,7 @@ def evaluator(function: ca.Function) -> Evaluate:
 
 @dataclass(frozen=True)
 class Structure:
-    """The form of the nonlinear programme.
+    """The form of the nonlinear program.
 
     kind, order: the point group C_n or D_n.
     winding: how often states wind round its axis.
@@ -130,7 +130,7 @@ class Functions:
     x: ca.SX
     p: ca.SX
     energy: ca.SX
-    piece: Folded
+    piece: FoldedExpressions
     gaps: ca.SX
     closure: ca.Function
     local: ca.Function

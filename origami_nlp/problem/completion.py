@@ -199,7 +199,7 @@ class CreaseChain:
         return np.array(turns).reshape(len(u), len(x)).T / self.share[solve], family
 
     def meetings(self, variable: int) -> tuple[np.ndarray, np.ndarray]:
-        """Fold angles of a variable at which its two completions by all others meet, for one freedom.
+        """Fold angles of a variable at which its two completions by all others meet, for one degree of freedom.
 
         Returns the angles within +-pi (twice that where the crease lies on a mirror, or for C_n) [M], and whether
         they only touch there: two curves cross, or an isolated state; else one curve turns back.

@@ -87,7 +87,7 @@ class LoopClosure:
     Attributes
     ----------
     variables
-        Of the programme that it turns, [d].
+        Of the problem that it turns, [d].
     jacobian
         Of its equations, [k, d].
     hessians

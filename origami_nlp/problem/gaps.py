@@ -26,7 +26,7 @@ from typing import Any, Literal
 import casadi as ca
 
 from origami_nlp.numerics import OUTSIDE, quaternion as quat
-from origami_nlp.problem.closure import Folded
+from origami_nlp.problem.closure import FoldedExpressions
 
 ContactType = Literal["fold-limit", "mirror", "axis", "facet-pair"]
 
@@ -68,7 +68,7 @@ def touching_deficit(chain: Sequence[float]) -> float:
 
 
 def can_cross(sector_angles: Sequence[float], i: int, j: int) -> bool:
-    """Tell whether facets i and j (0-based) of a vertex could ever cross.
+    """Return whether facets i and j (0-based) of a vertex could ever cross.
 
     A common point splits the polygon into two closed loops; each closes only if the parts s, t of
     the two facets that belong to it bridge the deficit of its chain.  Both loops share alpha_i +
@@ -95,7 +95,7 @@ def facet_gap(rays: Sequence[Any], k: int, j: int, sine: Any) -> Any:
     return quat.dot(quat.cross(rays[j], following), rays[k]) / sine
 
 
-def gap_expression(gap: Gap, piece: Folded, sines: Sequence[Any]) -> Any:
+def gap_expression(gap: Gap, piece: FoldedExpressions, sines: Sequence[Any]) -> Any:
     """Return the gap of a mirror, axis or facet-pair contact; facet pairs without their sign."""
     if gap.type == "facet-pair":
         k, j = gap.rays
@@ -108,7 +108,9 @@ def gap_expression(gap: Gap, piece: Folded, sines: Sequence[Any]) -> Any:
     return quat.dot(c, piece.end_normal)
 
 
-def separation_rows(piece: Folded, pair: tuple[int, int], normal: Sequence[Any]) -> ca.SX:
+def separation_rows(
+    piece: FoldedExpressions, pair: tuple[int, int], normal: Sequence[Any]
+) -> ca.SX:
     """Return the four rows >= 0 of a plane with `normal` that separates two facets."""
     i, j = pair
     n = len(piece.rays)

@@ -28,7 +28,7 @@ FEW, LONG = 32, 24
 
 
 @dataclass(frozen=True, eq=False)
-class Folded:
+class FoldedRays:
     """K folded pieces.
 
     Attributes
@@ -142,7 +142,7 @@ class Kinematics:
         # creases before p turn all three rays together, those from r on turn none: only what lies between counts
         self._spans = np.stack([(p <= e) & (e < q), (q <= e) & (e < r)], axis=1).astype(float)
 
-    def fold(self, x: np.ndarray) -> Folded:
+    def fold(self, x: np.ndarray) -> FoldedRays:
         """Fold states x [K, n] [rad]."""
         count = len(self._flat)
         turns = np.zeros((count, len(x)))
@@ -160,9 +160,9 @@ class Kinematics:
             rays[:, count + 2 :] = quat.rotate([*end[:, None]], [*self._mirror.T[..., None]])
         rays = np.ascontiguousarray(rays.T)
         sheet = end[0] if self._cyclic and self._order == 1 else np.ones(len(x))
-        return Folded(rays, rays[:, self.ray_of_crease], end.T, sheet)
+        return FoldedRays(rays, rays[:, self.ray_of_crease], end.T, sheet)
 
-    def closure(self, at: Folded) -> tuple[np.ndarray, np.ndarray]:
+    def closure(self, at: FoldedRays) -> tuple[np.ndarray, np.ndarray]:
         """Return the equations [K, m] and their Jacobian [K, m, n]."""
         c = at.axes[:, : self._first] * self._factor[: self._first, None]
         if self._entries is None:
@@ -177,7 +177,7 @@ class Kinematics:
         # dq/dphi_i = c_i q / 2, c_i as a quaternion without scalar part
         return value, 0.5 * self._levers(at)[..., 1:] @ c.transpose(0, 2, 1)
 
-    def closure_hessian(self, at: Folded, weights: np.ndarray) -> np.ndarray:
+    def closure_hessian(self, at: FoldedRays, weights: np.ndarray) -> np.ndarray:
         """Return the Hessian of weights . equations, weights [K, m], shape [K, n, n]."""
         f = self._factor[: self._first]
         c = at.axes[:, : self._first] * f[:, None]
@@ -193,11 +193,11 @@ class Kinematics:
             h = 0.25 * (cross(lever[..., 1:], c) - lever[..., :1] * c) @ c.transpose(0, 2, 1)
         return _symmetric(h)
 
-    def _levers(self, at: Folded) -> np.ndarray:
+    def _levers(self, at: FoldedRays) -> np.ndarray:
         """Scalar and vector of e conj(q) for the entries e of q that closure takes: <e, p q> = (e conj(q)) . p."""
         return np.asarray((at.end @ self._lever_of).reshape(len(at.end), self.equations, 4))
 
-    def gaps(self, at: Folded, slots: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def gaps(self, at: FoldedRays, slots: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return gaps [K, S] of the positions in `Structure.gaps` that `slots` [K, S] names, and gradients [K, S, n].
 
         Facet pairs are without sign; an empty slot (`OPEN`) is zero.
@@ -214,7 +214,7 @@ class Kinematics:
         value = over * (p * cross(q, r)).sum(axis=-1)
         return value, self._by_variable(per_crease)
 
-    def gaps_hessian(self, at: Folded, slots: np.ndarray, weights: np.ndarray) -> np.ndarray:
+    def gaps_hessian(self, at: FoldedRays, slots: np.ndarray, weights: np.ndarray) -> np.ndarray:
         """Return the Hessian [K, n, n] of the sum of weights [K, S] times the gaps in `slots` [K, S]."""
         total = np.zeros((len(slots), len(self._variable), len(self._variable)))
         k, slot = np.nonzero((slots != OPEN) & (weights != 0))

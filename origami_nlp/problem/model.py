@@ -1,4 +1,4 @@
-"""A scene as a nonlinear programme: its values and derivatives at one state or many, and what is admissible."""
+"""A scene as a nonlinear program: its values and derivatives at one state or many, and what is admissible."""
 
 from __future__ import annotations
 
@@ -64,7 +64,7 @@ class Local:
 
 
 class Model(PosedProblem):
-    """The nonlinear programme of a scene: what solvers and certificates see of it (`protocol.Problem`).
+    """The nonlinear program of a scene: what solvers and certificates see of it (`protocol.Problem`).
 
     States wind round the axis of the symmetry as often as the scene says, or once.
     States x have the n variables of the model, `expand(x)` all N fold angles.  Printing it says what is modelled,
@@ -98,7 +98,7 @@ class Model(PosedProblem):
         return {k: v for k, v in self.__dict__.items() if k != "functions"}
 
     def loaded(self, load: np.ndarray) -> Model:
-        """Return the same programme with energy U - load . phi; it shares the compiled functions.
+        """Return the same problem with energy U - load . phi; it shares the compiled functions.
 
         Parameters
         ----------
@@ -299,7 +299,7 @@ class Model(PosedProblem):
         return np.swapaxes(self._call("rays", x)[0], -1, -2)
 
     def on_sheet(self, x: np.ndarray) -> Any:
-        """Tell whether states [..., n] are on the sheet q = +1 (q = -1 closes too but is no sheet of paper)."""
+        """Return whether states [..., n] are on the sheet q = +1 (q = -1 closes too but is no sheet of paper)."""
         q = self._call("sheet", x)[0][..., 0, 0]
         return bool(q > 0) if x.ndim == 1 else q > 0
 
@@ -330,7 +330,7 @@ class Model(PosedProblem):
         return rays_together(self, self.rays(x), contacts)
 
     def words(self, contact: Contact, x: np.ndarray) -> ContactWords:
-        """Say who touches in a contact that is closed at x [n]."""
+        """Name the facets and creases that touch in a contact that is closed at x [n]."""
         return contact_words(self, contact, lambda: self.rays(x))
 
     def margin(self, contact: Contact, x: np.ndarray) -> float | None:
@@ -384,7 +384,7 @@ class Model(PosedProblem):
         return pair_depths(rays, self.structure.pairs)
 
     def refuses(self, x: np.ndarray, tolerance: float = OUTSIDE) -> str:
-        """Say why a closed state is not admissible.  The one test of a single state.
+        """Return why a closed state is not admissible.  The one test of a single state.
 
         Sheet, fold limits, facets that cross anywhere in the vertex, layers that have no order with the symmetry
         of the scene; what the scene's contact does not ask for is not looked at.
@@ -418,7 +418,7 @@ class Model(PosedProblem):
         )
 
     def admissible(self, x: np.ndarray, tolerance: float = OUTSIDE) -> np.ndarray:
-        """Tell which closed states are admissible: `refuses` for many, but touching layers are not ordered.
+        """Return which closed states are admissible: `refuses` for many, but touching layers are not ordered.
 
         Where nothing but the boundary of a full-dimensional set touches, this is all of admissibility.
 

@@ -48,7 +48,7 @@ def enumerate_gaps(
             left.append(
                 LeftOut(
                     f"symmetric states that wind {often} times around the axis",
-                    "each winding is a programme of its own: searches solve all",
+                    "each winding is a problem of its own: searches solve all",
                 )
             )
         if scene.contact == "none":

@@ -1,4 +1,4 @@
-"""All critical points of a vertex within fold limits as zeros of a map of one vector: the moment that passes round.
+"""All critical points of a vertex within fold limits as zeros of a map of one vector: the constant internal moment.
 
 Where U = 1/2 sum k_i (phi_i - phi0_i)^2 - load . phi is stationary among closed states with some creases at +-pi, each
 free crease balances k_i (phi_i - phi0_i) - load_i = m . c_i with one vector m: d(vec q)/dphi_i = c_i / 2 where q = 1,
@@ -12,7 +12,7 @@ the stationary states of all strata.  The chain is folded from both ends of the 
 errors of m grow over half of the creases only.
 
 With c_i moved by the turns before it, d(m . c_i) = (c_i + Theta_i' (c_i x m)) . dm, where Theta_i = sum over j < i of
-c_j (dphi_j/dm)' is the turn of what follows.  A free crease adds to Theta, a shut one does not.
+c_j (dphi_j/dm)' is the turn of what follows.  A free crease adds to Theta, a fully folded one does not.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""The programme as CasADi symbols, for any solver: with planes that keep facets apart, or with every gap as a row."""
+"""The problem as CasADi symbols, for any solver: with planes that keep facets apart, or with every gap as a row."""
 
 from __future__ import annotations
 

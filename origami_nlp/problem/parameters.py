@@ -1,4 +1,4 @@
-"""The numbers of a programme, by name: what may change without another compiled function."""
+"""The numbers of a problem, by name: what may change without another compiled function."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from origami_nlp.pattern import DeadLoads
 
 @dataclass(frozen=True, eq=False)
 class Parameters:
-    """Values that the compiled functions of a programme take beside the fold angles.
+    """Values that the compiled functions of a problem take beside the fold angles.
 
     Attributes
     ----------
@@ -28,7 +28,7 @@ class Parameters:
         Moment conjugate to each variable over `Model.scale`: the energy is U - load . phi, shape [n].
     dead
         Forces in space, over `Model.scale`, where there are any; they ask for a model of all N fold angles.  Of a
-        pattern what has the same methods: a load on what is not linear in the fold angles (`facets.Worked`).
+        pattern what has the same methods: a load on what is not linear in the fold angles (`pattern_problem.Worked`).
     """
 
     sectors: np.ndarray

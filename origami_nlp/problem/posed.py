@@ -23,7 +23,7 @@ from origami_nlp.problem.parameters import Parameters
 
 
 class Energies:
-    """Energies of a programme in the units of its springs, from its `parameters`, which are over `scale`."""
+    """Energies of a problem in the units of its springs, from its `parameters`, which are over `scale`."""
 
     parameters: Any
     scale: float
@@ -81,7 +81,7 @@ class Energies:
 class PosedProblem(Energies, PrettyRepr):
     """What of a scene is modelled, by name; printing it says what is modelled and what is not.
 
-    Energies inside the programme are divided by `scale`, a power of two near the weighted mean
+    Energies inside the problem are divided by `scale`, a power of two near the weighted mean
     stiffness, so that results scale exactly with the stiffness.
 
     Attributes
@@ -89,7 +89,7 @@ class PosedProblem(Energies, PrettyRepr):
     scene
         The scene.
     structure
-        Form of the programme; scenes with equal structure share compiled functions and solvers.
+        Form of the problem; scenes with equal structure share compiled functions and solvers.
     left_out
         What was not modelled, and why.
     parameters
@@ -134,12 +134,12 @@ class PosedProblem(Energies, PrettyRepr):
         self.parameters = springs.scaled(1 / self.scale)
 
     def varied(self, parameters: Parameters, sector_angles: np.ndarray | None = None) -> Self:
-        """Return the same programme with other numbers; it shares the compiled functions.
+        """Return the same problem with other numbers; it shares the compiled functions.
 
         Parameters
         ----------
         parameters
-            Of the programme, over the same `scale`.
+            Of the problem, over the same `scale`.
         sector_angles
             Of the whole vertex, shape [N] [rad], where they change; special relations are not made exact.
         """
@@ -180,7 +180,7 @@ class PosedProblem(Energies, PrettyRepr):
 
     @property
     def symmetry(self) -> str:
-        """Name of the group that states of the programme keep."""
+        """Name of the group that states of the problem keep."""
         return self.scene.group.name
 
     @cached_property
@@ -293,7 +293,7 @@ class PosedProblem(Energies, PrettyRepr):
         """Do nothing: searches of one vertex look at the time themselves."""
 
     def doubt(self, x: np.ndarray) -> str:
-        """Say why it is not known whether a state is admissible: it always is."""
+        """Return why it is not known whether a state is admissible: it always is."""
         return ""
 
     def to_second_order(self, contacts: tuple[Contact, ...]) -> tuple[Contact, ...]:
@@ -321,7 +321,7 @@ class PosedProblem(Energies, PrettyRepr):
         return (2 * self.size if self.has_limits else 0) + len(self.structure.gaps)
 
     def gap_name(self, gap: Gap) -> str:
-        """Say in words what a gap is."""
+        """Describe what a gap is."""
         if gap.type == "facet-pair":
             k, j = gap.rays
             on = f"on facet {self.facet_of_ray(j)}"
@@ -334,12 +334,12 @@ class PosedProblem(Energies, PrettyRepr):
         return f"{who} on the axis" if gap.type == "axis" else f"{who} on its mirror image"
 
     def name(self, contact: Contact) -> str:
-        """Say in words which contact it is.
+        """Describe which contact it is.
 
         Parameters
         ----------
         contact
-            Of this programme.
+            Of this problem.
 
         Returns
         -------

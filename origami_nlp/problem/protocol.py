@@ -1,6 +1,6 @@
 """What solvers and certificates see of a problem: energy, closure, contacts, and their derivatives.
 
-A programme of one vertex (`Model`) has all of this, and so has that of a pattern (`facets.PatternProblem`).
+A problem of one vertex (`Model`) has all of this, and so has that of a pattern (`pattern_problem.PatternProblem`).
 """
 
 from __future__ import annotations
@@ -117,13 +117,13 @@ class Problem(Protocol):
 class Solvable(Problem, Protocol):
     """What IPOPT needs besides: symbols to build a solver from (`nlp`), and planes that keep facets apart."""
 
-    structure: Any  # hashable; programmes of one structure share their solvers
+    structure: Any  # hashable; problems of one structure share their solvers
 
     def rays(self, x: np.ndarray) -> np.ndarray: ...  # noqa: D102
 
 
 class Sparse(Problem, Protocol):
-    """What certificates of large programmes need besides: sparse matrices, and steps by their factors."""
+    """What certificates of large problems need besides: sparse matrices, and steps by their factors."""
 
     def jacobian(self, x: np.ndarray) -> Any: ...  # noqa: D102
     def hessian(self, x: np.ndarray, multipliers: np.ndarray) -> Any: ...  # noqa: D102

@@ -1,4 +1,4 @@
-"""Closed states with creases on their fold limits: all those that these leave no freedom, and random ones with some.
+"""Closed states with creases at their fold limits: all rigid ones, and random ones with degrees of freedom left.
 
 Creases at +-pi and what closes them (`complete`) cut the closed states into strata; where most of them are closed,
 minima hide that no start from the interior finds.
@@ -44,7 +44,7 @@ def vertex_candidates(model: PosedProblem) -> int:
 
 
 def vertices(model: PosedProblem, most: int, rng: np.random.Generator) -> np.ndarray:
-    """List the closed states that the creases at +-pi leave no freedom.
+    """List the closed states that the creases at +-pi leave no degree of freedom.
 
     At most m = `equation_count` variables are not at +-pi, and closure determines these.  All such states are listed
     where there are at most `most` candidates, else those of a sample of this size.  A candidate is a choice of 0 to m
@@ -66,7 +66,7 @@ def vertices(model: PosedProblem, most: int, rng: np.random.Generator) -> np.nda
     numpy.ndarray
         Different states (`SETTLED`), shape [V, n], in a fixed order.  Not admissible in general: facets may cross.
         Flat foldings are among them unless creases that lie on each other can turn against each other, and so is the
-        flat state of a model without freedom.
+        flat state of a model without degrees of freedom.
 
     Notes
     -----

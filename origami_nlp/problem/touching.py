@@ -35,7 +35,7 @@ class ClosedContacts:
     implied: rows that only describe a base row again (crease k lies on a facet because the crease
         between them is folded flat), with that base row.
     complete: whether the pieces are the feasible set beside the state, to first order; else they hold more than it, so
-        that a minimum of them is one, and that a state is none is shown by a lower state alone.
+        that a minimum of them is one, and that a state is not a minimum is shown by a lower state alone.
     """
 
     base: tuple[Contact, ...]
@@ -89,7 +89,7 @@ class ContactWords:
 
 
 def contact_words(model: PosedProblem, contact: Contact, rays: Rays) -> ContactWords:
-    """Say who touches in a contact; a facet pair by its two creases where they lie on each other."""
+    """Name the facets and creases of a contact; a facet pair by its two creases where these lie on each other."""
     text = model.name(contact)
     if contact.is_limit:
         return ContactWords("fold-limit", model.creases_of(contact.index), (), text)
@@ -298,14 +298,14 @@ class _Layers:
 
 
 def _on_arc(rays: np.ndarray, k: int, j: int, tolerance: float) -> bool:
-    """Tell whether ray k lies on the arc from ray j to the next, ends included (given: in its plane)."""
+    """Return whether ray k lies on the arc from ray j to the next, ends included (given: in its plane)."""
     a, b, c = rays[j], rays[(j + 1) % len(rays)], rays[k]
     normal = cross(a, b)
     return bool(cross(a, c) @ normal >= -tolerance and cross(c, b) @ normal >= -tolerance)
 
 
 def _overlap(rays: np.ndarray, pair: tuple[int, int] | None, tolerance: float) -> bool:
-    """Tell whether an end of one facet of the pair lies on the other."""
+    """Return whether an end of one facet of the pair lies on the other."""
     assert pair is not None
     i, j = pair
     n = len(rays)

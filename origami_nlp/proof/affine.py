@@ -76,7 +76,7 @@ class Affine:
         return (self.spread() + self.error) * (1 + 4 * (d + 4) * UNIT)
 
     def nonzero(self) -> np.ndarray:
-        """Tell where x certainly differs from zero over the box, [..., K]."""
+        """Return where x certainly differs from zero over the box, [..., K]."""
         return np.abs(self.centre) > self.radius()
 
     def bounds(self) -> tuple[np.ndarray, np.ndarray]:

@@ -118,7 +118,7 @@ class Site:
         self.minors = list(self._minors(seen))
 
     def _in_one_plane(self, seen: list[int]) -> bool:
-        """Tell whether the axes of the free creases lie in one plane, or on one line, by what the state is.
+        """Return whether the axes of the free creases lie in one plane, or on one line, by what the state is.
 
         Facets that closed or flat creases part lie in one plane; a line of twins leaves its plane at the first of them,
         and is back in it after the last.  In a wedge the components along the mirror count: the plane must be that of

@@ -39,7 +39,7 @@ Sign: TypeAlias = Literal[-1, 0, 1]
 
 
 @dataclass(frozen=True)
-class Point:
+class CertifiedPoint:
     """A critical point that is claimed: it exists, and is alone in its box.
 
     Attributes
@@ -138,7 +138,7 @@ class Certificate:
 
     scene: Scene
     r0: float
-    points: tuple[Point, ...]
+    points: tuple[CertifiedPoint, ...]
     singular: tuple[Left, ...]
     undecided: tuple[Left, ...]
     nodes: Nodes
@@ -160,7 +160,7 @@ class _Document:
     scene: Scene
     exact: dict[str, tuple[str, ...]]
     r0: Finite
-    points: tuple[Point, ...]
+    points: tuple[CertifiedPoint, ...]
     singular: tuple[Left, ...]
     undecided: tuple[Left, ...]
     tree: _Tree
@@ -239,7 +239,7 @@ def read_certificate(source: str | Path) -> Certificate:
     Raises
     ------
     CertificateError
-        If it cannot be read or is none.
+        If it cannot be read or is not one.
     """
     return certificate_from_dict(read_json(source, LARGEST, "proof", CertificateError))
 

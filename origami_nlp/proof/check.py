@@ -11,7 +11,7 @@ sign. No regularity is assumed.
 What is checked. (a) The tree covers all 3^n strata; every box that is dropped, and every part that a contraction
 removes, holds no such state. (b) Each point claimed exists, is the only one within its radius, and is of the kind
 claimed; leaves that rest on it lie within that radius. (c) Leaves at the flat state lie where the flat lemma is shown
-anew. (d) What the proof leaves open is told. (e) The minima claimed are those of (b). (f) With symmetry, that there
+anew. (d) What the proof leaves open is reported. (e) The minima claimed are those of (b). (f) With symmetry, that there
 is a tree for every way in which the whole vertex closes: from the product of all its folds (`check_whole`), not from
 its piece.
 
@@ -194,7 +194,7 @@ def degrees(angles: Sequence[float]) -> str:
 
 
 def _open(certificate: Certificate, found: Sequence[Located], flat_falls: bool) -> Iterator[str]:
-    """Say what the proof leaves open."""
+    """Describe what the proof leaves open."""
     for name in ("singular", "undecided"):
         for number, left in enumerate(getattr(certificate, name), start=1):
             middle = [0.5 * (a + b) for a, b in zip(left.lower, left.upper, strict=True)]

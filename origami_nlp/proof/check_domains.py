@@ -175,7 +175,7 @@ class Chain(ABC):
         return rows
 
     def twin_row(self, a: int, b: int, box: Box, pins: Sequence[int]) -> Form | None:
-        """G_a - sg G_b of twins, G_a of one across a mirror (a = b); None where they are none."""
+        """G_a - sg G_b of twins, G_a of one across a mirror (a = b); None where they are not."""
         sign = self.twin(a, b, pins)
         if sign is None:
             return None
@@ -193,7 +193,7 @@ class Chain(ABC):
 
     @abstractmethod
     def twin(self, a: int, b: int, pins: Sequence[int]) -> int | None:
-        """Tell whether c_a = sg c_b all over a stratum, and return sg; a = b: whether a turns freely with its image."""
+        """Return whether c_a = sg c_b all over a stratum, and sg; a = b: whether a turns freely with its image."""
 
     @abstractmethod
     def at(
@@ -277,7 +277,7 @@ class VertexChain(Chain):
         return [(first + 1 + c) % self.count for c in range((last - first - 1) % self.count)]
 
     def twin(self, a: int, b: int, pins: Sequence[int]) -> int | None:
-        """Tell whether c_a = sg c_b wherever the creases between are shut, and return sg.
+        """Return whether c_a = sg c_b wherever the creases between are fully folded, and return sg.
 
         The plate between them lies flat, so that its sectors add with a sign that turns at every pinned crease; a
         sum within the rounding of the sectors of a multiple of pi is taken to be that multiple.

@@ -140,7 +140,7 @@ def _fixed(value: int) -> Form:
 
 
 def falls(sheet: VertexChain) -> bool:
-    """Show that the flat state is no minimum: the energy falls along a way out of it.
+    """Show that the flat state is no minimum: the energy falls along an escape path from it.
 
     Parameters
     ----------
@@ -177,7 +177,7 @@ def _falls(
     start: list[float],
     end: list[float],
 ) -> bool:
-    """Tell whether G . u != 0 where Q(u) = 0 between two directions; `led` creases keep sum u_i b_i = 0."""
+    """Return whether G . u != 0 where Q(u) = 0 between two directions; `led` creases keep sum u_i b_i = 0."""
     u, v = (_completed(sheet, led, others, way) for way in (start, end))
     # Q(u + t (v - u)) = c + 2 b t + a t^2 changes its sign in 0 < t < 1: one root, a simple one
     uu, uv, vv = _form(sheet, u, u), _form(sheet, u, v), _form(sheet, v, v)

@@ -153,7 +153,7 @@ def dot(x: Sequence[Form], y: Sequence[Form]) -> Form:
 
 
 def nonzero(form: Form) -> bool:
-    """Tell whether a form certainly differs from 0 everywhere."""
+    """Return whether a form certainly differs from 0 everywhere."""
     return bool(abs(form[0]) > sum((abs(v) for v in form[1].values()), arb(0)))
 
 

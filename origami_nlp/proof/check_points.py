@@ -66,7 +66,7 @@ class Located:
     energy: Any
 
 
-class Stratum:
+class CheckedStratum:
     """Critical points with given creases pinned.
 
     Parameters
@@ -213,7 +213,7 @@ class Stratum:
         ]
 
     def alone(self, x: Sequence[float], radius: float, moment: Balls) -> bool:
-        """Tell whether at most one critical point of the stratum lies within `radius` of x.
+        """Return whether at most one critical point of the stratum lies within `radius` of x.
 
         Raises
         ------

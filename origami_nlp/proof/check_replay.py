@@ -25,7 +25,7 @@ from origami_nlp.proof.certificate import (
     SPLIT,
     TWIN,
     Certificate,
-    Point,
+    CertifiedPoint,
 )
 from origami_nlp.proof.check_bounds import States
 from origami_nlp.proof.check_domains import VertexChain
@@ -35,7 +35,7 @@ from origami_nlp.proof.check_forms import (
     Box,
     nonzero,
 )
-from origami_nlp.proof.check_points import Located, Refused, Stratum
+from origami_nlp.proof.check_points import CheckedStratum, Located, Refused
 from origami_nlp.proof.check_wedges import SymmetricPiece, piece_of
 from origami_nlp.proof.check_whole import check_identity, closing_numbers
 
@@ -135,7 +135,7 @@ class Replay:
         piece = piece_of(self.certificate.scene)
         for number, point in enumerate(self.certificate.points, start=1):
             try:
-                found = self._point(Stratum(piece, point.stratum), point)
+                found = self._point(CheckedStratum(piece, point.stratum), point)
             except Refused as problem:
                 raise Refused(f"point {number}: {problem}") from None
             for other, (p, one) in enumerate(zip(self.certificate.points, self.found), start=1):  # noqa: B905
@@ -144,7 +144,7 @@ class Replay:
                     raise Refused(f"points {other} and {number} may be one and the same")
             self.found.append(found)
 
-    def _point(self, stratum: Any, point: Point) -> Located:
+    def _point(self, stratum: Any, point: CertifiedPoint) -> Located:
         if len(stratum.free) < stratum.rank or len(point.moment) != stratum.rank:
             raise Refused(f"fewer than {stratum.rank} free creases, or numbers of its moment")
         if not 0 <= point.radius <= point.unique_radius <= 1:
@@ -181,7 +181,7 @@ class Replay:
         for number, (point, one) in enumerate(
             zip(self.certificate.points, self.found, strict=True), start=1
         ):
-            stratum, radius = Stratum(self.piece, point.stratum), point.unique_radius
+            stratum, radius = CheckedStratum(self.piece, point.stratum), point.unique_radius
             for halving in range(HALVINGS + 1):
                 try:
                     if stratum.alone(point.x, radius, one.moment):
@@ -196,7 +196,7 @@ class Replay:
             if radius < point.unique_radius:
                 self._shell(number, point, radius)
 
-    def _shell(self, number: int, point: Point, inner: float) -> None:
+    def _shell(self, number: int, point: CertifiedPoint, inner: float) -> None:
         """Check that nothing critical lies around a point, between two radii."""
         pins, box = point.stratum, [_outer(v, point.unique_radius) for v in point.x]
         for j in _free(pins):
@@ -329,7 +329,7 @@ class Replay:
         if tuple(pins) != one.stratum:
             raise Refused(f"{name} {number + 1} is of another stratum")
         for j in _free(pins):
-            if isinstance(one, Point):
+            if isinstance(one, CertifiedPoint):
                 low, high = _inner(one.x[j], one.unique_radius)
             else:
                 # listed as open in the certificate: nothing is claimed of it

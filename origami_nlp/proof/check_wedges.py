@@ -96,7 +96,7 @@ class SymmetricPiece(Chain):
         return carry(arb_mat([[1], [0], [0], [0]]), maps)
 
     def plate(self, run: Sequence[int], pins: Sequence[int], first: int) -> Any | None:
-        """Angle between two rays, those between shut: sectors add with a sign that turns at every crease; or None."""
+        """Angle between two rays, those between closed: sectors add with a sign that turns at every crease; or None."""
         total, sign = arb(0), 1
         for r, gap in enumerate(run):
             if r:
@@ -168,7 +168,7 @@ class Wedge(SymmetricPiece):
             return None if whole is None else -1 if int(whole) % 2 else 1
         last = len(self.gaps) - 1
         for mirror, first, end in ((0, 0, r), (last, r, last)):
-            # a facet that a mirror runs through stands across it; a crease there, shut, lays its facets into it
+            # a facet that a mirror runs through stands across it; a crease there, fully folded, lays its facets into it
             if mirror not in self.places and first < end:
                 angle = self.plate(range(first, end), pins, first)
                 if angle is not None and (angle - arb(0.5)).unique_fmpz() is not None:

@@ -107,7 +107,7 @@ def collinear_creases_of_wedge(
         order = list(range(rays))[::way]
         run = [float(s) for s in sectors][::way]
         if crease[order[0]] is not None:
-            continue  # shut, it lays its facets into the mirror, not across it
+            continue  # fully folded, it lays its facets into the mirror, not across it
         for count, _ in _sums(run, doubt, math.pi / 2):
             a = crease[order[count]]
             if a is not None and count < rays - 1:
@@ -139,7 +139,7 @@ def collinear_rows(
 
 
 def twins_asked(twins: tuple[CollinearPair, ...], pins: np.ndarray) -> np.ndarray:
-    """Tell on which strata twins lie on one line, [T, K]; pins [n, K]."""
+    """Return on which strata twins lie on one line, [T, K]; pins [n, K]."""
     out = np.zeros((len(twins), pins.shape[1]), dtype=bool)
     for t, twin in enumerate(twins):
         free = (pins[list(twin.creases)] == 0).all(axis=0)

@@ -167,7 +167,7 @@ def pose(model: Model) -> tuple[BoxProblem, Flat]:
         raise OptionError("the vertex is not flat: proofs are for flat sheets")
     p = model.parameters
     if model.freedom < 1 and model.structure.winding == 1:
-        raise OptionError("the scene has no freedom: its closed states are finitely many")
+        raise OptionError("the scene has no degree of freedom: its closed states are finitely many")
     group, turn = scene.group, model.structure.turn
     if group.is_trivial:
         vertex = Vertex(p.sectors, p.stiffness, p.rest)
@@ -251,7 +251,7 @@ def _roots_of(system: BoxKkt, boxes: Boxes) -> Roots:
 
 
 def _regular(system: BoxKkt, boxes: Boxes, flat: float, size: float) -> np.ndarray:
-    """Tell at which boxes closure has full rank, on the free variables and for their size, [K]."""
+    """Return at which boxes closure has full rank, on the free variables and for their size, [K]."""
     pins = boxes.pins.T
     x = np.where(pins == 0, 0.5 * (boxes.lower + boxes.upper).T, math.pi * pins)
     near = (np.abs(x).max(axis=1) < NEAR) & (flat > 0)  # beyond the flat state's lemma
@@ -301,7 +301,7 @@ def clusters(boxes: Boxes, options: ProofOptions) -> Iterator[np.ndarray]:
 
 
 def most_left(model: Model, boxes: Boxes) -> str:
-    """Say which creases are at +-pi in most of the boxes that were left; "" where none are, or no box was left."""
+    """Return which creases are at +-pi in most of the boxes that were left; "" where none are, or no box was left."""
     if not len(boxes):
         return ""
     at_limit, count = np.unique(boxes.pins.T != 0, axis=0, return_counts=True)
@@ -322,7 +322,7 @@ def by_stratum(boxes: Boxes) -> Iterator[np.ndarray]:
 
 
 def reason_of(system: BoxKkt, boxes: Boxes) -> tuple[str, bool]:
-    """Say why no root was certified, and whether that is because closure loses rank."""
+    """Return why no root was certified, and whether that is because closure loses rank."""
     pins = boxes.pins[:, 0]
     free = pins == 0
     if free.sum() < system.m:

@@ -65,9 +65,11 @@ def certificate_of(scene: Scene, proof: Proof, *others: Proof) -> c.Certificate:
     )
 
 
-def _point(p: CriticalPoint) -> c.Point:
-    return c.Point(
-        **{name: getattr(p, name) for name in c.Point.__dataclass_fields__}  # all by the same names
+def _point(p: CriticalPoint) -> c.CertifiedPoint:
+    return c.CertifiedPoint(
+        **{
+            name: getattr(p, name) for name in c.CertifiedPoint.__dataclass_fields__
+        }  # all by the same names
     )
 
 

@@ -87,7 +87,7 @@ class Product:
 
 
 @dataclass(frozen=True)
-class Folded:
+class FoldedDomain:
     """A piece folded over K boxes.
 
     Attributes
@@ -159,7 +159,7 @@ class FundamentalDomain:
         self.stiffness = stiffness / stiffness.max()
         self.doubt = SECTORS * 4 * UNIT + 2 * TRIGONOMETRIC
 
-    def fold(self, lower: np.ndarray, upper: np.ndarray, pins: np.ndarray) -> Folded:
+    def fold(self, lower: np.ndarray, upper: np.ndarray, pins: np.ndarray) -> FoldedDomain:
         """Fold over boxes lower, upper [n, K] [rad]; where pins [n, K] is not 0 the angle is pins pi exactly."""
         n, boxes = lower.shape
         turns = [self._turn(v, lower, upper, pins) for v in range(n)]
@@ -175,16 +175,18 @@ class FundamentalDomain:
                 frame = next_frame(frame, self.sectors[r], self.doubt)
         along, across = (TargetTolerance(v.on(n), n) for v in frame[:2])
         if self.kind == "C":
-            # F e1 has no part along e2 and e3, F e2 none along e3: F is 1 or a half turn, which `sheet` tells apart
+            # F e1 has no part along e2 and e3, F e2 none along e3: F is 1 or a half turn, which `sheet` distinguishes
             zero = Product((e2, along)), Product((e3, along)), Product((e3, across))
-            return Folded(tuple(rays), zero, (Product((e1, along)), Product((e2, across))), e2, e2)
+            return FoldedDomain(
+                tuple(rays), zero, (Product((e1, along)), Product((e2, across))), e2, e2
+            )
         end = TargetTolerance(-across.vector, n)
         if self.order == 1:
             both = Product((e1, end)), Product((e3, end))
-            return Folded(tuple(rays), both, (Product((e2, end)),), e2, end)
+            return FoldedDomain(tuple(rays), both, (Product((e2, end)),), e2, end)
         # n_1 . H n_k = -cos(pi / n)
         level = {2: 0.0, 3: -0.5}.get(self.order, -math.cos(math.pi / self.order))
-        return Folded(tuple(rays), (Product((e2, end), level),), (), e2, end)
+        return FoldedDomain(tuple(rays), (Product((e2, end), level),), (), e2, end)
 
     def _turn(self, v: int, lower: np.ndarray, upper: np.ndarray, pins: np.ndarray) -> Turn:
         middle, half = (self.share[v] * a for a in variables(lower[v], upper[v]))

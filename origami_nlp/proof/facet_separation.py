@@ -4,17 +4,18 @@ Arcs i and j of the sphere, shorter than pi, have a common point exactly where n
 -n_i.c_{j+1}, -n_j.c_i, n_j.c_{i+1} has the opposite sign of another; they cross where all have one sign strictly.
 Where some are exactly zero the contacts that are held say why:
 
-- Crease e shut to the side a: facets e - 1 and e lie on each other, so ray e + 1 is in the plane of facet e - 1, and
-  the planes of facets e - 1 and e + 1 meet there only.  With sector e narrower than sector e - 1 the ray is inside
-  facet e - 1, and facet e + 1 leaves it to the side a where a phi_{e+1} < 0, and passes through it where
+- Crease e fully folded to the side a: facets e - 1 and e lie on each other, so ray e + 1 is in the plane of facet e -
+  1, and the planes of facets e - 1 and e + 1 meet there only.  With sector e narrower than sector e - 1 the ray is
+  inside facet e - 1, and facet e + 1 leaves it to the side a where a phi_{e+1} < 0, and passes through it where
   a phi_{e+1} > 0.  With sector e wider it is outside, and the two are apart.  The same backwards.
 - Ray k on facet j, inside its arc: facets k - 1 and k touch it from one side where rays k - 1 and k + 1 are on this
-  side, and pass through it where they are on different ones.  A flap that begins with a shut crease and goes on flat
-  over the next one has ray k - 1 (or k + 1) in the plane as well, on the side to which that crease is shut.
+  side, and pass through it where they are on different ones.  A flap that begins with a fully folded crease and goes on
+  flat over the next one has ray k - 1 (or k + 1) in the plane as well, on the side to which that crease is fully
+  folded.
 - Rays of a D_1 wedge on each other, on the mirror: the facets touch where their planes differ.
 
 Images of a wedge are kept apart by the mirrors as long as its rays are between them: fold limits and the gaps of the
-model (`problem.choose`) say so.
+model (`problem.model_reduction`) say so.
 """
 
 from __future__ import annotations
@@ -26,7 +27,7 @@ import numpy as np
 
 from origami_nlp.numerics import CONTACT_TOL, EPS
 from origami_nlp.problem import Model
-from origami_nlp.proof.domains import Folded, FundamentalDomain, Product, cross, times
+from origami_nlp.proof.domains import FoldedDomain, FundamentalDomain, Product, cross, times
 from origami_nlp.proof.touching_rows import Row
 
 APART, CROSSED, UNCLEAR = 1, -1, 0
@@ -49,7 +50,7 @@ class Contacts:
 
 
 class Signs:
-    """Signs of what tells facets apart, at R states known to a radius.
+    """Signs of what separates facets, at R states known to a radius.
 
     Parameters
     ----------
@@ -84,7 +85,7 @@ class Signs:
                 if k not in (j, (j + 1) % n):
                     self.inside[:, k, j] = _inside(folded, k, j)
 
-    def _wedge(self, folded: Folded, n: int) -> None:
+    def _wedge(self, folded: FoldedDomain, n: int) -> None:
         if self.cyclic:
             return
         gaps = self.model.structure.gaps
@@ -96,7 +97,7 @@ class Signs:
         self.turn = three.value().signs() if n > 2 else np.zeros(len(self.inside), dtype=int)
 
     def contacts(self, r: int, touches: tuple[Row, ...]) -> Contacts:
-        """Say what the facets do at state number r, where `touches` are held."""
+        """Describe what the facets do at state number r, where `touches` are held."""
         sides = tuple(self._side(r, t) for t in touches)
         verdicts = [self._pair(r, i, j, touches) for i, j in self.model.structure.pairs]
         if not self.cyclic:
@@ -108,7 +109,7 @@ class Signs:
         return Contacts(APART if clear else UNCLEAR, tuple(int(s or 0) for s in sides))
 
     def _side(self, r: int, t: Row) -> int | None:
-        """Open side of a touch; 0 where it is unclear, None where facets pass through each other."""
+        """Open side of a touch; 0 where it is unclear, None where facets intersect."""
         if t.kind in ("start", "end"):
             return 1
         if t.kind == "meet":
@@ -129,7 +130,7 @@ class Signs:
         return int(before) if before == after else None
 
     def _flat_flap(self, r: int, near: int, far: int, ray: int) -> bool:
-        """Whether `ray` is `far`, and of creases `near` and `far` one is shut and the other flat, or nearly."""
+        """Whether `ray` is `far`, and of creases `near` and `far` one is fully folded and the other flat, or nearly."""
         n, pins = self.off.shape[1], self.pins[r]
         near, far = near % n, far % n
         at_limit, flat = (near, far) if pins[near] else (far, near)
@@ -154,7 +155,7 @@ class Signs:
             if self.cyclic and (stacked := self._stacked(r, a, b)) is not None:
                 return stacked
         for a, b in orders:
-            # crease e shut between facet a = e - 1 and the one before b = e + 1
+            # crease e fully folded between facet a = e - 1 and the one before b = e + 1
             e = (a + 1) % n
             if (a + 2) % n == b and (a + 2 < n or self.cyclic):
                 found = self._beyond(r, e, (e + 1) % n, e, (e - 1) % n)
@@ -167,12 +168,12 @@ class Signs:
         return UNCLEAR
 
     def _stacked(self, r: int, a: int, b: int) -> int | None:
-        """What facets a and b do where creases e, e + 1 are shut and they are A = e - 1, C = e + 1, or next to these.
+        """What facets a and b do where e, e + 1 are fully folded and they are A = e - 1, C = e + 1, or next to these.
 
-        On the line of facet B = e, from crease e on: A is [0, A], C is [B - C, B].  Shut to different sides the three
-        are a zigzag: A, B and C lie in this order, and stay so as soon as both creases open.  Shut to one side they are
-        rolled up: the facet beyond A or the one beyond C is caught between layers, unless A and C do not reach each
-        other.
+        On the line of facet B = e, from crease e on: A is [0, A], C is [B - C, B].  Fully folded to different sides the
+        three are a zigzag: A, B and C lie in this order, and stay so as soon as both creases open.  Fully folded to one
+        side they are rolled up: the facet beyond A or the one beyond C is caught between layers, unless A and C do not
+        reach each other.
         """
         n, pins = self.off.shape[1], self.pins[r]
         for e in range(n):
@@ -207,7 +208,7 @@ class Signs:
         return None
 
     def _beyond(self, r: int, e: int, tip: int, narrow: int, wide: int) -> int | None:
-        """What the facet beyond `tip` and facet `wide` do, where crease e is shut; None where that is no reason."""
+        """What the facet beyond `tip` and facet `wide` do, crease e fully folded; None where that is no reason."""
         pins = self._crease(self.pins[r], e)
         if not pins:
             return None
@@ -235,7 +236,7 @@ class Signs:
         return UNCLEAR
 
 
-def _inside(folded: Folded, k: int, j: int) -> np.ndarray:
+def _inside(folded: FoldedDomain, k: int, j: int) -> np.ndarray:
     """Whether ray k is between rays j and j + 1, +1 or -1: n.(c_j x c_k) and n.(c_k x c_{j+1}) are positive, [R]."""
     a, b, c = (folded.rays[i % len(folded.rays)].vector for i in (j, j + 1, k))
     normal = cross(a, b)

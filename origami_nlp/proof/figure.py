@@ -100,7 +100,7 @@ def locate(tree: Tree, stratum: tuple[int, ...], x: np.ndarray) -> tuple[np.ndar
 def draw_proof(
     model: Model, proof: Proof, pair: tuple[int, int] = (0, 1), size: int = 500
 ) -> Figure:
-    """Draw the closed states of a scene with two freedoms, cut into the boxes of its proof.
+    """Draw the closed states of a scene with two degrees of freedom, cut into the boxes of its proof.
 
     Two of the variables are the axes; closure gives the others, in up to two ways: a panel each.
 
@@ -123,14 +123,16 @@ def draw_proof(
     Raises
     ------
     OptionError
-        If the proof was not recorded, or the scene has not two freedoms.
+        If the proof was not recorded, or the scene has not two degrees of freedom.
     """
     from matplotlib.figure import Figure
 
     if proof.tree is None:
         raise OptionError("the proof has no tree: prove(model, record=True) keeps it")
     if model.freedom != 2:
-        raise OptionError(f"the scene has {model.freedom} freedoms: draw_proof is for two")
+        raise OptionError(
+            f"the scene has {model.freedom} degrees of freedom: draw_proof is for two"
+        )
     figure = Figure(figsize=(9.6, 6.4), dpi=110, layout="compressed")
     axes = figure.subplots(1, 2, sharex=True, sharey=True)
     branches, there = _closed(model, pair, size)
@@ -168,7 +170,7 @@ def _closed(model: Model, pair: tuple[int, int], size: int) -> tuple[np.ndarray,
 def _distance(
     branch: np.ndarray, exists: np.ndarray, x: tuple[float, ...], pair: tuple[int, int], size: int
 ) -> float:
-    """Tell how far the nearest state of a branch, of those next to x in the picture, is from x."""
+    """Return how far the nearest state of a branch, of those next to x in the picture, is from x."""
     near = exists & (
         np.abs(branch[:, pair] - np.array(x)[list(pair)]).max(axis=1) < 8 * math.pi / size
     )

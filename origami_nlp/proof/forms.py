@@ -109,7 +109,8 @@ def left_over(forms: Forms, radius: float) -> tuple[np.ndarray, Boxes]:
     given_up : numpy.ndarray
         Strata with more boxes than are looked at, bool [S]; their boxes are not all among those left.
     left : Boxes
-        Where no row could be told from zero.  A stratum without boxes that was not given up has no zero: proved.
+        Where no row could be distinguished from zero.  A stratum without boxes that was not given up has no zero:
+        proved.
     """
     forms = _with_rounding(forms)
     error = (1 + 8 * EPS) * (forms.base + forms.tilts * radius + forms.error * radius**forms.order)
@@ -129,7 +130,7 @@ def left_over(forms: Forms, radius: float) -> tuple[np.ndarray, Boxes]:
 
 
 def none_beside(forms: Forms, boxes: Boxes, core: float, radius: float) -> np.ndarray:
-    """Tell for which boxes the next order excludes every common zero with core <= r <= radius.
+    """Return for which boxes the next order excludes every common zero with core <= r <= radius.
 
     Parameters
     ----------
@@ -234,7 +235,7 @@ def _halved(boxes: Boxes) -> Boxes:
 
 
 def _tilted(rows: Forms, lower: np.ndarray, upper: np.ndarray, core: float, radius: float) -> bool:
-    """Tell whether rows (all hold) have no zero with a direction in a box for core <= r <= radius."""
+    """Return whether rows (all hold) have no zero with a direction in a box for core <= r <= radius."""
     move = upper > lower
     z = 0.5 * (lower + upper)
     for _ in range(6):  # Gauss and Newton: any z will do, a zero of the leading forms does best

@@ -273,7 +273,7 @@ def _in_frame(normal: np.ndarray, gap: Affine) -> Affine:
 
 
 def all_free(creases: tuple[tuple[int, ...], ...], pins: np.ndarray) -> np.ndarray:
-    """Tell which choices of creases are free, [M, K]."""
+    """Return which choices of creases are free, [M, K]."""
     if not creases:
         return np.zeros((0, pins.shape[1]), dtype=bool)
     which = np.array(creases, dtype=int)

@@ -115,7 +115,7 @@ class Proof:
     flat_radius
         Within this of the flat state it is the only critical point [rad]; 0.0 where that is not shown.
     flat_is_minimum
-        False where the flat state is shown to be none; None: not decided here.
+        False where the flat state is shown not to be one; None: not decided here.
     tree
         All boxes, if they were recorded.
     left

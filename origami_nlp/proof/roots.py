@@ -29,7 +29,7 @@ import numpy as np
 from origami_nlp.numerics import CURVED, DUPLICATE_TOL, FOLLOWED, INDEPENDENT
 from origami_nlp.proof.affine import TINY, UNIT
 from origami_nlp.proof.boxes import WIDER, Boxes
-from origami_nlp.proof.system import BoxKkt, Local
+from origami_nlp.proof.system import BoxDerivatives, BoxKkt
 
 STEPS = 30
 """Newton's steps from the middle of a box."""
@@ -192,13 +192,13 @@ def _between(
     return 1.01 * low.max(axis=1), 0.99 * high.min(axis=1)
 
 
-def _lean(at: Local) -> np.ndarray:
+def _lean(at: BoxDerivatives) -> np.ndarray:
     """Ratio of the sides of a box in multipliers and in x: twice what the former move where x moves by 1 (`holds`)."""
     p, move, _ = _levers(at, np.full(len(at.f), WITHIN[-1]))
     return 2.0 * (p @ move[:, :, None])[:, :, 0].max(axis=1)
 
 
-def _levers(at: Local, within: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _levers(at: BoxDerivatives, within: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """|P| [R, m, n], P A' = 1 on free variables; what k x - A' lam, and A', change with x, for t <= within, [R, n]."""
     p = np.abs(np.linalg.pinv(at.a.transpose(0, 2, 1), rcond=CURVED))
     s = at.beta.sum(axis=1)
@@ -291,7 +291,7 @@ def different(roots: Roots, known: int = 0) -> Roots:
 
 def _index(
     system: BoxKkt,
-    at: Local,
+    at: BoxDerivatives,
     free: np.ndarray,
     radius: np.ndarray,
     lean: np.ndarray,

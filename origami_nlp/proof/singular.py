@@ -58,7 +58,7 @@ class Isolation:
     reason: str
 
     def holds(self, lower: Sequence[float], upper: Sequence[float]) -> bool:
-        """Tell whether a box [n] of the stratum lies within the radius, so that it holds no other critical point."""
+        """Return whether a box [n] of the stratum lies within the radius, so that it holds no other critical point."""
         x = np.array(self.point)
         away = np.maximum(np.abs(np.subtract(upper, x)), np.abs(np.subtract(lower, x)))
         return bool(self.radius > 0 and (away <= self.radius * (1 - SLACK)).all())

@@ -20,7 +20,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from origami_nlp.numerics import INDEPENDENT, cross
-from origami_nlp.problem import Folded, Kinematics, Model
+from origami_nlp.problem import FoldedRays, Kinematics, Model
 from origami_nlp.proof.affine import UNIT
 from origami_nlp.proof.chains import SECTORS
 
@@ -29,7 +29,7 @@ FOLD = 40
 
 
 @dataclass(frozen=True, eq=False)
-class Local:
+class BoxDerivatives:
     """The system at R states, and what its derivatives are there.
 
     Attributes
@@ -124,11 +124,11 @@ class BoxKkt:
         """Return the Jacobian of closure, [R, m, n]."""
         return self.vanishing(self.kinematics.fold(x))[1]
 
-    def vanishing(self, at: Folded) -> tuple[np.ndarray, np.ndarray]:
+    def vanishing(self, at: FoldedRays) -> tuple[np.ndarray, np.ndarray]:
         """Return g [R, m] and its Jacobian [R, m, n]."""
         return self.kinematics.closure(at)
 
-    def curvature(self, at: Folded, lam: np.ndarray) -> np.ndarray:
+    def curvature(self, at: FoldedRays, lam: np.ndarray) -> np.ndarray:
         """Return lam . g'', [R, n, n]."""
         return self.kinematics.closure_hessian(at, lam)
 
@@ -156,7 +156,7 @@ class BoxKkt:
         jacobian[:, diagonal, diagonal] += pinned
         return np.concatenate([np.where(free, force, 0.0), g], axis=1), jacobian, folded.sheet
 
-    def local(self, x: np.ndarray, lam: np.ndarray, pins: np.ndarray) -> Local:
+    def local(self, x: np.ndarray, lam: np.ndarray, pins: np.ndarray) -> BoxDerivatives:
         """Return the system at states, with its second and third derivatives."""
         f, jacobian, _ = self.at(x, lam, pins)
         free = pins == 0
@@ -175,7 +175,7 @@ class BoxKkt:
         second = np.abs(second) + 4 * self.noise * bb[:, None]
         a = jacobian[:, self.n :, : self.n] * free[:, None]
         fuzz = self._fuzz(x, lam)
-        return Local(f, jacobian, fuzz, a, second, bent, third, beta, size, self.noise)
+        return BoxDerivatives(f, jacobian, fuzz, a, second, bent, third, beta, size, self.noise)
 
     def force(self, x: np.ndarray, lam: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return k (x - rest) - A' lam of all variables, and what rounding and doubt leave in it, [R, n]."""

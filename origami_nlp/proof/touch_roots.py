@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from origami_nlp.problem import Folded, Model
+from origami_nlp.problem import FoldedRays, Model
 from origami_nlp.proof.system import BoxKkt
 
 
@@ -35,13 +35,13 @@ class ContactSystem(BoxKkt):
         sines = [math.sin(a) for a in model.parameters.sectors]
         self.noise *= 4 / min(sines)
 
-    def vanishing(self, at: Folded) -> tuple[np.ndarray, np.ndarray]:
+    def vanishing(self, at: FoldedRays) -> tuple[np.ndarray, np.ndarray]:
         """Return closure and gaps [R, m] and their Jacobian [R, m, n]."""
         g, a = super().vanishing(at)
         h, b = self.kinematics.gaps(at, self._slots(g))
         return np.concatenate([g, h], axis=1), np.concatenate([a, b], axis=1)
 
-    def curvature(self, at: Folded, lam: np.ndarray) -> np.ndarray:
+    def curvature(self, at: FoldedRays, lam: np.ndarray) -> np.ndarray:
         """Return lam . (closure, gaps)'', [R, n, n]."""
         e = self.equations
         h = super().curvature(at, lam[:, :e])

@@ -2,37 +2,38 @@
 
 A local minimum x of the energy among admissible states has fold limits P and gaps T closed, and the states near it with
 the same contacts closed are admissible as well: x is a minimum among {closure, P, T}.  So it is critical there in the
-sense of Fritz John: with f the freedom of the scene, where |P| + |T| < f all minors of [G | C | W] with one column more
-than there are equations vanish on the free creases (W the gradients of the gaps T), without a constraint qualification.
-Where |P| + |T| = f nothing is asked: every closed state is a candidate.  Where more is closed, some f of the contacts
-are, and x is among those.  Hence strata with |P| + |T| <= f are all; those with T empty are what the proof within fold
-limits has treated already, and there remain, for f = 2, one touch with at most one closed crease, and two touches.
-A touch that only describes closed creases again (all between the ray and the facet are shut) is left out: it holds on
-the whole of {closure, P}.  That the set of admissible states may be a union near x, a corner, does no harm: the
-argument is within {closure, P, T}.
+sense of Fritz John: with f the degrees of freedom of the scene, where |P| + |T| < f all minors of [G | C | W] with one
+column more than there are equations vanish on the free creases (W the gradients of the gaps T), without a constraint
+qualification. Where |P| + |T| = f nothing is asked: every closed state is a candidate.  Where more is closed, some f of
+the contacts are, and x is among those.  Hence strata with |P| + |T| <= f are all; those with T empty are what the proof
+within fold limits has treated already, and there remain, for f = 2, one touch with at most one closed crease, and two
+touches. A touch that only describes closed creases again (all between the ray and the facet are fully folded) is left
+out: it holds on the whole of {closure, P}.  That the set of admissible states may be a union near x, a corner, does no
+harm: the argument is within {closure, P, T}.
 
 Two kinds of strata of a vertex of degree five are curves, or empty, and are left out; x is on a stratum that is not.
-- Where sectors e and e+1 are equal and crease e between them is shut, rays e-1 and e+1 lie on each other, and a gap of
-  one of them off a facet that the other bounds vanishes on the whole of {closure, crease e shut}.  So it says nothing
-  beside that crease: x is a minimum, or a candidate, among the states that hold its other contacts closed.
+- Where sectors e and e+1 are equal and crease e between them is fully folded, rays e-1 and e+1 lie on each other, and a
+  gap of one of them off a facet that the other bounds vanishes on the whole of {closure, crease e fully folded}.  So it
+  says nothing beside that crease: x is a minimum, or a candidate, among the states that hold its other contacts closed.
 - Ray k on facet k+2 and ray k+2 on facet k+4 at once, where sectors k and k+1 make less than pi.  If these rays differ,
   the great circles of both facets pass through both and are one circle, so that creases k+3 and k+4 are at 0 or +-pi.
-  One at +-pi is shut, and x is on the stratum of it and one touch.  With both at 0, facets k+2 to k+4 are an arc longer
-  than pi, whose ends are as far apart as sectors k and k+1 reach: the flat state.  If the rays are one, crease k+1 is
-  shut between equal sectors: the case before.
+  One at +-pi is fully folded, and x is on the stratum of it and one touch.  With both at 0, facets k+2 to k+4 are an
+  arc longer than pi, whose ends are as far apart as sectors k and k+1 reach: the flat state.  If the rays are one,
+  crease k+1 is fully folded between equal sectors: the case before.
 
 Which gaps there are is taken from the model, which leaves out what cannot touch.  On D_1 (four rays) facets 1 and 3
-meet where rays 1 and 4 do, or where one of them lies on the mirror with its crease shut: the row is that the rays meet.
+meet where rays 1 and 4 do, or where one of them lies on the mirror, its crease closed: the row is that the rays meet.
 
 Of each critical point the signs of all rays off all facets are computed with intervals (`apart`).  Certainly crossing:
 it is left out.  Apart but for P and T, whose gradients are independent as the point is regular: admissible states near
 it are exactly {closure, s_i phi_i <= pi, side g >= 0}, and the signs of all multipliers and the index decide as within
 fold limits; side times multiplier is positive where the contact pushes.  What remains are stacks: facets on each
-other with more creases shut.  There the package's exact test decides whether the layers have an order
+other with more creases fully folded.  There the package's exact test decides whether the layers have an order
 (`Model.refuses`), and its cone on the verdict (`classify`); `judged` says so, and such a point is not proved.
 
-Not covered, and undecided or refused by name: more than two freedoms, C_n, wedges of more rays than here, sectors of pi
-and more, sets of dimension one that contacts hold (their boxes stay undecided); singular flat foldings are listed.
+Not covered, and undecided or refused by name: more than two degrees of freedom, C_n, wedges of more rays than here,
+sectors of pi and more, sets of dimension one that contacts hold (their boxes stay undecided); singular flat foldings
+are listed.
 """
 
 from __future__ import annotations
@@ -69,7 +70,7 @@ from origami_nlp.proof.touching_rows import Row, TouchedVertex, TouchedWedge
 
 
 @dataclass(frozen=True, eq=False)
-class Stratum:
+class ContactStratum:
     """Touches, and the boxes of the fold limits that go with them.
 
     Attributes
@@ -120,7 +121,7 @@ def prove(
     Raises
     ------
     OptionError
-        If the scene has no contact, no freedom, or is no flat sheet.
+        If the scene has no contact, no degree of freedom, or is no flat sheet.
 
     Examples
     --------
@@ -143,7 +144,7 @@ def prove(
 
 
 def why_not(model: Model) -> str:
-    """Say why touches of a model are not proved here; "" where they are."""
+    """Return why touches of a model are not proved here; "" where they are."""
     s, freedom = model.structure, model.freedom
     if max(model.scene.vertex.sector_angles) >= math.pi - INPUT_TOL:
         return "a sector of 180 degrees or more"
@@ -155,14 +156,14 @@ def why_not(model: Model) -> str:
     if not s.gaps:
         return ""
     if freedom > 2:
-        return f"{freedom} freedoms: touches are proved for at most 2"
+        return f"{freedom} degrees of freedom: touches are proved for at most 2"
     if s.kind == "C":
         return ""
     fits = rays <= 3 if s.order > 1 else rays == 4 and all(s.has_crease)
     return "" if fits else f"touches of a {model.symmetry} wedge of {rays} rays are not proved"
 
 
-def contact_strata(model: Model) -> Iterator[Stratum]:
+def contact_strata(model: Model) -> Iterator[ContactStratum]:
     """List the strata with touches of a model that `why_not` has nothing against."""
     freedom = model.freedom
     patterns = strata(model.size)
@@ -184,7 +185,7 @@ def contact_strata(model: Model) -> Iterator[Stratum]:
             if any(_says_nothing(model, t, crease) for t in touches):
                 allowed &= patterns.pins[crease] == 0
         if allowed.any():
-            yield Stratum(touches, posed, patterns[allowed])
+            yield ContactStratum(touches, posed, patterns[allowed])
 
 
 def _sets(model: Model) -> Iterator[tuple[Row, ...]]:
@@ -207,13 +208,13 @@ def _sets(model: Model) -> Iterator[tuple[Row, ...]]:
         for rays in ((3, 0), (0, 3)) if first else ():
             yield (Row("meet", rays, first[(3, 0) if rays == (3, 0) else (0, 2)]),)
     else:
-        # both at once: rays 1 and 3 on each other, which is crease 2 shut between equal sectors
+        # both at once: rays 1 and 3 on each other, which is crease 2 fully folded between equal sectors
         for (r, side), i in first.items():
             yield (Row("end" if side else "start", (r,), i),)
 
 
 def _says_nothing(model: Model, touch: Row, crease: int) -> bool:
-    """Whether a ray lies on an edge of the facet that it touches wherever a crease between equal sectors is shut."""
+    """Whether a ray lies on an edge of the facet it touches where a crease between equal sectors is fully folded."""
     a, n = model.parameters.sectors, model.size
     if abs(a[crease - 1] - a[crease]) > SUMMED:
         return False
@@ -223,7 +224,7 @@ def _says_nothing(model: Model, touch: Row, crease: int) -> bool:
 
 
 def _on_each_other(model: Model, touches: tuple[Row, ...]) -> bool:
-    """Whether two touches can hold at once only with rays on each other, a crease shut, or all flat (degree five)."""
+    """Whether two contacts close at once only with coincident rays, a fully folded crease, or all flat (degree 5)."""
     a, n = model.parameters.sectors, model.size
     if len(touches) != 2 or n != 5:
         return False
@@ -318,7 +319,7 @@ def with_touches(
 
 
 def _refused(model: Model, cluster: Cluster, size: float) -> Cluster:
-    """Say of a singular state if its layers have no order: the state at multiples of pi that the box holds."""
+    """Return of a singular state whether its layers have no order: the state at multiples of pi that the box holds."""
     middle = 0.5 * (np.array(cluster.lower) + np.array(cluster.upper))
     flat = math.pi * np.round(middle / math.pi)
     x = np.where(np.abs(middle - flat) < size, flat, middle)
@@ -342,10 +343,10 @@ def _as_roots(points: tuple[CriticalPoint, ...], n: int) -> Roots:
 def _again(
     model: Model, point: CriticalPoint, touches: tuple[Row, ...], known: tuple[CriticalPoint, ...]
 ) -> bool:
-    """Whether a point is one with more creases shut that keep these gaps closed, so that it has been counted."""
+    """Whether a point has more creases fully folded that keep these gaps closed, so that it has been counted."""
     for other in known:
         apart = max(abs(a - b) for a, b in zip(point.x, other.x, strict=True))
-        # the other point's stratum lies in the closure of this one's: more creases shut, to the same sides
+        # the other point's stratum lies in the closure of this one's: more creases fully folded, to the same sides
         finer = all(s in (0, t) for s, t in zip(point.stratum, other.stratum, strict=True))
         if finer and point.stratum != other.stratum and apart + other.radius < point.unique_radius:
             if all(_kept_closed(model, t, other.stratum) for t in touches):
@@ -354,7 +355,7 @@ def _again(
 
 
 def _kept_closed(model: Model, touch: Row, stratum: tuple[int, ...]) -> bool:
-    """Whether all creases between a ray and what it touches are shut, one way round."""
+    """Whether all creases between a ray and what it touches are fully folded, one way round."""
     has = model.structure.has_crease
     at_limit = [bool(stratum[sum(has[:r])]) if h else True for r, h in enumerate(has)]
     k, n = touch.rays[0], len(has)
@@ -375,7 +376,7 @@ def _point(model: Model, roots: Roots, i: int, touches: tuple[Row, ...]) -> Crit
     equations = model.equation_count
     half = 0.5 if equations == 3 else 1.0
     lam = model.scale * roots.lam[i]
-    # as many contacts as freedoms leave nothing to bend
+    # as many contacts as degrees of freedom leave nothing to bend
     all_held = len(touches) + np.count_nonzero(roots.pins[i]) == model.freedom
     index = 0 if all_held else None if roots.index[i] < 0 else int(roots.index[i])
     return CriticalPoint(

@@ -22,7 +22,7 @@ from origami_nlp.proof.affine import (
 from origami_nlp.proof.chains import VanishingRows, Vertex, angle_turns, half_turns, taken
 from origami_nlp.proof.domains import (
     AXES,
-    Folded,
+    FoldedDomain,
     FundamentalDomain,
     Product,
     folded_frame,
@@ -52,7 +52,7 @@ class Row:
     rays: tuple[int, ...]
     gap: int
 
-    def product(self, folded: Folded) -> Product:
+    def product(self, folded: FoldedDomain) -> Product:
         """What vanishes."""
         if self.kind == "facet":
             return folded.on_facet(*self.rays)
@@ -65,8 +65,8 @@ class Kite:
     """The gap of ray 3 (or 1) on the axis of a wedge of two equal sectors a, less what it has in common with crease 2.
 
     With theta half the fold angle of the crease on the mirror, c_3 . n_1 = 2 sin a cos(phi_2 / 2) (cos a cos(phi_2 / 2)
-    cos theta - sin(phi_2 / 2) sin theta): crease 2 shut puts rays 1 and 3 on each other, on the axis.  The last factor
-    is the row.
+    cos theta - sin(phi_2 / 2) sin theta): crease 2 fully folded puts rays 1 and 3 on each other, on the axis.  The last
+    factor is the row.
 
     Parameters
     ----------

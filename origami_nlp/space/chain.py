@@ -1,4 +1,4 @@
-"""Symmetric states with two freedoms as folded half-chains, in coordinates that have no blow-up point.
+"""Symmetric states with two degrees of freedom as folded half-chains, in coordinates that have no blow-up point.
 
 Between two neighbouring mirrors the creases of a symmetric vertex are a chain of arcs on the unit sphere; its ends
 lie on the mirrors.  All but the last crease are placed freely; the last one is at distance a (its sector angle) from
@@ -147,7 +147,7 @@ class Points:
 
 
 WRAPPED = {"degree6": (False, True, True), "wedge": (False, True, False)}
-"""Which of `Points.walls` are angles modulo 2 pi: a change of sign at +-pi is none."""
+"""Which of `Points.walls` are angles modulo 2 pi: a change of sign at +-pi does not count."""
 
 
 def chain_of(scene: Scene) -> Chain:
@@ -166,12 +166,12 @@ def chain_of(scene: Scene) -> Chain:
     Raises
     ------
     OptionError
-        If the scene has not two symmetric freedoms of a known kind, or does not ask for full contact.
+        If the scene has not two symmetric degrees of freedom of a known kind, or does not ask for full contact.
     """
     chart = chart_of(scene)
     if chart is None:
         raise OptionError(
-            f"symmetry = {scene.symmetry!r} leaves no chart with two freedoms: the space is analysed for D1 of "
+            f"symmetry = {scene.symmetry!r} leaves no chart of two degrees of freedom: the space is analysed for D1 of "
             "degree 6 and D<n> of degree 4 n, with creases on all mirrors"
         )
     if scene.contact != "full":

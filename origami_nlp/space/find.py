@@ -22,8 +22,8 @@ ATTEMPTS = (0, 1, 3, 5, 9)
 """Rings added where a mesh turns out too coarse."""
 
 
-def find_space(scene: Scene, size: int = SIZE) -> Space:
-    """Analyse the admissible space of a scene with two symmetric freedoms and full contact.
+def find_space(scene: Scene, *, size: int = SIZE) -> Space:
+    """Analyse the admissible space of a scene with two symmetric degrees of freedom and full contact.
 
     Parameters
     ----------
@@ -31,7 +31,7 @@ def find_space(scene: Scene, size: int = SIZE) -> Space:
         What is folded; its springs play no part.
     size
         Rings of the mesh around the flat state, 8 to 1025; the mesh has about 8 size^2 vertices.  A few more are
-        taken where that mesh is too coarse (`Space.size` tells).
+        taken where that mesh is too coarse (see `Space.size`).
 
     Returns
     -------
@@ -52,7 +52,9 @@ def find_space(scene: Scene, size: int = SIZE) -> Space:
     >>> len(space.components), space.holes, space.euler_characteristic
     (1, 0, 1)
     """
-    scene = as_scene(scene, "the admissible space", "find_motion follows a pattern of one freedom")
+    scene = as_scene(
+        scene, "the admissible space", "find_motion follows a pattern of one degree of freedom"
+    )
     size = check_whole("size", size, *SIZES)
     chain = chain_of(scene)
     # walls may pass a mesh of one size so closely that another one is needed
@@ -124,7 +126,7 @@ def _chart(chain: Chain, cells: Cells) -> tuple[np.ndarray, np.ndarray]:
 def _sample(mesh: SpaceMesh, part: topology.Part) -> tuple[float, ...]:
     """The state of a component that keeps farthest from phi = +-pi and from the flat state."""
     wedge = mesh.wedge[part.vertices]
-    # any state of the component would do: one far from contacts and from flat can be told apart in a picture
+    # any state of the component would do: one far from contacts and from flat can be distinguished in a picture
     room = np.minimum(math.pi - np.abs(wedge).max(axis=1), np.abs(wedge).max(axis=1))
     free = mesh.on[part.vertices] == 0
     best = part.vertices[np.argmax(np.where(free, room, room - 2 * math.pi))]

@@ -144,12 +144,12 @@ def polar_mesh(reach: tuple[float, float], size: int) -> tuple[np.ndarray, np.nd
 
 
 def has(on: np.ndarray, bit: int) -> np.ndarray:
-    """Tell which vertices lie on a wall or the seam."""
+    """Return which vertices lie on a wall or the seam."""
     return (on >> bit) & 1 == 1
 
 
 def several(on: np.ndarray) -> np.ndarray:
-    """Tell which vertices lie on two walls or more (the seam of the sheets is none)."""
+    """Return which vertices lie on two walls or more (the seam of the sheets does not count)."""
     walls = on & ~(1 << SEAM)
     # more than one bit is set
     return np.asarray((walls & (walls - 1)) != 0)

@@ -2,7 +2,7 @@
 
 | family | of | its starts |
 | --- | --- | --- |
-| `Corners` | vertex | where fold limits leave no freedom |
+| `Corners` | vertex | where fold limits leave no degree of freedom |
 | `Interior` | vertex | with nothing closed |
 | `NearCorners` | vertex | corners with some of their creases let go |
 | `Strata` | vertex | with random creases at their fold limits |
@@ -14,15 +14,15 @@
 | `FlatFoldings` | vertex | every fold angle 0 or +-pi |
 | `HingeSets` | vertex | lowest of all that hinge about one line |
 | `RestState` | vertex | the rest angles, where they close |
-| `RigidStates` | vertex | isolated states of what has no freedom |
+| `RigidStates` | vertex | isolated states of models without degrees of freedom |
 | `Given` | pattern | what the file states, mountains and valleys folded, rest angles |
 | `Grown` | pattern | grown out of the flat state |
 | `Uniform` | pattern | any fold angles |
-| `UniformFolded` | pattern | any fold angles, some creases shut |
+| `UniformFolded` | pattern | any fold angles, some creases fully folded |
 | `Popped` | pattern | a minimum with one vertex on its other side |
 
 `samples` are states with the contacts that they hold, `closing` brings them onto closure and these contacts, and
-`crossings` tells where facets cross; `contact_strata` lists the strata with touches, which `pinches` closes.
+`crossings` finds where facets cross; `contact_strata` lists the strata with touches, which `pinches` closes.
 """
 
 import lazy_loader

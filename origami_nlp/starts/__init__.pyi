@@ -1,5 +1,5 @@
 from . import rounds as rounds
-from .batch_closure import Closing as Closing, Point as Point, balance as balance
+from .batch_closure import Closing as Closing, ClosurePoint as ClosurePoint, balance as balance
 from .batch_states import Ends as Ends, Samples as Samples, joined as joined, put as put
 from .contact_closed_form import close_pinched as close_pinched
 from .contact_strata import ContactStrata as ContactStrata, Row as Row, list_strata as list_strata

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from origami_nlp.numerics import EPS, OUTSIDE, RANK, ROUNDED
-from origami_nlp.problem import OPEN, Folded, Kinematics, Model, Parameters
+from origami_nlp.problem import OPEN, FoldedRays, Kinematics, Model, Parameters
 from origami_nlp.starts.batch_states import Samples
 
 CLOSED = 0.1 * OUTSIDE
@@ -23,7 +23,7 @@ POOR = 1e10
 
 
 @dataclass(frozen=True, eq=False)
-class Point:
+class ClosurePoint:
     """What samples are at their states, in the metric y = sqrt(k) phi.
 
     Attributes
@@ -42,7 +42,7 @@ class Point:
         The rows on the free creases, and the (pseudo-)inverse of their Gram matrix.
     """
 
-    at: Folded
+    at: FoldedRays
     rows: np.ndarray
     torque: np.ndarray
     multipliers: np.ndarray
@@ -85,7 +85,7 @@ class Closing:
         """Return the metric of samples, sqrt(k), [n] or [K, n] as `springs`."""
         return self._roots[s.springs] if self._several else self._roots
 
-    def rows(self, s: Samples) -> tuple[Folded, np.ndarray, np.ndarray]:
+    def rows(self, s: Samples) -> tuple[FoldedRays, np.ndarray, np.ndarray]:
         """Fold samples; return the folded states, closure and held gaps [K, r], and their Jacobian [K, r, n].
 
         Slots behind the last one that any sample uses have no rows.
@@ -100,14 +100,14 @@ class Closing:
         value = np.concatenate([value, sides * g], axis=1)
         return at, value, np.concatenate([jacobian, sides[..., None] * dg], axis=1)
 
-    def point(self, s: Samples) -> Point:
+    def point(self, s: Samples) -> ClosurePoint:
         """Balance the torque of samples on their free creases."""
         at, _, jacobian = self.rows(s)
         root = self.root(s)
         torque = self.springs(s).torque(s.x) / root
         return balance(s, at, jacobian / root[..., None, :], torque)
 
-    def hessian(self, s: Samples, p: Point) -> np.ndarray:
+    def hessian(self, s: Samples, p: ClosurePoint) -> np.ndarray:
         """Hessian of the Lagrangian in the metric, [K, n, n]."""
         m = self.model.equation_count
         curved = self.kinematics.closure_hessian(p.at, p.multipliers[:, :m])
@@ -153,14 +153,14 @@ class Closing:
         return replace(s, x=x, at_limit=at_limit)
 
 
-def balance(s: Samples, at: Folded, rows: np.ndarray, torque: np.ndarray) -> Point:
+def balance(s: Samples, at: FoldedRays, rows: np.ndarray, torque: np.ndarray) -> ClosurePoint:
     """Find the multipliers of rows [K, r, n] that balance a torque [K, n] best on the free creases."""
     free_rows = rows * (s.at_limit == 0)[:, None]
     inverse = gram_inverse(free_rows)
     # least squares; creases at their limits carry whatever torque is left over
     lam = (inverse @ (free_rows @ torque[..., None]))[..., 0]
     left = torque - (lam[:, None] @ rows)[:, 0]
-    return Point(at, rows, torque, lam, left, free_rows, inverse)
+    return ClosurePoint(at, rows, torque, lam, left, free_rows, inverse)
 
 
 def gram_inverse(rows: np.ndarray) -> np.ndarray:

@@ -76,7 +76,7 @@ class Samples:
         return len(self.x)
 
     def holding(self, gap: np.ndarray, side: np.ndarray) -> tuple[Samples, np.ndarray]:
-        """Hold one more gap each (none where `gap` is negative); tells where there was room for it."""
+        """Hold one more gap each (none where `gap` is negative); return where there was room for it."""
         slots, sides = self.slots.copy(), self.sides.copy()
         free = (slots == OPEN) & ~(slots == gap[:, None]).any(axis=1, keepdims=True)
         room = free.any(axis=1) & (gap >= 0)

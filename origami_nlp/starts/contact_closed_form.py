@@ -21,11 +21,11 @@ import math
 import numpy as np
 
 from origami_nlp.problem import close_three
-from origami_nlp.starts.contact_strata import Family
+from origami_nlp.starts.contact_strata import StratumFamily
 
 
 def free_parameters(
-    sectors: np.ndarray, family: Family, strata: np.ndarray, rng: np.random.Generator
+    sectors: np.ndarray, family: StratumFamily, strata: np.ndarray, rng: np.random.Generator
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Draw where touches lie, the turns that are free, and which turns close each piece.
 
@@ -75,7 +75,7 @@ def free_parameters(
 
 def close_pinched(
     sectors: np.ndarray,
-    family: Family,
+    family: StratumFamily,
     strata: np.ndarray,
     positions: np.ndarray,
     turns: np.ndarray,
@@ -146,7 +146,7 @@ def _close_the_tip(
 
 def _close_piece(
     sectors: np.ndarray,
-    family: Family,
+    family: StratumFamily,
     strata: np.ndarray,
     positions: np.ndarray,
     turns: np.ndarray,

@@ -10,9 +10,9 @@ of k - j and N - (k - j) + 1 corners (mod N), at least three each.  A second tou
 A *stack touch* pinches nothing: crease i is closed and the crease e at the tip of its narrower facet is flat, so that
 the facet beyond the tip lies on the wider one (`folding.stack_rule`).
 
-A *stratum* is a set of touches with a set of closed creases; sides of touches and signs of creases are not told apart.
-Only strata in general position are listed: in each piece three turns must be left to close it, and the corner at a
-touch is not closed itself, except where one touch leaves another turn in exchange.
+A *stratum* is a set of touches with a set of closed creases; sides of touches and signs of creases are not
+distinguished. Only strata in general position are listed: in each piece three turns must be left to close it, and the
+corner at a touch is not closed itself, except where one touch leaves another turn in exchange.
 What is not listed is of higher codimension: creases on creases, and pieces that lie folded flat.
 """
 
@@ -123,7 +123,7 @@ def _stacked(sectors: tuple[float, ...], rows: Collection[Row]) -> list[Pinched]
 
 
 @dataclass(frozen=True, eq=False)
-class Family:
+class StratumFamily:
     """Strata of equally many pinches as arrays: T ways to pinch (P pieces of at most M corners), R strata.
 
     Attributes
@@ -150,7 +150,7 @@ class Family:
     tip_closed: np.ndarray
 
 
-def _family(ways: list[Pinched], n: int, most: int) -> Family:
+def _family(ways: list[Pinched], n: int, most: int) -> StratumFamily:
     """Write ways to pinch as arrays and list the closed creases, at most `most`, of each."""
     pieces = len(ways[0].pieces)
     widest = max(len(piece) for way in ways for piece in way.pieces)
@@ -163,11 +163,11 @@ def _family(ways: list[Pinched], n: int, most: int) -> Family:
     masks = np.zeros((len(chosen), n), bool)
     for mask, creases in zip(masks, chosen, strict=True):
         mask[creases] = True
-    # bookkeeping: `used` counts shut creases by piece, `left` how many each piece can spare
+    # bookkeeping: `used` counts fully folded creases by piece, `left` how many each piece can spare
     way_of, at_limit, tip_closed = [], [], []
     for t, way in enumerate(ways):
         own = [np.isin(np.arange(n), [c[0] for c in piece]) for piece in way.pieces]
-        # three turns close a piece, so that all others may be shut
+        # three turns close a piece, so that all others may be fully folded
         room = np.array([len(piece) - 3 for piece in way.pieces])
         tips = [k for k, _ in way.touches] if not way.flat else []
         good = ~masks[:, tips].any(axis=1)
@@ -188,7 +188,7 @@ def _family(ways: list[Pinched], n: int, most: int) -> Family:
             tip_closed.append(np.full(len(closed), tip))
     turn, facet, start, end = np.moveaxis(corners, -1, 0)
     where = np.concatenate(way_of), np.concatenate(at_limit), np.concatenate(tip_closed)
-    return Family(tuple(ways), turn, facet, start, end, *where)
+    return StratumFamily(tuple(ways), turn, facet, start, end, *where)
 
 
 @dataclass(frozen=True, eq=False)
@@ -207,7 +207,7 @@ class ContactStrata:
         Equal for strata with the same touches and closed creases, [R]: two creases on one facet, in either order.
     """
 
-    families: tuple[Family, ...]
+    families: tuple[StratumFamily, ...]
     touches: np.ndarray
     closed: np.ndarray
     label: np.ndarray
@@ -234,7 +234,7 @@ class ContactStrata:
             seen += len(family.way)
         return np.concatenate([np.zeros(0, int), *out])
 
-    def find(self, number: int) -> tuple[Family, int]:
+    def find(self, number: int) -> tuple[StratumFamily, int]:
         """Return the family of a stratum and its position there."""
         for family in self.families:
             if number < len(family.way):

@@ -6,7 +6,7 @@ import numpy as np
 
 from origami_nlp.folding import find_crossings, pair_depths, pair_rows, stack_depths, stack_rule
 from origami_nlp.numerics import CONTACT_TOL, OUTSIDE, cross, first_largest
-from origami_nlp.problem import OPEN, Folded, Model
+from origami_nlp.problem import OPEN, FoldedRays, Model
 from origami_nlp.starts.contact_strata import Row
 
 NAMELESS = -2
@@ -79,7 +79,9 @@ class Crossings:
         full = bool(len(self._pairs)) and model.scene.group.is_trivial
         self._stack = stack_rule(model.scene.vertex.sector_angles) if full else None
 
-    def of(self, at: Folded, x: np.ndarray, at_limit: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def of(
+        self, at: FoldedRays, x: np.ndarray, at_limit: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
         """Return the gap that undoes the deepest crossing of each state (`OPEN`: nothing crosses), and its open side.
 
         Parameters
@@ -99,7 +101,9 @@ class Crossings:
             self._of_stacks(x, at_limit, gap, side)
         return gap, side
 
-    def _of_pairs(self, at: Folded, gap: np.ndarray, side: np.ndarray, depth: np.ndarray) -> None:
+    def _of_pairs(
+        self, at: FoldedRays, gap: np.ndarray, side: np.ndarray, depth: np.ndarray
+    ) -> None:
         rays = at.rays[:, :-4]
         deep = pair_depths(rays, self._pairs).max(axis=1)
         bad = np.flatnonzero(deep > depth)
@@ -113,7 +117,9 @@ class Crossings:
         side[bad] = -np.sign(found.value[rows, which]).astype(int)
         depth[bad] = deep[bad]
 
-    def _of_walls(self, at: Folded, gap: np.ndarray, side: np.ndarray, depth: np.ndarray) -> None:
+    def _of_walls(
+        self, at: FoldedRays, gap: np.ndarray, side: np.ndarray, depth: np.ndarray
+    ) -> None:
         # first mirror: the plane y = 0; last one: spanned by the two last rays, as it was carried along
         normal = cross(at.rays[:, -1], at.rays[:, -2])
         rays = at.rays[:, self._ray]

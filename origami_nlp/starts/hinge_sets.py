@@ -60,7 +60,7 @@ class HingeSets(Listed):
             if x is None:
                 continue
             lowest = x[moving]
-            # a hinge at +-pi is shut: that state belongs to another set
+            # a hinge at +-pi is fully folded: that state belongs to another set
             inside = (math.pi - np.abs(lowest) > OUTSIDE).all()
             if inside and np.abs(model.closure(x)[0]).max() <= CLOSURE_TOL:
                 states.append(x)  # (a piece of a symmetric state may close once round, or wind)
@@ -73,7 +73,7 @@ def _sets(model: Model) -> Iterator[tuple[np.ndarray, np.ndarray, np.ndarray, fl
     n, group = model.size, model.variable_of_crease
     for moving, at_limit, line, sigma, q in zip(*_books(model), strict=True):
         turn = np.bincount(group, sigma * moving[group], n)[moving]
-        # hinges turn back what the shut folds turn about the line, modulo 4 pi: q = +1
+        # hinges turn back what the fully folded folds turn about the line, modulo 4 pi: q = +1
         needed = -2 * math.atan2(q[1:] @ line, q[0])
         reach = float(np.abs(turn).sum()) * math.pi
         size = model.multiplicity[at_limit]
@@ -89,19 +89,21 @@ def _sets(model: Model) -> Iterator[tuple[np.ndarray, np.ndarray, np.ndarray, fl
 
 
 def _books(model: Model) -> tuple[np.ndarray, ...]:
-    """Find the ways in which some variables turn about one line while the others stay flat or shut.
+    """Find the ways in which some variables turn about one line while the others stay flat or fully folded.
 
-    Returns for each of K ways which variables move and which are shut at pi, [K, n] each, the line [K, 3], the
+    Returns for each of K ways which variables move and which are fully folded at pi, [K, n] each, the line [K, 3], the
     direction of each crease along it [K, N] (rounded: +-1 for those that move), and the product of all folds [K, 4].
     """
     vertex, group = model.scene.vertex, model.variable_of_crease
-    kinds = np.array(list(itertools.product((0, 1, 2), repeat=model.size)))  # flat, shut, moving
+    kinds = np.array(
+        list(itertools.product((0, 1, 2), repeat=model.size))
+    )  # flat, fully folded, moving
     kinds = kinds[(kinds[:, group] == 2).sum(axis=1) >= 2]
     creases, q = fold_vertex(vertex, np.where(kinds == 1, math.pi, 0.0)[:, group])
     hinges, flat = kinds[:, group] == 2, kinds[:, group] == 0
     line = creases[np.arange(len(kinds)), hinges.argmax(axis=1)]
     on_line = np.linalg.norm(cross(creases, line[:, None]), axis=-1) <= CLOSURE_TOL
-    # or hinges could not turn back what the shut folds turn
+    # or hinges could not turn back what the fully folded folds turn
     about_it = np.linalg.norm(cross(q[:, 1:], line), axis=-1) <= CLOSURE_TOL
     # a flat crease on the line may turn as well: part of a larger set
     book = about_it & (on_line | ~hinges).all(axis=1) & ~(on_line & flat).any(axis=1)

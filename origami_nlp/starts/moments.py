@@ -3,9 +3,9 @@
 Stationary states of all strata are zeros of `problem.MomentMap`, which is smooth but for corners where creases reach
 their limits (Newton is semismooth there: L. Qi and J. Sun, Math. Programming 58, 1993).  Moments are drawn with random
 directions and lengths uniform in their logarithm, from what turns all creases together a little to what shuts the
-stiffest: low states have short moments, states with many creases shut long ones.  Newton is damped until the miss
-falls.  Where it finds no zero, the folds of its last moment are near balance on their stratum; closed there they are a
-start.
+stiffest: low states have short moments, states with many creases fully folded long ones.  Newton is damped until the
+miss falls.  Where it finds no zero, the folds of its last moment are near balance on their stratum; closed there they
+are a start.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ SPREAD = (0.3, 10.0)
 
 
 def is_chain(model: Model) -> bool:
-    """Tell whether fold limits are all that can touch in a vertex without symmetry: what `Moments` ask for."""
+    """Return whether fold limits are all that can touch in a vertex without symmetry: what `Moments` ask for."""
     return model.scene.group.is_trivial and not model.structure.gaps
 
 

@@ -184,7 +184,7 @@ def _h(lam: np.ndarray, a: np.ndarray, g: np.ndarray) -> np.ndarray:
 
 
 MOST_FOLDED = 2
-"""Variables shut in a folding: with more there are more contacts than a state beside it could leave."""
+"""Variables fully folded in a folding: with more there are more contacts than a state beside it could leave."""
 MOST_PIECES, MOST_ROWS = 8, 8
 """Pieces of what contacts allow at a folding, and rows of each."""
 INSIDE = (1e-3, 2e-2)

@@ -70,10 +70,10 @@ class Uniform(StartFamily):
 
 
 class UniformFolded(Uniform):
-    """The same with up to half of the creases shut, which is kept as long as their springs push."""
+    """The same with up to half of the creases fully folded, which is kept as long as their springs push."""
 
-    name = "uniform, some shut"
-    sentence = "any fold angles, some creases shut"
+    name = "uniform, some fully folded"
+    sentence = "any fold angles, some creases fully folded"
 
     def _angles(self, rng: np.random.Generator) -> np.ndarray:
         angles = super()._angles(rng)

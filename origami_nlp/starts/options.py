@@ -23,7 +23,7 @@ class SearchOptions:
     rounds
         Of a vertex: rounds at most.
     hits
-        Of a vertex: how often drawn starts must have reached every minimum before the search stops.
+        Of a vertex: how often random starts must have reached every minimum before the search stops.
     quiet
         Of a vertex: rounds without a new minimum after which it may stop although one was reached less often.
     batch
@@ -115,7 +115,7 @@ def options_of(effort: object, options: SearchOptions | None = None) -> SearchOp
     Raises
     ------
     OptionError
-        If there is no such effort, or the options are none.
+        If there is no such effort, or the options are not valid.
     """
     if options is not None:
         check_type("options", options, SearchOptions)

@@ -7,7 +7,7 @@ phi = +-pi (the paper's 1-handles) are searched as well.
 
 `states_on_limits` are states with one or two creases at their fold limits: beside sets that exist only while these stay
 closed.  A solver that needs an interior rarely ends on such a thin set (the paper's 1-handles), so they are looked for
-on purpose; `kkt.lower_dimensional_at` tells which they are.
+on purpose; `kkt.lower_dimensional_at` decides which they are.
 """
 
 from __future__ import annotations

@@ -78,20 +78,20 @@ class FlatFoldings(Listed):
 
 
 class RigidStates(Listed):
-    """Isolated closed states of a model without freedom, other than flat foldings.
+    """Isolated closed states of a model without degrees of freedom, other than flat foldings.
 
     Gauss-Newton from random fold angles; states next to a flat folding are the slow approach to it.
 
     Parameters
     ----------
     model
-        Without freedom.
+        Without degrees of freedom.
     seed
         Of the fold angles.
     """
 
     name = "states that cannot move"
-    sentence = "isolated states of what has no freedom"
+    sentence = "isolated states of models without degrees of freedom"
 
     def __init__(self, model: Problem, seed: int) -> None:
         super().__init__(model)

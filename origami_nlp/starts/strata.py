@@ -10,7 +10,7 @@ from origami_nlp.starts.family import StartFamily
 
 
 class Corners(StartFamily):
-    """Closed states whose creases at their fold limits leave the others no freedom.
+    """Closed states whose creases at their fold limits leave the others no degree of freedom.
 
     Parameters
     ----------
@@ -19,7 +19,7 @@ class Corners(StartFamily):
     """
 
     name = "corners"
-    sentence = "where fold limits leave no freedom"
+    sentence = "where fold limits leave no degree of freedom"
 
     def draw(self, rng: np.random.Generator, many: int) -> Samples:
         """Return all corners of up to `many` candidates, of a sample of these beyond (`problem.vertices`)."""

@@ -256,7 +256,7 @@ def draw(
 
 
 def faulty(model: Model, x: np.ndarray, act: np.ndarray, touches: np.ndarray) -> np.ndarray:
-    """Tell which states [K, n] do not close, do not touch as they say, or have facets that cross, [K]."""
+    """Return which states [K, n] do not close, do not touch as they say, or have facets that cross, [K]."""
     vertex = model.scene.vertex
     rays, q = fold_vertex(vertex, x)
     # (q[0] < 0 closes as well, with a turn by 2 pi too many)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import time
-from dataclasses import replace
 
 import numpy as np
 
@@ -28,10 +27,8 @@ def follow_chain(sweep: Sweep, chain: range) -> list[Outcome]:
     values = [sweep.parameters(index)[axis.name] for index in chain]
 
     def scene_of(t: float) -> Scene:
-        made = sweep.scene_with({**others, axis.name: t})
-        return replace(made, symmetry=symmetry)
+        return sweep.scene_with({**others, axis.name: t})
 
-    symmetry = sweep.scene(chain[0]).group.name
     s = sweep.search
     begin = time.perf_counter()
     atlas = follow_family(

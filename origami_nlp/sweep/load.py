@@ -44,7 +44,7 @@ def load_states(folder: str | Path) -> pandas.DataFrame:
     Returns
     -------
     pandas.DataFrame
-        One row a minimum: the parameters of its scene, energy, kind, residuals, phi_1 .. phi_N [rad].
+        One row a minimum: the parameters of its scene, energy_J, kind, residuals, phi_1_rad .. phi_N_rad.
 
     Raises
     ------
@@ -55,11 +55,11 @@ def load_states(folder: str | Path) -> pandas.DataFrame:
     names, rows = read_table(folder, "scenes")
     scenes = pandas.DataFrame(rows, columns=names)
     names, rows = read_table(folder, "states")
-    states = pandas.DataFrame(rows, columns=names)
+    states = pandas.DataFrame(rows, columns=names).rename(columns={"energy": "energy_J"})
     angles = [json.loads(a) for a in states.pop("fold_angles")]
     degree = max(map(len, angles), default=0)
     for i in range(degree):
-        states[f"phi_{i + 1}"] = [a[i] if i < len(a) else np.nan for a in angles]
+        states[f"phi_{i + 1}_rad"] = [a[i] if i < len(a) else np.nan for a in angles]
     own = ["status", "reason", "seconds", "starts", "expected_undiscovered"]
     return scenes.drop(columns=own).merge(states, on="scene")
 

@@ -31,22 +31,26 @@ follow = false                 # follow states along the last axis; search at bo
 
 from __future__ import annotations
 
+import contextlib
 import copy
 import json
 import math
 import re
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from origami_nlp.errors import SweepError
+from origami_nlp.errors import OrigamiError, SweepError
 from origami_nlp.io import read_toml
-from origami_nlp.pattern import Scene, examples, parse_angle, scene_from_dict
+from origami_nlp.pattern import Scene, examples, parse_angle, scene_from_dict, with_symmetry_of
 
 MOST_SCENES = 10_000_000
+MOST_COMPARED = 64
+"""Scenes whose symmetries are compared where none can be made at generic values."""
 LARGEST = 10_000_000
 """Bytes of a file."""
 _EXAMPLES = {"degree6": examples.degree6, "degree8": examples.degree8}
@@ -147,8 +151,39 @@ class Sweep:
         """
         return self.scene_with(self.parameters(index))
 
+    @cached_property
+    def generic(self) -> Scene | None:
+        """A scene at values that no symmetry asks for: all scenes keep its symmetry.  None where one is stated.
+
+        A larger symmetry that single values happen to have (equal rest angles) is not imposed there: numbers of
+        states along an axis would not count the same thing.
+        """
+        example = "example" in self.base
+        table = self.base if example else self.base.get("model", {})
+        if table.get("symmetry", "D" if example else "auto") != "auto":
+            return None
+        alike = self.search["mode"] == "list"
+        values = {}
+        for k, axis in enumerate(self.axes):
+            a = axis.values[0]
+            b = next((v for v in axis.values if v != a), a)
+            share = math.exp(-1.0 - (0 if alike else k))  # no rational relation between axes
+            values[axis.name] = a + share * (b - a)
+        try:
+            return self._scene(values)
+        except OrigamiError:  # sector angles that sum to 2 pi at the values of the axes alone
+            some = []
+            for index in range(min(self.count, MOST_COMPARED)):
+                with contextlib.suppress(OrigamiError):
+                    some.append(self._scene(self.parameters(index)))
+            return min(some, key=lambda scene: len(scene.group.elements), default=None)
+
     def scene_with(self, values: Mapping[str, float]) -> Scene:
         """Make the scene with these values of the axes, whether they are among theirs or not."""
+        made = self._scene(values)
+        return made if self.generic is None else with_symmetry_of(made, self.generic)
+
+    def _scene(self, values: Mapping[str, float]) -> Scene:
         data = copy.deepcopy(self.base)
         for axis in self.axes:
             for place in axis.places:

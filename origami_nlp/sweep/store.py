@@ -10,7 +10,7 @@ kill -9: a scene is there whole or not at all.  Tables (documented, so that othe
   of each scene by energy; fold angles [rad] as a JSON list.
 
 Only the process that runs the sweep writes: it holds ``sweep.lock`` beside it, an empty database, for as long as it
-lives; a second one is told so.
+lives; a second one is informed of it.
 """
 
 from __future__ import annotations

@@ -30,7 +30,7 @@ COARSE = 0.25
 
 
 def is_ultrametric(barrier: np.ndarray) -> bool:
-    """Tell whether a matrix of barriers obeys b(i, k) <= max(b(i, j), b(j, k)) for all i, j, k."""
+    """Return whether a matrix of barriers obeys b(i, k) <= max(b(i, j), b(j, k)) for all i, j, k."""
     return all(
         barrier[i, k] <= max(barrier[i, j], barrier[j, k])
         for i, j, k in itertools.permutations(range(len(barrier)), 3)

@@ -21,7 +21,7 @@ UNEQUAL = (0.9, 1.2, 1.2, PI - 2.1, PI - 2.1, 0.9)
 
 
 def three_flaps(hinges, first=0, side=-1):
-    """All six fold angles of three shut flaps with given angles about the axis."""
+    """All six fold angles of three fully folded flaps with given angles about the axis."""
     phi = np.full(6, side * PI)
     phi[(np.arange(first, 6, 2) + 1) % 6] = hinges
     return phi
@@ -37,7 +37,7 @@ def polygon(rng, side=-1):
 
 
 def opened(sectors, phi, at_limit, most=1e-3):
-    """Open the shut creases by `most` in all, near by: (closure left over per `most`, least share), best found.
+    """Open the fully folded creases by `most` in all, near by: (closure left over per `most`, least share), best found.
 
     Shares below zero are beyond the fold limit: bounded at 0 first, then free.
     """
@@ -69,7 +69,7 @@ def opened(sectors, phi, at_limit, most=1e-3):
     ],
 )
 def test_the_set_closes_on_its_plane_and_opens_only_where_no_gap_is_wide(sectors, side):
-    """Closure by rotation matrices: shut flaps cannot open where s phi(h_j) > 0 for some j, else they can."""
+    """Closure by rotation matrices: fully folded flaps cannot open where s phi(h_j) > 0 for some j, else they can."""
     rng = np.random.default_rng(side + 1)
     at_limit, sectors = np.array([0, 2, 4]), np.array(sectors)
     seen = {True: 0, False: 0}

@@ -1,4 +1,4 @@
-"""Barriers on curves of one freedom: of vertices, of the patterns that they are, and of a Miura by its closed form."""
+"""Barriers with one degree of freedom: of vertices, of the patterns that they are, of a Miura by its closed form."""
 
 from dataclasses import replace
 
@@ -43,7 +43,7 @@ def test_passes_of_a_vertex_are_those_of_its_pattern_and_of_its_escapes():
 
 
 def wells(alpha=1.4):
-    """A Miura with two wells on one side of flat: its small folds turn over when the large ones are all but shut."""
+    """A Miura with two wells on one side of flat: its small folds turn over when the large ones are almost closed."""
     plain = o.examples.pattern("miura:2x3", alpha=alpha)
     motion = o.find_motion(plain)
     phi = motion.fold_angles[len(motion.fold_angles) // 2]
@@ -87,7 +87,7 @@ def test_a_saddle_of_a_miura_is_that_of_its_closed_form(tmp_path):
 def test_what_has_more_freedoms_is_refused_in_one_line():
     found = o.find_minima("waterbomb:1x1", max_starts=4, escape=False)
     assert max(m.dof for m in found.minima) > 1
-    with pytest.raises(OptionError, match="have more than one freedom"):
+    with pytest.raises(OptionError, match="have more than one degree of freedom"):
         o.find_barriers(found.pattern, found)
     pattern, *_ = wells()
     with pytest.raises(OptionError, match="full = True is not for a pattern: "):
@@ -95,7 +95,7 @@ def test_what_has_more_freedoms_is_refused_in_one_line():
     free = replace(o.examples.degree6("5*pi/12"), symmetry="none")
     with pytest.raises(OptionError, match="3 degrees of freedom; barriers need 1 or 2"):
         o.find_barriers(free)
-    with pytest.raises(OptionError, match="of one freedom: "):
+    with pytest.raises(OptionError, match="of one degree of freedom: "):
         o.find_barriers(quadrilateral(), spacing=0.3)
 
 

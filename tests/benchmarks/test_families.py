@@ -117,7 +117,7 @@ def test_the_cross_has_six_states_in_closed_form():
             x = np.zeros(4)
             x[a] = x[b] = (k[a] * r[a] + k[b] * r[b]) / (k[a] + k[b])
             expected.append(x)
-        x = np.zeros(4)  # shut along it, to either side: the other line folds both layers
+        x = np.zeros(4)  # fully folded along it, to either side: the other line folds both layers
         side = math.pi if a < b else -math.pi
         x[a] = x[b] = side
         x[c] = (k[c] * r[c] - k[d] * r[d]) / (k[c] + k[d])

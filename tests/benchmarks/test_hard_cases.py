@@ -1,4 +1,4 @@
-"""The hard cases come out as they must, their references are right, and failures are told."""
+"""The hard cases come out as they must, their references are right, and failures are reported."""
 
 import math
 

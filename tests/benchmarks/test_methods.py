@@ -1,4 +1,4 @@
-"""Every method of the benchmark does what it says: same programme, right derivatives, right minimum."""
+"""Every method of the benchmark does what it says: same problem, right derivatives, right minimum."""
 
 import importlib.util
 from dataclasses import replace
@@ -14,8 +14,8 @@ from benchmarks.hessians import compare_hessians, exact_eigenvalues
 from benchmarks.methods_casadi import OTHERS, others, silence
 from benchmarks.methods_closure import FORMS, closure_residual, closures, wedge_against_tied
 from benchmarks.methods_scipy import scipy_methods
+from benchmarks.nonlinear_program import Evaluator, problem
 from benchmarks.problems import Problem, panel_problems, random_problems
-from benchmarks.programme import Evaluator, problem
 from origami_nlp import examples
 from origami_nlp.kkt import State
 from origami_nlp.minima import hessian_spectra

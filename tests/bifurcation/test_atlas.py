@@ -242,7 +242,7 @@ def test_a_pitchfork_is_passed_and_its_branches_are_followed():
 
 def test_a_check_says_whether_it_is_complete():
     one = follow(generic(3, 4), "creases.rest_angles[1]=0.5:0.6", checks=1)
-    assert one.checks[0].complete == "traced" and "its one freedom" in str(one)
+    assert one.checks[0].complete == "traced" and "its one degree of freedom" in str(one)
     two = follow(o.examples.degree6("pi/4"), "ratio=1:1.1", checks=1, prove=True, full=False)
     assert two.checks[0].complete == "proved" and "proved to be all" in str(two)
 

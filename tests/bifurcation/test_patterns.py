@@ -27,7 +27,7 @@ QUAD = o.Scene(
         (QUAD, "stiffness[1]=0.1:30", ["fold", "closes", "singular", "fold"]),
         (replace(o.examples.degree6("5*pi/12"), symmetry="none"), "ratio=2:5", ["closes"]),
     ],
-    ids=("one freedom", "three"),
+    ids=("one degree of freedom", "three"),
 )
 def test_a_pattern_of_one_vertex_has_the_events_of_the_vertex(scene, over, types):
     one = o.follow(scene, over, prove=False, **FEW)
@@ -162,6 +162,6 @@ def test_the_command_takes_a_pattern(tmp_path):
     files = [tmp_path / name for name in ("a.json", "a.png", "a.fold", "a.html")]
     names = ("--json", "--figure", "--fold", "--html")
     options = [word for pair in zip(names, files, strict=True) for word in pair]
-    done = run("follow", "miura:2x2", "--over", "alpha=50deg:55deg", "--checks", 1, *options)
+    done = run("follow", "miura:2x2", "--parameter", "alpha=50deg:55deg", "--checks", 1, *options)
     assert done.code == 0 and "2 branches, 0 events over alpha" in done.out, done.err
     assert all(file.stat().st_size > 1000 for file in files)

@@ -141,7 +141,7 @@ def test_tracing_wants_two_freedoms_and_contact():
     free = o.examples.degree6("pi/4", 1.0, contact="none")
     with pytest.raises(o.OrigamiError, match="contact = 'full'"):
         trace_boundary(free)
-    with pytest.raises(o.OrigamiError, match="two symmetric freedoms"):
+    with pytest.raises(o.OrigamiError, match="two symmetric degrees of freedom"):
         trace_boundary(o.examples.degree6("pi/4", 1.0, symmetry="none"))
 
 

@@ -260,7 +260,7 @@ def test_scenes_without_a_chart_say_why():
     with pytest.raises(o.OrigamiError, match="no landscape"):
         chart.place([0.0] * 10)
     free = o.Scene(o.Vertex(("pi/3", "pi/3", "pi/2", "pi/3", "pi/2")), (1,) * 5, (1,) * 5, "none")
-    assert "no closed-form chart" in landscape(free).reason
+    assert "no two-coordinate chart" in landscape(free).reason
 
 
 @pytest.mark.parametrize("size", [7, 0, -3, 10.0, True, "big"])

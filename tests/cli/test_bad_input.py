@@ -1,9 +1,11 @@
 """Bad input gets one clear line that names the field, and exit code 2; nothing is written."""
 
+import math
+
 import pytest
 
 from origami_nlp.errors import OrigamiError
-from origami_nlp.pattern import parse_scene
+from origami_nlp.pattern import format_scene, parse_scene
 from tests.command_line import run
 
 GOOD = {
@@ -24,6 +26,11 @@ def text(extra: str = "", **changes: str) -> str:
     )
 
 
+DEGREES = (
+    "[vertex]\nsector_angles_deg = {}\n[creases]\nstiffness = [1, 1, 1, 1, 1, 1]\n"
+    "rest_angles_deg = [0, 0, 0, 0, 0, 0]\n"
+)
+
 # name: (scene text, words the one-line message must contain)
 BAD = {
     "empty file": ("", ["[vertex]", "exactly one of"]),
@@ -31,6 +38,7 @@ BAD = {
     "unknown table": (text("[vertx]\na = 1"), ["vertx", "vertex"]),
     "table is a number": ("vertex = 3", ["vertex", "table"]),
     "unknown key": (text("colour = 1"), ["colour", "symmetry"]),
+    "misspelt key": (text("contakt = 'full'"), ["contakt", "did you mean contact?"]),
     "angles given twice": (
         text().replace("[creases]", "sector_angles_deg = [45, 90, 45, 45, 90, 45]\n[creases]"),
         ["sector_angles_deg", "exactly one"],
@@ -42,7 +50,62 @@ BAD = {
     ),
     "sum too small": (
         text(sector_angles='["pi/4", "pi/4", "pi/4", "pi/4", "pi/2", "pi/4"]'),
-        ["sector_angles", "2 pi"],
+        [
+            "sector_angles sum to 5.49778714 rad",
+            "2 pi",
+            "0.7854 rad missing",
+            "a sector is missing or wrong",
+        ],
+    ),
+    "degrees that sum to 359.7": (
+        DEGREES.format("[60, 60, 60, 60, 60, 59.7]"),
+        [
+            "sector_angles_deg sum to 359.7 deg, not 360 deg: 0.3 deg missing",
+            "normalize = true",
+            "0.05 deg",
+        ],
+    ),
+    "degrees that sum to 315": (
+        DEGREES.format("[45, 45, 45, 45, 90, 45]"),
+        ["sum to 315 deg", "45 deg missing", "a sector is missing or wrong"],
+    ),
+    "degrees beyond 180": (
+        DEGREES.format("[190, 10, 40, 40, 40, 40]"),
+        ["sector_angles_deg[1] = 190 deg must be below 180"],
+    ),
+    "negative degrees": (
+        DEGREES.format("[-10, 70, 90, 90, 60, 60]"),
+        ["sector_angles_deg[1] = -10 deg", "positive"],
+    ),
+    "radians as degrees": (
+        DEGREES.format("[0.785398, 1.570796, 0.785398, 0.785398, 1.570796, 0.785398]"),
+        ["look like radians", "sector_angles"],
+    ),
+    "degrees as radians": (
+        text(sector_angles="[45, 90, 45, 45, 90, 45]"),
+        ["sector_angles[1] = 45 rad", "look like degrees", "sector_angles_deg"],
+    ),
+    "degrees that do not close": (
+        DEGREES.format("[170, 30, 30, 30, 30, 30]").replace("[creases]", "flat = false\n[creases]"),
+        ["sector_angles_deg cannot close", "170 deg"],
+    ),
+    "too much to normalize": (
+        DEGREES.format("[60, 60, 60, 60, 60, 50]").replace(
+            "[creases]", "normalize = true\n[creases]"
+        ),
+        ["sum to 350 deg", "10 deg missing"],
+    ),
+    "normalize is a word": (
+        DEGREES.format("[60, 60, 60, 60, 60, 60]").replace(
+            "[creases]", 'normalize = "yes"\n[creases]'
+        ),
+        ["normalize", "true or false"],
+    ),
+    "rest angle beyond 180 degrees": (
+        text().replace(
+            f"rest_angles = {GOOD['rest_angles']}", "rest_angles_deg = [0, 200, 0, 0, 0, 0]"
+        ),
+        ["rest_angles_deg[2] = 200 deg", "[-180, 180]"],
     ),
     "sum rounded to 6 digits": (
         text(sector_angles="[1.0472, 1.0472, 1.0472, 1.0472, 1.0472, 1.0472]"),
@@ -124,7 +187,29 @@ def test_bad_scene_is_one_line_and_exit_code_2(name, tmp_path):
     assert code == 2 and err.count("\n") == 1 and len(err) < 300
     for word in words:
         assert word in err
+    assert (
+        "flat = false" not in err or "flat = false" in scene
+    )  # that is another sheet, no correction
     assert not out.exists()
+
+
+def test_normalize_spreads_what_is_missing_and_says_so(tmp_path):
+    path = tmp_path / "scene.toml"
+    path.write_text(
+        DEGREES.format("[60, 60, 60, 60, 60, 59.7]").replace(
+            "[creases]", "normalize = true\n[creases]"
+        )
+    )
+    code, _, err = run("model", path)
+    assert (
+        code == 0
+        and err == "note: sector angles normalized to a sum of 360 deg: each by +0.05 deg\n"
+    )
+    scene = parse_scene(path.read_text())
+    degrees = [math.degrees(a) for a in scene.vertex.sector_angles]
+    assert degrees == pytest.approx([60.05] * 5 + [59.75], abs=1e-12)
+    assert math.degrees(scene.vertex.normalized) == pytest.approx(0.05)
+    assert parse_scene(format_scene(scene)) == scene
 
 
 @pytest.mark.parametrize("name", BAD)
@@ -166,6 +251,42 @@ BAD_CALLS = {
     "CSV into no folder": ([*PHASE, "--degree", 8, "--csv", "no/such/folder.csv"], "csv"),
     "rest state unknown": ([*PHASE, "--degree", 8, "--rest", "mine"], "rest"),
 }
+
+
+MISSPELT = {
+    "example as input": (["minima", "muira:3x3"], "did you mean miura?"),
+    "example": (["example", "yoshimora"], "did you mean yoshimura?"),
+    "targets": (["design", "--example", "three-equals"], "did you mean three-equal?"),
+    "parameter": (
+        ["follow", SCENE, "--parameter", "rest_angle[1]=0:1"],
+        "did you mean rest_angles?",
+    ),
+    "of a pattern": (
+        ["follow", "miura:2x2", "--parameter", "creases.stifness[1]=1:2"],
+        "did you mean stiffness?",
+    ),
+    "of an example": (
+        ["follow", "miura:2x2", "--parameter", "alfa=50deg:60deg"],
+        "did you mean alpha?",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", MISSPELT)
+def test_a_misspelt_name_gets_the_closest_one(name, tmp_path, monkeypatch):
+    arguments, question = MISSPELT[name]
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / SCENE).write_text(text())
+    code, _, err = run(*arguments)
+    assert code == 2 and err.count("\n") == 1 and err.endswith(f"; {question}\n")
+
+
+def test_what_is_far_from_all_names_gets_no_question(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / SCENE).write_text(text())
+    for parameter in ("colour=1:5", "stiffness[99]=1:5"):
+        code, _, err = run("follow", SCENE, "--parameter", parameter)
+        assert code == 2 and "did you mean" not in err
 
 
 @pytest.mark.parametrize("name", BAD_CALLS)

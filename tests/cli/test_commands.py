@@ -29,10 +29,10 @@ def test_the_help_lists_what_people_want_under_headings():
     top = get_command(app)
     shown = [line for line in text.split("Options:")[1].splitlines() if line]
     headings = [line for line in shown if not line.startswith(" ")]
-    assert len(headings) == 5 and all(line.endswith(":") for line in headings)
+    assert len(headings) == 3 and all(line.endswith(":") for line in headings)
     listed = [line.split()[0] for line in shown if re.match("  [a-z]", line)]
     assert listed == top.list_commands(None) and set(listed) == set(top.commands)
-    assert listed[0] == "minima"
+    assert listed[:7] == "minima pattern load follow design vertices example".split()
     code, out, err = run("nothing")
     assert code == 2 and not out and "No such command 'nothing'" in err
 

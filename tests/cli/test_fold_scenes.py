@@ -38,7 +38,7 @@ def pocket(tmp_path):
 COMMANDS = (
     "model minima contacts modes load barriers critical space landscape follow boundary".split()
 )
-OVER = ("--over", "ratio=0.01:1")
+OVER = ("--parameter", "ratio=0.01:1")
 NEEDED = {"follow": OVER, "boundary": (*OVER, "--event", "creases.stiffness[1]=1")}
 
 
@@ -329,4 +329,4 @@ def test_patterns_are_drawn_with_numbers(sheet, tmp_path):
     dashes = {str(lines.get_linestyle()) for lines in axes.collections}
     assert (
         len(dashes) == len(axes.collections) == 3
-    )  # borders, mountains, valleys: told apart without colour
+    )  # borders, mountains, valleys: distinguished without colour

@@ -2,6 +2,7 @@
 
 import json
 
+import numpy as np
 import pytest
 
 import origami_nlp
@@ -14,11 +15,27 @@ def scene(tmp_path):
     return scene_file(tmp_path, origami_nlp.examples.degree6("pi/3", 1))
 
 
+def test_the_symmetry_of_a_scene_file_is_set_aside(scene, tmp_path):
+    """Six equal sectors: 4 minima keep the symmetry; without it there are 21 stable states, the stable 3 among them."""
+    out = tmp_path / "out.json"
+    code, table, _ = run("minima", scene, "--symmetry", "none", "--json", out)
+    assert code == 0 and "21 stable states" in table and "not listed" not in table
+    every = np.array([m["fold_angles"] for m in json.loads(out.read_text())["minima"]])
+    kept = origami_nlp.find_minima(origami_nlp.examples.degree6("pi/3", 1), escape=False)
+    assert [m.full_space.verdict for m in kept.minima].count("stable") == 3
+    for m in kept.minima:
+        near = np.abs(every - m.phi).max(axis=1).min() < 1e-6
+        assert near == (m.full_space.verdict == "stable")
+
+
 def test_minima_writes_the_contract(scene, tmp_path):
     out = tmp_path / "out.json"
     code, table, _ = run("minima", scene, "--json", out)
-    assert code == 0 and "4 symmetric minima (" in table and "IPOPT" not in table
-    assert "stable state" not in table and "full space: not asked" in table
+    first = " ".join(table.split())
+    head = "3 stable states; 1 more that is stable only while its symmetry is kept"
+    assert code == 0 and head in first and "IPOPT" not in table
+    assert "full space: not asked" not in table
+    assert "states that break the symmetry D1 are not listed: --symmetry none" in first
     data = json.loads(out.read_text())
     assert data["schema"] == "origami-nlp/minima/2"
     assert set(data) == {
@@ -65,7 +82,7 @@ def test_json_to_stdout_is_only_json(scene):
     few = ("--max-starts", 16)
     code, out, err = run("minima", scene, "--json", "-", *few)
     assert code == 0 and json.loads(out)["schema"] == "origami-nlp/minima/2"
-    assert "symmetric minima" in err
+    assert "stable states" in err
 
 
 def test_the_same_seed_gives_the_same_answer(scene, tmp_path):

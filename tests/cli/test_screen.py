@@ -116,7 +116,7 @@ NUMBERS = (
 
 @pytest.mark.parametrize("width", [None, 120, 80, 70, 50, 30])
 def test_numbers_are_never_broken_and_heads_give_way_first(width):
-    """Whole at any width; where there is no room for all columns rows are told one after the other."""
+    """Whole at any width; where there is no room for all columns rows are listed one after the other."""
     heads, rows = NUMBERS
     look = {} if width is None else {"width": width, "force_terminal": True, "color_system": None}
     out = show(

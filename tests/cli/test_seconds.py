@@ -1,4 +1,4 @@
-"""``--seconds`` bounds the wall time of every command that searches; what was found until then is told, by name."""
+"""``--seconds`` bounds the wall time of every command that searches; what was found until then is reported, by name."""
 
 import itertools
 import json
@@ -117,9 +117,9 @@ def test_an_error_before_the_time_is_over_is_an_error():
 
 
 COMMANDS = {
-    "follow": ("--over", "ratio=1:10", "--checks", "1", "--max-starts", "16"),
+    "follow": ("--parameter", "ratio=1:10", "--checks", "1", "--max-starts", "16"),
     "load": ("--crease", "1", "--to", "-0.15", "--max-starts", "16"),
-    "boundary": ("--event", "ratio=1:10", "--over", "alpha=74deg:75deg", "--lines", "1"),
+    "boundary": ("--event", "ratio=1:10", "--parameter", "alpha=74deg:75deg", "--lines", "1"),
 }
 
 
@@ -195,7 +195,7 @@ def test_a_limit_is_a_number_of_seconds(tmp_path, value):
 
 
 def test_vertices_of_a_file_are_told_as_they_are_done(tmp_path, monkeypatch):
-    """Two classes of vertices: the first is told before the second is begun."""
+    """Two classes of vertices: the first is reported before the second is begun."""
     from origami_nlp.minima import find_vertexwise
 
     scenes = {1: examples.degree6("pi/3"), 4: examples.degree6("pi/4")}

@@ -38,7 +38,7 @@ def drawn(number):
     boundary = panel_boundary(PANELS.index(traced))
     result = panel_result(scene, full=True)
     if number in STRETCHES:
-        return draw_landscape(o.find_landscape(result, 21, boundary=boundary))
+        return draw_landscape(o.find_landscape(result, size=21, boundary=boundary))
     chart = landscape(scene, 21)
     regions = tuple(admissible_region(scene, boundary, k) for k in range(len(chart.branches)))
     places = tuple(chart.place(m.fold_angles) for m in result.minima)

@@ -25,8 +25,8 @@ def results():
     result = panel_result(scene)
     points = compare_minima(o.find_critical_points(scene, samples=512), result)
     contacts = o.find_contacts(result, segments=True, check=False)
-    found = [result, points, contacts, contacts.segments, o.find_space(scene, 16)]
-    found += [o.find_barriers(scene, result, spacing=0.5), o.find_landscape(result, 31)]
+    found = [result, points, contacts, contacts.segments, o.find_space(scene, size=16)]
+    found += [o.find_barriers(scene, result, spacing=0.5), o.find_landscape(result, size=31)]
     quick = {"confirm": False, "full": False, "effort": "quick", "max_starts": 16}
     loaded = [o.load_path(scene, 1, to=0.01, **quick)]
     found.append(o.find_modes(result, state=1))
@@ -102,21 +102,58 @@ def test_rows_of_a_data_frame(kind):
 def test_the_frame_of_minima_says_what_they_are():
     result = results()["MinimaResult"]
     frame = result.to_frame()
-    phi = frame[[f"phi_{k}" for k in range(1, 7)]].to_numpy()
+    phi = frame[[f"phi_{k}_rad" for k in range(1, 7)]].to_numpy()
     assert np.array_equal(phi, [m.fold_angles for m in result.minima])
     energies = result.scene.energy(phi)  # from the angles, not from the result
-    assert np.allclose(frame["energy"], energies, rtol=1e-14, atol=0)
+    assert np.allclose(frame["energy_J"], energies, rtol=1e-14, atol=0)
     assert list(frame["kind"]) == [m.kind for m in result.minima]
     barriers = results()["Barriers"]
     rows = barriers.to_frame()
-    low = frame.set_index("number")["energy"]
-    assert np.allclose(rows["energy"] - low[rows["from"]].to_numpy(), rows["rises"])
+    low = frame.set_index("number")["energy_J"]
+    assert np.allclose(rows["energy_J"] - low[rows["from"]].to_numpy(), rows["rises_J"])
     contacts = results()["ContactReport"].to_frame()
-    assert (contacts["least"] <= contacts["moment"] * (1 + 1e-9)).all()
+    assert (contacts["least_N_m"] <= contacts["moment_N_m"] * (1 + 1e-9)).all()
     with pytest.raises(o.OrigamiError, match="results"):
         o.to_frame()
     with pytest.raises(o.OrigamiError, match=r"results\[2\]"):
         o.to_frame(result, result.minima)
+
+
+def test_completion_has_what_is_for_users():
+    """`dir` of a result and of its parts, which TAB completes from, has no constants and none of the machinery."""
+    result = results()["MinimaResult"]
+    for thing in (result, result.minima[0], result.scene, *results().values()):
+        names = [name for name in dir(thing) if not name.startswith("_")]
+        assert names and not any(name.isupper() for name in names)
+        assert not {"report_sections", "tell", "view_content", "frame_entries"} & set(names)
+    assert {"minima", "states", "to_frame", "draw", "save"} <= set(dir(result))
+
+
+def test_columns_of_a_frame_name_their_units():
+    """What has a unit ends with it; nothing is called energy or phi_1 alone."""
+    for found in results().values():
+        try:
+            names = list(found.to_frame().columns)
+        except o.OrigamiError:
+            continue
+        bare = {"energy", "moment", "margin", "length", "barrier", "softest", "eigenvalue", "angle"}
+        assert not bare & set(names), names
+        assert not [n for n in names if n.startswith("phi_") and not n.endswith("_rad")]
+
+
+def test_options_are_named():
+    """Functions take what they are asked about by place, at most one thing beside it, and all else by name."""
+    import inspect
+
+    beside = {"result", "over", "ask", "seen", "vertex", "path", "target", "fold_angles"}
+    beside |= {"event", "load"}
+    for name in o.__all__:
+        thing = getattr(o, name)
+        if not inspect.isfunction(thing):
+            continue
+        given = inspect.signature(thing).parameters.values()
+        placed = [p.name for p in given if p.kind is p.POSITIONAL_OR_KEYWORD]
+        assert set(placed[1:]) <= beside, f"{name}{placed}"
 
 
 def test_without_pandas_the_extra_is_named(monkeypatch):

@@ -15,7 +15,15 @@ from plotly.offline import get_plotlyjs
 import origami_nlp as o
 from origami_nlp import display
 from origami_nlp.chart import landscape
-from origami_nlp.display import Body, Content, Crease, Folded, Keyframe, Trajectory, rotation_onto
+from origami_nlp.display import (
+    Body,
+    Content,
+    Crease,
+    FoldedBody,
+    Keyframe,
+    Trajectory,
+    rotation_onto,
+)
 from origami_nlp.errors import OptionError
 from origami_nlp.folding import check_admissible, fold_vertex
 from origami_nlp.minima import MinimaResult
@@ -145,7 +153,7 @@ def test_several_results_share_a_page(result: MinimaResult) -> None:
     content = result.view_content()
     both = display.interactive_page(content, dataclasses.replace(content, title="another"))
     assert [d["title"] for d in data_of(both)] == [content.title, "another"]
-    assert both.count("<section class='told'") == 2
+    assert both.count("<section class='report'") == 2
 
 
 def test_jupyter_shows_the_page_in_a_frame_of_its_own(result: MinimaResult) -> None:
@@ -162,7 +170,7 @@ def sheet() -> Content:
     for phi in np.linspace(0, 2.5, 300):
         turned = corners.copy()
         turned[[4, 5], 0], turned[[4, 5], 2] = -math.cos(phi), math.sin(phi)
-        states.append(Folded(turned, np.array([phi]), phi**2 * (2 - phi), np.zeros((2, 3))))
+        states.append(FoldedBody(turned, np.array([phi]), phi**2 * (2 - phi), np.zeros((2, 3))))
     track = Trajectory("load", np.linspace(0, 1, 300), "load [N m]", tuple(states), np.eye(3), 0)
     return Content("sheet", body, (Keyframe("flat", states[0], np.eye(3)),), (track,))
 

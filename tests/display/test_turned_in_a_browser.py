@@ -1,4 +1,4 @@
-"""The page that can be turned, in a real browser with the network shut."""
+"""The page that can be turned, in a real browser without network."""
 
 from collections.abc import Iterator
 

@@ -17,7 +17,7 @@ TOUCH = 1e-9
 def admissible(
     sectors: np.ndarray, phi: np.ndarray, contact: str = "full", touch: float = TOUCH
 ) -> np.ndarray:
-    """Tell which closed states phi [B, N] the contact mode admits, shape [B]."""
+    """Return which closed states phi [B, N] the contact mode admits, shape [B]."""
     phi = np.atleast_2d(phi)
     ok = spin_sign(sectors, phi) > 0
     if contact == "none":

@@ -85,7 +85,7 @@ def exact_state(p, y, held):
 
 
 def embedded(creases, phi, maps=()):
-    """Tell whether a closed state has no crossings and layers with all symmetries `maps`."""
+    """Return whether a closed state has no crossings and layers with all symmetries `maps`."""
     n = len(creases)
     double = np.array([[float(v) for v in c] for c in creases])[None]
     if nearest_touch(double)[0] > 1e-9:  # then double precision knows every sign
@@ -174,7 +174,7 @@ def _combinatorics(creases, phi, det):
 
 
 def lower_after_all(p, x, y, held) -> bool:
-    """Tell whether y, a neighbour of x, is admissible and lower also with 40 digits."""
+    """Return whether y, a neighbour of x, is admissible and lower also with 40 digits."""
     limits = np.pi - np.abs(x) <= 1e-9
     held_y = np.asarray(held, dtype=bool)
     exact, ok = exact_state(p, y, held_y)

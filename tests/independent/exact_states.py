@@ -50,7 +50,7 @@ def base(problem: PatternProblem, phi: np.ndarray) -> np.ndarray | None:
 
 
 def admissible_to_rounding(problem: PatternProblem, x: np.ndarray) -> bool:
-    """Tell whether a state known to rounding is admissible: features within 1e-13 touch."""
+    """Return whether a state known to rounding is admissible: features within 1e-13 touch."""
     if exactly_admissible(problem, x):
         return True
     phi = x[problem.orbit].astype(float)
@@ -72,7 +72,7 @@ def _possible_to_rounding(problem: PatternProblem, x: np.ndarray) -> bool:
 
 
 def possible(problem: PatternProblem, y: np.ndarray, error: np.ndarray) -> np.ndarray:
-    """Tell which states, known to `error` [B], keep the fold limits and do not cross for certain."""
+    """Return which states, known to `error` [B], keep the fold limits and do not cross for certain."""
     if not len(y):
         return np.zeros(0, dtype=bool)
     phi = y[:, problem.orbit]

@@ -368,7 +368,7 @@ class ChartGrid:
 
 
 def _all_neighbours(good: np.ndarray) -> np.ndarray:
-    """Tell which cells have eight admissible neighbours."""
+    """Return which cells have eight admissible neighbours."""
     out = good.copy()
     for axis in (0, 1):
         for shift in (1, -1):

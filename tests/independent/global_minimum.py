@@ -1,6 +1,6 @@
 """The lowest energy of a vertex with fold limits, proved by SCIP: spatial branch and bound, no start, no descent.
 
-Written from the product of quaternions alone; shares nothing with the package's programmes or searches.
+Written from the product of quaternions alone; shares nothing with the package's problems or searches.
 """
 
 from __future__ import annotations

@@ -168,7 +168,7 @@ def _cells(kind, base, simplices, k, step, found, m) -> np.ndarray:
 
 
 def _on_border(names: np.ndarray, d: int, m: int, points: dict) -> np.ndarray:
-    """Tell which points lie on the border of the box."""
+    """Return which points lie on the border of the box."""
     kinds = chains(d, m)
     where = [points[kinds[name % len(kinds)]][name // len(kinds)] for name in names]
     return np.abs(np.array(where).reshape(-1, d)).max(axis=1, initial=0.0) >= math.pi - 1e-12

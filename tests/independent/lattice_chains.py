@@ -16,7 +16,7 @@ MOST = 20_000
 
 
 def is_paper(lengths: list[int], turns: list[int]) -> bool | None:
-    """Tell whether a chain can be laid without crossing itself; None where there are too many orders.
+    """Return whether a chain can be laid without crossing itself; None where there are too many orders.
 
     lengths: of the strips, whole; turns: between them, in right angles, to the left > 0.
     """

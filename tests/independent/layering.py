@@ -71,7 +71,7 @@ def combinatorics(
 
 @lru_cache(maxsize=100_000)
 def stackable(walk: Walk, sides: tuple[int, ...], around: tuple[tuple[int, ...], ...]) -> bool:
-    """Tell whether some stacking of all strands has no crossing passages."""
+    """Return whether some stacking of all strands has no crossing passages."""
     return next(iter(stackings(walk, sides, around)), None) is not None
 
 
@@ -83,7 +83,7 @@ def stackable_with(
     label: tuple[int, ...],
     maps: tuple[Map, ...],
 ) -> bool:
-    """Tell whether some stacking without crossings is mapped to itself by all symmetries.
+    """Return whether some stacking without crossings is mapped to itself by all symmetries.
 
     label: the node at which each crease is (the first crease there).
     """

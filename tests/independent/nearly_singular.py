@@ -1,7 +1,7 @@
 """Scenes whose sectors nearly have a special relation: to within d, from 1e-12 to 1e-2, or exactly.
 
 Kinds: two creases on one line (a sum of consecutive sectors is pi); two creases that coincide when
-those between them are shut (an alternating sum of consecutive sectors is 0); equal sectors; a vertex
+those between them are fully folded (an alternating sum of consecutive sectors is 0); equal sectors; a vertex
 that folds flat (Kawasaki's sum is pi).  Springs are random, or at rest at +-pi and 0.
 """
 
@@ -49,7 +49,7 @@ def nearly_singular(seed: int) -> NearlySingular:
             sectors = _meet(sectors + shift, row, value + d)
     stiffness = 10 ** rng.uniform(-0.5, 0.5, n)
     rest = rng.uniform(-math.pi, math.pi, n)
-    if seed // len(KINDS) % 2:  # springs at rest shut, some flat
+    if seed // len(KINDS) % 2:  # springs at rest fully folded, some flat
         rest = rng.choice([-math.pi, math.pi, -math.pi, math.pi, 0.0], n)
         stiffness = np.ones(n) if rng.random() < 0.5 else stiffness
     return NearlySingular(

@@ -122,7 +122,7 @@ narrow (beside the flat state), and along the rest."""
 
 
 def connected(p: Problem, x: np.ndarray, y: np.ndarray, held: np.ndarray) -> bool:
-    """Tell whether the straight way from x to y, projected onto closure, is admissible and level."""
+    """Return whether the straight way from x to y, projected onto closure, is admissible and level."""
     way = x + WAY[:, None] * (y - x)
     z, residual = project(p.sectors, p.orbit, way, held)
     near = np.linalg.norm(z - way, axis=1).max() <= 0.5 * np.linalg.norm(y - x)

@@ -1,4 +1,4 @@
-"""Contact as a nonlinear programme for IPOPT: separating planes between facets, added where they are found to cross.
+"""Contact as a nonlinear program for IPOPT: separating planes between facets, added where they are found to cross.
 
 Loop closure by quaternions of CasADi, elastic with a penalty since its rows depend on each other; a plane has one facet
 on either side of it, the second facet carried along the shortest walk from the first.

@@ -4,7 +4,7 @@ Typed or computed in double precision, sectors such as pi/3 or a, a, pi - a, pi 
 relations to 1e-16 only, and a state that exists because of such a relation closes to 1e-16 only.
 Relations that hold to rounding are made exact with many digits: sectors that are equal, and sums
 of consecutive sectors with any signs that are whole multiples of pi (creases that are collinear, or
-that coincide when those between them are shut; Kawasaki's; the flat sheet's).  Everything else is
+that coincide when those between them are fully folded; Kawasaki's; the flat sheet's).  Everything else is
 taken as the doubles are.
 """
 

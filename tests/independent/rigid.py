@@ -98,7 +98,7 @@ class Rigid:
 
 
 def collide(a, b):
-    """Tell whether the library finds one polygon in another, but for corners that they share."""
+    """Return whether the library finds one polygon in another, but for corners that they share."""
     a, b = _without(a, b), _without(b, a)
     return fcl.collide(_mesh(a), _mesh(b), fcl.CollisionRequest(), fcl.CollisionResult()) > 0
 

@@ -178,7 +178,7 @@ def sheets(piece: Piece, s: np.ndarray, t: np.ndarray, pair: str) -> Iterator[np
 
 
 def closed(piece: Piece, x: np.ndarray, tolerance: float = 1e-9) -> np.ndarray:
-    """Tell which states [..., n] are real and close (beyond a mirror, fold angles wrap and do not)."""
+    """Return which states [..., n] are real and close (beyond a mirror, fold angles wrap and do not)."""
     flat = x.reshape(-1, x.shape[-1])
     ok = np.isfinite(flat).all(axis=1)
     ok[ok] = np.abs(piece.closure(flat[ok])[0]).max(axis=1) <= tolerance

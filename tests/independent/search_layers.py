@@ -27,7 +27,7 @@ def symmetries(n: int, half: bool) -> tuple[Map, ...]:
 
 
 def symmetrically_admissible(piece: Piece, x: np.ndarray) -> np.ndarray:
-    """Tell which closed states x [B, n] have no crossings and layers with the whole symmetry."""
+    """Return which closed states x [B, n] have no crossings and layers with the whole symmetry."""
     x = np.atleast_2d(x)
     phi = piece.expand(x)
     ok = (spin_sign(piece.sectors, phi) > 0) & (np.abs(phi) <= math.pi).all(axis=1)

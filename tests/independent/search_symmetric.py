@@ -190,7 +190,7 @@ def _downhill(drawn: Drawn, x: np.ndarray, weight: np.ndarray, bound: float) -> 
 def _stands(
     drawn: Drawn, x: np.ndarray, weight: np.ndarray, bound: float, rng: np.random.Generator
 ) -> bool:
-    """Tell whether no closed state near x is lower."""
+    """Return whether no closed state near x is lower."""
     for radius in (1e-3, 1e-2):
         y = x + rng.uniform(-radius, radius, (200, len(x)))
         y, good = _closed(drawn, y, weight, bound)

@@ -3,7 +3,7 @@
 A state stands when it closes (a plain product of rotation matrices), lies next to a state that
 closes in extended precision, and no admissible neighbour at the radii 1e-6, 1e-4 and 1e-2 that hangs
 together with it is lower in energy.  Neighbours are drawn in random directions and down the torques,
-in all strata of creases that stay shut or flat, and by turning few creases while all others are
+in all strata of creases that stay fully folded or flat, and by turning few creases while all others are
 held (two creases on one line turn as a hinge); they are closed in extended precision, and those that
 are lower are closed again, asked for crossings and layers, and compared with 80 digits.  From the
 lowest a descent that stays admissible tells how much lower it goes, and how far.

@@ -127,7 +127,7 @@ def verified(
 
 
 def level_way(problem: PatternProblem, x: np.ndarray, y: np.ndarray, held: np.ndarray) -> bool:
-    """Tell whether the straight way from y to x, closed point by point, is admissible and level."""
+    """Return whether the straight way from y to x, closed point by point, is admissible and level."""
     step = y - x
     length = float(np.linalg.norm(step.astype(float)))
     start = x + WAY[:, None] * step

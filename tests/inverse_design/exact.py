@@ -1,7 +1,7 @@
-"""What the dual of a programme proves, in rational numbers: no rounding, no eigenvalues.
+"""What the dual of a problem proves, in rational numbers: no rounding, no eigenvalues.
 
-For any point v of the programme and y in the dual cones, 0 <= y . (A v + b).  So t <= b . y + (c + A' y) . v where the
-programme was solved, and 0 <= b . y + (A' y) . v where it has no point.  What is left of A' y, rounding of the solver,
+For any point v of the problem and y in the dual cones, 0 <= y . (A v + b).  So t <= b . y + (c + A' y) . v where the
+problem was solved, and 0 <= b . y + (A' y) . v where it has no point.  What is left of A' y, rounding of the solver,
 is multiplied by how large the unknowns can be at all, with a margin t from 0 to its cap.
 """
 

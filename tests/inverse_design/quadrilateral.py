@@ -65,7 +65,7 @@ def _creases(sectors, phi):
 
 
 def _apart(sectors, phi):
-    """Which states have no two facets that pass through each other, [m]: arcs that do not cross."""
+    """Which states have no two facets that intersect, [m]: arcs that do not cross."""
     c = _creases(sectors, phi)
     good = np.ones(len(phi), dtype=bool)
     for i in (0, 1):

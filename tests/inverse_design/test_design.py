@@ -22,6 +22,7 @@ from origami_nlp.inverse_design import (
     example_targets,
     move_targets,
     parse_targets,
+    read_targets,
     scene_of,
     solve,
     springs_of,
@@ -85,7 +86,7 @@ def test_random_designs_verify(seed):
 
 
 def cutting_planes(posed):
-    """Largest margin by linear programmes alone: matrices are cut by vectors, no cone is known."""
+    """Largest margin by linear programs alone: matrices are cut by vectors, no cone is known."""
     p = posed.problem
     equal = [(p.matrix(r), -r.b) for r in p.rows if r.cone == EQUAL]
     above = [(p.matrix(r), r.b) for r in p.rows if r.cone == POSITIVE]
@@ -287,3 +288,16 @@ def test_bad_questions_are_named():
         design(Targets(vertex, (state,)), Ask("barrier"))
     with pytest.raises(OptionError, match="use one of"):
         example_targets("none")
+
+
+def test_a_file_of_targets_is_a_question(tmp_path):
+    """`design` of a path asks what the file asks, under its name; what is no file of targets is refused by name."""
+    file = tmp_path / "targets.toml"
+    file.write_text(example_targets("switch"))
+    found, asked = o.design(file), read_targets(file)
+    assert found.scene == o.design(asked[0], asked[1], name=asked[2]).scene
+    assert asked[2] and found.scene.name == asked[2]
+    with pytest.raises(o.OrigamiError, match=r"nowhere\.toml"):
+        o.design("nowhere.toml")
+    with pytest.raises(o.OrigamiError, match="targets"):
+        o.design(3)

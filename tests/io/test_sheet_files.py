@@ -73,7 +73,7 @@ def test_the_motion_of_a_miura_is_its_law():
         assert np.abs(np.tan(h / 2) - math.cos(math.pi / 3) * math.tan(z[0] / 2)).max() < 1e-8 / (
             1e-9 + math.cos(z[0] / 2) ** 2
         )
-    assert "shut" in motion.end and np.abs(motion.fold_angles[-1]).max() == math.pi
+    assert "fold limit" in motion.end and np.abs(motion.fold_angles[-1]).max() == math.pi
     assert np.array_equal(np.argsort(motion.arc), np.arange(len(motion.arc)))
 
 

@@ -46,7 +46,7 @@ class Rounded:
         return re.sub(r"\([\d,]+ boxes", "(some boxes", str(self.design))
 
     def to_dict(self) -> dict[str, Any]:
-        """Say whether it holds, how firmly, and what else is stable."""
+        """Return whether it holds, how firmly, and what else is stable."""
         d = self.design
         extra = [[kind, np.round(x, 4).tolist()] for _, kind, x in d.extra_minima]
         assert d.minima is not None and d.minima.completeness is not None

@@ -60,7 +60,7 @@ SHEETS = {
     "resch:1x2": 4,
     "birdbase": 6,
 }
-"""Patterns by name, and drawn starts."""
+"""Patterns by name, and random starts."""
 
 
 @dataclass(frozen=True)
@@ -104,7 +104,7 @@ def gallery() -> Iterator[Question]:
 
 
 def loads() -> Iterator[Question]:
-    """Load paths of vertices and of patterns: snaps, back again, contact, several freedoms."""
+    """Load paths of vertices and of patterns: snaps, back again, contact, several degrees of freedom."""
     from tests.loading.test_loads_in_contact import driven_sheet, sprung
     from tests.loading.test_sheet_loads import SNAPPING, folded_miura
 
@@ -203,7 +203,7 @@ def verify() -> Iterator[Question]:
 
 
 def sweeps() -> Iterator[Question]:
-    """Twelve scenes with one freedom."""
+    """Twelve scenes with one degree of freedom."""
     from tests.sweep.test_sweep import SMALL
 
     def rows() -> Report:

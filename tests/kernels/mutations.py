@@ -42,13 +42,13 @@ MUTATIONS = [
         "problem/closure.py",
         "half = half / 2",
         "half = half / 1",
-        ("programme",),
+        ("problem",),
     ),
     Mutation(  # the gap is the sine of an angle
         "problem/gaps.py",
         "rays[k]) / sine",
         "rays[k]) * sine",
-        ("programme", "kkt"),
+        ("problem", "kkt"),
     ),
     Mutation(  # the Hessian is positive definite, not only not negative
         "kkt/certificates.py",
@@ -96,25 +96,25 @@ MUTATIONS = [
         "continuation/tracer.py",
         "chord * (1 + 0.5",
         "chord * (1 - 0.5",
-        ("path",),
+        ("continuation",),
     ),
     Mutation(  # at a fold one eigenvalue changes its sign, at a pitchfork none or two
         "continuation/events.py",
         "(a.index - b.index) % 2:",
         "not (a.index - b.index) % 2:",
-        ("path",),
+        ("continuation",),
     ),
     Mutation(  # chords on the line of both planes are measured from one point
         "pattern_problem/crossings.py",
         "np.minimum(high_a, high_b + shift)",
         "np.minimum(high_a, high_b - shift)",
-        ("facets",),
+        ("pattern_problem",),
     ),
     Mutation(  # the length of the common normal changes as well
         "pattern_problem/contact_pairs.py",
         "tt / d - (both + both.T + volume * ss) / d**2",
         "tt / d + (both + both.T + volume * ss) / d**2",
-        ("facets",),
+        ("pattern_problem",),
     ),
 ]
 

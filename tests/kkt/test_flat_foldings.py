@@ -38,7 +38,7 @@ def flat_states(model: Model) -> list[np.ndarray]:
 def test_flat_foldings_that_springs_pull_open_are_refuted_before_anything_dear(
     name: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Next to no piece is judged and no linear programme solved."""
+    """Next to no piece is judged and no linear program solved."""
     claim = scene(name)
     model = Model(claim)
     pieces = 0

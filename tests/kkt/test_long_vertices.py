@@ -1,4 +1,4 @@
-"""Long vertices are polished and judged by short cuts: the same as without; and the moment that passes round."""
+"""Long vertices are polished and judged by short cuts: the same as without; and the constant internal moment."""
 
 import math
 

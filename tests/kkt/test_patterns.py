@@ -72,7 +72,7 @@ def test_derivatives_of_a_pattern_in_contact_are_those_of_its_values():
 
 
 def test_the_same_contact_has_one_multiplier_or_a_range():
-    """Two equal contacts hold one freedom: any sum of their forces balances; the smallest norm halves it."""
+    """Two equal contacts hold one degree of freedom: any sum of their forces balances; the smallest norm halves it."""
     _, state = held_state()
     what = classify(state)
     one, two = what.contacts

@@ -81,7 +81,7 @@ def test_a_flat_sheet_that_no_way_leads_out_of_is_stable():
 
 
 def level_sheet(seed):
-    """A metasheet, flat, with torques orthogonal to both of its ways out, though closure does not balance them."""
+    """A metasheet, flat, with torques orthogonal to both branch directions, though closure does not balance them."""
     rng = np.random.default_rng(seed)
     pattern, _ = metasheet(3)
     k = rng.uniform(0.5, 2.0, pattern.creases)

@@ -38,7 +38,7 @@ def test_metastable_stretches_are_those_of_the_segments():
 
 def test_map_under_the_pointer_has_the_exact_lines():
     result = panel_result(SCENES["octagon"])
-    panel = find_landscape(result, 41, boundary=boundary("octagon"))
+    panel = find_landscape(result, size=41, boundary=boundary("octagon"))
     drawn = [line for shown in panel.view_content().panels for line in shown.lines]
     seen = [line for line in boundary("octagon").lines if not line.hidden]
     assert len(drawn) == len(seen) + sum(not part.hidden for part in panel.metastable)

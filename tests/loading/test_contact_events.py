@@ -1,4 +1,4 @@
-"""Events of load paths that steps could pass: creases that facets keep shut, facets that meet between two steps."""
+"""Events of load paths that steps could pass: creases kept fully folded, facets that meet between two steps."""
 
 import math
 
@@ -14,7 +14,7 @@ from tests.loading.test_loads_in_contact import Turned, by_small_steps, loaded, 
 
 @pytest.mark.slow
 def test_facets_that_touch_keep_a_crease_shut():
-    """It shares what it bears with a corner on a facet, in more than one way, and stays shut to rounding."""
+    """It shares what it bears with a corner on a facet, in more than one way, and stays fully folded to rounding."""
     path = loaded(41, 8.0)
     beyond = [p for p in path.legs[-1].points if p.t > path.snaps[0].t + 0.01]
     opened = [math.pi - abs(p.fold_angles[13]) for p in beyond]

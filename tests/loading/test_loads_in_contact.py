@@ -53,7 +53,7 @@ class Turned(Rigid):
         return [pair for pair in pairs if collide(*(x[k] for k in pair))]
 
 
-# ---------------------------------------------------------------- one freedom, in closed form
+# ---------------------------------------------------------------- one degree of freedom, in closed form
 
 
 def classes_at(driven):
@@ -205,7 +205,7 @@ def test_steps_of_other_lengths_find_the_same_events(longest):
         assert a.fold_angles == pytest.approx(b.fold_angles, abs=1e-10)
 
 
-# ---------------------------------------------------------------- several freedoms
+# ---------------------------------------------------------------- several degrees of freedom
 
 
 BEGUN = {
@@ -348,7 +348,7 @@ def test_a_snap_lands_in_contact_and_goes_on():
 
 @pytest.mark.slow
 def test_a_search_finds_the_state_in_contact_that_a_snap_lands_on():
-    """That before the snap, one of many of nine freedoms, is certified on its branch; 40 starts do not find it."""
+    """That before the snap (nine degrees of freedom) is certified on its branch; 40 starts do not find it."""
     pattern, start, crease = sprung(3)
     path = o.load_path(pattern, crease, state=start, to=3.6)
     assert path.snaps[0].confirmed.found[1]

@@ -77,7 +77,7 @@ def test_a_vertex_as_a_pattern_snaps_where_the_vertex_does(to, back, count):
         assert path.snaps[0].t == pytest.approx(-0.138149523101, abs=1e-11)
 
 
-# ---------------------------------------------------------------- one freedom, in closed form
+# ---------------------------------------------------------------- one degree of freedom, in closed form
 
 
 def law(pattern, n, i, z):
@@ -189,7 +189,7 @@ def test_a_path_stops_where_all_creases_shut_at_once():
     pattern, start = folded_miura(2, 3)
     i = int(np.flatnonzero(np.abs(pattern.directions[:, 1]) > 1e-9)[0])
     path = o.load_path(pattern, i + 1, to=-40.0, state=start)
-    assert "shut at once" in path.legs[0].why and not path.snaps
+    assert "close at once" in path.legs[0].why and not path.snaps
 
 
 def test_springs_take_up_the_work_of_the_load():
@@ -408,6 +408,13 @@ def test_the_command_writes_all_of_it(tmp_path):
     driver = json.loads(out)["driver"]
     assert driver["type"] == "PatternDriver" and driver["work"]["type"] == "Torque"
     assert driver["work"]["creases"] == [1]
+    edges = o.read_pattern(problem).numbers
+    assert edges[1] != 1  # borders are edges too
+    code, out, err = run("load", problem, "--edge", edges[1], "--to", "0.01", "--json", "-")
+    assert code == 0 and json.loads(out)["driver"]["work"]["creases"] == [2], err
+    border = next(e for e in range(edges.max()) if e not in edges)
+    code, _, err = run("load", problem, "--edge", border)
+    assert code == 2 and f"--edge = {border} is no crease" in err and err.count("\n") == 1
     for more, word in ((), "--pull"), (("--crease", "1", "--symmetry", "D1"), "--vertex"):
         code, _, err = run("load", problem, *more)
         assert code == 2 and word in err

@@ -41,7 +41,7 @@ def whole(scene):
         (job.FlatFoldings, "states", "flat foldings", TWO_FREEDOMS),
         (job.NearFlat, "states", "starts beside the flat state", TWO_FREEDOMS),
         (job.NearFolded, "states", "starts beside flat foldings", TWO_FREEDOMS),
-        (job, "trace", "curves of one freedom", ONE_FREEDOM),
+        (job, "trace", "curves of one degree of freedom", ONE_FREEDOM),
         (job, "polish", "a candidate on a curve", ONE_FREEDOM),
         (find, "confirm", "a confirmation by IPOPT", TWO_FREEDOMS),
     ],

@@ -133,7 +133,7 @@ def test_effort_and_what_it_says():
     ) and "complete:" not in normal.report(verbose=True)
     assert normal.search.every_corner and "is decided" in normal.report(verbose=True)
     one = find_minima(vertex(4, 1, "full"), prove=False, escape=False)
-    assert one.search.stopped_by == "complete" and "complete: one freedom" in one.report(
+    assert one.search.stopped_by == "complete" and "complete: one degree of freedom" in one.report(
         verbose=True
     )
     assert all(m.solver.agrees and m.solver.iterations <= 1 for m in normal.minima)
@@ -150,7 +150,7 @@ def test_all_corners_is_said_only_where_all_were_tried():
         assert rounds.every_corner == (rounds.corners == every)
     capped = find_minima(examples.degree6("pi/3", 1), max_starts=16, prove=False, escape=False)
     assert capped.search.corners < 18 and not capped.search.every_corner
-    assert "leave without freedom" not in capped.report(verbose=True)
+    assert "leave without degrees of freedom" not in capped.report(verbose=True)
 
 
 def test_scenes_of_one_vertex_descend_together_as_each_does_alone():

@@ -116,7 +116,7 @@ CROWDED = Scene(
     "none",
     "full",
 )
-"""Contacts of a state on a hinge whose slopes are almost zero: the basis of a linear programme became singular."""
+"""Contacts of a state on a hinge whose slopes are almost zero: the basis of a linear program became singular."""
 
 
 def random_scene(number, contact="full"):
@@ -262,7 +262,7 @@ def test_one_descent_that_breaks_down_leaves_the_others_as_they_are(monkeypatch)
 
 
 def test_a_state_with_contacts_of_almost_no_slope_is_judged():
-    """The linear programme for the ranges of multipliers raised LinAlgError: Singular matrix."""
+    """The linear program for the ranges of multipliers raised LinAlgError: Singular matrix."""
     small = 1.4241416274299255e-07
     x = pi * np.array([-1.0, -small, 1.0, 1.424141630257085e-07, 1.0, 1.0, 1.0, -1.0])
     assert classify(State(Model(CROWDED), x)).verdict in ("minimum", "undecided", "not stationary")

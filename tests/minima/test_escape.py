@@ -19,7 +19,7 @@ from tests.computed_once import panel_result
 
 DEGREES = 0.06
 PAGE = Path(__file__).parents[2] / "docs" / "how_to" / "noise.md"
-HEAD = """# Tell states that last from states that noise makes
+HEAD = """# Distinguish states that last from states that noise makes
 
 Exact data are special: creases in line, equal angles, equal springs. Measured ones are not, and small errors make
 minima that are true and of no use: a ripple, left over a barrier of nothing. Every minimum therefore has a *softest
@@ -35,7 +35,7 @@ origami-nlp minima waterbomb.toml --noise 0.06
 
 A waterbomb, `origami_nlp.examples.waterbomb(symmetry="none")`, exact and with errors of 0.06 degrees of rest angles.
 "Before" is the count that a list without barriers gives. Energies in J, sum k pi^2 / 2 = 0.74 J; "<=" is an upper
-bound: an explicit way out climbs so high.
+bound: an explicit escape path climbs so high.
 
 """
 
@@ -239,13 +239,13 @@ def page():
 FOOT = """
 The two states that the exact waterbomb has survive everything; what errors add survives nothing. A state held by
 a fold limit at exactly pi, such as flat-folded ones, need not be shallow and still be lost: the column says it.
-With one freedom barriers are exact (all curves are traced), `find_barriers` has them from a merge tree with two, and
-`result.minima[0].escape` says the method, the state the way leads to, and where it is highest. "?" is *not determined*,
-with the reason in `escape.why`.
+With one degree of freedom barriers are exact (all curves are traced), `find_barriers` has them from a merge tree with
+two, and `result.minima[0].escape` says the method, the state the way leads to, and where it is highest. "?" is *not
+determined*, with the reason in `escape.why`.
 
 Whole patterns: `origami-nlp minima FILE --noise 0.06`. Errors of sector angles move the vertices in the plane
 there, so that the sheet stays flat paper; where closure has as many equations as creases (3 x 3 quadrilaterals, more)
-nothing folds with such errors, and what survives errors of the springs alone is told beside.
+nothing folds with such errors, and what survives errors of the springs alone is reported beside.
 """
 
 

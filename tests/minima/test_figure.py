@@ -26,7 +26,7 @@ SCENES = {
     "degree 6, handles and a family": o.examples.degree6("pi/3", 1),
     "degree 6": o.examples.degree6("pi/4", 1),
     "degree 8": o.examples.degree8("pi/12", 100),
-    "one freedom": o.Scene(
+    "one degree of freedom": o.Scene(
         o.Vertex(("pi/3", "2*pi/3", "2*pi/3", "pi/3")), (1,) * 4, (1, 1, -1, 1), "D1"
     ),
     "no chart": o.Scene(

@@ -1,4 +1,4 @@
-"""What a search of a sheet enumerates: flat-folded states, ways out of them, wells and touches between samples."""
+"""What a search of a sheet enumerates: flat-folded states, their branch directions, wells and contacts."""
 
 import importlib
 import itertools
@@ -60,7 +60,7 @@ def test_flat_foldings_of_a_vertex(sectors):
 
 
 def test_ways_across_a_shut_row():
-    """A Miura sheet with its first row shut folds on across it; a state there is found without random starts."""
+    """A Miura sheet with its first row closed folds on across it; a state there is found without random starts."""
     pattern = examples.pattern("miura", 3, 3)
     straight = np.abs(pattern.directions[:, 1]) < 1e-9
     heights = pattern.corners[pattern.ends[:, 0], 1]
@@ -162,8 +162,8 @@ def test_one_facet_has_nothing_to_fold():
     [
         ("resch", (), "random starts"),
         ("degree8", (), "the search for single vertices"),
-        ("miura", (3, 3), "ways out of flat-folded states"),
-        ("miura", (8, 8), "ways out of the flat state"),
+        ("miura", (3, 3), "branch directions of flat-folded states"),
+        ("miura", (8, 8), "branch directions of the flat state"),
     ],
 )
 def test_a_search_ends_in_its_time_and_says_what_it_left_out(name, size, part):
@@ -178,7 +178,7 @@ def test_a_search_ends_in_its_time_and_says_what_it_left_out(name, size, part):
         "interrupted by the time limit, not through with" in said
         and "completeness is not proved" in said
     )
-    assert "every well" not in said and "and the branches from each" not in said
+    assert "every well" not in said and "and the branch directions of each" not in said
     for state in found.states:  # what was found is whole
         again = judge(PatternProblem(pattern), state.phi)
         assert (again.verdict, again.kind) == (state.verdict, state.kind)

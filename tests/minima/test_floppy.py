@@ -1,4 +1,4 @@
-"""Patterns with many freedoms and random springs: no minimum that is claimed is refuted by code that shares nothing.
+"""Patterns with many degrees of freedom and random springs: no claimed minimum is refuted by independent code.
 
 Closure by rotation matrices of scipy; crossings by the Flexible Collision Library; closed states beside it, drawn at
 random with some of the fold limits let go, none of them lower but through facets.

@@ -32,7 +32,9 @@ SCENES = {
     "degree 4": Scene(
         Vertex.from_degrees([60, 100, 120, 80]), (1, 2, 3, 4), (-1, 1, 1, 2.5), "none"
     ),
-    "shut": Scene(Vertex.from_degrees([90] * 4), (1, 1, 1, 1), (0, math.pi, 0, math.pi), "none"),
+    "fully folded": Scene(
+        Vertex.from_degrees([90] * 4), (1, 1, 1, 1), (0, math.pi, 0, math.pi), "none"
+    ),
     "degree 5, not flat": Scene(
         Vertex.from_degrees([60, 70, 80, 70, 60], False),
         (1,) * 5,
@@ -83,7 +85,9 @@ def test_frames_hold_the_states(result):
         (v,) = fold_vertices(frame)[0]
         by_edge = dict(zip(v.edges, v.fold_angles, strict=True))
         measured = np.array([by_edge[k] for k in range(n)])
-        away = np.abs(2 * np.sin((measured - m.fold_angles) / 2))  # unassigned shut creases: +-pi
+        away = np.abs(
+            2 * np.sin((measured - m.fold_angles) / 2)
+        )  # unassigned fully folded creases: +-pi
         assert away.max() < 1e-7
         assert f"{m.energy:.6g} J" in frame.title
     for raw in [data, *data["file_frames"]]:
@@ -105,8 +109,8 @@ def test_frames_hold_the_states(result):
 
 
 def test_face_orders_of_shut_creases():
-    """A valley shut onto facet i - 1 lies on its normal's side, a mountain on the other."""
-    for name in ("shut", "degree 6"):
+    """A valley fully folded onto facet i - 1 lies on its normal's side, a mountain on the other."""
+    for name in ("fully folded", "degree 6"):
         scene = SCENES[name]
         for m in searched(name).minima:
             phi = np.array(m.fold_angles)

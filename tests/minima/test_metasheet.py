@@ -282,7 +282,7 @@ class FiftyDigits:
     ],
 )
 def test_three_of_four_closed_stationary_vertices_are_paper(start, energy, problem):
-    """In 50 digits: the one of least energy closes with q = -1, and two of its facets pass through each other."""
+    """In 50 digits: the one of least energy closes with q = -1, and two of its facets intersect."""
     with mpmath.workdps(50):
         vertex = FiftyDigits()
         folds = vertex.solve(start)

@@ -1,4 +1,4 @@
-"""Scenes with one freedom: the curves are all there, and no minimum on them is missed."""
+"""Scenes with one degree of freedom: the curves are all there, and no minimum on them is missed."""
 
 import itertools
 import math
@@ -261,7 +261,7 @@ def test_one_freedom_is_counted_in_a_fifth_of_a_second():
 
 
 def test_more_freedom_is_refused():
-    with pytest.raises(OptionError, match="2 freedoms"):
+    with pytest.raises(OptionError, match="2 degrees of freedom"):
         trace(Model(examples.degree6("pi/3", 1.0)))
 
 

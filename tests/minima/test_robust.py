@@ -91,7 +91,7 @@ def test_a_failure_is_counted_and_ends_nothing(monkeypatch):
 
 
 def test_seconds_are_those_of_a_clock():
-    """The ways out of a sheet of 1,104 creases are not gone through in half a second, nor is more time taken."""
+    """The escape paths from a sheet of 1,104 creases are not gone through in half a second, nor is more time taken."""
     begun = time.monotonic()
     found = find_states("miura:24x24", seconds=0.5)
     assert found.search.left_out and time.monotonic() - begun < 6.0

@@ -3,6 +3,7 @@
 import dataclasses
 import io
 import json
+import math
 
 import numpy as np
 import pytest
@@ -12,7 +13,7 @@ from typer.testing import CliRunner
 import origami_nlp as o
 from origami_nlp.cli import app
 from origami_nlp.display import VERDICTS, WARNING
-from origami_nlp.minima import judge_in_full_space
+from origami_nlp.minima import is_affordable, judge_in_full_space
 from origami_nlp.minima.stability import count_words, not_asked_words, verdict
 from tests.computed_once import once, panel_result
 
@@ -144,3 +145,23 @@ def test_demo_decides_every_state(tmp_path, monkeypatch):
     for panel in json.loads((tmp_path / "minima.json").read_text()):
         assert all(m["full_space"]["verdict"] in ("stable", "unstable") for m in panel["minima"])
     assert (tmp_path / "degree6.png").stat().st_size > 10_000
+
+
+def test_the_full_space_is_asked_where_that_is_affordable():
+    """By size alone: not of more states, or creases, than are stated, nor where no symmetry is imposed."""
+    found = o.find_minima(SCENE, max_starts=8, escape=False)
+    assert {m.full_space.verdict for m in found.minima} <= {"stable", "unstable", "undecided"}
+    asked = o.find_minima(SCENE, max_starts=8, escape=False, full=True)
+    assert [m.full_space for m in found.minima] == [m.full_space for m in asked.minima]
+    n = 14
+    wide = o.Scene(o.Vertex((2 * math.pi / n,) * n), (1.0,) * n, (0.5, -0.5) * (n // 2))
+    assert not wide.group.is_trivial and not is_affordable(wide, 1)
+    assert is_affordable(SCENE, 64) and not is_affordable(SCENE, 65)
+    free = o.find_minima(
+        dataclasses.replace(SCENE, symmetry="none"), max_starts=8, escape=False, prove=False
+    )
+    assert all(m.full_space is None for m in free.minima)
+    left = o.find_minima(wide, max_starts=2, escape=False, prove=False)
+    assert all(m.full_space is None for m in left.minima)
+    if left.minima:
+        assert "12 creases" in not_asked_words(wide, left.minima)

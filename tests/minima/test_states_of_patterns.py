@@ -155,7 +155,7 @@ def test_the_flat_state():
 
 
 def test_beyond_shut_by_rounding_is_shut():
-    """States of a vertex close to rounding, which may take a shut crease beyond pi by as much."""
+    """States of a vertex close to rounding, which may take a fully folded crease beyond pi by as much."""
     square = np.array([(0, 0), (1, 0), (1, 1), (0, 1)], float)
     problem = PatternProblem(make_pattern(square, [(0, 1, 2), (0, 2, 3)], rest={(0, 2): math.pi}))
     state = judge(problem, np.array([math.pi + 1e-13]))

@@ -76,7 +76,7 @@ def test_scaling_the_stiffness_scales_the_answer_exactly():
         factor = 2.0**power
         scaled = Scene(scene.vertex, np.array(scene.stiffness) * factor, scene.rest_angles, "D1")
         other = find_minima(scaled, max_starts=24, prove=False, escape=False)
-        # a power of two changes no digit of the scaled programme
+        # a power of two changes no digit of the scaled problem
         assert [m.fold_angles for m in other.minima] == [m.fold_angles for m in one.minima]
         assert [m.energy for m in other.minima] == [m.energy * factor for m in one.minima]
         assert [c.multiplier for m in other.minima for c in m.contacts] == [

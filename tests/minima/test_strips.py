@@ -108,7 +108,7 @@ def _is_whole(pattern: Pattern, known: np.ndarray) -> bool:
 
 @pytest.mark.parametrize("far", [3e-4, 1.5e-5])
 def test_wells_beside_the_flat_state(far):
-    """Listed down to some 1e-4 rad; nearer than can be told from flat, no list is said to be whole."""
+    """Listed down to some 1e-4 rad; nearer than can be distinguished from flat, no list is said to be whole."""
     assert _is_whole(*_beside_flat(1, far)) == (far > 1e-4)
 
 

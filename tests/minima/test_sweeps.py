@@ -47,7 +47,7 @@ def test_directions_and_curvatures_are_those_of_dense_matrices(n):
     assert (off <= 1e-9 * (1 + np.abs(wanted).max(axis=1))).all()
     slope = np.einsum("ki,ki->k", got.direction, down)
     assert (slope < 0).all()
-    # saddles, and only these, are told, with a direction of the curvature that is said
+    # saddles, and only these, are reported, with a direction of the curvature that is said
     assert (got.curvature[lowest > 1e-6] > 0).all()
     saddle = lowest < -1e-3
     assert saddle.sum() > 20

@@ -148,7 +148,7 @@ def test_modes_of_a_miura_run_along_its_closed_form(tmp_path):
     pattern = examples.pattern("miura", 3, 3).with_springs(1.0, 0.0)
     rest = np.where(np.arange(12) % 3 == 0, 0.9, -0.4)
     found = find_minima(pattern.with_springs(rest=rest), effort="quick", escape=False)
-    # where it is folded in half along lines, or has more freedoms, its motion is another one
+    # where it is folded in half along lines, or has more degrees of freedom, its motion is another one
     kept = [m for m in found.minima if m.dof == 1 and np.abs(m.fold_angles).min() >= 0.05]
     assert 0 < len(kept) < len(found.minima)
     found = replace(found, minima=tuple(kept))
@@ -164,7 +164,7 @@ def test_modes_of_a_miura_run_along_its_closed_form(tmp_path):
         assert np.abs(share[long] - 1).max() < 1e-9 and np.abs(share[~long] - 0.5).max() < 1e-9
         second = (g.rise[at + 1] + g.rise[at - 1] - 2 * g.rise[at]) / g.s[at + 1] ** 2
         assert second == pytest.approx(mode.eigenvalue, rel=2e-3)
-        # length of the closed form from the state to where all creases are shut
+        # length of the closed form from the state to where all creases are fully folded
         many = int(long[0].sum()), int((~long[0]).sum())
         y = np.abs(state.minimum.fold_angles).max()
         length, _ = quad(miura_speed, y, np.pi, many)

@@ -57,7 +57,8 @@ BESIDE_THE_TABLE = {
     "what is shown, or said in words": """
         bifurcation/regions.LEAST chart/boundary_lines.SHORT chart/chart.TIE chart/region.SLIVER
         critical/result.ROUNDING paper/cone/table.SMALL pattern/fold_notes.LOOKS_LIKE_PI
-        pattern/fold_notes.UP pattern/relations.NEAR pattern_problem/poses.MOVES space/result.EXTENDED
+        pattern/fold_notes.SMALLEST_FOLD pattern/fold_notes.UP pattern/relations.NEAR
+        pattern_problem/poses.MOVES space/result.EXTENDED
     """,
     "definitions of the source paper": """
         contact/segments.SLOPE contact/segments.STIFFNESS
@@ -228,7 +229,7 @@ def literals(node: ast.AST) -> list[float]:
 
 
 def is_drawn(module: str) -> bool:
-    """Tell whether small numbers of a module are sizes in pictures."""
+    """Return whether small numbers of a module are sizes in pictures."""
     kinds = DRAWN.split()
     return module.split("/")[-1] in kinds or module.startswith(tuple(k for k in kinds if "/" in k))
 
@@ -306,7 +307,7 @@ def test_derived_values():
     assert value["CONTACT_TOL"] == pytest.approx(math.sqrt(eps / 2), rel=0.1)
     assert value["RESOLVED"] == pytest.approx(10 * value["CONTACT_TOL"])
     assert value["ROUNDED"] == pytest.approx(50 * eps, rel=0.2)
-    # what closure misses at the smallest radius, 1e-6, can be told from rounding of following
+    # what closure misses at the smallest radius, 1e-6, can be distinguished from rounding of following
     assert value["FOLLOWED"] < 1e-6**2
     assert value["ROUNDED"] < value["DEPENDENT"] < value["CONTACT_TOL"]
     assert value["ROUNDED"] < value["INDEPENDENT"] < value["RESOLVED"]

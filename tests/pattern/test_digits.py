@@ -123,7 +123,7 @@ def test_a_folded_form_with_few_digits_is_read_as_the_folded_sheet(digits):
         p = folded.corners[list(polygon)]
         assert abs(np.linalg.det(p[1:] - p[0])) < 1e-14  # plane
     assert np.abs(folded.reference - phi).max() < 40 * 10.0**-digits
-    # the sheet of exact sectors has closed states elsewhere too, as many freedoms, one
+    # the sheet of exact sectors has closed states elsewhere too, as many degrees of freedom, one
     other, _ = PatternProblem(folded).project(folded.reference + 0.2 * folded.signs)
     assert (
         PatternProblem(folded).residual(other) < 1e-12

@@ -340,7 +340,7 @@ def test_bad_options_get_one_line(tmp_path):
         ([str(file), "--vertex", "5", "--frame", "3"], ["--frame 3"]),
         ([str(file), "--vertex", "5", "--stiffness", "-1"], ["--stiffness"]),
         ([str(file), "--vertex", "5", "--rest-angle", "400"], ["--rest-angle = '400'", "180"]),
-        ([str(file), "--rest-angle", "file"], ["--rest-angle = 'file'", "--rest-angles file"]),
+        ([str(file), "--rest-angle", "file"], ["--rest-angle = 'file'", "--rest-from file"]),
         ([str(scene), "--vertex", "5"], ["FOLD"]),
         ([str(tmp_path / "no.fold")], ["cannot read"]),
     ]:

@@ -48,11 +48,11 @@ def test_targets_of_a_form_saved_unfolded_are_its_rest_angles():
     assert by_edge(one, v.file_angles) == pytest.approx(TARGETS)
     (note,) = v.notes
     assert "up to 90 degrees (edge 0: 0 measured, -90 in the file)" in note
-    assert "--rest-angles measured" in note
+    assert "--rest-from measured" in note
     for choice in (None, "file"):
-        rest = scene_at(one, 0, symmetry="none", rest_angles=choice).rest_angles
+        rest = scene_at(one, 0, symmetry="none", rest_from=choice).rest_angles
         assert by_edge(one, rest) == pytest.approx(TARGETS)
-    rest = scene_at(one, 0, symmetry="none", rest_angles="measured").rest_angles
+    rest = scene_at(one, 0, symmetry="none", rest_from="measured").rest_angles
     assert by_edge(one, rest) == pytest.approx([0] * 4)
 
 
@@ -65,7 +65,7 @@ def test_a_partly_folded_form_keeps_both():
     expected = [math.degrees(phi[0]), *targets[1:]]  # null: measured
     assert by_edge(one, scene_at(one, 0, symmetry="none").rest_angles) == pytest.approx(expected)
     assert by_edge(one, v.fold_angles) == pytest.approx(np.degrees(phi))
-    flat = scene_at(one, 0, symmetry="none", rest_angles="file", rest_angle=0.5).rest_angles
+    flat = scene_at(one, 0, symmetry="none", rest_from="file", rest_angle=0.5).rest_angles
     assert by_edge(one, flat)[0] == pytest.approx(math.degrees(math.copysign(0.5, phi[0])))
 
 
@@ -84,7 +84,7 @@ def test_rest_angles_of_the_namespace_come_first():
     assert by_edge(one, scene_at(one, 0, symmetry="none").rest_angles) == pytest.approx(
         [-10, 70, 80, 60]
     )
-    measured = scene_at(one, 0, symmetry="none", rest_angles="measured").rest_angles
+    measured = scene_at(one, 0, symmetry="none", rest_from="measured").rest_angles
     assert by_edge(one, measured) == pytest.approx([0] * 4)
 
 
@@ -93,7 +93,7 @@ def test_a_flat_form_with_letters_alone_says_what_it_rests_at():
     (v,) = fold_vertices(one)[0]
     assert "rest angles are 0" in v.notes[0]
     assert by_edge(one, scene_at(one, 0, symmetry="none").rest_angles) == pytest.approx([0] * 4)
-    rest = scene_at(one, 0, symmetry="none", rest_angles="file").rest_angles
+    rest = scene_at(one, 0, symmetry="none", rest_from="file").rest_angles
     assert by_edge(one, rest) == pytest.approx([-180, 180, 180, 180])
 
 
@@ -118,13 +118,13 @@ def test_the_command_says_and_chooses(tmp_path):
     file, out = tmp_path / "a.fold", tmp_path / "a.json"
     file.write_text(json.dumps(simulator_export()))
     found = {}
-    for choice in ([], ["--rest-angles", "file"], ["--rest-angles", "measured"]):
+    for choice in ([], ["--rest-from", "file"], ["--rest-from", "measured"]):
         args = ["minima", str(file), "--vertex", "0", "--symmetry", "none", "--max-starts", "9"]
         done = RUN.invoke(app, [*args, "--json", str(out), *choice])
         assert done.exit_code == 0 and "90 degrees" in done.stderr, done.exception
         found[tuple(choice)] = json.loads(out.read_text())["origami"]["creases"]["rest_angles"]
-    assert found[()] == found["--rest-angles", "file"] != found["--rest-angles", "measured"]
-    assert all(abs(float(a)) < 1e-12 for a in found["--rest-angles", "measured"])
+    assert found[()] == found["--rest-from", "file"] != found["--rest-from", "measured"]
+    assert all(abs(float(a)) < 1e-12 for a in found["--rest-from", "measured"])
     done = RUN.invoke(app, ["vertices", str(file), "--json", str(out)])
     assert "90 degrees" in done.output
     (v,) = json.loads(out.read_text())["frames"][0]["vertices"]
@@ -143,9 +143,9 @@ def test_choices_that_cannot_be_are_refused(tmp_path):
         (form, "90", "is --rest-angle, in degrees"),
         (scene, "file", "FOLD files"),
     ):
-        done = RUN.invoke(app, ["minima", str(file), "--rest-angles", choice])
+        done = RUN.invoke(app, ["minima", str(file), "--rest-from", choice])
         assert isinstance(done.exception, OrigamiError)
-        assert "--rest-angles" in str(done.exception) and words in str(done.exception)
+        assert "--rest-from" in str(done.exception) and words in str(done.exception)
 
 
 # ---------------------------------------------------------------- legacy units
@@ -164,6 +164,18 @@ def test_legacy_angles_in_radians(scale):
     rest = scene_at(one, 0, symmetry="none").rest_angles
     assert by_edge(one, rest) == pytest.approx([-180 * scale, *[180 * scale] * 3])
     assert any("radians" in note for note in one.notes)
+
+
+@pytest.mark.parametrize(
+    ("largest", "said"), [(math.pi, "180"), (1.5, "85.9437"), (4, None), (0.01, None)]
+)
+def test_fold_angles_that_look_like_radians_are_read_as_degrees_with_a_note(largest, said):
+    data = disc(SECTORS, "MVVV", angles=[-largest, largest, 0.5 * largest, largest])
+    one = frame(data)
+    rest = scene_at(one, 0, symmetry="none").rest_angles
+    assert by_edge(one, rest)[1] == pytest.approx(largest)
+    notes = [note for note in one.notes if "radians" in note]
+    assert len(notes) == (said is not None) and all(f"write {said}" in note for note in notes)
 
 
 def test_legacy_angles_in_degrees_and_both_names():

@@ -88,8 +88,8 @@ def test_relations_that_miss_by_more_are_kept_apart() -> None:
     assert found.exact == 6 and not found.made_exact  # both pairs of creases on one line
     assert {round(abs(r.miss) / d) for r in found.different} == {2, 4}
     assert all(RESOLVED < abs(r.miss) <= NEAR for r in found.different)
-    assert any("coincide while 2 is shut" in r.text for r in found.different)
-    assert any("folds flat with creases 1, 2, 3, 4 shut" in r.text for r in found.different)
+    assert any("coincide while 2 is fully folded" in r.text for r in found.different)
+    assert any("folds flat with creases 1, 2, 3, 4 fully folded" in r.text for r in found.different)
 
 
 def test_thousand_creases() -> None:
@@ -106,4 +106,4 @@ def test_a_scene_says_what_it_made_exact() -> None:
     printed = str(Model(scene))
     assert "made exact, sectors moved by up to 2.0e-09 rad" in printed
     made = {r.text for r in scene.relations.made_exact}
-    assert "creases 1 and 3 coincide while 2 is shut" in made
+    assert "creases 1 and 3 coincide while 2 is fully folded" in made

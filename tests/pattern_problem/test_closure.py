@@ -55,7 +55,7 @@ def test_ranks_and_redundant_rows(size):
 
 
 def test_a_hole_needs_equations_of_its_own():
-    """Miura 5 x 5 less 2 x 2 facets: seven freedoms at vertices alone, two with the hole."""
+    """Miura 5 x 5 less 2 x 2 facets: seven degrees of freedom at vertices alone, two with the hole."""
     pattern = miura(5, 5, without=HOLE)
     problem = PatternProblem(pattern)
     phi = miura_angles(pattern, 5, 1.2)

@@ -1,4 +1,4 @@
-"""States that facets in contact hold, where several freedoms are left."""
+"""States that facets in contact hold, where several degrees of freedom are left."""
 
 import math
 from functools import cache

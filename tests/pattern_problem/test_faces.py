@@ -325,7 +325,7 @@ def test_what_is_beside_a_flat_folded_state_is_not_told_from_it():
     near = phi + 1e-8 * way / np.abs(way).max()
     assert problem.residual(near) < 1e-14 and np.abs(near).max() < math.pi
     state = judge(PatternProblem(pattern.with_springs(1.0, list(near))), near)
-    assert state.verdict == "undecided" and "not told from it" in state.certificate
+    assert state.verdict == "undecided" and "not distinguished from it" in state.certificate
     assert np.array_equal(singular_beside(problem, near), phi)
     assert singular_beside(problem, phi) is None
 

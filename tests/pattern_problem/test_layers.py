@@ -159,7 +159,7 @@ def test_4000_strips_as_all_orders_of_a_chain_say():
 
 
 def _partly_folded(seed, count):
-    """Compare random vertices, some creases of which are shut or open, with the exact test."""
+    """Compare random vertices, some creases of which are fully folded or open, with the exact test."""
     rng, reported = np.random.default_rng(seed), []
     while len(reported) < count:
         n, unit = int(rng.integers(4, 9)), int(rng.choice([8, 10, 12]))
@@ -221,7 +221,7 @@ def test_what_passes_through_a_facet_along_a_crease_is_no_paper():
 
 
 def test_facets_that_all_but_lie_on_each_other_are_not_said_to_cross():
-    """A crease 3e-6 rad from shut, as the ones nearer and farther, and as the same vertex by itself."""
+    """A crease 3e-6 rad from fully folded, as the ones nearer and farther, and as the same vertex by itself."""
     scene = o.examples.degree6("5*pi/12", ratio=1, symmetry="none")
     problem = PatternProblem(scene_pattern(scene))
     held = np.arange(6) == 2
@@ -230,7 +230,7 @@ def test_facets_that_all_but_lie_on_each_other_are_not_said_to_cross():
         phi, residual = problem.project(np.where(held, away - math.pi, at_limit), held)
         assert residual < 1e-12 and check_admissible(scene.vertex, phi).admissible
         found = order_layers(problem, phi)
-        assert found.verdict == "ordered" or "closer than can be told" in found.reason
+        assert found.verdict == "ordered" or "closer than can be resolved" in found.reason
 
 
 def _flat_folded(m=3):

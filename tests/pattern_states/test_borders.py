@@ -24,7 +24,7 @@ SHUT = np.arange(6) == 5
 
 @cache
 def pressed():
-    """Six equal sectors with a crease shut, so that those beside it lie on each other, at rest but for that: judged."""
+    """Six equal sectors with a crease fully folded, its neighbours on each other, otherwise at rest: judged."""
     signs, out = math.pi * np.array([-1, 0.5, 0.5, -1, 0.5, 0.5]), []
     for seed in range(12):
         rng = np.random.default_rng(seed)
@@ -54,7 +54,7 @@ def closed_choices(problem, phi):
 
 @cache
 def meeting():
-    """States with that crease shut at which the others may open either way: (sheet at random rest, fold angles)."""
+    """States with that crease fully folded whose others may open either way: (sheet at random rest, fold angles)."""
     out = []
     for seed in range(40):
         rng = np.random.default_rng(seed)
@@ -93,7 +93,7 @@ def test_of_each_choice_one_gap_stays_open_exactly_where_another_library_finds_n
 
 
 def test_energy_rises_on_what_is_left_beside_a_minimum():
-    """The shut crease stays shut there, as opening it crosses on either side of those that lie on each other."""
+    """The fully folded crease stays so there, as opening it crosses on either side of those that lie on each other."""
     crossed = 0
     for seed, (problem, state) in enumerate(pressed()[:6]):
         assert state.verdict == "minimum" and "on each of the 3 pieces" in state.certificate

@@ -110,7 +110,7 @@ def test_rigid_quadrilaterals_do_not_fold_with_errors_of_positions() -> None:
 
 @pytest.mark.slow
 def test_a_vertex_survives_as_often_as_a_sheet() -> None:
-    """A waterbomb with rest angles a little wrong, by both programmes: the same states, survived as often."""
+    """A waterbomb with rest angles a little wrong, by both problems: the same states, survived as often."""
     rest = math.radians(0.06) * np.random.default_rng(2).normal(size=6)
     pattern = o.examples.pattern("waterbomb", 1, 1)
     pattern = pattern.with_springs(rest=np.clip(pattern.rest + rest, -math.pi, math.pi))

@@ -1,4 +1,4 @@
-"""Counts, ranks and freedoms of patterns; the rank of every Jacobian is that of differences of closure as well."""
+"""Counts, ranks and degrees of freedom of patterns; the rank of every Jacobian is that of differences."""
 
 import json
 import math
@@ -64,7 +64,7 @@ def named(name):
 
 
 def hinge_freedoms(pattern, phi):
-    """Freedoms of facets as bodies in space, hinged to neighbours at both ends of each crease: nothing of closure."""
+    """Degrees of freedom of facets as bodies in space, hinged at both ends of each crease: nothing of closure."""
     turn, shift = Poses(pattern).motions(phi)
     rows = []
     for ends, a, b in zip(pattern.ends, pattern.left, pattern.right, strict=True):
@@ -171,9 +171,9 @@ def test_no_freedom_to_first_order_is_none_at_all():
     assert angle_sums(p)[0] == pytest.approx(2 * math.pi, abs=1e-15)
     seen = o.analyze_mobility(p)
     assert seen.folded is None and seen.dof == hinge_freedoms(p, np.zeros(2)) == 0
-    assert "no freedom is left" in str(seen) and "not flat" not in str(seen)
+    assert "no degree of freedom is left" in str(seen) and "not flat" not in str(seen)
     alone = o.analyze_mobility(make_pattern(square[:4], [(0, 1, 2, 3)]))
-    assert alone.dof == 0 and "no freedom" not in str(alone)
+    assert alone.dof == 0 and "no degree of freedom" not in str(alone)
 
 
 def kresling(plates, sides=6, twist=0.7):
@@ -200,13 +200,13 @@ def kresling(plates, sides=6, twist=0.7):
 def test_a_tower_between_plates_has_no_freedom():
     seen = o.analyze_mobility(kresling(plates=True))
     assert seen.dof == hinge_freedoms(seen.pattern, seen.pattern.reference) == 0
-    assert "no freedom is left" in str(seen)
+    assert "no degree of freedom is left" in str(seen)
     tube = o.analyze_mobility(kresling(plates=False))
     assert tube.dof == hinge_freedoms(tube.pattern, tube.pattern.reference) == 6
 
 
 def test_concentric_squares_fold_along_a_diagonal_only():
-    """Enumerated: of all ways out of the flat state two are left, each a straight line through the middle."""
+    """Enumerated: of all branch directions of the flat state two are left, each a straight line through the middle."""
     rings = 3
     corners = np.array([(0.0, 0.0)] + [
         (r * x, r * y) for r in range(1, rings + 1) for x, y in ((1, 1), (-1, 1), (-1, -1), (1, -1))

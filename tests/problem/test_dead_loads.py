@@ -151,7 +151,7 @@ def test_a_weight_on_the_crease_of_a_book_by_hand():
     lowest = found.minima[0]
     assert np.abs(np.array(lowest.fold_angles) - (t, 0, t, 0)).max() < 1e-14
     assert lowest.energy == pytest.approx((t - 0.4) ** 2 - f * r * math.sin(t), abs=1e-15)
-    # shut about creases 2 and 4: crease 2 stays on facet 4's side, turned by phi_1 = -phi_3 = u
+    # fully folded about creases 2 and 4: crease 2 stays on facet 4's side, turned by phi_1 = -phi_3 = u
     u = 0.0
     for _ in range(50):
         u -= (2 * u - f * r * math.cos(u)) / (2 + f * r * math.sin(u))

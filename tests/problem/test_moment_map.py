@@ -1,4 +1,4 @@
-"""The map of the moment that passes round: its derivative, its zeros, and the chain without compiled functions."""
+"""The map of the constant internal moment: its derivative, its zeros, and the chain without compiled functions."""
 
 import math
 

@@ -16,7 +16,7 @@ from origami_nlp.problem import Model
 from origami_nlp.proof import certificate as c, certificate_of, prove
 from origami_nlp.proof.check_bounds import States
 from origami_nlp.proof.check_forms import nonzero
-from origami_nlp.proof.check_points import Refused, Stratum
+from origami_nlp.proof.check_points import CheckedStratum, Refused
 from tests.proof.balls import scene, sheet_of
 
 R0, SMALL, TINY = 1e-3, 1e-2, 1e-7
@@ -115,7 +115,7 @@ class Prover:
 
     def located(self, x, pins) -> bool:
         try:
-            stratum = Stratum(self.fine, pins)
+            stratum = CheckedStratum(self.fine, pins)
             _, _, axes = self.fine.chain(stratum.angles([arb(x[i]) for i in stratum.free]))
             matrix = np.array([[float(v.mid()) for v in axes[i]] for i in stratum.free])
             k, rest = self.scene.stiffness, self.scene.rest_angles
@@ -131,7 +131,7 @@ class Prover:
         except Refused:
             return False
         self.points.append(
-            c.Point(
+            c.CertifiedPoint(
                 x=tuple(near),
                 stratum=pins,
                 moment=tuple(float(m.mid()) for m in found.moment),

@@ -1,4 +1,4 @@
-"""The flat state: rows of the flat lemma against 50 digits, planted criticality, ways out of it."""
+"""The flat state: rows of the flat lemma against 50 digits, planted criticality, escape paths from it."""
 
 import itertools
 import math
@@ -53,7 +53,7 @@ def test_rows_hold_closure_and_minors_over_powers_of_r(degree, r0):
 
 
 def direction(sectors, rng):
-    """A way out of the flat state: sum u b = 0 and Q(u) = 0, and the derivatives of Q."""
+    """An escape path of the flat state: sum u b = 0 and Q(u) = 0, and the derivatives of Q."""
     azimuth = np.concatenate([[0.0], np.cumsum(sectors)[:-1]])
     b = np.array([np.cos(azimuth), np.sin(azimuth)])
     turned = np.triu(np.sin(azimuth[None, :] - azimuth[:, None]), 1)

@@ -8,7 +8,7 @@ from flint import arb, arb_mat, ctx
 
 from origami_nlp.problem import Model
 from origami_nlp.proof import prove
-from origami_nlp.proof.check_points import Refused, Stratum, negative
+from origami_nlp.proof.check_points import CheckedStratum, Refused, negative
 from origami_nlp.proof.check_wedges import piece_of
 from tests.proof.balls import closed_states, holds, scene
 from tests.proof.chains_mp import axes, mp, mpf, quaternion, unfolded
@@ -71,7 +71,7 @@ def middle(ball):
 def located(s, seed, count, pins):
     """Points that Newton's method reaches from random closed states, of a degree that is slow to prove."""
     starts = np.random.default_rng(seed).uniform(-2, 2, (count, s.degree))
-    stratum = Stratum(piece_of(s), pins)
+    stratum = CheckedStratum(piece_of(s), pins)
     for x in closed_states(s, starts, pins):
         c = np.array([[float(v) for v in axes(s.vertex.sector_angles, x)[i]] for i in stratum.free])
         torque = [s.stiffness[i] * (x[i] - s.rest_angles[i]) for i in stratum.free]
@@ -124,7 +124,7 @@ def test_points_signs_and_indices_agree_with_differences_of_the_energy(case):
     s, found = scene(*case), proved(*case).points
     assert len(found) > 3
     for p in found:
-        stratum = Stratum(piece_of(s), p.stratum)
+        stratum = CheckedStratum(piece_of(s), p.stratum)
         check_admissible(s, stratum, stratum.locate(p.x, p.moment))
 
 
@@ -146,7 +146,7 @@ def test_points_of_wedges_agree_with_differences_of_the_energy_of_the_whole_vert
     for p in prove(Model(s)).points:
         if p.stratum in seen:
             continue
-        stratum = Stratum(piece_of(s), p.stratum)
+        stratum = CheckedStratum(piece_of(s), p.stratum)
         one = stratum.locate(p.x, p.moment)
         if 0 not in [t for t, q in zip(one.signs, p.stratum, strict=True) if q]:
             seen.add(p.stratum)
@@ -166,7 +166,7 @@ def test_no_box_with_two_points_is_said_to_hold_one():
             tried += 1
             between = [0.5 * (a + b) for a, b in zip(p.x, q.x, strict=True)]
             reach = max(abs(a - b) for a, b in zip(p.x, q.x, strict=True)) / 2 + 1e-9
-            stratum = Stratum(piece_of(scene(*case)), p.stratum)
+            stratum = CheckedStratum(piece_of(scene(*case)), p.stratum)
             for point, radius in ((p.x, 2.01 * reach), (between, reach)):
                 try:
                     assert not stratum.alone(point, radius, [arb(m) for m in p.moment])
@@ -177,7 +177,7 @@ def test_no_box_with_two_points_is_said_to_hold_one():
 
 def test_points_are_alone_near_themselves_and_there_are_none_elsewhere():
     s, p = scene(4, 1), proved(4, 1).points[0]
-    stratum = Stratum(piece_of(s), p.stratum)
+    stratum = CheckedStratum(piece_of(s), p.stratum)
     assert stratum.alone(p.x, 1e-6, [arb(m) for m in p.moment])
     off = [v if q else v + 0.5 for v, q in zip(p.x, p.stratum, strict=True)]
     try:
@@ -194,7 +194,7 @@ def test_points_are_alone_near_themselves_and_there_are_none_elsewhere():
 
 
 def test_the_moment_is_refused_where_axes_may_be_dependent():
-    stratum = Stratum(piece_of(scene(4, 1)), (0, 0, 0, 0))
+    stratum = CheckedStratum(piece_of(scene(4, 1)), (0, 0, 0, 0))
     with pytest.raises(Refused, match="dependent"):
         stratum.moments([0.0] * 4, 1e-3, [arb(0)] * 3)
 
@@ -202,7 +202,7 @@ def test_the_moment_is_refused_where_axes_may_be_dependent():
 def test_moments_of_all_points_lie_in_the_bounds():
     for case in CASES:
         for p in proved(*case).points:
-            stratum = Stratum(piece_of(scene(*case)), p.stratum)
+            stratum = CheckedStratum(piece_of(scene(*case)), p.stratum)
             bounds = stratum.moments(p.x, p.unique_radius, [arb(0.9 * m) for m in p.moment])
             assert all(b.contains(arb(m)) for b, m in zip(bounds, p.moment, strict=True))
 

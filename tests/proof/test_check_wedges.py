@@ -12,7 +12,7 @@ from origami_nlp.pattern import Scene, Vertex, examples
 from origami_nlp.problem import Model
 from origami_nlp.proof import certificate_of, check_proof, prove
 from origami_nlp.proof.check_bounds import States
-from origami_nlp.proof.check_points import Stratum
+from origami_nlp.proof.check_points import CheckedStratum
 from origami_nlp.proof.check_wedges import piece_of
 from tests.proof.wedges import WEDGES
 
@@ -44,7 +44,10 @@ def test_no_row_excludes_a_critical_point(name):
     for p in prove(Model(s)).points:
         free = [j for j, q in enumerate(p.stratum) if not q]
         with ctx.workprec(128):
-            x = [float(b.mid()) for b in Stratum(piece_of(s), p.stratum).locate(p.x, p.moment).x]
+            x = [
+                float(b.mid())
+                for b in CheckedStratum(piece_of(s), p.stratum).locate(p.x, p.moment).x
+            ]
         seen += len(free) > piece.rank
         for size in (1e-9, 1e-4, 0.1):
             box = tuple(

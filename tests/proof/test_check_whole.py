@@ -118,7 +118,7 @@ def test_false_claims_of_another_winding_are_refused():
 
 
 def test_a_period_of_four_creases_that_closes_by_itself():
-    """T = -1: three equations, one freedom."""
+    """T = -1: three equations, one degree of freedom."""
     sectors = (0.5, 0.6, 0.4, 2 * math.pi / 3 - 1.5)
     springs = (1.0, 2.0, 0.7, 1.3) * 3, (2.4, 1.9, -0.6, 1.0) * 3
     scene = Scene(Vertex(sectors * 3), *springs, "C3", "fold-limits", winding=3)

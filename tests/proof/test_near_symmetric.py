@@ -66,7 +66,7 @@ def test_a_regular_pentagon_with_full_contact_is_decided_or_refused():
 
 
 def test_a_hexagon_nearly_regular_is_refused_with_where_boxes_are_left():
-    """With every other crease shut the other three lie nearly on one line: nearly closed states fill a surface.
+    """With every other crease fully folded the other three lie nearly on one line: nearly closed states fill a surface.
 
     The product of rotations shows it: to 1e-6 it closes wherever the three others sum to pi.
     """
@@ -131,14 +131,14 @@ def test_two_touches_of_rays_on_each_others_facets_hold_only_where_a_crease_is_s
         if np.abs(found.fun).max() > 1e-9:
             continue
         c, _ = rays(a, found.x)
-        s = np.abs(np.sin(found.x / 2))  # 1 where a crease is shut
+        s = np.abs(np.sin(found.x / 2))  # 1 where a crease is fully folded
         straight = np.abs(np.sin(found.x)).max() < 1e-3
         if np.abs(c[0] - c[2]).max() < 1e-3:
             kinds.add("rays on each other")
             assert abs(a[0] - a[1]) < 1e-9
             assert s[1] > 1 - 1e-5
         else:
-            kinds.add("flat" if s.max() < 1e-2 else "shut")
+            kinds.add("flat" if s.max() < 1e-2 else "fully folded")
             assert np.abs(np.sin(found.x[[3, 4]])).max() < 1e-3
             assert straight or s[[3, 4]].max() > 1 - 1e-5
     assert ("rays on each other" in kinds) == (sectors != "random")

@@ -349,7 +349,7 @@ def test_the_axis_row_of_equal_sectors():
 
 def test_what_is_not_proved_says_so():
     three = Model(family_scene("full-contact", 2))
-    assert why_not(three) == "3 freedoms: touches are proved for at most 2"
+    assert why_not(three) == "3 degrees of freedom: touches are proved for at most 2"
     proof = with_touches(three, NOTHING)
     assert [c.reason for c in proof.undecided] == [why_not(three)] and not proof.complete
     stopped = with_touches(Model(TOUCHING), NOTHING, seconds=0.0)

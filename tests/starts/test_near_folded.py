@@ -16,7 +16,7 @@ from tests.proof.fifty_digits import turn_x, turn_z
 
 @pytest.fixture(scope="module")
 def pair():
-    """What a search lists beside foldings, with a seed whose drawn starts reach none of it."""
+    """What a search lists beside foldings, with a seed whose random starts reach none of it."""
     scene = replace(o.examples.degree6(math.radians(63.22), 1.2445), symmetry="none", mirror=None)
     found = o.find_minima(scene, prove=False, seed=2, max_starts=24, escape=False).minima
     half = [m for m in found if beside(m.fold_angles) < 0.1]

@@ -53,7 +53,7 @@ scale = "log"
 [search]
 starts = 4
 """
-"""Twelve scenes with one freedom."""
+"""Twelve scenes with one degree of freedom."""
 FEW = SMALL.replace("count = 6", "count = 2")
 
 PATTERNS = """
@@ -153,10 +153,10 @@ def test_a_sweep_is_its_scenes(finished):
         alone = find_minima(sweep.scene(index), prove=False, escape=False)
         here = states[states.scene == index]
         assert len(here) == len(alone.minima)
-        np.testing.assert_allclose(here.energy, [m.energy for m in alone.minima], rtol=1e-9)
+        np.testing.assert_allclose(here.energy_J, [m.energy for m in alone.minima], rtol=1e-9)
         assert list(here.kind) == [m.kind for m in alone.minima]
         assert (here[["rest", "k"]].iloc[0] == list(sweep.parameters(index).values())).all()
-    assert {"phi_1", "phi_6", "closure", "kkt"} <= set(states.columns)
+    assert {"phi_1_rad", "phi_6_rad", "closure", "kkt"} <= set(states.columns)
     assert states.closure.max() < 1e-13
 
 
@@ -171,7 +171,7 @@ def test_a_sweep_is_its_sheets(stores):
         sheet = sheet.with_springs(np.where(sheet.signs < 0, k, 0.01).tolist())
         alone = find_minima(sheet, starts=2)
         here = states[states.scene == index]
-        assert np.array_equal(here["energy"], [m.energy for m in alone.minima])
+        assert np.array_equal(here["energy_J"], [m.energy for m in alone.minima])
         assert list(here["dimension"]) == [m.dof for m in alone.minima]
     assert draw_sweep(finished).axes
 
@@ -184,7 +184,7 @@ def test_labelled_arrays(finished):
     assert int(data["count"].sum()) == len(states)
     assert int(data.count_interior.sum()) == (states.kind == "interior").sum()
     np.testing.assert_allclose(
-        data.lowest_energy.values.ravel(), states.groupby("scene").energy.min()
+        data.lowest_energy.values.ravel(), states.groupby("scene").energy_J.min()
     )
     assert (data.status == "done").all()
 

@@ -52,7 +52,7 @@ class ConeBranch:
         object.__setattr__(self, "flaps", parse_flaps(self.flaps))
         if not isinstance(self.direction, Integral) or self.direction not in (UP, DOWN):
             raise OptionError(f"direction = {shown(self.direction)}: up is +1, down is -1")
-        _ = self.cone  # complains about an unknown rule
+        _ = self.cone  # raises an error for an unknown rule
 
     @property
     def cone(self) -> Cone:
@@ -114,7 +114,7 @@ class ConeBranch:
         ------
         AngleError
             On the wrong side of the flat state, and past the end of the branch, where facets would
-            pass through each other: no other root is followed.
+            intersect: no other root is followed.
         """
         v = np.asarray(elevation, dtype=float)
         if not np.all(np.isfinite(v)):

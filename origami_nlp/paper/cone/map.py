@@ -3,7 +3,7 @@
 With B' = 4 n (s - s_e) the slope at s is F = A'(s) + r B'(s): linear in r, so for one class, one rest state and one
 cell of elevations the ratios with F < 0 at the left and F >= 0 at the right end make one interval,
 and all ratios of a column of the map are served at once.  A cell is settled when no ratio of the map can have
-a second zero of F there: where F' = A'' + 4 n r may vanish (an enclosure of A'' tells for which r), F itself
+a second zero of F there: where F' = A'' + 4 n r may vanish (an enclosure of A'' shows for which r), F itself
 must not (mean value bound).  Other cells are halved, as in `cone.roots`.
 
 Depth thresholds: with h_s(r) = well_A(s) + r well_B(s) - D U_flat(r), linear in r, the minimum of a cell is deep

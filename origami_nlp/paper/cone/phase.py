@@ -134,7 +134,7 @@ def phase_diagram(
 
 
 def check_size(size: object) -> None:
-    """Complain about a size of a map that is no number of points.
+    """Raise an error for a size of a map that is no number of points.
 
     Parameters
     ----------

@@ -281,7 +281,7 @@ def draw_phase(diagram: PhaseDiagram) -> Figure:
     Raises
     ------
     OptionError
-        If `diagram` is none.
+        If `diagram` is not of its type.
     """
     check_type("diagram", diagram, PhaseDiagram)
     counts = diagram.map
@@ -314,7 +314,7 @@ def draw_phase(diagram: PhaseDiagram) -> Figure:
 
 
 def end_words(rule: str) -> str:
-    """Say what holds minima at the end of a branch."""
+    """Describe what holds minima at the end of a branch."""
     return (
         "of these pinned by contact" if rule == "contact" else "of these at an end (contact or cut)"
     )

@@ -2,7 +2,7 @@
 
 F(s) = A'(s) + r B'(s) on [0, end].  A cell of elevations is settled when
   - F has no zero on it: |F(middle)| exceeds half the width times a bound on |F'|, or
-  - F is monotone on it (an enclosure of F' leaves out 0): then the signs at its ends tell.
+  - F is monotone on it (an enclosure of F' leaves out 0): then the signs at its ends decide.
 Other cells are halved.  The enclosures are exact but for rounding: of P, S and X and of their first
 derivatives the extremes lie at the ends of a cell, and |P''|, |S''|, |X''| have a single maximum
 each, at a known place.  So a pair of zeros is not overlooked however close it is, until the

@@ -48,7 +48,7 @@ is a difference of two angles up to pi/2, each with a few roundings of eps * pi/
 
 
 def check_degree(degree: object, largest: int | None = None) -> int:
-    """Return the degree of a cone, or complain.
+    """Return the degree of a cone, or raise an error.
 
     Parameters
     ----------
@@ -80,7 +80,7 @@ def check_degree(degree: object, largest: int | None = None) -> int:
 
 
 def check_ratio(ratio: float, field: str = "ratio") -> float:
-    """Return a stiffness ratio k_even/k_odd, or complain.
+    """Return a stiffness ratio k_even/k_odd, or raise an error.
 
     Parameters
     ----------
@@ -103,7 +103,7 @@ def check_ratio(ratio: float, field: str = "ratio") -> float:
 
 
 def check_depth(depth: float) -> float:
-    """Return a well depth (U_flat - U)/U_flat, or complain.
+    """Return a well depth (U_flat - U)/U_flat, or raise an error.
 
     Raises
     ------

@@ -53,7 +53,7 @@ class JudgedMinimum:
         All N [rad].
     residual
         Norm of the energy's gradient along closed states, per k_odd [rad]: 0 for an equilibrium; at regular
-        interior states a positive value proves that the state is none.
+        interior states a positive value proves that the state is not a minimum.
     full_space
         The verdict, with certificate and descent.
     """

@@ -23,7 +23,7 @@ MOST_ROWS, MOST_TIES = 60, 8
 """Minima and ties that are printed one by one."""
 SMALL = 1e-3
 """Elevations below this are written with an exponent: seven decimals would leave less than four digits [rad]."""
-COUNT_HEADS = ("branches", "changes", "number", "elevation", "energy", "depth", "kind")
+COUNT_HEADS = ("branches", "changes", "number", "elevation [rad]", "energy/k_odd", "depth", "kind")
 FULL_HEADS = ("flaps", "copies", "kind", "|v|", "depth", "slope", "verdict", "why")
 LONGEST_NUMBER = 9
 """Digits of an integer written out in tables."""
@@ -169,7 +169,7 @@ def print_branch(branch: ConeBranch, elevation: float, console: Console) -> None
 
 
 def print_diagram(diagram: PhaseDiagram, console: Console) -> None:
-    """Say which numbers occur and how much of the map each takes, and count the boundaries.
+    """Return which numbers occur and how much of the map each takes, and count the boundaries.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""The package's own nonlinear programme, for any solver: same variables, constraints, bounds and derivatives."""
+"""The package's own nonlinear program, for any solver: same variables, constraints, bounds and derivatives."""
 
 from __future__ import annotations
 
@@ -47,13 +47,13 @@ class Problem:
 
 @lru_cache(maxsize=512)
 def problem(structure: Structure, pairs: Pairs) -> Problem:
-    """Return the programme that the package gives to IPOPT (cached)."""
+    """Return the problem that the package gives to IPOPT (cached)."""
     built = build_solver(structure, pairs, TOLERANCE)
     return Problem(built.solver.oracle(), built.lower, built.upper, pairs)
 
 
 class Evaluator:
-    """Function values, exact gradients and Hessians of a programme, without copies.
+    """Function values, exact gradients and Hessians of a problem, without copies.
 
     `at(z)` returns f, gradient [n], g [m], Jacobian [m, n]; `curvature(z, s, v)` the Hessian of s f + v . g.
     Results are overwritten by the next call at another z.
