@@ -179,7 +179,8 @@ class SearchReport(ShortRepr):
                 else "which of them are minima is decided"
             )
             yield (
-                f"all {self.corners} states that fold limits alone leave without degrees of freedom were tried: {judged}"
+                f"all {self.corners} states that fold limits alone leave without degrees of freedom were tried: "
+                f"{judged}"
             )
         if self.strata:
             started, listed = (
