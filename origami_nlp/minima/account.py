@@ -116,7 +116,7 @@ class SearchReport(ShortRepr):
             yield f"no minimum at the guess {angles} deg: {r.verdict}: {r.certificate}"
 
     def _quiet(self) -> Iterator[str]:
-        """Say what random starts tell of minima that none of them reached."""
+        """State the bound on minima that no random start reached."""
         if self.stopped_by == "complete":
             return
         if self.stopped_by == "time":

@@ -210,7 +210,7 @@ class PatternSearchReport(SearchReport):
         yield from self._quiet()
 
     def _quiet(self) -> Iterator[str]:
-        """Say what random starts tell of minima that none of them reached."""
+        """State the bound on minima that no random start reached."""
         if self.quiet >= FEW_QUIET:
             yield (
                 f"No new minimum in the last {self.quiet} of {self.drawn} random starts: a missing one attracts fewer "
