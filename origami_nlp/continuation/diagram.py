@@ -1,8 +1,8 @@
 """Equilibria over a parameter as a bifurcation diagram: nodes (events and ends) and arcs between them.
 
 From a state every half-branch is followed; where a contact event ends it, one-sided conditions say how it goes on.
-Inner events (folds, branchings) cut arcs too, so that along an arc the parameter runs one way, the contacts held and
-the number of unstable directions stay the same.
+Inner events (limit points, branch points) cut arcs too, so that along an arc the parameter runs one way, the contacts
+held and the number of unstable directions stay the same.
 """
 
 from __future__ import annotations

@@ -1,8 +1,9 @@
-"""Trace a curve: predictor, corrector, step control, and what ends it.
+"""Continuation of a curve in its arclength: predictor, corrector, step control, and what ends it.
 
 A curve is anything that moves a point near it onto it (`Curve.correct`) and says where it goes there (`Curve.frame`):
 states with contacts held, later states and a load together.  Nothing of an energy or of a vertex enters.  Lengths are
-those of the metric y = root x; with unit tangent y' and bend y'' the predictor is y + h y' + h^2 y'' / 2.
+those of the metric y = root x; with unit tangent y' and bend y'' the predictor is y + h y' + h^2 y'' / 2, and the
+corrector steps across the curve (pseudo-arclength continuation), so that limit points need no special care.
 """
 
 from __future__ import annotations

@@ -1,13 +1,12 @@
-"""Is a state a local minimum on one smooth piece of the feasible set, {closure = 0, rows >= 0}?
+"""Is a state a local minimum on one smooth branch of the feasible set, {closure = 0, rows >= 0}?
 
 Certificates, strongest first (numbers as in the report):
-1. regular interior: reduced Hessian positive definite;
-2. regular contact: multipliers positive, Hessian positive definite on the critical cone;
-3. sharp: grad U . d > 0 for every d != 0 in the linearised feasible cone, which contains the
-tangent cone, so that no
+1. regular interior: reduced Hessian (on the null space of closure) positive definite;
+2. regular contact: Lagrange multipliers not negative, Hessian positive definite on the span of the critical cone, which
+   under strict complementarity is the null space of closure and active constraints;
+3. sharp: grad U . d > 0 for every d != 0 in the linearised feasible cone, which contains the tangent cone, so that no
    constraint qualification is needed;
-4. second order with a multiplier of the set (dependent contacts or singular closure): sufficient
-without constraint
+4. second order with a multiplier of the set (dependent contacts or singular closure): sufficient without constraint
    qualification as well;
 5. where closure loses rank: sharp in the directions that closure leaves to second order (`second_order`,
    `tangent_cone`), or level along each of them and curved (`level`).
@@ -46,18 +45,16 @@ Verdict = Literal["minimum", "saddle", "not stationary", "undecided"]
 
 @dataclass(frozen=True)
 class BranchJudgement:
-    """What one piece says.
+    """What is shown on one smooth branch of the feasible set.
 
     verdict, certificate: the decision and its reason in words.
     level: number of the certificate (module docstring), 0 for none.
-    rows, multipliers: closed contacts of the piece and the set of their multipliers.
-    regular: whether closure has full rank.  eigenvalues: of the Hessian of the Lagrangian on the
-    subspace that keeps the
-        loaded contacts closed, in the metric of all N fold angles, scaled energy.
-    direction: a direction of descent of the linearised problem, or of negative curvature, if one
-    was found.
-    cone_dimension, tangent: dimension of the linearised feasible cone, and a direction in its
-    relative interior [n].
+    rows, multipliers: active constraints of the branch and the set of their multipliers.
+    regular: whether closure has full rank.
+    eigenvalues: of the Hessian of the Lagrangian on the subspace that keeps the loaded contacts closed, in the metric
+        of all N fold angles, scaled energy.
+    direction: a direction of descent of the linearised problem, or of negative curvature, if one was found.
+    cone_dimension, tangent: dimension of the linearised feasible cone, and a direction in its relative interior [n].
     held: rows that the cone keeps closed (implicit equalities).
     more: further directions [n] along which the energy falls, or curves down.
     modes: unit eigenvectors of `eigenvalues`, [n, e], in the metric.

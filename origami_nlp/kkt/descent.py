@@ -1,9 +1,9 @@
 """Follow a state downhill, inside the admissible set, to the stable state that it belongs to.
 
 Steps go along the projection of the springs' pull on the linearised feasible cone, measured in the stiffness metric,
-and are pulled back onto loop closure; every accepted state closes, is admissible and is lower than the one
-before.  Unlike a restart of the solver, the path cannot jump to another basin: it is the evidence for
-what becomes of a minimum that a grid reports.
+and are pulled back onto loop closure; a backtracking line search shortens them until the state closes, is admissible
+and lower than the one before. Unlike a restart of the solver, the path cannot jump to another basin: it is the
+evidence for what becomes of a minimum that a grid reports.
 """
 
 from __future__ import annotations

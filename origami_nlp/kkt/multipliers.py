@@ -1,10 +1,10 @@
-"""The set of contact multipliers of a state: unique, a polyhedron, or empty.
+"""The set of Lagrange multipliers of contacts at a state: unique, a polyhedron, or empty.
 
-At a stationary state grad U = J' lam + A' mu with mu >= 0, where J is the Jacobian of loop closure
-and A holds the gradients of the closed contacts.  Projected on the kernel Z of J this is B mu = c
-with B = Z' A', c = Z' grad U: closure multipliers, which are arbitrary where J loses rank, drop
-out.  Where contacts are dependent the set is a polyhedron; we report its point of smallest norm and
-the range of each multiplier, never a solver's raw number.
+At a stationary state grad U = J' lam + A' mu with mu >= 0 (the KKT conditions), where J is the Jacobian of loop closure
+and A holds the gradients of the active constraints, the closed contacts.  Projected on the null space Z of J this is
+B mu = c with B = Z' A', c = Z' grad U: multipliers of closure, which are arbitrary where J loses rank, drop out.  Where
+contacts are dependent the set is a polyhedron (contact forces are statically indeterminate); we report its point of
+smallest norm and the range of each multiplier, never a solver's raw number.
 """
 
 from __future__ import annotations

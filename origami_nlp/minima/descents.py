@@ -5,8 +5,10 @@ Hessian the identity: all curvature comes from closure and from the contacts tha
 
     G = rows' lam + R,      rows = closure and held gaps,      R = 0 on the free creases where it is stationary;
 
-a fold limit whose R pulls, and a gap whose multiplier does, is let go; a step that reaches a limit, a mirror or another
-facet stops there and holds it.  What comes out are candidates: polishing and judging them is for others.
+a fold limit whose R pulls, and a gap whose Lagrange multiplier does, leaves the active set; a step that reaches a
+limit, a mirror or another facet stops there and adds it.  Steps are accepted by a sufficient decrease of the energy;
+after a refused one the next is shorter, as in a trust region.  What comes out are candidates: polishing and judging
+them is for others.
 
 Directions are rounded to `CHOSEN` and ties go to the first, so that a descent goes the same way on other processors,
 but beside singular strata: states differ by what rounding leaves, and this does not grow from step to step.
