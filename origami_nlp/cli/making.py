@@ -11,10 +11,10 @@ import typer
 
 from origami_nlp.cli import options as o
 from origami_nlp.cli.output import Output
-from origami_nlp.cli.source import Source, takes_scene
+from origami_nlp.cli.source import Source, takes_scene, tell_normalized
 from origami_nlp.cli.timed import bounded
 from origami_nlp.errors import OptionError
-from origami_nlp.pattern import Pattern, examples, format_scene
+from origami_nlp.pattern import Pattern, Vertex, examples, format_scene
 
 REFUTED, OPEN = 1, 3
 
@@ -71,6 +71,8 @@ def design(
         files.write("targets", lambda: text)
     else:
         question, ask, name = read_targets(str(targets))
+    if isinstance(question.origami, Vertex):
+        tell_normalized(question.origami)
     answer = find(question, ask, name=name, seed=seed, effort=effort)
     answer.tell(files.console)
     files.write("json", answer.to_dict)

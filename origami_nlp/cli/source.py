@@ -20,6 +20,7 @@ from origami_nlp.pattern import (
     Frame,
     Pattern,
     Scene,
+    Vertex,
     decode_scene,
     examples,
     fold_vertices,
@@ -106,10 +107,7 @@ class Source:
         if not self.is_fold:
             self.refuse_options("a scene file states it itself", but=("symmetry",))
             scene = decode_scene(self._content, self.name)
-            if change := scene.vertex.normalized:
-                _tell(
-                    f"sector angles normalized to a sum of 360 deg: each by {math.degrees(change):+.6g} deg"
-                )
+            tell_normalized(scene.vertex)
             if (symmetry := self.given.get("symmetry")) is None:
                 return scene
             return replace(scene, symmetry=symmetry, mirror=None, winding=None)
@@ -201,6 +199,13 @@ def takes_scene(
         return o.extended(run, command, more, last=True, scene=argument)
 
     return decorate
+
+
+def tell_normalized(vertex: Vertex) -> None:
+    """Say on standard error by how much ``normalize`` changed sector angles, where it did."""
+    if vertex.normalized:
+        each = math.degrees(vertex.normalized)
+        _tell(f"sector angles normalized to a sum of 360 deg: each by {each:+.6g} deg")
 
 
 def _examples() -> tuple[str, ...]:
