@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import origami_nlp as o
+from origami_nlp.bifurcation import parse_parameter_range
 from origami_nlp.pattern import with_symmetry_of
 from origami_nlp.sweep import load_states, parse_sweep, run_sweep
 
@@ -66,3 +67,31 @@ def test_the_same_mirrors_are_kept():
     other = o.Scene(vertex, (1, 2, 3, 4, 5, 6), (math.pi / 3,) * 6)
     with pytest.raises(o.OrigamiError, match="D1"):
         with_symmetry_of(other, one)
+
+
+def test_angles_are_varied_in_the_unit_that_is_named():
+    """One name, one meaning: in degrees with _deg, else in radians, in sweeps and in paths, whatever a file states."""
+    degrees = THROUGH.replace(
+        "rest_angles = [-1.5, 1.5, 1.5, -1.5, 1.5, 1.5]",
+        "rest_angles_deg = [-90, 90, 90, -90, 90, 90]",
+    )
+    for text, given in (
+        (THROUGH, math.pi / 6),
+        (degrees, math.pi / 6),
+        (THROUGH, 30.0),
+        (degrees, 30.0),
+    ):
+        name = "creases.rest_angles_deg[2]" if given == 30.0 else "creases.rest_angles[2]"
+        text = text.replace("creases.rest_angles[1]", name).replace(
+            "[-1.7, -1.5, -1.3]", f"[{given}]"
+        )
+        (angle,) = {parse_sweep(tomllib.loads(text)).scene(0).rest_angles[1]}
+        assert abs(angle - math.pi / 6) < 1e-15
+    plain = parse_parameter_range("rest_angles[2]=30deg:60deg")
+    assert parse_parameter_range("creases.rest_angles_deg[2]=30:60").name == f"creases.{plain.name}"
+    over = parse_parameter_range("rest_angles_deg[2]=30:60")
+    assert over == plain and over.unit == "rad"
+    assert (
+        parse_parameter_range("sector_angles_deg[1]+sector_angles_deg[2]=30:60deg").high
+        == plain.high
+    )
