@@ -230,6 +230,23 @@ def with_generic_symmetry(scene: Scene, overs: Sequence[ParameterRange]) -> Scen
     """Return a scene with the symmetry that it keeps at generic values of parameters; one that is stated stays.
 
     A parameter of a crease then moves that crease alone, as in a sweep; its images only under a stated symmetry.
+
+    Parameters
+    ----------
+    scene
+        With its symmetry stated or ``"auto"``.
+    overs
+        Parameters and their ranges.
+
+    Returns
+    -------
+    Scene
+        With the symmetry that all scenes over the ranges share.
+
+    Raises
+    ------
+    OptionError
+        If the scene has no such parameter.
     """
     if scene.symmetry != "auto" or scene.group.is_trivial:
         return scene
