@@ -69,6 +69,9 @@ def not_public(code):
         if alias.name == "origami_nlp"
     }
     offered = {*origami_nlp.__all__, "__version__"}
+    later = [
+        v for node in ast.walk(tree) if isinstance(node, ast.JoinedStr) for v in node.values[1:]
+    ]
     for node in ast.walk(tree):
         if isinstance(node, ast.Attribute):
             if node.attr.startswith("_") and node.attr not in offered:
@@ -79,7 +82,7 @@ def not_public(code):
             yield from (a.name for a in node.names if a.name.startswith("_"))
             if node.module == "origami_nlp":
                 yield from {a.name for a in node.names} - offered
-        if isinstance(node, ast.Constant) and isinstance(node.value, str):
+        if isinstance(node, ast.Constant) and isinstance(node.value, str) and node not in later:
             yield from re.findall(r"^_[a-z]\w*$", node.value)  # for getattr
 
 

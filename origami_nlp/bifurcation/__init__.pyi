@@ -5,7 +5,11 @@ from .boundary import (
     find_bifurcation_set as find_bifurcation_set,
 )
 from .branches import branches_of as branches_of, chains_of as chains_of
-from .family import Family as Family, family_of as family_of
+from .family import (
+    Family as Family,
+    family_of as family_of,
+    with_generic_symmetry as with_generic_symmetry,
+)
 from .figure import (
     draw_atlas as draw_atlas,
     draw_boundaries as draw_boundaries,

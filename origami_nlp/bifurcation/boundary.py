@@ -18,7 +18,7 @@ from origami_nlp.bifurcation.event_curve import (
     Tracer,
     follow_event,
 )
-from origami_nlp.bifurcation.family import family_of
+from origami_nlp.bifurcation.family import family_of, with_generic_symmetry
 from origami_nlp.bifurcation.find import follow_family
 from origami_nlp.bifurcation.parameter_range import (
     ParameterRange,
@@ -241,6 +241,7 @@ def find_bifurcation_set(
     begin, until = time.perf_counter(), check_until(seconds)
     a = parse_nearby(event) if isinstance(event, str) else event
     b = parse_parameter_range(over) if isinstance(over, str) else over
+    scene = with_generic_symmetry(scene, (a, b))
     plane, tally = Plane(scene, (a, b)), Tally()
     curves: list[EventCurve] = []
     counted: list[CountedLine] = []

@@ -1,6 +1,6 @@
 """A family of scenes over one parameter, and the line of its problems.
 
-What a crease gets, its images under the symmetry get too; names of parameters: see `over`.
+What a crease gets, its images under the symmetry that is kept get too (`with_generic_symmetry`); names: see `over`.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from origami_nlp.continuation import STEPS, ContinuationOptions, ParameterLine, 
 from origami_nlp.errors import OptionError
 from origami_nlp.minima import MinimaResult, find_minima_of_each
 from origami_nlp.numerics import RESOLVED
-from origami_nlp.pattern import Scene, Vertex
+from origami_nlp.pattern import Scene, Vertex, with_symmetry_of
 from origami_nlp.pattern_problem import state_frame, states_to_fold
 from origami_nlp.problem import Model, Parameters
 
@@ -224,6 +224,38 @@ def family_of(scene: Scene, over: ParameterRange) -> Family:
             )
         places.append((kind_of(name), int(match[4]) - 1))
     return Family(over, _over_places(base, places))
+
+
+def with_generic_symmetry(scene: Scene, overs: Sequence[ParameterRange]) -> Scene:
+    """Return a scene with the symmetry that it keeps at generic values of parameters; one that is stated stays.
+
+    A parameter of a crease then moves that crease alone, as in a sweep; its images only under a stated symmetry.
+
+    Parameters
+    ----------
+    scene
+        With its symmetry stated or ``"auto"``.
+    overs
+        Parameters and their ranges.
+
+    Returns
+    -------
+    Scene
+        With the symmetry that all scenes over the ranges share.
+
+    Raises
+    ------
+    OptionError
+        If the scene has no such parameter.
+    """
+    if scene.symmetry != "auto" or scene.group.is_trivial:
+        return scene
+    made = replace(scene, symmetry="none", mirror=None, winding=None)
+    for k, over in enumerate(overs, start=1):
+        # no rational relation between parameters
+        low, high = over.s_of(over.low), over.s_of(over.high)
+        made = family_of(made, over).scene_of(over.t_of(low + math.exp(-k) * (high - low)))
+    return with_symmetry_of(scene, replace(made, symmetry="auto"))
 
 
 def _over_ratio(scene: Scene) -> Callable[[float], Scene]:

@@ -14,7 +14,7 @@ import numpy as np
 
 from origami_nlp.arguments import check_flag, check_type, check_until, check_whole, refuse
 from origami_nlp.bifurcation.branches import branches_of, chains_of, widest_gap
-from origami_nlp.bifurcation.family import SAMPLES, Family, family_of
+from origami_nlp.bifurcation.family import SAMPLES, Family, family_of, with_generic_symmetry
 from origami_nlp.bifurcation.judging import Touching, breaking_eigenvalue, parts_of
 from origami_nlp.bifurcation.parameter_range import ParameterRange, parse_parameter_range
 from origami_nlp.bifurcation.patterns import PatternFamily, pattern_family
@@ -143,6 +143,7 @@ def follow(
         named = origami if isinstance(origami, str) else what
         return follow_family(pattern_family(named, stated), **asked)
     refuse("scene", _OF_A_PATTERN, **given)
+    what = with_generic_symmetry(what, (stated,))
     first, *others = (
         follow_family(family_of(one, stated), **asked) for one in what.of_each_winding
     )

@@ -2,7 +2,8 @@
 
 Names are those of sweep files: ``ratio``, ``alpha``, ``creases.stiffness[1]``, ``creases.rest_angles[1]``,
 ``creases.preload[1]``, ``vertex.sector_angles[1]``, where ``creases.`` and ``vertex.`` may be left out; several joined
-by ``+`` take the same value.  ``torque[1]`` is added to the preload of a crease; ``loads`` is the factor of all forces
+by ``+`` take the same value.  ``rest_angles_deg[1]`` and ``sector_angles_deg[1]`` are the
+same in degrees.  ``torque[1]`` is added to the preload of a crease; ``loads`` is the factor of all forces
 that the scene states, ``loads[1]`` that of one.  Of patterns they are those of `pattern.with_places`.
 """
 
@@ -37,6 +38,7 @@ _OF_A_PATTERN = re.compile(
     r"(?:creases|mountains|valleys)\.(stiffness|rest_angles)|(?:vertices\.)?([xy])\[\d{1,6}\]"
 )
 _DEGREES = re.compile(r"(.*?)\s*deg")
+_IN_DEGREES = re.compile(r"(rest_angles|sector_angles)_deg\[")
 
 
 @dataclass(frozen=True)
@@ -121,8 +123,7 @@ def parse_parameter_range(text: str) -> ParameterRange:
     low, colon, high = ends.partition(":")
     if not equals or not colon:
         raise OptionError(f"parameter = {text!r} must be NAME=FROM:TO, such as ratio=0.01:100")
-    name = name.strip()
-    values = [_number(v, name) for v in (low, high)]
+    name, values = _stated(name.strip(), low, high)
     kinds = {kind_of(part) for part in name.split("+")}
     if len(kinds) > 1:
         raise OptionError(f"parameter = {text!r}: what takes the same value must be of one kind")
@@ -160,11 +161,19 @@ def parse_nearby(text: str) -> ParameterRange:
     name, _, value = text.partition("=")
     if ":" in value or not value:
         return parse_parameter_range(text)
-    t = _number(value, name.strip())
+    name, (t,) = _stated(name.strip(), value)
     if t and UNITS.get(kind_of(name), "rad") != "rad":
         low, high = sorted((t / NEARBY, t * NEARBY))
         return parse_parameter_range(f"{name}={low!r}:{high!r}")
     return parse_parameter_range(f"{name}={t - 0.2!r}:{t + 0.2!r}")
+
+
+def _stated(name: str, *ends: str) -> tuple[str, list[float]]:
+    """Return a name and values in radians: with ``_deg`` in the name, as in scene files, numbers are degrees."""
+    if not _IN_DEGREES.search(name):
+        return name, [_number(text, name) for text in ends]
+    plain = _IN_DEGREES.sub(r"\1[", name)
+    return plain, [_number(text.removesuffix("deg") + "deg", name) for text in map(str.strip, ends)]
 
 
 def _number(text: str, name: str) -> float:

@@ -208,7 +208,7 @@ class VertexDriver:
 
     def _minima(self, t: float, search: LoadSearch) -> Sequence[JudgedState]:
         scene, left = self.scene_at(t), search.left
-        asked = {"full": False, "prove": False, "escape": False, "seconds": left}
+        asked: dict[str, Any] = {"full": False, "prove": False, "escape": False, "seconds": left}
         result = find_minima(scene, **asked, **search.options)
         search.cut = result.search.stopped_by == "time"
         return result.minima

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -35,7 +36,7 @@ def rank(energy: float, fold_angles: Sequence[float]) -> tuple[float, ...]:
     return (round(energy, 9) + 0.0, *(round(float(a), 7) + 0.0 for a in fold_angles))
 
 
-def energy_or_zero(energy: np.ndarray, stiffness: ArrayLike) -> np.ndarray:
+def energy_or_zero(energy: ArrayLike, stiffness: ArrayLike) -> Any:
     """Return energies of springs, as 0 where fold angles within `STATIONARY` of rest have more.
 
     Parameters

@@ -15,6 +15,8 @@ scale = "log"                  # linear (default) or log; or values = [...] in p
 
 [[axes]]
 set = ["creases.stiffness[1]", "creases.stiffness[4]"]   # 1-based; several places take the same value
+                               # angles: "creases.rest_angles[1]" in radians, "creases.rest_angles_deg[1]" in
+                               # degrees, whichever the scene states
                                # of a load: "loads[1].force[3]", "loads[1].distance", "loads[1].torque"
 values = ["pi/4", 1.2]
 
@@ -57,6 +59,8 @@ _EXAMPLES = {"degree6": examples.degree6, "degree8": examples.degree8}
 _EXAMPLE_KEYS = ("alpha", "ratio", "symmetry", "contact")
 _PLACE = re.compile(r"(vertex|creases|model)\.([a-z_]+)(?:\[(\d{1,4})\])?")
 _LOAD = re.compile(r"loads\[(\d{1,3})\]\.([a-z_]+)(?:\[(\d)\])?")
+_DEGREES = "_deg"
+"""Of keys: angles in degrees."""
 _SEARCH = {
     "mode": "grid",
     "effort": "normal",
@@ -332,6 +336,13 @@ def _spaced(stated: Mapping[str, Any], where: str, scale: str) -> list[float]:
     return np.geomspace(low, high, count).tolist()
 
 
+def _key_in(table: Any, key: str) -> str:
+    """Return a key, or what a table has in its place: the same angles in degrees, or in radians."""
+    other = key.removesuffix(_DEGREES) if key.endswith(_DEGREES) else key + _DEGREES
+    has = isinstance(table, Mapping) and key not in table and other in table
+    return other if has else key
+
+
 def _check_place(place: str, where: str, base: dict[str, Any]) -> None:
     if "example" in base:
         if place not in ("alpha", "ratio"):
@@ -347,11 +358,12 @@ def _check_place(place: str, where: str, base: dict[str, Any]) -> None:
         match, table = load, loads[int(load[1]) - 1]
     if place.startswith("creases.preload[") and isinstance(table, dict):  # none stated: zeros
         table.setdefault("preload", [0.0] * len(table.get("stiffness", ())))
-    if match is None or not isinstance(table, Mapping) or match[2] not in table:
+    key = match and _key_in(table, match[2])
+    if match is None or not isinstance(table, Mapping) or key not in table:
         raise SweepError(
             f'{where}.set = {place!r} is not in the scene: write a place such as "creases.stiffness[1]"'
         )
-    entry = table[match[2]]
+    entry = table[key]
     if match[3] is None:
         if isinstance(entry, list):
             raise SweepError(
@@ -375,7 +387,10 @@ def _put(data: dict[str, Any], place: str, value: float) -> None:
     elif match[3] is None:
         data[match[1]][match[2]] = value
     else:
-        data[match[1]][match[2]][int(match[3]) - 1] = value
+        table, key = data[match[1]], _key_in(data[match[1]], match[2])
+        if key != match[2]:
+            value = math.degrees(value) if key.endswith(_DEGREES) else math.radians(value)
+        table[key][int(match[3]) - 1] = value
 
 
 def _search(stated: Any) -> dict[str, Any]:

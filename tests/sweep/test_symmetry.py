@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import origami_nlp as o
+from origami_nlp.bifurcation import family_of, parse_parameter_range, with_generic_symmetry
 from origami_nlp.pattern import with_symmetry_of
 from origami_nlp.sweep import load_states, parse_sweep, run_sweep
 
@@ -66,3 +67,49 @@ def test_the_same_mirrors_are_kept():
     other = o.Scene(vertex, (1, 2, 3, 4, 5, 6), (math.pi / 3,) * 6)
     with pytest.raises(o.OrigamiError, match="D1"):
         with_symmetry_of(other, one)
+
+
+def test_angles_are_varied_in_the_unit_that_is_named():
+    """One name, one meaning: in degrees with _deg, else in radians, in sweeps and in paths, whatever a file states."""
+    degrees = THROUGH.replace(
+        "rest_angles = [-1.5, 1.5, 1.5, -1.5, 1.5, 1.5]",
+        "rest_angles_deg = [-90, 90, 90, -90, 90, 90]",
+    )
+    for text, given in (
+        (THROUGH, math.pi / 6),
+        (degrees, math.pi / 6),
+        (THROUGH, 30.0),
+        (degrees, 30.0),
+    ):
+        name = "creases.rest_angles_deg[2]" if given == 30.0 else "creases.rest_angles[2]"
+        text = text.replace("creases.rest_angles[1]", name).replace(
+            "[-1.7, -1.5, -1.3]", f"[{given}]"
+        )
+        (angle,) = {parse_sweep(tomllib.loads(text)).scene(0).rest_angles[1]}
+        assert abs(angle - math.pi / 6) < 1e-15
+    plain = parse_parameter_range("rest_angles[2]=30deg:60deg")
+    assert parse_parameter_range("creases.rest_angles_deg[2]=30:60").name == f"creases.{plain.name}"
+    over = parse_parameter_range("rest_angles_deg[2]=30:60")
+    assert over == plain and over.unit == "rad"
+    assert (
+        parse_parameter_range("sector_angles_deg[1]+sector_angles_deg[2]=30:60deg").high
+        == plain.high
+    )
+
+
+def test_a_parameter_is_the_same_in_paths_and_sweeps():
+    """One crease where no symmetry is stated, else its images too: the scenes of a path are those of a sweep."""
+    sweep = parse_sweep(tomllib.loads(THROUGH))
+    table = sweep.base["creases"]
+    equal = o.Scene(o.Vertex(("pi/3",) * 6), table["stiffness"], table["rest_angles"])
+    over = parse_parameter_range("rest_angles[1]=-1.7:-1.3")
+    kept = with_generic_symmetry(equal, (over,))
+    assert (equal.group.name, kept.group.name) == ("D2", "D1")
+    for index, value in enumerate((-1.7, -1.5, -1.3)):
+        one, same = family_of(kept, over).scene_of(value), sweep.scene(index)
+        assert one.rest_angles == same.rest_angles
+        assert set(one.group.elements) == set(same.group.elements)
+    stated = o.Scene(equal.vertex, equal.stiffness, equal.rest_angles, "D2")
+    assert with_generic_symmetry(stated, (over,)) is stated
+    moved = family_of(stated, over).scene_of(-1.7).rest_angles
+    assert [k + 1 for k in range(6) if moved[k] == -1.7] == [1, 4]
