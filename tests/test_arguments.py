@@ -122,7 +122,7 @@ CASES = [
     case(find_minima, "max_starts", (0, *SEEDS), "scene"),
     case(find_minima, "fewest_starts", (0, *SEEDS), "scene"),
     case(find_minima, "guesses", (*LISTS, [[0.0] * 5], [[math.nan] * 6], np.zeros(6)), "scene"),
-    case(find_minima, "full", FLAGS, "scene"),
+    case(find_minima, "full", tuple(v for v in FLAGS if v is not None), "scene"),
     case(find_minima, "progress", CALLS, "scene"),
     case(o.draw_minima, "result", (SCENE, *SCENES)),
     case(o.draw_minima, "path", PATHS, "result"),

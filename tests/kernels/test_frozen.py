@@ -65,12 +65,12 @@ def test_a_file_is_written_by_groups_and_compared(tmp_path, capsys):
     assert len({s["scene"] for s in states}) == 12 and len(states) > 24
     two.write_text(one.read_text())
     assert frozen.main(["--compare", str(one), str(two)]) == 0
-    states[3]["energy"] += 1e-6
+    states[3]["energy_J"] += 1e-6
     two.write_text(json.dumps(kept | {"cones": {}}))
     capsys.readouterr()
     assert frozen.main(["--compare", str(one), str(two)]) == 1
     line, total, left = capsys.readouterr().out.splitlines()
-    assert line.startswith("sweeps: twelve scenes.data[3].energy: ")
+    assert line.startswith("sweeps: twelve scenes.data[3].energy_J: ")
     assert "1 answers, 1 differ" in total and left == "# only in one file: cones"
 
 

@@ -46,7 +46,7 @@ SCENES = {
 
 @shared
 def searched(name):
-    return find_minima(SCENES[name], max_starts=60, prove=False, escape=False)
+    return find_minima(SCENES[name], full=False, max_starts=60, prove=False, escape=False)
 
 
 @pytest.fixture(scope="module", params=SCENES, ids=str)
