@@ -84,10 +84,14 @@ class ContactForce(ShortRepr):
         """Whether it is a fold limit, and not facets that touch."""
         return self.type == "fold-limit"
 
+    @property
+    def is_force(self) -> bool:
+        """Whether it is a force [N m per unit of length], as where facets of a pattern touch, and no moment [N m]."""
+        return self.type in ("vertex-face", "edge-edge", "face-face")
+
     def words(self) -> str:
         """Describe what touches, 1-based, and the moment or force that it carries, or the range of it."""
-        of_pattern = self.type in ("vertex-face", "edge-edge", "face-face")
-        what, unit = ("force", "N m per unit of length") if of_pattern else ("moment", "N m")
+        what, unit = ("force", "N m per unit of length") if self.is_force else ("moment", "N m")
         said = f"{self.text}: {what} {self.multiplier:.4g} {unit}"
         if self.unique:
             return said

@@ -349,7 +349,4 @@ def _closed_exactly(model: Problem, x: np.ndarray) -> np.ndarray:
     at_limits = np.clip(y, -math.pi, math.pi)
     if not model.has_limits or (at_limits == y).all():
         return y
-    if np.abs(model.closure(at_limits)[0]).max() > CLOSURE_TOL:
-        return y
-    # what was cut off is left in closure, and over a small singular value it is far in the others: they close it
-    return project(model, at_limits, frozen=np.abs(at_limits) == math.pi)[0]
+    return at_limits if np.abs(model.closure(at_limits)[0]).max() <= CLOSURE_TOL else y

@@ -315,16 +315,17 @@ class MinimaResult(Report, Viewable):
         """Return how many states are stable, a line each, fold angles, what is not proved, and then the details."""
         words = verdict_words(self.origami, self.minima, self.completeness, self.search)
         title, more = f"{self.title}: {words}", None
+        images = find_images(self.origami, self.minima)
         if self.minima:
             first, more = summary_tables(
-                self.origami, self.minima, title, float(np.mean(self._stiffness))
+                self.origami, self.minima, images, title, float(np.mean(self.origami.stiffness))
             )
             yield first
         else:
             yield title
         if more:
             yield f"... {len(more.rows)} more states: --verbose, or --json"
-        yield from angle_lines(self.minima, find_images(self.origami, self.minima))
+        yield from angle_lines(self.minima, images)
         if isinstance(self.origami, Scene):
             yield from scene_lines(self.origami)
         yield from self._survivals()
@@ -336,10 +337,6 @@ class MinimaResult(Report, Viewable):
         if not self.completeness or not self.completeness.proved:
             yield from self.search.open_words()
         yield Details(tuple(self._details(more)))
-
-    @property
-    def _stiffness(self) -> Sequence[float] | np.ndarray:
-        return self.origami.stiffness
 
     def _details(self, more: Table | None) -> Iterator[Table | Words | str]:
         """Return certificates, residuals, the record of the search, and what is modelled."""

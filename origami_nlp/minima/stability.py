@@ -204,10 +204,10 @@ def not_asked_words(origami: Scene | Pattern, minima: Sequence[JudgedState]) -> 
 
 
 def imposed_words(origami: Scene | Pattern) -> str:
-    """Say that states which break an imposed symmetry are not listed, and how to list them; else nothing."""
+    """Say that states which break an imposed symmetry are not listed, and how to search for them; else nothing."""
     if not isinstance(origami, Scene) or not is_symmetric(origami):
         return ""
     return (
         f"states that break the symmetry {origami.group.name} are not listed: --symmetry none, or "
-        'symmetry = "none" in the scene, lists all'
+        'symmetry = "none" in the scene, searches for them as well'
     )

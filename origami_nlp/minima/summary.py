@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 
 import numpy as np
 
@@ -21,7 +21,7 @@ from origami_nlp.minima.stability import (
     shallow_words,
     verdict,
 )
-from origami_nlp.numerics import BALANCED, DUPLICATE_TOL
+from origami_nlp.numerics import DUPLICATE_TOL, ROUNDED
 from origami_nlp.pattern import Pattern, Scene, symmetries
 from origami_nlp.pattern_problem import find_labels, image
 
@@ -33,8 +33,11 @@ STYLE = {"stable": "green", "unstable": "red", "not decided": "bold"}
 
 
 def energy_words(energy: float, scale: float, digits: int = 6) -> str:
-    """Return an energy as it is printed: 0 where it is rounding of the energy that it takes to fold the springs."""
-    return f"{energy if abs(energy) > BALANCED * scale else 0.0:.{digits}g}"
+    """Return an energy as it is printed: 0 where it is rounding of the energy that it takes to fold the springs.
+
+    Soft springs beside stiff ones (up to 1e8) hold far less than these, and are no rounding.
+    """
+    return f"{energy if abs(energy) > ROUNDED * scale else 0.0:.{digits}g}"
 
 
 # ---------------------------------------------------------------- images
@@ -151,22 +154,22 @@ def _complete(completeness: Completeness | None, search: SearchReport) -> str:
     return "completeness not proved"
 
 
-def held_words(m: JudgedState, scale: float) -> str:
-    """Say what holds a state: its springs, or contacts with their moments."""
+def held_words(m: JudgedState) -> str:
+    """Say what holds a state: its springs, or contacts with their moments, those that must push to balance it."""
     if m.local_dimension == 0:
         return "geometry: isolated"
     if not m.contacts:
         return "springs"
-    none = BALANCED * scale
-    loaded = [c for c in m.contacts if c.unique and c.multiplier > none]
+    pushing = [c for c in m.contacts if c.multiplier_range[0] > 0]
+    loaded = [c for c in pushing if c.unique]
     open_ = [c for c in m.contacts if not c.unique]
-    idle = [c for c in m.contacts if c.unique and c.multiplier <= none]
+    idle = [c for c in m.contacts if c.unique and c not in pushing]
     parts: list[str] = ["springs"] * (not loaded and not open_)
     parts += [f"{_who([c])}: {c.multiplier:.3g} {_unit(c)}" for c in loaded[:MOST_NAMES]]
     if len(loaded) > MOST_NAMES:
         parts.append(f"{len(loaded) - MOST_NAMES} more contacts")
     if open_:
-        least = [c for c in open_ if c.multiplier_range[0] > none]
+        least = [c for c in open_ if c in pushing]
         some = [
             f"{_who([c])}: >= {c.multiplier_range[0]:.3g} {_unit(c)}" for c in least[:MOST_NAMES]
         ]
@@ -180,7 +183,7 @@ def held_words(m: JudgedState, scale: float) -> str:
 
 
 def _unit(c: ContactForce) -> str:
-    return "N m/length" if c.type in ("vertex-face", "edge-edge", "face-face") else "N m"
+    return "N m/length" if c.is_force else "N m"
 
 
 def _who(contacts: Sequence[ContactForce], named: bool = True) -> str:
@@ -223,7 +226,11 @@ def _barrier(m: JudgedState, scale: float) -> str:
 
 
 def summary_tables(
-    origami: Scene | Pattern, minima: Sequence[JudgedState], title: str, scale: float
+    origami: Scene | Pattern,
+    minima: Sequence[JudgedState],
+    images: Mapping[int, tuple[int, str]],
+    title: str,
+    scale: float,
 ) -> tuple[Table, Table | None]:
     """Return a line a state: the first `MOST_LINES`, and a table of the others.
 
@@ -231,17 +238,19 @@ def summary_tables(
     ----------
     origami, minima
         A scene or a pattern, and its minima.
+    images
+        Those that are images of others (`find_images`).
     title
         Of the first table.
     scale
-        Mean stiffness, the unit of energies and moments that count as zero.
+        Mean stiffness, of which rounding of energies is a share.
 
     Returns
     -------
     tuple
         The tables, the second None where there is none.
     """
-    grouped, images = isolated_foldings(minima), find_images(origami, minima)
+    grouped = isolated_foldings(minima)
     kept = f"{origami.group.name} " if is_symmetric(origami) else ""  # type: ignore[union-attr]
     heads = ["#", "energy [J]", "stability", "held by", "softest mode\n[N m/rad]"]
     heads.append(f"{kept}escape\nbarrier [J]")
@@ -257,7 +266,7 @@ def summary_tables(
             rows.append([*own, _stability(origami, m), images[number][1], *blank, *survives])
             continue
         softest = "-" if math.isinf(m.softest) else f"{m.softest:.3g}"
-        row: list[Cell] = [_stability(origami, m), held_words(m, scale), softest]
+        row: list[Cell] = [_stability(origami, m), held_words(m), softest]
         row.append(_barrier(m, scale))
         rows.append([*own, *row, *survives])
     if grouped:
