@@ -45,6 +45,7 @@ def design(
     figure: o.FigureFile = None,
     seed: o.Seed = 0,
     effort: o.Effort = "normal",
+    verbose: o.Verbose = False,
 ) -> None:
     """Find the springs that hold the states of TARGETS, with the largest margin; the main job checks them.
 
@@ -67,14 +68,14 @@ def design(
         raise OptionError("--targets writes the targets of --example NAME")
     if example is not None:
         text = example_targets(example)
-        question, ask, name = parse_targets(text)
+        question, ask, name = parse_targets(text, source=example)
         files.write("targets", lambda: text)
     else:
         question, ask, name = read_targets(str(targets))
     if isinstance(question.origami, Vertex):
         note_normalized(question.origami)
     answer = find(question, ask, name=name, seed=seed, effort=effort)
-    answer.print_to(files.console)
+    answer.print_to(files.console, verbose)
     files.write("json", answer.to_dict)
     if answer.scene is not None:
         made = answer.scene

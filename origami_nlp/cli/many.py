@@ -32,6 +32,7 @@ def pattern(
     fold: o.StatesFold = None,
     mesh: o.StatesMesh = None,
     html: o.HtmlFile = None,
+    verbose: o.Verbose = False,
 ) -> None:
     """Analyze the mobility of a crease pattern; with --path trace its folding motion as a rigid sheet.
 
@@ -44,10 +45,10 @@ def pattern(
     out = Output(json=json, figure=figure, fold=fold, mesh=mesh, html=html)
     sheet = scene.read_pattern()
     seen = analyze_mobility(sheet, seed=seed)
-    seen.print_to(out.console)
+    seen.print_to(out.console, verbose)
     motion = find_motion(sheet, seen, seed=seed) if path else None
     if motion is not None:
-        motion.print_to(out.console)
+        motion.print_to(out.console, verbose)
     _Files(seen, motion).write(out)
 
 
@@ -106,7 +107,12 @@ class _Files:
 
 @takes_scene(o.OrigamiFile, whole=True)
 @answers(
-    "figure", "json", "fold", "html", search=("full", "effort", "seed", "max_starts", "seconds")
+    "figure",
+    "json",
+    "fold",
+    "html",
+    search=("full", "effort", "seed", "max_starts", "seconds"),
+    details=True,
 )
 def follow(
     scene: Source,

@@ -149,12 +149,16 @@ class Output:
                 self.console.out(f"written: {printable(file)}", highlight=False)
 
 
-def answers(*files: str, search: Sequence[str] = ()) -> Callable[..., Callable[..., None]]:
+def answers(
+    *files: str, search: Sequence[str] = (), details: bool = False
+) -> Callable[..., Callable[..., None]]:
     """Give a command that returns a result the options of these files, to which it goes, and of searches.
 
-    search: of `SEARCH`; the command gets those that are given by their names.
+    search: of `SEARCH`; the command gets those that are given by their names.  details: the result has some, which
+    are printed with ``--verbose``.
     """
     own = {name: SEARCH[name] for name in search} | {name: (FILES[name], None) for name in files}
+    own |= {"verbose": (o.Verbose, False)} if details else {}
 
     def decorate(command: Callable[..., Any]) -> Callable[..., None]:
         @wraps(command)
@@ -163,9 +167,10 @@ def answers(*files: str, search: Sequence[str] = ()) -> Callable[..., Callable[.
             from origami_nlp.verbs import write_mesh
 
             out = Output(**{name: given.pop(name) for name in files})
+            verbose = given.pop("verbose", False)
             said = {k: v for k, v in given.items() if k not in search or v is not None}
             found = command(**said)
-            found.print_to(out.console)
+            found.print_to(out.console, verbose)
             out.write("json", lambda: found.to_dict())
             out.write("markdown", lambda: found.to_markdown())
             out.write("figure", draw, found)

@@ -84,6 +84,10 @@ class Source:
         return read_limited(self.name, LARGEST, "scene", SceneFileError)
 
     @property
+    def _typed(self) -> str:
+        return "standard input" if self.name == "-" else self.name
+
+    @property
     def vertex(self) -> int | None:
         """The vertex asked for."""
         return self.given.get("vertex")
@@ -100,7 +104,7 @@ class Source:
 
     def frames(self) -> tuple[Frame, ...]:
         """Return the frame asked for, or all."""
-        return parse_fold(self._content, self.given.get("frame"))
+        return parse_fold(self._content, self.given.get("frame"), self._typed)
 
     def read(self) -> Scene:
         """Return the scene; what is odd in a FOLD file goes to standard error."""
@@ -158,7 +162,7 @@ class Source:
             raise OptionError(f"--{option} is for FOLD files (.fold); {why}")
 
     def _frame(self) -> Frame:
-        (frame,) = parse_fold(self._content, self.given.get("frame", "first"))
+        (frame,) = parse_fold(self._content, self.given.get("frame", "first"), self._typed)
         return frame
 
     def _spring_options(self) -> dict[str, Any]:

@@ -143,7 +143,7 @@ class Details:
     """
 
     pieces: Sequence[Table | Cell]
-    title: str = "Certificates, residuals, account of the search"
+    title: str = "Certificates, residuals, search"
 
 
 Section: TypeAlias = Table | Cell | Details
@@ -198,7 +198,7 @@ class Report(PrettyRepr, Result, ABC):
                 for inner in piece.pieces:
                     write(inner)
             else:
-                where = "--verbose, --json; in Python report(verbose=True)"
+                where = "--verbose, --json; Python: report(verbose=True)"
                 write(Words(f"{piece.title}: {where}", "dim"))
 
         for piece in self.report_sections():

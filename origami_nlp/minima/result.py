@@ -152,14 +152,8 @@ class MinimaResult(Report, Viewable):
 
     @property
     def title(self) -> str:
-        """Its name, or what it is where it has none."""
-        stated = self.origami
-        if self.name:
-            return self.name
-        if isinstance(stated, Pattern):
-            return "pattern"
-        angles = ", ".join(f"{a:.6g}" for a in np.degrees(stated.vertex.sector_angles))
-        return f"vertex with sector angles {angles} deg"
+        """What was typed, else its name, else its sector angles."""
+        return self.origami.title
 
     @property
     def headline(self) -> str:

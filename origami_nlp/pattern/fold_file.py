@@ -91,6 +91,8 @@ class Frame:
         The last decimal place of the coordinates in the file; 0 where they are whole doubles.
     loads, held_facet
         Forces on its one vertex, each a table as in a scene file, and the facet that is held; as the file states them.
+    source
+        What was read, as it was typed.
     """
 
     number: int
@@ -110,6 +112,7 @@ class Frame:
     notes: tuple[str, ...] = ()
     loads: tuple[Any, ...] = ()
     held_facet: Any = None
+    source: str = ""
     unit: float = 0.0
 
 
@@ -135,10 +138,13 @@ def read_fold(source: str | Path, frame: int | Literal["first"] | None = None) -
     OptionError
         If `source` is no path.
     """
-    return parse_fold(read_limited(source, LARGEST, "FOLD", FoldFileError), frame)
+    text = read_limited(source, LARGEST, "FOLD", FoldFileError)
+    return parse_fold(text, frame, "standard input" if str(source) == "-" else str(source))
 
 
-def parse_fold(text: str | bytes, frame: int | Literal["first"] | None = None) -> tuple[Frame, ...]:
+def parse_fold(
+    text: str | bytes, frame: int | Literal["first"] | None = None, source: str = ""
+) -> tuple[Frame, ...]:
     """Read the frames with geometry from the text of a FOLD file.
 
     Parameters
@@ -147,6 +153,8 @@ def parse_fold(text: str | bytes, frame: int | Literal["first"] | None = None) -
         JSON.
     frame
         As for `read_fold`.
+    source
+        Where the text is from, as it was typed.
 
     Returns
     -------
@@ -203,7 +211,7 @@ def parse_fold(text: str | bytes, frame: int | Literal["first"] | None = None) -
     else:
         wanted = there
         _check_total([full[number] for number in there])
-    frames = [_frame(full[number], number) for number in wanted]
+    frames = [replace(_frame(full[number], number), source=source) for number in wanted]
     if frame == "first" and len(there) > 1:
         others = (
             f"{len(there)} frames have geometry: frame {there[0]} is read, --frame takes another"
