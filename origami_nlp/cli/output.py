@@ -79,10 +79,6 @@ class Output:
                     f"{option} = {str(target)!r}: the name must end in {', '.join(endings)}"
                 )
         check_outputs(*named)
-        if html := targets.get("html"):
-            from origami_nlp.display import check_view
-
-            check_view(f"--html = {str(html)!r}")
         if mesh := targets.get("mesh"):
             from origami_nlp.minima import check_mesh
 
