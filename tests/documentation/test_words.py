@@ -43,7 +43,7 @@ WORDS = {
 """What is not said, and what is."""
 ELSEWHERE = (
     r"display/table|minima/(account|completeness|result|stability|telling)|cli/output|io/reprs|pattern/fold_scene"
-    r"|docs/proof"
+    r"|docs/validation/proof"
 )
 """Not asked about yet: modules that print results a page that quotes them, and the callback `tell`."""
 PACKAGE = Path(origami_nlp.__file__).parent
