@@ -6,7 +6,6 @@ import math
 import re
 from html.parser import HTMLParser
 from importlib.resources import files
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -27,7 +26,6 @@ from origami_nlp.display import (
 from origami_nlp.errors import OptionError
 from origami_nlp.folding import check_admissible, fold_vertex
 from origami_nlp.minima import MinimaResult
-from tests.command_line import run, scene_file
 from tests.computed_once import panel_result
 
 LARGEST = 2_000_000  # bytes of a page

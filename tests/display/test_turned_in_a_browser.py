@@ -102,7 +102,8 @@ def test_a_star_on_the_map_is_a_way_to_its_state(opened: Browser) -> None:
     place = "document.querySelectorAll('#maps g[aria-label=dot] path')[2].getBoundingClientRect()"
     opened.ask(
         f"(() => {{const r = {place}, svg = document.querySelector('#maps g[aria-label=dot]').ownerSVGElement;"
-        "svg.dispatchEvent(new MouseEvent('click', {clientX: r.x + r.width / 2, clientY: r.y + r.height / 2, bubbles: true}))})()"
+        "const [clientX, clientY] = [r.x + r.width / 2, r.y + r.height / 2];"
+        "svg.dispatchEvent(new MouseEvent('click', {clientX, clientY, bubbles: true}))})()"
     )
     assert opened.ask("$('state').value") == "2"
 
@@ -111,7 +112,8 @@ def test_a_crease_under_the_pointer_says_its_angle(opened: Browser) -> None:
     opened.ask("chooseState(0)")
     opened.ask("render()")
     opened.ask(
-        "(() => {const c = DATA[0].body.creases[0], s = DATA[0].stations[0], canvas = $('space').querySelector('canvas');"
+        "(() => {const c = DATA[0].body.creases[0], s = DATA[0].stations[0];"
+        "const canvas = $('space').querySelector('canvas');"
         "const p = new LIB.Vector3(...times(add(s.corners[c.start], s.corners[c.end]), 0.5)).project(space.camera);"
         "const r = canvas.getBoundingClientRect();"
         "canvas.dispatchEvent(new PointerEvent('pointermove', {clientX: r.left + (p.x + 1) / 2 * r.width,"
