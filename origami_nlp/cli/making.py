@@ -139,7 +139,7 @@ def example(
     }
     given: dict[str, Any] = {key: value for key, value in options.items() if value is not None}
     out = Output(scene=scene if scene or fold else "-", fold=fold)
-    if word not in examples.SHEETS or scene or not fold:
+    if word not in examples.WITH_SPRINGS or scene or not fold:
         stated = examples.by_name(word, **given)
     out.write("fold", lambda: examples.crease_pattern(word, *cells, **given))
     out.write("scene", lambda: _about(word) + format_scene(stated))

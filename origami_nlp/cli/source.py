@@ -209,7 +209,7 @@ def tell_normalized(vertex: Vertex) -> None:
 
 
 def _examples() -> tuple[str, ...]:
-    return (*examples.BY_NAME, *examples.SHEETS)
+    return (*examples.BY_NAME, *examples.WITH_SPRINGS)
 
 
 def _named_fold(name: str) -> bool:

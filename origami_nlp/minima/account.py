@@ -21,7 +21,7 @@ FEW_QUIET = 10
 
 @dataclass(repr=False)
 class SearchReport(ShortRepr):
-    """What a search did; that of a pattern is a `sheets.PatternSearchReport`, which says more.
+    """What a search did; that of a pattern is a `PatternSearchReport`, which says more.
 
     Attributes
     ----------
@@ -60,7 +60,7 @@ class SearchReport(ShortRepr):
     quiet
         Drawn starts since the last new minimum.
     corners
-        States that fold limits alone leave without freedom, from which descents began.
+        States that fold limits alone leave without degrees of freedom, from which descents began.
     every_corner
         Whether these are all of them, each judged then.
     strata
