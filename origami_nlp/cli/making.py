@@ -12,7 +12,7 @@ import typer
 
 from origami_nlp.cli import options as o
 from origami_nlp.cli.output import Output
-from origami_nlp.cli.source import Source, takes_scene, tell_normalized
+from origami_nlp.cli.source import Source, note_normalized, takes_scene
 from origami_nlp.cli.timed import bounded
 from origami_nlp.errors import OptionError
 
@@ -73,9 +73,9 @@ def design(
     else:
         question, ask, name = read_targets(str(targets))
     if isinstance(question.origami, Vertex):
-        tell_normalized(question.origami)
+        note_normalized(question.origami)
     answer = find(question, ask, name=name, seed=seed, effort=effort)
-    answer.tell(files.console)
+    answer.print_to(files.console)
     files.write("json", answer.to_dict)
     if answer.scene is not None:
         made = answer.scene
