@@ -41,7 +41,7 @@ def reproduce(
     output = Output(*(("--figure" if t is figure else "--out", t) for t in targets))
     with progress.progress(name) as report:
         drawn = FIGURES[name](name, seed, report)
-    drawn.tell(output.console)
+    drawn.print_to(output.console)
     for target in targets:
         # what is an image in a vector file is smooth: the figure's own dots are enough
         save_figure(drawn.figure, target, "figure" if str(target).endswith(".pdf") else 200)

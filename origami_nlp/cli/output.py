@@ -79,10 +79,6 @@ class Output:
                     f"{option} = {str(target)!r}: the name must end in {', '.join(endings)}"
                 )
         check_outputs(*named)
-        if html := targets.get("html"):
-            from origami_nlp.display import check_view
-
-            check_view(f"--html = {str(html)!r}")
         if mesh := targets.get("mesh"):
             from origami_nlp.minima import check_mesh
 
@@ -97,8 +93,8 @@ class Output:
     def say(self, *things: Any, **options: Any) -> None:
         """Print for people, as `rich.console.Console.print` does; a result prints itself."""
         for thing in things or ("",):
-            if hasattr(thing, "tell"):
-                thing.tell(self.console)
+            if hasattr(thing, "print_to"):
+                thing.print_to(self.console)
             else:
                 self.console.print(thing, **options)
 
@@ -165,7 +161,7 @@ def answers(*files: str, search: Sequence[str] = ()) -> Callable[..., Callable[.
             out = Output(**{name: given.pop(name) for name in files})
             said = {k: v for k, v in given.items() if k not in search or v is not None}
             found = command(**said)
-            found.tell(out.console)
+            found.print_to(out.console)
             out.write("json", lambda: found.to_dict())
             out.write("markdown", lambda: found.to_markdown())
             out.write("figure", draw, found)

@@ -14,7 +14,6 @@ from origami_nlp.cli.output import Output, answers
 from origami_nlp.cli.progress import progress
 from origami_nlp.cli.search import search_panels
 from origami_nlp.cli.timed import bounded
-from origami_nlp.pattern import examples
 
 if TYPE_CHECKING:
     from origami_nlp.symbolic.claim import Claim
@@ -28,6 +27,7 @@ def demo(
     from origami_nlp.display import rows_table
     from origami_nlp.io import make_folder, write_json
     from origami_nlp.minima import DEMO_HEADS, demo_rows, draw_minima
+    from origami_nlp.pattern import examples
 
     out = make_folder(out, "--out")
     files = [out / name for name in ("minima.json", "degree6.png", "degree8.png")]
@@ -38,7 +38,7 @@ def demo(
         for scene in (examples.degree6("pi/3", 1.0), examples.degree8("pi/4", 1.0))
     ]
     for result in shown:
-        result.tell(output.console)
+        result.print_to(output.console)
         output.say()
     seconds = sum(r.search.seconds for r in results)
     title = f"all panels of the paper: minima stable in the full space, {seconds:.1f} s in total"
@@ -103,10 +103,10 @@ def verify(
     chosen = [claim_by_id(i) for i in dict.fromkeys(only)] if only else list(claims())
     with progress("deciding", len(chosen)) as said:
 
-        def tell(claim: Claim) -> None:
+        def advance(claim: Claim) -> None:
             said((said.done or 0) + 1, text=claim.id)
 
-        results = decide_all(chosen, progress=tell)
+        results = decide_all(chosen, progress=advance)
     print_results(results, out.console)
     out.write("json", as_json, results)
     out.write("markdown", as_markdown, results)
@@ -126,10 +126,10 @@ def transitions(
     """
     from origami_nlp.paper import find_transitions
 
-    with progress(family, 1.0) as tell:
+    with progress(family, 1.0) as show:
 
         def report(what: str, done: float) -> None:
-            tell(done, text=what)
+            show(done, text=what)
 
         return find_transitions(family, samples=samples, size=rings, report=report, **options)
 

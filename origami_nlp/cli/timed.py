@@ -86,7 +86,7 @@ def _out_of_time(seconds: float | None, given: dict[str, Any]) -> NoReturn:
 
     console = screen(*(v for v in given.values() if isinstance(v, str | os.PathLike)))
     for result in _kept:
-        result.tell(console)
+        result.print_to(console)
     console.print(
         f"{OUT_OF_TIME} (--seconds {seconds:g}): "
         + ("what stands above was found; the rest of the command" if _kept else "the command")
