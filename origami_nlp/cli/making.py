@@ -5,6 +5,7 @@ from __future__ import annotations
 import inspect
 import json as js
 import textwrap
+from collections.abc import Callable
 from typing import Annotated, Any
 
 import typer
@@ -14,7 +15,6 @@ from origami_nlp.cli.output import Output
 from origami_nlp.cli.source import Source, note_normalized, takes_scene
 from origami_nlp.cli.timed import bounded
 from origami_nlp.errors import OptionError
-from origami_nlp.pattern import Pattern, Vertex, examples, format_scene
 
 REFUTED, OPEN = 1, 3
 
@@ -58,6 +58,7 @@ def design(
         parse_targets,
         read_targets,
     )
+    from origami_nlp.pattern import Pattern, Vertex, format_scene
     from origami_nlp.pattern_problem import pattern_to_fold
 
     files = Output(scene=scene, json=json, figure=figure, targets=write)
@@ -126,6 +127,8 @@ def example(
 
     NAME:ROWSxCOLUMNS, such as miura:4x6, is the size of the crease pattern that --fold writes.
     """
+    from origami_nlp.pattern import examples, format_scene
+
     word, cells = examples.split_size(name)
     if ":" in name and fold is None:
         raise OptionError(f"NAME = {name!r}: a size is that of a crease pattern: give --fold FILE")
@@ -139,15 +142,15 @@ def example(
     }
     given: dict[str, Any] = {key: value for key, value in options.items() if value is not None}
     out = Output(scene=scene if scene or fold else "-", fold=fold)
-    if word not in examples.SHEETS or scene or not fold:
+    if word not in examples.WITH_SPRINGS or scene or not fold:
         stated = examples.by_name(word, **given)
     out.write("fold", lambda: examples.crease_pattern(word, *cells, **given))
-    out.write("scene", lambda: _about(word) + format_scene(stated))
+    out.write("scene", lambda: _about(examples.BY_NAME[word]) + format_scene(stated))
 
 
-def _about(name: str) -> str:
+def _about(make: Callable[..., Any]) -> str:
     """Return what an example is as the first lines of its file."""
-    said = (inspect.getdoc(examples.BY_NAME[name]) or "").split("\nParameters\n")[0]
+    said = (inspect.getdoc(make) or "").split("\nParameters\n")[0]
     said = said.removeprefix("Make ")
     lines = textwrap.wrap(" ".join((said[:1].upper() + said[1:]).split()), 98)
     return "".join(f"# {line}\n" for line in lines)
