@@ -276,6 +276,6 @@ def colour_bar(image: Any, axes: Any) -> None:
 def coordinate_label(name: str) -> str:
     """Return the name of a chart's coordinate for an axis."""
     if name.startswith("phi_"):
-        return rf"$\varphi_{{{name[4:]}}}$ [rad]"
+        return rf"fold angle $\varphi_{{{name[4:]}}}$"
     crease = name.rsplit(" ", 1)[-1].rstrip(")")
-    return rf"elevation $\upsilon$ of crease {crease} [rad]"
+    return rf"elevation $\upsilon$ of crease {crease}"
