@@ -198,7 +198,7 @@ def test_without_plotly_one_line_says_so_before_the_search(
     scene = scene_file(tmp_path, result.scene)
     for command in ("minima", "landscape", "barriers", "contacts"):
         target = tmp_path / f"{command}.html"
-        done = run(command, scene, "--html", target)
+        done = run(command, scene, "-o", target)
         assert done.code == 2 and not done.out and not target.exists()
         assert done.err.count("\n") == 1 and 'pip install "origami_nlp[view]"' in done.err
     with pytest.raises(OptionError, match="plotly"):

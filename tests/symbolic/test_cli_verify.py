@@ -76,8 +76,8 @@ def test_reports_are_written(tmp_path, verify):
     ("args", "words"),
     [
         (["--only", "s3.nothing"], ["--only", "s3.nothing"]),
-        (["--json", "no/such/folder/x.json"], ["--json", "does not exist"]),
-        (["--markdown", "."], ["--markdown", "folder"]),
+        (["-o", "no/such/folder/x.json"], ["-o", "does not exist"]),
+        (["-o", "."], ["-o", "folder"]),
     ],
 )
 def test_bad_options_end_with_one_line_and_code_2(args, words, verify):
