@@ -43,8 +43,9 @@ def speed(
     from benchmarks import draw_bench, in_short, markdown as as_markdown, run_bench, write_bench
 
     with progress.progress("speed") as report:
-        tell = lambda text: report(text=text)  # noqa: E731
-        data = run_bench(quick=quick, seed=seed, tell=tell, unions=unions)
+        data = run_bench(
+            quick=quick, seed=seed, progress=lambda text: report(text=text), unions=unions
+        )
     out.page(in_short(data))
     out.save("json", write_bench, data)
     out.save("figure", draw_bench, data)
@@ -140,7 +141,7 @@ def search(
             seeds=2 if quick else 5,
             budget=1.0 if quick else 5.0,
             effort=effort,
-            tell=lambda text: report(text=text),
+            progress=lambda text: report(text=text),
         )
     out.page(coverage_markdown(data))
     out.write("json", lambda: data)
@@ -157,7 +158,7 @@ def patterns(
     from benchmarks import draw_patterns, run_patterns
 
     with progress.progress("patterns") as report:
-        found = run_patterns(quick=quick, tell=lambda text: report(text=text))
+        found = run_patterns(quick=quick, progress=lambda text: report(text=text))
     out.say(found)
     out.write("json", found.to_dict)
     out.save("figure", draw_patterns, found)
@@ -173,7 +174,9 @@ def proved(
     from benchmarks import count_proved
 
     with progress.progress("proofs") as report:
-        found = count_proved(check_whole("SCENES", scenes, 1), tell=lambda text: report(text=text))
+        found = count_proved(
+            check_whole("SCENES", scenes, 1), progress=lambda text: report(text=text)
+        )
     out.say(found)
     out.write("json", found.to_dict)
     out.write("markdown", found.to_markdown)
@@ -189,7 +192,7 @@ def design(
 
     with progress.progress("design") as report:
         found = measure_design(
-            check_whole("VERTICES", vertices, 1), tell=lambda text: report(text=text)
+            check_whole("VERTICES", vertices, 1), progress=lambda text: report(text=text)
         )
     out.say(found)
     out.write("json", found.to_dict)

@@ -51,7 +51,7 @@ html_title = "origami_nlp"
 html_static_path = ["_static"]
 html_css_files = ["site.css"]
 html_show_sourcelink = False
-html_sidebars = {page: [] for page in ("index", "getting_started", "concepts", "check_a_claim")}
+html_sidebars = {page: [] for page in ("index", "getting_started", "concepts")}
 html_theme_options = {
     "logo": {"text": "origami_nlp"},
     "navbar_persistent": ["search-button"],  # the field would take a line of its own

@@ -53,7 +53,7 @@ def reproduce(
     targets = [*map(Path, out.files("figure")), *made]
     with progress.progress(name) as report:
         drawn = FIGURES[name](name, seed, report)
-    drawn.tell(out.console)
+    drawn.print_to(out.console)
     for target in targets:
         # what is an image in a vector file is smooth: the figure's own dots are enough
         save_figure(drawn.figure, target, "figure" if str(target).endswith(".pdf") else 200)

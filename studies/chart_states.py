@@ -5,8 +5,8 @@ free, so that a whole family of states (the book fold) sits on one point, and on
 spans a radian and more of fold angle.
 
 Degree 8: (elevation v of crease 1, phi_2).  The chart folds over at J = 0, sin |v| = sin(2 alpha_1)
-sin(phi_2/2)^2 (the corrected radicand, docs/errata.md, `s3.J`), where its two solution branches meet; and the
-solution formula changes case at phi_2 = 0.  The manifold of states is smooth at both.
+sin(phi_2/2)^2 (the corrected radicand, docs/validation/errata.md, `s3.J`), where its two solution branches meet; and
+the solution formula changes case at phi_2 = 0.  The manifold of states is smooth at both.
 """
 
 from __future__ import annotations

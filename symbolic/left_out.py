@@ -19,7 +19,7 @@ LEFT_OUT: tuple[LeftOut, ...] = (
         "abstract, sec. 3.1, 3.2",
         "18 of 41 and 14 of 45 symmetric minima stay minima; the numbers in the corners of the panels "
         "(for r_k = 1: 3, 8, 3)",
-        "results of a grid search; measured in docs/states.md and docs/landscapes.md",
+        "results of a grid search; measured in docs/validation/states.md and docs/validation/landscapes.md",
     ),
     LeftOut(
         "sec. 2",
@@ -35,19 +35,20 @@ LEFT_OUT: tuple[LeftOut, ...] = (
         "sec. 3.1",
         "that each of the two regions is one piece; that two holes come into the interior; that the "
         "1-handles expand",
-        "topology of a computed set; measured in docs/space.md",
+        "topology of a computed set; measured in docs/validation/space.md",
     ),
     LeftOut(
         "sec. 3.1, 3.2",
         "where metastable segments lie, how they grow with r_k, stick-slip, states that collide and "
         "vanish",
-        "read off pictures; measured in docs/metastable.md",
+        "read off pictures; measured in docs/validation/metastable.md",
     ),
     LeftOut(
         "sec. 3.2",
         "no topological transitions; the most stable states at r_k = 1; shallow boundaries go with "
         "metastability",
-        "read off pictures; the first is measured in docs/space.md, numbers of states in docs/states.md",
+        "read off pictures; the first is measured in docs/validation/space.md, numbers of states in "
+        "docs/validation/states.md",
     ),
     LeftOut(
         "sec. 4",
@@ -73,7 +74,7 @@ LEFT_OUT: tuple[LeftOut, ...] = (
     LeftOut(
         "sec. 5",
         "fractions of stable branches other than the plateaus at large r_k and the value at v_0 = 0",
-        "depend on the optimiser, its starts and its threshold; measured in docs/cones.md",
+        "depend on the optimiser, its starts and its threshold; measured in docs/validation/cones.md",
     ),
     LeftOut(
         "sec. 5",

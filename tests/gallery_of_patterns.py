@@ -20,7 +20,8 @@ DOCS = Path(__file__).parent.parent / "docs"
 PAGE, FIGURES = DOCS / "sheets.md", DOCS / "figures" / "sheets"
 STARTS, SHOWN = 10, 6
 SHEETS = {
-    "metasheet:4x4": "A quadrilateral and its half-turns, after Waitukaitis; springs as in [metasheets](metasheet.md).",
+    "metasheet:4x4": "A quadrilateral and its half-turns, after Waitukaitis; springs as in "
+    "[metasheets](validation/metasheet.md).",
     "miura:4x4": "Sixteen parallelograms. Beside the states of the Miura fold there are pleats, and mixtures of both.",
     "squaretwist": "Four vertices round a square, stable partly folded and folded flat.",
     "yoshimura:3x3": "Diamonds, each folded in two: several degrees of freedom are left.",
@@ -42,7 +43,7 @@ origami-nlp minima metasheet:4x4 --starts {STARTS} -o metasheet.png
 
 Of sheets whose vertices have degree 4 the branch directions of the flat state with one degree of freedom are traced; of
 the others, and of what these ways do not lead to, starts are sampled: what is known of states that are not listed is
-said under each table ([limits](pattern_limits.md)). Written by
+said under each table ([limits](validation/pattern_limits.md)). Written by
 `python -m tests.gallery_of_patterns`; seconds are processor time of one run.
 """
 

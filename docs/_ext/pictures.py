@@ -16,7 +16,7 @@ from origami_nlp.display import draw_state
 FOLDER = Path(__file__).parents[1] / "figures"
 SIDE = 2.0
 """Width of a state [inches]."""
-DUPLICATE_TOL = 1e-6
+SAME_ENERGY = 1e-6
 """Energies that differ by less [relative] are those of images of one state."""
 
 
@@ -24,7 +24,7 @@ def different(result: o.MinimaResult, most: int) -> list[o.JudgedState]:
     """The lowest minima of different energy, at most so many."""
     found: list[o.JudgedState] = []
     for one in result.minima:
-        if not found or one.energy > found[-1].energy * (1 + DUPLICATE_TOL):
+        if not found or one.energy > found[-1].energy * (1 + SAME_ENERGY):
             found.append(one)
     return found[:most]
 

@@ -182,7 +182,7 @@ def wedge_elevation(scene: Scene, fold_angles: np.ndarray) -> np.ndarray:
         h = quat.multiply(h, quat.fold(np.cos(half), np.sin(half), axis))
         azimuth += ray.sector
     normal = quat.rotate(h, (math.sin(math.pi / n), -math.cos(math.pi / n), 0.0))
-    # upsilon > 0 lowers crease 1, where the paper says that it elevates it (docs/errata.md, 1)
+    # upsilon > 0 lowers crease 1, where the paper says that it elevates it (docs/validation/errata.md, 1)
     return np.arctan2(normal[2], normal[0])
 
 

@@ -79,7 +79,7 @@ def minima(
         found = find_vertexwise(
             scenes, find=partial(search, name=scene.name), found=out.say, **options
         )
-        found.tell(out.console, verbose)
+        found.print_to(out.console, verbose)
         out.write("json", found.to_dict)
         out.turn(*found.results)
         return
@@ -92,7 +92,7 @@ def minima(
         result = search(stated, scene.name, **options)
     except Interrupted as early:  # what was found is reported and written all the same
         result, stopped = early.result, True
-    result.tell(out.console, verbose)
+    result.print_to(out.console, verbose)
     out.write("json", result.to_dict)
     out.save("figure", draw, result)
     out.save("fold", write_fold, result)
@@ -175,7 +175,7 @@ def landscape(
     result = search(stated, scene.name, seed=seed, full=True, escape=False)
     with progress("boundary"):
         exact = find_landscape(result, size=size)
-    exact.tell(out.console)
+    exact.print_to(out.console)
     barriers = None
     if passes or out.files("json"):
         with progress("passes between minima"):

@@ -15,7 +15,7 @@ import typer
 from origami_nlp.arguments import did_you_mean
 from origami_nlp.cli import options as o
 from origami_nlp.cli.output import Output, writes
-from origami_nlp.cli.source import tell_normalized
+from origami_nlp.cli.source import note_normalized
 from origami_nlp.cli.timed import bounded
 from origami_nlp.errors import OptionError
 from origami_nlp.pattern import Vertex, examples, format_scene
@@ -62,12 +62,12 @@ def design(
             )
         question, ask, name = read_targets(targets)
     if isinstance(question.origami, Vertex):
-        tell_normalized(question.origami)
+        note_normalized(question.origami)
         out.refuse("a vertex is written as a scene: end the name in .toml", "fold")
     else:
         out.refuse("a pattern is written as FOLD: end the name in .fold", "scene")
     answer = find(question, ask, name=name, seed=seed, effort=effort)
-    answer.tell(out.console)
+    answer.print_to(out.console)
     out.write("json", answer.to_dict)
     if (made := answer.scene) is not None:
         out.write("fold", lambda: js.dumps(pattern_to_fold(made, []), indent=1) + "\n")

@@ -40,10 +40,10 @@ def pattern(
 
     sheet = scene.read_pattern()
     seen = analyze_mobility(sheet, seed=seed)
-    seen.tell(out.console)
+    seen.print_to(out.console)
     motion = find_motion(sheet, seen, seed=seed) if path else None
     if motion is not None:
-        motion.tell(out.console)
+        motion.print_to(out.console)
     _Files(seen, motion).write(out)
 
 

@@ -105,8 +105,8 @@ class Output:
     def say(self, *things: Any, **options: Any) -> None:
         """Print for people, as `rich.console.Console.print` does; a result prints itself."""
         for thing in things or ("",):
-            if hasattr(thing, "tell"):
-                thing.tell(self.console)
+            if hasattr(thing, "print_to"):
+                thing.print_to(self.console)
             else:
                 self.console.print(thing, **options)
 
@@ -191,7 +191,7 @@ def answers(*kinds: str, search: Sequence[str] = ()) -> Callable[..., Callable[.
 
             said = {k: v for k, v in given.items() if k not in search or v is not None}
             found = command(**said)
-            found.tell(out.console)
+            found.print_to(out.console)
             out.write("json", lambda: found.to_dict())
             out.write("markdown", lambda: found.to_markdown())
             out.write("figure", draw, found)

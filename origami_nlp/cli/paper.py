@@ -39,7 +39,7 @@ def demo(
         for scene in (examples.degree6("pi/3", 1.0), examples.degree8("pi/4", 1.0))
     ]
     for result in shown:
-        result.tell(output.console)
+        result.print_to(output.console)
         output.say()
     seconds = sum(r.search.seconds for r in results)
     title = f"all panels of the paper: minima stable in the full space, {seconds:.1f} s in total"
@@ -101,10 +101,10 @@ def verify(
     chosen = [claim_by_id(i) for i in dict.fromkeys(only)] if only else list(claims())
     with progress("deciding", len(chosen)) as said:
 
-        def tell(claim: Claim) -> None:
+        def advance(claim: Claim) -> None:
             said((said.done or 0) + 1, text=claim.id)
 
-        results = decide_all(chosen, progress=tell)
+        results = decide_all(chosen, progress=advance)
     print_results(results, out.console)
     out.write("json", as_json, results)
     out.write("markdown", as_markdown, results)
@@ -124,10 +124,10 @@ def transitions(
     """
     from origami_nlp.paper import find_transitions
 
-    with progress(family, 1.0) as tell:
+    with progress(family, 1.0) as show:
 
         def report(what: str, done: float) -> None:
-            tell(done, text=what)
+            show(done, text=what)
 
         return find_transitions(family, samples=samples, size=rings, report=report, **options)
 

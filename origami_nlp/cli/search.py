@@ -18,10 +18,10 @@ def search(origami: Scene | Pattern, name: str | None, **options: Any) -> Any:
 
     vertex = isinstance(origami, Scene)
     label = origami.label if isinstance(origami, Scene) else origami.name
-    with progress(label or str(name)) as tell:
+    with progress(label or str(name)) as show:
 
         def report(starts: int, found: int, once: int) -> None:
-            tell(text=f"{starts} starts, {found} minima, {once} of them reached once")
+            show(text=f"{starts} starts, {found} minima, {once} of them reached once")
 
         given = {option: value for option, value in options.items() if value is not None}
         if vertex:

@@ -107,7 +107,7 @@ class Source:
         if not self.is_fold:
             self.refuse_options("a scene file states it itself", but=("symmetry",))
             scene = decode_scene(self._content, self.name)
-            tell_normalized(scene.vertex)
+            note_normalized(scene.vertex)
             if (symmetry := self.given.get("symmetry")) is None:
                 return scene
             return replace(scene, symmetry=symmetry, mirror=None, winding=None)
@@ -115,7 +115,7 @@ class Source:
             raise OptionError("--per-length is for whole patterns, not for a vertex of one")
         if self.vertex is not None:
             check_whole("--vertex", self.vertex, 0)
-        return vertex_scene(self._frame(), self.vertex, tell=_tell, **self._spring_options())
+        return vertex_scene(self._frame(), self.vertex, on_note=_note, **self._spring_options())
 
     def read_whole(self, contact: bool = False) -> Scene | Pattern:
         """Return the scene of a scene file or of the vertex that is asked for, else as `read_pattern`."""
@@ -124,12 +124,12 @@ class Source:
         one = fold_vertices(self._frame())[0]
         if len(one) == 1:
             number = one[0].number
-            _tell(
+            _note(
                 f"one vertex, taken as a pattern; --vertex {number} takes it as a vertex, with its symmetry"
             )
         whole = self.read_pattern(contact)
         for note in whole.notes:
-            _tell(note)
+            _note(note)
         return whole
 
     def read_pattern(self, contact: bool = False) -> Pattern:
@@ -149,7 +149,7 @@ class Source:
 
     def read_all(self) -> dict[int, Scene]:
         """Return the scene of every vertex of a FOLD file that can be analysed, by its number."""
-        return vertex_scenes(self._frame(), tell=_tell, **self._spring_options())
+        return vertex_scenes(self._frame(), on_note=_note, **self._spring_options())
 
     def refuse_options(self, why: str, but: Sequence[str] = ()) -> None:
         """Raise an error for options of FOLD files, if there are any; but: those that scene files take too."""
@@ -201,11 +201,11 @@ def takes_scene(
     return decorate
 
 
-def tell_normalized(vertex: Vertex) -> None:
+def note_normalized(vertex: Vertex) -> None:
     """Say on standard error by how much ``normalize`` changed sector angles, where it did."""
     if vertex.normalized:
         each = math.degrees(vertex.normalized)
-        _tell(f"sector angles normalized to a sum of 360 deg: each by {each:+.6g} deg")
+        _note(f"sector angles normalized to a sum of 360 deg: each by {each:+.6g} deg")
 
 
 def _examples() -> tuple[str, ...]:
@@ -216,5 +216,5 @@ def _named_fold(name: str) -> bool:
     return Path(name).suffix.lower() in (".fold", ".json")
 
 
-def _tell(note: str) -> None:
+def _note(note: str) -> None:
     print(f"note: {note}", file=sys.stderr)

@@ -237,7 +237,7 @@ def barriers(
         result = search(one, given, seed=seed, escape=False, **asked)
         with progress(f"{getattr(one, 'label', given) or given}: passes between the minima"):
             found.append(find_barriers(one, result, full=full or None, seed=seed))
-        found[-1].tell(out.console)
+        found[-1].print_to(out.console)
     documents = [b.to_dict() for b in found]
     out.write("json", lambda: documents if panels else documents[0])
     out.write("markdown", lambda: barriers_table(found).markdown())

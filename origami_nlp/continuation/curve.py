@@ -132,7 +132,7 @@ class BoundaryCurve(ShortRepr):
 
 @dataclass(frozen=True)
 class HeldCurve:
-    """The closed states of a problem on which contacts stay closed, as a curve to trace; see `tracer.Curve`.
+    """The closed states of a problem on which contacts stay closed, as a curve to trace; see `tracer.CurveProblem`.
 
     Where the contacts leave a set of more dimensions, its geodesics.
     """

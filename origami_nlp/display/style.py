@@ -19,7 +19,7 @@ from matplotlib.patheffects import withStroke
 
 
 @dataclass(frozen=True)
-class Kind:
+class KindStyle:
     """How a kind of minimum looks.
 
     Attributes
@@ -39,10 +39,10 @@ class Kind:
 
 
 KINDS = {
-    "interior": Kind("*", 1.0, "#0072B2", ""),
-    "contact-pinned": Kind("^", 0.72, "#D55E00", "////"),
-    "contact-touching": Kind("o", 0.66, "#E69F00", "...."),
-    "degenerate": Kind("X", 0.72, "#7A7A7A", "xxxx"),
+    "interior": KindStyle("*", 1.0, "#0072B2", ""),
+    "contact-pinned": KindStyle("^", 0.72, "#D55E00", "////"),
+    "contact-touching": KindStyle("o", 0.66, "#E69F00", "...."),
+    "degenerate": KindStyle("X", 0.72, "#7A7A7A", "xxxx"),
 }
 """Each kind of minimum."""
 VERDICTS: dict[str | None, tuple[str, str]] = {

@@ -60,7 +60,7 @@ class SearchReport(ShortRepr):
     quiet
         Drawn starts since the last new minimum.
     corners
-        States that fold limits alone leave without freedom, from which descents began.
+        States that fold limits alone leave no degree of freedom, from which descents began.
     every_corner
         Whether these are all of them, each judged then.
     strata

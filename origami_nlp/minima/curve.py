@@ -101,7 +101,7 @@ class Branches:
         return Branches(self.sections.take(which), *own)
 
 
-class Curves:
+class ConfigurationCurves:
     """All closed states of a model with one degree of freedom, fold angles up to whole turns."""
 
     def __init__(self, model: Model) -> None:

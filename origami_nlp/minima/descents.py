@@ -41,9 +41,9 @@ from origami_nlp.problem import OPEN, Model, Parameters
 from origami_nlp.starts import (
     Closing,
     ClosurePoint,
-    Crossings,
     Ends,
     Samples,
+    VertexCrossings,
     balance,
     joined,
     put,
@@ -126,7 +126,7 @@ class Descents:
     ) -> None:
         self.until = until
         self.model, self.closing = model, Closing(model, springs)
-        self.crossings, self._m = Crossings(model), model.equation_count
+        self.crossings, self._m = VertexCrossings(model), model.equation_count
         plain = model.equation_count == 3 and not model.structure.gaps
         self._chain = plain and model.size >= LONG_CHAIN
         self._many = plain and model.size > MOST_ONE_BY_ONE

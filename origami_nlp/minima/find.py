@@ -31,7 +31,7 @@ from origami_nlp.minima.job import Job, Progress
 from origami_nlp.minima.minimum import JudgedState
 from origami_nlp.minima.noise import check_noise
 from origami_nlp.minima.proved import check_prove
-from origami_nlp.minima.record import BREAKDOWNS, Answer, Record, close_orbit
+from origami_nlp.minima.record import BREAKDOWNS, FoundState, Record, close_orbit
 from origami_nlp.minima.result import MinimaResult
 from origami_nlp.minima.windings import (
     escapes_of_each,
@@ -278,7 +278,7 @@ def _sort_out(
 
 
 def _minimum(
-    model: Model, answer: Answer, what: Classification, solver: Confirmation | None
+    model: Model, answer: FoundState, what: Classification, solver: Confirmation | None
 ) -> JudgedState:
     p = answer.polished
     phi = model.expand(p.x)
@@ -304,7 +304,7 @@ def _minimum(
     )
 
 
-def _confirmed(model: Model, answer: Answer, record: Record) -> Confirmation | None:
+def _confirmed(model: Model, answer: FoundState, record: Record) -> Confirmation | None:
     """Let IPOPT solve from a minimum, its contacts closed; None with too many creases, or fewer than equations."""
     if model.size > MOST_CONFIRMED or model.freedom < 0:
         return None

@@ -14,10 +14,10 @@ from origami_nlp.minima.account import SearchReport
 from origami_nlp.minima.coverage import StrataCount, count_strata
 from origami_nlp.minima.minimum import JudgedState
 from origami_nlp.minima.multistart import run_starts
-from origami_nlp.minima.one_freedom import EXACT, Traced, trace
+from origami_nlp.minima.one_freedom import EXACT, CandidateMinima, trace
 from origami_nlp.minima.record import (
     BREAKDOWNS,
-    Answer,
+    FoundState,
     Record,
     closes,
     exact_state,
@@ -33,7 +33,7 @@ from origami_nlp.numerics import (
     NEAR_CONTACT,
     NEAR_SINGULAR_TOL,
 )
-from origami_nlp.pattern import Labels, canonical_labels
+from origami_nlp.pattern import Relabelling, canonical_labels
 from origami_nlp.problem import Model
 from origami_nlp.starts import (
     CORNER,
@@ -77,8 +77,8 @@ class Job:
         self.strata: tuple[StrataCount, ...] = ()
         self.corners: tuple[int, bool] = (0, False)
         self.foldings: list[np.ndarray] = []
-        self.given: list[tuple[np.ndarray, Answer | None]] = []
-        self.traced: Traced | None = None
+        self.given: list[tuple[np.ndarray, FoundState | None]] = []
+        self.traced: CandidateMinima | None = None
         self.begin = time.perf_counter()
         self.turn = (
             until if math.isinf(until) else until - options.judging * (until - time.monotonic())
@@ -107,7 +107,7 @@ class Job:
                 with record.surviving("a listed state"):
                     record.answers.append(listed(model, x))
 
-    def _stationary_at(self, x: np.ndarray) -> Answer | None:
+    def _stationary_at(self, x: np.ndarray) -> FoundState | None:
         """Return the stationary state next to a guess, judged: a minimum before others; None where there is none."""
         best = self.record.known(x)
         # what people type holds contacts to fewer digits than what was computed
@@ -133,7 +133,7 @@ class Job:
             return []
         return [state for state in found if closes(self.model, state.x)]
 
-    def _refusal(self, guess: np.ndarray, answer: Answer | None) -> JudgedState | None:
+    def _refusal(self, guess: np.ndarray, answer: FoundState | None) -> JudgedState | None:
         """Return why no minimum is listed at a guess [N]; None where one is."""
         model = self.model
         x = model.reduce(guess)
@@ -237,7 +237,7 @@ class Job:
         self.complete = traced.reason if whole and not self.model.scene.loads else ""
         return whole
 
-    def _under(self) -> tuple[Model, Labels] | None:
+    def _under(self) -> tuple[Model, Relabelling] | None:
         """Pose the scene under labels that do not depend on how it was labelled; None where it is as well as is."""
         scene = self.model.scene
         if not scene.group.is_trivial or scene.loads:

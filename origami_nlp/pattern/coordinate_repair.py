@@ -207,7 +207,7 @@ class _Sectors:
         if not by_digits:
             blur[:] = RESOLVED
         blur = np.concatenate([blur, np.full(sides, 2 * unit if by_digits else RESOLVED)])
-        found = _Found(self.measures(x), blur)
+        found = _RelationList(self.measures(x), blur)
         for ring in self.rings:
             d = len(ring)
             # paper that lies flat; Kawasaki's theorem; two creases in one line
@@ -225,7 +225,7 @@ class _Sectors:
         return found.relations(by_digits)
 
 
-class _Found:
+class _RelationList:
     """Relations on their way.
 
     values, blur: measures, and how far digits leave them open, [C + S].

@@ -38,7 +38,7 @@ from origami_nlp.numerics import (
 from origami_nlp.pattern import Pattern
 from origami_nlp.pattern_problem.closure import Closure
 from origami_nlp.pattern_problem.contact_pairs import FoldedGeometry
-from origami_nlp.pattern_problem.crossings import Crossings
+from origami_nlp.pattern_problem.crossings import PatternCrossings
 from origami_nlp.pattern_problem.features import Features
 from origami_nlp.pattern_problem.stacks import Stack
 
@@ -73,7 +73,7 @@ class PatternEquations:
     def __init__(self, pattern: Pattern) -> None:
         self.pattern = pattern
         self.closure = Closure(pattern)
-        self.crossings = Crossings(pattern)
+        self.crossings = PatternCrossings(pattern)
         self.scale = float(pattern.stiffness.mean()) if pattern.creases else 1.0
         self._end = [math.inf]
         self._last: tuple[bytes, list[int], Normal] | None = None

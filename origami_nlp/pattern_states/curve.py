@@ -31,7 +31,7 @@ LOST = "lost: no closed state ahead"
 
 
 @dataclass(frozen=True, eq=False)
-class Curve:
+class ClosureCurve:
     """A curve of closed states.
 
     Attributes
@@ -134,7 +134,7 @@ class ClosedStates:
 
 def follow_curve(
     problem: PatternProblem, phi: np.ndarray, along: np.ndarray, step: float = STEP
-) -> Curve:
+) -> ClosureCurve:
     """Trace the curve through a closed state both ways.
 
     Parameters
@@ -150,7 +150,7 @@ def follow_curve(
 
     Returns
     -------
-    Curve
+    ClosureCurve
         From the end against `along` to the other.
     """
     curve, root = ClosedStates(problem), math.sqrt(problem.size)
@@ -172,7 +172,7 @@ def follow_curve(
     found = first and trace(curve, first, steps, [End(inside, "limit", curve.limit)])
     if not found:
         none = np.zeros((1, problem.size))
-        return Curve(phi[None], np.zeros(1), (LOST, LOST), none, none)
+        return ClosureCurve(phi[None], np.zeros(1), (LOST, LOST), none, none)
     ends = []
     for why, last in ((found.start, found.frames[0]), (found.end, found.frames[-1])):
         at_limit = bool((math.pi - np.abs(last.x) <= EXPLORED).any())
@@ -180,7 +180,7 @@ def follow_curve(
         ends.append(known.get(why, f"lost: {why}" if why.startswith("more") else LOST))
     states = np.clip(found.states, -math.pi, math.pi)
     chords = np.linalg.norm(np.diff(states, axis=0), axis=1) / root
-    return Curve(
+    return ClosureCurve(
         states,
         np.concatenate([[0.0], np.cumsum(chords)]),
         (ends[0], ends[1]),

@@ -33,7 +33,7 @@ MOST_DRAWN = 30
 """Of such starts; one of the largest sheets."""
 NEIGHBOURS = 6
 """States beside a folded one that are looked at, whether their rank is higher."""
-NEAR_SINGULAR_TOL = 0.1
+OFFSET = 0.1
 """How far from it they start [rad]."""
 MOST_VALUES = 1_000
 """Creases up to which states beside a folded one are looked at."""
@@ -351,10 +351,8 @@ def _regular(
         return phi, start
     for _ in range(NEIGHBOURS):
         z = problem.kernel(phi)
-        inwards = np.clip(phi, NEAR_SINGULAR_TOL - math.pi, math.pi - NEAR_SINGULAR_TOL)
-        new, residual = problem.project(
-            inwards + NEAR_SINGULAR_TOL * (z @ rng.standard_normal(z.shape[1]))
-        )
+        inwards = np.clip(phi, OFFSET - math.pi, math.pi - OFFSET)
+        new, residual = problem.project(inwards + OFFSET * (z @ rng.standard_normal(z.shape[1])))
         if (
             residual > CLOSURE_TOL
             or (np.abs(new) > math.pi).any()

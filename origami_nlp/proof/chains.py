@@ -74,7 +74,7 @@ class Sprung(Protocol):
     twin_rule: tuple[CollinearPair, ...]
 
 
-class Vertex:
+class VertexForms:
     """The forms of a vertex without symmetry.
 
     Parameters

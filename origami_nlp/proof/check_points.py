@@ -26,7 +26,7 @@ from typing import Any
 
 from flint import arb, arb_mat
 
-from origami_nlp.proof.check_domains import Chain
+from origami_nlp.proof.check_domains import BallChain
 from origami_nlp.proof.check_forms import AROUND
 
 Balls = list[Any]
@@ -77,7 +77,7 @@ class CheckedStratum:
         Sign of each pinned crease, 0: free.
     """
 
-    def __init__(self, piece: Chain, pins: Sequence[int]) -> None:
+    def __init__(self, piece: BallChain, pins: Sequence[int]) -> None:
         self.piece, self.pins, self.rank = piece, tuple(pins), piece.rank
         self.free = [i for i, s in enumerate(pins) if not s]
         self.stiffness = [w * k for w, k in zip(piece.weights, piece.stiffness, strict=True)]

@@ -31,7 +31,7 @@ import numpy as np
 
 from origami_nlp.proof.affine import UNIT, Affine, padded, variables
 from origami_nlp.proof.boxes import Boxes, prune
-from origami_nlp.proof.chains import VanishingRows, Vertex
+from origami_nlp.proof.chains import VanishingRows, VertexForms
 
 RADII = (1e-2, 3e-3, 1e-3, 3e-4, 1e-4, 3e-5, 1e-5, 3e-6)
 """Radii [rad] tried, the largest first; smaller ones cost more boxes outside."""
@@ -70,7 +70,7 @@ class Flat:
         return f"no critical point within {self.radius:g} rad of the flat state, {itself}"
 
 
-class Cone:
+class ClosedDirections:
     """The equations of closed directions u on the faces |u|_inf = 1, at a distance r up to `radius` on either side.
 
     Variables are u [n] and r / radius in [-1, 1].
@@ -89,7 +89,7 @@ class Cone:
     minor_creases: tuple[tuple[int, ...], ...] = ()
     twins: tuple[tuple[int, ...], ...] = ()
 
-    def __init__(self, vertex: Vertex, radius: float) -> None:
+    def __init__(self, vertex: VertexForms, radius: float) -> None:
         n = vertex.size
         self.size = n + 1
         self.radius = radius
@@ -102,7 +102,7 @@ class Cone:
         self.miss = radius**2 * n**4 / 96 + n * n * 3 * doubt
         self._pose_minors(vertex)
 
-    def _pose_minors(self, vertex: Vertex) -> None:
+    def _pose_minors(self, vertex: VertexForms) -> None:
         """Minors as coefficients of u [M, n] and of r u_i u_j [M, n, n], and how far they are off [M]."""
         n, radius = len(self.b), self.radius
         k = vertex.stiffness / vertex.stiffness.max()
@@ -193,7 +193,7 @@ def _permanents(entries: np.ndarray, fours: np.ndarray) -> np.ndarray:
     return total
 
 
-def flat_lemma(vertex: Vertex) -> Flat:
+def flat_lemma(vertex: VertexForms) -> Flat:
     """Look for the largest radius within which the flat state is the only critical point.
 
     Parameters
@@ -207,7 +207,7 @@ def flat_lemma(vertex: Vertex) -> Flat:
     """
     boxes = 0
     for radius in RADII:
-        cone = Cone(vertex, radius)
+        cone = ClosedDirections(vertex, radius)
         left = prune(cone, cone.faces(), small=NARROW, most=MOST)
         boxes += left.boxes
         if not len(left.candidates) and not len(left.open):
@@ -215,7 +215,7 @@ def flat_lemma(vertex: Vertex) -> Flat:
     return Flat(0.0, boxes, no_minimum(vertex))
 
 
-def no_minimum(vertex: Vertex) -> bool | None:
+def no_minimum(vertex: VertexForms) -> bool | None:
     """Return False where closed states leave the flat one downhill, None where that is not shown."""
     b = vertex.creases
     k = vertex.stiffness / vertex.stiffness.max()

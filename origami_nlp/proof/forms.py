@@ -83,18 +83,18 @@ class Forms:
 
 
 @dataclass(frozen=True)
-class Boxes:
+class DirectionBoxes:
     """K boxes of directions: stratum [K], lower and upper [K, n]."""
 
     stratum: np.ndarray
     lower: np.ndarray
     upper: np.ndarray
 
-    def __getitem__(self, which: np.ndarray | slice) -> Boxes:
-        return Boxes(self.stratum[which], self.lower[which], self.upper[which])
+    def __getitem__(self, which: np.ndarray | slice) -> DirectionBoxes:
+        return DirectionBoxes(self.stratum[which], self.lower[which], self.upper[which])
 
 
-def left_over(forms: Forms, radius: float) -> tuple[np.ndarray, Boxes]:
+def left_over(forms: Forms, radius: float) -> tuple[np.ndarray, DirectionBoxes]:
     """Cover the faces |u|_inf = 1 by boxes and drop those without a common zero.
 
     Parameters
@@ -108,7 +108,7 @@ def left_over(forms: Forms, radius: float) -> tuple[np.ndarray, Boxes]:
     -------
     given_up : numpy.ndarray
         Strata with more boxes than are looked at, bool [S]; their boxes are not all among those left.
-    left : Boxes
+    left : DirectionBoxes
         Where no row could be distinguished from zero.  A stratum without boxes that was not given up has no zero:
         proved.
     """
@@ -124,12 +124,12 @@ def left_over(forms: Forms, radius: float) -> tuple[np.ndarray, Boxes]:
         narrow, wanted = width < NARROWEST, ~given_up[boxes.stratum]
         left.append(boxes[narrow & wanted])
         boxes = _halved(boxes[~narrow & wanted])
-    return given_up, Boxes(
+    return given_up, DirectionBoxes(
         *(np.concatenate([getattr(b, k) for b in left]) for k in ("stratum", "lower", "upper"))
     )
 
 
-def none_beside(forms: Forms, boxes: Boxes, core: float, radius: float) -> np.ndarray:
+def none_beside(forms: Forms, boxes: DirectionBoxes, core: float, radius: float) -> np.ndarray:
     """Return for which boxes the next order excludes every common zero with core <= r <= radius.
 
     Parameters
@@ -175,7 +175,7 @@ def _held(forms: Forms, stratum: int) -> Forms:
     return replace(forms, **{k: getattr(forms, k)[rows] for k in names})
 
 
-def _faces(forms: Forms) -> Boxes:
+def _faces(forms: Forms) -> DirectionBoxes:
     """Return the faces u_k = +-1 that the ranges reach."""
     parts = []
     for reached, side in ((forms.upper >= 1, 1.0), (forms.lower <= -1, -1.0)):
@@ -183,10 +183,12 @@ def _faces(forms: Forms) -> Boxes:
         lower, upper = forms.lower[s], forms.upper[s]
         lower[np.arange(len(s)), k] = upper[np.arange(len(s)), k] = side
         parts.append((s, lower, upper))
-    return Boxes(*(np.concatenate(p) for p in zip(*parts, strict=True)))
+    return DirectionBoxes(*(np.concatenate(p) for p in zip(*parts, strict=True)))
 
 
-def _contracted(forms: Forms, error: np.ndarray, boxes: Boxes) -> tuple[np.ndarray, Boxes]:
+def _contracted(
+    forms: Forms, error: np.ndarray, boxes: DirectionBoxes
+) -> tuple[np.ndarray, DirectionBoxes]:
     """Which boxes may hold a zero, and their parts where it may be."""
     lower, upper = boxes.lower, boxes.upper
     holds = forms.holds[boxes.stratum]
@@ -221,17 +223,19 @@ def _contracted(forms: Forms, error: np.ndarray, boxes: Boxes) -> tuple[np.ndarr
     low[keep] = np.maximum(lower[keep], middle - loose)
     high[keep] = np.minimum(upper[keep], middle + loose)
     keep[keep] = (low[keep] <= high[keep]).all(axis=1)
-    return keep, Boxes(boxes.stratum, low, high)
+    return keep, DirectionBoxes(boxes.stratum, low, high)
 
 
-def _halved(boxes: Boxes) -> Boxes:
+def _halved(boxes: DirectionBoxes) -> DirectionBoxes:
     """Split each box at the middle of its widest side; both halves share that number."""
     lower, upper = boxes.lower, boxes.upper
     rows, axis = np.arange(len(lower)), np.argmax(upper - lower, axis=1)
     middle = 0.5 * (lower[rows, axis] + upper[rows, axis])
     below, above = upper.copy(), lower.copy()
     below[rows, axis] = above[rows, axis] = middle
-    return Boxes(np.tile(boxes.stratum, 2), np.vstack([lower, above]), np.vstack([below, upper]))
+    return DirectionBoxes(
+        np.tile(boxes.stratum, 2), np.vstack([lower, above]), np.vstack([below, upper])
+    )
 
 
 def _tilted(rows: Forms, lower: np.ndarray, upper: np.ndarray, core: float, radius: float) -> bool:

@@ -63,7 +63,7 @@ from origami_nlp.proof.complete import (
 from origami_nlp.proof.domains import FundamentalDomain
 from origami_nlp.proof.facet_separation import APART, CROSSED, Signs
 from origami_nlp.proof.options import DEFAULT, ProofOptions
-from origami_nlp.proof.result import Cluster, CriticalPoint, Proof
+from origami_nlp.proof.result import Cluster, Proof, ProvedCriticalPoint
 from origami_nlp.proof.roots import Roots
 from origami_nlp.proof.touch_roots import ContactSystem
 from origami_nlp.proof.touching_rows import Row, TouchedVertex, TouchedWedge
@@ -331,7 +331,7 @@ def _names(model: Model, touches: tuple[Row, ...]) -> str:
     return ", ".join(model.gap_name(model.structure.gaps[t.gap]) for t in touches)
 
 
-def _as_roots(points: tuple[CriticalPoint, ...], n: int) -> Roots:
+def _as_roots(points: tuple[ProvedCriticalPoint, ...], n: int) -> Roots:
     """The states of points, for `Signs`."""
     x = np.array([p.x for p in points]).reshape(-1, n)
     pins = np.array([p.stratum for p in points]).reshape(-1, n)
@@ -341,7 +341,10 @@ def _as_roots(points: tuple[CriticalPoint, ...], n: int) -> Roots:
 
 
 def _again(
-    model: Model, point: CriticalPoint, touches: tuple[Row, ...], known: tuple[CriticalPoint, ...]
+    model: Model,
+    point: ProvedCriticalPoint,
+    touches: tuple[Row, ...],
+    known: tuple[ProvedCriticalPoint, ...],
 ) -> bool:
     """Whether a point has more creases fully folded that keep these gaps closed, so that it has been counted."""
     for other in known:
@@ -371,7 +374,7 @@ def _kept_closed(model: Model, touch: Row, stratum: tuple[int, ...]) -> bool:
     return all(at_limit[c] for c in ahead) or all(at_limit[c] for c in back)
 
 
-def _point(model: Model, roots: Roots, i: int, touches: tuple[Row, ...]) -> CriticalPoint:
+def _point(model: Model, roots: Roots, i: int, touches: tuple[Row, ...]) -> ProvedCriticalPoint:
     """State a root with touches in the scene's units; whether it is a minimum is decided by `_judged`."""
     equations = model.equation_count
     half = 0.5 if equations == 3 else 1.0
@@ -379,7 +382,7 @@ def _point(model: Model, roots: Roots, i: int, touches: tuple[Row, ...]) -> Crit
     # as many contacts as degrees of freedom leave nothing to bend
     all_held = len(touches) + np.count_nonzero(roots.pins[i]) == model.freedom
     index = 0 if all_held else None if roots.index[i] < 0 else int(roots.index[i])
-    return CriticalPoint(
+    return ProvedCriticalPoint(
         tuple(roots.x[i].tolist()),
         tuple(roots.pins[i].tolist()),
         tuple((half * lam[:equations]).tolist()),
@@ -396,8 +399,8 @@ def _point(model: Model, roots: Roots, i: int, touches: tuple[Row, ...]) -> Crit
 
 
 def _judged(
-    model: Model, roots: Roots, points: tuple[CriticalPoint, ...], touches: tuple[Row, ...]
-) -> list[CriticalPoint | None]:
+    model: Model, roots: Roots, points: tuple[ProvedCriticalPoint, ...], touches: tuple[Row, ...]
+) -> list[ProvedCriticalPoint | None]:
     """Give points that are admissible a verdict; None for those that cross, or have layers without an order."""
     if not points:
         return []
@@ -406,8 +409,8 @@ def _judged(
 
 
 def _verdict(
-    model: Model, signs: Signs, i: int, point: CriticalPoint, touches: tuple[Row, ...]
-) -> CriticalPoint | None:
+    model: Model, signs: Signs, i: int, point: ProvedCriticalPoint, touches: tuple[Row, ...]
+) -> ProvedCriticalPoint | None:
     contacts = signs.contacts(i, touches)
     if contacts.verdict == CROSSED:
         return None
@@ -428,7 +431,7 @@ def _verdict(
     return replace(point, judged=f"{what.verdict}: {what.reason}")
 
 
-def _decided(point: CriticalPoint, sides: tuple[int, ...]) -> CriticalPoint:
+def _decided(point: ProvedCriticalPoint, sides: tuple[int, ...]) -> ProvedCriticalPoint:
     """Decide by signs of all multipliers and the index."""
     if not point.touches:
         return point

@@ -35,7 +35,7 @@ from origami_nlp.space.mesh import (
 
 WITNESSES = 3
 """States of a face that are examined; they must agree."""
-NEAR_SINGULAR_TOL = 1e-4
+RADIUS = 1e-4
 """How close to handles other states are looked for, in base coordinates [rad]."""
 
 
@@ -215,7 +215,7 @@ def check_lower_dimensional(cells: Cells) -> None:
         raise MeshError("a handle is shorter than the mesh: use a larger size")
     sheets, origin = cells.sheets, cells.origin[inner]
     turn = 2 * math.pi * np.arange(16) / 16
-    circle = NEAR_SINGULAR_TOL * np.stack([np.cos(turn), np.sin(turn)], axis=1)
+    circle = RADIUS * np.stack([np.cos(turn), np.sin(turn)], axis=1)
     for side in (-1, 1):
         sheet = np.where(sheets.sheet[origin] == 0, side, sheets.sheet[origin])
         for step in circle:

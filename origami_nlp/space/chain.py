@@ -30,7 +30,7 @@ from origami_nlp.pattern import Scene
 
 
 @dataclass(frozen=True)
-class Chain:
+class HalfChain:
     """The half-chain of a scene; see the module.
 
     Attributes
@@ -150,7 +150,7 @@ WRAPPED = {"degree6": (False, True, True), "wedge": (False, True, False)}
 """Which of `Points.walls` are angles modulo 2 pi: a change of sign at +-pi does not count."""
 
 
-def chain_of(scene: Scene) -> Chain:
+def chain_of(scene: Scene) -> HalfChain:
     """Return the half-chain of a scene.
 
     Parameters
@@ -160,7 +160,7 @@ def chain_of(scene: Scene) -> Chain:
 
     Returns
     -------
-    Chain
+    HalfChain
         The half-chain, which folds over two parameters.
 
     Raises
@@ -185,7 +185,7 @@ def chain_of(scene: Scene) -> Chain:
         touch = f"creases {first} and {last} on each other"
         walls = (names[0], names[1], names[3], names[2], touch)
         along, normal = np.array([1.0, 0.0, 0.0]), np.array([0.0, 1.0, 0.0])
-        return Chain(scene, chart.kind, sectors, normal, along, up, (math.pi, math.pi), walls)
+        return HalfChain(scene, chart.kind, sectors, normal, along, up, (math.pi, math.pi), walls)
     c, s = math.cos(math.pi / group.order), math.sin(math.pi / group.order)
     if group.order == 2:
         c, s = 0.0, 1.0
@@ -197,4 +197,4 @@ def chain_of(scene: Scene) -> Chain:
         f"crease {last} on the axis",
     )
     normal, along = np.array([s, -c, 0.0]), np.array([c, s, 0.0])
-    return Chain(scene, chart.kind, sectors, normal, along, up, (math.pi / 2, math.pi), walls)
+    return HalfChain(scene, chart.kind, sectors, normal, along, up, (math.pi / 2, math.pi), walls)

@@ -16,7 +16,7 @@ import numpy as np
 
 from origami_nlp.errors import OrigamiError
 from origami_nlp.numerics import NONZERO, OUTSIDE, ROUNDED
-from origami_nlp.space.chain import WRAPPED, Chain
+from origami_nlp.space.chain import WRAPPED, HalfChain
 
 ON = 1000 * ROUNDED
 """Walls whose value at a vertex is smaller are taken to pass through it: values are good to about `ROUNDED`."""
@@ -24,7 +24,7 @@ ON_SEAM = ROUNDED
 """The same for the seam, which is seen through a square root."""
 BISECTIONS = 52
 BORDER_P, BORDER_Q, HEIGHT, CUT, OTHER, SEAM = range(6)
-"""Bits of `Sheets.on`: the five walls in the order of `Chain.walls`, then the seam where the two sheets meet."""
+"""Bits of `Sheets.on`: the five walls in the order of `HalfChain.walls`, then the seam where the two sheets meet."""
 
 
 STRAIGHT = 1 << BORDER_P | 1 << BORDER_Q
@@ -51,7 +51,7 @@ class Sheets:
     triangles [F, 3].  values [V, 3]: `Points.walls`, exactly 0 where `on` says so.  wedge [V, k]: fold angles.
     """
 
-    chain: Chain
+    chain: HalfChain
     base: np.ndarray
     sheet: np.ndarray
     on: np.ndarray
@@ -87,7 +87,7 @@ class Surface(NamedTuple):
         )
 
 
-def mesh_sheets(chain: Chain, size: int) -> Sheets:
+def mesh_sheets(chain: HalfChain, size: int) -> Sheets:
     """Triangulate the closed states of `chain`; `size` rings around the flat state, 4 `size` directions."""
     base, triangles = polar_mesh(chain.reach, size)
     on = np.zeros(len(base), dtype=np.int64)
@@ -158,7 +158,7 @@ def several(on: np.ndarray) -> np.ndarray:
 Evaluate = Callable[[np.ndarray, np.ndarray], np.ndarray]
 
 
-def wall_function(chain: Chain, bit: int) -> Evaluate:
+def wall_function(chain: HalfChain, bit: int) -> Evaluate:
     """Return the function (base, sheet) -> value of a curved wall or of the seam."""
     if bit == HEIGHT:
         return lambda base, sheet: chain.height(base)
@@ -168,7 +168,7 @@ def wall_function(chain: Chain, bit: int) -> Evaluate:
     return lambda base, sheet: chain.points(base, sheet).walls[:, column]
 
 
-def _split(chain: Chain, surface: Surface, bit: int) -> Surface:
+def _split(chain: HalfChain, surface: Surface, bit: int) -> Surface:
     """Cut every triangle along a wall or the seam."""
     function = wall_function(chain, bit)
     wrapped = bit in (CUT, OTHER) and WRAPPED[chain.kind][bit - HEIGHT]
@@ -178,7 +178,9 @@ def _split(chain: Chain, surface: Surface, bit: int) -> Surface:
     return _cut(chain, surface, bit, function, period)
 
 
-def _cut(chain: Chain, surface: Surface, bit: int, function: Evaluate, period: float) -> Surface:
+def _cut(
+    chain: HalfChain, surface: Surface, bit: int, function: Evaluate, period: float
+) -> Surface:
     """Give every edge whose ends are on different sides a vertex on the wall."""
     value = function(surface.base, surface.sheet)
     zero = np.abs(value) <= (ON_SEAM if bit == SEAM else ON)
@@ -262,7 +264,7 @@ def divide(triangles: np.ndarray, middle: np.ndarray) -> np.ndarray:
 
 
 def _find_roots(
-    chain: Chain,
+    chain: HalfChain,
     function: Evaluate,
     a: np.ndarray,
     b: np.ndarray,
@@ -289,7 +291,7 @@ def _find_roots(
     return at(0.5 * (low + high))
 
 
-def pull(chain: Chain, base: np.ndarray, sheet: np.ndarray, bit: int) -> np.ndarray:
+def pull(chain: HalfChain, base: np.ndarray, sheet: np.ndarray, bit: int) -> np.ndarray:
     """Move base points [V, 2] onto a curved wall by Newton steps along its gradient."""
     function = wall_function(chain, bit)
     h = DIFFERENCE
@@ -328,7 +330,7 @@ def _double(surface: Surface, kept: np.ndarray) -> Surface:
     return Surface(np.vstack([base, base]), np.concatenate([on, on]), sheet, triangles)
 
 
-def _shorten(chain: Chain, surface: Surface, longest: float) -> Surface:
+def _shorten(chain: HalfChain, surface: Surface, longest: float) -> Surface:
     """Divide edges between states that are far apart; nearer to the seam, where one end is on it."""
     base, on = surface.base, surface.on
     wedge = chain.points(base, surface.sheet).wedge

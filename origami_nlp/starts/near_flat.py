@@ -70,7 +70,7 @@ class NearFlat(Listed):
         return np.asarray(x[(size > RANK) & (size <= NEAR)])
 
 
-class Cone(NamedTuple):
+class QuadraticCone(NamedTuple):
     """Closed states beside one at which closure loses one rank, to second order: y'Fy = 0 on the kernel.
 
     Attributes
@@ -89,7 +89,7 @@ class Cone(NamedTuple):
     torque: np.ndarray
 
 
-def cone_at(model: Model, x: np.ndarray, jacobian: np.ndarray) -> Cone | None:
+def cone_at(model: Model, x: np.ndarray, jacobian: np.ndarray) -> QuadraticCone | None:
     """Return the cone of closed states at a state [n] with this Jacobian; None where not one rank is lost."""
     root = np.sqrt(model.parameters.stiffness)
     u, sizes, vt = np.linalg.svd(jacobian / root)
@@ -101,7 +101,7 @@ def cone_at(model: Model, x: np.ndarray, jacobian: np.ndarray) -> Cone | None:
     form = model.hessian(x, u[:, rank], np.zeros(len(model.structure.gaps)), 0.0)
     kernel = vt[rank:].T
     torque = kernel.T @ (model.parameters.torque(x) / root)
-    return Cone(root, kernel, kernel.T @ (form / np.outer(root, root)) @ kernel, torque)
+    return QuadraticCone(root, kernel, kernel.T @ (form / np.outer(root, root)) @ kernel, torque)
 
 
 def on_cone(form: np.ndarray, torque: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -10,7 +10,7 @@ import numpy as np
 
 from origami_nlp.numerics import CLOSURE_TOL, RESOLVED
 from origami_nlp.pattern import Pattern
-from origami_nlp.pattern_problem import Labels, PatternProblem
+from origami_nlp.pattern_problem import CanonicalLabelling, PatternProblem
 from origami_nlp.starts.batch_states import Samples
 from origami_nlp.starts.family import Listed, StartFamily
 
@@ -56,7 +56,7 @@ class Uniform(StartFamily):
     name = "uniform"
     sentence = "any fold angles"
 
-    def __init__(self, labels: Labels) -> None:
+    def __init__(self, labels: CanonicalLabelling) -> None:
         self._labels = labels
 
     def draw(self, rng: np.random.Generator, many: int) -> Samples:
@@ -97,7 +97,7 @@ class Grown(StartFamily):
     name = "grown"
     sentence = "grown out of the flat state"
 
-    def __init__(self, problem: PatternProblem, labels: Labels) -> None:
+    def __init__(self, problem: PatternProblem, labels: CanonicalLabelling) -> None:
         self._sheet, self._labels = problem, labels
 
     def draw(self, rng: np.random.Generator, many: int) -> Samples:
@@ -127,7 +127,9 @@ class Grown(StartFamily):
         return phi
 
 
-def families_in_turn(problem: PatternProblem, labels: Labels) -> tuple[StartFamily, ...]:
+def families_in_turn(
+    problem: PatternProblem, labels: CanonicalLabelling
+) -> tuple[StartFamily, ...]:
     """Return the families of random starts of a pattern, from which one start each is drawn in turn."""
     anywhere = Uniform(labels)
     grown = Grown(problem, labels) if problem.pattern.is_flat else anywhere
@@ -152,7 +154,7 @@ class Popped(Listed):
     name = "minima with a vertex popped"
     sentence = "a minimum with one vertex on its other side"
 
-    def __init__(self, pattern: Pattern, labels: Labels, phi: np.ndarray) -> None:
+    def __init__(self, pattern: Pattern, labels: CanonicalLabelling, phi: np.ndarray) -> None:
         self.size = pattern.creases
         self._around, self._phi = creases_around(pattern, labels), phi
 
@@ -165,7 +167,7 @@ class Popped(Listed):
                 yield start
 
 
-def creases_around(pattern: Pattern, labels: Labels) -> list[list[int]]:
+def creases_around(pattern: Pattern, labels: CanonicalLabelling) -> list[list[int]]:
     """Return the creases round each vertex, in an order of vertices that labels do not change."""
     rank = np.argsort(labels.order)
     around = [list(loop.creases) for loop in pattern.vertices]

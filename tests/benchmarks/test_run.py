@@ -335,7 +335,7 @@ def test_the_quick_run_has_every_part(tmp_path):
     from benchmarks import run_bench
 
     said = []
-    data = run_bench(quick=True, tell=said.append)
+    data = run_bench(quick=True, progress=said.append)
     write_bench(data, tmp_path / "x.json")
     assert said and data["hessian"] and data["grid"] and data["scaling"]["degrees"]
     assert {r.label for r in digest.rows(data)} >= {OURS, "IPOPT alone, tol 1e-08"}

@@ -247,7 +247,10 @@ BAD_CALLS = {
     "odd degree": ([*PHASE, "--degree", 7], "degree"),
     "one point": ([*PHASE, "--degree", 8, "--size", 1], "size"),
     "too deep": ([*PHASE, "--degree", 8, "--depth", 2], "depth"),
-    "figure as text": ([*PHASE, "--degree", 8, "-o", "x.txt"], "must end in one of .json, .csv, .png"),
+    "figure as text": (
+        [*PHASE, "--degree", 8, "-o", "x.txt"],
+        "must end in one of .json, .csv, .png",
+    ),
     "CSV into no folder": ([*PHASE, "--degree", 8, "-o", "no/such/folder.csv"], "does not exist"),
     "rest state unknown": ([*PHASE, "--degree", 8, "--rest", "mine"], "rest"),
 }

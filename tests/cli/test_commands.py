@@ -5,7 +5,6 @@ import os
 import re
 import subprocess
 import sys
-
 from pathlib import Path
 
 import pytest
@@ -86,7 +85,7 @@ def test_a_vertex_of_a_fold_file_is_a_scene_and_its_oddities_are_told(tmp_path, 
     data["edges_assignment"].append("M")
     file.write_text(json.dumps(data))
     reported = []
-    scene = origami_nlp.read_fold_scene(file, tell=reported.append, stiffness=2.0)
+    scene = origami_nlp.read_fold_scene(file, on_note=reported.append, stiffness=2.0)
     assert reported and scene.degree == 4 and set(scene.stiffness) == {2.0}
     assert capsys.readouterr().err == ""
     assert origami_nlp.read_fold_scene(file, stiffness=2.0) == scene

@@ -31,7 +31,7 @@ def pocket(tmp_path):
     """The paper's degree-6 vertex as a FOLD file, and the very same scene as a scene file."""
     path = tmp_path / "pocket.fold"
     path.write_text(json.dumps(examples.crease_pattern("degree6", ratio=0.01)))
-    scene = o.read_fold_scene(path, symmetry="D1", tell=lambda note: None)
+    scene = o.read_fold_scene(path, symmetry="D1", on_note=lambda note: None)
     return path, scene_file(tmp_path, scene), ("--vertex", 0, "--symmetry", "D1")
 
 
@@ -94,14 +94,16 @@ def test_a_vertex_becomes_a_scene_file_of_the_same_doubles(sheet, tmp_path):
         ((), {}),
         (("--symmetry", "none", "--contact", "none"), {"symmetry": "none", "contact": "none"}),
     ):
-        for number, scene in o.read_fold_scenes(sheet, tell=lambda note: None, **keywords).items():
+        for number, scene in o.read_fold_scenes(
+            sheet, on_note=lambda note: None, **keywords
+        ).items():
             done = run("inspect", sheet, "--vertex", number, "-o", out, *options)
             assert done.code == 0 and done.out.endswith(f"written: {out}\n")
             again = o.read_scene(out)
             assert again == scene and again.group == scene.group
             assert again.relations.exact == scene.relations.exact
     done = run("inspect", sheet, "--vertex", 5, "-o", "-.toml")
-    assert o.parse_scene(done.out) == o.read_fold_scene(sheet, 5, tell=lambda note: None)
+    assert o.parse_scene(done.out) == o.read_fold_scene(sheet, 5, on_note=lambda note: None)
     assert "degree" in done.err  # the table, beside what goes to standard output
     code, _, err = run("inspect", sheet, "--stiffness", 5)
     assert code == 2 and "-o FILE.fold" in err
@@ -128,7 +130,7 @@ def test_all_vertices_of_a_sheet_equal_ones_once(sheet, tmp_path):
     assert data["schema"] == "origami-nlp/minima/2" and len(data["classes"]) == 2
     found = o.load(out)
     assert json.loads(json.dumps(found.to_dict())) == data
-    for number, scene in o.read_fold_scenes(sheet, tell=lambda note: None).items():
+    for number, scene in o.read_fold_scenes(sheet, on_note=lambda note: None).items():
         # states of the class, in the labels of each of its vertices, are closed states of that vertex, and no other
         # search finds different ones
         states = found.at(number)
@@ -206,7 +208,7 @@ def test_paths_are_frames_of_states_that_close(pocket, tmp_path, monkeypatch):
     assert barrier.code == 0, barrier.err
     pattern, *frames = parse_fold(out.read_bytes())
     (vertex,), _ = fold_vertices(pattern)
-    scene = o.read_fold_scene(out, frame=0, tell=lambda note: None)
+    scene = o.read_fold_scene(out, frame=0, on_note=lambda note: None)
     assert 20 < len(frames) <= 61
     raw = json.loads(out.read_text())["file_frames"]
     steps = []
@@ -296,7 +298,7 @@ def test_examples_are_written_as_asked(tmp_path):
     done = run("example", "miura:2x3", "-o", fold, "-o", toml, "--alpha", "pi/4")
     assert done.code == 0 and done.out == f"written: {fold}\nwritten: {toml}\n"
     assert o.read_scene(toml) == examples.miura("pi/4")
-    assert len(o.read_fold_scenes(fold, tell=lambda note: None)) == 2
+    assert len(o.read_fold_scenes(fold, on_note=lambda note: None)) == 2
     for name in examples.BY_NAME:
         done = run("example", name)
         assert done.code == 0 and done.out.startswith("# ") and not done.err

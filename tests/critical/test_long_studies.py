@@ -18,7 +18,7 @@ from tests.critical.test_critical_points import (
     random_energy,
 )
 
-DOC = Path(__file__).parents[2] / "docs" / "critical_points.md"
+DOC = Path(__file__).parents[2] / "docs" / "validation" / "critical_points.md"
 
 
 @pytest.mark.slow

@@ -12,7 +12,7 @@ from origami_nlp.kkt import project
 from origami_nlp.problem import Model
 from tests.computed_once import shared
 
-DUPLICATE_TOL = 1e-6
+SAME_MINIMUM = 1e-6
 """Two minima [rad] of two searches are one: far above what the polish leaves, far below what tells minima apart."""
 
 
@@ -98,7 +98,7 @@ def first_states(family, number):
 def unmatched(a, b):
     """How many states of a [A, N] have no partner among b [B, N]."""
     far = np.abs(a[:, None] - b).max(axis=2)
-    return int((far.min(axis=1, initial=math.inf) > DUPLICATE_TOL).sum())
+    return int((far.min(axis=1, initial=math.inf) > SAME_MINIMUM).sum())
 
 
 @pytest.mark.parametrize(("family", "number", "name"), CASES)

@@ -15,7 +15,7 @@ import origami_nlp
 
 PACKAGE = Path(origami_nlp.__file__).parent
 TABLE = PACKAGE / "numerics" / "tolerances.py"
-PAGE = PACKAGE.parent / "docs" / "tolerances.md"
+PAGE = PACKAGE.parent / "docs" / "validation" / "tolerances.md"
 SMALL = 0.1
 """Floats below this are tolerances, until somebody says what else they are."""
 DRAWN = "chart/axes display/ figure drawing picture strip panel segments_figure phase_figure"

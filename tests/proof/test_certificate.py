@@ -25,7 +25,7 @@ DATA = certificate_to_dict(GOOD)
 
 def test_what_is_read_is_what_was_written(tmp_path):
     path = tmp_path / "proof.json"
-    left = c.Left((0.0,) * 4, (1e-5,) * 4, (0, 0, 0, 0), "dependent axes")
+    left = c.UndecidedBox((0.0,) * 4, (1e-5,) * 4, (0, 0, 0, 0), "dependent axes")
     more = c.Certificate(GOOD.scene, GOOD.r0, GOOD.points, (left,), (left, left), GOOD.nodes)
     write_certificate(more, path)
     assert path.stat().st_size < 200_000

@@ -313,7 +313,7 @@ def test_nothing_to_audit_is_an_error() -> None:
 
 
 def test_thirty_rows_do_not_close(reference: tuple[Candidate, ...]) -> None:
-    """By rotation matrices; fifteen different ones, each listed on both branches; docs/audit.md says so."""
+    """By rotation matrices; fifteen different ones, each listed on both branches; docs/validation/audit.md says so."""
     open_rows: list[tuple[object, tuple[float, ...]]] = []
     for c in reference:
         sectors = np.array(c.scene(c.alpha).vertex.sector_angles)
@@ -322,7 +322,7 @@ def test_thirty_rows_do_not_close(reference: tuple[Candidate, ...]) -> None:
             open_rows.append((c.panel, c.fold_angles))
     different = {(panel, tuple(np.round(phi, 5))) for panel, phi in open_rows}
     assert len(open_rows) == 30 and len(different) == 15
-    text = " ".join((ROOT / "docs" / "audit.md").read_text(encoding="utf-8").split())
+    text = " ".join((ROOT / "docs" / "validation" / "audit.md").read_text(encoding="utf-8").split())
     assert "**Rows that are no states (30).**" in text and "15 different ones" in text
 
 
@@ -354,7 +354,7 @@ def test_book_fold_takes_the_chains_of_pi4(reference: tuple[Candidate, ...]) -> 
 @pytest.mark.slow
 def test_documented_table_is_the_output_of_the_command(reference: tuple[Candidate, ...]) -> None:
     panels = audit_candidates(reference)
-    text = (ROOT / "docs" / "audit.md").read_text(encoding="utf-8")
+    text = (ROOT / "docs" / "validation" / "audit.md").read_text(encoding="utf-8")
     table = [line for line in as_markdown(panels).splitlines() if line.startswith("|")]
     assert len(table) > 20 and all(line in text for line in table)
     assert len(audit_to_dict(panels)["panels"]) == 18
@@ -362,7 +362,7 @@ def test_documented_table_is_the_output_of_the_command(reference: tuple[Candidat
 
 
 def test_documented_table_adds_up() -> None:
-    text = (ROOT / "docs" / "audit.md").read_text(encoding="utf-8")
+    text = (ROOT / "docs" / "validation" / "audit.md").read_text(encoding="utf-8")
     rows = re.findall(r"^\| degree (\d), .*?\| ([\d |]+) \|$", text, re.MULTILINE)
     (line,) = re.findall(r"^\| \*\*all\*\* \| (.*) \|$", text, re.MULTILINE)
     total = [int(cell.strip("* ")) for cell in line.split("|")]

@@ -11,7 +11,7 @@ from origami_nlp.symbolic.left_out import LEFT_OUT
 
 from origami_nlp.symbolic import report
 
-ERRATA = Path(__file__).parents[2] / "docs" / "errata.md"
+ERRATA = Path(__file__).parents[2] / "docs" / "validation" / "errata.md"
 
 
 def test_json_has_the_keys_of_the_schema(run):
@@ -56,7 +56,7 @@ def test_latex_is_balanced(run):
 def test_the_committed_errata_page_is_current(run):
     fresh = report.errata_page(run.results)
     assert ERRATA.read_text(encoding="utf-8") == fresh, (
-        "regenerate with `python -m origami_nlp.symbolic.report docs/errata.md`"
+        "regenerate with `python -m origami_nlp.symbolic.report docs/validation/errata.md`"
     )
 
 

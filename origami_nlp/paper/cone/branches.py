@@ -73,7 +73,7 @@ class ConeBranch:
     def steep(self) -> int:
         """Number of flaps with the larger partial fold angle."""
         # up: mountains are steep, down: valleys (paper, eq. 4.3; its modulus holds for |v| <= pi/2 - alpha only:
-        # docs/errata.md)
+        # docs/validation/errata.md)
         return sum(f != self.direction for f in self.flaps)
 
     @property

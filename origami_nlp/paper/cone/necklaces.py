@@ -158,7 +158,7 @@ def number_of_foldings(degree: int, *, mirrors_differ: bool = True) -> int:
     (2192, 1224)
     """
     n = check_degree(degree) // 2
-    # necklaces, as the paper's table lists them; its eq. 4.6 counts bracelets (docs/errata.md)
+    # necklaces, as the paper's table lists them; its eq. 4.6 counts bracelets (docs/validation/errata.md)
     turned = sum(_totient(d) << (n // d) for d in range(1, n + 1) if n % d == 0) // n
     if mirrors_differ:
         return turned

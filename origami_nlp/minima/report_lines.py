@@ -1,4 +1,4 @@
-"""What minima say: table, states, and how the search went."""
+"""Tables and lines of a list of minima: states, fold angles, what is not decided."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ def dof_words(dimension: int, full: int) -> str:
 
 
 def moment_words(moment: Sequence[float], residual: float, degree: int) -> str:
-    """Say which moment passes round the vertex, or that there is no such one."""
+    """Report the constant internal moment, or that there is none."""
     largest = max(map(abs, moment))
     vector = ", ".join(f"{v:.6g}" if abs(v) > STATIONARY * largest else "0" for v in moment)
     if residual > BALANCED * (1 + largest):
