@@ -107,7 +107,7 @@ def test_a_load_path_is_written_as_a_mesh(whole, tmp_path):
     mesh = trimesh.load(target)
     assert mesh.area == pytest.approx(2 * area, rel=1e-5)  # where the one leg begins and ends
     wrong = run("load", *given, "-o", tmp_path / "ends.txt")
-    assert wrong.code == 2 and "must end in .obj, .stl, .glb" in wrong.err
+    assert wrong.code == 2 and ".obj, .stl, .glb" in wrong.err
 
 
 def test_modes_and_designs_are_turned_as_the_minima_that_they_are_of():

@@ -219,6 +219,8 @@ def _kind(file: str, kinds: Sequence[str]) -> str:
         special = os.path.exists(place) and not (os.path.isfile(place) or os.path.isdir(place))
         if special or is_stdout(place):
             return kinds[0]
+    if os.path.isdir(place):
+        raise OptionError(f"-o = {file!r} is a folder: give a file name")
     endings = ", ".join(ending for kind in kinds for ending in KINDS[kind][0])
     raise OptionError(f"-o = {file!r} must end in one of {endings}")
 
