@@ -11,7 +11,6 @@ from origami_nlp.cli.group import Group
 from origami_nlp.cli.output import Output, writes
 from origami_nlp.cli.progress import progress
 from origami_nlp.errors import OptionError
-from origami_nlp.pattern import parse_angle
 
 MOST_DIGITS = 28_000
 """Largest degree whose numbers are written out: Python converts integers of up to 4,300 digits."""
@@ -29,6 +28,7 @@ def count(
 ) -> None:
     """Count the minima on all 2^(N/2 + 1) branches exactly: interior, pinned by contact, falling at a cut."""
     from origami_nlp.paper import cone as cones
+    from origami_nlp.pattern import parse_angle
 
     nu = parse_angle(rest_elevation, "--rest-elevation")
     found = cones.count(cones.Cone(degree, rest, end), ratio, nu, depth=depth)
@@ -63,6 +63,7 @@ def branch(
 ) -> None:
     """Print the fold angles of a folded cone, in radians and (as in FOLD files) in degrees."""
     from origami_nlp.paper import cone as cones
+    from origami_nlp.pattern import parse_angle
 
     nu = parse_angle(elevation, "--elevation")
     state = cones.branch(flaps, -1 if nu < 0 else 1, end=end)
@@ -84,6 +85,7 @@ def draw(
     A cone by its flaps is drawn at every --elevation that is given.
     """
     from origami_nlp.paper import cone as cones
+    from origami_nlp.pattern import parse_angle
 
     if not out.files("figure"):
         raise OptionError("-o is missing: name the file of the figure, such as -o cone.pdf")
@@ -144,6 +146,7 @@ def full(
 ) -> None:
     """Judge every branch minimum in the full contact-admissible space (degrees up to 16)."""
     from origami_nlp.paper import cone as cones
+    from origami_nlp.pattern import parse_angle
 
     nu = parse_angle(rest_elevation, "--rest-elevation")
     with progress("branch minima") as report:

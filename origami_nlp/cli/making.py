@@ -18,7 +18,6 @@ from origami_nlp.cli.output import Output, writes
 from origami_nlp.cli.source import note_normalized
 from origami_nlp.cli.timed import bounded
 from origami_nlp.errors import OptionError
-from origami_nlp.pattern import Vertex, examples, format_scene
 
 REFUTED, OPEN = 1, 3
 
@@ -50,6 +49,7 @@ def design(
         parse_targets,
         read_targets,
     )
+    from origami_nlp.pattern import Vertex, format_scene
     from origami_nlp.pattern_problem import pattern_to_fold
 
     if targets in EXAMPLES and not Path(targets).exists():
@@ -110,6 +110,7 @@ def example(
     NAME:ROWSxCOLUMNS, such as miura:4x6, is the size of the crease pattern.
     """
     from origami_nlp.inverse_design import EXAMPLES
+    from origami_nlp.pattern import examples, format_scene
 
     word, cells = examples.split_size(name)
     options = {
@@ -135,16 +136,16 @@ def example(
                 f"NAME = {name!r}: a size is that of a crease pattern: give -o FILE.fold"
             )
         stated = examples.by_name(word, **given)
-        made = lambda: _about(word) + format_scene(stated)  # noqa: E731
+        made = lambda: _about(examples.BY_NAME[word]) + format_scene(stated)  # noqa: E731
     if not out.files("scene", "fold"):
         out = Output(["-"], ["scene"])
     out.write("fold", lambda: examples.crease_pattern(word, *cells, **given))
     out.write("scene", made)
 
 
-def _about(name: str) -> str:
+def _about(make: Callable[..., Any]) -> str:
     """Return what an example is as the first lines of its file."""
-    said = (inspect.getdoc(examples.BY_NAME[name]) or "").split("\nParameters\n")[0]
+    said = (inspect.getdoc(make) or "").split("\nParameters\n")[0]
     said = said.removeprefix("Make ")
     lines = textwrap.wrap(" ".join((said[:1].upper() + said[1:]).split()), 98)
     return "".join(f"# {line}\n" for line in lines)

@@ -26,7 +26,7 @@ KINDS = {
     "csv": ((".csv",), "table"),
     "fold": ((".fold",), "FOLD"),
     "figure": ((".png", ".pdf", ".svg"), "figure"),
-    "html": ((".html", ".htm"), "page with states to turn (extra view)"),
+    "html": ((".html", ".htm"), "page with states to turn"),
     "mesh": ((".obj", ".stl", ".glb"), "meshes (extra mesh)"),
     "animate": ((".gif", ".mp4"), "states in turn, .mp4 with ffmpeg"),
     "markdown": ((".md",), "table"),
@@ -72,11 +72,7 @@ class Output:
         self._given = [(_kind(file, kinds), file) for file in files or ()]
         self.check()
         for kind, file in self._given:
-            if kind == "html":
-                from origami_nlp.display import check_view
-
-                check_view(f"-o = {file!r}")
-            elif kind == "mesh":
+            if kind == "mesh":
                 from origami_nlp.minima import check_mesh
 
                 check_mesh(file)

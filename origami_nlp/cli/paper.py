@@ -14,7 +14,6 @@ from origami_nlp.cli.output import Output, answers, writes
 from origami_nlp.cli.progress import progress
 from origami_nlp.cli.search import search_panels
 from origami_nlp.cli.timed import bounded
-from origami_nlp.pattern import examples
 
 if TYPE_CHECKING:
     from origami_nlp.symbolic.claim import Claim
@@ -28,6 +27,7 @@ def demo(
     from origami_nlp.display import rows_table
     from origami_nlp.io import make_folder, write_json
     from origami_nlp.minima import DEMO_HEADS, demo_rows, draw_minima
+    from origami_nlp.pattern import examples
 
     folder = make_folder(folder, "--folder")
     files = [folder / name for name in ("minima.json", "degree6.png", "degree8.png")]

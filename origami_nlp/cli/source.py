@@ -9,27 +9,15 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, wraps
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from origami_nlp.arguments import check_whole, did_you_mean
 from origami_nlp.cli import options as o
 from origami_nlp.errors import FoldFileError, OptionError, SceneFileError
 from origami_nlp.io import read_limited
-from origami_nlp.pattern import (
-    LARGEST,
-    Frame,
-    Pattern,
-    Scene,
-    Vertex,
-    decode_scene,
-    examples,
-    fold_vertices,
-    frame_pattern,
-    is_json,
-    parse_fold,
-    vertex_scene,
-    vertex_scenes,
-)
+
+if TYPE_CHECKING:
+    from origami_nlp.pattern import Frame, Pattern, Scene, Vertex
 
 FOLD_OPTIONS = {
     "vertex": o.VertexNumber,
@@ -63,6 +51,8 @@ class Source:
     @cached_property
     def is_fold(self) -> bool:
         """Whether it is a FOLD file or an example, by its name or, without one that says so, by its first letter."""
+        from origami_nlp.pattern import is_json
+
         return _named_fold(self.name) or is_json(self._content)
 
     @cached_property
@@ -73,6 +63,8 @@ class Source:
 
     @cached_property
     def _content(self) -> bytes:
+        from origami_nlp.pattern import LARGEST, examples
+
         if self.is_example:
             return json.dumps(examples.crease_pattern(self.name)).encode()
         if self.name != "-" and not Path(self.name).suffix and not Path(self.name).exists():
@@ -100,10 +92,14 @@ class Source:
 
     def frames(self) -> tuple[Frame, ...]:
         """Return the frame asked for, or all."""
+        from origami_nlp.pattern import parse_fold
+
         return parse_fold(self._content, self.given.get("frame"))
 
     def read(self) -> Scene:
         """Return the scene; what is odd in a FOLD file goes to standard error."""
+        from origami_nlp.pattern import decode_scene, vertex_scene
+
         if not self.is_fold:
             self.refuse_options("a scene file states it itself", but=("symmetry",))
             scene = decode_scene(self._content, self.name)
@@ -119,6 +115,8 @@ class Source:
 
     def read_whole(self, contact: bool = False) -> Scene | Pattern:
         """Return the scene of a scene file or of the vertex that is asked for, else as `read_pattern`."""
+        from origami_nlp.pattern import fold_vertices
+
         if not self.is_whole:
             return self.read()
         one = fold_vertices(self._frame())[0]
@@ -134,6 +132,8 @@ class Source:
 
     def read_pattern(self, contact: bool = False) -> Pattern:
         """Return the whole pattern of a FOLD file or an example; contact: what is asked of it takes ``--contact``."""
+        from origami_nlp.pattern import frame_pattern
+
         if not self.is_fold:
             raise OptionError(
                 f"{self.name!r} is the scene of one vertex: give a FOLD file or an example"
@@ -149,6 +149,8 @@ class Source:
 
     def read_all(self) -> dict[int, Scene]:
         """Return the scene of every vertex of a FOLD file that can be analysed, by its number."""
+        from origami_nlp.pattern import vertex_scenes
+
         return vertex_scenes(self._frame(), on_note=_note, **self._spring_options())
 
     def refuse_options(self, why: str, but: Sequence[str] = ()) -> None:
@@ -158,6 +160,8 @@ class Source:
             raise OptionError(f"--{option} is for FOLD files (.fold); {why}")
 
     def _frame(self) -> Frame:
+        from origami_nlp.pattern import parse_fold
+
         (frame,) = parse_fold(self._content, self.given.get("frame", "first"))
         return frame
 
@@ -209,6 +213,8 @@ def note_normalized(vertex: Vertex) -> None:
 
 
 def _examples() -> tuple[str, ...]:
+    from origami_nlp.pattern import examples
+
     return (*examples.BY_NAME, *examples.SHEETS)
 
 

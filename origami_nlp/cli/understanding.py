@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from typing import Annotated, Any, TypeAlias
+from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 
 import typer
 
@@ -15,7 +15,9 @@ from origami_nlp.cli.search import search, search as search_minima
 from origami_nlp.cli.source import Source, takes_scene
 from origami_nlp.cli.timed import bounded
 from origami_nlp.errors import OptionError
-from origami_nlp.pattern import Pattern, Scene, examples, listed
+
+if TYPE_CHECKING:
+    from origami_nlp.pattern import Pattern
 
 Creases: TypeAlias = Annotated[
     list[int] | None,
@@ -79,6 +81,8 @@ def work_of(
 
 def creases_of(pattern: Pattern, edges: list[int] | None) -> list[int]:
     """Return the numbers of creases, from 1, that are edges of the file, from 0."""
+    from origami_nlp.pattern import listed
+
     number = {edge: crease for crease, edge in enumerate(pattern.numbers.tolist(), start=1)}
     for edge in edges or ():
         if edge not in number:
@@ -221,6 +225,7 @@ def barriers(
         draw_barriers,
         find_barriers,
     )
+    from origami_nlp.pattern import Scene, examples
 
     given = scene.name if scene else None
     if panels == (scene is not None):
@@ -274,6 +279,7 @@ def critical(
         panel_row,
     )
     from origami_nlp.display import rows_markdown, rows_table
+    from origami_nlp.pattern import examples
     from origami_nlp.space import find_space
 
     given = scene.name if scene else None

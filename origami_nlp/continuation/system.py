@@ -14,7 +14,7 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from scipy import sparse
+import scipy as sp
 
 from origami_nlp.continuation.line import ParameterLine
 from origami_nlp.kkt import Classification, State, classify
@@ -243,4 +243,4 @@ def stacked(matrix: Any, rows: np.ndarray) -> Any:
     """Return a matrix with more rows."""
     if isinstance(matrix, np.ndarray):
         return np.concatenate([matrix, rows])
-    return sparse.vstack([matrix, sparse.csr_array(rows)]).tocsr()
+    return sp.sparse.vstack([matrix, sp.sparse.csr_array(rows)]).tocsr()

@@ -314,7 +314,7 @@ class Descents:
         dx = d / self.closing.root(s)
         longest = np.abs(dx).max(axis=1)
         trial, share = self._moved(s, dx, np.minimum(1.0, reach / np.maximum(longest, NONZERO)))
-        trial = self.closing.close(trial)
+        trial = self.closing.close(trial, metric=True)
         energy = self.closing.springs(s).energy(s.x)
         before = _Before(s.x, energy, np.einsum("ki,ki->k", down, d) * share, escaped)
         good, gap, side = self._try(trial, before)
@@ -383,7 +383,7 @@ class Descents:
         held, room = shorter.holding(gap, side)
         first = shorter.x
         # the contact held, and as far as there without it, together: a batch costs by the call
-        ends = self.closing.close(joined(held, shorter))
+        ends = self.closing.close(joined(held, shorter), metric=True)
         level = replace(before[np.tile(todo, 2)], slope=np.zeros(2 * k))
         ok = self._try(ends, level)[0]
         ok[:k] &= room & (np.abs(ends.x[:k] - first).max(axis=1) < NEAR)

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from scipy import sparse
+import scipy as sp
 
 from origami_nlp.numerics import Matrix, cross
 from origami_nlp.pattern import Loop, Pattern
@@ -234,7 +234,7 @@ class Closure:
         values = np.concatenate([*data, np.zeros(0)])
         if n > MOST_DENSE:
             filled = np.bincount(form.slots, values, len(form.columns))
-            return sparse.csr_array((filled, form.columns, form.first), shape=(form.rows, n))
+            return sp.sparse.csr_array((filled, form.columns, form.first), shape=(form.rows, n))
         return np.bincount(form.slots, values, form.rows * n).reshape(form.rows, n)
 
     @cached_property

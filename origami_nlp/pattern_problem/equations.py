@@ -19,8 +19,7 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from scipy import sparse
-from scipy.sparse.linalg import splu
+import scipy as sp
 
 from origami_nlp.errors import OutOfTime
 from origami_nlp.numerics import (
@@ -229,7 +228,7 @@ class PatternEquations:
         bent = self.closure.hessian(phi, multipliers)
         if isinstance(bent, np.ndarray):
             return np.diag(self.stiffness) - bent
-        return sparse.diags_array(self.stiffness).tocsr() - bent
+        return sp.sparse.diags_array(self.stiffness).tocsr() - bent
 
     def along(self, phi: np.ndarray, v: np.ndarray) -> np.ndarray:
         """Return the part of v [n] that closure allows to first order at a state."""
@@ -297,7 +296,8 @@ class PatternEquations:
         # eigenvalues of J'J are squares of singular values
         square = j @ j.T if j.shape[0] < j.shape[1] else j.T @ j
         shift = max(CURVED, below**2)
-        lu = splu(sparse.csc_array(square - shift * sparse.eye_array(square.shape[0])), **SYMMETRIC)
+        shifted = sp.sparse.csc_array(square - shift * sp.sparse.eye_array(square.shape[0]))
+        lu = sp.sparse.linalg.splu(shifted, **SYMMETRIC)
         if np.array_equal(lu.perm_r, lu.perm_c):
             return int((lu.U.diagonal() > 0).sum())
         return int((np.linalg.svd(dense(j), compute_uv=False) > below).sum())

@@ -13,7 +13,7 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from scipy import sparse
+import scipy as sp
 
 from origami_nlp.io import pick
 from origami_nlp.numerics import CLOSURE_TOL, CONTACT_TOL, OUTSIDE, Matrix, dense
@@ -113,7 +113,7 @@ class PatternProblem(PatternContacts, Energies):
         bent = None if self._dead is None else self._dead.hessian(np.zeros(0), phi)
         if bent is None:
             return plain
-        return plain + (bent if isinstance(plain, np.ndarray) else sparse.csr_array(bent))
+        return plain + (bent if isinstance(plain, np.ndarray) else sp.sparse.csr_array(bent))
 
     def scaled_energy(self, phi: np.ndarray) -> float:
         """Energy, load included, over `scale`; with a constant, so that it is positive."""
@@ -170,7 +170,7 @@ class PatternProblem(PatternContacts, Energies):
         if all(c.is_limit for c in contacts):
             return h
         bent = self._bent(x, multipliers[m:], contacts)
-        return h - bent if isinstance(h, np.ndarray) else h - sparse.csr_array(bent)
+        return h - bent if isinstance(h, np.ndarray) else h - sp.sparse.csr_array(bent)
 
     def _bent(self, x: np.ndarray, forces: np.ndarray, contacts: Sequence[Contact]) -> np.ndarray:
         """Hessian of forces . openings, [n, n]."""

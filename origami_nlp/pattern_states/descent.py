@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import sparse
+import scipy as sp
 
 from origami_nlp.numerics import (
     BALANCED,
@@ -165,7 +165,7 @@ def _direction(
         return z @ (vectors @ y), saddle
     j = normal.jacobian
     h = h[free][:, free] if held.any() else h
-    unit = np.eye(len(free)) if isinstance(h, np.ndarray) else sparse.eye_array(len(free))
+    unit = np.eye(len(free)) if isinstance(h, np.ndarray) else sp.sparse.eye_array(len(free))
     shift = 0.0
     for _ in range(8):
         matrix = h + shift * unit

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 import origami_nlp as o
+from origami_nlp import pattern
 from origami_nlp.barriers import find_barriers
-from origami_nlp.cli import source
 from origami_nlp.pattern import examples, fold_vertices, format_scene, parse_fold
 from tests.command_line import run, scene_file
 from tests.fold_files import disc, miura
@@ -57,7 +57,7 @@ def test_every_command_reads_a_vertex_of_a_fold_file_as_its_scene_file(
         return stop
 
     for name in ("vertex_scene", "vertex_scenes", "decode_scene"):
-        monkeypatch.setattr(source, name, noted(getattr(source, name)))
+        monkeypatch.setattr(pattern, name, noted(getattr(pattern, name)))
     needed = NEEDED.get(command, ())
     for words in ((fold, *options), (toml,)):
         assert run(*command.split("-"), *words, *needed).err == "origami-nlp: read\n"
