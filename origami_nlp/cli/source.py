@@ -215,7 +215,7 @@ def note_normalized(vertex: Vertex) -> None:
 def _examples() -> tuple[str, ...]:
     from origami_nlp.pattern import examples
 
-    return (*examples.BY_NAME, *examples.SHEETS)
+    return (*examples.BY_NAME, *examples.WITH_SPRINGS)
 
 
 def _named_fold(name: str) -> bool:

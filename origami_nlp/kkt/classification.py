@@ -192,7 +192,7 @@ def _decide(state: State, accuracy: float) -> Classification:
     if real and not all(b.regular for b in real):
         dimension = dimension_nearby(state, contacts.base)
     certificate = "; ".join(dict.fromkeys(b.certificate for b in decisive))
-    if 0 < dimension < model.freedom:
+    if 0 < dimension < model.dof:
         certificate += f"; nearby states exist only with {_held_words(model, decisive)} exactly"
     return Classification(
         "minimum",

@@ -21,7 +21,7 @@ FEW_QUIET = 10
 
 @dataclass(repr=False)
 class SearchReport(ShortRepr):
-    """What a search did; that of a pattern is a `sheets.PatternSearchReport`, which says more.
+    """What a search did; that of a pattern is a `PatternSearchReport`, which says more.
 
     Attributes
     ----------

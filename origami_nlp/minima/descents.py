@@ -350,7 +350,7 @@ class Descents:
         """Return which trial states are taken; and which gap each crosses (`OPEN` for none), with its open side."""
         at, value, _ = self.closing.rows(trial)
         good = np.abs(value).max(axis=1) <= EXPLORED
-        good &= (np.abs(trial.x) <= self.model.bound + ROUNDED).all(axis=1) & (at.sheet > 0)
+        good &= (np.abs(trial.x) <= self.model.bound + ROUNDED).all(axis=1) & (at.lift > 0)
         # closing may have gone to states far from where the step led
         good &= np.abs(trial.x - before.x).max(axis=1) < 2 * REACH
         now, e = self.closing.springs(trial).energy(trial.x), before.energy

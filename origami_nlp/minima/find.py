@@ -306,7 +306,7 @@ def _minimum(
 
 def _confirmed(model: Model, answer: FoundState, record: Record) -> Confirmation | None:
     """Let IPOPT solve from a minimum, its contacts closed; None with too many creases, or fewer than equations."""
-    if model.size > MOST_CONFIRMED or model.freedom < 0:
+    if model.size > MOST_CONFIRMED or model.dof < 0:
         return None
     state = State(model, answer.polished.x)
     with record.surviving("a confirmation by IPOPT"):

@@ -100,17 +100,17 @@ def why_not(model: Model) -> str:
         return "without fold limits fold angles are not bounded by +-pi"
     if not model.scene.vertex.flat:
         return "the paper does not lie flat: proofs are for flat sheets"
-    if model.freedom <= 0 and model.structure.winding == 1:
+    if model.dof <= 0 and model.structure.winding == 1:
         return "nothing can move: the states listed are all that were looked for"
-    if model.freedom > MOST_DOF:
-        return f"{model.freedom} degrees of freedom (at most {MOST_DOF})"
+    if model.dof > MOST_DOF:
+        return f"{model.dof} degrees of freedom (at most {MOST_DOF})"
     return touches_not_proved(model) if model.scene.contact == "full" else ""
 
 
 def is_cheap(model: Model) -> bool:
     """Return whether a proof is tried without being asked for."""
     touching = bool(model.structure.gaps) and model.scene.group.is_trivial
-    return not why_not(model) and 0 < model.freedom <= (1 if touching else FEW_DOF)
+    return not why_not(model) and 0 < model.dof <= (1 if touching else FEW_DOF)
 
 
 def hold_against(

@@ -15,7 +15,7 @@ import scipy as sp
 
 from origami_nlp.kkt import project
 from origami_nlp.minima.curve import NODES, TO_SERIES, Branches, ConfigurationCurves
-from origami_nlp.minima.one_freedom import gaps_of, lifts, roots
+from origami_nlp.minima.one_dof import gaps_of, lifts, roots
 from origami_nlp.numerics import ANSWERED, SETTLED, MergeTree, merge_tree
 from origami_nlp.problem import Model
 

@@ -179,7 +179,7 @@ class Closure:
                 out[g.rows[:, None] + np.arange(3, 6)] = s.t / self._size
         return out
 
-    def on_sheet(self, phi: np.ndarray) -> bool:
+    def lifts_to_one(self, phi: np.ndarray) -> bool:
         """Return whether every loop closes with q = +1, as the reference state does (q = -1 is no sheet of paper)."""
         return all((s.q[:, 0] > 0).all() for s in self.turned(phi))
 

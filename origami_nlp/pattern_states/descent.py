@@ -196,4 +196,4 @@ def _retract(
         phi[beyond] = np.copysign(math.pi, phi[beyond])
         phi, residual = problem.project(phi, held)
     good = residual <= CLOSURE_TOL and bool((np.abs(phi) <= math.pi).all())
-    return phi, good and problem.closure.on_sheet(phi)
+    return phi, good and problem.closure.lifts_to_one(phi)

@@ -12,8 +12,8 @@ e1, and a mirror that runs through ray 1 stays the e1-e3 plane.
 - symmetric states may wind w times round the axis, w odd: T turns by w 2 pi/n, as T^n = -1 asks, and mirrors make the
   angle w pi/n. With n/w pieces to a turn in place of n the conditions are those above (w = n: those of n = 1), for a
   piece that is unrolled.
-- no symmetry: the vector part of q vanishes (three equations).  q = -1 also solves them; it is no sheet of
-  paper, and `is_sheet` decides.
+- no symmetry: the vector part of q vanishes (three equations).  q = -1 also solves them: unit quaternions
+  cover rotations twice, the sheet of paper is the lift q = +1, and `FoldedExpressions.lift` says which it is.
 
 A vertex that is not flat is unrolled: the last ray of its piece lies at the sum s of the sectors, not at pi/n
 or 2 pi/n.  The conditions on the folded state stay the same: H n_k with n_k = (sin s, -cos s, 0), T = q Q(e3, s),
@@ -40,14 +40,14 @@ class FoldedExpressions:
     end: quaternion of the whole piece (H, T or q).
     end_normal: inward normal of the last mirror after folding (D_n only).
     equations: loop closure, each zero when the piece closes.
-    sheet: positive on the sheet q = +1, negative on q = -1.
+    lift: positive on the lift q = +1, negative on q = -1.
     """
 
     rays: tuple[tuple[Any, Any, Any], ...]
     end: tuple[Any, Any, Any, Any]
     end_normal: tuple[Any, Any, Any] | None
     equations: ca.SX
-    sheet: Any
+    lift: Any
 
 
 def fold_piece(
@@ -112,14 +112,14 @@ def fold_piece(
         gap = ca.sum1(sectors) - 2 * math.pi / order
         q = quat.multiply(q, (ca.cos(gap / 2), 0, 0, ca.sin(gap / 2)))
     if order == 1:
-        # paper, eq. 2.3, F_N = I: q = +-1, a rotation by 0 or by 2 pi, which `sheet` distinguishes
+        # paper, eq. 2.3, F_N = I: q = +-1, a rotation by 0 or by 2 pi, which `lift` distinguishes
         return FoldedExpressions(tuple(rays), q, None, ca.vertcat(q[1], q[2], q[3]), q[0])
     half_turn = math.pi / order
     turn = quat.multiply(q, (math.cos(half_turn), 0, 0, math.sin(half_turn)))
     images = list(rays)
     for _ in range(int(order) - 1 if order == int(order) else 0):
         images += [quat.rotate(turn, c) for c in images[-count:]]
-    # T^n = -1 for every solution of T_w = cos(w pi/n), w odd, so the n-fold product is on the sheet q = +1
+    # T^n = -1 for every solution of T_w = cos(w pi/n), w odd, so the n-fold product is on the lift q = +1
     return FoldedExpressions(tuple(images), turn, None, turn[0] - exact_cosine(order), ca.SX(1))
 
 

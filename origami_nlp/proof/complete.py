@@ -168,7 +168,7 @@ def pose(model: Model) -> tuple[BoxProblem, Flat]:
     if not scene.vertex.flat:
         raise OptionError("the vertex is not flat: proofs are for flat sheets")
     p = model.parameters
-    if model.freedom < 1 and model.structure.winding == 1:
+    if model.dof < 1 and model.structure.winding == 1:
         raise OptionError("the scene has no degree of freedom: its closed states are finitely many")
     group, turn = scene.group, model.structure.turn
     if group.is_trivial:

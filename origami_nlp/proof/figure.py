@@ -129,10 +129,8 @@ def draw_proof(
 
     if proof.tree is None:
         raise OptionError("the proof has no tree: prove(model, record=True) keeps it")
-    if model.freedom != 2:
-        raise OptionError(
-            f"the scene has {model.freedom} degrees of freedom: draw_proof is for two"
-        )
+    if model.dof != 2:
+        raise OptionError(f"the scene has {model.dof} degrees of freedom: draw_proof is for two")
     figure = Figure(figsize=(9.6, 6.4), dpi=110, layout="compressed")
     axes = figure.subplots(1, 2, sharex=True, sharey=True)
     branches, there = _closed(model, pair, size)

@@ -145,7 +145,7 @@ def prove(
 
 def why_not(model: Model) -> str:
     """Return why touches of a model are not proved here; "" where they are."""
-    s, freedom = model.structure, model.freedom
+    s, dof = model.structure, model.dof
     if max(model.scene.vertex.sector_angles) >= math.pi - INPUT_TOL:
         return "a sector of 180 degrees or more"
     rays = len(s.has_crease)
@@ -155,8 +155,8 @@ def why_not(model: Model) -> str:
         return f"touches of a {model.symmetry} wedge of {rays} rays are not proved"
     if not s.gaps:
         return ""
-    if freedom > 2:
-        return f"{freedom} degrees of freedom: touches are proved for at most 2"
+    if dof > 2:
+        return f"{dof} degrees of freedom: touches are proved for at most 2"
     if s.kind == "C":
         return ""
     fits = rays <= 3 if s.order > 1 else rays == 4 and all(s.has_crease)
@@ -165,12 +165,12 @@ def why_not(model: Model) -> str:
 
 def contact_strata(model: Model) -> Iterator[ContactStratum]:
     """List the strata with touches of a model that `why_not` has nothing against."""
-    freedom = model.freedom
+    dof = model.dof
     patterns = strata(model.size)
     at_limit = (patterns.pins != 0).sum(axis=0)
     for touches in _sets(model):
         # |P| + |T| <= f
-        allowed = at_limit <= freedom - len(touches)
+        allowed = at_limit <= dof - len(touches)
         if model.structure.kind == "C":
             p = model.parameters
             posed: BoxProblem = TouchedVertex(
@@ -200,7 +200,7 @@ def _sets(model: Model) -> Iterator[tuple[Row, ...]]:
             for rays, i in first.items()
             if 3 <= (rays[0] - rays[1]) % n <= n - 2
         ]
-        for count in range(1, model.freedom + 1):
+        for count in range(1, model.dof + 1):
             for touches in itertools.combinations(rows, count):
                 if not _on_each_other(model, touches):
                     yield touches
@@ -380,7 +380,7 @@ def _point(model: Model, roots: Roots, i: int, touches: tuple[Row, ...]) -> Prov
     half = 0.5 if equations == 3 else 1.0
     lam = model.scale * roots.lam[i]
     # as many contacts as degrees of freedom leave nothing to bend
-    all_held = len(touches) + np.count_nonzero(roots.pins[i]) == model.freedom
+    all_held = len(touches) + np.count_nonzero(roots.pins[i]) == model.dof
     index = 0 if all_held else None if roots.index[i] < 0 else int(roots.index[i])
     return ProvedCriticalPoint(
         tuple(roots.x[i].tolist()),

@@ -60,7 +60,7 @@ class NearFlat(Listed):
         flat, n = np.zeros(model.size), model.size
         value, jacobian = model.closure(flat)
         none = np.zeros((0, n))
-        if np.abs(value).max(initial=0.0) > RANK or not model.on_sheet(flat):
+        if np.abs(value).max(initial=0.0) > RANK or not model.lifts_to_one(flat):
             return none
         cone = cone_at(model, flat, jacobian)
         if cone is None or cone.kernel.shape[1] < 2:

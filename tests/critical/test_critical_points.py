@@ -261,7 +261,7 @@ def test_json_round_trip():
         CriticalPoints.from_dict(data)
 
 
-def test_scenes_without_two_freedoms_are_refused():
+def test_scenes_without_two_dof_are_refused():
     full = Scene(PANELS[0].vertex, PANELS[0].stiffness, PANELS[0].rest_angles, "none")
     with pytest.raises(OptionError, match="3 degrees of freedom"):
         find_critical_points(full)

@@ -15,7 +15,7 @@ from origami_nlp.folding import check_admissible, fold_vertex
 from origami_nlp.pattern import degree6, degree8, format_scene
 from origami_nlp.space import find_space, topology
 from origami_nlp.space.chain import chain_of
-from origami_nlp.space.mesh import SEAM, mesh_sheets
+from origami_nlp.space.mesh import SEAM, mesh_cover
 from tests.computed_once import once, thinned
 from tests.independent.kuhn import kuhn_surface
 from tests.independent.search_layers import symmetrically_admissible
@@ -227,10 +227,10 @@ def test_states_negate(spaces, name):
 
 @pytest.mark.slow
 def test_mesh_of_closed_states_is_a_surface():
-    sheets = mesh_sheets(chain_of(degree6(0.9)), 20)
-    _, of_triangle = topology.edges_of(sheets.triangles)
+    cover = mesh_cover(chain_of(degree6(0.9)), 20)
+    _, of_triangle = topology.edges_of(cover.triangles)
     assert np.bincount(of_triangle.ravel()).max() == 2
-    assert (sheets.sheet[sheets.on >> SEAM & 1 == 1] == 0).all()
+    assert (cover.leaf[cover.on >> SEAM & 1 == 1] == 0).all()
 
 
 def test_topology_of_known_complexes():

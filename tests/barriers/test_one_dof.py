@@ -84,7 +84,7 @@ def test_a_saddle_of_a_miura_is_that_of_its_closed_form(tmp_path):
     assert o.draw(barriers, tmp_path / "b.png").axes
 
 
-def test_what_has_more_freedoms_is_refused_in_one_line():
+def test_what_has_more_dof_is_refused_in_one_line():
     found = o.find_minima("waterbomb:1x1", max_starts=4, escape=False)
     assert max(m.dof for m in found.minima) > 1
     with pytest.raises(OptionError, match="have more than one degree of freedom"):
