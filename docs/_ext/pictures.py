@@ -112,7 +112,7 @@ def by_command(*words: str) -> None:
 
 def reproduce(figure: str, name: str) -> None:
     """Make one of the paper's figures anew."""
-    by_command("studies", "reproduce", figure, "--figure", str(FOLDER / f"{name}.png"))
+    by_command("studies", "reproduce", figure, "-o", str(FOLDER / f"{name}.png"))
 
 
 PICTURES: dict[str, Callable[[str], None]] = {
