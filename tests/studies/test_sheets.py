@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import resource
 from concurrent.futures import ThreadPoolExecutor
+from unittest.mock import create_autospec
 
 import numpy as np
 import pytest
@@ -42,13 +43,17 @@ def test_sheet_draws_what_was_found(one_panel):
     assert len(sheet_table([panel]).rows) == 1
 
 
-def test_several_workers_find_what_one_finds(monkeypatch):
-    """The tasks that go to processes have the arguments that the functions take (here to threads)."""
+@pytest.mark.parametrize("workers", [1, 2])
+def test_each_panel_is_searched_and_mapped(monkeypatch, workers):
+    """In one process and in several (here threads), with arguments that the verbs take."""
     grid = PanelGrid(o.examples.degree6, ("pi/3",), (0.5, 1.0))
     monkeypatch.setitem(sheet.SHEETS, "figure3", grid)
-    monkeypatch.setattr(sheet, "worker_pool", lambda count: ThreadPoolExecutor(1))
-    two, one = (find_panels("figure3", size=21, workers=n) for n in (2, 1))
-    assert [p.counts for p in two] == [p.counts for p in one] and len(two) == 2
+    monkeypatch.setattr(sheet, "worker_pool", ThreadPoolExecutor)
+    for verb in ("trace_boundary", "find_minima", "find_landscape"):
+        monkeypatch.setattr(sheet, verb, create_autospec(getattr(sheet, verb)))
+    panels = find_panels("figure3", size=21, workers=workers)
+    assert panels == [sheet.find_landscape.return_value] * 2
+    assert [call.args for call in sheet.find_minima.call_args_list] == [(s,) for s in grid.scenes]
 
 
 @pytest.mark.parametrize(
