@@ -143,7 +143,7 @@ PICTURES: dict[str, Callable[[str], None]] = {
         "8",
         "--elevation",
         "pi/8",
-        "--figure",
+        "-o",
         str(FOLDER / f"{name}.png"),
     ),
     "examples": lambda _: by_command("tests.gallery"),
@@ -154,7 +154,7 @@ PICTURES: dict[str, Callable[[str], None]] = {
         "patterns",
         "--json",
         "docs/bench_patterns.json",
-        "--figure",
+        "-o",
         str(FOLDER / "speed_patterns.png"),
     ),
 }

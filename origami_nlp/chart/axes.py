@@ -28,8 +28,8 @@ UNIT = "J"
 DASHES = ("-", (0, (6, 2)), (0, (1.5, 1.5)), (0, (6, 2, 1.5, 2)))
 """Of the curves of one degree of freedom, so that they differ in grey too."""
 WHITE = {
-    "full": "excluded: facets cross or |φ| > π",
-    "fold-limits": "excluded: |φ| > π",
+    "full": "excluded: facets cross or |φ| > 180°",
+    "fold-limits": "excluded: |φ| > 180°",
     "none": "no closed state with all |φ| ≤ π",
 }
 """What is white in a picture, by the contact of the scene."""
