@@ -65,7 +65,7 @@ class _Command(_Helped, TyperCommand):
         answer = super().invoke(ctx)
         could = [p for p in self.params if p.param_type_name == "option" and p.metavar == WRITES]
         if could and not any(ctx.params.get(p.name) for p in could):
-            _tell_files([p.opts[0] for p in could])
+            _tell_files([f"{p.opts[-1]} FILE" for p in could])
         return answer
 
     def collect_usage_pieces(self, ctx: Any) -> list[str]:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 import typer
 
 from origami_nlp.cli import options as o
-from origami_nlp.cli.output import Output, answers
+from origami_nlp.cli.output import Output, answers, writes
 from origami_nlp.cli.progress import progress
 from origami_nlp.cli.search import search, search as search_minima
 from origami_nlp.cli.source import Source, takes_scene
@@ -114,7 +114,7 @@ SEARCHES = ("seed", "max_starts", "effort", "starts", "workers")
 
 @bounded
 @takes_scene(o.OrigamiFile, whole=True)
-@answers("json", "markdown", "html", search=SEARCHES)
+@answers("json", "html", "markdown", search=SEARCHES)
 def contacts(
     scene: Source,
     state: o.StateNumber = None,
@@ -133,7 +133,7 @@ def contacts(
 
 @bounded
 @takes_scene(o.OrigamiFile, whole=True)
-@answers("json", "markdown", "figure", search=SEARCHES)
+@answers("json", "figure", "markdown", search=SEARCHES)
 def modes(scene: Source, state: o.StateNumber = None, **options: Any) -> Any:
     """Report stiffness and energy along each eigenmode of ORIGAMI's minima, until something touches."""
     from origami_nlp.modes import find_modes
@@ -145,11 +145,11 @@ def modes(scene: Source, state: o.StateNumber = None, **options: Any) -> Any:
 
 @takes_scene(o.OrigamiFile, whole=True)
 @answers(
-    "figure",
     "json",
+    "figure",
+    "html",
     "fold",
     "mesh",
-    "html",
     search=("full", "effort", "seed", "max_starts", "seconds"),
 )
 def load(
@@ -206,17 +206,13 @@ def load(
 
 @bounded
 @takes_scene(o.OrigamiUnlessPanels, whole=True)
+@writes("json", "figure", "html", "fold", "animate", "markdown")
 def barriers(
+    out: Output,
     scene: Source | None = None,
     seed: o.Seed = 0,
-    json: o.JsonFile = None,
-    figure: o.FigureFile = None,
     full: o.PrettyRepr = False,
     panels: o.Panels = False,
-    markdown: o.MarkdownFile = None,
-    fold: o.PathsFold = None,
-    html: o.HtmlFile = None,
-    animate: o.AnimateFile = None,
 ) -> None:
     """Find the lowest pass between every two minima of ORIGAMI, and a path through it.
 
@@ -234,13 +230,8 @@ def barriers(
     given = scene.name if scene else None
     if panels == (scene is not None):
         raise OptionError(f"ORIGAMI = {given!r}: give a file, an example or --panels, and not both")
-    out = Output(json=json, figure=figure, markdown=markdown, fold=fold, html=html, animate=animate)
-    if panels and fold is not None:
-        raise OptionError(
-            f"--fold = {fold!r}: paths of one ORIGAMI make a file, those of --panels do not"
-        )
-    if panels and animate:
-        raise OptionError("--animate is for one ORIGAMI, not for --panels")
+    if panels:
+        out.refuse("this is for one ORIGAMI, not for --panels", "fold", "animate")
     stated: list[Any] = [scene.read_whole()] if scene else [*examples.panels()]
     for one in stated:
         if isinstance(one, Scene):
@@ -262,10 +253,11 @@ def barriers(
 
 @bounded
 @takes_scene(o.SceneUnlessPanels)
+@writes("json", "markdown")
 def critical(
+    out: Output,
     scene: Source | None = None,
     seed: o.Seed = 0,
-    json: o.JsonFile = None,
     compare: Annotated[
         bool,
         typer.Option(
@@ -276,7 +268,6 @@ def critical(
     everything: Annotated[
         bool, typer.Option("--all", help="Show points that are not essential as well.")
     ] = False,
-    markdown: o.MarkdownFile = None,
 ) -> None:
     """Find minima, saddles and maxima of SCENE, contacts included, and check the Morse identity."""
     from rich.text import Text
@@ -291,7 +282,6 @@ def critical(
     from origami_nlp.pattern import examples
     from origami_nlp.space import find_space
 
-    out = Output(json=json, markdown=markdown)
     given = scene.name if scene else None
     if panels and scene is not None:
         raise OptionError(f"SCENE = {given!r}: give a scene file or --panels, and not both")

@@ -221,7 +221,7 @@ def vertex_scene(
             why = "".join(f"; {note}" for note in notes) if not found else ""
             raise OptionError(
                 f"--vertex is needed: one vertex is asked for, {len(good)} interior ones can be analysed{some}; "
-                f"origami-nlp vertices lists them{why}"
+                f"origami-nlp inspect lists them{why}"
             )
         vertex = good[0]
     here = _vertex_at(frame, vertex)
@@ -268,7 +268,7 @@ def vertex_scenes(
     if not scenes:
         raise FoldFileError(
             f"frame {frame.number} has no interior vertex that can be analysed: "
-            + ("; ".join(notes) or "origami-nlp vertices says why of each")
+            + ("; ".join(notes) or "origami-nlp inspect says why of each")
         )
     if any(_by_letters(frame, v, **options) for v in found if v.number in scenes):
         on_note(LETTERS_ONLY)
