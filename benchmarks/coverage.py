@@ -43,7 +43,7 @@ SCENES = {
     "large": 5,
     "full-contact": 60,
     "designed": 6,
-    "one-freedom": 6,
+    "one-dof": 6,
     "crowded": 6,
 }
 """Scenes of each family in the whole measurement."""
@@ -52,7 +52,7 @@ COMPARED = ("fold-limits", "large", "full-contact")
 EXACT = 1e-10
 """A foreign answer within this [rad] of a minimum is correct without a polish."""
 
-Tell = Callable[[str], None]
+Progress = Callable[[str], None]
 
 
 @dataclass(frozen=True)
@@ -121,7 +121,7 @@ def measure_coverage(
     budget: float = 5.0,
     effort: str | None = None,
     starts: Callable[[Model], np.ndarray] = vertex_starts,
-    tell: Tell = lambda text: None,
+    progress: Progress = lambda text: None,
 ) -> dict[str, Any]:
     """Measure searches on families of scenes; returns plain data.
 
@@ -141,7 +141,7 @@ def measure_coverage(
         Of the main job, where it is not the default.
     starts
         Starts [K, n] of a model that one more foreign search, SLSQP, is given: found at no cost.
-    tell
+    progress
         Called with what is being done.
     """
     options = {} if effort is None else {"effort": effort}
@@ -151,8 +151,8 @@ def measure_coverage(
         workers = {k: stack.enter_context(Checkout(v)) for k, v in folders.items()}
         for family, number in ((f, k) for f, numbers in families.items() for k in numbers):
             scene = family_scene(family, number)
-            union = complete(scene, folder, tell)
-            tell(f"{scene.name}: {len(union.members)} minima; {seeds} seeds of {len(workers)}")
+            union = complete(scene, folder, progress)
+            progress(f"{scene.name}: {len(union.members)} minima; {seeds} seeds of {len(workers)}")
             jobs = _jobs(workers, scene, seeds, options)
             ends = []
             if family in COMPARED:

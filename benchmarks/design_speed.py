@@ -130,7 +130,7 @@ class DesignBench(Report):
 def measure_design(
     vertices: int,
     degrees: Sequence[int] = DEGREES,
-    tell: Callable[[str], object] = lambda text: None,
+    progress: Callable[[str], object] = lambda text: None,
 ) -> DesignBench:
     """Count prescribable states, and compare times and successes.
 
@@ -140,23 +140,23 @@ def measure_design(
         Random vertices of each degree.
     degrees
         Numbers of creases.
-    tell
+    progress
         Called with words on the progress.
 
     Returns
     -------
     DesignBench
     """
-    counts = count_prescribed(vertices, degrees, tell)
-    return DesignBench(counts, tuple(_compared(n, vertices, tell) for n in degrees))
+    counts = count_prescribed(vertices, degrees, progress)
+    return DesignBench(counts, tuple(_compared(n, vertices, progress) for n in degrees))
 
 
-def _compared(n: int, vertices: int, tell: Callable[[str], object]) -> Compared:
+def _compared(n: int, vertices: int, progress: Callable[[str], object]) -> Compared:
     posed: list[ConvexDesign] = []
     times: dict[str, list[float]] = {OURS: []}
     found, claimed = dict.fromkeys((OURS, *METHODS), 0), dict.fromkeys(METHODS, 0)
     for number in range(vertices):
-        tell(f"degree {n}, {number + 1} of {vertices}")
+        progress(f"degree {n}, {number + 1} of {vertices}")
         own = []
         for _ in range(REPEATS):
             targets = random_question(n, number, STATES, True)
@@ -177,7 +177,7 @@ def _compared(n: int, vertices: int, tell: Callable[[str], object]) -> Compared:
             claimed[method] += tried.found and one.every_refuted
     differs = None
     if is_there():
-        tell(f"degree {n}, CVXPY")
+        progress(f"degree {n}, CVXPY")
         differs = 0.0
         for one, other in zip(posed, by_cvxpy([plain(p) for p in posed]), strict=True):
             for solver, (value, seconds) in other.items():

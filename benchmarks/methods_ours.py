@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from benchmarks.attempt import Attempt, Method, Solver, StartPoint
 from origami_nlp.kkt import State, classify
-from origami_nlp.minima import Answer, Record, run_one
+from origami_nlp.minima import FoundState, Record, run_one
 from origami_nlp.problem import Model
 
 OURS = "this package"
@@ -36,7 +36,7 @@ def prepare(model: Model) -> Solver:
     return run
 
 
-def _hit(record: Record, before: list[int]) -> Answer | None:
+def _hit(record: Record, before: list[int]) -> FoundState | None:
     """Return the known answer that the last solve ended at."""
     for answer, hits in zip(record.answers, before, strict=False):
         if answer.hits > hits:

@@ -68,7 +68,7 @@ class PatternContact:
 
 
 def measure_contacts(
-    quick: bool = False, tell: Callable[[str], object] = lambda text: None
+    quick: bool = False, progress: Callable[[str], object] = lambda text: None
 ) -> list[PatternContact]:
     """Time descents into contact, one each.
 
@@ -76,7 +76,7 @@ def measure_contacts(
     ----------
     quick
         One of them alone.
-    tell
+    progress
         Called with the name of each.
 
     Returns
@@ -85,7 +85,7 @@ def measure_contacts(
     """
     found = []
     for name, seed in QUICK if quick else CASES:
-        tell(f"contact: {name}, rest angles {seed}")
+        progress(f"contact: {name}, rest angles {seed}")
         found.append(measure_contact(name, seed))
     return found
 

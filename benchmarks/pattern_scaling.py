@@ -96,7 +96,7 @@ class PatternScale:
 
 
 def measure_scales(
-    quick: bool = False, tell: Callable[[str], object] = lambda text: None
+    quick: bool = False, progress: Callable[[str], object] = lambda text: None
 ) -> list[PatternScale]:
     """Time every part of the work on patterns of growing size.
 
@@ -104,7 +104,7 @@ def measure_scales(
     ----------
     quick
         The smallest alone.
-    tell
+    progress
         Called with the name of each.
 
     Returns
@@ -113,7 +113,7 @@ def measure_scales(
     """
     found = []
     for name in QUICK if quick else RESTS:
-        tell(f"parts of the work: {name}")
+        progress(f"parts of the work: {name}")
         found.append(measure_scale(name))
     return found
 

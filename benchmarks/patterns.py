@@ -213,7 +213,7 @@ def run_patterns(
     *,
     quick: bool = False,
     names: Sequence[str] | None = None,
-    tell: Callable[[str], object] = lambda text: None,
+    progress: Callable[[str], object] = lambda text: None,
 ) -> PatternBench:
     """Solve patterns with every method, side by side, and time the parts of this package's work.
 
@@ -223,7 +223,7 @@ def run_patterns(
         Two small patterns, fewer rounds, sizes up to 64 facets.
     names
         Of patterns, if not all: keys of `bench.pattern_problems.SPRINGS`.
-    tell
+    progress
         Called with what is being done.
 
     Returns
@@ -240,11 +240,14 @@ def run_patterns(
     rounds, budget = (QUICK_ROUNDS, QUICK_BUDGET) if quick else (ROUNDS, BUDGET)
     cases, points = [], []
     for problem in pattern_problems(names or (QUICK if quick else None)):
-        tell(problem.name)
+        progress(problem.name)
         case, found = _solved(problem, pattern_methods(), rounds, budget)
         cases.append(case)
         points += found
-    scales, contacts = tuple(measure_scales(quick, tell)), tuple(measure_contacts(quick, tell))
+    scales, contacts = (
+        tuple(measure_scales(quick, progress)),
+        tuple(measure_contacts(quick, progress)),
+    )
     return PatternBench(tuple(cases), tuple(points), scales, contacts, rounds, budget, machine())
 
 

@@ -70,7 +70,7 @@ def random_question(degree: int, number: int, states: int, wound: bool) -> Targe
 def count_prescribed(
     vertices: int,
     degrees: Sequence[int] = DEGREES,
-    tell: Callable[[str], object] = lambda text: None,
+    progress: Callable[[str], object] = lambda text: None,
 ) -> tuple[Prescribed, ...]:
     """Ask for one to four random states of so many vertices of each degree, without and with wound springs.
 
@@ -80,14 +80,14 @@ def count_prescribed(
         Of each degree.
     degrees
         Numbers of creases.
-    tell
+    progress
         Called with words on the progress.
 
     Returns
     -------
     tuple of Prescribed
     """
-    return tuple(_counted(n, vertices, s, w, tell) for n, s, w in _kinds(degrees))
+    return tuple(_counted(n, vertices, s, w, progress) for n, s, w in _kinds(degrees))
 
 
 def _kinds(degrees: Sequence[int]) -> Iterator[tuple[int, int, bool]]:
@@ -97,11 +97,11 @@ def _kinds(degrees: Sequence[int]) -> Iterator[tuple[int, int, bool]]:
 
 
 def _counted(
-    n: int, vertices: int, states: int, wound: bool, tell: Callable[[str], object]
+    n: int, vertices: int, states: int, wound: bool, progress: Callable[[str], object]
 ) -> Prescribed:
     held = refuted = 0
     for number in range(vertices):
-        tell(f"degree {n}, {states} states, {number + 1} of {vertices}")
+        progress(f"degree {n}, {states} states, {number + 1} of {vertices}")
         posed = solve(random_question(n, number, states, wound))
         held += posed.feasible
         refuted += not posed.feasible and posed.every_refuted

@@ -133,7 +133,7 @@ class ProvedCounts(Report):
 def count_proved(
     scenes: int,
     families: tuple[str, ...] = FAMILIES,
-    tell: Callable[[str], object] = lambda text: None,
+    progress: Callable[[str], object] = lambda text: None,
 ) -> ProvedCounts:
     """Search and prove `scenes` scenes of each family.
 
@@ -143,21 +143,21 @@ def count_proved(
         Of each.
     families
         Of `FAMILIES`.
-    tell
+    progress
         Called with words on the progress.
 
     Returns
     -------
     ProvedCounts
     """
-    return ProvedCounts(tuple(_counted(family, scenes, tell) for family in families))
+    return ProvedCounts(tuple(_counted(family, scenes, progress) for family in families))
 
 
-def _counted(family: str, scenes: int, tell: Callable[[str], object]) -> Counted:
+def _counted(family: str, scenes: int, progress: Callable[[str], object]) -> Counted:
     statuses, minima, singular = Counter[str](), Counter[int](), Counter[int]()
     missed, boxes, search, proof = [], [], [], []
     for number in range(scenes):
-        tell(f"{family}, {number + 1} of {scenes}")
+        progress(f"{family}, {number + 1} of {scenes}")
         scene = proved_scene(family, number)
         start = time.process_time()
         find_minima(scene, prove=False)

@@ -40,14 +40,14 @@ JOB_ROUNDS = 2
 """Runs of the whole main job on each problem."""
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 
-Tell = Callable[[str], None]
+Progress = Callable[[str], None]
 
 
 def run_bench(
     *,
     quick: bool = False,
     seed: int = 0,
-    tell: Tell = lambda text: None,
+    progress: Progress = lambda text: None,
     plan: Plan | None = None,
     unions: str | os.PathLike[str] | None = None,
 ) -> dict[str, Any]:
@@ -59,7 +59,7 @@ def run_bench(
         A few problems and methods, fewer starts.
     seed
         Of the random vertices and of all starts.
-    tell
+    progress
         Called with what is being done.
     plan
         How many rounds and starts, if not the usual ones.
@@ -79,7 +79,7 @@ def run_bench(
         "settings": {"seed": seed, "quick": quick, "job_rounds": jobs, **asdict(plan)},
         "left_out": dict(LEFT_OUT),
     }
-    search, judges = run_search(problems, methods, plan, seed, tell, jobs, unions)
+    search, judges = run_search(problems, methods, plan, seed, progress, jobs, unions)
     data |= search
     for key, make, of_closure in (
         ("closure", closures, _without_symmetry),
@@ -88,7 +88,7 @@ def run_bench(
         chosen = [p for p in panel_problems() if p.name.endswith("r_k = 1")]
         chosen = of_closure(chosen[:1] if quick else chosen)
         part = replace(plan, rounds=min(3, plan.rounds))
-        data[key], _ = run_search(chosen, make(), part, seed, tell)
+        data[key], _ = run_search(chosen, make(), part, seed, progress)
         if key == "closure":
             model = Model(chosen[0].scene)
             data[key]["evaluation"] = {f: evaluation_time(f, model) for f in FORMS}
@@ -96,13 +96,13 @@ def run_bench(
     data["grid"] = []
     for problem, judge in panels:
         for size in SIZES[:2] if quick else SIZES:
-            tell(f"grid of {size} x {size}: {problem.name}")
+            progress(f"grid of {size} x {size}: {problem.name}")
             found = run_grid(problem, judge, size, min(3, plan.rounds) if size < 500 else 1)
             data["grid"] += [found] if found else []
-    tell("appendix A against the exact Hessian")
+    progress("appendix A against the exact Hessian")
     states = [[j.model.expand(k.x) for k in j.known if k.kind == "interior"] for _, j in panels]
     data["hessian"] = compare_hessians([p for p, _ in panels], states, max(plan.rounds, 3))
-    data["scaling"] = run_scaling(quick, seed, tell)
+    data["scaling"] = run_scaling(quick, seed, progress)
     return data
 
 
@@ -123,7 +123,7 @@ def run_search(
     methods: Sequence[Method],
     plan: Plan,
     seed: int,
-    tell: Tell,
+    progress: Progress,
     job_rounds: int = 0,
     unions: str | os.PathLike[str] | None = None,
 ) -> tuple[dict[str, Any], dict[str, Judge]]:
@@ -136,15 +136,15 @@ def run_search(
     raw: dict[str, dict[str, Attempts]] = {}
     job = []
     for problem in problems:
-        tell(f"references: {problem.name}")
+        progress(f"references: {problem.name}")
         named = replace(problem.scene, name=problem.name)
-        union = complete(named, unions, tell) if unions is not None else None
+        union = complete(named, unions, progress) if unions is not None else None
         judge = judges[problem.name] = Judge.of(problem.scene, seed, union)
         suited = [m for m in runnable if suits(m, judge)]
-        tell(f"{len(suited)} methods: {problem.name}")
+        progress(f"{len(suited)} methods: {problem.name}")
         raw[problem.name] = run_problem(suited, plan, seed, judge)
         if job_rounds:
-            tell(f"whole job: {problem.name}")
+            progress(f"whole job: {problem.name}")
             job.append(_whole_job(problem, judge, seed, job_rounds))
     fewest = min(FEWEST_STARTS, plan.rounds * plan.starts)
     cells = [

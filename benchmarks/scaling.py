@@ -26,20 +26,20 @@ LIMIT, QUICK_LIMIT = 120.0, 10.0
 """Seconds after which one size is stopped."""
 
 
-def run_scaling(quick: bool, seed: int, tell: Callable[[str], None]) -> dict[str, Any]:
+def run_scaling(quick: bool, seed: int, progress: Callable[[str], None]) -> dict[str, Any]:
     """Measure all sizes; returns records with seconds and megabytes, or the reason why there are none."""
     limit = QUICK_LIMIT if quick else LIMIT
     degrees: list[dict[str, Any]] = []
     for contact in ("none", "full"):
         for n in QUICK_DEGREES if quick else DEGREES:
-            tell(f"scaling: degree {n}, contact {contact}")
+            progress(f"scaling: degree {n}, contact {contact}")
             record = _child(["degree", str(n), contact, str(seed)], limit)
             degrees.append({"degree": n, "contact": contact, **record})
             if "stopped" in record:
                 break
     scenes = []
     for count in SCENES[:3] if quick else SCENES:
-        tell(f"scaling: {count} scenes")
+        progress(f"scaling: {count} scenes")
         scenes.append({"scenes": count, **_child(["scenes", str(count), "", str(seed)], limit)})
     return {"limit": limit, "solves": SOLVES, "degrees": degrees, "scenes": scenes}
 

@@ -40,7 +40,7 @@ SCATTERED = 200
 """Distinct ends of one search that are solved on from, at most: ends that never repeat are no states."""
 
 
-Tell = Callable[[str], None]
+Progress = Callable[[str], None]
 Folder = str | os.PathLike[str]
 FEW_DOF = 2
 """Degrees of freedom up to which a union is proved."""
@@ -184,7 +184,7 @@ def build_union(
     scene: Scene,
     folder: Folder,
     tasks: Sequence[tuple[str, Callable[[], tuple[list[Member], float]]]],
-    tell: Tell = lambda text: None,
+    progress: Progress = lambda text: None,
 ) -> Union:
     """Run what is not yet done of `tasks` (name, run), and write the file after each."""
     union = read_or_begin(scene, folder)
@@ -193,19 +193,19 @@ def build_union(
             continue
         task = union.add(name, *run())
         write_union(union, folder)
-        tell(
+        progress(
             f"{scene.name}: {name}: {task.found} of {len(union.members)}, {task.new} new, {task.seconds:.1f} s"
         )
     return union
 
 
-def complete(scene: Scene, folder: Folder, tell: Tell = lambda text: None) -> Union:
+def complete(scene: Scene, folder: Folder, progress: Progress = lambda text: None) -> Union:
     """Return the union of a scene; what has not been run for it yet is run now."""
     model = Model(scene)
     longest = SECONDS.get(scene.degree, MOST_SECONDS)
     tasks = []
     for method in foreign_methods():
-        if model.freedom > 0 and (not method.aided or model.structure.pairs):
+        if model.dof > 0 and (not method.aided or model.structure.pairs):
             seconds = longest * method.share
             run = _bound(from_foreign, model, method, 0, seconds)
             tasks.append((f"{method.name}, seed 0", run))
@@ -213,13 +213,13 @@ def complete(scene: Scene, folder: Folder, tell: Tell = lambda text: None) -> Un
         effort = thorough()
         name = f"find_minima, {effort.get('effort', 'default')}, seed {seed}"
         tasks.append((name, _bound(ours, scene, seed, **effort)))
-    union = build_union(scene, folder, tasks, tell)
-    if not union.proved and 0 < model.freedom <= FEW_DOF:
-        _prove(union, folder, tell)
+    union = build_union(scene, folder, tasks, progress)
+    if not union.proved and 0 < model.dof <= FEW_DOF:
+        _prove(union, folder, progress)
     return union
 
 
-def _prove(union: Union, folder: Folder, tell: Tell) -> None:
+def _prove(union: Union, folder: Folder, progress: Progress) -> None:
     """Prove that the minima of a union are all; what it lacks joins."""
     begin = time.process_time()
     result = find_minima(union.scene, prove=True)
@@ -230,7 +230,7 @@ def _prove(union: Union, folder: Folder, tell: Tell) -> None:
     if len(result.minima) < len(union.members):  # a member that the proof does not know
         union.proved = "not-proved"
     write_union(union, folder)
-    tell(f"{union.scene.name}: {union.proved}, {task.new} new, {task.seconds:.1f} s")
+    progress(f"{union.scene.name}: {union.proved}, {task.new} new, {task.seconds:.1f} s")
 
 
 def thorough() -> dict[str, Any]:

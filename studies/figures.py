@@ -21,11 +21,11 @@ Progress = Callable[..., Any]
 class Drawn:
     """A figure, and what was found on the way.
 
-    tell: prints the latter on a console.
+    print_to: prints the latter on a console.
     """
 
     figure: Figure
-    tell: Callable[[Console], None]
+    print_to: Callable[[Console], None]
 
 
 def _sheet(name: str, seed: int, progress: Progress) -> Drawn:

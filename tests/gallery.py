@@ -30,7 +30,7 @@ Energies are in millijoules: stiffnesses have the geometric mean 0.025 N m/rad.
 ```bash
 origami-nlp example miura > miura.toml            # the vertex as a scene
 origami-nlp minima miura.toml --full              # its stable states
-origami-nlp example miura:4x4 --fold miura.fold   # the pattern, with the same springs
+origami-nlp example miura:4x4 -o miura.fold   # the pattern, with the same springs
 origami-nlp minima miura.fold --each-vertex       # every vertex of it, equal ones once
 ```
 
@@ -60,7 +60,7 @@ def frame_of(name: str):
     """The crease pattern of an example, and the number of the vertex of it that is the example."""
     (frame,) = parse_fold(json.dumps(o.examples.crease_pattern(name)))
     scene = o.examples.by_name(name)
-    scenes = vertex_scenes(frame, tell=lambda note: None, symmetry=scene.symmetry)
+    scenes = vertex_scenes(frame, on_note=lambda note: None, symmetry=scene.symmetry)
     ours = group_equivalent_vertices({-1: scene, **scenes})[0].numbers[1:]
     flat = frame.coords[:, :2]
     middle = flat.mean(axis=0)

@@ -30,7 +30,7 @@ ORDER = (
     "loading sweep results verbs paper cli __main__"
 ).split()
 """Files at the root, then rooms; each imports only from those before it."""
-NEAR_SINGULAR_TOL = ("symbolic", "benchmarks", "studies")
+BESIDE = ("symbolic", "benchmarks", "studies")
 """Packages beside it, run from a checkout; `symbolic` is installed with it, as `origami_nlp.symbolic`."""
 ROOMS = [name for name in ORDER if (PACKAGE / name).is_dir()]
 LONGEST = 480  # lines of a file
@@ -148,7 +148,7 @@ def aim(item: Import, known: dict[str, Path]) -> str:
     return item.module
 
 
-@pytest.mark.parametrize("package", ["origami_nlp", *NEAR_SINGULAR_TOL])
+@pytest.mark.parametrize("package", ["origami_nlp", *BESIDE])
 def test_modules_make_no_circle(package):
     known = modules(package)
     stubs = {
@@ -234,7 +234,7 @@ def readers() -> list[Path]:
     """What shows people how the package is called, and what stands beside it."""
     pages = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *(ROOT / "docs").rglob("*.md")]
     books = (ROOT / "notebooks").rglob("*.ipynb")
-    beside = ("notebooks", *NEAR_SINGULAR_TOL)
+    beside = ("notebooks", *BESIDE)
     return sorted([*pages, *books, *(p for room in beside for p in (ROOT / room).rglob("*.py"))])
 
 
@@ -249,10 +249,19 @@ def test_only_faces_are_imported_from_outside():
     assert not wrong, "\n".join(wrong)
 
 
-@pytest.mark.parametrize("package", ["origami_nlp", *NEAR_SINGULAR_TOL, "tests"])
+@pytest.mark.parametrize("package", ["origami_nlp", *BESIDE, "tests"])
 def test_files_read_in_one_sitting(package):
     long = {n: p for n, p in modules(package).items() if len(p.read_text().splitlines()) > LONGEST}
     assert not long
+
+
+def test_no_two_classes_share_a_name():
+    where: dict[str, list[str]] = {}
+    for name, path in modules("origami_nlp").items():
+        for node in ast.walk(ast.parse(path.read_text())):
+            if isinstance(node, ast.ClassDef):
+                where.setdefault(node.name, []).append(f"{name}:{node.lineno}")
+    assert len(where) > 300 and not {name: at for name, at in where.items() if len(at) > 1}
 
 
 def test_import_is_fast_and_light():

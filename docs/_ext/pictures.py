@@ -8,15 +8,23 @@ import matplotlib
 
 matplotlib.use("Agg")
 
+from typing import TYPE_CHECKING
+
+import numpy as np
 from matplotlib.figure import Figure
+from matplotlib.patches import Circle
 
 import origami_nlp as o
 from origami_nlp.display import draw_state
+from origami_nlp.display.drawing import UPPER
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 FOLDER = Path(__file__).parents[1] / "figures"
-SIDE = 2.0
-"""Width of a state [inches]."""
-DUPLICATE_TOL = 1e-6
+SIDE, FONT = 1.8, 11
+"""Width of a state [inches], and of its numbers [points]."""
+SAME_ENERGY = 1e-6
 """Energies that differ by less [relative] are those of images of one state."""
 
 
@@ -24,22 +32,49 @@ def different(result: o.MinimaResult, most: int) -> list[o.JudgedState]:
     """The lowest minima of different energy, at most so many."""
     found: list[o.JudgedState] = []
     for one in result.minima:
-        if not found or one.energy > found[-1].energy * (1 + DUPLICATE_TOL):
+        if not found or one.energy > found[-1].energy * (1 + SAME_ENERGY):
             found.append(one)
     return found[:most]
 
 
+def draw_flat(axes: Axes, vertex: o.Vertex) -> None:
+    """Draw the crease pattern of a vertex, creases numbered, a sector with its angle."""
+    angles = np.cumsum([0, *vertex.sector_angles])
+    axes.add_patch(Circle((0, 0), 1, facecolor=UPPER, edgecolor="black", linewidth=1.2))
+    for number, angle in enumerate(angles[:-1], start=1):
+        x, y = np.cos(angle), np.sin(angle)
+        axes.plot([0, x], [0, y], color="#555555", linewidth=1.3)
+        axes.text(1.15 * x, 1.15 * y, str(number), ha="center", va="center", fontsize=FONT)
+    middle = angles[1] / 2
+    degrees = f"{np.degrees(vertex.sector_angles[0]):.0f}°"
+    axes.text(
+        0.55 * np.cos(middle),
+        0.55 * np.sin(middle),
+        degrees,
+        ha="center",
+        va="center",
+        fontsize=FONT,
+    )
+    axes.set(xlim=(-1.3, 1.3), ylim=(-1.3, 1.3), aspect="equal")
+    axes.axis("off")
+
+
 def draw_row(result: o.MinimaResult, path: Path, most: int = 6) -> None:
-    """Draw the lowest different minima side by side, with their energies."""
+    """Draw the flat pattern, and beside it the lowest different minima with their energies in two rows."""
     shown = different(result, most)
-    figure = Figure(figsize=(SIDE * len(shown), SIDE), dpi=150)
-    for place, minimum in enumerate(shown, start=1):
-        axes = figure.add_subplot(1, len(shown), place)
-        draw_state(axes, result.scene.vertex, minimum.fold_angles)
-        low, high = axes.get_ylim()
-        axes.set_ylim(low + 0.2 * (high - low), high)  # folded states leave the bottom empty
-        axes.set_title(f"{minimum.energy:.4f} J", fontsize=10)
-    figure.subplots_adjust(0.005, 0.0, 0.995, 0.88, wspace=0.04)
+    across = -(-len(shown) // 2)
+    vertex = result.scene.vertex
+    figure = Figure(figsize=(SIDE * (across + 1), 1.75 * SIDE), dpi=150)
+    grid = figure.add_gridspec(2, across + 1)
+    axes = figure.add_subplot(grid[:, 0])
+    draw_flat(axes, vertex)
+    axes.set_title("flat", fontsize=FONT)
+    for place, minimum in enumerate(shown):
+        axes = figure.add_subplot(grid[place // across, 1 + place % across])
+        draw_state(axes, vertex, minimum.fold_angles, size=FONT, crop=True)
+        axes.set_anchor("N")
+        axes.set_title(f"{minimum.energy:.4f} J", fontsize=FONT, pad=2)
+    figure.subplots_adjust(0.005, 0.005, 0.995, 0.93, wspace=0.04, hspace=0.12)
     figure.savefig(path)
     print(f"{path.name}: {len(shown)} of {len(result.minima)} minima")
 

@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from origami_nlp.bifurcation.judging import Part
+from origami_nlp.bifurcation.judging import JudgedSegment
 from origami_nlp.bifurcation.parameter_range import ParameterRange
 from origami_nlp.bifurcation.records import (
     BranchEnd,
@@ -66,7 +66,7 @@ def branches_of(
     web: BifurcationDiagram,
     over: ParameterRange,
     chains: list[Chain],
-    parts: dict[int, list[Part]],
+    parts: dict[int, list[JudgedSegment]],
     across: Callable[[Equilibrium], float],
 ) -> tuple[tuple[PathBranch, ...], tuple[PathEvent, ...]]:
     """Return branches and events, with their numbers.
@@ -141,7 +141,7 @@ def _branch(
     over: ParameterRange,
     number: int,
     chain: Chain,
-    parts: dict[int, list[Part]],
+    parts: dict[int, list[JudgedSegment]],
     across: Callable[[Equilibrium], float],
     ids: dict[int, int],
 ) -> PathBranch:

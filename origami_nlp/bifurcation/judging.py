@@ -29,7 +29,7 @@ BISECTIONS = 40
 Touching = dict[Hold, tuple[tuple[Contact, ...], ...]]
 
 
-class Part(NamedTuple):
+class JudgedSegment(NamedTuple):
     """A part of an arc: positions of its first and last frame, and what its states are."""
 
     first: int
@@ -38,11 +38,11 @@ class Part(NamedTuple):
     certificate: str
 
 
-def parts_of(arc: BranchSegment, ends: bool = True) -> list[Part]:
+def parts_of(arc: BranchSegment, ends: bool = True) -> list[JudgedSegment]:
     """Return what the states of an arc are, judged in the middle, and beside its `ends` too by default."""
     last = len(arc.frames) - 1
     if arc.index:
-        return [Part(0, last, "saddle", "")]
+        return [JudgedSegment(0, last, "saddle", "")]
     inner = sorted({min(1, last), last // 2, max(last - 1, 0)})
     if last == 1 or not ends:
         inner = [arc.middle]
@@ -62,7 +62,7 @@ def parts_of(arc: BranchSegment, ends: bool = True) -> list[Part]:
     for first, end in zip(cuts, [*cuts[1:], last], strict=True):
         # the judged frame nearest to the middle of the part
         k = min((k for k in known if first <= k <= end), key=lambda k: abs(2 * k - first - end))
-        out.append(Part(first, end, *known[k]))
+        out.append(JudgedSegment(first, end, *known[k]))
     return out
 
 

@@ -27,7 +27,7 @@ from .chart import (
 )
 from .energy_map import (
     LARGEST_SIZE as LARGEST_SIZE,
-    Branch as Branch,
+    EnergyBranch as EnergyBranch,
     Landscape as Landscape,
     Place as Place,
     landscape as landscape,

@@ -17,7 +17,7 @@ from matplotlib.path import Path
 from matplotlib.ticker import MaxNLocator
 
 from origami_nlp.chart.chart import chart_of
-from origami_nlp.chart.energy_map import Branch, Landscape
+from origami_nlp.chart.energy_map import EnergyBranch, Landscape
 from origami_nlp.chart.grid import chart_limits
 from origami_nlp.chart.outline import Outline
 from origami_nlp.display import HANDLE, INK, INKS, angle_ticks, energy_colours, patch, subscript
@@ -47,7 +47,7 @@ def norm_of(chart: Landscape, energies: Iterable[float] = ()) -> Normalize:
     return PowerNorm(0.5, vmin=float(low), vmax=float(high))
 
 
-def energy_image(axes: Any, branch: Branch, energy: Any, norm: Normalize, **look: Any) -> Any:
+def energy_image(axes: Any, branch: EnergyBranch, energy: Any, norm: Normalize, **look: Any) -> Any:
     """Paint the cells of a branch by their energies [ny, nx], none where it is masked; returns the image."""
     (left, right), (low, high) = map(cell_edges, branch.axes)
     extent = (left, right, low, high)
@@ -142,7 +142,7 @@ def area_legend(chart: Landscape, outline: Outline, line: float = 1.1) -> list[A
     return [*entries, patch("white", WHITE[chart.scene.contact])]
 
 
-def _draw_energy(axes: Any, branch: Branch, region: Any, norm: Normalize, line: float) -> Any:
+def _draw_energy(axes: Any, branch: EnergyBranch, region: Any, norm: Normalize, line: float) -> Any:
     """Draw the colours and contour lines of one branch, cut at its exact boundary."""
     energy = np.ma.masked_invalid(fill_outwards(branch))
     look = {"cmap": energy_colours(), "interpolation": "bilinear", "zorder": 1}
@@ -184,7 +184,7 @@ def region_path(region: Any) -> Path:
     return Path.make_compound_path(*parts) if parts else Path(np.zeros((1, 2)))
 
 
-def fill_outwards(branch: Branch, steps: int = 6) -> np.ndarray:
+def fill_outwards(branch: EnergyBranch, steps: int = 6) -> np.ndarray:
     """Carry the energy on over the edge by linear extrapolation, for cells that the boundary cuts."""
     energy = branch.energy.copy()
     for _ in range(steps):

@@ -30,8 +30,8 @@ from origami_nlp.pattern import Scene
 
 
 @dataclass(frozen=True, repr=False)
-class Branch(ShortRepr):
-    """One sheet of the landscape (an area, or one curve).
+class EnergyBranch(ShortRepr):
+    """One part of the landscape (an area, or one curve).
 
     name: empty where there is only one.
     axes: grid values of each coordinate: x [nx] and y [ny] for an area (cell centres, so that
@@ -81,7 +81,7 @@ class Landscape(ShortRepr):
     scene: Scene
     kind: str
     coordinates: tuple[str, ...]
-    branches: tuple[Branch, ...]
+    branches: tuple[EnergyBranch, ...]
     reason: str = ""
     handles: tuple[np.ndarray, ...] = ()
 
@@ -134,13 +134,13 @@ def landscape(scene: Scene, size: int = 401) -> Landscape:
     group = scene.group
     variables = sum(ray.crease is not None for ray in group.rays)
     one_turn = 3 if group.kind == "C" else 2
-    freedom = variables - (one_turn if group.order == (scene.winding or 1) else 1)
-    if freedom == 1:
+    dof = variables - (one_turn if group.order == (scene.winding or 1) else 1)
+    if dof == 1:
         return _curves(scene, size)
-    what = f"{freedom} degrees of freedom keep the symmetry {group.name}"
-    if freedom <= 0:
+    what = f"{dof} degrees of freedom keep the symmetry {group.name}"
+    if dof <= 0:
         why = f"the vertex is rigid within the symmetry {group.name}"
-    elif freedom == 2:
+    elif dof == 2:
         why = f"{what}: no two-coordinate chart for this vertex, the energy landscape is not drawn"
     else:
         why = f"{what}: too many for a plane"
@@ -152,11 +152,11 @@ def cells(low: float, high: float, size: int) -> np.ndarray:
     return low + (high - low) * (np.arange(size) + 0.5) / size
 
 
-def _area(chart: Chart, branch: int, name: str, axes: tuple[np.ndarray, ...]) -> Branch:
+def _area(chart: Chart, branch: int, name: str, axes: tuple[np.ndarray, ...]) -> EnergyBranch:
     """One branch over the grid of `axes`, inadmissible states blanked out."""
     good, phi = allowed(chart, branch, *np.meshgrid(*axes))
     phi[~good] = np.nan
-    return Branch(name, axes, np.asarray(chart.scene.energy(phi)), phi)
+    return EnergyBranch(name, axes, np.asarray(chart.scene.energy(phi)), phi)
 
 
 def _degree6(chart: Chart, size: int) -> Landscape:
@@ -166,7 +166,7 @@ def _degree6(chart: Chart, size: int) -> Landscape:
     return Landscape(chart.scene, "area", chart.coordinates, (branch,), handles=handles)
 
 
-def _handles(chart: Chart, branch: Branch) -> tuple[np.ndarray, ...]:
+def _handles(chart: Chart, branch: EnergyBranch) -> tuple[np.ndarray, ...]:
     """Stretches of the chart's border with admissible states and none beside them, inside."""
     scene, size = chart.scene, branch.energy.shape[0]
     t = np.linspace(-math.pi, math.pi, 65)
@@ -252,7 +252,7 @@ def _curves(scene: Scene, size: int) -> Landscape:
     width = np.min([np.nanmax(phi, axis=0) - np.nanmin(phi, axis=0) for _, phi in pieces], axis=0)
     crease = int(np.argmax(np.round(width, 3)))
     branches = tuple(
-        Branch(
+        EnergyBranch(
             f"curve {k}" if len(pieces) > 1 else "",
             (phi[:, crease],),
             np.asarray(scene.energy(phi)),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import typer
@@ -25,6 +26,13 @@ UNBROKEN = "\u2011"
 
 class _Helped:
     """A command whose help has whole words on its lines, those with hyphens too."""
+
+    def get_params(self, ctx: Any) -> list[Any]:
+        """Return the parameters, which take plain values without pydantic."""
+        found = super().get_params(ctx)  # type: ignore[misc]
+        for one in found:
+            one.process_value = partial(_value, one, type(one).process_value)
+        return found
 
     def get_help(self, ctx: Any) -> str:
         """Return the help; ``--rest-angle`` stands on one line."""
@@ -57,7 +65,7 @@ class _Command(_Helped, TyperCommand):
         answer = super().invoke(ctx)
         could = [p for p in self.params if p.param_type_name == "option" and p.metavar == WRITES]
         if could and not any(ctx.params.get(p.name) for p in could):
-            _tell_files([p.opts[0] for p in could])
+            _tell_files([f"{p.opts[-1]} FILE" for p in could])
         return answer
 
     def collect_usage_pieces(self, ctx: Any) -> list[str]:
@@ -89,6 +97,27 @@ def _heading(parameter: Any) -> str:
 def _word(argument: Any) -> str:
     name = argument.metavar or argument.name.upper()
     return name if argument.required else f"[{name}]"
+
+
+def _value(parameter: Any, process: Callable[..., Any], ctx: Any, given: Any) -> Any:
+    """Return the value of a parameter; all but plain text and numbers are left to Typer, which loads pydantic."""
+    kind = getattr(getattr(parameter, "type_descriptor", None), "annotation", None)
+    many = parameter.multiple or parameter.nargs != 1
+    if given is None and not parameter.required and kind is not None:
+        value: Any = () if many else None
+    elif isinstance(given, str) and not many and kind is str:
+        value = given
+    elif (
+        isinstance(given, str) and not many and kind is int and given.isascii() and given.isdigit()
+    ):
+        value = int(given)
+    elif (
+        not many and kind in (int, float) and type(given) is kind
+    ):  # what stands there unless given
+        value = given
+    else:
+        return process(parameter, ctx, given)
+    return parameter.callback(ctx, parameter, value) if parameter.callback else value
 
 
 def _tell_files(options: list[str]) -> None:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from origami_nlp.cli import options as o
-from origami_nlp.cli.output import Output, answers
+from origami_nlp.cli.output import Output, answers, writes
 from origami_nlp.cli.progress import progress
 from origami_nlp.cli.source import Source, takes_scene
 from origami_nlp.cli.timed import ENDED
@@ -21,17 +21,14 @@ if TYPE_CHECKING:
 
 
 @takes_scene(o.PatternFile, whole=True)
+@writes("json", "figure", "html", "fold", "mesh")
 def pattern(
+    out: Output,
     scene: Source,
     path: Annotated[
         bool, typer.Option("--path", help="Trace its folding motion up to the first contact.")
     ] = False,
     seed: o.Seed = 0,
-    json: o.JsonFile = None,
-    figure: o.FigureFile = None,
-    fold: o.StatesFold = None,
-    mesh: o.StatesMesh = None,
-    html: o.HtmlFile = None,
 ) -> None:
     """Analyze the mobility of a crease pattern; with --path trace its folding motion as a rigid sheet.
 
@@ -41,13 +38,12 @@ def pattern(
     """
     from origami_nlp.pattern_states import analyze_mobility, find_motion
 
-    out = Output(json=json, figure=figure, fold=fold, mesh=mesh, html=html)
     sheet = scene.read_pattern()
     seen = analyze_mobility(sheet, seed=seed)
-    seen.tell(out.console)
+    seen.print_to(out.console)
     motion = find_motion(sheet, seen, seed=seed) if path else None
     if motion is not None:
-        motion.tell(out.console)
+        motion.print_to(out.console)
     _Files(seen, motion).write(out)
 
 
@@ -106,7 +102,7 @@ class _Files:
 
 @takes_scene(o.OrigamiFile, whole=True)
 @answers(
-    "figure", "json", "fold", "html", search=("full", "effort", "seed", "max_starts", "seconds")
+    "json", "figure", "html", "fold", search=("full", "effort", "seed", "max_starts", "seconds")
 )
 def follow(
     scene: Source,
@@ -143,7 +139,7 @@ def follow(
 
 
 @takes_scene(o.SceneFile)
-@answers("figure", "json", search=("effort", "seed", "seconds"))
+@answers("json", "figure", search=("effort", "seed", "seconds"))
 def boundary(
     scene: Source,
     event: Annotated[
@@ -166,45 +162,45 @@ def boundary(
     return find_bifurcation_set(scene.read(), event, parameter, lines=lines, **search)
 
 
+@writes("figure")
 def sweep(
+    out: Output,
     spec: o.SweepFile,
-    out: Annotated[Path, o.OutFolder],
+    folder: Annotated[Path, o.OutFolder],
     workers: o.WorkersWanted = None,
     dask: Annotated[
         str | None,
         typer.Option(metavar="ADDRESS", help="Run on an existing Dask cluster (extra sweep)."),
     ] = None,
     seconds: o.Seconds = None,
-    figure: o.FigureFile = None,
 ) -> None:
     """Find the minima of every scene, or pattern, of SWEEP; run it again to go on after an interruption."""
     from origami_nlp.io import make_folder
     from origami_nlp.sweep import draw_sweep, read_sweep, run_sweep
 
-    output = Output(figure=figure)
     stated = read_sweep(spec)
-    make_folder(out, "--out")
+    make_folder(folder, "--folder")
     with _executor(dask) as executor, progress(Path(spec).name, stated.count) as report:
         done = run_sweep(
             stated,
-            out,
+            folder,
             executor=executor,
             workers=workers,
             seconds=seconds,
             progress=lambda done, total, states: report(done, total, f"{states} states"),
         )
     counts = ", ".join(f"{n:,} {status}" for status, n in sorted(done.counts.items())) or "none"
-    output.say(f"{stated.count:,} scenes: {counts}; {done.ran:,} run now in {done.seconds:.1f} s")
+    out.say(f"{stated.count:,} scenes: {counts}; {done.ran:,} run now in {done.seconds:.1f} s")
     if done.interrupted:
         late = seconds is not None and done.seconds >= seconds
         by = " by the time limit" if late else ""
-        output.say(f"interrupted{by}: the same command goes on from here")
+        out.say(f"interrupted{by}: the same command goes on from here")
         raise typer.Exit(ENDED if late else 130)
     failed = done.counts.get("failed")
     if failed:
-        output.say("failed scenes are tried again by the same command; reasons are in the store")
-    output.written(out)
-    output.write("figure", draw_sweep, out)
+        out.say("failed scenes are tried again by the same command; reasons are in the store")
+    out.written(folder)
+    out.write("figure", draw_sweep, folder)
     if failed:
         raise typer.Exit(1)
 

@@ -10,35 +10,36 @@ import typer
 from origami_nlp.cli import options as o
 from origami_nlp.cli.cone import cone
 from origami_nlp.cli.group import Group
-from origami_nlp.cli.output import Output, answers
+from origami_nlp.cli.output import Output, answers, writes
 from origami_nlp.cli.progress import progress
 from origami_nlp.cli.search import search_panels
 from origami_nlp.cli.timed import bounded
-from origami_nlp.pattern import examples
 
 if TYPE_CHECKING:
     from origami_nlp.symbolic.claim import Claim
 
 
 def demo(
-    out: Annotated[Path, o.OutFolder] = Path("origami_demo"),
+    folder: Annotated[Path, o.OutFolder] = Path("origami_demo"),
     seed: o.Seed = 0,
 ) -> None:
     """Find the symmetric minima of the paper's degree-6 and degree-8 vertices, and which of them are stable."""
     from origami_nlp.display import rows_table
     from origami_nlp.io import make_folder, write_json
     from origami_nlp.minima import DEMO_HEADS, demo_rows, draw_minima
+    from origami_nlp.pattern import examples
 
-    out = make_folder(out, "--out")
-    files = [out / name for name in ("minima.json", "degree6.png", "degree8.png")]
-    output = Output(*(("--out", file) for file in files))
+    folder = make_folder(folder, "--folder")
+    files = [folder / name for name in ("minima.json", "degree6.png", "degree8.png")]
+    output = Output()
+    output.check(*(("--folder", file) for file in files))
     results = search_panels(seed, full=True)
     shown = [
         results[[r.scene.name for r in results].index(scene.name)]
         for scene in (examples.degree6("pi/3", 1.0), examples.degree8("pi/4", 1.0))
     ]
     for result in shown:
-        result.tell(output.console)
+        result.print_to(output.console)
         output.say()
     seconds = sum(r.search.seconds for r in results)
     title = f"all panels of the paper: minima stable in the full space, {seconds:.1f} s in total"
@@ -49,17 +50,16 @@ def demo(
     output.written(*files)
 
 
+@writes("json", "markdown")
 def panels(
+    out: Output,
     full: o.PrettyRepr = False,
     seed: o.Seed = 0,
-    markdown: o.MarkdownFile = None,
-    json: o.JsonFile = None,
 ) -> None:
     """Find the symmetric minima of the paper's 18 panels; with --full, decide each in the full space."""
     from origami_nlp.display import rows_markdown, rows_table
     from origami_nlp.minima import table
 
-    out = Output(markdown=markdown, json=json)
     results = search_panels(seed, full)
     heads = table.FULL_HEADS if full else table.SUMMARY_HEADS
     rows = [table.full_space_row(r) if full else table.summary_row(r) for r in results]
@@ -78,10 +78,9 @@ def _claims() -> list[str]:
     return [claim.id for claim in claims()]
 
 
+@writes("json", "markdown", "latex")
 def verify(
-    json: o.JsonFile = None,
-    markdown: o.MarkdownFile = None,
-    latex: o.LatexFile = None,
+    out: Output,
     only: Annotated[
         list[str] | None,
         typer.Option(
@@ -99,14 +98,13 @@ def verify(
     from origami_nlp.symbolic.report import as_json, as_latex, as_markdown
     from origami_nlp.symbolic.table import print_results
 
-    out = Output(json=json, markdown=markdown, latex=latex)
     chosen = [claim_by_id(i) for i in dict.fromkeys(only)] if only else list(claims())
     with progress("deciding", len(chosen)) as said:
 
-        def tell(claim: Claim) -> None:
+        def advance(claim: Claim) -> None:
             said((said.done or 0) + 1, text=claim.id)
 
-        results = decide_all(chosen, progress=tell)
+        results = decide_all(chosen, progress=advance)
     print_results(results, out.console)
     out.write("json", as_json, results)
     out.write("markdown", as_markdown, results)
@@ -126,10 +124,10 @@ def transitions(
     """
     from origami_nlp.paper import find_transitions
 
-    with progress(family, 1.0) as tell:
+    with progress(family, 1.0) as show:
 
         def report(what: str, done: float) -> None:
-            tell(done, text=what)
+            show(done, text=what)
 
         return find_transitions(family, samples=samples, size=rings, report=report, **options)
 

@@ -134,7 +134,7 @@ def _lines(report: ProgressReport, screen: Screen) -> Iterator[None]:
     if start - _heard["end"] >= PAUSE:
         _heard["line"] = start
 
-    def tell() -> None:
+    def show() -> None:
         while not over.wait(wait(time.monotonic())):
             _heard["line"] = time.monotonic()
             try:
@@ -147,7 +147,7 @@ def _lines(report: ProgressReport, screen: Screen) -> Iterator[None]:
                 return
 
     # a thread, since a single step may take minutes
-    thread = threading.Thread(target=tell, name="progress", daemon=True)
+    thread = threading.Thread(target=show, name="progress", daemon=True)
     thread.start()
     try:
         yield

@@ -9,27 +9,15 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, wraps
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from origami_nlp.arguments import check_whole, did_you_mean
 from origami_nlp.cli import options as o
 from origami_nlp.errors import FoldFileError, OptionError, SceneFileError
 from origami_nlp.io import read_limited
-from origami_nlp.pattern import (
-    LARGEST,
-    Frame,
-    Pattern,
-    Scene,
-    Vertex,
-    decode_scene,
-    examples,
-    fold_vertices,
-    frame_pattern,
-    is_json,
-    parse_fold,
-    vertex_scene,
-    vertex_scenes,
-)
+
+if TYPE_CHECKING:
+    from origami_nlp.pattern import Frame, Pattern, Scene, Vertex
 
 FOLD_OPTIONS = {
     "vertex": o.VertexNumber,
@@ -63,6 +51,8 @@ class Source:
     @cached_property
     def is_fold(self) -> bool:
         """Whether it is a FOLD file or an example, by its name or, without one that says so, by its first letter."""
+        from origami_nlp.pattern import is_json
+
         return _named_fold(self.name) or is_json(self._content)
 
     @cached_property
@@ -73,6 +63,8 @@ class Source:
 
     @cached_property
     def _content(self) -> bytes:
+        from origami_nlp.pattern import LARGEST, examples
+
         if self.is_example:
             return json.dumps(examples.crease_pattern(self.name)).encode()
         if self.name != "-" and not Path(self.name).suffix and not Path(self.name).exists():
@@ -100,14 +92,18 @@ class Source:
 
     def frames(self) -> tuple[Frame, ...]:
         """Return the frame asked for, or all."""
+        from origami_nlp.pattern import parse_fold
+
         return parse_fold(self._content, self.given.get("frame"))
 
     def read(self) -> Scene:
         """Return the scene; what is odd in a FOLD file goes to standard error."""
+        from origami_nlp.pattern import decode_scene, vertex_scene
+
         if not self.is_fold:
             self.refuse_options("a scene file states it itself", but=("symmetry",))
             scene = decode_scene(self._content, self.name)
-            tell_normalized(scene.vertex)
+            note_normalized(scene.vertex)
             if (symmetry := self.given.get("symmetry")) is None:
                 return scene
             return replace(scene, symmetry=symmetry, mirror=None, winding=None)
@@ -115,25 +111,29 @@ class Source:
             raise OptionError("--per-length is for whole patterns, not for a vertex of one")
         if self.vertex is not None:
             check_whole("--vertex", self.vertex, 0)
-        return vertex_scene(self._frame(), self.vertex, tell=_tell, **self._spring_options())
+        return vertex_scene(self._frame(), self.vertex, on_note=_note, **self._spring_options())
 
     def read_whole(self, contact: bool = False) -> Scene | Pattern:
         """Return the scene of a scene file or of the vertex that is asked for, else as `read_pattern`."""
+        from origami_nlp.pattern import fold_vertices
+
         if not self.is_whole:
             return self.read()
         one = fold_vertices(self._frame())[0]
         if len(one) == 1:
             number = one[0].number
-            _tell(
+            _note(
                 f"one vertex, taken as a pattern; --vertex {number} takes it as a vertex, with its symmetry"
             )
         whole = self.read_pattern(contact)
         for note in whole.notes:
-            _tell(note)
+            _note(note)
         return whole
 
     def read_pattern(self, contact: bool = False) -> Pattern:
         """Return the whole pattern of a FOLD file or an example; contact: what is asked of it takes ``--contact``."""
+        from origami_nlp.pattern import frame_pattern
+
         if not self.is_fold:
             raise OptionError(
                 f"{self.name!r} is the scene of one vertex: give a FOLD file or an example"
@@ -149,7 +149,9 @@ class Source:
 
     def read_all(self) -> dict[int, Scene]:
         """Return the scene of every vertex of a FOLD file that can be analysed, by its number."""
-        return vertex_scenes(self._frame(), tell=_tell, **self._spring_options())
+        from origami_nlp.pattern import vertex_scenes
+
+        return vertex_scenes(self._frame(), on_note=_note, **self._spring_options())
 
     def refuse_options(self, why: str, but: Sequence[str] = ()) -> None:
         """Raise an error for options of FOLD files, if there are any; but: those that scene files take too."""
@@ -158,6 +160,8 @@ class Source:
             raise OptionError(f"--{option} is for FOLD files (.fold); {why}")
 
     def _frame(self) -> Frame:
+        from origami_nlp.pattern import parse_fold
+
         (frame,) = parse_fold(self._content, self.given.get("frame", "first"))
         return frame
 
@@ -201,20 +205,22 @@ def takes_scene(
     return decorate
 
 
-def tell_normalized(vertex: Vertex) -> None:
+def note_normalized(vertex: Vertex) -> None:
     """Say on standard error by how much ``normalize`` changed sector angles, where it did."""
     if vertex.normalized:
         each = math.degrees(vertex.normalized)
-        _tell(f"sector angles normalized to a sum of 360 deg: each by {each:+.6g} deg")
+        _note(f"sector angles normalized to a sum of 360 deg: each by {each:+.6g} deg")
 
 
 def _examples() -> tuple[str, ...]:
-    return (*examples.BY_NAME, *examples.SHEETS)
+    from origami_nlp.pattern import examples
+
+    return (*examples.BY_NAME, *examples.WITH_SPRINGS)
 
 
 def _named_fold(name: str) -> bool:
     return Path(name).suffix.lower() in (".fold", ".json")
 
 
-def _tell(note: str) -> None:
+def _note(note: str) -> None:
     print(f"note: {note}", file=sys.stderr)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import signal
 import threading
 import time
@@ -27,7 +26,7 @@ ENDED = 124
 """Exit code, that of `timeout`."""
 
 
-class OutOfTime(BaseException):
+class CommandOutOfTime(BaseException):
     """The time is over; no error, so that nothing takes it for an answer that failed."""
 
 
@@ -53,7 +52,7 @@ def paused() -> Iterator[float | None]:
     _arm(0.0)
     yield max(_end[0] - time.monotonic(), 0.0)
     if time.monotonic() >= _end[0]:
-        raise OutOfTime
+        raise CommandOutOfTime
     _arm(_end[0] - time.monotonic())
 
 
@@ -75,7 +74,7 @@ def bounded(command: Callable[..., None]) -> Callable[..., None]:
             if not _rung or isinstance(error, typer.Exit):
                 raise
             _out_of_time(seconds, given)
-        except OutOfTime:
+        except CommandOutOfTime:
             _out_of_time(seconds, given)
 
     return o.extended(run, command, {"seconds": (o.Seconds, None)})
@@ -84,9 +83,9 @@ def bounded(command: Callable[..., None]) -> Callable[..., None]:
 def _out_of_time(seconds: float | None, given: dict[str, Any]) -> NoReturn:
     from origami_nlp.io import screen
 
-    console = screen(*(v for v in given.values() if isinstance(v, str | os.PathLike)))
+    console = screen(*map(o.place, given.get("out") or ()))
     for result in _kept:
-        result.tell(console)
+        result.print_to(console)
     console.print(
         f"{OUT_OF_TIME} (--seconds {seconds:g}): "
         + ("what stands above was found; the rest of the command" if _kept else "the command")
@@ -118,7 +117,7 @@ def _limited(seconds: float | None) -> Iterator[None]:
 def _over(*_: object) -> None:
     if _end:
         _rung[:] = [True]
-        raise OutOfTime
+        raise CommandOutOfTime
 
 
 def _arm(seconds: float) -> None:

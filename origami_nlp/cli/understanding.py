@@ -4,18 +4,20 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from typing import Annotated, Any, TypeAlias
+from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 
 import typer
 
 from origami_nlp.cli import options as o
-from origami_nlp.cli.output import Output, answers
+from origami_nlp.cli.output import Output, answers, writes
 from origami_nlp.cli.progress import progress
 from origami_nlp.cli.search import search, search as search_minima
 from origami_nlp.cli.source import Source, takes_scene
 from origami_nlp.cli.timed import bounded
 from origami_nlp.errors import OptionError
-from origami_nlp.pattern import Pattern, Scene, examples, listed
+
+if TYPE_CHECKING:
+    from origami_nlp.pattern import Pattern
 
 Creases: TypeAlias = Annotated[
     list[int] | None,
@@ -79,6 +81,8 @@ def work_of(
 
 def creases_of(pattern: Pattern, edges: list[int] | None) -> list[int]:
     """Return the numbers of creases, from 1, that are edges of the file, from 0."""
+    from origami_nlp.pattern import listed
+
     number = {edge: crease for crease, edge in enumerate(pattern.numbers.tolist(), start=1)}
     for edge in edges or ():
         if edge not in number:
@@ -110,7 +114,7 @@ SEARCHES = ("seed", "max_starts", "effort", "starts", "workers")
 
 @bounded
 @takes_scene(o.OrigamiFile, whole=True)
-@answers("json", "markdown", "html", search=SEARCHES)
+@answers("json", "html", "markdown", search=SEARCHES)
 def contacts(
     scene: Source,
     state: o.StateNumber = None,
@@ -129,7 +133,7 @@ def contacts(
 
 @bounded
 @takes_scene(o.OrigamiFile, whole=True)
-@answers("json", "markdown", "figure", search=SEARCHES)
+@answers("json", "figure", "markdown", search=SEARCHES)
 def modes(scene: Source, state: o.StateNumber = None, **options: Any) -> Any:
     """Report stiffness and energy along each eigenmode of ORIGAMI's minima, until something touches."""
     from origami_nlp.modes import find_modes
@@ -141,11 +145,11 @@ def modes(scene: Source, state: o.StateNumber = None, **options: Any) -> Any:
 
 @takes_scene(o.OrigamiFile, whole=True)
 @answers(
-    "figure",
     "json",
+    "figure",
+    "html",
     "fold",
     "mesh",
-    "html",
     search=("full", "effort", "seed", "max_starts", "seconds"),
 )
 def load(
@@ -202,17 +206,13 @@ def load(
 
 @bounded
 @takes_scene(o.OrigamiUnlessPanels, whole=True)
+@writes("json", "figure", "html", "fold", "animate", "markdown")
 def barriers(
+    out: Output,
     scene: Source | None = None,
     seed: o.Seed = 0,
-    json: o.JsonFile = None,
-    figure: o.FigureFile = None,
     full: o.PrettyRepr = False,
     panels: o.Panels = False,
-    markdown: o.MarkdownFile = None,
-    fold: o.PathsFold = None,
-    html: o.HtmlFile = None,
-    animate: o.AnimateFile = None,
 ) -> None:
     """Find the lowest pass between every two minima of ORIGAMI, and a path through it.
 
@@ -225,17 +225,13 @@ def barriers(
         draw_barriers,
         find_barriers,
     )
+    from origami_nlp.pattern import Scene, examples
 
     given = scene.name if scene else None
     if panels == (scene is not None):
         raise OptionError(f"ORIGAMI = {given!r}: give a file, an example or --panels, and not both")
-    out = Output(json=json, figure=figure, markdown=markdown, fold=fold, html=html, animate=animate)
-    if panels and fold is not None:
-        raise OptionError(
-            f"--fold = {fold!r}: paths of one ORIGAMI make a file, those of --panels do not"
-        )
-    if panels and animate:
-        raise OptionError("--animate is for one ORIGAMI, not for --panels")
+    if panels:
+        out.refuse("this is for one ORIGAMI, not for --panels", "fold", "animate")
     stated: list[Any] = [scene.read_whole()] if scene else [*examples.panels()]
     for one in stated:
         if isinstance(one, Scene):
@@ -246,7 +242,7 @@ def barriers(
         result = search(one, given, seed=seed, escape=False, **asked)
         with progress(f"{getattr(one, 'label', given) or given}: passes between the minima"):
             found.append(find_barriers(one, result, full=full or None, seed=seed))
-        found[-1].tell(out.console)
+        found[-1].print_to(out.console)
     documents = [b.to_dict() for b in found]
     out.write("json", lambda: documents if panels else documents[0])
     out.write("markdown", lambda: barriers_table(found).markdown())
@@ -257,10 +253,11 @@ def barriers(
 
 @bounded
 @takes_scene(o.SceneUnlessPanels)
+@writes("json", "markdown")
 def critical(
+    out: Output,
     scene: Source | None = None,
     seed: o.Seed = 0,
-    json: o.JsonFile = None,
     compare: Annotated[
         bool,
         typer.Option(
@@ -271,7 +268,6 @@ def critical(
     everything: Annotated[
         bool, typer.Option("--all", help="Show points that are not essential as well.")
     ] = False,
-    markdown: o.MarkdownFile = None,
 ) -> None:
     """Find minima, saddles and maxima of SCENE, contacts included, and check the Morse identity."""
     from rich.text import Text
@@ -283,9 +279,9 @@ def critical(
         panel_row,
     )
     from origami_nlp.display import rows_markdown, rows_table
+    from origami_nlp.pattern import examples
     from origami_nlp.space import find_space
 
-    out = Output(json=json, markdown=markdown)
     given = scene.name if scene else None
     if panels and scene is not None:
         raise OptionError(f"SCENE = {given!r}: give a scene file or --panels, and not both")

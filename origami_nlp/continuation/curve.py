@@ -87,7 +87,7 @@ class Point:
 
     @property
     def multipliers(self) -> np.ndarray:
-        """Of the contacts, scaled energy, those of smallest norm where they are dependent, [r]."""
+        """Lagrange multipliers of the contacts, scaled energy, those of smallest norm where they are dependent, [r]."""
         return self._forces[0]
 
     @property
@@ -132,7 +132,7 @@ class BoundaryCurve(ShortRepr):
 
 @dataclass(frozen=True)
 class HeldCurve:
-    """The closed states of a problem on which contacts stay closed, as a curve to trace; see `tracer.Curve`.
+    """The closed states of a problem on which contacts stay closed, as a curve to trace; see `tracer.CurveProblem`.
 
     Where the contacts leave a set of more dimensions, its geodesics.
     """

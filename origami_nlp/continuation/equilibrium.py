@@ -107,7 +107,7 @@ Move = Callable[[np.ndarray, BorderedSystem], np.ndarray | None]
 
 @dataclass(frozen=True, eq=False)
 class EquilibriumCurve:
-    """Equilibria over a line of parameters with contacts held; see `tracer.Curve`.
+    """Equilibria over a line of parameters with contacts held; see `tracer.CurveProblem`.
 
     short: see `BorderedSystem.step`.  known: the last point that Newton reached, with its system.  given: the last
     frame. corrector: steps of Newton at most.

@@ -1,9 +1,10 @@
 """Continuation of a curve in its arclength: predictor, corrector, step control, and what ends it.
 
-A curve is anything that moves a point near it onto it (`Curve.correct`) and says where it goes there (`Curve.frame`):
-states with contacts held, later states and a load together.  Nothing of an energy or of a vertex enters.  Lengths are
-those of the metric y = root x; with unit tangent y' and bend y'' the predictor is y + h y' + h^2 y'' / 2, and the
-corrector steps across the curve (pseudo-arclength continuation), so that limit points need no special care.
+A curve is anything that moves a point near it onto it (`CurveProblem.correct`) and says where it goes there
+(`CurveProblem.frame`): states with contacts held, later states and a load together.  Nothing of an energy or of a
+vertex enters.  Lengths are those of the metric y = root x; with unit tangent y' and bend y'' the predictor is y + h y'
++ h^2 y'' / 2, and the corrector steps across the curve (pseudo-arclength continuation), so that limit points need no
+special care.
 """
 
 from __future__ import annotations
@@ -50,7 +51,7 @@ F = TypeVar("F", bound=CurveFrame)
 F_co = TypeVar("F_co", bound=CurveFrame, covariant=True)
 
 
-class Curve(Protocol[F_co]):
+class CurveProblem(Protocol[F_co]):
     """What is traced; `root` [n] is its metric."""
 
     @property
@@ -173,14 +174,17 @@ class Trace(Generic[F]):
 
 
 @dataclass(frozen=True)
-class _Step(Generic[F]):
+class _TracedStep(Generic[F]):
     frame: F
     length: float  # arclength of the step
     tried: float
 
 
-def advance(curve: Curve[F], frame: F, h: float, aside: float = ASIDE) -> tuple[F, float] | None:
-    """Go from `frame` by about arclength h; return the new frame and the arclength; None if that fails.
+def advance(
+    curve: CurveProblem[F], frame: F, h: float, aside: float = ASIDE
+) -> tuple[F, float] | None:
+    """Take one predictor-corrector step of arclength about h; return the new frame and the arclength; None if that
+    fails.
 
     The arclength is exact to O(h^5); without a bend it is the chord.
     """
@@ -204,7 +208,7 @@ def _arc(a: CurveFrame, b: CurveFrame, chord: float) -> float:
 
 
 def trace(
-    curve: Curve[F], first: F, steps: ContinuationOptions, ends: Sequence[End[F]] = ()
+    curve: CurveProblem[F], first: F, steps: ContinuationOptions, ends: Sequence[End[F]] = ()
 ) -> Trace[F] | None:
     """Trace a curve both ways from the frame `first`; once around where it is closed.
 
@@ -225,7 +229,7 @@ def trace(
 
 
 def trace_ahead(
-    curve: Curve[F], first: F, steps: ContinuationOptions, ends: Sequence[End[F]]
+    curve: CurveProblem[F], first: F, steps: ContinuationOptions, ends: Sequence[End[F]]
 ) -> tuple[list[F], list[float], str]:
     """Trace from `first` along its tangent: the frames after it with their arclength, and why they end."""
     frames: list[F] = []
@@ -271,10 +275,10 @@ def trace_ahead(
 
 
 def _ahead(
-    curve: Curve[F], here: F, h: float, steps: ContinuationOptions, count: int
-) -> tuple[list[_Step[F]], float]:
+    curve: CurveProblem[F], here: F, h: float, steps: ContinuationOptions, count: int
+) -> tuple[list[_TracedStep[F]], float]:
     """Make up to `count` steps, the first of about h; returns them and the next step, 0 where none is short enough."""
-    ahead: list[_Step[F]] = []
+    ahead: list[_TracedStep[F]] = []
     while len(ahead) < count:
         moved = advance(curve, here, h, steps.aside)
         turn = math.inf
@@ -286,7 +290,7 @@ def _ahead(
                 return ahead, 0.0
             continue
         here = moved[0]
-        ahead.append(_Step(here, moved[1], h))
+        ahead.append(_TracedStep(here, moved[1], h))
         # the turn of unit tangents is their angle, to second order: the next step shall turn by `steps.turn`
         h = min(steps.longest, h * min(steps.growth, steps.turn / max(turn, NONZERO)))
     return ahead, h
@@ -302,6 +306,6 @@ def _before(frames: Sequence[F], ends: Sequence[End[F]]) -> tuple[int, End[F] | 
     return kept, found
 
 
-def _is_back(curve: Curve[F], step: _Step[F], first: F, back: float) -> bool:
+def _is_back(curve: CurveProblem[F], step: _TracedStep[F], first: F, back: float) -> bool:
     """Return whether a step came back to the first point: nearer than it is long, in the same direction."""
     return back <= 0.75 * step.length and float(step.frame.tangent @ first.tangent) > ALIGNED

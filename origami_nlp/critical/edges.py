@@ -99,7 +99,7 @@ class _At:
 
 @dataclass(frozen=True)
 class _Line:
-    """A contact's curve in the problem's variables, for the tracer; see `continuation.Curve`."""
+    """A contact's curve in the problem's variables, for the tracer; see `continuation.tracer.CurveProblem`."""
 
     model: Problem
     row: Contact

@@ -39,7 +39,7 @@ ROOM = 1.25
 """Around what is seen, with its numbers."""
 
 
-class Shot(NamedTuple):
+class FilmFrame(NamedTuple):
     """One picture of a film.
 
     Attributes
@@ -76,10 +76,10 @@ def check_animation(target: str | os.PathLike[str]) -> None:
     """
     ending = Path(target).suffix.lower()
     if ending not in (".gif", ".mp4"):
-        raise OptionError(f"--animate = {str(target)!r}: the name must end in .gif, .mp4")
+        raise OptionError(f"animation = {str(target)!r}: the name must end in .gif, .mp4")
     if ending == ".mp4" and shutil.which("ffmpeg") is None:
         raise OptionError(
-            f"--animate = {str(target)!r}: .mp4 needs ffmpeg, which is not on PATH: use .gif"
+            f"animation = {str(target)!r}: .mp4 needs ffmpeg, which is not on PATH: use .gif"
         )
 
 
@@ -105,7 +105,7 @@ def write_animation(content: Content, target: str | os.PathLike[str]) -> None:
         raise OptionError("a film shows a single vertex, not a sheet")
     shots = list(film(content))
     if not shots:
-        raise OptionError(f"--animate = {str(target)!r}: there is no state to show")
+        raise OptionError(f"animation = {str(target)!r}: there is no state to show")
     from matplotlib.animation import FFMpegWriter, PillowWriter
     from matplotlib.figure import Figure
 
@@ -121,7 +121,7 @@ def write_animation(content: Content, target: str | os.PathLike[str]) -> None:
         write_whole(target, Path(film_file).read_bytes())
 
 
-def film(content: Content) -> Iterator[Shot]:
+def film(content: Content) -> Iterator[FilmFrame]:
     """Return the pictures of a film: each state turned round once, then what its paths are.
 
     Parameters
@@ -131,7 +131,7 @@ def film(content: Content) -> Iterator[Shot]:
 
     Yields
     ------
-    Shot
+    FilmFrame
         In order.  Each state is one that is stored.
     """
     count = len(content.stations)
@@ -145,8 +145,8 @@ def film(content: Content) -> Iterator[Shot]:
         words = f"state {station.title}{on}"
         seen = _around([state])
         for angle in np.linspace(0.0, 2 * math.pi, FRAMES, endpoint=False):
-            yield Shot(state, _about_up(angle) @ station.view, *seen, words)
-        yield from [Shot(state, station.view, *seen, words)] * HELD
+            yield FilmFrame(state, _about_up(angle) @ station.view, *seen, words)
+        yield from [FilmFrame(state, station.view, *seen, words)] * HELD
         for track in paths[:1]:
             yield from _along(track, station.view)
     if not count:
@@ -154,11 +154,11 @@ def film(content: Content) -> Iterator[Shot]:
             yield from _along(track, track.view)
 
 
-def _along(track: Trajectory, view: np.ndarray) -> Iterator[Shot]:
+def _along(track: Trajectory, view: np.ndarray) -> Iterator[FilmFrame]:
     states = [track.states[n] for n in kept_states(track, MOST_STEPS)]
     seen = _around(states)
     for state in [*states, *states[-1:] * HELD]:
-        yield Shot(state, view, *seen, f"{track.title}\nU = {state.energy:.6g} J")
+        yield FilmFrame(state, view, *seen, f"{track.title}\nU = {state.energy:.6g} J")
 
 
 def _around(states: list[FoldedBody]) -> tuple[np.ndarray, float]:
@@ -179,7 +179,7 @@ def _about_up(angle: float) -> np.ndarray:
     return np.array([[c, 0.0, s], [0.0, 1.0, 0.0], [-s, 0.0, c]])
 
 
-def draw_shot(figure: Figure, title: str, shot: Shot) -> None:
+def draw_shot(figure: Figure, title: str, shot: FilmFrame) -> None:
     """Draw one picture of a film into an empty or used matplotlib Figure.
 
     Parameters

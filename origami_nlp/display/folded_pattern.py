@@ -9,7 +9,7 @@ import numpy as np
 
 from origami_nlp.display.bodies import Body, Crease, FoldedBody
 from origami_nlp.pattern import Pattern
-from origami_nlp.pattern_problem import Crossings
+from origami_nlp.pattern_problem import PatternCrossings
 
 AZIMUTH, ELEVATION = math.radians(-58.0), math.radians(32.0)
 """From where a sheet is seen, about its mean normal, which points up."""
@@ -34,7 +34,7 @@ def pattern_poser(
     tuple
         The body; functions of fold angles [n] [rad], the first of energies as well.
     """
-    crossings = Crossings(pattern)
+    crossings = PatternCrossings(pattern)
     parts = [tuple(dict.fromkeys(piece)) for piece in crossings.pieces.tolist()]
     left = {(q[i - 1], v): k for k, q in enumerate(parts) for i, v in enumerate(q)}
     creases = tuple(Crease(a, b, left[b, a], left[a, b]) for a, b in pattern.ends.tolist())

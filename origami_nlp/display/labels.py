@@ -12,7 +12,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.patheffects import withStroke
 from matplotlib.transforms import Bbox
 
-DUPLICATE_TOL = 3.0
+SHARED = 3.0
 """Marks nearer than this [points] share one label."""
 DIRECTIONS = (45, 135, -45, -135, 0, 180, 90, -90, 22, 68, 112, 158, -22, -68, -112, -158)
 """Where a label may stand, best first [degrees]."""
@@ -54,9 +54,7 @@ def label_marks(
         at = axes.transData.transform(place)
         if not np.isfinite(at).all():
             continue
-        near = [
-            g for g in groups if text and g.texts and np.hypot(*(g.at - at)) < DUPLICATE_TOL * point
-        ]
+        near = [g for g in groups if text and g.texts and np.hypot(*(g.at - at)) < SHARED * point]
         if near:
             near[0].texts.append(text)
             near[0].wide = max(near[0].wide, wide)

@@ -30,7 +30,7 @@ from origami_nlp.display.touches import contact_places, mark_touches, touching_f
 from origami_nlp.kkt import ContactForce
 from origami_nlp.numerics import CLOSURE_TOL
 from origami_nlp.pattern import Pattern
-from origami_nlp.pattern_problem import MOVES, Crossings, PatternProblem, order_layers
+from origami_nlp.pattern_problem import MOVES, PatternCrossings, PatternProblem, order_layers
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -75,7 +75,7 @@ def draw_pattern_state(
     """
     touching = touching_facets(contacts)
     phi = np.asarray(fold_angles, float)
-    crossings = Crossings(pattern)
+    crossings = PatternCrossings(pattern)
     pieces = crossings.placed(phi)
     corners = crossings.poses.polygons(phi)
     view = pattern_view(corners)

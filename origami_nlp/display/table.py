@@ -1,4 +1,4 @@
-"""Tables of words, and results that tell themselves: on screens, in plain text, as Markdown and as HTML.
+"""Tables of words, and results that print themselves: on screens, in plain text, as Markdown and as HTML.
 
 Nothing here knows a result: rooms make tables of texts, and this writes them down.  A text may carry a style of
 rich for the screen and a colour for HTML (`Words`); both are dropped where they cannot be shown.
@@ -150,7 +150,7 @@ Section: TypeAlias = Table | Cell | Details
 
 
 class Report(PrettyRepr, Result, ABC):
-    """A result that tells itself: a class says `report_sections`, and is printed everywhere from that.
+    """A result that prints itself: a class says `report_sections`, and is printed everywhere from that.
 
     ``print(result)``, IPython and Jupyter show all of it; in lists, and in the plain Python prompt, it is one line.
 
@@ -177,7 +177,7 @@ class Report(PrettyRepr, Result, ABC):
     def report_sections(self) -> Iterable[Section]:
         """Return what there is to say: tables and lines, in order."""
 
-    def tell(self, console: Console, verbose: bool = False) -> None:
+    def print_to(self, console: Console, verbose: bool = False) -> None:
         """Print; lines are as long as they are.
 
         Parameters
@@ -198,7 +198,7 @@ class Report(PrettyRepr, Result, ABC):
                 for inner in piece.pieces:
                     write(inner)
             else:
-                where = "--verbose, --json; in Python report(verbose=True)"
+                where = "--verbose, -o FILE.json; in Python report(verbose=True)"
                 write(Words(f"{piece.title}: {where}", "dim"))
 
         for piece in self.report_sections():
@@ -217,7 +217,7 @@ class Report(PrettyRepr, Result, ABC):
         str
             Plain text.
         """
-        return plain_text(self.WIDTH, lambda console: self.tell(console, verbose)).rstrip()
+        return plain_text(self.WIDTH, lambda console: self.print_to(console, verbose)).rstrip()
 
     def __str__(self) -> str:
         return self.report()
@@ -265,7 +265,7 @@ def pieces_html(pieces: Iterable[Section]) -> str:
     return "\n".join(["<div>", *parts(), "</div>"])
 
 
-def plain_text(width: int, tell: Callable[[Console], None]) -> str:
+def plain_text(width: int, print_to: Callable[[Console], None]) -> str:
     """Return what a function prints as plain text.
 
     In Jupyter a console would display instead of writing to its file.
@@ -274,8 +274,8 @@ def plain_text(width: int, tell: Callable[[Console], None]) -> str:
     ----------
     width
         Columns.
-    tell
-        Prints on a console of rich, such as `Report.tell`.
+    print_to
+        Prints on a console of rich, such as `Report.print_to`.
 
     Returns
     -------
@@ -285,7 +285,7 @@ def plain_text(width: int, tell: Callable[[Console], None]) -> str:
     from rich.console import Console
 
     text = io.StringIO()
-    tell(Console(file=text, width=width, color_system=None, force_jupyter=False))
+    print_to(Console(file=text, width=width, color_system=None, force_jupyter=False))
     return text.getvalue()
 
 

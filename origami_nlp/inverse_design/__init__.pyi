@@ -1,8 +1,8 @@
 from .conic import (
     DEFINITE as DEFINITE,
-    Answer as Answer,
     ConeRows as ConeRows,
     ConicProgram as ConicProgram,
+    ConicSolution as ConicSolution,
     smatrix as smatrix,
 )
 from .contact_choice import solve as solve

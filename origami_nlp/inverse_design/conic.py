@@ -2,7 +2,7 @@
 
     maximise c . v   subject to   rows v = 0,   slack = a v + b in a cone (>= 0, second order, or semidefinite).
 
-Its dual y proves a bound that plain arithmetic can check: `Answer.check`.
+Its dual y bounds the objective: `ConicSolution.bound`, up to `ConicSolution.residual`.
 """
 
 from __future__ import annotations
@@ -62,7 +62,7 @@ class ConeRows:
 
 
 @dataclass(frozen=True)
-class Answer:
+class ConicSolution:
     """What the solver found, and the dual that proves it.
 
     Attributes
@@ -128,7 +128,7 @@ class ConicProgram:
         """Return a of some rows with a column for each unknown, [r, V]."""
         return np.pad(rows.a, ((0, 0), (0, self.size - rows.a.shape[1])))
 
-    def maximise(self, c: np.ndarray) -> Answer:
+    def maximise(self, c: np.ndarray) -> ConicSolution:
         """Solve for the largest c . v.
 
         Parameters
@@ -138,7 +138,7 @@ class ConicProgram:
 
         Returns
         -------
-        Answer
+        ConicSolution
             With the dual of each block of rows.
 
         Raises
@@ -196,7 +196,7 @@ class ConicProgram:
         z: np.ndarray,
         equal: np.ndarray | None,
         iterations: int,
-    ) -> Answer:
+    ) -> ConicSolution:
         """Complete the dual z of the other rows by that of the equal ones, which makes its sum vanish best."""
         aim = np.zeros_like(c) if status == "PrimalInfeasible" else c
         others = [r for r in self.rows if r.cone != EQUAL]
@@ -218,7 +218,7 @@ class ConicProgram:
         work = sum(float(r.b @ y) for r, y in zip(self.rows, duals, strict=True))
         if status == "PrimalInfeasible":
             left /= max(abs(work), NONZERO)
-        return Answer(status, v, duals, work, left, iterations)
+        return ConicSolution(status, v, duals, work, left, iterations)
 
     def pull(self, duals: tuple[np.ndarray, ...]) -> np.ndarray:
         """Return sum A' y over all rows, [V]."""

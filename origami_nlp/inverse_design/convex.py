@@ -15,7 +15,14 @@ from typing import Any
 import numpy as np
 
 from origami_nlp.errors import OptionError
-from origami_nlp.inverse_design.conic import BALL, EQUAL, POSITIVE, Answer, ConeRows, ConicProgram
+from origami_nlp.inverse_design.conic import (
+    BALL,
+    EQUAL,
+    POSITIVE,
+    ConeRows,
+    ConicProgram,
+    ConicSolution,
+)
 from origami_nlp.inverse_design.equilibrium import Balance, Springs, balances, energy_row
 from origami_nlp.inverse_design.targets import Targets
 from origami_nlp.kkt import State
@@ -231,7 +238,7 @@ class ConvexDesign:
         p.add(POSITIVE, row, 0.0, f"energy of {name} at most {most:g} J")
 
     @cached_property
-    def answer(self) -> Answer:
+    def answer(self) -> ConicSolution:
         """The optimum, or the proof that there is no point."""
         return self.problem.maximise(self.aim)
 

@@ -16,7 +16,7 @@ WORDS, LINE = 48, 220
 
 
 MACHINERY = frozenset(
-    "report_sections tell view_content mesh_parts frame_entries lines from_dict".split()
+    "report_sections print_to view_content mesh_parts frame_entries lines from_dict".split()
 )
 """Methods that the package itself calls, and users do not."""
 

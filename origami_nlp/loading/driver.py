@@ -1,6 +1,6 @@
 """What drives a load path of a vertex: a torque on creases, or a factor of the forces that a scene states.
 
-`Driver` says what a load path asks of a driver, of a vertex here or of a pattern (`sheet.PatternDriver`).
+`Driver` says what a load path asks of a driver, of a vertex here or of a pattern (`pattern_driver.PatternDriver`).
 """
 
 from __future__ import annotations

@@ -72,14 +72,14 @@ from .noise import (
     drawn_errors as drawn_errors,
     survival_words as survival_words,
 )
-from .one_freedom import Traced as Traced, trace as trace
+from .one_dof import CandidateMinima as CandidateMinima, trace as trace
 from .pattern_account import (
     ESCAPE_PATHS as ESCAPE_PATHS,
     MEETINGS as MEETINGS,
     PatternSearchReport as PatternSearchReport,
 )
 from .proved import check_prove as check_prove
-from .record import Answer as Answer, Record as Record
+from .record import FoundState as FoundState, Record as Record
 from .result import (
     MinimaResult as MinimaResult,
 )

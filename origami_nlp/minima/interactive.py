@@ -23,8 +23,8 @@ from origami_nlp.display import (
 from origami_nlp.errors import OptionError
 from origami_nlp.kkt import ContactForce
 from origami_nlp.minima.minimum import JudgedState
+from origami_nlp.minima.report_lines import MOST_ANGLES, full_space_lines, moment_words
 from origami_nlp.minima.stability import asked
-from origami_nlp.minima.telling import MOST_ANGLES, full_space_lines, moment_words
 from origami_nlp.numerics import INPUT_TOL, NONZERO, SETTLED, residual_words
 from origami_nlp.pattern import Pattern, Scene
 from origami_nlp.pattern_problem import PatternProblem

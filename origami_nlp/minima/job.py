@@ -14,10 +14,10 @@ from origami_nlp.minima.account import SearchReport
 from origami_nlp.minima.coverage import StrataCount, count_strata
 from origami_nlp.minima.minimum import JudgedState
 from origami_nlp.minima.multistart import run_starts
-from origami_nlp.minima.one_freedom import EXACT, Traced, trace
+from origami_nlp.minima.one_dof import EXACT, CandidateMinima, trace
 from origami_nlp.minima.record import (
     BREAKDOWNS,
-    Answer,
+    FoundState,
     Record,
     closes,
     exact_state,
@@ -33,7 +33,7 @@ from origami_nlp.numerics import (
     NEAR_CONTACT,
     NEAR_SINGULAR_TOL,
 )
-from origami_nlp.pattern import Labels, canonical_labels
+from origami_nlp.pattern import Relabelling, canonical_labels
 from origami_nlp.problem import Model
 from origami_nlp.starts import (
     CORNER,
@@ -77,8 +77,8 @@ class Job:
         self.strata: tuple[StrataCount, ...] = ()
         self.corners: tuple[int, bool] = (0, False)
         self.foldings: list[np.ndarray] = []
-        self.given: list[tuple[np.ndarray, Answer | None]] = []
-        self.traced: Traced | None = None
+        self.given: list[tuple[np.ndarray, FoundState | None]] = []
+        self.traced: CandidateMinima | None = None
         self.begin = time.perf_counter()
         self.turn = (
             until if math.isinf(until) else until - options.judging * (until - time.monotonic())
@@ -89,7 +89,7 @@ class Job:
         self.list_states()
         self.given = [(g, self._stationary_at(self.model.reduce(g))) for g in guesses]
         # where nothing can move within the symmetry, the listed states are all there is
-        if self.model.freedom > 0 and not self._late():
+        if self.model.dof > 0 and not self._late():
             yield from self.search([self.model.reduce(g) for g in guesses], workers)
 
     def list_states(self) -> None:
@@ -98,7 +98,7 @@ class Job:
         self.foldings = record.states_of(FlatFoldings(model))
         families: list[Listed] = [RestState(model), HingeSets(model)]
         states = [x for family in families for x in record.states_of(family)] + self.foldings
-        if model.freedom <= 0:
+        if model.dof <= 0:
             states += record.states_of(RigidStates(model, self.seed))
         for x in states:
             if self._late():
@@ -107,7 +107,7 @@ class Job:
                 with record.surviving("a listed state"):
                     record.answers.append(listed(model, x))
 
-    def _stationary_at(self, x: np.ndarray) -> Answer | None:
+    def _stationary_at(self, x: np.ndarray) -> FoundState | None:
         """Return the stationary state next to a guess, judged: a minimum before others; None where there is none."""
         best = self.record.known(x)
         # what people type holds contacts to fewer digits than what was computed
@@ -133,7 +133,7 @@ class Job:
             return []
         return [state for state in found if closes(self.model, state.x)]
 
-    def _refusal(self, guess: np.ndarray, answer: Answer | None) -> JudgedState | None:
+    def _refusal(self, guess: np.ndarray, answer: FoundState | None) -> JudgedState | None:
         """Return why no minimum is listed at a guess [N]; None where one is."""
         model = self.model
         x = model.reduce(guess)
@@ -159,7 +159,7 @@ class Job:
     def search(self, guesses: list[np.ndarray], workers: int) -> Work:
         """Start from guesses, then round after round until the stopping rule says that it is enough."""
         # how finely curves are cut suits the torque of springs: under forces in space a search goes on from there
-        if self.model.freedom == 1 and self._traced() and not self.model.scene.loads:
+        if self.model.dof == 1 and self._traced() and not self.model.scene.loads:
             self.stopped_by = "complete"
             return
         if self.model.size > self.options.most_batched and not is_chain(self.model):
@@ -237,7 +237,7 @@ class Job:
         self.complete = traced.reason if whole and not self.model.scene.loads else ""
         return whole
 
-    def _under(self) -> tuple[Model, Labels] | None:
+    def _under(self) -> tuple[Model, Relabelling] | None:
         """Pose the scene under labels that do not depend on how it was labelled; None where it is as well as is."""
         scene = self.model.scene
         if not scene.group.is_trivial or scene.loads:
@@ -249,7 +249,7 @@ class Job:
         hits = self.record.drawn_hits
         if min(hits, default=self.options.hits) >= self.options.hits:
             # the first round holds several: where there is more to find, one that found nothing is wanted as well
-            few = self.model.freedom <= FEW_DOF and self.model.has_limits
+            few = self.model.dof <= FEW_DOF and self.model.has_limits
             return quiet > 0 or few
         # Chao's estimate of the minima that nothing has reached yet, from those reached once and twice
         return quiet >= self.options.quiet and chao1(hits) < 0.5

@@ -8,7 +8,7 @@ import numpy as np
 
 from origami_nlp.kkt import Solve
 from origami_nlp.minima.ipopt import solve
-from origami_nlp.minima.record import Answer, Record
+from origami_nlp.minima.record import FoundState, Record
 from origami_nlp.numerics import ANSWERED, DUPLICATE_TOL
 from origami_nlp.problem import Model, Solvable
 from origami_nlp.starts import Projected
@@ -18,7 +18,7 @@ FEW_PAIRS = 6
 """Up to this many facet pairs every solve models all of them from the start."""
 
 
-def run_starts(model: Model, seed: int, record: Record) -> Iterator[Answer | None]:
+def run_starts(model: Model, seed: int, record: Record) -> Iterator[FoundState | None]:
     """Run starts for ever, one for each `next`; yields the answer if it has to be judged, else None."""
     pairs = model.structure.pairs
     for start in Projected(model).starts(np.random.default_rng(seed)):
@@ -39,7 +39,7 @@ def run_one(
     *,
     pairs: tuple[tuple[int, int], ...] = (),
     count: bool = True,
-) -> Answer | None:
+) -> FoundState | None:
     """Solve from one start, polish, and file the answer; returns it if it has to be judged.
 
     With `count` false the solve is not a random start and does not enter the stopping rule.

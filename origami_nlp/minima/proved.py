@@ -14,15 +14,15 @@ from origami_nlp.arguments import check_number
 from origami_nlp.errors import OUT_OF_TIME
 from origami_nlp.kkt import Solve, exact_beside, polish, project
 from origami_nlp.minima.completeness import Added, Completeness, Open
-from origami_nlp.minima.record import BREAKDOWNS, Answer, Record, closes, judge, listed
+from origami_nlp.minima.record import BREAKDOWNS, FoundState, Record, closes, judge, listed
 from origami_nlp.numerics import CLOSURE_TOL, DUPLICATE_TOL, NEAR_SINGULAR_TOL
 from origami_nlp.pattern import Scene
 from origami_nlp.problem import Model
 from origami_nlp.proof import (
     Cluster,
-    CriticalPoint,
     Proof,
     ProofOptions,
+    ProvedCriticalPoint,
     isolated,
     prove,
     why_not as touches_not_proved,
@@ -100,17 +100,17 @@ def why_not(model: Model) -> str:
         return "without fold limits fold angles are not bounded by +-pi"
     if not model.scene.vertex.flat:
         return "the paper does not lie flat: proofs are for flat sheets"
-    if model.freedom <= 0 and model.structure.winding == 1:
+    if model.dof <= 0 and model.structure.winding == 1:
         return "nothing can move: the states listed are all that were looked for"
-    if model.freedom > MOST_DOF:
-        return f"{model.freedom} degrees of freedom (at most {MOST_DOF})"
+    if model.dof > MOST_DOF:
+        return f"{model.dof} degrees of freedom (at most {MOST_DOF})"
     return touches_not_proved(model) if model.scene.contact == "full" else ""
 
 
 def is_cheap(model: Model) -> bool:
     """Return whether a proof is tried without being asked for."""
     touching = bool(model.structure.gaps) and model.scene.group.is_trivial
-    return not why_not(model) and 0 < model.freedom <= (1 if touching else FEW_DOF)
+    return not why_not(model) and 0 < model.dof <= (1 if touching else FEW_DOF)
 
 
 def hold_against(
@@ -136,7 +136,7 @@ def hold_against(
         radius.
     """
     against: list[str] = []
-    added: list[Answer] = []
+    added: list[FoundState] = []
     undecided: list[Open] = []
     for point in proof.points:
         answer, new = _answer_at(model, record, point)
@@ -214,7 +214,9 @@ def _ranges_over(scene: Scene) -> str:
     return f"among closed states that keep {scene.group.name}{wind}"
 
 
-def _answer_at(model: Model, record: Record, point: CriticalPoint) -> tuple[Answer | None, bool]:
+def _answer_at(
+    model: Model, record: Record, point: ProvedCriticalPoint
+) -> tuple[FoundState | None, bool]:
     """Return the answer at a certified critical point; a possible minimum that is not on record is judged and filed."""
     x = np.array(point.x)
     # the point is the only critical one within its radius: what is on record there is it
@@ -224,18 +226,18 @@ def _answer_at(model: Model, record: Record, point: CriticalPoint) -> tuple[Answ
     return _file(model, record, x)
 
 
-def _index(point: CriticalPoint) -> str:
+def _index(point: ProvedCriticalPoint) -> str:
     """Name the index of a critical state, if it is certain."""
     unclear = any(s and not sign for s, sign in zip(point.stratum, point.pinned_signs, strict=True))
     return "unclear" if unclear or point.index is None else str(point.index)
 
 
-def _leaves(point: CriticalPoint) -> bool:
+def _leaves(point: ProvedCriticalPoint) -> bool:
     """Return whether a point is critical only while contacts are held that it would leave."""
     return 1 in point.pinned_signs or min(point.forces, default=0.0) < 0
 
 
-def _file(model: Model, record: Record, x: np.ndarray) -> tuple[Answer | None, bool]:
+def _file(model: Model, record: Record, x: np.ndarray) -> tuple[FoundState | None, bool]:
     """Polish, file and judge a state; return whether it is new.
 
     The middle of a box is no state: where it cannot be polished there is none.
@@ -261,7 +263,7 @@ def _singular(model: Model, x: np.ndarray) -> np.ndarray | None:
     return y if residual <= CLOSURE_TOL else None
 
 
-def _nearest(record: Record, x: np.ndarray, within: float) -> Answer | None:
+def _nearest(record: Record, x: np.ndarray, within: float) -> FoundState | None:
     """Return the answer nearest to a state, None where none is within a distance (largest entry)."""
     distance = [float(np.abs(a.polished.x - x).max()) for a in record.answers]
     return (
@@ -272,7 +274,7 @@ def _nearest(record: Record, x: np.ndarray, within: float) -> Answer | None:
 
 
 def _disagreement(
-    model: Model, point: CriticalPoint, answer: Answer | None, against: list[str]
+    model: Model, point: ProvedCriticalPoint, answer: FoundState | None, against: list[str]
 ) -> Iterator[Open]:
     """Describe what stays open at a critical point: unclear to proof and judgement, or judged differently by them."""
     verdict = answer.what.verdict if answer is not None and answer.what is not None else ""
@@ -293,7 +295,7 @@ def _disagreement(
 
 
 def _stands_alone(
-    model: Model, limits: Model, record: Record, cluster: Cluster, added: list[Answer]
+    model: Model, limits: Model, record: Record, cluster: Cluster, added: list[FoundState]
 ) -> Open:
     """Judge a singular state, isolated by its lemma where that works."""
     lower, upper = np.array(cluster.lower), np.array(cluster.upper)
@@ -307,7 +309,7 @@ def _stands_alone(
     return _region(model, x - core, x + core, cluster.reason, verdict, lemma.reason)
 
 
-def _verdict_at(model: Model, record: Record, x: np.ndarray, added: list[Answer]) -> str:
+def _verdict_at(model: Model, record: Record, x: np.ndarray, added: list[FoundState]) -> str:
     """Return what an exact singular state is; one that is not on record is judged and filed."""
     answer = record.known(x)
     if answer is None:
@@ -318,7 +320,7 @@ def _verdict_at(model: Model, record: Record, x: np.ndarray, added: list[Answer]
     return answer.what.verdict
 
 
-def _judged(model: Model, record: Record, cluster: Cluster, added: list[Answer]) -> Open:
+def _judged(model: Model, record: Record, cluster: Cluster, added: list[FoundState]) -> Open:
     """Judge the state in a small cluster: that on record, else the polished middle."""
     lower, upper = np.array(cluster.lower), np.array(cluster.upper)
     if (upper - lower).max() > NEAR_SINGULAR_TOL:

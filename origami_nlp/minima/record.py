@@ -31,7 +31,7 @@ BREAKDOWNS = (np.linalg.LinAlgError, ArithmeticError)
 
 
 @dataclass(eq=False)
-class Answer:
+class FoundState:
     """A distinct state that descents ended at: its polish, how many reached it, what it was judged to be.
 
     hits: over all starts.  in_rounds: over those that are drawn anew, corners left out.  first: the number of the drawn
@@ -46,7 +46,7 @@ class Answer:
     in_rounds: int = 0
     first: int = 0
     listed: bool = False
-    orbit: Answer | None = None
+    orbit: FoundState | None = None
     what: Classification | None = None
     lost: str = ""
 
@@ -72,7 +72,7 @@ class Record:
     statuses, solves, iterations: of IPOPT.  converged: its solves that ended at an answer.
     """
 
-    answers: list[Answer] = field(default_factory=list)
+    answers: list[FoundState] = field(default_factory=list)
     starts: int = 0
     feasible_starts: int = 0
     stalled: int = 0
@@ -85,7 +85,7 @@ class Record:
     converged: int = 0
 
     @property
-    def minima(self) -> list[Answer]:
+    def minima(self) -> list[FoundState]:
         """The answers that are minima."""
         return [a for a in self.answers if a.is_minimum]
 
@@ -113,7 +113,7 @@ class Record:
         """How many minima, images apart, one drawn start reached."""
         return sum(hits == 1 for hits in self.drawn_hits)
 
-    def known(self, x: np.ndarray) -> Answer | None:
+    def known(self, x: np.ndarray) -> FoundState | None:
         """Return the answer that a polished state is, if there is one."""
         near = np.flatnonzero(self._apart(x) <= DUPLICATE_TOL)
         return self.answers[near[0]] if len(near) else None
@@ -134,7 +134,7 @@ class Record:
 
     def settle(
         self, model: Model, end: Solve, guess: tuple[Contact, ...] | None = None
-    ) -> tuple[Answer, bool]:
+    ) -> tuple[FoundState, bool]:
         """Polish an end and file it; return whether it has to be judged.
 
         One that does not close is polished once more from the closed state next to it; what does not close then either,
@@ -151,9 +151,9 @@ class Record:
         except BREAKDOWNS as error:
             polished = Polished(end.x, (), math.nan, math.nan, False)
             why = str(error)
-        return Answer(polished, lost=why), False
+        return FoundState(polished, lost=why), False
 
-    def file(self, model: Problem, polished: Polished) -> tuple[Answer, bool]:
+    def file(self, model: Problem, polished: Polished) -> tuple[FoundState, bool]:
         """File a polished state under the answer that it is, or as a new one; return whether it has to be judged.
 
         What Newton could not polish is taken for the exact state next to it, where there is one.  A listed state
@@ -171,7 +171,7 @@ class Record:
                 if better:
                     known.polished = polished
                 return known, better
-        answer = Answer(polished)
+        answer = FoundState(polished)
         self.answers.append(answer)
         return answer, True
 
@@ -190,7 +190,7 @@ class Record:
         return np.asarray(np.abs(states - x).max(axis=1, initial=0.0))
 
 
-def close_orbit(model: Model, record: Record, answer: Answer) -> None:
+def close_orbit(model: Model, record: Record, answer: FoundState) -> None:
     """File the images of a minimum under symmetries that the scene has without asking for them.
 
     What is certified of one holds for all; where another was refuted, none is a minimum.
@@ -199,7 +199,7 @@ def close_orbit(model: Model, record: Record, answer: Answer) -> None:
         x = sign * answer.polished.x[order]
         image = record.known(x)
         if image is None:
-            image = Answer(replace(answer.polished, x=x, rows=()), listed=True)
+            image = FoundState(replace(answer.polished, x=x, rows=()), listed=True)
             record.answers.append(image)
             judge(model, image)
         assert image.what is not None and answer.what is not None
@@ -220,7 +220,7 @@ def closes(model: Model, x: np.ndarray) -> bool:
     return float(np.linalg.norm(q[1:])) <= CLOSURE_TOL
 
 
-def judge(model: Model, answer: Answer) -> None:
+def judge(model: Model, answer: FoundState) -> None:
     """Classify an answer: one that does not close is no admissible state, and where linear algebra breaks down nothing
     is decided.
     """
@@ -235,9 +235,9 @@ def judge(model: Model, answer: Answer) -> None:
         answer.what = Classification("undecided", None, why, 0)
 
 
-def listed(model: Model, x: np.ndarray) -> Answer:
+def listed(model: Model, x: np.ndarray) -> FoundState:
     """Return an exact state that was listed as an answer, judged."""
-    answer = Answer(exact_state(model, x), listed=True)
+    answer = FoundState(exact_state(model, x), listed=True)
     judge(model, answer)
     return answer
 

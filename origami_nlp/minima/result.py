@@ -33,6 +33,14 @@ from origami_nlp.minima.fold_out import Part, minima_to_fold, state_parts
 from origami_nlp.minima.minimum import JudgedState
 from origami_nlp.minima.noise import survival_words
 from origami_nlp.minima.pattern_account import PatternSearchReport
+from origami_nlp.minima.report_lines import (
+    angle_lines,
+    flag_lines,
+    scene_lines,
+    state_lines,
+    states_table,
+    undecided_lines,
+)
 from origami_nlp.minima.stability import (
     NOT_ASKED,
     barrier_head,
@@ -42,14 +50,6 @@ from origami_nlp.minima.stability import (
     verdict,
 )
 from origami_nlp.minima.summary import find_images, summary_tables, verdict_words
-from origami_nlp.minima.telling import (
-    angle_lines,
-    flag_lines,
-    scene_lines,
-    state_lines,
-    states_table,
-    undecided_lines,
-)
 from origami_nlp.numerics import STATIONARY, rank, residual_words
 from origami_nlp.pattern import Pattern, Relations, Scene
 from origami_nlp.pattern_problem import MOST_DENSE, PatternProblem
@@ -83,7 +83,7 @@ class MinimaResult(Report, Viewable):
     curves
         Of a pattern, those with one degree of freedom that were traced; none of a result that was read from a file.
     model
-        The nonlinear programme that its states are states of: posed anew where it is not given.
+        The nonlinear program that its states are states of: posed anew where it is not given.
 
     Notes
     -----
@@ -174,7 +174,7 @@ class MinimaResult(Report, Viewable):
 
     @property
     def undecided(self) -> tuple[JudgedState, ...]:
-        """States that are stationary as far as could be told, without a certificate."""
+        """States that are stationary up to rounding, without a certificate."""
         return self.search.undecided
 
     @property
@@ -184,7 +184,7 @@ class MinimaResult(Report, Viewable):
 
     @property
     def crossing(self) -> tuple[JudgedState, ...]:
-        """States that are not admissible, such as those in which facets pass through each other: no states of paper."""
+        """States that are not admissible, such as those in which facets intersect: rejected."""
         return tuple(s for s in self.rejected if s.verdict == "not admissible")
 
     @property
@@ -194,7 +194,7 @@ class MinimaResult(Report, Viewable):
         return tuple(sorted(every, key=lambda s: rank(s.energy / self.model.scale, ())))
 
     def state_of(self, minimum: JudgedState) -> State:
-        """Return a state as one of the programme.
+        """Return a state as one of `model`.
 
         Parameters
         ----------
@@ -210,7 +210,7 @@ class MinimaResult(Report, Viewable):
         return State(model, model.reduce(np.array(minimum.fold_angles)))
 
     def model_of(self, minimum: JudgedState) -> Any:
-        """Return the programme that a minimum is a state of: that of its winding.
+        """Return the nonlinear program that a minimum is a state of: that of its winding.
 
         Parameters
         ----------
@@ -219,7 +219,7 @@ class MinimaResult(Report, Viewable):
 
         Returns
         -------
-        Model or Sheet
+        Model or PatternProblem
             `model` itself where states wind as often as that says.
         """
         if self.is_pattern or minimum.winding == self.model.structure.winding:
@@ -300,14 +300,14 @@ class MinimaResult(Report, Viewable):
         """
         return state_parts(self.origami, [m.phi for m in self.minima])
 
-    # ------------------------------------------------------------ told
+    # ------------------------------------------------------------ printed
 
     def table(self) -> Table:
         """Return one row a minimum."""
         known = [verdict(self.origami, m) for m in self.minima]
         barrier, pattern = barrier_head(self.origami), self.is_pattern
         heads = ("contacts",) if pattern else ("closure", "KKT", "hits")
-        free = [m.dof if pattern else self.model.freedom for m in self.minima]
+        free = [m.dof if pattern else self.model.dof for m in self.minima]
         last = [_touching(m) if pattern else _reached(m) for m in self.minima]
         return states_table(self.headline, self.minima, known, free, barrier, heads, last)
 
@@ -324,7 +324,7 @@ class MinimaResult(Report, Viewable):
         else:
             yield title
         if more:
-            yield f"... {len(more.rows)} more states: --verbose, or --json"
+            yield f"... {len(more.rows)} more states: --verbose, or -o FILE.json"
         yield from angle_lines(self.minima, images)
         if isinstance(self.origami, Scene):
             yield from scene_lines(self.origami)
@@ -399,7 +399,7 @@ class MinimaResult(Report, Viewable):
             yield row | angle_columns(m.fold_angles)
 
     def to_html(self, *, picture: bool = True) -> str:
-        """Return a piece of HTML, static and without links: what is told, and a picture.
+        """Return a piece of HTML, static and without links: the report, and a picture.
 
         Parameters
         ----------

@@ -12,9 +12,9 @@ import numpy as np
 
 from origami_nlp.kkt import Solve, State
 from origami_nlp.minima.descents import Descents
-from origami_nlp.minima.record import Answer, Record, close_orbit, judge
+from origami_nlp.minima.record import FoundState, Record, close_orbit, judge
 from origami_nlp.numerics import ALIKE, DUPLICATE_TOL, NEAR_CONTACT, ROUNDED
-from origami_nlp.pattern import Labels
+from origami_nlp.pattern import Relabelling
 from origami_nlp.problem import OPEN, Contact, Model, fold_limit
 from origami_nlp.starts import DRAWN, GIVEN, SOURCES, Ends, Samples, joined
 from origami_nlp.workers import stop_workers, worker_pool
@@ -51,7 +51,7 @@ class Search:
         self,
         model: Model,
         record: Record,
-        under: tuple[Model, Labels] | None,
+        under: tuple[Model, Relabelling] | None,
         workers: int = 1,
         found: Callable[[], None] = lambda: None,
         until: tuple[float, float] = (math.inf, math.inf),
@@ -61,7 +61,7 @@ class Search:
         self._labels = under[1] if under else None
         self._descents = Descents(under[0] if under else model, until=until[0])
         self._ends = np.empty((1024, model.size))  # as descents left them: with room to spare
-        self._answer_of: list[Answer] = []
+        self._answer_of: list[FoundState] = []
         self._below: list[np.ndarray] = []  # uncounted starts, for the next batch
         self._workers, self._found, self._until = workers, found, until[1]
         self._pool: ProcessPoolExecutor | None = None
@@ -188,7 +188,7 @@ class Search:
                 at = answer.polished.x
                 self._below += [at + d, at - d]
 
-    def _answer_at(self, s: Samples, k: int) -> tuple[Answer, bool]:
+    def _answer_at(self, s: Samples, k: int) -> tuple[FoundState, bool]:
         """Return the answer that an end is, and whether it is new."""
         x = s.x[k]
         known = len(self._answer_of)
@@ -266,7 +266,7 @@ def _split(ends: Ends, lengths: list[int]) -> list[Ends]:
     return [replace(ends, samples=own)[k] for k in cuts]
 
 
-def _gap_under(model: Model, other: Model, labels: Labels) -> np.ndarray:
+def _gap_under(model: Model, other: Model, labels: Relabelling) -> np.ndarray:
     """For each gap of a model under other labels its position in `model`: crease k on facet j is what it says."""
     at = {gap.index: model.structure.gaps[gap.index].rays for gap in model.gaps}
     position = {rays: index for index, rays in at.items()}

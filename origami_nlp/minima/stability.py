@@ -20,7 +20,7 @@ from origami_nlp.pattern import Pattern, Scene
 ORDER = ("stable", "unstable", "undecided")
 NOT_ASKED = "not asked"
 SEVERAL = 3
-"""Isolated flat foldings that are told in one line."""
+"""Isolated flat foldings from which on they are one line."""
 
 
 def verdict(origami: Scene | Pattern, minimum: JudgedState) -> str:
@@ -37,7 +37,7 @@ def verdict(origami: Scene | Pattern, minimum: JudgedState) -> str:
 
 
 def is_symmetric(origami: Scene | Pattern) -> bool:
-    """Tell whether states are asked to keep a symmetry."""
+    """Return whether states are asked to keep a symmetry."""
     return isinstance(origami, Scene) and not origami.group.is_trivial
 
 
@@ -99,7 +99,7 @@ def _count_words(origami: Scene | Pattern, minima: Sequence[JudgedState], none: 
 def isolated_foldings(minima: Sequence[JudgedState]) -> list[int]:
     """Return the numbers (1-based) of flat foldings without an admissible neighbour, where these are several.
 
-    Every crease is open or shut, and nothing but contact holds them: whatever the springs are, they are there.
+    Every crease is unfolded or fully folded, and contact alone holds them, whatever the springs are.
     """
     found = [
         number
@@ -159,7 +159,7 @@ def stability_words(
 
 
 def barrier_head(origami: Scene | Pattern) -> str:
-    """Name the column of barriers: under an imposed symmetry ways out keep it, "D1 barrier [J]"."""
+    """Name the column of barriers: under an imposed symmetry escape paths keep it, "D1 barrier [J]"."""
     if isinstance(origami, Scene) and is_symmetric(origami):
         return f"{origami.group.name} barrier [J]"
     return "barrier [J]"

@@ -11,11 +11,11 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.spatial import cKDTree
+import scipy as sp
 
 from origami_nlp.kkt import project
-from origami_nlp.minima.curve import NODES, TO_SERIES, Branches, Curves
-from origami_nlp.minima.one_freedom import gaps_of, lifts, roots
+from origami_nlp.minima.curve import NODES, TO_SERIES, Branches, ConfigurationCurves
+from origami_nlp.minima.one_dof import gaps_of, lifts, roots
 from origami_nlp.numerics import ANSWERED, SETTLED, MergeTree, merge_tree
 from origami_nlp.problem import Model
 
@@ -75,7 +75,11 @@ class _Pieces:
 
 
 def traced_passes(
-    model: Model, curves: Curves, branches: Branches, minima: np.ndarray, energies: np.ndarray
+    model: Model,
+    curves: ConfigurationCurves,
+    branches: Branches,
+    minima: np.ndarray,
+    energies: np.ndarray,
 ) -> TracedPasses | None:
     """Build the merge tree of the curves.
 
@@ -110,7 +114,7 @@ def traced_passes(
     nodes = np.concatenate([states, minima])
     value = np.concatenate([[model.energy(x) for x in states], energies])
     # cuts that are one state, on several pieces
-    pairs = cKDTree(nodes).query_pairs(SETTLED, p=np.inf, output_type="ndarray")
+    pairs = sp.spatial.cKDTree(nodes).query_pairs(SETTLED, p=np.inf, output_type="ndarray")
     edges = np.concatenate(
         [np.column_stack([good, good + 1]), np.column_stack([again, again + 1]), pairs]
     )
@@ -122,7 +126,7 @@ def traced_passes(
     return TracedPasses(tree, nodes, value, edges, joined)
 
 
-def _pieces(curves: Curves, branches: Branches) -> _Pieces:
+def _pieces(curves: ConfigurationCurves, branches: Branches) -> _Pieces:
     parts = []
     for b, turns in lifts(curves.model, curves, branches):
         for turn in turns:

@@ -20,7 +20,7 @@ from origami_nlp.io import from_plain, to_plain
 from origami_nlp.minima.find import find_minima
 from origami_nlp.minima.result import MinimaResult
 from origami_nlp.numerics import INPUT_TOL, residual_words
-from origami_nlp.pattern import EquivalentVertices, Labels, Scene, group_equivalent_vertices
+from origami_nlp.pattern import EquivalentVertices, Relabelling, Scene, group_equivalent_vertices
 
 HEADS = ("vertices", "degree", "minima", "kinds", "lowest [J]", "closure", "KKT")
 
@@ -93,7 +93,7 @@ class VertexwiseMinima(Report):
         states = [m.fold_angles for m in self.results[k].minima]
         return labels.back(np.array(states).reshape(len(states), labels.degree))
 
-    def _place(self, vertex: int) -> tuple[int, Labels]:
+    def _place(self, vertex: int) -> tuple[int, Relabelling]:
         for k, one in enumerate(self.classes):
             if vertex in one.numbers:
                 return k, one.labels[one.numbers.index(vertex)]
@@ -164,9 +164,9 @@ class VertexwiseMinima(Report):
         )
 
 
-def _labels(creases: list[int], over: bool) -> Labels:
+def _labels(creases: list[int], over: bool) -> Relabelling:
     n = len(creases)
-    return Labels(creases[0] - 1, (creases[1] - creases[0]) % n != 1, over, n)
+    return Relabelling(creases[0] - 1, (creases[1] - creases[0]) % n != 1, over, n)
 
 
 def _largest(values: Iterator[float]) -> str:

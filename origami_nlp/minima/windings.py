@@ -47,7 +47,7 @@ def jobs_of(
     if progress is not None:
         records = [job.record for job in jobs]
 
-        def tell(*_: int) -> None:
+        def show(*_: int) -> None:
             progress(
                 sum(r.starts for r in records),
                 sum(len(r.minima) for r in records),
@@ -55,7 +55,7 @@ def jobs_of(
             )
 
         for job in jobs:
-            job.progress = tell
+            job.progress = show
     return jobs
 
 

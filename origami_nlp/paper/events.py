@@ -24,7 +24,7 @@ import numpy as np
 from origami_nlp.folding import check_admissible, fold_vertex, pair_depths
 from origami_nlp.numerics import CONTACT_TOL, DEPENDENT, EPS, RESOLVED, SETTLED, quaternion as quat
 from origami_nlp.pattern import Scene
-from origami_nlp.space import Chain, chain_of
+from origami_nlp.space import HalfChain, chain_of
 
 STARTS = 12
 """Random starts for each set of walls."""
@@ -61,7 +61,7 @@ class Event:
     admissible: bool
 
 
-def walls_of(chain: Chain) -> list[Wall]:
+def walls_of(chain: HalfChain) -> list[Wall]:
     """Every wall of a chain, each side of a fold limit by itself."""
     creases = [ray.crease for ray in chain.scene.group.rays]
     walls = []
@@ -137,7 +137,7 @@ class ContactKkt:
     """The KKT system of one set of walls, compiled."""
 
     def __init__(
-        self, make: Callable[[float], Scene], middle: float, chain: Chain, walls: list[Wall]
+        self, make: Callable[[float], Scene], middle: float, chain: HalfChain, walls: list[Wall]
     ) -> None:
         import casadi as ca
 
@@ -178,7 +178,7 @@ class ContactKkt:
 def _equations(
     make: Callable[[float], Scene],
     middle: float,
-    chain: Chain,
+    chain: HalfChain,
     walls: list[Wall],
     x: Any,
     alpha: Any,
@@ -233,7 +233,7 @@ def _polished(
     scene = make(alpha)
     phi = np.clip(x, -math.pi, math.pi)[list(scene.group.orbit)]
     creases, q = fold_vertex(scene.vertex, phi)
-    # closed as the sheet q = +1, and no facets through each other
+    # closed as the lift q = +1, and no facets through each other
     if q[0] < 0 or np.linalg.norm(q[1:]) > RESOLVED or _deepest(creases) > SETTLED:
         return None
     curve = np.linalg.svd(system.jacobian(z), compute_uv=False)[-1] < SETTLED

@@ -38,7 +38,7 @@ from .fold_scene import (
 from .kept_symmetry import with_symmetry_of as with_symmetry_of
 from .labels import (
     EquivalentVertices as EquivalentVertices,
-    Labels as Labels,
+    Relabelling as Relabelling,
     canonical_labels as canonical_labels,
     group_equivalent_vertices as group_equivalent_vertices,
     symmetries as symmetries,

@@ -35,7 +35,7 @@ def read_fold_scene(
     vertex: int | None = None,
     *,
     frame: int | None = None,
-    tell: Callable[[str], object] = _to_stderr,
+    on_note: Callable[[str], object] = _to_stderr,
     **options: Any,
 ) -> Scene:
     """Read one vertex of a FOLD file as a scene.
@@ -48,7 +48,7 @@ def read_fold_scene(
         Which, numbered from 0 as in the file; by default the only one that can be analysed.
     frame
         Which, from 0; by default the first.
-    tell
+    on_note
         Called with each note on what is odd in the file and what was assumed; by default they go to standard error.
     options
         Symmetry, contact, stiffness and rest angles, as `scene_at` takes them.
@@ -70,18 +70,18 @@ def read_fold_scene(
     >>> import os, tempfile, origami_nlp as o
     >>> path = os.path.join(tempfile.mkdtemp(), "states.fold")
     >>> o.write_fold(o.find_minima(o.examples.degree6("pi/4", ratio=0.01), max_starts=16), path)
-    >>> o.read_fold_scene(path, tell=lambda note: None).degree
+    >>> o.read_fold_scene(path, on_note=lambda note: None).degree
     6
     """
     (chosen,) = read_fold(source, "first" if frame is None else frame)
-    return vertex_scene(chosen, vertex, tell=tell, **options)
+    return vertex_scene(chosen, vertex, on_note=on_note, **options)
 
 
 def read_fold_scenes(
     source: str | Path,
     *,
     frame: int | None = None,
-    tell: Callable[[str], object] = _to_stderr,
+    on_note: Callable[[str], object] = _to_stderr,
     **options: Any,
 ) -> dict[int, Scene]:
     """Read every interior vertex of a FOLD file that can be analysed, each as a scene of its own.
@@ -92,7 +92,7 @@ def read_fold_scenes(
         FOLD file, or ``"-"`` for standard input.
     frame
         Which, from 0; by default the first.
-    tell
+    on_note
         Called with each note, as for `read_fold_scene`; vertices that cannot be analysed are among them.
     options
         Symmetry, contact, stiffness and rest angles, as `scene_at` takes them.
@@ -112,11 +112,11 @@ def read_fold_scenes(
     >>> import os, tempfile, origami_nlp as o
     >>> path = os.path.join(tempfile.mkdtemp(), "states.fold")
     >>> o.write_fold(o.find_minima(o.examples.degree6("pi/4", ratio=0.01), max_starts=16), path)
-    >>> [(number, scene.degree) for number, scene in o.read_fold_scenes(path, tell=lambda note: None).items()]
+    >>> [(number, scene.degree) for number, scene in o.read_fold_scenes(path, on_note=lambda note: None).items()]
     [(0, 6)]
     """
     (chosen,) = read_fold(source, "first" if frame is None else frame)
-    return vertex_scenes(chosen, tell=tell, **options)
+    return vertex_scenes(chosen, on_note=on_note, **options)
 
 
 def scene_at(
@@ -192,7 +192,7 @@ def scene_at(
 
 
 def vertex_scene(
-    frame: Frame, vertex: int | None = None, *, tell: Callable[[str], object], **options: Any
+    frame: Frame, vertex: int | None = None, *, on_note: Callable[[str], object], **options: Any
 ) -> Scene:
     """Make a scene of one vertex of a frame.
 
@@ -200,7 +200,7 @@ def vertex_scene(
     ----------
     frame
         Of `read_fold`.
-    vertex, tell, options
+    vertex, on_note, options
         As for `read_fold_scene`.
 
     Returns
@@ -221,20 +221,20 @@ def vertex_scene(
             why = "".join(f"; {note}" for note in notes) if not found else ""
             raise OptionError(
                 f"--vertex is needed: one vertex is asked for, {len(good)} interior ones can be analysed{some}; "
-                f"origami-nlp vertices lists them{why}"
+                f"origami-nlp inspect lists them{why}"
             )
         vertex = good[0]
     here = _vertex_at(frame, vertex)
     scene = scene_at(frame, here, **options)
     for note in (*frame.notes, *notes, *(f"vertex {vertex}: {note}" for note in here.notes)):
-        tell(note)
+        on_note(note)
     if _by_letters(frame, here, **options):
-        tell(LETTERS_ONLY)
+        on_note(LETTERS_ONLY)
     return scene
 
 
 def vertex_scenes(
-    frame: Frame, *, tell: Callable[[str], object], **options: Any
+    frame: Frame, *, on_note: Callable[[str], object], **options: Any
 ) -> dict[int, Scene]:
     """Make a scene of every vertex of a frame that can be analysed.
 
@@ -242,7 +242,7 @@ def vertex_scenes(
     ----------
     frame
         Of `read_fold`.
-    tell, options
+    on_note, options
         As for `read_fold_scenes`.
 
     Returns
@@ -258,20 +258,20 @@ def vertex_scenes(
     check_type("frame", frame, Frame)
     found, notes = fold_vertices(frame)
     for note in (*frame.notes, *notes):
-        tell(note)
+        on_note(note)
     scenes = {}
     for v in found:
         if not v.reason:
             scenes[v.number] = scene_at(frame, v, **options)
         for note in (*v.notes, *([f"cannot be analysed: {v.reason}"] if v.reason else [])):
-            tell(f"vertex {v.number}: {note}")
+            on_note(f"vertex {v.number}: {note}")
     if not scenes:
         raise FoldFileError(
             f"frame {frame.number} has no interior vertex that can be analysed: "
-            + ("; ".join(notes) or "origami-nlp vertices says why of each")
+            + ("; ".join(notes) or "origami-nlp inspect says why of each")
         )
     if any(_by_letters(frame, v, **options) for v in found if v.number in scenes):
-        tell(LETTERS_ONLY)
+        on_note(LETTERS_ONLY)
     return scenes
 
 

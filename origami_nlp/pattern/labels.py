@@ -18,7 +18,7 @@ from origami_nlp.pattern.vertex import Vertex
 
 
 @dataclass(frozen=True)
-class Labels:
+class Relabelling:
     """Other labels for the creases of a vertex.
 
     Attributes
@@ -87,7 +87,7 @@ class Labels:
         )
 
 
-def canonical_labels(scene: Scene) -> Labels:
+def canonical_labels(scene: Scene) -> Relabelling:
     """Return the labels under which a scene's numbers come first in order: the same for all its other labels.
 
     Numbers that differ by rounding only (1e-12) count as equal; of labels that then agree, which is a symmetry of the
@@ -100,7 +100,7 @@ def canonical_labels(scene: Scene) -> Labels:
 
     Returns
     -------
-    Labels
+    Relabelling
         Of all 4 N.
     """
     n = scene.degree
@@ -108,17 +108,17 @@ def canonical_labels(scene: Scene) -> Labels:
     columns = np.stack([scene.vertex.sector_angles, k, scene.wound_angles])
     numbers = np.round(columns, 12) + 0.0
 
-    def seen(labels: Labels) -> list[float]:
+    def seen(labels: Relabelling) -> list[float]:
         rest = labels.sign * numbers[2, labels.creases] + 0.0
         return [*numbers[0, labels.facets], *numbers[1, labels.creases], *rest]
 
     return min(every_label(n), key=seen)
 
 
-def every_label(degree: int) -> list[Labels]:
+def every_label(degree: int) -> list[Relabelling]:
     """Return all labels of a vertex, 4 N of them: from where, which way round, and from which side."""
     ways = itertools.product(range(degree), (False, True), (False, True))
-    return [Labels(*way, degree) for way in ways]
+    return [Relabelling(*way, degree) for way in ways]
 
 
 @dataclass(frozen=True)
@@ -137,7 +137,7 @@ class EquivalentVertices:
     """
 
     numbers: tuple[int, ...]
-    labels: tuple[Labels, ...]
+    labels: tuple[Relabelling, ...]
     apart: float
 
 
@@ -154,7 +154,7 @@ def group_equivalent_vertices(scenes: Mapping[int, Scene]) -> tuple[EquivalentVe
     tuple of Alike
         In the order of their first scenes; every number in one of them.
     """
-    groups: list[list[tuple[int, Labels, float]]] = []
+    groups: list[list[tuple[int, Relabelling, float]]] = []
     for number, scene in scenes.items():
         for group in groups:
             match = _match(scenes[group[0][0]], scene)
@@ -162,7 +162,7 @@ def group_equivalent_vertices(scenes: Mapping[int, Scene]) -> tuple[EquivalentVe
                 group.append((number, *match))
                 break
         else:
-            groups.append([(number, Labels(0, False, False, scene.degree), 0.0)])
+            groups.append([(number, Relabelling(0, False, False, scene.degree), 0.0)])
     found = []
     for group in groups:
         numbers, labels, apart = zip(*group, strict=True)
@@ -170,7 +170,7 @@ def group_equivalent_vertices(scenes: Mapping[int, Scene]) -> tuple[EquivalentVe
     return tuple(found)
 
 
-def _match(first: Scene, other: Scene) -> tuple[Labels, float] | None:
+def _match(first: Scene, other: Scene) -> tuple[Relabelling, float] | None:
     """Return the labels under which `other` comes nearest to `first`, and how near, if near enough."""
     n = first.degree
     kinds = [(s.contact, s.vertex.flat, s.group.name, s.winding) for s in (first, other)]
@@ -187,7 +187,7 @@ def _match(first: Scene, other: Scene) -> tuple[Labels, float] | None:
         return None
     best = None
     for labels in every_label(n):
-        # fold angles change sign where the sheet is turned over (`Labels.sign`), stiffness and sectors do not
+        # fold angles change sign where the sheet is turned over (`Relabelling.sign`), stiffness and sectors do not
         i = labels.creases
         apart = max(
             float(np.abs(theirs[0, labels.facets] - sectors).max()),
@@ -206,7 +206,7 @@ def _keeps(first: Scene, other: Scene, creases: np.ndarray) -> bool:
     return theirs == {tuple(p.tolist()) for p in _permutations(first)}
 
 
-def symmetries(scene: Scene) -> list[Labels]:
+def symmetries(scene: Scene) -> list[Relabelling]:
     """Return the labels under which a scene without loads is itself: its symmetries, the identity left out.
 
     Parameters
@@ -216,7 +216,7 @@ def symmetries(scene: Scene) -> list[Labels]:
 
     Returns
     -------
-    list of Labels
+    list of Relabelling
         ``labels.back(x)`` are the states into which a symmetry takes states x; empty under loads.
     """
     if scene.loads:
@@ -226,7 +226,7 @@ def symmetries(scene: Scene) -> list[Labels]:
         [scene.rest_angles, scene.wound_angles, scene.preload or (0.0,) * scene.degree]
     )
 
-    def keeps(labels: Labels) -> bool:
+    def keeps(labels: Relabelling) -> bool:
         i = labels.creases
         differ = (
             sectors[labels.facets] - sectors,

@@ -6,7 +6,7 @@ from .contact_pairs import (
     Parallel as Parallel,
 )
 from .crossings import (
-    Crossings as Crossings,
+    PatternCrossings as PatternCrossings,
     convex_parts as convex_parts,
     cross_each_other as cross_each_other,
 )
@@ -23,7 +23,11 @@ from .fold_out import (
     state_frame as state_frame,
     states_to_fold as states_to_fold,
 )
-from .labels import Labels as Labels, find_labels as find_labels, image as image
+from .labels import (
+    CanonicalLabelling as CanonicalLabelling,
+    find_labels as find_labels,
+    image as image,
+)
 from .layers import (
     Layers as Layers,
     check_orders as check_orders,

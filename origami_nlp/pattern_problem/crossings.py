@@ -11,7 +11,7 @@ from origami_nlp.pattern import Pattern
 from origami_nlp.pattern_problem.poses import Poses
 
 
-class Crossings:
+class PatternCrossings:
     """The crossing test of a pattern.
 
     Parameters

@@ -16,7 +16,7 @@ import numpy as np
 
 from origami_nlp.numerics import INSIDE, NONZERO, OUTSIDE, area_vectors, cross
 from origami_nlp.pattern_problem.contact_pairs import ContactPair, FoldedGeometry
-from origami_nlp.pattern_problem.crossings import Crossings
+from origami_nlp.pattern_problem.crossings import PatternCrossings
 
 
 @dataclass(frozen=True)
@@ -49,7 +49,7 @@ class Features:
         The crossing test, with its pieces.
     """
 
-    def __init__(self, crossings: Crossings) -> None:
+    def __init__(self, crossings: PatternCrossings) -> None:
         self.crossings = crossings
         self._planes: tuple[FoldedGeometry, Planes] | None = None
         self._facing: (

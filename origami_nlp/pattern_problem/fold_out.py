@@ -15,7 +15,7 @@ import numpy as np
 
 from origami_nlp.folding import folded_frame, frames_to_fold
 from origami_nlp.pattern import REST_KEY, STIFFNESS_KEY, Pattern, Scene
-from origami_nlp.pattern_problem.crossings import Crossings
+from origami_nlp.pattern_problem.crossings import PatternCrossings
 from origami_nlp.pattern_problem.layers import order_layers
 from origami_nlp.pattern_problem.poses import Poses
 from origami_nlp.pattern_problem.problem import PatternProblem
@@ -179,7 +179,7 @@ def pattern_parts(
     list of tuple
         Points [v, 3] and triangles [f, 3]; what pads convex pieces to one length is triangles without area.
     """
-    crossings = Crossings(pattern)
+    crossings = PatternCrossings(pattern)
     pieces, q = crossings.pieces.shape
     fan = np.array([(0, i, i + 1) for i in range(1, q - 1)])
     faces = (q * np.arange(pieces)[:, None, None] + fan).reshape(-1, 3)

@@ -23,7 +23,7 @@ MOST_VIEWS = 4_000
 
 
 @dataclass(frozen=True, eq=False)
-class Labels:
+class CanonicalLabelling:
     """An order of the creases of a pattern that does not depend on how they are numbered.
 
     Attributes
@@ -86,7 +86,7 @@ class Labels:
         return tuple(np.floor(self.sign * phi[self.order] * 1e4 + OFFSET).astype(int).tolist())
 
 
-def find_labels(pattern: Pattern) -> Labels:
+def find_labels(pattern: Pattern) -> CanonicalLabelling:
     """Find the order of the creases that all labels of a pattern agree on.
 
     Parameters
@@ -96,12 +96,12 @@ def find_labels(pattern: Pattern) -> Labels:
 
     Returns
     -------
-    Labels
+    CanonicalLabelling
         Where several views agree in springs as well, which is a symmetry of the sheet, that of the first.
     """
     n = pattern.creases
     if n == 0:
-        return Labels(np.zeros(0, int), 1.0, False, ())
+        return CanonicalLabelling(np.zeros(0, int), 1.0, False, ())
     ends = pattern.corners[pattern.ends]  # [n, 2, 3]
     out = np.linalg.norm(pattern.corners - pattern.corners.mean(axis=0), axis=1)
     size = float(out.max()) * PLACES
@@ -136,7 +136,7 @@ def find_labels(pattern: Pattern) -> Labels:
             to = np.empty(n, int)
             to[order] = other
             images[(*to.tolist(), side)] = to, sign * side
-    return Labels(order, sign, best[3][0] * best[3][1] < 0, tuple(images.values()))
+    return CanonicalLabelling(order, sign, best[3][0] * best[3][1] < 0, tuple(images.values()))
 
 
 def image(symmetry: tuple[np.ndarray, float], phi: np.ndarray) -> np.ndarray:

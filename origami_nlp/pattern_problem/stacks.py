@@ -36,7 +36,7 @@ from origami_nlp.numerics import (
     groups,
     unit_normals,
 )
-from origami_nlp.pattern_problem.crossings import Crossings, boxes_that_meet
+from origami_nlp.pattern_problem.crossings import PatternCrossings, boxes_that_meet
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -94,7 +94,7 @@ class Stack:
     """
 
     def __init__(
-        self, crossings: Crossings, phi: np.ndarray, check: Callable[[], None] = lambda: None
+        self, crossings: PatternCrossings, phi: np.ndarray, check: Callable[[], None] = lambda: None
     ) -> None:
         self.crossings, self.phi, self._check = crossings, phi, check
         self.near = INSIDE * crossings.size

@@ -82,7 +82,7 @@ def _corner(pattern: Pattern, corner: object, name: str) -> int:
     return number
 
 
-class _OfSheet:
+class _OfPattern:
     """What every load on a sheet has."""
 
     pattern: Pattern
@@ -93,7 +93,7 @@ class _OfSheet:
         return self.pattern
 
 
-class _OfPlaces(_OfSheet):
+class _OfPlaces(_OfPattern):
     """A load on the place of a corner, as a walk over facets carries it; `_at`: what it works on, and derivatives."""
 
     unit: ClassVar[str] = "N"
@@ -125,7 +125,7 @@ class _OfPlaces(_OfSheet):
 
 
 @dataclass(frozen=True, eq=False)
-class Torque(_OfSheet):
+class Torque(_OfPattern):
     """A torque t on each of some creases, towards valley > 0.
 
     Attributes

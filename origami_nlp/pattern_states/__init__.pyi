@@ -7,7 +7,7 @@ from .contact_descents import (
     contact_descents_along as contact_descents_along,
 )
 from .curve import (
-    Curve as Curve,
+    ClosureCurve as ClosureCurve,
     follow_curve as follow_curve,
     tangents as tangents,
 )

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from scipy.sparse.csgraph import shortest_path
+import scipy as sp
 
 from origami_nlp.io import ShortRepr
 from origami_nlp.numerics import CLOSURE_TOL, CURVED, DEEP, NONZERO, cross
@@ -111,7 +111,9 @@ class Clearance:
         p = self.problem.pattern
         graph = np.zeros((p.facets, p.facets))
         graph[p.left, p.right] = graph[p.right, p.left] = 1.0
-        _, before = shortest_path(graph, unweighted=True, return_predecessors=True)
+        _, before = sp.sparse.csgraph.shortest_path(
+            graph, unweighted=True, return_predecessors=True
+        )
         found: np.ndarray = before
         return found
 
@@ -128,7 +130,9 @@ class Clearance:
             # over the size: SciPy takes lengths below 1e-8 for none
             apart = np.linalg.norm(points[here][:, None] - points[here], axis=2) / size
             length[np.ix_(here, here)] = np.minimum(length[np.ix_(here, here)], apart)
-        ways = shortest_path(np.where(np.isinf(length), 0.0, length))[many:, :many]
+        ways = sp.sparse.csgraph.shortest_path(np.where(np.isinf(length), 0.0, length))[
+            many:, :many
+        ]
         return np.minimum(size * ways, FAR)
 
     def crosses(self, placed: np.ndarray) -> bool:

@@ -31,7 +31,7 @@ LOST = "lost: no closed state ahead"
 
 
 @dataclass(frozen=True, eq=False)
-class Curve:
+class ClosureCurve:
     """A curve of closed states.
 
     Attributes
@@ -83,7 +83,8 @@ class Sample:
 
 @dataclass(frozen=True, eq=False)
 class ClosedStates:
-    """The closed states of a sheet, as a curve to trace; where several degrees of freedom are left, straight on."""
+    """The closed states of a pattern, as a curve for pseudo-arclength continuation; where several degrees of freedom
+    are left, straight on."""
 
     problem: PatternProblem
 
@@ -95,7 +96,7 @@ class ClosedStates:
     def correct(self, x: np.ndarray) -> np.ndarray | None:
         """Move x [n] onto closure."""
         new, residual = self.problem.project(x, steps=12)
-        return new if residual <= CLOSURE_TOL and self.problem.closure.on_sheet(new) else None
+        return new if residual <= CLOSURE_TOL and self.problem.closure.lifts_to_one(new) else None
 
     def frame(self, x: np.ndarray, along: np.ndarray) -> Sample | None:
         """Return where the curve goes at x: where branches cross, the kernel is larger, and it goes straight on."""
@@ -125,7 +126,7 @@ class ClosedStates:
             there = end - here.x
             size = float(np.linalg.norm(there))
             good = residual <= CLOSURE_TOL and (np.abs(end) <= math.pi + EXPLORED).all()
-            good = good and self.problem.closure.on_sheet(end)
+            good = good and self.problem.closure.lifts_to_one(end)
             ahead = float(there @ here.tangent) >= BENT * size
             if good and ahead and size <= 1.5 * float(np.linalg.norm(went)):
                 return self.at(np.clip(end, -math.pi, math.pi), here.tangent)
@@ -134,7 +135,7 @@ class ClosedStates:
 
 def follow_curve(
     problem: PatternProblem, phi: np.ndarray, along: np.ndarray, step: float = STEP
-) -> Curve:
+) -> ClosureCurve:
     """Trace the curve through a closed state both ways.
 
     Parameters
@@ -150,7 +151,7 @@ def follow_curve(
 
     Returns
     -------
-    Curve
+    ClosureCurve
         From the end against `along` to the other.
     """
     curve, root = ClosedStates(problem), math.sqrt(problem.size)
@@ -172,7 +173,7 @@ def follow_curve(
     found = first and trace(curve, first, steps, [End(inside, "limit", curve.limit)])
     if not found:
         none = np.zeros((1, problem.size))
-        return Curve(phi[None], np.zeros(1), (LOST, LOST), none, none)
+        return ClosureCurve(phi[None], np.zeros(1), (LOST, LOST), none, none)
     ends = []
     for why, last in ((found.start, found.frames[0]), (found.end, found.frames[-1])):
         at_limit = bool((math.pi - np.abs(last.x) <= EXPLORED).any())
@@ -180,7 +181,7 @@ def follow_curve(
         ends.append(known.get(why, f"lost: {why}" if why.startswith("more") else LOST))
     states = np.clip(found.states, -math.pi, math.pi)
     chords = np.linalg.norm(np.diff(states, axis=0), axis=1) / root
-    return Curve(
+    return ClosureCurve(
         states,
         np.concatenate([[0.0], np.cumsum(chords)]),
         (ends[0], ends[1]),

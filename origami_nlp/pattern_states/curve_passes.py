@@ -18,7 +18,7 @@ from origami_nlp.minima import TracedPasses
 from origami_nlp.numerics import CLOSURE_TOL, NEAR_SINGULAR_TOL, groups, merge_tree
 from origami_nlp.pattern_problem import PatternProblem
 from origami_nlp.pattern_states.clearance import Stretches
-from origami_nlp.pattern_states.curves import LONG, ON_CURVE, Traced
+from origami_nlp.pattern_states.curves import LONG, ON_CURVE, TracedCurve
 from origami_nlp.pattern_states.interpolant import Interpolant, stationary
 
 SHARES = np.linspace(0.0, 1.0, 7)
@@ -70,7 +70,7 @@ class CurvePasses:
 
 
 def curve_passes(
-    problem: PatternProblem, curves: Sequence[Traced], minima: np.ndarray
+    problem: PatternProblem, curves: Sequence[TracedCurve], minima: np.ndarray
 ) -> CurvePasses | None:
     """Build the merge tree of traced curves.
 
@@ -133,7 +133,7 @@ class _Network:
         self.clear: list[bool] = []
         self.open: set[int] = set()
 
-    def add(self, traced: Traced) -> None:
+    def add(self, traced: TracedCurve) -> None:
         """Add a curve, cut into stretches."""
         curve = traced.curve
         cuts: list[tuple[float, int]] = []
@@ -201,7 +201,7 @@ def _flags(curve: Interpolant, seen: Stretches) -> Iterator[list[bool]]:
 
 
 def places(problem: PatternProblem, curve: Interpolant, phi: np.ndarray) -> list[float]:
-    """Return where on a curve a state is, as steps and shares of them: by its polynomials, as `Curves` gives it."""
+    """Return where on a curve a state is, as steps and shares of them, by its polynomials (as in `TracedCurves`)."""
     apart = np.linalg.norm(curve.states - phi, axis=1)
     padded = np.r_[math.inf, apart, math.inf]
     low = (apart <= padded[:-2]) & (apart <= padded[2:]) & (apart <= 2 * LONG * problem.size**0.5)

@@ -10,7 +10,7 @@ import numpy as np
 
 from origami_nlp.io import ShortRepr
 from origami_nlp.numerics import CLOSURE_TOL, SETTLED
-from origami_nlp.pattern_problem import Labels, PatternProblem, image
+from origami_nlp.pattern_problem import CanonicalLabelling, PatternProblem, image
 from origami_nlp.pattern_states.branch_points import dips
 from origami_nlp.pattern_states.clearance import Clearance, Stretches
 from origami_nlp.pattern_states.curve import follow_curve
@@ -23,7 +23,7 @@ ON_CURVE = 2e-5
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Traced(ShortRepr):
+class TracedCurve(ShortRepr):
     """A curve of states with one degree of freedom.
 
     Attributes
@@ -48,7 +48,7 @@ class Traced(ShortRepr):
         """Whether both ends are fold limits, or the curve is closed."""
         return all(end in ("limit", "closed") for end in self.curve.ends)
 
-    def image(self, symmetry: tuple[np.ndarray, float]) -> Traced:
+    def image(self, symmetry: tuple[np.ndarray, float]) -> TracedCurve:
         """Return where a symmetry of the paper takes it."""
         seen = self.stretches
         if seen is not None:
@@ -56,10 +56,10 @@ class Traced(ShortRepr):
         branch_points, meets = (
             tuple(image(symmetry, x) for x in which) for which in (self.branch_points, self.meets)
         )
-        return Traced(self.curve.image(symmetry), seen, branch_points, meets)
+        return TracedCurve(self.curve.image(symmetry), seen, branch_points, meets)
 
 
-class Curves:
+class TracedCurves:
     """Curves that were found.
 
     Parameters
@@ -72,9 +72,9 @@ class Curves:
         Whether to ask where facets cross.
     """
 
-    def __init__(self, problem: PatternProblem, labels: Labels, contact: bool) -> None:
+    def __init__(self, problem: PatternProblem, labels: CanonicalLabelling, contact: bool) -> None:
         self.problem, self.labels = problem, labels
-        self.found: list[Traced] = []
+        self.found: list[TracedCurve] = []
         self._contact = contact
 
     @cached_property
@@ -86,7 +86,7 @@ class Curves:
         """Return whether a closed state is on one of the curves."""
         return any(self._on(traced.curve, phi) for traced in self.found)
 
-    def trace(self, phi: np.ndarray, along: np.ndarray) -> list[Traced]:
+    def trace(self, phi: np.ndarray, along: np.ndarray) -> list[TracedCurve]:
         """Trace the curve through a closed state that is on none yet.
 
         Parameters
@@ -98,14 +98,14 @@ class Curves:
 
         Returns
         -------
-        list of Traced
+        list of TracedCurve
             The curve, and its images that are not known yet.
         """
         curve = interpolate(self.problem, follow_curve(self.problem, phi, along, LONG))
         seen = self._clearance.along(curve) if self._contact else None
         meets = tuple(dips(self.problem, curve))
         meet = [x for x in meets if np.abs(np.sin(x)).max() > SETTLED]
-        new = [Traced(curve, seen, tuple(meet), meets)]
+        new = [TracedCurve(curve, seen, tuple(meet), meets)]
         self.found += new
         for symmetry in self.labels.images:
             other = image(symmetry, phi)

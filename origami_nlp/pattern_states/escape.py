@@ -34,7 +34,7 @@ from origami_nlp.numerics import (
 )
 from origami_nlp.pattern_problem import PatternProblem, image
 from origami_nlp.pattern_states.curve_passes import CurvePasses, curve_passes
-from origami_nlp.pattern_states.curves import Curves
+from origami_nlp.pattern_states.curves import TracedCurves
 from origami_nlp.pattern_states.terrain import PatternTerrain
 from origami_nlp.starts import creases_around
 
@@ -49,7 +49,7 @@ SECTIONS, MOST_CONFIRMED = 3, 3
 
 
 def with_escapes(
-    curves: Curves, states: Sequence[JudgedState], contact: bool, most: int
+    curves: TracedCurves, states: Sequence[JudgedState], contact: bool, most: int
 ) -> list[JudgedState]:
     """Add what it takes to leave each stable state.
 
@@ -77,7 +77,7 @@ def with_escapes(
 
 
 def _escapes(
-    curves: Curves, minima: Sequence[JudgedState], contact: bool, most: int
+    curves: TracedCurves, minima: Sequence[JudgedState], contact: bool, most: int
 ) -> list[Escape]:
     problem = curves.problem
     at = np.array([s.phi for s in minima])

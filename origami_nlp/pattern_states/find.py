@@ -43,7 +43,7 @@ from origami_nlp.pattern_states.contact_descents import (
     contact_descents_along,
 )
 from origami_nlp.pattern_states.curve import tangents
-from origami_nlp.pattern_states.curves import ON_CURVE, Curves, Traced
+from origami_nlp.pattern_states.curves import ON_CURVE, TracedCurve, TracedCurves
 from origami_nlp.pattern_states.descent import Descended, descend
 from origami_nlp.pattern_states.escape import with_escapes
 from origami_nlp.pattern_states.flat_folded import escape_paths, list_branches, list_flat_folded
@@ -161,7 +161,7 @@ class _Search:
         self.problem.until = until
         self.problem.origin = pattern.corners.mean(axis=0)
         self._symmetries = self.labels.symmetries(pattern)
-        self.curves = Curves(self.problem, self.labels, contact)
+        self.curves = TracedCurves(self.problem, self.labels, contact)
         self.tally = PatternSearchReport(contact="full" if contact else "fold-limits")
         self._since, self.judged, self._traced = time.perf_counter(), list[JudgedState](), 0
         self._planes: list[tuple[np.ndarray, np.ndarray]] = []
@@ -441,7 +441,7 @@ class _Search:
             for traced in self.curves.trace(phi, z[:, 0]):
                 self._along(traced)
 
-    def _along(self, traced: Traced) -> None:
+    def _along(self, traced: TracedCurve) -> None:
         """Polish and judge the wells of a curve, and states of it that touching facets hold."""
         for well in wells(self.problem, traced.curve):
             self.tally.wells += 1

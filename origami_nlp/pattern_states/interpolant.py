@@ -14,7 +14,7 @@ import numpy as np
 from origami_nlp.io import ShortRepr
 from origami_nlp.numerics import CLOSURE_TOL
 from origami_nlp.pattern_problem import PatternProblem, image
-from origami_nlp.pattern_states.curve import ClosedStates, Curve
+from origami_nlp.pattern_states.curve import ClosedStates, ClosureCurve
 
 FITS = 1e-6
 """Distance of the middle of a step from closed states, at most [rad]."""
@@ -60,7 +60,7 @@ class Interpolant(ShortRepr):
     control
         Control points of each step, [S - 1, 6, n] [rad].
     ends
-        As of the `Curve`.
+        As of the `ClosureCurve`.
     off
         Largest distance of the middle of a step from closed states [rad].
     """
@@ -98,7 +98,7 @@ class Interpolant(ShortRepr):
         return float(shares[k]), apart[k]
 
 
-def interpolate(problem: PatternProblem, curve: Curve) -> Interpolant:
+def interpolate(problem: PatternProblem, curve: ClosureCurve) -> Interpolant:
     """Fix a curve between its states.
 
     Parameters

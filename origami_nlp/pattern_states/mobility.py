@@ -33,7 +33,7 @@ MOST_DRAWN = 30
 """Of such starts; one of the largest sheets."""
 NEIGHBOURS = 6
 """States beside a folded one that are looked at, whether their rank is higher."""
-NEAR_SINGULAR_TOL = 0.1
+OFFSET = 0.1
 """How far from it they start [rad]."""
 MOST_VALUES = 1_000
 """Creases up to which states beside a folded one are looked at."""
@@ -169,7 +169,8 @@ class Mobility(Report):
             )
         if self.folded is None and self.dof is None:
             said.append(
-                "no folded state was found: there may be none, or none of its assignment; dof are unknown"
+                "no folded state was found: there may be none, or none of its assignment; degrees of freedom "
+                "are unknown"
             )
         elif self.folded is not None:
             still = np.flatnonzero(np.abs(self.folded) <= MOVES)
@@ -181,7 +182,8 @@ class Mobility(Report):
                 )
             if (np.abs(self.folded) >= math.pi).any():
                 said.append(
-                    "creases are fully folded in that state: where layers coincide it may have more dof than its "
+                    "creases are fully folded in that state: where layers coincide it may have more degrees of "
+                    "freedom than its "
                     "neighbours"
                 )
             if self.crossed:
@@ -326,7 +328,7 @@ def _folded(problem: PatternProblem, rng: np.random.Generator) -> tuple[np.ndarr
         if (
             residual > CLOSURE_TOL
             or (np.abs(new) > math.pi).any()
-            or not problem.closure.on_sheet(new)
+            or not problem.closure.lifts_to_one(new)
         ):
             continue
         moved = int((np.abs(new) > MOVES).sum())
@@ -351,14 +353,12 @@ def _regular(
         return phi, start
     for _ in range(NEIGHBOURS):
         z = problem.kernel(phi)
-        inwards = np.clip(phi, NEAR_SINGULAR_TOL - math.pi, math.pi - NEAR_SINGULAR_TOL)
-        new, residual = problem.project(
-            inwards + NEAR_SINGULAR_TOL * (z @ rng.standard_normal(z.shape[1]))
-        )
+        inwards = np.clip(phi, OFFSET - math.pi, math.pi - OFFSET)
+        new, residual = problem.project(inwards + OFFSET * (z @ rng.standard_normal(z.shape[1])))
         if (
             residual > CLOSURE_TOL
             or (np.abs(new) > math.pi).any()
-            or not problem.closure.on_sheet(new)
+            or not problem.closure.lifts_to_one(new)
         ):
             continue
         if (more := problem.rank(new)) > rank:

@@ -19,7 +19,7 @@ from origami_nlp.io import OneBased
 from origami_nlp.numerics import CLOSURE_TOL, NEAR_SINGULAR_TOL
 from origami_nlp.pattern import Pattern, as_pattern, listed
 from origami_nlp.pattern_problem import PatternProblem, order_layers
-from origami_nlp.pattern_states.curve import Curve, follow_curve
+from origami_nlp.pattern_states.curve import ClosureCurve, follow_curve
 from origami_nlp.pattern_states.mobility import Mobility, analyze_mobility
 
 MOST_TRACED = 480
@@ -246,7 +246,7 @@ def _until_touch(
     return phi, None
 
 
-def _end(curve: Curve, phi: np.ndarray, touching: tuple[int, int] | None) -> str:
+def _end(curve: ClosureCurve, phi: np.ndarray, touching: tuple[int, int] | None) -> str:
     if touching is not None:
         return f"facets {touching[0] + 1} and {touching[1] + 1} touch"
     at_limit = (np.flatnonzero(math.pi - np.abs(phi) <= NEAR_SINGULAR_TOL) + 1).tolist()

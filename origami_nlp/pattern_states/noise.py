@@ -32,7 +32,7 @@ from origami_nlp.minima import (
 )
 from origami_nlp.numerics import CARRIES, unit_normals
 from origami_nlp.pattern import Pattern
-from origami_nlp.pattern_problem import MOST_DENSE, Labels, PatternProblem
+from origami_nlp.pattern_problem import MOST_DENSE, CanonicalLabelling, PatternProblem
 from origami_nlp.pattern_states.closed import close
 from origami_nlp.pattern_states.contact_descents import contact_descent
 from origami_nlp.pattern_states.descent import descend
@@ -44,7 +44,7 @@ OPENED = 1.0, 0.99, 0.97, 0.94
 """Of a state's fold angles, from where it is gone down."""
 
 
-class _Step(NamedTuple):
+class _NoiseStep(NamedTuple):
     """A sheet with errors, and the one with smaller errors before it."""
 
     before: PatternProblem
@@ -53,7 +53,7 @@ class _Step(NamedTuple):
 
 def with_survival(
     problem: PatternProblem,
-    labels: Labels,
+    labels: CanonicalLabelling,
     states: Sequence[JudgedState],
     contact: bool,
     degrees: float,
@@ -82,9 +82,9 @@ def with_survival(
     minima = [s.phi for s in states if s.verdict == "minimum"]
 
     def counts(corners: np.ndarray | None) -> list[int]:
-        def way(trial: int) -> list[_Step]:
+        def way(trial: int) -> list[_NoiseStep]:
             problems = [problem, *_noisy(problem, corners, labels, size, trial)]
-            return [_Step(a, b) for a, b in pairwise(problems)]
+            return [_NoiseStep(a, b) for a, b in pairwise(problems)]
 
         return count_survivals(minima, way, _follower(contact))
 
@@ -123,7 +123,7 @@ def is_overdetermined(pattern: Pattern) -> bool:
 
 
 def displacements(
-    pattern: Pattern, labels: Labels, lengthened: np.ndarray, turned: np.ndarray
+    pattern: Pattern, labels: CanonicalLabelling, lengthened: np.ndarray, turned: np.ndarray
 ) -> np.ndarray:
     """Return by how much corners of a flat sheet move, so that sector angles change by one radian, root mean square.
 
@@ -162,7 +162,11 @@ def displacements(
 
 
 def _noisy(
-    problem: PatternProblem, corners: np.ndarray | None, labels: Labels, size: float, trial: int
+    problem: PatternProblem,
+    corners: np.ndarray | None,
+    labels: CanonicalLabelling,
+    size: float,
+    trial: int,
 ) -> list[PatternProblem]:
     """Return sheets with one draw of errors, which grow from one to the next; exact positions without corners."""
     rest, stiffness, lengthened, turned = drawn_errors(trial, 4, problem.size)
@@ -186,10 +190,10 @@ def _noisy(
     return out
 
 
-def _follower(contact: bool) -> Callable[[_Step, np.ndarray], np.ndarray | None]:
+def _follower(contact: bool) -> Callable[[_NoiseStep, np.ndarray], np.ndarray | None]:
     """Return what goes from a minimum to the one beside it of a sheet with slightly larger errors."""
 
-    def beside(step: _Step, x: np.ndarray) -> np.ndarray | None:
+    def beside(step: _NoiseStep, x: np.ndarray) -> np.ndarray | None:
         try:
             tried = (find(step, x, contact) for find in (_solved, _gone_down))
             return next((y for y in tried if y is not None), None)
@@ -204,7 +208,7 @@ def _certified(problem: PatternProblem, x: np.ndarray | None, contact: bool) -> 
     return state.phi if state is not None and state.verdict == "minimum" else None
 
 
-def _solved(step: _Step, x: np.ndarray, contact: bool) -> np.ndarray | None:
+def _solved(step: _NoiseStep, x: np.ndarray, contact: bool) -> np.ndarray | None:
     """Solve for the minimum with the same contacts pushing; the flat state stays where it is."""
     before, after = step
     if not x.any():
@@ -219,7 +223,7 @@ def _solved(step: _Step, x: np.ndarray, contact: bool) -> np.ndarray | None:
     return None if done is None else _certified(after, done.x, contact)
 
 
-def _gone_down(step: _Step, x: np.ndarray, contact: bool) -> np.ndarray | None:
+def _gone_down(step: _NoiseStep, x: np.ndarray, contact: bool) -> np.ndarray | None:
     """Descend from a closed state near one: at fully folded and flat creases errors may leave none."""
     problem, pressed = step.after, contact and step.after.size <= MOST_DENSE
     for share in OPENED:

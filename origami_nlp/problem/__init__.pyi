@@ -16,7 +16,7 @@ from .contact import (
 from .gaps import Gap as Gap, separation_rows as separation_rows
 from .kinematics import OPEN as OPEN, FoldedRays as FoldedRays, Kinematics as Kinematics
 from .model import Local as Local, Model as Model
-from .moment_map import MomentMap as MomentMap, Shot as Shot
+from .moment_map import MomentChain as MomentChain, MomentMap as MomentMap
 from .nlp import (
     PLANE_ROWS as PLANE_ROWS,
     Nlp as Nlp,

@@ -27,7 +27,7 @@ from origami_nlp.problem.posed import PosedProblem
 
 
 @dataclass(frozen=True, eq=False)
-class Shot:
+class MomentChain:
     """The chain of K moments.
 
     Attributes
@@ -89,7 +89,7 @@ class MomentMap:
         turns = np.stack([after, -before], axis=1)[..., None] / 2
         self._cosine, self._sine = np.cos(turns), np.sin(turns)
         # the fixed facet N lies between both ends: the left half starts at crease 1, the right one at crease N
-        last = math.pi - p.sectors[-1] / 2  # a whole turn less the last sector: on the sheet q = +1
+        last = math.pi - p.sectors[-1] / 2  # a whole turn less the last sector: on the lift q = +1
         self._start = np.array([[1, 0, 0, 0], [math.cos(last), 0, 0, math.sin(last)]]).T[..., None]
 
     def _halves(self, values: np.ndarray) -> np.ndarray:
@@ -108,7 +108,7 @@ class MomentMap:
         wound = max(math.pi, float(np.abs(self._rest).max()))
         return (math.pi + wound) / float(self._soft[self._soft > 0].min())
 
-    def shoot(self, m: np.ndarray, *, slope: bool = True) -> Shot:
+    def shoot(self, m: np.ndarray, *, slope: bool = True) -> MomentChain:
         """Fold the creases that moments lead to, from both sides, and compare in the middle.
 
         Parameters
@@ -120,7 +120,7 @@ class MomentMap:
 
         Returns
         -------
-        Shot
+        MomentChain
             Fold angles, what is missed, and Newton's matrix.
         """
         q, theta, x = self._fold(np.ascontiguousarray(m.T), slope)
@@ -136,13 +136,13 @@ class MomentMap:
         # q = -1 has no axis: a whole turn about any of them
         miss[0] = np.where((sine == 0) & (scalar < 0), angle, miss[0])
         if theta is None:
-            return Shot(x, miss.T, None, None)
+            return MomentChain(x, miss.T, None, None)
         left, right = theta[:, :, 0], theta[:, :, 1]
         # turns of the left half seen behind the miss: R v = v + 2 s (u x v) + 2 u x (u x v) for the quaternion (s, u)
         twice = 2 * _cross(vector[:, None], left)
         carried = left + scalar * twice + _cross(vector[:, None], twice)
         growth = np.abs(theta).max(axis=(0, 1, 2))
-        return Shot(x, miss.T, (right - carried).transpose(2, 0, 1), growth)
+        return MomentChain(x, miss.T, (right - carried).transpose(2, 0, 1), growth)
 
     def _fold(self, m: np.ndarray, slope: bool) -> tuple[np.ndarray, np.ndarray | None, np.ndarray]:
         """Fold both halves: ends [4, 2, K], turns by moments [3, 3, 2, K], fold angles [K, n]."""

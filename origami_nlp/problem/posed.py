@@ -169,7 +169,7 @@ class PosedProblem(Energies, PrettyRepr):
         return one_turn if s.order == s.winding else 1
 
     @property
-    def freedom(self) -> int:
+    def dof(self) -> int:
         """Degrees of freedom at a regular state: variables less equations."""
         return self.size - self.equation_count
 

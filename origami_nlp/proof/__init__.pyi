@@ -7,7 +7,7 @@ from .affine import (
     turned as turned,
     variables as variables,
 )
-from .boxes import Boxes as Boxes, Left as Left, prune as prune
+from .boxes import Boxes as Boxes, Remainder as Remainder, prune as prune
 from .certificate import (
     Certificate as Certificate,
     certificate_from_dict as certificate_from_dict,
@@ -22,7 +22,7 @@ from .document import certificate_of as certificate_of
 from .figure import draw_proof as draw_proof, locate as locate
 from .flat import Flat as Flat, flat_lemma as flat_lemma
 from .options import ProofOptions as ProofOptions
-from .result import Cluster as Cluster, CriticalPoint as CriticalPoint, Proof as Proof
+from .result import Cluster as Cluster, Proof as Proof, ProvedCriticalPoint as ProvedCriticalPoint
 from .singular import Isolation as Isolation, isolated as isolated
 from .touches import prove as prove, why_not as why_not
-from .tree import Kind as Kind, Recorder as Recorder, Tree as Tree
+from .tree import NodeKind as NodeKind, Recorder as Recorder, Tree as Tree

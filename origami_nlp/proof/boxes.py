@@ -28,7 +28,7 @@ from origami_nlp.numerics import DEPENDENT, NONZERO, RANK, first_largest
 from origami_nlp.proof.affine import TINY, UNIT, Affine, variables
 from origami_nlp.proof.chains import VanishingRows
 from origami_nlp.proof.options import DEFAULT, ProofOptions
-from origami_nlp.proof.tree import Kind, Recorder
+from origami_nlp.proof.tree import NodeKind, Recorder
 
 WIDER = 1e-9
 """Share of its half width by which a contracted box is left wider than computed, for replays in other arithmetic."""
@@ -115,7 +115,7 @@ def strata(n: int) -> Boxes:
 
 
 @dataclass(frozen=True, eq=False)
-class Left:
+class Remainder:
     """What branch and prune leaves.
 
     Attributes
@@ -147,7 +147,7 @@ def prune(
     seconds: float | None = None,
     until: float = math.inf,
     recorder: Recorder | None = None,
-) -> Left:
+) -> Remainder:
     """Treat boxes until each is excluded, small, or near the flat state.
 
     Parameters
@@ -173,7 +173,7 @@ def prune(
 
     Returns
     -------
-    Left
+    Remainder
         Candidates and boxes that are open; every other point of `start` is excluded, or near the flat state.
     """
     stack, found = [start], []
@@ -187,12 +187,12 @@ def prune(
         near = _reach(again) <= flat
         flats += int(near.sum())
         if recorder:
-            recorder.leaves(again.node[near], Kind.FLAT)
+            recorder.leaves(again.node[near], NodeKind.FLAT)
         found.append(done)
         if not near.all():
             stack.append(again[~near])
     nothing = start[:0]
-    return Left(joined([nothing, *found]), joined([nothing, *stack]), boxes, flats)
+    return Remainder(joined([nothing, *found]), joined([nothing, *stack]), boxes, flats)
 
 
 def _popped(stack: list[Boxes], wanted: int) -> Iterator[Boxes]:
@@ -226,8 +226,8 @@ def _shrunk(
     batch, lower, upper, empty = _contracted(posed, batch[keep], rows, keep)
     if recorder:
         used = np.asarray(rows.asked[:, keep].any(axis=0))
-        recorder.leaves(batch.node[empty & ~used], Kind.EMPTY)
-        recorder.leaves(batch.node[empty & used], Kind.NONE)
+        recorder.leaves(batch.node[empty & ~used], NodeKind.EMPTY)
+        recorder.leaves(batch.node[empty & used], NodeKind.NONE)
     share = _shares(batch, lower, upper)
     # a contraction costs a node and a box in the tree: only those that gain something
     carried = ~empty & (share.min(axis=0) < KEPT)
@@ -269,12 +269,12 @@ def _record_rows(
 ) -> None:
     """Record which boxes a row excludes, and the first such row."""
     out = closed.any(axis=0)
-    recorder.leaves(batch.node[out], Kind.CLOSED, closed[:, out].argmax(axis=0))
+    recorder.leaves(batch.node[out], NodeKind.CLOSED, closed[:, out].argmax(axis=0))
     no = ~out & critical.any(axis=0)
     row = critical[:, no].argmax(axis=0) if no.any() else np.zeros(0, dtype=int)
     twin = row >= posed.minor_count
-    recorder.leaves(batch.node[no][~twin], Kind.MINOR, row[~twin])
-    recorder.leaves(batch.node[no][twin], Kind.TWIN, row[twin] - posed.minor_count)
+    recorder.leaves(batch.node[no][~twin], NodeKind.MINOR, row[~twin])
+    recorder.leaves(batch.node[no][twin], NodeKind.TWIN, row[twin] - posed.minor_count)
 
 
 def _contracted(

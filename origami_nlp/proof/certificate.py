@@ -76,7 +76,7 @@ class CertifiedPoint:
 
 
 @dataclass(frozen=True)
-class Left:
+class UndecidedBox:
     """A box that the proof leaves open.
 
     Attributes
@@ -139,8 +139,8 @@ class Certificate:
     scene: Scene
     r0: float
     points: tuple[CertifiedPoint, ...]
-    singular: tuple[Left, ...]
-    undecided: tuple[Left, ...]
+    singular: tuple[UndecidedBox, ...]
+    undecided: tuple[UndecidedBox, ...]
     nodes: Nodes
     others: tuple[Certificate, ...] = ()
 
@@ -161,8 +161,8 @@ class _Document:
     exact: dict[str, tuple[str, ...]]
     r0: Finite
     points: tuple[CertifiedPoint, ...]
-    singular: tuple[Left, ...]
-    undecided: tuple[Left, ...]
+    singular: tuple[UndecidedBox, ...]
+    undecided: tuple[UndecidedBox, ...]
     tree: _Tree
     counts: dict[str, int]
     others: tuple[_Document, ...] = field(default=(), metadata={"omit": True})

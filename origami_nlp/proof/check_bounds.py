@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from flint import arb, arb_mat
 
-from origami_nlp.proof.check_domains import Chain
+from origami_nlp.proof.check_domains import BallChain
 from origami_nlp.proof.check_forms import (
     AROUND,
     Box,
@@ -122,7 +122,7 @@ class States(Bounds):
         The piece of paper, the box, and the sign of each pinned crease (0: free).
     """
 
-    def __init__(self, piece: Chain, box: Box, pins: Sequence[int]) -> None:
+    def __init__(self, piece: BallChain, box: Box, pins: Sequence[int]) -> None:
         super().__init__([j for j, s in enumerate(pins) if not s])
         self.piece, self.box, self.pins = piece, box, pins
         terms, frame = piece.closure(box, pins)

@@ -44,7 +44,7 @@ def near(value: float) -> Any:
     return arb(value, ULPS * math.ulp(value))
 
 
-class Chain(ABC):
+class BallChain(ABC):
     """Creases of a piece, one after the other, in balls.
 
     Parameters
@@ -211,8 +211,8 @@ class Chain(ABC):
             C, with K (x - rest) = C m at free creases, [n][m].
         bends
             Derivatives of columns i by angle j, [n][n][m].
-        sheet
-            Positive where the piece is a sheet of paper.
+        lift
+            Positive where the piece closes as a sheet of paper, q = +1.
         """
 
     @abstractmethod
@@ -220,7 +220,7 @@ class Chain(ABC):
         """The part of the second derivative by angles j <= i that multiplies -m, [m]."""
 
 
-class VertexChain(Chain):
+class VertexChain(BallChain):
     """A vertex without symmetry.
 
     Parameters
@@ -298,7 +298,7 @@ class VertexChain(Chain):
     def at(
         self, angles: Sequence[Any]
     ) -> tuple[Balls, list[Balls], list[Balls], list[list[Balls]], Any]:
-        """As of `Chain`: vec q, its slopes (w c + c x v) / 2, the axes, and d c_i/d x_j = c_j x c_i for j < i."""
+        """As of `BallChain`: vec q, its slopes (w c + c x v) / 2, the axes, and d c_i/d x_j = c_j x c_i for j < i."""
         (w, *v), _, axes = self.chain(angles)
         slopes = [[(w * a + b) / 2 for a, b in zip(c, cross(c, v), strict=True)] for c in axes]
         none = [arb(0)] * 3

@@ -26,7 +26,7 @@ from typing import Any
 
 from flint import arb, arb_mat
 
-from origami_nlp.proof.check_domains import Chain
+from origami_nlp.proof.check_domains import BallChain
 from origami_nlp.proof.check_forms import AROUND
 
 Balls = list[Any]
@@ -77,7 +77,7 @@ class CheckedStratum:
         Sign of each pinned crease, 0: free.
     """
 
-    def __init__(self, piece: Chain, pins: Sequence[int]) -> None:
+    def __init__(self, piece: BallChain, pins: Sequence[int]) -> None:
         self.piece, self.pins, self.rank = piece, tuple(pins), piece.rank
         self.free = [i for i, s in enumerate(pins) if not s]
         self.stiffness = [w * k for w, k in zip(piece.weights, piece.stiffness, strict=True)]
@@ -131,8 +131,8 @@ class CheckedStratum:
             raise Refused(f"Newton's method does not converge in {NEWTON} steps")
         held = self._held(z)
         angles, m = self.angles(held[: -self.rank]), held[-self.rank :]
-        _, slopes, columns, bends, sheet = self.piece.at(angles)
-        if not sheet > 0:
+        _, slopes, columns, bends, lift = self.piece.at(angles)
+        if not lift > 0:
             raise Refused("closes with q = -1")
         if not all(abs(angles[i]) < arb.pi() for i in self.free):
             raise Refused("a free crease is at its limit, or beyond it")

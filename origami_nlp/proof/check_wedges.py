@@ -20,12 +20,12 @@ from typing import Any
 from flint import arb, arb_mat, fmpq
 
 from origami_nlp.pattern import Scene
-from origami_nlp.proof.check_domains import Balls, Chain, VertexChain, cross, near
+from origami_nlp.proof.check_domains import BallChain, Balls, VertexChain, cross, near
 from origami_nlp.proof.check_forms import Box, Form, Terms, carry, linear
 from origami_nlp.proof.check_whole import closing_numbers, whole_vertex
 
 
-def piece_of(scene: Scene) -> Chain:
+def piece_of(scene: Scene) -> BallChain:
     """Return what a scene's proof is about: the sheet, or the piece that its symmetry leaves.
 
     Parameters
@@ -35,14 +35,18 @@ def piece_of(scene: Scene) -> Chain:
 
     Returns
     -------
-    Chain
+    BallChain
         In balls of the precision that is set.
     """
     if scene.group.is_trivial:
         return VertexChain(scene.vertex.sector_angles, scene.stiffness, scene.wound_angles)
     if scene.group.kind == "D":
-        return Wedge(scene)
-    return Loop(scene) if closing_numbers(scene.group.order)[_root(scene)] == -1 else Period(scene)
+        return WedgeChain(scene)
+    return (
+        ClosedPeriodChain(scene)
+        if closing_numbers(scene.group.order)[_root(scene)] == -1
+        else PeriodChain(scene)
+    )
 
 
 def _root(scene: Scene) -> int:
@@ -50,7 +54,7 @@ def _root(scene: Scene) -> int:
     return ((scene.winding or 1) - 1) // 2
 
 
-class SymmetricPiece(Chain):
+class SymmetricPiece(BallChain):
     """What both kinds share: variables in the order of the creases on the rays."""
 
     def __init__(self, scene: Scene) -> None:
@@ -113,7 +117,7 @@ class SymmetricPiece(Chain):
         return bends[i][j]
 
 
-class Wedge(SymmetricPiece):
+class WedgeChain(SymmetricPiece):
     """A wedge of D_n."""
 
     spare = 0
@@ -128,7 +132,7 @@ class Wedge(SymmetricPiece):
         self.last = arb_mat([[self.sine], [-self.cosine], [0]])
 
     def closure(self, box: Box, pins: Sequence[int]) -> tuple[Terms, list[list[float]]]:
-        """As of `Chain`: h_x and h_z, or n_1 . H n_k + c."""
+        """As of `BallChain`: h_x and h_z, or n_1 . H n_k + c."""
         if self.rank == 2:
             pick = arb_mat([[0, 1, 0, 0], [0, 0, 0, 1]]) * self.onward
             terms = {mask: pick * v for mask, v in self.whole(box, pins).items()}
@@ -160,7 +164,7 @@ class Wedge(SymmetricPiece):
         return self.mixed(self._back(k, box, pins, j), k, self._onward(k, box, pins))
 
     def twin(self, a: int, b: int, pins: Sequence[int]) -> int | None:
-        """As of `Chain`; across a mirror where the plate to it, mirrored itself, is a quarter turn, or three."""
+        """As of `BallChain`; across a mirror where the plate to it, mirrored itself, is a quarter turn, or three."""
         r, s = sorted((self.places[a], self.places[b]))
         if a != b:
             angle = self.plate(range(r, s), pins, r)
@@ -178,15 +182,15 @@ class Wedge(SymmetricPiece):
     def at(
         self, angles: Sequence[Any]
     ) -> tuple[Balls, list[Balls], list[Balls], list[list[Balls]], Any]:
-        """As of `Chain`."""
+        """As of `BallChain`."""
         h, turn, axes = self.chain(angles)
-        n, sheet = range(self.count), self.vertex(angles)[0]
+        n, lift = range(self.count), self.vertex(angles)[0]
         if self.rank == 2:
             h = (self.onward * arb_mat([[v] for v in h])).entries()
             by = [arb(1) / (2 * o) for o in self.over]
             bends = _products(h, axes, by, (1, 3))
             slopes = [[b * v for v in _times(c, h)[1::2]] for b, c in zip(by, axes, strict=True)]
-            return h[1::2], slopes, slopes, bends, sheet
+            return h[1::2], slopes, slopes, bends, lift
         v = (turn * self.last).entries()
         by = [arb(1) / o for o in self.over]
         # d(n_1 . v)/dx_i = n_1 . (c_i x v) / over, n_1 = e2
@@ -196,14 +200,14 @@ class Wedge(SymmetricPiece):
             [[by[i] * by[j] * cross(axes[min(i, j)], cross(axes[max(i, j)], v))[1]] for j in n]
             for i in n
         ]
-        return [v[1] + self.level], slopes, slopes, turned, sheet
+        return [v[1] + self.level], slopes, slopes, turned, lift
 
     def number(self, angles: Sequence[Any]) -> Any:
         """-n_1 . H n_k."""
         return -(self.chain(angles)[1] * self.last).entries()[1]
 
 
-class Period(SymmetricPiece):
+class PeriodChain(SymmetricPiece):
     """A period of C_n, n > 1."""
 
     rank, spare = 1, 0
@@ -214,7 +218,7 @@ class Period(SymmetricPiece):
         return {mask: row * v for mask, v in terms.items()}
 
     def closure(self, box: Box, pins: Sequence[int]) -> tuple[Terms, list[list[float]]]:
-        """As of `Chain`: the scalar less c."""
+        """As of `BallChain`: the scalar less c."""
         terms = self._scalar(self.whole(box, pins))
         terms[0] = terms[0] - arb_mat([[self.level]])
         return terms, [[1.0]]
@@ -224,7 +228,7 @@ class Period(SymmetricPiece):
         return linear(self._scalar(self.whole(box, pins, before=some[0])))[0]
 
     def twin(self, a: int, b: int, pins: Sequence[int]) -> int | None:
-        """As of `Chain`, between creases of one period, or of it and the next."""
+        """As of `BallChain`, between creases of one period, or of it and the next."""
         if a == b:
             return None
         n = self.count
@@ -239,12 +243,12 @@ class Period(SymmetricPiece):
     def at(
         self, angles: Sequence[Any]
     ) -> tuple[Balls, list[Balls], list[Balls], list[list[Balls]], Any]:
-        """As of `Chain`."""
+        """As of `BallChain`."""
         t, axes = self.turned(angles)
         by = [arb(0.5)] * self.count
         slopes = [[b * _times(a, t)[0]] for b, a in zip(by, axes, strict=True)]
-        sheet = self.vertex(angles)[0]
-        return [t[0] - self.level], slopes, slopes, _products(t, axes, by, (0,)), sheet
+        lift = self.vertex(angles)[0]
+        return [t[0] - self.level], slopes, slopes, _products(t, axes, by, (0,)), lift
 
     def turned(self, angles: Sequence[Any]) -> tuple[Balls, list[Balls]]:
         """T at balls of fold angles, [w, x, y, z], and all axes [n][3]."""
@@ -257,13 +261,13 @@ class Period(SymmetricPiece):
         return self.turned(angles)[0][0]
 
 
-class Loop(Period):
+class ClosedPeriodChain(PeriodChain):
     """A period of C_n, n odd, that closes by itself: T = -1."""
 
     rank, spare = 3, 1
 
     def closure(self, box: Box, pins: Sequence[int]) -> tuple[Terms, list[list[float]]]:
-        """As of `Chain`: T + 1, its scalar of second order."""
+        """As of `BallChain`: T + 1, its scalar of second order."""
         c, s = self.cosine, self.sine
         onward = arb_mat([[c, 0, 0, -s], [0, c, s, 0], [0, -s, c, 0], [s, 0, 0, c]])
         terms = {mask: onward * v for mask, v in self.whole(box, pins).items()}
@@ -280,15 +284,15 @@ class Loop(Period):
     def at(
         self, angles: Sequence[Any]
     ) -> tuple[Balls, list[Balls], list[Balls], list[list[Balls]], Any]:
-        """As of `Chain`, of -T as `VertexChain` has it of q."""
+        """As of `BallChain`, of -T as `VertexChain` has it of q."""
         t, axes = self.turned(angles)
         w, *v = [-value for value in t]
         slopes = [[(w * a + b) / 2 for a, b in zip(c, cross(c, v), strict=True)] for c in axes]
         none, n = [arb(0)] * 3, range(self.count)
         bends = [[cross(axes[j], axes[i]) if j < i else none for j in n] for i in n]
         # T = 1 has no vector either
-        sheet = w.min(self.vertex(angles)[0])
-        return v, slopes, axes, bends, sheet
+        lift = w.min(self.vertex(angles)[0])
+        return v, slopes, axes, bends, lift
 
     def curvature(self, i: int, j: int, bends: list[list[Balls]]) -> Balls:
         """As of `VertexChain`."""

@@ -13,12 +13,12 @@ from origami_nlp.errors import OptionError
 from origami_nlp.numerics import groups
 from origami_nlp.problem import Model
 from origami_nlp.proof.boxes import Boxes, BoxProblem, joined, prune, strata
-from origami_nlp.proof.chains import Vertex
+from origami_nlp.proof.chains import VertexForms
 from origami_nlp.proof.flat import RADII, Flat, flat_lemma
-from origami_nlp.proof.mirror_domains import Wedge
+from origami_nlp.proof.mirror_domains import WedgeForms
 from origami_nlp.proof.options import DEFAULT, ProofOptions
-from origami_nlp.proof.periods import Period
-from origami_nlp.proof.result import Cluster, CriticalPoint, Proof
+from origami_nlp.proof.periods import PeriodForms
+from origami_nlp.proof.result import Cluster, Proof, ProvedCriticalPoint
 from origami_nlp.proof.roots import (
     Roots,
     certify,
@@ -28,7 +28,7 @@ from origami_nlp.proof.roots import (
     newton,
 )
 from origami_nlp.proof.system import BoxKkt
-from origami_nlp.proof.tree import Kind, Recorder
+from origami_nlp.proof.tree import NodeKind, Recorder
 
 NEAR = 0.05
 """Boxes this near to the flat state [rad], beyond its lemma, are made smaller too."""
@@ -104,25 +104,27 @@ def prove(
     position[order] = np.arange(len(order))
     singular: list[Cluster] = []
     undecided: list[Cluster] = []
-    leaves: list[tuple[np.ndarray, Kind, int]] = []
+    leaves: list[tuple[np.ndarray, NodeKind, int]] = []
     for i in ends:
         group = held[number == i]
-        leaves.append((group.node, Kind.SINGULAR, len(singular)))
+        leaves.append((group.node, NodeKind.SINGULAR, len(singular)))
         singular.append(
             cluster_of(model, group, "free angles at their limits: a state of other strata")
         )
     for group in [rest[g] for g in clusters(rest, options)]:
         reason, is_singular = reason_of(system, group)
         kept = singular if is_singular else undecided
-        leaves.append((group.node, Kind.SINGULAR if is_singular else Kind.UNDECIDED, len(kept)))
+        leaves.append(
+            (group.node, NodeKind.SINGULAR if is_singular else NodeKind.UNDECIDED, len(kept))
+        )
         kept.append(cluster_of(model, group, reason))
     if recorder:
-        recorder.leaves(held.node, Kind.ROOT, position[number])
+        recorder.leaves(held.node, NodeKind.ROOT, position[number])
         for nodes, kind, place in leaves:
             recorder.leaves(nodes, kind, place)
     for group in [left.open[g] for g in by_stratum(left.open)]:
         if recorder:
-            recorder.leaves(group.node, Kind.UNDECIDED, len(undecided))
+            recorder.leaves(group.node, NodeKind.UNDECIDED, len(undecided))
         undecided.append(cluster_of(model, group, "time was up"))
     if left.flat and not flat.radius:
         undecided.append(_near_flat(model, near))
@@ -166,24 +168,24 @@ def pose(model: Model) -> tuple[BoxProblem, Flat]:
     if not scene.vertex.flat:
         raise OptionError("the vertex is not flat: proofs are for flat sheets")
     p = model.parameters
-    if model.freedom < 1 and model.structure.winding == 1:
+    if model.dof < 1 and model.structure.winding == 1:
         raise OptionError("the scene has no degree of freedom: its closed states are finitely many")
     group, turn = scene.group, model.structure.turn
     if group.is_trivial:
-        vertex = Vertex(p.sectors, p.stiffness, p.rest)
+        vertex = VertexForms(p.sectors, p.stiffness, p.rest)
         return vertex, flat_lemma(vertex)
     # torques per crease: variables stand for several, the model sums their springs
     # the piece's closure is moved by one crease of each orbit
     k = p.stiffness / model.multiplicity
     flat = Flat(0.0, 0, None)
     if group.kind == "C" and turn == 1:  # every period closes by itself
-        return Vertex(p.sectors, k, p.rest, 2 * math.pi / group.order), flat
+        return VertexForms(p.sectors, k, p.rest, 2 * math.pi / group.order), flat
     if group.kind == "C":
-        return Period(group.order, p.sectors, k, p.rest, model.structure.winding), flat
+        return PeriodForms(group.order, p.sectors, k, p.rest, model.structure.winding), flat
     crease: list[int | None] = []
     for ray in group.rays:
         crease.append(None if ray.crease is None else len([c for c in crease if c is not None]))
-    return Wedge(turn, p.sectors, crease, k, p.rest), flat
+    return WedgeForms(turn, p.sectors, crease, k, p.rest), flat
 
 
 def certified(
@@ -258,7 +260,7 @@ def _regular(system: BoxKkt, boxes: Boxes, flat: float, size: float) -> np.ndarr
     return near | (system.least_slope(x, pins) > 3 * size)
 
 
-def _point(model: Model, roots: Roots, i: int) -> CriticalPoint:
+def _point(model: Model, roots: Roots, i: int) -> ProvedCriticalPoint:
     """State a root in the scene's units."""
     index = None if roots.index[i] < 0 else int(roots.index[i])
     signs = roots.signs[i]
@@ -271,7 +273,7 @@ def _point(model: Model, roots: Roots, i: int) -> CriticalPoint:
         decided = True
     # the moment is half of the multipliers of vec q (`kkt.moment`): dq/dphi = c q / 2
     half = 0.5 if model.equation_count == 3 else 1.0
-    return CriticalPoint(
+    return ProvedCriticalPoint(
         tuple(x.tolist()),
         tuple(pins.tolist()),
         tuple((half * model.scale * roots.lam[i]).tolist()),

@@ -10,22 +10,22 @@ from origami_nlp.arguments import check_type
 from origami_nlp.errors import OptionError
 from origami_nlp.pattern import Scene
 from origami_nlp.proof import certificate as c
-from origami_nlp.proof.result import Cluster, CriticalPoint, Proof
-from origami_nlp.proof.tree import Kind, Tree
+from origami_nlp.proof.result import Cluster, Proof, ProvedCriticalPoint
+from origami_nlp.proof.tree import NodeKind, Tree
 
 NAMES = {
-    Kind.SPLIT: c.SPLIT,
-    Kind.CONTRACT: c.CONTRACT,
-    Kind.NARROW: c.NARROW,
-    Kind.CLOSED: c.CLOSED,
-    Kind.EMPTY: c.CLOSED,
-    Kind.NONE: c.NONE,
-    Kind.MINOR: c.MINOR,
-    Kind.TWIN: c.TWIN,
-    Kind.FLAT: c.FLAT,
-    Kind.ROOT: c.ROOT,
-    Kind.SINGULAR: c.SINGULAR,
-    Kind.UNDECIDED: c.UNDECIDED,
+    NodeKind.SPLIT: c.SPLIT,
+    NodeKind.CONTRACT: c.CONTRACT,
+    NodeKind.NARROW: c.NARROW,
+    NodeKind.CLOSED: c.CLOSED,
+    NodeKind.EMPTY: c.CLOSED,
+    NodeKind.NONE: c.NONE,
+    NodeKind.MINOR: c.MINOR,
+    NodeKind.TWIN: c.TWIN,
+    NodeKind.FLAT: c.FLAT,
+    NodeKind.ROOT: c.ROOT,
+    NodeKind.SINGULAR: c.SINGULAR,
+    NodeKind.UNDECIDED: c.UNDECIDED,
 }
 """Kinds of nodes, as certificates count them."""
 
@@ -65,7 +65,7 @@ def certificate_of(scene: Scene, proof: Proof, *others: Proof) -> c.Certificate:
     )
 
 
-def _point(p: CriticalPoint) -> c.CertifiedPoint:
+def _point(p: ProvedCriticalPoint) -> c.CertifiedPoint:
     return c.CertifiedPoint(
         **{
             name: getattr(p, name) for name in c.CertifiedPoint.__dataclass_fields__
@@ -73,9 +73,9 @@ def _point(p: CriticalPoint) -> c.CertifiedPoint:
     )
 
 
-def _left(cluster: Cluster) -> c.Left:
+def _left(cluster: Cluster) -> c.UndecidedBox:
     signs = cast("tuple[c.Sign, ...]", cluster.stratum)
-    return c.Left(cluster.lower, cluster.upper, signs, cluster.reason)
+    return c.UndecidedBox(cluster.lower, cluster.upper, signs, cluster.reason)
 
 
 def _nodes(tree: Tree, near_flat: int | None) -> c.Nodes:

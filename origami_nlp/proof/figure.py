@@ -13,7 +13,7 @@ from origami_nlp.errors import OptionError
 from origami_nlp.problem import Model, complete
 from origami_nlp.proof.boxes import BEYOND
 from origami_nlp.proof.result import Proof
-from origami_nlp.proof.tree import Kind, Tree
+from origami_nlp.proof.tree import NodeKind, Tree
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -38,12 +38,12 @@ MARKS: dict[tuple[bool, bool], tuple[str, dict[str, Any]]] = {
 }
 """Words and marker of a critical point: whether a variable is at its limit, whether it is a minimum."""
 MEANING = {
-    Kind.MINOR: BALANCE,
-    Kind.TWIN: BALANCE,
-    Kind.NARROW: REMOVED,
-    Kind.NONE: REMOVED,
-    Kind.ROOT: ROOT,
-    Kind.FLAT: ROOT,
+    NodeKind.MINOR: BALANCE,
+    NodeKind.TWIN: BALANCE,
+    NodeKind.NARROW: REMOVED,
+    NodeKind.NONE: REMOVED,
+    NodeKind.ROOT: ROOT,
+    NodeKind.FLAT: ROOT,
 }
 """Other leaves leave a closed state open."""
 
@@ -65,7 +65,7 @@ def locate(tree: Tree, stratum: tuple[int, ...], x: np.ndarray) -> tuple[np.ndar
     node : numpy.ndarray
         Position in the tree of the leaf that holds each, or of the contraction that removed it, [K].
     kind : numpy.ndarray
-        Its `Kind`, [K].
+        Its `NodeKind`, [K].
     """
     n = len(stratum)
     wanted = list(itertools.product((0, 1, -1), repeat=n)).index(tuple(stratum))
@@ -84,13 +84,13 @@ def locate(tree: Tree, stratum: tuple[int, ...], x: np.ndarray) -> tuple[np.ndar
             waiting.append((everything if number == wanted else none, low, high))
         held, a, b = waiting.pop()
         where[held] = node
-        if kind == Kind.SPLIT:
+        if kind == NodeKind.SPLIT:
             middle = 0.5 * (a[data] + b[data])
             first, second = b.copy(), a.copy()
             first[data] = second[data] = middle
             below = x[held, data] <= middle
             waiting += [(held[~below], second, b), (held[below], a, first)]
-        elif kind in (Kind.CONTRACT, Kind.NARROW):
+        elif kind in (NodeKind.CONTRACT, NodeKind.NARROW):
             a, b = tree.lower[data], tree.upper[data]
             inside = ((x[held] >= a) & (x[held] <= b)).all(axis=1)
             waiting.append((held[inside], a, b))
@@ -129,10 +129,8 @@ def draw_proof(
 
     if proof.tree is None:
         raise OptionError("the proof has no tree: prove(model, record=True) keeps it")
-    if model.freedom != 2:
-        raise OptionError(
-            f"the scene has {model.freedom} degrees of freedom: draw_proof is for two"
-        )
+    if model.dof != 2:
+        raise OptionError(f"the scene has {model.dof} degrees of freedom: draw_proof is for two")
     figure = Figure(figsize=(9.6, 6.4), dpi=110, layout="compressed")
     axes = figure.subplots(1, 2, sharex=True, sharey=True)
     branches, there = _closed(model, pair, size)
@@ -184,7 +182,7 @@ def _draw(ax: Any, tree: Tree, x: np.ndarray, exists: np.ndarray, size: int) -> 
     meaning, node = np.zeros(len(x), dtype=int), np.full(len(x), -1)
     where, kinds = locate(tree, (0,) * x.shape[1], x[exists])
     node[exists] = where
-    meaning[exists] = [MEANING.get(Kind(k), OPEN) for k in kinds]
+    meaning[exists] = [MEANING.get(NodeKind(k), OPEN) for k in kinds]
     picture, nodes = meaning.reshape(size, size), node.reshape(size, size)
     edge = np.zeros((size, size), dtype=bool)
     edge[:, 1:] |= nodes[:, 1:] != nodes[:, :-1]

@@ -4,28 +4,27 @@ Row i states, for 0 < r <= r0 (for `core` <= r only, where b_i stands for someth
 
     v_i(u) + r w_i(u) = +-(b_i + e_i r^p),    v = c + a . u + u' M u,    w = t . u + u' T u,    |u|_inf = 1.
 
-*First step* (`left_over`).  With the error b + sup |w| r0 + e r0^p the faces are covered by boxes; a box is dropped
-where some row certainly differs from zero, or where an interval Newton step on all rows together leaves nothing.  About
-the centre m of a box with radii d (M symmetric), s = a + 2 M m, |u - m| <= d,
+*First step* (`left_over`): with the error b + sup |w| r0 + e r0^p, boxes on the faces are dropped where a row differs
+from zero, or where an interval Newton step leaves nothing.  About the centre m of a box with radii d (M symmetric),
+s = a + 2 M m, |u - m| <= d,
 
     v(u) = v(m) + s . (u - m) + (u - m)' M (u - m),    |(u - m)' M (u - m)| <= d' |M| d,
     |u - m + Y v(m)| <= |Y| (error + d' |M| d) + |1 - Y s| d    for any matrix Y.
 
-*Second step* (`none_beside`), where boxes are left about a zero z of v that is exact or nearly so, |v(z)| ~ rounding,
-and p = 2.  P bounds |u - z|: with q = || |1 - Y s| + |Y| |M| d || < 1,
+*Second step* (`none_beside`), where boxes are left about a zero z of v, |v(z)| ~ rounding, and p = 2: P bounds |u - z|;
+with q = || |1 - Y s| + |Y| |M| d || < 1,
 
     P <= || |Y| (|v(z)| + b + sup |w| r + e r^2) || / (1 - q).
 
-The sum of y times the rows holds next to no term linear in u - z if y s ~ 0, hence there is no zero at r unless
+Rows combined by y with y s ~ 0 have next to no term linear in u - z, hence there is no zero at r unless
 
     |y . w(z)| r <= |y . v(z)| + |y| b + |y s| P + P' (|y| |M|) P + r |y| |grad w| P + |y| e r^2.
 
-The right side over r is a / r + b + c r, convex: it is looked at for r = core and r = r0 only.  So a zero of the
-leading forms is excluded by what comes next, down to radius `core`.
+The right side over r is convex in r: it is evaluated at r = core and r = r0 only.
 
-*Rounding*: sums of k terms in any order are within k EPS sum |.| (gamma_k < k EPS).  Since |u| <= 1, all that is
-computed from a row is within (n + 2)^2 EPS times |c| + sum |a| + 2 sum |M|; four times this is added to b once
-(`_with_rounding`).  The products with Y are sums over rows or variables and carry their own term.
+*Rounding*: sums of k terms are within k EPS sum |.|; since |u| <= 1, what is computed from a row is within (n + 2)^2
+EPS (|c| + sum |a| + 2 sum |M|).  Four times this is added to b once (`_with_rounding`); products with Y carry their
+own.
 """
 
 from __future__ import annotations
@@ -83,18 +82,18 @@ class Forms:
 
 
 @dataclass(frozen=True)
-class Boxes:
+class DirectionBoxes:
     """K boxes of directions: stratum [K], lower and upper [K, n]."""
 
     stratum: np.ndarray
     lower: np.ndarray
     upper: np.ndarray
 
-    def __getitem__(self, which: np.ndarray | slice) -> Boxes:
-        return Boxes(self.stratum[which], self.lower[which], self.upper[which])
+    def __getitem__(self, which: np.ndarray | slice) -> DirectionBoxes:
+        return DirectionBoxes(self.stratum[which], self.lower[which], self.upper[which])
 
 
-def left_over(forms: Forms, radius: float) -> tuple[np.ndarray, Boxes]:
+def left_over(forms: Forms, radius: float) -> tuple[np.ndarray, DirectionBoxes]:
     """Cover the faces |u|_inf = 1 by boxes and drop those without a common zero.
 
     Parameters
@@ -108,7 +107,7 @@ def left_over(forms: Forms, radius: float) -> tuple[np.ndarray, Boxes]:
     -------
     given_up : numpy.ndarray
         Strata with more boxes than are looked at, bool [S]; their boxes are not all among those left.
-    left : Boxes
+    left : DirectionBoxes
         Where no row could be distinguished from zero.  A stratum without boxes that was not given up has no zero:
         proved.
     """
@@ -124,12 +123,12 @@ def left_over(forms: Forms, radius: float) -> tuple[np.ndarray, Boxes]:
         narrow, wanted = width < NARROWEST, ~given_up[boxes.stratum]
         left.append(boxes[narrow & wanted])
         boxes = _halved(boxes[~narrow & wanted])
-    return given_up, Boxes(
+    return given_up, DirectionBoxes(
         *(np.concatenate([getattr(b, k) for b in left]) for k in ("stratum", "lower", "upper"))
     )
 
 
-def none_beside(forms: Forms, boxes: Boxes, core: float, radius: float) -> np.ndarray:
+def none_beside(forms: Forms, boxes: DirectionBoxes, core: float, radius: float) -> np.ndarray:
     """Return for which boxes the next order excludes every common zero with core <= r <= radius.
 
     Parameters
@@ -175,7 +174,7 @@ def _held(forms: Forms, stratum: int) -> Forms:
     return replace(forms, **{k: getattr(forms, k)[rows] for k in names})
 
 
-def _faces(forms: Forms) -> Boxes:
+def _faces(forms: Forms) -> DirectionBoxes:
     """Return the faces u_k = +-1 that the ranges reach."""
     parts = []
     for reached, side in ((forms.upper >= 1, 1.0), (forms.lower <= -1, -1.0)):
@@ -183,10 +182,12 @@ def _faces(forms: Forms) -> Boxes:
         lower, upper = forms.lower[s], forms.upper[s]
         lower[np.arange(len(s)), k] = upper[np.arange(len(s)), k] = side
         parts.append((s, lower, upper))
-    return Boxes(*(np.concatenate(p) for p in zip(*parts, strict=True)))
+    return DirectionBoxes(*(np.concatenate(p) for p in zip(*parts, strict=True)))
 
 
-def _contracted(forms: Forms, error: np.ndarray, boxes: Boxes) -> tuple[np.ndarray, Boxes]:
+def _contracted(
+    forms: Forms, error: np.ndarray, boxes: DirectionBoxes
+) -> tuple[np.ndarray, DirectionBoxes]:
     """Which boxes may hold a zero, and their parts where it may be."""
     lower, upper = boxes.lower, boxes.upper
     holds = forms.holds[boxes.stratum]
@@ -221,17 +222,19 @@ def _contracted(forms: Forms, error: np.ndarray, boxes: Boxes) -> tuple[np.ndarr
     low[keep] = np.maximum(lower[keep], middle - loose)
     high[keep] = np.minimum(upper[keep], middle + loose)
     keep[keep] = (low[keep] <= high[keep]).all(axis=1)
-    return keep, Boxes(boxes.stratum, low, high)
+    return keep, DirectionBoxes(boxes.stratum, low, high)
 
 
-def _halved(boxes: Boxes) -> Boxes:
+def _halved(boxes: DirectionBoxes) -> DirectionBoxes:
     """Split each box at the middle of its widest side; both halves share that number."""
     lower, upper = boxes.lower, boxes.upper
     rows, axis = np.arange(len(lower)), np.argmax(upper - lower, axis=1)
     middle = 0.5 * (lower[rows, axis] + upper[rows, axis])
     below, above = upper.copy(), lower.copy()
     below[rows, axis] = above[rows, axis] = middle
-    return Boxes(np.tile(boxes.stratum, 2), np.vstack([lower, above]), np.vstack([below, upper]))
+    return DirectionBoxes(
+        np.tile(boxes.stratum, 2), np.vstack([lower, above]), np.vstack([below, upper])
+    )
 
 
 def _tilted(rows: Forms, lower: np.ndarray, upper: np.ndarray, core: float, radius: float) -> bool:

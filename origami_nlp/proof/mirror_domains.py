@@ -52,7 +52,7 @@ SHORTEST = 1e-3
 """Vectors that are taken for frames are longer; a shorter one gives a frame that bounds nothing well."""
 
 
-class Wedge:
+class WedgeForms:
     """The forms of a wedge of D_n between two mirrors.
 
     Parameters
@@ -194,7 +194,7 @@ class _Views:
     Stacks of vectors [3, V, K], the normal first, then axes from the far mirror on; forwards (way = 1) or backwards.
     """
 
-    def __init__(self, wedge: Wedge, turn: Turn, way: int) -> None:
+    def __init__(self, wedge: WedgeForms, turn: Turn, way: int) -> None:
         n, boxes = wedge.size, turn.cosine.shape[-1]
         rays = list(range(wedge.rays))[::way]
         self.after: dict[int, Affine] = {}

@@ -29,7 +29,7 @@ from origami_nlp.proof.collinear_creases import CollinearPair, collinear_creases
 from origami_nlp.proof.mirror_domains import all_free, sums_of_torques
 
 
-class Period:
+class PeriodForms:
     """The forms of a period of C_n.
 
     Parameters

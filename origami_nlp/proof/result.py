@@ -8,7 +8,7 @@ from origami_nlp.proof.tree import Tree
 
 
 @dataclass(frozen=True)
-class CriticalPoint:
+class ProvedCriticalPoint:
     """A critical point that exists, and is the only one in its box.
 
     Attributes
@@ -69,7 +69,7 @@ class Cluster:
     lower, upper
         Their hull, [n] [rad].
     stratum
-        As of a `CriticalPoint`.
+        As of a `ProvedCriticalPoint`.
     reason
         Why, in words.
     boxes
@@ -124,7 +124,7 @@ class Proof:
         Critical points within fold limits, or at touches, that full contact does not admit: left out of `points`.
     """
 
-    points: tuple[CriticalPoint, ...]
+    points: tuple[ProvedCriticalPoint, ...]
     singular: tuple[Cluster, ...]
     undecided: tuple[Cluster, ...]
     boxes: int
@@ -138,7 +138,7 @@ class Proof:
     left: str = ""
 
     @property
-    def minima(self) -> tuple[CriticalPoint, ...]:
+    def minima(self) -> tuple[ProvedCriticalPoint, ...]:
         """Critical points that are minima for certain."""
         return tuple(p for p in self.points if p.is_minimum)
 

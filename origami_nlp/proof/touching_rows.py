@@ -19,7 +19,7 @@ from origami_nlp.proof.affine import (
     turned,
     variables,
 )
-from origami_nlp.proof.chains import VanishingRows, Vertex, angle_turns, half_turns, taken
+from origami_nlp.proof.chains import VanishingRows, VertexForms, angle_turns, half_turns, taken
 from origami_nlp.proof.domains import (
     AXES,
     FoldedDomain,
@@ -141,7 +141,7 @@ class TouchedWedge:
             self.kite.at(*variables(lower, upper), pins)
         rows = [self.kite.value()] if self.kite else [g.value() for g in gaps]
         closure = [p.value() for p in f.closure] + rows
-        for p in f.sheet:
+        for p in f.lift:
             value = p.value()
             closure.append(Affine(value.centre - 1.0, value.slopes, value.error + TRIGONOMETRIC))
         for t in self.touches:
@@ -159,7 +159,7 @@ class TouchedWedge:
         return VanishingRows(stacked(closure, boxes), stacked(critical, boxes, self.size), asked)
 
 
-class TouchedVertex(Vertex):
+class TouchedVertex(VertexForms):
     """Rows of a vertex without symmetry with creases on facets.
 
     Crease k on facet j is reached from both ends of the facet.  From its far end, in its plane: with x along ray j + 1,
@@ -170,7 +170,7 @@ class TouchedVertex(Vertex):
     Parameters
     ----------
     sectors, stiffness, rest
-        As for `Vertex`.
+        As for `VertexForms`.
     touches
         (k, j), 0-based.
     """

@@ -8,7 +8,7 @@ from enum import IntEnum
 import numpy as np
 
 
-class Kind(IntEnum):
+class NodeKind(IntEnum):
     """What a node is; `Tree.data` holds the number in brackets."""
 
     SPLIT = 0
@@ -47,7 +47,7 @@ class Tree:
     Attributes
     ----------
     kind
-        `Kind` of each node, uint8 [M].
+        `NodeKind` of each node, uint8 [M].
     data
         Its number, int32 [M]; 0 where there is none.
     lower, upper
@@ -75,7 +75,9 @@ class Recorder:
 
     def __init__(self, strata: int) -> None:
         self.strata = self.count = strata
-        self._events: list[tuple[np.ndarray, Kind | np.ndarray, np.ndarray | int, np.ndarray]] = []
+        self._events: list[
+            tuple[np.ndarray, NodeKind | np.ndarray, np.ndarray | int, np.ndarray]
+        ] = []
         self._boxes: list[tuple[np.ndarray, np.ndarray]] = []
         self._stored = 0
 
@@ -83,14 +85,14 @@ class Recorder:
         self.count += many
         return np.arange(self.count - many, self.count)
 
-    def leaves(self, nodes: np.ndarray, kind: Kind, data: np.ndarray | int = 0) -> None:
+    def leaves(self, nodes: np.ndarray, kind: NodeKind, data: np.ndarray | int = 0) -> None:
         """Record leaves of one kind."""
         self._events.append((nodes, kind, data, np.full(len(nodes), -1)))
 
     def split(self, nodes: np.ndarray, axis: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Record boxes that are cut; return the numbers of the first and the second children."""
         first, second = self._new(len(nodes)), self._new(len(nodes))
-        self._events.append((nodes, Kind.SPLIT, axis, np.stack([first, second])))
+        self._events.append((nodes, NodeKind.SPLIT, axis, np.stack([first, second])))
         return first, second
 
     def contract(
@@ -98,7 +100,7 @@ class Recorder:
     ) -> np.ndarray:
         """Record boxes that are contracted, with the critical rows or without; return the numbers of the children."""
         child = self._new(len(nodes))
-        kind = np.where(critical, Kind.NARROW, Kind.CONTRACT)
+        kind = np.where(critical, NodeKind.NARROW, NodeKind.CONTRACT)
         place = self._stored + np.arange(len(nodes))
         self._stored += len(nodes)
         self._boxes.append((lower.T, upper.T))
@@ -124,7 +126,7 @@ class Recorder:
         -------
         Tree
         """
-        kind = np.full(self.count, Kind.UNDECIDED, dtype=np.uint8)
+        kind = np.full(self.count, NodeKind.UNDECIDED, dtype=np.uint8)
         data = np.zeros(self.count, dtype=np.int32)
         first, second = np.full((2, self.count), -1)
         for nodes, what, number, child in self._events:
@@ -139,7 +141,7 @@ class Recorder:
         none = np.zeros((0, size))
         lower = np.concatenate([none, *(b[0] for b in self._boxes)])
         upper = np.concatenate([none, *(b[1] for b in self._boxes)])
-        contracted = (kind == Kind.CONTRACT) | (kind == Kind.NARROW)
+        contracted = (kind == NodeKind.CONTRACT) | (kind == NodeKind.NARROW)
         place = data[contracted]
         data[contracted] = np.arange(len(place))
         return Tree(kind, data, lower[place], upper[place], minors, twins)

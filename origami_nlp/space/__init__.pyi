@@ -1,4 +1,4 @@
-from .chain import Chain as Chain, chain_of as chain_of
+from .chain import HalfChain as HalfChain, chain_of as chain_of
 from .figure import draw_space as draw_space
 from .find import find_space as find_space
 from .mesh import MeshError as MeshError

@@ -11,9 +11,9 @@ from origami_nlp.chart import wedge_point
 from origami_nlp.pattern import Scene, as_scene
 from origami_nlp.space import topology
 from origami_nlp.space.cells import Cells, admissible_cells, check_lower_dimensional
-from origami_nlp.space.chain import Chain, chain_of
-from origami_nlp.space.mesh import MeshError, mesh_sheets
-from origami_nlp.space.result import Branch, Component, Handle, PinchPoint, Space, SpaceMesh
+from origami_nlp.space.chain import HalfChain, chain_of
+from origami_nlp.space.mesh import MeshError, mesh_cover
+from origami_nlp.space.result import Component, Handle, LocalBranch, PinchPoint, Space, SpaceMesh
 
 SIZE = 64
 """Default number of rings of the mesh around the flat state."""
@@ -60,7 +60,7 @@ def find_space(scene: Scene, *, size: int = SIZE) -> Space:
     # walls may pass a mesh of one size so closely that another one is needed
     for attempt in ATTEMPTS:
         try:
-            cells = admissible_cells(mesh_sheets(chain, size + attempt))
+            cells = admissible_cells(mesh_cover(chain, size + attempt))
             check_lower_dimensional(cells)
         except MeshError:
             if attempt == ATTEMPTS[-1]:
@@ -86,7 +86,7 @@ def find_space(scene: Scene, *, size: int = SIZE) -> Space:
     return Space(scene, size, components, holes, pinch, arcs, euler, mesh)
 
 
-def _mesh(chain: Chain, cells: Cells) -> SpaceMesh:
+def _mesh(chain: HalfChain, cells: Cells) -> SpaceMesh:
     edges = topology.all_edges(cells.triangles, cells.extra_edges)
     chart, branch = _chart(chain, cells)
     return SpaceMesh(
@@ -102,12 +102,12 @@ def _mesh(chain: Chain, cells: Cells) -> SpaceMesh:
     )
 
 
-def _chart(chain: Chain, cells: Cells) -> tuple[np.ndarray, np.ndarray]:
+def _chart(chain: HalfChain, cells: Cells) -> tuple[np.ndarray, np.ndarray]:
     """Coordinates and branch of each vertex in the paper's chart."""
     wedge = cells.wedge
     if chain.kind == "degree6":
         return wedge[:, 1:3].copy(), np.zeros(len(wedge), dtype=int)
-    elevation = cells.sheets.base[cells.origin, 0]
+    elevation = cells.cover.base[cells.origin, 0]
     chart = np.stack([wedge[:, 1], elevation], axis=1)
     misfit = []
     for sign in (1, -1):
@@ -123,7 +123,7 @@ def _chart(chain: Chain, cells: Cells) -> tuple[np.ndarray, np.ndarray]:
     return chart, branch
 
 
-def _sample(mesh: SpaceMesh, part: topology.Part) -> tuple[float, ...]:
+def _sample(mesh: SpaceMesh, part: topology.ComplexComponent) -> tuple[float, ...]:
     """The state of a component that keeps farthest from phi = +-pi and from the flat state."""
     wedge = mesh.wedge[part.vertices]
     # any state of the component would do: one far from contacts and from flat can be distinguished in a picture
@@ -149,7 +149,7 @@ def _pinch_point(mesh: SpaceMesh, spot: topology.Spot) -> PinchPoint:
     for dimension, around in spot.branches:
         # the neighbour on fewest contacts, in the middle of the branch
         fewest = around[np.argmin([int(mesh.on[v]).bit_count() for v in around])]
-        branches.append(Branch(dimension, tuple(mesh.fold_angles[fewest].tolist())))
+        branches.append(LocalBranch(dimension, tuple(mesh.fold_angles[fewest].tolist())))
     v = spot.vertex
     phi = tuple(mesh.fold_angles[v].tolist())
     return PinchPoint(kind, phi, tuple(branches), mesh.contacts(v), v)

@@ -104,7 +104,7 @@ class Component(ShortRepr):
     fold_angles: tuple[float, ...]
 
 
-class Branch(NamedTuple):
+class LocalBranch(NamedTuple):
     """One of the pieces that meet in a state.
 
     Attributes
@@ -139,7 +139,7 @@ class PinchPoint(ShortRepr):
 
     kind: str
     fold_angles: tuple[float, ...]
-    branches: tuple[Branch, ...]
+    branches: tuple[LocalBranch, ...]
     contacts: tuple[str, ...]
     vertex: int = field(metadata={"plain": False})
 

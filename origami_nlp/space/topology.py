@@ -11,7 +11,7 @@ from origami_nlp.space.mesh import beside, edges_of
 
 
 @dataclass(frozen=True)
-class Part:
+class ComplexComponent:
     """One connected component of a complex.
 
     vertices: their numbers.  dimension: of its largest cell.  euler: V - E + F.  closed_surfaces: second Betti number
@@ -49,7 +49,7 @@ def all_edges(triangles: np.ndarray, extra: np.ndarray) -> np.ndarray:
     return np.unique(edges, axis=0)
 
 
-def parts(count: int, triangles: np.ndarray, extra: np.ndarray) -> list[Part]:
+def parts(count: int, triangles: np.ndarray, extra: np.ndarray) -> list[ComplexComponent]:
     """Components of the complex, largest first; `extra` [E, 2] are edges that border no triangle."""
     edges = all_edges(triangles, extra)
     of = groups(count, edges)
@@ -64,7 +64,9 @@ def parts(count: int, triangles: np.ndarray, extra: np.ndarray) -> list[Part]:
         dimension = 2 if f[k] else (1 if e[k] else 0)
         # b_0 - b_1 + b_2 = chi with b_0 = 1
         holes = 1 + int(closed[k]) - euler
-        found.append(Part(np.flatnonzero(of == k), dimension, euler, int(closed[k]), holes))
+        found.append(
+            ComplexComponent(np.flatnonzero(of == k), dimension, euler, int(closed[k]), holes)
+        )
     return sorted(found, key=lambda part: (-part.dimension, -len(part.vertices)))
 
 

@@ -46,7 +46,7 @@ def _rays(model: Model) -> int:
     return len(s.has_crease) * (s.order if s.kind == "C" else 1)
 
 
-class Crossings:
+class VertexCrossings:
     """Modelled facet pairs, mirrors and the axis of a model, and without symmetry the stacks that depths do not see.
 
     Parameters

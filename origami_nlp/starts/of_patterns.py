@@ -10,7 +10,7 @@ import numpy as np
 
 from origami_nlp.numerics import CLOSURE_TOL, RESOLVED
 from origami_nlp.pattern import Pattern
-from origami_nlp.pattern_problem import Labels, PatternProblem
+from origami_nlp.pattern_problem import CanonicalLabelling, PatternProblem
 from origami_nlp.starts.batch_states import Samples
 from origami_nlp.starts.family import Listed, StartFamily
 
@@ -56,7 +56,7 @@ class Uniform(StartFamily):
     name = "uniform"
     sentence = "any fold angles"
 
-    def __init__(self, labels: Labels) -> None:
+    def __init__(self, labels: CanonicalLabelling) -> None:
         self._labels = labels
 
     def draw(self, rng: np.random.Generator, many: int) -> Samples:
@@ -97,16 +97,16 @@ class Grown(StartFamily):
     name = "grown"
     sentence = "grown out of the flat state"
 
-    def __init__(self, problem: PatternProblem, labels: Labels) -> None:
-        self._sheet, self._labels = problem, labels
+    def __init__(self, problem: PatternProblem, labels: CanonicalLabelling) -> None:
+        self._problem, self._labels = problem, labels
 
     def draw(self, rng: np.random.Generator, many: int) -> Samples:
         """Grow states one after the other."""
         x = [self._grown(rng) for _ in range(many)]
-        return Samples.at_limits(np.array(x).reshape(many, self._sheet.size))
+        return Samples.at_limits(np.array(x).reshape(many, self._problem.size))
 
     def _grown(self, rng: np.random.Generator) -> np.ndarray:
-        problem = self._sheet
+        problem = self._problem
         n = problem.size
         phi, residual = problem.project(self._labels.drawn(rng.uniform(-0.3, 0.3, n)))
         way = phi
@@ -120,14 +120,16 @@ class Grown(StartFamily):
             if (
                 residual > CLOSURE_TOL
                 or np.abs(new).max() > math.pi
-                or not problem.closure.on_sheet(new)
+                or not problem.closure.lifts_to_one(new)
             ):
                 break
             phi = new
         return phi
 
 
-def families_in_turn(problem: PatternProblem, labels: Labels) -> tuple[StartFamily, ...]:
+def families_in_turn(
+    problem: PatternProblem, labels: CanonicalLabelling
+) -> tuple[StartFamily, ...]:
     """Return the families of random starts of a pattern, from which one start each is drawn in turn."""
     anywhere = Uniform(labels)
     grown = Grown(problem, labels) if problem.pattern.is_flat else anywhere
@@ -152,7 +154,7 @@ class Popped(Listed):
     name = "minima with a vertex popped"
     sentence = "a minimum with one vertex on its other side"
 
-    def __init__(self, pattern: Pattern, labels: Labels, phi: np.ndarray) -> None:
+    def __init__(self, pattern: Pattern, labels: CanonicalLabelling, phi: np.ndarray) -> None:
         self.size = pattern.creases
         self._around, self._phi = creases_around(pattern, labels), phi
 
@@ -165,7 +167,7 @@ class Popped(Listed):
                 yield start
 
 
-def creases_around(pattern: Pattern, labels: Labels) -> list[list[int]]:
+def creases_around(pattern: Pattern, labels: CanonicalLabelling) -> list[list[int]]:
     """Return the creases round each vertex, in an order of vertices that labels do not change."""
     rank = np.argsort(labels.order)
     around = [list(loop.creases) for loop in pattern.vertices]

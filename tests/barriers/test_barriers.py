@@ -378,7 +378,7 @@ def test_command(tmp_path):
     scene = tmp_path / "scene.toml"
     scene.write_text(run(app, ["example", "degree8", "--alpha", "pi/6", "--ratio", "1"]).stdout)
     out = [tmp_path / name for name in ("b.json", "b.svg", "b.md")]
-    asked = ["--json", str(out[0]), "--figure", str(out[1]), "--markdown", str(out[2])]
+    asked = ["-o", str(out[0]), "-o", str(out[1]), "-o", str(out[2])]
     result = run(app, ["barriers", str(scene), *asked])
     assert result.exit_code == 0, result.output
     found = json.loads(out[0].read_text())

@@ -197,7 +197,9 @@ def test_a_measurement_as_a_whole(tmp_path, monkeypatch):
     monkeypatch.setattr(union, "SECONDS", {4: 0.1})
     said = []
     scenes = {"fold-limits": [0]}
-    data = measure_coverage(scenes, tmp_path, before=HERE, seeds=1, budget=0.2, tell=said.append)
+    data = measure_coverage(
+        scenes, tmp_path, before=HERE, seeds=1, budget=0.2, progress=said.append
+    )
     assert len(list(tmp_path.glob("*.json"))) == 1 and said
     (covered,) = scenes_of(json.loads(json.dumps(data, allow_nan=False)))["fold-limits"]
     assert {NOW, BEFORE, "SLSQP", "SLSQP, given starts", "IPOPT"} <= set(covered.runs)

@@ -160,7 +160,7 @@ def test_a_vertex_that_moves_and_what_is_refused():
 
 def test_the_command_takes_a_pattern(tmp_path):
     files = [tmp_path / name for name in ("a.json", "a.png", "a.fold", "a.html")]
-    names = ("--json", "--figure", "--fold", "--html")
+    names = ("-o", "-o", "-o", "-o")
     options = [word for pair in zip(names, files, strict=True) for word in pair]
     done = run("follow", "miura:2x2", "--parameter", "alpha=50deg:55deg", "--checks", 1, *options)
     assert done.code == 0 and "2 branches, 0 events over alpha" in done.out, done.err

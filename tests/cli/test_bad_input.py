@@ -183,7 +183,7 @@ def test_bad_scene_is_one_line_and_exit_code_2(name, tmp_path):
     path = tmp_path / "scene.toml"
     path.write_text(scene)
     out = tmp_path / "out.json"
-    code, _, err = run("minima", path, "--json", out)
+    code, _, err = run("minima", path, "-o", out)
     assert code == 2 and err.count("\n") == 1 and len(err) < 300
     for word in words:
         assert word in err
@@ -200,7 +200,7 @@ def test_normalize_spreads_what_is_missing_and_says_so(tmp_path):
             "[creases]", "normalize = true\n[creases]"
         )
     )
-    code, _, err = run("model", path)
+    code, _, err = run("inspect", path)
     assert (
         code == 0
         and err == "note: sector angles normalized to a sum of 360 deg: each by +0.05 deg\n"
@@ -231,24 +231,27 @@ BAD_CALLS = {
     "contact unknown": (["example", "degree8", "--contact", "some"], "contact"),
     "state beyond the list": (["contacts", SCENE, "--state", 9, "--max-starts", 16], "state"),
     "state 0": (["contacts", SCENE, "--state", 0, "--max-starts", 16], "state"),
-    "HTML into no folder": (["contacts", SCENE, "--html", "nowhere/at/all.html"], "--html"),
-    "a folder for text": (["contacts", SCENE, "--markdown", "."], "--markdown"),
+    "HTML into no folder": (["contacts", SCENE, "-o", "nowhere/at/all.html"], "-o"),
+    "a folder for text": (["contacts", SCENE, "-o", "."], "-o"),
     "seed of contacts": (["contacts", SCENE, "--seed", -1], "seed"),
     "map too small": (["landscape", SCENE, "--size", 4], "--size = 4"),
     "seed of a landscape": (["landscape", SCENE, "--seed", -2], "seed"),
-    "arrays as text": (["landscape", SCENE, "--npz", "a.txt"], "must end in .npz"),
-    "arrays into no folder": (["landscape", SCENE, "--npz", "nowhere/a.npz"], "does not exist"),
-    "figure of no format": (["landscape", SCENE, "--figure", "a.bmp"], "--figure"),
-    "JSON into no folder": (["landscape", SCENE, "--json", "nowhere/a.json"], "does not exist"),
+    "arrays as text": (["landscape", SCENE, "-o", "a.txt"], "must end in one of .json"),
+    "arrays into no folder": (["landscape", SCENE, "-o", "nowhere/a.npz"], "does not exist"),
+    "figure of no format": (["landscape", SCENE, "-o", "a.bmp"], "-o"),
+    "JSON into no folder": (["landscape", SCENE, "-o", "nowhere/a.json"], "does not exist"),
     "counts into no folder": (
-        [*COUNT, "--degree", 6, "--ratio", 2, "--rest-elevation", 0.1, "--json", "missing/a.json"],
-        "--json",
+        [*COUNT, "--degree", 6, "--ratio", 2, "--rest-elevation", 0.1, "-o", "missing/a.json"],
+        "-o",
     ),
     "odd degree": ([*PHASE, "--degree", 7], "degree"),
     "one point": ([*PHASE, "--degree", 8, "--size", 1], "size"),
     "too deep": ([*PHASE, "--degree", 8, "--depth", 2], "depth"),
-    "figure as text": ([*PHASE, "--degree", 8, "--figure", "x.txt"], "figure"),
-    "CSV into no folder": ([*PHASE, "--degree", 8, "--csv", "no/such/folder.csv"], "csv"),
+    "figure as text": (
+        [*PHASE, "--degree", 8, "-o", "x.txt"],
+        "must end in one of .json, .csv, .png",
+    ),
+    "CSV into no folder": ([*PHASE, "--degree", 8, "-o", "no/such/folder.csv"], "does not exist"),
     "rest state unknown": ([*PHASE, "--degree", 8, "--rest", "mine"], "rest"),
 }
 
@@ -256,7 +259,7 @@ BAD_CALLS = {
 MISSPELT = {
     "example as input": (["minima", "muira:3x3"], "did you mean miura?"),
     "example": (["example", "yoshimora"], "did you mean yoshimura?"),
-    "targets": (["design", "--example", "three-equals"], "did you mean three-equal?"),
+    "targets": (["design", "three-equals"], "did you mean three-equal?"),
     "parameter": (
         ["follow", SCENE, "--parameter", "rest_angle[1]=0:1"],
         "did you mean rest_angles?",
@@ -303,9 +306,9 @@ def test_bad_outputs_are_refused_before_the_search(tmp_path):
     path = tmp_path / "scene.toml"
     path.write_text(text())
     for arguments, word in (
-        (["--json", str(tmp_path / "no" / "x.json")], "does not exist"),
-        (["--json", str(tmp_path)], "folder"),
-        (["--figure", str(tmp_path / "x.gif")], ".svg"),
+        (["-o", str(tmp_path / "no" / "x.json")], "does not exist"),
+        (["-o", str(tmp_path)], "folder"),
+        (["-o", str(tmp_path / "x.docx")], ".svg"),
         (["--seed", "-1"], "seed"),
         (["--max-starts", "0"], "max_starts"),
     ):

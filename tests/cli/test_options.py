@@ -12,7 +12,7 @@ from origami_nlp.cli.source import FOLD_OPTIONS, PER_LENGTH
 from tests.command_line import run
 
 IN_THEIR_OWN_WORDS = {
-    "--fold": "the crease pattern of an example, states, or paths",
+    "--output": "each command lists what it can write",
     "--state": "load follows one, others leave the others out",
     "--contact": "of a FOLD file, or of an example",
     "--symmetry": "of a FOLD file, or of an example",

@@ -125,7 +125,7 @@ def test_completion_has_what_is_for_users():
     for thing in (result, result.minima[0], result.scene, *results().values()):
         names = [name for name in dir(thing) if not name.startswith("_")]
         assert names and not any(name.isupper() for name in names)
-        assert not {"report_sections", "tell", "view_content", "frame_entries"} & set(names)
+        assert not {"report_sections", "print_to", "view_content", "frame_entries"} & set(names)
     assert {"minima", "states", "to_frame", "draw", "save"} <= set(dir(result))
 
 

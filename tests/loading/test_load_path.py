@@ -167,7 +167,7 @@ def test_the_command_writes_numbers_a_figure_and_frames(tmp_path):
         "--max-starts",
         "64",
     )
-    code, out, err = run("load", scene, *args, "--json", "-", "--fold", tmp_path / "path.fold")
+    code, out, err = run("load", scene, *args, "-o", "-", "-o", tmp_path / "path.fold")
     assert code == 0, err
     data = json.loads(out)
     assert data["schema"] == "origami-nlp/load/2" and data["driver"]["unit"] == "N m"

@@ -390,8 +390,8 @@ def test_the_command_writes_all_of_it(tmp_path):
     files = {name: tmp_path / f"load.{name}" for name in ("json", "fold", "html")}
     code, out, err = run(
         "load", "degree6", "--rest-angle", "60", "--stiffness", "0.01",
-        "--pull", "1,4", "--to", "-0.001", "--starts", "2", "--json", files["json"],
-        "--fold", files["fold"], "--html", files["html"],
+        "--pull", "1,4", "--to", "-0.001", "--starts", "2", "-o", files["json"],
+        "-o", files["fold"], "-o", files["html"],
     )  # fmt: skip
     assert code == 0, err
     assert "stable to the end of the range" in out
@@ -400,17 +400,17 @@ def test_the_command_writes_all_of_it(tmp_path):
     frames = json.loads(files["fold"].read_text())["file_frames"]
     assert len(frames) == len(data["legs"][0]["points"])
     assert all(file.stat().st_size > 1000 for file in files.values())
-    code, _, err = run("example", "metasheet:3x3", "--fold", tmp_path / "sheet.fold")
+    code, _, err = run("example", "metasheet:3x3", "-o", tmp_path / "sheet.fold")
     assert code == 0, err
     problem = tmp_path / "sheet.fold"
-    code, out, err = run("load", problem, "--crease", "1", "--to", "0.05", "--json", "-")
+    code, out, err = run("load", problem, "--crease", "1", "--to", "0.05", "-o", "-")
     assert code == 0, err
     driver = json.loads(out)["driver"]
     assert driver["type"] == "PatternDriver" and driver["work"]["type"] == "Torque"
     assert driver["work"]["creases"] == [1]
     edges = o.read_pattern(problem).numbers
     assert edges[1] != 1  # borders are edges too
-    code, out, err = run("load", problem, "--edge", edges[1], "--to", "0.01", "--json", "-")
+    code, out, err = run("load", problem, "--edge", edges[1], "--to", "0.01", "-o", "-")
     assert code == 0 and json.loads(out)["driver"]["work"]["creases"] == [2], err
     border = next(e for e in range(edges.max()) if e not in edges)
     code, _, err = run("load", problem, "--edge", border)

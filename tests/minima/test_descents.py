@@ -10,7 +10,7 @@ from origami_nlp import Model, Scene, Vertex, examples, find_minima
 from origami_nlp.kkt import project
 from origami_nlp.minima import find_minima_of_each
 from origami_nlp.minima.descents import Descents
-from origami_nlp.pattern import Labels, canonical_labels
+from origami_nlp.pattern import Relabelling, canonical_labels
 from origami_nlp.problem import OPEN, Contact, fold_limit, random_strata
 from origami_nlp.starts import EFFORTS, Samples
 from tests.computed_once import panel_result, thinned
@@ -83,7 +83,7 @@ def test_a_stratum_that_exists_only_while_it_is_held_keeps_its_end():
 )
 def test_labels_change_nothing(labels):
     for scene in (vertex(6, 4, "fold-limits"), vertex(6, 2, "full")):
-        new = Labels(*labels, 6)
+        new = Relabelling(*labels, 6)
         other = new.relabelled(scene)
         one, two = (
             find_minima(s, seed=3, effort="quick", prove=False, escape=False)
@@ -102,7 +102,7 @@ def test_canonical_labels_are_the_same_for_all_labels():
     for start in range(5):
         for backward in (False, True):
             for over in (False, True):
-                other = Labels(start, backward, over, 5).relabelled(scene)
+                other = Relabelling(start, backward, over, 5).relabelled(scene)
                 same = canonical_labels(other).relabelled(other)
                 assert np.allclose(same.vertex.sector_angles, first.vertex.sector_angles)
                 assert np.allclose(same.stiffness, first.stiffness)

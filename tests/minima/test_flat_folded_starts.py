@@ -208,7 +208,7 @@ def test_an_interrupted_search_keeps_what_it_found(monkeypatch, tmp_path):
     assert "interrupted, not through with: random starts" in found.report(verbose=True)
     assert [m.energy for m in found.minima] == pytest.approx([m.energy for m in whole.minima])
     file = tmp_path / "found.json"
-    code, out, err = run("minima", "metasheet:3x3", "--json", file)
+    code, out, err = run("minima", "metasheet:3x3", "-o", file)
     assert code == 130 and "interrupted" in err and f"written: {file}" in out
     again = o.load(file)
     assert again.search.interrupted and len(again.minima) == len(found.minima)

@@ -18,7 +18,7 @@ from tests.independent.rigid import Rigid, depth
 CASES = ["waterbomb:3x3", "yoshimura:3x3", "resch:1x2", "resch:2x2"]
 SHALLOW = 1e-11
 """Facets that reach no further into each other touch, over the size of the sheet."""
-NEAR_SINGULAR_TOL = 200
+PROBES = 200
 """Closed states beside each state."""
 
 
@@ -61,7 +61,7 @@ def beside(body, phi, rng, most):
                 yield new
 
 
-def check_admissible(name, seed, contact, most=NEAR_SINGULAR_TOL):
+def check_admissible(name, seed, contact, most=PROBES):
     """Return how many minima were claimed, and how many states beside them were looked at."""
     pattern = sprung(name, seed)
     body, rng = Rigid(pattern), np.random.default_rng(seed)

@@ -12,7 +12,7 @@ from origami_nlp.kkt import project
 from origami_nlp.problem import Model
 from tests.computed_once import shared
 
-DUPLICATE_TOL = 1e-6
+SAME_MINIMUM = 1e-6
 """Two minima [rad] of two searches are one: far above what the polish leaves, far below what tells minima apart."""
 
 
@@ -67,9 +67,9 @@ SCENES = [
     *(("fold-limits", k) for k in range(5)),
     *(("full-contact", k) for k in range(5)),
     ("designed", 1),
-    ("one-freedom", 0),
+    ("one-dof", 0),
 ]
-CHEAP = [("fold-limits", 0), ("full-contact", 0), ("one-freedom", 0)]
+CHEAP = [("fold-limits", 0), ("full-contact", 0), ("one-dof", 0)]
 """Of degree 4; the others wait for the long studies."""
 CASES = [
     pytest.param(
@@ -98,7 +98,7 @@ def first_states(family, number):
 def unmatched(a, b):
     """How many states of a [A, N] have no partner among b [B, N]."""
     far = np.abs(a[:, None] - b).max(axis=2)
-    return int((far.min(axis=1, initial=math.inf) > DUPLICATE_TOL).sum())
+    return int((far.min(axis=1, initial=math.inf) > SAME_MINIMUM).sum())
 
 
 @pytest.mark.parametrize(("family", "number", "name"), CASES)
@@ -123,7 +123,7 @@ def test_descriptions_are_of_the_same_vertex(name, number):
     assert len(x) >= 20 and (description.back(y) == x).all()
     ours, theirs = Model(scene), Model(other)
     assert np.abs(theirs.closure(y)[0]).max() <= 1e-12
-    assert (theirs.on_sheet(y) == ours.on_sheet(x)).all()
+    assert (theirs.lifts_to_one(y) == ours.lifts_to_one(x)).all()
     assert (theirs.admissible(y) == ours.admissible(x)).all()
     energies = [description.factor * scene.energy(s) for s in x]
     assert [other.energy(s) for s in y] == pytest.approx(energies, rel=1e-14)

@@ -82,7 +82,7 @@ def test_patterns_are_what_is_known_of_them(name):
 def test_the_scene_is_a_vertex_of_its_pattern_with_the_same_springs(name):
     scene = examples.by_name(name)
     (frame,) = parse_fold(json.dumps(examples.crease_pattern(name)))
-    scenes = vertex_scenes(frame, tell=lambda note: None, symmetry=scene.symmetry)
+    scenes = vertex_scenes(frame, on_note=lambda note: None, symmetry=scene.symmetry)
     ours = group_equivalent_vertices({-1: scene, **scenes})[0]
     assert len(ours.numbers) > 1 and ours.apart < 1e-12
     with pytest.raises(o.OrigamiError, match=name if name not in examples.SIZES else "rows"):

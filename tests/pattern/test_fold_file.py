@@ -212,7 +212,7 @@ def test_vertices_command(tmp_path):
     file = tmp_path / "a.fold"
     file.write_text(json.dumps(disc([60, 100, 120, 80], "MVVV")))
     out = tmp_path / "a.json"
-    done = RUN.invoke(app, ["vertices", str(file), "--json", str(out)])
+    done = RUN.invoke(app, ["inspect", str(file), "-o", str(out)])
     assert done.exit_code == 0, done.output
     (one,) = json.loads(out.read_text())["frames"]
     assert one["vertices"][0]["degree"] == 4 and one["vertices"][0]["can_be_analysed"]
@@ -319,7 +319,7 @@ def test_minima_of_a_published_vertex():
 def test_bad_files_get_one_line(tmp_path, text, words):
     file = tmp_path / "bad.fold"
     file.write_text(text)
-    done = RUN.invoke(app, ["vertices", str(file)])
+    done = RUN.invoke(app, ["inspect", str(file)])
     assert isinstance(done.exception, OrigamiError), done.output
     line = str(done.exception)
     assert "\n" not in line and len(line) < 300 and all(w in line for w in words), line
@@ -332,8 +332,8 @@ def test_bad_options_get_one_line(tmp_path):
     scene.write_text("")
     for args, words in [
         (
-            [str(file), "--each-vertex", "--figure", str(tmp_path / "a.png")],
-            ["--figure", "one vertex", "4"],
+            [str(file), "--each-vertex", "-o", str(tmp_path / "a.png")],
+            ["-o", "one vertex", "4"],
         ),
         ([str(file), "--vertex", "99"], ["--vertex 99", "0 to 15", "there are 5, 6"]),
         ([str(file), "--vertex", "0"], ["--vertex 0", "border", "there are 5, 6"]),

@@ -61,13 +61,13 @@ def test_files_and_sweeps_know_it(tmp_path):
     path = tmp_path / "states.fold"
     found = find_minima(WOUND, prove=False, escape=False)
     write_fold(found, path)
-    back = read_fold_scene(path, tell=lambda note: None, symmetry="none", contact="fold-limits")
+    back = read_fold_scene(path, on_note=lambda note: None, symmetry="none", contact="fold-limits")
     assert back.preload == WOUND.preload
     written = json.loads(path.read_text())
     written[PRELOAD_KEY][0] = "3"
     path.write_text(json.dumps(written))
     with pytest.raises(FoldFileError, match="preload"):
-        read_fold_scene(path, tell=lambda note: None)
+        read_fold_scene(path, on_note=lambda note: None)
 
 
 def test_mechanics_with_preload_must_share_the_symmetry():

@@ -7,7 +7,7 @@ import pytest
 
 import origami_nlp as o
 from origami_nlp.numerics import dense
-from origami_nlp.pattern_problem import MOST_DENSE, Closure, Crossings, PatternProblem
+from origami_nlp.pattern_problem import MOST_DENSE, Closure, PatternCrossings, PatternProblem
 from origami_nlp.pattern_states import list_branches
 from tests.patterns import metasheet, miura, miura_angles, strip
 
@@ -38,8 +38,8 @@ def test_miura_folds_by_its_law(size):
     for zigzag in (0.4, -1.2, 2.9):
         phi = miura_angles(pattern, size, zigzag)
         assert np.abs(Closure(pattern).values(phi)).max() < 1e-14
-        assert Crossings(pattern).poses.apart(phi) < 1e-12
-        assert Crossings(pattern).find(phi) == []
+        assert PatternCrossings(pattern).poses.apart(phi) < 1e-12
+        assert PatternCrossings(pattern).find(phi) == []
 
 
 @pytest.mark.parametrize("size", [2, 4, 8, 16])
@@ -83,7 +83,7 @@ def test_the_unit_of_length_does_not_close_holes(scale):
         assert np.abs(one - other).max() == 0
 
 
-def test_metasheet_has_one_freedom():
+def test_metasheet_has_one_dof():
     for size, redundant in ((3, 1), (4, 4)):
         pattern, _ = metasheet(size)
         problem = PatternProblem(pattern)

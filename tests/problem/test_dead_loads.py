@@ -48,7 +48,7 @@ BOOK = Scene(
 def closed_states(model, count, seed=0):
     x = np.random.default_rng(seed).uniform(-2.5, 2.5, (count, model.size))
     x, residual = project(model, x)
-    return x[(residual < 1e-13) & model.on_sheet(x)]
+    return x[(residual < 1e-13) & model.lifts_to_one(x)]
 
 
 def test_the_energy_is_that_of_points_found_from_folded_creases():

@@ -8,7 +8,7 @@ import math
 import numpy as np
 from mpmath import mp, mpf
 
-from origami_nlp.proof.chains import Vertex
+from origami_nlp.proof.chains import VertexForms
 
 WIDTHS = [0.0, 1e-9, 1e-4, 0.1, 1.0, 3.0]
 
@@ -17,7 +17,7 @@ def random_vertex(rng, n):
     sectors = np.full(n, 7.0)
     while sectors.max() > 0.9 * math.pi:
         sectors = rng.dirichlet(np.full(n, 4.0)) * 2 * math.pi
-    return Vertex(sectors, 10 ** rng.uniform(-1, 1, n), rng.uniform(-3, 3, n))
+    return VertexForms(sectors, 10 ** rng.uniform(-1, 1, n), rng.uniform(-3, 3, n))
 
 
 def exact_sectors(vertex):

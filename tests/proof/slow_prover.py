@@ -95,7 +95,7 @@ class Prover:
                 return c.ROOT, number
         if width < TINY:
             lower, upper = ([e[k] for e in box] for k in (0, 1))
-            self.undecided.append(c.Left(tuple(lower), tuple(upper), pins, "tiny"))
+            self.undecided.append(c.UndecidedBox(tuple(lower), tuple(upper), pins, "tiny"))
             return c.UNDECIDED, len(self.undecided) - 1
         return None
 

@@ -25,7 +25,7 @@ DATA = certificate_to_dict(GOOD)
 
 def test_what_is_read_is_what_was_written(tmp_path):
     path = tmp_path / "proof.json"
-    left = c.Left((0.0,) * 4, (1e-5,) * 4, (0, 0, 0, 0), "dependent axes")
+    left = c.UndecidedBox((0.0,) * 4, (1e-5,) * 4, (0, 0, 0, 0), "dependent axes")
     more = c.Certificate(GOOD.scene, GOOD.r0, GOOD.points, (left,), (left, left), GOOD.nodes)
     write_certificate(more, path)
     assert path.stat().st_size < 200_000
@@ -115,7 +115,7 @@ def test_what_is_no_certificate_is_one_clear_line(name):
 def test_the_command_says_what_it_found(tmp_path):
     path, out = tmp_path / "proof.json", tmp_path / "check.json"
     write_certificate(GOOD, path)
-    done = run("check-proof", path, "--json", out)
+    done = run("check-proof", path, "-o", out)
     assert done.code == 0 and done.out.startswith("checked: complete - ")
     assert done.out.count("minimum: point") == sum(bool(p.is_minimum) for p in GOOD.points)
     said = json.loads(out.read_text())

@@ -378,7 +378,7 @@ def test_what_a_proof_leaves_open_is_told():
     low, high = (
         [v + s * r * (not q) for v, q in zip(P.x, P.stratum, strict=True)] for s in (-1, 1)
     )
-    left = c.Left(tuple(low), tuple(high), P.stratum, "time was over")
+    left = c.UndecidedBox(tuple(low), tuple(high), P.stratum, "time was over")
     found = check_proof(replace(wrong, undecided=(left,)))
     assert not found.refused
     assert len(found.open) == 1 and "time was over" in found.open[0]

@@ -46,7 +46,7 @@ def test_box_counts_and_the_flat_lemma_stay_small():
 
 
 @pytest.mark.slow
-def test_three_freedoms_are_proved():
+def test_three_dof_are_proved():
     scene = family_scene("fold-limits", 2)
     proof = prove(Model(scene))
     assert proof.complete and proof.boxes < 1_500_000

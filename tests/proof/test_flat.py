@@ -10,13 +10,13 @@ from benchmarks import family_scene
 from origami_nlp import Model, Scene
 from origami_nlp.pattern import Vertex
 from origami_nlp.proof import chains, prove
-from origami_nlp.proof.flat import Cone, flat_lemma, no_minimum
+from origami_nlp.proof.flat import ClosedDirections, flat_lemma, no_minimum
 from tests.proof.fifty_digits import exact_sectors, fold_quaternion
 
 
 def posed(scene):
     p = Model(scene).parameters
-    return chains.Vertex(p.sectors, p.stiffness, p.rest)
+    return chains.VertexForms(p.sectors, p.stiffness, p.rest)
 
 
 @pytest.mark.parametrize("radius", [1e-5, 1e-3, 0.1])
@@ -24,7 +24,7 @@ def posed(scene):
 def test_remainders_hold(number, radius):
     """All rows at phi = r u, r at most the radius, differ from those of lowest order by no more than the rows allow."""
     vertex = posed(family_scene("fold-limits", number))
-    cone = Cone(vertex, radius)
+    cone = ClosedDirections(vertex, radius)
     n = vertex.size
     rng = np.random.default_rng(number)
     k_max = mpf(max(vertex.stiffness))

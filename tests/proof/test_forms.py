@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from origami_nlp.proof.forms import Boxes, Forms, left_over, none_beside
+from origami_nlp.proof.forms import DirectionBoxes, Forms, left_over, none_beside
 
 
 def forms(rows: list[tuple], n: int, lower: float = -1.0, order: int = 2) -> Forms:
@@ -92,17 +92,17 @@ def pair(first: float, second: float, error: float = 0.0, base: float = 0.0) -> 
     )
 
 
-NEAR_SINGULAR_TOL = Boxes(np.array([0]), np.array([[1.0, -1e-3]]), np.array([[1.0, 1e-3]]))
+BOX = DirectionBoxes(np.array([0]), np.array([[1.0, -1e-3]]), np.array([[1.0, 1e-3]]))
 
 
 def test_the_next_order_decides_where_the_leading_one_cannot() -> None:
-    assert none_beside(pair(0.5, 0.0), NEAR_SINGULAR_TOL, 1e-8, 1e-3)[0]
+    assert none_beside(pair(0.5, 0.0), BOX, 1e-8, 1e-3)[0]
     # u_2 = -r / 2 satisfies both
-    assert not none_beside(pair(0.5, 1.0), NEAR_SINGULAR_TOL, 1e-8, 1e-3)[0]
+    assert not none_beside(pair(0.5, 1.0), BOX, 1e-8, 1e-3)[0]
     # and here it does within the errors: of order 2 at r0, of rounding at the core
-    assert not none_beside(pair(0.5, 0.0, error=1e3), NEAR_SINGULAR_TOL, 1e-8, 1e-3)[0]
-    assert not none_beside(pair(0.5, 0.0, base=1e-8), NEAR_SINGULAR_TOL, 1e-8, 1e-3)[0]
-    assert none_beside(pair(0.5, 0.0, base=1e-10), NEAR_SINGULAR_TOL, 1e-8, 1e-3)[0]
+    assert not none_beside(pair(0.5, 0.0, error=1e3), BOX, 1e-8, 1e-3)[0]
+    assert not none_beside(pair(0.5, 0.0, base=1e-8), BOX, 1e-8, 1e-3)[0]
+    assert none_beside(pair(0.5, 0.0, base=1e-10), BOX, 1e-8, 1e-3)[0]
 
 
 @pytest.mark.parametrize("seed", range(20))
@@ -120,7 +120,7 @@ def test_zeros_that_move_with_r_are_never_excluded(seed: int) -> None:
         t[0] -= (t @ z + slope @ d) / z[0]  # w(z) = -v'(z) d
         rows.append((c, a, q, t, np.zeros((n, n)), 1e-14, 1.01 * abs(d @ q @ d + t @ d)))
     found = forms(rows, n)
-    near = Boxes(np.array([0]), (z - 1e-3 * (d != 0))[None], (z + 1e-3 * (d != 0))[None])
+    near = DirectionBoxes(np.array([0]), (z - 1e-3 * (d != 0))[None], (z + 1e-3 * (d != 0))[None])
     assert not none_beside(found, near, core, radius)[0]
     # a row that asks for something else is inconsistent
     rows[0] = (*rows[0][:3], rows[0][3] + np.append(3.0, np.zeros(n - 1)), *rows[0][4:])

@@ -11,7 +11,7 @@ from origami_nlp.errors import OptionError
 from origami_nlp.proof import ProofOptions
 from origami_nlp.starts import EFFORTS, SearchOptions
 
-TWO_FREEDOMS = o.examples.degree6("pi/3")
+TWO_DOF = o.examples.degree6("pi/3")
 QUARTIC = o.Scene(
     o.Vertex.from_degrees((70, 80, 120, 90)),
     (1, 2, 3, 2),
@@ -23,7 +23,7 @@ QUARTIC = o.Scene(
 
 def searched(**changed):
     options = dataclasses.replace(EFFORTS["quick"], **changed)
-    return o.find_minima(TWO_FREEDOMS, options=options, escape=False, prove=False)
+    return o.find_minima(TWO_DOF, options=options, escape=False, prove=False)
 
 
 def test_fields_of_a_search_have_their_effect():
@@ -46,7 +46,7 @@ def test_batches_change_nothing_but_the_time():
 
 
 def test_an_effort_is_its_options():
-    named = o.find_minima(TWO_FREEDOMS, effort="quick", escape=False, prove=False)
+    named = o.find_minima(TWO_DOF, effort="quick", escape=False, prove=False)
     assert named.search.by_source == searched().search.by_source
     assert [m.fold_angles for m in named.minima] == [m.fold_angles for m in searched().minima]
 
@@ -154,9 +154,9 @@ def test_fields_of_continuation_have_their_effect_on_branches(origami, over):
 
 def test_options_of_another_kind_are_refused():
     with pytest.raises(OptionError, match="options = 'fast' must be SearchOptions"):
-        o.find_minima(TWO_FREEDOMS, options="fast")
+        o.find_minima(TWO_DOF, options="fast")
     with pytest.raises(OptionError, match="prove = 'now' must be"):
-        o.find_minima(TWO_FREEDOMS, prove="now")
+        o.find_minima(TWO_DOF, prove="now")
 
 
 @pytest.mark.parametrize("kind", [SearchOptions, ContinuationOptions, ProofOptions])

@@ -22,7 +22,7 @@ def one_panel(monkeypatch):
 
 @pytest.mark.slow
 def test_reproduce_writes_png_and_pdf(one_panel, tmp_path):
-    code, out, _ = run("reproduce", "figure4", "--out", tmp_path / "new", commands=app)
+    code, out, _ = run("reproduce", "figure4", "--folder", tmp_path / "new", commands=app)
     assert code == 0 and "written" in out
     assert (tmp_path / "new/figure4.png").read_bytes().startswith(b"\x89PNG")
     assert (tmp_path / "new/figure4.pdf").read_bytes().startswith(b"%PDF")
@@ -45,8 +45,8 @@ def test_sheet_draws_what_was_found(one_panel):
     ("arguments", "complaint"),
     [
         (["figure99"], "FIGURE = 'figure99' must be one of figure3, figure4"),
-        (["figure3", "--figure", "a.txt"], "must end in"),
-        (["figure3", "--figure", "nowhere/a.png"], "does not exist"),
+        (["figure3", "-o", "a.txt"], "must end in"),
+        (["figure3", "-o", "nowhere/a.png"], "does not exist"),
         (["figure3", "--seed", "-1"], "seed"),
     ],
 )

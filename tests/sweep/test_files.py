@@ -103,10 +103,10 @@ def test_the_command_says_when_it_was_interrupted(tmp_path, monkeypatch):
     file = tmp_path / "sheets.toml"
     file.write_text(PATTERNS)
     monkeypatch.setattr("origami_nlp.sweep.run.worker_pool", lambda workers: _Broken())
-    code, out, _ = run("sweep", file, "--out", tmp_path / "out", "--workers", "1")
+    code, out, _ = run("sweep", file, "--folder", tmp_path / "out", "--workers", "1")
     assert code == 130 and "goes on from here" in out
     monkeypatch.setattr("origami_nlp.sweep.run.worker_pool", lambda workers: Inline())
-    code, out, _ = run("sweep", file, "--out", tmp_path / "out", "--figure", tmp_path / "a.png")
+    code, out, _ = run("sweep", file, "--folder", tmp_path / "out", "-o", tmp_path / "a.png")
     assert code == 0 and "4 done" in out and (tmp_path / "a.png").stat().st_size > 1000
 
 
@@ -151,7 +151,7 @@ def test_mistakes_get_one_line(tmp_path, change, words):
     spec = tmp_path / "s.toml"
     assert change[0] in SMALL
     spec.write_text(SMALL.replace(*change, 1))
-    code, _, err = run("sweep", spec, "--out", tmp_path / "o")
+    code, _, err = run("sweep", spec, "--folder", tmp_path / "o")
     assert code == 2 and err.count("\n") == 1
     assert all(word in err for word in words), err
     assert not (tmp_path / "o").exists()

@@ -248,7 +248,17 @@ def test_a_failing_scene_does_not_end_the_sweep(tmp_path, monkeypatch):
 
 def start(spec, out):
     code = "from origami_nlp.cli import main; main()"
-    command = [sys.executable, "-c", code, "sweep", str(spec), "--out", str(out), "--workers", "2"]
+    command = [
+        sys.executable,
+        "-c",
+        code,
+        "sweep",
+        str(spec),
+        "--folder",
+        str(out),
+        "--workers",
+        "2",
+    ]
     return subprocess.Popen(
         command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, start_new_session=True
     )
@@ -353,7 +363,7 @@ def test_a_local_dask_cluster_gives_the_same(stores, tmp_path, text):
         ) as cluster:
             address = cluster.scheduler_address
             done = RUN.invoke(
-                app, ["sweep", str(spec), "--out", str(tmp_path / "o"), "--dask", address]
+                app, ["sweep", str(spec), "--folder", str(tmp_path / "o"), "--dask", address]
             )
     assert done.exit_code == 0, (done.output, done.exception)
     assert answers(tmp_path / "o") == answers(stores(text))

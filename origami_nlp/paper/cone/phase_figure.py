@@ -32,7 +32,7 @@ NEAREST_LABELS = 0.045
 """Labels are at least this far apart (share of the axes' height)."""
 WIDE = 0.42
 """How much of a distance along the width counts for that of labels, which are wider than high."""
-NEAR_SINGULAR_TOL = 0.93
+RIGHT_EDGE = 0.93
 """Labels of curves beyond this share of the width stand on their left."""
 MOST_TICKS = 12
 """Numbers named beside a map; more are thinned out."""
@@ -227,7 +227,7 @@ def _place_labels(
             text,
             fontsize=size,
             color=ink(curve.branches),
-            ha="right" if offset[best][0] > NEAR_SINGULAR_TOL else "center",  # the frame stays free
+            ha="right" if offset[best][0] > RIGHT_EDGE else "center",  # the frame stays free
             va="center",
             bbox={"fc": "white", "ec": "none", "pad": 0.6} if curve.kind == "end" else None,
             zorder=3 if curve.kind == "end" else 4,

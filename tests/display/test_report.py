@@ -47,7 +47,7 @@ def test_a_result_tells_itself_in_every_form():
     markdown = Result().to_markdown()
     assert "| c |" in markdown and "[markup]" in markdown
     console = Console(file=io.StringIO(), width=80)
-    Result().tell(console)
+    Result().print_to(console)
     assert "[markup] and <tags>" in console.file.getvalue()
 
 

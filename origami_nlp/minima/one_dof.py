@@ -10,7 +10,7 @@ import numpy as np
 
 from origami_nlp.errors import OptionError
 from origami_nlp.kkt import project
-from origami_nlp.minima.curve import NODES, SLOW, TO_SERIES, Branches, Curves
+from origami_nlp.minima.curve import NODES, SLOW, TO_SERIES, Branches, ConfigurationCurves
 from origami_nlp.numerics import (
     ANSWERED,
     CLOSURE_TOL,
@@ -39,7 +39,7 @@ BATCH = 256
 
 
 @dataclass(frozen=True, eq=False)
-class Traced:
+class CandidateMinima:
     """Where the minima of a model with one degree of freedom can be.
 
     Attributes
@@ -67,11 +67,11 @@ class Traced:
     pieces: int
     complete: bool
     reason: str
-    curves: Curves
+    curves: ConfigurationCurves
     branches: Branches
 
 
-def trace(model: Model) -> Traced:
+def trace(model: Model) -> CandidateMinima:
     """Find every state of a model with one degree of freedom that can be a minimum.
 
     All closed states lie on curves over the fold angle of one crease, given in closed form.  Each piece is resolved as
@@ -81,11 +81,11 @@ def trace(model: Model) -> Traced:
     Parameters
     ----------
     model
-        With `freedom` 1, any group and contact.
+        With `dof` 1, any group and contact.
 
     Returns
     -------
-    Traced
+    CandidateMinima
         Candidates, for `polish` and `classify` to decide on: not all are minima, nor admissible.
 
     Raises
@@ -93,13 +93,13 @@ def trace(model: Model) -> Traced:
     OptionError
         If the model has more degrees of freedom, or none.
     """
-    if model.freedom != 1:
+    if model.dof != 1:
         raise OptionError(
-            f"a model with {model.freedom} degrees of freedom has no curves to trace: need 1"
+            f"a model with {model.dof} degrees of freedom has no curves to trace: need 1"
         )
-    curves = Curves(model)
+    curves = ConfigurationCurves(model)
     branches, failures = curves.resolved()
-    found = _Found()
+    found = _CandidateList()
     for some, lift in lifts(model, curves, branches):
         _add_stationary(curves, some, lift, found)
     if model.has_limits:
@@ -113,7 +113,7 @@ def trace(model: Model) -> Traced:
     return found.result(curves, branches, failures)
 
 
-class _Found:
+class _CandidateList:
     """Candidates, one after the other."""
 
     def __init__(self) -> None:
@@ -126,7 +126,9 @@ class _Found:
         self.contacts.append(contacts)
         self.origins.append(origin)
 
-    def result(self, curves: Curves, branches: Branches, failures: list[str]) -> Traced:
+    def result(
+        self, curves: ConfigurationCurves, branches: Branches, failures: list[str]
+    ) -> CandidateMinima:
         """Drop what is not admissible, and what is listed twice."""
         model, pieces = curves.model, len(branches.side)
         x = np.array(self.states).reshape(-1, model.size)
@@ -139,7 +141,7 @@ class _Found:
         )
         if failures:
             reason = "not resolved: " + "; ".join(failures[:3])
-        return Traced(
+        return CandidateMinima(
             x[keep],
             tuple(self.contacts[k] for k in keep),
             tuple(self.origins[k] for k in keep),
@@ -151,8 +153,10 @@ class _Found:
         )
 
 
-def lifts(model: Model, curves: Curves, branches: Branches) -> list[tuple[Branches, np.ndarray]]:
-    """Split branches by the whole turns [L, n] [rad] that lead to states of the model, on its sheet."""
+def lifts(
+    model: Model, curves: ConfigurationCurves, branches: Branches
+) -> list[tuple[Branches, np.ndarray]]:
+    """Split branches by the whole turns [L, n] [rad] that lead to states of the model, with q = +1."""
     out = []
     keys = np.concatenate([branches.odd[:, None], branches.pinned], axis=1)
     for key in np.unique(keys, axis=0):
@@ -163,7 +167,7 @@ def lifts(model: Model, curves: Curves, branches: Branches) -> list[tuple[Branch
         more = pinned | (curves.period < 2 * model.bound)
         options = [(-1.0, 0.0, 1.0) if many else (0.0,) for many in more]
         turns = np.array(list(itertools.product(*options)))
-        if curves.sheets:
+        if curves.two_lifts:
             # each whole turn changes the sign of q: as many as lead to q = +1
             turns = turns[turns.sum(axis=1) % 2 == odd]
         turns = curves.period * turns
@@ -172,7 +176,9 @@ def lifts(model: Model, curves: Curves, branches: Branches) -> list[tuple[Branch
     return out
 
 
-def _add_stationary(curves: Curves, b: Branches, lift: np.ndarray, found: _Found) -> None:
+def _add_stationary(
+    curves: ConfigurationCurves, b: Branches, lift: np.ndarray, found: _CandidateList
+) -> None:
     """Add all states where the slope of the energy rises through zero, or touches it."""
     model = curves.model
     # dE/ds = sum_i G_i t_i along the unit tangent; springs are linear, so that a turn adds stiffness * turn
@@ -199,7 +205,9 @@ def _add_stationary(curves: Curves, b: Branches, lift: np.ndarray, found: _Found
         found.add(x, tuple(fold_limit(int(v), x[v]) for v in held), "stationary")
 
 
-def _at(curves: Curves, b: Branches, where: np.ndarray, lift: np.ndarray) -> np.ndarray:
+def _at(
+    curves: ConfigurationCurves, b: Branches, where: np.ndarray, lift: np.ndarray
+) -> np.ndarray:
     """States of branches at positions [B] in [-1, 1], turned by [B, n], within the model's bound."""
     if not len(where):
         return np.zeros((0, curves.model.size))
@@ -248,7 +256,7 @@ def _slope(series: np.ndarray, where: float) -> float:
     return float(np.polynomial.chebyshev.chebval(where, np.polynomial.chebyshev.chebder(series)))
 
 
-def _crossings(curves: Curves) -> list[np.ndarray]:
+def _crossings(curves: ConfigurationCurves) -> list[np.ndarray]:
     """States where completions touch and closure is singular, in the model's bound, with no neighbour clearly lower."""
     model, shift = curves.model, ASIDE
     near, at = [np.zeros((0, model.size))], [np.zeros((0, model.size))]
@@ -283,7 +291,7 @@ def _crossings(curves: Curves) -> list[np.ndarray]:
     return out
 
 
-def _add_contacts(curves: Curves, branches: Branches, found: _Found) -> None:
+def _add_contacts(curves: ConfigurationCurves, branches: Branches, found: _CandidateList) -> None:
     """Add the states at which a gap closes."""
     model = curves.model
     for b, lift in lifts(model, curves, branches):
@@ -308,7 +316,7 @@ def _add_contacts(curves: Curves, branches: Branches, found: _Found) -> None:
                     _add_contact(model, state, contact, found)
 
 
-def _add_contact(model: Model, x: np.ndarray, contact: Contact, found: _Found) -> None:
+def _add_contact(model: Model, x: np.ndarray, contact: Contact, found: _CandidateList) -> None:
     """Add the state beside x at which a gap is closed exactly, if it touches there."""
     y, residual = project(model, x, [contact])
     if residual > FOLLOWED or np.abs(y - x).max() > SETTLED * 100:

@@ -1,4 +1,4 @@
-"""What minima say: table, states, and how the search went."""
+"""Tables and lines of a list of minima: states, fold angles, what is not decided."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ def dof_words(dimension: int, full: int) -> str:
 
 
 def moment_words(moment: Sequence[float], residual: float, degree: int) -> str:
-    """Say which moment passes round the vertex, or that there is no such one."""
+    """Report the constant internal moment, or that there is none."""
     largest = max(map(abs, moment))
     vector = ", ".join(f"{v:.6g}" if abs(v) > STATIONARY * largest else "0" for v in moment)
     if residual > BALANCED * (1 + largest):
@@ -99,7 +99,7 @@ def angle_lines(
         return
     n = len(minima[0].fold_angles)
     if n > MOST_ANGLES:
-        yield f"fold angles of the {n} creases: --json"
+        yield f"fold angles of the {n} creases: -o FILE.json"
         return
     yield f"fold angles of creases 1..{n} [deg]"
     for k in some[:MOST_LINES]:
@@ -126,7 +126,7 @@ def scene_lines(scene: Scene) -> list[str]:
     return [
         *scene.load_lines,
         f"sector angles moved by up to {found.moved:.1e} rad, so that {len(found.made_exact)} nearly special "
-        "relations hold exactly (origami-nlp model lists them)",
+        "relations hold exactly (origami-nlp inspect lists them)",
     ]
 
 
