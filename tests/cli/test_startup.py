@@ -53,7 +53,7 @@ def test_the_main_job_loads_what_it_computes_and_prints_with(scene):
 def test_a_figure_is_what_loads_matplotlib(scene, tmp_path):
     picture = tmp_path / "states.png"
     words = ["minima", scene, "--prove", 0, "--effort", "quick", "--max-starts", 16]
-    _, modules = loaded(*words, "--figure", picture)
+    _, modules = loaded(*words, "-o", picture)
     assert picture.exists() and "matplotlib" in modules
 
 
