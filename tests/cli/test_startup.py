@@ -78,4 +78,4 @@ def test_a_number_is_read_as_typer_reads_it(text):
 
 def test_what_is_missing_is_said_as_before():
     done = run("minima")
-    assert done.code == 2 and "Missing argument" in done.err and "ORIGAMI" in done.err
+    assert done.code == 2 and "missing argument" in done.err and "ORIGAMI" in done.err
