@@ -66,10 +66,9 @@ def follow(
 ) -> Atlas:
     """Follow the minima of a vertex or a pattern over a parameter.
 
-    Searches at a few values give the states to begin with: the middle for one check, both ends for two, then the
-    middle, then the middle of the widest interval without event or check.  Every state that none of the branches
-    explains begins a new one.  Each
-    of `Scene.windings` is followed by itself, no branch leads from one to another: `Atlas.others`.
+    Searches at a few values (the middle for one check, both ends for two, then the middles of the widest intervals
+    without events) give the states to begin with; every state that no branch explains begins a new one.  Each of
+    `Scene.windings` is followed by itself: `Atlas.others`.
 
     Parameters
     ----------
@@ -82,16 +81,16 @@ def follow(
     checks
         Number of searches.
     through_folds
-        Whether states are followed on through folds, where they are saddles until they turn again.
+        Whether branches are followed beyond limit points (folds), where the states are saddles.
     full
         Of scenes: whether events at which a symmetric state loses its stability without the symmetry are located; None
         is True.
     morse
-        Of scenes: whether the Morse identity is checked at each check (two symmetric degrees of freedom and full
+        Of scenes: whether the Morse identity is verified at each check (two symmetric degrees of freedom and full
         contact only).
     prove
-        Of scenes: whether it is proved at each check that no minimum is missing, or the seconds that this may take, as
-        for `find_minima`; where one degree of freedom is left, searches are complete without it.
+        Of scenes: whether it is proved at each check that no minimum is missing, or the seconds for it, as for
+        `find_minima`.
     effort, seed, max_starts, starts
         Of the searches, see `find_minima`; `starts` of patterns.
     options

@@ -42,7 +42,7 @@ def minima(
     starts: o.Starts = None,
     workers: o.Workers = None,
     seconds: o.Seconds = None,
-    full: o.PrettyRepr = False,
+    full: o.FullOrNot = None,
     noise: o.Noise = None,
     prove: o.Prove = None,
     certificate: o.CertificateFile = None,
@@ -50,7 +50,8 @@ def minima(
 ) -> None:
     """Find the energy minima of ORIGAMI, a vertex or a pattern: its stable states.
 
-    Of a scene they are those with its symmetry; --full says which are stable without it.  A FOLD file or an example is
+    Of a scene they are those with its symmetry; whether they are stable without it is judged where that is cheap, or
+    as --full and --no-full say.  A FOLD file or an example is
     a pattern with all its vertices coupled; --vertex takes one of them, --each-vertex every one by itself.
     """
     from origami_nlp.minima import find_vertexwise
@@ -66,7 +67,7 @@ def minima(
         "starts": starts,
         "workers": workers,
         "seconds": seconds,
-        "full": full or None,
+        "full": full,
         "noise": noise,
         "prove": o.wanted_proof(prove),
     }
@@ -140,7 +141,7 @@ SMALLEST, LARGEST = 16, 4097
 
 
 @bounded
-@takes_scene(o.SceneFile)
+@takes_scene(o.SceneFile, springs=False)
 @writes("json", "figure", "html", "npz")
 def landscape(
     out: Output,

@@ -101,9 +101,7 @@ class _Files:
 
 
 @takes_scene(o.OrigamiFile, whole=True)
-@answers(
-    "json", "figure", "html", "fold", search=("full", "effort", "seed", "max_starts", "seconds")
-)
+@answers("json", "figure", "html", "fold", search=("full", "effort", "seed", "seconds"))
 def follow(
     scene: Source,
     parameter: o.ParameterRange,
@@ -111,12 +109,6 @@ def follow(
         int,
         typer.Option(metavar="N", help="Searches: both ends, the middle, then the widest gaps."),
     ] = 3,
-    through_folds: Annotated[
-        bool, typer.Option(help="Follow states through folds, where they are saddles.")
-    ] = True,
-    morse: Annotated[
-        bool, typer.Option("--morse", help="Check the Morse identity at each check.")
-    ] = False,
     prove: o.ProveChecks = None,
     starts: o.Starts = None,
     **search: Any,
@@ -130,15 +122,13 @@ def follow(
         scene.name if named else scene.read_whole(),
         parameter,
         checks=checks,
-        through_folds=through_folds,
-        morse=morse or None,
         prove=o.wanted_proof(prove),
         starts=starts,
         **search,
     )
 
 
-@takes_scene(o.SceneFile)
+@takes_scene(o.SceneFile, springs=False)
 @answers("json", "figure", search=("effort", "seed", "seconds"))
 def boundary(
     scene: Source,

@@ -95,18 +95,14 @@ ORIGAMI = (
     "example by name, such as miura:8x8"
 )
 OrigamiFile = Annotated[str, typer.Argument(metavar="ORIGAMI", help=f"{ORIGAMI}.")]
-OrigamiUnlessPanels = Annotated[
-    str | None,
-    typer.Argument(metavar="ORIGAMI", help=f"{ORIGAMI}; leave out with --panels."),
-]
-SceneUnlessPanels = Annotated[
-    str | None,
+PANELS = "panels for the paper's 18 scenes"
+OrigamiOrPanels = Annotated[str, typer.Argument(metavar="ORIGAMI", help=f"{ORIGAMI}; {PANELS}.")]
+SceneOrPanels = Annotated[
+    str,
     typer.Argument(
-        metavar="SCENE",
-        help="Scene file (TOML), FOLD file, or - for either on stdin; leave out with --panels.",
+        metavar="SCENE", help=f"Scene file (TOML), FOLD file, - for either on stdin; {PANELS}."
     ),
 ]
-FoldFile = Annotated[str, typer.Argument(metavar="FOLD", help="FOLD file, or - for stdin.")]
 PatternFile = Annotated[
     str,
     typer.Argument(
@@ -179,10 +175,6 @@ Seconds = Annotated[
         help="Wall time after which the command ends with what it has, and says so.",
     ),
 ]
-PrettyRepr = Annotated[
-    bool,
-    typer.Option("--full", help="Judge in the full space too, where the symmetry may break."),
-]
 Verbose = Annotated[
     bool,
     typer.Option(
@@ -231,7 +223,7 @@ FullOrNot = Annotated[
     bool | None,
     typer.Option(
         "--full/--no-full",
-        help="Judge in the full space too, where the symmetry may break.",
+        help="Judge stability in the full space too, where the symmetry may break; or do not.",
         show_default=False,
     ),
 ]
@@ -262,7 +254,6 @@ Rings = Annotated[
 Samples = Annotated[int, typer.Option("--samples", metavar="N", help="How many cases are sampled.")]
 Quick = Annotated[bool, typer.Option("--quick", help="A first look: fewer cases, less time.")]
 OutFolder = typer.Option("--folder", metavar="DIR", help="Folder for the results; made if new.")
-Panels = Annotated[bool, typer.Option("--panels", help="The paper's 18 panels instead of SCENE.")]
 
 StateNumber = Annotated[
     int | None, typer.Option(metavar="K", help="Only the minimum number K of the list.")

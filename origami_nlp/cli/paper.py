@@ -53,14 +53,14 @@ def demo(
 @writes("json", "markdown")
 def panels(
     out: Output,
-    full: o.PrettyRepr = False,
+    full: o.FullOrNot = None,
     seed: o.Seed = 0,
 ) -> None:
     """Find the symmetric minima of the paper's 18 panels; with --full, decide each in the full space."""
     from origami_nlp.display import rows_markdown, rows_table
     from origami_nlp.minima import table
 
-    results = search_panels(seed, full)
+    results = search_panels(seed, bool(full))
     heads = table.FULL_HEADS if full else table.SUMMARY_HEADS
     rows = [table.full_space_row(r) if full else table.summary_row(r) for r in results]
     if full:

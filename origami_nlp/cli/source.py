@@ -24,13 +24,16 @@ FOLD_OPTIONS = {
     "frame": o.FrameNumber,
     "symmetry": o.FoldSymmetry,
     "contact": o.FoldContact,
+}
+"""What of a FOLD file is meant; every command that takes a scene has them."""
+SPRINGS = {
     "stiffness": o.FoldStiffness,
     "rest_angle": o.FoldRestAngle,
     "rest_from": o.FoldRestFrom,
 }
-"""What a FOLD file needs beside the file; every command that takes a scene has them."""
+"""Springs that a FOLD file leaves open: for the commands that come first, and `inspect`, which writes them down."""
 PER_LENGTH = {"per_length": o.PerLength}
-"""What a command that takes whole patterns has besides."""
+"""What a command that takes springs and whole patterns has besides."""
 
 
 @dataclass(frozen=True)
@@ -42,7 +45,7 @@ class Source:
     name
         The file, ``-``, or an example such as ``miura:4x4``.
     given
-        Those of `FOLD_OPTIONS` and `PER_LENGTH` that were given.
+        Those of `FOLD_OPTIONS`, `SPRINGS` and `PER_LENGTH` that were given.
     """
 
     name: str
@@ -54,6 +57,11 @@ class Source:
         from origami_nlp.pattern import is_json
 
         return _named_fold(self.name) or is_json(self._content)
+
+    @property
+    def is_panels(self) -> bool:
+        """Whether it is the paper's panels, for the commands that take them all."""
+        return self.name == "panels" and not Path(self.name).exists()
 
     @cached_property
     def is_example(self) -> bool:
@@ -182,22 +190,25 @@ def spring_options(**given: Any) -> dict[str, Any]:
 
 
 def takes_scene(
-    argument: Any, whole: bool = False
+    argument: Any, whole: bool = False, springs: bool = True
 ) -> Callable[[Callable[..., None]], Callable[..., None]]:
     """Give a command with the parameter ``scene: Source`` the argument for it, and the options of FOLD files.
 
-    argument: of `options`, such as ``SceneFile``.  whole: it takes whole patterns as well.
+    argument: of `options`, such as ``SceneFile``.  whole: it takes whole patterns as well.  springs: it takes
+    springs for FOLD files that leave them open.
     """
-    options = FOLD_OPTIONS | (PER_LENGTH if whole else {})
+    options = (
+        FOLD_OPTIONS | (SPRINGS if springs else {}) | (PER_LENGTH if whole and springs else {})
+    )
 
     def decorate(command: Callable[..., None]) -> Callable[..., None]:
         @wraps(command)
-        def run(scene: str | None, **others: Any) -> None:
+        def run(scene: str, **others: Any) -> None:
             values = {name: others.pop(name) for name in options}
-            source = Source(scene or "", {k: v for k, v in values.items() if v is not None})
-            if scene is None:
-                source.refuse_options("there is no SCENE")
-            command(scene=None if scene is None else source, **others)
+            source = Source(scene, {k: v for k, v in values.items() if v is not None})
+            if source.is_panels:
+                source.refuse_options("the panels are scenes")
+            command(scene=source, **others)
 
         more = {name: (kind, None) for name, kind in options.items()}
         return o.extended(run, command, more, last=True, scene=argument)

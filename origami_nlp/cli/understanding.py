@@ -108,12 +108,12 @@ def _whole(option: str, value: float) -> int:
     return int(value)
 
 
-SEARCHES = ("seed", "max_starts", "effort", "starts", "workers")
+SEARCHES = ("seed", "effort")
 """Options of the search whose minima are looked at."""
 
 
 @bounded
-@takes_scene(o.OrigamiFile, whole=True)
+@takes_scene(o.OrigamiFile, whole=True, springs=False)
 @answers("json", "html", "markdown", search=SEARCHES)
 def contacts(
     scene: Source,
@@ -132,7 +132,7 @@ def contacts(
 
 
 @bounded
-@takes_scene(o.OrigamiFile, whole=True)
+@takes_scene(o.OrigamiFile, whole=True, springs=False)
 @answers("json", "figure", "markdown", search=SEARCHES)
 def modes(scene: Source, state: o.StateNumber = None, **options: Any) -> Any:
     """Report stiffness and energy along each eigenmode of ORIGAMI's minima, until something touches."""
@@ -150,7 +150,7 @@ def modes(scene: Source, state: o.StateNumber = None, **options: Any) -> Any:
     "html",
     "fold",
     "mesh",
-    search=("full", "effort", "seed", "max_starts", "seconds"),
+    search=("full", "effort", "seed", "seconds"),
 )
 def load(
     scene: Source,
@@ -205,14 +205,13 @@ def load(
 
 
 @bounded
-@takes_scene(o.OrigamiUnlessPanels, whole=True)
+@takes_scene(o.OrigamiOrPanels, whole=True, springs=False)
 @writes("json", "figure", "html", "fold", "animate", "markdown")
 def barriers(
     out: Output,
-    scene: Source | None = None,
+    scene: Source,
     seed: o.Seed = 0,
-    full: o.PrettyRepr = False,
-    panels: o.Panels = False,
+    full: o.FullOrNot = None,
 ) -> None:
     """Find the lowest pass between every two minima of ORIGAMI, and a path through it.
 
@@ -227,24 +226,22 @@ def barriers(
     )
     from origami_nlp.pattern import Scene, examples
 
-    given = scene.name if scene else None
-    if panels == (scene is not None):
-        raise OptionError(f"ORIGAMI = {given!r}: give a file, an example or --panels, and not both")
-    if panels:
-        out.refuse("this is for one ORIGAMI, not for --panels", "fold", "animate")
-    stated: list[Any] = [scene.read_whole()] if scene else [*examples.panels()]
+    given = scene.name
+    if scene.is_panels:
+        out.refuse("this is for one ORIGAMI, not for all panels", "fold", "animate")
+    stated: list[Any] = [*examples.panels()] if scene.is_panels else [scene.read_whole()]
     for one in stated:
         if isinstance(one, Scene):
             check_dof(one)
     found = []
     for one in stated:
-        asked = {"full": full} if isinstance(one, Scene) else {"full": full or None}
+        asked = {"full": bool(full)} if isinstance(one, Scene) else {"full": full or None}
         result = search(one, given, seed=seed, escape=False, **asked)
         with progress(f"{getattr(one, 'label', given) or given}: passes between the minima"):
             found.append(find_barriers(one, result, full=full or None, seed=seed))
         found[-1].print_to(out.console)
     documents = [b.to_dict() for b in found]
-    out.write("json", lambda: documents if panels else documents[0])
+    out.write("json", lambda: documents if scene.is_panels else documents[0])
     out.write("markdown", lambda: barriers_table(found).markdown())
     out.write("fold", lambda: found[0].to_fold())
     out.write("figure", draw_barriers, *found)
@@ -252,11 +249,11 @@ def barriers(
 
 
 @bounded
-@takes_scene(o.SceneUnlessPanels)
+@takes_scene(o.SceneOrPanels, springs=False)
 @writes("json", "markdown")
 def critical(
     out: Output,
-    scene: Source | None = None,
+    scene: Source,
     seed: o.Seed = 0,
     compare: Annotated[
         bool,
@@ -264,9 +261,9 @@ def critical(
             "--compare/--no-compare", help="Also search for minima, and compare the two lists."
         ),
     ] = True,
-    panels: o.Panels = False,
-    everything: Annotated[
-        bool, typer.Option("--all", help="Show points that are not essential as well.")
+    verbose: Annotated[
+        bool,
+        typer.Option("--verbose", "-v", help="Print points that are not essential as well."),
     ] = False,
 ) -> None:
     """Find minima, saddles and maxima of SCENE, contacts included, and check the Morse identity."""
@@ -282,12 +279,8 @@ def critical(
     from origami_nlp.pattern import examples
     from origami_nlp.space import find_space
 
-    given = scene.name if scene else None
-    if panels and scene is not None:
-        raise OptionError(f"SCENE = {given!r}: give a scene file or --panels, and not both")
-    if scene is None and not panels:
-        raise OptionError("SCENE is missing: give a scene file, or --panels for those of the paper")
-    scenes = [scene.read()] if scene else examples.panels()
+    given = scene.name
+    scenes = examples.panels() if scene.is_panels else [scene.read()]
     rows, data = [], []
     euler: dict[object, int] = {}
     for number, stated in enumerate(scenes):
@@ -304,21 +297,21 @@ def critical(
         verdict = found.verdict(euler[shape])
         rows.append(panel_row(found, verdict.euler_characteristic))
         data.append(replace(found, morse=verdict).to_dict())
-        if scene is not None:
-            out.say(found.table(everything))
-            for line in found.lines(everything):
+        if not scene.is_panels:
+            out.say(found.table(verbose))
+            for line in found.lines(verbose):
                 out.say(Text(line))
             out.say(verdict.text)
         elif out.console.is_terminal:
             out.say(f"{stated.label}: {verdict.text}")
-    if scene is None:
+    if scene.is_panels:
         out.say(rows_table(PANEL_HEADS, rows, "critical points of the paper's panels"))
     out.write("markdown", rows_markdown, PANEL_HEADS, rows)
-    out.write("json", lambda: data[0] if scene is not None else data)
+    out.write("json", lambda: data if scene.is_panels else data[0])
 
 
 @bounded
-@takes_scene(o.SceneFile)
+@takes_scene(o.SceneFile, springs=False)
 @answers("json", "figure")
 def space(scene: Source, rings: o.Rings = 64) -> Any:
     """Find components, holes, pinch points and handles of SCENE's admissible symmetric states."""

@@ -72,23 +72,22 @@ def load_path(
 ) -> LoadPath:
     """Load a stable state of a vertex or of a pattern by a torque or a force, and follow it.
 
-    Where the state ends in a fold it snaps: it descends, at the load at which it ends, to the next minimum, from where
-    the path goes on.
+    At a limit point it snaps: it descends, at the load there, to the next minimum, from where the path goes on.
 
     Parameters
     ----------
     origami
         A scene or a pattern, as `find_minima` takes it.
     load
-        Number (1-based) of the crease that the torque t [N m] is on, towards valley > 0; of a scene its images under
-        the symmetry bear the same, and None is t times the forces of the scene's loads.  Of a pattern also several
-        numbers, t on each of them, or a `Torque`, `Pull` or `DeadForce` of it.
+        Number (1-based) of the crease that the torque t [N m] is on, towards valley > 0, and on its images under the
+        symmetry of a scene; None: t times the forces of the scene's loads.  Of a pattern also several numbers, or a
+        `Torque`, `Pull` or `DeadForce`.
     to
         Load at which the path ends, from 0; ``"snap"``: both ways to the first snap.
     state
-        Number (1-based) of the stable state at load 0, by energy; of a pattern also a state that `find_minima` gave.
+        Number (1-based) of the stable state at load 0, by energy; of a pattern also a state of `find_minima`.
     back
-        Whether the load then falls back to 0, from where it came to; of a pattern also from where it snapped.
+        Whether the load then falls back to 0; of a pattern also from where it snapped.
     confirm
         Whether both sides of each snap are confirmed by searches; of patterns under torques only.
     full
@@ -100,8 +99,8 @@ def load_path(
     options
         Of the continuation; of a pattern lengths are root mean squares over creases.
     seconds
-        Wall time for all of it, give or take a second or two: what was followed by then is returned, with an alarm that
-        says what was left out.  None: no limit.
+        Wall time, to a second or two: what was followed by then is returned, and what was left out named.  None: no
+        limit.
 
     Returns
     -------
@@ -119,9 +118,6 @@ def load_path(
     >>> path = o.load_path(o.examples.degree6("5*pi/12"), 1, to=0.05)
     >>> [(event.type, round(event.t, 6)) for event in path.events]
     [('closes', 0.042461)]
-    >>> path = o.load_path(o.examples.pattern("metasheet", 3, 3), [1, 2], to=0.05)
-    >>> [round(leg.points[-1].t, 6) for leg in path.legs]
-    [0.05]
     """
     driver: VertexDriver | PatternDriver
     stated = as_origami(origami)

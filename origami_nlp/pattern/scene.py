@@ -41,7 +41,7 @@ SMALLEST, LARGEST = 1e-300, 1e300
 
 @dataclass(frozen=True)
 class Scene(PrettyRepr):
-    """Everything the user states.
+    """Everything the user states of one vertex: creases, springs, symmetry, contact, loads.
 
     Parameters
     ----------
@@ -50,47 +50,41 @@ class Scene(PrettyRepr):
     stiffness
         Torsional stiffness k_i > 0 of each crease, shape [N] [N m/rad]; the largest at most 1e8 times the smallest.
     rest_angles
-        Stress-free fold angles phi0_i in [-pi, pi], shape [N] [rad], valley > 0; numbers or
-        strings.
+        Stress-free fold angles phi0_i in [-pi, pi], shape [N] [rad], valley > 0; numbers or strings.
     symmetry
-        ``"none"``, ``"C<n>"``, ``"D<n>"``, or ``"auto"``: the largest group that geometry and
-        mechanics share.  States keep this symmetry.
+        ``"none"``, ``"C<n>"``, ``"D<n>"``, or ``"auto"``: the largest group that geometry and mechanics share.  States
+        keep this symmetry.
     contact
-        ``"full"`` (facets never cross), ``"fold-limits"`` (adjacent facets only: |phi| <= pi) or
-        ``"none"``.
+        ``"full"`` (facets never cross), ``"fold-limits"`` (adjacent facets only: |phi| <= pi) or ``"none"``.
     mirror
-        For ``"D<n>"`` only: a crease (1-based) that lies on a mirror, where the vertex has several
-        sets of mirrors to choose from.  Default: the mirror through the crease of lowest number.
+        For ``"D<n>"``: a crease (1-based) on a mirror, where there are several sets of mirrors; default: that of lowest
+        number.
     symmetry_tolerance
-        Angles [rad] and relative stiffnesses that differ by less count as equal when the symmetry is looked
-        for (raise it from 1e-9 for measured data).  The scene is made exactly symmetric by averaging over the
-        group; `adjusted` says by how much.
+        Angles [rad] and relative stiffnesses that differ by less count as equal for the symmetry (raise it from 1e-9
+        for measured data), and are averaged over the group; `adjusted` says by how much.
     name
         A title for tables and figures.
     preload
         Torque m_i that each crease has beside k_i (phi0_i - phi_i), shape [N] [N m], towards valley > 0; default: none.
-        A torque that no rest angle in [-pi, pi] gives: the spring is wound to `wound_angles` = phi0_i + m_i/k_i, at
-        most 1,000 rad.
+        The spring is wound to `wound_angles`, at most 1,000 rad.
     loads
-        Dead loads: each a `Load`, or a table that states one.  Torques on creases are added to `preload`.  Forces ask
+        Dead loads: each a `Load`, or a table that states one.  Torques on creases are added to `preload`; forces ask
         for `held_facet`, and for states without symmetry.
     held_facet
-        Number (1-based) of the facet that is held where forces pull; their energy, and what it does to the states,
-        depends on it.
+        Number (1-based) of the facet that is fixed where forces pull: what they do to the states depends on it.
     winding
-        How often states of C_n or D_n, n > 2, wind round the axis of their symmetry: an odd number up to n.  Default:
-        a search looks at all of `windings`; whatever poses one problem of the scene takes states that wind once.
+        How often states of C_n or D_n, n > 2, wind round the axis of their symmetry: an odd number up to n.  Default: a
+        search looks at all of `windings`, anything else at states that wind once.
     relations
-        Special relations of the sector angles: which hold, which nearly hold and were made exact by moving
-        sector angles (by at most 1e-7 rad, `relations.moved`), and which are different.  Decided here; an
-        earlier decision for the same angles is kept.
+        Special relations of the sector angles that hold, or nearly held and were made exact (by at most 1e-7 rad,
+        `relations.moved`).  Decided here unless given.
 
     Attributes
     ----------
     group
         The symmetry that was found or asked for.
     wound_angles
-        Angles at which the springs have no torque, phi0_i + m_i/k_i, shape [N] [rad]; the rest angles without preload.
+        Angles at which the springs have no torque, phi0_i + m_i/k_i, shape [N] [rad].
     adjusted
         Largest change of an angle [rad] or relative change of a stiffness that symmetry asked for.
 

@@ -284,7 +284,7 @@ def test_a_size_that_takes_too_long_is_stopped_and_said_so():
         (["speed", "--seed", "-1"], "seed = -1"),
         (["speed", "-o", "x.txt"], "-o = 'x.txt'"),
         (["speed", "-o", "no_such_folder/x.md"], "-o = 'no_such_folder/x.md'"),
-        (["hard", "--quick"], "No such option: --quick"),
+        (["hard", "--quick"], "no such option: --quick"),
     ],
 )
 def test_bad_options_are_refused_before_any_work(arguments, message, monkeypatch, capsys):

@@ -35,7 +35,46 @@ def test_the_help_lists_what_people_want_under_headings():
     assert listed == top.list_commands(None) and set(listed) == set(top.commands)
     assert listed[:7] == "minima pattern load follow design inspect example".split()
     code, out, err = run("nothing")
-    assert code == 2 and not out and "No such command 'nothing'" in err
+    assert code == 2 and not out and "no such command 'nothing'" in err
+
+
+@pytest.mark.parametrize(
+    ("line", "said"),
+    [
+        ("minima", "missing argument 'ORIGAMI'"),
+        ("minima a.toml b.toml", "unexpected extra argument"),
+        ("minima a.toml --verbos", "no such option: --verbos"),
+        ("minima a.toml --seed 1 --seed 2.5", "--seed = '2.5' must be a whole number"),
+        ("minima a.toml --seconds=soon", "--seconds = 'soon' must be a number"),
+        ("load a.toml --crease one", "--crease = 'one' must be a whole number"),
+        ("follow a.toml", "missing option '--parameter'"),
+        ("paper cone coutn", "no such command 'coutn'"),
+        ("modes a.fold --stiffness 2", "origami-nlp inspect FILE --stiffness ... -o NEW.fold"),
+    ],
+)
+def test_a_wrong_call_is_one_line(line, said):
+    code, out, err = run(*line.split())
+    assert code == 2 and not out and err.count("\n") == 1 and said in err, err
+    assert err.startswith("origami-nlp: ")
+
+
+def test_springs_that_a_command_does_not_take_are_in_the_file_that_inspect_writes(tmp_path):
+    """All that a FOLD file leaves open can be written down once; the states are the same."""
+    file, whole = tmp_path / "a.fold", tmp_path / "b.fold"
+    data = disc([60, 100, 120, 80], "MVVV")
+    file.write_text(json.dumps(data))
+    springs = ("--stiffness", 0.3, "--rest-angle", 40)
+    for more, name in (((), "b.fold"), (("--per-length",), "c.fold"), (("--vertex", 0), "d.toml")):
+        made = tmp_path / name
+        done = run("inspect", file, *springs, *more, "-o", made)
+        assert done.code == 0, done.err
+        found = [
+            json.loads(run("minima", *given, "--prove", 0, "-o", "-").out)["minima"]
+            for given in ((file, *springs, *more), (made,))
+        ]
+        energies = [[m["energy"] for m in one] for one in found]
+        assert energies[0] and energies[0] == pytest.approx(energies[1], rel=1e-12), name
+    assert run("modes", whole).code == 0
 
 
 def test_the_version_is_told():

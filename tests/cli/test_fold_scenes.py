@@ -226,7 +226,7 @@ def test_paths_are_frames_of_states_that_close(pocket, tmp_path, monkeypatch):
     ends = [m["energy"] for m in written["result"]["minima"]]
     assert np.isclose(max(steps), known["energy"], rtol=1e-9)
     assert np.allclose([steps[0], steps[-1]], ends, rtol=1e-9)
-    code, _, err = run("barriers", "--panels", "-o", out)
+    code, _, err = run("barriers", "panels", "-o", out)
     assert code == 2 and "-o" in err
 
 

@@ -106,3 +106,11 @@ def test_example_prints_a_scene_that_reads_back():
 def test_model_prints_what_is_in_and_out(scene):
     code, out, _ = run("inspect", scene)
     assert code == 0 and "variables     4" in out and "left out" in out
+
+
+def test_stability_in_full_space_is_judged_unless_declined(scene):
+    verdicts = [
+        json.loads(run("minima", scene, *more, "-o", "-").out) for more in ((), ("--no-full",))
+    ]
+    assert all(m["full_space"] for m in verdicts[0]["minima"])
+    assert all(m.get("full_space") is None for m in verdicts[1]["minima"])

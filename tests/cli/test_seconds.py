@@ -117,8 +117,8 @@ def test_an_error_before_the_time_is_over_is_an_error():
 
 
 COMMANDS = {
-    "follow": ("--parameter", "ratio=1:10", "--checks", "1", "--max-starts", "16"),
-    "load": ("--crease", "1", "--to", "-0.15", "--max-starts", "16"),
+    "follow": ("--parameter", "ratio=1:10", "--checks", "1", "--effort", "quick"),
+    "load": ("--crease", "1", "--to", "-0.15", "--effort", "quick"),
     "boundary": ("--event", "ratio=1:10", "--parameter", "alpha=74deg:75deg", "--lines", "1"),
 }
 

@@ -164,8 +164,8 @@ def test_the_command_writes_numbers_a_figure_and_frames(tmp_path):
         "-0.15",
         "--no-confirm",
         "--no-full",
-        "--max-starts",
-        "64",
+        "--effort",
+        "quick",
     )
     code, out, err = run("load", scene, *args, "-o", "-", "-o", tmp_path / "path.fold")
     assert code == 0, err
