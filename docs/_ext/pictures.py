@@ -1,7 +1,14 @@
-"""The picture of the README: `python docs/_ext/pictures.py` draws it anew."""
+"""The pictures of README and documentation: `python docs/_ext/pictures.py [NAME ...]` draws them anew, from a checkout.
+
+Without names those that take seconds; ``all`` takes about an hour.
+"""
 
 from __future__ import annotations
 
+import re
+import subprocess
+import sys
+from collections.abc import Callable
 from pathlib import Path
 
 import matplotlib
@@ -79,7 +86,83 @@ def draw_row(result: o.MinimaResult, path: Path, most: int = 6) -> None:
     print(f"{path.name}: {len(shown)} of {len(result.minima)} minima")
 
 
+def panel(name: str) -> o.Scene:
+    """A vertex of degree 6 by its sector angle and stiffness ratio, such as ``pi/3 1``."""
+    alpha, ratio = name.split()
+    return o.examples.degree6(alpha, ratio=float(ratio))
+
+
+def own(name: str) -> None:
+    """Make a picture by the verb that draws it."""
+    path = FOLDER / f"{name}.png"
+    if name == "states":
+        draw_row(o.find_minima(o.examples.degree6("pi/3", ratio=1, symmetry="none")), path)
+    elif name == "degree6_pi3":
+        o.draw(o.find_minima(panel("pi/3 1"), full=True), path)
+    else:
+        family, alpha = re.fullmatch(r"space_(degree\d)_(\w+)", name).groups()
+        vertex = getattr(o.examples, family)(alpha.replace("5pi", "5*pi").replace("_", "/"))
+        o.draw(o.find_space(vertex), path)
+
+
+def by_command(*words: str) -> None:
+    """Make a picture by the command that stands beside it."""
+    subprocess.run([sys.executable, "-m", *words], check=True)
+
+
+def reproduce(figure: str, name: str) -> None:
+    """Make one of the paper's figures anew."""
+    by_command("studies", "reproduce", figure, "-o", str(FOLDER / f"{name}.png"))
+
+
+PICTURES: dict[str, Callable[[str], None]] = {
+    "states": own,
+    "degree6_pi3": own,
+    **{
+        f"space_{end}": own
+        for end in (
+            "degree6_pi_4",
+            "degree6_pi_3",
+            "degree6_5pi_12",
+            "degree8_pi_12",
+            "degree8_pi_4",
+        )
+    },
+    **{name: lambda name: reproduce(name, name) for name in ("figure3", "figure4")},
+    "grid_convergence": lambda name: reproduce("grid-convergence", name),
+    **{
+        f"cones_{figure}": lambda name: reproduce(name.removeprefix("cones_"), name)
+        for figure in ("cone-3", "cone-3-firing", "cone-4", "cone-4-firing", "cone-56")
+    },
+    "cone_foldings_8": lambda name: by_command(
+        "origami_nlp",
+        "paper",
+        "cone",
+        "draw",
+        "--degree",
+        "8",
+        "--elevation",
+        "pi/8",
+        "-o",
+        str(FOLDER / f"{name}.png"),
+    ),
+    "examples": lambda _: by_command("tests.gallery"),
+    "sheets": lambda _: by_command("tests.gallery_of_patterns"),
+    "states_degree6": lambda _: by_command("tests.bifurcation.maps"),
+    "speed_patterns": lambda _: by_command(
+        "benchmarks",
+        "patterns",
+        "--json",
+        "docs/bench_patterns.json",
+        "-o",
+        str(FOLDER / "speed_patterns.png"),
+    ),
+}
+"""What makes each picture of the documentation; a few make several, and the tables beside them."""
+SLOW = ("examples", "sheets", "states_degree6", "speed_patterns", "grid_convergence")
+"""Made only by name, or with ``all``: minutes each."""
+
 if __name__ == "__main__":
-    draw_row(
-        o.find_minima(o.examples.degree6("pi/3", ratio=1, symmetry="none")), FOLDER / "states.png"
-    )
+    asked = sys.argv[1:] or [name for name in PICTURES if name not in SLOW]
+    for name in PICTURES if asked == ["all"] else asked:
+        PICTURES[name](name)

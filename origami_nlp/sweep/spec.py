@@ -225,7 +225,7 @@ class Sweep:
 
     def fingerprint(self) -> str:
         """The whole sweep as text: two sweeps are the same when these agree."""
-        axes = [[a.name, list(a.places), list(a.values)] for a in self.axes]
+        axes = [[a.name, list(a.places), list(a.values), a.scale] for a in self.axes]
         # sweeps that do not follow are what they were before one could
         search = {k: v for k, v in self.search.items() if k != "follow" or v}
         return json.dumps({self.ONE: self.base, "axes": axes, "search": search}, sort_keys=True)
