@@ -62,7 +62,7 @@ def design(
             )
         question, ask, name = read_targets(targets)
     if isinstance(question.origami, Vertex):
-        note_normalized(question.origami)
+        note_normalized(question.origami.normalized)
         out.refuse("a vertex is written as a scene: end the name in .toml", "fold")
     else:
         out.refuse("a pattern is written as FOLD: end the name in .fold", "scene")

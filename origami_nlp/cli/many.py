@@ -12,7 +12,7 @@ import typer
 from origami_nlp.cli import options as o
 from origami_nlp.cli.output import Output, answers, writes
 from origami_nlp.cli.progress import progress
-from origami_nlp.cli.source import Source, takes_scene
+from origami_nlp.cli.source import Source, note_normalized, takes_scene
 from origami_nlp.cli.timed import ENDED
 from origami_nlp.errors import SweepError
 
@@ -170,6 +170,8 @@ def sweep(
 
     stated = read_sweep(spec)
     make_folder(folder, "--folder")
+    if change := getattr(stated, "normalized", 0.0):
+        note_normalized(change, ", at most")
     with _executor(dask) as executor, progress(Path(spec).name, stated.count) as report:
         done = run_sweep(
             stated,

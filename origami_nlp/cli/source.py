@@ -17,7 +17,7 @@ from origami_nlp.errors import FoldFileError, OptionError, SceneFileError
 from origami_nlp.io import read_limited
 
 if TYPE_CHECKING:
-    from origami_nlp.pattern import Frame, Pattern, Scene, Vertex
+    from origami_nlp.pattern import Frame, Pattern, Scene
 
 FOLD_OPTIONS = {
     "vertex": o.VertexNumber,
@@ -111,7 +111,7 @@ class Source:
         if not self.is_fold:
             self.refuse_options("a scene file states it itself", but=("symmetry",))
             scene = decode_scene(self._content, self.name)
-            note_normalized(scene.vertex)
+            note_normalized(scene.vertex.normalized)
             if (symmetry := self.given.get("symmetry")) is None:
                 return scene
             return replace(scene, symmetry=symmetry, mirror=None, winding=None)
@@ -216,11 +216,12 @@ def takes_scene(
     return decorate
 
 
-def note_normalized(vertex: Vertex) -> None:
-    """Say on standard error by how much ``normalize`` changed sector angles, where it did."""
-    if vertex.normalized:
-        each = math.degrees(vertex.normalized)
-        _note(f"sector angles normalized to a sum of 360 deg: each by {each:+.6g} deg")
+def note_normalized(change: float, most: str = "") -> None:
+    """Say on standard error by how much ``normalize`` changed each sector angle [rad], where it did."""
+    if change:
+        _note(
+            f"sector angles normalized to a sum of 360 deg: each by {math.degrees(change):+.6g} deg{most}"
+        )
 
 
 def _examples() -> tuple[str, ...]:

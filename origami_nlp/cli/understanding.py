@@ -200,7 +200,7 @@ def load(
         work = work_of(what, creases_of(what, edge) or crease, pull, force, fixed_facet)
     end = to if to == "snap" else load_number(to)
     return load_path(
-        what, work, to=end, state=state, back=unload, confirm=confirm, starts=starts, **search
+        what, work, to=end, state=state, unload=unload, confirm=confirm, starts=starts, **search
     )  # fmt: skip
 
 

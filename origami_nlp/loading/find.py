@@ -60,7 +60,7 @@ def load_path(
     *,
     to: float | str = "snap",
     state: int | JudgedState = 1,
-    back: bool = False,
+    unload: bool = False,
     confirm: bool = True,
     full: bool | None = None,
     effort: str = "normal",
@@ -86,7 +86,7 @@ def load_path(
         Load at which the path ends, from 0; ``"snap"``: both ways to the first snap.
     state
         Number (1-based) of the stable state at load 0, by energy; of a pattern also a state of `find_minima`.
-    back
+    unload
         Whether the load then falls back to 0; of a pattern also from where it snapped.
     confirm
         Whether both sides of each snap are confirmed by searches; of patterns under torques only.
@@ -135,7 +135,7 @@ def load_path(
     full = True if full is None else full
     defaults = ContinuationOptions()
     check_type("options", defaults if options is None else options, ContinuationOptions)
-    for name, flag in (("back", back), ("confirm", confirm), ("full", full)):
+    for name, flag in (("unload", unload), ("confirm", confirm), ("full", full)):
         check_flag(name, flag)
     far = driver.farthest
     if (isinstance(to, str) and to != "snap") or to == 0:
@@ -147,7 +147,7 @@ def load_path(
     try:
         for end in ends:
             arrived = job.go(x, 0.0, end, once=to == "snap")
-            if back and arrived is not None:
+            if unload and arrived is not None:
                 job.between(0.0, end)
                 job.go(*arrived, 0.0, once=False)
                 job.between(*ends)
@@ -173,7 +173,7 @@ class _Job:
         until: float,
     ) -> None:
         self.driver, self.low, self.high = driver, low, high
-        self.over = ParameterRange(driver.name, low, high, driver.unit, False)
+        self.parameter = ParameterRange(driver.name, low, high, driver.unit, False)
         self._full = driver.full_line() if full else None
         self._known: dict[int, tuple[Equilibrium, float]] = {}
         functions = [("breaks-symmetry", self.across)] if self._full else []
@@ -280,7 +280,7 @@ class _Job:
         """Judge what was followed, and pack it; that takes as long as it takes."""
         web = self.web
         parts = {k: parts_of(arc, not self.driver.lazy) for k, arc in enumerate(web.arcs)}
-        branches, events = branches_of(web, self.over, chains_of(web), parts, self.across)
+        branches, events = branches_of(web, self.parameter, chains_of(web), parts, self.across)
         for branch in branches:
             for r in branch.kind_ranges:
                 if not r.stable and r.kind != "saddle":

@@ -27,7 +27,7 @@ PUSHED = Scene(
 
 @cache
 def loop():
-    return load_path(SCENE, 1, to=-0.2, back=True)
+    return load_path(SCENE, 1, to=-0.2, unload=True)
 
 
 def test_the_snap_and_where_it_becomes_stable_again():

@@ -47,21 +47,21 @@ def folded_miura(m, n, k=(1.0, 1.0), rest=(REST, REST), near=0.8):
 
 
 @pytest.mark.parametrize(
-    ("to", "back", "count"),
+    ("to", "unload", "count"),
     [
         (-0.15, False, 1),
         pytest.param(-0.2, True, 2, marks=pytest.mark.slow),
         pytest.param(0.06, True, 0, marks=pytest.mark.slow),
     ],
 )
-def test_a_vertex_as_a_pattern_snaps_where_the_vertex_does(to, back, count):
+def test_a_vertex_as_a_pattern_snaps_where_the_vertex_does(to, unload, count):
     scene = o.examples.degree6("5*pi/12", ratio=1)
     quick = {"confirm": False, "full": False, "effort": "quick", "max_starts": 24}
     pattern = wheel(scene.vertex.sector_angles)
     pattern = pattern.with_springs(list(scene.stiffness), list(scene.rest_angles))
-    one = o.load_path(scene, 1, to=to, back=back, **quick)
+    one = o.load_path(scene, 1, to=to, unload=unload, **quick)
     start = settled(pattern, one.legs[0].points[0].fold_angles)
-    path = o.load_path(pattern, 1, to=to, state=start, back=back, confirm=False)
+    path = o.load_path(pattern, 1, to=to, state=start, unload=unload, confirm=False)
     assert not path.alarms and len(path.snaps) == len(one.snaps) == count
     for ours, theirs in zip(path.snaps, one.snaps, strict=True):
         assert ours.type == theirs.type
@@ -210,7 +210,7 @@ def test_springs_take_up_the_work_of_the_load():
 
 def test_the_load_falls_back_to_zero_and_no_further():
     pattern, start = folded_miura(2, 2)
-    path = o.load_path(pattern, Pull(pattern, (0, 8)), state=start, back=True)
+    path = o.load_path(pattern, Pull(pattern, (0, 8)), state=start, unload=True)
     assert [leg.toward for leg in path.legs] == [-1, 1, 1, -1]
     assert {leg.why for leg in path.legs} == {"range"} and not path.alarms
     for leg in path.legs[1::2]:
@@ -226,9 +226,9 @@ def test_the_load_falls_back_from_a_snap():
     pattern = wheel(scene.vertex.sector_angles)
     pattern = pattern.with_springs(list(scene.stiffness), list(scene.rest_angles))
     quick = {"confirm": False, "full": False, "effort": "quick", "max_starts": 24}
-    one = o.load_path(scene, 1, to=-0.2, back=True, **quick)
+    one = o.load_path(scene, 1, to=-0.2, unload=True, **quick)
     start = settled(pattern, one.legs[0].points[0].fold_angles)
-    path = o.load_path(pattern, 1, state=start, back=True, confirm=False)
+    path = o.load_path(pattern, 1, state=start, unload=True, confirm=False)
     there, again = path.legs[:2]
     assert (there.why, again.why, again.toward) == ("snap", "snap", 1)
     last = next(k for k, leg in enumerate(one.legs) if leg.toward == 1)

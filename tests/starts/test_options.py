@@ -128,14 +128,14 @@ def test_what_makes_no_sense_is_refused_in_one_line(make, changed, reported):
 
 
 @pytest.mark.parametrize(
-    ("origami", "over"),
+    ("origami", "parameter"),
     [(o.examples.degree6("pi/3"), "ratio=0.2:1"), ("metasheet:2x2", "stiffness[1]=0.5:2")],
     ids=("vertex", "pattern"),
 )
-def test_fields_of_continuation_have_their_effect_on_branches(origami, over):
+def test_fields_of_continuation_have_their_effect_on_branches(origami, parameter):
     def followed(**changed):
         options = ContinuationOptions(**changed)
-        return o.follow(origami, over, checks=1, max_starts=16, options=options)
+        return o.follow(origami, parameter, checks=1, max_starts=16, options=options)
 
     def points(atlas):
         return sum(len(branch.points) for branch in atlas.branches)
@@ -144,7 +144,7 @@ def test_fields_of_continuation_have_their_effect_on_branches(origami, over):
     assert points(fine) > 2 * points(plain) > 0
     assert [e.type for e in fine.events] == [e.type for e in plain.events]
     assert [e.t for e in fine.events] == pytest.approx([e.t for e in plain.events], abs=1e-9)
-    for t in (plain.over.low, 0.7, plain.over.high):
+    for t in (plain.parameter.low, 0.7, plain.parameter.high):
         energies = [[state.energy for state in atlas.at(t)] for atlas in (plain, fine)]
         assert energies[0] and energies[0] == pytest.approx(energies[1], rel=1e-9)
     # what is cut off says so, and reaches the end of the range nowhere
