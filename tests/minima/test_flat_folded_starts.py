@@ -108,7 +108,8 @@ def test_gaps_are_no_larger_than_distances():
     for line in list_branches(problem.pattern).lines[:2]:
         phi, _ = problem.project(1.5 * line / np.abs(line).max())
         x = problem.crossings.placed(phi)
-        gaps = clearance.gaps(x, np.full(len(clearance.first), np.inf))
+        every = np.arange(len(clearance.first))
+        gaps = clearance.gaps(x, np.full(len(every), np.inf), every)
         weights = rng.dirichlet(np.full(4, 0.4), 300)
         for k, (i, j) in enumerate(zip(clearance.first, clearance.second, strict=True)):
             if set(problem.crossings.pieces[i]) & set(problem.crossings.pieces[j]):
