@@ -209,7 +209,7 @@ def _executor(address: str | None):  # type: ignore[no-untyped-def]
     except ImportError:
         raise SweepError('--dask needs dask: pip install "origami_nlp[sweep]"') from None
     try:
-        get_address_host_port(address)  # a client of no address complains once more when it ends
+        get_address_host_port(address)  # a client without an address raises again when it ends
         client: Any = Client(address, timeout=10, set_as_default=False)
     except (OSError, ValueError) as error:
         raise SweepError(
