@@ -152,7 +152,7 @@ PICTURES: dict[str, Callable[[str], None]] = {
     "speed_patterns": lambda _: by_command(
         "benchmarks",
         "patterns",
-        "--json",
+        "-o",
         "docs/bench_patterns.json",
         "-o",
         str(FOLDER / "speed_patterns.png"),

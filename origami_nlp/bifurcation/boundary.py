@@ -29,7 +29,7 @@ from origami_nlp.bifurcation.plane import Plane
 from origami_nlp.bifurcation.records import Interval
 from origami_nlp.continuation import BifurcationDiagram, Hold, SpecialPoint, Tally
 from origami_nlp.display import Report, Section, Table, Words
-from origami_nlp.errors import OUT_OF_TIME
+from origami_nlp.errors import OUT_OF_TIME, OptionError
 from origami_nlp.numerics import NEAR_SINGULAR_TOL, SAMPLED, STATIONARY
 from origami_nlp.pattern import Scene, as_scene
 from origami_nlp.problem import Contact, Model
@@ -241,6 +241,8 @@ def find_bifurcation_set(
     begin, until = time.perf_counter(), check_until(seconds)
     a = parse_nearby(event) if isinstance(event, str) else event
     b = parse_parameter_range(parameter) if isinstance(parameter, str) else parameter
+    if a.name == b.name:
+        raise OptionError(f"event and parameter are both {a.name!r}: name two parameters")
     scene = with_generic_symmetry(scene, (a, b))
     plane, tally = Plane(scene, (a, b)), Tally()
     curves: list[EventCurve] = []

@@ -84,9 +84,10 @@ def minima(
         out.write("json", found.to_dict)
         out.turn(*found.results)
         return
+    if scene.is_whole:
+        refuse("pattern", {"certificate": "its list is not proved"}, certificate=certificate)
     stated = scene.read_whole(contact=True)
     if not isinstance(stated, Scene):
-        refuse("pattern", {"certificate": "its list is not proved"}, certificate=certificate)
         options["contact"] = scene.whole_contact
     stopped = False
     try:

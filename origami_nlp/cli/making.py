@@ -113,6 +113,12 @@ def example(
     from origami_nlp.pattern import examples, format_scene
 
     word, cells = examples.split_size(name)
+    known = (*examples.BY_NAME, *examples.WITH_SPRINGS, *EXAMPLES)
+    if word not in known:
+        listed = ", ".join(dict.fromkeys(known))
+        raise OptionError(
+            f"NAME = {name!r} is no example: those are {listed}{did_you_mean(word, known)}"
+        )
     options = {
         "alpha": alpha,
         "ratio": ratio,

@@ -169,10 +169,10 @@ def sweep(
     from origami_nlp.sweep import draw_sweep, read_sweep, run_sweep
 
     stated = read_sweep(spec)
-    make_folder(folder, "--folder")
     if change := getattr(stated, "normalized", 0.0):
         note_normalized(change, ", at most")
     with _executor(dask) as executor, progress(Path(spec).name, stated.count) as report:
+        make_folder(folder, "--folder")
         done = run_sweep(
             stated,
             folder,
@@ -205,9 +205,11 @@ def _executor(address: str | None):  # type: ignore[no-untyped-def]
         return
     try:
         from distributed import Client
+        from distributed.comm import get_address_host_port
     except ImportError:
         raise SweepError('--dask needs dask: pip install "origami_nlp[sweep]"') from None
     try:
+        get_address_host_port(address)  # a client without an address raises again when it ends
         client: Any = Client(address, timeout=10, set_as_default=False)
     except (OSError, ValueError) as error:
         raise SweepError(

@@ -102,7 +102,7 @@ class Source:
         """Return the frame asked for, or all."""
         from origami_nlp.pattern import parse_fold
 
-        return parse_fold(self._content, self.given.get("frame"))
+        return parse_fold(self._content, self.given.get("frame"), name=f"FOLD file {self.name!r}")
 
     def read(self) -> Scene:
         """Return the scene; what is odd in a FOLD file goes to standard error."""
@@ -127,13 +127,13 @@ class Source:
 
         if not self.is_whole:
             return self.read()
+        whole = self.read_pattern(contact)  # what is wrong comes before what is odd
         one = fold_vertices(self._frame())[0]
         if len(one) == 1:
             number = one[0].number
             _note(
                 f"one vertex, taken as a pattern; --vertex {number} takes it as a vertex, with its symmetry"
             )
-        whole = self.read_pattern(contact)
         for note in whole.notes:
             _note(note)
         return whole
@@ -170,7 +170,8 @@ class Source:
     def _frame(self) -> Frame:
         from origami_nlp.pattern import parse_fold
 
-        (frame,) = parse_fold(self._content, self.given.get("frame", "first"))
+        number, name = self.given.get("frame", "first"), f"FOLD file {self.name!r}"
+        (frame,) = parse_fold(self._content, number, name=name)
         return frame
 
     def _spring_options(self) -> dict[str, Any]:

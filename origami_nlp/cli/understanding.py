@@ -49,9 +49,11 @@ ForceOn: TypeAlias = Annotated[
     ),
 ]
 FixedFacet: TypeAlias = Annotated[
-    int,
+    int | None,
     typer.Option(
-        "--fixed-facet", metavar="F", help="With --force: the facet that is fixed in space, from 1."
+        "--fixed-facet",
+        metavar="F",
+        help="With --force: the facet that is fixed in space, from 1 (default 1).",
     ),
 ]
 
@@ -65,7 +67,7 @@ def load_number(text: str) -> float:
 
 
 def work_of(
-    sheet: Any, creases: list[int] | None, pull: str | None, force: str | None, held: int
+    sheet: Any, creases: list[int] | None, pull: list[float], force: list[float], fixed_facet: int
 ) -> Any:
     """Return what a load on a pattern works on, as options say it."""
     from origami_nlp.pattern_problem import DeadForce, Pull, Torque
@@ -73,10 +75,10 @@ def work_of(
     if creases:
         return Torque(sheet, tuple(creases))
     if pull:
-        a, b = _numbers("--pull", pull, 2)
+        a, b = pull
         return Pull(sheet, (_whole("--pull", a), _whole("--pull", b)))
-    v, x, y, z = _numbers("--force", force or "", 4)
-    return DeadForce(sheet, _whole("--force", v), (x, y, z), held)
+    v, x, y, z = force
+    return DeadForce(sheet, _whole("--force", v), (x, y, z), fixed_facet)
 
 
 def creases_of(pattern: Pattern, edges: list[int] | None) -> list[int]:
@@ -158,7 +160,7 @@ def load(
     edge: Edges = None,
     pull: PullOf = None,
     force: ForceOn = None,
-    fixed_facet: FixedFacet = 1,
+    fixed_facet: FixedFacet = None,
     to: Annotated[
         str,
         typer.Option(
@@ -186,19 +188,25 @@ def load(
     from origami_nlp.loading import load_path
     from origami_nlp.pattern import Scene
 
+    end = to if to == "snap" else load_number(to)
+    if fixed_facet is not None and not force:
+        raise OptionError(f"--fixed-facet = {fixed_facet} is for --force V,X,Y,Z: leave it out")
+    if scene.is_whole and sum(map(bool, (crease, edge, pull, force))) != 1:
+        raise OptionError(
+            "a pattern is loaded by one of --crease K, --edge E, --pull V,W and --force V,X,Y,Z"
+        )
+    pulled = _numbers("--pull", pull, 2) if pull else []
+    forced = _numbers("--force", force, 4) if force else []
     what = scene.read_whole()
     work: Any
     if isinstance(what, Scene):
         if edge or pull or force or len(crease or ()) > 1:
             raise OptionError("--edge, --pull, --force and several --crease are for patterns")
+        if not crease and not what.loads:
+            raise OptionError("--crease K is missing: the crease that bears the torque, from 1")
         work = crease[0] if crease else None
     else:
-        if sum(map(bool, (crease, edge, pull, force))) != 1:
-            raise OptionError(
-                "a pattern is loaded by one of --crease K, --edge E, --pull V,W and --force V,X,Y,Z"
-            )
-        work = work_of(what, creases_of(what, edge) or crease, pull, force, fixed_facet)
-    end = to if to == "snap" else load_number(to)
+        work = work_of(what, creases_of(what, edge) or crease, pulled, forced, fixed_facet or 1)
     return load_path(
         what, work, to=end, state=state, unload=unload, confirm=confirm, starts=starts, **search
     )  # fmt: skip

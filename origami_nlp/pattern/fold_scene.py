@@ -176,8 +176,8 @@ def scene_at(
     if not all(isinstance(load, Mapping) for load in frame.loads):
         raise FoldFileError(f"{LOADS_KEY} must be a list of objects, as [[loads]] of a scene file")
     loads: dict[str, Any] = {"loads": frame.loads} if frame.loads else {}
-    if frame.loads and frame.held_facet is not None:
-        loads["held_facet"] = frame.held_facet
+    if frame.loads and frame.fixed_facet is not None:
+        loads["fixed_facet"] = frame.fixed_facet
     return Scene(
         make_vertex(v.sector_angles),
         tuple(k.tolist()),

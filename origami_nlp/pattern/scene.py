@@ -69,8 +69,8 @@ class Scene(PrettyRepr):
         The spring is wound to `wound_angles`, at most 1,000 rad.
     loads
         Dead loads: each a `Load`, or a table that states one.  Torques on creases are added to `preload`; forces ask
-        for `held_facet`, and for states without symmetry.
-    held_facet
+        for `fixed_facet`, and for states without symmetry.
+    fixed_facet
         Number (1-based) of the facet that is fixed where forces pull: what they do to the states depends on it.
     winding
         How often states of C_n or D_n, n > 2, wind round the axis of their symmetry: an odd number up to n.  Default: a
@@ -117,7 +117,7 @@ class Scene(PrettyRepr):
     symmetry_tolerance: float = INPUT_TOL
     preload: tuple[float, ...] = ()
     loads: tuple[Load, ...] = ()
-    held_facet: int | None = None
+    fixed_facet: int | None = None
     winding: int | None = None
     relations: Relations = field(default=None, repr=False, compare=False)  # type: ignore[assignment]
     group: Symmetry = field(init=False, repr=False, compare=False)
@@ -202,7 +202,7 @@ class Scene(PrettyRepr):
         return (self, *(replace(self, winding=w) for w in self.windings[1:]))
 
     def _read_loads(self, stiffness: tuple[float, ...], rest: tuple[float, ...]) -> None:
-        """Read preload, loads and the facet that is held."""
+        """Read preload, loads and the facet that is fixed."""
         loads = read_loads(self.loads, self.vertex.sector_angles)
         forces = tuple(load for load in loads if load.force is not None)
         given: object = self.preload
@@ -213,22 +213,22 @@ class Scene(PrettyRepr):
             given = tuple(total)
         object.__setattr__(self, "preload", _read_preload(given, stiffness, rest))
         object.__setattr__(self, "loads", forces)
-        held, n = self.held_facet, len(stiffness)
+        held, n = self.fixed_facet, len(stiffness)
         if held is None and not forces:
             return
         if isinstance(held, bool) or not isinstance(held, int) or not 1 <= held <= n:
             raise SceneError(
-                f"held_facet = {shown(held)} must be the number of a facet, 1 to {n}: where forces pull, say which "
+                f"fixed_facet = {shown(held)} must be the number of a facet, 1 to {n}: where forces pull, say which "
                 "facet is held"
             )
 
     def _find_symmetry(
         self, stiffness: tuple[float, ...], rest: tuple[float, ...], *wanted: Any
     ) -> Symmetry:
-        """Find the group; forces in space, with one facet held, leave none."""
+        """Find the group; forces in space, with one facet fixed, leave none."""
         if self.loads and wanted[0] not in ("auto", "none"):
             raise SymmetryError(
-                f"symmetry = {shown(wanted[0])} is not shared by loads with facet {self.held_facet} held: "
+                f"symmetry = {shown(wanted[0])} is not shared by loads with facet {self.fixed_facet} fixed: "
                 "use none or auto"
             )
         wanted = ("none", *wanted[1:]) if self.loads else wanted
@@ -320,7 +320,7 @@ class Scene(PrettyRepr):
         if self.loads:
             lines += [load.words for load in self.loads]
             lines.append(
-                f"facet {self.held_facet} is held: x along crease {self.held_facet}, z its normal (creases run "
+                f"facet {self.fixed_facet} is fixed: x along crease {self.fixed_facet}, z its normal (creases run "
                 "counter-clockwise seen from there); energies are U - sum force . position"
             )
         return lines
@@ -330,7 +330,7 @@ class Scene(PrettyRepr):
 
         With preload m this is sum k_i/2 (phi_i - rest_i)^2 - m_i (phi_i - rest_i) + m_i^2/(2 k_i): what it takes to
         wind the springs counts, so that the elastic energy is never negative.  Forces f at points p add -sum f . p,
-        p in the frame of the held facet.
+        p in the frame of the fixed facet.
 
         Parameters
         ----------
@@ -350,7 +350,7 @@ class Scene(PrettyRepr):
         phi = check_angles("fold_angles", fold_angles, self.degree, finite=False)
         k, rest = np.array(self.stiffness), np.array(self.wound_angles)
         energy = energy_or_zero(0.5 * np.sum(k * (phi - rest) ** 2, axis=-1), k)
-        if (dead := dead_loads(self.loads, self.held_facet)) is not None:
+        if (dead := dead_loads(self.loads, self.fixed_facet)) is not None:
             energy = energy + dead.energy(np.array(self.vertex.sector_angles), phi)
         return float(energy) if energy.ndim == 0 else energy
 
@@ -367,7 +367,7 @@ class Scene(PrettyRepr):
             f"Scene({title}{self.vertex},\n  stiffness=[{k}] N m/rad,\n  rest_angles=[{rest}] rad,"
             + (f"\n  preload=[{preload}] N m," if preload else "")
             + "".join(
-                f"\n  load: {load.words}, facet {self.held_facet} held," for load in self.loads
+                f"\n  load: {load.words}, facet {self.fixed_facet} fixed," for load in self.loads
             )
             + f"\n  symmetry={self.symmetry!r} -> {self.group.name}, contact={self.contact!r})"
         )
@@ -424,7 +424,7 @@ def _same_length(values: Sequence[float], name: str, degree: int) -> None:
 
 def _numbers(values: object, name: str, degree: int) -> tuple[float, ...]:
     """Read `degree` floats, or raise an error about field `name`."""
-    wrong = SceneError(f"{name} must be a list of numbers, one for each crease")
+    wrong = SceneError(f"{name} = {shown(values)} must be a list of numbers, one for each crease")
     if isinstance(values, str | bytes):
         raise wrong
     try:

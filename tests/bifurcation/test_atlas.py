@@ -225,7 +225,7 @@ def test_a_torque_is_followed_to_the_snap_of_the_load_path():
 @pytest.mark.slow
 def test_forces_are_followed_over_their_factor():
     pushed = o.Scene(
-        o.Vertex.from_degrees((96, 95, 92, 77)), (1,) * 4, (2.486, 2.4042, 0.9277, 0.7523), held_facet=1,
+        o.Vertex.from_degrees((96, 95, 92, 77)), (1,) * 4, (2.486, 2.4042, 0.9277, 0.7523), fixed_facet=1,
         loads=[{"crease": 3, "distance": 1, "force": [-1.0, -0.2, -0.15]}],
     )  # fmt: skip
     atlas = follow(pushed, "loads=-2.4:-2.3", checks=2, effort="quick", max_starts=24)

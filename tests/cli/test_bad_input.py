@@ -1,6 +1,7 @@
 """Bad input gets one clear line that names the field, and exit code 2; nothing is written."""
 
 import math
+from pathlib import Path
 
 import pytest
 
@@ -33,7 +34,7 @@ DEGREES = (
 
 # name: (scene text, words the one-line message must contain)
 BAD = {
-    "empty file": ("", ["[vertex]", "exactly one of"]),
+    "empty file": ("", ["scene.toml", "is empty"]),
     "not TOML": ("[vertex\nx", ["TOML"]),
     "unknown table": (text("[vertx]\na = 1"), ["vertx", "vertex"]),
     "table is a number": ("vertex = 3", ["vertex", "table"]),
@@ -252,6 +253,21 @@ BAD_CALLS = {
         "must end in one of .json, .csv, .png",
     ),
     "CSV into no folder": ([*PHASE, "--degree", 8, "-o", "no/such/folder.csv"], "does not exist"),
+    "a file twice": (["minima", SCENE, "-o", "a.png", "-o", "a.png"], "is given twice"),
+    "binary as text": (["minima", SCENE, "-o", "-.png"], "only text goes to standard output"),
+    "a load of nothing": (["load", SCENE], "--crease K is missing"),
+    "fixed for no force": (["load", SCENE, "--crease", 1, "--fixed-facet", 2], "--fixed-facet = 2"),
+    "pull of one": (["load", "miura:2x2", "--pull", "1"], "--pull = '1' must be 2 numbers"),
+    "force of nan": (["load", "miura:2x2", "--force", "1,2,3,nan"], "must be 4 numbers"),
+    "one parameter twice": (
+        ["boundary", SCENE, "--event", "ratio=1:2", "--parameter", "ratio=1:2"],
+        "name two parameters",
+    ),
+    "certificate of a pattern": (
+        ["minima", "miura:2x2", "--certificate", "a"],
+        "certificate = 'a'",
+    ),
+    "stiffness of a pattern": (["minima", "miura:2x2", "--stiffness", -1], "--stiffness = -1"),
     "rest state unknown": ([*PHASE, "--degree", 8, "--rest", "mine"], "rest"),
 }
 
@@ -323,3 +339,23 @@ def test_binary_and_huge_files_are_refused(tmp_path):
         path.write_bytes(content)
         code, _, err = run("minima", path)
         assert code == 2 and word in err
+
+
+@pytest.mark.parametrize(
+    ("name", "command"),
+    [
+        ("a.toml", ("minima",)),
+        ("a.fold", ("minima",)),
+        ("a.json", ("inspect",)),
+        ("a.toml", ("design",)),
+        ("a.toml", ("sweep", "--folder", "out")),
+        ("a.json", ("check-proof",)),
+    ],
+)
+def test_an_empty_or_broken_file_is_named(name, command, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    for content, said in ((b" \n", "is empty"), (b"\xff\xfe\x00x", ""), (b"[[[", "")):
+        Path(name).write_bytes(content)
+        code, _, err = run(command[0], name, *command[1:])
+        assert code == 2 and err.count("\n") == 1 and repr(name) in err and said in err, err
+    assert [p.name for p in tmp_path.iterdir()] == [name]

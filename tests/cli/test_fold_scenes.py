@@ -192,7 +192,7 @@ def test_letters_alone_are_said_to_mean_shut(tmp_path):
         assert plain.code == angled.code == 0
         assert plain.err.count("--rest-angle 90") == 1 and "U = 0" in plain.err
         assert "--rest-angle" not in angled.err
-    done = run("load", path)  # the whole pattern, which needs a --crease
+    done = run("load", path, "--crease", 99)  # the whole pattern
     assert done.code == 2 and done.err.count("--rest-angle 90") == 1
     path.write_text(json.dumps(disc([90] * 4, "MVVV", [-90, 90, 90, 90])))
     assert "--rest-angle" not in run("inspect", path).err

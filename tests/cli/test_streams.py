@@ -92,7 +92,7 @@ def test_an_interruption_while_modules_load_is_one_line(tmp_path, module):
         "            except BaseException:\n"
         "                raise ImportError('what some modules make of it')\n"
         "sys.meta_path.insert(0, Slow())\n"
-        "sys.argv = ['origami-nlp', '--version']\n"
+        "sys.argv = ['origami-nlp', 'inspect', 'miura:2x2']\n"
         "from origami_nlp.cli import main\n"
         "main()\n"
     )

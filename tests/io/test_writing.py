@@ -166,6 +166,8 @@ def test_folders_that_cannot_be_made(tmp_path):
         with pytest.raises(OrigamiError, match="--folder") as caught:
             make_folder(folder, "--folder")
         assert len(str(caught.value)) < 300
+    with pytest.raises(OrigamiError, match="is a file: name a folder"):
+        make_folder(tmp_path / "file", "--folder")
 
 
 # ---------------------------------------------------------------- anything else

@@ -20,7 +20,7 @@ QUICK = {"confirm": False, "full": False, "effort": "quick", "max_starts": 24}
 SNAP, AGAIN = -0.138149523101, -0.123882378029
 """Found by another program, with other steps: N m on crease 1."""
 PUSHED = Scene(
-    Vertex.from_degrees((96, 95, 92, 77)), (1,) * 4, (2.486, 2.4042, 0.9277, 0.7523), held_facet=1,
+    Vertex.from_degrees((96, 95, 92, 77)), (1,) * 4, (2.486, 2.4042, 0.9277, 0.7523), fixed_facet=1,
     loads=[{"crease": 3, "distance": 1, "force": [-1.0, -0.2, -0.15]}],
 )  # fmt: skip
 

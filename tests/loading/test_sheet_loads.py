@@ -367,7 +367,7 @@ def test_what_is_refused_is_named():
             o.load_path(pattern, load, **{"state": start, **options})
     with pytest.raises(OptionError, match="one facet"):
         Pull(pattern, (0, 1))
-    with pytest.raises(OptionError, match="held"):
+    with pytest.raises(OptionError, match="the fixed facet 1"):
         DeadForce(pattern, 0, (0, 0, 1), 1)
     with pytest.raises(OptionError, match="not all 0"):
         DeadForce(pattern, 15, (0, 0, 0), 1)

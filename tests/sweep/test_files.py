@@ -185,7 +185,7 @@ def test_places_of_loads():
     scene = {
         "vertex": {"sector_angles_deg": [96, 95, 92, 77]},
         "creases": {"stiffness": [1, 1, 1, 1], "rest_angles": [2.4, 2.4, 0.9, 0.7]},
-        "model": {"held_facet": 1},
+        "model": {"fixed_facet": 1},
         "loads": [{"crease": 3, "distance": 1, "force": [-1.0, -0.2, -0.15]}],
     }
     axes = [
