@@ -182,7 +182,10 @@ def prune(
     end = math.inf if seconds is None else time.process_time() + seconds
     while stack and boxes < most and time.process_time() < end and time.monotonic() < until:
         batch = _cut_to(
-            options.fewest, joined(list(_popped(stack, options.batch))), small, recorder
+            min(options.fewest, options.batch),
+            joined(list(_popped(stack, options.batch))),
+            small,
+            recorder,
         )
         boxes += len(batch)
         done, again = _shrunk(posed, batch, small, recorder)
