@@ -45,7 +45,7 @@ class Atlas(Report, Viewable):
     ----------
     scene
         The scene, or the pattern, that the others differ from.
-    over
+    parameter
         The parameter and its range.
     branches, events, checks
         In order of their numbers; checks in the order in which they were made.
@@ -75,7 +75,7 @@ class Atlas(Report, Viewable):
     """
 
     scene: Scene | Pattern
-    over: ParameterRange
+    parameter: ParameterRange
     branches: tuple[PathBranch, ...]
     events: tuple[PathEvent, ...]
     checks: tuple[SearchCheck, ...]
@@ -88,17 +88,17 @@ class Atlas(Report, Viewable):
     interrupted: bool = False
     example: str = field(default="", metadata={"omit": True})
 
-    PICTURE, SCHEMA = "draw_atlas", "origami-nlp/follow/2"
+    PICTURE, SCHEMA = "draw_atlas", "origami-nlp/follow/3"
     ALSO = ("intervals",)
 
     def __post_init__(self) -> None:
         if self.family is None:  # read from a file
-            if self.over.name.startswith("loads"):
+            if self.parameter.name.startswith("loads"):
                 raise OptionError("an atlas over forces cannot be read back: follow it anew")
             made: Any = (
-                family_of(self.scene, self.over)
+                family_of(self.scene, self.parameter)
                 if isinstance(self.scene, Scene)
-                else pattern_family(self.example or self.scene, self.over)
+                else pattern_family(self.example or self.scene, self.parameter)
             )
             object.__setattr__(self, "family", made)
 
@@ -106,7 +106,7 @@ class Atlas(Report, Viewable):
     def intervals(self) -> tuple[Interval, ...]:
         """Number and kinds of minima between the values at which they change."""
         ranges = [r for b in self.branches for r in b.kind_ranges if r.stable]
-        cuts = sorted({self.over.low, self.over.high, *(t for r in ranges for t in r.t)})
+        cuts = sorted({self.parameter.low, self.parameter.high, *(t for r in ranges for t in r.t)})
         out: list[Interval] = []
         # images of one event under a symmetry of the scene come at one value, up to rounding
         apart = [a for a, b in itertools.pairwise(cuts) if b - a > DUPLICATE_TOL * max(1.0, abs(b))]
@@ -138,17 +138,17 @@ class Atlas(Report, Viewable):
         OptionError
             If it is outside what was followed, or the atlas was read from a file.
         """
-        over = self.over
+        parameter = self.parameter
         if self.web is None:
             raise OptionError(
                 "an atlas that was read from a file has its branches and events, not what was followed: follow anew "
                 "for the states at a value"
             )
-        if not over.low <= value <= over.high:
+        if not parameter.low <= value <= parameter.high:
             raise OptionError(
-                f"value = {value:g} is outside what was followed, {over.low:g} to {over.high:g}"
+                f"value = {value:g} is outside what was followed, {parameter.low:g} to {parameter.high:g}"
             )
-        problem, s = self.family.problem(self.family.scene(value)), over.s_of(value)
+        problem, s = self.family.problem(self.family.scene(value)), parameter.s_of(value)
         here = states_at(problem, value, s, self.web, self.branches, self.branch_of_arc)
         more = (state for other in self.others for state in other.at(value))
         return (
@@ -157,7 +157,7 @@ class Atlas(Report, Viewable):
 
     def summary(self) -> str:
         """Return one line: how many minima there are, and where their number changes."""
-        found, over = self.intervals, self.over
+        found, over = self.intervals, self.parameter
         scene = self.scene if isinstance(self.scene, Scene) else None
         kept = scene is not None and not scene.group.is_trivial
         counts = sorted({i.minima for i in found})
@@ -176,18 +176,18 @@ class Atlas(Report, Viewable):
         """Return one row an interval."""
         rows = [
             (
-                f"{self.over.shown(i.t[0])} to {self.over.shown(i.t[1])}",
+                f"{self.parameter.shown(i.t[0])} to {self.parameter.shown(i.t[1])}",
                 str(i.minima),
                 ", ".join(f"{n} {kind}" for kind, n in i.kinds.items()),
             )
             for i in self.intervals
         ]
-        heads = (self.over.name, "minima", "kinds")
+        heads = (self.parameter.name, "minima", "kinds")
         return Table(heads, rows, self.summary(), "lrL", framed=False, narrow=True)
 
     def report_sections(self) -> Iterator[Section]:
         """Return counts, events, what is not known, and the details: branches, checks and what they cost."""
-        over = self.over
+        over = self.parameter
         yield self.table()
         rows = []
         for e in self.events:
@@ -222,7 +222,7 @@ class Atlas(Report, Viewable):
 
     def _details(self) -> Iterator[Table | Words]:
         """Return fold angles at events, branches, checks, and what they cost."""
-        over = self.over
+        over = self.parameter
         if self.events:
             rows = [
                 (str(e.id), over.shown(e.t, 12), self._angles(e.fold_angles)) for e in self.events
@@ -263,11 +263,11 @@ class Atlas(Report, Viewable):
 
     def to_fold(self) -> dict[str, Any]:
         """Return the points of all branches as FOLD data (spec 1.1), one frame each, in order."""
-        over, states = self.over, []
+        parameter, states = self.parameter, []
         for branch in self.branches:
             for k, point in enumerate(branch.points):
                 kind = next(r.kind for r in branch.kind_ranges if r.points[0] <= k <= r.points[1])
-                title = f"branch {branch.id}, {over.name} = {point.t:.9g}: {kind}"
+                title = f"branch {branch.id}, {parameter.name} = {point.t:.9g}: {kind}"
                 more = {"branch": branch.id, "parameter": point.t, "energy": point.energy}
                 states.append((point.t, point.fold_angles, title, {**more, "kind": kind}))
         return self.family.to_fold(states)

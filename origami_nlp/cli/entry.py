@@ -12,7 +12,8 @@ import typer
 from origami_nlp.cli.fault import report_fault
 from origami_nlp.cli.finding import check_proof, landscape, minima
 from origami_nlp.cli.group import Group
-from origami_nlp.cli.making import design, example, model, vertices
+from origami_nlp.cli.inspecting import inspect
+from origami_nlp.cli.making import design, example
 from origami_nlp.cli.many import boundary, follow, pattern, sweep
 from origami_nlp.cli.paper import paper
 from origami_nlp.cli.understanding import barriers, contacts, critical, load, modes, space
@@ -27,9 +28,9 @@ app = Group(
     completion=True,
 )
 app.add(minima, pattern, load, follow, design, under=FIRST)
-app.add(vertices, example, under=FIRST)
+app.add(inspect, example, under=FIRST)
 app.add(landscape, barriers, modes, contacts, critical, space, under=ANALYSIS)
-app.add(boundary, sweep, check_proof, model, under=ANALYSIS)
+app.add(boundary, sweep, check_proof, under=ANALYSIS)
 app.add_group("paper", paper, under="The source paper")
 
 

@@ -30,7 +30,6 @@ from .html import inline_image as inline_image
 from .interactive import (
     InteractivePage as InteractivePage,
     Viewable as Viewable,
-    check_view as check_view,
     interactive_page as interactive_page,
     page_data as page_data,
 )

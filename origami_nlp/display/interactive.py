@@ -1,7 +1,8 @@
-"""A page that can be turned: states in space, paths with a slider, the energy under the pointer, the tables.
+"""An interactive page: states in space, paths with a slider, the energy under the pointer, the tables.
 
-One file of HTML with plotly's script inside (extra ``view``): it opens without a network, in a browser or in a cell of
-Jupyter.  What moves is `view_content.js`, what it looks like `view_content.html`.
+One file of HTML with its scripts inside: it opens without a network, in a browser or in a cell of Jupyter.  What moves
+is `page/page.js`, what it looks like `page/page.html`; three.js draws the paper and Observable Plot the energies
+(`page/libraries.js`).
 """
 
 from __future__ import annotations
@@ -14,7 +15,6 @@ from collections.abc import Sequence
 from dataclasses import asdict, dataclass, field
 from html import escape
 from importlib.resources import files
-from importlib.util import find_spec
 from typing import Any
 
 import numpy as np
@@ -22,7 +22,6 @@ import numpy as np
 from origami_nlp.arguments import check_path
 from origami_nlp.display.bodies import Content, FoldedBody, Keyframe, Panel, Trajectory
 from origami_nlp.display.table import pieces_html
-from origami_nlp.errors import OptionError
 from origami_nlp.io import write_whole
 
 MOST_TRACKED = 55_000
@@ -36,23 +35,6 @@ HEIGHT = 900
 """Of the page in Jupyter [px]."""
 
 
-def check_view(option: str = "view") -> None:
-    """Raise an error, before any work, where plotly is not installed.
-
-    Parameters
-    ----------
-    option
-        What asks for it, in the message.
-
-    Raises
-    ------
-    OptionError
-        With the command that installs it.
-    """
-    if find_spec("plotly") is None:
-        raise OptionError(f'{option} needs plotly: pip install "origami_nlp[view]"')
-
-
 @dataclass(frozen=True, repr=False)
 class InteractivePage:
     """One or more results as a page that can be turned.
@@ -61,17 +43,11 @@ class InteractivePage:
     ----------
     contents
         What is shown; the reader chooses among several.
-
-    Raises
-    ------
-    OptionError
-        If plotly is not installed.
     """
 
     contents: tuple[Content, ...] = field()
 
     def __init__(self, *contents: Content) -> None:
-        check_view()
         object.__setattr__(self, "contents", contents)
 
     def __repr__(self) -> str:
@@ -110,17 +86,12 @@ class Viewable(ABC):
         """Return what there is to see, as plain data."""
 
     def view(self) -> InteractivePage:
-        """Return a page that can be turned (extra ``view``); the last line of a cell of Jupyter shows it.
+        """Return the interactive page of the result; the last line of a cell of Jupyter shows it.
 
         Returns
         -------
         InteractivePage
             Its `save` writes it as one file that needs no network.
-
-        Raises
-        ------
-        OptionError
-            If plotly is not installed.
         """
         return InteractivePage(self.view_content())
 
@@ -137,16 +108,8 @@ def interactive_page(*contents: Content) -> str:
     -------
     str
         The page.
-
-    Raises
-    ------
-    OptionError
-        If plotly is not installed.
     """
-    check_view("a page that can be turned")
-    from plotly.offline import get_plotlyjs
-
-    here = files("origami_nlp.display")
+    here = files("origami_nlp.display") / "page"
     data = json.dumps(page_data(contents), allow_nan=False, separators=(",", ":"))
     parts = {
         "TITLE": escape(contents[0].title if len(contents) == 1 else f"{len(contents)} scenes"),
@@ -155,10 +118,10 @@ def interactive_page(*contents: Content) -> str:
             for content in contents
         ),
         "DATA": data.replace("<", "\\u003c"),  # no text of a user ends the script
-        "SCRIPT": (here / "turned.js").read_text("utf-8"),
-        "PLOTLY": get_plotlyjs(),
+        "SCRIPT": (here / "page.js").read_text("utf-8"),
+        "LIBRARIES": (here / "libraries.min.js").read_text("utf-8"),
     }
-    page, *rest = (here / "turned.html").read_text("utf-8").split("{{")
+    page, *rest = (here / "page.html").read_text("utf-8").split("{{")
     for piece in rest:  # put together, not replaced in turn: what is put in is not looked at again
         name, tail = piece.split("}}", 1)
         page += parts[name] + tail
@@ -241,9 +204,9 @@ def _station(station: Keyframe) -> dict[str, Any]:
 def _track(track: Trajectory, kept: np.ndarray) -> dict[str, Any]:
     return {
         "title": track.title,
-        "label": track.label,
+        "label": _in_degrees(track.label)[0],
         "of": len(track.states),
-        "parameter": track.parameter[kept].tolist(),
+        "parameter": (track.parameter[kept] * _in_degrees(track.label)[1]).tolist(),
         "states": [_folded(track.states[k], TRACK_DIGITS) for k in kept],
         "energy": [track.states[k].energy for k in kept],
         "view": _plain(track.view, 6),
@@ -277,19 +240,27 @@ def kept_states(track: Trajectory, most: int) -> np.ndarray:
 
 def _panel(panel: Panel, content: Content, stride: int, most: int) -> dict[str, Any]:
     energy = None if panel.energy is None else _short(panel.energy[::stride, ::stride])
+    labels, units = zip(*map(_in_degrees, panel.labels), strict=True)
     return {
         "title": panel.title,
-        "labels": panel.labels,
-        "x": _plain(panel.x[::stride], 5),
-        "y": _plain(panel.y[::stride], 5),
+        "labels": labels,
+        "x": _plain(panel.x[::stride] * units[0], 5),
+        "y": _plain(panel.y[::stride] * units[1], 5),
         "energy": energy,
         "lines": [
-            {"points": _plain(line.points, 5), "name": line.name, "look": line.look}
+            {"points": _plain(line.points * units, 4), "name": line.name, "look": line.look}
             for line in panel.lines
         ],
-        "stations": panel.stations,
+        "stations": [(k, x * units[0], y * units[1]) for k, x, y in panel.stations],
         "tracks": [
-            {"track": k, "points": _plain(points[kept_states(content.tracks[k], most)], 5)}
+            {"track": k, "points": _plain(points[kept_states(content.tracks[k], most)] * units, 4)}
             for k, points in panel.tracks
         ],
     }
+
+
+def _in_degrees(label: str) -> tuple[str, float]:
+    """Return the label of an axis with degrees for radians, and what its values are multiplied by."""
+    if label.endswith("[rad]"):
+        return label.removesuffix("[rad]") + "[deg]", math.degrees(1)
+    return label, 1.0

@@ -226,8 +226,8 @@ class LoadPath(Report, Viewable):
             else:
                 snap = self.snaps[leg.snap - 1]
                 words = EVENT_WORDS.get(snap.type, snap.type)
-                said = Words(f"snap {leg.snap}: {words}", "bold")
-                yield f"{snap.t:.6g}", said, self._place(*snap.angle), f"{snap.released:.6g}"
+                bold = Words(f"snap {leg.snap}: {words}", "bold")
+                yield f"{snap.t:.6g}", bold, self._place(*snap.angle), f"{snap.released:.6g}"
             arrived = last.t
 
     def _on(self, leg: Leg) -> Iterator[tuple[LoadPoint, PathEvent]]:

@@ -275,7 +275,8 @@ class Descents:
     def _release(
         self, s: Samples, p: ClosurePoint, slope: np.ndarray, size: np.ndarray
     ) -> tuple[Samples, ClosurePoint, np.ndarray, np.ndarray]:
-        """Let go the contact that pulls most, where it pulls enough; returns also the gradient of its opening."""
+        """Drop the contact that pulls most from the active set, where it pulls enough; also return the gradient of
+        its gap."""
         n = s.x.shape[1]
         # positive where a multiplier has the wrong sign: energy falls as the contact opens
         pull = np.concatenate([s.at_limit * p.left, -p.multipliers[:, self._m :]], axis=1)
@@ -314,7 +315,7 @@ class Descents:
         dx = d / self.closing.root(s)
         longest = np.abs(dx).max(axis=1)
         trial, share = self._moved(s, dx, np.minimum(1.0, reach / np.maximum(longest, NONZERO)))
-        trial = self.closing.close(trial)
+        trial = self.closing.close(trial, metric=True)
         energy = self.closing.springs(s).energy(s.x)
         before = _Before(s.x, energy, np.einsum("ki,ki->k", down, d) * share, escaped)
         good, gap, side = self._try(trial, before)
@@ -350,7 +351,7 @@ class Descents:
         """Return which trial states are taken; and which gap each crosses (`OPEN` for none), with its open side."""
         at, value, _ = self.closing.rows(trial)
         good = np.abs(value).max(axis=1) <= EXPLORED
-        good &= (np.abs(trial.x) <= self.model.bound + ROUNDED).all(axis=1) & (at.sheet > 0)
+        good &= (np.abs(trial.x) <= self.model.bound + ROUNDED).all(axis=1) & (at.lift > 0)
         # closing may have gone to states far from where the step led
         good &= np.abs(trial.x - before.x).max(axis=1) < 2 * REACH
         now, e = self.closing.springs(trial).energy(trial.x), before.energy
@@ -383,7 +384,7 @@ class Descents:
         held, room = shorter.holding(gap, side)
         first = shorter.x
         # the contact held, and as far as there without it, together: a batch costs by the call
-        ends = self.closing.close(joined(held, shorter))
+        ends = self.closing.close(joined(held, shorter), metric=True)
         level = replace(before[np.tile(todo, 2)], slope=np.zeros(2 * k))
         ok = self._try(ends, level)[0]
         ok[:k] &= room & (np.abs(ends.x[:k] - first).max(axis=1) < NEAR)

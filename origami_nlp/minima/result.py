@@ -204,7 +204,7 @@ class MinimaResult(Report, Viewable):
 
         Returns
         -------
-        Model or Sheet
+        Model or PatternProblem
             `model` itself where states wind as often as that says.
         """
         if self.is_pattern or minimum.winding == self.model.structure.winding:
@@ -308,7 +308,7 @@ class MinimaResult(Report, Viewable):
         rest = table.rows[MOST_LINES:]
         yield replace(table, rows=table.rows[:MOST_LINES]) if self.minima else self.verdict
         if rest:
-            yield f"... {len(rest)} more states: --verbose, or --json"
+            yield f"... {len(rest)} more states: --verbose, or -o FILE.json"
         shown = self._shown
         yield from angle_lines(self.minima, shown)
         if isinstance(self.origami, Scene):

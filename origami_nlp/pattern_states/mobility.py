@@ -331,7 +331,7 @@ def _folded(problem: PatternProblem, rng: np.random.Generator) -> tuple[np.ndarr
         if (
             residual > CLOSURE_TOL
             or (np.abs(new) > math.pi).any()
-            or not problem.closure.on_sheet(new)
+            or not problem.closure.lifts_to_one(new)
         ):
             continue
         moved = int((np.abs(new) > MOVES).sum())
@@ -361,7 +361,7 @@ def _regular(
         if (
             residual > CLOSURE_TOL
             or (np.abs(new) > math.pi).any()
-            or not problem.closure.on_sheet(new)
+            or not problem.closure.lifts_to_one(new)
         ):
             continue
         if (more := problem.rank(new)) > rank:

@@ -12,7 +12,7 @@ from origami_nlp.pattern import Scene, as_scene
 from origami_nlp.space import topology
 from origami_nlp.space.cells import Cells, admissible_cells, check_lower_dimensional
 from origami_nlp.space.chain import HalfChain, chain_of
-from origami_nlp.space.mesh import MeshError, mesh_sheets
+from origami_nlp.space.mesh import MeshError, mesh_cover
 from origami_nlp.space.result import Component, Handle, LocalBranch, PinchPoint, Space, SpaceMesh
 
 SIZE = 64
@@ -60,7 +60,7 @@ def find_space(scene: Scene, *, size: int = SIZE) -> Space:
     # walls may pass a mesh of one size so closely that another one is needed
     for attempt in ATTEMPTS:
         try:
-            cells = admissible_cells(mesh_sheets(chain, size + attempt))
+            cells = admissible_cells(mesh_cover(chain, size + attempt))
             check_lower_dimensional(cells)
         except MeshError:
             if attempt == ATTEMPTS[-1]:
@@ -107,7 +107,7 @@ def _chart(chain: HalfChain, cells: Cells) -> tuple[np.ndarray, np.ndarray]:
     wedge = cells.wedge
     if chain.kind == "degree6":
         return wedge[:, 1:3].copy(), np.zeros(len(wedge), dtype=int)
-    elevation = cells.sheets.base[cells.origin, 0]
+    elevation = cells.cover.base[cells.origin, 0]
     chart = np.stack([wedge[:, 1], elevation], axis=1)
     misfit = []
     for sign in (1, -1):

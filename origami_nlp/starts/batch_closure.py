@@ -122,8 +122,13 @@ class Closing:
         root = self.root(s)
         return own - curved / (root[..., :, None] * root[..., None, :])
 
-    def close(self, s: Samples, steps: int = STEPS, to: float = CLOSED) -> Samples:
-        """Close samples on their strata to a residual; those that leave the fold limits on the way are held there."""
+    def close(
+        self, s: Samples, steps: int = STEPS, to: float = CLOSED, *, metric: bool = False
+    ) -> Samples:
+        """Close samples on their strata to a residual; those that leave the fold limits on the way are held there.
+
+        metric: by the shortest way in the metric, so that stiff creases hardly turn and the energy hardly changes.
+        """
         x, at_limit, todo = s.x.copy(), s.at_limit.copy(), np.arange(len(s))
         for _ in range(steps):
             part = replace(s[todo], x=x[todo], at_limit=at_limit[todo])
@@ -132,9 +137,11 @@ class Closing:
             todo, value = todo[far], value[far]
             if not len(todo):
                 break
-            rows = rows[far] * (at_limit[todo] == 0)[:, None]
+            root = (self.root(part) if metric else np.ones(1)) * np.ones((len(part), 1))
+            rows = rows[far] * (at_limit[todo] == 0)[:, None] / root[far][:, None]
             # shortest Gauss-Newton step on the free creases: rows' (rows rows')^-1 value
             move = (rows.transpose(0, 2, 1) @ (gram_inverse(rows) @ value[..., None]))[..., 0]
+            move /= root[far]
             length = np.abs(move).max(axis=1)
             x[todo] -= move / np.maximum(1.0, length)[:, None]
             left = length > QUADRATIC  # the next residual is the square of this
@@ -159,6 +166,7 @@ def balance(s: Samples, at: FoldedRays, rows: np.ndarray, torque: np.ndarray) ->
     inverse = gram_inverse(free_rows)
     # least squares; creases at their limits carry whatever torque is left over
     lam = (inverse @ (free_rows @ torque[..., None]))[..., 0]
+    lam += (inverse @ (free_rows @ (torque - (lam[:, None] @ rows)[:, 0])[..., None]))[..., 0]
     left = torque - (lam[:, None] @ rows)[:, 0]
     return ClosurePoint(at, rows, torque, lam, left, free_rows, inverse)
 

@@ -261,7 +261,7 @@ def test_json_round_trip():
         CriticalPoints.from_dict(data)
 
 
-def test_scenes_without_two_freedoms_are_refused():
+def test_scenes_without_two_dof_are_refused():
     full = Scene(PANELS[0].vertex, PANELS[0].stiffness, PANELS[0].rest_angles, "none")
     with pytest.raises(OptionError, match="3 degrees of freedom"):
         find_critical_points(full)
@@ -279,11 +279,11 @@ def test_command_line(tmp_path, monkeypatch):
     file = tmp_path / "scene.toml"
     file.write_text(text)
     target = tmp_path / "critical.json"
-    done = runner.invoke(app, ["critical", str(file), "--no-compare", "--json", str(target)])
+    done = runner.invoke(app, ["critical", str(file), "--no-compare", "-o", str(target)])
     assert done.exit_code == 0, done.output
     assert "Morse sum 1, Euler characteristic 1: the count closes" in done.output
     data = json.loads(target.read_text())
     assert data["closes"] and data["euler_characteristic"] == 1
     assert {p["stratum"] for p in data["critical_points"]} >= {"interior", "boundary", "singular"}
-    bad = runner.invoke(app, ["critical", str(file), "--json", str(tmp_path / "no" / "x.json")])
+    bad = runner.invoke(app, ["critical", str(file), "-o", str(tmp_path / "no" / "x.json")])
     assert isinstance(bad.exception, OptionError) and not (tmp_path / "no").exists()

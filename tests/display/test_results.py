@@ -145,7 +145,17 @@ def test_options_are_named():
     """Functions take what they are asked about by place, at most one thing beside it, and all else by name."""
     import inspect
 
-    beside = {"result", "over", "ask", "seen", "vertex", "path", "target", "fold_angles"}
+    beside = {
+        "result",
+        "parameter",
+        "parameters",
+        "ask",
+        "seen",
+        "vertex",
+        "path",
+        "target",
+        "fold_angles",
+    }
     beside |= {"event", "load"}
     for name in o.__all__:
         thing = getattr(o, name)

@@ -9,20 +9,16 @@ from tests.browser import CHROMIUM, Browser, browser
 from tests.computed_once import panel_result
 
 pytestmark = pytest.mark.skipif(CHROMIUM is None, reason="no Chromium on PATH")
-WEIGHT = (
-    "(() => {const t = $('space').data[0];"
-    "return [...t.x, ...t.y, ...t.z].reduce((a, v) => a + Math.abs(v), 0)})()"
-)
+WEIGHT = "space.positions.reduce((a, v) => a + Math.abs(v), 0)"
 """A number that changes when what is drawn folds."""
 
 
 PAINTED = """
-Plotly.toImage("space", {format: "png", width: 400, height: 400}).then(url => new Promise(done => {
-  const image = new Image();
-  image.onload = () => {
+(() => {
+    render();
     const canvas = Object.assign(document.createElement("canvas"), {width: 400, height: 400});
     const pen = canvas.getContext("2d");
-    pen.drawImage(image, 0, 0);
+    pen.drawImage($('space').querySelector('canvas'), 0, 0, 400, 400);
     const pixels = pen.getImageData(0, 0, 400, 400).data;
     const found = {mountain: 0, valley: 0, upper: 0, lower: 0, nothing: 0};
     for (let k = 0; k < pixels.length; k += 4) {
@@ -33,10 +29,8 @@ Plotly.toImage("space", {format: "png", width: 400, height: 400}).then(url => ne
       else if (r > g && g > b && r > 150 && r - b > 30) found.upper += 1;
       else if (b > g && g > r && r > 90) found.lower += 1;
     }
-    done(Object.fromEntries(Object.entries(found).map(([k, v]) => [k, v / 160000])));
-  };
-  image.src = url;
-}))
+    return Object.fromEntries(Object.entries(found).map(([k, v]) => [k, v / 160000]));
+})()
 """
 """Shares of the picture that have the colours of the key."""
 
@@ -48,7 +42,9 @@ def opened(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Browser]:
     o.view(panel_result(o.examples.degree6("pi/3", 1.0), full=True), page)
     with browser(folder / "profile") as found:
         found.open(page)
-        found.until("!!document.querySelector('#space canvas') && !!$('map0').data")
+        found.until(
+            "!!document.querySelector('#space canvas') && !!document.querySelector('#maps figure')"
+        )
         yield found
         assert not found.errors
         assert all(url.startswith(("file:", "data:", "blob:")) for url in found.asked)
@@ -57,13 +53,15 @@ def opened(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Browser]:
 def test_states_and_paths_are_chosen_and_the_slider_folds(opened: Browser) -> None:
     count = opened.ask("$('state').options.length")
     assert count == len(opened.ask("DATA[0].stations.map(s => s.title)")) > 3
+    assert not opened.ask("$('step').disabled")  # it opens on its first path
     weights = []
     for k in range(count):
         opened.ask(f"$('state').value = {k}; $('state').dispatchEvent(new Event('change'))")
         weights.append(opened.ask(WEIGHT))
         angles = opened.ask("$('lines').textContent")
         assert "fold angles" in angles and "residuals" in angles
-        said = opened.ask("$('space').layout.scene.annotations.map(a => a.text)")
+        opened.ask("render()")
+        said = opened.ask("[...space.overlay.querySelectorAll('text')].map(t => t.textContent)")
         marks = opened.ask(f"DATA[0].stations[{k}].marks.map(m => m.label)")
         assert set(marks) <= set(said)
         assert opened.ask("$('step').disabled")
@@ -79,9 +77,9 @@ def test_states_and_paths_are_chosen_and_the_slider_folds(opened: Browser) -> No
     assert f"step {last + 1} of" in reported[-1]
     # what is drawn lies by the stored corners, up to the paper's thickness
     off = opened.ask(
-        "(() => {const t = $('space').data[0], s = DATA[0].tracks[0].states.at(-1);"
-        "return Math.max(...s.corners.map(c => Math.min(...t.x.map((x, n) =>"
-        "Math.hypot(x - c[0], t.y[n] - c[1], t.z[n] - c[2])))))})()"
+        "(() => {const p = space.positions, s = DATA[0].tracks[0].states.at(-1);"
+        "const at = p.filter((_, n) => n % 3 === 0).map((_, n) => p.slice(3 * n, 3 * n + 3));"
+        "return Math.max(...s.corners.map(c => Math.min(...at.map(a => Math.hypot(...sub(a, c))))))})()"
     )
     assert off < 0.01
 
@@ -101,17 +99,43 @@ def test_play_runs_to_the_end_and_stops(opened: Browser) -> None:
 
 
 def test_a_star_on_the_map_is_a_way_to_its_state(opened: Browser) -> None:
+    place = "document.querySelectorAll('#maps g[aria-label=dot] path')[2].getBoundingClientRect()"
     opened.ask(
-        "$('map0').emit('plotly_click', {points: [{customdata: 2, data: {mode: 'markers+text'}}]})"
+        f"(() => {{const r = {place}, svg = document.querySelector('#maps g[aria-label=dot]').ownerSVGElement;"
+        "const [clientX, clientY] = [r.x + r.width / 2, r.y + r.height / 2];"
+        "svg.dispatchEvent(new MouseEvent('click', {clientX, clientY, bubbles: true}))})()"
     )
     assert opened.ask("$('state').value") == "2"
+
+
+def test_a_crease_under_the_pointer_says_its_angle(opened: Browser) -> None:
+    opened.ask("chooseState(0)")
+    opened.ask("render()")
+    opened.ask(
+        "(() => {const c = DATA[0].body.creases[0], s = DATA[0].stations[0];"
+        "const canvas = $('space').querySelector('canvas');"
+        "const p = new LIB.Vector3(...times(add(s.corners[c.start], s.corners[c.end]), 0.5)).project(space.camera);"
+        "const r = canvas.getBoundingClientRect();"
+        "canvas.dispatchEvent(new PointerEvent('pointermove', {clientX: r.left + (p.x + 1) / 2 * r.width,"
+        "clientY: r.top + (1 - p.y) / 2 * r.height, bubbles: true}))})()"
+    )
+    words = opened.ask("$('pointed').textContent")
+    assert words.startswith("crease ") and words.endswith("°")
+
+
+def test_numbers_of_creases_can_be_left_out(opened: Browser) -> None:
+    counted = "(render(), space.overlay.querySelectorAll('text.number').length)"
+    assert opened.ask(counted) > 0
+    opened.ask("$('numbers').click()")
+    assert opened.ask(counted) == 0
+    opened.ask("$('numbers').click()")
 
 
 @pytest.mark.parametrize("width", [1280, 400])
 def test_nothing_is_wider_than_the_screen(opened: Browser, width: int) -> None:
     opened.resize(width, 900)
     opened.until(f"innerWidth === {width}")
-    opened.until("Math.abs($('space').clientWidth - $('space')._fullLayout.width) < 2")
+    opened.until("$('space').clientWidth === $('space').querySelector('canvas').clientWidth")
     assert opened.ask("document.documentElement.scrollWidth") <= width
     for name in ("state", "path", "step", "play", "before", "after"):
         left, right = opened.ask(

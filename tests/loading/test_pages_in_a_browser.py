@@ -14,7 +14,7 @@ pytestmark = [
     pytest.mark.slow,
     pytest.mark.skipif(CHROMIUM is None, reason="no Chromium on PATH"),
 ]
-DRAWN = "JSON.stringify($('space').data[0].x)"
+DRAWN = "JSON.stringify(space.positions)"
 
 
 def atlas() -> o.display.Viewable:
@@ -36,7 +36,9 @@ def test_the_slider_folds_along_each_path(
     tracks = found.view_content().tracks
     with browser(tmp_path / "profile") as opened:
         opened.open(page)
-        opened.until("!!document.querySelector('#space canvas') && !!$('map0').data")
+        opened.until(
+            "!!document.querySelector('#space canvas') && !!document.querySelector('#maps figure')"
+        )
         assert opened.ask("$('path').options.length") == len(tracks) + 1
         for number, track in enumerate(tracks, start=1):
             opened.ask(f"$('path').value = {number}; $('path').dispatchEvent(new Event('change'))")

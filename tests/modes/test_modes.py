@@ -180,7 +180,7 @@ def test_modes_of_a_miura_run_along_its_closed_form(tmp_path):
 def test_the_command_writes_numbers_and_a_figure(tmp_path):
     scene, figure = tmp_path / "scene.toml", tmp_path / "modes.png"
     scene.write_text(format_scene(SCENE))
-    code, out, err = run("modes", scene, "--state", "2", "--max-starts", "16", "--json", "-")
+    code, out, err = run("modes", scene, "--state", "2", "--effort", "quick", "-o", "-")
     assert code == 0, err
     data = json.loads(out)
     (state,) = data["states"]

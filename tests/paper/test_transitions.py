@@ -162,7 +162,7 @@ def test_unknown_families_are_refused():
 def test_sweep_and_events_agree(family, known, tmp_path):
     out = tmp_path / "sweep.json"
     result = CliRunner().invoke(
-        app, ["paper", "transitions", family, "--samples", "17", "--seed", "3", "--json", str(out)]
+        app, ["paper", "transitions", family, "--samples", "17", "--seed", "3", "-o", str(out)]
     )
     assert result.exit_code == 0, result.output
     data = json.loads(out.read_text())

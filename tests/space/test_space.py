@@ -15,7 +15,7 @@ from origami_nlp.folding import check_admissible, fold_vertex
 from origami_nlp.pattern import degree6, degree8, format_scene
 from origami_nlp.space import find_space, topology
 from origami_nlp.space.chain import chain_of
-from origami_nlp.space.mesh import SEAM, mesh_sheets
+from origami_nlp.space.mesh import SEAM, mesh_cover
 from tests.computed_once import once, thinned
 from tests.independent.kuhn import kuhn_surface
 from tests.independent.search_layers import symmetrically_admissible
@@ -227,10 +227,10 @@ def test_states_negate(spaces, name):
 
 @pytest.mark.slow
 def test_mesh_of_closed_states_is_a_surface():
-    sheets = mesh_sheets(chain_of(degree6(0.9)), 20)
-    _, of_triangle = topology.edges_of(sheets.triangles)
+    cover = mesh_cover(chain_of(degree6(0.9)), 20)
+    _, of_triangle = topology.edges_of(cover.triangles)
     assert np.bincount(of_triangle.ravel()).max() == 2
-    assert (sheets.sheet[sheets.on >> SEAM & 1 == 1] == 0).all()
+    assert (cover.leaf[cover.on >> SEAM & 1 == 1] == 0).all()
 
 
 def test_topology_of_known_complexes():
@@ -278,7 +278,7 @@ def test_command_writes_json_and_figures(spaces, tmp_path):
     scene.write_text(format_scene(degree6("pi/3")))
     run = CliRunner().invoke
     out, figure = tmp_path / "space.json", tmp_path / "space.pdf"
-    arguments = ["space", str(scene), "--rings", "8", "--json", str(out), "--figure", str(figure)]
+    arguments = ["space", str(scene), "--rings", "8", "-o", str(out), "-o", str(figure)]
     result = run(app, arguments)
     assert result.exit_code == 0, result.output
     assert figure.read_bytes().startswith(b"%PDF")
@@ -288,7 +288,7 @@ def test_command_writes_json_and_figures(spaces, tmp_path):
     assert data["schema"] == "origami-nlp/landscape/2"
     assert len(data["handles"]) == 4
     assert data["euler_characteristic"] == 1
-    bad = run(app, ["space", str(scene), "--figure", str(tmp_path / "space.doc")])
+    bad = run(app, ["space", str(scene), "-o", str(tmp_path / "space.doc")])
     assert isinstance(bad.exception, OptionError)
 
 

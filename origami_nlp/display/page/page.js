@@ -1,0 +1,472 @@
+// What moves on the interactive page.  All geometry comes from the data; nothing is folded or searched here: a step of
+// the slider shows a stored state, and nothing is shown between two of them.
+"use strict";
+const DATA = JSON.parse(document.getElementById("data").textContent);
+const $ = id => document.getElementById(id);
+const UPPER = 0xf3dfb4, LOWER = 0x9fb6c4, LOADED = 0xe69f00;
+const CREASES = {mountain: {color: 0xc1121f, linewidth: 4.5}, valley: {color: 0x1d4ed8, linewidth: 4.5, dashed: true},
+  "not folded": {color: 0x777777, linewidth: 1.5}};
+const MOST_NUMBERED = 40;  // creases whose numbers can be read
+const kindOf = phi => Math.abs(phi) < 1e-6 ? "not folded" : phi < 0 ? "mountain" : "valley";
+const ARC = Math.PI / 24;
+// dark (low) to pale (high): readable in grey, and to colour-blind readers
+const SCALE = ["#0b2559", "#24479d", "#1f7fb6", "#56bcc0", "#dff3c4"];
+const LOOKS = {contact: {stroke: "#1b1b1b", strokeWidth: 1.5}, handle: {stroke: "#7b1fa2", strokeWidth: 2.5, strokeDasharray: "6 4"},
+  metastable: {stroke: "#e10000", strokeWidth: 4}, curve: {stroke: "#0072b2", strokeWidth: 2}};
+const scene = {data: null, station: 0, track: -1, step: 0, playing: null, key: null};
+
+// ---------------------------------------------------------------- small vectors and words
+
+const add = (a, b) => a.map((v, i) => v + b[i]);
+const times = (a, s) => a.map(v => v * s);
+const sub = (a, b) => a.map((v, i) => v - b[i]);
+const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
+const length = a => Math.hypot(...a);
+const unit = a => times(a, 1 / Math.max(length(a), 1e-12));
+const minus = text => String(text).replace(/^-/, "−");
+const number = v => v === null ? "–" : minus(Number(v.toPrecision(6)));
+const degrees = a => minus((a * 180 / Math.PI).toFixed(1).replace(/^-0\.0$/, "0.0"));
+
+// ---------------------------------------------------------------- a folded body
+
+function outline(state, facet) {  // corners of a facet; a sector's far side is an arc about its first corner
+  const p = facet.map(k => state.corners[k]);
+  if (!scene.data.body.sectors) return p;
+  const [o, a, b] = p, u = sub(a, o), v = sub(b, o), angle = Math.atan2(length(cross(u, v)), dot(u, v));
+  const count = Math.max(1, Math.ceil(angle / ARC)), out = [o];
+  for (let k = 0; k <= count; k++) {
+    const t = k / count * angle;
+    out.push(add(o, times(add(times(u, Math.sin(angle - t)), times(v, Math.sin(t))), 1 / Math.sin(angle))));
+  }
+  return out;
+}
+
+const normals = state => scene.data.body.facets.map(f => {
+  const [a, b, c] = f.map(k => state.corners[k]);
+  return unit(cross(sub(b, a), sub(c, a)));
+});
+
+const shift = (state, f) => state.shifts ? state.shifts[f] : [0, 0, 0];  // facets that lie on each other are drawn apart
+
+function paperOf(state) {  // triangles of the facets, and their borders
+  const triangles = [], borders = [];
+  scene.data.body.facets.forEach((facet, f) => {
+    const ring = outline(state, facet).map(p => add(p, shift(state, f)));
+    for (let t = 1; t < ring.length - 1; t++) triangles.push(...ring[0], ...ring[t], ...ring[t + 1]);
+    if (scene.data.body.sectors) return ring.slice(2).forEach((p, t) => borders.push(...ring[t + 1], ...p));
+    facet.forEach((corner, k) => {
+      if (!scene.creased.has(`${corner} ${facet[(k + 1) % facet.length]}`)) borders.push(...ring[k], ...ring[(k + 1) % facet.length]);
+    });
+  });
+  return {triangles, borders};
+}
+
+function creasesOf(state) {  // a crease on each of its facets, by kind, and where its number stands
+  const kinds = {mountain: [], valley: [], "not folded": []}, owners = {mountain: [], valley: [], "not folded": []}, numbers = [];
+  state.angles.forEach((phi, n) => {
+    const c = scene.data.body.creases[n], a = state.corners[c.start], b = state.corners[c.end], kind = kindOf(phi);
+    const two = [shift(state, c.left), shift(state, c.right)];
+    for (const s of length(sub(...two)) > 0 ? two : two.slice(1)) { kinds[kind].push(...add(a, s), ...add(b, s)); owners[kind].push(n); }
+    const middle = times(add(...two), 0.5), at = scene.data.body.sectors ? 1.1 : 0.5;
+    const place = add(add(times(a, 1 - at), times(b, at)), middle);
+    const same = numbers.find(e => length(sub(e.place, place)) < 0.04 * scene.reach);
+    if (same) same.text += `, ${n + 1}`;
+    else numbers.push({place, text: String(n + 1), dx: 0, dy: 0});
+  });
+  return {kinds, owners, numbers: state.angles.length > MOST_NUMBERED ? [] : numbers};
+}
+
+// Contacts stand off the paper; their label is on the side that is seen first.
+function marksOf(state, marks, towards, right) {
+  const body = scene.data.body, normal = normals(state), places = [], labels = [], off = 0.03 * scene.reach;
+  marks.forEach((mark, m) => {
+    const found = [
+      ...mark.creases.map(n => {
+        const c = body.creases[n], t = 0.8 - 0.15 * (m % 4), half = state.angles[n] / 2;
+        const a = state.corners[c.start], b = state.corners[c.end], axis = unit(sub(b, a));
+        const out = add(times(normal[c.right], Math.cos(half)), times(cross(axis, normal[c.right]), Math.sin(half)));
+        const at = add(add(times(a, 1 - t), times(b, t)), times(add(shift(state, c.right), shift(state, c.left)), 0.5));
+        return [at, out, state.angles[n]];
+      }),
+      ...mark.facets.map(f => {
+        const ring = outline(state, body.facets[f]);
+        return [add(times(ring.reduce(add), 1 / ring.length), shift(state, f)), normal[f], 0];
+      })];
+    found.forEach(([at, out, phi], n) => {
+      // what is fully folded has an outside only: above a mountain, below a valley
+      const closed = Math.abs(phi) > 2, seen = closed ? -Math.sign(phi) : dot(out, towards) >= 0 ? 1 : -1;
+      for (const side of closed ? [seen] : [seen, -seen])
+        places.push({place: add(at, times(out, side * off)), text: mark.text, loaded: mark.loaded});
+      if (n) return;
+      const place = add(at, times(out, seen * off));
+      labels.push({place, text: mark.label, dx: dot(sub(at, scene.middle), right) >= 0 ? 42 : -42, dy: -24, mark: true});
+    });
+  });
+  return {places, labels};
+}
+
+// ---------------------------------------------------------------- space
+
+const space = {renderer: null, camera: null, controls: null, world: new LIB.Scene(), body: null, pickable: [], labels: [],
+  dirty: true, positions: []};
+
+function openSpace() {
+  const canvas = document.createElement("canvas");
+  try {
+    space.renderer = new LIB.WebGLRenderer({canvas, antialias: true, alpha: true, preserveDrawingBuffer: true});
+  } catch {
+    $("space").append("This browser has no WebGL: folded states cannot be shown in space.");
+    return;
+  }
+  $("space").prepend(canvas);
+  space.overlay = document.createElementNS("http://www.w3.org/2000/svg", "svg");
+  $("space").append(space.overlay);
+  space.camera = new LIB.OrthographicCamera();
+  // light from above left of the reader, weaker from all round: facets that are tilted differently differ in brightness
+  const key = new LIB.DirectionalLight(0xffffff, 1.6), fill = new LIB.DirectionalLight(0xffffff, 0.5);
+  key.position.set(-0.6, 0.9, 0.7);
+  fill.position.set(1, -0.3, 0.5);
+  space.camera.add(key, fill, key.target, fill.target);
+  space.world.add(space.camera, new LIB.HemisphereLight(0xffffff, 0xe4e8ec, 2.0));
+  space.controls = new LIB.TrackballControls(space.camera, canvas);
+  Object.assign(space.controls, {rotateSpeed: 2.5, staticMoving: true});
+  space.controls.addEventListener("change", () => { space.dirty = true; });
+  new ResizeObserver(fitSpace).observe($("space"));
+  canvas.addEventListener("pointermove", point);
+  canvas.addEventListener("pointerleave", () => { $("pointed").style.display = "none"; });
+  (function turn() {
+    space.controls.update();
+    if (space.dirty) render();
+    requestAnimationFrame(turn);
+  })();
+}
+
+function fitSpace() {
+  if (!space.renderer || !scene.reach) return;
+  const w = $("space").clientWidth, h = $("space").clientHeight, half = 1.12 * scene.reach * Math.max(1, h / w);
+  Object.assign(space.camera, {left: -half * w / h, right: half * w / h, top: half, bottom: -half, near: 0,
+    far: 12 * scene.reach});
+  space.camera.updateProjectionMatrix();
+  space.renderer.setPixelRatio(window.devicePixelRatio);
+  space.renderer.setSize(w, h, false);
+  space.controls.handleResize();
+  space.dirty = true;
+}
+
+function lookFrom([right, up, towards]) {
+  const {camera, controls} = space, eye = add(scene.middle, times(towards, 6 * scene.reach));
+  const w = $("space").clientWidth, h = $("space").clientHeight;
+  const far = axis => 1.18 * scene.shown.reduce((v, p) => Math.max(v, Math.abs(dot(sub(p, scene.middle), axis))), 1e-9);
+  const half = Math.max(far(up), far(right) * h / w), whole = 1.12 * scene.reach * Math.max(1, h / w);
+  camera.zoom = Math.min(whole / half, 1.8);
+  camera.position.set(...eye);
+  camera.up.set(...up);
+  controls.target.set(...scene.middle);
+  camera.lookAt(controls.target);
+  fitSpace();
+}
+
+function segments(points, look) {
+  const geometry = new LIB.LineSegmentsGeometry().setPositions(points), dash = 0.07, gap = 0.05;
+  const lines = new LIB.LineSegments2(geometry, new LIB.LineMaterial({...look, dashSize: dash, gapSize: gap}));
+  lines.computeLineDistances();
+  const along = geometry.attributes.instanceDistanceStart.data.array;
+  for (let k = 0; k < along.length; k += 2) {  // each crease begins and ends with a dash
+    const dashes = Math.max(2, Math.round((along[k + 1] - along[k]) / (dash + gap) / scene.reach));
+    [along[k], along[k + 1]] = [0, dashes * (dash + gap) - gap];
+  }
+  return lines;
+}
+
+function drawSpace() {
+  if (!space.renderer) return;
+  const now = current(), fresh = scene.key !== now.key;
+  if (fresh) {  // the box holds all that is shown under one key, so that a path does not jump about in it
+    scene.key = now.key;
+    const all = now.all.flatMap(s => s.corners);
+    const ends = [Math.min, Math.max].map(end => [0, 1, 2].map(k => all.reduce((v, p) => end(v, p[k]), all[0][k])));
+    scene.shown = all;
+    scene.middle = times(add(...ends), 0.5);
+    scene.reach = all.reduce((v, p) => Math.max(v, length(sub(p, scene.middle))), 1e-9);
+    lookFrom(now.view);
+  }
+  if (space.body) {
+    space.world.remove(space.body);
+    space.body.traverse(part => { part.geometry?.dispose(); part.material?.dispose(); });
+  }
+  const body = space.body = new LIB.Group(), {triangles, borders} = paperOf(now.state);
+  const geometry = new LIB.BufferGeometry();
+  geometry.setAttribute("position", new LIB.Float32BufferAttribute(triangles, 3));
+  geometry.computeVertexNormals();
+  const behind = {polygonOffset: true, polygonOffsetFactor: 3, polygonOffsetUnits: 4};  // lines lie on the paper
+  const paper = [[LIB.FrontSide, UPPER], [LIB.BackSide, LOWER]].map(([side, color]) =>
+    new LIB.Mesh(geometry, new LIB.MeshLambertMaterial({side, color, ...behind})));
+  body.add(...paper, segments(borders, {color: 0x333333, linewidth: 1.2}));
+  const {kinds, owners, numbers} = creasesOf(now.state);
+  space.pickable = [...paper];
+  for (const [kind, points] of Object.entries(kinds)) {
+    if (!points.length) continue;
+    const lines = segments(points, CREASES[kind]);
+    lines.userData.text = k => {
+      const n = owners[kind][k];
+      return `crease ${n + 1}: ${kind}, ${degrees(now.state.angles[n])}°`;
+    };
+    body.add(lines);
+    space.pickable.push(lines);
+  }
+  const {places, labels} = marksOf(now.state, now.marks, now.view[2], now.view[0]);
+  for (const mark of places) {
+    const size = 0.026 * scene.reach;
+    const shape = mark.loaded ? new LIB.OctahedronGeometry(1.3 * size) : new LIB.SphereGeometry(0.8 * size, 16, 12);
+    const mesh = new LIB.Mesh(shape, new LIB.MeshLambertMaterial({color: mark.loaded ? LOADED : 0xffffff}));
+    mesh.position.set(...mark.place);
+    mesh.userData.text = () => mark.text;
+    body.add(mesh);
+    space.pickable.push(mesh);
+  }
+  space.world.add(body);
+  Object.assign(space, {labels: [...$("numbers").checked ? numbers : [], ...labels], positions: triangles, dirty: true});
+}
+
+function render() {
+  space.dirty = false;
+  space.renderer.render(space.world, space.camera);
+  const w = $("space").clientWidth, h = $("space").clientHeight, put = [], parts = [];
+  const element = (name, attributes, text) => {
+    const e = document.createElementNS("http://www.w3.org/2000/svg", name);
+    for (const [k, v] of Object.entries(attributes)) e.setAttribute(k, v);
+    if (text) e.textContent = text;
+    return e;
+  };
+  for (const label of space.labels) {
+    const p = new LIB.Vector3(...label.place).project(space.camera);
+    const x = (p.x + 1) / 2 * w, y = (1 - p.y) / 2 * h, wide = 7.2 * label.text.length, anchor = label.dx > 0 ? "start" : label.dx < 0 ? "end" : "middle";
+    let tx = x + label.dx, ty = y + label.dy;
+    const left = () => anchor === "start" ? tx : anchor === "end" ? tx - wide : tx - wide / 2;
+    if (left() < 2) tx += 2 - left();
+    if (left() + wide > w - 2) tx -= left() + wide - w + 2;
+    const meets = () => put.some(r => Math.abs(r.y - ty) < 16 && left() < r.right && r.left < left() + wide);
+    for (let tries = 0; meets() && tries < (label.mark ? 40 : 3); tries++) ty += 16;  // the later one gives way downwards
+    put.push({left: left(), right: left() + wide, y: ty});
+    if (label.mark) parts.push(element("line", {x1: x, y1: y, x2: tx, y2: ty - 4}));
+    parts.push(element("text", {x: tx, y: ty + (label.mark ? 0 : 5), "text-anchor": anchor, class: label.mark ? "mark" : "number"}, label.text));
+  }
+  space.overlay.replaceChildren(...parts);
+}
+
+const caster = new LIB.Raycaster();
+
+function point(event) {  // what lies under the pointer: a crease or a contact, if no facet is before it
+  const {left, top, width, height} = $("space").getBoundingClientRect();
+  const x = event.clientX - left, y = event.clientY - top;
+  caster.setFromCamera(new LIB.Vector2(2 * x / width - 1, 1 - 2 * y / height), space.camera);
+  caster.params.Line2 = {threshold: 6};
+  const near = 0.03 * scene.reach, hits = caster.intersectObjects(space.pickable, false);
+  const hit = hits.find(h => h.object.userData.text && h.distance < hits[0].distance + near);
+  const box = $("pointed");
+  box.style.display = hit ? "block" : "none";
+  if (!hit) return;
+  box.textContent = hit.object.userData.text(hit.faceIndex);
+  box.style.left = `${Math.min(x + 14, width - 160)}px`;
+  box.style.top = `${y + 14}px`;
+}
+
+// ---------------------------------------------------------------- energies
+
+const MARGIN = {marginLeft: 76, marginRight: 18, marginTop: 22, marginBottom: 40, style: {fontSize: "12px", overflow: "visible"}};
+const AXIS = {labelAnchor: "center", labelArrow: "none", ticks: 6, tickFormat: v => minus(Number(v.toPrecision(6)))};
+
+function figure(title, picture) {
+  const out = document.createElement("figure"), caption = document.createElement("figcaption");
+  caption.textContent = title;
+  out.append(caption, picture);
+  return out;
+}
+
+const sizeOf = () => Math.max(280, Math.min($("side").clientWidth || 600, 900));
+
+function drawProfile() {
+  $("profile").replaceChildren();
+  if (scene.track < 0) return;
+  const track = scene.data.tracks[scene.track], points = track.parameter.map((s, k) => [s, track.energy[k]]);
+  const picture = LIB.plot({...MARGIN, width: sizeOf(), height: 240, grid: true, x: {...AXIS, label: track.label},
+    y: {...AXIS, label: "energy [J]"}, marks: [
+      LIB.line(points, {stroke: "#333", strokeWidth: 2}), LIB.dot(points, {r: 1.6, fill: "#333"}),
+      LIB.dot([points[scene.step]], {r: 7, fill: "#e69f00", stroke: "#111", strokeWidth: 2})]});
+  const plot = picture.matches("svg") ? picture : picture.querySelector("svg");
+  plot.style.cursor = "pointer";
+  plot.onclick = event => {  // the state nearest to the pointer
+    const x = picture.scale("x").invert(event.offsetX);
+    scene.step = points.reduce((best, p, k) => Math.abs(p[0] - x) < Math.abs(points[best][0] - x) ? k : best, 0);
+    draw();
+  };
+  $("profile").append(figure("Energy along the path", picture));
+}
+
+function rangesOf(panel) {  // with room, so that a star on the border is seen whole
+  return [0, 1].map(k => {
+    const all = [...panel[k ? "y" : "x"], ...panel.lines.flatMap(l => l.points.map(p => p[k])),
+      ...panel.stations.map(p => p[k + 1])].filter(v => v !== null);
+    const low = all.reduce((a, b) => Math.min(a, b)), high = all.reduce((a, b) => Math.max(a, b));
+    const room = 0.06 * (high - low) || 0.5;
+    return [low - room, high + room];
+  });
+}
+
+function drawMap(panel) {
+  const flat = (panel.energy || []).flat(), seen = flat.filter(v => v !== null), marks = [];
+  const low = seen.reduce((a, b) => Math.min(a, b), Infinity), high = seen.reduce((a, b) => Math.max(a, b), -Infinity);
+  const energyOf = share => low + share * share * (high - low);
+  let color;
+  if (seen.length) {
+    const [nx, ny] = [panel.x.length, panel.y.length];
+    const ends = (v, n) => { const half = (v[n - 1] - v[0]) / (n - 1) / 2; return [v[0] - half, v[n - 1] + half]; };
+    const [[x1, x2], [y1, y2]] = [ends(panel.x, nx), ends(panel.y, ny)];
+    const share = flat.map(v => v === null ? NaN : Math.sqrt((v - low) / (high - low || 1)));  // finer where minima are
+    marks.push(LIB.raster(share, {width: nx, height: ny, x1, x2, y1, y2, imageRendering: "pixelated"}));
+    color = {type: "linear", domain: [0, 0.25, 0.5, 0.75, 1], range: SCALE, legend: true, label: "energy [J]", width: 300, marginLeft: 24, marginRight: 24,
+      ticks: [0, 0.25, 0.5, 0.75, 1], tickFormat: t => minus(Number(energyOf(t).toPrecision(3)))};
+  }
+  for (const line of panel.lines)
+    marks.push(LIB.line(line.points.map(p => p.map(v => v ?? NaN)), {...LOOKS[line.look], title: () => line.name, z: null}));
+  for (const {track, points} of panel.tracks) {
+    if (track !== scene.track) continue;
+    const path = points.map(p => p.map(v => v ?? NaN));
+    marks.push(LIB.line(path, {stroke: "#000", strokeWidth: 5}), LIB.line(path, {stroke: "#fff", strokeWidth: 2.5}),
+      LIB.dot([path[scene.step]], {r: 7, fill: "#e69f00", stroke: "#111", strokeWidth: 2}));
+  }
+  const chosen = s => scene.track < 0 && s[0] === scene.station;
+  marks.push(
+    LIB.dot(panel.stations, {x: s => s[1], y: s => s[2], symbol: "star", r: s => chosen(s) ? 9 : 6.5, stroke: "#111",
+      fill: s => chosen(s) ? "#e69f00" : "#fff", strokeWidth: 1.3, title: s => scene.data.stations[s[0]].title}),
+    LIB.text(panel.stations, {x: s => s[1], y: s => s[2], text: s => String(s[0] + 1), dx: 11, dy: -10, fontSize: 14,
+      fontWeight: 700, fill: "#111", stroke: "#fff", strokeWidth: 3}));
+  const wide = sizeOf(), [x, y] = rangesOf(panel);
+  const picture = LIB.plot({...MARGIN, width: wide, height: panel.energy ? Math.min(wide, 620) : 340, grid: !panel.energy, color,
+    x: {...AXIS, domain: x, label: panel.labels[0]}, y: {...AXIS, domain: y, label: panel.labels[1]}, r: {type: "identity"}, marks});
+  const plot = [...picture.querySelectorAll("svg"), picture].find(e => e.querySelector("[aria-label=x-axis\\ tick\\ label],[aria-label='x-axis tick label']")) || picture;
+  const readout = document.createElement("div");
+  readout.className = "readout";
+  const under = event => [picture.scale("x").invert(event.offsetX), picture.scale("y").invert(event.offsetY)];
+  plot.onmousemove = event => {
+    const at = under(event), names = panel.labels.map(l => l.replace(/ *\[.*\]/, "")), units = panel.labels.map(l => (l.match(/\[(.*)\]/) || ["", ""])[1]);
+    const nearest = (v, all) => all.reduce((best, w, k) => Math.abs(w - v) < Math.abs(all[best] - v) ? k : best, 0);
+    const energy = panel.energy && panel.energy[nearest(at[1], panel.y)][nearest(at[0], panel.x)];
+    readout.textContent = at.map((v, k) => `${names[k]} ${minus(v.toFixed(2))} ${units[k].replace("deg", "°")}`).join(", ") +
+      (panel.energy ? energy === null ? ": no admissible state" : `: ${number(energy)} J` : "");
+  };
+  plot.onclick = event => {  // a star leads to its state
+    const distance = s => Math.hypot(picture.scale("x").apply(s[1]) - event.offsetX, picture.scale("y").apply(s[2]) - event.offsetY);
+    const best = panel.stations.reduce((b, s) => b === null || distance(s) < distance(b) ? s : b, null);
+    if (best && distance(best) < 16) chooseState(best[0]);
+  };
+  const out = figure(panel.title, picture);
+  out.append(readout);
+  return out;
+}
+
+const drawMaps = () => $("maps").replaceChildren(...scene.data.panels.map(drawMap));
+
+// ---------------------------------------------------------------- what is chosen
+
+function current() {
+  if (scene.track >= 0) {
+    const track = scene.data.tracks[scene.track], state = track.states[scene.step];
+    return {state, view: track.view, marks: [], energy: track.energy[scene.step], all: track.states, key: `${scene.number} path ${scene.track}`};
+  }
+  const state = scene.data.stations[scene.station];
+  return {state, view: state.view, marks: state.marks, energy: state.energy, all: [state], key: `${scene.number} state ${scene.station}`};
+}
+
+function fill(select, titles, chosen) {
+  select.replaceChildren(...titles.map((title, n) => new Option(title, n, false, n === chosen)));
+}
+
+function draw() {
+  const now = current(), track = scene.data.tracks[scene.track], onPath = scene.track >= 0;
+  $("state").value = scene.station;
+  $("path").value = scene.track + 1;
+  $("step").disabled = $("play").disabled = !onPath;
+  $("step").max = onPath ? track.states.length - 1 : 0;
+  $("step").value = scene.step;
+  let said = `energy ${number(now.energy)} J`;
+  if (onPath) said += `; step ${scene.step + 1} of ${track.states.length}` +
+    (track.of > track.states.length ? ` shown (${track.of} stored)` : "");
+  else if (scene.data.note) said += `. ${scene.data.note}`;
+  $("where").textContent = said;
+  const lines = onPath
+    ? [`${scene.data.steps} Contacts are marked on chosen states only.`,
+      `fold angles [deg]: ${now.state.angles.map(degrees).join(", ")}`]
+    : now.state.lines;
+  $("lines").replaceChildren(...lines.map(text => Object.assign(document.createElement("li"), {textContent: text})));
+  document.querySelectorAll(".marked").forEach(e => { e.style.display = now.marks.length ? "" : "none"; });
+  document.querySelector(".plots").classList.toggle("alone", !onPath && !scene.data.panels.length);
+  drawSpace(); drawProfile(); drawMaps();
+}
+
+function stop() {
+  clearInterval(scene.playing);
+  scene.playing = null;
+  $("play").innerHTML = "&#9654;";
+}
+
+function chooseState(n) {
+  stop();
+  const count = scene.data.stations.length;
+  Object.assign(scene, {station: (n + count) % count, track: -1, step: 0});
+  draw();
+}
+
+function choosePath(n) {
+  stop();
+  Object.assign(scene, {track: n, step: 0});
+  if (n >= 0 && scene.data.tracks[n].start !== null) scene.station = scene.data.tracks[n].start;
+  draw();
+}
+
+function chooseScene(n) {  // it opens on its first path, where it has one
+  stop();
+  const data = DATA[n], first = data.tracks.length ? 0 : -1;
+  let step = 0;
+  if (first === 0 && data.tracks[0].start === null && data.stations.length) {  // through the first state, not from it
+    const far = state => length(sub(state.angles, data.stations[0].angles)), {states} = data.tracks[0];
+    step = states.reduce((best, state, k) => far(state) < far(states[best]) ? k : best, 0);
+  }
+  scene.creased = new Set(data.body.creases.flatMap(c => [`${c.start} ${c.end}`, `${c.end} ${c.start}`]));
+  Object.assign(scene, {data, number: n, station: first < 0 ? 0 : data.tracks[0].start ?? 0, track: first, step, key: null});
+  $("title").textContent = data.title;
+  fill($("state"), data.stations.map(s => s.title), 0);
+  fill($("path"), ["none: the state alone", ...data.tracks.map(t => t.title)], 0);
+  document.querySelectorAll(".paths").forEach(e => { e.style.display = data.tracks.length ? "" : "none"; });
+  document.querySelectorAll(".report").forEach((e, k) => { e.hidden = k !== n; });
+  $("numbers").checked = data.body.creases.length <= 12;
+  const some = data.stations.length + data.tracks.length > 0;
+  document.querySelector(".plots").style.display = some ? "" : "none";
+  if (some) draw();
+  else $("where").textContent = "There is no state to show.";
+}
+
+$("state").onchange = event => chooseState(Number(event.target.value));
+$("before").onclick = () => chooseState(scene.station - 1);
+$("after").onclick = () => chooseState(scene.station + 1);
+$("path").onchange = event => choosePath(Number(event.target.value) - 1);
+$("step").oninput = event => { scene.step = Number(event.target.value); draw(); };
+$("numbers").onchange = drawSpace;
+$("upright").onclick = () => lookFrom(current().view);
+$("play").onclick = () => {
+  if (scene.playing) return stop();
+  const last = scene.data.tracks[scene.track].states.length - 1;
+  if (scene.step === last) scene.step = 0;
+  $("play").textContent = "❚❚";
+  scene.playing = setInterval(() => {
+    scene.step += 1;
+    draw();
+    if (scene.step >= last) stop();
+  }, 90);
+};
+$("scene").onchange = event => chooseScene(Number(event.target.value));
+fill($("scene"), DATA.map(d => d.title), 0);
+document.querySelectorAll(".many").forEach(e => { e.style.display = DATA.length > 1 ? "" : "none"; });
+openSpace();
+chooseScene(0);
