@@ -50,7 +50,7 @@ def design(
         parse_targets,
         read_targets,
     )
-    from origami_nlp.pattern import Vertex, format_scene
+    from origami_nlp.pattern import Pattern, Vertex, format_scene
     from origami_nlp.pattern_problem import pattern_to_fold
 
     if targets in EXAMPLES and not Path(targets).exists():
