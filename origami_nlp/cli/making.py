@@ -37,8 +37,9 @@ def design(
     seed: o.Seed = 0,
     effort: o.Effort = "normal",
 ) -> None:
-    """Find the springs that hold the states of TARGETS, with the largest margin; the main job checks them.
+    """Find the springs that hold the states of TARGETS, with the largest margin, and look for its minima.
 
+    Fold angles of the states may be measured: the nearest states that close are taken, and how far they moved is said.
     -o writes a vertex with its springs as .toml, a pattern as .fold.  Exit code 0: a design that does all that is
     asked.  1: proved that no springs do.  3: neither; the last lines say why.
     """
@@ -154,4 +155,7 @@ def _about(make: Callable[..., Any]) -> str:
     said = (inspect.getdoc(make) or "").split("\nParameters\n")[0]
     said = said.removeprefix("Make ")
     lines = textwrap.wrap(" ".join((said[:1].upper() + said[1:]).split()), 98)
+    lines.append(
+        "To make it yours: sector_angles_deg, rest_angles_deg take degrees; stiffness is in N m/rad."
+    )
     return "".join(f"# {line}\n" for line in lines)
