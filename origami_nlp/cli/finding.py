@@ -110,14 +110,16 @@ def minima(
 def _write_certificate(result: MinimaResult, file: str) -> None:
     """Prove again, with the tree of boxes on record, and write it down."""
     from origami_nlp.problem import Model
-    from origami_nlp.proof import certificate_of, prove, write_certificate
+    from origami_nlp.proof import ProofOptions, certificate_of, prove, write_certificate
 
     found = result.completeness
     if found is None or not found.boxes:
         why = found.reason if found else "it was not asked for (--prove)"
         raise OptionError(f"--certificate: there is no proof to write: {why}")
     models = [Model(one) for one in result.scene.of_each_winding]
-    proofs = [prove(model, record=True, most=found.boxes) for model in models]
+    proofs = [
+        prove(model, record=True, options=ProofOptions(boxes=found.boxes)) for model in models
+    ]
     write_certificate(certificate_of(result.scene, *proofs), file)
 
 

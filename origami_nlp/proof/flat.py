@@ -31,11 +31,14 @@ import numpy as np
 from origami_nlp.proof.affine import UNIT, Affine, padded, variables
 from origami_nlp.proof.boxes import Boxes, prune
 from origami_nlp.proof.chains import VanishingRows, VertexForms
+from origami_nlp.proof.options import ProofOptions
 
 RADII = (1e-2, 3e-3, 1e-3, 3e-4, 1e-4, 3e-5, 1e-5, 3e-6)
 """Radii [rad] tried, the largest first; smaller ones cost more boxes outside."""
 MOST = 3_000
 """Boxes for a radius; generic scenes take some ten."""
+FEW = ProofOptions(fewest=1)
+"""So few boxes are not cut further before anything is asked of them."""
 NARROW = 1e-3
 """Boxes of directions narrower than this are left: the radius is too large, or the flat state critical."""
 CLEAR = 1e-9
@@ -207,7 +210,7 @@ def flat_lemma(vertex: VertexForms) -> Flat:
     boxes = 0
     for radius in RADII:
         cone = ClosedDirections(vertex, radius)
-        left = prune(cone, cone.faces(), small=NARROW, most=MOST)
+        left = prune(cone, cone.faces(), small=NARROW, most=MOST, options=FEW)
         boxes += left.boxes
         if not len(left.candidates) and not len(left.open):
             return Flat(radius, boxes, no_minimum(vertex))

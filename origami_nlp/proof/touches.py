@@ -85,7 +85,6 @@ def prove(
     model: Model,
     *,
     seconds: float | None = None,
-    most: float = math.inf,
     record: bool = False,
     until: float = math.inf,
     options: ProofOptions = DEFAULT,
@@ -98,14 +97,12 @@ def prove(
         Of a scene with contact "fold-limits" or "full".
     seconds
         Stop after so much processor time; what is left then is undecided.
-    most
-        Stop after this many boxes, touches apart (which, unlike a time, stops at the same place everywhere).
     record
         Whether to keep the tree of boxes; with full contact there is none.
     until
         Stop then (`time.monotonic`), as after `seconds`.
     options
-        Widths of boxes, how many are treated together, and how many for touches.
+        Widths of boxes, how many at most (which, unlike a time, ends at the same place everywhere), how many together.
 
     Returns
     -------
@@ -126,7 +123,7 @@ def prove(
     """
     check_type("model", model, Model)
     model.scene.check_no_forces("a proof")
-    asked: dict[str, Any] = {"seconds": seconds, "most": most, "until": until, "options": options}
+    asked: dict[str, Any] = {"seconds": seconds, "until": until, "options": options}
     if model.scene.contact != "full":
         return prove_within_limits(model, record=record, **asked)
     started = time.process_time()
@@ -249,7 +246,7 @@ def with_touches(
     until
         Stop then (`time.monotonic`), as after `seconds`.
     options
-        Widths of boxes, how many are treated together, and how many for touches.
+        Widths of boxes, how many at most (which, unlike a time, ends at the same place everywhere), how many together.
 
     Returns
     -------

@@ -81,15 +81,17 @@ def test_fields_of_continuation_have_their_effect():
 
 
 def test_fields_of_a_proof_have_their_effect():
-    proved = o.find_minima(QUARTIC, prove=True, escape=False).completeness
+    def asked(**options):
+        return o.find_minima(QUARTIC, prove=ProofOptions(**options), escape=False).completeness
+
+    proved = asked(fewest=1)
     assert proved.status == "proved"
-    same = o.find_minima(QUARTIC, prove=ProofOptions(batch=50), escape=False).completeness
+    same = asked(batch=50, fewest=1)
     assert (same.status, same.boxes) == ("proved", proved.boxes)
-    coarse = o.find_minima(QUARTIC, prove=ProofOptions(smallest=1e-3), escape=False).completeness
-    assert coarse.boxes < proved.boxes
-    given_up = o.find_minima(
-        QUARTIC, prove=ProofOptions(boxes=5, batch=5), escape=False
-    ).completeness
+    finer = asked()
+    assert finer.status == "proved" and finer.boxes > proved.boxes
+    assert asked(smallest=1e-3, fewest=1).boxes < proved.boxes
+    given_up = asked(boxes=5, batch=5)
     assert given_up.status == "not-proved" and given_up.boxes < proved.boxes
 
 
