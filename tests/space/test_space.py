@@ -33,13 +33,13 @@ SCENES = {
 
 @pytest.fixture(scope="module")
 def spaces():
-    return once("spaces", lambda: {k: find_space(scene, size=16) for k, scene in SCENES.items()})
+    return once("spaces", lambda: {k: find_space(scene, rings=16) for k, scene in SCENES.items()})
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", thinned(list(SCENES), 4))
 def test_topology_does_not_depend_on_the_mesh(spaces, name):
-    coarse, middle = find_space(SCENES[name], size=11), spaces[name]
+    coarse, middle = find_space(SCENES[name], rings=11), spaces[name]
     assert coarse.signature == middle.signature
     assert coarse.picture_holes == middle.picture_holes
 
@@ -48,7 +48,7 @@ def test_topology_does_not_depend_on_the_mesh(spaces, name):
 @pytest.mark.parametrize("name", SCENES)
 def test_topology_does_not_depend_on_fine_meshes(spaces, name):
     for size in (65, 128):
-        fine = find_space(SCENES[name], size=size)
+        fine = find_space(SCENES[name], rings=size)
         assert fine.signature == spaces[name].signature
         assert fine.picture_holes == spaces[name].picture_holes
 
