@@ -150,7 +150,7 @@ def test_options_are_named():
         "parameter",
         "parameters",
         "ask",
-        "seen",
+        "mobility",
         "vertex",
         "path",
         "target",
@@ -218,7 +218,7 @@ def broken(data):
     of_another = {**data, "schema": "origami-nlp/paper/1"}
     text = json.dumps(data)
     yield text[: len(text) // 2], "no JSON"
-    yield "", "no JSON"
+    yield "", "is empty"
     yield "[" * 100_000, "nested"
     yield "[]", "schema"
     yield json.dumps(of_another), "schema"
