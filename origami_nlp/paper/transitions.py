@@ -112,7 +112,9 @@ def find_transitions(
         report("sweep", k / samples)
         here = look(float(alpha))
         if here is None:
-            raise OptionError(f"rings = {rings}: too coarse at alpha_1 = {alpha:.6g}; use more rings")
+            raise OptionError(
+                f"rings = {rings}: too coarse at alpha_1 = {alpha:.6g}; use more rings"
+            )
         signatures.append(here)
     brackets: list[tuple[float, float]] = []
     for k in range(samples - 1):
