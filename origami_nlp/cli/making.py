@@ -50,7 +50,7 @@ def design(
         parse_targets,
         read_targets,
     )
-    from origami_nlp.pattern import Vertex, format_scene
+    from origami_nlp.pattern import Pattern, Vertex, format_scene
     from origami_nlp.pattern_problem import pattern_to_fold
 
     if targets in EXAMPLES and not Path(targets).exists():
@@ -71,8 +71,11 @@ def design(
     answer.print_to(out.console)
     out.write("json", answer.to_dict)
     if (made := answer.scene) is not None:
-        out.write("fold", lambda: js.dumps(pattern_to_fold(made, []), indent=1) + "\n")
-        out.write("scene", format_scene, made)
+        if isinstance(made, Pattern):
+            content = js.dumps(pattern_to_fold(made, []), indent=1) + "\n"
+            out.write("fold", lambda: content)
+        else:
+            out.write("scene", format_scene, made)
         out.write("figure", draw_design, answer)
     if not answer.verified:
         raise typer.Exit(REFUTED if answer.refuted else OPEN)

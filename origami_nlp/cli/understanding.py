@@ -328,4 +328,4 @@ def space(scene: Source, rings: o.Rings = 64) -> Any:
 
     stated = scene.read()
     with progress(f"{stated.label or scene.name}: mesh, walls, layers"):
-        return find_space(stated, size=rings)
+        return find_space(stated, rings=rings)
