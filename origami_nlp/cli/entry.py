@@ -26,6 +26,13 @@ app = Group(
     "Stable states of rigid origami, of a vertex or a whole crease pattern: found, certified, loaded, designed.  "
     "Creases and facets count from 1, vertices and frames of FOLD files from 0 as in the file.",
     completion=True,
+    first_steps={
+        "A vertex of your own": "example miura > my.toml; edit it; minima my.toml",
+        "A pattern of your own": "inspect my.fold; minima my.fold --stiffness 0.02 --rest-angle 90",
+        "The load at which it snaps": "load my.toml --crease 1 --state 2 -o load.png",
+        "Springs for given states": "example switch > two.toml; edit it; design two.toml -o my.toml",
+        "A figure for a paper": "minima my.toml -o states.pdf",
+    },
 )
 app.add(minima, pattern, load, follow, design, under=FIRST)
 app.add(inspect, example, under=FIRST)

@@ -171,7 +171,10 @@ def landscape(
     if not SMALLEST <= size <= LARGEST:
         raise OptionError(f"--size = {size} must lie between {SMALLEST} and {LARGEST}")
     if chart_of(stated) is None:
-        why = coordinates(stated, 8).reason or "it has one symmetric degree of freedom only"
+        why = (
+            coordinates(stated, 8).reason
+            or "it has one symmetric degree of freedom only; origami-nlp minima -o FILE.png draws its energy"
+        )
         raise OptionError(f"scene has no landscape over two coordinates: {why}")
     if stated.contact != "full":
         why = f"the admissible space in it needs contact = 'full', not {stated.contact!r}"

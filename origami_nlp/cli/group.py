@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from functools import partial
 from typing import Any
@@ -191,6 +191,7 @@ class _Listed(_Helped, TyperGroup):
     """What typer makes of a `Group`; alone it would list groups last, and all under one heading."""
 
     names: dict[str, str]
+    first_steps: dict[str, str]
 
     def list_commands(self, ctx: Any) -> list[str]:
         """Return the names that help shows."""
@@ -206,6 +207,9 @@ class _Listed(_Helped, TyperGroup):
         for heading, listed in rows.items():
             with formatter.section(heading):
                 formatter.write_dl(listed)
+        if self.first_steps:
+            with formatter.section("First steps"):
+                formatter.write_dl([*self.first_steps.items()])
 
     def resolve_command(self, ctx: Any, args: list[str]) -> Any:
         """Return the command that is called."""
@@ -233,12 +237,18 @@ class Group(typer.Typer):
         What the group is about.
     completion
         With options that install completion of words for a shell.
+    first_steps
+        What people want at first, and the commands for it, at the end of the help.
     """
 
-    def __init__(self, help: str, completion: bool = False) -> None:
+    def __init__(
+        self, help: str, completion: bool = False, first_steps: Mapping[str, str] | None = None
+    ) -> None:
         self.about, self.names = help, dict[str, str]()
         super().__init__(
-            cls=type("Listed", (_Listed,), {"names": self.names}),
+            cls=type(
+                "Listed", (_Listed,), {"names": self.names, "first_steps": dict(first_steps or {})}
+            ),
             help=help,
             no_args_is_help=True,
             add_completion=completion,

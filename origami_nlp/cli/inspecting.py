@@ -3,22 +3,27 @@
 from __future__ import annotations
 
 import json
-from typing import Any
+import math
+from typing import TYPE_CHECKING, Any
 
 from origami_nlp.cli import options as o
 from origami_nlp.cli.output import Output, writes
 from origami_nlp.cli.source import Source, takes_scene
 from origami_nlp.errors import OptionError
 
+if TYPE_CHECKING:
+    from origami_nlp.display import Table
+    from origami_nlp.pattern import Scene
+
 
 @takes_scene(o.OrigamiFile, whole=True)
 @writes("json", "scene", "fold", "figure")
 def inspect(out: Output, scene: Source) -> None:
-    """Print what ORIGAMI says: vertices of a FOLD file, or a scene and the variables and constraints of its model.
+    """Print what a file says: vertices of a pattern; creases, springs and optimisation problem of one vertex.
 
-    Of a FOLD file: degree, angles, flat-foldability and diagnosis of each interior vertex; .json has the list, .png the
-    pattern with the numbers of its vertices, .fold the pattern with its springs.  With --vertex: that vertex as a
-    scene; .toml has it.  Springs given here are in the .toml or .fold, for all other commands.
+    Of a pattern: degree, angles, flat-foldability and diagnosis of each interior vertex; -o FILE.png draws it with the
+    numbers of its vertices, FILE.fold is the pattern with the springs given here.  Of a scene, or with --vertex:
+    the springs of each crease, variables and constraints; -o FILE.toml is that vertex as a scene file.
     """
     if scene.is_whole:
         _pattern(scene, out)
@@ -32,8 +37,33 @@ def _vertex(scene: Source, out: Output) -> None:
 
     out.refuse("one vertex is written as a scene: end the name in .toml", "json", "fold", "figure")
     stated = scene.read()
-    out.say(f"{stated}\n{Model(stated)}", highlight=False, soft_wrap=True)
+    model = str(Model(stated))
+    out.say(_springs(stated))
+    for load in stated.loads:
+        out.say(f"load: {load.words}, facet {stated.fixed_facet} fixed", highlight=False)
+    out.say(model, highlight=False, soft_wrap=True)
     out.write("scene", format_scene, stated)
+
+
+def _springs(stated: Scene) -> Table:
+    """Return one row a crease: the sector to the next crease, and its spring."""
+    from origami_nlp.display import rows_table
+
+    heads = ["crease", "sector to the next [deg]", "stiffness [N m/rad]", "rest angle [deg]"]
+    columns = [
+        [math.degrees(a) for a in stated.vertex.sector_angles],
+        stated.stiffness,
+        [math.degrees(a) for a in stated.rest_angles],
+    ]
+    if stated.preload:
+        heads, columns = [*heads, "preload [N m]"], [*columns, stated.preload]
+    rows = [
+        [str(i), *(f"{v:.7g}" for v in row)]
+        for i, row in enumerate(zip(*columns, strict=True), start=1)
+    ]
+    kept = f"symmetry {stated.group.name} ({stated.symmetry} asked)"
+    title = f"{stated.label or 'vertex'}: degree {stated.degree}, {kept}, contact {stated.contact}"
+    return rows_table(heads, rows, title)
 
 
 def _pattern(scene: Source, out: Output) -> None:

@@ -38,8 +38,9 @@ def design(
     effort: o.Effort = "normal",
     verbose: o.Verbose = False,
 ) -> None:
-    """Find the springs that hold the states of TARGETS, with the largest margin; the main job checks them.
+    """Find the springs that hold the states of TARGETS, with the largest margin, and look for its minima.
 
+    Fold angles of the states may be measured: the nearest states that close are taken, and how far they moved is said.
     -o writes a vertex with its springs as .toml, a pattern as .fold.  Exit code 0: a design that does all that is
     asked.  1: proved that no springs do.  3: neither; the last lines say why.
     """
@@ -72,7 +73,8 @@ def design(
     out.write("json", answer.to_dict)
     if (made := answer.scene) is not None:
         if isinstance(made, Pattern):
-            out.write("fold", lambda: js.dumps(pattern_to_fold(made, []), indent=1) + "\n")
+            content = js.dumps(pattern_to_fold(made, []), indent=1) + "\n"
+            out.write("fold", lambda: content)
         else:
             out.write("scene", format_scene, made)
         out.write("figure", draw_design, answer)
@@ -157,4 +159,7 @@ def _about(make: Callable[..., Any]) -> str:
     said = (inspect.getdoc(make) or "").split("\nParameters\n")[0]
     said = said.removeprefix("Make ")
     lines = textwrap.wrap(" ".join((said[:1].upper() + said[1:]).split()), 98)
+    lines.append(
+        "To make it yours: sector_angles_deg, rest_angles_deg take degrees; stiffness is in N m/rad."
+    )
     return "".join(f"# {line}\n" for line in lines)

@@ -158,8 +158,10 @@ def writes(*kinds: str) -> Callable[..., Callable[..., None]]:
     """Give a command with the parameter ``out: Output`` the option ``-o`` for files of these kinds."""
     text = [kind for kind in kinds if kind in TEXTS]
     said = "; ".join(f"{' '.join(KINDS[kind][0])}: {KINDS[kind][1]}" for kind in kinds)
-    also = "".join(f", -{KINDS[kind][0][0]} {kind}" for kind in text[1:])
-    stdout = f"  -: {KINDS[text[0]][0][0]} on stdout{also}." if text else ""
+    places = [
+        f"-{KINDS[kind][0][0]}" if k else f"- ({KINDS[kind][0][0]})" for k, kind in enumerate(text)
+    ]
+    stdout = f"  Standard output: {', '.join(places)}." if text else ""
     option = o.output_files(f"Write a file, by its ending; repeat for more.  {said}.{stdout}")
 
     def decorate(command: Callable[..., Any]) -> Callable[..., None]:

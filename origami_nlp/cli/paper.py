@@ -129,7 +129,7 @@ def transitions(
         def report(what: str, done: float) -> None:
             show(done, text=what)
 
-        return find_transitions(family, samples=samples, size=rings, report=report, **options)
+        return find_transitions(family, samples=samples, rings=rings, report=report, **options)
 
 
 paper = Group("The source paper: its 18 panels, its equations, and its families of vertices.")

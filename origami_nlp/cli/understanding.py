@@ -183,8 +183,9 @@ def load(
 ) -> Any:
     """Load a stable state of ORIGAMI until it snaps, or to a given load: load against angle, snaps, hysteresis.
 
-    A FOLD file or an example is loaded as a whole, as a rigid sheet, unless --vertex names one vertex of it.  A vertex
-    without --crease is loaded by the scene's own forces.
+    A pattern is loaded by one of --crease, --edge, --pull and --force, a vertex by --crease, else by the scene's own
+    forces.  A vertex keeps its symmetry: images of the crease bear the same torque, and the path stops where the state
+    would break it.  --no-full goes on there with the symmetry kept; --symmetry none loads the one crease alone.
     """
     from origami_nlp.loading import load_path
     from origami_nlp.pattern import Scene
@@ -329,4 +330,4 @@ def space(scene: Source, rings: o.Rings = 64) -> Any:
 
     stated = scene.read()
     with progress(f"{stated.label or scene.name}: mesh, walls, layers"):
-        return find_space(stated, size=rings)
+        return find_space(stated, rings=rings)

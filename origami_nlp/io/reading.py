@@ -262,7 +262,10 @@ def check_tables(
             raise error(f"{table} = {shown(content)} must be {should}")
         for key in (key for one in entries for key in one if known[table]):
             if key not in known[table]:
-                meant = did_you_mean(key, known[table])
+                home = next((other for other in known if key in known[other]), None)
+                meant = did_you_mean(key, known[table]) or (
+                    f"; {key} is a key of [{home}]" if home else ""
+                )
                 raise error(
                     f"unknown key {key!r} in [{table}]: it takes {', '.join(known[table])}{meant}"
                 )

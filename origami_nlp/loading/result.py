@@ -253,7 +253,7 @@ class LoadPath(Report, Viewable):
                 a, b = leg.points[0].t, leg.points[-1].t
                 start = "" if leg.full_space_from is None else f" from {leg.full_space_from:.6g} on"
                 yield f"load {a:.6g} to {b:.6g}: {leg.full_space} without the symmetry {group}{start}"
-        yield f"states keep the symmetry {group}; where they would break it the path stops"
+        yield f"states keep the symmetry {group}; --symmetry none follows those that break it as well"
 
     def _idle(self) -> Iterator[str]:
         for leg in self.legs:

@@ -28,7 +28,10 @@ def test_the_package_runs_as_a_module_and_ends_as_the_command_does():
 def test_the_help_lists_what_people_want_under_headings():
     _, text, _ = run("--help")
     top = get_command(app)
-    shown = [line for line in text.split("Options:")[1].splitlines() if line]
+    listing, first_steps = text.split("Options:")[1].split("First steps:")
+    named = re.findall(r"(?<![.-])\b[a-z]+(?= (?:my|two|miura|switch)[. ;])", first_steps)
+    assert len(named) > 5 and set(named) - {"o"} <= set(top.commands)
+    shown = [line for line in listing.splitlines() if line]
     headings = [line for line in shown if not line.startswith(" ")]
     assert len(headings) == 3 and all(line.endswith(":") for line in headings)
     listed = [line.split()[0] for line in shown if re.match("  [a-z]", line)]

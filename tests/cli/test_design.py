@@ -53,7 +53,7 @@ LIKE = VERTEX + '[[states]]\nname = "c"\nlike = "{}"\n'
 
 # name: (targets, words the one-line message must contain)
 BAD = {
-    "empty": ("", ["[vertex]", "exactly one of"]),
+    "empty": ("", ["is empty"]),
     "not TOML": ("\0", ["TOML"]),
     "no states": (VERTEX, ["states is empty"]),
     "states = []": ("states = []\n" + VERTEX, ["states is empty"]),

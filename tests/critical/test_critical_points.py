@@ -63,7 +63,7 @@ def random_energy(scene, rng):
 def test_the_morse_sum_is_the_euler_characteristic(scene):
     found = find_critical_points(scene, all_links=True)
     assert found.doubts == ()
-    assert found.morse_sum == find_space(scene, size=COARSE).euler_characteristic
+    assert found.morse_sum == find_space(scene, rings=COARSE).euler_characteristic
     assert found.verdict(found.morse_sum).closes
     assert not found.verdict(found.morse_sum + 1).closes
     assert max(p.residual for p in found.points) < 1e-12
@@ -272,7 +272,7 @@ def test_scenes_without_two_dof_are_refused():
 @pytest.mark.slow
 def test_command_line(tmp_path, monkeypatch):
     monkeypatch.setattr(
-        "origami_nlp.space.find_space", lambda scene: find_space(scene, size=COARSE)
+        "origami_nlp.space.find_space", lambda scene: find_space(scene, rings=COARSE)
     )
     runner = CliRunner()
     text = runner.invoke(app, ["example", "degree8", "--alpha", "pi/6", "--ratio", "100"]).output

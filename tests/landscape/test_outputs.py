@@ -30,7 +30,7 @@ def folder_written():
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("origami_nlp.minima.find_minima", minima_once)  # a panel
         # meshes of tests/space and tests/barriers, which find the same on them as on finer ones
-        patch.setattr("origami_nlp.space.find_space", lambda s: find_space(s, size=16))
+        patch.setattr("origami_nlp.space.find_space", lambda s: find_space(s, rings=16))
         coarse = functools.partial(find_barriers, spacing=0.25)
         patch.setattr("origami_nlp.barriers.find_barriers", coarse)
         assert run("landscape", path, *options).code == 0

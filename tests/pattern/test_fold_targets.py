@@ -136,7 +136,7 @@ def test_choices_that_cannot_be_are_refused(tmp_path):
     pattern, form, scene = tmp_path / "a.fold", tmp_path / "b.fold", tmp_path / "c.toml"
     pattern.write_text(json.dumps(disc(SECTORS, "MVVV", angles=TARGETS)))
     form.write_text(json.dumps(simulator_export()))
-    scene.write_text("")
+    scene.write_text("[vertex]\n")
     for file, choice, words in (
         (pattern, "measured", "crease pattern"),
         (form, "both", "file or measured"),

@@ -65,7 +65,7 @@ def test_places_of_a_pattern(tmp_path):
         }
     )
     assert drawn.pattern(3).facets == 6
-    same = o.examples.pattern("miura", 2, 2, alpha=1.0).with_springs(rest=1.0)
+    same = o.examples.pattern("miura", 2, 2, alpha=1.0).with_springs(rest_angles=1.0)
     assert pattern_to_dict(drawn.pattern(0)) == pattern_to_dict(same)
     assert pattern_to_dict(pattern_from_dict(pattern_to_dict(made))) == pattern_to_dict(made)
 
