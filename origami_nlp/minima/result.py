@@ -341,7 +341,7 @@ class MinimaResult(Report, Viewable):
         if listed:
             some = [self.minima[k - 1] for k in listed]
             heads = ("contacts",) if self.is_pattern else ("closure", "KKT", "hits")
-            free = [m.dof if self.is_pattern else self.model.freedom for m in some]
+            free = [m.dof if self.is_pattern else self.model.dof for m in some]
             cells = [_touching(m) if self.is_pattern else _reached(m) for m in some]
             yield kinds_table(listed, some, free, heads, cells)
         yield from state_lines(self.minima)
