@@ -116,6 +116,6 @@ def test_modes_and_designs_are_turned_as_the_minima_that_they_are_of():
     assert repr(o.view(modes)) == repr(o.view(found))
     with pytest.raises(o.OrigamiError, match="cannot be turned"):
         o.view(3)
-    space = o.find_space(o.examples.degree6("pi/3"), size=8)
+    space = o.find_space(o.examples.degree6("pi/3"), rings=8)
     with pytest.raises(o.OrigamiError, match=r"cannot be turned.*draw\(result\) draws it"):
         o.view(space)

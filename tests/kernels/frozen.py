@@ -175,7 +175,7 @@ def proofs() -> Iterator[Question]:
         )
     scene = e.degree6("pi/4", 0.01)
     yield "barriers", lambda: o.find_barriers(scene, o.find_minima(scene), spacing=0.5)
-    yield "space", lambda: o.find_space(e.degree6("pi/3"), size=8)
+    yield "space", lambda: o.find_space(e.degree6("pi/3"), rings=8)
 
 
 def cones() -> Iterator[Question]:

@@ -86,7 +86,7 @@ def test_curves_of_events_are_told(events6):
 )
 def test_signatures_on_both_sides(make, alpha, changes):
     below, at, above = (
-        signature_of(find_space(make(a), size=12)) for a in (alpha - 1e-5, alpha, alpha + 1e-5)
+        signature_of(find_space(make(a), rings=12)) for a in (alpha - 1e-5, alpha, alpha + 1e-5)
     )
     assert below.topology == above.topology
     assert below.corners != above.corners
