@@ -123,21 +123,22 @@ def kinds_table(
     last: tuple[str, ...],
     cells: Sequence[Sequence[str]],
 ) -> Table:
-    """Return one row a minimum: its kind and local dimension, and what `cells` say under the heads `last`.
+    """Return one row a minimum: its energy to 9 digits, kind and local dimension, and what `cells` say under `last`.
 
     free: of each minimum the dimension of closed states beside it.
     """
     rows: list[list[Cell]] = [
         [
             str(k),
+            f"{m.energy:.9g}",
             Words(m.kind, KIND_STYLE[m.kind], KINDS[m.kind].colour),
             dof_words(m.local_dimension, most),
             *more,
         ]
         for k, m, most, more in zip(numbers, minima, free, cells, strict=True)
     ]
-    columns = "rlr" + ("L" if len(last) == 1 else "r" * len(last))
-    heads = ["#", "kind", "dimension", *last]
+    columns = "rrlr" + ("L" if len(last) == 1 else "r" * len(last))
+    heads = ["#", "energy [J]", "kind", "dimension", *last]
     return Table(heads, rows, "", columns, framed=False, narrow=True)
 
 

@@ -280,4 +280,4 @@ def summary_table(
         rows[-1] += [f"{most} at most"] * noise
     if noise:
         heads.append("survives")
-    return Table(heads, rows, title, "rrlLrr" + "r" * noise, framed=False, narrow=True)
+    return Table(heads, rows, title, "rrLLrR" + "r" * noise, framed=False, narrow=True)

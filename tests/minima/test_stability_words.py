@@ -98,7 +98,7 @@ def test_the_table_with_verdicts_fits_a_narrow_terminal(decided):
     console = Console(width=80, record=True, file=io.StringIO())
     console.print(decided.table())
     text = console.export_text()
-    assert "…" not in text and "contact-touching" in text and "unstable" in text
+    assert "…" not in text and "fully folded" in text and "unstable" in text
 
 
 def test_without_imposed_symmetry_a_minimum_is_a_stable_state(free):
