@@ -167,7 +167,7 @@ class LoadPath(Report, Viewable):
         for number, snap in enumerate(self.snaps, start=1):
             after = " ".join(f"{math.degrees(a) + 0.0:.2f}" for a in snap.after)
             many = len(snap.after) > MOST_ANGLES
-            after = f"fold angles of {len(snap.after)} creases in --json" if many else after
+            after = f"fold angles of {len(snap.after)} creases: -o FILE.json" if many else after
             yield f"after snap {number}, {snap.kind} [deg]: {after}"
         yield from self._symmetry()
         yield from self._idle()
