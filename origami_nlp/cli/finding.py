@@ -120,6 +120,11 @@ def _write_certificate(result: MinimaResult, file: str) -> None:
         raise OptionError(f"--certificate: there is no proof to write: {why}")
     models = [Model(one) for one in result.scene.of_each_winding]
     proofs = [prove(model, record=True, most=found.boxes) for model in models]
+    if any(proof.tree is None for proof in proofs):
+        raise OptionError(
+            "--certificate: a proof with full contact has no boxes on record that could be checked; it is written for "
+            "contact = 'fold-limits'"
+        )
     write_certificate(certificate_of(result.scene, *proofs), file)
 
 

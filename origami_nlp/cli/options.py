@@ -156,7 +156,7 @@ HtmlFile = Annotated[
     typer.Option(
         "--html",
         metavar="FILE",
-        help="Write a page with states to turn and paths to fold along (extra view).",
+        help="Write a page with states to turn and paths to fold along.",
     ),
 ]
 AnimateFile = Annotated[
