@@ -17,20 +17,23 @@ from origami_nlp.errors import FoldFileError, OptionError, SceneFileError
 from origami_nlp.io import read_limited
 
 if TYPE_CHECKING:
-    from origami_nlp.pattern import Frame, Pattern, Scene, Vertex
+    from origami_nlp.pattern import Frame, Pattern, Scene
 
 FOLD_OPTIONS = {
     "vertex": o.VertexNumber,
     "frame": o.FrameNumber,
     "symmetry": o.FoldSymmetry,
     "contact": o.FoldContact,
+}
+"""What of a FOLD file is meant; every command that takes a scene has them."""
+SPRINGS = {
     "stiffness": o.FoldStiffness,
     "rest_angle": o.FoldRestAngle,
     "rest_from": o.FoldRestFrom,
 }
-"""What a FOLD file needs beside the file; every command that takes a scene has them."""
+"""Springs that a FOLD file leaves open: for the commands that come first, and `inspect`, which writes them down."""
 PER_LENGTH = {"per_length": o.PerLength}
-"""What a command that takes whole patterns has besides."""
+"""What a command that takes springs and whole patterns has besides."""
 
 
 @dataclass(frozen=True)
@@ -42,7 +45,7 @@ class Source:
     name
         The file, ``-``, or an example such as ``miura:4x4``.
     given
-        Those of `FOLD_OPTIONS` and `PER_LENGTH` that were given.
+        Those of `FOLD_OPTIONS`, `SPRINGS` and `PER_LENGTH` that were given.
     """
 
     name: str
@@ -54,6 +57,11 @@ class Source:
         from origami_nlp.pattern import is_json
 
         return _named_fold(self.name) or is_json(self._content)
+
+    @property
+    def is_panels(self) -> bool:
+        """Whether it is the paper's panels, for the commands that take them all."""
+        return self.name == "panels" and not Path(self.name).exists()
 
     @cached_property
     def is_example(self) -> bool:
@@ -94,7 +102,7 @@ class Source:
         """Return the frame asked for, or all."""
         from origami_nlp.pattern import parse_fold
 
-        return parse_fold(self._content, self.given.get("frame"))
+        return parse_fold(self._content, self.given.get("frame"), name=f"FOLD file {self.name!r}")
 
     def read(self) -> Scene:
         """Return the scene; what is odd in a FOLD file goes to standard error."""
@@ -103,7 +111,7 @@ class Source:
         if not self.is_fold:
             self.refuse_options("a scene file states it itself", but=("symmetry",))
             scene = decode_scene(self._content, self.name)
-            note_normalized(scene.vertex)
+            note_normalized(scene.vertex.normalized)
             if (symmetry := self.given.get("symmetry")) is None:
                 return scene
             return replace(scene, symmetry=symmetry, mirror=None, winding=None)
@@ -119,13 +127,13 @@ class Source:
 
         if not self.is_whole:
             return self.read()
+        whole = self.read_pattern(contact)  # what is wrong comes before what is odd
         one = fold_vertices(self._frame())[0]
         if len(one) == 1:
             number = one[0].number
             _note(
                 f"one vertex, taken as a pattern; --vertex {number} takes it as a vertex, with its symmetry"
             )
-        whole = self.read_pattern(contact)
         for note in whole.notes:
             _note(note)
         return whole
@@ -162,7 +170,8 @@ class Source:
     def _frame(self) -> Frame:
         from origami_nlp.pattern import parse_fold
 
-        (frame,) = parse_fold(self._content, self.given.get("frame", "first"))
+        number, name = self.given.get("frame", "first"), f"FOLD file {self.name!r}"
+        (frame,) = parse_fold(self._content, number, name=name)
         return frame
 
     def _spring_options(self) -> dict[str, Any]:
@@ -182,22 +191,25 @@ def spring_options(**given: Any) -> dict[str, Any]:
 
 
 def takes_scene(
-    argument: Any, whole: bool = False
+    argument: Any, whole: bool = False, springs: bool = True
 ) -> Callable[[Callable[..., None]], Callable[..., None]]:
     """Give a command with the parameter ``scene: Source`` the argument for it, and the options of FOLD files.
 
-    argument: of `options`, such as ``SceneFile``.  whole: it takes whole patterns as well.
+    argument: of `options`, such as ``SceneFile``.  whole: it takes whole patterns as well.  springs: it takes
+    springs for FOLD files that leave them open.
     """
-    options = FOLD_OPTIONS | (PER_LENGTH if whole else {})
+    options = (
+        FOLD_OPTIONS | (SPRINGS if springs else {}) | (PER_LENGTH if whole and springs else {})
+    )
 
     def decorate(command: Callable[..., None]) -> Callable[..., None]:
         @wraps(command)
-        def run(scene: str | None, **others: Any) -> None:
+        def run(scene: str, **others: Any) -> None:
             values = {name: others.pop(name) for name in options}
-            source = Source(scene or "", {k: v for k, v in values.items() if v is not None})
-            if scene is None:
-                source.refuse_options("there is no SCENE")
-            command(scene=None if scene is None else source, **others)
+            source = Source(scene, {k: v for k, v in values.items() if v is not None})
+            if source.is_panels:
+                source.refuse_options("the panels are scenes")
+            command(scene=source, **others)
 
         more = {name: (kind, None) for name, kind in options.items()}
         return o.extended(run, command, more, last=True, scene=argument)
@@ -205,11 +217,12 @@ def takes_scene(
     return decorate
 
 
-def note_normalized(vertex: Vertex) -> None:
-    """Say on standard error by how much ``normalize`` changed sector angles, where it did."""
-    if vertex.normalized:
-        each = math.degrees(vertex.normalized)
-        _note(f"sector angles normalized to a sum of 360 deg: each by {each:+.6g} deg")
+def note_normalized(change: float, most: str = "") -> None:
+    """Say on standard error by how much ``normalize`` changed each sector angle [rad], where it did."""
+    if change:
+        _note(
+            f"sector angles normalized to a sum of 360 deg: each by {math.degrees(change):+.6g} deg{most}"
+        )
 
 
 def _examples() -> tuple[str, ...]:

@@ -52,7 +52,7 @@ class RedundantSystem(BorderedSystem):
 
     @cached_property
     def kernel(self) -> np.ndarray:
-        """Orthonormal basis of what closure and contacts leave free, [n, t]."""
+        """Orthonormal basis of the null space of closure and active constraints, [n, t]."""
         p: Any = self.problem
         at_limit = [c.index for c in self.hold.contacts if c.is_limit]
         z = p.kernel(self.x, at_limit)
@@ -192,7 +192,8 @@ class RedundantSystem(BorderedSystem):
         return np.append(z @ v[:-1], v[-1])
 
     def shortest_step(self, along: np.ndarray) -> np.ndarray | None:
-        """Return the shortest Newton's step in (x, s); None where the curve turns far from `along` [n + 1]."""
+        """Return the corrector's step in (x, s), across the curve; None where the curve turns far from `along` [n +
+        1]."""
         solve = self._bordered(along)
         step = solve(-self.imbalance, 0.0, -self.values)
         way = solve(np.zeros(len(self.imbalance)), 1.0, np.zeros(len(self.values)))
@@ -205,7 +206,8 @@ class RedundantSystem(BorderedSystem):
         return self._in_variables(d - share * v)
 
     def step(self, row: np.ndarray, right: float, short: bool = False) -> np.ndarray | None:
-        """Return Newton's step in (x, s) under one more equation, row . (dy, w ds) = right."""
+        """Return Newton's step in (x, s) of the bordered system (pseudo-arclength): row . (dy, w ds) = right is
+        added."""
         found = self._bordered(row)(-self.imbalance, right, -self.values)
         if found is None:
             return None

@@ -47,7 +47,8 @@ class Classification(ShortRepr):
     verdict
         ``minimum``, ``saddle``, ``not stationary``, ``not admissible`` or ``undecided``.
     kind
-        For minima ``interior``, ``contact-pinned``, ``contact-touching`` or ``degenerate``; else None.
+        For minima ``interior`` (no active constraint), ``contact-pinned``, ``contact-touching`` (strict complementarity
+        fails: an active constraint has multiplier zero) or ``degenerate``; else None.
     reason
         The certificate of a minimum, or why it is not one.
     local_dimension
@@ -332,6 +333,7 @@ def _kind(branches: list[BranchJudgement]) -> Kind:
         return "degenerate"
     if all(not b.rows for b in branches):
         return "interior"
+    # strict complementarity (Nocedal & Wright, definition 12.5)
     loaded = all((b.multipliers.smallest > 0).all() for b in branches)
     return "contact-pinned" if loaded else "contact-touching"
 

@@ -1,7 +1,8 @@
 """States of problems too large for singular values and kernels: certificates by sparse factors, fold limits alone.
 
-Positive curvature along what closure and loaded limits leave free is shown by H + rho J'J > 0 (Finsler), whatever the
-rank of J: the smallest eigenvalue of that matrix bounds the curvature on the kernel from below.
+That the reduced Hessian is positive definite on the null space of closure and loaded limits is shown by H + rho J'J > 0
+(Finsler), whatever the rank of J: the smallest eigenvalue of that matrix bounds the curvature on the null space from
+below.
 """
 
 from __future__ import annotations
@@ -34,7 +35,7 @@ DRAWN = 10
 
 
 def judge_large(state: State) -> Iterator[BranchJudgement]:
-    """Judge a state by its fold limits: balanced by moments >= 0, curved up along what loaded ones leave free.
+    """Judge a state by its fold limits: Lagrange multipliers >= 0, and a positive definite reduced Hessian.
 
     Yields
     ------

@@ -143,7 +143,7 @@ class VertexDriver:
         phi = np.asarray(fold_angles, dtype=float)
         if self.crease is not None:
             return phi[..., self.crease - 1]
-        dead = dead_loads(self.scene.loads, self.scene.held_facet)
+        dead = dead_loads(self.scene.loads, self.scene.fixed_facet)
         assert dead is not None
         work = -dead.energy(np.array(self.scene.vertex.sector_angles), phi)
         return work / float(np.linalg.norm(dead.forces))

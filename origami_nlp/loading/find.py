@@ -60,7 +60,7 @@ def load_path(
     *,
     to: float | str = "snap",
     state: int | JudgedState = 1,
-    back: bool = False,
+    unload: bool = False,
     confirm: bool = True,
     full: bool | None = None,
     effort: str = "normal",
@@ -72,23 +72,22 @@ def load_path(
 ) -> LoadPath:
     """Load a stable state of a vertex or of a pattern by a torque or a force, and follow it.
 
-    Where the state ends in a fold it snaps: it descends, at the load at which it ends, to the next minimum, from where
-    the path goes on.
+    At a limit point it snaps: it descends, at the load there, to the next minimum, from where the path goes on.
 
     Parameters
     ----------
     origami
         A scene or a pattern, as `find_minima` takes it.
     load
-        Number (1-based) of the crease that the torque t [N m] is on, towards valley > 0; of a scene its images under
-        the symmetry bear the same, and None is t times the forces of the scene's loads.  Of a pattern also several
-        numbers, t on each of them, or a `Torque`, `Pull` or `DeadForce` of it.
+        Number (1-based) of the crease that the torque t [N m] is on, towards valley > 0, and on its images under the
+        symmetry of a scene; None: t times the forces of the scene's loads.  Of a pattern also several numbers, or a
+        `Torque`, `Pull` or `DeadForce`.
     to
         Load at which the path ends, from 0; ``"snap"``: both ways to the first snap.
     state
-        Number (1-based) of the stable state at load 0, by energy; of a pattern also a state that `find_minima` gave.
-    back
-        Whether the load then falls back to 0, from where it came to; of a pattern also from where it snapped.
+        Number (1-based) of the stable state at load 0, by energy; of a pattern also a state of `find_minima`.
+    unload
+        Whether the load then falls back to 0; of a pattern also from where it snapped.
     confirm
         Whether both sides of each snap are confirmed by searches; of patterns under torques only.
     full
@@ -100,8 +99,8 @@ def load_path(
     options
         Of the continuation; of a pattern lengths are root mean squares over creases.
     seconds
-        Wall time for all of it, give or take a second or two: what was followed by then is returned, with an alarm that
-        says what was left out.  None: no limit.
+        Wall time, to a second or two: what was followed by then is returned, and what was left out named.  None: no
+        limit.
 
     Returns
     -------
@@ -119,9 +118,6 @@ def load_path(
     >>> path = o.load_path(o.examples.degree6("5*pi/12"), 1, to=0.05)
     >>> [(event.type, round(event.t, 6)) for event in path.events]
     [('closes', 0.042461)]
-    >>> path = o.load_path(o.examples.pattern("metasheet", 3, 3), [1, 2], to=0.05)
-    >>> [round(leg.points[-1].t, 6) for leg in path.legs]
-    [0.05]
     """
     driver: VertexDriver | PatternDriver
     stated = as_origami(origami)
@@ -139,7 +135,7 @@ def load_path(
     full = True if full is None else full
     defaults = ContinuationOptions()
     check_type("options", defaults if options is None else options, ContinuationOptions)
-    for name, flag in (("back", back), ("confirm", confirm), ("full", full)):
+    for name, flag in (("unload", unload), ("confirm", confirm), ("full", full)):
         check_flag(name, flag)
     far = driver.farthest
     if (isinstance(to, str) and to != "snap") or to == 0:
@@ -151,7 +147,7 @@ def load_path(
     try:
         for end in ends:
             arrived = job.go(x, 0.0, end, once=to == "snap")
-            if back and arrived is not None:
+            if unload and arrived is not None:
                 job.between(0.0, end)
                 job.go(*arrived, 0.0, once=False)
                 job.between(*ends)
@@ -177,7 +173,7 @@ class _Job:
         until: float,
     ) -> None:
         self.driver, self.low, self.high = driver, low, high
-        self.over = ParameterRange(driver.name, low, high, driver.unit, False)
+        self.parameter = ParameterRange(driver.name, low, high, driver.unit, False)
         self._full = driver.full_line() if full else None
         self._known: dict[int, tuple[Equilibrium, float]] = {}
         functions = [("breaks-symmetry", self.across)] if self._full else []
@@ -284,7 +280,7 @@ class _Job:
         """Judge what was followed, and pack it; that takes as long as it takes."""
         web = self.web
         parts = {k: parts_of(arc, not self.driver.lazy) for k, arc in enumerate(web.arcs)}
-        branches, events = branches_of(web, self.over, chains_of(web), parts, self.across)
+        branches, events = branches_of(web, self.parameter, chains_of(web), parts, self.across)
         for branch in branches:
             for r in branch.kind_ranges:
                 if not r.stable and r.kind != "saddle":

@@ -61,7 +61,7 @@ def walk(
     end: float,
     across: Callable[[Equilibrium], float] = lambda frame: math.nan,
 ) -> StableSegment | None:
-    """Go from the stable state `start` at s towards the load `end`, through all that leaves it a minimum.
+    """Go from the stable state `start` at s towards the load `end`, up to the limit point or bifurcation that ends it.
 
     None where it is not in the diagram.  What was left of it (`BifurcationDiagram.resume`) is followed where the way
     goes on there. across: smallest eigenvalue across the symmetry; where it changes sign to below zero the way ends.
@@ -143,7 +143,8 @@ def _why(web: BifurcationDiagram, node: int, end: float) -> str:
 def release(
     web: BifurcationDiagram, node: int, toward: float, driver: VertexDriver | PatternDriver
 ) -> tuple[np.ndarray, float, Classification] | str:
-    """Descend from the end of a way, a little beyond its load; the minimum, its load and certificate, or why none."""
+    """Descend from a limit point, a little beyond its load; return the minimum, its load and certificate, or why
+    none."""
     point, why = web.nodes[node].point, ""
     span = max(abs(float(point[-1])), LEAST_SPAN * (web.high - web.low))
     for share in OVER:

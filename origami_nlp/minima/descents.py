@@ -275,7 +275,8 @@ class Descents:
     def _release(
         self, s: Samples, p: ClosurePoint, slope: np.ndarray, size: np.ndarray
     ) -> tuple[Samples, ClosurePoint, np.ndarray, np.ndarray]:
-        """Let go the contact that pulls most, where it pulls enough; returns also the gradient of its opening."""
+        """Drop the contact that pulls most from the active set, where it pulls enough; also return the gradient of
+        its gap."""
         n = s.x.shape[1]
         # positive where a multiplier has the wrong sign: energy falls as the contact opens
         pull = np.concatenate([s.at_limit * p.left, -p.multipliers[:, self._m :]], axis=1)

@@ -177,7 +177,7 @@ def _notes(
     beyond = [str(k) for k, p in enumerate(places, start=1) if not p.drawn]
     if beyond:
         notes.append(
-            f"Not on the landscape ({', '.join(beyond)}): facets have passed through each other, |φ| > π, "
+            f"Not on the landscape ({', '.join(beyond)}): facets have passed through each other, |φ| > 180°, "
             "or the state winds another number of times round the axis."
         )
     more = len(minima) - MOST_DRAWN

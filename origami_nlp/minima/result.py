@@ -324,7 +324,7 @@ class MinimaResult(Report, Viewable):
         else:
             yield title
         if more:
-            yield f"... {len(more.rows)} more states: --verbose, or --json"
+            yield f"... {len(more.rows)} more states: --verbose, or -o FILE.json"
         yield from angle_lines(self.minima, images)
         if isinstance(self.origami, Scene):
             yield from scene_lines(self.origami)

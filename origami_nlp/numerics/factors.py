@@ -122,7 +122,7 @@ class Normal:
         return d
 
     def multipliers(self, g: np.ndarray) -> np.ndarray:
-        """Return the smallest lam that brings J' lam closest to g [n], [m]."""
+        """Return the Lagrange multipliers lam [m] of smallest norm that bring J' lam closest to g [n]."""
         lam = np.zeros(self.jacobian.shape[0])
         before = math.inf
         for _ in range(MOST_TIMES):

@@ -213,7 +213,7 @@ def by_name(name: str, **options: Any) -> Scene:
     """
     if name in WITH_SPRINGS:
         raise OptionError(
-            f"name = {shown(name)} is a sheet, not one vertex: give --fold FILE for its pattern"
+            f"name = {shown(name)} is a sheet, not one vertex: give -o FILE.fold for its pattern"
         )
     if name not in BY_NAME:
         raise OptionError(

@@ -191,7 +191,7 @@ class PatternEquations:
     def multipliers(
         self, phi: np.ndarray, held: Iterable[int] = ()
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Balance the springs by closure, and by fold limits that are held.
+        """Return the Lagrange multipliers of closure, and of fold limits that are held.
 
         Parameters
         ----------
@@ -247,7 +247,7 @@ class PatternEquations:
         return self._last[2]
 
     def kernel(self, phi: np.ndarray, held: Iterable[int] = ()) -> np.ndarray:
-        """Orthonormal basis of the motions that closure allows to first order with creases held, [n, t]; dense."""
+        """Orthonormal basis of the null space of closure with creases held, [n, t]; dense."""
         self.check_time()
         held = list(held)
         if not held:

@@ -83,7 +83,8 @@ class Sample:
 
 @dataclass(frozen=True, eq=False)
 class ClosedStates:
-    """The closed states of a sheet, as a curve to trace; where several degrees of freedom are left, straight on."""
+    """The closed states of a pattern, as a curve for pseudo-arclength continuation; where several degrees of freedom
+    are left, straight on."""
 
     problem: PatternProblem
 

@@ -1,4 +1,4 @@
-"""Downhill along closed states: Newton in the tangent space with a trust radius, projected back after each step."""
+"""Downhill along closed states: Newton in the null space of closure with a trust region, projected back."""
 
 from __future__ import annotations
 
@@ -68,7 +68,7 @@ def descend(
     side: np.ndarray | None = None,
     kept: np.ndarray | None = None,
 ) -> Descended:
-    """Follow the energy downhill from a closed state.
+    """Follow the energy downhill from a closed state, by Newton in a trust region with an active set of fold limits.
 
     Parameters
     ----------
@@ -97,7 +97,7 @@ def descend(
         lam, limits, balance = problem.multipliers(phi, where)
         normal = problem.normal(phi, where)  # the factors of the multipliers
         pulls = np.where(stays[where], 0.0, limits)
-        if len(where) and pulls.min() < -STILL:  # the limit would have to pull: let go
+        if len(where) and pulls.min() < -STILL:  # negative multiplier: it leaves the active set
             held[where[int(pulls.argmin())]] = False
             continue
         # beside the flat state multipliers are large, and rounding with them

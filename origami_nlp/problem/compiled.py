@@ -205,7 +205,7 @@ def compile_structure(structure: Structure) -> Functions:
 
 
 def _carried(held: int, facet: int, x: ca.SX, sectors: ca.SX, point: ca.SX) -> Any:
-    """Where a point of a facet is, seen from the facet that is held."""
+    """Where a point of a facet is, seen from the facet that is fixed."""
     n = x.shape[0]
     # from facet `held` to facet `facet` counter-clockwise: crease i + 1 parts facets i and i + 1
     chain = [(held + 1 + i) % n for i in range((facet - held) % n)]

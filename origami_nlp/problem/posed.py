@@ -116,7 +116,7 @@ class PosedProblem(Energies, PrettyRepr):
             flat_sheet=scene.vertex.flat,
             winding=scene.winding or 1,
             dead=()
-            if (dead := dead_loads(scene.loads, scene.held_facet)) is None
+            if (dead := dead_loads(scene.loads, scene.fixed_facet)) is None
             else (dead.held, *dead.facets),
         )
         crease_rays = [r for r, ray in enumerate(group.rays) if ray.crease is not None]

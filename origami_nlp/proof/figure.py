@@ -139,7 +139,7 @@ def draw_proof(
         axes, branches, there, ("one way to close", "the other way to close"), strict=True
     ):
         shown |= _draw(ax, proof.tree, x, exists, size)
-        ax.set(title=title, aspect="equal", xlabel=rf"fold angle $\phi_{{{pair[0] + 1}}}$ [rad]")
+        ax.set(title=title, aspect="equal", xlabel=rf"fold angle $\phi_{{{pair[0] + 1}}}$")
         angle_ticks(ax.xaxis, -math.pi, math.pi)
         angle_ticks(ax.yaxis, -math.pi, math.pi)
     for p in sorted(proof.points, key=lambda p: (not any(p.stratum), bool(p.is_minimum))):
@@ -150,7 +150,7 @@ def draw_proof(
         axes[int(np.argmin(apart))].plot(
             p.x[pair[0]], p.x[pair[1]], zorder=5, clip_on=False, **style
         )
-    axes[0].set_ylabel(rf"fold angle $\phi_{{{pair[1] + 1}}}$ [rad]")
+    axes[0].set_ylabel(rf"fold angle $\phi_{{{pair[1] + 1}}}$")
     _legend(figure, sorted(shown))
     return figure
 

@@ -22,15 +22,15 @@ ATTEMPTS = (0, 1, 3, 5, 9)
 """Rings added where a mesh turns out too coarse."""
 
 
-def find_space(scene: Scene, *, size: int = SIZE) -> Space:
+def find_space(scene: Scene, *, rings: int = SIZE) -> Space:
     """Analyse the admissible space of a scene with two symmetric degrees of freedom and full contact.
 
     Parameters
     ----------
     scene
         What is folded; its springs play no part.
-    size
-        Rings of the mesh around the flat state, 8 to 1025; the mesh has about 8 size^2 vertices.  A few more are
+    rings
+        Rings of the mesh around the flat state, 8 to 1025; the mesh has about 8 rings^2 vertices.  A few more are
         taken where that mesh is too coarse (see `Space.size`).
 
     Returns
@@ -41,21 +41,21 @@ def find_space(scene: Scene, *, size: int = SIZE) -> Space:
     Raises
     ------
     OptionError
-        If the scene has no such space, or `size` is out of range.
+        If the scene has no such space, or `rings` is out of range.
     MeshError
         If the mesh is too coarse to decide.
 
     Examples
     --------
     >>> import origami_nlp as o
-    >>> space = o.find_space(o.examples.degree6("pi/3"), size=8)
+    >>> space = o.find_space(o.examples.degree6("pi/3"), rings=8)
     >>> len(space.components), space.holes, space.euler_characteristic
     (1, 0, 1)
     """
     scene = as_scene(
         scene, "the admissible space", "find_motion follows a pattern of one degree of freedom"
     )
-    size = check_whole("size", size, *SIZES)
+    size = check_whole("rings", rings, *SIZES)
     chain = chain_of(scene)
     # walls may pass a mesh of one size so closely that another one is needed
     for attempt in ATTEMPTS:

@@ -101,6 +101,6 @@ def test_what_has_more_dof_is_refused_in_one_line():
 
 def test_the_command_takes_a_pattern(tmp_path):
     file = tmp_path / "b.json"
-    done = run("barriers", "metasheet:3x3", "--json", file, "--fold", tmp_path / "b.fold")
+    done = run("barriers", "metasheet:3x3", "-o", file, "-o", tmp_path / "b.fold")
     assert done.code == 0 and "flat state" in done.out, done.err
     assert file.stat().st_size > 1000

@@ -53,7 +53,7 @@ def test_the_main_job_loads_what_it_computes_and_prints_with(scene):
 def test_a_figure_is_what_loads_matplotlib(scene, tmp_path):
     picture = tmp_path / "states.png"
     words = ["minima", scene, "--prove", 0, "--effort", "quick", "--max-starts", 16]
-    _, modules = loaded(*words, "--figure", picture)
+    _, modules = loaded(*words, "-o", picture)
     assert picture.exists() and "matplotlib" in modules
 
 
@@ -78,4 +78,4 @@ def test_a_number_is_read_as_typer_reads_it(text):
 
 def test_what_is_missing_is_said_as_before():
     done = run("minima")
-    assert done.code == 2 and "Missing argument" in done.err and "ORIGAMI" in done.err
+    assert done.code == 2 and "missing argument" in done.err and "ORIGAMI" in done.err

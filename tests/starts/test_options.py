@@ -81,15 +81,17 @@ def test_fields_of_continuation_have_their_effect():
 
 
 def test_fields_of_a_proof_have_their_effect():
-    proved = o.find_minima(QUARTIC, prove=True, escape=False).completeness
+    def asked(**options):
+        return o.find_minima(QUARTIC, prove=ProofOptions(**options), escape=False).completeness
+
+    proved = asked(fewest=1)
     assert proved.status == "proved"
-    same = o.find_minima(QUARTIC, prove=ProofOptions(batch=50), escape=False).completeness
+    same = asked(batch=50, fewest=1)
     assert (same.status, same.boxes) == ("proved", proved.boxes)
-    coarse = o.find_minima(QUARTIC, prove=ProofOptions(smallest=1e-3), escape=False).completeness
-    assert coarse.boxes < proved.boxes
-    given_up = o.find_minima(
-        QUARTIC, prove=ProofOptions(boxes=5, batch=5), escape=False
-    ).completeness
+    finer = asked()
+    assert finer.status == "proved" and finer.boxes > proved.boxes
+    assert asked(smallest=1e-3, fewest=1).boxes < proved.boxes
+    given_up = asked(boxes=5, batch=5)
     assert given_up.status == "not-proved" and given_up.boxes < proved.boxes
 
 
@@ -128,14 +130,14 @@ def test_what_makes_no_sense_is_refused_in_one_line(make, changed, reported):
 
 
 @pytest.mark.parametrize(
-    ("origami", "over"),
+    ("origami", "parameter"),
     [(o.examples.degree6("pi/3"), "ratio=0.2:1"), ("metasheet:2x2", "stiffness[1]=0.5:2")],
     ids=("vertex", "pattern"),
 )
-def test_fields_of_continuation_have_their_effect_on_branches(origami, over):
+def test_fields_of_continuation_have_their_effect_on_branches(origami, parameter):
     def followed(**changed):
         options = ContinuationOptions(**changed)
-        return o.follow(origami, over, checks=1, max_starts=16, options=options)
+        return o.follow(origami, parameter, checks=1, max_starts=16, options=options)
 
     def points(atlas):
         return sum(len(branch.points) for branch in atlas.branches)
@@ -144,7 +146,7 @@ def test_fields_of_continuation_have_their_effect_on_branches(origami, over):
     assert points(fine) > 2 * points(plain) > 0
     assert [e.type for e in fine.events] == [e.type for e in plain.events]
     assert [e.t for e in fine.events] == pytest.approx([e.t for e in plain.events], abs=1e-9)
-    for t in (plain.over.low, 0.7, plain.over.high):
+    for t in (plain.parameter.low, 0.7, plain.parameter.high):
         energies = [[state.energy for state in atlas.at(t)] for atlas in (plain, fine)]
         assert energies[0] and energies[0] == pytest.approx(energies[1], rel=1e-9)
     # what is cut off says so, and reaches the end of the range nowhere
