@@ -219,9 +219,9 @@ def _pass_between(work: RefinedGraph, tree: MergeTree, i: int, j: int) -> Pass:
     if kind == "flat state" and sides[0] * sides[1] < 0 and model.scene.contact == "full":
         why = "proved: admissible states above and below the flat state meet there only"
     elif work.only_exit(v, i, j):
-        why = "the thin set on which one of the minima lies is left only here"
+        why = "one of the minima lies on a lower-dimensional set of states, which is left only here"
     else:
-        why = f"no lower way on {len(g.states)} states, {work.spacing:g} rad apart"
+        why = f"no lower path on {len(g.states)} states, {work.spacing:g} rad apart"
     return Pass(
         i + 1,
         j + 1,

@@ -15,6 +15,7 @@ from origami_nlp.barriers.graph import StateGraph
 from origami_nlp.barriers.passes import Pass, PassKind
 from origami_nlp.display import (
     Content,
+    Details,
     Report,
     Section,
     Table,
@@ -30,12 +31,16 @@ from origami_nlp.pattern_problem import state_frame, states_to_fold
 HEADS = (
     "from",
     "to",
-    "pass [J]",
-    "rises by [J]",
-    "back by [J]",
+    "barrier [J]",
+    "and back [J]",
+    "energy at the pass [J]",
     "kind",
     "fold angles at the pass [deg]",
 )
+MOST_NAMED = 4
+"""Minima whose barriers the verdict names."""
+MOST_STATES = 8
+"""Minima whose energies are printed below the passes."""
 LONG_HEADS = (
     "scene",
     "pair",
@@ -145,8 +150,29 @@ class Barriers(Report, Viewable):
 
     def table(self) -> Table:
         """Return one row for each pair of minima; energies in the scene's units."""
-        title = f"lowest passes of '{self.label}'"
-        return Table(HEADS, [self._cells(p) for p in self.passes], title, "rrrrrlL")
+        rows = [self._cells(p)[:-1] for p in self.passes]
+        return Table(HEADS[:-1], rows, self.verdict, "rrrrrL", framed=False, narrow=True)
+
+    @property
+    def verdict(self) -> str:
+        """How much energy it takes to leave the minima, in a sentence."""
+        many = len(self.result.minima)
+        words = f"{self.label}: {many} minim{'um' if many == 1 else 'a'}"
+        least: dict[int, tuple[float, str]] = {}
+        for p in self.passes:
+            exact = p.why.startswith(("proved", "no lower path: "))
+            for k, energy in zip((p.from_state, p.to_state), self._energies(p), strict=True):
+                rise = p.energy - energy, "" if exact else "at most "
+                least[k] = min(least.get(k, (math.inf, "")), rise)
+        known = sorted((rise, bound, k) for k, (rise, bound) in least.items() if rise < math.inf)
+        if not known:
+            return f"{words}, no pass between minima is known"
+        kept = self.scene is not None and not self.scene.group.is_trivial
+        group = f" on paths that keep {self.scene.group.name}" if kept and self.scene else ""
+        said = [f"{bound}{rise:.4g} J to leave #{k}" for rise, bound, k in known]
+        if len(said) > MOST_NAMED:
+            return f"{words}; it takes from {said[0]} to {said[-1]}{group}"
+        return f"{words}; it takes {', '.join(said)}{group}"
 
     def to_fold(self) -> dict[str, Any]:
         """Return FOLD data: the crease pattern, and the states along the path of each pass as frames."""
@@ -176,18 +202,31 @@ class Barriers(Report, Viewable):
         rises = (f"{p.energy - end:.6g}" for end in self._energies(p))
         angles = ", ".join(f"{math.degrees(a) + 0.0:.2f}" for a in p.fold_angles)
         angles = "all 0" if p.pass_kind == "flat state" else angles
-        return (*pair, f"{p.energy:.9g}", *rises, p.pass_kind, angles)
+        return (*pair, *rises, f"{p.energy:.9g}", p.pass_kind, angles)
 
     def report_sections(self) -> Iterator[Section]:
-        """Return the table of passes, what bounds each, and what is known without the symmetry."""
+        """Return the table of passes, what bounds each, what is known without the symmetry, and where they are."""
         yield self.table()
+        energies = [f"#{k} {m.energy:.6g} J" for k, m in enumerate(self.result.minima, start=1)]
+        if energies:
+            yield f"states as minima lists them: {', '.join(energies[:MOST_STATES])}" + (
+                f" and {len(energies) - MOST_STATES} more" if len(energies) > MOST_STATES else ""
+            )
+        reasons: dict[str, list[str]] = {}
         for p in self.passes:
-            yield f"#{p.from_state} - #{p.to_state}: {p.why}"
+            reasons.setdefault(p.why, []).append(f"#{p.from_state} - #{p.to_state}")
+        for why, pairs in reasons.items():
+            yield f"{', '.join(pairs)}: {why}"
         for basin in self.unlisted:
             if basin.lands_on is None:
                 yield f"a basin {basin.depth:.3g} J deep on the graph descends to no listed minimum"
         for f in self.full:
             yield f"#{f.from_state} - #{f.to_state} in the full space: {_full_words(f)}"
+        if known := [p for p in self.passes if math.isfinite(p.energy)]:
+            rows = [(*(c := self._cells(p))[:2], f"{p.energy:.12g}", c[-1]) for p in known]
+            heads = ("from", "to", "pass [J]", HEADS[-1])
+            table = Table(heads, rows, "", "rrrL", framed=False, narrow=True)
+            yield Details((table,), "Fold angles at the passes")
 
     def _rows(self) -> Iterator[dict[str, object]]:
         for p in self.passes:
@@ -243,7 +282,7 @@ def barriers_table(several: Sequence[Barriers]) -> Table:
                 said = f"same: {f.why}"
                 if f.verdict != "same":
                     said = f"{f.verdict}: at most {f.drop:.3g} J lower; {f.why}"
-            first, second, energy, _, _, kind, angles = barriers._cells(p)
+            first, second, _, _, energy, kind, angles = barriers._cells(p)
             ends = (f"{first} - {second}", f"{one:.6g}, {two:.6g}")
             rows.append((name, *ends, energy, kind, angles, said))
     return Table(LONG_HEADS, rows)

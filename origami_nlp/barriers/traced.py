@@ -24,11 +24,11 @@ APART = 0.2
 """Length of a step of a path [rad]."""
 ASIDE = 0.9
 """The projected middle of a step is nearer to both ends than this share of its length."""
-EVERY = "no lower way: all curves of the one degree of freedom are known"
+EVERY = "no lower path: all curves of the one degree of freedom are known"
 FOLLOWED = (
-    "no lower way: motions from the first state follow traced curves, to where others meet them"
+    "no lower path: motions from the first state follow traced curves, up to where others meet them"
 )
-EXPLICIT = "the lowest way on traced curves; others lead on from them, or facets may touch unseen"
+EXPLICIT = "the lowest path on traced curves; others branch off them, or contact may be missed between states"
 """What bounds a barrier from below, or that nothing does."""
 
 

@@ -28,6 +28,7 @@ from .parameter_range import (
 from .patterns import PatternLine as PatternLine, pattern_family as pattern_family
 from .plane import Plane as Plane
 from .records import (
+    EVENT_WORDS as EVENT_WORDS,
     BranchEnd as BranchEnd,
     KindRange as KindRange,
     Multiplier as Multiplier,

@@ -7,6 +7,16 @@ from dataclasses import dataclass, field
 from origami_nlp.io import ShortRepr, Unbounded
 from origami_nlp.kkt import ContactForce, Kind
 
+EVENT_WORDS = {
+    "fold": "limit point",
+    "nonsmooth-fold": "limit point at a contact",
+    "branching": "branch point",
+    "closes": "contact closes",
+    "leaves": "contact opens",
+    "breaks-symmetry": "loses stability without its symmetry",
+    "singular": "closure loses rank",
+}
+"""Types of events as reports say them."""
 COUNTED = ("interior", "contact-pinned", "contact-touching", "degenerate")
 """Kinds of minima."""
 

@@ -14,6 +14,7 @@ from origami_nlp.bifurcation.judging import states_at
 from origami_nlp.bifurcation.parameter_range import ParameterRange
 from origami_nlp.bifurcation.patterns import pattern_family
 from origami_nlp.bifurcation.records import (
+    EVENT_WORDS,
     Cost,
     Interval,
     PathBranch,
@@ -22,7 +23,7 @@ from origami_nlp.bifurcation.records import (
     StateAt,
 )
 from origami_nlp.continuation import BifurcationDiagram
-from origami_nlp.display import Content, Report, Section, Table, Viewable, Words
+from origami_nlp.display import Content, Details, Report, Section, Table, Viewable, Words
 from origami_nlp.errors import OUT_OF_TIME, OptionError
 from origami_nlp.numerics import DUPLICATE_TOL
 from origami_nlp.pattern import Pattern, Scene
@@ -32,6 +33,8 @@ COMPLETE = {
     "traced": "all that the curves of its one degree of freedom hold",
 }
 """How it is said that a check is complete."""
+MOST_NAMED = 4
+"""Values at which the number of minima changes that the verdict names."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -153,12 +156,21 @@ class Atlas(Report, Viewable):
         )
 
     def summary(self) -> str:
-        """Return one line."""
-        found = (
-            f"{len(self.branches)} branches, {len(self.events)} events over {self.parameter.name}"
-        )
-        found += f", {OUT_OF_TIME}" if self.interrupted else ""
-        return found + (f", {len(self.alarms)} alarms" if self.alarms else "")
+        """Return one line: how many minima there are, and where their number changes."""
+        found, over = self.intervals, self.parameter
+        scene = self.scene if isinstance(self.scene, Scene) else None
+        kept = scene is not None and not scene.group.is_trivial
+        counts = sorted({i.minima for i in found})
+        many = f"{counts[0]}" if len(counts) == 1 else f"{counts[0]} to {counts[-1]}"
+        noun = f"minim{'um' if counts == [1] else 'a'}"
+        said = f"{self.scene.title}: {many} {'symmetric ' * kept}{noun}"
+        said += f" over {over.name} = {over.shown(over.low)} to {over.shown(over.high)}"
+        changes = [over.shown(b.t[0]) for a, b in itertools.pairwise(found) if a.minima != b.minima]
+        if changes:
+            where = ", ".join(changes) if len(changes) <= MOST_NAMED else f"{len(changes)} values"
+            said += f"; their number changes at {where}"
+        said += f"; {OUT_OF_TIME}" if self.interrupted else ""
+        return said + (f"; {len(self.alarms)} alarms" if self.alarms else "")
 
     def table(self) -> Table:
         """Return one row an interval."""
@@ -170,62 +182,72 @@ class Atlas(Report, Viewable):
             )
             for i in self.intervals
         ]
-        return Table((self.parameter.name, "minima", "kinds"), rows, self.summary(), "lrl")
+        heads = (self.parameter.name, "minima", "kinds")
+        return Table(heads, rows, self.summary(), "lrL", framed=False, narrow=True)
 
     def report_sections(self) -> Iterator[Section]:
-        """Return counts, events, branches, checks and what they cost."""
+        """Return counts, events, what is not known, and the details: branches, checks and what they cost."""
+        over = self.parameter
         yield self.table()
-        rows = [
-            (
-                str(e.id),
-                e.type,
-                self.parameter.shown(e.t, 12),
-                e.contact or "-",
-                self._angles(e.fold_angles),
-            )
-            for e in self.events
-        ]
-        yield Table(
-            ("event", "type", self.parameter.name, "contact", "fold angles [deg]"),
-            rows,
-            columns="rllLL",
-        )
-        for b in self.branches:
-            parts = "; ".join(
-                f"{r.kind} {self.parameter.shown(r.t[0])} to {self.parameter.shown(r.t[1])}"
-                for r in b.kind_ranges
-            )
-            yield Words(f"branch {b.id}: {parts}; ends: {b.ends[0].why}, {b.ends[1].why}")
+        rows = []
+        for e in self.events:
+            words = EVENT_WORDS.get(e.type, e.type)
+            said = f"{words}: {e.contact}" if e.contact else words
+            rows.append((str(e.id), over.shown(e.t), said, ", ".join(map(str, e.branches))))
+        if rows:
+            heads = ("event", over.name, "what happens", "branches")
+            yield Table(heads, rows, "Events", "rrLr", framed=False, narrow=True)
         for e in self.events:
             if e.note:
                 yield Words(f"event {e.id}: {e.note}")
-        for c in self.checks:
-            more = f", {c.missed} on branches that it missed" if c.missed else ""
-            more += f"; {c.morse}" if c.morse else ""
-            more += f"; {COMPLETE.get(c.complete, c.complete)}" if c.complete else ""
-            yield Words(
-                f"check at {self.parameter.shown(c.t)}: {c.states} minima by search, {c.followed} on branches{more}; "
-                f"{c.new_branches} new",
-                "dim",
-            )
-        yield Words(
-            f"{self.cost.steps} steps, {self.cost.seconds:.2f} s, and "
-            f"{self.cost.checks:.2f} s for {len(self.checks)} searches.  States that no check found and no event "
-            "leads to (isolated branches between the checks) are not here.",
-            "dim",
+        at = ", ".join(over.shown(c.t) for c in sorted(self.checks, key=lambda c: c.t))
+        missed = sum(c.missed for c in self.checks)
+        yield f"checked by searches at {over.name} = {at or 'no value'}" + (
+            f", which missed {missed} of the states on branches" if missed else ""
         )
+        yield "Isolated branches between the checks may be missing."
         yield from (Words(f"alarm: {line}", "bold") for line in self.alarms)
         if self.interrupted:
             yield Words(
                 f"{OUT_OF_TIME}: branches and checks are those until then; intervals count what was followed",
                 "bold",
             )
+        yield Details(tuple(self._details()), "Branches, fold angles, checks")
         for other in self.others:
             stated: Any = other.scene
             yield Words(
                 f"states that wind {stated.winding} times round the axis of {stated.group.name}"
             )
             yield from other.report_sections()
+
+    def _details(self) -> Iterator[Table | Words]:
+        """Return fold angles at events, branches, checks, and what they cost."""
+        over = self.parameter
+        if self.events:
+            rows = [
+                (str(e.id), over.shown(e.t, 12), self._angles(e.fold_angles)) for e in self.events
+            ]
+            heads = ("event", over.name, "fold angles [deg]")
+            yield Table(heads, rows, "", "rlL", framed=False, narrow=True)
+        for b in self.branches:
+            parts = "; ".join(
+                f"{r.kind} {over.shown(r.t[0])} to {over.shown(r.t[1])}" for r in b.kind_ranges
+            )
+            yield Words(f"branch {b.id}: {parts}; ends: {b.ends[0].why}, {b.ends[1].why}")
+        for c in self.checks:
+            more = f", {c.missed} on branches that it missed" if c.missed else ""
+            more += f"; {c.morse}" if c.morse else ""
+            more += f"; {COMPLETE.get(c.complete, c.complete)}" if c.complete else ""
+            yield Words(
+                f"check at {over.shown(c.t)}: {c.states} minima by search, {c.followed} on branches{more}; "
+                f"{c.new_branches} new",
+                "dim",
+            )
+        yield Words(
+            f"{self.cost.steps} steps, {self.cost.seconds:.2f} s, and "
+            f"{self.cost.checks:.2f} s for {len(self.checks)} searches",
+            "dim",
+        )
 
     @staticmethod
     def _angles(fold_angles: tuple[float, ...]) -> str:

@@ -36,6 +36,7 @@ def design(
     ],
     seed: o.Seed = 0,
     effort: o.Effort = "normal",
+    verbose: o.Verbose = False,
 ) -> None:
     """Find the springs that hold the states of TARGETS, with the largest margin, and look for its minima.
 
@@ -54,7 +55,7 @@ def design(
     from origami_nlp.pattern_problem import pattern_to_fold
 
     if targets in EXAMPLES and not Path(targets).exists():
-        question, ask, name = parse_targets(EXAMPLES[targets])
+        question, ask, name = parse_targets(EXAMPLES[targets], source=targets)
     else:
         if targets != "-" and not Path(targets).suffix and not Path(targets).exists():
             meant = did_you_mean(targets, EXAMPLES)
@@ -68,7 +69,7 @@ def design(
     else:
         out.refuse("a pattern is written as FOLD: end the name in .fold", "scene")
     answer = find(question, ask, name=name, seed=seed, effort=effort)
-    answer.print_to(out.console)
+    answer.print_to(out.console, verbose)
     out.write("json", answer.to_dict)
     if (made := answer.scene) is not None:
         if isinstance(made, Pattern):

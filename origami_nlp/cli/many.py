@@ -30,6 +30,7 @@ def pattern(
         bool, typer.Option("--path", help="Trace its folding motion up to the first contact.")
     ] = False,
     seed: o.Seed = 0,
+    verbose: o.Verbose = False,
 ) -> None:
     """Analyze the mobility of a crease pattern; with --path trace its folding motion as a rigid sheet.
 
@@ -41,10 +42,10 @@ def pattern(
 
     sheet = scene.read_pattern()
     seen = analyze_mobility(sheet, seed=seed)
-    seen.print_to(out.console)
+    seen.print_to(out.console, verbose)
     motion = find_motion(sheet, seen, seed=seed) if path else None
     if motion is not None:
-        motion.print_to(out.console)
+        motion.print_to(out.console, verbose)
     _Files(seen, motion).write(out)
 
 
@@ -102,7 +103,9 @@ class _Files:
 
 
 @takes_scene(o.OrigamiFile, whole=True)
-@answers("json", "figure", "html", "fold", search=("full", "effort", "seed", "seconds"))
+@answers(
+    "json", "figure", "html", "fold", search=("full", "effort", "seed", "seconds"), details=True
+)
 def follow(
     scene: Source,
     parameter: o.ParameterRange,

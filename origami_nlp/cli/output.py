@@ -174,12 +174,16 @@ def writes(*kinds: str) -> Callable[..., Callable[..., None]]:
     return decorate
 
 
-def answers(*kinds: str, search: Sequence[str] = ()) -> Callable[..., Callable[..., None]]:
+def answers(
+    *kinds: str, search: Sequence[str] = (), details: bool = False
+) -> Callable[..., Callable[..., None]]:
     """Give a command that returns a result the option ``-o`` for files of these kinds, and those of searches.
 
-    search: of `SEARCH`; the command gets those that are given by their names.
+    search: of `SEARCH`; the command gets those that are given by their names.  details: the result has some, which
+    are printed with ``--verbose``.
     """
     own = {name: SEARCH[name] for name in search}
+    own |= {"verbose": (o.Verbose, False)} if details else {}
 
     def decorate(command: Callable[..., Any]) -> Callable[..., None]:
         @wraps(command)
@@ -187,9 +191,10 @@ def answers(*kinds: str, search: Sequence[str] = ()) -> Callable[..., Callable[.
             from origami_nlp.results import draw
             from origami_nlp.verbs import write_mesh
 
+            verbose = given.pop("verbose", False)
             said = {k: v for k, v in given.items() if k not in search or v is not None}
             found = command(**said)
-            found.print_to(out.console)
+            found.print_to(out.console, verbose)
             out.write("json", lambda: found.to_dict())
             out.write("markdown", lambda: found.to_markdown())
             out.write("figure", draw, found)

@@ -84,6 +84,10 @@ class Source:
         return read_limited(self.name, LARGEST, "scene", SceneFileError)
 
     @property
+    def _typed(self) -> str:
+        return "standard input" if self.name == "-" else self.name
+
+    @property
     def vertex(self) -> int | None:
         """The vertex asked for."""
         return self.given.get("vertex")
@@ -102,7 +106,7 @@ class Source:
         """Return the frame asked for, or all."""
         from origami_nlp.pattern import parse_fold
 
-        return parse_fold(self._content, self.given.get("frame"), name=f"FOLD file {self.name!r}")
+        return parse_fold(self._content, self.given.get("frame"), source=self._typed)
 
     def read(self) -> Scene:
         """Return the scene; what is odd in a FOLD file goes to standard error."""
@@ -170,8 +174,8 @@ class Source:
     def _frame(self) -> Frame:
         from origami_nlp.pattern import parse_fold
 
-        number, name = self.given.get("frame", "first"), f"FOLD file {self.name!r}"
-        (frame,) = parse_fold(self._content, number, name=name)
+        number = self.given.get("frame", "first")
+        (frame,) = parse_fold(self._content, number, source=self._typed)
         return frame
 
     def _spring_options(self) -> dict[str, Any]:

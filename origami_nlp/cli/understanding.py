@@ -153,6 +153,7 @@ def modes(scene: Source, state: o.StateNumber = None, **options: Any) -> Any:
     "fold",
     "mesh",
     search=("full", "effort", "seed", "seconds"),
+    details=True,
 )
 def load(
     scene: Source,
@@ -221,6 +222,7 @@ def barriers(
     scene: Source,
     seed: o.Seed = 0,
     full: o.FullOrNot = None,
+    verbose: o.Verbose = False,
 ) -> None:
     """Find the lowest pass between every two minima of ORIGAMI, and a path through it.
 
@@ -248,7 +250,7 @@ def barriers(
         result = search(one, given, seed=seed, escape=False, **asked)
         with progress(f"{getattr(one, 'label', given) or given}: passes between the minima"):
             found.append(find_barriers(one, result, full=full or None, seed=seed))
-        found[-1].print_to(out.console)
+        found[-1].print_to(out.console, verbose)
     documents = [b.to_dict() for b in found]
     out.write("json", lambda: documents if scene.is_panels else documents[0])
     out.write("markdown", lambda: barriers_table(found).markdown())

@@ -143,7 +143,7 @@ class Details:
     """
 
     pieces: Sequence[Table | Cell]
-    title: str = "Certificates, residuals, account of the search"
+    title: str = "Certificates, residuals, search"
 
 
 Section: TypeAlias = Table | Cell | Details

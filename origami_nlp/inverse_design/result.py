@@ -9,13 +9,17 @@ from typing import NamedTuple
 
 import numpy as np
 
-from origami_nlp.display import Report, Section, Table, Words, rows_table
+from origami_nlp.display import Details, Report, Section, Table, Words, rows_table
 from origami_nlp.inverse_design.infeasibility import Infeasibility
 from origami_nlp.inverse_design.robustness import MOVES, Tolerance
 from origami_nlp.inverse_design.targets import Targets
+from origami_nlp.io import printable
 from origami_nlp.minima import MinimaResult
 from origami_nlp.numerics import DUPLICATE_TOL
 from origami_nlp.pattern import Pattern, Scene
+
+MOST_ANGLES = 24
+"""Fold angles that are printed of a minimum that was not asked for."""
 
 
 @dataclass(frozen=True)
@@ -196,41 +200,64 @@ class Design(Report):
             known.append((f"minimum {i}", phi))
         return tuple(out)
 
-    def report_sections(self) -> Iterator[Section]:
-        """Describe what was designed and what the check found."""
+    @property
+    def verdict(self) -> str:
+        """Whether springs hold the states, in a sentence."""
+        title = printable(self.targets.source) or "design"
         if self.scene is None:
             assert self.reason is not None
-            yield Words(f"No design: {self.reason.text}")
+            proved = "" if self.refuted else " was found, which proves nothing"
+            return f"{title}: no design{proved}: {self.reason.text}"
+        n, more = len(self.states), len(self.extra_minima)
+        what = f"springs hold {'both' if n == 2 else 'the' if n == 1 else f'all {n}'} state{'s' * (n > 1)} asked for"
+        if not self.verified:
+            return f"{title}: springs for {n} state{'s' * (n > 1)}, NOT verified: {self.failed[0]}"
+        others = f"{more or 'no'} other minim{'um' if more < 2 else 'a'}"
+        sure = getattr(getattr(self.minima, "completeness", None), "proved", False)
+        complete = "list proved complete" if sure else "completeness not proved"
+        return f"{title}: {what}, {others} found (margin {self.margin:.4g}, {complete})"
+
+    def report_sections(self) -> Iterator[Section]:
+        """Return the verdict, states, springs, other minima, what is not proved, and the details of the solution."""
+        if self.scene is None:
+            assert self.reason is not None
+            yield Words(self.verdict)
             if not self.refuted:
-                yield Words("this proves nothing: see what of the question the problem leaves open")
+                yield Words("see what of the question the problem leaves open")
             for change in self.reason.changes:
                 yield Words(f"what would help, alone: {change}")
             return
-        n = len(self.states)
-        what = "verified" if self.verified else "NOT verified"
-        yield Words(
-            f"Design for {n} state{'s' * (n > 1)}: margin {self.margin:.4g}, {what} "
-            f"(conic solver: {self.iterations} iterations, residual {self.residual:.0e})"
-        )
         yield self.table()
         yield self.springs()
         for b in self.barriers:
-            yield Words(f"barrier from {b.start} to {b.end}: {b.rise:.12g} J")
+            yield Words(f"barrier from {b.start} to {b.end}: {b.rise:.6g} J")
         if self.tolerance is not None:
             yield from self._tolerance(self.tolerance)
-        for words in self.failed:
+        for words in self.failed[1:]:
             yield Words(f"not verified: {words}")
-        if self.extra_minima:
-            yield Words(f"{len(self.extra_minima)} minima that were not asked for:")
-            for (energy, kind, phi), whose in zip(self.extra_minima, self.images, strict=True):
-                angles = "  ".join(f"{math.degrees(a):.3f}" for a in phi)
-                same = f" (image of {whose} under a symmetry of the scene)" if whose else ""
-                yield Words(f"  {energy:.5g} J  {kind}: {angles} deg{same}")
-        else:
-            yield Words("no other minimum was found")
-        known = getattr(self.minima, "completeness", None)
-        if known is not None:
-            yield Words(next(known.lines()))
+        for (energy, kind, phi), whose in zip(self.extra_minima, self.images, strict=True):
+            angles = " ".join(f"{math.degrees(a):.2f}" for a in phi[:MOST_ANGLES])
+            angles += " ..." * (len(phi) > MOST_ANGLES)
+            same = f", image of {whose} under a symmetry of the scene" if whose else ""
+            yield Words(f"not asked for: {energy:.5g} J, {kind}, fold angles [deg] {angles}{same}")
+        known = self.minima and self.minima.completeness
+        if known:
+            yield from known.open_lines()
+        if self.minima and not (known and known.proved):
+            yield from self.minima.search.open_words()
+        yield Details(tuple(self._details()), "Margin, solver, search")
+
+    def _details(self) -> Iterator[Table | Words]:
+        """Return what the margin is, how the states were found, and what the solver did."""
+        yield Words(
+            "margin: smallest stiffness along a free motion, and smallest moment of a loaded contact per rad, over the "
+            "mean stiffness"
+        )
+        for s in self.states:
+            yield Words(f"{s.name}: the search found it within {s.found:.0e} rad: {s.certificate}")
+        yield Words(f"conic solver: {self.iterations} iterations, residual {self.residual:.0e}")
+        if self.minima and self.minima.completeness:
+            yield from map(Words, self.minima.completeness.lines())
 
     @staticmethod
     def _tolerance(found: Tolerance) -> Iterator[Section]:
@@ -240,29 +267,29 @@ class Design(Report):
                 MOVES: "along the worst direction found it moves there: it is singular, and not followed",
             }.get(loss.event, f"along the worst direction found, then: {loss.event}")
             yield Words(
-                f"{loss.state} stands until every stiffness and rest angle is off by "
+                f"{loss.state} is stable until every stiffness and rest angle is off by "
                 f"{loss.percent:.4g} % ({how})"
             )
         if found.trials:
             yield Words(
-                f"random springs within {found.percent:.4g} %: all states stand in {found.kept} of {found.trials}"
+                f"random springs within {found.percent:.4g} %: all states are kept in {found.kept} of {found.trials}"
             )
 
     def table(self) -> Table:
         """The states, one a row."""
-        heads = ("state", "energy [J]", "kind", "full space", "moved [deg]", "found within [rad]")
+        full = any(s.full_space for s in self.states)
+        heads = ("state", "energy [J]", "kind", *["full space"] * full, "moved to close [deg]")
         rows: list[tuple[str, ...]] = [
             (
                 s.name,
                 f"{s.energy:.5g}",
                 s.kind or "no minimum",
-                s.full_space or "-",
+                *[s.full_space or "-"] * full,
                 f"{math.degrees(s.moved):.2g}",
-                f"{s.found:.0e}",
             )
             for s in self.states
         ]
-        return rows_table(heads, rows, "States")
+        return rows_table(heads, rows, self.verdict)
 
     def springs(self) -> Table:
         """The springs, one crease a row."""

@@ -132,6 +132,8 @@ class Targets:
     equal
         Of a pattern, which creases have equal springs: ``""`` none, ``"letters"`` all of one assignment, or a number
         for each crease, the same for equal ones.
+    source
+        What was read, as it was typed: a file, or an example; the report is titled by it.
     """
 
     origami: Vertex | Pattern
@@ -147,6 +149,7 @@ class Targets:
     highest: dict[str, float] = field(default_factory=dict)
     full_space: bool = True
     equal: str | tuple[int, ...] = ""
+    source: str = field(default="", compare=False)
 
     def __post_init__(self) -> None:
         self._check_kind()

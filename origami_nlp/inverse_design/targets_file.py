@@ -91,15 +91,18 @@ def read_targets(source: str | Path) -> tuple[Targets, Ask, str | None]:
         If the file cannot be read, or a value does not fit; the message names it.
     """
     folder = Path(".") if str(source) == "-" else Path(source).parent
-    return _targets(read_toml(source, _LARGEST, "targets", OptionError), folder)
+    typed = "standard input" if str(source) == "-" else str(source)
+    return _targets(read_toml(source, _LARGEST, "targets", OptionError), folder, typed)
 
 
-def parse_targets(text: str, folder: Path = Path(".")) -> tuple[Targets, Ask, str | None]:
-    """Read what a design is asked for from TOML text; see `read_targets`."""
-    return _targets(parse_toml(text, "targets", OptionError), folder)
+def parse_targets(
+    text: str, folder: Path = Path("."), source: str = ""
+) -> tuple[Targets, Ask, str | None]:
+    """Read what a design is asked for from TOML text that comes from `source`; see `read_targets`."""
+    return _targets(parse_toml(text, "targets", OptionError), folder, source)
 
 
-def _targets(data: Mapping[str, Any], folder: Path) -> tuple[Targets, Ask, str | None]:
+def _targets(data: Mapping[str, Any], folder: Path, source: str) -> tuple[Targets, Ask, str | None]:
     check_tables(data, _KEYS, "targets have", OptionError, ("states", "barriers"))
     origami, equal = _origami(data, folder)
     many = origami.creases if isinstance(origami, Pattern) else origami.degree
@@ -121,7 +124,7 @@ def _targets(data: Mapping[str, Any], folder: Path) -> tuple[Targets, Ask, str |
         dict(data.get("ask", {})),
     )
     name = model.pop("name", None)
-    more: dict[str, Any] = {}
+    more: dict[str, Any] = {"source": source}
     if "stiffness" in springs:
         more["stiffness"] = tuple(_two("[springs] stiffness", springs["stiffness"]))
     given = [k for k in ("rest_angles", "rest_angles_deg") if k in springs]

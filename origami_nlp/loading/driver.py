@@ -151,7 +151,7 @@ class VertexDriver:
     @property
     def label(self) -> str:
         """What is loaded."""
-        return self.scene.label or repr(self.scene.vertex)
+        return self.scene.title
 
     def line(self) -> ParameterLine:
         """Return the problems of the scene over t."""

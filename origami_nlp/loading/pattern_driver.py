@@ -49,7 +49,9 @@ class PatternDriver:
     work: Work
     ALSO = ("name", "unit", "coordinate")
     lazy = True
-    WAY = "facets do not cross at the states of the path, nor at those of ways down; between states it is not asked"
+    WAY = (
+        "crossing of facets is checked at the states of the path and of descents, not between them"
+    )
 
     @property
     def pattern(self) -> Pattern:
@@ -64,7 +66,7 @@ class PatternDriver:
     @property
     def label(self) -> str:
         """What is loaded."""
-        return self.pattern.name or "pattern"
+        return self.pattern.title
 
     @property
     def name(self) -> str:

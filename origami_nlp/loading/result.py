@@ -6,25 +6,36 @@ Angles in radians, torques in N m, energies in J (the units of springs).
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+import re
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from origami_nlp.bifurcation import PathBranch, PathEvent
-from origami_nlp.display import Content, Report, Section, Table, Viewable, Words, angle_columns
+from origami_nlp.bifurcation import EVENT_WORDS, PathBranch, PathEvent
+from origami_nlp.display import (
+    Cell,
+    Content,
+    Details,
+    Report,
+    Section,
+    Table,
+    Viewable,
+    Words,
+    angle_columns,
+)
 from origami_nlp.errors import OUT_OF_TIME
 from origami_nlp.loading.driver import VertexDriver
 from origami_nlp.loading.pattern_driver import PatternDriver
-from origami_nlp.loading.records import Leg, Snap
+from origami_nlp.loading.records import ConfirmedSnap, Leg, LoadPoint, Snap
 from origami_nlp.minima import Part, state_parts
 from origami_nlp.numerics import INPUT_TOL
 from origami_nlp.pattern import Pattern, Scene
 from origami_nlp.pattern_problem import state_frame, states_to_fold
 
 WHY = {
-    "range": "stable to the end of the range",
+    "range": "stable; end of the range",
     "breaks-symmetry": "stopped: beyond, the state is stable only while its symmetry is kept",
 }
 """Why a leg ends, in words, where the name alone does not say it."""
@@ -32,6 +43,10 @@ WHY = {
 
 MOST_ANGLES = 12
 """Fold angles that are printed of one state."""
+SHIFT = 0.01
+"""Share of the range by which the load of a state differs that is loaded anew; after a snap it is far less."""
+MOST_NAMED = 3
+"""Snaps whose loads the verdict names."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -114,8 +129,7 @@ class LoadPath(Report, Viewable):
 
     def table(self) -> Table:
         """Return one row an event, in order of the load."""
-        on = {e for s in self.snaps for e in [s.event]}
-        unit = f" [{self.driver.unit}]" if self.driver.unit else ""
+        on = {s.event for s in self.snaps} | {e.id for leg in self.legs for _, e in self._on(leg)}
         rows = [
             [
                 str(e.id) + ("*" if e.id in on else ""),
@@ -128,66 +142,140 @@ class LoadPath(Report, Viewable):
             for e in self.events
         ]
         what = "angle [rad]" if self.driver.coordinate.endswith("[rad]") else "position [m]"
-        heads = ["event", "type", f"load{unit}", "contact", what, ""]
+        heads = ["event", "type", f"load{self._unit}", "contact", what, ""]
         if all(e.located for e in self.events):
             heads, rows = heads[:-1], [row[:-1] for row in rows]
-        title = (
-            f"{self.label}: {f'state #{self.state}' if self.state else 'a state'} under {self.driver.name}, "
-            f"{self.low:.6g} to {self.high:.6g} {self.driver.unit}".rstrip()
-        )
-        return Table(heads, rows, title, "rlrlrl"[: len(heads)])
+        title = f"all events, * on the path, {self.low:.6g} to {self.high:.6g} {self.driver.unit}"
+        return Table(heads, rows, title.rstrip(), "rlrLrl"[: len(heads)], framed=False, narrow=True)
 
     def report_sections(self) -> Iterator[Section]:
-        """Return events, what the state does, and what confirms it."""
-        table = self.table()
-        yield table if self.events else table.title
-        unit = f" {self.driver.unit}" if self.driver.unit else ""
-        for leg in self.legs:
-            a, b = leg.points[0].t, leg.points[-1].t
-            full = f"; in the full space {leg.full_space}" if leg.full_space else ""
-            if leg.full_space_from is not None:
-                full += f" from {leg.full_space_from:.6g}{unit} on"
-            yield f"from {a:.9g} to {b:.9g}{unit}: {WHY.get(leg.why, leg.why)}{full}"
-            if leg.snap is not None:
-                yield from self._snap_lines(leg.snap)
-        if self.snaps:
-            yield f"energy lost in snaps: {self.dissipated:.6g} J"
-        else:
-            yield "no snap"
+        """Return what the state does, a line each of what happens on the path, what is not known, and the details."""
+        table = Table(
+            (
+                f"load{self._unit}",
+                "what happens",
+                re.sub(" of .*? \\[", " [", self._head),
+                "energy\nlost [J]",
+            ),
+            [*self._happenings()],
+            self.verdict,
+            "rLrr",
+            framed=False,
+            narrow=True,
+        )
+        yield table
+        for number, snap in enumerate(self.snaps, start=1):
+            after = " ".join(f"{math.degrees(a) + 0.0:.2f}" for a in snap.after)
+            many = len(snap.after) > MOST_ANGLES
+            after = f"fold angles of {len(snap.after)} creases: -o FILE.json" if many else after
+            yield f"after snap {number}, {snap.kind} [deg]: {after}"
+        yield from self._symmetry()
+        yield from self._idle()
+        for number, snap in enumerate(self.snaps, start=1):
+            if snap.confirmed is not None and not all(snap.confirmed.found):
+                yield Words(_searches(number, snap.confirmed, self.driver.unit), "bold")
+        yield from (Words(line, "bold") for line in self.alarms)
         if self.driver.WAY:
             yield self.driver.WAY
-        yield from self._more()
-        yield Words(f"{self.steps} steps", "dim")
-        yield from (Words(line, "bold") for line in self.alarms)
+        yield Details(tuple(self._details()), "Events, certificates, searches")
 
-    def _more(self) -> Iterator[str]:
-        if self.scene is not None and not self.scene.group.is_trivial:
-            name = self.scene.group.name
-            yield f"states keep the symmetry {name}; --symmetry none follows those that break it as well"
-        for number, leg in enumerate(self.legs, start=1):
+    @property
+    def verdict(self) -> str:
+        """What the state does under the load, in a sentence."""
+        unit = f" {self.driver.unit}" if self.driver.unit else ""
+        state = f"state #{self.state}" if self.state else "a state"
+        words = f"{self.label}: {state} under {self.driver.name}"
+        if not self.snaps:
+            ends = " and to ".join(f"{leg.points[-1].t:.6g}" for leg in self.legs) or "0"
+            stops = any(leg.why != "range" for leg in self.legs)
+            return f"{words} does not snap, loaded to {ends}{unit}{', where it is left' * stops}"
+        at = [f"{snap.t:.6g}" for snap in self.snaps[:MOST_NAMED]]
+        more = len(self.snaps) - len(at)
+        words += f" snaps at {' and '.join(at)}{f' and {more} more loads' if more else ''}{unit}"
+        return f"{words}, losing {self.dissipated:.6g} J{' in all' if len(self.snaps) > 1 else ''}"
+
+    @property
+    def _unit(self) -> str:
+        return f" [{self.driver.unit}]" if self.driver.unit else ""
+
+    @property
+    def _head(self) -> str:
+        """What the load works on, in degrees where it is an angle."""
+        return self.driver.coordinate.replace("[rad]", "[deg]")
+
+    def _place(self, *values: float) -> str:
+        """Write what the load works on, in degrees where it is an angle."""
+        angle = self.driver.coordinate.endswith("[rad]")
+        return " to ".join(f"{math.degrees(v) + 0.0:.2f}" if angle else f"{v:.6g}" for v in values)
+
+    def _happenings(self) -> Iterator[Sequence[Cell]]:
+        """Return a row for each start, contact, snap and end on the path, in its order."""
+        arrived = None
+        for leg in self.legs:
+            first, last = leg.points[0], leg.points[-1]
+            if arrived is None or abs(first.t - arrived) > SHIFT * (self.high - self.low):
+                said = f"state #{self.state}" if self.state else "the state that was given"
+                again = " again, loaded the other way" * (arrived is not None)
+                yield f"{first.t:.6g}", said + again, self._place(first.angle), ""
+            for point, event in self._on(leg):
+                words = EVENT_WORDS.get(event.type, event.type)
+                said = f"{words}: {event.contact}" if event.contact else words
+                yield f"{event.t:.6g}", said, self._place(point.angle), ""
+            if leg.snap is None:
+                yield f"{last.t:.6g}", WHY.get(leg.why, leg.why), self._place(last.angle), ""
+            else:
+                snap = self.snaps[leg.snap - 1]
+                words = EVENT_WORDS.get(snap.type, snap.type)
+                bold = Words(f"snap {leg.snap}: {words}", "bold")
+                yield f"{snap.t:.6g}", bold, self._place(*snap.angle), f"{snap.released:.6g}"
+            arrived = last.t
+
+    def _on(self, leg: Leg) -> Iterator[tuple[LoadPoint, PathEvent]]:
+        """Return the events that a leg passes, in its order, without that at its end."""
+        left = {e.fold_angles: e for e in self.events}
+        if leg.snap:
+            event = self.snaps[leg.snap - 1].event
+            left = {phi: e for phi, e in left.items() if e.id != event}
+        for point in leg.points:
+            if point.fold_angles in left:
+                yield point, left.pop(point.fold_angles)
+
+    def _symmetry(self) -> Iterator[str]:
+        """Say what symmetry states keep, and whether they are stable without it."""
+        if self.scene is None or self.scene.group.is_trivial:
+            return
+        group = self.scene.group.name
+        judged = [leg for leg in self.legs if leg.full_space]
+        if judged and all(leg.full_space == "stable" for leg in judged):
+            yield f"stable without the symmetry {group} too: judged at ends and middle of each part"
+        for leg in judged:
+            if leg.full_space != "stable":
+                a, b = leg.points[0].t, leg.points[-1].t
+                start = "" if leg.full_space_from is None else f" from {leg.full_space_from:.6g} on"
+                yield f"load {a:.6g} to {b:.6g}: {leg.full_space} without the symmetry {group}{start}"
+        yield f"states keep the symmetry {group}; --symmetry none follows those that break it as well"
+
+    def _idle(self) -> Iterator[str]:
+        for leg in self.legs:
             at = [p.angle for p in leg.points]
             if len(at) > 1 and max(at) - min(at) <= INPUT_TOL * self.driver.arm:
                 yield (
-                    f"leg {number}: the load does no work, what it works on stays as it is ({self.driver.coordinate}: "
-                    f"{at[0]:.6g}); no motion that is free there changes it to first order"
+                    f"load {leg.points[0].t:.6g} to {leg.points[-1].t:.6g} does no work: {self._head} stays "
+                    f"{self._place(at[0])}, which no free motion changes to first order"
                 )
 
-    def _snap_lines(self, number: int) -> Iterator[str]:
-        snap, unit = self.snaps[number - 1], f" {self.driver.unit}" if self.driver.unit else ""
-        after = " ".join(f"{math.degrees(a) + 0.0:.2f}" for a in snap.after[:MOST_ANGLES])
-        after += f" ... of {len(snap.after)}" if len(snap.after) > MOST_ANGLES else ""
-        yield (
-            f"   snap {number}, {snap.type} (event {snap.event}) at {snap.t:.12g}{unit}: loses {snap.released:.6g} J, "
-            f"lands on {snap.kind} ({after}) deg: {snap.certificate}"
-        )
-        if snap.restabilises is not None:
-            yield f"   the unstable states beyond become stable again at {snap.restabilises:.12g}{unit}"
-        if (c := snap.confirmed) is not None:
-            words = ["is among them" if f else "is NOT among them" for f in c.found]
-            yield (
-                f"   searches: {c.minima[0]} minima at {c.t[0]:.6g}{unit}, the state before the snap {words[0]}; "
-                f"{c.minima[1]} at {c.t[1]:.6g}{unit}, the one after {words[1]}"
-            )
+    def _details(self) -> Iterator[Table | Cell]:
+        """Return all events, those of unstable equilibria too, what certifies each snap, and what following cost."""
+        if self.events:
+            yield self.table()
+        unit = f" {self.driver.unit}" if self.driver.unit else ""
+        for number, snap in enumerate(self.snaps, start=1):
+            yield f"snap {number}, event {snap.event}: lands on {snap.kind}: {snap.certificate}"
+            if snap.restabilises is not None:
+                yield f"   the unstable states beyond become stable again at {snap.restabilises:.12g}{unit}"
+            if snap.confirmed is not None:
+                yield f"   {_searches(number, snap.confirmed, self.driver.unit)}"
+        yield Words(f"{self.steps} steps", "dim")
 
     def states(self) -> Iterator[tuple[str, tuple[float, ...], dict[str, Any]]]:
         """Yield the stable states of all legs in order.
@@ -227,3 +315,12 @@ class LoadPath(Report, Viewable):
                 row: dict[str, object] = {"leg": number, load: p.t, place: p.angle}
                 row |= {"energy_J": p.energy, "eigenvalue_N_m_per_rad": p.eigenvalue}
                 yield row | angle_columns(p.fold_angles)
+
+
+def _searches(number: int, c: ConfirmedSnap, unit: str) -> str:
+    """Say whether searches beside a snap found the states before and after it."""
+    words = ["is among them" if f else "is NOT among them" for f in c.found]
+    return (
+        f"searches beside snap {number}: {c.minima[0]} minima at {c.t[0]:.6g} {unit}, the state before it {words[0]}; "
+        f"{c.minima[1]} at {c.t[1]:.6g} {unit}, the one after {words[1]}"
+    )

@@ -85,8 +85,6 @@ from .result import (
 )
 from .stability import (
     barrier_words as barrier_words,
-    softest_words as softest_words,
-    stability_words as stability_words,
 )
 from .stopping import chao1 as chao1
 from .table import DEMO_HEADS as DEMO_HEADS, demo_rows as demo_rows

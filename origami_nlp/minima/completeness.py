@@ -114,11 +114,16 @@ class Completeness(ShortRepr):
         return self.status == "proved"
 
     def open_lines(self) -> Iterator[str]:
-        """Say what is not proved, and where."""
+        """Say what is not proved in a line each; `lines` say where."""
         if self.status == "not-proved":
             yield f"not proved that the list is complete: {self.reason}"
-        if not self.proved:
-            yield from self._regions()
+        if open_ := [s for s in self.singular if not s.isolated]:
+            energies = [s.energy for s in open_]
+            judged = ", each judged by another argument" * all(s.verdict for s in open_)
+            yield (
+                f"not proved near {_states(len(open_))}{judged}, energies {min(energies):.6g} to "
+                f"{max(energies):.6g} J"
+            )
 
     def lines(self) -> Iterator[str]:
         """Say it, a few lines."""

@@ -2,23 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
 from origami_nlp.display import KINDS, Cell, Table, Words
+from origami_nlp.kkt import Escape
 from origami_nlp.minima.account import SearchReport
 from origami_nlp.minima.flags import ResultFlags
 from origami_nlp.minima.full_space import FullSpace
 from origami_nlp.minima.minimum import JudgedState
-from origami_nlp.minima.stability import (
-    asked,
-    isolated_foldings,
-    number_words,
-    softest_words,
-    stiffness_words,
-)
-from origami_nlp.minima.summary import MOST_LINES
+from origami_nlp.minima.stability import isolated_foldings, number_words
 from origami_nlp.numerics import BALANCED, STATIONARY, residual_words
 from origami_nlp.pattern import Scene
 
@@ -32,7 +26,6 @@ KIND_STYLE = {
     "contact-touching": "cyan",
     "degenerate": "magenta",
 }
-VERDICT_STYLE = {"stable": "green", "unstable": "red", "undecided": "bold"}
 
 
 def dof_words(dimension: int, full: int) -> str:
@@ -86,23 +79,16 @@ def _where(state: JudgedState) -> str:
     return f", hits {state.hits}, fold angles [deg] {angles}"
 
 
-def angle_lines(
-    minima: Sequence[JudgedState], images: Mapping[int, tuple[int, str]]
-) -> Iterator[str]:
-    """Return the fold angles of states that are no images of others, the first `MOST_LINES` of them.
-
-    images: states by number that are images of others.
-    """
-    grouped = isolated_foldings(minima)
-    some = [k for k in range(1, len(minima) + 1) if k not in images and k not in grouped]
-    if not some:
+def angle_lines(minima: Sequence[JudgedState], numbers: Sequence[int]) -> Iterator[str]:
+    """Return the fold angles of the states of these numbers (from 1), a line each."""
+    if not numbers:
         return
     n = len(minima[0].fold_angles)
     if n > MOST_ANGLES:
         yield f"fold angles of the {n} creases: -o FILE.json"
         return
     yield f"fold angles of creases 1..{n} [deg]"
-    for k in some[:MOST_LINES]:
+    for k in numbers:
         m = minima[k - 1]
         digits = 3 if n <= FEW_ANGLES else 2
         shown = np.round(np.degrees(m.fold_angles), digits) + 0.0
@@ -130,82 +116,43 @@ def scene_lines(scene: Scene) -> list[str]:
     ]
 
 
-def states_table(
-    title: str,
+def kinds_table(
+    numbers: Sequence[int],
     minima: Sequence[JudgedState],
-    known: Sequence[str],
     free: Sequence[int],
-    barrier: str,
     last: tuple[str, ...],
     cells: Sequence[Sequence[str]],
 ) -> Table:
-    """Return one row a minimum: energy, kind, verdict where it was asked for, local dimension, and how it is held.
+    """Return one row a minimum: its energy to 9 digits, kind and local dimension, and what `cells` say under `last`.
 
-    known, free: of each minimum its verdict in the full space, and the dimension of closed states beside it.
-    barrier: head of the column of barriers.  last, cells: further heads, and what stands below them.
+    free: of each minimum the dimension of closed states beside it.
     """
-    grouped = isolated_foldings(minima)
-    full, noise = asked(minima), any(m.survival is not None for m in minima)
-    heads = ["#", "energy [J]", "kind", "dimension", "softest", barrier, *last]
-    rows = []
-    for k, m in enumerate(minima):
-        if k + 1 in grouped:
-            continue
-        row: list[Cell] = [
-            str(k + 1),
+    rows: list[list[Cell]] = [
+        [
+            str(k),
             f"{m.energy:.9g}",
             Words(m.kind, KIND_STYLE[m.kind], KINDS[m.kind].colour),
-            *[Words(known[k], VERDICT_STYLE.get(known[k], ""))] * full,
-            dof_words(m.local_dimension, free[k]),
-            softest_words(m.softest),
-            m.escape.words() if m.escape else "-",
-            *cells[k],
+            dof_words(m.local_dimension, most),
+            *more,
         ]
-        rows.append([*row, *[str(m.survival)] * noise])
-    if grouped:
-        some = [minima[k - 1] for k in grouped]
-        energies = f"{some[0].energy:.4g} to {some[-1].energy:.4g}"
-        row = [f"({len(some)})", energies, "flat foldings", *[""] * full]
-        row += ["0 isolated", "held", "isolated", *[""] * (len(last) - 1)]
-        row.append(str(sum(m.hits for m in some)) if "hits" in last else "")
-        kept = max((m.survival.kept for m in some if m.survival), default=0)
-        rows.append([*row, *[f"{kept} at most"] * noise])
-    columns = "rrllrr" + ("l" if len(last) == 1 else "r" * len(last))
-    if full:
-        # softness stands below the table, residuals in JSON and on the page: it keeps to 80 columns
-        heads.insert(3, "full space")
-        rows = [row[:5] + row[6:7] + row[9:] for row in rows]
-        heads, columns = heads[:5] + heads[6:7] + heads[9:], "rrlllrr"
-    if noise:
-        heads, columns = [*heads, "survives"], columns + "r"
-    return Table(heads, rows, title, columns, framed=not full, narrow=full)
+        for k, m, most, more in zip(numbers, minima, free, cells, strict=True)
+    ]
+    columns = "rrlr" + ("L" if len(last) == 1 else "r" * len(last))
+    heads = ["#", "energy [J]", "kind", "dimension", *last]
+    return Table(heads, rows, "", columns, framed=False, narrow=True)
 
 
-def state_lines(minima: Sequence[JudgedState], group: str = "") -> list[str]:
-    """Return the fold angles, contact moments and certificate of each minimum, a few lines each.
-
-    group: name of the symmetry round whose axis states wind.
-    """
+def state_lines(minima: Sequence[JudgedState]) -> list[str]:
+    """Return certificate, contact moments and escape path of each minimum, a few lines each."""
     lines, grouped = [], isolated_foldings(minima)
     for number, m in enumerate(minima, start=1):
         if number in grouped:
             continue
-        if len(m.fold_angles) <= MOST_ANGLES:
-            angles = " ".join(f"{a:8.3f}" for a in np.round(np.degrees(m.fold_angles), 3) + 0.0)
-            lines.append(
-                f"#{number} fold angles of creases 1..{len(m.fold_angles)} [deg]: {angles}"
-            )
-            reported = [m.certificate]
-        else:
-            lines.append(f"#{number} {m.certificate}")
-            reported = []
-        if m.winding > 1:
-            lines.append(f"   winds {m.winding} times round the axis of {group}")
+        lines.append(f"#{number} {m.certificate}")
         shown = [c for c in m.contacts if len(m.fold_angles) <= MOST_ANGLES or not c.is_limit]
         lines += [f"   contact {c.words()}" for c in shown]
-        lines += [f"   {words}" for words in reported]
-        if m.escape is not None:
-            lines.append(f"   {stiffness_words(m)}")
+        if m.escape is not None and m.local_dimension:
+            lines.append(f"   {escape_words(m.escape)}")
         if m.moment is not None:
             lines.append(f"   {moment_words(m.moment, m.moment_residual, len(m.fold_angles))}")
         if m.solver is not None and not m.solver.agrees:
@@ -220,3 +167,11 @@ def state_lines(minima: Sequence[JudgedState], group: str = "") -> list[str]:
             "other admissible state near: contact alone holds them, whatever the springs (all are in the JSON)"
         )
     return lines
+
+
+def escape_words(e: Escape) -> str:
+    """Say where the escape path over the barrier of the summary leads, and how it was found."""
+    if not e.known:
+        return f"escape barrier {e.method}: {e.why}"
+    to = f"#{e.to}" if e.to else "a state that is not listed"
+    return f"escape path towards {to}: {e.method}"

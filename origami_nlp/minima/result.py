@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -36,20 +37,19 @@ from origami_nlp.minima.pattern_account import PatternSearchReport
 from origami_nlp.minima.report_lines import (
     angle_lines,
     flag_lines,
+    kinds_table,
     scene_lines,
     state_lines,
-    states_table,
     undecided_lines,
 )
 from origami_nlp.minima.stability import (
     NOT_ASKED,
-    barrier_head,
-    count_words,
     imposed_words,
+    isolated_foldings,
     not_asked_words,
     verdict,
 )
-from origami_nlp.minima.summary import find_images, summary_tables, verdict_words
+from origami_nlp.minima.summary import MOST_LINES, find_images, summary_table, verdict_words
 from origami_nlp.numerics import STATIONARY, rank, residual_words
 from origami_nlp.pattern import Pattern, Relations, Scene
 from origami_nlp.pattern_problem import MOST_DENSE, PatternProblem
@@ -152,23 +152,8 @@ class MinimaResult(Report, Viewable):
 
     @property
     def title(self) -> str:
-        """Its name, or what it is where it has none."""
-        stated = self.origami
-        if self.name:
-            return self.name
-        if isinstance(stated, Pattern):
-            return "pattern"
-        angles = ", ".join(f"{a:.6g}" for a in np.degrees(stated.vertex.sector_angles))
-        return f"vertex with sector angles {angles} deg"
-
-    @property
-    def headline(self) -> str:
-        """What is folded, and how many minima there are; of a vertex its symmetry and contact."""
-        count, stated = count_words(self.origami, self.minima), self.origami
-        if isinstance(stated, Pattern):
-            return f"{stated.name}: {count}" if stated.name else count
-        said = f"{count}, symmetry {stated.group.name}, contact {stated.contact}"
-        return f"{self.title}\n{said}"
+        """What was typed, else its name, else its sector angles."""
+        return self.origami.title
 
     # ------------------------------------------------------------ states
 
@@ -302,30 +287,30 @@ class MinimaResult(Report, Viewable):
 
     # ------------------------------------------------------------ printed
 
+    @cached_property
+    def _images(self) -> dict[int, tuple[int, str]]:
+        return find_images(self.origami, self.minima)
+
+    @property
+    def verdict(self) -> str:
+        """How many states are stable, under which assumptions, and whether the list is complete."""
+        words = verdict_words(self.origami, self.minima, self.completeness, self.search)
+        return f"{self.title}: {words}"
+
     def table(self) -> Table:
-        """Return one row a minimum."""
-        known = [verdict(self.origami, m) for m in self.minima]
-        barrier, pattern = barrier_head(self.origami), self.is_pattern
-        heads = ("contacts",) if pattern else ("closure", "KKT", "hits")
-        free = [m.dof if pattern else self.model.dof for m in self.minima]
-        last = [_touching(m) if pattern else _reached(m) for m in self.minima]
-        return states_table(self.headline, self.minima, known, free, barrier, heads, last)
+        """Return one row a minimum: energy, stability, what holds it, softest mode, escape barrier."""
+        scale = float(np.mean(self.origami.stiffness))
+        return summary_table(self.origami, self.minima, self._images, self.verdict, scale)
 
     def report_sections(self) -> Iterator[Section]:
         """Return how many states are stable, a line each, fold angles, what is not proved, and then the details."""
-        words = verdict_words(self.origami, self.minima, self.completeness, self.search)
-        title, more = f"{self.title}: {words}", None
-        images = find_images(self.origami, self.minima)
-        if self.minima:
-            first, more = summary_tables(
-                self.origami, self.minima, images, title, float(np.mean(self.origami.stiffness))
-            )
-            yield first
-        else:
-            yield title
-        if more:
-            yield f"... {len(more.rows)} more states: --verbose, or -o FILE.json"
-        yield from angle_lines(self.minima, images)
+        table = self.table()
+        rest = table.rows[MOST_LINES:]
+        yield replace(table, rows=table.rows[:MOST_LINES]) if self.minima else self.verdict
+        if rest:
+            yield f"... {len(rest)} more states: --verbose, or -o FILE.json"
+        shown = self._shown
+        yield from angle_lines(self.minima, shown)
         if isinstance(self.origami, Scene):
             yield from scene_lines(self.origami)
         yield from self._survivals()
@@ -336,16 +321,30 @@ class MinimaResult(Report, Viewable):
             yield from self.completeness.open_lines()
         if not self.completeness or not self.completeness.proved:
             yield from self.search.open_words()
-        yield Details(tuple(self._details(more)))
+        more = replace(table, rows=rest, title="further states") if rest else None
+        yield Details(tuple(self._details(more, shown)))
 
-    def _details(self, more: Table | None) -> Iterator[Table | Words | str]:
+    @property
+    def _shown(self) -> list[int]:
+        """Numbers of the states whose fold angles are printed, which are no images of others."""
+        grouped = isolated_foldings(self.minima)
+        some = range(1, len(self.minima) + 1)
+        return [k for k in some if k not in self._images and k not in grouped][:MOST_LINES]
+
+    def _details(self, more: Table | None, shown: Sequence[int]) -> Iterator[Table | Words | str]:
         """Return certificates, residuals, the record of the search, and what is modelled."""
         if more:
             yield more
-        if self.minima:
-            yield self.table()
-        group = "" if isinstance(self.origami, Pattern) else self.origami.group.name
-        yield from state_lines(self.minima, group)
+        grouped = isolated_foldings(self.minima)
+        listed = [k for k in range(1, len(self.minima) + 1) if k not in grouped]
+        yield from angle_lines(self.minima, [k for k in listed if k not in shown])
+        if listed:
+            some = [self.minima[k - 1] for k in listed]
+            heads = ("contacts",) if self.is_pattern else ("closure", "KKT", "hits")
+            free = [m.dof if self.is_pattern else self.model.dof for m in some]
+            cells = [_touching(m) if self.is_pattern else _reached(m) for m in some]
+            yield kinds_table(listed, some, free, heads, cells)
+        yield from state_lines(self.minima)
         if self.is_pattern:
             for s in self.crossing:
                 yield f"rejected: energy {s.energy:.6g} J: {s.certificate}"
@@ -353,7 +352,8 @@ class MinimaResult(Report, Viewable):
             yield from flag_lines(self.flags)
         if self.completeness:
             yield from (Words(line) for line in self.completeness.lines())
-        yield from (Words(line, "dim") for line in self.search.words())
+        known = [] if self.completeness and self.completeness.proved else self.search.open_words()
+        yield from (Words(line, "dim") for line in self.search.words() if line not in known)
         if self.is_pattern:
             yield from self._modelled()
 

@@ -11,7 +11,7 @@ import math
 from collections import Counter
 from collections.abc import Sequence
 
-from origami_nlp.kkt import BOUND, OPEN, Escape, rounded_up
+from origami_nlp.kkt import OPEN, Escape
 from origami_nlp.minima.full_space import MOST_CREASES, MOST_STATES, is_affordable
 from origami_nlp.minima.minimum import JudgedState
 from origami_nlp.numerics import SHALLOW
@@ -119,50 +119,6 @@ def number_words(numbers: Sequence[int]) -> str:
         else:
             runs.append([number])
     return ", ".join(f"{r[0]}-{r[-1]}" if len(r) > 1 else f"{r[0]}" for r in runs)
-
-
-def softest_words(softest: float) -> str:
-    """Say the smallest stiffness in a cell of a table: "0.0243", or "held" where contacts leave nothing free."""
-    return "held" if math.isinf(softest) else f"{softest:.3g}"
-
-
-def stiffness_words(minimum: JudgedState) -> str:
-    """Say in a line how stiff a minimum is and what it takes to leave it."""
-    forces = [c.multiplier for c in minimum.contacts]
-    isolated = minimum.local_dimension == 0
-    words = stability_words(minimum.softest, forces, isolated, minimum.escape)
-    if minimum.full_space is not None and minimum.full_space.verdict == "unstable":
-        words += "; in the full space, where it is unstable, nothing has to be put in to leave it"
-    return words
-
-
-def stability_words(
-    softest: float, forces: Sequence[float], isolated: bool, e: Escape | None
-) -> str:
-    """Say how stiff a state is, with forces of its contacts, and what it takes to leave it."""
-    if isolated:
-        return "held by geometry: no free direction"
-    if math.isinf(softest):
-        least = min(forces, default=0.0)
-        held = f"; smallest contact multiplier {least:.3g} N m" if least > 0 else ""
-        stiff = f"held by contacts: no free direction has a stiffness{held}"
-    else:
-        stiff = f"softest stiffness {softest:.4g} N m/rad (per unit length of all fold angles)"
-    if e is None:
-        return stiff
-    if not e.known:
-        return f"{stiff}; escape barrier {e.method}: {e.why}"
-    number = rounded_up(e.barrier) if e.method == BOUND else f"{e.barrier:.6g}"
-    most = "at most " if e.method == BOUND else ""
-    to = f", towards #{e.to}" if e.to else ", towards a state that is not listed"
-    return f"{stiff}; escape barrier {most}{number} J{to}: {e.method}{', shallow' * e.shallow}"
-
-
-def barrier_head(origami: Scene | Pattern) -> str:
-    """Name the column of barriers: under an imposed symmetry escape paths keep it, "D1 barrier [J]"."""
-    if isinstance(origami, Scene) and is_symmetric(origami):
-        return f"{origami.group.name} barrier [J]"
-    return "barrier [J]"
 
 
 def barrier_words(e: Escape | None, unit: str) -> str:

@@ -225,14 +225,14 @@ def _barrier(m: JudgedState, scale: float) -> str:
     return "not known" if m.escape.method == OPEN else m.escape.words()
 
 
-def summary_tables(
+def summary_table(
     origami: Scene | Pattern,
     minima: Sequence[JudgedState],
     images: Mapping[int, tuple[int, str]],
     title: str,
     scale: float,
-) -> tuple[Table, Table | None]:
-    """Return a line a state: the first `MOST_LINES`, and a table of the others.
+) -> Table:
+    """Return a line a state, isolated flat foldings together in one.
 
     Parameters
     ----------
@@ -241,14 +241,14 @@ def summary_tables(
     images
         Those that are images of others (`find_images`).
     title
-        Of the first table.
+        Of the table.
     scale
         Mean stiffness, of which rounding of energies is a share.
 
     Returns
     -------
-    tuple
-        The tables, the second None where there is none.
+    Table
+        In order of energy.
     """
     grouped = isolated_foldings(minima)
     kept = f"{origami.group.name} " if is_symmetric(origami) else ""  # type: ignore[union-attr]
@@ -280,10 +280,4 @@ def summary_tables(
         rows[-1] += [f"{most} at most"] * noise
     if noise:
         heads.append("survives")
-    columns = "rrlLrr" + "r" * noise
-
-    def table(part: list[list[Cell]], name: str) -> Table:
-        return Table(heads, part, name, columns, framed=False, narrow=True)
-
-    rest = rows[MOST_LINES:]
-    return table(rows[:MOST_LINES], title), table(rest, "further states") if rest else None
+    return Table(heads, rows, title, "rrLLrR" + "r" * noise, framed=False, narrow=True)

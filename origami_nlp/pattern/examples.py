@@ -287,7 +287,9 @@ def pattern(
     >>> examples.pattern("metasheet", 4, 4)
     Pattern('metasheet': 16 facets, 24 creases, 9 interior vertices)
     """
-    (frame,) = parse_fold(json.dumps(crease_pattern(name, rows, columns, **options)))
+    typed = name if ":" in name else ""
+    drawn = crease_pattern(name, rows, columns, **options)
+    (frame,) = parse_fold(json.dumps(drawn), source=typed)
     return frame_pattern(frame)
 
 

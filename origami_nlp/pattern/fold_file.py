@@ -91,6 +91,8 @@ class Frame:
         The last decimal place of the coordinates in the file; 0 where they are whole doubles.
     loads, fixed_facet
         Forces on its one vertex, each a table as in a scene file, and the facet that is fixed; as the file states them.
+    source
+        What was read, as it was typed.
     """
 
     number: int
@@ -111,6 +113,7 @@ class Frame:
     loads: tuple[Any, ...] = ()
     fixed_facet: Any = None
     unit: float = 0.0
+    source: str = ""
 
 
 def read_fold(source: str | Path, frame: int | Literal["first"] | None = None) -> tuple[Frame, ...]:
@@ -136,11 +139,11 @@ def read_fold(source: str | Path, frame: int | Literal["first"] | None = None) -
         If `source` is no path.
     """
     text = read_limited(source, LARGEST, "FOLD", FoldFileError)
-    return parse_fold(text, frame, name=f"FOLD file {str(source)!r}")
+    return parse_fold(text, frame, source="standard input" if str(source) == "-" else str(source))
 
 
 def parse_fold(
-    text: str | bytes, frame: int | Literal["first"] | None = None, *, name: str = "FOLD file"
+    text: str | bytes, frame: int | Literal["first"] | None = None, *, source: str = ""
 ) -> tuple[Frame, ...]:
     """Read the frames with geometry from the text of a FOLD file.
 
@@ -150,8 +153,8 @@ def parse_fold(
         JSON.
     frame
         As for `read_fold`.
-    name
-        How messages call the file.
+    source
+        Where the text is from, as it was typed.
 
     Returns
     -------
@@ -174,6 +177,8 @@ def parse_fold(
     >>> vertex.degree, vertex.assignment, vertex.maekawa
     (4, 'MVVV', 0)
     """
+
+    name = f"FOLD file {source!r}" if source else "FOLD file"
 
     def refuse(constant: str) -> float:
         why = f"{name} holds {constant}, which is no JSON number: write null or a number"
@@ -213,7 +218,7 @@ def parse_fold(
     else:
         wanted = there
         _check_total([full[number] for number in there])
-    frames = [_frame(full[number], number) for number in wanted]
+    frames = [replace(_frame(full[number], number), source=source) for number in wanted]
     if frame == "first" and len(there) > 1:
         others = (
             f"{len(there)} frames have geometry: frame {there[0]} is read, --frame takes another"

@@ -186,6 +186,7 @@ def scene_at(
         contact,
         name=f"{frame.title or 'FOLD'}, vertex {v.number}",
         symmetry_tolerance=NOISE,
+        source=f"{frame.source}, vertex {v.number}" if frame.source else "",
         preload=tuple(np.nan_to_num(frame.preload[at]).tolist()),
         **loads,
     )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter
+from dataclasses import replace
 from pathlib import Path
 from typing import Literal
 
@@ -146,7 +147,7 @@ def frame_pattern(
     drawn = {frame.assignment[e] for e in at} & set("MV")
     if drawn and are_silent(frame, at) and not frame.folded and rest_angle == math.pi:
         sheet.notes.append(LETTERS_ONLY)
-    return make_pattern(
+    made = make_pattern(
         sheet.corners,
         sheet.polygons,
         assignment={s: frame.assignment[e].replace("?", "U") for s, e in edges},
@@ -160,6 +161,7 @@ def frame_pattern(
         notes=[*frame.notes, *sheet.notes, *([FORCES] if frame.loads else [])],
         orders=sheet.orders,
     )
+    return replace(made, source=frame.source)
 
 
 class _Sheet:

@@ -11,7 +11,7 @@ import numpy as np
 
 from origami_nlp.arguments import check_angles, shown
 from origami_nlp.errors import OptionError, SceneError, SymmetryError
-from origami_nlp.io import PrettyRepr, is_unicode, printable
+from origami_nlp.io import PrettyRepr, cut, is_unicode, printable
 from origami_nlp.numerics import EPS, INPUT_TOL, RESOLVED, SUMMED, energy_or_zero
 from origami_nlp.pattern.angles import format_angle, parse_angles
 from origami_nlp.pattern.loads import Load, dead_loads, read_loads
@@ -75,6 +75,8 @@ class Scene(PrettyRepr):
     winding
         How often states of C_n or D_n, n > 2, wind round the axis of their symmetry: an odd number up to n.  Default: a
         search looks at all of `windings`, anything else at states that wind once.
+    source
+        What was read, as it was typed: a file, or an example; reports are titled by it.
     relations
         Special relations of the sector angles that hold, or nearly held and were made exact (by at most 1e-7 rad,
         `relations.moved`).  Decided here unless given.
@@ -119,6 +121,7 @@ class Scene(PrettyRepr):
     loads: tuple[Load, ...] = ()
     fixed_facet: int | None = None
     winding: int | None = None
+    source: str = field(default="", repr=False, compare=False)
     relations: Relations = field(default=None, repr=False, compare=False)  # type: ignore[assignment]
     group: Symmetry = field(init=False, repr=False, compare=False)
     adjusted: float = field(init=False, repr=False, compare=False, default=0.0)
@@ -281,6 +284,12 @@ class Scene(PrettyRepr):
     def label(self) -> str:
         """The name as it may be shown (`printable`), empty where there is none."""
         return printable(self.name or "")
+
+    @property
+    def title(self) -> str:
+        """What reports call it: what was typed, else its name, else its sector angles in degrees."""
+        angles = cut([f"{a:.6g}" for a in np.degrees(self.vertex.sector_angles)])
+        return printable(self.source) or self.label or f"vertex with sector angles {angles} deg"
 
     @property
     def degree(self) -> int:

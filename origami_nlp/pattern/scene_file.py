@@ -74,7 +74,7 @@ def decode_scene(raw: bytes, name: str) -> Scene:
     raw
         The bytes.
     name
-        Of the file, for messages.
+        Of the file, for messages and as title of reports.
 
     Returns
     -------
@@ -93,7 +93,8 @@ def decode_scene(raw: bytes, name: str) -> Scene:
             f"scene {name!r} is JSON, not TOML: `read_fold_scene` reads FOLD files"
         )
     where = f"scene {name!r}"
-    return scene_from_dict(parse_toml(as_text(raw, where, SceneFileError), where, SceneFileError))
+    tables = parse_toml(as_text(raw, where, SceneFileError), where, SceneFileError)
+    return scene_from_dict(tables, "standard input" if name == "-" else name)
 
 
 def is_json(raw: bytes) -> bool:
@@ -150,13 +151,15 @@ def parse_scene(text: str) -> Scene:
     return scene_from_dict(parse_toml(text, "scene", SceneFileError))
 
 
-def scene_from_dict(data: Mapping[str, Any]) -> Scene:
+def scene_from_dict(data: Mapping[str, Any], source: str = "") -> Scene:
     """Make a scene from the tables of a scene file (also the ``scene`` entry of our JSON).
 
     Parameters
     ----------
     data
         Tables ``vertex``, ``creases`` and ``model``, as `scene_to_dict` writes them.
+    source
+        What was read, see `Scene`.
 
     Returns
     -------
@@ -185,7 +188,8 @@ def scene_from_dict(data: Mapping[str, Any]) -> Scene:
         raise SceneFileError("missing key in [creases]: give stiffness, one number a crease")
     more = {"preload": creases["preload"]} if "preload" in creases else {}
     more |= {"loads": data["loads"]} if "loads" in data else {}
-    return Scene(vertex, creases["stiffness"], rest, **more, **dict(data.get("model", {})))
+    more |= dict(data.get("model", {}))
+    return Scene(vertex, creases["stiffness"], rest, source=source, **more)
 
 
 def vertex_from_dict(table: Mapping[str, Any]) -> Vertex:

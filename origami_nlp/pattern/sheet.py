@@ -16,6 +16,7 @@ import numpy as np
 
 from origami_nlp.arguments import check_number, shown
 from origami_nlp.errors import FoldFileError, SceneError
+from origami_nlp.io import printable
 from origami_nlp.numerics import energy_or_zero, groups
 from origami_nlp.pattern.polygons import rings, sides_of
 from origami_nlp.pattern.scene import check_range
@@ -84,6 +85,8 @@ class Pattern:
     orders
         How polygons lie in the state `stated`, as FOLD's faceOrders: (f, g, 1) where f lies on the side of g's normal,
         (f, g, -1) where on the other.
+    source
+        What was read, as it was typed: a file, or an example; reports are titled by it.
 
     Examples
     --------
@@ -111,6 +114,12 @@ class Pattern:
     name: str = ""
     notes: tuple[str, ...] = field(default=())
     orders: tuple[tuple[int, int, int], ...] = ()
+    source: str = ""
+
+    @property
+    def title(self) -> str:
+        """What reports call it: what was typed, else its name."""
+        return printable(self.source) or self.name or "pattern"
 
     @property
     def facets(self) -> int:

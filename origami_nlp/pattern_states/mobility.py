@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from origami_nlp.arguments import check_whole
-from origami_nlp.display import Report, Section, Table
+from origami_nlp.display import Details, Report, Section, Table
 from origami_nlp.io import from_plain, to_plain
 from origami_nlp.numerics import CLOSURE_TOL, INPUT_TOL, NOISE, RANK
 from origami_nlp.pattern import Pattern, as_pattern, listed, pattern_from_dict, pattern_to_dict
@@ -98,40 +98,47 @@ class Mobility(Report):
         """Number of equations that follow from others at the folded state: as many states of self-stress."""
         return None if self.rank_folded is None else self.closure_rows - self.rank_folded
 
+    @property
+    def verdict(self) -> str:
+        """How many degrees of freedom it has, in a sentence."""
+        words = {
+            None: "degrees of freedom not decided: no folded state was found",
+            0: "rigid: no degree of freedom is left",
+            1: "folds with 1 degree of freedom",
+        }
+        said = words.get(self.dof, f"folds with {self.dof} degrees of freedom")
+        through = self.folded is not None and self.crossed
+        return f"{self.pattern.title}: {said}{', but facets cross where it was folded' if through else ''}"
+
     def report_sections(self) -> Iterator[Section]:
-        """Return a table of the counts, and what is odd."""
+        """Return the verdict over a table of what there is, what is odd, and the ranks behind it."""
         p = self.pattern
         degrees = Counter(len(loop.creases) for loop in p.vertices)
         which = ", ".join(f"{many} of degree {d}" for d, many in sorted(degrees.items()))
         letters = Counter(p.assignment)
         kinds = ", ".join(f"{letters[a]} {a}" for a in "MVUF" if letters[a])
-        folded = f"{self.start}" if self.folded is not None else "none was found"
+        pieces = f"of {len(p.polygons)} polygons" if len(p.polygons) > p.facets else ""
+        at = f"counted at one folded state: {self.start}" if self.folded is not None else ""
+        flat = "" if self.stress_flat is None else f", flat {self.stress_flat}"
         rows = [
-            (
-                "facets",
-                str(p.facets),
-                f"of {len(p.polygons)} polygons" if len(p.polygons) > p.facets else "",
-            ),
+            ("facets", str(p.facets), pieces),
             ("creases", str(p.creases), kinds),
             ("interior vertices", str(len(p.vertices)), which),
             ("holes", str(len(p.holes)), ""),
-            ("closure equations", str(self.closure_rows), "3 a vertex, 6 a hole"),
-            ("rank, flat", _number(self.rank_flat), "" if p.is_flat else "reference: folded form"),
-            ("rank, folded", _number(self.rank_folded), folded),
-            ("dof", _number(self.dof), "creases less rank, folded"),
-            ("redundant equations", _number(self.redundant), self._stresses()),
+            ("degrees of freedom", _number(self.dof), at),
+            ("states of self-stress", _number(self.redundant), f"there{flat}" if at else ""),
         ]
         if self.layers is not None and (self.layers.pairs or p.orders):
             rows.append(("pairs of layers", str(self.layers.pairs), self.layers.words()))
-        yield Table(("", "number", ""), rows, p.name, "lrL", framed=False)
-        yield MODELLED
+        yield _table(rows, self.verdict)
         for note in self.oddities():
             yield f"note: {note}"
-
-    def _stresses(self) -> str:
-        """Report how many stresses closure can carry that springs do not feel."""
-        said = "states of self-stress, folded"
-        return said if self.stress_flat is None else f"{said}; flat {self.stress_flat}"
+        ranks = [
+            ("closure equations", str(self.closure_rows), "3 a vertex, 6 a hole"),
+            ("rank, flat", _number(self.rank_flat), "" if p.is_flat else "reference: folded form"),
+            ("rank, folded", _number(self.rank_folded), "degrees of freedom: creases less this"),
+        ]
+        yield Details((_table(ranks, ""), MODELLED), "Closure equations, ranks, model")
 
     @property
     def stress_flat(self) -> int | None:
@@ -168,10 +175,7 @@ class Mobility(Report):
                 "hypar bend their facets, which is not modelled"
             )
         if self.folded is None and self.dof is None:
-            said.append(
-                "no folded state was found: there may be none, or none of its assignment; degrees of freedom "
-                "are unknown"
-            )
+            said.append("no folded state was found: there may be none, or none of its assignment")
         elif self.folded is not None:
             still = np.flatnonzero(np.abs(self.folded) <= MOVES)
             if len(still):
@@ -182,9 +186,8 @@ class Mobility(Report):
                 )
             if (np.abs(self.folded) >= math.pi).any():
                 said.append(
-                    "creases are fully folded in that state: where layers coincide it may have more degrees of "
-                    "freedom than its "
-                    "neighbours"
+                    "creases are fully folded in that state: where layers coincide it may have more degrees of freedom "
+                    "than its neighbours"
                 )
             if self.crossed:
                 said.append(f"{_many(self.crossed, 'pair', 'pairs')} of facets cross in that state")
@@ -379,6 +382,10 @@ def _starts(p: Pattern, rng: np.random.Generator) -> Iterator[tuple[np.ndarray, 
     for k in range(max(1, min(MOST_DRAWN, 3_000 // max(p.creases, 1)))):
         size = DRAWN[k % len(DRAWN)]
         yield rng.uniform(-size, size, p.creases), f"a random start, number {k + 1}"
+
+
+def _table(rows: Sequence[tuple[str, str, str]], title: str) -> Table:
+    return Table(("", "number", ""), rows, title, "lrL", framed=False)
 
 
 def _number(value: int | None) -> str:

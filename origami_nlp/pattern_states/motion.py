@@ -28,7 +28,7 @@ AHEAD = 0.3
 """A flat-folded state this near is where a walk was going that stopped before it [rad]."""
 BISECTED = 45
 """Halvings of a step on which facets begin to cross."""
-TOLD = 9
+PRINTED = 9
 """States of a motion in its table."""
 
 
@@ -80,35 +80,31 @@ class Motion(Report, Viewable):
         return content
 
     def report_sections(self) -> Iterator[Section]:
-        """Return a table of some of its states, and how it ends."""
-        shown = self.shown(TOLD)
+        """Return where it ends over a table of some of its states, and what it leaves open."""
+        shown = self.shown(PRINTED)
         largest = np.degrees(np.abs(self.fold_angles).max(axis=1))
         rows = [
-            (
-                f"{k + 1}",
-                f"{self.arc[k]:.4f}",
-                f"{largest[k]:.2f}",
-                f"{self.energy[k]:.8g}",
-            )
+            (f"{k + 1}", f"{self.arc[k]:.4f}", f"{largest[k]:.2f}", f"{self.energy[k]:.6g}")
             for k in shown
         ]
-        heads = "state", "along [rad]", "largest fold [deg]", "energy [J]"
-        yield Table(heads, rows, f"{self.pattern.name}: folding motion", "rrrr", framed=False)
-        yield f"ends: {self.end}"
-        many = (
-            "one degree of freedom: the motion of this branch"
-            if self.dof == 1
-            else f"{self.dof} degrees of freedom: one of many motions, as straight as closure lets it go"
-        )
-        yield many
-        if self.touching is not None:
-            yield (
-                "one degree of freedom and a touch: nothing moves on this way"
-                if self.dof == 1
-                else "past the touch facets may slide along each other: that is not followed"
-            )
+        heads = "state", "along [rad]", "largest fold angle [deg]", "energy [J]"
+        yield Table(heads, rows, self.verdict, "rrrr", framed=False)
         if self.layers:
             yield f"folded flat there: {self.layers}"
+        if self.dof > 1:
+            yield f"{self.dof} degrees of freedom: one of many motions, as straight as closure lets it go"
+        if self.touching is not None:
+            yield (
+                "the one degree of freedom is blocked by that contact"
+                if self.dof == 1
+                else "past that contact facets may slide along each other: not followed"
+            )
+
+    @property
+    def verdict(self) -> str:
+        """Where the motion ends, in a sentence."""
+        last = math.degrees(np.abs(self.fold_angles[-1]).max())
+        return f"{self.pattern.title}: folds until the largest fold angle is {last:.5g} deg: {self.end}"
 
     def shown(self, most: int) -> list[int]:
         """Return numbers of at most so many states, evenly along the motion, with both ends.

@@ -20,7 +20,7 @@ def test_states_are_followed_over_a_parameter(tmp_path):
         "follow", scene, "--parameter", "ratio=1:5", "--checks", 2, "-o", files[0], "-o", files[1],
         "-o", files[2],
     )  # fmt: skip
-    assert done.exit_code == 0 and "nonsmooth-fold" in done.output
+    assert done.exit_code == 0 and "2 to 3 symmetric minima" in done.output
     data = json.loads(files[0].read_text())
     assert [e["type"] for e in data["events"]] == ["nonsmooth-fold", "closes"]
     assert all(f.stat().st_size > 1000 for f in files)

@@ -21,7 +21,8 @@ def test_forces_are_those_of_the_states(found):
         reported = sorted(c.force for c in state.minimum.contacts)
         assert sorted(c.multiplier for c in state.contacts) == pytest.approx(reported, abs=1e-12)
     assert (
-        "Resch" in report.headline and len(report.to_dict()["result"]["origami"]["polygons"]) == 14
+        "resch:1x2" in report.headline
+        and len(report.to_dict()["result"]["origami"]["polygons"]) == 14
     )
     assert (
         "force" in "\n".join(map(str, report.report_sections())) and len(report.to_markdown()) > 500

@@ -168,7 +168,7 @@ def test_a_reason_names_changes_that_help():
     assert not found.feasible and found.refuted and found.reason.states == ("s0", "s1")
     assert any("rest angles reach" in c for c in found.reason.changes)
     assert any("leave out state" in c for c in found.reason.changes)
-    assert "No design" in str(found)
+    assert "no design" in str(found)
     assert design(replace(targets, preload=True)).verified
 
 

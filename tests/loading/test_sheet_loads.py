@@ -314,7 +314,7 @@ def test_a_load_that_does_no_work_is_told():
         ends = [seen.conjugate(miura_angles(pattern, 3, z + h, GAMMA)) for h in (1e-5, -1e-5)]
         axes.append(float(ends[0] - ends[1]) / 2e-5)
     across = np.cross(axes, [1.0, 2.0, 3.0])
-    words = "the load does no work"
+    words = "does no work"
     path = o.load_path(pattern, DeadForce(pattern, 15, tuple(across), 5), to=1.0, state=start)
     assert (
         words in str(path) and np.abs(path.legs[0].points[-1].fold_angles - start.phi).max() < 1e-8
@@ -394,7 +394,7 @@ def test_the_command_writes_all_of_it(tmp_path):
         "-o", files["fold"], "-o", files["html"],
     )  # fmt: skip
     assert code == 0, err
-    assert "stable to the end of the range" in out
+    assert "stable; end of the range" in out
     data = json.loads(files["json"].read_text())
     assert data["schema"] == "origami-nlp/load/2" and data["driver"]["unit"] == "N"
     frames = json.loads(files["fold"].read_text())["file_frames"]

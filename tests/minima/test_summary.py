@@ -32,7 +32,7 @@ def test_the_verdict_comes_first_and_the_account_on_demand(six):
     assert flat(text).startswith(f"{SCENE.label}: {head} (symmetry D1 kept, contact on")
     for words in ("KKT", "hits", "IPOPT", "regular contact", "starts", "constant internal moment"):
         assert words not in text, words
-    for words in ("IPOPT: ", "regular contact", "4 symmetric minima"):
+    for words in ("IPOPT: ", "regular contact", "all 4 minima are listed"):
         assert words in whole
     html = six.to_html(picture=False)
     assert html.count("<details>") == 1 and html.index("3 stable") < html.index("<details>")

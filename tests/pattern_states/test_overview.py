@@ -232,7 +232,7 @@ def test_the_command_writes_its_keys(tmp_path):
     fold, out = tmp_path / "a.fold", tmp_path / "a.json"
     assert run("example", "metasheet:3x4", "-o", fold).code == 0
     done = run("pattern", fold, "-o", out, "-o", tmp_path / "a.png")
-    assert done.code == 0 and "dof" in done.out
+    assert done.code == 0 and "folds with 1 degree of freedom" in " ".join(done.out.split())
     data = json.loads(out.read_text())
     assert {"holes", *KEYS} <= set(data) and data["holes"] == 0
     assert (data["facets"], data["dof"]) == (12, 1)
