@@ -1,4 +1,4 @@
-"""Each command of the installed package once, in a folder of its own: ``python .ci/smoke.py [--quick]`` in any environment.
+"""Each command of the installed package once, in a folder of its own: ``python .ci/smoke.py [--quick]`` anywhere.
 
 Nothing of a checkout is used.  A command passes with exit code 0, words on standard output and the files that it is
 asked for.  One that needs an extra which is not installed passes by ending with code 2 and naming that extra.
@@ -35,42 +35,43 @@ count = 2
 QUICK = """
 --version
 --help
-example degree6 --alpha pi/3 --scene degree6.toml
-example miura:2x2 --fold miura.fold
-model degree6.toml
+example degree6 --alpha pi/3 -o degree6.toml
+example miura:2x2 -o miura.fold
+inspect degree6.toml
+inspect miura.fold -o vertices.json
 minima scene.toml --prove --certificate proof.json
 check-proof proof.json
-minima scene.toml --prove 0 --json minima.json --figure minima.png --fold minima.fold --html minima.html
-minima scene.toml --prove 0 --mesh minima.glb
-pattern miura:2x2 --json motion.json
-vertices miura.fold --json vertices.json
-design --example three-equal --json design.json
+minima scene.toml --prove 0 -o minima.json -o minima.png -o minima.fold -o minima.html
+minima scene.toml --prove 0 -o minima.glb
+pattern miura:2x2 -o motion.json
+design three-equal -o design.json
 modes scene.toml
-load scene.toml --crease 1 --to 0.001 --json load.json
+load scene.toml --crease 1 --to 0.001 -o load.json
 paper cone count --degree 6 --rest-elevation 0.3
 """
 """One a line; files that a command writes are read by those after it."""
 SLOW = """
-minima miura:2x2 --starts 1 --json pattern.json
-follow scene.toml --parameter creases.stiffness[1]=0.02:0.021 --json follow.json
-boundary scene.toml --parameter creases.stiffness[1]=0.01:0.02 --event creases.stiffness[2]=0.02 --json boundary.json
-barriers scene.toml --json barriers.json
+minima miura:2x2 --starts 1 -o pattern.json
+follow scene.toml --parameter creases.stiffness[1]=0.02:0.021 -o follow.json
+boundary scene.toml --parameter creases.stiffness[1]=0.01:0.02 --event creases.stiffness[2]=0.02 -o set.json
+barriers scene.toml -o barriers.json
 contacts scene.toml
-landscape degree6.toml --size 33 --npz landscape.npz
+landscape degree6.toml --size 33 -o landscape.npz
 critical degree6.toml --no-compare
 space degree6.toml --rings 16
-sweep sweep.toml --out swept
+sweep sweep.toml --folder swept
 paper verify --only s2.loop-closure
 paper transitions degree6 --samples 3 --rings 8
 paper cone full --degree 6 --rest-elevation 0.3
 paper cone foldings --degree 6
 paper cone branch --flaps mvv --elevation 0.2
-paper cone draw --degree 6 --figure cone.png
+paper cone draw --degree 6 -o cone.png
 """
 """Left out by ``--quick``."""
-EXTRAS = {"design": "clarabel", "check-proof": "flint", "--mesh": "trimesh", "verify": "sympy"}
+EXTRAS = {"design": "clarabel", "check-proof": "flint", "minima.glb": "trimesh", "verify": "sympy"}
 """What a word in a command needs beside the core."""
-WRITTEN = ("--json", "--figure", "--fold", "--scene", "--npz", "--html", "--mesh", "--certificate")
+WRITTEN = ("-o", "--certificate")
+"""Options that are followed by a file."""
 
 
 def passed(words: list[str], folder: Path) -> str:
