@@ -114,7 +114,9 @@ def minima_once(scene: Scene, **options: Any) -> MinimaResult:
     asked = {k: v for k, v in options.items() if k != "progress" and v != DEFAULTS[k]}
     if scene in PANELS and set(asked) <= {"full"}:
         found = panel_result(scene, full=asked.get("full") is not False)
-        return dataclasses.replace(found, origami=scene)  # what is asked for has a name and a file of its own
+        return dataclasses.replace(
+            found, origami=scene
+        )  # what is asked for has a name and a file of its own
     return _kept(scene, **asked)
 
 
