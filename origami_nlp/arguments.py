@@ -7,10 +7,11 @@ import os
 import time
 from collections.abc import Iterable, Mapping
 from difflib import get_close_matches
+from importlib import import_module
 from numbers import Integral, Real
 from typing import TYPE_CHECKING, Any
 
-from origami_nlp.errors import AngleError, OptionError
+from origami_nlp.errors import AngleError, OptionError, OrigamiError
 
 if TYPE_CHECKING:
     import numpy as np
@@ -49,6 +50,22 @@ def did_you_mean(word: object, known: Iterable[str]) -> str:
     """Return a question to append to a complaint about a word: the closest known one, or nothing if none is close."""
     close = get_close_matches(str(word).lower(), list(known), n=1)
     return f"; did you mean {close[0]}?" if close else ""
+
+
+def require(module: str, what: str, extra: str, error: type[OrigamiError] = OptionError) -> Any:
+    """Return a module that only `what` needs, and that an extra of the package installs.
+
+    Raises
+    ------
+    OrigamiError
+        An `error` that says what to install, if it is not there.
+    """
+    try:
+        return import_module(module)
+    except ImportError:
+        raise error(
+            f'{what} needs {module}, which is not installed: pip install "origami_nlp[{extra}]"'
+        ) from None
 
 
 def check_type(name: str, value: object, kind: type) -> None:

@@ -120,6 +120,11 @@ def _write_certificate(result: MinimaResult, file: str) -> None:
     proofs = [
         prove(model, record=True, options=ProofOptions(boxes=found.boxes)) for model in models
     ]
+    if any(proof.tree is None for proof in proofs):
+        raise OptionError(
+            "--certificate: a proof with full contact has no boxes on record that could be checked; it is written for "
+            "contact = 'fold-limits'"
+        )
     write_certificate(certificate_of(result.scene, *proofs), file)
 
 

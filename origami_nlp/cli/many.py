@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from origami_nlp.arguments import require
 from origami_nlp.cli import options as o
 from origami_nlp.cli.output import Output, answers, writes
 from origami_nlp.cli.progress import progress
@@ -206,14 +207,10 @@ def _executor(address: str | None):  # type: ignore[no-untyped-def]
     if address is None:
         yield None
         return
+    distributed = require("distributed", "--dask", "sweep", SweepError)
     try:
-        from distributed import Client
-        from distributed.comm import get_address_host_port
-    except ImportError:
-        raise SweepError('--dask needs dask: pip install "origami_nlp[sweep]"') from None
-    try:
-        get_address_host_port(address)  # a client without an address raises again when it ends
-        client: Any = Client(address, timeout=10, set_as_default=False)
+        distributed.comm.get_address_host_port(address)  # a client without an address raises again
+        client: Any = distributed.Client(address, timeout=10, set_as_default=False)
     except (OSError, ValueError) as error:
         raise SweepError(
             f"--dask {address!r} cannot be reached: {str(error).splitlines()[0]}"

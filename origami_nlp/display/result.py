@@ -12,7 +12,7 @@ from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from origami_nlp.arguments import check_path
+from origami_nlp.arguments import check_path, require
 from origami_nlp.errors import OptionError
 from origami_nlp.io import check_schema, from_plain, read_json, to_plain, write_json
 
@@ -135,11 +135,7 @@ class Result:
             If pandas is not installed, or such a result has no rows.
         """
         rows = [dict(row) for row in self._rows()]
-        try:
-            frame: pandas.DataFrame = import_module("pandas").DataFrame(rows)
-        except ImportError:
-            why = 'pandas is not installed: pip install "origami_nlp[sweep]"'
-            raise OptionError(why) from None
+        frame: pandas.DataFrame = require("pandas", "to_frame", "sweep").DataFrame(rows)
         return frame
 
     def to_dict(self) -> dict[str, Any]:

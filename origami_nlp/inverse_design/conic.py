@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from scipy import sparse
 
-from origami_nlp.errors import OptionError
+from origami_nlp.arguments import require
 from origami_nlp.numerics import BALANCED, DEPENDENT, NONZERO
 
 EQUAL, POSITIVE, BALL, DEFINITE = "=", ">=", "|.|<=", "psd"
@@ -236,10 +236,4 @@ def solver() -> Any:
     OptionError
         If it is not installed.
     """
-    try:
-        import clarabel
-    except ImportError:
-        raise OptionError(
-            "design needs the solver Clarabel: pip install 'origami_nlp[design]'"
-        ) from None
-    return clarabel
+    return require("clarabel", "design", "design")

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
+from origami_nlp.arguments import require
 from origami_nlp.errors import OptionError
 from origami_nlp.folding import fold_vertex, path_frames
 from origami_nlp.io import write_whole
@@ -130,13 +131,10 @@ def join_meshes(parts: Sequence[Trimesh], suffix: str) -> bytes:
 
 def check_mesh(target: str | Path) -> str:
     """Return the suffix of a mesh file, after seeing that it can be written (see `write_parts`)."""
-    from importlib.util import find_spec
-
     suffix = Path(target).suffix.lower()
     if suffix not in MESH_SUFFIXES:
         raise OptionError(
             f"mesh = {str(target)!r}: the name must end in {', '.join(MESH_SUFFIXES)}"
         )
-    if find_spec("trimesh") is None:
-        raise OptionError('a mesh needs trimesh: pip install "origami_nlp[mesh]"')
+    require("trimesh", "a mesh", "mesh")
     return suffix

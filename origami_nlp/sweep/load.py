@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from origami_nlp.arguments import require
 from origami_nlp.errors import SweepError
 from origami_nlp.sweep.store import read_table
 
@@ -20,12 +21,7 @@ KINDS = ("interior", "contact-pinned", "contact-touching", "degenerate")
 
 
 def _need(module: str) -> Any:
-    from importlib import import_module
-
-    try:
-        return import_module(module)
-    except ImportError:
-        raise SweepError(f'{module} is not installed: pip install "origami_nlp[sweep]"') from None
+    return require(module, "reading a sweep", "sweep", SweepError)
 
 
 def _rows(folder: str | Path, table: str) -> Iterator[dict[str, Any]]:

@@ -1,0 +1,58 @@
+"""What an analysis needs beside the core is an extra, and its lack is said in one line that names it."""
+
+import re
+import sys
+import tomllib
+from pathlib import Path
+
+import pytest
+
+from origami_nlp import examples, format_scene
+from origami_nlp.arguments import require
+from origami_nlp.errors import OptionError
+from tests.command_line import run
+
+ROOT = Path(__file__).parent.parent.parent
+EXTRAS = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["optional-dependencies"]
+SOURCES = "\n".join(path.read_text() for path in (ROOT / "origami_nlp").rglob("*.py"))
+PACKAGE = {"flint": "python-flint"}
+
+
+def test_what_is_required_is_in_the_extra_that_is_named():
+    calls = re.findall(r'\brequire\("(\w+)", "[^"]+", "(\w+)"', SOURCES)
+    assert len(calls) >= 5
+    for module, extra in calls:
+        assert any(line.startswith(PACKAGE.get(module, module)) for line in EXTRAS[extra])
+
+
+@pytest.mark.parametrize(
+    ("module", "extra", "words"),
+    [
+        ("clarabel", "design", ["design", "three-equal"]),
+        ("sympy", "paper", ["paper", "verify", "--only", "s2.loop-closure"]),
+        ("trimesh", "mesh", ["minima", "miura:2x2", "-o", "a.glb"]),
+    ],
+)
+def test_a_command_without_its_extra_names_it(monkeypatch, tmp_path, module, extra, words):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setitem(sys.modules, module, None)  # as if it were not installed
+    done = run(*words)
+    assert done.code == 2
+    assert f"needs {module}" in done.err and f'"origami_nlp[{extra}]"' in done.err.replace(
+        "\n", " "
+    )
+
+
+def test_an_error_of_the_right_kind():
+    with pytest.raises(
+        OptionError, match=r'a mesh needs nowhere_to_be_found, .*origami_nlp\[mesh\]"'
+    ):
+        require("nowhere_to_be_found", "a mesh", "mesh")
+
+
+def test_no_certificate_of_a_proof_with_full_contact(tmp_path):
+    scene = tmp_path / "scene.toml"
+    scene.write_text(format_scene(examples.miura(contact="full")))
+    done = run("minima", scene, "--prove", "--certificate", tmp_path / "proof.json")
+    assert done.code == 2 and "fold-limits" in done.err
+    assert not (tmp_path / "proof.json").exists()
