@@ -87,7 +87,7 @@ def made(tmp_path_factory):
         "result": result,
         "fold_angles": np.array(result.minima[0].fold_angles),
         "folder": folder / "sweep",
-        "target": folder / "out.fold",
+        "path": folder / "out.fold",
         "frame": read_fold(folder / "p.fold")[0],
         "ax": Figure().subplots(),
     }
@@ -152,7 +152,7 @@ CASES = [
     case(find_barriers, "spacing", (0.01, 0.6, *NUMBERS[1:]), "origami", "result"),
     case(find_barriers, "seed", SEEDS, "origami", "result"),
     case(find_space, "scene", SCENES),
-    case(find_space, "size", (7, 1026, *WHOLES), "scene"),
+    case(find_space, "rings", (7, 1026, *WHOLES), "scene"),
     case(find_critical_points, "scene", SCENES),
     case(find_critical_points, "result", (SCENE, *SCENES[1:]), "scene"),
     case(find_critical_points, "samples", (0, *WHOLES), "scene"),
@@ -202,8 +202,8 @@ CASES = [
     case(scene_at, "contact", NAMES, "frame", number=0),
     case(scene_at, "stiffness", (0, *NUMBERS), "frame", number=0),
     case(scene_at, "rest_angle", (4, *NUMBERS), "frame", number=0),
-    case(write_fold, "result", (SCENE, *SCENES), "target"),
-    case(write_fold, "target", (None, *PATHS), "result"),
+    case(write_fold, "result", (SCENE, *SCENES), "path"),
+    case(write_fold, "path", (None, *PATHS), "result"),
     case(run_sweep, "sweep", SCENES, "folder"),
     *(case(f, "folder", (None, *PATHS)) for f in (load_states, load_sweep, draw_sweep)),
     case(

@@ -163,5 +163,7 @@ def test_the_command_takes_a_pattern(tmp_path):
     names = ("-o", "-o", "-o", "-o")
     options = [word for pair in zip(names, files, strict=True) for word in pair]
     done = run("follow", "miura:2x2", "--parameter", "alpha=50deg:55deg", "--checks", 1, *options)
-    assert done.code == 0 and "2 branches, 0 events over alpha" in done.out, done.err
+    assert done.code == 0 and "miura:2x2: 2 minima over alpha = 50 deg to 55 deg" in done.out, (
+        done.err
+    )
     assert all(file.stat().st_size > 1000 for file in files)

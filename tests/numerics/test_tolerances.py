@@ -31,7 +31,7 @@ BESIDE_THE_TABLE = {
         kkt/neighbourhood.RADII kkt/neighbourhood.STEPS kkt/descent_witness.DOWNHILL kkt/descent_witness.FAR
         kkt/descent_witness.STEPS
         landscape/exact.PIECE loading/driver.SIDE loading/stable_path.LEAST_SPAN
-        loading/stable_path.OVER minima/descents.ESCAPE minima/descents.SHORTEST
+        loading/result.SHIFT loading/stable_path.OVER minima/descents.ESCAPE minima/descents.SHORTEST
         minima/escape.SMALLEST minima/one_dof.ASIDE minima/search.DOWN modes/geodesic.STEP
         paper/transitions.BRACKET paper/transitions.MARGIN paper/transitions.SIDE
         continuation/curve.STEPS continuation/flat.ARRIVED continuation/flat.BESIDE_FLAT
