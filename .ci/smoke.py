@@ -68,7 +68,7 @@ paper cone branch --flaps mvv --elevation 0.2
 paper cone draw --degree 6 -o cone.png
 """
 """Left out by ``--quick``."""
-EXTRAS = {"design": "clarabel", "check-proof": "flint", "minima.glb": "trimesh", "verify": "sympy"}
+EXTRAS = {"design": "clarabel", "check-proof": "flint", "minima.glb": "trimesh"}
 """What a word in a command needs beside the core."""
 WRITTEN = ("-o", "--certificate")
 """Options that are followed by a file."""

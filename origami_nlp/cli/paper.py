@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from origami_nlp.arguments import require
 from origami_nlp.cli import options as o
 from origami_nlp.cli.cone import cone
 from origami_nlp.cli.group import Group
@@ -95,7 +94,6 @@ def verify(
     number).  Exit code 0: every claim is decided (proved, or its corrected
     statement proved); 1: some claim is not; 2: an option has a value it cannot take.
     """
-    require("sympy", "paper verify", "paper")
     from origami_nlp.symbolic.catalogue import claim_by_id, claims, decide_all
     from origami_nlp.symbolic.report import as_json, as_latex, as_markdown
     from origami_nlp.symbolic.table import print_results

@@ -29,7 +29,6 @@ def test_what_is_required_is_in_the_extra_that_is_named():
     ("module", "extra", "words"),
     [
         ("clarabel", "design", ["design", "three-equal"]),
-        ("sympy", "paper", ["paper", "verify", "--only", "s2.loop-closure"]),
         ("trimesh", "mesh", ["minima", "miura:2x2", "-o", "a.glb"]),
     ],
 )
