@@ -1,17 +1,21 @@
 """Each command of the installed package once, in a folder of its own: ``python .ci/smoke.py [--quick]`` anywhere.
 
+``--floors`` prints the oldest stated dependencies, as requirements for pip.
+
 Nothing of a checkout is used.  A command passes with exit code 0, words on standard output and the files that it is
 asked for.  One that needs an extra which is not installed passes by ending with code 2 and naming that extra.
 """
 
 import importlib.metadata
 import importlib.util
+import itertools
 import os
 import shlex
 import subprocess
 import sys
 import tempfile
 import time
+import tomllib
 from pathlib import Path
 
 SCENE = """
@@ -95,6 +99,16 @@ def passed(words: list[str], folder: Path) -> str:
     return ""
 
 
+def floors() -> list[str]:
+    """Return the oldest stated dependencies of the core and of the extras that commands need, a requirement each."""
+    project = tomllib.loads(Path("pyproject.toml").read_text())["project"]
+    extras = (
+        project["optional-dependencies"][name] for name in ("proof", "design", "mesh", "sweep")
+    )
+    stated = itertools.chain(project["dependencies"], *extras)
+    return sorted({one.replace(">=", "==") for one in stated})
+
+
 def main() -> None:
     """Run all, and end with exit code 1 if one failed."""
     with tempfile.TemporaryDirectory() as place:
@@ -116,4 +130,7 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    if "--floors" in sys.argv:
+        print("\n".join(floors()))
+    else:
+        main()
