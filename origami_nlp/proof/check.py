@@ -29,7 +29,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from origami_nlp.arguments import require
+from origami_nlp.errors import OptionError
 from origami_nlp.proof.certificate import KINDS, Certificate, read_certificate
 
 if TYPE_CHECKING:
@@ -126,7 +126,12 @@ def check_proof(
         If python-flint is not there.
     """
     certificate = proof if isinstance(proof, Certificate) else read_certificate(proof)
-    flint = require("flint", "checking a proof", "proof")
+    try:  # by itself: the check shares no code with the search
+        import flint
+    except ImportError:
+        raise OptionError(
+            'checking a proof needs python-flint: pip install "origami_nlp[proof]"'
+        ) from None
     from origami_nlp.proof.check_replay import COARSE, FINE, Refused, Replay
 
     every = (certificate, *certificate.others)
