@@ -120,7 +120,7 @@ def loads() -> Iterator[Question]:
     for to in (0.05, "snap"):
         yield f"metasheet 3x3, {to}", lambda to=to: of_pattern(metasheet, [1, 2], to=to)
     touching, classes, folded = driven_sheet()
-    k, back = classes.tolist().index(2) + 1, {"to": -30.0, "back": True, "state": folded}
+    k, back = classes.tolist().index(2) + 1, {"to": -30.0, "unload": True, "state": folded}
     yield "metasheet 3x3 into contact and back", lambda: of_pattern(touching, k, **back)
     pattern, start = folded_miura(2, 2)
     pull = Pull(pattern, (0, 8))
