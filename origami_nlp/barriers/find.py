@@ -17,7 +17,7 @@ import numpy as np
 from origami_nlp.arguments import check_flag, check_number, check_type, check_whole, refuse
 from origami_nlp.barriers.full import Exits, FullPass, full_pass
 from origami_nlp.barriers.graph import side_of_flat
-from origami_nlp.barriers.passes import Pass, critical_at, slide
+from origami_nlp.barriers.passes import PROVED, Pass, critical_at, slide
 from origami_nlp.barriers.refine import RefinedGraph
 from origami_nlp.barriers.result import Barriers, Join, Unlisted
 from origami_nlp.barriers.traced import pattern_barriers, vertex_barriers
@@ -217,7 +217,7 @@ def _pass_between(work: RefinedGraph, tree: MergeTree, i: int, j: int) -> Pass:
     sides = side_of_flat(model.expand(np.array([work.minima[i], work.minima[j]])))
     # one minimum above the flat state, one below
     if kind == "flat state" and sides[0] * sides[1] < 0 and model.scene.contact == "full":
-        why = "proved: admissible states above and below the flat state meet there only"
+        why = PROVED
     elif work.only_exit(v, i, j):
         why = "one of the minima lies on a lower-dimensional set of states, which is left only here"
     else:

@@ -28,6 +28,13 @@ from origami_nlp.numerics import (
 )
 from origami_nlp.problem import Contact, Problem, fold_limit
 
+PROVED = "proved: admissible states above and below the flat state meet there only"
+EVERY = "no lower path: all curves of the one degree of freedom are known"
+FOLLOWED = (
+    "no lower path: motions from the first state follow traced curves, up to where others meet them"
+)
+LOWEST = (PROVED, EVERY, FOLLOWED)
+"""What bounds a barrier from below by its own height."""
 PassKind = Literal["saddle", "contact saddle", "corner", "flat state", "singular", "mesh", "none"]
 OFF = (1e-2, 3e-2, 3e-3, 1e-3)
 """First steps [rad] of the descents from a saddle."""
@@ -74,6 +81,11 @@ class Pass(ShortRepr):
     path_energy: np.ndarray = field(repr=False)
     mesh_energy: Unbounded
     why: str
+
+    @property
+    def is_lowest(self) -> bool:
+        """Whether the barrier is its height, and not at most that."""
+        return self.why in LOWEST
 
 
 @dataclass(frozen=True)

@@ -160,9 +160,8 @@ class Barriers(Report, Viewable):
         words = f"{self.label}: {many} minim{'um' if many == 1 else 'a'}"
         least: dict[int, tuple[float, str]] = {}
         for p in self.passes:
-            exact = p.why.startswith(("proved", "no lower path: "))
             for k, energy in zip((p.from_state, p.to_state), self._energies(p), strict=True):
-                rise = p.energy - energy, "" if exact else "at most "
+                rise = p.energy - energy, "" if p.is_lowest else "at most "
                 least[k] = min(least.get(k, (math.inf, "")), rise)
         known = sorted((rise, bound, k) for k, (rise, bound) in least.items() if rise < math.inf)
         if not known:

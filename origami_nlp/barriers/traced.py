@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from origami_nlp.barriers.passes import Pass, critical_near
+from origami_nlp.barriers.passes import EVERY, FOLLOWED, Pass, critical_near
 from origami_nlp.barriers.result import Barriers, Join
 from origami_nlp.errors import OptionError
 from origami_nlp.kkt import State, energy_scale, level_of, project
@@ -24,12 +24,8 @@ APART = 0.2
 """Length of a step of a path [rad]."""
 ASIDE = 0.9
 """The projected middle of a step is nearer to both ends than this share of its length."""
-EVERY = "no lower path: all curves of the one degree of freedom are known"
-FOLLOWED = (
-    "no lower path: motions from the first state follow traced curves, up to where others meet them"
-)
 EXPLICIT = "the lowest path on traced curves; others branch off them, or contact may be missed between states"
-"""What bounds a barrier from below, or that nothing does."""
+"""That nothing bounds a barrier from below."""
 
 
 def vertex_barriers(model: Any, result: MinimaResult) -> Barriers:

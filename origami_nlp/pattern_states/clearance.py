@@ -222,12 +222,12 @@ class Clearance:
                 np.array(states), np.array(crosses), len(states) - 1 if len(self.first) else 0
             )
         out, flags, unclear = [states[0]], [crosses[0]], 0
+        every = np.arange(len(self.first))
         for i, control in enumerate(curve.control):
             self.problem.check_time()
             ends = (placed[i], crosses[i]), (placed[i + 1], crosses[i + 1])
             # folded flat at an end, facets lie on each other
             at_end = i in (0, len(curve.control) - 1)
-            every = np.arange(len(self.first))
             for inside in () if at_end else self._within(control, *ends, every):
                 if inside is None:
                     unclear += 1

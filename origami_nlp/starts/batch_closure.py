@@ -87,6 +87,12 @@ class Closing:
         """Return the metric of samples, sqrt(k), [n] or [K, n] as `springs`."""
         return self._roots[s.springs] if self._several else self._roots
 
+    def _unequal_root(self, s: Samples) -> np.ndarray:
+        """Return the metric [K, n] of samples whose stiffnesses are very unequal, ones for the others."""
+        root = self.root(s) * np.ones((len(s), 1))
+        low, high = (bound(axis=1, keepdims=True) for bound in (root.min, root.max))
+        return np.where(high > math.sqrt(UNEQUAL) * low, root, 1.0)
+
     def rows(self, s: Samples) -> tuple[FoldedRays, np.ndarray, np.ndarray]:
         """Fold samples; return the folded states, closure and held gaps [K, r], and their Jacobian [K, r, n].
 
@@ -133,6 +139,7 @@ class Closing:
         and the energy hardly changes.
         """
         x, at_limit, todo = s.x.copy(), s.at_limit.copy(), np.arange(len(s))
+        root = self._unequal_root(s) if metric else np.ones((len(s), 1))
         for _ in range(steps):
             part = replace(s[todo], x=x[todo], at_limit=at_limit[todo])
             _, value, rows = self.rows(part)
@@ -140,15 +147,10 @@ class Closing:
             todo, value = todo[far], value[far]
             if not len(todo):
                 break
-            root = self.root(part) * np.ones((len(part), 1))
-            unequal = root.max(axis=1, keepdims=True) > math.sqrt(UNEQUAL) * root.min(
-                axis=1, keepdims=True
-            )
-            root = np.where(metric & unequal, root, 1.0)
-            rows = rows[far] * (at_limit[todo] == 0)[:, None] / root[far][:, None]
+            rows = rows[far] * (at_limit[todo] == 0)[:, None] / root[todo][:, None]
             # shortest Gauss-Newton step on the free creases: rows' (rows rows')^-1 value
             move = (rows.transpose(0, 2, 1) @ (gram_inverse(rows) @ value[..., None]))[..., 0]
-            move /= root[far]
+            move /= root[todo]
             length = np.abs(move).max(axis=1)
             x[todo] -= move / np.maximum(1.0, length)[:, None]
             left = length > QUADRATIC  # the next residual is the square of this

@@ -149,17 +149,13 @@ def axis_label(grid: dict[str, Any], name: str) -> str:
     places = grid["places"][name]
     word = places[0].rsplit(".", 1)[-1].split("[")[0].removesuffix("_deg")
     words, unit = WORDS.get(word, (name, ""))
+    numbers = re.findall(r"\[(\d+)\]", " ".join(places))
     if name not in places:  # the sweep names it
         words = name
-    elif numbers := re.findall(r"\[(\d+)\]", " ".join(places)):
-        of = (
-            " "
-            if word == "sector_angles"
-            else " of crease "
-            if len(numbers) == 1
-            else " of creases "
-        )
-        words += of + ", ".join(numbers)
+    elif word == "sector_angles":
+        words += " " + ", ".join(numbers)
+    elif word in WORDS and numbers:
+        words += f" of crease{'s' * (len(numbers) > 1)} {', '.join(numbers)}"
     return label_text(words) + f" [{unit}]" * bool(unit)
 
 

@@ -424,6 +424,7 @@ def test_a_sweep_that_follows_finds_what_one_that_searches_does(tmp_path, axis):
         ("soft", ["creases.stiffness[1]", "creases.stiffness[4]"], "soft [N m/rad]"),
         ("vertex.sector_angles[3]", ["vertex.sector_angles[3]"], "sector angle 3 [deg]"),
         ("ratio", ["ratio"], "stiffness ratio rₖ"),
+        ("loads[1].force[3]", ["loads[1].force[3]"], "loads[1].force[3]"),
     ],
 )
 def test_axes_of_a_picture_are_named_in_words(name, places, words):
