@@ -92,6 +92,19 @@ def test_paper_and_creases_are_painted(opened: Browser) -> None:
     assert 0.3 < shares["nothing"] < 0.95
 
 
+def test_along_a_path_only_the_place_on_the_map_moves(opened: Browser) -> None:
+    opened.ask("choosePath(0)")
+    opened.ask("window.map = document.querySelector('#maps image')")
+    places = []
+    for k in (0, 3):
+        opened.ask(f"$('step').value = {k}; $('step').dispatchEvent(new Event('input'))")
+        places.append(
+            opened.ask("scene.here.map(h => [h.circle.getAttribute('cx'), h.circle.style.display])")
+        )
+    assert opened.ask("window.map === document.querySelector('#maps image')")
+    assert len(places[0]) == 1 and places[0] != places[1]
+
+
 def test_play_runs_to_the_end_and_stops(opened: Browser) -> None:
     opened.ask("$('path').value = 1; $('path').dispatchEvent(new Event('change'))")
     opened.ask("$('play').click()")

@@ -333,8 +333,7 @@ function drawMap(panel) {
   for (const {track, points} of panel.tracks) {
     if (track !== scene.track) continue;
     const path = points.map(p => p.map(v => v ?? NaN));
-    marks.push(LIB.line(path, {stroke: "#000", strokeWidth: 5}), LIB.line(path, {stroke: "#fff", strokeWidth: 2.5}),
-      LIB.dot([path[scene.step]], {r: 7, fill: "#e69f00", stroke: "#111", strokeWidth: 2}));
+    marks.push(LIB.line(path, {stroke: "#000", strokeWidth: 5}), LIB.line(path, {stroke: "#fff", strokeWidth: 2.5}));
   }
   const chosen = s => scene.track < 0 && s[0] === scene.station;
   marks.push(
@@ -346,6 +345,13 @@ function drawMap(panel) {
   const picture = LIB.plot({...MARGIN, width: wide, height: panel.energy ? Math.min(wide, 620) : 340, grid: !panel.energy, color,
     x: {...AXIS, domain: x, label: panel.labels[0]}, y: {...AXIS, domain: y, label: panel.labels[1]}, r: {type: "identity"}, marks});
   const plot = [...picture.querySelectorAll("svg"), picture].find(e => e.querySelector("[aria-label=x-axis\\ tick\\ label],[aria-label='x-axis tick label']")) || picture;
+  for (const {track, points} of panel.tracks) {
+    if (track !== scene.track) continue;
+    const circle = document.createElementNS("http://www.w3.org/2000/svg", "circle");
+    for (const [k, v] of Object.entries({r: 7, fill: "#e69f00", stroke: "#111", "stroke-width": 2})) circle.setAttribute(k, v);
+    plot.append(circle);
+    scene.here.push({circle, points, picture});
+  }
   const readout = document.createElement("div");
   readout.className = "readout";
   const under = event => [picture.scale("x").invert(event.offsetX), picture.scale("y").invert(event.offsetY)];
@@ -366,7 +372,19 @@ function drawMap(panel) {
   return out;
 }
 
-const drawMaps = () => $("maps").replaceChildren(...scene.data.panels.map(drawMap));
+function drawMaps() {  // anew for another state or path; along a path only its place moves
+  const key = `${current().key} ${sizeOf()}`;
+  if (scene.mapped !== key) {
+    Object.assign(scene, {mapped: key, here: []});
+    $("maps").replaceChildren(...scene.data.panels.map(drawMap));
+  }
+  for (const {circle, points, picture} of scene.here) {
+    const [x, y] = points[scene.step];
+    circle.style.display = x === null || y === null ? "none" : "";
+    circle.setAttribute("cx", picture.scale("x").apply(x ?? 0));
+    circle.setAttribute("cy", picture.scale("y").apply(y ?? 0));
+  }
+}
 
 // ---------------------------------------------------------------- what is chosen
 
@@ -434,7 +452,7 @@ function chooseScene(n) {  // it opens on its first path, where it has one
     step = states.reduce((best, state, k) => far(state) < far(states[best]) ? k : best, 0);
   }
   scene.creased = new Set(data.body.creases.flatMap(c => [`${c.start} ${c.end}`, `${c.end} ${c.start}`]));
-  Object.assign(scene, {data, number: n, station: first < 0 ? 0 : data.tracks[0].start ?? 0, track: first, step, key: null});
+  Object.assign(scene, {data, number: n, station: first < 0 ? 0 : data.tracks[0].start ?? 0, track: first, step, key: null, mapped: null});
   $("title").textContent = data.title;
   fill($("state"), data.stations.map(s => s.title), 0);
   fill($("path"), ["none: the state alone", ...data.tracks.map(t => t.title)], 0);
@@ -468,5 +486,6 @@ $("play").onclick = () => {
 $("scene").onchange = event => chooseScene(Number(event.target.value));
 fill($("scene"), DATA.map(d => d.title), 0);
 document.querySelectorAll(".many").forEach(e => { e.style.display = DATA.length > 1 ? "" : "none"; });
+window.onresize = () => { if (scene.mapped) { drawProfile(); drawMaps(); } };  // figures fit the width
 openSpace();
 chooseScene(0);
