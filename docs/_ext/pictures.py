@@ -112,7 +112,9 @@ def by_command(*words: str) -> None:
 
 def reproduce(figure: str, name: str) -> None:
     """Make one of the paper's figures anew."""
-    by_command("studies", "reproduce", figure, "-o", str(FOLDER / f"{name}.png"))
+    from studies import FIGURES
+
+    FIGURES[figure](figure, 0, lambda *_: None).figure.savefig(FOLDER / f"{name}.png", dpi=150)
 
 
 PICTURES: dict[str, Callable[[str], None]] = {
