@@ -257,7 +257,7 @@ def barriers(
     out.write("fold", lambda: found[0].to_fold())
     out.write("figure", draw_barriers, *found)
     out.turn(*found)
-    out.cite(found[0])
+    out.others(found[0])
 
 
 @bounded
