@@ -191,13 +191,18 @@ def rooms_that_use(name: str) -> list[str]:
 def page() -> str:
     """The page of the documentation."""
     head = ast.get_docstring(ast.parse(TABLE.read_text()))
-    rows = [
-        f"| {e.level} | `{e.name}` | {e.value:.2g} | {e.derivation} | {', '.join(rooms_that_use(e.name))} |"
-        for e in entries()
-    ]
+    rows: list[str] = []
+    for level, group in itertools.groupby(entries(), key=lambda e: e.level):
+        rows += [
+            "",
+            f"## {level.capitalize()}",
+            "",
+            "| name | value | notion and derivation |",
+            "| --- | --- | --- |",
+        ]
+        rows += [f"| `{e.name}` | {e.value:.2g} | {e.derivation} |" for e in group]
     others = [
-        f"| {why} | {', '.join(f'`{name}`' for name in sorted(names.split()))} |"
-        for why, names in sorted(BESIDE_THE_TABLE.items())
+        f"| {why} | {len(names.split())} |" for why, names in sorted(BESIDE_THE_TABLE.items())
     ]
     return "\n".join(
         [
@@ -206,13 +211,12 @@ def page() -> str:
             str(head),
             "",
             "Written by `python -m tests.numerics.test_tolerances` from `origami_nlp/numerics/tolerances.py`.",
-            "",
-            "| level | name | value | notion and derivation | rooms that use it |",
-            "| --- | --- | --- | --- | --- |",
             *rows,
             "",
-            "Every number below 0.1 elsewhere in the package has a name, and is one of these, a default value, or a",
-            "size in a picture:",
+            "## Elsewhere",
+            "",
+            "Other numbers below 0.1 in the package are default values, sizes in pictures, or of these kinds (names in",
+            "`tests/numerics/test_tolerances.py`):",
             "",
             "| what it is | constants |",
             "| --- | --- |",
