@@ -16,6 +16,7 @@ from origami_nlp.errors import OptionError
 if TYPE_CHECKING:
     from origami_nlp.display import Result, Table, Viewable
     from origami_nlp.io import Screen
+    from origami_nlp.proof import Check
 
 EXPORT = "export"
 """Kind of a file that a plug-in writes."""
@@ -148,7 +149,7 @@ class Output:
         self.save("html", lambda file: InteractivePage(*contents).save(file))
         self.save("animate", lambda file: write_animation(contents[0], file))
 
-    def others(self, result: Result) -> None:
+    def others(self, result: Result | Check) -> None:
         """Write what any result can be written as: what to cite for it and for its files, and exports of plug-ins."""
         for kind, file in self._given:
             if kind == EXPORT:

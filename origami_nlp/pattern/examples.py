@@ -429,8 +429,8 @@ def crease_pattern(
     if name in WITH_SPRINGS and options:
         raise OptionError(f"{name} has no option {next(iter(options))}: it has rows and columns")
     if name not in BY_NAME and name not in WITH_SPRINGS:  # a plug-in draws its own pattern
-        size = {"rows": rows, "columns": columns}
-        asked = {key: value for key, value in size.items() if value is not None}
+        cells = {"rows": rows, "columns": columns}
+        asked = {key: value for key, value in cells.items() if value is not None}
         if lacks := [key for key in asked if key not in inspect.signature(maker(name)).parameters]:
             raise OptionError(f"{name} has no {' and '.join(lacks)}: leave out its size")
         options |= asked
