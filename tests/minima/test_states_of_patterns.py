@@ -5,10 +5,9 @@ import math
 import numpy as np
 import pytest
 
-from origami_nlp.errors import Interrupted
 from origami_nlp.pattern import make_pattern
 from origami_nlp.pattern_problem import PatternProblem
-from origami_nlp.pattern_states import descend, find, find_states, judge, list_branches
+from origami_nlp.pattern_states import descend, find_states, judge, list_branches
 from tests.independent.trigonometry import scan
 from tests.patterns import metasheet, miura, miura_angles, strip
 
@@ -89,20 +88,6 @@ def _compare_strip(seed):
     energies = [s.energy for s in result.minima if s.kind == "interior"]
     assert energies == pytest.approx([e for e, _ in expected], abs=1e-9)
     assert result.search.ended == result.search.curves == len(list_branches(pattern).lines)
-
-
-def test_states_that_the_pattern_gives_come_before_branch_directions(monkeypatch):
-    """A search that is interrupted while branch directions are listed: of large sheets that had left no state."""
-
-    def interrupted(*_):
-        raise KeyboardInterrupt
-
-    monkeypatch.setattr(find, "list_branches", interrupted)
-    with pytest.raises(Interrupted) as stop:
-        find_states("miura:3x3", starts=0)
-    found = stop.value.result
-    assert [s.kind for s in found.minima] == ["interior"]
-    assert found.search.left_out[0] == "branch directions of the flat state"
 
 
 def test_nothing_open_is_reported():
