@@ -9,7 +9,7 @@ from typing import Annotated
 import typer
 
 from origami_nlp.arguments import check_whole
-from origami_nlp.cli import Group, Output, main, options as o, progress
+from origami_nlp.cli import Group, Output, main, options as o, progress, writes
 
 Unions = Annotated[
     Path | None,
@@ -29,13 +29,12 @@ def _families() -> list[str]:
     return list(FAMILIES)
 
 
+@writes("json", "figure", "markdown")
 def speed(
+    out: Output,
     quick: o.Quick = False,
     seed: o.Seed = 0,
     unions: Unions = None,
-    json: o.JsonFile = None,
-    figure: o.FigureFile = None,
-    markdown: o.MarkdownFile = None,
 ) -> None:
     """Measure speed against error: ours, IPOPT alone, other solvers, grids, the paper's own test.
 
@@ -43,7 +42,6 @@ def speed(
     """
     from benchmarks import draw_bench, in_short, markdown as as_markdown, run_bench, write_bench
 
-    out = Output(json=json, figure=figure, markdown=markdown)
     with progress.progress("speed") as report:
         data = run_bench(
             quick=quick, seed=seed, progress=lambda text: report(text=text), unions=unions
@@ -51,24 +49,29 @@ def speed(
     out.page(in_short(data))
     out.save("json", write_bench, data)
     out.save("figure", draw_bench, data)
-    out.write("markdown", as_markdown, data, _link(figure, markdown))
+    out.write("markdown", as_markdown, data, _link(out.files("figure"), out.files("markdown")))
 
 
-def _link(figure: Path | None, markdown: str | None) -> str | None:
+def _link(figures: list[str], pages: list[str]) -> str | None:
     """Return how the Markdown file may show the figure."""
-    if figure is None or markdown is None or figure.suffix.lower() not in (".png", ".svg"):
+    shown = [f for f in figures if Path(f).suffix.lower() in (".png", ".svg")]
+    if not shown or not pages:
         return None
-    return Path(os.path.relpath(figure.resolve(), Path(markdown).resolve().parent)).as_posix()
+    return Path(
+        os.path.relpath(Path(shown[0]).resolve(), Path(pages[0]).resolve().parent)
+    ).as_posix()
 
 
-def hard(json: o.JsonFile = None, markdown: o.MarkdownFile = None) -> None:
+@writes("json", "markdown")
+def hard(
+    out: Output,
+) -> None:
     """Run the hard cases: error, iterations and verdict of each.
 
     Exit code 1 if any of them fails.
     """
     from benchmarks import run_hard
 
-    out = Output(json=json, markdown=markdown)
     with progress.progress("hard cases") as report:
         found = run_hard(lambda name, outcome: report(text=f"{name}: {outcome.setting}"))
     out.say(found.table())
@@ -78,11 +81,10 @@ def hard(json: o.JsonFile = None, markdown: o.MarkdownFile = None) -> None:
         raise typer.Exit(1)
 
 
+@writes("json", "figure", "markdown")
 def profile(
+    out: Output,
     seed: o.Seed = 0,
-    json: o.JsonFile = None,
-    figure: o.FigureFile = None,
-    markdown: o.MarkdownFile = None,
 ) -> None:
     """Search every panel of the paper once, with stopwatches: where the time goes."""
     from dataclasses import asdict
@@ -90,7 +92,6 @@ def profile(
     from benchmarks import time_budget
     from origami_nlp.pattern import panels
 
-    out = Output(json=json, figure=figure, markdown=markdown)
     budgets = []
     with progress.progress("profile") as report:
         for scene in panels():
@@ -103,7 +104,9 @@ def profile(
     out.write("markdown", time_budget.markdown, budgets)
 
 
+@writes("json", "figure", "markdown")
 def search(
+    out: Output,
     family: Annotated[
         list[str] | None,
         typer.Option(
@@ -121,9 +124,6 @@ def search(
         typer.Option(metavar="quick|normal|thorough", help="Of the main job (default normal)."),
     ] = None,
     unions: Unions = None,
-    json: o.JsonFile = None,
-    figure: o.FigureFile = None,
-    markdown: o.MarkdownFile = None,
 ) -> None:
     """Measure what searches find of all that is known, and when.
 
@@ -133,7 +133,6 @@ def search(
 
     from benchmarks import coverage_markdown, draw_coverage, measure_coverage, scenes_for
 
-    out = Output(json=json, figure=figure, markdown=markdown)
     with progress.progress("search") as report:
         data = measure_coverage(
             scenes_for(family or [], quick),
@@ -150,16 +149,14 @@ def search(
     out.write("markdown", coverage_markdown, data)
 
 
+@writes("json", "figure", "markdown")
 def patterns(
+    out: Output,
     quick: o.Quick = False,
-    json: o.JsonFile = None,
-    figure: o.FigureFile = None,
-    markdown: o.MarkdownFile = None,
 ) -> None:
     """Solve whole patterns with every method: error against time, and sizes."""
     from benchmarks import draw_patterns, run_patterns
 
-    out = Output(json=json, figure=figure, markdown=markdown)
     with progress.progress("patterns") as report:
         found = run_patterns(quick=quick, progress=lambda text: report(text=text))
     out.say(found)
@@ -168,15 +165,14 @@ def patterns(
     out.write("markdown", found.to_markdown)
 
 
+@writes("json", "markdown")
 def proved(
+    out: Output,
     scenes: Annotated[int, typer.Argument(metavar="SCENES", help="Vertices of each family.")],
-    json: o.JsonFile = None,
-    markdown: o.MarkdownFile = None,
 ) -> None:
     """Prove how many minima vertices of degree 4, 5 and the cross have, with random springs."""
     from benchmarks import count_proved
 
-    out = Output(json=json, markdown=markdown)
     with progress.progress("proofs") as report:
         found = count_proved(
             check_whole("SCENES", scenes, 1), progress=lambda text: report(text=text)
@@ -186,15 +182,14 @@ def proved(
     out.write("markdown", found.to_markdown)
 
 
+@writes("json", "markdown")
 def design(
+    out: Output,
     vertices: Annotated[int, typer.Argument(metavar="VERTICES", help="Vertices of each degree.")],
-    json: o.JsonFile = None,
-    markdown: o.MarkdownFile = None,
 ) -> None:
     """Count how many states springs hold, degree 4 to 8, against CVXPY (where installed) and penalty methods."""
     from benchmarks import measure_design
 
-    out = Output(json=json, markdown=markdown)
     with progress.progress("design") as report:
         found = measure_design(
             check_whole("VERTICES", vertices, 1), progress=lambda text: report(text=text)
@@ -204,11 +199,12 @@ def design(
     out.write("markdown", found.to_markdown)
 
 
+@writes("markdown")
 def cones(
+    out: Output,
     quick: o.Quick = False,
     samples: o.Samples = 10,
     seed: o.Seed = 0,
-    markdown: o.MarkdownFile = None,
 ) -> None:
     """Measure the time of an exact count of a cone's minima against N, beside brute force, each with its error.
 
@@ -216,7 +212,6 @@ def cones(
     """
     from benchmarks import MAP_DEGREES, as_markdown, measure
 
-    out = Output(markdown=markdown)
     with progress.progress("cones") as report:
         rows = measure(
             QUICK if quick else DEGREES,

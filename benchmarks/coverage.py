@@ -43,7 +43,7 @@ SCENES = {
     "large": 5,
     "full-contact": 60,
     "designed": 6,
-    "one-freedom": 6,
+    "one-dof": 6,
     "crowded": 6,
 }
 """Scenes of each family in the whole measurement."""

@@ -66,7 +66,7 @@ def design_of(number: int) -> tuple[Scene, list[np.ndarray]]:
             return replace(unit, stiffness=stiffness, rest_angles=rest), states
 
 
-def one_freedom(number: int) -> Scene:
+def one_dof(number: int) -> Scene:
     """Return vertices of degree 4: one planted state, five states, a cross of 90 degrees with six, then random ones.
 
     The second one's sectors and springs make it multistable in the sense of Waitukaitis and others (Physical Review
@@ -128,7 +128,7 @@ FAMILIES: dict[str, Callable[[int], Scene]] = {
     "large": large,
     "full-contact": full_contact,
     "designed": designed,
-    "one-freedom": one_freedom,
+    "one-dof": one_dof,
     "crowded": crowded,
 }
 

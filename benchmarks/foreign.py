@@ -86,7 +86,7 @@ def vertices(model: Model, rng: np.random.Generator) -> Iterator[np.ndarray]:
         x, residual = project(model, x, frozen=~free)
         x = np.where(free, x, flat)
         x = x[(residual <= CLOSURE_TOL) & (np.abs(x) <= model.bound + CLOSURE_TOL).all(axis=1)]
-        x = x[model.on_sheet(x)]
+        x = x[model.lifts_to_one(x)]
         barren = 0 if len(x) else barren + 1
         yield from x
 

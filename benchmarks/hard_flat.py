@@ -108,7 +108,7 @@ def _flat_answers() -> Iterator[Outcome]:
         measured = (Measured("angles", far, ROUNDED), Measured("energy", m.energy, 1e-25))
         verdict = f"{m.kind}, dimension {m.local_dimension}, {lower} state of energy 0"
         right = m.kind == "degenerate" and lower == 1
-        right = right and m.local_dimension == Model(scene).freedom
+        right = right and m.local_dimension == Model(scene).dof
         title = f"degree {n}, {scene.group.name}, sectors {sectors[0]}, {sectors[1]}, .."
         yield Outcome(title, measured, verdict, right, result.search.iterations)
 

@@ -136,7 +136,7 @@ class Judge:
         model = self.model
         if np.abs(model.closure(x)[0]).max() > OPEN:
             return "does not close"
-        if not model.on_sheet(x):
+        if not model.lifts_to_one(x):
             return "closes with q = -1: no sheet of paper"
         if (np.abs(x) > model.bound + OPEN).any():
             return "beyond a fold limit"

@@ -205,7 +205,7 @@ def complete(scene: Scene, folder: Folder, progress: Progress = lambda text: Non
     longest = SECONDS.get(scene.degree, MOST_SECONDS)
     tasks = []
     for method in foreign_methods():
-        if model.freedom > 0 and (not method.aided or model.structure.pairs):
+        if model.dof > 0 and (not method.aided or model.structure.pairs):
             seconds = longest * method.share
             run = _bound(from_foreign, model, method, 0, seconds)
             tasks.append((f"{method.name}, seed 0", run))
@@ -214,7 +214,7 @@ def complete(scene: Scene, folder: Folder, progress: Progress = lambda text: Non
         name = f"find_minima, {effort.get('effort', 'default')}, seed {seed}"
         tasks.append((name, _bound(ours, scene, seed, **effort)))
     union = build_union(scene, folder, tasks, progress)
-    if not union.proved and 0 < model.freedom <= FEW_DOF:
+    if not union.proved and 0 < model.dof <= FEW_DOF:
         _prove(union, folder, progress)
     return union
 

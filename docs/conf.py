@@ -20,8 +20,10 @@ extensions = [
     "sphinx_copybutton",
     "sphinx_design",
     "notebooks",
+    "offline",
     "reference",
     "terminal",
+    "turning",
 ]
 exclude_patterns = ["_ext", "figures/*.md"]
 root_doc = "index"
@@ -46,6 +48,7 @@ napoleon_use_ivar = True
 default_role = "code"  # `x` in a docstring is code, as it is in Markdown
 
 # ---------------------------------------------------------------- the site
+html_math_renderer = "mathml"
 html_theme = "pydata_sphinx_theme"
 html_title = "origami_nlp"
 html_static_path = ["_static"]

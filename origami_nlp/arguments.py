@@ -8,11 +8,12 @@ import time
 from collections.abc import Iterable, Mapping
 from difflib import get_close_matches
 from numbers import Integral, Real
-from typing import Any
-
-import numpy as np
+from typing import TYPE_CHECKING, Any
 
 from origami_nlp.errors import AngleError, OptionError
+
+if TYPE_CHECKING:
+    import numpy as np
 
 _MAKERS = {
     "Scene": "a Scene (read_scene reads one from a file)",
@@ -106,6 +107,8 @@ def check_until(seconds: Any) -> float:
 
 def check_flag(name: str, value: object) -> None:
     """Raise an error unless `value` is true or false."""
+    import numpy as np
+
     if not isinstance(value, bool | np.bool_):
         raise OptionError(f"{name} = {shown(value)} must be True or False")
 
@@ -134,6 +137,8 @@ def check_angles(
     AngleError
         If they are no numbers, of another number of creases, or (with `finite`) not all finite.
     """
+    import numpy as np
+
     try:
         phi = np.asarray(value, dtype=float)
     except (TypeError, ValueError, OverflowError):

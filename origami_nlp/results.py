@@ -26,8 +26,8 @@ _READ = (
     ("load/2", "legs", "loading", "LoadPath"),
     ("modes/2", "states", "modes", "Modes"),
     ("landscape/2", "passes", "barriers", "Barriers"),
-    ("follow/2", "branches", "bifurcation", "Atlas"),
-    ("follow/2", "curves", "bifurcation", "BifurcationSet"),
+    ("follow/3", "branches", "bifurcation", "Atlas"),
+    ("follow/3", "curves", "bifurcation", "BifurcationSet"),
     ("pattern/2", "motion", "pattern_states", "Motion"),
     ("pattern/2", "arc", "pattern_states", "Motion"),
     ("pattern/2", "facets", "pattern_states", "Mobility"),
@@ -68,7 +68,7 @@ def draw(result: Result, path: str | PathLike[str] | None = None) -> Figure:
 
 
 def view(result: object, path: str | PathLike[str] | None = None) -> InteractivePage:
-    """Return a result as an interactive page; it is the one that its command writes with ``--html``.
+    """Return a result as an interactive page; it is the one that its command writes with ``-o FILE.html``.
 
     Parameters
     ----------
@@ -142,7 +142,7 @@ def save(result: Result, path: str | PathLike[str]) -> None:
 
 
 def load(path: str | PathLike[str]) -> Any:
-    """Read a result that `save`, or a command with ``--json``, has written; its class is that of the file's schema.
+    """Read a result that `save`, or a command with ``-o FILE.json``, has written, as the class of the file's schema.
 
     Parameters
     ----------

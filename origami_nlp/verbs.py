@@ -220,20 +220,20 @@ def classify(
     return kkt.classify(state, polished=polished)
 
 
-def write_fold(result: MinimaResult, target: str | PathLike[str]) -> None:
+def write_fold(result: MinimaResult, path: str | PathLike[str]) -> None:
     """Write the states of a vertex or pattern as a FOLD file (spec 1.1), a folded frame each.
 
     Parameters
     ----------
     result
         Of `find_minima`.
-    target
+    path
         The file, written whole or not at all; ``"-"`` for standard output.
 
     Raises
     ------
     OptionError
-        If `result` is no result, `target` no path, or the file cannot be written.
+        If `result` is no result, `path` no path, or the file cannot be written.
 
     Examples
     --------
@@ -250,24 +250,24 @@ def write_fold(result: MinimaResult, target: str | PathLike[str]) -> None:
     from origami_nlp.minima import MinimaResult
 
     check_type("result", result, MinimaResult)
-    check_path("target", target)
-    save_fold(result.to_fold(), fspath(target))
+    check_path("path", path)
+    save_fold(result.to_fold(), fspath(path))
 
 
-def write_mesh(result: MinimaResult | LoadPath, target: str | PathLike[str]) -> None:
+def write_mesh(result: MinimaResult | LoadPath, path: str | PathLike[str]) -> None:
     """Write the states of a vertex or pattern side by side as one triangle mesh, by way of trimesh (extra ``mesh``).
 
     Parameters
     ----------
     result
         Of `find_minima`; or of `load_path`: where each of its legs begins and ends.
-    target
+    path
         The file, ``.obj``, ``.stl`` or ``.glb``.
 
     Raises
     ------
     OptionError
-        If `result` is no result, `target` no path or ends in something else, trimesh is not installed, there is no
+        If `result` is no result, `path` no path or ends in something else, trimesh is not installed, there is no
         minimum, or the file cannot be written.
 
     Examples
@@ -283,5 +283,5 @@ def write_mesh(result: MinimaResult | LoadPath, target: str | PathLike[str]) -> 
 
     if not isinstance(result, LoadPath):
         check_type("result", result, MinimaResult)
-    check_path("target", target)
-    write_parts(result.mesh_parts(), fspath(target))
+    check_path("path", path)
+    write_parts(result.mesh_parts(), fspath(path))

@@ -27,7 +27,7 @@ from .section5 import STATEMENTS as STATEMENTS, check_statements as check_statem
 from .section5_plain import findings_to_dict as findings_to_dict, limits_to_dict as limits_to_dict
 from .section5_table import LIMIT_HEADS as LIMIT_HEADS, limit_row as limit_row
 from .sheets import (
-    draw_pattern_state as draw_pattern_state,
+    draw_panels as draw_panels,
     find_panels as find_panels,
     sheet_table as sheet_table,
 )

@@ -7,13 +7,25 @@ from typing import Annotated
 
 import typer
 
-from origami_nlp.cli import Group, Output, Source, main, options as o, progress, search, takes_scene
+from origami_nlp.cli import (
+    Group,
+    Output,
+    Source,
+    main,
+    options as o,
+    progress,
+    search,
+    takes_scene,
+    writes,
+)
 from origami_nlp.errors import OptionError
 from origami_nlp.pattern import parse_angle
 from studies import FIGURES
 
 
+@writes("figure")
 def reproduce(
+    out: Output,
     name: Annotated[
         str,
         typer.Argument(
@@ -22,37 +34,37 @@ def reproduce(
             help=f"One of {', '.join(FIGURES)}.",
         ),
     ],
-    figure: o.FigureFile = None,
-    out: Annotated[Path | None, o.OutFolder] = None,
+    folder: Annotated[Path | None, o.OutFolder] = None,
     seed: o.Seed = 0,
 ) -> None:
     """Draw a figure of the paper anew, from exact states and boundaries.
 
-    FIGURE.png and FIGURE.pdf go to the folder --out, without --figure to the one you are in.
+    FIGURE.png and FIGURE.pdf go to --folder, without it and -o to the folder you are in.
     """
     from origami_nlp.io import make_folder, save_figure
 
     if name not in FIGURES:
         raise OptionError(f"FIGURE = {name!r} must be one of {', '.join(FIGURES)}")
-    targets = [] if figure is None else [figure]
-    if out is not None or figure is None:
-        folder = make_folder(out or Path("."), "--out")
-        targets += [folder / f"{name}.{ending}" for ending in ("png", "pdf")]
-    output = Output(*(("--figure" if t is figure else "--out", t) for t in targets))
+    made: list[Path] = []
+    if folder is not None or not out.files("figure"):
+        folder = make_folder(folder or Path("."), "--folder")
+        made = [folder / f"{name}.{ending}" for ending in ("png", "pdf")]
+    out.check(*(("--folder", one) for one in made))
+    targets = [*map(Path, out.files("figure")), *made]
     with progress.progress(name) as report:
         drawn = FIGURES[name](name, seed, report)
-    drawn.print_to(output.console)
+    drawn.print_to(out.console)
     for target in targets:
         # what is an image in a vector file is smooth: the figure's own dots are enough
         save_figure(drawn.figure, target, "figure" if str(target).endswith(".pdf") else 200)
-    output.written(*targets)
+    out.written(*targets)
 
 
+@writes("json", "markdown")
 def audit(
+    out: Output,
     file: o.Candidates,
     seed: o.Seed = 0,
-    json: o.JsonFile = None,
-    markdown: o.MarkdownFile = None,
 ) -> None:
     """Say of each published candidate in FILE which exact minimum it is, or which artefact."""
     from studies import (
@@ -63,7 +75,6 @@ def audit(
         summary_table,
     )
 
-    out = Output(json=json, markdown=markdown)
     candidates = read_candidates(file)
     with progress.progress("audit", len(candidates)) as report:
         panels = audit_candidates(candidates, seed=seed, progress=report)
@@ -95,10 +106,10 @@ def grid(
     out.say(grid_minima_table(follow_grid_minima(result, size), size, chart.coordinates))
 
 
+@writes("json", "markdown")
 def fractions(
+    out: Output,
     size: o.Size = 40,
-    markdown: o.MarkdownFile = None,
-    json: o.JsonFile = None,
 ) -> None:
     """Go through every number of stable states printed in section 5, under nine readings."""
     from origami_nlp.display import folding_table, rows_markdown
@@ -111,7 +122,6 @@ def fractions(
     )
 
     check_size(size)
-    out = Output(markdown=markdown, json=json)
     with progress.progress("printed numbers", len(STATEMENTS)) as report:
         findings = check_statements(size, progress=report)
     title = "numbers printed in section 5; what occurs there (share of the printed one)"
@@ -122,16 +132,16 @@ def fractions(
     out.write("json", findings_to_dict, findings)
 
 
+@writes("json")
 def limits(
+    out: Output,
     elevation: o.Elevation = "0.6",
     ratio: o.Ratio = 1.0,
-    json: o.JsonFile = None,
 ) -> None:
     """Measure how fast the cone approaches the continuum cone as N grows, against its series."""
     from origami_nlp.display import folding_table
     from studies import LIMIT_HEADS, limit_row, limits as measure, limits_to_dict
 
-    out = Output(json=json)
     found = measure(parse_angle(elevation, "--elevation"), ratio)
     out.say(folding_table(LIMIT_HEADS, [limit_row(q) for q in found], "errors ~ c (2 pi/N)^p"))
     out.write("json", limits_to_dict, found)

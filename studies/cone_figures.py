@@ -65,7 +65,17 @@ def _map(axes: Any, degree: int, what: str, zoom: bool = False) -> None:
         title = f"at an end (contact or cut), of {span} minima"
     else:
         title = f"$N$ = {degree}: interior, depth > $10^{{-3}}$" + (" (zoom)" if zoom else "")
-    draw_map(axes, -m.elevations[::-1], m.ratios, counts[:, ::-1], total, title=title)
+    borders = diagram.bounding("at end" if what == "ends" else "interior")
+    draw_map(
+        axes,
+        -m.elevations[::-1],
+        m.ratios,
+        counts[:, ::-1],
+        total,
+        title=title,
+        boundaries=borders,
+        mirrored=True,
+    )
 
 
 def _curves(axes: Any, degree: int, exact: bool) -> None:

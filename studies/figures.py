@@ -29,11 +29,11 @@ class Drawn:
 
 
 def _sheet(name: str, seed: int, progress: Progress) -> Drawn:
-    from studies.sheets import draw_pattern_state, find_panels, sheet_table
+    from studies.sheets import draw_panels, find_panels, sheet_table
 
     panels = find_panels(name, seed=seed, progress=progress)
     return Drawn(
-        draw_pattern_state(name, panels),
+        draw_panels(name, panels),
         lambda console: console.print(sheet_table(panels)),
     )
 

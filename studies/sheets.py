@@ -34,7 +34,7 @@ Progress = Callable[[int, int], None]
 
 
 @dataclass(frozen=True)
-class PatternProblem:
+class PanelGrid:
     """Which vertices a sheet shows: maker of scenes, and sector angles of the columns."""
 
     make: Callable[[str, float], Scene]
@@ -48,8 +48,8 @@ class PatternProblem:
 
 
 SHEETS = {
-    "figure3": PatternProblem(examples.degree6, examples.DEGREE6_ALPHAS),
-    "figure4": PatternProblem(examples.degree8, examples.DEGREE8_ALPHAS),
+    "figure3": PanelGrid(examples.degree6, examples.DEGREE6_ALPHAS),
+    "figure4": PanelGrid(examples.degree8, examples.DEGREE8_ALPHAS),
 }
 STYLE = PanelStyle(star=9.5, line=0.75, text=7.5, numbers=False)
 
@@ -109,12 +109,15 @@ def find_panels(
         # longest first: the boundaries, then the searches; a panel as soon as both are there
         traced = [_submit(pool, finished, trace_boundary, scene) for scene in scenes[:columns]]
         searched = [
-            _submit(pool, finished, find_minima, scene, seed=seed, full=True) for scene in scenes
+            _submit(pool, finished, find_minima, scene, seed=seed, full=True, escape=False)
+            for scene in scenes
         ]
         waiting = []
         for k, future in enumerate(searched):
             result, boundary = future.result(), traced[k % columns].result()
-            waiting.append(_submit(pool, finished, find_landscape, result, size, boundary=boundary))
+            waiting.append(
+                _submit(pool, finished, find_landscape, result, size=size, boundary=boundary)
+            )
         return [panel.result() for panel in waiting]
 
 
@@ -126,7 +129,7 @@ def _submit(
     return future
 
 
-def draw_pattern_state(name: str, panels: list[ExactLandscape]) -> Figure:
+def draw_panels(name: str, panels: list[ExactLandscape]) -> Figure:
     """Draw the nine panels of a sheet, two columns of a journal wide (183 mm)."""
     sheet = SHEETS[name]
     rows, columns = len(sheet.ratios), len(sheet.alphas)

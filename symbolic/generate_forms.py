@@ -6,7 +6,7 @@ and one square root; nowhere an arccos.  Derivations, on top of `origami_nlp.sym
 
 degree 6 in D_1
     `reflection_form` gives phi_1 = -2 arg(u v), phi_k = 2 arg(u conj v) with u = m_w + i m_x,
-    v = m_y + i m_z, modulo 2 pi with a common parity.  Both lie in [-pi, pi] on the sheet q = +1
+    v = m_y + i m_z, modulo 2 pi with a common parity.  Both lie in [-pi, pi] on the lift q = +1
     exactly when |arg u| + |arg v| <= pi/2 (args modulo pi), that is |m_w m_y| >= |m_x m_z|.
 
 degree 4n in D_n (creases 1, 2, 3 in a wedge pi/n)
@@ -78,11 +78,11 @@ def _jets(
 def _mirror_outputs(form: ReflectionForm, variables: list[sp.Symbol]) -> list[tuple[str, Any]]:
     """phi_1, phi_k, |u|^2, |v|^2 and the margin |m_w m_y| - |m_x m_z|, with derivatives."""
     (mw, mx), (my, mz) = form.u, form.v
-    sheet = SIGN_OF(mw * my)  # the sign common to Re(u v) and Re(u conj v)
+    lift = SIGN_OF(mw * my)  # the sign common to Re(u v) and Re(u conj v)
     (y1, x1), (y4, x4) = form.first, form.last
     values = [
-        ("phi_first", 2 * sp.atan2(sheet * y1, sheet * x1)),
-        ("phi_last", 2 * sp.atan2(sheet * y4, sheet * x4)),
+        ("phi_first", 2 * sp.atan2(lift * y1, lift * x1)),
+        ("phi_last", 2 * sp.atan2(lift * y4, lift * x4)),
     ]
 
     def slope(pair: Any, v: sp.Symbol) -> Any:

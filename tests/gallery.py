@@ -30,7 +30,7 @@ Energies are in millijoules: stiffnesses have the geometric mean 0.025 N m/rad.
 ```bash
 origami-nlp example miura > miura.toml            # the vertex as a scene
 origami-nlp minima miura.toml --full              # its stable states
-origami-nlp example miura:4x4 --fold miura.fold   # the pattern, with the same springs
+origami-nlp example miura:4x4 -o miura.fold   # the pattern, with the same springs
 origami-nlp minima miura.fold --each-vertex       # every vertex of it, equal ones once
 ```
 

@@ -38,7 +38,7 @@ barrier is what it takes to leave the first of them, see [patterns](how_to/patte
 not determined.
 
 ```bash
-origami-nlp minima metasheet:4x4 --starts {STARTS} --figure metasheet.png
+origami-nlp minima metasheet:4x4 --starts {STARTS} -o metasheet.png
 ```
 
 Of sheets whose vertices have degree 4 the branch directions of the flat state with one degree of freedom are traced; of

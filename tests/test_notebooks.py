@@ -30,9 +30,9 @@ LONG = (
     "07_from_a_fold_file.ipynb",
     "08_paths.ipynb",
     "09_design.ipynb",
-    "09_proof.ipynb",
-    "10_patterns.ipynb",
-    "11_from_measurements.ipynb",
+    "10_proof.ipynb",
+    "11_patterns.ipynb",
+    "12_from_measurements.ipynb",
 )
 """Run with the long studies: what they call has tests of its own."""
 

@@ -98,7 +98,7 @@ def test_a_load_path_is_written_as_a_mesh(whole, tmp_path):
     pattern = o.examples.pattern("metasheet", 2, 2) if whole else scene_pattern(scene)
     (tmp_path / "a.toml").write_text(o.format_scene(scene))
     given = ("metasheet:2x2" if whole else tmp_path / "a.toml", "--crease", 1, "--to", 0.02)
-    done = run("load", *given, "--no-confirm", "--mesh", target)
+    done = run("load", *given, "--no-confirm", "-o", target)
     assert done.code == 0 and f"written: {target}" in done.out
     area = 0.0
     for polygon in pattern.polygons:
@@ -106,8 +106,8 @@ def test_a_load_path_is_written_as_a_mesh(whole, tmp_path):
         area += np.linalg.norm(np.cross(x - x[0], np.roll(x, -1, axis=0) - x[0]).sum(axis=0)) / 2
     mesh = trimesh.load(target)
     assert mesh.area == pytest.approx(2 * area, rel=1e-5)  # where the one leg begins and ends
-    wrong = run("load", *given, "--mesh", tmp_path / "ends.txt")
-    assert wrong.code == 2 and "must end in .obj, .stl, .glb" in wrong.err
+    wrong = run("load", *given, "-o", tmp_path / "ends.txt")
+    assert wrong.code == 2 and ".obj, .stl, .glb" in wrong.err
 
 
 def test_modes_and_designs_are_turned_as_the_minima_that_they_are_of():
@@ -116,6 +116,6 @@ def test_modes_and_designs_are_turned_as_the_minima_that_they_are_of():
     assert repr(o.view(modes)) == repr(o.view(found))
     with pytest.raises(o.OrigamiError, match="cannot be turned"):
         o.view(3)
-    space = o.find_space(o.examples.degree6("pi/3"), size=8)
+    space = o.find_space(o.examples.degree6("pi/3"), rings=8)
     with pytest.raises(o.OrigamiError, match=r"cannot be turned.*draw\(result\) draws it"):
         o.view(space)

@@ -1,21 +1,36 @@
-"""The picture of the README: `python docs/_ext/pictures.py` draws it anew."""
+"""The pictures of README and documentation: `python docs/_ext/pictures.py [NAME ...]` draws them anew, from a checkout.
+
+Without names those that take seconds; ``all`` takes about an hour.
+"""
 
 from __future__ import annotations
 
+import re
+import subprocess
+import sys
+from collections.abc import Callable
 from pathlib import Path
 
 import matplotlib
 
 matplotlib.use("Agg")
 
+from typing import TYPE_CHECKING
+
+import numpy as np
 from matplotlib.figure import Figure
+from matplotlib.patches import Circle
 
 import origami_nlp as o
 from origami_nlp.display import draw_state
+from origami_nlp.display.drawing import UPPER
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 FOLDER = Path(__file__).parents[1] / "figures"
-SIDE = 2.0
-"""Width of a state [inches]."""
+SIDE, FONT = 1.8, 11
+"""Width of a state [inches], and of its numbers [points]."""
 SAME_ENERGY = 1e-6
 """Energies that differ by less [relative] are those of images of one state."""
 
@@ -29,22 +44,125 @@ def different(result: o.MinimaResult, most: int) -> list[o.JudgedState]:
     return found[:most]
 
 
+def draw_flat(axes: Axes, vertex: o.Vertex) -> None:
+    """Draw the crease pattern of a vertex, creases numbered, a sector with its angle."""
+    angles = np.cumsum([0, *vertex.sector_angles])
+    axes.add_patch(Circle((0, 0), 1, facecolor=UPPER, edgecolor="black", linewidth=1.2))
+    for number, angle in enumerate(angles[:-1], start=1):
+        x, y = np.cos(angle), np.sin(angle)
+        axes.plot([0, x], [0, y], color="#555555", linewidth=1.3)
+        axes.text(1.15 * x, 1.15 * y, str(number), ha="center", va="center", fontsize=FONT)
+    middle = angles[1] / 2
+    degrees = f"{np.degrees(vertex.sector_angles[0]):.0f}°"
+    axes.text(
+        0.55 * np.cos(middle),
+        0.55 * np.sin(middle),
+        degrees,
+        ha="center",
+        va="center",
+        fontsize=FONT,
+    )
+    axes.set(xlim=(-1.3, 1.3), ylim=(-1.3, 1.3), aspect="equal")
+    axes.axis("off")
+
+
 def draw_row(result: o.MinimaResult, path: Path, most: int = 6) -> None:
-    """Draw the lowest different minima side by side, with their energies."""
+    """Draw the flat pattern, and beside it the lowest different minima with their energies in two rows."""
     shown = different(result, most)
-    figure = Figure(figsize=(SIDE * len(shown), SIDE), dpi=150)
-    for place, minimum in enumerate(shown, start=1):
-        axes = figure.add_subplot(1, len(shown), place)
-        draw_state(axes, result.scene.vertex, minimum.fold_angles)
-        low, high = axes.get_ylim()
-        axes.set_ylim(low + 0.2 * (high - low), high)  # folded states leave the bottom empty
-        axes.set_title(f"{minimum.energy:.4f} J", fontsize=10)
-    figure.subplots_adjust(0.005, 0.0, 0.995, 0.88, wspace=0.04)
+    across = -(-len(shown) // 2)
+    vertex = result.scene.vertex
+    figure = Figure(figsize=(SIDE * (across + 1), 1.75 * SIDE), dpi=150)
+    grid = figure.add_gridspec(2, across + 1)
+    axes = figure.add_subplot(grid[:, 0])
+    draw_flat(axes, vertex)
+    axes.set_title("flat", fontsize=FONT)
+    for place, minimum in enumerate(shown):
+        axes = figure.add_subplot(grid[place // across, 1 + place % across])
+        draw_state(axes, vertex, minimum.fold_angles, size=FONT, crop=True)
+        axes.set_anchor("N")
+        axes.set_title(f"{minimum.energy:.4f} J", fontsize=FONT, pad=2)
+    figure.subplots_adjust(0.005, 0.005, 0.995, 0.93, wspace=0.04, hspace=0.12)
     figure.savefig(path)
     print(f"{path.name}: {len(shown)} of {len(result.minima)} minima")
 
 
+def panel(name: str) -> o.Scene:
+    """A vertex of degree 6 by its sector angle and stiffness ratio, such as ``pi/3 1``."""
+    alpha, ratio = name.split()
+    return o.examples.degree6(alpha, ratio=float(ratio))
+
+
+def own(name: str) -> None:
+    """Make a picture by the verb that draws it."""
+    path = FOLDER / f"{name}.png"
+    if name == "states":
+        draw_row(o.find_minima(o.examples.degree6("pi/3", ratio=1, symmetry="none")), path)
+    elif name == "degree6_pi3":
+        o.draw(o.find_minima(panel("pi/3 1"), full=True), path)
+    else:
+        family, alpha = re.fullmatch(r"space_(degree\d)_(\w+)", name).groups()
+        vertex = getattr(o.examples, family)(alpha.replace("5pi", "5*pi").replace("_", "/"))
+        o.draw(o.find_space(vertex), path)
+
+
+def by_command(*words: str) -> None:
+    """Make a picture by the command that stands beside it."""
+    subprocess.run([sys.executable, "-m", *words], check=True)
+
+
+def reproduce(figure: str, name: str) -> None:
+    """Make one of the paper's figures anew."""
+    by_command("studies", "reproduce", figure, "-o", str(FOLDER / f"{name}.png"))
+
+
+PICTURES: dict[str, Callable[[str], None]] = {
+    "states": own,
+    "degree6_pi3": own,
+    **{
+        f"space_{end}": own
+        for end in (
+            "degree6_pi_4",
+            "degree6_pi_3",
+            "degree6_5pi_12",
+            "degree8_pi_12",
+            "degree8_pi_4",
+        )
+    },
+    **{name: lambda name: reproduce(name, name) for name in ("figure3", "figure4")},
+    "grid_convergence": lambda name: reproduce("grid-convergence", name),
+    **{
+        f"cones_{figure}": lambda name: reproduce(name.removeprefix("cones_"), name)
+        for figure in ("cone-3", "cone-3-firing", "cone-4", "cone-4-firing", "cone-56")
+    },
+    "cone_foldings_8": lambda name: by_command(
+        "origami_nlp",
+        "paper",
+        "cone",
+        "draw",
+        "--degree",
+        "8",
+        "--elevation",
+        "pi/8",
+        "-o",
+        str(FOLDER / f"{name}.png"),
+    ),
+    "examples": lambda _: by_command("tests.gallery"),
+    "sheets": lambda _: by_command("tests.gallery_of_patterns"),
+    "states_degree6": lambda _: by_command("tests.bifurcation.maps"),
+    "speed_patterns": lambda _: by_command(
+        "benchmarks",
+        "patterns",
+        "-o",
+        "docs/bench_patterns.json",
+        "-o",
+        str(FOLDER / "speed_patterns.png"),
+    ),
+}
+"""What makes each picture of the documentation; a few make several, and the tables beside them."""
+SLOW = ("examples", "sheets", "states_degree6", "speed_patterns", "grid_convergence")
+"""Made only by name, or with ``all``: minutes each."""
+
 if __name__ == "__main__":
-    draw_row(
-        o.find_minima(o.examples.degree6("pi/3", ratio=1, symmetry="none")), FOLDER / "states.png"
-    )
+    asked = sys.argv[1:] or [name for name in PICTURES if name not in SLOW]
+    for name in PICTURES if asked == ["all"] else asked:
+        PICTURES[name](name)

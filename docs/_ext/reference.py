@@ -20,6 +20,32 @@ ROOMS = (
 ).split()
 """Rooms whose faces users of Python need, in the order of the pages."""
 
+TASKS = {
+    "Find stable states": (
+        "find_minima classify check_admissible MinimaResult VertexwiseMinima JudgedState SearchOptions"
+    ),
+    "State a vertex or a pattern": (
+        "examples read_scene read_pattern read_fold_scene read_fold_scenes parse_scene format_scene "
+        "Scene Vertex Pattern Load"
+    ),
+    "How a sheet moves": "analyze_mobility find_motion Mobility Motion",
+    "Loads, snaps, barriers": (
+        "load_path find_barriers find_modes find_contacts LoadPath Barriers Modes ContactReport"
+    ),
+    "Over a parameter": (
+        "follow find_bifurcation_set sweep Atlas BifurcationSet ContinuationOptions"
+    ),
+    "Springs for given states": "design inverse_design Design",
+    "Draw, write, read": "draw draw_minima view save load to_frame write_fold write_mesh",
+    "The whole energy landscape": (
+        "find_landscape find_critical_points find_space find_segments ExactLandscape CriticalPoints Space"
+    ),
+    "Proofs, the model, what solvers see": "ProofOptions Model State Stratum",
+    "The source paper": "paper",
+    "Errors and version": "OrigamiError __version__",
+}
+"""Every name of `origami_nlp`, by what people want to do."""
+
 
 # ---------------------------------------------------------------- commands
 
@@ -60,7 +86,7 @@ def command_page(path: tuple[str, ...], context) -> str:
     return f"# {' '.join(path)}\n\n{reported}\n\n```text\n{usage}\n```\n\n{rows}"
 
 
-def analyze_mobility() -> str:
+def overview() -> str:
     """Tables of all commands, a group after the other, and the order of their pages."""
     groups: dict[str, list[tuple]] = {}
     for path, context in commands():
@@ -78,6 +104,30 @@ def analyze_mobility() -> str:
 
 
 # ---------------------------------------------------------------- docstrings
+
+
+def by_task() -> str:
+    """Tables of every public name of the package, by task, each with the first line of its docstring."""
+    parts = []
+    for task, names in TASKS.items():
+        parts += [f"## {task}\n", "| name | what it does |", "|---|---|"]
+        for name in names.split():
+            thing = getattr(origami_nlp, name)
+            if inspect.ismodule(thing):
+                role = f"[`{name}`](python/{thing.__name__}.rst)"
+                if not any(thing.__name__ == f"origami_nlp.{room}" for room in ROOMS):
+                    role = f"`{name}`"
+            else:
+                role = f"`{name}`" if name.startswith("_") else f"{{py:obj}}`~origami_nlp.{name}`"
+            about = "The version." if name == "__version__" else inspect.getdoc(thing) or ""
+            words = re.split(r"`+([^`]*)`+", about.splitlines()[0])
+            shown = [
+                f"`{part}`" if i % 2 else re.sub(r"([\\*_<>\[\]|])", r"\\\1", part)
+                for i, part in enumerate(words)
+            ]
+            parts.append(f"| {role} | {''.join(shown)} |")
+        parts.append("")
+    return "\n".join(parts)
 
 
 def face_page(name: str) -> str:
@@ -144,7 +194,8 @@ def as_shown(app, what: str, name: str, thing, options, lines: list[str]) -> Non
 def write(app) -> None:
     """Write all pages that have changed, and take away those that are no more."""
     pages = {f"commands/{'_'.join(path)}.md": command_page(path, c) for path, c in commands()}
-    pages["commands/overview.txt"] = analyze_mobility()
+    pages["commands/overview.txt"] = overview()
+    pages["python/overview.txt"] = by_task()
     for name in ("origami_nlp", *(f"origami_nlp.{room}" for room in ROOMS)):
         pages[f"python/{name}.rst"] = face_page(name)
     folder = Path(app.srcdir) / "reference"

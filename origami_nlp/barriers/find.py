@@ -110,7 +110,7 @@ def find_barriers(
         check_type("result", result, MinimaResult)
     check_dof(scene)
     model = Model(scene)
-    if model.freedom == 1:
+    if model.dof == 1:
         refuse("vertex of one degree of freedom", _OF_TWO, full=full or None, spacing=spacing)
     found: Any = result
     if found is None:
@@ -128,7 +128,7 @@ def _of_vertex(
     here = tuple(m for m in result.minima if m.winding == model.structure.winding)
     if len(here) < len(result.minima):
         result = replace(result, minima=here)
-    if model.freedom == 1:
+    if model.dof == 1:
         return vertex_barriers(model, result)
     work = RefinedGraph(
         model, [model.reduce(np.array(m.fold_angles)) for m in result.minima], spacing, seed
@@ -171,10 +171,10 @@ def check_dof(scene: Scene) -> None:
     OptionError
         With the number of degrees of freedom it has.
     """
-    freedom = Model(scene).freedom
-    if freedom not in (1, 2):
+    dof = Model(scene).dof
+    if dof not in (1, 2):
         raise OptionError(
-            f"[model] symmetry = {scene.symmetry!r} leaves {freedom} degrees of freedom; barriers need 1 or 2: "
+            f"[model] symmetry = {scene.symmetry!r} leaves {dof} degrees of freedom; barriers need 1 or 2: "
             "state another symmetry"
         )
 

@@ -1,21 +1,18 @@
-"""Three closed flaps that turn about one edge: their thin set, and the lowest exit from it, proved.
+"""Three closed flaps that turn about one edge: their lower-dimensional set, and the lowest exit from it, proved.
 
 Degree 6, creases c_1, c_2, c_3 (every other one) fully folded at s pi, s = +-1, equal sectors on both sides of each:
 three flaps two facets thick, whose other creases h_1, h_2, h_3 lie on one axis.  Fold limits hold (|phi| <= pi).
 
-1. *The set.*  Turning about the axis, neighbouring flaps stand g_j = pi + s phi(h_j) apart, g_j >= 0, and the vertex
-   closes as one sheet where g_1 + g_2 + g_3 = 2 pi, that is sum phi(h_j) = -s pi: a polygon in a plane.
-2. *Where it is thin.*  Near such a state let a_i >= 0 be by how much c_i opens.  If all a_i = 0 closure holds on the
-   plane only.  In general its part across the axis is sum a_i w_i u_i + O(a^2): u_i is the unit vector of flap
-   i across the axis, w_i = sin(sector) > 0.  If some g_j > pi, all u_i lie in an open half plane: there is a vector
-   v with v . u_i >= d > 0 for every i, also at all states near by, so that closure gives
-   0 >= d min(w) sum a_i - O(a^2) and hence all a_i = 0.  So every admissible state near by keeps the
-   three creases fully folded.
-3. *Its ends.*  g_j > pi means s phi(h_j) > 0, for one j only (the g sum to 2 pi).  The states with s phi(h_j) > 0
-   are thus open in the set of all admissible states, and a path that leaves them passes through their closure's
-   only other states, s phi(h_j) = 0: the segment phi(h_j) = 0, phi(h_k) + phi(h_l) = -s pi.
-4. *The bound.*  On the set the energy is a convex quadratic, on the segment a parabola of one angle: its smallest
-   value bounds every path out from below.
+1. *The set.*  Neighbouring flaps make the angle g_j = pi + s phi(h_j) >= 0, and the vertex closes where g_1 + g_2 + g_3
+   = 2 pi, that is sum phi(h_j) = -s pi: a polygon in a plane.
+2. *Where it is isolated.*  Near such a state let c_i open by a_i >= 0.  The part of closure across the axis is sum a_i
+   w_i u_i + O(a^2), u_i the unit vector of flap i across the axis, w_i = sin(sector) > 0.  If some g_j > pi, all u_i
+   lie in an open half plane: v . u_i >= d > 0 for some v, also near by, so that 0 >= d min(w) sum a_i - O(a^2) and all
+   a_i = 0.  So every admissible state near by keeps the three creases fully folded.
+3. *Its ends.*  g_j > pi means s phi(h_j) > 0, for one j only.  These states are open in the admissible set, and a path
+   leaves them through s phi(h_j) = 0: the segment phi(h_j) = 0, phi(h_k) + phi(h_l) = -s pi.
+4. *The bound.*  On the set the energy is a convex quadratic, on the segment a parabola: its smallest value bounds every
+   path out from below.
 
 `tests/barriers/test_flaps.py` gets all four steps a second way.
 """

@@ -176,7 +176,7 @@ def exits(at: State, known: Sequence[np.ndarray] = (), spacing: float = EXIT_SPA
     """
     model, held = at.problem, lower_dimensional_at(at)
     if not held:
-        return Exits((), 0, math.inf, None, model.freedom)
+        return Exits((), 0, math.inf, None, model.dof)
 
     def is_lower_dimensional(state: State) -> bool:
         return set(held) <= set(lower_dimensional_at(state))

@@ -142,14 +142,14 @@ def _cells(x: np.ndarray, spacing: float) -> list[tuple[int, ...]]:
     return [tuple(c) for c in np.floor(x / spacing).astype(int).tolist()]
 
 
-def _directions(freedom: int) -> np.ndarray:
-    """Unit vectors towards the neighbours of a lattice point in `freedom` dimensions."""
-    d = np.array([v for v in itertools.product((-1, 0, 1), repeat=freedom) if any(v)], dtype=float)
+def _directions(dof: int) -> np.ndarray:
+    """Unit vectors towards the neighbours of a lattice point in `dof` dimensions."""
+    d = np.array([v for v in itertools.product((-1, 0, 1), repeat=dof) if any(v)], dtype=float)
     return d / np.linalg.norm(d, axis=1, keepdims=True)
 
 
 def _tangents(model: Problem, x: np.ndarray) -> np.ndarray:
-    """Return an orthonormal basis of the tangent space at each state, [K, n, freedom]; more than that where singular
+    """Return an orthonormal basis of the tangent space at each state, [K, n, dof]; more than that where singular
     states have a larger kernel is left out."""
     _, jac = model.closure(x)
     return np.linalg.svd(jac)[2][:, model.equation_count :].transpose(0, 2, 1)
@@ -163,7 +163,7 @@ def _step_out(
     within: tuple[np.ndarray, float] | None,
 ) -> np.ndarray:
     """Return new states one step away from `frontier`, in cells that were empty (and now are not)."""
-    directions = _directions(model.freedom)
+    directions = _directions(model.dof)
     tangents = _tangents(model, frontier)
     ahead = frontier[:, None] + spacing * np.einsum("kni,di->kdn", tangents, directions)
     origin = np.repeat(frontier, len(directions), axis=0)

@@ -41,7 +41,7 @@ def stratum_curves(
     model: Model, seed: int = 0, known: tuple[np.ndarray, ...] = ()
 ) -> list[StratumCurve]:
     """Find and follow every one-dimensional thin set that random states at phi = +-pi, or `known` states, lie on."""
-    if not model.has_limits or model.freedom != 2:
+    if not model.has_limits or model.dof != 2:
         return []
     curves: list[StratumCurve] = []
     for x in (*known, *states_on_limits(model, np.random.default_rng(seed))):

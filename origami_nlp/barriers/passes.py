@@ -128,7 +128,7 @@ def critical_near(model: Problem, starts: np.ndarray, reach: float) -> list[Crit
             sets += [(row,) for row in rows]
             sets += list(itertools.combinations(rows, 2))
         for rows in dict.fromkeys(sets):
-            if len(rows) > model.freedom or (k, rows) in tried:
+            if len(rows) > model.dof or (k, rows) in tried:
                 continue
             tried.add((k, rows))
             polished, _ = newton(model, x, rows)
@@ -161,7 +161,7 @@ def critical_at(state: State) -> Critical | None:
             index, direction = below, b.direction
     if not state.regular:
         kind: PassKind = "flat state" if np.abs(x).max() <= DUPLICATE_TOL else "singular"
-    elif len(judged) > 1 or len(judged[0].rows) >= model.freedom:
+    elif len(judged) > 1 or len(judged[0].rows) >= model.dof:
         # as many contacts as degrees of freedom leave a point, where the energy need not be stationary
         kind = "corner"
     else:

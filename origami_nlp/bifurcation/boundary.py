@@ -29,7 +29,7 @@ from origami_nlp.bifurcation.plane import Plane
 from origami_nlp.bifurcation.records import Interval
 from origami_nlp.continuation import BifurcationDiagram, Hold, SpecialPoint, Tally
 from origami_nlp.display import Report, Section, Table, Words
-from origami_nlp.errors import OUT_OF_TIME
+from origami_nlp.errors import OUT_OF_TIME, OptionError
 from origami_nlp.numerics import NEAR_SINGULAR_TOL, SAMPLED, STATIONARY
 from origami_nlp.pattern import Scene, as_scene
 from origami_nlp.problem import Contact, Model
@@ -94,7 +94,7 @@ class CountedLine:
 
     Attributes
     ----------
-    over
+    parameter
         Name of the parameter that was followed over: the first, or across it the second.
     t
         Value of the other one.
@@ -105,7 +105,7 @@ class CountedLine:
         followed over two parameters.
     """
 
-    over: str
+    parameter: str
     t: float
     intervals: tuple[Interval, ...]
     events: tuple[tuple[float, int], ...]
@@ -119,7 +119,7 @@ class BifurcationSet(Report):
     ----------
     scene
         The scene that the others differ from.
-    overs
+    parameters
         Both parameters with their ranges.
     curves
         In order of their numbers.
@@ -141,17 +141,17 @@ class BifurcationSet(Report):
     """
 
     scene: Scene
-    overs: tuple[ParameterRange, ParameterRange]
+    parameters: tuple[ParameterRange, ParameterRange]
     curves: tuple[EventCurve, ...]
     lines: tuple[CountedLine, ...]
     seconds: float
     interrupted: bool = False
 
-    PICTURE, SCHEMA = "draw_boundaries", "origami-nlp/follow/2"
+    PICTURE, SCHEMA = "draw_boundaries", "origami-nlp/follow/3"
 
     def report_sections(self) -> Iterator[Section]:
         """Return the curves, and the counts along each line."""
-        a, b = self.overs
+        a, b = self.parameters
         rows = []
         for c in self.curves:
             first, last = c.points[0].t, c.points[-1].t
@@ -167,7 +167,7 @@ class BifurcationSet(Report):
             "rlLllrL",
         )
         for line in self.lines:
-            along, other = (a, b) if line.over == a.name else (b, a)
+            along, other = (a, b) if line.parameter == a.name else (b, a)
             counts = ", ".join(
                 f"{i.minima} ({_shown(along, i.t[0])} to {_shown(along, i.t[1])})"
                 for i in line.intervals
@@ -182,14 +182,14 @@ class BifurcationSet(Report):
             )
 
 
-def _shown(over: ParameterRange, t: float) -> str:
-    return f"{math.degrees(t):.5g} deg" if over.unit == "rad" else f"{t:.5g}"
+def _shown(parameter: ParameterRange, t: float) -> str:
+    return f"{math.degrees(t):.5g} deg" if parameter.unit == "rad" else f"{t:.5g}"
 
 
 def find_bifurcation_set(
     scene: Scene,
     event: str | ParameterRange,
-    over: str | ParameterRange,
+    parameter: str | ParameterRange,
     *,
     lines: int = 3,
     across: int = 1,
@@ -206,7 +206,7 @@ def find_bifurcation_set(
     event
         The first parameter and its range, in which events are looked for, such as ``"ratio=0.01:100"``, or a value,
         ``"ratio=1.79"``, for a range around it.
-    over
+    parameter
         The second parameter and its range.
     lines
         Values of the second at which the first is followed: both ends, then between them.
@@ -240,7 +240,9 @@ def find_bifurcation_set(
     check_whole("across", across, 0, MOST_LINES)
     begin, until = time.perf_counter(), check_until(seconds)
     a = parse_nearby(event) if isinstance(event, str) else event
-    b = parse_parameter_range(over) if isinstance(over, str) else over
+    b = parse_parameter_range(parameter) if isinstance(parameter, str) else parameter
+    if a.name == b.name:
+        raise OptionError(f"event and parameter are both {a.name!r}: name two parameters")
     scene = with_generic_symmetry(scene, (a, b))
     plane, tally = Plane(scene, (a, b)), Tally()
     curves: list[EventCurve] = []
@@ -251,11 +253,11 @@ def find_bifurcation_set(
     for axis, u in [*((0, u) for u in where), *((1, u) for u in inside)]:
         if time.monotonic() > until:
             break
-        family = plane.family(plane.overs[1 - axis].t_of(u), axis)
+        family = plane.family(plane.parameters[1 - axis].t_of(u), axis)
         atlas = follow_family(family, full=False, seed=seed, effort=effort, until=until)
         assert atlas.web is not None  # of one that was just followed
         met = _events_on(plane, atlas.web, axis, u, curves, tally, until)
-        names = plane.overs[axis].name, plane.overs[1 - axis].t_of(u)
+        names = plane.parameters[axis].name, plane.parameters[1 - axis].t_of(u)
         counted.append(CountedLine(*names, () if atlas.interrupted else atlas.intervals, met))
     _from_ends(plane, curves, tally, until)
     late = time.monotonic() > until or not all(line.intervals for line in counted)
@@ -279,7 +281,7 @@ def _events_on(
         flat = node.type == "singular" and not node.point[:-1].any()
         if not (flat or node.type in FOLLOWED) or not node.located:
             continue
-        t = plane.overs[axis].t_of(node.s)
+        t = plane.parameters[axis].t_of(node.s)
         point, normal = np.full(2, u), np.zeros(2)
         point[axis], normal[axis] = node.s, 1.0
         first: EventPoint | None = None
@@ -332,18 +334,18 @@ def _from_ends(plane: Plane, curves: list[EventCurve], tally: Tally, until: floa
 
 
 def _same(plane: Plane, a: CurvePoint, b: CurvePoint) -> bool:
-    apart = [abs(o.s_of(s) - o.s_of(t)) for o, s, t in zip(plane.overs, a.t, b.t, strict=True)]
+    apart = [abs(o.s_of(s) - o.s_of(t)) for o, s, t in zip(plane.parameters, a.t, b.t, strict=True)]
     angles = np.abs(np.subtract(a.fold_angles, b.fold_angles)).max()
     return bool((apart <= AROUND / 10 * plane.size).all() and angles <= AROUND)
 
 
 def _short_line(plane: Plane, point: CurvePoint, axis: int) -> tuple[BifurcationDiagram, float]:
     """Return what is followed from an event over one parameter nearby, and the value of the other."""
-    over, other = plane.overs[axis], plane.overs[1 - axis]
-    s, end = over.s_of(point.t[axis]), plane.corner[axis] + plane.size[axis]
+    parameter, other = plane.parameters[axis], plane.parameters[1 - axis]
+    s, end = parameter.s_of(point.t[axis]), plane.corner[axis] + plane.size[axis]
     low = max(s - AROUND * plane.size[axis], float(plane.corner[axis]))
     high = min(s + AROUND * plane.size[axis], float(end))
-    near = replace(over, low=over.t_of(low), high=over.t_of(high))
+    near = replace(parameter, low=parameter.t_of(low), high=parameter.t_of(high))
     family = family_of(family_of(plane.scene, other).scene_of(point.t[1 - axis]), near)
     web = BifurcationDiagram(family.line, near.s_of(near.low), near.s_of(near.high))
     web.add(Model(family.scene(point.t[axis])).reduce(np.array(point.fold_angles)), s)
@@ -379,7 +381,7 @@ def _lies_on(tracer: Tracer, curve: EventCurve, first: EventPoint, axis: int) ->
         return False  # rays that lie on each other close with either of their openings
     u = first.point[axis]
     # a change of sign: the curve passes the value u between two of its points
-    at = [plane.overs[axis].s_of(p.t[axis]) - u for p in curve.points]
+    at = [plane.parameters[axis].s_of(p.t[axis]) - u for p in curve.points]
     angles = first.frame.problem.expand(first.frame.state)
     for p, q, da, db in zip(curve.points, curve.points[1:], at, at[1:], strict=False):
         if (
@@ -389,7 +391,7 @@ def _lies_on(tracer: Tracer, curve: EventCurve, first: EventPoint, axis: int) ->
             continue
         share = 0.0 if da == db else float(np.clip(-da / (db - da), 0, 1))
         there = np.array(p.fold_angles) * (1 - share) + np.array(q.fold_angles) * share
-        s, t = (plane.overs[1 - axis].s_of(v.t[1 - axis]) for v in (p, q))
+        s, t = (plane.parameters[1 - axis].s_of(v.t[1 - axis]) for v in (p, q))
         near = abs(s * (1 - share) + t * share - first.point[1 - axis]) / plane.size[1 - axis]
         if max(float(np.abs(there - angles).max()), near) <= SAMPLED:
             return True

@@ -64,7 +64,7 @@ def chains_of(web: BifurcationDiagram) -> list[Chain]:
 
 def branches_of(
     web: BifurcationDiagram,
-    over: ParameterRange,
+    parameter: ParameterRange,
     chains: list[Chain],
     parts: dict[int, list[JudgedSegment]],
     across: Callable[[Equilibrium], float],
@@ -82,10 +82,10 @@ def branches_of(
     shown.sort(key=lambda k: web.nodes[k].s)
     ids = {k: i for i, k in enumerate(shown, start=1)}
     events = tuple(
-        _event(web, ids[k], web.nodes[k], over, tuple(sorted(meets.get(k, ())))) for k in shown
+        _event(web, ids[k], web.nodes[k], parameter, tuple(sorted(meets.get(k, ())))) for k in shown
     )
     branches = tuple(
-        _branch(web, over, number, chain, parts, across, ids)
+        _branch(web, parameter, number, chain, parts, across, ids)
         for number, chain in enumerate(chains, start=1)
     )
     return branches, events
@@ -119,17 +119,17 @@ def _event(
     web: BifurcationDiagram,
     number: int,
     node: SpecialPoint,
-    over: ParameterRange,
+    parameter: ParameterRange,
     meets: tuple[int, ...],
 ) -> PathEvent:
     problem, note = web.line.at(node.s), node.why
     if node.between is not None:
-        low, high = (over.shown(over.t_of(s), 12) for s in node.between)
+        low, high = (parameter.shown(parameter.t_of(s), 12) for s in node.between)
         note = f"between {low} and {high}: {note}"
     return PathEvent(
         number,
         _type(web, node),
-        over.t_of(node.s),
+        parameter.t_of(node.s),
         tuple((problem.expand(node.point[:-1]) + 0.0).tolist()),
         "" if node.contact is None else problem.words(node.contact, node.point[:-1]).text,
         Residuals(node.residual, node.value),
@@ -162,7 +162,7 @@ def _type(web: BifurcationDiagram, node: SpecialPoint) -> str:
 
 def _branch(
     web: BifurcationDiagram,
-    over: ParameterRange,
+    parameter: ParameterRange,
     number: int,
     chain: Chain,
     parts: dict[int, list[JudgedSegment]],
@@ -178,10 +178,10 @@ def _branch(
         # positions in the whole branch
         begin = len(points) - bool(points)  # arcs share the point at which they meet
         dependent = _dependent(arc.frames[last // 2])
-        points += [point_of(f, over, across, dependent) for f in frames[bool(points) :]]
+        points += [point_of(f, parameter, across, dependent) for f in frames[bool(points) :]]
         for part in parts[k] if forward else reversed(parts[k]):
             a, b = (part.first, part.last) if forward else (last - part.last, last - part.first)
-            t = over.t_of(frames[a].s), over.t_of(frames[b].s)
+            t = parameter.t_of(frames[a].s), parameter.t_of(frames[b].s)
             new = KindRange(t, part.kind, arc.index, part.certificate, (begin + a, begin + b))
             ranges = _joined(ranges, new)
     (a, forward), (b, onward) = chain[0], chain[-1]
@@ -213,7 +213,7 @@ Pieces = tuple[tuple[Contact, ...], ...]
 
 def point_of(
     frame: Equilibrium,
-    over: ParameterRange,
+    parameter: ParameterRange,
     across: Callable[[Equilibrium], float],
     dependent: Pieces,
 ) -> PathPoint:
@@ -234,7 +234,7 @@ def point_of(
             )
     eigenvalue = p.scale * float(frame.eigenvalues[0]) if len(frame.eigenvalues) else math.nan
     return PathPoint(
-        over.t_of(frame.s),
+        parameter.t_of(frame.s),
         tuple((p.expand(frame.state) + 0.0).tolist()),
         p.energy(frame.state),
         tuple(forces),

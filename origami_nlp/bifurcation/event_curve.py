@@ -1,4 +1,4 @@
-"""Curves of events over two parameters: where a contact closes or leaves, and where states fold.
+"""Curves of events over two parameters: where a contact closes or leaves, and limit points (folds).
 
 A contact event is one system on either side of it: without the contact its opening is zero; a fold is a zero of ds/dl;
 where equilibria pass the flat state one equation says when.
@@ -108,7 +108,7 @@ class EventTracer:
         return None if x is None else curve.frame(x, np.append(np.zeros(len(state)), 1.0))
 
     def _fold(self, curve: EquilibriumCurve, start: Equilibrium) -> Equilibrium | None:
-        """Return the fold near a point by the secant method in the arclength."""
+        """Return the limit point (fold) near a point by the secant method in the arclength."""
         a, b = start, curve.beside(start, SHORTEST)
         for _ in range(FOLD_STEPS):
             if b is None or abs(b.ahead) <= ROUNDED or b.ahead == a.ahead:

@@ -1,6 +1,7 @@
 """A family of scenes over one parameter, and the line of its problems.
 
-What a crease gets, its images under the symmetry that is kept get too (`with_generic_symmetry`); names: see `over`.
+What a crease gets, its images under the symmetry that is kept get too (`with_generic_symmetry`); names: see
+`parameter_range`.
 """
 
 from __future__ import annotations
@@ -40,7 +41,7 @@ class Family:
 
     Attributes
     ----------
-    over
+    parameter
         The parameter and its range.
     scene_of
         Makes the scene at t; sector angles, rest angles, preload, forces and logarithms of stiffness must be linear in
@@ -49,7 +50,7 @@ class Family:
         How many scenes are posed before it is followed, to see whether it is smooth.
     """
 
-    over: ParameterRange
+    parameter: ParameterRange
     scene_of: Callable[[float], Scene] = field(repr=False)
     samples: int = field(default=SAMPLES, repr=False)
 
@@ -57,7 +58,7 @@ class Family:
         """Return the scene at t, named after it."""
         made = self.scene_of(t)
         label = f"{label}, " if (label := getattr(made, "label", made.name)) else ""
-        return replace(made, name=f"{label}{self.over.name} = {t:.10g}")
+        return replace(made, name=f"{label}{self.parameter.name} = {t:.10g}")
 
     @cached_property
     def sampled(self) -> Callable[[float], Scene]:
@@ -78,12 +79,12 @@ class Family:
         OptionError
             If scenes along it are not posed alike, or their numbers jump.
         """
-        over = self.over
-        low, high = over.s_of(over.low), over.s_of(over.high)
+        parameter = self.parameter
+        low, high = parameter.s_of(parameter.low), parameter.s_of(parameter.high)
         where = np.linspace(low, high, self.samples)
-        scenes = [self.sampled(over.t_of(float(s))) for s in where]
-        names = [f"{over.name} = {over.t_of(float(s)):.6g}" for s in where]
-        posed = same_problem([Model(scene) for scene in scenes], over.name, names)
+        scenes = [self.sampled(parameter.t_of(float(s))) for s in where]
+        names = [f"{parameter.name} = {parameter.t_of(float(s)):.6g}" for s in where]
+        posed = same_problem([Model(scene) for scene in scenes], parameter.name, names)
         self._check(posed, where)
         line = line_between(posed[0], posed[-1], high - low).from_here(-low)
         first, last = (np.array(scenes[k].vertex.sector_angles) for k in (0, -1))
@@ -101,7 +102,7 @@ class Family:
     @property
     def symmetric(self) -> bool:
         """Whether its states keep a symmetry."""
-        return not self.scene(self.over.low).group.is_trivial
+        return not self.scene(self.parameter.low).group.is_trivial
 
     @property
     def preloaded(self) -> bool:
@@ -128,7 +129,7 @@ class Family:
         frames = [
             state_frame(self.sampled(t), phi, title, **more) for t, phi, title, more in states
         ]
-        return states_to_fold(self.scene(self.over.low), frames)
+        return states_to_fold(self.scene(self.parameter.low), frames)
 
     def _check(self, posed: Sequence[Any], where: np.ndarray) -> None:
         """Raise an error where the numbers of scenes are not linear in s."""
@@ -137,9 +138,9 @@ class Family:
         apart = np.abs(change - np.median(change, axis=0)).max(axis=1)
         if apart.max() > RESOLVED:
             k = int(apart.argmax())
-            a, b = (self.over.t_of(float(where[k + i])) for i in (0, 1))
+            a, b = (self.parameter.t_of(float(where[k + i])) for i in (0, 1))
             raise OptionError(
-                f"the scenes over {self.over.name} do not change smoothly between {a:.6g} and {b:.6g}: "
+                f"the scenes over {self.parameter.name} do not change smoothly between {a:.6g} and {b:.6g}: "
                 "these are two families, follow each alone"
             )
 
@@ -184,14 +185,14 @@ def _posed_as(whole: Model, model: Model) -> Model:
     return whole.varied(parameters, np.array(model.scene.vertex.sector_angles))
 
 
-def family_of(scene: Scene, over: ParameterRange) -> Family:
+def family_of(scene: Scene, parameter: ParameterRange) -> Family:
     """Return the scenes that differ from one in a parameter.
 
     Parameters
     ----------
     scene
         Where the other numbers come from; its symmetry is kept.
-    over
+    parameter
         The parameter and its range.
 
     Returns
@@ -205,28 +206,28 @@ def family_of(scene: Scene, over: ParameterRange) -> Family:
         If the scene has no such parameter.
     """
     base = replace(scene.of_one_winding, symmetry=scene.group.name)
-    if over.name == "ratio":
-        return Family(over, _over_ratio(base))
-    if over.name == "alpha":
-        return Family(over, _over_alpha(base))
-    if over.name == "loads" and base.loads:
-        return Family(over, _over_places(base, [("loads", k) for k in range(len(base.loads))]))
+    if parameter.name == "ratio":
+        return Family(parameter, _over_ratio(base))
+    if parameter.name == "alpha":
+        return Family(parameter, _over_alpha(base))
+    if parameter.name == "loads" and base.loads:
+        return Family(parameter, _over_places(base, [("loads", k) for k in range(len(base.loads))]))
     places = []
-    for name in over.name.split("+"):
+    for name in parameter.name.split("+"):
         match = PLACE.fullmatch(name.strip())
         most = len(base.loads) if match and match[3] else base.degree
         if match is None or not 1 <= int(match[4]) <= most:
             raise OptionError(
-                f"parameter = {over.name!r} is no parameter of the scene: write ratio, alpha, stiffness[1], "
+                f"parameter = {parameter.name!r} is no parameter of the scene: write ratio, alpha, stiffness[1], "
                 f"rest_angles[1], preload[1], torque[1] or sector_angles[1], with entries 1 to {base.degree}"
                 + (f", or loads, loads[1] to loads[{len(base.loads)}]" if base.loads else "")
                 + meant_by(name)
             )
         places.append((kind_of(name), int(match[4]) - 1))
-    return Family(over, _over_places(base, places))
+    return Family(parameter, _over_places(base, places))
 
 
-def with_generic_symmetry(scene: Scene, overs: Sequence[ParameterRange]) -> Scene:
+def with_generic_symmetry(scene: Scene, parameters: Sequence[ParameterRange]) -> Scene:
     """Return a scene with the symmetry that it keeps at generic values of parameters; one that is stated stays.
 
     A parameter of a crease then moves that crease alone, as in a sweep; its images only under a stated symmetry.
@@ -235,7 +236,7 @@ def with_generic_symmetry(scene: Scene, overs: Sequence[ParameterRange]) -> Scen
     ----------
     scene
         With its symmetry stated or ``"auto"``.
-    overs
+    parameters
         Parameters and their ranges.
 
     Returns
@@ -251,10 +252,12 @@ def with_generic_symmetry(scene: Scene, overs: Sequence[ParameterRange]) -> Scen
     if scene.symmetry != "auto" or scene.group.is_trivial:
         return scene
     made = replace(scene, symmetry="none", mirror=None, winding=None)
-    for k, over in enumerate(overs, start=1):
+    for k, parameter in enumerate(parameters, start=1):
         # no rational relation between parameters
-        low, high = over.s_of(over.low), over.s_of(over.high)
-        made = family_of(made, over).scene_of(over.t_of(low + math.exp(-k) * (high - low)))
+        low, high = parameter.s_of(parameter.low), parameter.s_of(parameter.high)
+        made = family_of(made, parameter).scene_of(
+            parameter.t_of(low + math.exp(-k) * (high - low))
+        )
     return with_symmetry_of(scene, replace(made, symmetry="auto"))
 
 

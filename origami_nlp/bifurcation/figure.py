@@ -70,10 +70,12 @@ def draw_atlas(atlas: Atlas) -> Figure:
         for axes, (label, value) in zip(rows, panels, strict=True):
             _panel(atlas, axes, label, value)
         _counts(atlas, rows[0])
-        rows[-1].set_xlabel(label_text(atlas.over.axis))
-        if atlas.over.log:
+        rows[-1].set_xlabel(label_text(atlas.parameter.axis))
+        if atlas.parameter.log:
             rows[-1].set_xscale("log")
-        rows[-1].set_xlim(*(atlas.over.drawn(t) for t in (atlas.over.low, atlas.over.high)))
+        rows[-1].set_xlim(
+            *(atlas.parameter.drawn(t) for t in (atlas.parameter.low, atlas.parameter.high))
+        )
         _legend(atlas, figure)
     return figure
 
@@ -118,7 +120,7 @@ def _telling_crease(atlas: Atlas) -> int:
 def _panel(atlas: Atlas, axes: Any, label: str, value: Callable[[PathPoint], float]) -> None:
     drawn, stable = [], []
     for branch in atlas.branches:
-        t = np.array([atlas.over.drawn(p.t) for p in branch.points])
+        t = np.array([atlas.parameter.drawn(p.t) for p in branch.points])
         y = np.array([value(p) for p in branch.points])
         drawn.append(y)
         draw_ranges(axes, branch, t, y)
@@ -130,10 +132,10 @@ def _panel(atlas: Atlas, axes: Any, label: str, value: Callable[[PathPoint], flo
         axes.set_yscale("log")
     for event in atlas.events:
         at = _event_value(atlas, event.id, value)
-        axes.plot(atlas.over.drawn(event.t), at, **event_look(event.type), zorder=5)
+        axes.plot(atlas.parameter.drawn(event.t), at, **event_look(event.type), zorder=5)
         axes.annotate(
             str(event.id),
-            (atlas.over.drawn(event.t), at),
+            (atlas.parameter.drawn(event.t), at),
             (3, 4),
             textcoords="offset points",
             fontsize=8,
@@ -164,13 +166,13 @@ def _event_value(atlas: Atlas, event: int, value: Callable[[PathPoint], float]) 
 
 def _counts(atlas: Atlas, axes: Any) -> None:
     """Write the number of minima above, interval by interval."""
-    over = atlas.over
-    low, high = over.s_of(over.low), over.s_of(over.high)
+    parameter = atlas.parameter
+    low, high = parameter.s_of(parameter.low), parameter.s_of(parameter.high)
     axes.annotate(
         "minima:", (0, 1.02), xycoords="axes fraction", xytext=(-48, 2), textcoords="offset points"
     )
     for interval in atlas.intervals:
-        a, b = (over.s_of(t) for t in interval.t)
+        a, b = (parameter.s_of(t) for t in interval.t)
         if (b - a) < 0.02 * (high - low):
             continue
         where = (0.5 * (a + b) - low) / (high - low)
@@ -182,8 +184,8 @@ def _counts(atlas: Atlas, axes: Any) -> None:
             va="bottom",
             fontweight="bold",
         )
-    for cut in {t for i in atlas.intervals for t in i.t} - {over.low, over.high}:
-        axes.axvline(atlas.over.drawn(cut), color="#bbbbbb", lw=0.6, zorder=0)
+    for cut in {t for i in atlas.intervals for t in i.t} - {parameter.low, parameter.high}:
+        axes.axvline(atlas.parameter.drawn(cut), color="#bbbbbb", lw=0.6, zorder=0)
 
 
 def _legend(atlas: Atlas, figure: Figure) -> None:
@@ -215,12 +217,12 @@ def draw_boundaries(boundaries: BifurcationSet) -> Figure:
         If `boundaries` are not of its type.
     """
     check_type("boundaries", boundaries, BifurcationSet)
-    up, across = boundaries.overs
+    up, across = boundaries.parameters
     with mpl.rc_context({"font.size": 9}):
         figure = Figure(figsize=(6.4, 4.4), layout="constrained")
         axes = figure.subplots()
         for k, curve in enumerate(boundaries.curves):
-            y, x = smooth(curve, boundaries.overs).T
+            y, x = smooth(curve, boundaries.parameters).T
             x = np.array([across.drawn(across.t_of(s)) for s in x])
             y = np.array([up.drawn(up.t_of(s)) for s in y])
             turns = "fold" in curve.type or curve.type == FLAT
@@ -237,7 +239,7 @@ def draw_boundaries(boundaries: BifurcationSet) -> Figure:
                 else f"{curve.id}  {name}",
             )
         low, high = (up.s_of(t) for t in (up.low, up.high))
-        for line in (line for line in boundaries.lines if line.over == up.name):
+        for line in (line for line in boundaries.lines if line.parameter == up.name):
             for i in line.intervals:
                 a, b = (up.s_of(t) for t in i.t)
                 if b - a > 0.04 * (high - low):
@@ -246,12 +248,12 @@ def draw_boundaries(boundaries: BifurcationSet) -> Figure:
                     axes.text(*at, f" {i.minima} ", ha=side, va="center", fontweight="bold")
         axes.set_xlim(*(across.drawn(t) for t in (across.low, across.high)))
         axes.set_ylim(*(up.drawn(t) for t in (up.low, up.high)))
-        for over, label, scale in (
+        for parameter, label, scale in (
             (across, axes.set_xlabel, axes.set_xscale),
             (up, axes.set_ylabel, axes.set_yscale),
         ):
-            label(label_text(over.axis))
-            if over.log:
+            label(label_text(parameter.axis))
+            if parameter.log:
                 scale("log")
         if boundaries.curves:
             figure.legend(loc="outside upper center", ncols=1, frameon=False, fontsize=8)

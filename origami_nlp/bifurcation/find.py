@@ -50,7 +50,7 @@ JUDGING = 0.1
 
 def follow(
     origami: Scene | Pattern | str | PathLike[str],
-    over: str | ParameterRange,
+    parameter: str | ParameterRange,
     *,
     checks: int = 3,
     through_folds: bool = True,
@@ -66,32 +66,31 @@ def follow(
 ) -> Atlas:
     """Follow the minima of a vertex or a pattern over a parameter.
 
-    Searches at a few values give the states to begin with: the middle for one check, both ends for two, then the
-    middle, then the middle of the widest interval without event or check.  Every state that none of the branches
-    explains begins a new one.  Each
-    of `Scene.windings` is followed by itself, no branch leads from one to another: `Atlas.others`.
+    Searches at a few values (the middle for one check, both ends for two, then the middles of the widest intervals
+    without events) give the states to begin with; every state that no branch explains begins a new one.  Each of
+    `Scene.windings` is followed by itself: `Atlas.others`.
 
     Parameters
     ----------
     origami
         A scene or a pattern, as `find_minima` takes it.
-    over
+    parameter
         The parameter and its range, such as ``"ratio=0.01:100"``; see `parse_parameter_range`.  Of a pattern also
         ``"mountains.stiffness=1:2"``, ``"vertices.x[5]=0:0.1"`` (see `pattern.with_places`), or an option of an example
         by its name, ``"alpha=50deg:60deg"`` of ``"miura:3x3"``.
     checks
         Number of searches.
     through_folds
-        Whether states are followed on through folds, where they are saddles until they turn again.
+        Whether branches are followed beyond limit points (folds), where the states are saddles.
     full
         Of scenes: whether events at which a symmetric state loses its stability without the symmetry are located; None
         is True.
     morse
-        Of scenes: whether the Morse identity is checked at each check (two symmetric degrees of freedom and full
+        Of scenes: whether the Morse identity is verified at each check (two symmetric degrees of freedom and full
         contact only).
     prove
-        Of scenes: whether it is proved at each check that no minimum is missing, or the seconds that this may take, as
-        for `find_minima`; where one degree of freedom is left, searches are complete without it.
+        Of scenes: whether it is proved at each check that no minimum is missing, or the seconds for it, as for
+        `find_minima`.
     effort, seed, max_starts, starts
         Of the searches, see `find_minima`; `starts` of patterns.
     options
@@ -118,7 +117,7 @@ def follow(
     >>> [state.kind for state in atlas.at(0.3)]
     ['interior', 'contact-touching', 'degenerate', 'degenerate']
     """
-    stated = parse_parameter_range(over) if isinstance(over, str) else over
+    stated = parse_parameter_range(parameter) if isinstance(parameter, str) else parameter
     check_type("parameter", stated, ParameterRange)
     until = check_until(seconds)
     given = {
@@ -187,14 +186,14 @@ def follow_family(
         search["prove"] = prove
     survey = _Survey(family, through_folds, full, morse, search, options, until)
     survey.web.add_flat()
-    ends = [family.over.low, family.over.high]
-    middle = family.over.t_of(0.5 * (survey.web.low + survey.web.high))
+    ends = [family.parameter.low, family.parameter.high]
+    middle = family.parameter.t_of(0.5 * (survey.web.low + survey.web.high))
     survey.check(([middle] if checks == 1 else [*ends, middle])[:checks])
     while len(survey.checks) < checks and not survey.web.late:
-        s = widest_gap(survey.web, [family.over.s_of(c.t) for c in survey.checks])
+        s = widest_gap(survey.web, [family.parameter.s_of(c.t) for c in survey.checks])
         if s is None:
             break
-        survey.check([family.over.t_of(s)])
+        survey.check([family.parameter.t_of(s)])
     return survey.atlas()
 
 
@@ -212,10 +211,18 @@ class _Survey:
         until: float,
     ) -> None:
         self._begin = time.perf_counter()
-        self.family, self.over, self._morse, self._search = family, family.over, morse, search
+        self.family, self.parameter, self._morse, self._search = (
+            family,
+            family.parameter,
+            morse,
+            search,
+        )
         self._full = full and family.symmetric
-        low, high = self.over.s_of(self.over.low), self.over.s_of(self.over.high)
-        self._scene = family.scene(self.over.low)
+        low, high = (
+            self.parameter.s_of(self.parameter.low),
+            self.parameter.s_of(self.parameter.high),
+        )
+        self._scene = family.scene(self.parameter.low)
         self._across: WeakKeyDictionary[Equilibrium, float] = WeakKeyDictionary()
         self._touching: Touching = {}
         functions = [("breaks-symmetry", self.across)] if self._full else []
@@ -239,7 +246,7 @@ class _Survey:
         if not self._full:
             return None
         few = 2 if self.family.one_vertex else SAMPLES
-        return Family(self.over, lambda t: full_scene(self.family.sampled(t)), few).line
+        return Family(self.parameter, lambda t: full_scene(self.family.sampled(t)), few).line
 
     def across(self, frame: Equilibrium) -> float:
         """Return the smallest eigenvalue across the symmetry; nan where it is not asked for."""
@@ -273,7 +280,7 @@ class _Survey:
         more = time.perf_counter() - begin
         seconds, self._begin = seconds + more, self._begin + more
         model: Any = result.model
-        s = self.over.s_of(t)
+        s = self.parameter.s_of(t)
         new, met, followed = 0, [], self._minima(s)
         for minimum in result.minima:
             x = model.reduce(np.array(minimum.fold_angles))
@@ -282,7 +289,7 @@ class _Survey:
                 # `followed` has the frames of index 0: what lies on another one is a saddle to the tracer
                 if _nearest([f for _, f in self.web.states_at(s)], x) <= SETTLED:
                     self.alarms.append(
-                        f"{self.over.name} = {t:.9g}: a minimum lies on a branch of saddles"
+                        f"{self.parameter.name} = {t:.9g}: a minimum lies on a branch of saddles"
                     )
                     continue
                 new += self.web.add(x, s, "minimum")
@@ -296,7 +303,7 @@ class _Survey:
                 missed += what.verdict == "minimum"
                 if what.verdict != "minimum":
                     self.alarms.append(
-                        f"{self.over.name} = {t:.9g}: the state of a branch is {what.verdict}: {what.reason}"
+                        f"{self.parameter.name} = {t:.9g}: the state of a branch is {what.verdict}: {what.reason}"
                     )
         self.checks.append(
             SearchCheck(
@@ -318,7 +325,7 @@ class _Survey:
         if not self.family.preloaded:
             return branch
         points = (
-            replace(p, energy=p.energy + self.family.winding(self.over.s_of(p.t)))
+            replace(p, energy=p.energy + self.family.winding(self.parameter.s_of(p.t)))
             for p in branch.points
         )
         return replace(branch, points=tuple(points))
@@ -351,14 +358,15 @@ class _Survey:
         web = self.web
         chains = chains_of(web)
         parts = {k: parts_of(arc) for k, arc in enumerate(web.arcs)}
-        branches, events = branches_of(web, self.over, chains, parts, self.across)
+        branches, events = branches_of(web, self.parameter, chains, parts, self.across)
         branches = tuple(self._wound(branch) for branch in branches)
         begun = {k: number for number, chain in enumerate(chains, start=1) for k, _ in chain}
         for number, branch in enumerate(branches, start=1):
             for r in branch.kind_ranges:
                 if not r.stable and r.kind != "saddle":
                     self.alarms.append(
-                        f"branch {number}, {self.over.name} {r.t[0]:.6g} to {r.t[1]:.6g}: {r.kind}: {r.certificate}"
+                        f"branch {number}, {self.parameter.name} {r.t[0]:.6g} to {r.t[1]:.6g}: {r.kind}: "
+                        f"{r.certificate}"
                     )
         cost = Cost(
             web.tally.steps,
@@ -367,8 +375,8 @@ class _Survey:
             sum(c.seconds for c in self.checks),
         )
         return Atlas(
-            self.family.scene_of(self.over.low),
-            self.over,
+            self.family.scene_of(self.parameter.low),
+            self.parameter,
             branches,
             events,
             tuple(self.checks),

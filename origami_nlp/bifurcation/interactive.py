@@ -49,12 +49,12 @@ def view_branches(
         A station for each event; a track for each stretch of a branch on which the parameter runs one way, over that
         parameter in its unit, angles in degrees; one panel, the energy over the parameter.
     """
-    over, stations, poser = family.over, [], _Posers(family)
+    parameter, stations, poser = family.parameter, [], _Posers(family)
     at: list[tuple[int, float, float]] = []
     for e in events:
         scene = family.scene_of(e.t)
         energy = float(scene.energy(np.array(e.fold_angles)))
-        where = over.shown(e.t, 9)
+        where = parameter.shown(e.t, 9)
         said = [
             e.contact,
             e.note,
@@ -63,12 +63,18 @@ def view_branches(
         title = f"event {e.id}: {e.type} at {where}"
         shown = poser.folded(e.t, e.fold_angles, energy), poser.view(e.t, e.fold_angles)
         stations.append(Keyframe(title, *shown, lines=tuple(filter(None, said))))
-        at.append((len(at), over.drawn(e.t), energy))
-    tracks = [track for b in branches for track in _tracks(over, poser, b)]
+        at.append((len(at), parameter.drawn(e.t), energy))
+    tracks = [track for b in branches for track in _tracks(parameter, poser, b)]
     points = [np.stack([t.parameter, [state.energy for state in t.states]], axis=1) for t in tracks]
     none = np.empty(0)
     panel = Panel(
-        f"Energy over {over.name}", (over.axis, "energy [J]"), none, none, None, (), tuple(at)
+        f"Energy over {parameter.name}",
+        (parameter.axis, "energy [J]"),
+        none,
+        none,
+        None,
+        (),
+        tuple(at),
     )
     steps = "Each step is an equilibrium, polished; on which of them is a minimum, see the title of the path."
     return view_paths(poser.name, poser.body, stations, tracks, points, panel, reported, steps)
@@ -123,7 +129,7 @@ class _Posers:
     """What puts the states of a family into space."""
 
     def __init__(self, family: Family) -> None:
-        made, low = family.scene_of, family.over.low
+        made, low = family.scene_of, family.parameter.low
         # along springs and loads no vertex moves
         still = isinstance(family, PatternFamily) and not isinstance(family.line, PatternLine)
         self._at = lru_cache(maxsize=None)(lambda t: Poser(made(low if still else t)))
@@ -146,7 +152,7 @@ class _Posers:
         return join_states(title, states, self.view(middle.t, middle.fold_angles), values, label)
 
 
-def _tracks(over: ParameterRange, poser: _Posers, branch: PathBranch) -> list[Trajectory]:
+def _tracks(parameter: ParameterRange, poser: _Posers, branch: PathBranch) -> list[Trajectory]:
     """Return the stretches of a branch on which the parameter runs one way."""
     t = np.array([p.t for p in branch.points])
     steps = np.sign(np.diff(t))
@@ -157,8 +163,8 @@ def _tracks(over: ParameterRange, poser: _Posers, branch: PathBranch) -> list[Tr
         if b - a < 1 or t[a] == t[b]:
             continue
         kinds = [r.kind for r in branch.kind_ranges if r.points[0] < b and r.points[1] > a]
-        ends = " to ".join(over.shown(v) for v in (t[a], t[b]))
+        ends = " to ".join(parameter.shown(v) for v in (t[a], t[b]))
         title = f"branch {branch.id}, {ends}: {', '.join(dict.fromkeys(kinds))}"
-        values = [over.drawn(p.t) for p in points]
-        out.append(poser.track(title, points, values, over.axis))
+        values = [parameter.drawn(p.t) for p in points]
+        out.append(poser.track(title, points, values, parameter.axis))
     return out

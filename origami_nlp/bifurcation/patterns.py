@@ -133,21 +133,21 @@ class PatternFamily(Family):
         OptionError
             If patterns along it have not the same facets and creases, or their springs jump.
         """
-        over = self.over
-        low, high = over.s_of(over.low), over.s_of(over.high)
+        parameter = self.parameter
+        low, high = parameter.s_of(parameter.low), parameter.s_of(parameter.high)
         where = np.linspace(low, high, self.samples)
-        made: list[Any] = [self.sampled(over.t_of(float(s))) for s in where]
+        made: list[Any] = [self.sampled(parameter.t_of(float(s))) for s in where]
         first = made[0]
         for one, s in zip(made, where, strict=True):
             if one.polygons != first.polygons or not np.array_equal(one.ends, first.ends):
                 raise OptionError(
-                    f"{over.name} = {over.t_of(float(s)):.6g}: facets and creases are not those at the other end: "
-                    "follow a shorter range"
+                    f"{parameter.name} = {parameter.t_of(float(s)):.6g}: facets and creases are not those at the "
+                    "other end: follow a shorter range"
                 )
         weight = 0.3 * math.sqrt(max(first.creases / CREASES, 1.0))
         if any(not np.array_equal(one.corners, first.corners) for one in made):
             pattern_of: Any = self.scene_of
-            return PatternLine(lambda s: pattern_of(over.t_of(s)), low, high - low, weight)
+            return PatternLine(lambda s: pattern_of(parameter.t_of(s)), low, high - low, weight)
         whole = PatternProblem(first)
         posed = [PatternProblem(one).numbered_as(whole) for one in made]
         self._check(posed, where)
@@ -156,7 +156,7 @@ class PatternFamily(Family):
     @property
     def steps(self) -> ContinuationOptions:
         """Of the tracer: lengths are root mean squares over creases."""
-        first: Any = self.sampled(self.over.low)
+        first: Any = self.sampled(self.parameter.low)
         size = math.sqrt(max(first.creases / CREASES, 1.0))
         return replace(STEPS, first=size * STEPS.first, longest=size * STEPS.longest)
 
@@ -172,14 +172,14 @@ class PatternFamily(Family):
         return PatternProblem(made)
 
 
-def pattern_family(stated: Any, over: ParameterRange) -> PatternFamily:
+def pattern_family(stated: Any, parameter: ParameterRange) -> PatternFamily:
     """Return the patterns that differ from one in a parameter.
 
     Parameters
     ----------
     stated
         As `as_pattern` takes it; of an example by name, its options can be followed over.
-    over
+    parameter
         The parameter and its range.
 
     Returns
@@ -192,7 +192,7 @@ def pattern_family(stated: Any, over: ParameterRange) -> PatternFamily:
     OptionError
         If the pattern has no such parameter.
     """
-    names = [name.strip() for name in over.name.split("+")]
+    names = [name.strip() for name in parameter.name.split("+")]
     example = stated.partition(":")[0] if isinstance(stated, str) else ""
     options = (
         inspect.signature(examples.BY_NAME[example]).parameters
@@ -201,19 +201,19 @@ def pattern_family(stated: Any, over: ParameterRange) -> PatternFamily:
     )
     if all(name in options for name in names):
         return PatternFamily(
-            over,
+            parameter,
             lambda t: examples.pattern(stated, **dict.fromkeys(names, t)),  # type: ignore[arg-type, return-value]
             example=stated,
         )
     problem = as_pattern(stated, "origami")
-    if over.name == "ratio":
+    if parameter.name == "ratio":
         k = stiffness_over_ratio(problem.stiffness, problem.rest)
-        return PatternFamily(over, lambda t: problem.with_springs(k(t)))  # type: ignore[arg-type, return-value]
+        return PatternFamily(parameter, lambda t: problem.with_springs(k(t)))  # type: ignore[arg-type, return-value]
     try:
-        with_places(problem, dict.fromkeys(names, over.low))
+        with_places(problem, dict.fromkeys(names, parameter.low))
     except OptionError as error:
         more = f"; of {example}: {', '.join(options)}" if options else ""
         raise OptionError(
-            f"parameter = {error}, or ratio{more}{meant_by(over.name, options)}"
+            f"parameter = {error}, or ratio{more}{meant_by(parameter.name, options)}"
         ) from None
-    return PatternFamily(over, lambda t: with_places(problem, dict.fromkeys(names, t)))  # type: ignore[arg-type, return-value]
+    return PatternFamily(parameter, lambda t: with_places(problem, dict.fromkeys(names, t)))  # type: ignore[arg-type, return-value]

@@ -27,31 +27,36 @@ class Plane:
     ----------
     scene
         Where the other numbers come from.
-    overs
+    parameters
         Both parameters with their ranges.
     """
 
     scene: Scene
-    overs: tuple[ParameterRange, ParameterRange]
+    parameters: tuple[ParameterRange, ParameterRange]
 
     def family(self, value: float, axis: int = 0) -> Family:
         """Return the scenes over the first parameter (axis 0) or the second at one value of the other."""
-        along, other = self.overs[axis], self.overs[1 - axis]
+        along, other = self.parameters[axis], self.parameters[1 - axis]
         return family_of(family_of(self.scene, other).scene_of(value), along)
 
     @cached_property
     def corner(self) -> np.ndarray:
         """Values that are followed (logarithms of ratios) at the lower ends, [2]."""
-        return np.array([over.s_of(over.low) for over in self.overs])
+        return np.array([parameter.s_of(parameter.low) for parameter in self.parameters])
 
     @cached_property
     def size(self) -> np.ndarray:
         """Lengths of both ranges, [2]."""
-        return np.array([over.s_of(over.high) for over in self.overs]) - self.corner
+        return (
+            np.array([parameter.s_of(parameter.high) for parameter in self.parameters])
+            - self.corner
+        )
 
     def values(self, point: np.ndarray) -> tuple[float, float]:
         """Return both parameters in their units at a point [2] of the plane of s."""
-        a, b = (over.t_of(float(s)) for over, s in zip(self.overs, point, strict=True))
+        a, b = (
+            parameter.t_of(float(s)) for parameter, s in zip(self.parameters, point, strict=True)
+        )
         return a, b
 
     @cached_property
@@ -59,7 +64,7 @@ class Plane:
         """Model with every contact, the numbers of the lower corner, and their change with s, [2, .]."""
         shares = np.linspace(0.0, 1.0, GRID)
         flat = [self._model(self.corner + self.size * (a, b)) for a in shares for b in shares]
-        alike = same_problem(flat, self.overs[0].name, [m.scene.label for m in flat])
+        alike = same_problem(flat, self.parameters[0].name, [m.scene.label for m in flat])
         posed = np.array([_numbers(m) for m in alike]).reshape(GRID, GRID, -1)
         first = (posed[-1, 0] - posed[0, 0]) / self.size[0]
         second = (posed[0, -1] - posed[0, 0]) / self.size[1]
@@ -68,7 +73,7 @@ class Plane:
         flat_plane = posed[0, 0] + i[:, None, None] * first + j[None, :, None] * second
         if np.abs(flat_plane - posed).max() > RESOLVED:
             raise OptionError(
-                f"the scenes over {self.overs[0].name} and {self.overs[1].name} do not change smoothly"
+                f"the scenes over {self.parameters[0].name} and {self.parameters[1].name} do not change smoothly"
             )
         whole = max(flat, key=lambda m: len(m.structure.gaps))
         return whole, posed[0, 0], np.array([first, second])

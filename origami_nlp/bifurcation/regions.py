@@ -77,7 +77,7 @@ def find_regions(
 
     check_type("boundaries", boundaries, BifurcationSet)
     check_whole("checks", checks, 0, 100)
-    plane = Plane(boundaries.scene, boundaries.overs)
+    plane = Plane(boundaries.scene, boundaries.parameters)
     numbers = region_cells(boundaries)
     out = []
     for number in range(1, int(numbers.max()) + 1):
@@ -116,8 +116,8 @@ def _on_lines(boundaries: BifurcationSet, plane: Plane, inside: np.ndarray) -> l
     """Return number and kinds of states on the parts of followed lines that lie in a region, longest first."""
     out: list[tuple[int, dict[str, int]]] = []
     for line in boundaries.lines:
-        axis = [over.name for over in plane.overs].index(line.over)
-        if line.t in (plane.overs[1 - axis].low, plane.overs[1 - axis].high):
+        axis = [parameter.name for parameter in plane.parameters].index(line.parameter)
+        if line.t in (plane.parameters[1 - axis].low, plane.parameters[1 - axis].high):
             continue  # ranges end where something is special: there may be states that neighbours have not
         place = _cell(plane, 1 - axis, line.t)
         cells = inside[:, place] if axis == 0 else inside[place]
@@ -130,7 +130,7 @@ def _on_lines(boundaries: BifurcationSet, plane: Plane, inside: np.ndarray) -> l
 
 
 def _cell(plane: Plane, axis: int, t: float) -> int:
-    share = (plane.overs[axis].s_of(t) - plane.corner[axis]) / plane.size[axis]
+    share = (plane.parameters[axis].s_of(t) - plane.corner[axis]) / plane.size[axis]
     return int(np.clip(share * CELLS, 0, CELLS - 1))
 
 
@@ -141,14 +141,14 @@ def region_cells(boundaries: BifurcationSet) -> np.ndarray:
     """
     from scipy.ndimage import label
 
-    return np.asarray(label(~_walls(boundaries, Plane(boundaries.scene, boundaries.overs)))[0])
+    return np.asarray(label(~_walls(boundaries, Plane(boundaries.scene, boundaries.parameters)))[0])
 
 
 def _walls(boundaries: BifurcationSet, plane: Plane) -> np.ndarray:
     """Return the cells that curves pass, [CELLS, CELLS]: first parameter along the rows."""
     walls = np.zeros((CELLS, CELLS), dtype=bool)
     for curve in boundaries.curves:
-        cells = (smooth(curve, plane.overs) - plane.corner) / plane.size * CELLS
+        cells = (smooth(curve, plane.parameters) - plane.corner) / plane.size * CELLS
         for a, b in itertools.pairwise(cells):
             many = int(np.ceil(4 * np.abs(b - a).max())) + 2
             at = np.floor(a + np.linspace(0, 1, many)[:, None] * (b - a)).astype(int)

@@ -42,7 +42,7 @@ class Atlas(Report, Viewable):
     ----------
     scene
         The scene, or the pattern, that the others differ from.
-    over
+    parameter
         The parameter and its range.
     branches, events, checks
         In order of their numbers; checks in the order in which they were made.
@@ -72,7 +72,7 @@ class Atlas(Report, Viewable):
     """
 
     scene: Scene | Pattern
-    over: ParameterRange
+    parameter: ParameterRange
     branches: tuple[PathBranch, ...]
     events: tuple[PathEvent, ...]
     checks: tuple[SearchCheck, ...]
@@ -85,17 +85,17 @@ class Atlas(Report, Viewable):
     interrupted: bool = False
     example: str = field(default="", metadata={"omit": True})
 
-    PICTURE, SCHEMA = "draw_atlas", "origami-nlp/follow/2"
+    PICTURE, SCHEMA = "draw_atlas", "origami-nlp/follow/3"
     ALSO = ("intervals",)
 
     def __post_init__(self) -> None:
         if self.family is None:  # read from a file
-            if self.over.name.startswith("loads"):
+            if self.parameter.name.startswith("loads"):
                 raise OptionError("an atlas over forces cannot be read back: follow it anew")
             made: Any = (
-                family_of(self.scene, self.over)
+                family_of(self.scene, self.parameter)
                 if isinstance(self.scene, Scene)
-                else pattern_family(self.example or self.scene, self.over)
+                else pattern_family(self.example or self.scene, self.parameter)
             )
             object.__setattr__(self, "family", made)
 
@@ -103,7 +103,7 @@ class Atlas(Report, Viewable):
     def intervals(self) -> tuple[Interval, ...]:
         """Number and kinds of minima between the values at which they change."""
         ranges = [r for b in self.branches for r in b.kind_ranges if r.stable]
-        cuts = sorted({self.over.low, self.over.high, *(t for r in ranges for t in r.t)})
+        cuts = sorted({self.parameter.low, self.parameter.high, *(t for r in ranges for t in r.t)})
         out: list[Interval] = []
         # images of one event under a symmetry of the scene come at one value, up to rounding
         apart = [a for a, b in itertools.pairwise(cuts) if b - a > DUPLICATE_TOL * max(1.0, abs(b))]
@@ -135,17 +135,17 @@ class Atlas(Report, Viewable):
         OptionError
             If it is outside what was followed, or the atlas was read from a file.
         """
-        over = self.over
+        parameter = self.parameter
         if self.web is None:
             raise OptionError(
                 "an atlas that was read from a file has its branches and events, not what was followed: follow anew "
                 "for the states at a value"
             )
-        if not over.low <= value <= over.high:
+        if not parameter.low <= value <= parameter.high:
             raise OptionError(
-                f"value = {value:g} is outside what was followed, {over.low:g} to {over.high:g}"
+                f"value = {value:g} is outside what was followed, {parameter.low:g} to {parameter.high:g}"
             )
-        problem, s = self.family.problem(self.family.scene(value)), over.s_of(value)
+        problem, s = self.family.problem(self.family.scene(value)), parameter.s_of(value)
         here = states_at(problem, value, s, self.web, self.branches, self.branch_of_arc)
         more = (state for other in self.others for state in other.at(value))
         return (
@@ -154,7 +154,9 @@ class Atlas(Report, Viewable):
 
     def summary(self) -> str:
         """Return one line."""
-        found = f"{len(self.branches)} branches, {len(self.events)} events over {self.over.name}"
+        found = (
+            f"{len(self.branches)} branches, {len(self.events)} events over {self.parameter.name}"
+        )
         found += f", {OUT_OF_TIME}" if self.interrupted else ""
         return found + (f", {len(self.alarms)} alarms" if self.alarms else "")
 
@@ -162,13 +164,13 @@ class Atlas(Report, Viewable):
         """Return one row an interval."""
         rows = [
             (
-                f"{self.over.shown(i.t[0])} to {self.over.shown(i.t[1])}",
+                f"{self.parameter.shown(i.t[0])} to {self.parameter.shown(i.t[1])}",
                 str(i.minima),
                 ", ".join(f"{n} {kind}" for kind, n in i.kinds.items()),
             )
             for i in self.intervals
         ]
-        return Table((self.over.name, "minima", "kinds"), rows, self.summary(), "lrl")
+        return Table((self.parameter.name, "minima", "kinds"), rows, self.summary(), "lrl")
 
     def report_sections(self) -> Iterator[Section]:
         """Return counts, events, branches, checks and what they cost."""
@@ -177,18 +179,20 @@ class Atlas(Report, Viewable):
             (
                 str(e.id),
                 e.type,
-                self.over.shown(e.t, 12),
+                self.parameter.shown(e.t, 12),
                 e.contact or "-",
                 self._angles(e.fold_angles),
             )
             for e in self.events
         ]
         yield Table(
-            ("event", "type", self.over.name, "contact", "fold angles [deg]"), rows, columns="rllLL"
+            ("event", "type", self.parameter.name, "contact", "fold angles [deg]"),
+            rows,
+            columns="rllLL",
         )
         for b in self.branches:
             parts = "; ".join(
-                f"{r.kind} {self.over.shown(r.t[0])} to {self.over.shown(r.t[1])}"
+                f"{r.kind} {self.parameter.shown(r.t[0])} to {self.parameter.shown(r.t[1])}"
                 for r in b.kind_ranges
             )
             yield Words(f"branch {b.id}: {parts}; ends: {b.ends[0].why}, {b.ends[1].why}")
@@ -200,7 +204,7 @@ class Atlas(Report, Viewable):
             more += f"; {c.morse}" if c.morse else ""
             more += f"; {COMPLETE.get(c.complete, c.complete)}" if c.complete else ""
             yield Words(
-                f"check at {self.over.shown(c.t)}: {c.states} minima by search, {c.followed} on branches{more}; "
+                f"check at {self.parameter.shown(c.t)}: {c.states} minima by search, {c.followed} on branches{more}; "
                 f"{c.new_branches} new",
                 "dim",
             )
@@ -237,11 +241,11 @@ class Atlas(Report, Viewable):
 
     def to_fold(self) -> dict[str, Any]:
         """Return the points of all branches as FOLD data (spec 1.1), one frame each, in order."""
-        over, states = self.over, []
+        parameter, states = self.parameter, []
         for branch in self.branches:
             for k, point in enumerate(branch.points):
                 kind = next(r.kind for r in branch.kind_ranges if r.points[0] <= k <= r.points[1])
-                title = f"branch {branch.id}, {over.name} = {point.t:.9g}: {kind}"
+                title = f"branch {branch.id}, {parameter.name} = {point.t:.9g}: {kind}"
                 more = {"branch": branch.id, "parameter": point.t, "energy": point.energy}
                 states.append((point.t, point.fold_angles, title, {**more, "kind": kind}))
         return self.family.to_fold(states)

@@ -16,14 +16,14 @@ BETWEEN = 12
 """Places between two points."""
 
 
-def smooth(curve: EventCurve, overs: tuple[ParameterRange, ParameterRange]) -> np.ndarray:
+def smooth(curve: EventCurve, parameters: tuple[ParameterRange, ParameterRange]) -> np.ndarray:
     """Return a curve of events with places between its points, where cubics join them.
 
     Parameters
     ----------
     curve
         Of `find_bifurcation_set`.
-    overs
+    parameters
         Both parameters with their ranges.
 
     Returns
@@ -42,8 +42,8 @@ def smooth(curve: EventCurve, overs: tuple[ParameterRange, ParameterRange]) -> n
     """
     from scipy.interpolate import CubicSpline
 
-    s = np.array([[o.s_of(t) for o, t in zip(overs, p.t, strict=True)] for p in curve.points])
-    size = np.array([o.s_of(o.high) - o.s_of(o.low) for o in overs])
+    s = np.array([[o.s_of(t) for o, t in zip(parameters, p.t, strict=True)] for p in curve.points])
+    size = np.array([o.s_of(o.high) - o.s_of(o.low) for o in parameters])
     apart = np.linalg.norm(np.diff(s / size, axis=0), axis=1)
     s = s[np.append(True, apart > ROUNDED)]
     if len(s) < 3:

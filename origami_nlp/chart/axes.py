@@ -28,8 +28,8 @@ UNIT = "J"
 DASHES = ("-", (0, (6, 2)), (0, (1.5, 1.5)), (0, (6, 2, 1.5, 2)))
 """Of the curves of one degree of freedom, so that they differ in grey too."""
 WHITE = {
-    "full": "excluded: facets cross or |φ| > π",
-    "fold-limits": "excluded: |φ| > π",
+    "full": "excluded: facets cross or |φ| > 180°",
+    "fold-limits": "excluded: |φ| > 180°",
     "none": "no closed state with all |φ| ≤ π",
 }
 """What is white in a picture, by the contact of the scene."""
@@ -276,6 +276,6 @@ def colour_bar(image: Any, axes: Any) -> None:
 def coordinate_label(name: str) -> str:
     """Return the name of a chart's coordinate for an axis."""
     if name.startswith("phi_"):
-        return rf"$\varphi_{{{name[4:]}}}$ [rad]"
+        return rf"fold angle $\varphi_{{{name[4:]}}}$"
     crease = name.rsplit(" ", 1)[-1].rstrip(")")
-    return rf"elevation $\upsilon$ of crease {crease} [rad]"
+    return rf"elevation $\upsilon$ of crease {crease}"

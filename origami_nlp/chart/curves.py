@@ -42,7 +42,7 @@ def trace_curves(scene: Scene, step: float) -> list[np.ndarray]:
     curves
         Each a list of states [m, n] in the model's variables, in order along the curve.  Curves
         may cross (at the flat state they do): each goes straight through.  For contact ``"full"``
-        states beyond a mirror or axis contact, or on the sheet q = -1, are cut away.
+        states beyond a mirror or axis contact, or on the lift q = -1, are cut away.
     """
     model = Model(scene)
     curves: list[np.ndarray] = []
@@ -123,8 +123,8 @@ def _end_point(model: Problem, x: np.ndarray, y: np.ndarray) -> np.ndarray | Non
 
 
 def _keep(model: Problem, curve: np.ndarray) -> list[np.ndarray]:
-    """Cut a curve where it leaves the sheet q = +1 or passes a mirror or axis contact."""
-    good = [model.on_sheet(x) and all(c.is_limit for c in model.beyond(x)) for x in curve]
+    """Cut a curve where it leaves the lift q = +1 or passes a mirror or axis contact."""
+    good = [model.lifts_to_one(x) and all(c.is_limit for c in model.beyond(x)) for x in curve]
     pieces = []
     for value, run in itertools.groupby(range(len(curve)), key=lambda k: good[k]):
         indices = list(run)

@@ -31,7 +31,7 @@ from origami_nlp.pattern import Scene
 
 @dataclass(frozen=True, repr=False)
 class EnergyBranch(ShortRepr):
-    """One sheet of the landscape (an area, or one curve).
+    """One part of the landscape (an area, or one curve).
 
     name: empty where there is only one.
     axes: grid values of each coordinate: x [nx] and y [ny] for an area (cell centres, so that
@@ -134,13 +134,13 @@ def landscape(scene: Scene, size: int = 401) -> Landscape:
     group = scene.group
     variables = sum(ray.crease is not None for ray in group.rays)
     one_turn = 3 if group.kind == "C" else 2
-    freedom = variables - (one_turn if group.order == (scene.winding or 1) else 1)
-    if freedom == 1:
+    dof = variables - (one_turn if group.order == (scene.winding or 1) else 1)
+    if dof == 1:
         return _curves(scene, size)
-    what = f"{freedom} degrees of freedom keep the symmetry {group.name}"
-    if freedom <= 0:
+    what = f"{dof} degrees of freedom keep the symmetry {group.name}"
+    if dof <= 0:
         why = f"the vertex is rigid within the symmetry {group.name}"
-    elif freedom == 2:
+    elif dof == 2:
         why = f"{what}: no two-coordinate chart for this vertex, the energy landscape is not drawn"
     else:
         why = f"{what}: too many for a plane"

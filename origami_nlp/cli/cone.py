@@ -8,62 +8,63 @@ import typer
 
 from origami_nlp.cli import options as o
 from origami_nlp.cli.group import Group
-from origami_nlp.cli.output import Output
+from origami_nlp.cli.output import Output, writes
 from origami_nlp.cli.progress import progress
 from origami_nlp.errors import OptionError
-from origami_nlp.pattern import parse_angle
 
 MOST_DIGITS = 28_000
 """Largest degree whose numbers are written out: Python converts integers of up to 4,300 digits."""
 
 
+@writes("json")
 def count(
+    out: Output,
     degree: o.Degree,
     rest_elevation: o.RestElevation,
     ratio: o.Ratio = 1.0,
     depth: o.Depth = 0.0,
     rest: o.RestRule = "waterbomb",
     end: o.EndRule = "contract",
-    json: o.JsonFile = None,
 ) -> None:
     """Count the minima on all 2^(N/2 + 1) branches exactly: interior, pinned by contact, falling at a cut."""
     from origami_nlp.paper import cone as cones
+    from origami_nlp.pattern import parse_angle
 
-    out = Output(json=json)
     nu = parse_angle(rest_elevation, "--rest-elevation")
     found = cones.count(cones.Cone(degree, rest, end), ratio, nu, depth=depth)
     cones.print_count(found, out.console)
     out.save("json", cones.write_lines, cones.count_to_dict(found))
 
 
+@writes("json")
 def foldings(
+    out: Output,
     degree: o.Degree,
     listed: Annotated[
         bool | None,
         typer.Option("--list/--no-list", help="List them (up to degree 32; default: up to 16)."),
     ] = None,
-    json: o.JsonFile = None,
 ) -> None:
     """Count foldings up to rotation (necklaces) and up to rotation and reflection (bracelets)."""
     from origami_nlp.paper import cone as cones
 
     cones.check_degree(degree, cones.LARGEST_LISTED if listed else MOST_DIGITS)
-    out = Output(json=json)
     shown = degree <= 16 if listed is None else listed
     cones.print_foldings(degree, out.console, shown)
     out.save("json", cones.write_lines, cones.foldings_to_dict(degree, shown))
 
 
+@writes("json")
 def branch(
+    out: Output,
     flaps: o.Flaps,
     elevation: o.Elevation,
     end: o.EndRule = "contract",
-    json: o.JsonFile = None,
 ) -> None:
     """Print the fold angles of a folded cone, in radians and (as in FOLD files) in degrees."""
     from origami_nlp.paper import cone as cones
+    from origami_nlp.pattern import parse_angle
 
-    out = Output(json=json)
     nu = parse_angle(elevation, "--elevation")
     state = cones.branch(flaps, -1 if nu < 0 else 1, end=end)
     data = cones.branch_to_dict(state, nu)  # an error past the end, before anything is written
@@ -71,8 +72,9 @@ def branch(
     out.save("json", cones.write_lines, data)
 
 
+@writes("figure")
 def draw(
-    figure: o.FigureWanted,
+    out: Output,
     degree: o.DegreeWanted = None,
     flaps: o.FlapsWanted = None,
     elevation: o.Elevations = None,
@@ -83,8 +85,10 @@ def draw(
     A cone by its flaps is drawn at every --elevation that is given.
     """
     from origami_nlp.paper import cone as cones
+    from origami_nlp.pattern import parse_angle
 
-    out = Output(figure=figure)
+    if not out.files("figure"):
+        raise OptionError("-o is missing: name the file of the figure, such as -o cone.pdf")
     angles = [parse_angle(text, "--elevation") for text in elevation or []]
     if flaps is not None:
         word = cones.parse_flaps(flaps, degree)
@@ -101,11 +105,10 @@ def draw(
         )
 
 
+@writes("json", "csv", "figure")
 def phase(
+    out: Output,
     degree: o.Degree,
-    figure: o.FigureFile = None,
-    csv: o.CsvFile = None,
-    json: o.JsonFile = None,
     depth: o.Depth = 0.0,
     rest: o.RestRule = "waterbomb",
     end: o.EndRule = "contract",
@@ -118,7 +121,6 @@ def phase(
     from origami_nlp.paper import cone as cones
 
     cones.check_size(size)
-    out = Output(figure=figure, csv=csv, json=json)
     with progress(f"cone of degree {degree}", size) as report:
         diagram = cones.phase_diagram(
             cones.Cone(degree, rest, end),
@@ -133,18 +135,19 @@ def phase(
     out.write("figure", cones.draw_phase, diagram)
 
 
+@writes("json")
 def full(
+    out: Output,
     degree: o.Degree,
     rest_elevation: o.RestElevation,
     ratio: o.Ratio = 1.0,
     rest: o.RestRule = "waterbomb",
     end: o.EndRule = "contract",
-    json: o.JsonFile = None,
 ) -> None:
     """Judge every branch minimum in the full contact-admissible space (degrees up to 16)."""
     from origami_nlp.paper import cone as cones
+    from origami_nlp.pattern import parse_angle
 
-    out = Output(json=json)
     nu = parse_angle(rest_elevation, "--rest-elevation")
     with progress("branch minima") as report:
         found = cones.full_space(cones.Cone(degree, rest, end), ratio, nu, progress=report)

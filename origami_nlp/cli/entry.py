@@ -12,7 +12,8 @@ import typer
 from origami_nlp.cli.fault import report_fault
 from origami_nlp.cli.finding import check_proof, landscape, minima
 from origami_nlp.cli.group import Group
-from origami_nlp.cli.making import design, example, model, vertices
+from origami_nlp.cli.inspecting import inspect
+from origami_nlp.cli.making import design, example
 from origami_nlp.cli.many import boundary, follow, pattern, sweep
 from origami_nlp.cli.paper import paper
 from origami_nlp.cli.understanding import barriers, contacts, critical, load, modes, space
@@ -25,11 +26,18 @@ app = Group(
     "Stable states of rigid origami, of a vertex or a whole crease pattern: found, certified, loaded, designed.  "
     "Creases and facets count from 1, vertices and frames of FOLD files from 0 as in the file.",
     completion=True,
+    first_steps={
+        "A vertex of your own": "example miura > my.toml; edit it; minima my.toml",
+        "A pattern of your own": "inspect my.fold; minima my.fold --stiffness 0.02 --rest-angle 90",
+        "The load at which it snaps": "load my.toml --crease 1 --state 2 -o load.png",
+        "Springs for given states": "example switch > two.toml; edit it; design two.toml -o my.toml",
+        "A figure for a paper": "minima my.toml -o states.pdf",
+    },
 )
 app.add(minima, pattern, load, follow, design, under=FIRST)
-app.add(vertices, example, under=FIRST)
+app.add(inspect, example, under=FIRST)
 app.add(landscape, barriers, modes, contacts, critical, space, under=ANALYSIS)
-app.add(boundary, sweep, check_proof, model, under=ANALYSIS)
+app.add(boundary, sweep, check_proof, under=ANALYSIS)
 app.add_group("paper", paper, under="The source paper")
 
 

@@ -11,7 +11,7 @@ import typer
 from origami_nlp.arguments import refuse
 from origami_nlp.cli import options as o
 from origami_nlp.cli.group import FOLD_FILES
-from origami_nlp.cli.output import Output
+from origami_nlp.cli.output import Output, writes
 from origami_nlp.cli.progress import progress
 from origami_nlp.cli.search import search
 from origami_nlp.cli.source import Source, takes_scene
@@ -24,7 +24,9 @@ if TYPE_CHECKING:
 
 
 @takes_scene(o.OrigamiFile, whole=True)
+@writes("json", "figure", "html", "fold", "mesh", "animate")
 def minima(
+    out: Output,
     scene: Source,
     each_vertex: Annotated[
         bool,
@@ -35,18 +37,12 @@ def minima(
         ),
     ] = False,
     seed: o.Seed = 0,
-    json: o.JsonFile = None,
-    figure: o.FigureFile = None,
-    fold: o.StatesFold = None,
-    mesh: o.StatesMesh = None,
-    html: o.HtmlFile = None,
-    animate: o.AnimateFile = None,
     effort: o.Effort = "normal",
     max_starts: o.MaxStarts = None,
     starts: o.Starts = None,
     workers: o.Workers = None,
     seconds: o.Seconds = None,
-    full: o.PrettyRepr = False,
+    full: o.FullOrNot = None,
     noise: o.Noise = None,
     prove: o.Prove = None,
     certificate: o.CertificateFile = None,
@@ -54,7 +50,8 @@ def minima(
 ) -> None:
     """Find the energy minima of ORIGAMI, a vertex or a pattern: its stable states.
 
-    Of a scene they are those with its symmetry; --full says which are stable without it.  A FOLD file or an example is
+    Of a scene they are those with its symmetry; whether they are stable without it is judged where that is cheap, or
+    as --full and --no-full say.  A FOLD file or an example is
     a pattern with all its vertices coupled; --vertex takes one of them, --each-vertex every one by itself.
     """
     from origami_nlp.minima import find_vertexwise
@@ -62,8 +59,7 @@ def minima(
     from origami_nlp.results import draw
     from origami_nlp.verbs import write_fold, write_mesh
 
-    files = {"figure": figure, "fold": fold, "mesh": mesh, "certificate": certificate}
-    out = Output(json=json, html=html, animate=animate, **files)
+    out.check(("--certificate", certificate))
     options: dict[str, Any] = {
         "seed": seed,
         "effort": effort,
@@ -71,17 +67,16 @@ def minima(
         "starts": starts,
         "workers": workers,
         "seconds": seconds,
-        "full": full or None,
+        "full": full,
         "noise": noise,
         "prove": o.wanted_proof(prove),
     }
     if each_vertex:
         scenes = scene.read_all()
-        for option, file in {**files, "animate": animate}.items():
-            if file is not None:
-                raise OptionError(
-                    f"--{option} is for one vertex: choose one of {len(scenes)} with --vertex"
-                )
+        why = f"this is for one vertex: choose one of {len(scenes)} with --vertex"
+        out.refuse(why, "figure", "fold", "mesh", "animate")
+        if certificate is not None:
+            raise OptionError(f"--certificate = {certificate!r}: {why}")
         found = find_vertexwise(
             scenes, find=partial(search, name=scene.name), found=out.say, **options
         )
@@ -89,9 +84,10 @@ def minima(
         out.write("json", found.to_dict)
         out.turn(*found.results)
         return
+    if scene.is_whole:
+        refuse("pattern", {"certificate": "its list is not proved"}, certificate=certificate)
     stated = scene.read_whole(contact=True)
     if not isinstance(stated, Scene):
-        refuse("pattern", {"certificate": "its list is not proved"}, certificate=certificate)
         options["contact"] = scene.whole_contact
     stopped = False
     try:
@@ -103,7 +99,9 @@ def minima(
     out.save("figure", draw, result)
     out.save("fold", write_fold, result)
     out.save("mesh", write_mesh, result)
-    out.save("certificate", _write_certificate, result)
+    if certificate is not None:
+        _write_certificate(result, certificate)
+        out.written(certificate)
     out.turn(result)
     if stopped:
         raise KeyboardInterrupt
@@ -112,25 +110,27 @@ def minima(
 def _write_certificate(result: MinimaResult, file: str) -> None:
     """Prove again, with the tree of boxes on record, and write it down."""
     from origami_nlp.problem import Model
-    from origami_nlp.proof import certificate_of, prove, write_certificate
+    from origami_nlp.proof import ProofOptions, certificate_of, prove, write_certificate
 
     found = result.completeness
     if found is None or not found.boxes:
         why = found.reason if found else "it was not asked for (--prove)"
         raise OptionError(f"--certificate: there is no proof to write: {why}")
     models = [Model(one) for one in result.scene.of_each_winding]
-    proofs = [prove(model, record=True, most=found.boxes) for model in models]
+    proofs = [
+        prove(model, record=True, options=ProofOptions(boxes=found.boxes)) for model in models
+    ]
     write_certificate(certificate_of(result.scene, *proofs), file)
 
 
-def check_proof(proof: o.ProofFile, json: o.JsonFile = None) -> None:
+@writes("json")
+def check_proof(out: Output, proof: o.ProofFile) -> None:
     """Check a proof that a list of minima is complete, claim by claim, in ball arithmetic.
 
     Exit code 1 if a claim is not confirmed: the first one is named.
     """
     from origami_nlp.proof import check_proof as check, read_certificate
 
-    out = Output(json=json)
     certificate = read_certificate(proof)
     with progress(f"check of {proof}", len(certificate.nodes.kind)) as report:
         found = check(certificate, lambda done, total: report(done, total))
@@ -144,13 +144,11 @@ SMALLEST, LARGEST = 16, 4097
 
 
 @bounded
-@takes_scene(o.SceneFile)
+@takes_scene(o.SceneFile, springs=False)
+@writes("json", "figure", "html", "npz")
 def landscape(
+    out: Output,
     scene: Source,
-    figure: o.FigureFile = None,
-    npz: o.NpzFile = None,
-    json: o.JsonFile = None,
-    html: o.HtmlFile = None,
     size: o.Size = 401,
     passes: Annotated[
         bool, typer.Option("--passes", help="Find the passes between minima and draw the paths.")
@@ -169,29 +167,30 @@ def landscape(
     )
     from origami_nlp.space import find_space
 
-    out = Output(figure=figure, npz=npz, json=json, html=html)
     stated = scene.read()
     if not SMALLEST <= size <= LARGEST:
         raise OptionError(f"--size = {size} must lie between {SMALLEST} and {LARGEST}")
     if chart_of(stated) is None:
-        why = coordinates(stated, 8).reason or "it has one symmetric degree of freedom only"
-        raise OptionError(f"scene has no landscape over two coordinates: {why}")
-    if json and stated.contact != "full":
-        raise OptionError(
-            f"--json: the admissible space needs contact = 'full', not {stated.contact!r}"
+        why = (
+            coordinates(stated, 8).reason
+            or "it has one symmetric degree of freedom only; origami-nlp minima -o FILE.png draws its energy"
         )
+        raise OptionError(f"scene has no landscape over two coordinates: {why}")
+    if stated.contact != "full":
+        why = f"the admissible space in it needs contact = 'full', not {stated.contact!r}"
+        out.refuse(why, "json")
     result = search(stated, scene.name, seed=seed, full=True, escape=False)
     with progress("boundary"):
         exact = find_landscape(result, size=size)
     exact.print_to(out.console)
     barriers = None
-    if json or passes:
+    if passes or out.files("json"):
         with progress("passes between minima"):
             barriers = find_barriers(stated, result, seed=seed)
         for step in barriers.passes:
             kind = f"{step.pass_kind}, {step.energy:.9g} J"
             out.say(f"pass {step.from_state} - {step.to_state}: {kind}", highlight=False)
-    if json:
+    if out.files("json"):
         with progress("space and critical points"):
             space = find_space(stated)
             critical = find_critical_points(stated, result, seed=seed)

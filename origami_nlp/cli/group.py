@@ -3,18 +3,26 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from functools import partial
 from typing import Any
 
 import typer
 from typer.core import TyperCommand, TyperGroup
 
 from origami_nlp.cli.interruption import interruptible
+from origami_nlp.errors import OptionError
 
 WITHOUT_VALUE = "asked"
 """What an option whose value may be left out gets then."""
+SPRINGS = ("--stiffness", "--rest-angle", "--rest-from", "--per-length")
+"""Options of the commands that come first; others take a file in which springs stand."""
 MAY_LACK_VALUE = ("--prove",)
 """Options whose value, a number, may be left out."""
+WHOLE = "a whole number"
+NUMBERS = {"integer": WHOLE, "float": "a number", "number": "a number"}
+"""What the parser calls types of values, and how messages do."""
 WRITES = "FILE"
 """Metavar of every option that writes what a command found, and of no other option."""
 FOLD_FILES = "Options for FOLD files and examples"
@@ -24,7 +32,21 @@ UNBROKEN = "\u2011"
 
 
 class _Helped:
-    """A command whose help has whole words on its lines, those with hyphens too."""
+    """A command whose help has whole words on its lines, those with hyphens too; a wrong call is one line."""
+
+    def make_context(
+        self, info_name: str | None, args: list[str], *more: Any, **options: Any
+    ) -> Any:
+        """Read the words of the call."""
+        with _one_line([*args]):
+            return super().make_context(info_name, args, *more, **options)  # type: ignore[misc]
+
+    def get_params(self, ctx: Any) -> list[Any]:
+        """Return the parameters, which take plain values without pydantic."""
+        found = super().get_params(ctx)  # type: ignore[misc]
+        for one in found:
+            one.process_value = partial(_value, one, type(one).process_value)
+        return found
 
     def get_help(self, ctx: Any) -> str:
         """Return the help; ``--rest-angle`` stands on one line."""
@@ -34,6 +56,33 @@ class _Helped:
         formatter.write_dl = lambda rows: pairs([(a, _unbroken(b)) for a, b in rows])
         self.format_help(ctx, formatter)  # type: ignore[attr-defined]
         return formatter.getvalue().rstrip("\n").replace(UNBROKEN, "-")
+
+
+@contextmanager
+def _one_line(args: list[str]) -> Iterator[None]:
+    """Turn what the parser says of a wrong call, with these words, into one line.
+
+    Its errors are known by what they can do: their class is click's, or where typer brings its own parser another.
+    """
+    try:
+        yield
+    except Exception as error:
+        ctx = getattr(error, "ctx", None)
+        if not hasattr(error, "format_message") or "Help" in type(error).__name__:
+            raise
+        said = " ".join(error.format_message().split()).rstrip(".")
+        must = next((words for kind, words in NUMBERS.items() if f"valid {kind}" in said), None)
+        options = getattr(getattr(error, "param", None), "opts", ())
+        for option in options if must else ():
+            for arg, following in zip(args, [*args[1:], ""], strict=True):
+                name, has, value = arg.partition("=")
+                value = value if has else following
+                if name == option and not (
+                    _is_number(value) and (must != WHOLE or value.isdigit())
+                ):
+                    raise OptionError(f"{option} = {value!r} must be {must}") from None
+        where = f"; {ctx.command_path} --help lists what there is" if ctx else ""
+        raise OptionError(f"{said[:1].lower()}{said[1:]}{where}") from None
 
 
 def _unbroken(words: str) -> str:
@@ -50,6 +99,14 @@ class _Command(_Helped, TyperCommand):
             filled.append(arg)
             if arg in MAY_LACK_VALUE and not _is_number(following):
                 filled.append(WITHOUT_VALUE)
+        given = {arg.partition("=")[0] for arg in args}
+        own = {p.name for p in self.params}
+        for option in SPRINGS:
+            if option in given and "vertex" in own and option[2:].replace("-", "_") not in own:
+                raise OptionError(
+                    f"{option} is not for {ctx.info_name}: write the springs into a file once, origami-nlp inspect "
+                    f"FILE {option} ... -o NEW.fold (of one --vertex NEW.toml), and give that file"
+                )
         return super().parse_args(ctx, filled)
 
     def invoke(self, ctx: Any) -> Any:
@@ -57,7 +114,7 @@ class _Command(_Helped, TyperCommand):
         answer = super().invoke(ctx)
         could = [p for p in self.params if p.param_type_name == "option" and p.metavar == WRITES]
         if could and not any(ctx.params.get(p.name) for p in could):
-            _tell_files([p.opts[0] for p in could])
+            _tell_files([f"{p.opts[-1]} FILE" for p in could])
         return answer
 
     def collect_usage_pieces(self, ctx: Any) -> list[str]:
@@ -91,6 +148,27 @@ def _word(argument: Any) -> str:
     return name if argument.required else f"[{name}]"
 
 
+def _value(parameter: Any, process: Callable[..., Any], ctx: Any, given: Any) -> Any:
+    """Return the value of a parameter; all but plain text and numbers are left to Typer, which loads pydantic."""
+    kind = getattr(getattr(parameter, "type_descriptor", None), "annotation", None)
+    many = parameter.multiple or parameter.nargs != 1
+    if given is None and not parameter.required and kind is not None:
+        value: Any = () if many else None
+    elif isinstance(given, str) and not many and kind is str:
+        value = given
+    elif (
+        isinstance(given, str) and not many and kind is int and given.isascii() and given.isdigit()
+    ):
+        value = int(given)
+    elif (
+        not many and kind in (int, float) and type(given) is kind
+    ):  # what stands there unless given
+        value = given
+    else:
+        return process(parameter, ctx, given)
+    return parameter.callback(ctx, parameter, value) if parameter.callback else value
+
+
 def _tell_files(options: list[str]) -> None:
     from origami_nlp.io import Screen
 
@@ -113,6 +191,7 @@ class _Listed(_Helped, TyperGroup):
     """What typer makes of a `Group`; alone it would list groups last, and all under one heading."""
 
     names: dict[str, str]
+    first_steps: dict[str, str]
 
     def list_commands(self, ctx: Any) -> list[str]:
         """Return the names that help shows."""
@@ -128,6 +207,14 @@ class _Listed(_Helped, TyperGroup):
         for heading, listed in rows.items():
             with formatter.section(heading):
                 formatter.write_dl(listed)
+        if self.first_steps:
+            with formatter.section("First steps"):
+                formatter.write_dl([*self.first_steps.items()])
+
+    def resolve_command(self, ctx: Any, args: list[str]) -> Any:
+        """Return the command that is called."""
+        with _one_line(args):
+            return super().resolve_command(ctx, args)
 
     def invoke(self, ctx: Any) -> Any:
         """Run a command; an interruption by the user ends with a line of its own and exit code 130."""
@@ -150,12 +237,18 @@ class Group(typer.Typer):
         What the group is about.
     completion
         With options that install completion of words for a shell.
+    first_steps
+        What people want at first, and the commands for it, at the end of the help.
     """
 
-    def __init__(self, help: str, completion: bool = False) -> None:
+    def __init__(
+        self, help: str, completion: bool = False, first_steps: Mapping[str, str] | None = None
+    ) -> None:
         self.about, self.names = help, dict[str, str]()
         super().__init__(
-            cls=type("Listed", (_Listed,), {"names": self.names}),
+            cls=type(
+                "Listed", (_Listed,), {"names": self.names, "first_steps": dict(first_steps or {})}
+            ),
             help=help,
             no_args_is_help=True,
             add_completion=completion,

@@ -7,6 +7,7 @@ import signal
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
+from types import FrameType
 from typing import NoReturn
 
 INTERRUPTED = b"origami-nlp: interrupted\n"
@@ -21,9 +22,23 @@ def ending_at_once() -> Iterator[None]:
 
 @contextmanager
 def interruptible() -> Iterator[None]:
-    """Let Ctrl-C raise KeyboardInterrupt, as long as there is something to bring to an end in order."""
-    with _taken(_leave, signal.default_int_handler):
-        yield
+    """Let Ctrl-C raise KeyboardInterrupt, as long as there is something to bring to an end in order.
+
+    Modules that a command loads may make an ImportError of it: after Ctrl-C that is the interruption still.
+    """
+    asked: list[bool] = []
+
+    def interrupt(number: int, frame: FrameType | None) -> NoReturn:
+        asked.append(True)
+        signal.default_int_handler(number, frame)
+
+    with _taken(_leave, interrupt):
+        try:
+            yield
+        except ImportError:
+            if asked:
+                raise KeyboardInterrupt from None
+            raise
 
 
 @contextmanager

@@ -1,93 +1,89 @@
-"""Commands that make and read scenes: `design`, `example`, `vertices` and `model`."""
+"""Commands that make scenes: `design` and `example`."""
 
 from __future__ import annotations
 
 import inspect
 import json as js
 import textwrap
+from collections.abc import Callable
+from functools import partial
+from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
+from origami_nlp.arguments import did_you_mean
 from origami_nlp.cli import options as o
-from origami_nlp.cli.output import Output
-from origami_nlp.cli.source import Source, note_normalized, takes_scene
+from origami_nlp.cli.output import Output, writes
+from origami_nlp.cli.source import note_normalized
 from origami_nlp.cli.timed import bounded
 from origami_nlp.errors import OptionError
-from origami_nlp.pattern import Pattern, Vertex, examples, format_scene
 
 REFUTED, OPEN = 1, 3
 
 
 @bounded
+@writes("json", "scene", "fold", "figure")
 def design(
+    out: Output,
     targets: Annotated[
-        str | None,
-        typer.Argument(metavar="TARGETS", help="What is asked for (TOML), or - for stdin."),
-    ] = None,
-    example: Annotated[
-        str | None,
-        typer.Option(
-            metavar="NAME",
-            help="Targets by name instead: waitukaitis-five, three-equal, switch, flat-and-one, monostable8.",
+        str,
+        typer.Argument(
+            metavar="TARGETS",
+            help="What is asked for (TOML), - for stdin, or an example by name: waitukaitis-five, three-equal, "
+            "switch, flat-and-one or monostable8 (example NAME prints its file).",
         ),
-    ] = None,
-    write: Annotated[
-        str | None,
-        typer.Option(
-            "--targets",
-            metavar="FILE",
-            help="Write the targets of --example to FILE, or - for stdout.",
-        ),
-    ] = None,
-    scene: o.SceneOut = None,
-    json: o.JsonFile = None,
-    figure: o.FigureFile = None,
+    ],
     seed: o.Seed = 0,
     effort: o.Effort = "normal",
 ) -> None:
-    """Find the springs that hold the states of TARGETS, with the largest margin; the main job checks them.
+    """Find the springs that hold the states of TARGETS, with the largest margin, and look for its minima.
 
-    Exit code 0: a design that does all that is asked.  1: proved that no springs do.  3: neither; the last lines say
-    why.
+    Fold angles of the states may be measured: the nearest states that close are taken, and how far they moved is said.
+    -o writes a vertex with its springs as .toml, a pattern as .fold.  Exit code 0: a design that does all that is
+    asked.  1: proved that no springs do.  3: neither; the last lines say why.
     """
     from origami_nlp.inverse_design import (
+        EXAMPLES,
         design as find,
         draw_design,
-        example_targets,
         parse_targets,
         read_targets,
     )
+    from origami_nlp.pattern import Pattern, Vertex, format_scene
     from origami_nlp.pattern_problem import pattern_to_fold
 
-    files = Output(scene=scene, json=json, figure=figure, targets=write)
-    if (targets is None) == (example is None):
-        raise OptionError("give TARGETS, or --example NAME")
-    if write is not None and example is None:
-        raise OptionError("--targets writes the targets of --example NAME")
-    if example is not None:
-        text = example_targets(example)
-        question, ask, name = parse_targets(text)
-        files.write("targets", lambda: text)
+    if targets in EXAMPLES and not Path(targets).exists():
+        question, ask, name = parse_targets(EXAMPLES[targets])
     else:
-        question, ask, name = read_targets(str(targets))
+        if targets != "-" and not Path(targets).suffix and not Path(targets).exists():
+            meant = did_you_mean(targets, EXAMPLES)
+            raise OptionError(
+                f"TARGETS = {targets!r} is no file, and no example: those are {', '.join(EXAMPLES)}{meant}"
+            )
+        question, ask, name = read_targets(targets)
     if isinstance(question.origami, Vertex):
-        note_normalized(question.origami)
+        note_normalized(question.origami.normalized)
+        out.refuse("a vertex is written as a scene: end the name in .toml", "fold")
+    else:
+        out.refuse("a pattern is written as FOLD: end the name in .fold", "scene")
     answer = find(question, ask, name=name, seed=seed, effort=effort)
-    answer.print_to(files.console)
-    files.write("json", answer.to_dict)
-    if answer.scene is not None:
-        made = answer.scene
+    answer.print_to(out.console)
+    out.write("json", answer.to_dict)
+    if (made := answer.scene) is not None:
         if isinstance(made, Pattern):
-            files.write("scene", lambda: js.dumps(pattern_to_fold(made, []), indent=1) + "\n")
+            content = js.dumps(pattern_to_fold(made, []), indent=1) + "\n"
+            out.write("fold", lambda: content)
         else:
-            files.write("scene", format_scene, made)
-        files.write("figure", draw_design, answer)
+            out.write("scene", format_scene, made)
+        out.write("figure", draw_design, answer)
     if not answer.verified:
         raise typer.Exit(REFUTED if answer.refuted else OPEN)
 
 
+@writes("scene", "fold")
 def example(
+    out: Output,
     name: o.ExampleName,
     alpha: Annotated[
         str | None,
@@ -112,23 +108,21 @@ def example(
         str | None,
         typer.Option(metavar="full|fold-limits|none", help="full, fold-limits or none."),
     ] = None,
-    scene: o.SceneOut = None,
-    fold: Annotated[
-        str | None,
-        typer.Option(
-            "--fold",
-            metavar="FILE",
-            help="Write the crease pattern as a FOLD file; the scene then goes to --scene alone.",
-        ),
-    ] = None,
 ) -> None:
-    """Print a vertex of a known pattern as a scene file; --fold writes the crease pattern as a FOLD file.
+    """Print the scene file of a known vertex, or of a design its targets; -o FILE.fold writes the crease pattern.
 
-    NAME:ROWSxCOLUMNS, such as miura:4x6, is the size of the crease pattern that --fold writes.
+    NAME:ROWSxCOLUMNS, such as miura:4x6, is the size of the crease pattern.
     """
+    from origami_nlp.inverse_design import EXAMPLES
+    from origami_nlp.pattern import examples, format_scene
+
     word, cells = examples.split_size(name)
-    if ":" in name and fold is None:
-        raise OptionError(f"NAME = {name!r}: a size is that of a crease pattern: give --fold FILE")
+    known = (*examples.BY_NAME, *examples.WITH_SPRINGS, *EXAMPLES)
+    if word not in known:
+        listed = ", ".join(dict.fromkeys(known))
+        raise OptionError(
+            f"NAME = {name!r} is no example: those are {listed}{did_you_mean(word, known)}"
+        )
     options = {
         "alpha": alpha,
         "ratio": ratio,
@@ -138,57 +132,33 @@ def example(
         "contact": contact,
     }
     given: dict[str, Any] = {key: value for key, value in options.items() if value is not None}
-    out = Output(scene=scene if scene or fold else "-", fold=fold)
-    if word not in examples.SHEETS or scene or not fold:
+    if name in EXAMPLES:
+        if given:
+            raise OptionError(f"--{next(iter(given))}: the targets of {name!r} have no options")
+        out.refuse("targets are written as TOML: end the name in .toml", "fold")
+        made: Callable[[], str] = partial(EXAMPLES.__getitem__, name)
+    elif out.files("fold") and not out.files("scene"):
+        out.write("fold", lambda: examples.crease_pattern(word, *cells, **given))
+        return
+    else:
+        if ":" in name and not out.files("fold"):
+            raise OptionError(
+                f"NAME = {name!r}: a size is that of a crease pattern: give -o FILE.fold"
+            )
         stated = examples.by_name(word, **given)
+        made = lambda: _about(examples.BY_NAME[word]) + format_scene(stated)  # noqa: E731
+    if not out.files("scene", "fold"):
+        out = Output(["-"], ["scene"])
     out.write("fold", lambda: examples.crease_pattern(word, *cells, **given))
-    out.write("scene", lambda: _about(word) + format_scene(stated))
+    out.write("scene", made)
 
 
-def _about(name: str) -> str:
+def _about(make: Callable[..., Any]) -> str:
     """Return what an example is as the first lines of its file."""
-    said = (inspect.getdoc(examples.BY_NAME[name]) or "").split("\nParameters\n")[0]
+    said = (inspect.getdoc(make) or "").split("\nParameters\n")[0]
     said = said.removeprefix("Make ")
     lines = textwrap.wrap(" ".join((said[:1].upper() + said[1:]).split()), 98)
+    lines.append(
+        "To make it yours: sector_angles_deg, rest_angles_deg take degrees; stiffness is in N m/rad."
+    )
     return "".join(f"# {line}\n" for line in lines)
-
-
-@takes_scene(o.FoldFile)
-def vertices(
-    scene: Source,
-    json: o.JsonFile = None,
-    toml: o.SceneOut = None,
-    figure: o.FigureFile = None,
-) -> None:
-    """List the interior vertices of a FOLD file: degree, angles, flat-foldability, diagnosis.
-
-    With --scene, write the one of --vertex as a scene file; --figure draws the pattern with the numbers of vertices.
-    """
-    from origami_nlp.display import draw_pattern
-    from origami_nlp.folding import list_vertices, print_vertices, vertices_to_dict
-    from origami_nlp.pattern import format_scene
-
-    out = Output(json=json, scene=toml, figure=figure)
-    others = {name: value for name, value in scene.given.items() if name != "frame"}
-    if toml is None and others:
-        raise OptionError(
-            f"--{next(iter(others)).replace('_', '-')}: the list has every vertex as it is in the file; "
-            "give --scene FILE, to write one as a scene"
-        )
-    lists = [list_vertices(one) for one in scene.frames()]
-    flat = [one.frame for one in lists if not one.frame.folded]
-    if figure and not flat:
-        raise OptionError(f"--figure = {str(figure)!r}: there is no crease pattern to draw")
-    print_vertices(lists, out.console)
-    out.write("json", vertices_to_dict, lists)
-    out.write("scene", lambda: format_scene(scene.read()))
-    out.write("figure", lambda: draw_pattern(flat[0]))
-
-
-@takes_scene(o.SceneFile)
-def model(scene: Source) -> None:
-    """Print variables, equalities, inequalities, facet pairs in and out of the model of SCENE."""
-    from origami_nlp.problem import Model
-
-    stated = scene.read()
-    Output().say(f"{stated}\n{Model(stated)}", highlight=False, soft_wrap=True)

@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from origami_nlp.cli import options as o
-from origami_nlp.cli.output import Output, answers
+from origami_nlp.cli.output import Output, answers, writes
 from origami_nlp.cli.progress import progress
-from origami_nlp.cli.source import Source, takes_scene
+from origami_nlp.cli.source import Source, note_normalized, takes_scene
 from origami_nlp.cli.timed import ENDED
 from origami_nlp.errors import SweepError
 
@@ -21,17 +21,14 @@ if TYPE_CHECKING:
 
 
 @takes_scene(o.PatternFile, whole=True)
+@writes("json", "figure", "html", "fold", "mesh")
 def pattern(
+    out: Output,
     scene: Source,
     path: Annotated[
         bool, typer.Option("--path", help="Trace its folding motion up to the first contact.")
     ] = False,
     seed: o.Seed = 0,
-    json: o.JsonFile = None,
-    figure: o.FigureFile = None,
-    fold: o.StatesFold = None,
-    mesh: o.StatesMesh = None,
-    html: o.HtmlFile = None,
 ) -> None:
     """Analyze the mobility of a crease pattern; with --path trace its folding motion as a rigid sheet.
 
@@ -41,7 +38,6 @@ def pattern(
     """
     from origami_nlp.pattern_states import analyze_mobility, find_motion
 
-    out = Output(json=json, figure=figure, fold=fold, mesh=mesh, html=html)
     sheet = scene.read_pattern()
     seen = analyze_mobility(sheet, seed=seed)
     seen.print_to(out.console)
@@ -105,9 +101,7 @@ class _Files:
 
 
 @takes_scene(o.OrigamiFile, whole=True)
-@answers(
-    "figure", "json", "fold", "html", search=("full", "effort", "seed", "max_starts", "seconds")
-)
+@answers("json", "figure", "html", "fold", search=("full", "effort", "seed", "seconds"))
 def follow(
     scene: Source,
     parameter: o.ParameterRange,
@@ -115,12 +109,6 @@ def follow(
         int,
         typer.Option(metavar="N", help="Searches: both ends, the middle, then the widest gaps."),
     ] = 3,
-    through_folds: Annotated[
-        bool, typer.Option(help="Follow states through folds, where they are saddles.")
-    ] = True,
-    morse: Annotated[
-        bool, typer.Option("--morse", help="Check the Morse identity at each check.")
-    ] = False,
     prove: o.ProveChecks = None,
     starts: o.Starts = None,
     **search: Any,
@@ -134,16 +122,14 @@ def follow(
         scene.name if named else scene.read_whole(),
         parameter,
         checks=checks,
-        through_folds=through_folds,
-        morse=morse or None,
         prove=o.wanted_proof(prove),
         starts=starts,
         **search,
     )
 
 
-@takes_scene(o.SceneFile)
-@answers("figure", "json", search=("effort", "seed", "seconds"))
+@takes_scene(o.SceneFile, springs=False)
+@answers("json", "figure", search=("effort", "seed", "seconds"))
 def boundary(
     scene: Source,
     event: Annotated[
@@ -166,45 +152,47 @@ def boundary(
     return find_bifurcation_set(scene.read(), event, parameter, lines=lines, **search)
 
 
+@writes("figure")
 def sweep(
+    out: Output,
     spec: o.SweepFile,
-    out: Annotated[Path, o.OutFolder],
+    folder: Annotated[Path, o.OutFolder],
     workers: o.WorkersWanted = None,
     dask: Annotated[
         str | None,
         typer.Option(metavar="ADDRESS", help="Run on an existing Dask cluster (extra sweep)."),
     ] = None,
     seconds: o.Seconds = None,
-    figure: o.FigureFile = None,
 ) -> None:
     """Find the minima of every scene, or pattern, of SWEEP; run it again to go on after an interruption."""
     from origami_nlp.io import make_folder
     from origami_nlp.sweep import draw_sweep, read_sweep, run_sweep
 
-    output = Output(figure=figure)
     stated = read_sweep(spec)
-    make_folder(out, "--out")
+    if change := getattr(stated, "normalized", 0.0):
+        note_normalized(change, ", at most")
     with _executor(dask) as executor, progress(Path(spec).name, stated.count) as report:
+        make_folder(folder, "--folder")
         done = run_sweep(
             stated,
-            out,
+            folder,
             executor=executor,
             workers=workers,
             seconds=seconds,
             progress=lambda done, total, states: report(done, total, f"{states} states"),
         )
     counts = ", ".join(f"{n:,} {status}" for status, n in sorted(done.counts.items())) or "none"
-    output.say(f"{stated.count:,} scenes: {counts}; {done.ran:,} run now in {done.seconds:.1f} s")
+    out.say(f"{stated.count:,} scenes: {counts}; {done.ran:,} run now in {done.seconds:.1f} s")
     if done.interrupted:
         late = seconds is not None and done.seconds >= seconds
         by = " by the time limit" if late else ""
-        output.say(f"interrupted{by}: the same command goes on from here")
+        out.say(f"interrupted{by}: the same command goes on from here")
         raise typer.Exit(ENDED if late else 130)
     failed = done.counts.get("failed")
     if failed:
-        output.say("failed scenes are tried again by the same command; reasons are in the store")
-    output.written(out)
-    output.write("figure", draw_sweep, out)
+        out.say("failed scenes are tried again by the same command; reasons are in the store")
+    out.written(folder)
+    out.write("figure", draw_sweep, folder)
     if failed:
         raise typer.Exit(1)
 
@@ -217,9 +205,11 @@ def _executor(address: str | None):  # type: ignore[no-untyped-def]
         return
     try:
         from distributed import Client
+        from distributed.comm import get_address_host_port
     except ImportError:
         raise SweepError('--dask needs dask: pip install "origami_nlp[sweep]"') from None
     try:
+        get_address_host_port(address)  # a client without an address raises again when it ends
         client: Any = Client(address, timeout=10, set_as_default=False)
     except (OSError, ValueError) as error:
         raise SweepError(

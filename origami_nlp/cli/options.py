@@ -10,7 +10,7 @@ from typing import Annotated, Any
 import typer
 
 from origami_nlp.arguments import check_number, check_whole, shown
-from origami_nlp.cli.group import FOLD_FILES, WITHOUT_VALUE
+from origami_nlp.cli.group import FOLD_FILES, WITHOUT_VALUE, WRITES
 from origami_nlp.errors import OptionError
 
 
@@ -73,7 +73,7 @@ def extended(
     own = [
         p.replace(annotation=kinds.get(p.name, p.annotation))
         for p in stated.parameters.values()
-        if p.kind is not inspect.Parameter.VAR_KEYWORD
+        if p.kind is not inspect.Parameter.VAR_KEYWORD and p.name not in more
     ]
     at = len(own) if last else sum(p.kind is not inspect.Parameter.KEYWORD_ONLY for p in own)
     new = [
@@ -95,18 +95,14 @@ ORIGAMI = (
     "example by name, such as miura:8x8"
 )
 OrigamiFile = Annotated[str, typer.Argument(metavar="ORIGAMI", help=f"{ORIGAMI}.")]
-OrigamiUnlessPanels = Annotated[
-    str | None,
-    typer.Argument(metavar="ORIGAMI", help=f"{ORIGAMI}; leave out with --panels."),
-]
-SceneUnlessPanels = Annotated[
-    str | None,
+PANELS = "panels for the paper's 18 scenes"
+OrigamiOrPanels = Annotated[str, typer.Argument(metavar="ORIGAMI", help=f"{ORIGAMI}; {PANELS}.")]
+SceneOrPanels = Annotated[
+    str,
     typer.Argument(
-        metavar="SCENE",
-        help="Scene file (TOML), FOLD file, or - for either on stdin; leave out with --panels.",
+        metavar="SCENE", help=f"Scene file (TOML), FOLD file, - for either on stdin; {PANELS}."
     ),
 ]
-FoldFile = Annotated[str, typer.Argument(metavar="FOLD", help="FOLD file, or - for stdin.")]
 PatternFile = Annotated[
     str,
     typer.Argument(
@@ -131,79 +127,23 @@ ExampleName = Annotated[
     str,
     typer.Argument(
         metavar="NAME",
-        help="miura, waterbomb, waterbombbase, birdbase, squaretwist, yoshimura, resch, degree6 or degree8; with "
-        "--fold metasheet too.",
+        help="miura, waterbomb, waterbombbase, birdbase, squaretwist, yoshimura, resch, degree6 or degree8; metasheet "
+        "with -o FILE.fold; targets of a design: waitukaitis-five, three-equal, switch, flat-and-one, monostable8.",
     ),
 ]
 
 # ---------------------------------------------------------------- what goes out
 
-JsonFile = Annotated[
-    str | None, typer.Option("--json", metavar="FILE", help="Write JSON to FILE, or - for stdout.")
-]
-MarkdownFile = Annotated[
-    str | None, typer.Option(metavar="FILE", help="Write Markdown to FILE, or - for stdout.")
-]
-FigureFile = Annotated[
-    Path | None,
-    typer.Option("--figure", metavar="FILE", help="Write a figure (.png, .pdf or .svg)."),
-]
-FigureWanted = Annotated[
-    Path, typer.Option("--figure", metavar="FILE", help="Write a figure (.png, .pdf or .svg).")
-]
-HtmlFile = Annotated[
-    Path | None,
-    typer.Option(
-        "--html",
-        metavar="FILE",
-        help="Write a page with states to turn and paths to fold along (extra view).",
-    ),
-]
-AnimateFile = Annotated[
-    Path | None,
-    typer.Option(
-        "--animate", metavar="FILE", help="Write the states in turn as .gif, or .mp4 with ffmpeg."
-    ),
-]
-LatexFile = Annotated[
-    str | None, typer.Option(metavar="FILE", help="Write LaTeX snippets to FILE, or - for stdout.")
-]
-CsvFile = Annotated[
-    Path | None,
-    typer.Option("--csv", metavar="FILE", help="Write CSV to FILE, or - for stdout."),
-]
-NpzFile = Annotated[
-    Path | None,
-    typer.Option(metavar="FILE", help="Write grids, boundary and minima as NumPy .npz."),
-]
-SceneOut = Annotated[
-    str | None,
-    typer.Option(
-        "--scene",
-        metavar="FILE",
-        help="Write the scene as TOML (a pattern as FOLD) to FILE, or - for stdout.",
-    ),
-]
-StatesFold = Annotated[
-    str | None,
-    typer.Option(
-        "--fold",
-        metavar="FILE",
-        help="Write the states as a FOLD file; with --full the ways down from unstable ones too.",
-    ),
-]
-PathsFold = Annotated[
-    str | None,
-    typer.Option(
-        "--fold", metavar="FILE", help="Write the paths as a FOLD file, a frame for each state."
-    ),
-]
-StatesMesh = Annotated[
-    str | None,
-    typer.Option(
-        "--mesh", metavar="FILE", help="Write the states as .obj, .stl or .glb (extra mesh)."
-    ),
-]
+
+def output_files(help: str) -> Any:
+    """Return the annotation of the option that takes the files to write."""
+    return Annotated[list[str] | None, typer.Option("--output", "-o", metavar=WRITES, help=help)]
+
+
+def place(file: str) -> str:
+    """Return where a file goes: ``-`` for standard output, which ``-.md`` is too, else the file."""
+    return "-" if Path(file).name == file and Path(file).stem == "-" else file
+
 
 # ---------------------------------------------------------------- how to search
 
@@ -234,10 +174,6 @@ Seconds = Annotated[
         **_checked(check_number, "--seconds", 0.0),
         help="Wall time after which the command ends with what it has, and says so.",
     ),
-]
-PrettyRepr = Annotated[
-    bool,
-    typer.Option("--full", help="Judge in the full space too, where the symmetry may break."),
 ]
 Verbose = Annotated[
     bool,
@@ -287,7 +223,7 @@ FullOrNot = Annotated[
     bool | None,
     typer.Option(
         "--full/--no-full",
-        help="Judge in the full space too, where the symmetry may break.",
+        help="Judge stability in the full space too, where the symmetry may break; or do not.",
         show_default=False,
     ),
 ]
@@ -317,8 +253,7 @@ Rings = Annotated[
 ]
 Samples = Annotated[int, typer.Option("--samples", metavar="N", help="How many cases are sampled.")]
 Quick = Annotated[bool, typer.Option("--quick", help="A first look: fewer cases, less time.")]
-OutFolder = typer.Option("--out", metavar="DIR", help="Folder for the results; made if new.")
-Panels = Annotated[bool, typer.Option("--panels", help="The paper's 18 panels instead of SCENE.")]
+OutFolder = typer.Option("--folder", metavar="DIR", help="Folder for the results; made if new.")
 
 StateNumber = Annotated[
     int | None, typer.Option(metavar="K", help="Only the minimum number K of the list.")

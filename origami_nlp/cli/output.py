@@ -20,13 +20,22 @@ if TYPE_CHECKING:
 LONG = 24
 """Letters of a cell from which it is words, and may be folded."""
 Target = str | os.PathLike[str]
-ENDINGS = {
-    "figure": (".png", ".pdf", ".svg"),
-    "npz": (".npz",),
-    "html": (".html", ".htm"),
-    "animate": (".gif", ".mp4"),
+KINDS = {
+    "json": ((".json",), "all numbers"),
+    "scene": ((".toml",), "scene file"),
+    "csv": ((".csv",), "table"),
+    "fold": ((".fold",), "FOLD"),
+    "figure": ((".png", ".pdf", ".svg"), "figure"),
+    "html": ((".html", ".htm"), "page with states to turn"),
+    "mesh": ((".obj", ".stl", ".glb"), "meshes (extra mesh)"),
+    "animate": ((".gif", ".mp4"), "states in turn, .mp4 with ffmpeg"),
+    "markdown": ((".md",), "table"),
+    "latex": ((".tex",), "snippets"),
+    "npz": ((".npz",), "arrays for NumPy"),
 }
-"""What the names of these files end in."""
+"""What files may hold: endings of their names, and what help calls it."""
+TEXTS = ("json", "scene", "csv", "fold", "markdown", "latex")
+"""Kinds of files that may go to standard output."""
 SEARCH = {
     "full": (o.FullOrNot, None),
     "seed": (o.Seed, 0),
@@ -37,15 +46,6 @@ SEARCH = {
     "seconds": (o.Seconds, None),
 }
 """Options of searches, with what they are where nothing is said."""
-FILES = {
-    "figure": o.FigureFile,
-    "json": o.JsonFile,
-    "markdown": o.MarkdownFile,
-    "fold": o.PathsFold,
-    "html": o.HtmlFile,
-    "mesh": o.StatesMesh,
-}
-"""What a result may be written to without more ado."""
 
 
 class Output:
@@ -56,39 +56,47 @@ class Output:
 
     Parameters
     ----------
-    more
-        Pairs of an option and a file that are checked as well; the command writes them itself.
-    targets
-        File of each option by its name (``json`` for ``--json``), or None where it was not given.
+    files
+        Names; the ending says what is written.  ``-`` is standard output and the first of `kinds`, ``-.md`` standard
+        output and Markdown; a device or a pipe without an ending gets the first of `kinds`.
+    kinds
+        Of `KINDS`: what the command can write.
 
     Raises
     ------
     OptionError
-        If a file cannot be written, has the wrong ending, or is the file of another option too; if what writes it is
-        not installed.
+        If a file cannot be written, has the wrong ending, or is given twice; if what writes it is not installed.
     """
 
-    def __init__(self, *more: tuple[str, Target], **targets: Target | None) -> None:
+    def __init__(self, files: Sequence[str] | None = None, kinds: Sequence[str] = ()) -> None:
+        self._given = [(_kind(file, kinds), file) for file in files or ()]
+        self.check()
+        for kind, file in self._given:
+            if kind == "mesh":
+                from origami_nlp.minima import check_mesh
+
+                check_mesh(file)
+            elif kind == "animate":
+                from origami_nlp.display import check_animation
+
+                check_animation(file)
+
+    def check(self, *more: tuple[str, Target | None]) -> None:
+        """Check that all files can be written, and those of more options (pairs of option and file) too."""
         from origami_nlp.io import check_outputs, screen
 
-        named = [*((f"--{name}", target) for name, target in targets.items()), *more]
-        for option, target in named:
-            endings = ENDINGS.get(option[2:], ())
-            if target is not None and endings and Path(target).suffix.lower() not in endings:
-                raise OptionError(
-                    f"{option} = {str(target)!r}: the name must end in {', '.join(endings)}"
-                )
+        named = [*(("-o", o.place(file)) for _, file in self._given), *more]
         check_outputs(*named)
-        if mesh := targets.get("mesh"):
-            from origami_nlp.minima import check_mesh
+        self.console: Screen = screen(*(file for _, file in named))
 
-            check_mesh(Path(mesh))
-        if film := targets.get("animate"):
-            from origami_nlp.display import check_animation
+    def files(self, *kinds: str) -> list[str]:
+        """Return the files of these kinds that were asked for."""
+        return [o.place(file) for kind, file in self._given if kind in kinds]
 
-            check_animation(film)
-        self._targets = targets
-        self.console: Screen = screen(*targets.values())
+    def refuse(self, why: str, *kinds: str) -> None:
+        """Raise an error if a file of these kinds was asked for."""
+        if files := self.files(*kinds):
+            raise OptionError(f"-o = {files[0]!r}: {why}")
 
     def say(self, *things: Any, **options: Any) -> None:
         """Print for people, as `rich.console.Console.print` does; a result prints itself."""
@@ -110,31 +118,32 @@ class Output:
             elif text := "\n".join(lines).strip():
                 self.say(Markdown(text), width=self.console.page)
 
-    def write(self, option: str, make: Callable[..., Any], *arguments: Any) -> None:
-        """Write what ``make(*arguments)`` returns to the file of `option`, if there is one.
+    def write(self, kind: str, make: Callable[..., Any], *arguments: Any) -> None:
+        """Write what ``make(*arguments)`` returns to the files of `kind`, if there are any.
 
         Text and bytes are written as they are, a matplotlib Figure as a picture, anything else as JSON.
         """
-        self.save(option, _write, lambda: make(*arguments))
+        if files := self.files(kind):
+            content = make(*arguments)
+            for file in files:
+                _write(content, file)
+                self.written(file)
 
-    def save(self, option: str, save: Callable[..., Any], *arguments: Any) -> None:
-        """Let ``save(*arguments, file)`` write the file of `option`, if there is one."""
-        target = self._targets.get(option)
-        if target is not None:
-            save(*arguments, target)
-            self.written(target)
+    def save(self, kind: str, save: Callable[..., Any], *arguments: Any) -> None:
+        """Let ``save(*arguments, file)`` write each file of `kind`."""
+        for file in self.files(kind):
+            save(*arguments, file)
+            self.written(file)
 
     def turn(self, *results: Viewable) -> None:
-        """Write ``--html``, a page on all `results`, and ``--animate``, the states of the first, where asked for."""
+        """Write a page on all `results`, and a film of the states of the first, where asked for."""
         from origami_nlp.display import InteractivePage, write_animation
 
-        if not any(self._targets.get(option) for option in ("html", "animate")):
+        if not self.files("html", "animate"):
             return
         contents = [result.view_content() for result in results]
-        if self._targets.get("html"):
-            self.save("html", lambda file: InteractivePage(*contents).save(file))
-        if self._targets.get("animate"):
-            self.save("animate", lambda file: write_animation(contents[0], file))
+        self.save("html", lambda file: InteractivePage(*contents).save(file))
+        self.save("animate", lambda file: write_animation(contents[0], file))
 
     def written(self, *targets: Target) -> None:
         """Say which files are there now."""
@@ -145,20 +154,39 @@ class Output:
                 self.console.out(f"written: {printable(file)}", highlight=False)
 
 
-def answers(*files: str, search: Sequence[str] = ()) -> Callable[..., Callable[..., None]]:
-    """Give a command that returns a result the options of these files, to which it goes, and of searches.
-
-    search: of `SEARCH`; the command gets those that are given by their names.
-    """
-    own = {name: SEARCH[name] for name in search} | {name: (FILES[name], None) for name in files}
+def writes(*kinds: str) -> Callable[..., Callable[..., None]]:
+    """Give a command with the parameter ``out: Output`` the option ``-o`` for files of these kinds."""
+    text = [kind for kind in kinds if kind in TEXTS]
+    said = "; ".join(f"{' '.join(KINDS[kind][0])}: {KINDS[kind][1]}" for kind in kinds)
+    places = [
+        f"-{KINDS[kind][0][0]}" if k else f"- ({KINDS[kind][0][0]})" for k, kind in enumerate(text)
+    ]
+    stdout = f"  Standard output: {', '.join(places)}." if text else ""
+    option = o.output_files(f"Write a file, by its ending; repeat for more.  {said}.{stdout}")
 
     def decorate(command: Callable[..., Any]) -> Callable[..., None]:
         @wraps(command)
-        def run(**given: Any) -> None:
+        def run(out: list[str] | None = None, **given: Any) -> None:
+            command(out=Output(out, kinds), **given)
+
+        return o.extended(run, command, {"out": (option, None)})
+
+    return decorate
+
+
+def answers(*kinds: str, search: Sequence[str] = ()) -> Callable[..., Callable[..., None]]:
+    """Give a command that returns a result the option ``-o`` for files of these kinds, and those of searches.
+
+    search: of `SEARCH`; the command gets those that are given by their names.
+    """
+    own = {name: SEARCH[name] for name in search}
+
+    def decorate(command: Callable[..., Any]) -> Callable[..., None]:
+        @wraps(command)
+        def run(out: Output, **given: Any) -> None:
             from origami_nlp.results import draw
             from origami_nlp.verbs import write_mesh
 
-            out = Output(**{name: given.pop(name) for name in files})
             said = {k: v for k, v in given.items() if k not in search or v is not None}
             found = command(**said)
             found.print_to(out.console)
@@ -170,9 +198,29 @@ def answers(*files: str, search: Sequence[str] = ()) -> Callable[..., Callable[.
             out.turn(found)
             end_of(found)
 
-        return o.extended(run, command, own)
+        return writes(*kinds)(o.extended(run, command, own))
 
     return decorate
+
+
+def _kind(file: str, kinds: Sequence[str]) -> str:
+    """Return what a file is to hold."""
+    from origami_nlp.io import is_stdout
+
+    ending, place = Path(file).suffix.lower(), o.place(file)
+    for kind in kinds:
+        if ending in KINDS[kind][0]:
+            if kind not in TEXTS and place == "-":
+                raise OptionError(f"-o = {file!r}: only text goes to standard output: name a file")
+            return kind
+    if not ending and kinds[0] in TEXTS:
+        special = os.path.exists(place) and not (os.path.isfile(place) or os.path.isdir(place))
+        if special or is_stdout(place):
+            return kinds[0]
+    if os.path.isdir(place):
+        raise OptionError(f"-o = {file!r} is a folder: give a file name")
+    endings = ", ".join(ending for kind in kinds for ending in KINDS[kind][0])
+    raise OptionError(f"-o = {file!r} must end in one of {endings}")
 
 
 def _save_frames(found: Any, file: Any) -> None:
@@ -194,10 +242,9 @@ def _table(lines: list[str]) -> Table:
     return Table(heads, rows, columns="".join(letters), framed=False, narrow=True)
 
 
-def _write(make: Callable[[], Any], target: Target) -> None:
+def _write(content: Any, target: Target) -> None:
     from origami_nlp.io import save_figure, write_json, write_whole
 
-    content = make()
     if isinstance(content, str | bytes):
         write_whole(target, content if isinstance(content, bytes) else content.encode())
     elif hasattr(content, "savefig"):

@@ -10,28 +10,29 @@ import typer
 from origami_nlp.cli import options as o
 from origami_nlp.cli.cone import cone
 from origami_nlp.cli.group import Group
-from origami_nlp.cli.output import Output, answers
+from origami_nlp.cli.output import Output, answers, writes
 from origami_nlp.cli.progress import progress
 from origami_nlp.cli.search import search_panels
 from origami_nlp.cli.timed import bounded
-from origami_nlp.pattern import examples
 
 if TYPE_CHECKING:
     from origami_nlp.symbolic.claim import Claim
 
 
 def demo(
-    out: Annotated[Path, o.OutFolder] = Path("origami_demo"),
+    folder: Annotated[Path, o.OutFolder] = Path("origami_demo"),
     seed: o.Seed = 0,
 ) -> None:
     """Find the symmetric minima of the paper's degree-6 and degree-8 vertices, and which of them are stable."""
     from origami_nlp.display import rows_table
     from origami_nlp.io import make_folder, write_json
     from origami_nlp.minima import DEMO_HEADS, demo_rows, draw_minima
+    from origami_nlp.pattern import examples
 
-    out = make_folder(out, "--out")
-    files = [out / name for name in ("minima.json", "degree6.png", "degree8.png")]
-    output = Output(*(("--out", file) for file in files))
+    folder = make_folder(folder, "--folder")
+    files = [folder / name for name in ("minima.json", "degree6.png", "degree8.png")]
+    output = Output()
+    output.check(*(("--folder", file) for file in files))
     results = search_panels(seed, full=True)
     shown = [
         results[[r.scene.name for r in results].index(scene.name)]
@@ -49,18 +50,17 @@ def demo(
     output.written(*files)
 
 
+@writes("json", "markdown")
 def panels(
-    full: o.PrettyRepr = False,
+    out: Output,
+    full: o.FullOrNot = None,
     seed: o.Seed = 0,
-    markdown: o.MarkdownFile = None,
-    json: o.JsonFile = None,
 ) -> None:
     """Find the symmetric minima of the paper's 18 panels; with --full, decide each in the full space."""
     from origami_nlp.display import rows_markdown, rows_table
     from origami_nlp.minima import table
 
-    out = Output(markdown=markdown, json=json)
-    results = search_panels(seed, full)
+    results = search_panels(seed, bool(full))
     heads = table.FULL_HEADS if full else table.SUMMARY_HEADS
     rows = [table.full_space_row(r) if full else table.summary_row(r) for r in results]
     if full:
@@ -78,10 +78,9 @@ def _claims() -> list[str]:
     return [claim.id for claim in claims()]
 
 
+@writes("json", "markdown", "latex")
 def verify(
-    json: o.JsonFile = None,
-    markdown: o.MarkdownFile = None,
-    latex: o.LatexFile = None,
+    out: Output,
     only: Annotated[
         list[str] | None,
         typer.Option(
@@ -99,7 +98,6 @@ def verify(
     from origami_nlp.symbolic.report import as_json, as_latex, as_markdown
     from origami_nlp.symbolic.table import print_results
 
-    out = Output(json=json, markdown=markdown, latex=latex)
     chosen = [claim_by_id(i) for i in dict.fromkeys(only)] if only else list(claims())
     with progress("deciding", len(chosen)) as said:
 
@@ -131,7 +129,7 @@ def transitions(
         def report(what: str, done: float) -> None:
             show(done, text=what)
 
-        return find_transitions(family, samples=samples, size=rings, report=report, **options)
+        return find_transitions(family, samples=samples, rings=rings, report=report, **options)
 
 
 paper = Group("The source paper: its 18 panels, its equations, and its families of vertices.")

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from origami_nlp.cli.progress import progress
 from origami_nlp.cli.timed import keep, paused
-from origami_nlp.pattern import Pattern, Scene, examples
+
+if TYPE_CHECKING:
+    from origami_nlp.pattern import Pattern, Scene
 
 
 def search(origami: Scene | Pattern, name: str | None, **options: Any) -> Any:
@@ -14,6 +16,7 @@ def search(origami: Scene | Pattern, name: str | None, **options: Any) -> Any:
 
     name: of what has no label.  options: of `find_minima`; what is None is left to it.
     """
+    from origami_nlp.pattern import Scene
     from origami_nlp.verbs import find_minima
 
     vertex = isinstance(origami, Scene)
@@ -36,6 +39,8 @@ def search(origami: Scene | Pattern, name: str | None, **options: Any) -> Any:
 
 def search_panels(seed: int, full: bool = False) -> list[Any]:
     """Find the minima of all 18 panels of the paper's two landscape figures."""
+    from origami_nlp.pattern import examples
+
     results: list[Any] = []
     scenes = examples.panels()
     with progress("panels", len(scenes)) as done:

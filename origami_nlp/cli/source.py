@@ -9,40 +9,31 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, wraps
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from origami_nlp.arguments import check_whole, did_you_mean
 from origami_nlp.cli import options as o
 from origami_nlp.errors import FoldFileError, OptionError, SceneFileError
 from origami_nlp.io import read_limited
-from origami_nlp.pattern import (
-    LARGEST,
-    Frame,
-    Pattern,
-    Scene,
-    Vertex,
-    decode_scene,
-    examples,
-    fold_vertices,
-    frame_pattern,
-    is_json,
-    parse_fold,
-    vertex_scene,
-    vertex_scenes,
-)
+
+if TYPE_CHECKING:
+    from origami_nlp.pattern import Frame, Pattern, Scene
 
 FOLD_OPTIONS = {
     "vertex": o.VertexNumber,
     "frame": o.FrameNumber,
     "symmetry": o.FoldSymmetry,
     "contact": o.FoldContact,
+}
+"""What of a FOLD file is meant; every command that takes a scene has them."""
+SPRINGS = {
     "stiffness": o.FoldStiffness,
     "rest_angle": o.FoldRestAngle,
     "rest_from": o.FoldRestFrom,
 }
-"""What a FOLD file needs beside the file; every command that takes a scene has them."""
+"""Springs that a FOLD file leaves open: for the commands that come first, and `inspect`, which writes them down."""
 PER_LENGTH = {"per_length": o.PerLength}
-"""What a command that takes whole patterns has besides."""
+"""What a command that takes springs and whole patterns has besides."""
 
 
 @dataclass(frozen=True)
@@ -54,7 +45,7 @@ class Source:
     name
         The file, ``-``, or an example such as ``miura:4x4``.
     given
-        Those of `FOLD_OPTIONS` and `PER_LENGTH` that were given.
+        Those of `FOLD_OPTIONS`, `SPRINGS` and `PER_LENGTH` that were given.
     """
 
     name: str
@@ -63,7 +54,14 @@ class Source:
     @cached_property
     def is_fold(self) -> bool:
         """Whether it is a FOLD file or an example, by its name or, without one that says so, by its first letter."""
+        from origami_nlp.pattern import is_json
+
         return _named_fold(self.name) or is_json(self._content)
+
+    @property
+    def is_panels(self) -> bool:
+        """Whether it is the paper's panels, for the commands that take them all."""
+        return self.name == "panels" and not Path(self.name).exists()
 
     @cached_property
     def is_example(self) -> bool:
@@ -73,6 +71,8 @@ class Source:
 
     @cached_property
     def _content(self) -> bytes:
+        from origami_nlp.pattern import LARGEST, examples
+
         if self.is_example:
             return json.dumps(examples.crease_pattern(self.name)).encode()
         if self.name != "-" and not Path(self.name).suffix and not Path(self.name).exists():
@@ -100,14 +100,18 @@ class Source:
 
     def frames(self) -> tuple[Frame, ...]:
         """Return the frame asked for, or all."""
-        return parse_fold(self._content, self.given.get("frame"))
+        from origami_nlp.pattern import parse_fold
+
+        return parse_fold(self._content, self.given.get("frame"), name=f"FOLD file {self.name!r}")
 
     def read(self) -> Scene:
         """Return the scene; what is odd in a FOLD file goes to standard error."""
+        from origami_nlp.pattern import decode_scene, vertex_scene
+
         if not self.is_fold:
             self.refuse_options("a scene file states it itself", but=("symmetry",))
             scene = decode_scene(self._content, self.name)
-            note_normalized(scene.vertex)
+            note_normalized(scene.vertex.normalized)
             if (symmetry := self.given.get("symmetry")) is None:
                 return scene
             return replace(scene, symmetry=symmetry, mirror=None, winding=None)
@@ -119,21 +123,25 @@ class Source:
 
     def read_whole(self, contact: bool = False) -> Scene | Pattern:
         """Return the scene of a scene file or of the vertex that is asked for, else as `read_pattern`."""
+        from origami_nlp.pattern import fold_vertices
+
         if not self.is_whole:
             return self.read()
+        whole = self.read_pattern(contact)  # what is wrong comes before what is odd
         one = fold_vertices(self._frame())[0]
         if len(one) == 1:
             number = one[0].number
             _note(
                 f"one vertex, taken as a pattern; --vertex {number} takes it as a vertex, with its symmetry"
             )
-        whole = self.read_pattern(contact)
         for note in whole.notes:
             _note(note)
         return whole
 
     def read_pattern(self, contact: bool = False) -> Pattern:
         """Return the whole pattern of a FOLD file or an example; contact: what is asked of it takes ``--contact``."""
+        from origami_nlp.pattern import frame_pattern
+
         if not self.is_fold:
             raise OptionError(
                 f"{self.name!r} is the scene of one vertex: give a FOLD file or an example"
@@ -149,6 +157,8 @@ class Source:
 
     def read_all(self) -> dict[int, Scene]:
         """Return the scene of every vertex of a FOLD file that can be analysed, by its number."""
+        from origami_nlp.pattern import vertex_scenes
+
         return vertex_scenes(self._frame(), on_note=_note, **self._spring_options())
 
     def refuse_options(self, why: str, but: Sequence[str] = ()) -> None:
@@ -158,7 +168,10 @@ class Source:
             raise OptionError(f"--{option} is for FOLD files (.fold); {why}")
 
     def _frame(self) -> Frame:
-        (frame,) = parse_fold(self._content, self.given.get("frame", "first"))
+        from origami_nlp.pattern import parse_fold
+
+        number, name = self.given.get("frame", "first"), f"FOLD file {self.name!r}"
+        (frame,) = parse_fold(self._content, number, name=name)
         return frame
 
     def _spring_options(self) -> dict[str, Any]:
@@ -178,22 +191,25 @@ def spring_options(**given: Any) -> dict[str, Any]:
 
 
 def takes_scene(
-    argument: Any, whole: bool = False
+    argument: Any, whole: bool = False, springs: bool = True
 ) -> Callable[[Callable[..., None]], Callable[..., None]]:
     """Give a command with the parameter ``scene: Source`` the argument for it, and the options of FOLD files.
 
-    argument: of `options`, such as ``SceneFile``.  whole: it takes whole patterns as well.
+    argument: of `options`, such as ``SceneFile``.  whole: it takes whole patterns as well.  springs: it takes
+    springs for FOLD files that leave them open.
     """
-    options = FOLD_OPTIONS | (PER_LENGTH if whole else {})
+    options = (
+        FOLD_OPTIONS | (SPRINGS if springs else {}) | (PER_LENGTH if whole and springs else {})
+    )
 
     def decorate(command: Callable[..., None]) -> Callable[..., None]:
         @wraps(command)
-        def run(scene: str | None, **others: Any) -> None:
+        def run(scene: str, **others: Any) -> None:
             values = {name: others.pop(name) for name in options}
-            source = Source(scene or "", {k: v for k, v in values.items() if v is not None})
-            if scene is None:
-                source.refuse_options("there is no SCENE")
-            command(scene=None if scene is None else source, **others)
+            source = Source(scene, {k: v for k, v in values.items() if v is not None})
+            if source.is_panels:
+                source.refuse_options("the panels are scenes")
+            command(scene=source, **others)
 
         more = {name: (kind, None) for name, kind in options.items()}
         return o.extended(run, command, more, last=True, scene=argument)
@@ -201,15 +217,18 @@ def takes_scene(
     return decorate
 
 
-def note_normalized(vertex: Vertex) -> None:
-    """Say on standard error by how much ``normalize`` changed sector angles, where it did."""
-    if vertex.normalized:
-        each = math.degrees(vertex.normalized)
-        _note(f"sector angles normalized to a sum of 360 deg: each by {each:+.6g} deg")
+def note_normalized(change: float, most: str = "") -> None:
+    """Say on standard error by how much ``normalize`` changed each sector angle [rad], where it did."""
+    if change:
+        _note(
+            f"sector angles normalized to a sum of 360 deg: each by {math.degrees(change):+.6g} deg{most}"
+        )
 
 
 def _examples() -> tuple[str, ...]:
-    return (*examples.BY_NAME, *examples.SHEETS)
+    from origami_nlp.pattern import examples
+
+    return (*examples.BY_NAME, *examples.WITH_SPRINGS)
 
 
 def _named_fold(name: str) -> bool:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import signal
 import threading
 import time
@@ -84,7 +83,7 @@ def bounded(command: Callable[..., None]) -> Callable[..., None]:
 def _out_of_time(seconds: float | None, given: dict[str, Any]) -> NoReturn:
     from origami_nlp.io import screen
 
-    console = screen(*(v for v in given.values() if isinstance(v, str | os.PathLike)))
+    console = screen(*map(o.place, given.get("out") or ()))
     for result in _kept:
         result.print_to(console)
     console.print(

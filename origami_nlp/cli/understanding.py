@@ -4,18 +4,20 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from typing import Annotated, Any, TypeAlias
+from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 
 import typer
 
 from origami_nlp.cli import options as o
-from origami_nlp.cli.output import Output, answers
+from origami_nlp.cli.output import Output, answers, writes
 from origami_nlp.cli.progress import progress
 from origami_nlp.cli.search import search, search as search_minima
 from origami_nlp.cli.source import Source, takes_scene
 from origami_nlp.cli.timed import bounded
 from origami_nlp.errors import OptionError
-from origami_nlp.pattern import Pattern, Scene, examples, listed
+
+if TYPE_CHECKING:
+    from origami_nlp.pattern import Pattern
 
 Creases: TypeAlias = Annotated[
     list[int] | None,
@@ -47,9 +49,11 @@ ForceOn: TypeAlias = Annotated[
     ),
 ]
 FixedFacet: TypeAlias = Annotated[
-    int,
+    int | None,
     typer.Option(
-        "--fixed-facet", metavar="F", help="With --force: the facet that is fixed in space, from 1."
+        "--fixed-facet",
+        metavar="F",
+        help="With --force: the facet that is fixed in space, from 1 (default 1).",
     ),
 ]
 
@@ -63,7 +67,7 @@ def load_number(text: str) -> float:
 
 
 def work_of(
-    sheet: Any, creases: list[int] | None, pull: str | None, force: str | None, held: int
+    sheet: Any, creases: list[int] | None, pull: list[float], force: list[float], fixed_facet: int
 ) -> Any:
     """Return what a load on a pattern works on, as options say it."""
     from origami_nlp.pattern_problem import DeadForce, Pull, Torque
@@ -71,14 +75,16 @@ def work_of(
     if creases:
         return Torque(sheet, tuple(creases))
     if pull:
-        a, b = _numbers("--pull", pull, 2)
+        a, b = pull
         return Pull(sheet, (_whole("--pull", a), _whole("--pull", b)))
-    v, x, y, z = _numbers("--force", force or "", 4)
-    return DeadForce(sheet, _whole("--force", v), (x, y, z), held)
+    v, x, y, z = force
+    return DeadForce(sheet, _whole("--force", v), (x, y, z), fixed_facet)
 
 
 def creases_of(pattern: Pattern, edges: list[int] | None) -> list[int]:
     """Return the numbers of creases, from 1, that are edges of the file, from 0."""
+    from origami_nlp.pattern import listed
+
     number = {edge: crease for crease, edge in enumerate(pattern.numbers.tolist(), start=1)}
     for edge in edges or ():
         if edge not in number:
@@ -104,13 +110,13 @@ def _whole(option: str, value: float) -> int:
     return int(value)
 
 
-SEARCHES = ("seed", "max_starts", "effort", "starts", "workers")
+SEARCHES = ("seed", "effort")
 """Options of the search whose minima are looked at."""
 
 
 @bounded
-@takes_scene(o.OrigamiFile, whole=True)
-@answers("json", "markdown", "html", search=SEARCHES)
+@takes_scene(o.OrigamiFile, whole=True, springs=False)
+@answers("json", "html", "markdown", search=SEARCHES)
 def contacts(
     scene: Source,
     state: o.StateNumber = None,
@@ -128,8 +134,8 @@ def contacts(
 
 
 @bounded
-@takes_scene(o.OrigamiFile, whole=True)
-@answers("json", "markdown", "figure", search=SEARCHES)
+@takes_scene(o.OrigamiFile, whole=True, springs=False)
+@answers("json", "figure", "markdown", search=SEARCHES)
 def modes(scene: Source, state: o.StateNumber = None, **options: Any) -> Any:
     """Report stiffness and energy along each eigenmode of ORIGAMI's minima, until something touches."""
     from origami_nlp.modes import find_modes
@@ -141,12 +147,12 @@ def modes(scene: Source, state: o.StateNumber = None, **options: Any) -> Any:
 
 @takes_scene(o.OrigamiFile, whole=True)
 @answers(
-    "figure",
     "json",
+    "figure",
+    "html",
     "fold",
     "mesh",
-    "html",
-    search=("full", "effort", "seed", "max_starts", "seconds"),
+    search=("full", "effort", "seed", "seconds"),
 )
 def load(
     scene: Source,
@@ -154,7 +160,7 @@ def load(
     edge: Edges = None,
     pull: PullOf = None,
     force: ForceOn = None,
-    fixed_facet: FixedFacet = 1,
+    fixed_facet: FixedFacet = None,
     to: Annotated[
         str,
         typer.Option(
@@ -176,43 +182,45 @@ def load(
 ) -> Any:
     """Load a stable state of ORIGAMI until it snaps, or to a given load: load against angle, snaps, hysteresis.
 
-    A FOLD file or an example is loaded as a whole, as a rigid sheet, unless --vertex names one vertex of it.  A vertex
-    without --crease is loaded by the scene's own forces.
+    A pattern is loaded by one of --crease, --edge, --pull and --force, a vertex by --crease, else by the scene's own
+    forces.  A vertex keeps its symmetry: images of the crease bear the same torque, and the path stops where the state
+    would break it.  --no-full goes on there with the symmetry kept; --symmetry none loads the one crease alone.
     """
     from origami_nlp.loading import load_path
     from origami_nlp.pattern import Scene
 
+    end = to if to == "snap" else load_number(to)
+    if fixed_facet is not None and not force:
+        raise OptionError(f"--fixed-facet = {fixed_facet} is for --force V,X,Y,Z: leave it out")
+    if scene.is_whole and sum(map(bool, (crease, edge, pull, force))) != 1:
+        raise OptionError(
+            "a pattern is loaded by one of --crease K, --edge E, --pull V,W and --force V,X,Y,Z"
+        )
+    pulled = _numbers("--pull", pull, 2) if pull else []
+    forced = _numbers("--force", force, 4) if force else []
     what = scene.read_whole()
     work: Any
     if isinstance(what, Scene):
         if edge or pull or force or len(crease or ()) > 1:
             raise OptionError("--edge, --pull, --force and several --crease are for patterns")
+        if not crease and not what.loads:
+            raise OptionError("--crease K is missing: the crease that bears the torque, from 1")
         work = crease[0] if crease else None
     else:
-        if sum(map(bool, (crease, edge, pull, force))) != 1:
-            raise OptionError(
-                "a pattern is loaded by one of --crease K, --edge E, --pull V,W and --force V,X,Y,Z"
-            )
-        work = work_of(what, creases_of(what, edge) or crease, pull, force, fixed_facet)
-    end = to if to == "snap" else load_number(to)
+        work = work_of(what, creases_of(what, edge) or crease, pulled, forced, fixed_facet or 1)
     return load_path(
-        what, work, to=end, state=state, back=unload, confirm=confirm, starts=starts, **search
+        what, work, to=end, state=state, unload=unload, confirm=confirm, starts=starts, **search
     )  # fmt: skip
 
 
 @bounded
-@takes_scene(o.OrigamiUnlessPanels, whole=True)
+@takes_scene(o.OrigamiOrPanels, whole=True, springs=False)
+@writes("json", "figure", "html", "fold", "animate", "markdown")
 def barriers(
-    scene: Source | None = None,
+    out: Output,
+    scene: Source,
     seed: o.Seed = 0,
-    json: o.JsonFile = None,
-    figure: o.FigureFile = None,
-    full: o.PrettyRepr = False,
-    panels: o.Panels = False,
-    markdown: o.MarkdownFile = None,
-    fold: o.PathsFold = None,
-    html: o.HtmlFile = None,
-    animate: o.AnimateFile = None,
+    full: o.FullOrNot = None,
 ) -> None:
     """Find the lowest pass between every two minima of ORIGAMI, and a path through it.
 
@@ -225,30 +233,24 @@ def barriers(
         draw_barriers,
         find_barriers,
     )
+    from origami_nlp.pattern import Scene, examples
 
-    given = scene.name if scene else None
-    if panels == (scene is not None):
-        raise OptionError(f"ORIGAMI = {given!r}: give a file, an example or --panels, and not both")
-    out = Output(json=json, figure=figure, markdown=markdown, fold=fold, html=html, animate=animate)
-    if panels and fold is not None:
-        raise OptionError(
-            f"--fold = {fold!r}: paths of one ORIGAMI make a file, those of --panels do not"
-        )
-    if panels and animate:
-        raise OptionError("--animate is for one ORIGAMI, not for --panels")
-    stated: list[Any] = [scene.read_whole()] if scene else [*examples.panels()]
+    given = scene.name
+    if scene.is_panels:
+        out.refuse("this is for one ORIGAMI, not for all panels", "fold", "animate")
+    stated: list[Any] = [*examples.panels()] if scene.is_panels else [scene.read_whole()]
     for one in stated:
         if isinstance(one, Scene):
             check_dof(one)
     found = []
     for one in stated:
-        asked = {"full": full} if isinstance(one, Scene) else {"full": full or None}
+        asked = {"full": bool(full)} if isinstance(one, Scene) else {"full": full or None}
         result = search(one, given, seed=seed, escape=False, **asked)
         with progress(f"{getattr(one, 'label', given) or given}: passes between the minima"):
             found.append(find_barriers(one, result, full=full or None, seed=seed))
         found[-1].print_to(out.console)
     documents = [b.to_dict() for b in found]
-    out.write("json", lambda: documents if panels else documents[0])
+    out.write("json", lambda: documents if scene.is_panels else documents[0])
     out.write("markdown", lambda: barriers_table(found).markdown())
     out.write("fold", lambda: found[0].to_fold())
     out.write("figure", draw_barriers, *found)
@@ -256,22 +258,22 @@ def barriers(
 
 
 @bounded
-@takes_scene(o.SceneUnlessPanels)
+@takes_scene(o.SceneOrPanels, springs=False)
+@writes("json", "markdown")
 def critical(
-    scene: Source | None = None,
+    out: Output,
+    scene: Source,
     seed: o.Seed = 0,
-    json: o.JsonFile = None,
     compare: Annotated[
         bool,
         typer.Option(
             "--compare/--no-compare", help="Also search for minima, and compare the two lists."
         ),
     ] = True,
-    panels: o.Panels = False,
-    everything: Annotated[
-        bool, typer.Option("--all", help="Show points that are not essential as well.")
+    verbose: Annotated[
+        bool,
+        typer.Option("--verbose", "-v", help="Print points that are not essential as well."),
     ] = False,
-    markdown: o.MarkdownFile = None,
 ) -> None:
     """Find minima, saddles and maxima of SCENE, contacts included, and check the Morse identity."""
     from rich.text import Text
@@ -283,15 +285,11 @@ def critical(
         panel_row,
     )
     from origami_nlp.display import rows_markdown, rows_table
+    from origami_nlp.pattern import examples
     from origami_nlp.space import find_space
 
-    out = Output(json=json, markdown=markdown)
-    given = scene.name if scene else None
-    if panels and scene is not None:
-        raise OptionError(f"SCENE = {given!r}: give a scene file or --panels, and not both")
-    if scene is None and not panels:
-        raise OptionError("SCENE is missing: give a scene file, or --panels for those of the paper")
-    scenes = [scene.read()] if scene else examples.panels()
+    given = scene.name
+    scenes = examples.panels() if scene.is_panels else [scene.read()]
     rows, data = [], []
     euler: dict[object, int] = {}
     for number, stated in enumerate(scenes):
@@ -308,21 +306,21 @@ def critical(
         verdict = found.verdict(euler[shape])
         rows.append(panel_row(found, verdict.euler_characteristic))
         data.append(replace(found, morse=verdict).to_dict())
-        if scene is not None:
-            out.say(found.table(everything))
-            for line in found.lines(everything):
+        if not scene.is_panels:
+            out.say(found.table(verbose))
+            for line in found.lines(verbose):
                 out.say(Text(line))
             out.say(verdict.text)
         elif out.console.is_terminal:
             out.say(f"{stated.label}: {verdict.text}")
-    if scene is None:
+    if scene.is_panels:
         out.say(rows_table(PANEL_HEADS, rows, "critical points of the paper's panels"))
     out.write("markdown", rows_markdown, PANEL_HEADS, rows)
-    out.write("json", lambda: data[0] if scene is not None else data)
+    out.write("json", lambda: data if scene.is_panels else data[0])
 
 
 @bounded
-@takes_scene(o.SceneFile)
+@takes_scene(o.SceneFile, springs=False)
 @answers("json", "figure")
 def space(scene: Source, rings: o.Rings = 64) -> Any:
     """Find components, holes, pinch points and handles of SCENE's admissible symmetric states."""
@@ -330,4 +328,4 @@ def space(scene: Source, rings: o.Rings = 64) -> Any:
 
     stated = scene.read()
     with progress(f"{stated.label or scene.name}: mesh, walls, layers"):
-        return find_space(stated, size=rings)
+        return find_space(stated, rings=rings)

@@ -2,7 +2,7 @@
 
 Conventions: creases counter-clockwise in the e1-e2 plane, b_1 = e1; fold angles in radians, valley
 > 0; H = Q(b_1, phi_1/2) Q(b_2, phi_2) .. Q(b_k, phi_k/2) over the wedge between neighbouring mirror
-creases; only the sheet q = +1.  Nothing here loads SymPy or CasADi; `python -m origami_nlp.symbolic.generate` rewrites
+creases; only the lift q = +1.  Nothing here loads SymPy or CasADi; `python -m origami_nlp.symbolic.generate` rewrites
 the generated modules.
 """
 

@@ -21,7 +21,7 @@ class Reason(IntEnum):
 
     OK = 0
     SINGULAR = 1  # a whole family of states sits on this chart point: nothing to return
-    NOT_ON_SHEET = 2  # closes only with |phi| > pi, or on the sheet q = -1
+    OTHER_LIFT = 2  # closes only with |phi| > pi, or on the lift q = -1
     NO_SOLUTION = 3  # the existence condition is negative
     FOLD = 4  # the two branches meet (existence = 0): value valid, derivatives infinite
     NOT_FINITE = 5  # an input is nan or infinite

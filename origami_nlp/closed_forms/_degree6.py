@@ -1,7 +1,7 @@
 """D_1, degree 6: the two mirror creases 1 and 4 from the fold angles 2 and 3 between them.
 
 Paper: eq:reflection-condition, solved for degree 6 in eq:phi1-6-fold (which gives phi_1 only, for
-one family of sector angles, and not its sheet).  Here phi_1 = -2 arg(u v), phi_k = 2 arg(u conj v)
+one family of sector angles, and not its lift).  Here phi_1 = -2 arg(u v), phi_k = 2 arg(u conj v)
 with u = m_w + i m_x, v = m_y + i m_z and M the quaternion of the creases strictly between the
 mirror creases; see `origami_nlp.symbolic.generate_forms`.
 
@@ -35,10 +35,10 @@ NEAR_SINGULAR = 1e-3  # |u|^2 or |v|^2 below which cancellation costs more than 
 
 
 def _reflection_reason(flat: dict[str, Any], bad: np.ndarray) -> np.ndarray:
-    """Reason codes from |u|^2, |v|^2 and the sheet margin."""
+    """Reason codes from |u|^2, |v|^2 and the margin of the lift."""
     shape = np.broadcast_shapes(np.shape(flat["margin"]), np.shape(bad))
     reason = np.zeros(shape, dtype=np.int8)
-    reason[np.broadcast_to(flat["margin"] < -ROUNDOFF, shape)] = Reason.NOT_ON_SHEET
+    reason[np.broadcast_to(flat["margin"] < -ROUNDOFF, shape)] = Reason.OTHER_LIFT
     singular = np.minimum(flat["u_squared"], flat["v_squared"]) < ROUNDOFF**2
     reason[np.broadcast_to(singular, shape)] = Reason.SINGULAR
     reason[np.broadcast_to(bad, shape)] = Reason.NOT_FINITE
@@ -59,12 +59,12 @@ def degree6(alpha1: Any, alpha2: Any, phi2: Any, phi3: Any) -> ChartPoint:
         other restriction (the paper has alpha_2 = pi - 2 alpha_1).
     phi2, phi3: fold angles in radians (phi_6 = phi_2, phi_5 = phi_3); any real number, though
         fold angles of paper are in [-pi, pi].
-    existence: |m_w m_y| - |m_x m_z|; the completion with |phi_1|, |phi_4| <= pi is on the sheet
+    existence: |m_w m_y| - |m_x m_z|; the completion with |phi_1|, |phi_4| <= pi is on the lift
         q = +1 exactly where it is >= 0.  It is unique, except that +pi and -pi are the same shape
         on the boundary: there the sign is the one of the limit from inside when that exists.
     reason: SINGULAR at (0, 0), where crease 4 is opposite to crease 1 and phi_1 = phi_4 is free
         (book fold), and where creases 1 and 4 coincide (phi_1 = -phi_4 + const is free), which
-        happens for alpha_1, alpha_2, alpha_3 <= pi/2; NOT_ON_SHEET where no state exists.
+        happens for alpha_1, alpha_2, alpha_3 <= pi/2; OTHER_LIFT where no state exists.
 
     Raises AngleError for sector angles that are not positive or leave no third one.
     """

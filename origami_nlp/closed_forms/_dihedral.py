@@ -52,7 +52,7 @@ def wedge3(n: int, alpha1: Any, elevation: Any, phi2: Any, branch: Any) -> Chart
     existence: D^2 = 1 - p_x^2 - sin(pi/n)^2 cos(v)^2, p_x = c_1 . c_3; the paper's J^2 is 16 D^2
         (n = 2, with cos 2v where 8 cos v is printed).
     reason: NO_SOLUTION where D^2 < 0; FOLD on D = 0, where the branches meet and derivatives are
-        infinite; NOT_ON_SHEET where |phi_1| or |phi_3| would exceed pi; SINGULAR where c_1 = +-c_3,
+        infinite; OTHER_LIFT where |phi_1| or |phi_3| would exceed pi; SINGULAR where c_1 = +-c_3,
         and for n = 2 at v = 0 (crease 1 in the sheet's plane: phi_1 is free there).
     own_side: cos v >= 0 and c_3 . b_3 >= 0, needed of an embedded state (not of closure).  For
         n = 2 and v > 0 this is branch -1, for v < 0 branch +1.
@@ -88,7 +88,7 @@ def wedge3(n: int, alpha1: Any, elevation: Any, phi2: Any, branch: Any) -> Chart
             reason[np.broadcast_to(mask, reason.shape)] = code
 
         # what is marked later overrides
-        mark(np.any(np.abs(value) > np.pi * (1 + ROUNDOFF), axis=-1), Reason.NOT_ON_SHEET)
+        mark(np.any(np.abs(value) > np.pi * (1 + ROUNDOFF), axis=-1), Reason.OTHER_LIFT)
         mark(on_fold & (reason == Reason.OK), Reason.FOLD)
         mark((existence < 0) & ~on_fold, Reason.NO_SOLUTION)
         singular = (flat["ring"] < ROUNDOFF**2) | (flat["pole"] < ROUNDOFF**2)

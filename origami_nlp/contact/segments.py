@@ -276,7 +276,7 @@ def _chart_lines(scene: Scene) -> tuple[BoundaryLine, ...]:
 
 def _boundary_states(model: Model, rng: np.random.Generator) -> Iterator[Stratum]:
     """Yield admissible states with one contact held closed, spread at random over every contact."""
-    if not model.has_limits or model.freedom != 2:
+    if not model.has_limits or model.dof != 2:
         return
     gaps = [Contact("gap", c.index, side) for c in model.every_gap for side in model.sides(c)]
     for row in (*model.limits, *gaps):

@@ -87,7 +87,7 @@ class Point:
 
     @property
     def multipliers(self) -> np.ndarray:
-        """Of the contacts, scaled energy, those of smallest norm where they are dependent, [r]."""
+        """Lagrange multipliers of the contacts, scaled energy, those of smallest norm where they are dependent, [r]."""
         return self._forces[0]
 
     @property

@@ -119,7 +119,7 @@ def folds_and_branchings(
     b: Equilibrium,
     others: Sequence[tuple[str, Value]] = (),
 ) -> list[LocatedEvent]:
-    """Return the events inside a step that leave the contacts as they are, in order.
+    """Return limit points and branch points inside a step, along which the active constraints stay the same, in order.
 
     others: further functions, by the type of event that a change of their sign is.
     """

@@ -111,7 +111,7 @@ def flat_roots(line: ParameterLine, low: float, high: float) -> list[tuple[float
     def tip(s: float) -> tuple[float, np.ndarray] | None:
         return _tip(system_at(line, np.append(flat, s), free_hold(line)), first)
 
-    if tip(low) is None or not line.problem.on_sheet(flat):
+    if tip(low) is None or not line.problem.lifts_to_one(flat):
         return []
     where, half = 0.5 * (low + high), 0.5 * (high - low)
 

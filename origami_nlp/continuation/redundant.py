@@ -17,8 +17,7 @@ from functools import cached_property
 from typing import Any, cast
 
 import numpy as np
-from scipy import sparse
-from scipy.sparse.linalg import ArpackNoConvergence, LinearOperator, eigsh
+import scipy as sp
 
 from origami_nlp.continuation.line import ParameterLine
 from origami_nlp.continuation.system import ASLANT, BorderedSystem, Hold
@@ -53,7 +52,7 @@ class RedundantSystem(BorderedSystem):
 
     @cached_property
     def kernel(self) -> np.ndarray:
-        """Orthonormal basis of what closure and contacts leave free, [n, t]."""
+        """Orthonormal basis of the null space of closure and active constraints, [n, t]."""
         p: Any = self.problem
         at_limit = [c.index for c in self.hold.contacts if c.is_limit]
         z = p.kernel(self.x, at_limit)
@@ -92,12 +91,12 @@ class RedundantSystem(BorderedSystem):
 
     def _smallest(self) -> np.ndarray:
         n, count = len(self.imbalance), LOWEST
-        h = sparse.csr_array(self.hessian)
+        h = sp.sparse.csr_array(self.hessian)
         # below every eigenvalue (Gershgorin), the closest ones are the smallest
         below = -float(abs(h).sum(axis=1).max()) - 1.0
         # H - below I > 0, and with rows of J as constraints its inverse on the kernel has eigenvalues 1 / (lambda -
         # below)
-        shifted = (h - below * sparse.eye_array(n)).tocsr()
+        shifted = (h - below * sp.sparse.eye_array(n)).tocsr()
         factor = Factor(shifted, self.jacobian)
 
         def inverse(v: np.ndarray) -> np.ndarray:
@@ -110,12 +109,12 @@ class RedundantSystem(BorderedSystem):
             return d
 
         while True:
-            operator = LinearOperator((n, n), matvec=inverse, dtype=float)
+            operator = sp.sparse.linalg.LinearOperator((n, n), matvec=inverse, dtype=float)
             try:
-                values = eigsh(
+                values = sp.sparse.linalg.eigsh(
                     operator, k=min(count, n - 1), v0=np.ones(n), return_eigenvectors=False
                 )
-            except ArpackNoConvergence as failed:
+            except sp.sparse.linalg.ArpackNoConvergence as failed:
                 values = failed.eigenvalues
             values = values[
                 values > SETTLED / -below
@@ -135,10 +134,12 @@ class RedundantSystem(BorderedSystem):
             below: Any = np.column_stack([c, self.moved])
             across: Any = np.vstack([c.T, np.zeros(len(self.values))])
         else:
-            top = sparse.hstack([sparse.csr_array(h), sparse.csr_array(self.drift[:, None] / size)])
-            matrix = sparse.vstack([top, sparse.csr_array(row[None])]).tocsr()
-            below = sparse.hstack([c, sparse.csr_array(self.moved[:, None])]).tocsr()
-            across = sparse.vstack([c.T, sparse.csr_array((1, len(self.values)))]).tocsr()
+            top = sp.sparse.hstack(
+                [sp.sparse.csr_array(h), sp.sparse.csr_array(self.drift[:, None] / size)]
+            )
+            matrix = sp.sparse.vstack([top, sp.sparse.csr_array(row[None])]).tocsr()
+            below = sp.sparse.hstack([c, sp.sparse.csr_array(self.moved[:, None])]).tocsr()
+            across = sp.sparse.vstack([c.T, sp.sparse.csr_array((1, len(self.values)))]).tocsr()
         try:
             factor = Factor(matrix, below, across)
         except RuntimeError:  # of a sparse matrix that is exactly singular
@@ -191,7 +192,8 @@ class RedundantSystem(BorderedSystem):
         return np.append(z @ v[:-1], v[-1])
 
     def shortest_step(self, along: np.ndarray) -> np.ndarray | None:
-        """Return the shortest Newton's step in (x, s); None where the curve turns far from `along` [n + 1]."""
+        """Return the corrector's step in (x, s), across the curve; None where the curve turns far from `along` [n +
+        1]."""
         solve = self._bordered(along)
         step = solve(-self.imbalance, 0.0, -self.values)
         way = solve(np.zeros(len(self.imbalance)), 1.0, np.zeros(len(self.values)))
@@ -204,7 +206,8 @@ class RedundantSystem(BorderedSystem):
         return self._in_variables(d - share * v)
 
     def step(self, row: np.ndarray, right: float, short: bool = False) -> np.ndarray | None:
-        """Return Newton's step in (x, s) under one more equation, row . (dy, w ds) = right."""
+        """Return Newton's step in (x, s) of the bordered system (pseudo-arclength): row . (dy, w ds) = right is
+        added."""
         found = self._bordered(row)(-self.imbalance, right, -self.values)
         if found is None:
             return None

@@ -14,7 +14,7 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from scipy import sparse
+import scipy as sp
 
 from origami_nlp.continuation.line import ParameterLine
 from origami_nlp.kkt import Classification, State, classify
@@ -193,7 +193,7 @@ class BorderedSystem:
         return np.concatenate([row[:-1], np.zeros(len(self.multipliers)), row[-1:]])
 
     def shortest_step(self, along: np.ndarray) -> np.ndarray | None:
-        """Return the shortest Newton's step in (x, s); None where the curve turns far from `along` [n + 1].
+        """Return the corrector's step in (x, s), across the curve; None where the curve turns far from `along` [n + 1].
 
         It is the step across `direction`, by one factorisation instead of singular values.
         """
@@ -218,7 +218,7 @@ class BorderedSystem:
         return np.append(step[:-1] / self.problem.root, step[-1] / self.line.weight)
 
     def step(self, row: np.ndarray, right: float, short: bool = False) -> np.ndarray | None:
-        """Return Newton's step in (x, s) under one more equation, row . (dy, w ds) = right.
+        """Return Newton's step in (x, s) of the bordered system (pseudo-arclength): row . (dy, w ds) = right is added.
 
         short: the shortest one where the matrix is all but singular.
         """
@@ -243,4 +243,4 @@ def stacked(matrix: Any, rows: np.ndarray) -> Any:
     """Return a matrix with more rows."""
     if isinstance(matrix, np.ndarray):
         return np.concatenate([matrix, rows])
-    return sparse.vstack([matrix, sparse.csr_array(rows)]).tocsr()
+    return sp.sparse.vstack([matrix, sp.sparse.csr_array(rows)]).tocsr()

@@ -183,7 +183,8 @@ class _TracedStep(Generic[F]):
 def advance(
     curve: CurveProblem[F], frame: F, h: float, aside: float = ASIDE
 ) -> tuple[F, float] | None:
-    """Go from `frame` by about arclength h; return the new frame and the arclength; None if that fails.
+    """Take one predictor-corrector step of arclength about h; return the new frame and the arclength; None if that
+    fails.
 
     The arclength is exact to O(h^5); without a bend it is the chord.
     """

@@ -1,7 +1,7 @@
 """All critical points of the energy on the contact-admissible symmetric set X, and the Morse identity.
 
 X has two dimensions, with edges where one contact is closed, vertices where more are, one-dimensional handles, and
-the flat state, where two sheets of X meet in a point.  A state p contributes 1 - chi(lower link of p) to the Euler
+the flat state, where two branches of X meet in a point.  A state p contributes 1 - chi(lower link of p) to the Euler
 characteristic of X (Goresky and MacPherson, Stratified Morse theory, part I; for a polyhedron Banchoff, 1967):
 
 - interior: grad U vanishes on the tangent plane; (-1)^index.

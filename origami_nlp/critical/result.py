@@ -217,12 +217,12 @@ class CriticalPoints(Report):
             )
         return MorseVerdict(total, euler_characteristic, closes, text)
 
-    def table(self, everything: bool = False) -> Table:
+    def table(self, verbose: bool = False) -> Table:
         """Return one row a critical point.
 
         Parameters
         ----------
-        everything
+        verbose
             Also those that are not essential.
 
         Returns
@@ -230,7 +230,7 @@ class CriticalPoints(Report):
         Table
             Number, energy, stratum, kind, index, contribution and residual.
         """
-        shown = self._shown(everything)
+        shown = self._shown(verbose)
         hidden = len(self.points) - len(shown)
         title = f"{self.scene.label or repr(self.scene.vertex)}\n{len(shown)} critical points"
         title += f" ({hidden} more are not essential)" if hidden else ""
@@ -249,12 +249,12 @@ class CriticalPoints(Report):
         heads = ("#", "energy [J]", "stratum", "kind", "index", "adds", "residual")
         return Table(heads, rows, title, "rrllrrr")
 
-    def lines(self, everything: bool = False) -> list[str]:
+    def lines(self, verbose: bool = False) -> list[str]:
         """Return two lines a point: where it is, and what touches and decides there.
 
         Parameters
         ----------
-        everything
+        verbose
             Also those that are not essential.
 
         Returns
@@ -265,7 +265,7 @@ class CriticalPoints(Report):
         creases = [ray.crease for ray in self.scene.group.rays if ray.crease is not None]
         numbers = ", ".join(str(c + 1) for c in creases)
         lines = [f"fold angles of creases {numbers} [deg], contacts, and what decides:"]
-        for number, p in enumerate(self._shown(everything), start=1):
+        for number, p in enumerate(self._shown(verbose), start=1):
             angles = " ".join(f"{math.degrees(p.fold_angles[c]):8.3f}" for c in creases)
             contacts = "; ".join(p.contacts) if p.contacts else "nothing touches"
             lines.append(f"#{number}  {angles.replace('-0.000', ' 0.000')}  {contacts}")
@@ -273,9 +273,9 @@ class CriticalPoints(Report):
             lines.append(f"    {p.how}" + (f"; moment {moments} N m" if moments else ""))
         return lines
 
-    def _shown(self, everything: bool) -> list[CriticalPoint]:
+    def _shown(self, verbose: bool) -> list[CriticalPoint]:
         """Return the points that a person wants to see: the essential ones, or all of them."""
-        return [p for p in self.points if everything or p.essential or p.kind == "undecided"]
+        return [p for p in self.points if verbose or p.essential or p.kind == "undecided"]
 
     def report_sections(self) -> Iterator[Section]:
         """Return the table, the points and the Morse sum."""

@@ -67,9 +67,9 @@ def strata_of(scene: Scene, *, samples: int = FACE_SAMPLES, seed: int = 0) -> St
         without contact, and its boundary is another one with fold limits only.
     """
     model = Model(scene)
-    if model.freedom != 2:
+    if model.dof != 2:
         raise OptionError(
-            f"symmetry = {scene.symmetry!r} leaves {model.freedom} degrees of freedom: critical points are "
+            f"symmetry = {scene.symmetry!r} leaves {model.dof} degrees of freedom: critical points are "
             "found for 2 (degree 6 with D1, degree 8 with D2)"
         )
     if scene.contact != "full":

@@ -76,10 +76,10 @@ def check_animation(target: str | os.PathLike[str]) -> None:
     """
     ending = Path(target).suffix.lower()
     if ending not in (".gif", ".mp4"):
-        raise OptionError(f"--animate = {str(target)!r}: the name must end in .gif, .mp4")
+        raise OptionError(f"animation = {str(target)!r}: the name must end in .gif, .mp4")
     if ending == ".mp4" and shutil.which("ffmpeg") is None:
         raise OptionError(
-            f"--animate = {str(target)!r}: .mp4 needs ffmpeg, which is not on PATH: use .gif"
+            f"animation = {str(target)!r}: .mp4 needs ffmpeg, which is not on PATH: use .gif"
         )
 
 
@@ -105,7 +105,7 @@ def write_animation(content: Content, target: str | os.PathLike[str]) -> None:
         raise OptionError("a film shows a single vertex, not a sheet")
     shots = list(film(content))
     if not shots:
-        raise OptionError(f"--animate = {str(target)!r}: there is no state to show")
+        raise OptionError(f"animation = {str(target)!r}: there is no state to show")
     from matplotlib.animation import FFMpegWriter, PillowWriter
     from matplotlib.figure import Figure
 

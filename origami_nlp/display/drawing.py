@@ -185,7 +185,8 @@ def _hidden_ends(pose: Pose) -> list[bool]:
 
 def _extent(pose: Pose, labels: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Lower left and upper right corners of all that is drawn."""
-    parts = [labels - 0.1, labels + 0.1, np.full((1, 2), -0.05), np.full((1, 2), 0.05)]
+    starts = (pose.offsets + np.roll(pose.offsets, 1, axis=0))[:, :2] / 2  # of the creases' bands
+    parts = [labels - 0.1, labels + 0.1, starts - 0.05, starts + 0.05]
     for f in range(len(pose.creases)):
         arc = pose.arc(f)
         parts += [arc[:, :2] - 0.03, arc[:, :2] + 0.03]
@@ -274,7 +275,7 @@ def _facet_depth(pose: Pose, f: int, x: np.ndarray, y: np.ndarray) -> np.ndarray
 def _facet_colour(normal: np.ndarray) -> Colour:
     """Warm from above, cool from below, darker the more the facet turns from the light."""
     towards = normal if normal[2] >= 0 else -normal
-    shade = 0.80 + 0.20 * max(0.0, float(towards @ LIGHT))
+    shade = 0.72 + 0.30 * max(0.0, float(towards @ LIGHT))
     r, g, b = to_rgb(UPPER if normal[2] >= 0 else LOWER)
     return min(1.0, r * shade), min(1.0, g * shade), min(1.0, b * shade)
 

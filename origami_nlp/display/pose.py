@@ -122,36 +122,37 @@ def _best_view(creases: np.ndarray, normals: np.ndarray, weight: np.ndarray) -> 
     best, best_score = np.eye(3), -math.inf
     n = len(creases)
     i, j = np.triu_indices(n, 1)
-    for elevation in np.radians([25.0, 35.0, 45.0, 60.0]):
+    for elevation in np.radians([20.0, 35.0, 50.0, 65.0, -20.0, -35.0, -50.0, -65.0]):
         for azimuth in np.radians(np.arange(-60.0, 300.0, 7.5)):
             s, c = math.sin(azimuth), math.cos(azimuth)
             se, ce = math.sin(elevation), math.cos(elevation)
             rows = np.array([[-s, c, 0.0], [-se * c, -se * s, ce], [ce * c, ce * s, se]])
             flat = creases @ rows[:2].T
             apart = np.hypot(*(flat[i] - flat[j]).T)
-            seen = float(np.minimum(np.abs(normals @ rows[2]), 0.85) @ weight)
-            edge_on = float(np.minimum(np.abs(normals @ rows[2]), 0.25).min())
-            hidden = _hidden(creases, rows[2])
+            shown = np.minimum(np.abs(normals @ rows[2]), 0.85)
+            creases_hidden, facets_hidden = _hidden(creases, rows[2])
             score = (
-                seen
-                + 1.5 * edge_on
+                1.6 * float((shown * (1 - facets_hidden)) @ weight)
+                + 1.5 * float(np.minimum(shown, 0.25).min())
                 + 1.2 * float(np.minimum(apart, 0.3).mean())
                 + 1.0 * float(np.minimum(apart, 0.2).min())
-                - 0.9 * hidden
-                - 0.15 * abs(elevation - math.radians(35))
+                - 0.9 * creases_hidden
+                - 0.15 * abs(abs(elevation) - math.radians(35))
+                - 0.1 * (elevation < 0)
             )
             if score > best_score + 1e-9:  # the first of equal views, whatever the rounding
                 best, best_score = rows, score
     return best
 
 
-def _hidden(creases: np.ndarray, view: np.ndarray) -> float:
-    """Share of the crease midpoints and ends that a facet hides from a viewer at infinity."""
+def _hidden(creases: np.ndarray, view: np.ndarray) -> tuple[float, np.ndarray]:
+    """Shares that a facet hides from a viewer at infinity: of the creases' middles and ends, and of each facet [N]."""
     n = len(creases)
     a, b = creases, np.roll(creases, -1, axis=0)
-    points = np.concatenate([0.5 * creases, 0.95 * creases])
-    owner = np.tile(np.arange(n), 2)
-    count = 0
+    inner = [t * a + (1 - t) * b for t in (0.2, 0.5, 0.8)]
+    points = np.concatenate([0.5 * creases, 0.95 * creases, *inner])
+    owner, own_facets = np.tile(np.arange(n), 5), np.repeat([False, True], [2 * n, 3 * n])
+    hidden = np.zeros(len(points), dtype=bool)
     for f in range(n):
         # point + t view = x a + y b with t > 0, x, y >= 0, |x a + y b| <= 1
         basis = np.stack([a[f], b[f], -view], axis=1)
@@ -159,6 +160,6 @@ def _hidden(creases: np.ndarray, view: np.ndarray) -> float:
             continue
         x, y, t = np.linalg.solve(basis, points.T)
         length = np.linalg.norm(np.outer(x, a[f]) + np.outer(y, b[f]), axis=1)
-        own = (owner == f) | (owner == (f + 1) % n)
-        count += int(((t > 1e-6) & (x > 0) & (y > 0) & (length < 1) & ~own).sum())
-    return count / (2 * n)
+        own = (owner == f) | ((owner == (f + 1) % n) & ~own_facets)
+        hidden |= (t > 1e-6) & (x > 0) & (y > 0) & (length < 1) & ~own
+    return float(hidden[: 2 * n].mean()), hidden[2 * n :].reshape(3, n).mean(axis=0)

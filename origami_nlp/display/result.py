@@ -53,7 +53,7 @@ class Result:
     READS = True
 
     def draw(self, path: str | PathLike[str] | None = None) -> Figure:
-        """Draw the result; the picture is the one that its command writes with ``--figure``.
+        """Draw the result; the picture is the one that its command writes with ``-o FILE.png``.
 
         Parameters
         ----------
@@ -99,7 +99,7 @@ class Result:
 
     @classmethod
     def load(cls, path: str | PathLike[str]) -> Self:
-        """Read a result of this class that `save`, or a command with ``--json``, has written.
+        """Read a result of this class that `save`, or a command with ``-o FILE.json``, has written.
 
         Parameters
         ----------

@@ -8,14 +8,12 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-import matplotlib
-import numpy as np
-from matplotlib.colors import Colormap, ListedColormap
-from matplotlib.lines import Line2D
-from matplotlib.patches import Patch
-from matplotlib.patheffects import withStroke
+if TYPE_CHECKING:  # tables read colours here: matplotlib loads when something is drawn
+    from matplotlib.colors import Colormap
+    from matplotlib.lines import Line2D
+    from matplotlib.patches import Patch
 
 
 @dataclass(frozen=True)
@@ -100,7 +98,11 @@ def energy_colours() -> Colormap:
     matplotlib.colors.Colormap
         For energies.
     """
-    scale = matplotlib.colormaps["YlGnBu_r"](np.linspace(0.03, 0.90, 256))
+    import numpy as np
+    from matplotlib import colormaps
+    from matplotlib.colors import ListedColormap
+
+    scale = colormaps["YlGnBu_r"](np.linspace(0.03, 0.90, 256))
     return ListedColormap(scale, name="energy")
 
 
@@ -174,6 +176,8 @@ def mark_minimum(
     kind, verdict, size
         As in `minimum_look`.
     """
+    from matplotlib.patheffects import withStroke
+
     halo = [withStroke(linewidth=0.19 * size, foreground="white")]
     look = minimum_look(kind, verdict, size)
     axes.plot(*point, **look, zorder=7, clip_on=False, path_effects=halo, gid="mark")
@@ -194,6 +198,8 @@ def minima_legend(found: Iterable[tuple[str, str | None]], size: float) -> list[
     list of matplotlib.lines.Line2D
         Handles with labels.
     """
+    from matplotlib.lines import Line2D
+
     pairs = set(found)
     kinds = [kind for kind in KINDS if any(k == kind for k, _ in pairs)]
     entries = [
@@ -222,6 +228,8 @@ def passes_legend(kinds: Iterable[str], size: float) -> list[Line2D]:
     list of matplotlib.lines.Line2D
         Handles with labels.
     """
+    from matplotlib.lines import Line2D
+
     found = set(kinds)
     return [
         Line2D([], [], label=f"pass: {kind}", **pass_look(kind, size))
@@ -243,4 +251,6 @@ def patch(colour: str, label: str) -> Patch:
     matplotlib.patches.Patch
         The handle.
     """
+    from matplotlib.patches import Patch
+
     return Patch(facecolor=colour, edgecolor="#777777", linewidth=0.6, label=label)

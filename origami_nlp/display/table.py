@@ -198,7 +198,7 @@ class Report(PrettyRepr, Result, ABC):
                 for inner in piece.pieces:
                     write(inner)
             else:
-                where = "--verbose, --json; in Python report(verbose=True)"
+                where = "--verbose, -o FILE.json; in Python report(verbose=True)"
                 write(Words(f"{piece.title}: {where}", "dim"))
 
         for piece in self.report_sections():

@@ -98,7 +98,7 @@ def subscript(number: int) -> str:
 
 
 def angle_ticks(axis: Any, low: float, high: float) -> None:
-    """Put ticks at multiples of pi/4, pi/2 where there are many.
+    """Put ticks in degrees at multiples of 45, or of 90 where there are many.
 
     Parameters
     ----------
@@ -110,4 +110,6 @@ def angle_ticks(axis: Any, low: float, high: float) -> None:
     quarters = [q for q in range(-8, 9) if low - 1e-9 <= q * math.pi / 4 <= high + 1e-9]
     if high - low > 1.1 * math.pi:
         quarters = [q for q in quarters if q % 2 == 0]
-    axis.set_ticks([q * math.pi / 4 for q in quarters], [pi_label(q, 4) for q in quarters])
+    axis.set_ticks(
+        [q * math.pi / 4 for q in quarters], [f"{45 * q}°".replace("-", "−") for q in quarters]
+    )

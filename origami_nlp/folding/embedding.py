@@ -36,7 +36,7 @@ class Embedding:
     Attributes
     ----------
     admissible
-        Whether it closes on the sheet q = +1, keeps |phi| <= pi and its facets do not cross.
+        Whether it closes on the lift q = +1, keeps |phi| <= pi and its facets do not cross.
     reason
         Why not, in words; empty when admissible.
     closure_residual

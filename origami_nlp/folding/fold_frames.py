@@ -24,7 +24,7 @@ from origami_nlp.folding.layers import layer_problem, ordered
 from origami_nlp.io import write_whole
 from origami_nlp.numerics import CONTACT_TOL
 from origami_nlp.pattern import (
-    HELD_KEY,
+    FIXED_KEY,
     LOADS_KEY,
     PRELOAD_KEY,
     REST_KEY,
@@ -92,7 +92,7 @@ def _loads(scene: Scene) -> dict[str, Any]:
         out[PRELOAD_KEY] = [*scene.preload, *[None] * scene.degree]
     if scene.loads:
         out[LOADS_KEY] = [load.to_dict() for load in scene.loads]
-        out[HELD_KEY] = scene.held_facet
+        out[FIXED_KEY] = scene.fixed_facet
     return out
 
 

@@ -148,23 +148,23 @@ def _barriers(
     """Measure every barrier: along the curve with one degree of freedom, by `find_barriers` with two."""
     if not targets.barriers:
         return ()
-    freedom = targets.model.freedom
-    if freedom > 2:
+    dof = targets.model.dof
+    if dof > 2:
         return tuple(
             HeldBarrier(
                 b.start,
                 b.end,
                 math.nan,
                 (),
-                f"barriers of {freedom} degrees of freedom are not known",
+                f"barriers of {dof} degrees of freedom are not known",
             )
             for b in targets.barriers
         )
     model = Model(scene)
-    passes = find_barriers(scene, minima, seed=seed).passes if freedom == 2 else ()
+    passes = find_barriers(scene, minima, seed=seed).passes if dof == 2 else ()
     out = []
     for b in targets.barriers:
-        if freedom == 1:
+        if dof == 1:
             # one way serves both directions: its top is the same
             way = ways[(b.start, b.end)] if (b.start, b.end) in ways else ways[(b.end, b.start)]
             top, x = height(model, way)

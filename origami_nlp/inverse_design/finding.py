@@ -114,9 +114,9 @@ def design(
         refuse("pattern", _OF_A_VERTEX, **asked)
     if ask.maximise == "barrier" and not targets.barriers:
         raise OptionError("[ask] maximise = 'barrier' needs [[barriers]] with the pairs that count")
-    if ask.maximise == "barrier" and targets.model.freedom != 1:
+    if ask.maximise == "barrier" and targets.model.dof != 1:
         raise OptionError(
-            f"[ask] maximise = 'barrier' needs one degree of freedom; the vertex has {targets.model.freedom}"
+            f"[ask] maximise = 'barrier' needs one degree of freedom; the vertex has {targets.model.dof}"
         )
     say = progress or (lambda _: None)
     work = _Work(targets, ask, name, seed, effort, say)
@@ -150,7 +150,7 @@ class _Work:
         self.targets, self.ask, self.name = targets, ask, name
         self.seed, self.effort, self.say = seed, effort, say
         self.more: tuple[ConeRows, ...] = ()
-        one = bool(targets.barriers) and targets.model.freedom == 1
+        one = bool(targets.barriers) and targets.model.dof == 1
         self.passes = Passes(targets) if one else None
 
     def solved(

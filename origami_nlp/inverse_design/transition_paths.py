@@ -66,7 +66,7 @@ def paths_between(model: Model, a: np.ndarray, b: np.ndarray) -> list[Transition
     Parameters
     ----------
     model
-        With `freedom` 1.
+        With `dof` 1.
     a, b
         Closed states, shape [n].
 

@@ -52,7 +52,7 @@ def cuts(targets: Targets, unwanted: np.ndarray) -> list[list[tuple[ConeRows, ..
     kind = np.rint(model.reduce(targets.kinds.astype(float))).astype(int)
     x = model.reduce(unwanted)
     wanted = [p.state.x for p in targets.placed]
-    if model.freedom == 1 and (curve := curve_of(model, x)) is not None:
+    if model.dof == 1 and (curve := curve_of(model, x)) is not None:
         out: list[tuple[ConeRows, ...]] = []
         i = int(np.abs(curve.states - x).max(axis=1).argmin())
         ends = ((curve.states[i:], curve.end), (curve.states[: i + 1][::-1], curve.start))

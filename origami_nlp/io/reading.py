@@ -86,6 +86,10 @@ def read_limited(
         raise error(
             f"{what} {str(source)!r} is larger than {largest // 10**6} MB: not a {what} file"
         )
+    if not raw.strip():
+        raise error(
+            "standard input is empty" if str(source) == "-" else f"{what} {str(source)!r} is empty"
+        )
     for inputs in _kept:
         inputs[str(source)] = raw
     return raw.removeprefix(codecs.BOM_UTF8)
@@ -186,7 +190,8 @@ def read_toml(
         As of `read_limited` and `parse_toml`.
     """
     raw = read_limited(source, largest, what, error)
-    return parse_toml(as_text(raw, f"{what} {str(source)!r}", error), what, error)
+    name = f"{what} {str(source)!r}"
+    return parse_toml(as_text(raw, name, error), name, error)
 
 
 def as_text(raw: bytes, what: str, error: type[OrigamiError]) -> str:
@@ -257,7 +262,10 @@ def check_tables(
             raise error(f"{table} = {shown(content)} must be {should}")
         for key in (key for one in entries for key in one if known[table]):
             if key not in known[table]:
-                meant = did_you_mean(key, known[table])
+                home = next((other for other in known if key in known[other]), None)
+                meant = did_you_mean(key, known[table]) or (
+                    f"; {key} is a key of [{home}]" if home else ""
+                )
                 raise error(
                     f"unknown key {key!r} in [{table}]: it takes {', '.join(known[table])}{meant}"
                 )

@@ -165,6 +165,8 @@ def check_outputs(*named: tuple[str, Target | None]) -> None:
         if target is None or is_stdout(target) or not _is_replaceable(_status(target)):
             continue
         place = os.path.realpath(target)
+        if seen.get(place) == option:
+            raise OptionError(f"{option} = {_shown(target)} is given twice")
         if place in seen:
             raise OptionError(
                 f"{option} = {_shown(target)} is the file of {seen[place]} too: give it another name"
@@ -193,6 +195,8 @@ def make_folder(folder: Target, option: str) -> Path:
         If it cannot be made.
     """
     with _named(folder, option):
+        if os.path.isfile(folder):
+            raise OptionError(f"{option} = {_shown(folder)} is a file: name a folder")
         os.makedirs(folder, exist_ok=True)
     return Path(folder)
 

@@ -47,7 +47,8 @@ class Classification(ShortRepr):
     verdict
         ``minimum``, ``saddle``, ``not stationary``, ``not admissible`` or ``undecided``.
     kind
-        For minima ``interior``, ``contact-pinned``, ``contact-touching`` or ``degenerate``; else None.
+        For minima ``interior`` (no active constraint), ``contact-pinned``, ``contact-touching`` (strict complementarity
+        fails: an active constraint has multiplier zero) or ``degenerate``; else None.
     reason
         The certificate of a minimum, or why it is not one.
     local_dimension
@@ -192,7 +193,7 @@ def _decide(state: State, accuracy: float) -> Classification:
     if real and not all(b.regular for b in real):
         dimension = dimension_nearby(state, contacts.base)
     certificate = "; ".join(dict.fromkeys(b.certificate for b in decisive))
-    if 0 < dimension < model.freedom:
+    if 0 < dimension < model.dof:
         certificate += f"; nearby states exist only with {_held_words(model, decisive)} exactly"
     return Classification(
         "minimum",
@@ -332,6 +333,7 @@ def _kind(branches: list[BranchJudgement]) -> Kind:
         return "degenerate"
     if all(not b.rows for b in branches):
         return "interior"
+    # strict complementarity (Nocedal & Wright, definition 12.5)
     loaded = all((b.multipliers.smallest > 0).all() for b in branches)
     return "contact-pinned" if loaded else "contact-touching"
 

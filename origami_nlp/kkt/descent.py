@@ -223,7 +223,8 @@ def _step(
     curved: bool,
     leads: Callable[[np.ndarray, np.ndarray], bool] | None,
 ) -> tuple[np.ndarray, float] | None:
-    """Take one admissible step down, of at most `length`; None if there is none."""
+    """Take one admissible step down, of at most `length`, by a backtracking line search; None where no step is
+    lower."""
     model, x = state.problem, state.x
     near = model.about_to_close(x, length)
     choices = state.pieces
@@ -238,6 +239,7 @@ def _step(
             continue
         slope = float(state.local.gradient @ d)
         step = min(1.0, length / size)
+        # sufficient decrease (Nocedal & Wright, 3.4), along states that are pulled back onto closure
         while step * size >= SHORTEST:
             found = _lower(state, step * d, DECREASE * step * slope, held, leads)
             if found is None and curved:

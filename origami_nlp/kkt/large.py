@@ -1,7 +1,8 @@
 """States of problems too large for singular values and kernels: certificates by sparse factors, fold limits alone.
 
-Positive curvature along what closure and loaded limits leave free is shown by H + rho J'J > 0 (Finsler), whatever the
-rank of J: the smallest eigenvalue of that matrix bounds the curvature on the kernel from below.
+That the reduced Hessian is positive definite on the null space of closure and loaded limits is shown by H + rho J'J > 0
+(Finsler), whatever the rank of J: the smallest eigenvalue of that matrix bounds the curvature on the null space from
+below.
 """
 
 from __future__ import annotations
@@ -12,8 +13,7 @@ from functools import partial
 from typing import cast
 
 import numpy as np
-from scipy import sparse
-from scipy.sparse.linalg import ArpackNoConvergence, eigsh
+import scipy as sp
 
 from origami_nlp.kkt.certificates import BY_CLOSURE, BranchJudgement
 from origami_nlp.kkt.descent_witness import FAR, DescentWitness
@@ -35,7 +35,7 @@ DRAWN = 10
 
 
 def judge_large(state: State) -> Iterator[BranchJudgement]:
-    """Judge a state by its fold limits: balanced by moments >= 0, curved up along what loaded ones leave free.
+    """Judge a state by its fold limits: Lagrange multipliers >= 0, and a positive definite reduced Hessian.
 
     Yields
     ------
@@ -55,7 +55,7 @@ def judge_large(state: State) -> Iterator[BranchJudgement]:
     residual = float(np.abs(left).max(initial=0.0))
     found = Multipliers(residual, True, moments)
 
-    say = partial(BranchJudgement, rows=rows, multipliers=found, cone_dimension=p.freedom)
+    say = partial(BranchJudgement, rows=rows, multipliers=found, cone_dimension=p.dof)
     if residual > STATIONARY * 10 * size:
         why = "no multipliers >= 0 balance the springs"
         yield say("undecided", why, 0, more=(-left,))
@@ -115,7 +115,7 @@ def _directions(state: State, branch: BranchJudgement) -> Iterator[np.ndarray]:
         yield from (s * d / size for s in both if size > 0)
 
 
-def smallest_curvature(h: sparse.sparray, j: sparse.sparray) -> tuple[float, np.ndarray]:
+def smallest_curvature(h: sp.sparse.sparray, j: sp.sparse.sparray) -> tuple[float, np.ndarray]:
     """Return the smallest curvature along what closure allows, from below, and its direction.
 
     Parameters
@@ -133,13 +133,15 @@ def smallest_curvature(h: sparse.sparray, j: sparse.sparray) -> tuple[float, np.
         Its vector, [n].
     """
     # Finsler: on the kernel of J the penalty adds nothing, so that what is positive with it is positive there
-    whole = (sparse.csc_array(h) + PENALTY * sparse.csc_array(j).T @ sparse.csc_array(j)).tocsc()
+    whole = (
+        sp.sparse.csc_array(h) + PENALTY * sp.sparse.csc_array(j).T @ sp.sparse.csc_array(j)
+    ).tocsc()
     # below every eigenvalue (Gershgorin; J'J adds none below), the closest one is the smallest
-    below = -float(np.abs(sparse.csr_array(h)).sum(axis=1).max()) - 1.0
+    below = -float(np.abs(sp.sparse.csr_array(h)).sum(axis=1).max()) - 1.0
     n = whole.shape[0]
     try:
-        values, vectors = eigsh(whole, k=1, sigma=below, which="LM", v0=np.ones(n))
-    except ArpackNoConvergence:
+        values, vectors = sp.sparse.linalg.eigsh(whole, k=1, sigma=below, which="LM", v0=np.ones(n))
+    except sp.sparse.linalg.ArpackNoConvergence:
         return math.nan, np.zeros(n)
     vector = vectors[:, 0]
     # an eigenvalue lies within the residual of a unit vector's Rayleigh quotient

@@ -77,7 +77,7 @@ class State:
 
     @cached_property
     def kernel(self) -> np.ndarray:
-        """Orthonormal basis of the directions that closure allows to first order, in the metric, [n, t]."""
+        """Orthonormal basis of the null space of closure, the infinitesimal motions, in the metric, [n, t]."""
         p: Any = self.problem
         if p.redundant and not p.sparse:  # whose metric is that of all fold angles
             return cast(np.ndarray, p.kernel(self.x))
@@ -119,7 +119,7 @@ class State:
 
     @cached_property
     def contacts(self) -> ClosedContacts:
-        """Contacts that are closed to `tolerance`."""
+        """Active constraints: contacts that are closed to `tolerance`."""
         local = None if self.problem.sparse else self.local
         return self.problem.closed(self.x, self.tolerance, local)
 
@@ -234,7 +234,7 @@ class Stratum:
 
     @cached_property
     def tangent(self) -> np.ndarray:
-        """Orthonormal basis of the directions that keep the contacts closed to first order, in the metric, [n, t]."""
+        """Orthonormal basis of the null space of closure and active constraints, in the metric, [n, t]."""
         return null_space(self.jacobian) if self.contacts else self.state.kernel
 
     @property
@@ -253,7 +253,7 @@ class Stratum:
 
     @cached_property
     def multipliers(self) -> np.ndarray:
-        """Forces of closure and contacts that balance the springs best, of smallest norm, [m + r]."""
+        """Lagrange multipliers of closure and contacts that balance the springs best, of smallest norm, [m + r]."""
         return np.linalg.lstsq(self.jacobian.T, self.state.gradient, rcond=DEPENDENT)[0]
 
     @property
@@ -263,7 +263,7 @@ class Stratum:
 
     @cached_property
     def multiplier_set(self) -> Multipliers:
-        """All multipliers >= 0 of the contacts that balance the springs along closure."""
+        """All Lagrange multipliers >= 0 of the active constraints that balance the springs along closure."""
         z = self.state.kernel
         return find_multipliers((self.slopes @ z).T, z.T @ self.state.gradient)
 

@@ -147,8 +147,12 @@ class ExactLandscape(Report, Viewable):
     def report_sections(self) -> Iterator[Section]:
         """Return the minima with their places and verdicts, and the boundary."""
         yield self.table()
-        text = " -> ".join("?" if n is None else str(n) for n in self.counts)
-        yield f"N_sym -> N_not-ruled-out -> N_full: {text}"
+        symmetric, not_unstable, stable = self.counts
+        yield f"{symmetric} symmetric minima (N_sym)" + (
+            "; stability in the full space was not asked for"
+            if stable is None
+            else f"; in the full space {not_unstable} not ruled out, {stable} stable (N_full)"
+        )
         if self.boundary is None:
             yield "boundary not traced: contact is not 'full'"
             return

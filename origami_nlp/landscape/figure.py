@@ -60,7 +60,7 @@ def draw_landscape(exact: ExactLandscape, barriers: Barriers | None = None) -> F
     if exact.chart.kind != "area":
         why = (
             exact.chart.reason
-            or "one symmetric degree of freedom only: `origami-nlp minima --figure`"
+            or "one symmetric degree of freedom only: `origami-nlp minima -o FILE.png`"
         )
         raise OptionError(f"scene has no two-dimensional landscape: {why}")
     count = len(exact.chart.branches)

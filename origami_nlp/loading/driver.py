@@ -1,6 +1,6 @@
 """What drives a load path of a vertex: a torque on creases, or a factor of the forces that a scene states.
 
-`Driver` says what a load path asks of a driver, of a vertex here or of a pattern (`sheet.PatternDriver`).
+`Driver` says what a load path asks of a driver, of a vertex here or of a pattern (`pattern_driver.PatternDriver`).
 """
 
 from __future__ import annotations
@@ -159,7 +159,7 @@ class VertexDriver:
         phi = np.asarray(fold_angles, dtype=float)
         if self.crease is not None:
             return phi[..., np.array(self.creases) - 1].mean(axis=-1)
-        dead = dead_loads(self.scene.loads, self.scene.held_facet)
+        dead = dead_loads(self.scene.loads, self.scene.fixed_facet)
         assert dead is not None
         work = -dead.energy(np.array(self.scene.vertex.sector_angles), phi)
         return work / float(np.linalg.norm(dead.forces))

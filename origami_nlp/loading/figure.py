@@ -20,12 +20,12 @@ from origami_nlp.pattern import Pattern
 PICTURE_WIDTH = 9.6
 """Of a picture [inches]."""
 TALL, MOST_DRAWN = 2.9, 4
-"""Of the row of sheets [inches], and how many stand there."""
+"""Of the row of folded states [inches], and how many there are."""
 PATH, SNAP = "#222222", "#c1121f"
 
 
 def draw_load(path: LoadPath) -> Figure:
-    """Draw load against angle, and the energy of the states that are passed; of a pattern also the sheet round snaps.
+    """Draw load against angle, and the energy of the states that are passed; of a pattern also its states round snaps.
 
     Parameters
     ----------
@@ -36,7 +36,7 @@ def draw_load(path: LoadPath) -> Figure:
     -------
     matplotlib.figure.Figure
         Left the load over what it works on: the path in grey, snaps as red arrows, events with their numbers, which the
-        lines below name.  Right the energy without the load.  Of a pattern, below, the first sheets of the path, with
+        lines below name.  Right the energy without the load.  Of a pattern, below, the first states of the path, with
         rings where facets touch, full where they push.
 
     Raises
@@ -50,13 +50,13 @@ def draw_load(path: LoadPath) -> Figure:
     upper: Any = figure
     if path.pattern is not None:
         upper, lower = figure.subfigures(2, 1, height_ratios=(height, tall))  # type: ignore[misc]
-        _place_sheets(lower, path, path.pattern)
+        _place_states(lower, path, path.pattern)
     _place(upper, path)
     return figure
 
 
-def _place_sheets(figure: Any, path: LoadPath, pattern: Pattern) -> None:
-    """Draw the sheet at the start, on both sides of snaps, and at the ends of legs that do not snap."""
+def _place_states(figure: Any, path: LoadPath, pattern: Pattern) -> None:
+    """Draw the pattern at the start, on both sides of snaps, and at the ends of legs that do not snap."""
     unit = path.driver.unit
     shown = [
         (f"at {p.t:.4g} {unit}", p.fold_angles, p.t)
@@ -86,15 +86,15 @@ def _place_sheets(figure: Any, path: LoadPath, pattern: Pattern) -> None:
         axes.set_title(title, fontsize=9)
 
 
-def carried_at(sheet: Any, phi: np.ndarray) -> tuple[ContactForce, ...]:
-    """Return the closed contacts of an equilibrium [n] and what they carry; none of sheets too large for a kernel."""
-    if sheet.sparse:
+def carried_at(problem: Any, phi: np.ndarray) -> tuple[ContactForce, ...]:
+    """Return the closed contacts of an equilibrium [n] and what they carry; none of patterns too large for a kernel."""
+    if problem.sparse:
         return ()
-    found = sheet.closed(phi)
+    found = problem.closed(phi)
     contacts = tuple(
         dict.fromkeys((*found.base, *(c for b in found.branches for o in b for c in o)))
     )
-    return contact_forces(State(sheet, phi), contacts)
+    return contact_forces(State(problem, phi), contacts)
 
 
 def _lines(path: LoadPath) -> tuple[list[str], float]:

@@ -19,7 +19,7 @@ from origami_nlp.continuation import (
 )
 from origami_nlp.errors import OUT_OF_TIME, OptionError, OutOfTime
 from origami_nlp.loading.driver import LoadSearch, VertexDriver
-from origami_nlp.loading.job import Job
+from origami_nlp.loading.job import FollowedLoad
 from origami_nlp.loading.pattern_driver import PatternDriver, work_on
 from origami_nlp.loading.result import LoadPath
 from origami_nlp.minima import JudgedState
@@ -37,7 +37,7 @@ def load_path(
     *,
     to: float | str = "snap",
     state: int | JudgedState = 1,
-    back: bool = False,
+    unload: bool = False,
     confirm: bool = True,
     full: bool | None = None,
     effort: str = "normal",
@@ -57,15 +57,15 @@ def load_path(
     origami
         A scene or a pattern, as `find_minima` takes it.
     load
-        Number (1-based) of the crease that the torque t [N m] is on, towards valley > 0; of a scene its images under
-        the symmetry bear the same, and None is t times the forces of the scene's loads.  Of a pattern also several
-        numbers, t on each of them, or a `Torque`, `Pull` or `DeadForce` of it.
+        Number (1-based) of the crease that the torque t [N m] is on, towards valley > 0, and on its images under the
+        symmetry of a scene; None: t times the forces of the scene's loads.  Of a pattern also several numbers, or a
+        `Torque`, `Pull` or `DeadForce`.
     to
         Load at which the path ends, from 0; ``"snap"``: both ways to the first snap.
     state
-        Number (1-based) of the stable state at load 0, by energy; of a pattern also a state that `find_minima` gave.
-    back
-        Whether the load then falls back to 0, from where it came to; of a pattern also from where it snapped.
+        Number (1-based) of the stable state at load 0, by energy; of a pattern also a state of `find_minima`.
+    unload
+        Whether the load then falls back to 0; of a pattern also from where it snapped.
     confirm
         Whether both sides of each snap are confirmed by searches; of patterns under torques only.
     full
@@ -78,8 +78,8 @@ def load_path(
     options
         Of the continuation; of a pattern lengths are root mean squares over creases.
     seconds
-        Wall time for all of it, give or take a second or two: what was followed by then is returned, with an alarm that
-        says what was left out.  None: no limit.
+        Wall time, to a second or two: what was followed by then is returned, and what was left out named.  None: no
+        limit.
 
     Returns
     -------
@@ -97,9 +97,6 @@ def load_path(
     >>> path = o.load_path(o.examples.degree6("5*pi/12"), 1, to=0.05)
     >>> [(event.type, round(event.t, 6)) for event in path.events]
     [('closes', 0.042461)]
-    >>> path = o.load_path(o.examples.pattern("metasheet", 3, 3), [1, 2], to=0.05)
-    >>> [round(leg.points[-1].t, 6) for leg in path.legs]
-    [0.05]
     """
     driver: VertexDriver | PatternDriver
     stated = as_origami(origami)
@@ -117,7 +114,7 @@ def load_path(
     full = True if full is None else full
     defaults = ContinuationOptions()
     check_type("options", defaults if options is None else options, ContinuationOptions)
-    for name, flag in (("back", back), ("confirm", confirm), ("full", full)):
+    for name, flag in (("unload", unload), ("confirm", confirm), ("full", full)):
         check_flag(name, flag)
     far = driver.farthest
     if (isinstance(to, str) and to != "snap") or to == 0:
@@ -125,11 +122,11 @@ def load_path(
     ends = [-far, far] if to == "snap" else [check_number("to", to)]
     search = LoadSearch(asked, check_until(seconds))
     driver, number, x = driver.begin(state, search)
-    job = Job(driver, min(0.0, *ends), max(0.0, *ends), full, options, search.until)
+    job = FollowedLoad(driver, min(0.0, *ends), max(0.0, *ends), full, options, search.until)
     try:
         for end in ends:
             arrived = job.go(x, 0.0, end, once=to == "snap")
-            if back and arrived is not None:
+            if unload and arrived is not None:
                 job.between(0.0, end)
                 arrived[0].go(*arrived[1:], 0.0, once=False)
                 job.between(*ends)

@@ -52,7 +52,7 @@ MOST_SNAPS = 20
 class Way(NamedTuple):
     """Stable states that the load passes in one space, one way, and the number of the snap that ends them."""
 
-    job: Job
+    job: FollowedLoad
     segment: StableSegment
     toward: float
     snap: int | None
@@ -61,15 +61,15 @@ class Way(NamedTuple):
 class Fall(NamedTuple):
     """A snap: from a node in one space to a state, known at the load s, in one."""
 
-    job: Job
+    job: FollowedLoad
     node: int
-    into: Job
+    into: FollowedLoad
     state: np.ndarray
     s: float
     what: Classification
 
 
-class Job:
+class FollowedLoad:
     """One load path while it is followed, in one space: with the symmetry of a scene, or (of a `home`) without it."""
 
     def __init__(
@@ -80,10 +80,10 @@ class Job:
         full: bool,
         steps: ContinuationOptions | None,
         until: float,
-        home: Job | None = None,
+        home: FollowedLoad | None = None,
     ) -> None:
         self.driver, self.low, self.high = driver, low, high
-        self.over = ParameterRange(driver.name, low, high, driver.unit, False)
+        self.parameter = ParameterRange(driver.name, low, high, driver.unit, False)
         self._given, self.home = (full, steps, until), home
         self.lazy = driver.lazy or home is not None
         self._full = driver.full_line() if full else None
@@ -103,15 +103,17 @@ class Job:
         self.alarms: list[str] = [] if home is None else home.alarms
 
     @cached_property
-    def beyond(self) -> Job:
+    def beyond(self) -> FollowedLoad:
         """The same path without the symmetry; itself where none is imposed, or states are to keep it."""
         if self._full is None:
             return self
         assert isinstance(self.driver, VertexDriver)
-        return Job(self.driver.without_symmetry(), self.low, self.high, *self._given, home=self)
+        return FollowedLoad(
+            self.driver.without_symmetry(), self.low, self.high, *self._given, home=self
+        )
 
     @property
-    def jobs(self) -> list[Job]:
+    def jobs(self) -> list[FollowedLoad]:
         """The spaces in which something was followed."""
         other = self.__dict__.get("beyond", self)
         return [self] if other is self else [self, other]
@@ -171,7 +173,7 @@ class Job:
         *,
         once: bool,
         before: tuple[Equilibrium, ...] = (),
-    ) -> tuple[Job, np.ndarray, float] | None:
+    ) -> tuple[FollowedLoad, np.ndarray, float] | None:
         """Load the minimum x from s to `end`, through snaps unless `once`; returns where it arrives.
 
         before: stable states that led to x.
@@ -227,7 +229,7 @@ class Job:
         self.alarms.append(f"more than {MOST_SNAPS} snaps")
         return None
 
-    def _lost(self, way: StableSegment) -> tuple[Job, SpecialPoint] | None:
+    def _lost(self, way: StableSegment) -> tuple[FollowedLoad, SpecialPoint] | None:
         """Return where a way ends because its states lose stability, and in which space that is seen; None elsewhere.
 
         At the flat state branches cross: from there the energy falls along another one.
@@ -273,7 +275,7 @@ class Job:
         for job in self.jobs:
             web = job.web
             parts = {k: parts_of(arc, not job.lazy) for k, arc in enumerate(web.arcs)}
-            more = branches_of(web, job.over, chains_of(web), parts, job.across)
+            more = branches_of(web, job.parameter, chains_of(web), parts, job.across)
             branches, events = joined((branches, events), more)
         for branch in branches:
             for r in branch.kind_ranges:

@@ -25,7 +25,7 @@ from origami_nlp.pattern_problem import state_frame, states_to_fold
 
 WHY = {
     "range": "stable to the end of the range",
-    "breaks-symmetry": "stopped: beyond, the state is stable only while its symmetry is kept",
+    "breaks-symmetry": "beyond, the state is stable only while its symmetry is kept",
 }
 """Why a leg ends, in words, where the name alone does not say it."""
 
@@ -162,7 +162,8 @@ class LoadPath(Report, Viewable):
 
     def _more(self) -> Iterator[str]:
         if self.scene is not None and not self.scene.group.is_trivial:
-            yield f"states keep the symmetry {self.scene.group.name}; where they would break it the path stops"
+            name = self.scene.group.name
+            yield f"states keep the symmetry {name}; --symmetry none follows those that break it as well"
         for number, leg in enumerate(self.legs, start=1):
             at = [p.angle for p in leg.points]
             if len(at) > 1 and max(at) - min(at) <= INPUT_TOL * self.driver.arm:

@@ -61,7 +61,7 @@ def walk(
     end: float,
     across: Callable[[Equilibrium], float] = lambda frame: math.nan,
 ) -> StableSegment | None:
-    """Go from the stable state `start` at s towards the load `end`, through all that leaves it a minimum.
+    """Go from the stable state `start` at s towards the load `end`, up to the limit point or bifurcation that ends it.
 
     None where it is not in the diagram.  What was left of it (`BifurcationDiagram.resume`) is followed where the way
     goes on there. across: smallest eigenvalue across the symmetry; where it changes sign to below zero the way ends.

@@ -72,7 +72,7 @@ from .noise import (
     drawn_errors as drawn_errors,
     survival_words as survival_words,
 )
-from .one_freedom import CandidateMinima as CandidateMinima, trace as trace
+from .one_dof import CandidateMinima as CandidateMinima, trace as trace
 from .pattern_account import (
     ESCAPE_PATHS as ESCAPE_PATHS,
     MEETINGS as MEETINGS,

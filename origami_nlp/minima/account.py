@@ -21,63 +21,52 @@ FEW_QUIET = 10
 
 @dataclass(repr=False)
 class SearchReport(ShortRepr):
-    """What a search did; that of a pattern is a `sheets.PatternSearchReport`, which says more.
+    """What a search did; `PatternSearchReport` says more of a pattern.
 
     Attributes
     ----------
-    starts
-        States from which descents began.
-    feasible_starts
-        Those that were admissible; the others were dropped.  Of a pattern: those that could be closed.
-    solves
-        Of IPOPT, which confirms each minimum; for large degrees it also searches.
-    iterations
-        Of IPOPT, over all solves.
-    statuses
-        IPOPT's return statuses over all solves.
+    starts, feasible_starts
+        States from which descents began; those of them that were admissible, of a pattern that could be closed.
+    solves, iterations, statuses
+        IPOPT's solves, iterations over all of them, and return statuses.
     outcomes
         Converged starts by what their end state is.
     expected_undiscovered
-        Chao's estimate of the number of minima that no drawn start reached: a lower bound in expectation, no guarantee;
-        inf of a pattern, of which it is not counted how often a minimum was reached.
+        Chao's estimate of the number of minima that no random start reached: a lower bound in expectation, no
+        guarantee; inf of a pattern.
     stopped_by
         ``"rule"``, ``"cap"``, ``"time"`` (or the user), or ``"complete"``: nothing was left to sample.
     seconds
         Of wall time.
-    seed
-        Of the random starts.
-    effort
-        What was asked for.
+    seed, effort
+        As they were asked for.
     by_source
-        Starts by where they began: corners of the state space, near them, on strata, in the interior, on touches.
+        Starts by the family that they came from.
     stalled
-        Descents that ended nowhere.
+        Descents that did not converge.
     failed
-        What was left out, by reason: ends of descents that are no state (they do not close), and parts of the search,
-        named, at which linear algebra broke down.
+        What was left out, by reason: ends of descents that do not close, parts of the search where linear algebra
+        failed.
     seen_once
-        Minima that one drawn start reached.
+        Minima that one random start reached.
     quiet
-        Drawn starts since the last new minimum.
-    corners
-        States that fold limits alone leave no degree of freedom, from which descents began.
-    every_corner
-        Whether these are all of them, each judged then.
+        Random starts since the last new minimum.
+    corners, every_corner
+        States that fold limits alone leave no degree of freedom, from which descents began; whether these are all.
     strata
-        With full contact and without symmetry: which strata with touches were started, by class.
+        With full contact and without symmetry: which contact strata were started from, by class.
     complete
         Why nothing is missing, where that is known; "" elsewhere.
     refused
         Guesses at which no minimum is listed, each with the reason (`hits` is 0).
     rejected
         Distinct answers that are no minimum, with the reason and hits.
+    undecided
+        Distinct states that were neither certified nor rejected.
     left_out
-        Parts of the search that its time, or an interruption, ended: what they had found before is listed; of a vertex
-        `stopped_by` says so.
+        Parts of the search that its time, or an interruption, ended: what they had found before is listed.
     interrupted
         Whether the user ended it.
-    undecided
-        Those that may or may not be one, by name: not polished, or not certified.
     """
 
     starts: int = 0

@@ -85,7 +85,7 @@ class Branches:
     """Branches [B] of sections, resolved: states and tangents at the nodes.
 
     sections: one for each.  side: which completion.  x: fold angles [B, NODES, n], continuous.  tangents: of unit
-    length, [B, NODES, n].  odd: whether x is on the sheet q = -1.  pinned: variables that stay at half a period.
+    length, [B, NODES, n].  odd: whether x is on the lift q = -1.  pinned: variables that stay at half a period.
     """
 
     sections: Sections
@@ -110,8 +110,8 @@ class ConfigurationCurves:
         cyclic = self.piece.kind == "C" and self.piece.order > 1
         whole = (self.piece.share == 1) & (not cyclic)
         self.period = np.where(whole, 2 * math.pi, 4 * math.pi)
-        """What brings each variable back to the same shape; a whole turn changes the sheet without symmetry."""
-        self.sheets = self.piece.kind == "C" and not cyclic
+        """What brings each variable back to the same shape; a whole turn changes the lift without symmetry."""
+        self.two_lifts = self.piece.kind == "C" and not cyclic
         self.reach = np.minimum(self.period / 2, model.bound)
         """Largest fold angle of a variable that is looked at, up to its period."""
         self.others = np.array([np.delete(np.arange(n), v) for v in range(n)])
@@ -124,7 +124,7 @@ class ConfigurationCurves:
         x[np.arange(len(angle)), driver] = angle
         states, exists, _ = close_by(self.piece, False, x, self.others[driver])
         turns = np.round(states / self.period)
-        odd = (turns.sum(axis=2) % 2 != 0) & self.sheets
+        odd = (turns.sum(axis=2) % 2 != 0) & self.two_lifts
         return states - self.period * turns, exists, odd
 
     def tangents(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -219,7 +219,7 @@ class ConfigurationCurves:
                 sign = 1.0 if nearest is None else math.copysign(1.0, x[b, nearest, v])
                 if x[b, k, v] * sign < 0:
                     x[b, k, v] += self.period[v] * sign
-                    odd[b, k] ^= self.sheets
+                    odd[b, k] ^= self.two_lifts
         return x, odd
 
     def _beyond(self, x: np.ndarray, odd: np.ndarray) -> np.ndarray:

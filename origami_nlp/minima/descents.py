@@ -275,7 +275,8 @@ class Descents:
     def _release(
         self, s: Samples, p: ClosurePoint, slope: np.ndarray, size: np.ndarray
     ) -> tuple[Samples, ClosurePoint, np.ndarray, np.ndarray]:
-        """Let go the contact that pulls most, where it pulls enough; returns also the gradient of its opening."""
+        """Drop the contact that pulls most from the active set, where it pulls enough; also return the gradient of
+        its gap."""
         n = s.x.shape[1]
         # positive where a multiplier has the wrong sign: energy falls as the contact opens
         pull = np.concatenate([s.at_limit * p.left, -p.multipliers[:, self._m :]], axis=1)
@@ -350,7 +351,7 @@ class Descents:
         """Return which trial states are taken; and which gap each crosses (`OPEN` for none), with its open side."""
         at, value, _ = self.closing.rows(trial)
         good = np.abs(value).max(axis=1) <= EXPLORED
-        good &= (np.abs(trial.x) <= self.model.bound + ROUNDED).all(axis=1) & (at.sheet > 0)
+        good &= (np.abs(trial.x) <= self.model.bound + ROUNDED).all(axis=1) & (at.lift > 0)
         # closing may have gone to states far from where the step led
         good &= np.abs(trial.x - before.x).max(axis=1) < 2 * REACH
         now, e = self.closing.springs(trial).energy(trial.x), before.energy

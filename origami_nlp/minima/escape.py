@@ -29,7 +29,7 @@ from origami_nlp.kkt import (
 )
 from origami_nlp.minima.descents import Descents
 from origami_nlp.minima.minimum import JudgedState
-from origami_nlp.minima.one_freedom import CandidateMinima
+from origami_nlp.minima.one_dof import CandidateMinima
 from origami_nlp.minima.traced_passes import TracedPasses, traced_passes
 from origami_nlp.numerics import CLOSURE_TOL, FOLLOWED, NONZERO, RESOLVED, SHALLOW
 from origami_nlp.problem import Contact, Model

@@ -102,40 +102,35 @@ def find_minima(
     seed
         Of the random starts; the same seed gives the same answer.
     effort
-        ``"quick"``, ``"normal"`` or ``"thorough"``: how many starts, and how often each minimum must have been
-        reached before the search stops.
+        ``"quick"``, ``"normal"`` or ``"thorough"``: how many starts, and how often each minimum must have been reached.
     options
         All that steers the search, in place of the effort.
     max_starts
         Cap on starts.
     fewest_starts
-        Starts before the stopping rule is believed.
+        Starts before the search may stop.
     guesses
-        States to start from first (of a neighbouring scene, say), shape [N] each [rad]; they do not
-        enter the stopping rule.  Each is also judged where it is: a minimum there is listed, and
-        `SearchReport.refused` says why another guess is not one.
+        States to start from first, shape [N] each [rad]; they do not enter the stopping rule.  Each is also judged
+        where it is: a minimum there is listed, `SearchReport.refused` says why another is not one.
     full
-        Also decide each minimum in the full contact-admissible space, symmetry-breaking motions included.  None: where
-        that is affordable, see `minima.full_space.is_affordable`.
+        Whether each minimum is also judged without the symmetry; None: where that is affordable
+        (`minima.full_space.is_affordable`).
     prove
-        Prove that the list is complete: True (in at most 2 million boxes, about a minute), seconds of processor time
-        that this may take, or `ProofOptions`; False: do not try.
-        Without being asked it is tried where it is cheap: within fold limits, up to two degrees of freedom.
+        Whether to prove that the list is complete: True (in at most 2 million boxes, about a minute), seconds of
+        processor time, or `ProofOptions`; False: no.  None: within fold limits, up to two degrees of freedom.
     seconds
-        Wall time after which the search goes no further, and what is left is not judged in the full space; a proof gets
-        what is left.  The report says so, and the answer
-        depends on the machine.  None: the effort alone bounds it.
+        Wall time after which the search goes no further; a proof gets what is left, and the answer depends on the
+        machine. None: the effort alone bounds it.
     escape
-        Say what it takes to leave each minimum (`JudgedState.escape`): with one degree of freedom exactly, otherwise by
-        descents out of it, which takes about as long as the search of a small vertex. False: do not.
+        Whether to say what it takes to leave each minimum (`JudgedState.escape`).
     noise
         Standard deviation [degrees] of random errors of rest angles, stiffnesses (as a share, in radians) and sector
-        angles: how many of 20 draws each minimum survives, followed as the errors grow (`JudgedState.survival`).
+        angles: how many of 20 draws each minimum survives (`JudgedState.survival`).
     workers
-        Processes that descents are shared out to, where there are many; the result is the same.
+        Processes that descents are shared out to; the result is the same.
     progress
-        Called after each new minimum and each round of starts, as progress(starts, minima found, how many of these one
-        drawn start reached).
+        Called as progress(starts, minima, how many of these one random start reached), after each new minimum and
+        round.
 
     Returns
     -------
@@ -306,7 +301,7 @@ def _minimum(
 
 def _confirmed(model: Model, answer: FoundState, record: Record) -> Confirmation | None:
     """Let IPOPT solve from a minimum, its contacts closed; None with too many creases, or fewer than equations."""
-    if model.size > MOST_CONFIRMED or model.freedom < 0:
+    if model.size > MOST_CONFIRMED or model.dof < 0:
         return None
     state = State(model, answer.polished.x)
     with record.surviving("a confirmation by IPOPT"):

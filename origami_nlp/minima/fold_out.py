@@ -88,7 +88,7 @@ def write_parts(parts: Sequence[Part], target: str | Path) -> None:
     import trimesh
 
     if not parts:
-        raise OptionError(f"--mesh = {str(target)!r}: no state was found to write")
+        raise OptionError(f"{str(target)!r}: no state was found to write")
     meshes = [trimesh.Trimesh(points, faces, process=False) for points, faces in parts]
     for mesh in meshes:
         mesh.update_faces(mesh.area_faces > 0)
@@ -135,8 +135,8 @@ def check_mesh(target: str | Path) -> str:
     suffix = Path(target).suffix.lower()
     if suffix not in MESH_SUFFIXES:
         raise OptionError(
-            f"--mesh = {str(target)!r}: the name must end in {', '.join(MESH_SUFFIXES)}"
+            f"mesh = {str(target)!r}: the name must end in {', '.join(MESH_SUFFIXES)}"
         )
     if find_spec("trimesh") is None:
-        raise OptionError('--mesh needs trimesh: pip install "origami_nlp[mesh]"')
+        raise OptionError('a mesh needs trimesh: pip install "origami_nlp[mesh]"')
     return suffix

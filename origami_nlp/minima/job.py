@@ -14,7 +14,7 @@ from origami_nlp.minima.account import SearchReport
 from origami_nlp.minima.coverage import StrataCount, count_strata
 from origami_nlp.minima.minimum import JudgedState
 from origami_nlp.minima.multistart import run_starts
-from origami_nlp.minima.one_freedom import EXACT, CandidateMinima, trace
+from origami_nlp.minima.one_dof import EXACT, CandidateMinima, trace
 from origami_nlp.minima.record import (
     BREAKDOWNS,
     FoundState,
@@ -89,7 +89,7 @@ class Job:
         self.list_states()
         self.given = [(g, self._stationary_at(self.model.reduce(g))) for g in guesses]
         # where nothing can move within the symmetry, the listed states are all there is
-        if self.model.freedom > 0 and not self._late():
+        if self.model.dof > 0 and not self._late():
             yield from self.search([self.model.reduce(g) for g in guesses], workers)
 
     def list_states(self) -> None:
@@ -98,7 +98,7 @@ class Job:
         self.foldings = record.states_of(FlatFoldings(model))
         families: list[Listed] = [RestState(model), HingeSets(model)]
         states = [x for family in families for x in record.states_of(family)] + self.foldings
-        if model.freedom <= 0:
+        if model.dof <= 0:
             states += record.states_of(RigidStates(model, self.seed))
         for x in states:
             if self._late():
@@ -159,7 +159,7 @@ class Job:
     def search(self, guesses: list[np.ndarray], workers: int) -> Work:
         """Start from guesses, then round after round until the stopping rule says that it is enough."""
         # how finely curves are cut suits the torque of springs: under forces in space a search goes on from there
-        if self.model.freedom == 1 and self._traced() and not self.model.scene.loads:
+        if self.model.dof == 1 and self._traced() and not self.model.scene.loads:
             self.stopped_by = "complete"
             return
         if self.model.size > self.options.most_batched and not is_chain(self.model):
@@ -249,7 +249,7 @@ class Job:
         hits = self.record.drawn_hits
         if min(hits, default=self.options.hits) >= self.options.hits:
             # the first round holds several: where there is more to find, one that found nothing is wanted as well
-            few = self.model.freedom <= FEW_DOF and self.model.has_limits
+            few = self.model.dof <= FEW_DOF and self.model.has_limits
             return quiet > 0 or few
         # Chao's estimate of the minima that nothing has reached yet, from those reached once and twice
         return quiet >= self.options.quiet and chao1(hits) < 0.5

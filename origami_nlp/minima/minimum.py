@@ -58,7 +58,7 @@ class Survival(ShortRepr):
 class JudgedState(ShortRepr):
     """A state of a vertex or a pattern, judged: a local minimum of the energy among admissible states, or why not.
 
-    Of a vertex admissible states have the modelled symmetry.
+    Of a vertex with an imposed symmetry, among states that have it.
 
     Attributes
     ----------
@@ -67,52 +67,46 @@ class JudgedState(ShortRepr):
     fold_angles
         All N [rad], valley positive.
     verdict
-        ``minimum`` (strict, certified), ``saddle`` or ``not stationary`` (lower states are beside it), ``not
-        admissible`` (it does not close, is beyond a limit, or facets cross) or ``undecided``.
+        ``minimum`` (strict, certified), ``saddle`` or ``not stationary`` (there are lower states arbitrarily near),
+        ``not admissible`` (it does not close, is beyond a limit, or facets cross) or ``undecided``.
     certificate
         What is proved, in words; of a state that is no minimum the reason.
     kind
         Of a minimum ``interior``, ``contact-pinned``, ``contact-touching`` or ``degenerate``; else empty.
     local_dimension
-        Dimension of the feasible set at a minimum: the model's degrees of freedom where it is full, 1 on a handle, 0 if
-        isolated.
+        Dimension of the feasible set at a minimum.
     dof
-        Variables less the rank of closure, of patterns; -1 where it was not asked for: of a vertex, and of states that
-        do not close or are beyond a limit.
+        Of patterns: variables less the rank of closure; -1 where that was not computed.
     closure_residual
         Largest entry of loop closure; nan of a state of a vertex that is no minimum.
     kkt_residual
-        Largest entry of the stationarity residual, with the stiffness scaled to one and relative to the torques
-        that balance; of a pattern not small where a minimum is degenerate, or flat and alone; else nan where nothing
-        has to balance.
+        Largest entry of the stationarity residual, relative to the torques that balance; nan where nothing has to
+        balance.  At a degenerate minimum of a pattern it need not be small.
     polished
-        True: Newton reached rounding, or the state is an exact singular one.  (A state that is neither is no
-        minimum but undecided.)
+        Whether Newton reached rounding, or the state is an exact singular one; no minimum is listed without.
     hits
         Starts that ended here; 0 for what is found by listing or tracing, and of patterns.
     contacts
-        Closed contacts with their multipliers, positive where they push.
+        Active constraints with their Lagrange multipliers, positive where they push.
     hessian_eigenvalues
-        Tangential stiffness [N m/rad], on the subspace that keeps loaded contacts closed, per unit length in
-        the space of all N fold angles; of patterns with many creases the smallest alone.
+        Tangential stiffness [N m/rad] with loaded contacts closed, per unit length in the space of all N fold angles;
+        of patterns with many creases the smallest alone.
     crossings
         Pairs of facets (1-based) that intersect, of a pattern.
     full_space
-        Verdict in the full contact-admissible space, where it was asked for: of vertices with an imposed symmetry.
+        Verdict without the imposed symmetry, where it was asked for.
     solver
-        What IPOPT says when it is started at the state with its multipliers; None with too many fold angles for it,
-        or fewer than equations, and of patterns (`pattern_states.confirm_minimum` asks it).
+        What IPOPT says when it is started at the state with its multipliers; None where it was not asked.
     moment
-        The constant internal moment m of the vertex [N m], k_i (phi_i - phi0_i) = m . c_i at each free crease, in the
-        frame of the facet between crease N and crease 1 (`kkt.PassingMoment`); None where free creases do not
-        determine it, and of patterns, where each vertex has one of its own.
+        The constant internal moment m of a vertex [N m], k_i (phi_i - phi0_i) = m . c_i at each free crease, in the
+        frame of the facet between crease N and crease 1 (`kkt.PassingMoment`); None where it is not determined.
     moment_residual
         Largest part of a free crease's torque that this leaves [N m]; nan without a moment.
     winding
         How often the state winds round the axis of the symmetry; 1 without one (`Scene.windings`).
     softest_mode
-        Fold angles [N] of the mode with the smallest of `hessian_eigenvalues`, of unit length, its largest entry
-        positive; empty where there is no stiffness, or more than one mode has it.
+        Unit eigenvector [N] of the smallest of `hessian_eigenvalues`, its largest entry positive; empty where that is
+        not unique.
     escape
         How much energy it takes to leave a minimum; None where it was not asked for.
     survival
@@ -121,9 +115,6 @@ class JudgedState(ShortRepr):
     Examples
     --------
     >>> import origami_nlp as o
-    >>> lowest = o.find_minima(o.examples.degree6("pi/4", ratio=0.01), max_starts=16).minima[0]
-    >>> lowest.kind, lowest.closure_residual < 1e-12, len(lowest.hessian_eigenvalues)
-    ('interior', True, 2)
     >>> lowest = o.find_minima("miura:2x2", effort="quick").minima[0]
     >>> lowest.kind, lowest.closure_residual < 1e-12, len(lowest.hessian_eigenvalues)
     ('interior', True, 1)

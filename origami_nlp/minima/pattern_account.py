@@ -19,25 +19,24 @@ MEETINGS = "branch directions of states where curves meet"
 
 @dataclass(repr=False)
 class PatternSearchReport(SearchReport):
-    """What a search of a pattern enumerated, what it sampled, what ended open; and what every `SearchReport` says.
+    """What a search of a pattern enumerated, what it sampled, what it left open; and what every `SearchReport` says.
 
     Attributes
     ----------
     open
         Starts that could not be closed within the fold limits: never reported.
     flat
-        Starts that fell back into the flat state.
+        Starts that converged to the flat state.
     lines, families
-        Branch directions of the flat state that were enumerated: with one degree of freedom, with more.
+        Branch directions of the flat state: with one degree of freedom, with more.
     flat_folded
-        States with every crease open or fully folded, the flat one among them, all branch directions of which were
-        followed.
+        States with every crease open or fully folded, all branch directions of which were followed.
     branch_points
-        Other states at which curves meet, found along curves, all branch directions of which were followed.
+        Other bifurcations found along curves, all branch directions of which were followed.
     not_enumerated
         What of these was not enumerated, and why; empty where all were.
     curves, ended
-        Curves of states with one degree of freedom that are known; how many of them from limit to limit, or round.
+        Curves of states with one degree of freedom; how many of them are closed, or end at fold limits.
     not_traced
         Starts whose curves were not traced any more: descents began there instead.
     outside
@@ -46,17 +45,14 @@ class PatternSearchReport(SearchReport):
         Parts of steps along curves on which contact cannot be excluded.
     drawn
         Random starts; `quiet` of them were made since one led to a new minimum or curve.
-    pressed
-        Descents into contact, from where descents that let facets cross ended in crossing.
-    gave_up
-        Of those, how many did not converge, by reason: limits on time, pairs of facets, creases, or steps.
+    pressed, gave_up
+        Descents into contact; how many of them did not converge, by reason.
     of_vertex
         Minima that the search for single vertices found, where there is but one.
     popped, by_pops
         Starts from minima with one vertex popped, its folds turned over; minima that they led to.
     wells, resolved
-        Wells of the energy along the curves that are known; how many of them were judged: the descent arrived, or the
-        stationary state beside the well was solved for, and it is a minimum, none, or one in which facets cross.
+        Wells of the energy along curves; how many of them were judged.
     coarse
         Of the curves, those whose polynomials are further from closed states than they are meant to be.
     contact

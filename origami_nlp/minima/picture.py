@@ -61,11 +61,11 @@ class _Panels:
 
 
 def compose(
-    origami: Scene | Pattern, minima: tuple[JudgedState, ...], freedom: int, chart: Landscape | None
+    origami: Scene | Pattern, minima: tuple[JudgedState, ...], dof: int, chart: Landscape | None
 ) -> Figure:
     """Draw minima folded, and on the landscape of their scene.
 
-    freedom: degrees of freedom of the symmetric states.  chart: None where there is no landscape to draw, as of a
+    dof: degrees of freedom of the symmetric states.  chart: None where there is no landscape to draw, as of a
     pattern.
     """
     shown = minima[:MOST_DRAWN]
@@ -75,10 +75,7 @@ def compose(
     )
     states = StatesDrawn(
         origami,
-        [
-            _state_title(k, m, m.dof if chart is None else freedom)
-            for k, m in enumerate(shown, start=1)
-        ],
+        [_state_title(k, m, m.dof if chart is None else dof) for k, m in enumerate(shown, start=1)],
         [m.phi for m in shown],
         [m.contacts for m in shown] if isinstance(origami, Pattern) else (),
         colours=[WARNING if verdict(origami, m) == "unstable" else "black" for m in shown],
@@ -152,9 +149,9 @@ def _title(origami: Scene | Pattern, minima: tuple[JudgedState, ...]) -> list[st
     return [label_text(f"{who}: {count}"), f"{symmetry}{contact[origami.contact]}"]
 
 
-def _state_title(number: int, minimum: JudgedState, freedom: int) -> str:
+def _state_title(number: int, minimum: JudgedState, dof: int) -> str:
     kind: str = minimum.kind
-    if minimum.local_dimension < freedom:
+    if minimum.local_dimension < dof:
         kind += {0: ", isolated point", 1: ", on a 1-handle"}.get(
             minimum.local_dimension, f", local dimension {minimum.local_dimension}"
         )
@@ -180,7 +177,7 @@ def _notes(
     beyond = [str(k) for k, p in enumerate(places, start=1) if not p.drawn]
     if beyond:
         notes.append(
-            f"Not on the landscape ({', '.join(beyond)}): facets have passed through each other, |φ| > π, "
+            f"Not on the landscape ({', '.join(beyond)}): facets have passed through each other, |φ| > 180°, "
             "or the state winds another number of times round the axis."
         )
     more = len(minima) - MOST_DRAWN

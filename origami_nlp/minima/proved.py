@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import sys
 import time
 from collections import Counter
 from collections.abc import Iterable, Iterator
@@ -20,6 +21,7 @@ from origami_nlp.pattern import Scene
 from origami_nlp.problem import Model
 from origami_nlp.proof import (
     Cluster,
+    Isolation,
     Proof,
     ProofOptions,
     ProvedCriticalPoint,
@@ -82,11 +84,12 @@ def prove_complete(
         return Completeness("not-proved", refused)
     try:
         if wanted is None or wanted is True or isinstance(wanted, ProofOptions):
-            options = wanted if isinstance(wanted, ProofOptions) else ProofOptions()
-            most = UNASKED if wanted is None else options.boxes
-            proof = prove(model, most=most, until=until, options=options)
+            options = ProofOptions(boxes=UNASKED) if wanted is None else ProofOptions()
+            options = wanted if isinstance(wanted, ProofOptions) else options
+            proof = prove(model, until=until, options=options)
         else:
-            proof = prove(model, seconds=float(wanted), until=until)
+            no_limit = ProofOptions(boxes=sys.maxsize)
+            proof = prove(model, seconds=float(wanted), until=until, options=no_limit)
         return hold_against(model, record, proof, until)
     except BREAKDOWNS as error:
         return Completeness("not-proved", f"linear algebra failed on the way: {error}")
@@ -100,17 +103,17 @@ def why_not(model: Model) -> str:
         return "without fold limits fold angles are not bounded by +-pi"
     if not model.scene.vertex.flat:
         return "the paper does not lie flat: proofs are for flat sheets"
-    if model.freedom <= 0 and model.structure.winding == 1:
+    if model.dof <= 0 and model.structure.winding == 1:
         return "nothing can move: the states listed are all that were looked for"
-    if model.freedom > MOST_DOF:
-        return f"{model.freedom} degrees of freedom (at most {MOST_DOF})"
+    if model.dof > MOST_DOF:
+        return f"{model.dof} degrees of freedom (at most {MOST_DOF})"
     return touches_not_proved(model) if model.scene.contact == "full" else ""
 
 
 def is_cheap(model: Model) -> bool:
     """Return whether a proof is tried without being asked for."""
     touching = bool(model.structure.gaps) and model.scene.group.is_trivial
-    return not why_not(model) and 0 < model.freedom <= (1 if touching else FEW_DOF)
+    return not why_not(model) and 0 < model.dof <= (1 if touching else FEW_DOF)
 
 
 def hold_against(
@@ -151,11 +154,12 @@ def hold_against(
     def open_region(cluster: Cluster) -> Open:
         return _region(model, np.array(cluster.lower), np.array(cluster.upper), OUT_OF_TIME)
 
+    lemmas: dict[tuple[int, ...], list[Isolation]] = {}
     singular = _merged(
         [
             open_region(cluster)
             if time.monotonic() > until
-            else _stands_alone(model, limits, record, cluster, added)
+            else _stands_alone(model, limits, record, cluster, added, lemmas)
             for cluster in proof.singular
         ]
     )
@@ -295,15 +299,24 @@ def _disagreement(
 
 
 def _stands_alone(
-    model: Model, limits: Model, record: Record, cluster: Cluster, added: list[FoundState]
+    model: Model,
+    limits: Model,
+    record: Record,
+    cluster: Cluster,
+    added: list[FoundState],
+    lemmas: dict[tuple[int, ...], list[Isolation]],
 ) -> Open:
-    """Judge a singular state, isolated by its lemma where that works."""
-    lower, upper = np.array(cluster.lower), np.array(cluster.upper)
+    """Judge a singular state, isolated by its lemma where that works; one lemma may hold for several clusters."""
     if cluster.touches:
         return _judged(model, record, cluster, added)
-    lemma = isolated(limits, 0.5 * (lower + upper), cluster.stratum)
-    if not lemma.holds(cluster.lower, cluster.upper):
-        return _judged(model, record, cluster, added)
+    shown = lemmas.setdefault(tuple(cluster.stratum), [])
+    lemma = next((one for one in shown if one.holds(cluster.lower, cluster.upper)), None)
+    if lemma is None:
+        middle = 0.5 * (np.array(cluster.lower) + np.array(cluster.upper))
+        lemma = isolated(limits, middle, cluster.stratum)  # type: ignore[arg-type]
+        if not lemma.holds(cluster.lower, cluster.upper):
+            return _judged(model, record, cluster, added)
+        shown.append(lemma)
     x, core = np.array(lemma.point), lemma.core
     verdict = _verdict_at(model, record, x, added)
     return _region(model, x - core, x + core, cluster.reason, verdict, lemma.reason)

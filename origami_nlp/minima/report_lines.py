@@ -99,7 +99,7 @@ def angle_lines(
         return
     n = len(minima[0].fold_angles)
     if n > MOST_ANGLES:
-        yield f"fold angles of the {n} creases: --json"
+        yield f"fold angles of the {n} creases: -o FILE.json"
         return
     yield f"fold angles of creases 1..{n} [deg]"
     for k in some[:MOST_LINES]:
@@ -126,7 +126,7 @@ def scene_lines(scene: Scene) -> list[str]:
     return [
         *scene.load_lines,
         f"sector angles moved by up to {found.moved:.1e} rad, so that {len(found.made_exact)} nearly special "
-        "relations hold exactly (origami-nlp model lists them)",
+        "relations hold exactly (origami-nlp inspect lists them)",
     ]
 
 

@@ -219,7 +219,7 @@ class MinimaResult(Report, Viewable):
 
         Returns
         -------
-        Model or Sheet
+        Model or PatternProblem
             `model` itself where states wind as often as that says.
         """
         if self.is_pattern or minimum.winding == self.model.structure.winding:
@@ -307,7 +307,7 @@ class MinimaResult(Report, Viewable):
         known = [verdict(self.origami, m) for m in self.minima]
         barrier, pattern = barrier_head(self.origami), self.is_pattern
         heads = ("contacts",) if pattern else ("closure", "KKT", "hits")
-        free = [m.dof if pattern else self.model.freedom for m in self.minima]
+        free = [m.dof if pattern else self.model.dof for m in self.minima]
         last = [_touching(m) if pattern else _reached(m) for m in self.minima]
         return states_table(self.headline, self.minima, known, free, barrier, heads, last)
 
@@ -324,7 +324,7 @@ class MinimaResult(Report, Viewable):
         else:
             yield title
         if more:
-            yield f"... {len(more.rows)} more states: --verbose, or --json"
+            yield f"... {len(more.rows)} more states: --verbose, or -o FILE.json"
         yield from angle_lines(self.minima, images)
         if isinstance(self.origami, Scene):
             yield from scene_lines(self.origami)

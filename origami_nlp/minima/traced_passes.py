@@ -11,11 +11,11 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.spatial import cKDTree
+import scipy as sp
 
 from origami_nlp.kkt import project
 from origami_nlp.minima.curve import NODES, TO_SERIES, Branches, ConfigurationCurves
-from origami_nlp.minima.one_freedom import gaps_of, lifts, roots
+from origami_nlp.minima.one_dof import gaps_of, lifts, roots
 from origami_nlp.numerics import ANSWERED, SETTLED, MergeTree, merge_tree
 from origami_nlp.problem import Model
 
@@ -114,7 +114,7 @@ def traced_passes(
     nodes = np.concatenate([states, minima])
     value = np.concatenate([[model.energy(x) for x in states], energies])
     # cuts that are one state, on several pieces
-    pairs = cKDTree(nodes).query_pairs(SETTLED, p=np.inf, output_type="ndarray")
+    pairs = sp.spatial.cKDTree(nodes).query_pairs(SETTLED, p=np.inf, output_type="ndarray")
     edges = np.concatenate(
         [np.column_stack([good, good + 1]), np.column_stack([again, again + 1]), pairs]
     )

@@ -164,7 +164,7 @@ def _tried(here: Stratum, v: np.ndarray, h: float) -> tuple[tuple[Stratum, np.nd
     for contact in here.contacts:
         contact.hold(y)
     chord = model.root * (y - x)
-    # a pull back that changes the length of the step so much has found another sheet of closed states
+    # a pull back that changes the length of the step so much has found another branch of closed states
     if not SHORTEST * h <= np.linalg.norm(chord) <= h / SHORTEST:
         return None, "no state that closes lies beyond"
     refused = model.refuses(y)

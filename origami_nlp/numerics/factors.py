@@ -12,13 +12,11 @@ from functools import cached_property
 from typing import Any, TypeAlias
 
 import numpy as np
-from scipy import sparse
-from scipy.linalg import lapack
-from scipy.sparse.linalg import splu
+import scipy as sp
 
 from origami_nlp.numerics.tolerances import EPS, RANK, ROUNDED
 
-Matrix: TypeAlias = np.ndarray | sparse.csr_array
+Matrix: TypeAlias = "np.ndarray | sp.sparse.csr_array"
 """Dense, or sparse where that is worth it."""
 
 WEIGHT = 1e-10
@@ -64,12 +62,15 @@ class Factor:
             whole[:n, :n], whole[:n, n:], whole[n:, :n] = dense(matrix), across, jacobian
             # the diagonal from entry (n, n) on
             whole.T.flat[n * (n + m + 1) :: n + m + 1] = -WEIGHT
-            lu, pivots, _ = lapack.dgetrf(whole, overwrite_a=True)
-            self._solve = lambda b: lapack.dgetrs(lu, pivots, b)[0]
+            lu, pivots, _ = sp.linalg.lapack.dgetrf(whole, overwrite_a=True)
+            self._solve = lambda b: sp.linalg.lapack.dgetrs(lu, pivots, b)[0]
         else:
-            damping = -WEIGHT * sparse.eye_array(m)
-            blocks = [[sparse.csr_array(matrix), sparse.csr_array(across)], [jacobian, damping]]
-            self._solve = splu(sparse.block_array(blocks, format="csc")).solve
+            damping = -WEIGHT * sp.sparse.eye_array(m)
+            blocks = [
+                [sp.sparse.csr_array(matrix), sp.sparse.csr_array(across)],
+                [jacobian, damping],
+            ]
+            self._solve = sp.sparse.linalg.splu(sp.sparse.block_array(blocks, format="csc")).solve
 
     def solve(self, top: np.ndarray, bottom: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return both parts of the solution, [n] and [m]."""
@@ -99,13 +100,15 @@ class Normal:
             if (size > 1.0).any():
                 square = (jacobian / size[:, None]) @ (jacobian / size[:, None]).T
             square.flat[:: m + 1] += WEIGHT
-            lower, failed = lapack.dpotrf(square.T, lower=True, clean=False, overwrite_a=True)
+            lower, failed = sp.linalg.lapack.dpotrf(
+                square.T, lower=True, clean=False, overwrite_a=True
+            )
             if failed:
                 raise np.linalg.LinAlgError("J J' is not positive definite")
-            self._solve = lambda b: lapack.dpotrs(lower, b / size, lower=True)[0] / size
+            self._solve = lambda b: sp.linalg.lapack.dpotrs(lower, b / size, lower=True)[0] / size
         else:
-            square = (jacobian @ jacobian.T + WEIGHT * sparse.eye_array(m)).tocsc()
-            self._solve = splu(square, **SYMMETRIC).solve
+            square = (jacobian @ jacobian.T + WEIGHT * sp.sparse.eye_array(m)).tocsc()
+            self._solve = sp.sparse.linalg.splu(square, **SYMMETRIC).solve
 
     def step(self, c: np.ndarray) -> np.ndarray:
         """Return the shortest d with J d = c, [n]; along singular vectors whose values are small a share of it."""
@@ -119,7 +122,7 @@ class Normal:
         return d
 
     def multipliers(self, g: np.ndarray) -> np.ndarray:
-        """Return the smallest lam that brings J' lam closest to g [n], [m]."""
+        """Return the Lagrange multipliers lam [m] of smallest norm that bring J' lam closest to g [n]."""
         lam = np.zeros(self.jacobian.shape[0])
         before = math.inf
         for _ in range(MOST_TIMES):

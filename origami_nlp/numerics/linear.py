@@ -243,7 +243,7 @@ def refined(b: np.ndarray, c: np.ndarray, mu: np.ndarray) -> np.ndarray:
 
 
 def null_space(a: np.ndarray, tolerance: float = RANK) -> np.ndarray:
-    """Return an orthonormal basis of the kernel of a, shape [n, n - rank]."""
+    """Return an orthonormal basis of the null space (kernel) of a, shape [n, n - rank]."""
     if a.shape[0] == 0:
         return np.eye(a.shape[1])
     _, s, vt = np.linalg.svd(a, full_matrices=a.shape[0] < a.shape[1])

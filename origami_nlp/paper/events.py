@@ -233,7 +233,7 @@ def _polished(
     scene = make(alpha)
     phi = np.clip(x, -math.pi, math.pi)[list(scene.group.orbit)]
     creases, q = fold_vertex(scene.vertex, phi)
-    # closed as the sheet q = +1, and no facets through each other
+    # closed as the lift q = +1, and no facets through each other
     if q[0] < 0 or np.linalg.norm(q[1:]) > RESOLVED or _deepest(creases) > SETTLED:
         return None
     curve = np.linalg.svd(system.jacobian(z), compute_uv=False)[-1] < SETTLED

@@ -50,7 +50,7 @@ def signature_of(space: Space) -> Signature:
 def find_transitions(
     family: str,
     samples: int = SAMPLES,
-    size: int = SWEEP_SIZE,
+    rings: int = SWEEP_SIZE,
     seed: int = 0,
     report: OnProgress = lambda what, done: None,
 ) -> TransitionSweep:
@@ -64,7 +64,7 @@ def find_transitions(
         ``"degree6"`` or ``"degree8"``.
     samples
         Sector angles of the sweep, at least 3, spread over (0, pi/2) less `MARGIN` with jitter from `seed`.
-    size
+    rings
         Rings of the meshes.
     seed
         Of the jitter and of the search for events.
@@ -79,7 +79,7 @@ def find_transitions(
     Raises
     ------
     OptionError
-        If `family` is unknown, `samples` is out of range, or `size` is too coarse.
+        If `family` is unknown, `samples` is out of range, or `rings` is too coarse.
 
     Examples
     --------
@@ -98,7 +98,7 @@ def find_transitions(
 
     def look(alpha: float) -> Signature | None:
         try:
-            return signature_of(find_space(make(alpha), size=size))
+            return signature_of(find_space(make(alpha), rings=rings))
         except MeshError:  # features thinner than the mesh resolves
             return None
 
@@ -112,7 +112,9 @@ def find_transitions(
         report("sweep", k / samples)
         here = look(float(alpha))
         if here is None:
-            raise OptionError(f"size = {size}: too coarse at alpha_1 = {alpha:.6g}; use more rings")
+            raise OptionError(
+                f"rings = {rings}: too coarse at alpha_1 = {alpha:.6g}; use more rings"
+            )
         signatures.append(here)
     brackets: list[tuple[float, float]] = []
     for k in range(samples - 1):
@@ -127,7 +129,7 @@ def find_transitions(
         alpha = float(np.median([e.alpha for e in group]))
         report("confirmation", 0.0)
         around = tuple(
-            signature_of(find_space(make(a), size=size))
+            signature_of(find_space(make(a), rings=rings))
             for a in (alpha - SIDE, alpha, alpha + SIDE)
         )
         changes = _changes(around[0], around[1], around[2])

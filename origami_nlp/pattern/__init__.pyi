@@ -17,7 +17,7 @@ from .crease_pattern import (
 )
 from .examples import degree6 as degree6, degree8 as degree8, panels as panels
 from .fold_file import (
-    HELD_KEY as HELD_KEY,
+    FIXED_KEY as FIXED_KEY,
     LARGEST as LARGEST,
     LOADS_KEY as LOADS_KEY,
     PRELOAD_KEY as PRELOAD_KEY,

@@ -152,7 +152,7 @@ def as_pattern(stated: Pattern | str | PathLike[str], name: str = "pattern") -> 
     """
     if isinstance(stated, str) and stated.partition(":")[0] in {
         **examples.BY_NAME,
-        **examples.SHEETS,
+        **examples.WITH_SPRINGS,
     }:
         return examples.pattern(stated)
     if isinstance(stated, str | PathLike):

@@ -17,8 +17,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import sparse
-from scipy.sparse.linalg import splu
+import scipy as sp
 
 from origami_nlp.numerics import EPS, RESOLVED, SUMMED, cross, unit_normals
 from origami_nlp.pattern.polygons import Side, rings, side
@@ -177,7 +176,7 @@ class _Sectors:
         angle = np.arctan2((n * cross(v, u)).sum(axis=1), (u * v).sum(axis=1))
         return np.concatenate([np.where(angle < 0, angle + 2 * math.pi, angle), self.lengths(x)])
 
-    def slopes(self, x: np.ndarray) -> sparse.csr_array:
+    def slopes(self, x: np.ndarray) -> sp.sparse.csr_array:
         """Return the derivatives of the measures, [C + S, 3 V]."""
         u, v, n = self.frames(x)
         # a side that moves by m across itself turns by m over its length
@@ -186,14 +185,18 @@ class _Sectors:
         along = x[self.end] - x[self.start]
         along /= np.linalg.norm(along, axis=1, keepdims=True)
 
-        def spread(places: Sequence[np.ndarray], values: Sequence[np.ndarray]) -> sparse.csr_array:
+        def spread(
+            places: Sequence[np.ndarray], values: Sequence[np.ndarray]
+        ) -> sp.sparse.csr_array:
             columns = 3 * np.column_stack(places)[:, :, None] + np.arange(3)
             rows = np.repeat(np.arange(len(columns)), 3 * len(places))
             entries = np.concatenate(values, axis=1).ravel(), (rows, columns.ravel())
-            return sparse.csr_array(entries, shape=(len(columns), x.size))
+            return sp.sparse.csr_array(entries, shape=(len(columns), x.size))
 
         of_angles = spread([self.before, self.after, self.here], [du, dv, -du - dv])
-        return sparse.vstack([of_angles, spread([self.start, self.end], [-along, along])]).tocsr()
+        return sp.sparse.vstack(
+            [of_angles, spread([self.start, self.end], [-along, along])]
+        ).tocsr()
 
     def relations(self, x: np.ndarray, unit: float) -> _Relations | None:
         """Find what holds within the digits; None where there is nothing to hold."""
@@ -269,7 +272,7 @@ class _RelationList:
         column = np.array([c for t in self.terms for c, _ in t], int)
         value = np.array([v for t in self.terms for _, v in t], float)
         shape = (len(self.terms), len(self.values) + self.groups)
-        rows = sparse.csr_array((value, (row, column)), shape=shape)
+        rows = sp.sparse.csr_array((value, (row, column)), shape=shape)
         return _Relations(rows, np.array(self.totals), len(self.values), by_digits)
 
 
@@ -277,7 +280,7 @@ class _RelationList:
 class _Relations:
     """Rows of measures and of what groups of them share, [R, C + S + G], and what they come to, [R]."""
 
-    rows: sparse.csr_array
+    rows: sp.sparse.csr_array
     totals: np.ndarray
     count: int
     by_digits: bool
@@ -291,7 +294,7 @@ class _Relations:
         return np.asarray(own + member @ (-(member.T @ own) / many))
 
 
-def _heights(x: np.ndarray, at: _Sectors) -> tuple[np.ndarray, sparse.csr_array]:
+def _heights(x: np.ndarray, at: _Sectors) -> tuple[np.ndarray, sp.sparse.csr_array]:
     """Return how far faces are from plane, [q - 3] heights of each, and the derivatives of these."""
     heights, entries = [np.zeros(0)], [(np.zeros(0, int), np.zeros(0, int), np.zeros(0))]
     row = 0
@@ -307,7 +310,9 @@ def _heights(x: np.ndarray, at: _Sectors) -> tuple[np.ndarray, sparse.csr_array]
         entries.append((rows, columns, (free[:, :, None] * vt[2]).ravel()))
         row += len(free)
     rows, columns, values = (np.concatenate(e) for e in zip(*entries, strict=True))
-    return np.concatenate(heights), sparse.csr_array((values, (rows, columns)), shape=(row, x.size))
+    return np.concatenate(heights), sp.sparse.csr_array(
+        (values, (rows, columns)), shape=(row, x.size)
+    )
 
 
 def _unplane(x: np.ndarray, at: _Sectors) -> float:
@@ -326,17 +331,19 @@ def _solved(x: np.ndarray, at: _Sectors, relations: _Relations | None) -> np.nda
         if not flat:
             heights, slopes = _heights(x, at)
             values.append(heights)
-            blocks.append(sparse.hstack([slopes, sparse.csr_array((len(heights), groups))]))
+            blocks.append(sp.sparse.hstack([slopes, sp.sparse.csr_array((len(heights), groups))]))
         if relations is not None:
             values.append(relations.missing(at.measures(x)))
             own = relations.rows[:, : relations.count] @ at.slopes(x)
-            blocks.append(sparse.hstack([own, relations.rows[:, relations.count :]]))
-        value, rows = np.concatenate(values), sparse.vstack(blocks)
+            blocks.append(sp.sparse.hstack([own, relations.rows[:, relations.count :]]))
+        value, rows = np.concatenate(values), sp.sparse.vstack(blocks)
         if np.abs(value).max(initial=0.0) <= at.rounding(x):
             return x
-        soft = sparse.eye_array(len(value)) * SOFT
+        soft = sp.sparse.eye_array(len(value)) * SOFT
         # KKT system of the shortest step (Nocedal and Wright, section 16.1); -soft where rows depend on each other
-        system = sparse.block_array([[sparse.diags_array(weights), rows.T], [rows, -soft]])
-        step = splu(system.tocsc()).solve(np.concatenate([np.zeros(len(weights)), -value]))
+        system = sp.sparse.block_array([[sp.sparse.diags_array(weights), rows.T], [rows, -soft]])
+        step = sp.sparse.linalg.splu(system.tocsc()).solve(
+            np.concatenate([np.zeros(len(weights)), -value])
+        )
         x = x + step[: x.size].reshape(-1, 3)
     return None

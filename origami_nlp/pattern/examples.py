@@ -177,8 +177,8 @@ SIZES = {
     "metasheet": (3, 3),
 }
 """Rows and columns of cells of patterns that have them, as they are drawn without others."""
-SHEETS = {"metasheet": example_patterns.metasheet}
-"""Patterns that are sheets from the start: their springs are more than mountains and valleys."""
+WITH_SPRINGS = {"metasheet": example_patterns.metasheet}
+"""Patterns that come with their springs, which are more than mountains and valleys."""
 MOST_CELLS = 100
 """Rows or columns of a pattern."""
 
@@ -211,9 +211,9 @@ def by_name(name: str, **options: Any) -> Scene:
     >>> examples.by_name("birdbase") == examples.bird_base()
     True
     """
-    if name in SHEETS:
+    if name in WITH_SPRINGS:
         raise OptionError(
-            f"name = {shown(name)} is a sheet, not one vertex: give --fold FILE for its pattern"
+            f"name = {shown(name)} is a sheet, not one vertex: give -o FILE.fold for its pattern"
         )
     if name not in BY_NAME:
         raise OptionError(
@@ -299,8 +299,8 @@ def crease_pattern(
     Parameters
     ----------
     name
-        One of `BY_NAME` or `SHEETS`, also with its size, such as ``"miura:4x6"``; of the paper's families, and of the
-        waterbomb base, the vertex alone.
+        One of `BY_NAME` or `WITH_SPRINGS`, also with its size, such as ``"miura:4x6"``; of the paper's families, and of
+        the waterbomb base, the vertex alone.
     rows, columns
         Cells of a pattern in `SIZES`, 1 to 100.
     options
@@ -328,9 +328,9 @@ def crease_pattern(
         if (rows, columns) != (None, None):
             raise OptionError(f"name = {shown(name)} has a size: leave out rows and columns")
         name, (rows, columns) = split_size(name)
-    if name in SHEETS and options:
+    if name in WITH_SPRINGS and options:
         raise OptionError(f"{name} has no option {next(iter(options))}: it has rows and columns")
-    scene = None if name in SHEETS else by_name(name, **options)
+    scene = None if name in WITH_SPRINGS else by_name(name, **options)
     if name not in SIZES and (rows, columns) != (None, None):
         raise OptionError(f"{name} has no rows and columns: those of {', '.join(SIZES)} do")
     default = SIZES.get(name, (1, 1))
@@ -339,7 +339,7 @@ def crease_pattern(
         for label, value, least in zip(("rows", "columns"), (rows, columns), default, strict=True)
     ]
     if scene is None:
-        faces, letter, spring = SHEETS[name](*size)
+        faces, letter, spring = WITH_SPRINGS[name](*size)
         return example_patterns.to_fold(faces, letter, spring, name)
     sectors = scene.vertex.sector_angles
     faces, letter = {

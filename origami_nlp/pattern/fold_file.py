@@ -30,7 +30,7 @@ MOST_ELEMENTS = 2_000_000
 STIFFNESS_KEY = "edges_origaminlp:stiffness"
 REST_KEY = "edges_origaminlp:restAngle"
 PRELOAD_KEY = "edges_origaminlp:preload"
-LOADS_KEY, HELD_KEY = "origaminlp:loads", "origaminlp:heldFacet"
+LOADS_KEY, FIXED_KEY = "origaminlp:loads", "origaminlp:fixedFacet"
 FOLDS = "MVUF"
 """Assignments of edges about which the sheet may fold (F: flat, joined again unless facets need it)."""
 _LEGACY = {"edges_foldAngles": "edges_foldAngle", "edges_assignments": "edges_assignment"}
@@ -46,7 +46,7 @@ _READ = (
     REST_KEY,
     PRELOAD_KEY,
     LOADS_KEY,
-    HELD_KEY,
+    FIXED_KEY,
     "frame_classes",
     "frame_title",
     "file_title",
@@ -89,8 +89,8 @@ class Frame:
         What is odd in the frame, one line each.
     unit
         The last decimal place of the coordinates in the file; 0 where they are whole doubles.
-    loads, held_facet
-        Forces on its one vertex, each a table as in a scene file, and the facet that is held; as the file states them.
+    loads, fixed_facet
+        Forces on its one vertex, each a table as in a scene file, and the facet that is fixed; as the file states them.
     """
 
     number: int
@@ -109,7 +109,7 @@ class Frame:
     conflicts: frozenset[int] = frozenset()
     notes: tuple[str, ...] = ()
     loads: tuple[Any, ...] = ()
-    held_facet: Any = None
+    fixed_facet: Any = None
     unit: float = 0.0
 
 
@@ -135,10 +135,13 @@ def read_fold(source: str | Path, frame: int | Literal["first"] | None = None) -
     OptionError
         If `source` is no path.
     """
-    return parse_fold(read_limited(source, LARGEST, "FOLD", FoldFileError), frame)
+    text = read_limited(source, LARGEST, "FOLD", FoldFileError)
+    return parse_fold(text, frame, name=f"FOLD file {str(source)!r}")
 
 
-def parse_fold(text: str | bytes, frame: int | Literal["first"] | None = None) -> tuple[Frame, ...]:
+def parse_fold(
+    text: str | bytes, frame: int | Literal["first"] | None = None, *, name: str = "FOLD file"
+) -> tuple[Frame, ...]:
     """Read the frames with geometry from the text of a FOLD file.
 
     Parameters
@@ -147,6 +150,8 @@ def parse_fold(text: str | bytes, frame: int | Literal["first"] | None = None) -
         JSON.
     frame
         As for `read_fold`.
+    name
+        How messages call the file.
 
     Returns
     -------
@@ -171,7 +176,7 @@ def parse_fold(text: str | bytes, frame: int | Literal["first"] | None = None) -
     """
 
     def refuse(constant: str) -> float:
-        why = f"FOLD file holds {constant}, which is no JSON number: write null or a number"
+        why = f"{name} holds {constant}, which is no JSON number: write null or a number"
         raise FoldFileError(why)
 
     try:
@@ -180,9 +185,14 @@ def parse_fold(text: str | bytes, frame: int | Literal["first"] | None = None) -
         raise
     # JSONDecodeError and UnicodeDecodeError are ValueErrors
     except (ValueError, RecursionError) as error:
-        raise FoldFileError(f"FOLD file is not valid JSON: {str(error).splitlines()[0]}") from None
+        why = str(error).splitlines()[0]
+        if isinstance(error, RecursionError):
+            why = "it is nested too deeply"
+        elif isinstance(error, UnicodeDecodeError):
+            why = f"it is not UTF-8 text: {error.reason}"
+        raise FoldFileError(f"{name} is not valid JSON: {why}") from None
     if not isinstance(data, Mapping):
-        raise FoldFileError("FOLD file must be a JSON object: vertices_coords, edges_vertices, ...")
+        raise FoldFileError(f"{name} must be a JSON object: vertices_coords, edges_vertices, ...")
     raw = [data, *_list(data.get("file_frames", []), "file_frames")]
     for number, one in enumerate(raw):
         if not isinstance(one, Mapping):
@@ -192,7 +202,7 @@ def parse_fold(text: str | bytes, frame: int | Literal["first"] | None = None) -
     if not there:
         held = ", ".join(sorted(map(str, data))[:6]) or "nothing"
         raise FoldFileError(
-            f"FOLD file has no frame with vertices_coords, only {printable(held)}: no geometry to analyse; give the "
+            f"{name} has no frame with vertices_coords, only {printable(held)}: no geometry to analyse; give the "
             "FOLD file of a crease pattern or of a folded form"
         )
     if frame is not None:
@@ -313,7 +323,7 @@ def _frame(data: dict[str, Any], number: int) -> Frame:
         frozenset(place[k] for k in conflicts),
         tuple(notes),
         tuple(_list(data.get(LOADS_KEY) or [], LOADS_KEY)),
-        data.get(HELD_KEY),
+        data.get(FIXED_KEY),
         unit,
     )
 

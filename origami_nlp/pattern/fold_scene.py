@@ -176,8 +176,8 @@ def scene_at(
     if not all(isinstance(load, Mapping) for load in frame.loads):
         raise FoldFileError(f"{LOADS_KEY} must be a list of objects, as [[loads]] of a scene file")
     loads: dict[str, Any] = {"loads": frame.loads} if frame.loads else {}
-    if frame.loads and frame.held_facet is not None:
-        loads["held_facet"] = frame.held_facet
+    if frame.loads and frame.fixed_facet is not None:
+        loads["fixed_facet"] = frame.fixed_facet
     return Scene(
         make_vertex(v.sector_angles),
         tuple(k.tolist()),
@@ -221,7 +221,7 @@ def vertex_scene(
             why = "".join(f"; {note}" for note in notes) if not found else ""
             raise OptionError(
                 f"--vertex is needed: one vertex is asked for, {len(good)} interior ones can be analysed{some}; "
-                f"origami-nlp vertices lists them{why}"
+                f"origami-nlp inspect lists them{why}"
             )
         vertex = good[0]
     here = _vertex_at(frame, vertex)
@@ -268,7 +268,7 @@ def vertex_scenes(
     if not scenes:
         raise FoldFileError(
             f"frame {frame.number} has no interior vertex that can be analysed: "
-            + ("; ".join(notes) or "origami-nlp vertices says why of each")
+            + ("; ".join(notes) or "origami-nlp inspect says why of each")
         )
     if any(_by_letters(frame, v, **options) for v in found if v.number in scenes):
         on_note(LETTERS_ONLY)

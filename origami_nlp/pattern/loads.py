@@ -1,4 +1,4 @@
-"""Dead loads: forces that keep size and direction while facets move, seen from one facet that is held.
+"""Dead loads: forces that keep size and direction while facets move, seen from one facet that is fixed.
 
 The load moves with its point; the energy is U - sum f . p.  A moment vector that keeps its direction has no energy
 (round a closed loop of rotations its work is not zero), and is refused: two opposite forces make a couple that has one.
@@ -29,7 +29,7 @@ class Load:
     Attributes
     ----------
     force
-        (x, y, z) [N], in the frame of the facet that is held (`Scene.held_facet`): x along its first crease, which has
+        (x, y, z) [N], in the frame of the fixed facet (`Scene.fixed_facet`): x along its first crease, which has
         the facet's number, z its normal on the side from which creases are numbered counter-clockwise.
     facet
         Number (1-based) of the facet that carries the point; facet i lies between creases i and i + 1.
@@ -185,7 +185,7 @@ class DeadLoads:
     points
         In the plane of the facet, x along its first crease, [L, 2] [m].
     forces
-        In the frame of the held facet, [L, 3] [N], or over the scale of a problem.
+        In the frame of the fixed facet, [L, 3] [N], or over the scale of a problem.
     """
 
     held: int
@@ -212,11 +212,11 @@ class DeadLoads:
         return DeadLoads(self.held, self.facets, self.points, factor * self.forces)
 
     def chain(self, facet: int, count: int) -> list[int]:
-        """Creases (0-based) from the held facet on to another one of `count`, in counter-clockwise order."""
+        """Creases (0-based) from the fixed facet on to another one of `count`, in counter-clockwise order."""
         return [(self.held + 1 + i) % count for i in range((facet - self.held) % count)]
 
     def positions(self, sectors: np.ndarray, x: np.ndarray) -> np.ndarray:
-        """Return where the points are in the frame of the held facet, [..., L, 3] [m], at states [..., N]."""
+        """Return where the points are in the frame of the fixed facet, [..., L, 3] [m], at states [..., N]."""
         return np.stack([p for _, p in self._followed(sectors, x)], axis=-2)
 
     def energy(self, sectors: np.ndarray, x: np.ndarray) -> np.ndarray:
@@ -252,7 +252,7 @@ class DeadLoads:
         return out
 
     def hessian(self, sectors: np.ndarray, x: np.ndarray) -> np.ndarray:
-        """Return the Hessian of the energy, [..., N, N]: -f . (a x (b x p)), a nearer to the held facet than b."""
+        """Return the Hessian of the energy, [..., N, N]: -f . (a x (b x p)), a nearer to the fixed facet than b."""
         n = x.shape[-1]
         out = np.zeros((*x.shape[:-1], n, n))
         for axes, p, turns, force in self._levers(sectors, x):
@@ -297,7 +297,7 @@ def followed(axes: list[Any], flat: Any, folds: list[Any]) -> tuple[list[Any], A
     Parameters
     ----------
     axes
-        Unit axes (x, y, z) of the creases on the flat sheet, from the held facet on.
+        Unit axes (x, y, z) of the creases on the flat sheet, from the fixed facet on.
     flat
         The point (x, y, z) [m] on the flat sheet.
     folds
@@ -321,16 +321,16 @@ def flat_points(
 ) -> tuple[list[Any], Any]:
     """Axes of the creases of a chain, and a point of the facet beyond them, on the flat sheet, over any scalars.
 
-    In the frame of the held facet: x along its first crease.
+    In the frame of the fixed facet: x along its first crease.
 
     Parameters
     ----------
     chain
-        Creases (0-based) from the held facet on to the facet of the point: `DeadLoads.chain`.
+        Creases (0-based) from the fixed facet on to the facet of the point: `DeadLoads.chain`.
     sectors
         Sector angles [N] [rad].
     held
-        The held facet (0-based).
+        The fixed facet (0-based).
     point
         (x, y) [m] on the facet, x along its first crease.
     cos, sin
@@ -366,29 +366,29 @@ def _vectors(v: Any, lead: tuple[int, ...]) -> np.ndarray:
     return np.stack([np.broadcast_to(np.asarray(c, dtype=float), lead) for c in v], axis=-1)
 
 
-def dead_loads(loads: Sequence[Load], held_facet: int | None) -> DeadLoads | None:
+def dead_loads(loads: Sequence[Load], fixed_facet: int | None) -> DeadLoads | None:
     """Return the forces among loads; None where there are none.
 
     Parameters
     ----------
     loads
         Forces and torques; torques are left out.
-    held_facet
+    fixed_facet
         Facet in whose frame forces are given, counted from 1.
 
     Returns
     -------
     DeadLoads or None
-        Points [m] and forces [N] in the frame of the held facet; None without forces, or without that facet.
+        Points [m] and forces [N] in the frame of the fixed facet; None without forces, or without that facet.
     """
     forces = [load for load in loads if load.force is not None]
-    if not forces or held_facet is None:
+    if not forces or fixed_facet is None:
         return None
     points = [
         (far * math.cos(angle), far * math.sin(angle)) for far, angle in (f.place for f in forces)
     ]
     return DeadLoads(
-        held_facet - 1,
+        fixed_facet - 1,
         tuple(load.number - 1 for load in forces),
         np.array(points),
         np.array([load.force for load in forces]),

@@ -41,7 +41,7 @@ SMALLEST, LARGEST = 1e-300, 1e300
 
 @dataclass(frozen=True)
 class Scene(PrettyRepr):
-    """Everything the user states.
+    """Everything the user states of one vertex: creases, springs, symmetry, contact, loads.
 
     Parameters
     ----------
@@ -50,47 +50,41 @@ class Scene(PrettyRepr):
     stiffness
         Torsional stiffness k_i > 0 of each crease, shape [N] [N m/rad]; the largest at most 1e8 times the smallest.
     rest_angles
-        Stress-free fold angles phi0_i in [-pi, pi], shape [N] [rad], valley > 0; numbers or
-        strings.
+        Stress-free fold angles phi0_i in [-pi, pi], shape [N] [rad], valley > 0; numbers or strings.
     symmetry
-        ``"none"``, ``"C<n>"``, ``"D<n>"``, or ``"auto"``: the largest group that geometry and
-        mechanics share.  States keep this symmetry.
+        ``"none"``, ``"C<n>"``, ``"D<n>"``, or ``"auto"``: the largest group that geometry and mechanics share.  States
+        keep this symmetry.
     contact
-        ``"full"`` (facets never cross), ``"fold-limits"`` (adjacent facets only: |phi| <= pi) or
-        ``"none"``.
+        ``"full"`` (facets never cross), ``"fold-limits"`` (adjacent facets only: |phi| <= pi) or ``"none"``.
     mirror
-        For ``"D<n>"`` only: a crease (1-based) that lies on a mirror, where the vertex has several
-        sets of mirrors to choose from.  Default: the mirror through the crease of lowest number.
+        For ``"D<n>"``: a crease (1-based) on a mirror, where there are several sets of mirrors; default: that of lowest
+        number.
     symmetry_tolerance
-        Angles [rad] and relative stiffnesses that differ by less count as equal when the symmetry is looked
-        for (raise it from 1e-9 for measured data).  The scene is made exactly symmetric by averaging over the
-        group; `adjusted` says by how much.
+        Angles [rad] and relative stiffnesses that differ by less count as equal for the symmetry (raise it from 1e-9
+        for measured data), and are averaged over the group; `adjusted` says by how much.
     name
         A title for tables and figures.
     preload
         Torque m_i that each crease has beside k_i (phi0_i - phi_i), shape [N] [N m], towards valley > 0; default: none.
-        A torque that no rest angle in [-pi, pi] gives: the spring is wound to `wound_angles` = phi0_i + m_i/k_i, at
-        most 1,000 rad.
+        The spring is wound to `wound_angles`, at most 1,000 rad.
     loads
-        Dead loads: each a `Load`, or a table that states one.  Torques on creases are added to `preload`.  Forces ask
-        for `held_facet`, and for states without symmetry.
-    held_facet
-        Number (1-based) of the facet that is held where forces pull; their energy, and what it does to the states,
-        depends on it.
+        Dead loads: each a `Load`, or a table that states one.  Torques on creases are added to `preload`; forces ask
+        for `fixed_facet`, and for states without symmetry.
+    fixed_facet
+        Number (1-based) of the facet that is fixed where forces pull: what they do to the states depends on it.
     winding
-        How often states of C_n or D_n, n > 2, wind round the axis of their symmetry: an odd number up to n.  Default:
-        a search looks at all of `windings`; whatever poses one problem of the scene takes states that wind once.
+        How often states of C_n or D_n, n > 2, wind round the axis of their symmetry: an odd number up to n.  Default: a
+        search looks at all of `windings`, anything else at states that wind once.
     relations
-        Special relations of the sector angles: which hold, which nearly hold and were made exact by moving
-        sector angles (by at most 1e-7 rad, `relations.moved`), and which are different.  Decided here; an
-        earlier decision for the same angles is kept.
+        Special relations of the sector angles that hold, or nearly held and were made exact (by at most 1e-7 rad,
+        `relations.moved`).  Decided here unless given.
 
     Attributes
     ----------
     group
         The symmetry that was found or asked for.
     wound_angles
-        Angles at which the springs have no torque, phi0_i + m_i/k_i, shape [N] [rad]; the rest angles without preload.
+        Angles at which the springs have no torque, phi0_i + m_i/k_i, shape [N] [rad].
     adjusted
         Largest change of an angle [rad] or relative change of a stiffness that symmetry asked for.
 
@@ -123,7 +117,7 @@ class Scene(PrettyRepr):
     symmetry_tolerance: float = INPUT_TOL
     preload: tuple[float, ...] = ()
     loads: tuple[Load, ...] = ()
-    held_facet: int | None = None
+    fixed_facet: int | None = None
     winding: int | None = None
     relations: Relations = field(default=None, repr=False, compare=False)  # type: ignore[assignment]
     group: Symmetry = field(init=False, repr=False, compare=False)
@@ -208,7 +202,7 @@ class Scene(PrettyRepr):
         return (self, *(replace(self, winding=w) for w in self.windings[1:]))
 
     def _read_loads(self, stiffness: tuple[float, ...], rest: tuple[float, ...]) -> None:
-        """Read preload, loads and the facet that is held."""
+        """Read preload, loads and the facet that is fixed."""
         loads = read_loads(self.loads, self.vertex.sector_angles)
         forces = tuple(load for load in loads if load.force is not None)
         given: object = self.preload
@@ -219,22 +213,22 @@ class Scene(PrettyRepr):
             given = tuple(total)
         object.__setattr__(self, "preload", _read_preload(given, stiffness, rest))
         object.__setattr__(self, "loads", forces)
-        held, n = self.held_facet, len(stiffness)
+        held, n = self.fixed_facet, len(stiffness)
         if held is None and not forces:
             return
         if isinstance(held, bool) or not isinstance(held, int) or not 1 <= held <= n:
             raise SceneError(
-                f"held_facet = {shown(held)} must be the number of a facet, 1 to {n}: where forces pull, say which "
+                f"fixed_facet = {shown(held)} must be the number of a facet, 1 to {n}: where forces pull, say which "
                 "facet is held"
             )
 
     def _find_symmetry(
         self, stiffness: tuple[float, ...], rest: tuple[float, ...], *wanted: Any
     ) -> Symmetry:
-        """Find the group; forces in space, with one facet held, leave none."""
+        """Find the group; forces in space, with one facet fixed, leave none."""
         if self.loads and wanted[0] not in ("auto", "none"):
             raise SymmetryError(
-                f"symmetry = {shown(wanted[0])} is not shared by loads with facet {self.held_facet} held: "
+                f"symmetry = {shown(wanted[0])} is not shared by loads with facet {self.fixed_facet} fixed: "
                 "use none or auto"
             )
         wanted = ("none", *wanted[1:]) if self.loads else wanted
@@ -326,7 +320,7 @@ class Scene(PrettyRepr):
         if self.loads:
             lines += [load.words for load in self.loads]
             lines.append(
-                f"facet {self.held_facet} is held: x along crease {self.held_facet}, z its normal (creases run "
+                f"facet {self.fixed_facet} is fixed: x along crease {self.fixed_facet}, z its normal (creases run "
                 "counter-clockwise seen from there); energies are U - sum force . position"
             )
         return lines
@@ -336,7 +330,7 @@ class Scene(PrettyRepr):
 
         With preload m this is sum k_i/2 (phi_i - rest_i)^2 - m_i (phi_i - rest_i) + m_i^2/(2 k_i): what it takes to
         wind the springs counts, so that the elastic energy is never negative.  Forces f at points p add -sum f . p,
-        p in the frame of the held facet.
+        p in the frame of the fixed facet.
 
         Parameters
         ----------
@@ -356,7 +350,7 @@ class Scene(PrettyRepr):
         phi = check_angles("fold_angles", fold_angles, self.degree, finite=False)
         k, rest = np.array(self.stiffness), np.array(self.wound_angles)
         energy = energy_or_zero(0.5 * np.sum(k * (phi - rest) ** 2, axis=-1), k)
-        if (dead := dead_loads(self.loads, self.held_facet)) is not None:
+        if (dead := dead_loads(self.loads, self.fixed_facet)) is not None:
             energy = energy + dead.energy(np.array(self.vertex.sector_angles), phi)
         return float(energy) if energy.ndim == 0 else energy
 
@@ -373,7 +367,7 @@ class Scene(PrettyRepr):
             f"Scene({title}{self.vertex},\n  stiffness=[{k}] N m/rad,\n  rest_angles=[{rest}] rad,"
             + (f"\n  preload=[{preload}] N m," if preload else "")
             + "".join(
-                f"\n  load: {load.words}, facet {self.held_facet} held," for load in self.loads
+                f"\n  load: {load.words}, facet {self.fixed_facet} fixed," for load in self.loads
             )
             + f"\n  symmetry={self.symmetry!r} -> {self.group.name}, contact={self.contact!r})"
         )
@@ -430,7 +424,7 @@ def _same_length(values: Sequence[float], name: str, degree: int) -> None:
 
 def _numbers(values: object, name: str, degree: int) -> tuple[float, ...]:
     """Read `degree` floats, or raise an error about field `name`."""
-    wrong = SceneError(f"{name} must be a list of numbers, one for each crease")
+    wrong = SceneError(f"{name} = {shown(values)} must be a list of numbers, one for each crease")
     if isinstance(values, str | bytes):
         raise wrong
     try:

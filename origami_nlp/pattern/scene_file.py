@@ -27,7 +27,7 @@ _KEYS: dict[str, tuple[str, ...]] = {
         "mirror",
         "name",
         "symmetry_tolerance",
-        "held_facet",
+        "fixed_facet",
         "winding",
     ),
     "loads": (),
@@ -92,7 +92,8 @@ def decode_scene(raw: bytes, name: str) -> Scene:
         raise SceneFileError(
             f"scene {name!r} is JSON, not TOML: `read_fold_scene` reads FOLD files"
         )
-    return parse_scene(as_text(raw, f"scene {name!r}", SceneFileError))
+    where = f"scene {name!r}"
+    return scene_from_dict(parse_toml(as_text(raw, where, SceneFileError), where, SceneFileError))
 
 
 def is_json(raw: bytes) -> bool:
@@ -240,7 +241,7 @@ def scene_to_dict(scene: Scene) -> dict[str, Any]:
     """
     check_type("scene", scene, Scene)
     model: dict[str, Any] = {"symmetry": scene.symmetry, "contact": scene.contact}
-    own = {key: getattr(scene, key) for key in ("mirror", "name", "held_facet", "winding")}
+    own = {key: getattr(scene, key) for key in ("mirror", "name", "fixed_facet", "winding")}
     model |= {key: value for key, value in own.items() if value is not None}
     if scene.symmetry_tolerance != INPUT_TOL:
         model["symmetry_tolerance"] = scene.symmetry_tolerance

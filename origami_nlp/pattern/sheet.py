@@ -88,7 +88,7 @@ class Pattern:
     Examples
     --------
     >>> import origami_nlp as o
-    >>> sheet = o.examples.pattern("miura", 2, 3).with_springs(stiffness=0.01, rest=1.2)
+    >>> sheet = o.examples.pattern("miura", 2, 3).with_springs(stiffness=0.01, rest_angles=1.2)
     >>> sheet.assignment, round(float(sheet.energy(sheet.rest)), 12)
     ('MVVMVMV', 0.0)
     """
@@ -162,7 +162,7 @@ class Pattern:
     def with_springs(
         self,
         stiffness: float | Sequence[float] | None = None,
-        rest: float | Sequence[float] | None = None,
+        rest_angles: float | Sequence[float] | None = None,
         per_length: bool = False,
     ) -> Pattern:
         """Return the same pattern with other springs.
@@ -171,7 +171,7 @@ class Pattern:
         ----------
         stiffness
             Of every crease, or of each [N m/rad]; with `per_length` [N/rad], times the length of the crease.
-        rest
+        rest_angles
             Size of the rest angle of mountains and valleys, or the rest angle of each crease [rad].
         per_length
             Whether stiffness is per unit length.
@@ -194,16 +194,16 @@ class Pattern:
             )
         if len(k):
             check_range(k.tolist())
-        if rest is None:
+        if rest_angles is None:
             phi = self.rest
-        elif np.ndim(rest) == 0:
-            size = check_number("rest", rest, 0.0, math.pi)
+        elif np.ndim(rest_angles) == 0:
+            size = check_number("rest_angles", rest_angles, 0.0, math.pi)
             phi = size * self.signs
         else:
-            phi = np.array(rest, float)
+            phi = np.array(rest_angles, float)
             if phi.shape != (self.creases,) or not (np.abs(phi) <= math.pi).all():
                 raise SceneError(
-                    f"rest has shape {phi.shape}: give {self.creases} angles in [-pi, pi], one a crease"
+                    f"rest_angles has shape {phi.shape}: give {self.creases} angles in [-pi, pi], one a crease"
                 )
         return replace(self, stiffness=np.array(k), rest=np.array(phi))
 

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from scipy import sparse
+import scipy as sp
 
 from origami_nlp.numerics import Matrix, cross
 from origami_nlp.pattern import Loop, Pattern
@@ -179,7 +179,7 @@ class Closure:
                 out[g.rows[:, None] + np.arange(3, 6)] = s.t / self._size
         return out
 
-    def on_sheet(self, phi: np.ndarray) -> bool:
+    def lifts_to_one(self, phi: np.ndarray) -> bool:
         """Return whether every loop closes with q = +1, as the reference state does (q = -1 is no sheet of paper)."""
         return all((s.q[:, 0] > 0).all() for s in self.turned(phi))
 
@@ -234,7 +234,7 @@ class Closure:
         values = np.concatenate([*data, np.zeros(0)])
         if n > MOST_DENSE:
             filled = np.bincount(form.slots, values, len(form.columns))
-            return sparse.csr_array((filled, form.columns, form.first), shape=(form.rows, n))
+            return sp.sparse.csr_array((filled, form.columns, form.first), shape=(form.rows, n))
         return np.bincount(form.slots, values, form.rows * n).reshape(form.rows, n)
 
     @cached_property

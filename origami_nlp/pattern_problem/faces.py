@@ -111,7 +111,7 @@ class Faces:
 
     def __init__(self, problem: PatternEquations, phi: np.ndarray) -> None:
         self.reason, self.known, self.open = "", list[tuple[int, bool]](), list[int]()
-        self._sheet, self._phi = problem, phi
+        self._problem, self._phi = problem, phi
         self._told: dict[int, list[ContactPair]] = {}
         self._stack, self._orders = problem.stack(phi), Orders(Rules(0, ()))
         if not len(self._stack.pairs):
@@ -167,7 +167,7 @@ class Faces:
 
     @property
     def _at(self) -> FoldedGeometry:
-        return self._sheet.placed(self._phi)
+        return self._problem.placed(self._phi)
 
     def reach(self) -> float:
         """Return how far facets reach into each other, over the sheet's size: the rest of a state that is not exact.
@@ -178,7 +178,7 @@ class Faces:
             Of gaps at corners of overlaps the least, to the side that suits a pair best where it may lie either way;
             not negative where nothing does.
         """
-        size = self._sheet.crossings.size
+        size = self._problem.crossings.size
 
         def least(pair: int, above: bool) -> float:
             return min(t.gap(self._at) for t in self.touches(pair, above)) / size
@@ -208,8 +208,8 @@ class Faces:
 
     def _above(self, pair: int) -> list[ContactPair]:
         """Return the gaps of a pair whose first piece is above."""
-        stack, crossings = self._stack, self._sheet.crossings
-        one, other = (_Piece(stack, self._sheet.features, int(p)) for p in stack.pairs[pair])
+        stack, crossings = self._stack, self._problem.crossings
+        one, other = (_Piece(stack, self._problem.features, int(p)) for p in stack.pairs[pair])
         up = stack.up[stack.pairs[pair][0]]
         room = INSIDE * crossings.size
         found: list[tuple[np.ndarray, ContactPair | None]] = []

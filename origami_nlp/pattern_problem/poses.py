@@ -5,8 +5,7 @@ from __future__ import annotations
 from functools import cached_property
 
 import numpy as np
-from scipy import sparse
-from scipy.sparse.csgraph import breadth_first_order, shortest_path
+import scipy as sp
 
 from origami_nlp.pattern import Pattern
 
@@ -32,11 +31,13 @@ class Poses:
         self.pattern = pattern
         n, f = pattern.creases, pattern.facets
         both = np.r_[pattern.left, pattern.right], np.r_[pattern.right, pattern.left]
-        self._graph = sparse.csr_array((np.ones(2 * n), both), shape=(f, f))
+        self._graph = sp.sparse.csr_array((np.ones(2 * n), both), shape=(f, f))
         middle = self.centres.mean(axis=0)
         self.root = int(np.linalg.norm(self.centres - middle, axis=1).argmin())
         # shortest walks from the middle: errors grow with the number of turns
-        order, before = breadth_first_order(self._graph, self.root, directed=False)
+        order, before = sp.sparse.csgraph.breadth_first_order(
+            self._graph, self.root, directed=False
+        )
         across: dict[tuple[int, int], tuple[int, float]] = {}
         for c, (a, b) in enumerate(zip(pattern.left.tolist(), pattern.right.tolist(), strict=True)):
             across.setdefault((a, b), (c, -1.0))  # from left to right
@@ -130,7 +131,9 @@ class Poses:
         """Return the creases of a shortest walk from facet a to facet b, with the sense in which each is crossed."""
         if (a, b) in self._paths:
             return self._paths[a, b]
-        _, before = shortest_path(self._graph, indices=a, unweighted=True, return_predecessors=True)
+        _, before = sp.sparse.csgraph.shortest_path(
+            self._graph, indices=a, unweighted=True, return_predecessors=True
+        )
         p, walk, here = self.pattern, [], b
         while here != a:
             there = int(before[here])

@@ -13,7 +13,7 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from scipy import sparse
+import scipy as sp
 
 from origami_nlp.io import pick
 from origami_nlp.numerics import CLOSURE_TOL, CONTACT_TOL, OUTSIDE, Matrix, dense
@@ -83,7 +83,7 @@ class PatternProblem(PatternContacts, Energies):
         return self.closure.count
 
     @property
-    def freedom(self) -> int:
+    def dof(self) -> int:
         """Degrees of freedom at least: creases less equations."""
         return max(self.size - self.closure.count, 0)
 
@@ -113,7 +113,7 @@ class PatternProblem(PatternContacts, Energies):
         bent = None if self._dead is None else self._dead.hessian(np.zeros(0), phi)
         if bent is None:
             return plain
-        return plain + (bent if isinstance(plain, np.ndarray) else sparse.csr_array(bent))
+        return plain + (bent if isinstance(plain, np.ndarray) else sp.sparse.csr_array(bent))
 
     def scaled_energy(self, phi: np.ndarray) -> float:
         """Energy, load included, over `scale`; with a constant, so that it is positive."""
@@ -170,7 +170,7 @@ class PatternProblem(PatternContacts, Energies):
         if all(c.is_limit for c in contacts):
             return h
         bent = self._bent(x, multipliers[m:], contacts)
-        return h - bent if isinstance(h, np.ndarray) else h - sparse.csr_array(bent)
+        return h - bent if isinstance(h, np.ndarray) else h - sp.sparse.csr_array(bent)
 
     def _bent(self, x: np.ndarray, forces: np.ndarray, contacts: Sequence[Contact]) -> np.ndarray:
         """Hessian of forces . openings, [n, n]."""
@@ -187,11 +187,11 @@ class PatternProblem(PatternContacts, Energies):
         """Return closure to second order at a state [n], of each vertex and hole by itself."""
         return self.closure.loops(x)
 
-    def on_sheet(self, x: np.ndarray) -> Any:
-        """Return whether states [..., n] are on the sheet q = +1."""
+    def lifts_to_one(self, x: np.ndarray) -> Any:
+        """Return whether states [..., n] are on the lift q = +1."""
         if x.ndim == 1:
-            return self.closure.on_sheet(x)
-        return np.array([self.closure.on_sheet(one) for one in x], bool)
+            return self.closure.lifts_to_one(x)
+        return np.array([self.closure.lifts_to_one(one) for one in x], bool)
 
     def with_contact(self, contact: bool) -> PatternProblem:
         """Return the same problem with facets that must not cross, or may."""
@@ -206,9 +206,9 @@ class PatternProblem(PatternContacts, Energies):
         return tuple(self.crossings.find(x)) if self.contact else ()
 
     def refuses(self, x: np.ndarray, tolerance: float = OUTSIDE) -> str:
-        """Return why a closed state is not admissible, or "": sheet, fold limits, crossings, order of layers."""
-        if not self.on_sheet(x):
-            return "closes on the other sheet, q = -1, round a vertex"
+        """Return why a closed state is not admissible, or "": lift, fold limits, crossings, order of layers."""
+        if not self.lifts_to_one(x):
+            return "closes with q = -1 round a vertex: not a sheet of paper"
         if (np.abs(x) > math.pi + tolerance).any():
             return "a fold angle is beyond pi"
         crossed = self.crossed(x)
@@ -243,7 +243,7 @@ class PatternProblem(PatternContacts, Energies):
         """Return which closed states [K, n] are admissible; layers are not ordered."""
         good = np.isfinite(x).all(axis=1) & (np.abs(x) <= math.pi + tolerance).all(axis=1)
         for k in np.flatnonzero(good):
-            good[k] = self.on_sheet(x[k]) and not self.crossed(x[k])
+            good[k] = self.lifts_to_one(x[k]) and not self.crossed(x[k])
         return good
 
     def numbered_as(self, other: PatternProblem) -> PatternProblem:

@@ -82,7 +82,7 @@ def _corner(pattern: Pattern, corner: object, name: str) -> int:
     return number
 
 
-class _OfSheet:
+class _OfPattern:
     """What every load on a sheet has."""
 
     pattern: Pattern
@@ -93,7 +93,7 @@ class _OfSheet:
         return self.pattern
 
 
-class _OfPlaces(_OfSheet):
+class _OfPlaces(_OfPattern):
     """A load on the place of a corner, as a walk over facets carries it; `_at`: what it works on, and derivatives."""
 
     unit: ClassVar[str] = "N"
@@ -125,7 +125,7 @@ class _OfPlaces(_OfSheet):
 
 
 @dataclass(frozen=True, eq=False)
-class Torque(_OfSheet):
+class Torque(_OfPattern):
     """A torque t on each of some creases, towards valley > 0.
 
     Attributes
@@ -261,7 +261,7 @@ class Pull(_OfPlaces):
 
 @dataclass(frozen=True, eq=False)
 class DeadForce(_OfPlaces):
-    """A force of size t on a corner, of fixed direction seen from a facet that is held.
+    """A force of size t on a corner, of fixed direction seen from a facet that is fixed.
 
     Attributes
     ----------
@@ -271,21 +271,21 @@ class DeadForce(_OfPlaces):
         Number of a vertex, from 0 as in the file.
     direction
         In the frame of the reference state; its length multiplies t.
-    held
-        Number (1-based) of the facet that is held where it is in the reference state.
+    fixed_facet
+        Number (1-based) of the facet that is fixed where it is in the reference state.
     """
 
     pattern: Pattern
     corner: int
     direction: tuple[float, float, float]
-    held: int
+    fixed_facet: int
 
     def __post_init__(self) -> None:
         _corner(self.pattern, self.corner, "force")
-        check_whole("held facet", self.held, 1, self.pattern.facets)
-        if self.held - 1 in _facets_at(self.pattern, self.corner):
+        check_whole("fixed facet", self.fixed_facet, 1, self.pattern.facets)
+        if self.fixed_facet - 1 in _facets_at(self.pattern, self.corner):
             raise OptionError(
-                f"force: vertex {self.corner} is a corner of facet {self.held}, which is held"
+                f"force: vertex {self.corner} is a corner of the fixed facet {self.fixed_facet}: fix another one"
             )
         f = np.array(self.direction, float)
         if f.shape != (3,) or not np.isfinite(f).all() or not f.any():
@@ -297,7 +297,7 @@ class DeadForce(_OfPlaces):
     def name(self) -> str:
         """What t is."""
         f = ", ".join(f"{v:g}" for v in self.direction)
-        return f"force along ({f}) on vertex {self.corner}, facet {self.held} held"
+        return f"force along ({f}) on vertex {self.corner}, facet {self.fixed_facet} fixed"
 
     @property
     def coordinate(self) -> str:
@@ -311,7 +311,7 @@ class DeadForce(_OfPlaces):
 
     @cached_property
     def _walk(self) -> _Walk:
-        return _walk(self.pattern, self.held - 1, self.corner)
+        return _walk(self.pattern, self.fixed_facet - 1, self.corner)
 
     def _at(self, phi: np.ndarray) -> tuple[float, np.ndarray, np.ndarray]:
         x, first, second = self._walk.place(phi)

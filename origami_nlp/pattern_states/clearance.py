@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from scipy.sparse.csgraph import shortest_path
+import scipy as sp
 
 from origami_nlp.io import ShortRepr
 from origami_nlp.numerics import CLOSURE_TOL, CURVED, DEEP, NONZERO, cross
@@ -82,6 +82,14 @@ class Clearance:
         return out
 
     @cached_property
+    def _radii(self) -> np.ndarray:
+        """Sum of the radii of the pieces of each pair about their middles, [K]: facets are rigid."""
+        flat = self.problem.crossings.placed(np.zeros(self.problem.pattern.creases))
+        radius = np.linalg.norm(flat - flat.mean(axis=1, keepdims=True), axis=2).max(axis=1)
+        out: np.ndarray = radius[self.first] + radius[self.second]
+        return out
+
+    @cached_property
     def _arms(self) -> np.ndarray:
         """Distance that a turn of each crease moves the pieces of each pair apart, at most, [K, n]; 1 for angles."""
         p, c = self.problem.pattern, self.problem.crossings
@@ -111,7 +119,9 @@ class Clearance:
         p = self.problem.pattern
         graph = np.zeros((p.facets, p.facets))
         graph[p.left, p.right] = graph[p.right, p.left] = 1.0
-        _, before = shortest_path(graph, unweighted=True, return_predecessors=True)
+        _, before = sp.sparse.csgraph.shortest_path(
+            graph, unweighted=True, return_predecessors=True
+        )
         found: np.ndarray = before
         return found
 
@@ -128,7 +138,9 @@ class Clearance:
             # over the size: SciPy takes lengths below 1e-8 for none
             apart = np.linalg.norm(points[here][:, None] - points[here], axis=2) / size
             length[np.ix_(here, here)] = np.minimum(length[np.ix_(here, here)], apart)
-        ways = shortest_path(np.where(np.isinf(length), 0.0, length))[many:, :many]
+        ways = sp.sparse.csgraph.shortest_path(np.where(np.isinf(length), 0.0, length))[
+            many:, :many
+        ]
         return np.minimum(size * ways, FAR)
 
     def crosses(self, placed: np.ndarray) -> bool:
@@ -140,50 +152,54 @@ class Clearance:
         deep = DEEP * self.problem.crossings.size
         return bool(near.any() and cross_each_other(a[near], b[near], deep).any())
 
-    def gaps(self, placed: np.ndarray, need: np.ndarray) -> np.ndarray:
-        """Return lower bounds of the gaps of all pairs, as far as they matter, [K].
+    def gaps(self, placed: np.ndarray, need: np.ndarray, pairs: np.ndarray) -> np.ndarray:
+        """Return lower bounds of the gaps of pairs, as far as they matter, [k].
 
         Parameters
         ----------
         placed
             Corners of pieces in space, [P, q, 3].
         need
-            Gaps from which on a pair does not matter, [K].
+            Gaps from which on a pair does not matter, [k].
+        pairs
+            Which of all, k of them.
         """
-        a, b = placed[self.first], placed[self.second]
-        away = b.mean(axis=1) - a.mean(axis=1)
-        out = _apart(a, b, away[:, None])
-        apex = self._apex
+        middle, apex = placed.mean(axis=1), self._apex[pairs]
+        first, second = self.first[pairs], self.second[pairs]
+        # balls about the facets bound their gap: few pairs are asked for more
+        out = np.linalg.norm(middle[second] - middle[first], axis=1) - self._radii[pairs]
+        out = np.maximum(out, 0.0)
         out[apex != -1] = 0.0
-        close = np.flatnonzero((out <= need) & (apex == -1))
-        if len(close):
-            out[close] = np.maximum(
-                out[close], _apart(a[close], b[close], _axes(a[close], b[close]))
-            )
-        pairs, at = self._rays
-        if len(pairs):
-            tips = placed[
-                at[..., 0], at[..., 1]
-            ]  # [K, 2, 3, 3]: apex and two neighbours of either piece
+        for axes in (lambda a, b: (b - a).mean(axis=1)[:, None], _axes):
+            close = np.flatnonzero((out <= need) & (apex == -1))
+            if not len(close):
+                break
+            a, b = placed[first[close]], placed[second[close]]
+            out[close] = np.maximum(out[close], _apart(a, b, axes(a, b)))
+        corner = np.flatnonzero(apex >= 0)
+        if len(corner):
+            at = self._rays[pairs[corner]]
+            # [k, 2, 3, 3]: apex and two neighbours of either piece
+            tips = placed[at[..., 0], at[..., 1]]
             rays = tips[:, :, 1:] - tips[:, :, :1]
             rays /= np.linalg.norm(rays, axis=3, keepdims=True)
-            out[pairs] = _angles(rays[:, 0], rays[:, 1])
+            out[corner] = _angles(rays[:, 0], rays[:, 1])
         return out
 
     @cached_property
-    def _rays(self) -> tuple[np.ndarray, np.ndarray]:
-        """Pairs that share an apex, and where it and its neighbours are: piece and corner, [K, 2, 3, 2]."""
-        pieces, at = self.problem.crossings.pieces, []
-        pairs = np.flatnonzero(self._apex >= 0)
-        for k in pairs:
+    def _rays(self) -> np.ndarray:
+        """Where the apex of each pair and its neighbours are: piece and corner, [K, 2, 3, 2]; 0 where there is none."""
+        pieces = self.problem.crossings.pieces
+        at = np.zeros((len(self.first), 2, 3, 2), int)
+        for k in np.flatnonzero(self._apex >= 0):
             both = []
             for i in (self.first[k], self.second[k]):
                 ring = pieces[i].tolist()
                 many = len(set(ring))  # padded by the first corner
                 m = ring.index(int(self._apex[k]))
                 both.append([(i, m), (i, (m - 1) % many), (i, (m + 1) % many)])
-            at.append(both)
-        return pairs, np.array(at, int).reshape(-1, 2, 3, 2)
+            at[k] = both
+        return at
 
     def along(self, curve: Interpolant) -> Stretches:
         """Ask along a curve where facets cross, with further states where two might touch between those it has.
@@ -211,7 +227,8 @@ class Clearance:
             ends = (placed[i], crosses[i]), (placed[i + 1], crosses[i + 1])
             # folded flat at an end, facets lie on each other
             at_end = i in (0, len(curve.control) - 1)
-            for inside in () if at_end else self._within(control, *ends, 0):
+            every = np.arange(len(self.first))
+            for inside in () if at_end else self._within(control, *ends, every):
                 if inside is None:
                     unclear += 1
                 else:
@@ -226,21 +243,25 @@ class Clearance:
         control: np.ndarray,
         a: tuple[np.ndarray, bool],
         b: tuple[np.ndarray, bool],
-        depth: int,
+        pairs: np.ndarray,
+        depth: int = 0,
     ) -> Iterator[tuple[np.ndarray, bool] | None]:
-        """Go through states to be added inside a step, and whether facets cross; None for a part left unclear."""
+        """Go through states to be added inside a step, and whether facets cross; None for a part left unclear.
+
+        Only `pairs` might touch in it: a half of a step asks no more for those that the whole showed to be apart.
+        """
         if a[1] or b[1]:
             return
         # a polynomial turns no crease by more, in sum, than its control points do
-        reach = self._arms @ np.abs(np.diff(control, axis=0)).sum(axis=0)
+        reach = self._arms[pairs] @ np.abs(np.diff(control, axis=0)).sum(axis=0)
         # to touch inside, a pair would close the gap of one end and open that of the other
-        room = self.gaps(a[0], reach) + self.gaps(b[0], reach)
-        close = room < reach
-        if not close.any():
+        room = self.gaps(a[0], reach, pairs)
+        close = np.flatnonzero(room < reach)
+        room = room[close] + self.gaps(b[0], reach[close], pairs[close])
+        close = close[still := room < reach[close]]
+        if not len(close):
             return
-        if (
-            room[close] < DEEP * self.problem.crossings.size
-        ).all():  # they lie on each other all along
+        if (room[still] < DEEP * self.problem.crossings.size).all():  # they lie on each other
             yield None
             return
         before, after = halves(control)
@@ -250,9 +271,9 @@ class Clearance:
             return
         x = self.problem.crossings.placed(phi)
         middle = x, self.crosses(x)
-        yield from self._within(before, a, middle, depth + 1)
+        yield from self._within(before, a, middle, pairs[close], depth + 1)
         yield phi, middle[1]
-        yield from self._within(after, middle, b, depth + 1)
+        yield from self._within(after, middle, b, pairs[close], depth + 1)
 
 
 def _axes(a: np.ndarray, b: np.ndarray) -> np.ndarray:

@@ -20,7 +20,7 @@ def close(problem: PatternProblem, start: np.ndarray) -> np.ndarray | None:
         phi, residual = problem.project(start, held)
         within = np.abs(phi).max(initial=0.0) <= math.pi + EXPLORED
         phi = np.clip(phi, -math.pi, math.pi)
-        if residual <= CLOSURE_TOL and within and problem.closure.on_sheet(phi):
+        if residual <= CLOSURE_TOL and within and problem.closure.lifts_to_one(phi):
             return phi
     return None
 

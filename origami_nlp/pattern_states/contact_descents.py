@@ -150,7 +150,7 @@ def contact_descent_off(problem: PatternProblem, path: Sequence[np.ndarray]) -> 
         start, residual = problem.project(reference + share * (path[0] - reference))
         if (
             residual > CLOSURE_TOL
-            or not problem.closure.on_sheet(start)
+            or not problem.closure.lifts_to_one(start)
             or np.abs(start).max() > math.pi
         ):
             continue

@@ -83,7 +83,8 @@ class Sample:
 
 @dataclass(frozen=True, eq=False)
 class ClosedStates:
-    """The closed states of a sheet, as a curve to trace; where several degrees of freedom are left, straight on."""
+    """The closed states of a pattern, as a curve for pseudo-arclength continuation; where several degrees of freedom
+    are left, straight on."""
 
     problem: PatternProblem
 
@@ -95,7 +96,7 @@ class ClosedStates:
     def correct(self, x: np.ndarray) -> np.ndarray | None:
         """Move x [n] onto closure."""
         new, residual = self.problem.project(x, steps=12)
-        return new if residual <= CLOSURE_TOL and self.problem.closure.on_sheet(new) else None
+        return new if residual <= CLOSURE_TOL and self.problem.closure.lifts_to_one(new) else None
 
     def frame(self, x: np.ndarray, along: np.ndarray) -> Sample | None:
         """Return where the curve goes at x: where branches cross, the kernel is larger, and it goes straight on."""
@@ -125,7 +126,7 @@ class ClosedStates:
             there = end - here.x
             size = float(np.linalg.norm(there))
             good = residual <= CLOSURE_TOL and (np.abs(end) <= math.pi + EXPLORED).all()
-            good = good and self.problem.closure.on_sheet(end)
+            good = good and self.problem.closure.lifts_to_one(end)
             ahead = float(there @ here.tangent) >= BENT * size
             if good and ahead and size <= 1.5 * float(np.linalg.norm(went)):
                 return self.at(np.clip(end, -math.pi, math.pi), here.tangent)

@@ -1,4 +1,4 @@
-"""Downhill along closed states: Newton in the tangent space with a trust radius, projected back after each step."""
+"""Downhill along closed states: Newton in the null space of closure with a trust region, projected back."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import sparse
+import scipy as sp
 
 from origami_nlp.numerics import (
     BALANCED,
@@ -68,7 +68,7 @@ def descend(
     side: np.ndarray | None = None,
     kept: np.ndarray | None = None,
 ) -> Descended:
-    """Follow the energy downhill from a closed state.
+    """Follow the energy downhill from a closed state, by Newton in a trust region with an active set of fold limits.
 
     Parameters
     ----------
@@ -97,7 +97,7 @@ def descend(
         lam, limits, balance = problem.multipliers(phi, where)
         normal = problem.normal(phi, where)  # the factors of the multipliers
         pulls = np.where(stays[where], 0.0, limits)
-        if len(where) and pulls.min() < -STILL:  # the limit would have to pull: let go
+        if len(where) and pulls.min() < -STILL:  # negative multiplier: it leaves the active set
             held[where[int(pulls.argmin())]] = False
             continue
         # beside the flat state multipliers are large, and rounding with them
@@ -165,7 +165,7 @@ def _direction(
         return z @ (vectors @ y), saddle
     j = normal.jacobian
     h = h[free][:, free] if held.any() else h
-    unit = np.eye(len(free)) if isinstance(h, np.ndarray) else sparse.eye_array(len(free))
+    unit = np.eye(len(free)) if isinstance(h, np.ndarray) else sp.sparse.eye_array(len(free))
     shift = 0.0
     for _ in range(8):
         matrix = h + shift * unit
@@ -196,4 +196,4 @@ def _retract(
         phi[beyond] = np.copysign(math.pi, phi[beyond])
         phi, residual = problem.project(phi, held)
     good = residual <= CLOSURE_TOL and bool((np.abs(phi) <= math.pi).all())
-    return phi, good and problem.closure.on_sheet(phi)
+    return phi, good and problem.closure.lifts_to_one(phi)

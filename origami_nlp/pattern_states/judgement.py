@@ -52,8 +52,8 @@ def judge(problem: PatternProblem, phi: np.ndarray, contact: bool = True) -> Jud
     why = ""
     if not residual <= CLOSURE_TOL:
         why = f"does not close: {residual:.1e}"
-    elif not problem.closure.on_sheet(phi):
-        why = "closes on the other sheet, q = -1, round a vertex"
+    elif not problem.closure.lifts_to_one(phi):
+        why = "closes with q = -1 round a vertex: not a sheet of paper"
     elif np.abs(phi).max(initial=0.0) > math.pi:
         why = "a fold angle is beyond pi"
     if why:

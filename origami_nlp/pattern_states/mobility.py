@@ -169,7 +169,8 @@ class Mobility(Report):
             )
         if self.folded is None and self.dof is None:
             said.append(
-                "no folded state was found: there may be none, or none of its assignment; dof are unknown"
+                "no folded state was found: there may be none, or none of its assignment; degrees of freedom "
+                "are unknown"
             )
         elif self.folded is not None:
             still = np.flatnonzero(np.abs(self.folded) <= MOVES)
@@ -181,7 +182,8 @@ class Mobility(Report):
                 )
             if (np.abs(self.folded) >= math.pi).any():
                 said.append(
-                    "creases are fully folded in that state: where layers coincide it may have more dof than its "
+                    "creases are fully folded in that state: where layers coincide it may have more degrees of "
+                    "freedom than its "
                     "neighbours"
                 )
             if self.crossed:
@@ -326,7 +328,7 @@ def _folded(problem: PatternProblem, rng: np.random.Generator) -> tuple[np.ndarr
         if (
             residual > CLOSURE_TOL
             or (np.abs(new) > math.pi).any()
-            or not problem.closure.on_sheet(new)
+            or not problem.closure.lifts_to_one(new)
         ):
             continue
         moved = int((np.abs(new) > MOVES).sum())
@@ -356,7 +358,7 @@ def _regular(
         if (
             residual > CLOSURE_TOL
             or (np.abs(new) > math.pi).any()
-            or not problem.closure.on_sheet(new)
+            or not problem.closure.lifts_to_one(new)
         ):
             continue
         if (more := problem.rank(new)) > rank:

@@ -136,7 +136,7 @@ class Motion(Report, Viewable):
 
 
 def find_motion(
-    pattern: Pattern | str | Path, seen: Mobility | None = None, *, seed: int = 0
+    pattern: Pattern | str | Path, mobility: Mobility | None = None, *, seed: int = 0
 ) -> Motion:
     """Trace the folding motion of a sheet up to its first contact.
 
@@ -144,7 +144,7 @@ def find_motion(
     ----------
     pattern
         The sheet; the name of an example such as ``"miura:4x4"``, or a FOLD file.
-    seen
+    mobility
         Of `analyze_mobility`, if it is known.
     seed
         Of random starts, where a folded state is looked for.
@@ -172,15 +172,15 @@ def find_motion(
         raise OptionError(
             f"the pattern has {pattern.creases:,} creases: motions are traced up to {MOST_TRACED}"
         )
-    seen = analyze_mobility(pattern, seed=seed) if seen is None else seen
-    if seen.folded is None or seen.dof is None:
+    mobility = analyze_mobility(pattern, seed=seed) if mobility is None else mobility
+    if mobility.folded is None or mobility.dof is None:
         raise OptionError("no folded state was found from which to trace a motion")
-    if seen.dof == 0:
+    if mobility.dof == 0:
         raise OptionError("no degree of freedom is left: the sheet does not move with rigid facets")
     problem = PatternProblem(pattern)
-    z = problem.kernel(seen.folded)
-    curve = follow_curve(problem, seen.folded, z @ (z.T @ seen.folded))
-    here = int(np.linalg.norm(curve.phi - seen.folded, axis=1).argmin())
+    z = problem.kernel(mobility.folded)
+    curve = follow_curve(problem, mobility.folded, z @ (z.T @ mobility.folded))
+    here = int(np.linalg.norm(curve.phi - mobility.folded, axis=1).argmin())
     # both ways were followed: from the least folded state on, through the one that was found
     least = int(np.linalg.norm(curve.phi[: here + 1], axis=1).argmin())
     states = curve.phi[least:]
@@ -191,7 +191,7 @@ def find_motion(
     end = _end(curve, phi[-1], touching)
     return Motion(
         pattern,
-        seen.dof,
+        mobility.dof,
         phi,
         arc / math.sqrt(pattern.creases),
         np.asarray(pattern.energy(phi)),

@@ -55,7 +55,7 @@ class PatternTerrain(Terrain):
         within = self.pattern_problem.residual(x) <= CLOSURE_TOL and bool(
             (np.abs(x) <= math.pi).all()
         )
-        within = within and self.pattern_problem.closure.on_sheet(x)
+        within = within and self.pattern_problem.closure.lifts_to_one(x)
         return within and not (self.contact and self.pattern_problem.crossings.find(x))
 
     def _step(

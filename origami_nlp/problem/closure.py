@@ -1,23 +1,19 @@
 """Loop closure of the modelled piece, and where its rays go, as CasADi expressions.
 
-All forms use half-angle sines and cosines only.  Conventions of the folded piece: ray 1 stays at
-e1, and a mirror that runs through ray 1 stays the e1-e3 plane.
+Half-angle sines and cosines only.  Ray 1 stays at e1; a mirror through ray 1 stays the e1-e3 plane.
 
-- D_n wedge: H = Q(b_1, phi_1/2) Q(b_2, phi_2) ... Q(b_k, phi_k/2).  The mirror at the last ray must make the
-  angle pi/n with the first one (paper, eq. 2.5, reflection-condition, for n = 1, and eq. 2.8,
-  rotation-reflection-condition). With inward flat normals n_1 = e2 and n_k = (sin pi/n, -cos pi/n,
-  0): n = 1 asks H e2 = e2, that is h_x = h_z = 0 (two equations); n >= 2 asks n_1 . H n_k =
-  -cos(pi/n) (one equation).
+- D_n wedge: H = Q(b_1, phi_1/2) Q(b_2, phi_2) ... Q(b_k, phi_k/2).  The mirror at the last ray makes the angle pi/n
+  with the first one (paper, eq. 2.5, reflection-condition, for n = 1, and eq. 2.8, rotation-reflection-condition).
+  With inward flat normals n_1 = e2 and n_k = (sin pi/n, -cos pi/n, 0): n = 1 asks H e2 = e2, that is h_x = h_z = 0 (two
+  equations); n >= 2 asks n_1 . H n_k = -cos(pi/n) (one equation).
 - C_n period, n >= 2: T = q Q(e3, 2 pi/n) is a rotation by 2 pi/n: its scalar part is cos(pi/n) (one equation).
-- symmetric states may wind w times round the axis, w odd: T turns by w 2 pi/n, as T^n = -1 asks, and mirrors make the
-  angle w pi/n. With n/w pieces to a turn in place of n the conditions are those above (w = n: those of n = 1), for a
-  piece that is unrolled.
-- no symmetry: the vector part of q vanishes (three equations).  q = -1 also solves them; it is no sheet of
-  paper, and `is_sheet` decides.
+- States that wind w times round the axis, w odd: T turns by w 2 pi/n, as T^n = -1 asks, and mirrors make the angle
+  w pi/n: the conditions above with n/w in place of n (w = n: those of n = 1), for an unrolled piece.
+- No symmetry: the vector part of q vanishes (three equations).  q = -1 also solves them: unit quaternions cover
+  rotations twice, the sheet of paper is the lift q = +1, and `FoldedExpressions.lift` says which it is.
 
-A vertex that is not flat is unrolled: the last ray of its piece lies at the sum s of the sectors, not at pi/n
-or 2 pi/n.  The conditions on the folded state stay the same: H n_k with n_k = (sin s, -cos s, 0), T = q Q(e3, s),
-and q Q(e3, s - 2 pi) = +1 without symmetry.
+A vertex that is not flat is unrolled: the last ray of its piece lies at the sum s of the sectors, with n_k = (sin s,
+-cos s, 0), T = q Q(e3, s), and q Q(e3, s - 2 pi) = +1 without symmetry.
 """
 
 from __future__ import annotations
@@ -40,14 +36,14 @@ class FoldedExpressions:
     end: quaternion of the whole piece (H, T or q).
     end_normal: inward normal of the last mirror after folding (D_n only).
     equations: loop closure, each zero when the piece closes.
-    sheet: positive on the sheet q = +1, negative on q = -1.
+    lift: positive on the lift q = +1, negative on q = -1.
     """
 
     rays: tuple[tuple[Any, Any, Any], ...]
     end: tuple[Any, Any, Any, Any]
     end_normal: tuple[Any, Any, Any] | None
     equations: ca.SX
-    sheet: Any
+    lift: Any
 
 
 def fold_piece(
@@ -112,14 +108,14 @@ def fold_piece(
         gap = ca.sum1(sectors) - 2 * math.pi / order
         q = quat.multiply(q, (ca.cos(gap / 2), 0, 0, ca.sin(gap / 2)))
     if order == 1:
-        # paper, eq. 2.3, F_N = I: q = +-1, a rotation by 0 or by 2 pi, which `sheet` distinguishes
+        # paper, eq. 2.3, F_N = I: q = +-1, a rotation by 0 or by 2 pi, which `lift` distinguishes
         return FoldedExpressions(tuple(rays), q, None, ca.vertcat(q[1], q[2], q[3]), q[0])
     half_turn = math.pi / order
     turn = quat.multiply(q, (math.cos(half_turn), 0, 0, math.sin(half_turn)))
     images = list(rays)
     for _ in range(int(order) - 1 if order == int(order) else 0):
         images += [quat.rotate(turn, c) for c in images[-count:]]
-    # T^n = -1 for every solution of T_w = cos(w pi/n), w odd, so the n-fold product is on the sheet q = +1
+    # T^n = -1 for every solution of T_w = cos(w pi/n), w odd, so the n-fold product is on the lift q = +1
     return FoldedExpressions(tuple(images), turn, None, turn[0] - exact_cosine(order), ca.SX(1))
 
 

@@ -122,7 +122,7 @@ class Functions:
     local(x, p): energy gradient, equations, Jacobian, gaps, Jacobian of gaps.
     hessian(x, p, s, lam, mu): Hessian of s U + lam . equations + mu . gaps.
     rays(x, p): deformed rays, shape [3, rays].
-    sheet(x, p): positive on the sheet q = +1.
+    lift(x, p): positive on the lift q = +1.
     evaluators: the same functions by name, called with NumPy arrays.
     drift: how the KKT system changes with the parameters.
     """
@@ -136,14 +136,14 @@ class Functions:
     local: ca.Function
     hessian: ca.Function
     rays: ca.Function
-    sheet: ca.Function
+    lift: ca.Function
 
     @cached_property
     def evaluators(self) -> dict[str, Evaluate]:
-        """Return fast callables for closure, local, hessian, rays and sheet."""
+        """Return fast callables for closure, local, hessian, rays and lift."""
         return {
             f.name(): evaluator(f)
-            for f in (self.closure, self.local, self.hessian, self.rays, self.sheet)
+            for f in (self.closure, self.local, self.hessian, self.rays, self.lift)
         }
 
     @cached_property
@@ -200,12 +200,12 @@ def compile_structure(structure: Structure) -> Functions:
         ),
         hessian=ca.Function("hessian", [x, p, weight, lam, mu], [ca.hessian(lagrangian, x)[0]]),
         rays=ca.Function("rays", [x, p], [ca.horzcat(*(ca.vertcat(*c) for c in piece.rays))]),
-        sheet=ca.Function("sheet", [x, p], [piece.sheet]),
+        lift=ca.Function("lift", [x, p], [piece.lift]),
     )
 
 
 def _carried(held: int, facet: int, x: ca.SX, sectors: ca.SX, point: ca.SX) -> Any:
-    """Where a point of a facet is, seen from the facet that is held."""
+    """Where a point of a facet is, seen from the facet that is fixed."""
     n = x.shape[0]
     # from facet `held` to facet `facet` counter-clockwise: crease i + 1 parts facets i and i + 1
     chain = [(held + 1 + i) % n for i in range((facet - held) % n)]

@@ -55,10 +55,10 @@ def complete(
 
     Notes
     -----
-    States close on the sheet q = +1.  With fold limits they exist only within |phi| <= pi; what misses +-pi by rounding
+    States close on the lift q = +1.  With fold limits they exist only within |phi| <= pi; what misses +-pi by rounding
     is +-pi.  A crease that closes at +pi may close at -pi as well: one of the two is returned.
-    Without fold limits angles are the principal ones, except that without symmetry, where the sheet asks for it, the
-    largest of the three makes a whole turn backward.
+    Without fold limits angles are the principal ones, except that without symmetry, where the lift q = +1 asks for it,
+    the largest of the three makes a whole turn backward.
     Where a family of states closes (two creases lie on each other, or a turn moves nothing), the first of the turns
     that only their sum matters of, or the one that moves nothing, is 0; both completions are this one.
     x -> -x gives the negatives in the other order, but for the choice between +pi and -pi.
@@ -162,7 +162,7 @@ class CreaseChain:
         return [axes[solve[:, i], :, rows].T for i in range(solve.shape[1])], end
 
     def misses(self, x: np.ndarray) -> np.ndarray:
-        """Largest closure residual of fold angles [K, n], [K]; infinite on the sheet q = -1."""
+        """Largest closure residual of fold angles [K, n], [K]; infinite on the lift q = -1."""
         _, q = self.fold(x * self.share)
         if self.kind == "C":
             if self.order > 1:

@@ -1,6 +1,7 @@
 """A contact: what it is worth at a state, how it is held, on which side it is open; and closure of loops.
 
-Fold limits, mirrors, the axis and rays on facets are all one inequality each, with a definite side.  What motions of a
+Fold limits, mirrors, the axis and rays on facets are all one inequality constraint each, active where the contact is
+closed.  What motions of a
 state obey is closure, vertex by vertex.
 """
 

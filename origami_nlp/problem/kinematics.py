@@ -39,14 +39,14 @@ class FoldedRays:
         Deformed creases, shape [K, E, 3].
     end
         Quaternion of the piece up to its last ray, shape [K, 4].
-    sheet
-        Positive on the sheet q = +1, shape [K].
+    lift
+        Positive on the lift q = +1, shape [K].
     """
 
     rays: np.ndarray
     axes: np.ndarray
     end: np.ndarray
-    sheet: np.ndarray
+    lift: np.ndarray
 
 
 class Kinematics:
@@ -159,8 +159,8 @@ class Kinematics:
         else:
             rays[:, count + 2 :] = quat.rotate([*end[:, None]], [*self._mirror.T[..., None]])
         rays = np.ascontiguousarray(rays.T)
-        sheet = end[0] if self._cyclic and self._order == 1 else np.ones(len(x))
-        return FoldedRays(rays, rays[:, self.ray_of_crease], end.T, sheet)
+        lift = end[0] if self._cyclic and self._order == 1 else np.ones(len(x))
+        return FoldedRays(rays, rays[:, self.ray_of_crease], end.T, lift)
 
     def closure(self, at: FoldedRays) -> tuple[np.ndarray, np.ndarray]:
         """Return the equations [K, m] and their Jacobian [K, m, n]."""

@@ -85,7 +85,7 @@ class Model(PosedProblem):
     --------
     >>> from origami_nlp import Model, examples
     >>> model = Model(examples.degree6("pi/3", ratio=1))
-    >>> model.size, model.equation_count, model.freedom
+    >>> model.size, model.equation_count, model.dof
     (4, 2, 2)
     """
 
@@ -181,8 +181,8 @@ class Model(PosedProblem):
         at, k, n = chain.fold(x), len(x), self.size
         if name == "rays":
             return [at.axes.swapaxes(1, 2)]
-        if name == "sheet":
-            return [at.sheet[:, None, None]]
+        if name == "lift":
+            return [at.lift[:, None, None]]
         if name == "hessian":
             weight, lam, _ = more
             h = chain.closure_hessian(at, np.broadcast_to(lam, (k, 3)))
@@ -298,9 +298,9 @@ class Model(PosedProblem):
         """Return the deformed rays of the piece, [..., rays, 3]."""
         return np.swapaxes(self._call("rays", x)[0], -1, -2)
 
-    def on_sheet(self, x: np.ndarray) -> Any:
-        """Return whether states [..., n] are on the sheet q = +1 (q = -1 closes too but is no sheet of paper)."""
-        q = self._call("sheet", x)[0][..., 0, 0]
+    def lifts_to_one(self, x: np.ndarray) -> Any:
+        """Return whether states [..., n] are on the lift q = +1 (q = -1 closes too but is no sheet of paper)."""
+        q = self._call("lift", x)[0][..., 0, 0]
         return bool(q > 0) if x.ndim == 1 else q > 0
 
     def closed(
@@ -386,7 +386,7 @@ class Model(PosedProblem):
     def refuses(self, x: np.ndarray, tolerance: float = OUTSIDE) -> str:
         """Return why a closed state is not admissible.  The one test of a single state.
 
-        Sheet, fold limits, facets that cross anywhere in the vertex, layers that have no order with the symmetry
+        Lift, fold limits, facets that cross anywhere in the vertex, layers that have no order with the symmetry
         of the scene; what the scene's contact does not ask for is not looked at.
 
         Parameters
@@ -401,7 +401,7 @@ class Model(PosedProblem):
         str
             The reason; "" where the state is admissible.
         """
-        if not self.on_sheet(x):
+        if not self.lifts_to_one(x):
             return "closes with q = -1: not a sheet of paper"
         if (np.abs(x) > self.bound + tolerance).any():
             return f"a fold angle exceeds {self.bound:.4g}: not modelled"
@@ -436,7 +436,7 @@ class Model(PosedProblem):
         """
         good = np.isfinite(x).all(axis=1) & (np.abs(x) <= self.bound + tolerance).all(axis=1)
         where = np.flatnonzero(good)
-        where = where[self.on_sheet(x[where])] if len(where) else where
+        where = where[self.lifts_to_one(x[where])] if len(where) else where
         if self.walls and len(where):
             gaps = self.local(x[where]).gaps
             where = where[(gaps[:, self.walls] >= -tolerance).all(axis=1)]

@@ -89,7 +89,7 @@ class MomentMap:
         turns = np.stack([after, -before], axis=1)[..., None] / 2
         self._cosine, self._sine = np.cos(turns), np.sin(turns)
         # the fixed facet N lies between both ends: the left half starts at crease 1, the right one at crease N
-        last = math.pi - p.sectors[-1] / 2  # a whole turn less the last sector: on the sheet q = +1
+        last = math.pi - p.sectors[-1] / 2  # a whole turn less the last sector: on the lift q = +1
         self._start = np.array([[1, 0, 0, 0], [math.cos(last), 0, 0, math.sin(last)]]).T[..., None]
 
     def _halves(self, values: np.ndarray) -> np.ndarray:

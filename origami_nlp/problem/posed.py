@@ -116,7 +116,7 @@ class PosedProblem(Energies, PrettyRepr):
             flat_sheet=scene.vertex.flat,
             winding=scene.winding or 1,
             dead=()
-            if (dead := dead_loads(scene.loads, scene.held_facet)) is None
+            if (dead := dead_loads(scene.loads, scene.fixed_facet)) is None
             else (dead.held, *dead.facets),
         )
         crease_rays = [r for r, ray in enumerate(group.rays) if ray.crease is not None]
@@ -169,7 +169,7 @@ class PosedProblem(Energies, PrettyRepr):
         return one_turn if s.order == s.winding else 1
 
     @property
-    def freedom(self) -> int:
+    def dof(self) -> int:
         """Degrees of freedom at a regular state: variables less equations."""
         return self.size - self.equation_count
 

@@ -37,7 +37,7 @@ class Problem(Protocol):
     @property
     def equation_count(self) -> int: ...  # noqa: D102
     @property
-    def freedom(self) -> int: ...  # noqa: D102
+    def dof(self) -> int: ...  # noqa: D102
     @property
     def symmetry(self) -> str: ...  # noqa: D102
     @property
@@ -74,7 +74,7 @@ class Problem(Protocol):
         contacts: Sequence[Contact] = (),
         weight: float = 1.0,
     ) -> np.ndarray: ...
-    def on_sheet(self, x: np.ndarray) -> Any: ...  # noqa: D102
+    def lifts_to_one(self, x: np.ndarray) -> Any: ...  # noqa: D102
     def closed(  # noqa: D102
         self, x: np.ndarray, tolerance: float = ..., local: Local | None = None
     ) -> ClosedContacts: ...

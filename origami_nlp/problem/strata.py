@@ -128,13 +128,13 @@ def random_strata(
     ----------
     model
         Any group.  Without fold limits no variable is held, and fold angles are drawn from [-2 pi, 2 pi], the solved
-        ones with a random choice of the whole turns that keep the sheet.
+        ones with a random choice of the whole turns that keep q = +1.
     rng
         Of the draws.
     count
         States wanted.
     closed
-        How many variables are at +-pi, 0 to `freedom`; None: equally many states of each number.
+        How many variables are at +-pi, 0 to `dof`; None: equally many states of each number.
 
     Returns
     -------
@@ -142,7 +142,7 @@ def random_strata(
         At most `count` states, shape [K, n], in random order; fewer where closed states are rare.
     """
     n, m = model.size, model.equation_count
-    most = model.freedom if model.has_limits else 0
+    most = model.dof if model.has_limits else 0
     numbers = range(max(most, 0) + 1) if closed is None else (closed,)
     if n < m:
         return np.zeros((0, n))
@@ -177,7 +177,7 @@ def _draw(model: PosedProblem, rng: np.random.Generator, count: int, closed: int
 def _whole_turns(
     model: PosedProblem, x: np.ndarray, solve: np.ndarray, rng: np.random.Generator
 ) -> np.ndarray:
-    """Turn random ones of the solved fold angles [K, m] by a whole turn that keeps |phi| <= 2 pi and the sheet."""
+    """Turn random ones of the solved fold angles [K, m] by a whole turn that keeps |phi| <= 2 pi and q."""
     other = x - np.copysign(2 * math.pi, x)
     chosen = np.zeros(x.shape, dtype=bool)
     np.put_along_axis(chosen, solve, rng.random(solve.shape) < 0.5, axis=1)

@@ -1,41 +1,39 @@
-"""Closure, minors and twins near a singular state x*, as forms in the direction and the distance from it.
+"""Closure, minors and rows of collinear creases near a singular state x*, as forms in the direction and the distance.
 
 *Closure.*  Write x = x* + r u, |u|_inf = 1, g(x) for the closure rows (entries of a unit quaternion, or of a unit
-vector that it carries), all axes seen at x*.  Since q(x) conj q(x*) = prod exp(r u_i c_i / 2), the k-th derivative of
-g along u is at most s^k, s = sum_i l |u_i| <= l n with l = 1/2 (quaternions) or 1 (vectors); one with d/dx_i in it, l
-s^(k-1). Turn the rows so that J = dg/dx* is zero in the last of them ("normal": no axis turns about it to first
-order) and of full rank in the others ("planar").  With H the Hessian of a row at x*:
+vector that it carries), all axes seen at x*.  As q(x) conj q(x*) = prod exp(r u_i c_i / 2), the k-th derivative of g
+along u is at most s^k, s = sum_i l |u_i| <= l n with l = 1/2 (quaternions) or 1 (vectors); with d/dx_i in it, l
+s^(k-1). Rows are turned so that J = dg/dx* is zero in the last ones ("normal") and of full rank in the others
+("planar").  With H the Hessian of a row at x*:
 
     planar   g / r         = J u               +- r s^2 / 2
     normal   g / (r^2 / 2) = u' H u            +- r s^3 / 3
 
-*Parity.*  If every fold angle of x* is 0 or +-pi, all axes lie in one plane, and the reflection in it sends
-exp(r u c / 2) to exp(-r u c / 2): planar rows are odd in r, normal ones even.  The errors above become
+*Parity.*  If every fold angle of x* is 0 or +-pi, the reflection in the plane of all axes sends exp(r u c / 2) to
+exp(-r u c / 2): planar rows are odd in r, normal ones even, and the errors become
 
     planar   r^2 s^3 / 6,    normal   r^2 s^4 / 12.
 
-*Minors.*  Divide the column of the normal row by r.  The entries of crease i are
+*Minors.*  The column of the normal row is divided by r.  The entries of crease i are
 
     G_i = G*_i + r k_i u_i,    J_i +- r l s  (even: r^2 l s^2 / 2),    (H u)_i +- r l s^2 / 2  (even: r^2 l s^3 / 6).
 
 The leading determinant is linear in u, and r times its next term is det [K u | J | H u]; the rest is bounded by columns
 (Hadamard): |det(A + E) - det A| <= prod (|A_c| + |E_c|) - prod |A_c|.  Where G* is zero on S, the column of G is
-divided by r as well.  Without a normal row the determinant starts with det [G* | J]; where that is zero, it is divided
-by r, and, all norms being those of columns,
+divided by r too.  Without a normal row the determinant starts with det [G* | J]; where that is zero, it is divided by
+r, and, in norms of columns,
 
     |det(A + r B + r^2 D) - det A - r (linear part)| <= prod (A + r B + r^2 D) - prod A - r sum_c B_c prod_(d != c) A_d.
 
-*Twins.*  Creases a, b of a stratum that only closed creases part, on one line at x*, are so on the whole stratum:
-J_a = t J_b, and a critical point has G_a = t G_b, that is G*_a - t G*_b + r (k_a u_a - t k_b u_b) = 0.
+*Collinear creases* a, b of a stratum, with closed creases alone between them, have J_a = t J_b on the whole stratum,
+and at a critical point G_a = t G_b, that is G*_a - t G*_b + r (k_a u_a - t k_b u_b) = 0.  *Turned* ones have no parity:
+facets lie in one plane until a line turns the sheet; free axes in one of these planes have a normal row, else there is
+none.
 
-No common zero on |u|_inf = 1 for all 0 < r <= r0 means no other critical point within r0 of x*, on a stratum and the
-limits of it.  A crease that is closed at x* and free on the stratum can only open: its u_i has one sign.
+No common zero on |u|_inf = 1 for 0 < r <= r0 means no other critical point within r0 of x*, on a stratum and its
+limits.  A crease that is closed at x* and free on the stratum can only open: its u_i has one sign.
 
-*Turned twins.*  No parity.  The facets lie in planes: one until a line turns the sheet, another one between its
-creases, and so on.  Free axes in one of these planes have a normal row; else there is none.
-
-*Rounding.*  Coefficients are computed in doubles, to `CLOSURE_TOL`: products of a few tens of quaternions, from sector
-angles known to some ulp.
+*Rounding.*  Coefficients are computed in doubles, to `CLOSURE_TOL`.
 """
 
 from __future__ import annotations

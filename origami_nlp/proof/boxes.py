@@ -181,7 +181,12 @@ def prune(
     boxes = flats = 0
     end = math.inf if seconds is None else time.process_time() + seconds
     while stack and boxes < most and time.process_time() < end and time.monotonic() < until:
-        batch = joined(list(_popped(stack, options.batch)))
+        batch = _cut_to(
+            min(options.fewest, options.batch),
+            joined(list(_popped(stack, options.batch))),
+            small,
+            recorder,
+        )
         boxes += len(batch)
         done, again = _shrunk(posed, batch, small, recorder)
         near = _reach(again) <= flat
@@ -193,6 +198,13 @@ def prune(
             stack.append(again[~near])
     nothing = start[:0]
     return Remainder(joined([nothing, *found]), joined([nothing, *stack]), boxes, flats)
+
+
+def _cut_to(wanted: int, batch: Boxes, small: float, recorder: Recorder | None) -> Boxes:
+    """Cut a small batch until it has so many boxes: rows of a few take as long as rows of a hundred."""
+    while len(batch) < wanted and (wide := batch.widths.max(axis=0, initial=0.0) >= small).any():
+        batch = joined([batch[~wide], *_halves(batch[wide], recorder)])
+    return batch
 
 
 def _popped(stack: list[Boxes], wanted: int) -> Iterator[Boxes]:

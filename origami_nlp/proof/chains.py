@@ -2,7 +2,7 @@
 
 Closure.  The loop is cut at the facet between crease N and crease 1 and in its middle: with Q(b, phi) the fold about b,
 Q(b_1, phi_1) ... Q(b_h, phi_h) = Q(b_N, -phi_N) ... Q(b_{h+1}, -phi_{h+1}), both sides unit quaternions, states the
-sheet q = +1 only.  Both depend on half of the angles, so that what is of second order stays small.
+lift q = +1 only.  Both depend on half of the angles, so that what is of second order stays small.
 
 Minors.  On the free creases of a stratum a local minimum has rank [G | C] <= 3 (Fritz John; G_i = k_i (phi_i -
 rest_i), row i of C the axis c_i): det [G_S | C_S] = 0 for every four free creases S, an alternating sum of G_i times
@@ -186,7 +186,7 @@ class VertexForms:
         # two folds by phi about creases that differ by d differ by |sin (phi / 2)| d
         sines = np.where(pins != 0, 1.0, np.minimum(1.0, 0.5 * (np.abs(middle) + half)))
         doubt = 2 * self.doubt_crease * sines.sum(axis=0)
-        # two unit quaternions are equal where their difference vanishes; q_left = -q_right, the other sheet, is far
+        # two unit quaternions are equal where their difference vanishes; q_left = -q_right, the other lift, is far
         # from 0
         gap = padded(
             left.centre - right.centre,

@@ -1,26 +1,23 @@
 """A proof that a list of minima is complete, checked by a second arithmetic that knows nothing of the first.
 
-The statement. A flat vertex within fold limits |x_i| <= pi, as it is, or among all states that keep a symmetry, however
-often they wind round its axis (then the angles x are those of its piece). Every local minimum of U = sum k_i/2 (x_i -
-rest_i)^2 among the closed states lies on the stratum of its pinned creases s_i = +-1 (x_i = s_i pi), where F. John's
-condition holds on the free ones: the piece closes (the whole vertex with q = +1), and all minors of m + 1 rows of [G |
-C] vanish, G_i = k_i (x_i - rest_i), C_i the slopes of the m closure equations (without symmetry det [G_S | c_S] = 0 for
-every four creases, c_i the axes); creases whose axes coincide all over a stratum have torques that agree up to the same
-sign. No regularity is assumed.
+The statement.  A flat vertex within fold limits |x_i| <= pi, as it is, or among all states that keep a symmetry,
+however often they wind round its axis (then x are the angles of its piece).  Every local minimum of U = sum k_i/2 (x_i
+- rest_i)^2 among the closed states lies on the stratum of its pinned creases s_i = +-1 (x_i = s_i pi), where Fritz
+John's condition holds on the free ones: the piece closes (the whole vertex with q = +1), and all minors of m + 1 rows
+of [G | C] vanish, G_i = k_i (x_i - rest_i), C_i the slopes of the m closure equations; creases whose axes coincide all
+over a stratum have torques that agree up to the same sign.  No regularity is assumed.
 
-What is checked. (a) The tree covers all 3^n strata; every box that is dropped, and every part that a contraction
-removes, holds no such state. (b) Each point claimed exists, is the only one within its radius, and is of the kind
-claimed; leaves that rest on it lie within that radius. (c) Leaves at the flat state lie where the flat lemma is shown
-anew. (d) What the proof leaves open is reported. (e) The minima claimed are those of (b). (f) With symmetry, that there
-is a tree for every way in which the whole vertex closes: from the product of all its folds (`check_whole`), not from
-its piece.
+What is checked.  (a) The tree covers all 3^n strata; every box that is dropped, and every part that a contraction
+removes, holds no such state.  (b) Each point claimed exists, is the only one within its radius, and is of the kind
+claimed; leaves that rest on it lie within that radius.  (c) Leaves at the flat state lie where the flat lemma is shown
+anew.  (d) What the proof leaves open is reported.  (e) The minima claimed are those of (b).  (f) With symmetry there is
+a tree for every way in which the whole vertex closes, from the product of all its folds (`check_whole`).
 
-What is trusted. This file, `certificate`, and the files `check_*` beside it, which share no code with the search; the
-reading of a scene, with its symmetry; python-flint and FLINT (`arb`: midpoint and radius, each operation rounded
-outwards); Python, and NumPy where it suggests numbers that are then tested; the machine. Sectors stand for all within
-two units in the last place that close flat, symmetrically where a symmetry is kept; sums of sectors that are
-multiples of pi (or pi/2, across a mirror) to within that are such. Stiffness and rest angles are the doubles of the
-file.
+What is trusted.  This file, `certificate` and `check_*`, which share no code with the search; the reading of a scene,
+with its symmetry; python-flint and FLINT (`arb`: midpoint and radius, rounded outwards); Python, and NumPy where it
+suggests numbers that are then tested; the machine.  Sectors stand for all within two units in the last place that close
+flat, symmetrically where a symmetry is kept; sums of sectors that are multiples of pi (or pi/2, across a mirror) to
+within that are such.  Stiffness and rest angles are the doubles of the file.
 """
 
 from __future__ import annotations

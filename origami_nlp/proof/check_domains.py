@@ -211,8 +211,8 @@ class BallChain(ABC):
             C, with K (x - rest) = C m at free creases, [n][m].
         bends
             Derivatives of columns i by angle j, [n][n][m].
-        sheet
-            Positive where the piece is a sheet of paper.
+        lift
+            Positive where the piece closes as a sheet of paper, q = +1.
         """
 
     @abstractmethod

@@ -1,19 +1,18 @@
 """No critical point near the flat state but, perhaps, itself: shown in ball arithmetic, without a remainder term.
 
-All creases are free there.  With x = r u, max |u_i| = 1 and 0 < |r| <= r0 (r takes both signs, so that some u_i
-is +1), the chain is written in numbers that stay finite as r -> 0: q = w + r (omega_x i + omega_y j) + r^2 zeta k,
-where by Q(b, r u) = C + r s b, s = sin(r u/2)/r, J b = (-b_y, b_x), exactly
+All creases are free there.  With x = r u, max |u_i| = 1 and 0 < |r| <= r0 (r takes both signs, so that some u_i is +1),
+the chain is written in numbers that stay finite as r -> 0: q = w + r (omega_x i + omega_y j) + r^2 zeta k, where by
+Q(b, r u) = C + r s b, s = sin(r u/2)/r, J b = (-b_y, b_x), exactly
 
     w' = w C - r^2 s omega . b,    omega' = omega C + s (w b + r^2 zeta J b),    zeta' = zeta C + s (omega x b)_z.
 
 The axis c = q b q* has in the plane the part P = b (1 - 2 r^2 |omega|^2 - 2 r^4 zeta^2) + 2 r^2 (w zeta J b +
-(omega . b) omega), and r h out of it, h = 2 w (omega x b)_z + 2 r^2 zeta (omega . b).  Closure is omega = 0 and
-zeta = 0; since r != 0 the condition det [G | C]_S = 0 is det [G | P | h]_S = 0, with G_i = k_i (r u_i - rest_i).
-Over r in [-r0, r0] and boxes of u all this is enclosed as it stands.  At r = 0 it is what is well known: sum u_i b_i =
-0, a determinant linear in u, and a quadratic form; where they have no common zero, nothing is critical near 0.
+(omega . b) omega), and r h out of it, h = 2 w (omega x b)_z + 2 r^2 zeta (omega . b).  Closure is omega = 0 and zeta =
+0; for r != 0, det [G | C]_S = 0 is det [G | P | h]_S = 0, G_i = k_i (r u_i - rest_i).  All this is enclosed over r in
+[-r0, r0] and boxes of u; where it has no common zero, nothing else is critical within r0.
 
-That the flat state is no minimum is shown by a direction u with sum u_i b_i = 0, Q(u) = zeta(u) = 0 and a torque
-G . u != 0, where the closed states pass through 0 along u (Q is not stationary there): turned round, the energy falls.
+The flat state is no minimum where a direction u has sum u_i b_i = 0, Q(u) = zeta(u) = 0 and a torque G . u != 0, and Q
+is not stationary there: closed states pass through 0 along u, and in one of both senses the energy falls.
 """
 
 from __future__ import annotations

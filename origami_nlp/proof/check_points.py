@@ -131,8 +131,8 @@ class CheckedStratum:
             raise Refused(f"Newton's method does not converge in {NEWTON} steps")
         held = self._held(z)
         angles, m = self.angles(held[: -self.rank]), held[-self.rank :]
-        _, slopes, columns, bends, sheet = self.piece.at(angles)
-        if not sheet > 0:
+        _, slopes, columns, bends, lift = self.piece.at(angles)
+        if not lift > 0:
             raise Refused("closes with q = -1")
         if not all(abs(angles[i]) < arb.pi() for i in self.free):
             raise Refused("a free crease is at its limit, or beyond it")

@@ -184,13 +184,13 @@ class WedgeChain(SymmetricPiece):
     ) -> tuple[Balls, list[Balls], list[Balls], list[list[Balls]], Any]:
         """As of `BallChain`."""
         h, turn, axes = self.chain(angles)
-        n, sheet = range(self.count), self.vertex(angles)[0]
+        n, lift = range(self.count), self.vertex(angles)[0]
         if self.rank == 2:
             h = (self.onward * arb_mat([[v] for v in h])).entries()
             by = [arb(1) / (2 * o) for o in self.over]
             bends = _products(h, axes, by, (1, 3))
             slopes = [[b * v for v in _times(c, h)[1::2]] for b, c in zip(by, axes, strict=True)]
-            return h[1::2], slopes, slopes, bends, sheet
+            return h[1::2], slopes, slopes, bends, lift
         v = (turn * self.last).entries()
         by = [arb(1) / o for o in self.over]
         # d(n_1 . v)/dx_i = n_1 . (c_i x v) / over, n_1 = e2
@@ -200,7 +200,7 @@ class WedgeChain(SymmetricPiece):
             [[by[i] * by[j] * cross(axes[min(i, j)], cross(axes[max(i, j)], v))[1]] for j in n]
             for i in n
         ]
-        return [v[1] + self.level], slopes, slopes, turned, sheet
+        return [v[1] + self.level], slopes, slopes, turned, lift
 
     def number(self, angles: Sequence[Any]) -> Any:
         """-n_1 . H n_k."""
@@ -247,8 +247,8 @@ class PeriodChain(SymmetricPiece):
         t, axes = self.turned(angles)
         by = [arb(0.5)] * self.count
         slopes = [[b * _times(a, t)[0]] for b, a in zip(by, axes, strict=True)]
-        sheet = self.vertex(angles)[0]
-        return [t[0] - self.level], slopes, slopes, _products(t, axes, by, (0,)), sheet
+        lift = self.vertex(angles)[0]
+        return [t[0] - self.level], slopes, slopes, _products(t, axes, by, (0,)), lift
 
     def turned(self, angles: Sequence[Any]) -> tuple[Balls, list[Balls]]:
         """T at balls of fold angles, [w, x, y, z], and all axes [n][3]."""
@@ -291,8 +291,8 @@ class ClosedPeriodChain(PeriodChain):
         none, n = [arb(0)] * 3, range(self.count)
         bends = [[cross(axes[j], axes[i]) if j < i else none for j in n] for i in n]
         # T = 1 has no vector either
-        sheet = w.min(self.vertex(angles)[0])
-        return v, slopes, axes, bends, sheet
+        lift = w.min(self.vertex(angles)[0])
+        return v, slopes, axes, bends, lift
 
     def curvature(self, i: int, j: int, bends: list[list[Balls]]) -> Balls:
         """As of `VertexChain`."""

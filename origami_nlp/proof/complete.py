@@ -40,7 +40,6 @@ def prove(
     model: Model,
     *,
     seconds: float | None = None,
-    most: float = math.inf,
     record: bool = False,
     until: float = math.inf,
     options: ProofOptions = DEFAULT,
@@ -53,14 +52,12 @@ def prove(
         Of a scene with contact "fold-limits".
     seconds
         Stop after so much processor time; what is left then is undecided.
-    most
-        Stop after this many boxes (which, unlike a time, stops at the same place everywhere).
     record
         Whether to keep the tree of boxes.
     until
         Stop then (`time.monotonic`), as after `seconds`.
     options
-        Widths of boxes, and how many are treated together.
+        Widths of boxes, how many at most (which, unlike a time, ends at the same place everywhere), how many together.
 
     Returns
     -------
@@ -86,7 +83,7 @@ def prove(
     start = strata(posed.size)
     recorder = Recorder(len(start)) if record else None
     near = flat.radius or (RADII[0] if model.scene.group.is_trivial else 0.0)
-    limits = {"most": most, "seconds": seconds, "until": until}
+    limits = {"most": options.boxes, "seconds": seconds, "until": until}
     left = prune(posed, start, flat=near, options=options, recorder=recorder, **limits)  # type: ignore[arg-type]
     system = BoxKkt(model)
     roots, held, number, rest, more = certified(
@@ -168,7 +165,7 @@ def pose(model: Model) -> tuple[BoxProblem, Flat]:
     if not scene.vertex.flat:
         raise OptionError("the vertex is not flat: proofs are for flat sheets")
     p = model.parameters
-    if model.freedom < 1 and model.structure.winding == 1:
+    if model.dof < 1 and model.structure.winding == 1:
         raise OptionError("the scene has no degree of freedom: its closed states are finitely many")
     group, turn = scene.group, model.structure.turn
     if group.is_trivial:

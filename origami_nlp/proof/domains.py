@@ -96,7 +96,7 @@ class FoldedDomain:
         In order.
     closure
         Zero where it closes: three products without symmetry, two for D_1, one for D_n.
-    sheet
+    lift
         Positive where it closes as a sheet of paper (up to the sign of q).
     start, end
         Inward normals of the two mirrors (D_n).
@@ -104,7 +104,7 @@ class FoldedDomain:
 
     rays: tuple[TargetTolerance, ...]
     closure: tuple[Product, ...]
-    sheet: tuple[Product, ...]
+    lift: tuple[Product, ...]
     start: TargetTolerance
     end: TargetTolerance
 
@@ -175,7 +175,7 @@ class FundamentalDomain:
                 frame = next_frame(frame, self.sectors[r], self.doubt)
         along, across = (TargetTolerance(v.on(n), n) for v in frame[:2])
         if self.kind == "C":
-            # F e1 has no part along e2 and e3, F e2 none along e3: F is 1 or a half turn, which `sheet` distinguishes
+            # F e1 has no part along e2 and e3, F e2 none along e3: F is 1 or a half turn, which `lift` distinguishes
             zero = Product((e2, along)), Product((e3, along)), Product((e3, across))
             return FoldedDomain(
                 tuple(rays), zero, (Product((e1, along)), Product((e2, across))), e2, e2

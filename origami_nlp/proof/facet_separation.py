@@ -2,20 +2,19 @@
 
 Arcs i and j of the sphere, shorter than pi, have a common point exactly where none of the four numbers n_i.c_j,
 -n_i.c_{j+1}, -n_j.c_i, n_j.c_{i+1} has the opposite sign of another; they cross where all have one sign strictly.
-Where some are exactly zero the contacts that are held say why:
+Where some are exactly zero, closed contacts are the reason:
 
-- Crease e fully folded to the side a: facets e - 1 and e lie on each other, so ray e + 1 is in the plane of facet e -
-  1, and the planes of facets e - 1 and e + 1 meet there only.  With sector e narrower than sector e - 1 the ray is
-  inside facet e - 1, and facet e + 1 leaves it to the side a where a phi_{e+1} < 0, and passes through it where
-  a phi_{e+1} > 0.  With sector e wider it is outside, and the two are apart.  The same backwards.
+- Crease e fully folded to the side a: ray e + 1 is in the plane of facet e - 1, and the planes of facets e - 1 and e +
+  1 meet there only.  With sector e narrower than sector e - 1 the ray is inside facet e - 1, and facet e + 1 leaves it
+  to the side a where a phi_{e+1} < 0, and crosses it where a phi_{e+1} > 0.  With sector e wider the two are apart.
+  The same backwards.
 - Ray k on facet j, inside its arc: facets k - 1 and k touch it from one side where rays k - 1 and k + 1 are on this
-  side, and pass through it where they are on different ones.  A flap that begins with a fully folded crease and goes on
-  flat over the next one has ray k - 1 (or k + 1) in the plane as well, on the side to which that crease is fully
-  folded.
+  side, and cross it where they are on different ones.  A flap that begins with a fully folded crease and goes on flat
+  over the next one has ray k - 1 (or k + 1) in the plane as well, on the side to which that crease is folded.
 - Rays of a D_1 wedge on each other, on the mirror: the facets touch where their planes differ.
 
-Images of a wedge are kept apart by the mirrors as long as its rays are between them: fold limits and the gaps of the
-model (`problem.model_reduction`) say so.
+Images of a wedge are apart as long as its rays are between the mirrors: fold limits and the gaps of the model
+(`problem.model_reduction`) say so.
 """
 
 from __future__ import annotations

@@ -129,10 +129,8 @@ def draw_proof(
 
     if proof.tree is None:
         raise OptionError("the proof has no tree: prove(model, record=True) keeps it")
-    if model.freedom != 2:
-        raise OptionError(
-            f"the scene has {model.freedom} degrees of freedom: draw_proof is for two"
-        )
+    if model.dof != 2:
+        raise OptionError(f"the scene has {model.dof} degrees of freedom: draw_proof is for two")
     figure = Figure(figsize=(9.6, 6.4), dpi=110, layout="compressed")
     axes = figure.subplots(1, 2, sharex=True, sharey=True)
     branches, there = _closed(model, pair, size)
@@ -141,7 +139,7 @@ def draw_proof(
         axes, branches, there, ("one way to close", "the other way to close"), strict=True
     ):
         shown |= _draw(ax, proof.tree, x, exists, size)
-        ax.set(title=title, aspect="equal", xlabel=rf"fold angle $\phi_{{{pair[0] + 1}}}$ [rad]")
+        ax.set(title=title, aspect="equal", xlabel=rf"fold angle $\phi_{{{pair[0] + 1}}}$")
         angle_ticks(ax.xaxis, -math.pi, math.pi)
         angle_ticks(ax.yaxis, -math.pi, math.pi)
     for p in sorted(proof.points, key=lambda p: (not any(p.stratum), bool(p.is_minimum))):
@@ -152,7 +150,7 @@ def draw_proof(
         axes[int(np.argmin(apart))].plot(
             p.x[pair[0]], p.x[pair[1]], zorder=5, clip_on=False, **style
         )
-    axes[0].set_ylabel(rf"fold angle $\phi_{{{pair[1] + 1}}}$ [rad]")
+    axes[0].set_ylabel(rf"fold angle $\phi_{{{pair[1] + 1}}}$")
     _legend(figure, sorted(shown))
     return figure
 

@@ -1,9 +1,9 @@
 """The flat state: within a radius of it there is no other critical point, and it is no minimum itself.
 
-Without symmetry, phi = r u, |u|_inf = 1, 0 < r <= r0.  A fold about b_i by r u_i is exp(r u_i b_i / 2), so derivatives
-of q = prod exp(r u_i b_i / 2) in r of order p are at most (sum |u_i| / 2)^p, those of the axes c_i = R_{i-1} b_i at
-most s_i^p, s_i = sum_{j<i} |u_j|.  Reflected in the sheet, phi becomes -phi: q_x, q_y and the z of axes are odd in r,
-q_z and the x, y of axes are even.  Hence, with sum |u_i| <= N and (b_j x b_i) = (b_j x b_i)_z e_z:
+Without symmetry, phi = r u, |u|_inf = 1, 0 < r <= r0.  Derivatives in r of order p of q = prod exp(r u_i b_i / 2) are
+at most (sum |u_i| / 2)^p, those of the axes c_i = R_{i-1} b_i at most s_i^p, s_i = sum_{j<i} |u_j|.  Reflection in the
+sheet sends phi to -phi: q_x, q_y and the z of axes are odd in r, q_z and the x, y of axes even.  With sum |u_i| <= N
+and (b_j x b_i) = (b_j x b_i)_z e_z:
 
     closure, x and y:  sum_i u_i b_i = 0  +- r^2 N^3 / 24    (q_x / (r / 2); the next order is (r N / 2)^3 / 6)
     closure, z:        Q(u) = sum_{j<i} u_j u_i (b_j x b_i)_z = 0  +- r^2 N^4 / 96    (q_z / (r^2 / 4))
@@ -11,14 +11,13 @@ q_z and the x, y of axes are even.  Hence, with sum |u_i| <= N and (b_j x b_i) =
                        (c_x, c_y) = b_i +- r^2 s_i^2 / 2,
                        c_z / r = h_i(u) +- r^2 s_i^3 / 6,  h_i(u) = sum_{j<i} u_j (b_j x b_i)_z.
 
-The variables are u on a face u_i = 1 and r; but for the remainders of r^2 a minor is linear in u plus r times a
-quadratic form of u.  If no (u, r) satisfies all, there is no critical point but the flat state within r0.  The faces
-u_i = -1 are those with r from -r0 to 0, so r is taken from [-r0, r0].  A determinant with errors E of its entries A is
-off by at most per(|A| + E) - per(|A|).
+The variables are u on a face u_i = 1 and r in [-r0, r0], which stands for the faces u_i = -1 too.  If no (u, r)
+satisfies all, there is no other critical point within r0.  A determinant with errors E of its entries A is off by at
+most per(|A| + E) - per(|A|).
 
 The flat state is no minimum if u, v with sum u_i b_i = 0 have Q(u) > 0 > Q(v) and both lower the energy to first order,
-sum_i -k_i rest_i u_i < 0: so does a w between them, where Q(w) = 0 with a simple sign change; there the equations over
-r, continued to r = 0, are regular, so closed states leave the flat one along w.
+sum_i -k_i rest_i u_i < 0: so does a w between them with Q(w) = 0 and a simple sign change, along which closed states
+leave.
 """
 
 from __future__ import annotations
@@ -32,11 +31,14 @@ import numpy as np
 from origami_nlp.proof.affine import UNIT, Affine, padded, variables
 from origami_nlp.proof.boxes import Boxes, prune
 from origami_nlp.proof.chains import VanishingRows, VertexForms
+from origami_nlp.proof.options import ProofOptions
 
 RADII = (1e-2, 3e-3, 1e-3, 3e-4, 1e-4, 3e-5, 1e-5, 3e-6)
 """Radii [rad] tried, the largest first; smaller ones cost more boxes outside."""
 MOST = 3_000
 """Boxes for a radius; generic scenes take some ten."""
+FEW = ProofOptions(fewest=1)
+"""So few boxes are not cut further before anything is asked of them."""
 NARROW = 1e-3
 """Boxes of directions narrower than this are left: the radius is too large, or the flat state critical."""
 CLEAR = 1e-9
@@ -208,7 +210,7 @@ def flat_lemma(vertex: VertexForms) -> Flat:
     boxes = 0
     for radius in RADII:
         cone = ClosedDirections(vertex, radius)
-        left = prune(cone, cone.faces(), small=NARROW, most=MOST)
+        left = prune(cone, cone.faces(), small=NARROW, most=MOST, options=FEW)
         boxes += left.boxes
         if not len(left.candidates) and not len(left.open):
             return Flat(radius, boxes, no_minimum(vertex))

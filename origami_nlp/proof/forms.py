@@ -4,28 +4,27 @@ Row i states, for 0 < r <= r0 (for `core` <= r only, where b_i stands for someth
 
     v_i(u) + r w_i(u) = +-(b_i + e_i r^p),    v = c + a . u + u' M u,    w = t . u + u' T u,    |u|_inf = 1.
 
-*First step* (`left_over`).  With the error b + sup |w| r0 + e r0^p the faces are covered by boxes; a box is dropped
-where some row certainly differs from zero, or where an interval Newton step on all rows together leaves nothing.  About
-the centre m of a box with radii d (M symmetric), s = a + 2 M m, |u - m| <= d,
+*First step* (`left_over`): with the error b + sup |w| r0 + e r0^p, boxes on the faces are dropped where a row differs
+from zero, or where an interval Newton step leaves nothing.  About the centre m of a box with radii d (M symmetric),
+s = a + 2 M m, |u - m| <= d,
 
     v(u) = v(m) + s . (u - m) + (u - m)' M (u - m),    |(u - m)' M (u - m)| <= d' |M| d,
     |u - m + Y v(m)| <= |Y| (error + d' |M| d) + |1 - Y s| d    for any matrix Y.
 
-*Second step* (`none_beside`), where boxes are left about a zero z of v that is exact or nearly so, |v(z)| ~ rounding,
-and p = 2.  P bounds |u - z|: with q = || |1 - Y s| + |Y| |M| d || < 1,
+*Second step* (`none_beside`), where boxes are left about a zero z of v, |v(z)| ~ rounding, and p = 2: P bounds |u - z|;
+with q = || |1 - Y s| + |Y| |M| d || < 1,
 
     P <= || |Y| (|v(z)| + b + sup |w| r + e r^2) || / (1 - q).
 
-The sum of y times the rows holds next to no term linear in u - z if y s ~ 0, hence there is no zero at r unless
+Rows combined by y with y s ~ 0 have next to no term linear in u - z, hence there is no zero at r unless
 
     |y . w(z)| r <= |y . v(z)| + |y| b + |y s| P + P' (|y| |M|) P + r |y| |grad w| P + |y| e r^2.
 
-The right side over r is a / r + b + c r, convex: it is looked at for r = core and r = r0 only.  So a zero of the
-leading forms is excluded by what comes next, down to radius `core`.
+The right side over r is convex in r: it is evaluated at r = core and r = r0 only.
 
-*Rounding*: sums of k terms in any order are within k EPS sum |.| (gamma_k < k EPS).  Since |u| <= 1, all that is
-computed from a row is within (n + 2)^2 EPS times |c| + sum |a| + 2 sum |M|; four times this is added to b once
-(`_with_rounding`).  The products with Y are sums over rows or variables and carry their own term.
+*Rounding*: sums of k terms are within k EPS sum |.|; since |u| <= 1, what is computed from a row is within (n + 2)^2
+EPS (|c| + sum |a| + 2 sum |M|).  Four times this is added to b once (`_with_rounding`); products with Y carry their
+own.
 """
 
 from __future__ import annotations

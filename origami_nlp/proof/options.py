@@ -25,6 +25,8 @@ class ProofOptions:
         Candidates of a set of touches up to which they are taken for isolated points, and not for a curve.
     batch
         Boxes that are treated together: fewer take longer, more take more memory.
+    fewest
+        Boxes to which smaller batches are cut before anything is asked of them.
     smallest
         Width [rad] of boxes that are candidates for roots or singular states: all narrower ones are.
     smaller
@@ -51,12 +53,20 @@ class ProofOptions:
     touching_boxes: int = 1_000_000
     isolated_boxes: int = 5_000
     batch: int = 2_000
+    fewest: int = 256
     smallest: float = 1e-5
     smaller: tuple[float, ...] = (1e-7, 1e-9)
     smaller_boxes: int = 20_000
 
     def __post_init__(self) -> None:
-        for name in ("boxes", "touching_boxes", "isolated_boxes", "batch", "smaller_boxes"):
+        for name in (
+            "boxes",
+            "touching_boxes",
+            "isolated_boxes",
+            "batch",
+            "fewest",
+            "smaller_boxes",
+        ):
             check_whole(name, getattr(self, name), 1)
         check_number("smallest", self.smallest, RESOLVED, 0.1)
         for width in self.smaller:

@@ -103,8 +103,8 @@ def newton(
         last = size
         if (settled | ~alive).all():
             break
-    sheet = system.kinematics.fold(x).sheet
-    return x, lam, alive & (last < DUPLICATE_TOL) & (sheet > 0)
+    lift = system.kinematics.fold(x).lift
+    return x, lam, alive & (last < DUPLICATE_TOL) & (lift > 0)
 
 
 def _solved(jacobian: np.ndarray, f: np.ndarray) -> np.ndarray:

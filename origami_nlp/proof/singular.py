@@ -145,7 +145,7 @@ def _state_at(model: Model, x: np.ndarray, stratum: Stratum) -> tuple[np.ndarray
     if mirrored and np.abs(x[turned] - quarters).max() <= NEAR_SINGULAR_TOL:
         point[turned] = quarters
     at = kinematics.fold(point[None])
-    if np.abs(kinematics.closure(at)[0]).max() > CLOSURE_TOL or at.sheet[0] <= 0:
+    if np.abs(kinematics.closure(at)[0]).max() > CLOSURE_TOL or at.lift[0] <= 0:
         raise NotShown("no flat folding, nor one with twins turned, closes there")
     if np.abs(x - point).max() > NEAR_SINGULAR_TOL:
         raise NotShown("its turned creases are not in balance there")

@@ -135,7 +135,7 @@ class BoxKkt:
     def at(
         self, x: np.ndarray, lam: np.ndarray, pins: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Return F [R, n + m], J [R, n + m, n + m], rows of pinned variables those of 1, and the sheet [R]."""
+        """Return F [R, n + m], J [R, n + m, n + m], rows of pinned variables those of 1, and the lift [R]."""
         n, m = self.n, self.m
         folded = self.kinematics.fold(x)
         g, a = self.vanishing(folded)
@@ -154,7 +154,7 @@ class BoxKkt:
         jacobian.transpose(0, 2, 1)[pinned] = 0.0
         diagonal = np.arange(n + m)
         jacobian[:, diagonal, diagonal] += pinned
-        return np.concatenate([np.where(free, force, 0.0), g], axis=1), jacobian, folded.sheet
+        return np.concatenate([np.where(free, force, 0.0), g], axis=1), jacobian, folded.lift
 
     def local(self, x: np.ndarray, lam: np.ndarray, pins: np.ndarray) -> BoxDerivatives:
         """Return the system at states, with its second and third derivatives."""

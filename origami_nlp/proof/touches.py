@@ -1,39 +1,32 @@
 """Full contact: every critical point of the states whose facets do not cross, also where facets touch.
 
-A local minimum x of the energy among admissible states has fold limits P and gaps T closed, and the states near it with
-the same contacts closed are admissible as well: x is a minimum among {closure, P, T}.  So it is critical there in the
-sense of Fritz John: with f the degrees of freedom of the scene, where |P| + |T| < f all minors of [G | C | W] with one
-column more than there are equations vanish on the free creases (W the gradients of the gaps T), without a constraint
-qualification. Where |P| + |T| = f nothing is asked: every closed state is a candidate.  Where more is closed, some f of
-the contacts are, and x is among those.  Hence strata with |P| + |T| <= f are all; those with T empty are what the proof
-within fold limits has treated already, and there remain, for f = 2, one touch with at most one closed crease, and two
-touches. A touch that only describes closed creases again (all between the ray and the facet are fully folded) is left
-out: it holds on the whole of {closure, P}.  That the set of admissible states may be a union near x, a corner, does no
-harm: the argument is within {closure, P, T}.
+A local minimum x has fold limits P and gaps T closed and is a minimum among {closure, P, T}, also where the admissible
+set is a union near x.  So it is critical in the sense of Fritz John, without a constraint qualification: with f degrees
+of freedom and |P| + |T| < f all minors of [G | C | W] with one column more than there are equations vanish on the free
+creases (W the gradients of T).  Where |P| + |T| = f every closed state is a candidate; where more is closed, x is among
+the candidates of some f of the contacts.  Strata with |P| + |T| <= f are therefore all.  Those with T empty are treated
+within fold limits; for f = 2 there remain one touch with at most one closed crease, and two touches.  A touch that
+follows from closed creases (all between the ray and the facet are fully folded) holds on all of {closure, P}: left out.
 
-Two kinds of strata of a vertex of degree five are curves, or empty, and are left out; x is on a stratum that is not.
-- Where sectors e and e+1 are equal and crease e between them is fully folded, rays e-1 and e+1 lie on each other, and a
-  gap of one of them off a facet that the other bounds vanishes on the whole of {closure, crease e fully folded}.  So it
-  says nothing beside that crease: x is a minimum, or a candidate, among the states that hold its other contacts closed.
-- Ray k on facet k+2 and ray k+2 on facet k+4 at once, where sectors k and k+1 make less than pi.  If these rays differ,
-  the great circles of both facets pass through both and are one circle, so that creases k+3 and k+4 are at 0 or +-pi.
-  One at +-pi is fully folded, and x is on the stratum of it and one touch.  With both at 0, facets k+2 to k+4 are an
-  arc longer than pi, whose ends are as far apart as sectors k and k+1 reach: the flat state.  If the rays are one,
-  crease k+1 is fully folded between equal sectors: the case before.
+Two kinds of strata of a vertex of degree five are left out as well, since x is on another stratum too:
+- Sectors e and e+1 equal, crease e between them fully folded: rays e-1 and e+1 coincide, and a gap of one of them off a
+  facet that the other bounds vanishes on all of {closure, crease e fully folded}.
+- Ray k on facet k+2 and ray k+2 on facet k+4, sectors k and k+1 together less than pi.  If the rays differ, the great
+  circles of both facets coincide, and creases k+3 and k+4 are at 0 or +-pi: one at +-pi is a stratum with one touch;
+  both at 0 is the flat state, as facets k+2 to k+4 are then an arc longer than pi.  If the rays are one, crease k+1 is
+  fully folded between equal sectors: the case before.
 
-Which gaps there are is taken from the model, which leaves out what cannot touch.  On D_1 (four rays) facets 1 and 3
-meet where rays 1 and 4 do, or where one of them lies on the mirror, its crease closed: the row is that the rays meet.
+Gaps are those of the model, which leaves out what cannot touch.  On D_1 (four rays) facets 1 and 3 meet where rays 1
+and 4 do, or where one of them lies on the mirror, its crease closed: the row is that the rays meet.
 
-Of each critical point the signs of all rays off all facets are computed with intervals (`apart`).  Certainly crossing:
-it is left out.  Apart but for P and T, whose gradients are independent as the point is regular: admissible states near
-it are exactly {closure, s_i phi_i <= pi, side g >= 0}, and the signs of all multipliers and the index decide as within
-fold limits; side times multiplier is positive where the contact pushes.  What remains are stacks: facets on each
-other with more creases fully folded.  There the package's exact test decides whether the layers have an order
-(`Model.refuses`), and its cone on the verdict (`classify`); `judged` says so, and such a point is not proved.
+At each critical point the signs of all rays off all facets are enclosed (`facet_separation`).  Where facets cross it is
+dropped.  Where all are apart but for P and T, of independent gradients, the signs of the Lagrange multipliers and the
+index decide as within fold limits.  What remains are stacks of facets: there the package's exact test decides whether
+the layers have an order (`Model.refuses`) and its cone the verdict (`classify`); `judged` names this, and such a point
+is not proved.
 
-Not covered, and undecided or refused by name: more than two degrees of freedom, C_n, wedges of more rays than here,
-sectors of pi and more, sets of dimension one that contacts hold (their boxes stay undecided); singular flat foldings
-are listed.
+Undecided or refused, by name: more than two degrees of freedom, C_n, wedges of more rays, sectors of pi and more, sets
+of dimension one that contacts hold.  Singular flat foldings are listed.
 """
 
 from __future__ import annotations
@@ -92,7 +85,6 @@ def prove(
     model: Model,
     *,
     seconds: float | None = None,
-    most: float = math.inf,
     record: bool = False,
     until: float = math.inf,
     options: ProofOptions = DEFAULT,
@@ -105,14 +97,12 @@ def prove(
         Of a scene with contact "fold-limits" or "full".
     seconds
         Stop after so much processor time; what is left then is undecided.
-    most
-        Stop after this many boxes, touches apart (which, unlike a time, stops at the same place everywhere).
     record
         Whether to keep the tree of boxes; with full contact there is none.
     until
         Stop then (`time.monotonic`), as after `seconds`.
     options
-        Widths of boxes, how many are treated together, and how many for touches.
+        Widths of boxes, how many at most (which, unlike a time, ends at the same place everywhere), how many together.
 
     Returns
     -------
@@ -133,7 +123,7 @@ def prove(
     """
     check_type("model", model, Model)
     model.scene.check_no_forces("a proof")
-    asked: dict[str, Any] = {"seconds": seconds, "most": most, "until": until, "options": options}
+    asked: dict[str, Any] = {"seconds": seconds, "until": until, "options": options}
     if model.scene.contact != "full":
         return prove_within_limits(model, record=record, **asked)
     started = time.process_time()
@@ -145,7 +135,7 @@ def prove(
 
 def why_not(model: Model) -> str:
     """Return why touches of a model are not proved here; "" where they are."""
-    s, freedom = model.structure, model.freedom
+    s, dof = model.structure, model.dof
     if max(model.scene.vertex.sector_angles) >= math.pi - INPUT_TOL:
         return "a sector of 180 degrees or more"
     rays = len(s.has_crease)
@@ -155,8 +145,8 @@ def why_not(model: Model) -> str:
         return f"touches of a {model.symmetry} wedge of {rays} rays are not proved"
     if not s.gaps:
         return ""
-    if freedom > 2:
-        return f"{freedom} degrees of freedom: touches are proved for at most 2"
+    if dof > 2:
+        return f"{dof} degrees of freedom: touches are proved for at most 2"
     if s.kind == "C":
         return ""
     fits = rays <= 3 if s.order > 1 else rays == 4 and all(s.has_crease)
@@ -165,12 +155,12 @@ def why_not(model: Model) -> str:
 
 def contact_strata(model: Model) -> Iterator[ContactStratum]:
     """List the strata with touches of a model that `why_not` has nothing against."""
-    freedom = model.freedom
+    dof = model.dof
     patterns = strata(model.size)
     at_limit = (patterns.pins != 0).sum(axis=0)
     for touches in _sets(model):
         # |P| + |T| <= f
-        allowed = at_limit <= freedom - len(touches)
+        allowed = at_limit <= dof - len(touches)
         if model.structure.kind == "C":
             p = model.parameters
             posed: BoxProblem = TouchedVertex(
@@ -200,7 +190,7 @@ def _sets(model: Model) -> Iterator[tuple[Row, ...]]:
             for rays, i in first.items()
             if 3 <= (rays[0] - rays[1]) % n <= n - 2
         ]
-        for count in range(1, model.freedom + 1):
+        for count in range(1, model.dof + 1):
             for touches in itertools.combinations(rows, count):
                 if not _on_each_other(model, touches):
                     yield touches
@@ -256,7 +246,7 @@ def with_touches(
     until
         Stop then (`time.monotonic`), as after `seconds`.
     options
-        Widths of boxes, how many are treated together, and how many for touches.
+        Widths of boxes, how many at most (which, unlike a time, ends at the same place everywhere), how many together.
 
     Returns
     -------
@@ -380,7 +370,7 @@ def _point(model: Model, roots: Roots, i: int, touches: tuple[Row, ...]) -> Prov
     half = 0.5 if equations == 3 else 1.0
     lam = model.scale * roots.lam[i]
     # as many contacts as degrees of freedom leave nothing to bend
-    all_held = len(touches) + np.count_nonzero(roots.pins[i]) == model.freedom
+    all_held = len(touches) + np.count_nonzero(roots.pins[i]) == model.dof
     index = 0 if all_held else None if roots.index[i] < 0 else int(roots.index[i])
     return ProvedCriticalPoint(
         tuple(roots.x[i].tolist()),

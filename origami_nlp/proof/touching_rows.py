@@ -141,7 +141,7 @@ class TouchedWedge:
             self.kite.at(*variables(lower, upper), pins)
         rows = [self.kite.value()] if self.kite else [g.value() for g in gaps]
         closure = [p.value() for p in f.closure] + rows
-        for p in f.sheet:
+        for p in f.lift:
             value = p.value()
             closure.append(Affine(value.centre - 1.0, value.slopes, value.error + TRIGONOMETRIC))
         for t in self.touches:

@@ -24,8 +24,8 @@ from origami_nlp.space.mesh import (
     HEIGHT,
     OTHER,
     SEAM,
+    DoubleCover,
     MeshError,
-    Sheets,
     beside,
     edges_of,
     has,
@@ -44,11 +44,11 @@ class Cells:
     """The admissible cells, as a complex of triangles, edges and vertices in the space of wedge fold angles.
 
     wedge [V, k], on [V]: vertices (those on the cut appear once for each sign of the inner fold angle they have).
-    origin [V]: vertex of the `Sheets`.  triangles [F, 3]; extra_edges [E, 2]: edges that border no triangle.
+    origin [V]: vertex of the `DoubleCover`.  triangles [F, 3]; extra_edges [E, 2]: edges that border no triangle.
     Vertices on no cell of higher dimension are among the vertices too.
     """
 
-    sheets: Sheets
+    cover: DoubleCover
     wedge: np.ndarray
     on: np.ndarray
     origin: np.ndarray
@@ -56,25 +56,25 @@ class Cells:
     extra_edges: np.ndarray
 
 
-def admissible_cells(sheets: Sheets) -> Cells:
+def admissible_cells(cover: DoubleCover) -> Cells:
     """Keep the cells of a surface whose states are admissible with full contact and symmetric layers."""
-    sign = _sides(sheets)
-    good = _good_triangles(sheets, sign)
-    kept = sheets.triangles[good]
+    sign = _sides(cover)
+    good = _good_triangles(cover, sign)
+    kept = cover.triangles[good]
     inner = np.where(sign[good, 1] < 0, 1, -1)  # short of the cut from below: +pi
-    corner_sign = np.where(has(sheets.on, CUT)[kept], inner[:, None], 0)
-    edges, edge_sign = _edges_alone(sheets, kept, corner_sign)
+    corner_sign = np.where(has(cover.on, CUT)[kept], inner[:, None], 0)
+    edges, edge_sign = _edges_alone(cover, kept, corner_sign)
     keys = [kept.ravel() * 3 + corner_sign.ravel() + 1, (edges * 3 + edge_sign + 1).ravel()]
-    points = _vertices_alone(sheets, np.unique(np.concatenate(keys)))
+    points = _vertices_alone(cover, np.unique(np.concatenate(keys)))
     keys.append(points)
     all_keys, number = np.unique(np.concatenate(keys), return_inverse=True)
     f, e = kept.size, edges.size
     origin, which = all_keys // 3, all_keys % 3 - 1
-    wedge = _with_sign(sheets.wedge[origin], which)
+    wedge = _with_sign(cover.wedge[origin], which)
     return Cells(
-        sheets,
+        cover,
         wedge,
-        sheets.on[origin],
+        cover.on[origin],
         origin,
         number[:f].reshape(-1, 3),
         number[f : f + e].reshape(-1, 2),
@@ -89,9 +89,9 @@ def _with_sign(wedge: np.ndarray, sign: np.ndarray) -> np.ndarray:
     return out
 
 
-def _sides(sheets: Sheets) -> np.ndarray:
+def _sides(cover: DoubleCover) -> np.ndarray:
     """Side of each curved wall on which a triangle lies: the value farthest from 0 of its vertices, [F, 3]."""
-    return _farthest(sheets.values[sheets.triangles])  # of [F, 3 vertices, 3 walls]
+    return _farthest(cover.values[cover.triangles])  # of [F, 3 vertices, 3 walls]
 
 
 def _farthest(values: np.ndarray) -> np.ndarray:
@@ -100,11 +100,11 @@ def _farthest(values: np.ndarray) -> np.ndarray:
     return np.take_along_axis(values, far[:, None], axis=1)[:, 0]
 
 
-def _good_triangles(sheets: Sheets, side: np.ndarray) -> np.ndarray:
+def _good_triangles(cover: DoubleCover, side: np.ndarray) -> np.ndarray:
     """Decide each face by examining states inside it, shape [F]."""
-    vertex, orbit = sheets.chain.scene.vertex, sheets.chain.orbit
-    face = _faces(sheets, side)
-    wedge, clearance, triangle = _inner_states(sheets, side)
+    vertex, orbit = cover.chain.scene.vertex, cover.chain.orbit
+    face = _faces(cover, side)
+    wedge, clearance, triangle = _inner_states(cover, side)
     verdict = np.zeros(face.max() + 1, dtype=bool)
     at = face[triangle]
     order = np.lexsort((-clearance, at))
@@ -126,19 +126,21 @@ def _good_triangles(sheets: Sheets, side: np.ndarray) -> np.ndarray:
     return verdict[face]
 
 
-def _inner_states(sheets: Sheets, side: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _inner_states(
+    cover: DoubleCover, side: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """States inside triangles: middles of triangles and of their edges, as wedge fold angles [m, k].
 
     Also how far each keeps from walls and seam [m] (negative where it is on another side than its triangle: edges are
     straight, walls are not), and its triangle [m].
     """
-    chain, t = sheets.chain, sheets.triangles
-    base = sheets.base[t]
+    chain, t = cover.chain, cover.triangles
+    base = cover.base[t]
     middles = [base.mean(axis=1), *(0.5 * (base[:, k] + base[:, k - 1]) for k in range(3))]
-    sheet = _farthest(sheets.sheet[t])
+    leaf = _farthest(cover.leaf[t])
     count = len(middles)
     point, sides = np.concatenate(middles), np.tile(side, (count, 1))
-    states = chain.points(point, np.tile(sheet, count))
+    states = chain.points(point, np.tile(leaf, count))
     inside = sides[:, 0] > 0
     for k, wrapped in enumerate(WRAPPED[chain.kind]):
         far = (np.abs(sides[:, k]) > math.pi / 2) & wrapped
@@ -149,35 +151,35 @@ def _inner_states(sheets: Sheets, side: np.ndarray) -> tuple[np.ndarray, np.ndar
     return states.wedge, np.where(inside, room, -1.0), np.tile(np.arange(len(t)), count)
 
 
-def _faces(sheets: Sheets, side: np.ndarray) -> np.ndarray:
+def _faces(cover: DoubleCover, side: np.ndarray) -> np.ndarray:
     """Number the connected pieces into which the walls divide the surface, for each triangle."""
-    one, two = beside(sheets.triangles).T
+    one, two = beside(cover.triangles).T
     apart = np.zeros(len(one), dtype=bool)
-    for k, wrapped in enumerate(WRAPPED[sheets.chain.kind]):
+    for k, wrapped in enumerate(WRAPPED[cover.chain.kind]):
         differ = side[one, k] * side[two, k] < 0
         if wrapped:
             # an angle modulo 2 pi: from +3 to -3 it passes pi, and not the wall at 0
             differ &= np.abs(side[one, k]) + np.abs(side[two, k]) < math.pi
         apart |= differ
-    return groups(len(sheets.triangles), np.column_stack([one, two])[~apart])
+    return groups(len(cover.triangles), np.column_stack([one, two])[~apart])
 
 
 def _edges_alone(
-    sheets: Sheets, kept: np.ndarray, corner_sign: np.ndarray
+    cover: DoubleCover, kept: np.ndarray, corner_sign: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """Admissible edges on walls that border no kept triangle: vertices [E, 2] and signs on the cut [E, 2]."""
-    edges, _ = edges_of(sheets.triangles)
-    common = sheets.on[edges[:, 0]] & sheets.on[edges[:, 1]]
+    edges, _ = edges_of(cover.triangles)
+    common = cover.on[edges[:, 0]] & cover.on[edges[:, 1]]
     edges = edges[(common & ~(1 << SEAM)) != 0]
-    sheet = _farthest(sheets.sheet[edges])
-    common = sheets.on[edges[:, 0]] & sheets.on[edges[:, 1]]
-    middle = sheets.base[edges].mean(axis=1)
+    leaf = _farthest(cover.leaf[edges])
+    common = cover.on[edges[:, 0]] & cover.on[edges[:, 1]]
+    middle = cover.base[edges].mean(axis=1)
     for bit in (HEIGHT, CUT, OTHER, SEAM):
         here = has(common, bit)
         # a straight border stays straight
         free = here & ~has(common, BORDER_P) & ~has(common, BORDER_Q)
-        middle[free] = pull(sheets.chain, middle[free], sheet[free], bit)
-    points = sheets.chain.points(middle, sheet)
+        middle[free] = pull(cover.chain, middle[free], leaf[free], bit)
+    points = cover.chain.points(middle, leaf)
     wedge = points.wedge
     flat = has(common, HEIGHT)
     wedge[flat, -1] = np.copysign(math.pi, wedge[flat, -1])
@@ -190,13 +192,13 @@ def _edges_alone(
         cut = has(common, CUT)
         mine = cut | (np.sign(wedge[:, -2]) == s)
         state = _with_sign(wedge, np.where(cut, s, 0))
-        ends = np.where(has(sheets.on[edges], CUT), s, 0)
+        ends = np.where(has(cover.on[edges], CUT), s, 0)
         alone = mine & ~np.isin(_edge_keys(edges, ends), used)
-        phi = state[:, sheets.chain.orbit]
+        phi = state[:, cover.chain.orbit]
         phi = np.where(np.abs(phi) > math.pi, np.sign(phi) * math.pi, phi)
         alone &= (np.abs(state) <= math.pi + CONTACT_TOL).all(axis=1)
-        alone[alone] = admissible(sheets.chain.scene, phi[alone])
-        alone[alone] = [_passes(sheets, p) for p in phi[alone]]
+        alone[alone] = admissible(cover.chain.scene, phi[alone])
+        alone[alone] = [_passes(cover, p) for p in phi[alone]]
         found.append(edges[alone])
         signs.append(ends[alone])
     return np.concatenate(found), np.concatenate(signs)
@@ -213,20 +215,20 @@ def check_lower_dimensional(cells: Cells) -> None:
     inner = np.setdiff1d(np.unique(cells.extra_edges), np.unique(cells.triangles))
     if len(cells.extra_edges) and not len(inner):
         raise MeshError("a handle is shorter than the mesh: use a larger size")
-    sheets, origin = cells.sheets, cells.origin[inner]
+    cover, origin = cells.cover, cells.origin[inner]
     turn = 2 * math.pi * np.arange(16) / 16
     circle = RADIUS * np.stack([np.cos(turn), np.sin(turn)], axis=1)
     for side in (-1, 1):
-        sheet = np.where(sheets.sheet[origin] == 0, side, sheets.sheet[origin])
+        leaf = np.where(cover.leaf[origin] == 0, side, cover.leaf[origin])
         for step in circle:
-            base = sheets.base[origin] + step
-            states = sheets.chain.points(base, sheet).wedge
+            base = cover.base[origin] + step
+            states = cover.chain.points(base, leaf).wedge
             near = np.abs(states - cells.wedge[inner]).max(axis=1) < 0.1  # no jump from +pi to -pi
-            near &= sheets.chain.fold_margin(base) > 0
+            near &= cover.chain.fold_margin(base) > 0
             near &= np.abs(states).max(axis=1) < math.pi - CONTACT_TOL  # not on the handle itself
-            states = states[near][:, sheets.chain.orbit]
-            states = states[admissible(sheets.chain.scene, states)]
-            vertex = sheets.chain.scene.vertex
+            states = states[near][:, cover.chain.orbit]
+            states = states[admissible(cover.chain.scene, states)]
+            vertex = cover.chain.scene.vertex
             if any(check_admissible(vertex, phi, tolerance=FOLLOWED).admissible for phi in states):
                 raise MeshError("a handle has a surface beside it: use a larger size")
 
@@ -237,23 +239,23 @@ def _edge_keys(edges: np.ndarray, signs: np.ndarray) -> np.ndarray:
     return ends[:, 0] * (1 << 31) + ends[:, 1]
 
 
-def _passes(sheets: Sheets, fold_angles: np.ndarray) -> bool:
-    scene = sheets.chain.scene
+def _passes(cover: DoubleCover, fold_angles: np.ndarray) -> bool:
+    scene = cover.chain.scene
     return check_admissible(scene.vertex, fold_angles, elements=scene.group.elements).admissible
 
 
-def _vertices_alone(sheets: Sheets, used: np.ndarray) -> np.ndarray:
+def _vertices_alone(cover: DoubleCover, used: np.ndarray) -> np.ndarray:
     """Keys of admissible vertices on two walls or more that are on no other cell."""
     keys = []
     for s in (-1, 0, 1):
-        who = np.flatnonzero(several(sheets.on) & (has(sheets.on, CUT) == (s != 0)))
+        who = np.flatnonzero(several(cover.on) & (has(cover.on, CUT) == (s != 0)))
         key = who * 3 + s + 1
         who = who[~np.isin(key, used)]
-        state = _with_sign(sheets.wedge[who], np.full(len(who), s))
-        phi = state[:, sheets.chain.orbit]
+        state = _with_sign(cover.wedge[who], np.full(len(who), s))
+        phi = state[:, cover.chain.orbit]
         inside = (np.abs(phi) <= math.pi + CONTACT_TOL).all(axis=1)
         phi = np.clip(phi, -math.pi, math.pi)
-        inside[inside] = admissible(sheets.chain.scene, phi[inside])
-        inside[inside] = [_passes(sheets, p) for p in phi[inside]]
+        inside[inside] = admissible(cover.chain.scene, phi[inside])
+        inside[inside] = [_passes(cover, p) for p in phi[inside]]
         keys.append(who[inside] * 3 + s + 1)
     return np.concatenate(keys)

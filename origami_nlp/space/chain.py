@@ -4,13 +4,13 @@ Between two neighbouring mirrors the creases of a symmetric vertex are a chain o
 lie on the mirrors.  All but the last crease are placed freely; the last one is at distance a (its sector angle) from
 the one before it, P, and on the last mirror, whose inward normal is n: with y = P . n the sine of P's height over the
 mirror, it lies on either side of P's foot, at the distance delta with cos a = sqrt(1 - y^2) cos delta.  So every
-closed state is (base point, sheet):
+closed state is (base point, leaf):
 
 - D_1, degree 6: base (phi_1, phi_2), P = c_3;
 - D_n, n >= 2, three creases in the wedge: base (upsilon, phi_1), the elevation (paper's sign) and fold angle of
   crease 1, P = c_2.
 
-The two sheets meet where delta = 0 (or pi), that is |y| = sin a.  The paper's charts have points that carry whole
+The two leaves meet where delta = 0 (or pi), that is |y| = sin a.  The paper's charts have points that carry whole
 families of states ((phi_2, phi_3) = (0, 0), c_1 = c_4, upsilon = 0); here nothing degenerates except the flat state,
 which is a true singularity of the space (two cones that meet at their tips).  Radians throughout.
 """
@@ -69,8 +69,8 @@ class HalfChain:
         return len(self.sectors) + 1
 
     @property
-    def fixed_sheet_sine(self) -> float:
-        """Sine of the last sector angle: |y| of states where the sheets meet."""
+    def seam_sine(self) -> float:
+        """Sine of the last sector angle: |y| of states where the leaves meet."""
         return math.sin(self.sectors[-1])
 
     def penultimate(self, base: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -97,21 +97,21 @@ class HalfChain:
         return self.penultimate(base)[2] @ self.last_normal
 
     def fold_margin(self, base: np.ndarray) -> np.ndarray:
-        """sin^2 a - y^2: positive where the two sheets are apart, zero where they meet, negative where no state is."""
-        return self.fixed_sheet_sine**2 - self.height(base) ** 2
+        """sin^2 a - y^2: positive where the two leaves are apart, zero where they meet, negative where no state is."""
+        return self.seam_sine**2 - self.height(base) ** 2
 
-    def points(self, base: np.ndarray, sheet: np.ndarray) -> Points:
-        """Fold the chain: base [V, 2], sheet [V] of +1, -1 (0: where the sheets meet)."""
+    def points(self, base: np.ndarray, leaf: np.ndarray) -> Points:
+        """Fold the chain: base [V, 2], leaf [V] of +1, -1 (0: where the leaves meet)."""
         _, before, tip = self.penultimate(base)
         a = self.sectors[-1]
         y = tip @ self.last_normal
         foot = np.arctan2(tip @ self.up, tip @ self.last_along)
         # tan delta = sqrt(sin^2 a - y^2) / cos a, from cos a = sqrt(1 - y^2) cos delta; the difference of squares as a
-        # product, since both sheets meet where it vanishes
+        # product, since both leaves meet where it vanishes
         root = np.sqrt(np.maximum((math.sin(a) - y) * (math.sin(a) + y), 0.0))
-        root = np.where(sheet == 0, 0.0, root)
+        root = np.where(leaf == 0, 0.0, root)
         delta = np.arctan2(root, math.cos(a))
-        place = foot + np.where(sheet == 0, 1, sheet) * delta
+        place = foot + np.where(leaf == 0, 1, leaf) * delta
         last = np.cos(place)[..., None] * self.last_along + np.sin(place)[..., None] * self.up
         n1, n2 = np.cross(before, tip), np.cross(tip, last)
         # fold angle from the normals of two facets about their crease, valley positive

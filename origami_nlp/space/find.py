@@ -12,7 +12,7 @@ from origami_nlp.pattern import Scene, as_scene
 from origami_nlp.space import topology
 from origami_nlp.space.cells import Cells, admissible_cells, check_lower_dimensional
 from origami_nlp.space.chain import HalfChain, chain_of
-from origami_nlp.space.mesh import MeshError, mesh_sheets
+from origami_nlp.space.mesh import MeshError, mesh_cover
 from origami_nlp.space.result import Component, Handle, LocalBranch, PinchPoint, Space, SpaceMesh
 
 SIZE = 64
@@ -22,15 +22,15 @@ ATTEMPTS = (0, 1, 3, 5, 9)
 """Rings added where a mesh turns out too coarse."""
 
 
-def find_space(scene: Scene, *, size: int = SIZE) -> Space:
+def find_space(scene: Scene, *, rings: int = SIZE) -> Space:
     """Analyse the admissible space of a scene with two symmetric degrees of freedom and full contact.
 
     Parameters
     ----------
     scene
         What is folded; its springs play no part.
-    size
-        Rings of the mesh around the flat state, 8 to 1025; the mesh has about 8 size^2 vertices.  A few more are
+    rings
+        Rings of the mesh around the flat state, 8 to 1025; the mesh has about 8 rings^2 vertices.  A few more are
         taken where that mesh is too coarse (see `Space.size`).
 
     Returns
@@ -41,26 +41,26 @@ def find_space(scene: Scene, *, size: int = SIZE) -> Space:
     Raises
     ------
     OptionError
-        If the scene has no such space, or `size` is out of range.
+        If the scene has no such space, or `rings` is out of range.
     MeshError
         If the mesh is too coarse to decide.
 
     Examples
     --------
     >>> import origami_nlp as o
-    >>> space = o.find_space(o.examples.degree6("pi/3"), size=8)
+    >>> space = o.find_space(o.examples.degree6("pi/3"), rings=8)
     >>> len(space.components), space.holes, space.euler_characteristic
     (1, 0, 1)
     """
     scene = as_scene(
         scene, "the admissible space", "find_motion follows a pattern of one degree of freedom"
     )
-    size = check_whole("size", size, *SIZES)
+    size = check_whole("rings", rings, *SIZES)
     chain = chain_of(scene)
     # walls may pass a mesh of one size so closely that another one is needed
     for attempt in ATTEMPTS:
         try:
-            cells = admissible_cells(mesh_sheets(chain, size + attempt))
+            cells = admissible_cells(mesh_cover(chain, size + attempt))
             check_lower_dimensional(cells)
         except MeshError:
             if attempt == ATTEMPTS[-1]:
@@ -107,7 +107,7 @@ def _chart(chain: HalfChain, cells: Cells) -> tuple[np.ndarray, np.ndarray]:
     wedge = cells.wedge
     if chain.kind == "degree6":
         return wedge[:, 1:3].copy(), np.zeros(len(wedge), dtype=int)
-    elevation = cells.sheets.base[cells.origin, 0]
+    elevation = cells.cover.base[cells.origin, 0]
     chart = np.stack([wedge[:, 1], elevation], axis=1)
     misfit = []
     for sign in (1, -1):

@@ -1,6 +1,6 @@
 """A triangulation of all closed symmetric states whose edges follow every contact curve exactly.
 
-Base points of the half-chain (`chain`) are triangulated, cut where the two sheets meet, doubled, and cut along
+Base points of the half-chain (`chain`) are triangulated, cut where the two leaves meet, doubled, and cut along
 every wall; new vertices lie on the walls to rounding, and where walls meet on both.  Nothing is dropped here but base
 points without a state: which triangles are admissible is decided later.
 """
@@ -24,7 +24,8 @@ ON_SEAM = ROUNDED
 """The same for the seam, which is seen through a square root."""
 BISECTIONS = 52
 BORDER_P, BORDER_Q, HEIGHT, CUT, OTHER, SEAM = range(6)
-"""Bits of `Sheets.on`: the five walls in the order of `HalfChain.walls`, then the seam where the two sheets meet."""
+"""Bits of `DoubleCover.on`: the five walls in the order of `HalfChain.walls`, then the seam where the two leaves
+meet."""
 
 
 STRAIGHT = 1 << BORDER_P | 1 << BORDER_Q
@@ -43,17 +44,17 @@ class MeshError(OrigamiError):
 
 
 @dataclass(frozen=True)
-class Sheets:
+class DoubleCover:
     """A triangulated surface of closed states.
 
-    base [V, 2], sheet [V] (0 on the seam): coordinates of the vertices on the chain.
+    base [V, 2], leaf [V] (0 on the seam): coordinates of the vertices on the chain.
     on [V]: bit mask of the walls (and the seam) that pass through a vertex.
     triangles [F, 3].  values [V, 3]: `Points.walls`, exactly 0 where `on` says so.  wedge [V, k]: fold angles.
     """
 
     chain: HalfChain
     base: np.ndarray
-    sheet: np.ndarray
+    leaf: np.ndarray
     on: np.ndarray
     triangles: np.ndarray
     values: np.ndarray
@@ -61,19 +62,19 @@ class Sheets:
 
 
 class Surface(NamedTuple):
-    """A surface that is being cut: base [V, 2], on [V], sheet [V] and triangles [F, 3] as in `Sheets`."""
+    """A surface that is being cut: base [V, 2], on [V], leaf [V] and triangles [F, 3] as in `DoubleCover`."""
 
     base: np.ndarray
     on: np.ndarray
-    sheet: np.ndarray
+    leaf: np.ndarray
     triangles: np.ndarray
 
     def between(self, a: np.ndarray, b: np.ndarray) -> np.ndarray:
-        """Sheet of the edges between vertices a and b, [E]."""
-        return np.where(self.sheet[a] != 0, self.sheet[a], self.sheet[b])
+        """Leaf of the edges between vertices a and b, [E]."""
+        return np.where(self.leaf[a] != 0, self.leaf[a], self.leaf[b])
 
     def divided(
-        self, which: np.ndarray, base: np.ndarray, on: np.ndarray, sheet: np.ndarray
+        self, which: np.ndarray, base: np.ndarray, on: np.ndarray, leaf: np.ndarray
     ) -> Surface:
         """Give edges with the numbers `which` (of `edges_of`) a vertex each."""
         edges, of_triangle = edges_of(self.triangles)
@@ -82,12 +83,12 @@ class Surface(NamedTuple):
         return Surface(
             np.vstack([self.base, base]),
             np.concatenate([self.on, on]),
-            np.concatenate([self.sheet, sheet]),
+            np.concatenate([self.leaf, leaf]),
             divide(self.triangles, middle[of_triangle]),
         )
 
 
-def mesh_sheets(chain: HalfChain, size: int) -> Sheets:
+def mesh_cover(chain: HalfChain, size: int) -> DoubleCover:
     """Triangulate the closed states of `chain`; `size` rings around the flat state, 4 `size` directions."""
     base, triangles = polar_mesh(chain.reach, size)
     on = np.zeros(len(base), dtype=np.int64)
@@ -104,15 +105,15 @@ def mesh_sheets(chain: HalfChain, size: int) -> Sheets:
         surface = _split(chain, surface, bit)
     for _ in range(SHORTENINGS):
         surface = _shorten(chain, surface, LONGEST / size)
-    base, on, sheet, triangles = _compact(surface)
-    points = chain.points(base, sheet)
+    base, on, leaf, triangles = _compact(surface)
+    points = chain.points(base, leaf)
     values, wedge = points.walls, points.wedge
     for column, bit in enumerate((HEIGHT, CUT, OTHER)):
         on |= np.where(np.abs(values[:, column]) <= ON, 1 << bit, 0)
         values[has(on, bit), column] = 0.0
     flat = has(on, HEIGHT)  # the last fold angle is +-pi there, from the side the state is on
     wedge[flat, -1] = np.copysign(math.pi, wedge[flat, -1])
-    return Sheets(chain, base, sheet, on, triangles, values, wedge)
+    return DoubleCover(chain, base, leaf, on, triangles, values, wedge)
 
 
 def polar_mesh(reach: tuple[float, float], size: int) -> tuple[np.ndarray, np.ndarray]:
@@ -149,7 +150,7 @@ def has(on: np.ndarray, bit: int) -> np.ndarray:
 
 
 def several(on: np.ndarray) -> np.ndarray:
-    """Return which vertices lie on two walls or more (the seam of the sheets does not count)."""
+    """Return which vertices lie on two walls or more (the seam of the leaves does not count)."""
     walls = on & ~(1 << SEAM)
     # more than one bit is set
     return np.asarray((walls & (walls - 1)) != 0)
@@ -159,13 +160,13 @@ Evaluate = Callable[[np.ndarray, np.ndarray], np.ndarray]
 
 
 def wall_function(chain: HalfChain, bit: int) -> Evaluate:
-    """Return the function (base, sheet) -> value of a curved wall or of the seam."""
+    """Return the function (base, leaf) -> value of a curved wall or of the seam."""
     if bit == HEIGHT:
-        return lambda base, sheet: chain.height(base)
+        return lambda base, leaf: chain.height(base)
     if bit == SEAM:
-        return lambda base, sheet: chain.fold_margin(base)
+        return lambda base, leaf: chain.fold_margin(base)
     column = bit - HEIGHT
-    return lambda base, sheet: chain.points(base, sheet).walls[:, column]
+    return lambda base, leaf: chain.points(base, leaf).walls[:, column]
 
 
 def _split(chain: HalfChain, surface: Surface, bit: int) -> Surface:
@@ -182,7 +183,7 @@ def _cut(
     chain: HalfChain, surface: Surface, bit: int, function: Evaluate, period: float
 ) -> Surface:
     """Give every edge whose ends are on different sides a vertex on the wall."""
-    value = function(surface.base, surface.sheet)
+    value = function(surface.base, surface.leaf)
     zero = np.abs(value) <= (ON_SEAM if bit == SEAM else ON)
     surface = surface._replace(on=surface.on | np.where(zero, 1 << bit, 0))
     value = np.where(zero, 0.0, value)
@@ -190,12 +191,12 @@ def _cut(
     # a wrapped angle that jumps from near pi to near -pi does not pass 0
     cut = np.flatnonzero((value[a] * value[b] < 0) & (np.abs(value[a]) + np.abs(value[b]) < period))
     a, b = a[cut], b[cut]
-    sheet = surface.between(a, b)
+    leaf = surface.between(a, b)
     common = surface.on[a] & surface.on[b]
     ends = surface.base[a], surface.base[b]
-    place = _find_roots(chain, function, *ends, sheet, value[a], common)
+    place = _find_roots(chain, function, *ends, leaf, value[a], common)
     return surface.divided(
-        cut, place, common | (1 << bit), np.zeros_like(sheet) if bit == SEAM else sheet
+        cut, place, common | (1 << bit), np.zeros_like(leaf) if bit == SEAM else leaf
     )
 
 
@@ -203,15 +204,15 @@ def _refine(surface: Surface, function: Evaluate, period: float) -> Surface:
     """Give edges that a wall crosses twice, as far as a few samples show, a vertex in between."""
     base, on = surface.base, surface.on
     a, b = edges_of(surface.triangles)[0].T
-    value = function(base, surface.sheet)
+    value = function(base, surface.leaf)
     size = np.abs(value)
     end = np.where(size[a] >= size[b], value[a], value[b])  # the larger end decides the side
     look = np.flatnonzero((value[a] * value[b] > -(ON**2)) & (np.abs(end) > ON))
     a, b, end = a[look], b[look], np.sign(end[look])
-    sheet = surface.between(a, b)
+    leaf = surface.between(a, b)
     worst, where = np.zeros(len(look)), np.full(len(look), 0.5)
     for t in SAMPLES:
-        beyond = -end * function(base[a] + t * (base[b] - base[a]), sheet)
+        beyond = -end * function(base[a] + t * (base[b] - base[a]), leaf)
         beyond = np.where(np.abs(beyond) < period / 4, beyond, -math.inf)
         where, worst = np.where(beyond > worst, t, where), np.maximum(worst, beyond)
     twice = np.flatnonzero(worst > 10 * ON)
@@ -219,7 +220,7 @@ def _refine(surface: Surface, function: Evaluate, period: float) -> Surface:
         return surface
     a, b, t = a[twice], b[twice], where[twice, None]
     place = base[a] + t * (base[b] - base[a])
-    return surface.divided(look[twice], place, on[a] & on[b] & STRAIGHT, sheet[twice])
+    return surface.divided(look[twice], place, on[a] & on[b] & STRAIGHT, leaf[twice])
 
 
 def edges_of(triangles: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -268,7 +269,7 @@ def _find_roots(
     function: Evaluate,
     a: np.ndarray,
     b: np.ndarray,
-    sheet: np.ndarray,
+    leaf: np.ndarray,
     at_a: np.ndarray,
     common: np.ndarray,
 ) -> np.ndarray:
@@ -280,26 +281,26 @@ def _find_roots(
         point = a + t[:, None] * (b - a)
         for bit in curved:
             here = has(common, bit)
-            point[here] = pull(chain, point[here], sheet[here], bit)
+            point[here] = pull(chain, point[here], leaf[here], bit)
         return point
 
     for _ in range(BISECTIONS):
         t = 0.5 * (low + high)
         # invariant: at `low` the wall's function has the sign that it has at a
-        same = function(at(t), sheet) * at_a > 0
+        same = function(at(t), leaf) * at_a > 0
         low, high = np.where(same, t, low), np.where(same, high, t)
     return at(0.5 * (low + high))
 
 
-def pull(chain: HalfChain, base: np.ndarray, sheet: np.ndarray, bit: int) -> np.ndarray:
+def pull(chain: HalfChain, base: np.ndarray, leaf: np.ndarray, bit: int) -> np.ndarray:
     """Move base points [V, 2] onto a curved wall by Newton steps along its gradient."""
     function = wall_function(chain, bit)
     h = DIFFERENCE
     for _ in range(6):
-        value = function(base, sheet)
+        value = function(base, leaf)
         gradient = np.stack(
             [
-                (function(base + step, sheet) - function(base - step, sheet)) / (2 * h)
+                (function(base + step, leaf) - function(base - step, leaf)) / (2 * h)
                 for step in ([h, 0.0], [0.0, h])
             ],
             axis=1,
@@ -318,8 +319,8 @@ def _double(surface: Surface, kept: np.ndarray) -> Surface:
     seam = has(on, SEAM)
     count = len(base)
     other = np.where(seam, np.arange(count), count + np.arange(count))
-    sheet = np.where(seam, 0, 1)
-    sheet = np.concatenate([sheet, -np.ones(count, dtype=sheet.dtype)])
+    leaf = np.where(seam, 0, 1)
+    leaf = np.concatenate([leaf, -np.ones(count, dtype=leaf.dtype)])
     triangles = np.vstack([triangles, other[triangles]])
     if seam[triangles % count].all(axis=1).any():
         # its two copies would be one triangle, and the surface no surface there
@@ -327,13 +328,13 @@ def _double(surface: Surface, kept: np.ndarray) -> Surface:
     _, of_triangle = edges_of(triangles)
     if np.bincount(of_triangle.ravel()).max() > 2:
         raise MeshError("two seams are closer than the mesh: use a larger size")
-    return Surface(np.vstack([base, base]), np.concatenate([on, on]), sheet, triangles)
+    return Surface(np.vstack([base, base]), np.concatenate([on, on]), leaf, triangles)
 
 
 def _shorten(chain: HalfChain, surface: Surface, longest: float) -> Surface:
     """Divide edges between states that are far apart; nearer to the seam, where one end is on it."""
     base, on = surface.base, surface.on
-    wedge = chain.points(base, surface.sheet).wedge
+    wedge = chain.points(base, surface.leaf).wedge
     a, b = edges_of(surface.triangles)[0].T
     apart = np.abs(wedge[a] - wedge[b])
     apart[:, -2] = np.minimum(apart[:, -2], 2 * math.pi - apart[:, -2])
@@ -350,8 +351,8 @@ def _shorten(chain: HalfChain, surface: Surface, longest: float) -> Surface:
 
 def _compact(surface: Surface) -> Surface:
     """Drop unused vertices."""
-    base, on, sheet, triangles = surface
+    base, on, leaf, triangles = surface
     used = np.unique(triangles)
     number = np.full(len(base), -1)
     number[used] = np.arange(len(used))
-    return Surface(base[used], on[used], sheet[used], number[triangles])
+    return Surface(base[used], on[used], leaf[used], number[triangles])

@@ -195,7 +195,7 @@ class Space(Report):
     Examples
     --------
     >>> import origami_nlp as o
-    >>> space = o.find_space(o.examples.degree6("pi/3"), size=8)
+    >>> space = o.find_space(o.examples.degree6("pi/3"), rings=8)
     >>> space.signature
     (1, 0, 1, 1, 4, 4)
     """

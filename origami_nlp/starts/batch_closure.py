@@ -18,6 +18,8 @@ QUADRATIC, SETTLING = 1e-7, 0.1
 """A step of Gauss-Newton this short [rad] is the last one; after one this short what is beyond a fold limit is held."""
 STEPS = 5
 """Steps of Gauss-Newton."""
+UNEQUAL = 1e3
+"""Ratio of stiffnesses above which states are closed in the metric of the springs."""
 POOR = 1e10
 """Condition of rows rows' above which its eigenvalues are looked at one by one."""
 
@@ -127,7 +129,8 @@ class Closing:
     ) -> Samples:
         """Close samples on their strata to a residual; those that leave the fold limits on the way are held there.
 
-        metric: by the shortest way in the metric, so that stiff creases hardly turn and the energy hardly changes.
+        metric: where stiffnesses are very unequal, by the shortest way in the metric, so that stiff creases hardly turn
+        and the energy hardly changes.
         """
         x, at_limit, todo = s.x.copy(), s.at_limit.copy(), np.arange(len(s))
         for _ in range(steps):
@@ -137,7 +140,11 @@ class Closing:
             todo, value = todo[far], value[far]
             if not len(todo):
                 break
-            root = (self.root(part) if metric else np.ones(1)) * np.ones((len(part), 1))
+            root = self.root(part) * np.ones((len(part), 1))
+            unequal = root.max(axis=1, keepdims=True) > math.sqrt(UNEQUAL) * root.min(
+                axis=1, keepdims=True
+            )
+            root = np.where(metric & unequal, root, 1.0)
             rows = rows[far] * (at_limit[todo] == 0)[:, None] / root[far][:, None]
             # shortest Gauss-Newton step on the free creases: rows' (rows rows')^-1 value
             move = (rows.transpose(0, 2, 1) @ (gram_inverse(rows) @ value[..., None]))[..., 0]

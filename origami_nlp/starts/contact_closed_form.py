@@ -10,7 +10,7 @@ at the touch, and |phi_k| <= pi, so
 
     phi_k = t' + t'' - 2 pi sign(t'),  sign(t') = sign(t''),  |t' + t''| >= pi.
 
-The plain sum is the sheet q = -1: the pieces cross.  The tip touches from the left of facet j, so that
+The plain sum is the lift q = -1: the pieces cross.  The tip touches from the left of facet j, so that
 det(c_j, c_{j+1}, c_k) >= 0, exactly where t' > 0.
 """
 
@@ -121,7 +121,7 @@ def close_pinched(
         # pieces on the same side of the touch, and |phi_k| <= pi (module docstring)
         good &= (one * two > 0) & ((np.abs(whole) >= math.pi) | closed)
         signs[:, t] = np.sign(one)
-        # the sheet q = +1
+        # the lift q = +1
         whole = whole - np.copysign(2 * math.pi, one)
         whole = np.where(closed, -np.copysign(math.pi, one), whole)
         turns[np.arange(len(row)), parent] = whole

@@ -1,22 +1,20 @@
-"""Minima beside the flat state, to second order: where descents from elsewhere seldom arrive.
+"""Minima near the flat state, to second order: descents from elsewhere seldom reach them.
 
-At the flat state closure c loses rank.  Near it closed states x obey J x = 0 and x'Fx = 0, F the second derivative of
-s . c for the one s with s J = 0, up to terms of third order.  Where rest angles all but cancel on that cone, a
-minimum is close to its tip, with a basin as small as its distance.  In the axes of F on the kernel of J, stationary
-states of the springs on the cone are y = -g / (1 + lam a), where y = sqrt(k) x, g is the torque at the flat state and
-a are the curvatures of F; lam solves one equation,
+At the flat state closure c loses rank.  Near it closed states x obey J x = 0 and x'Fx = 0 up to third order, F the
+second derivative of s . c for the one s with s J = 0.  Where rest angles all but cancel on that cone, a minimum is
+close to its tip, with a basin as small as its distance.  In the axes of F on the null space of J, stationary states of
+the springs on the cone are y = -g / (1 + lam a), where y = sqrt(k) x, g is the torque at the flat state, a are the
+curvatures of F, and the Lagrange multiplier lam solves
 
     h(lam) = sum_i a_i (g_i / (1 + lam a_i))^2 = 0,
 
-which falls between the poles on both sides of lam = 0, so that it has one root there, the lowest state of the cone.
-Other minima have one negative 1 + lam a at most: their lam lies one interval further on either side.  Where symmetric
-springs do not pull along an axis, lam may be its pole, and states lean to either side of it.
+which falls between the poles on both sides of lam = 0: the one root there is the lowest state of the cone.  Other
+minima have one negative 1 + lam a at most: their lam lies one interval further.  Where symmetric springs do not pull
+along an axis, lam may be its pole, and states lean to either side of it.
 
-Beside flat foldings with facets on each other it is the same, with contacts held.  Where a sheet is folded in half,
-closure loses a rank as at the flat state, and closed states leave along a cone in the kernel of closure, as far
-as fold limits and facets that touch let them: A y >= 0.  A minimum of the springs beside the folding holds some of
-these rows; on their kernel it is one of these second-order states, and what is left over across it are moments >= 0 of
-the rows held.
+Near flat foldings it is the same with contacts closed.  Where a sheet is folded in half, closed states leave along a
+cone in the null space of closure as far as active constraints allow, A y >= 0.  A minimum near the folding keeps some
+of these rows active; on their null space it is one of the states above, with multipliers >= 0 of the active rows.
 """
 
 from __future__ import annotations
@@ -60,7 +58,7 @@ class NearFlat(Listed):
         flat, n = np.zeros(model.size), model.size
         value, jacobian = model.closure(flat)
         none = np.zeros((0, n))
-        if np.abs(value).max(initial=0.0) > RANK or not model.on_sheet(flat):
+        if np.abs(value).max(initial=0.0) > RANK or not model.lifts_to_one(flat):
             return none
         cone = cone_at(model, flat, jacobian)
         if cone is None or cone.kernel.shape[1] < 2:

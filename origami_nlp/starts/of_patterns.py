@@ -98,15 +98,15 @@ class Grown(StartFamily):
     sentence = "grown out of the flat state"
 
     def __init__(self, problem: PatternProblem, labels: CanonicalLabelling) -> None:
-        self._sheet, self._labels = problem, labels
+        self._problem, self._labels = problem, labels
 
     def draw(self, rng: np.random.Generator, many: int) -> Samples:
         """Grow states one after the other."""
         x = [self._grown(rng) for _ in range(many)]
-        return Samples.at_limits(np.array(x).reshape(many, self._sheet.size))
+        return Samples.at_limits(np.array(x).reshape(many, self._problem.size))
 
     def _grown(self, rng: np.random.Generator) -> np.ndarray:
-        problem = self._sheet
+        problem = self._problem
         n = problem.size
         phi, residual = problem.project(self._labels.drawn(rng.uniform(-0.3, 0.3, n)))
         way = phi
@@ -120,7 +120,7 @@ class Grown(StartFamily):
             if (
                 residual > CLOSURE_TOL
                 or np.abs(new).max() > math.pi
-                or not problem.closure.on_sheet(new)
+                or not problem.closure.lifts_to_one(new)
             ):
                 break
             phi = new

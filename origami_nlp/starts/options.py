@@ -12,43 +12,44 @@ from origami_nlp.errors import OptionError
 class SearchOptions:
     """How much a search does; `EFFORTS` holds those of ``effort="quick"``, ``"normal"`` and ``"thorough"``.
 
+    The first twelve are of a vertex, the last five of a pattern.
+
     Attributes
     ----------
     corners
-        Of a vertex: candidates for corners of the state space, all of them up to this many, a sample beyond.
+        Candidates for corners of the state space: all of them up to this many, a sample beyond.
     interior
-        Of a vertex: starts in the interior in the first round.
+        Starts in the interior in the first round.
     a_round
-        Of a vertex: starts of each kind in a round, for one degree of freedom; more with more, up to 64 times.
+        Starts of each kind in a round, for one degree of freedom; more with more, up to 64 times.
     rounds
-        Of a vertex: rounds at most.
+        Rounds at most.
     hits
-        Of a vertex: how often random starts must have reached every minimum before the search stops.
+        How often random starts must have reached every minimum before the search stops.
     quiet
-        Of a vertex: rounds without a new minimum after which it may stop although one was reached less often.
+        Rounds without a new minimum after which it may stop although one was reached less often.
     batch
-        Of a vertex: descents made together; fewer take longer, more take more memory.
+        Descents made together; fewer take longer, more take more memory.
     first_batch
-        Of a vertex: descents made first, for early answers.
+        Descents made first, for early answers.
     most_with_corners
-        Creases of a vertex up to which corners are started from: with more there are too many that nothing holds.
+        Creases up to which corners are started from: with more there are too many.
     fewest_for_moments
-        Creases of a vertex from which moments are started from: with 10 and 12 they found no more in the same time.
+        Creases from which moments are started from: with 10 and 12 they found no more in the same time.
     most_batched
-        Fold angles of a vertex with symmetry, or with facets that may touch, up to which descents are made in batches;
-        above, IPOPT solves from one start after the other.
+        Fold angles, with symmetry or full contact, up to which descents are made in batches; IPOPT solves above.
     judging
         Share of a time limit that is kept for judging the ends of descents.
     in_a_row
-        Of a pattern: random starts in a row that find nothing new, then the search ends.
+        Random starts in a row that find nothing new, then the search ends.
     most_drawn
-        Of a pattern: random starts in all, over `in_a_row`.
+        Random starts in all, over `in_a_row`.
     most_popped
-        Of a pattern: starts with a vertex popped, over `in_a_row`.
+        Starts with a vertex popped, over `in_a_row`.
     most_traced
-        Creases of a pattern up to which curves are traced; descents beyond.
+        Creases up to which curves are traced; descents beyond.
     most_curves
-        Of a pattern: curves that are traced, beside images of them.
+        Curves that are traced, beside images of them.
 
     Raises
     ------

@@ -1,7 +1,7 @@
 """Starting states spread over the feasible set, the same for the same seed.
 
 Uniform random fold angles are projected onto loop closure by Gauss-Newton, all at once; those that
-leave the fold limits, the sheet or the contact set are kept only when too few feasible ones are
+leave the fold limits, the lift q = +1 or the contact set are kept only when too few feasible ones are
 found.  Every fourth start lies on a fold limit, each limit in turn, so that sets that exist only at
 phi = +-pi (the paper's 1-handles) are searched as well.
 
@@ -102,4 +102,4 @@ def states_on_limits(model: Problem, rng: np.random.Generator) -> list[np.ndarra
     # what closing moved onto a limit, to rounding, is at the limit
     x = np.where(np.abs(np.abs(x) - math.pi) <= OUTSIDE, np.sign(x) * math.pi, x)
     good = (residual <= CLOSURE_TOL) & (np.abs(x) <= math.pi).all(axis=1)
-    return [state for state in x[good] if model.on_sheet(state)]
+    return [state for state in x[good] if model.lifts_to_one(state)]

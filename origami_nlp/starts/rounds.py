@@ -53,8 +53,8 @@ class Rounds:
         self.touches = Touches(model) if touching else None
         self._interior = Interior(model)
         share = 0.6 if touching else 1.25  # touches are a third kind of start
-        freedom = min(max(model.freedom - 1, 0), 9)
-        self._a_round = round(share * options.a_round * min(2.5**freedom, 64))
+        dof = min(max(model.dof - 1, 0), 9)
+        self._a_round = round(share * options.a_round * min(2.5**dof, 64))
         if self._long:  # a descent takes longer
             self._a_round = 1 + self._a_round * options.most_with_corners // model.size
         self._each = list(self._families(Moments(model) if is_chain(model) else None))

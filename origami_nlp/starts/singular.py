@@ -39,7 +39,7 @@ class RestState(Listed):
         singular = np.linalg.svd(jacobian, compute_uv=False)
         move = np.linalg.norm(value) / max(float(singular.min()), NONZERO) if value.any() else 0.0
         flat = bool((np.abs(x) % math.pi == 0).all())  # flat foldings are exact, and listed as such
-        return [x] if move <= ROUNDED and not flat and model.on_sheet(x) else []
+        return [x] if move <= ROUNDED and not flat and model.lifts_to_one(x) else []
 
 
 MOST_FLAT_VARIABLES = 9
@@ -47,7 +47,7 @@ MOST_FLAT_VARIABLES = 9
 
 
 def flat_foldings(model: Problem) -> list[np.ndarray]:
-    """Return every state of the model whose fold angles are 0 or +-pi and that closes on the sheet.
+    """Return every state of the model whose fold angles are 0 or +-pi and that closes with q = +1.
 
     Candidates only: layers are not ordered here.  Only the flat state without fold limits, or for too
     many variables.
@@ -57,7 +57,7 @@ def flat_foldings(model: Problem) -> list[np.ndarray]:
     places = itertools.product((-1.0, 0.0, 1.0), repeat=n) if few else [(0.0,) * n]
     x = math.pi * np.array(list(places))
     closed = np.abs(model.closure(x)[0]).max(axis=1) <= CLOSURE_TOL
-    return [state for state in x[closed] if model.on_sheet(state)]
+    return [state for state in x[closed] if model.lifts_to_one(state)]
 
 
 class FlatFoldings(Listed):
@@ -106,7 +106,7 @@ class RigidStates(Listed):
         found: list[np.ndarray] = []
         for state in x[(residual <= CLOSURE_TOL) & (np.abs(x) <= model.bound).all(axis=1)]:
             known = [*flat, *found]
-            if model.on_sheet(state) and all(
+            if model.lifts_to_one(state) and all(
                 np.abs(state - k).max() > NEAR_SINGULAR_TOL for k in known
             ):
                 found.append(state)

@@ -38,7 +38,7 @@ PASSES = 12
 
 @dataclass(frozen=True, eq=False)
 class ContactStarts:
-    """S states on strata with touches, each closed, on the sheet of paper and without a crossing that the tests see.
+    """S states on strata with touches, each closed as a sheet of paper and without a crossing that the tests see.
 
     Attributes
     ----------

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 from typing import Any
 
@@ -12,17 +13,16 @@ from matplotlib.ticker import MaxNLocator
 
 from origami_nlp.display import KINDS, MISSING, label_text, patch
 from origami_nlp.errors import SweepError
-from origami_nlp.numerics import NONZERO
 from origami_nlp.sweep.load import sweep_grid
 
-UNITS = {
-    "ratio": "1",
-    "alpha": "rad",
-    "stiffness": "N m/rad",
-    "rest_angles": "rad",
-    "sector_angles": "rad",
+WORDS = {
+    "ratio": ("stiffness ratio rₖ", ""),
+    "alpha": ("sector angle α₁", "deg"),
+    "stiffness": ("stiffness", "N m/rad"),
+    "rest_angles": ("rest angle", "deg"),
+    "sector_angles": ("sector angle", "deg"),
 }
-"""Of a parameter, by the last word of its place in the scene."""
+"""What a parameter is, and its unit in a picture, by the last word of its place in the scene."""
 
 
 def draw_sweep(folder: str | Path) -> Figure:
@@ -65,7 +65,7 @@ def _by_kind(grid: dict[str, Any]) -> dict[str, np.ndarray]:
 def _curve(grid: dict[str, Any], name: str) -> Figure:
     figure = Figure(figsize=(6.4, 3.9), layout="constrained", dpi=140)
     axes = figure.subplots()
-    x = grid["axes"][name]
+    x = _values(grid, name)
     order = np.argsort(x)
     below = np.zeros(len(x))
     for kind, count in _by_kind(grid).items():
@@ -79,8 +79,8 @@ def _curve(grid: dict[str, Any], name: str) -> Figure:
         below = top
     for value in x[grid["count"] < 0]:
         axes.axvline(value, color=MISSING, lw=1)
-    _scale(axes.set_xscale, x)
     axes.set(
+        xscale=_scale(grid, name),
         xlabel=axis_label(grid, name),
         ylabel="number of minima",
         ylim=(0, max(1, below.max()) + 0.3),
@@ -96,7 +96,7 @@ def _curve(grid: dict[str, Any], name: str) -> Figure:
 
 
 def _maps(grid: dict[str, Any], names: list[str]) -> Figure:
-    y, x = (grid["axes"][n] for n in names)
+    y, x = (_edges(_values(grid, n), grid["log"][n]) for n in names)
     panels = {"all minima": grid["count"], **_by_kind(grid)}
     columns = 2 if len(panels) == 4 else min(3, len(panels))
     rows = -(-len(panels) // columns)
@@ -111,12 +111,8 @@ def _maps(grid: dict[str, Any], names: list[str]) -> Figure:
     for k, (axes, (title, count)) in enumerate(zip(grids.flat, panels.items(), strict=False)):
         shown = np.ma.masked_less(count, 0)
         axes.set_facecolor(MISSING)
-        image = axes.pcolormesh(
-            _edges(x), _edges(y), shown, cmap=colours, vmin=-0.5, vmax=most + 0.5
-        )
-        _scale(axes.set_xscale, x)
-        _scale(axes.set_yscale, y)
-        axes.set_title(title)
+        image = axes.pcolormesh(x, y, shown, cmap=colours, vmin=-0.5, vmax=most + 0.5)
+        axes.set(xscale=_scale(grid, names[1]), yscale=_scale(grid, names[0]), title=title)
         if k + columns >= len(panels):
             axes.set_xlabel(axis_label(grid, names[1]))
             axes.tick_params(labelbottom=True)
@@ -136,7 +132,7 @@ NOT_KNOWN = "no scene, failed or not run"
 
 
 def axis_label(grid: dict[str, Any], name: str) -> str:
-    """Name a parameter, with its unit.
+    """Name a parameter in words, with its unit.
 
     Parameters
     ----------
@@ -148,36 +144,42 @@ def axis_label(grid: dict[str, Any], name: str) -> str:
     Returns
     -------
     str
-        The name as the sweep states it, prettier where it is the place itself.
+        What it is and of which creases; the name that the sweep gives it, where it gives one.
     """
-    place = grid["places"][name][0]
-    word = place.rsplit(".", 1)[-1].split("[")[0]
-    pretty = {"ratio": "stiffness ratio rₖ", "alpha": "sector angle α₁"}
-    shown = pretty.get(name, label_text(name))
-    return f"{shown} [{UNITS[word]}]" if word in UNITS else shown
+    places = grid["places"][name]
+    word = places[0].rsplit(".", 1)[-1].split("[")[0].removesuffix("_deg")
+    words, unit = WORDS.get(word, (name, ""))
+    if name not in places:  # the sweep names it
+        words = name
+    elif numbers := re.findall(r"\[(\d+)\]", " ".join(places)):
+        of = (
+            " "
+            if word == "sector_angles"
+            else " of crease "
+            if len(numbers) == 1
+            else " of creases "
+        )
+        words += of + ", ".join(numbers)
+    return label_text(words) + f" [{unit}]" * bool(unit)
 
 
-def _is_log(v: np.ndarray) -> bool:
-    """Whether values are spaced by ratios rather than by differences."""
-    if len(v) < 3 or v.min() <= 0:
-        return False
-    steps, ratios = np.diff(v), np.diff(np.log(v))
-    return bool(
-        np.ptp(ratios) < np.ptp(steps) / max(abs(np.mean(steps)), NONZERO) * abs(np.mean(ratios))
-    )
+def _scale(grid: dict[str, Any], name: str) -> str:
+    return "log" if grid["log"][name] else "linear"
 
 
-def _edges(v: np.ndarray) -> np.ndarray:
+def _values(grid: dict[str, Any], name: str) -> np.ndarray:
+    """The values of a parameter, angles in degrees."""
+    v: np.ndarray = grid["axes"][name]
+    typed = "_deg" in grid["places"][name][0]
+    return np.degrees(v) if axis_label(grid, name).endswith("[deg]") and not typed else v
+
+
+def _edges(v: np.ndarray, log: bool) -> np.ndarray:
     """Edges of the cells around the values."""
     if len(v) == 1:
         return np.array([v[0] - 0.5, v[0] + 0.5])
-    w = np.log(v) if _is_log(v) else v
+    w = np.log(v) if log else v
     edges = np.concatenate(
         [[1.5 * w[0] - 0.5 * w[1]], (w[1:] + w[:-1]) / 2, [1.5 * w[-1] - 0.5 * w[-2]]]
     )
-    return np.exp(edges) if _is_log(v) else edges
-
-
-def _scale(set_scale: Any, v: np.ndarray) -> None:
-    if _is_log(v):
-        set_scale("log")
+    return np.exp(edges) if log else edges

@@ -90,7 +90,7 @@ def load_sweep(folder: str | Path) -> xarray.Dataset:
     if grid["mode"] == "list":
         dims = ("scene",)
         coords = {name: ("scene", v) for name, v in grid["axes"].items()}
-    data = {key: (dims, grid[key]) for key in grid if key not in ("axes", "places", "mode")}
+    data = {key: (dims, grid[key]) for key in grid if key not in ("axes", "places", "log", "mode")}
     return xarray.Dataset(data, coords=coords, attrs={"source": "origami_nlp sweep"})
 
 
@@ -98,7 +98,7 @@ def sweep_grid(folder: str | Path) -> dict[str, Any]:
     """The same as plain NumPy arrays over the sweep's shape (what figures use)."""
     keys = dict(read_table(folder, "sweep")[1])
     sweep, shape = json.loads(keys["sweep"]), tuple(json.loads(keys["shape"]))
-    axes = {name: np.array(values) for name, _, values in sweep["axes"]}
+    axes = {name: np.array(values) for name, _, values, _ in sweep["axes"]}
     total = int(np.prod(shape))
     status = np.full(total, "waiting", dtype="<U8")
     count = np.full(total, -1)
@@ -117,7 +117,8 @@ def sweep_grid(folder: str | Path) -> dict[str, Any]:
     arrays = {f"count_{kind.replace('-', '_')}": v.reshape(shape) for kind, v in by_kind.items()}
     return {
         "axes": axes,
-        "places": {name: list(places) for name, places, _ in sweep["axes"]},
+        "places": {name: list(places) for name, places, _, _ in sweep["axes"]},
+        "log": {name: scale == "log" for name, _, _, scale in sweep["axes"]},
         "mode": sweep["search"]["mode"],
         "count": count.reshape(shape),
         **arrays,

@@ -1,4 +1,4 @@
-"""Sweeps of patterns: the stable states of many sheets.
+"""Sweeps of patterns: the stable states of many patterns.
 
 ```toml
 [pattern]
@@ -23,7 +23,7 @@ values = ["pi/4", "pi/3"]
 
 [search]
 mode = "grid"                  # every combination (default), or list: axes run together
-starts = 40                    # random starts of a sheet
+starts = 40                    # random starts of a pattern
 seed = 0
 contact = true                 # whether facets must not cross
 ```
@@ -58,7 +58,7 @@ _SIZES = ("rows", "columns")
 
 @dataclass(frozen=True)
 class PatternSweep(Sweep):
-    """A sweep of patterns: `pattern(index)` is sheet number `index` of `count`.
+    """A sweep of patterns: `pattern(index)` is pattern number `index` of `count`.
 
     Attributes
     ----------
@@ -70,10 +70,10 @@ class PatternSweep(Sweep):
         The [search] table, with defaults.
     """
 
-    ONE, MANY = "pattern", "sheets"
+    ONE, MANY = "pattern", "patterns"
 
     def pattern(self, index: int) -> Pattern:
-        """Make sheet `index`.
+        """Make pattern `index`.
 
         Parameters
         ----------
@@ -88,7 +88,7 @@ class PatternSweep(Sweep):
         Raises
         ------
         OrigamiError
-            If these values make no sheet.
+            If these values make no pattern.
         """
         values = self.parameters(index)
         given = {p: values[a.name] for a in self.axes for p in a.places}
@@ -117,7 +117,7 @@ class PatternSweep(Sweep):
         return examples.pattern(name, **shape, **own)
 
     def chains(self, length: int = 1) -> Iterator[range]:
-        """Every sheet by itself: no state is handed on, and so no answer depends on another.
+        """Every pattern by itself: no state is handed on, and so no answer depends on another.
 
         Parameters
         ----------
@@ -127,7 +127,7 @@ class PatternSweep(Sweep):
         Yields
         ------
         range
-            One sheet.
+            One pattern.
         """
         for index in range(self.count):
             yield range(index, index + 1)

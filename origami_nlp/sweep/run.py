@@ -61,11 +61,11 @@ def run_scene(sweep: Sweep, index: int, guesses: Sequence[Sequence[float]]) -> O
     """Find the states of one scene; errors become its outcome (this is what a worker does)."""
     s = sweep.search
 
-    def states_of_sheet(sheet: Pattern) -> tuple[Rows, int, None]:
+    def states_of_pattern(pattern: Pattern) -> tuple[Rows, int, None]:
         from origami_nlp.pattern_states import find_states
 
         found = find_states(
-            sheet, starts=s["starts"], seed=s["seed"], contact=s["contact"], escape=False
+            pattern, starts=s["starts"], seed=s["seed"], contact=s["contact"], escape=False
         )
         return tuple(row_of(m, m.dof, None) for m in found.minima), found.search.starts, None
 
@@ -90,7 +90,7 @@ def run_scene(sweep: Sweep, index: int, guesses: Sequence[Sequence[float]]) -> O
         return rows, result.search.starts, result.search.expected_undiscovered
 
     if isinstance(sweep, PatternSweep):
-        return attempted(index, sweep.pattern, states_of_sheet)
+        return attempted(index, sweep.pattern, states_of_pattern)
     return attempted(index, sweep.scene, states)
 
 

@@ -195,7 +195,22 @@ class Sweep:
         if "example" in data:
             arguments = {k: v for k, v in data.items() if k != "example"}
             return _EXAMPLES[data["example"]](**arguments)
+        _give_way(data, {place for axis in self.axes for place in axis.places})
         return scene_from_dict(data)
+
+    @property
+    def normalized(self) -> float:
+        """The largest change that ``normalize`` makes to sector angles of a scene [rad], with its sign."""
+        if not dict(self.base.get("vertex", {})).get("normalize"):
+            return 0.0
+        sectors = any("sector_angles" in place for axis in self.axes for place in axis.places)
+        changes = [0.0]
+        for index in range(self.count if sectors else 1):
+            with contextlib.suppress(
+                OrigamiError
+            ):  # such a scene has no states, and the store says why
+                changes.append(self._scene(self.parameters(index)).vertex.normalized)
+        return max(changes, key=abs)
 
     def chains(self, length: int = 32) -> Iterator[range]:
         """Cut the scenes into runs of neighbours along the last axis: each warm-starts the next of its run.
@@ -210,7 +225,7 @@ class Sweep:
 
     def fingerprint(self) -> str:
         """The whole sweep as text: two sweeps are the same when these agree."""
-        axes = [[a.name, list(a.places), list(a.values)] for a in self.axes]
+        axes = [[a.name, list(a.places), list(a.values), a.scale] for a in self.axes]
         # sweeps that do not follow are what they were before one could
         search = {k: v for k, v in self.search.items() if k != "follow" or v}
         return json.dumps({self.ONE: self.base, "axes": axes, "search": search}, sort_keys=True)
@@ -391,6 +406,24 @@ def _put(data: dict[str, Any], place: str, value: float) -> None:
         if key != match[2]:
             value = math.degrees(value) if key.endswith(_DEGREES) else math.radians(value)
         table[key][int(match[3]) - 1] = value
+
+
+def _give_way(data: dict[str, Any], places: set[str]) -> None:
+    """Let sectors that no axis sets give way alike, so that a flat sheet goes once round: as in `follow`."""
+    table = data.get("vertex", {})
+    key = _key_in(table, "sector_angles")
+    entries = {
+        int(m[3]) - 1
+        for p in places
+        if (m := _PLACE.fullmatch(p)) and m[2].startswith("sector_angles")
+    }
+    if not entries or table.get("flat", True) is not True:
+        return
+    unit = math.degrees(1.0) if key.endswith(_DEGREES) else 1.0
+    whole = [v if unit != 1.0 else parse_angle(v, key) for v in table[key]]
+    others = [i for i in range(len(whole)) if i not in entries]
+    for i in others:
+        table[key][i] = whole[i] + (2 * math.pi * unit - math.fsum(whole)) / len(others)
 
 
 def _search(stated: Any) -> dict[str, Any]:

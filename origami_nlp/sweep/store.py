@@ -112,7 +112,7 @@ class Store:
                 if error.sqlite_errorcode != sqlite3.SQLITE_BUSY:
                     raise
                 raise SweepError(
-                    f"--out {str(folder)!r} is in use: another process runs a sweep there; wait for its end, or "
+                    f"--folder {str(folder)!r} is in use: another process runs a sweep there; wait for its end, or "
                     "choose another folder"
                 ) from None
             self._db = sqlite3.connect(path)
@@ -124,10 +124,10 @@ class Store:
             elif known != sweep.fingerprint():
                 self._db.close()
                 raise SweepError(
-                    f"--out {str(folder)!r} holds another sweep: choose another folder"
+                    f"--folder {str(folder)!r} holds another sweep: choose another folder"
                 )
         except (OSError, sqlite3.Error) as error:
-            raise SweepError(f"--out {str(folder)!r} cannot be used: {error}") from None
+            raise SweepError(f"--folder {str(folder)!r} cannot be used: {error}") from None
         self._axes = [a.name for a in sweep.axes]
 
     def _make(self, sweep: Sweep) -> None:

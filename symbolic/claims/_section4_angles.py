@@ -232,7 +232,7 @@ def _check_even(statement: dict[str, Any]) -> Verdict:
     """The period closes: e3-turned fold pair is a rotation by 2 alpha, four sign cases.
 
     T = Q(b_1, 2 rho) Q(b_2, phi_2) Q(e3, 2 alpha) has quaternion scalar cos(alpha) exactly when the
-    orbit of the flap closes on the sheet q = +1.
+    orbit of the flap closes on the lift q = +1.
     """
     pairs = []
     for kind, side in ROOTS:

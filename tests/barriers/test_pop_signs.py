@@ -58,7 +58,9 @@ def test_the_sum_of_folds_is_bounded_by_the_hull_of_the_link(degree):
         for _ in range(4):
             phi, residual = problem.project(rng.uniform(-1.5, 1.5, degree))
             inside = (
-                residual < 1e-12 and np.abs(phi).max() <= math.pi and problem.closure.on_sheet(phi)
+                residual < 1e-12
+                and np.abs(phi).max() <= math.pi
+                and problem.closure.lifts_to_one(phi)
             )
             if not inside or problem.crossings.find(phi) or np.abs(phi).max() < 1e-3:
                 continue

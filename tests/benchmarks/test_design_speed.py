@@ -59,7 +59,7 @@ def test_the_command_measures(tmp_path):
         assert one.found["ours"] == one.held and one.held + one.refuted == 4
         assert one.differs is None or one.differs < 1e-6
     out = tmp_path / "design.json"
-    code, table, _ = run("design", 1, "--json", out, commands=app)
+    code, table, _ = run("design", 1, "-o", out, commands=app)
     assert code == 0 and "2 N/(N - 3)" in table
     assert len(json.loads(out.read_text())["compared"]) == 5
     code, _, err = run("design", 0, commands=app)

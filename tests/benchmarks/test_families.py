@@ -108,7 +108,7 @@ def test_the_cross_has_six_states_in_closed_form():
     """Each of its six lines of states has one lowest state, where the two springs that fold along it balance."""
     from origami_nlp import find_minima
 
-    scene = family_scene("one-freedom", 2)
+    scene = family_scene("one-dof", 2)
     k, r = np.array(scene.stiffness), np.array(scene.rest_angles)
     expected = []
     for a, b in ((0, 2), (2, 0), (1, 3), (3, 1)):

@@ -106,7 +106,7 @@ def test_the_report_is_read_back_and_drawn(tmp_path):
 
 def test_the_command(monkeypatch, tmp_path):
     monkeypatch.setattr("benchmarks.run_patterns", lambda **options: found())
-    code, said, _ = run("patterns", "--quick", "--json", tmp_path / "a.json", commands=app)
+    code, said, _ = run("patterns", "--quick", "-o", tmp_path / "a.json", commands=app)
     assert code == 0 and "gradient and projection" in said
     assert json.loads((tmp_path / "a.json").read_text())["schema"] == "origami-nlp/bench-patterns/1"
 

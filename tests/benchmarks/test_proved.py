@@ -49,7 +49,7 @@ def test_the_cross_has_six():
 
 def test_the_command_counts(tmp_path):
     out = tmp_path / "proved.json"
-    code, table, _ = run("proved", 1, "--json", out, commands=app)
+    code, table, _ = run("proved", 1, "-o", out, commands=app)
     assert code == 0 and "degree 5" in table
     families = json.loads(out.read_text())["families"]
     assert [f["scenes"] for f in families] == [1, 1, 1]

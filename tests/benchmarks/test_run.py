@@ -282,9 +282,9 @@ def test_a_size_that_takes_too_long_is_stopped_and_said_so():
     ("arguments", "message"),
     [
         (["speed", "--seed", "-1"], "seed = -1"),
-        (["speed", "--figure", "x.txt"], "--figure = 'x.txt'"),
-        (["speed", "--markdown", "no_such_folder/x.md"], "--markdown = 'no_such_folder/x.md'"),
-        (["hard", "--quick"], "No such option: --quick"),
+        (["speed", "-o", "x.txt"], "-o = 'x.txt'"),
+        (["speed", "-o", "no_such_folder/x.md"], "-o = 'no_such_folder/x.md'"),
+        (["hard", "--quick"], "no such option: --quick"),
     ],
 )
 def test_bad_options_are_refused_before_any_work(arguments, message, monkeypatch, capsys):
@@ -298,14 +298,14 @@ def test_the_command_writes_what_is_asked(tiny, monkeypatch, tmp_path):
     from typer.testing import CliRunner
 
     monkeypatch.setattr("benchmarks.run_bench", lambda **options: tiny)
-    names = {"--json": "a.json", "--figure": "f/a.png", "--markdown": "a.md"}
+    names = ("a.json", "f/a.png", "a.md")
     (tmp_path / "f").mkdir()
-    arguments = [v for k, n in names.items() for v in (k, str(tmp_path / n))]
+    arguments = [v for n in names for v in ("-o", str(tmp_path / n))]
     result = CliRunner().invoke(app, ["speed", "--quick", *arguments])
     assert result.exit_code == 0, result.output
     assert read_bench(tmp_path / "a.json")["schema"] == SCHEMA
     assert "(f/a.png)" in Path(tmp_path / "a.md").read_text()
-    piped = CliRunner().invoke(app, ["speed", "--json", "-"])
+    piped = CliRunner().invoke(app, ["speed", "-o", "-"])
     assert json.loads(piped.stdout)["schema"] == SCHEMA
 
 
@@ -322,7 +322,7 @@ def test_hard_cases_are_run_shown_and_counted(monkeypatch, tmp_path):
 
     for value, code in ((1e-12, 0), (1e-3, 1)):
         monkeypatch.setattr("benchmarks.run_hard", of(value))
-        names = ["--json", str(tmp_path / "h.json"), "--markdown", str(tmp_path / "h.md")]
+        names = ["-o", str(tmp_path / "h.json"), "-o", str(tmp_path / "h.md")]
         result = CliRunner().invoke(app, ["hard", *names])
         assert result.exit_code == code and "one setting" in result.output
         data = json.loads((tmp_path / "h.json").read_text())

@@ -45,7 +45,7 @@ def test_table_and_figure(budget, tmp_path):
 def test_the_command(monkeypatch, tmp_path, budget):
     monkeypatch.setattr(time_budget, "measure", lambda scene, seed: budget)
     out = tmp_path / "a.json"
-    done = RUN.invoke(app, ["profile", "--json", str(out)])
+    done = RUN.invoke(app, ["profile", "-o", str(out)])
     assert done.exit_code == 0, done.output
     data = json.loads(out.read_text())
     assert len(data["panels"]) == 18

@@ -94,16 +94,16 @@ def draw_map(
     def place(alpha: float) -> float:
         return 90 - math.degrees(alpha) if mirrored else math.degrees(alpha)
 
-    up, across = found.overs
+    up, across = found.parameters
     cells = region_cells(found)
     sides = [
-        np.linspace(over.s_of(over.low), over.s_of(over.high), len(cells) + 1)
-        for over in (up, across)
+        np.linspace(parameter.s_of(parameter.low), parameter.s_of(parameter.high), len(cells) + 1)
+        for parameter in (up, across)
     ]
     regions_at = {
         tuple(
-            int(np.searchsorted(side, over.s_of(t))) - 1
-            for side, over, t in zip(sides, (up, across), region.t, strict=True)
+            int(np.searchsorted(side, parameter.s_of(t))) - 1
+            for side, parameter, t in zip(sides, (up, across), region.t, strict=True)
         ): region
         for region in regions
     }
@@ -135,7 +135,7 @@ def draw_map(
                 path_effects=[withStroke(linewidth=2.2, foreground="white")],
             )
     for curve in found.curves:
-        y, x = smooth(curve, found.overs).T
+        y, x = smooth(curve, found.parameters).T
         axes.plot([place(v) for v in x], np.exp(y), **LINES[look_of(curve)][0])
 
 
@@ -161,12 +161,12 @@ def draw(family: str, columns: dict[str, list[Map]]) -> Figure:
                 (left, right), (low, high) = UNDECIDED
                 axes.fill_between([left, right], low, high, **UNSURE, zorder=3)
         axes.set_yscale("log")
-        axes.set_ylim(parts[0][0].overs[0].low, parts[0][0].overs[0].high)
+        axes.set_ylim(parts[0][0].parameters[0].low, parts[0][0].parameters[0].high)
         axes.set_title(title, fontsize=10)
         axes.set_xlabel("$\\alpha_1$ [deg]")
         axes.set_xlim(
-            math.degrees(parts[0][0].overs[1].low),
-            85 if family == "degree8" else math.degrees(parts[-1][0].overs[1].high),
+            math.degrees(parts[0][0].parameters[1].low),
+            85 if family == "degree8" else math.degrees(parts[-1][0].parameters[1].high),
         )
         if len(parts) > 1:
             axes.axvline(60, color="black", ls=":", lw=1)

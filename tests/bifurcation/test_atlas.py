@@ -88,7 +88,13 @@ def test_every_event_is_located_in_its_own_function(atlas):
 
 def test_plain_data_have_the_stated_keys(atlas):
     data = json.loads(json.dumps(atlas.to_dict(), allow_nan=False))
-    assert data["over"] == {"name": "ratio", "low": 0.1, "high": 100.0, "unit": "", "log": True}
+    assert data["parameter"] == {
+        "name": "ratio",
+        "low": 0.1,
+        "high": 100.0,
+        "unit": "",
+        "log": True,
+    }
     branch = data["branches"][0]
     assert {"id", "kind_ranges", "points", "ends"} <= set(branch)
     keys = {"t", "fold_angles", "energy", "multipliers", "eigenvalue", "full_space_eigenvalue"}
@@ -219,7 +225,7 @@ def test_a_torque_is_followed_to_the_snap_of_the_load_path():
 @pytest.mark.slow
 def test_forces_are_followed_over_their_factor():
     pushed = o.Scene(
-        o.Vertex.from_degrees((96, 95, 92, 77)), (1,) * 4, (2.486, 2.4042, 0.9277, 0.7523), held_facet=1,
+        o.Vertex.from_degrees((96, 95, 92, 77)), (1,) * 4, (2.486, 2.4042, 0.9277, 0.7523), fixed_facet=1,
         loads=[{"crease": 3, "distance": 1, "force": [-1.0, -0.2, -0.15]}],
     )  # fmt: skip
     atlas = follow(pushed, "loads=-2.4:-2.3", checks=2, effort="quick", max_starts=24)
@@ -248,9 +254,9 @@ def test_a_check_says_whether_it_is_complete():
 
 
 def test_families_that_jump_are_refused():
-    over = parse_parameter_range("alpha=50deg:70deg")
+    parameter = parse_parameter_range("alpha=50deg:70deg")
     with pytest.raises(OptionError, match="two families"):
-        follow_family(Family(over, lambda t: o.examples.degree6(t, 1.0)))
+        follow_family(Family(parameter, lambda t: o.examples.degree6(t, 1.0)))
 
 
 @pytest.mark.parametrize(
@@ -273,18 +279,18 @@ def test_parameters_that_a_scene_has_not_are_refused(name):
 def test_lines_are_the_scenes_of_a_family():
     for text in ("ratio=0.1:10", "preload[2]=-0.2:0.1", "alpha=0.6:0.9", "creases.stiffness[2]=0.1:1",
                  "creases.rest_angles[2]+creases.rest_angles[1]=-1:1", "vertex.sector_angles[1]=0.7:0.8"):  # fmt: skip
-        over = parse_parameter_range(text)
-        family = family_of(o.examples.degree6("pi/4", 2.0), over)
+        parameter = parse_parameter_range(text)
+        family = family_of(o.examples.degree6("pi/4", 2.0), parameter)
         for share in (0.0, 0.3, 1.0):
-            s = (1 - share) * over.s_of(over.low) + share * over.s_of(over.high)
-            model, problem = o.Model(family.scene(over.t_of(s))), family.line.at(s)
+            s = (1 - share) * parameter.s_of(parameter.low) + share * parameter.s_of(parameter.high)
+            model, problem = o.Model(family.scene(parameter.t_of(s))), family.line.at(s)
             p, q, unit = model.parameters, problem.parameters, model.scale / problem.scale
             assert p.stiffness * unit == pytest.approx(q.stiffness, rel=1e-13)
             wound = q.rest + q.load / q.stiffness  # preload is a load on the line
             assert np.append(p.sectors, p.rest) == pytest.approx(
                 np.append(q.sectors, wound), abs=1e-13
             )
-            at = np.array(family.scene(over.t_of(s)).vertex.sector_angles)
+            at = np.array(family.scene(parameter.t_of(s)).vertex.sector_angles)
             assert problem.scene.vertex.sector_angles == pytest.approx(at, abs=1e-13)
 
 
@@ -306,9 +312,9 @@ CASES = {
 def test_branches_are_what_thorough_searches_find_at_forty_points(name):
     make, text = CASES[name]
     atlas = follow(make(), text, checks=4)
-    over = atlas.over
-    for s in np.linspace(over.s_of(over.low), over.s_of(over.high), 40):
-        assert compare(atlas, over.t_of(float(s)), effort="thorough") >= 0
+    parameter = atlas.parameter
+    for s in np.linspace(parameter.s_of(parameter.low), parameter.s_of(parameter.high), 40):
+        assert compare(atlas, parameter.t_of(float(s)), effort="thorough") >= 0
     for e in atlas.events:
         assert e.located or e.note
 

@@ -46,7 +46,7 @@ def test_a_contact_curve_passes_what_is_known_of_both_parameters(contact):
 def test_a_point_of_a_curve_is_the_event_over_one_parameter(contact):
     (curve,) = contact.curves
     point = curve.points[len(curve.points) // 2]
-    plane = Plane(contact.scene, contact.overs)
+    plane = Plane(contact.scene, contact.parameters)
     atlas = follow_family(plane.family(point.t[1]), checks=2, full=False)
     assert min(abs(e.t / point.t[0] - 1) for e in atlas.events) < 1e-11
 
@@ -83,7 +83,7 @@ def test_a_curve_along_which_the_second_parameter_stays_is_found():
 
 def test_data_and_a_picture(contact, tmp_path):
     data = json.loads(json.dumps(contact.to_dict(), allow_nan=False))
-    assert [p["name"] for p in data["overs"]] == ["ratio", "alpha"]
+    assert [p["name"] for p in data["parameters"]] == ["ratio", "alpha"]
     assert {"id", "type", "contact", "points", "ends"} <= set(data["curves"][0])
     contact.draw(tmp_path / "map.png")
     assert (tmp_path / "map.png").stat().st_size > 10_000
@@ -99,7 +99,7 @@ def test_the_torque_of_a_snap_over_the_ratio():
     (fold,) = [c for c in found.curves if c.type == "fold"]
     known = {p.t[1]: p.t[0] for p in fold.points}
     assert max(known) == 1.1 and min(known) == 0.9
-    plane = Plane(found.scene, found.overs)
+    plane = Plane(found.scene, found.parameters)
     atlas = follow_family(plane.family(1.1), checks=2, full=False)
     assert min(abs(e.t - known[1.1]) for e in atlas.events if e.type == "fold") < 1e-11
     assert np.interp(1.0, sorted(known), [known[r] for r in sorted(known)]) == pytest.approx(
@@ -121,7 +121,7 @@ def test_a_fold_turns_at_a_cusp_and_counts_change_across_it():
     assert fold.ends == ("range", "range")
     alpha = np.degrees([p.t[1] for p in fold.points])
     assert alpha.max() == pytest.approx(65.0496, abs=2e-3) and alpha[-1] < 62
-    plane = Plane(found.scene, found.overs)
+    plane = Plane(found.scene, found.parameters)
     for point in fold.points[3:-3:6]:
         r, a = point.t
         counts = []
@@ -139,11 +139,11 @@ def test_a_fold_turns_at_a_cusp_and_counts_change_across_it():
 
 
 def test_curves_are_drawn_smoothly_and_keep_their_points_and_cusps():
-    overs = tuple(map(parse_parameter_range, ("torque[1]=-1:1", "torque[2]=-1:1")))
+    parameters = tuple(map(parse_parameter_range, ("torque[1]=-1:1", "torque[2]=-1:1")))
 
     def places(points):
         made = tuple(CurvePoint((float(a), float(b)), (), 0.0, 0.0) for a, b in points)
-        return smooth(EventCurve(1, "fold", "", made, ("range", "range")), overs)
+        return smooth(EventCurve(1, "fold", "", made, ("range", "range")), parameters)
 
     angles = np.linspace(0, math.pi, 13)
     circle = np.array([np.cos(angles), np.sin(angles)]).T

@@ -22,16 +22,16 @@ QUAD = o.Scene(
 
 
 @pytest.mark.parametrize(
-    ("scene", "over", "types"),
+    ("scene", "parameter", "types"),
     [
         (QUAD, "stiffness[1]=0.1:30", ["fold", "closes", "singular", "fold"]),
         (replace(o.examples.degree6("5*pi/12"), symmetry="none"), "ratio=2:5", ["closes"]),
     ],
     ids=("one degree of freedom", "three"),
 )
-def test_a_pattern_of_one_vertex_has_the_events_of_the_vertex(scene, over, types):
-    one = o.follow(scene, over, prove=False, **FEW)
-    same = o.follow(scene_pattern(scene), over, **FEW)
+def test_a_pattern_of_one_vertex_has_the_events_of_the_vertex(scene, parameter, types):
+    one = o.follow(scene, parameter, prove=False, **FEW)
+    same = o.follow(scene_pattern(scene), parameter, **FEW)
     assert [e.type for e in one.events] == [e.type for e in same.events] == types
     for a, b in zip(one.events, same.events, strict=True):
         assert b.located == a.located
@@ -160,7 +160,7 @@ def test_a_vertex_that_moves_and_what_is_refused():
 
 def test_the_command_takes_a_pattern(tmp_path):
     files = [tmp_path / name for name in ("a.json", "a.png", "a.fold", "a.html")]
-    names = ("--json", "--figure", "--fold", "--html")
+    names = ("-o", "-o", "-o", "-o")
     options = [word for pair in zip(names, files, strict=True) for word in pair]
     done = run("follow", "miura:2x2", "--parameter", "alpha=50deg:55deg", "--checks", 1, *options)
     assert done.code == 0 and "2 branches, 0 events over alpha" in done.out, done.err

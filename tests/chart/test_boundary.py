@@ -137,7 +137,7 @@ def check_vertex(a1, a2):
         assert sum(map(len, found.missed)) < 0.02 * sum(map(len, found.crossings))
 
 
-def test_tracing_wants_two_freedoms_and_contact():
+def test_tracing_wants_two_dof_and_contact():
     free = o.examples.degree6("pi/4", 1.0, contact="none")
     with pytest.raises(o.OrigamiError, match="contact = 'full'"):
         trace_boundary(free)
@@ -189,7 +189,7 @@ def test_outlines_without_full_contact(scene):
         assert wrong.mean() < 1e-3 and (near < cell).all()
         corners = shapely.get_coordinates(region)
         corners = corners[(np.abs(corners) < (x1 - 1e-6, y1 - 1e-6)).all(axis=1)]
-        # where two sheets touch, at the flat state, sides within a cell may cross
+        # where two branches meet, at the flat state, sides within a cell may cross
         corners = corners[np.abs(corners).max(axis=1) > 2 * cell]
         around = corners[:, None] + 1e-9 * np.stack([turn.real, turn.imag], axis=-1)
         inside = allowed(chart, branch, around[..., 0], around[..., 1])[0]

@@ -1,6 +1,7 @@
 """Bad input gets one clear line that names the field, and exit code 2; nothing is written."""
 
 import math
+from pathlib import Path
 
 import pytest
 
@@ -33,7 +34,7 @@ DEGREES = (
 
 # name: (scene text, words the one-line message must contain)
 BAD = {
-    "empty file": ("", ["[vertex]", "exactly one of"]),
+    "empty file": ("", ["scene.toml", "is empty"]),
     "not TOML": ("[vertex\nx", ["TOML"]),
     "unknown table": (text("[vertx]\na = 1"), ["vertx", "vertex"]),
     "table is a number": ("vertex = 3", ["vertex", "table"]),
@@ -183,7 +184,7 @@ def test_bad_scene_is_one_line_and_exit_code_2(name, tmp_path):
     path = tmp_path / "scene.toml"
     path.write_text(scene)
     out = tmp_path / "out.json"
-    code, _, err = run("minima", path, "--json", out)
+    code, _, err = run("minima", path, "-o", out)
     assert code == 2 and err.count("\n") == 1 and len(err) < 300
     for word in words:
         assert word in err
@@ -200,7 +201,7 @@ def test_normalize_spreads_what_is_missing_and_says_so(tmp_path):
             "[creases]", "normalize = true\n[creases]"
         )
     )
-    code, _, err = run("model", path)
+    code, _, err = run("inspect", path)
     assert (
         code == 0
         and err == "note: sector angles normalized to a sum of 360 deg: each by +0.05 deg\n"
@@ -229,26 +230,44 @@ BAD_CALLS = {
     "ratio negative": (["example", "degree8", "--ratio", "-1"], "ratio"),
     "ratio nan": (["example", "degree8", "--ratio", "nan"], "ratio"),
     "contact unknown": (["example", "degree8", "--contact", "some"], "contact"),
-    "state beyond the list": (["contacts", SCENE, "--state", 9, "--max-starts", 16], "state"),
-    "state 0": (["contacts", SCENE, "--state", 0, "--max-starts", 16], "state"),
-    "HTML into no folder": (["contacts", SCENE, "--html", "nowhere/at/all.html"], "--html"),
-    "a folder for text": (["contacts", SCENE, "--markdown", "."], "--markdown"),
+    "state beyond the list": (["contacts", SCENE, "--state", 9, "--effort", "quick"], "state"),
+    "state 0": (["contacts", SCENE, "--state", 0, "--effort", "quick"], "state"),
+    "HTML into no folder": (["contacts", SCENE, "-o", "nowhere/at/all.html"], "-o"),
+    "a folder for text": (["contacts", SCENE, "-o", "."], "-o"),
     "seed of contacts": (["contacts", SCENE, "--seed", -1], "seed"),
     "map too small": (["landscape", SCENE, "--size", 4], "--size = 4"),
     "seed of a landscape": (["landscape", SCENE, "--seed", -2], "seed"),
-    "arrays as text": (["landscape", SCENE, "--npz", "a.txt"], "must end in .npz"),
-    "arrays into no folder": (["landscape", SCENE, "--npz", "nowhere/a.npz"], "does not exist"),
-    "figure of no format": (["landscape", SCENE, "--figure", "a.bmp"], "--figure"),
-    "JSON into no folder": (["landscape", SCENE, "--json", "nowhere/a.json"], "does not exist"),
+    "arrays as text": (["landscape", SCENE, "-o", "a.txt"], "must end in one of .json"),
+    "arrays into no folder": (["landscape", SCENE, "-o", "nowhere/a.npz"], "does not exist"),
+    "figure of no format": (["landscape", SCENE, "-o", "a.bmp"], "-o"),
+    "JSON into no folder": (["landscape", SCENE, "-o", "nowhere/a.json"], "does not exist"),
     "counts into no folder": (
-        [*COUNT, "--degree", 6, "--ratio", 2, "--rest-elevation", 0.1, "--json", "missing/a.json"],
-        "--json",
+        [*COUNT, "--degree", 6, "--ratio", 2, "--rest-elevation", 0.1, "-o", "missing/a.json"],
+        "-o",
     ),
     "odd degree": ([*PHASE, "--degree", 7], "degree"),
     "one point": ([*PHASE, "--degree", 8, "--size", 1], "size"),
     "too deep": ([*PHASE, "--degree", 8, "--depth", 2], "depth"),
-    "figure as text": ([*PHASE, "--degree", 8, "--figure", "x.txt"], "figure"),
-    "CSV into no folder": ([*PHASE, "--degree", 8, "--csv", "no/such/folder.csv"], "csv"),
+    "figure as text": (
+        [*PHASE, "--degree", 8, "-o", "x.txt"],
+        "must end in one of .json, .csv, .png",
+    ),
+    "CSV into no folder": ([*PHASE, "--degree", 8, "-o", "no/such/folder.csv"], "does not exist"),
+    "a file twice": (["minima", SCENE, "-o", "a.png", "-o", "a.png"], "is given twice"),
+    "binary as text": (["minima", SCENE, "-o", "-.png"], "only text goes to standard output"),
+    "a load of nothing": (["load", SCENE], "--crease K is missing"),
+    "fixed for no force": (["load", SCENE, "--crease", 1, "--fixed-facet", 2], "--fixed-facet = 2"),
+    "pull of one": (["load", "miura:2x2", "--pull", "1"], "--pull = '1' must be 2 numbers"),
+    "force of nan": (["load", "miura:2x2", "--force", "1,2,3,nan"], "must be 4 numbers"),
+    "one parameter twice": (
+        ["boundary", SCENE, "--event", "ratio=1:2", "--parameter", "ratio=1:2"],
+        "name two parameters",
+    ),
+    "certificate of a pattern": (
+        ["minima", "miura:2x2", "--certificate", "a"],
+        "certificate = 'a'",
+    ),
+    "stiffness of a pattern": (["minima", "miura:2x2", "--stiffness", -1], "--stiffness = -1"),
     "rest state unknown": ([*PHASE, "--degree", 8, "--rest", "mine"], "rest"),
 }
 
@@ -256,7 +275,7 @@ BAD_CALLS = {
 MISSPELT = {
     "example as input": (["minima", "muira:3x3"], "did you mean miura?"),
     "example": (["example", "yoshimora"], "did you mean yoshimura?"),
-    "targets": (["design", "--example", "three-equals"], "did you mean three-equal?"),
+    "targets": (["design", "three-equals"], "did you mean three-equal?"),
     "parameter": (
         ["follow", SCENE, "--parameter", "rest_angle[1]=0:1"],
         "did you mean rest_angles?",
@@ -303,9 +322,9 @@ def test_bad_outputs_are_refused_before_the_search(tmp_path):
     path = tmp_path / "scene.toml"
     path.write_text(text())
     for arguments, word in (
-        (["--json", str(tmp_path / "no" / "x.json")], "does not exist"),
-        (["--json", str(tmp_path)], "folder"),
-        (["--figure", str(tmp_path / "x.gif")], ".svg"),
+        (["-o", str(tmp_path / "no" / "x.json")], "does not exist"),
+        (["-o", str(tmp_path)], "folder"),
+        (["-o", str(tmp_path / "x.docx")], ".svg"),
         (["--seed", "-1"], "seed"),
         (["--max-starts", "0"], "max_starts"),
     ):
@@ -320,3 +339,23 @@ def test_binary_and_huge_files_are_refused(tmp_path):
         path.write_bytes(content)
         code, _, err = run("minima", path)
         assert code == 2 and word in err
+
+
+@pytest.mark.parametrize(
+    ("name", "command"),
+    [
+        ("a.toml", ("minima",)),
+        ("a.fold", ("minima",)),
+        ("a.json", ("inspect",)),
+        ("a.toml", ("design",)),
+        ("a.toml", ("sweep", "--folder", "out")),
+        ("a.json", ("check-proof",)),
+    ],
+)
+def test_an_empty_or_broken_file_is_named(name, command, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    for content, said in ((b" \n", "is empty"), (b"\xff\xfe\x00x", ""), (b"[[[", "")):
+        Path(name).write_bytes(content)
+        code, _, err = run(command[0], name, *command[1:])
+        assert code == 2 and err.count("\n") == 1 and repr(name) in err and said in err, err
+    assert [p.name for p in tmp_path.iterdir()] == [name]

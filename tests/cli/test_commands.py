@@ -5,6 +5,7 @@ import os
 import re
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 from typer.main import get_command
@@ -27,14 +28,56 @@ def test_the_package_runs_as_a_module_and_ends_as_the_command_does():
 def test_the_help_lists_what_people_want_under_headings():
     _, text, _ = run("--help")
     top = get_command(app)
-    shown = [line for line in text.split("Options:")[1].splitlines() if line]
+    listing, first_steps = text.split("Options:")[1].split("First steps:")
+    named = re.findall(r"(?<![.-])\b[a-z]+(?= (?:my|two|miura|switch)[. ;])", first_steps)
+    assert len(named) > 5 and set(named) - {"o"} <= set(top.commands)
+    shown = [line for line in listing.splitlines() if line]
     headings = [line for line in shown if not line.startswith(" ")]
     assert len(headings) == 3 and all(line.endswith(":") for line in headings)
     listed = [line.split()[0] for line in shown if re.match("  [a-z]", line)]
     assert listed == top.list_commands(None) and set(listed) == set(top.commands)
-    assert listed[:7] == "minima pattern load follow design vertices example".split()
+    assert listed[:7] == "minima pattern load follow design inspect example".split()
     code, out, err = run("nothing")
-    assert code == 2 and not out and "No such command 'nothing'" in err
+    assert code == 2 and not out and "no such command 'nothing'" in err
+
+
+@pytest.mark.parametrize(
+    ("line", "said"),
+    [
+        ("minima", "missing argument 'ORIGAMI'"),
+        ("minima a.toml b.toml", "unexpected extra argument"),
+        ("minima a.toml --verbos", "no such option: --verbos"),
+        ("minima a.toml --seed 1 --seed 2.5", "--seed = '2.5' must be a whole number"),
+        ("minima a.toml --seconds=soon", "--seconds = 'soon' must be a number"),
+        ("load a.toml --crease one", "--crease = 'one' must be a whole number"),
+        ("follow a.toml", "missing option '--parameter'"),
+        ("paper cone coutn", "no such command 'coutn'"),
+        ("modes a.fold --stiffness 2", "origami-nlp inspect FILE --stiffness ... -o NEW.fold"),
+    ],
+)
+def test_a_wrong_call_is_one_line(line, said):
+    code, out, err = run(*line.split())
+    assert code == 2 and not out and err.count("\n") == 1 and said in err, err
+    assert err.startswith("origami-nlp: ")
+
+
+def test_springs_that_a_command_does_not_take_are_in_the_file_that_inspect_writes(tmp_path):
+    """All that a FOLD file leaves open can be written down once; the states are the same."""
+    file, whole = tmp_path / "a.fold", tmp_path / "b.fold"
+    data = disc([60, 100, 120, 80], "MVVV")
+    file.write_text(json.dumps(data))
+    springs = ("--stiffness", 0.3, "--rest-angle", 40)
+    for more, name in (((), "b.fold"), (("--per-length",), "c.fold"), (("--vertex", 0), "d.toml")):
+        made = tmp_path / name
+        done = run("inspect", file, *springs, *more, "-o", made)
+        assert done.code == 0, done.err
+        found = [
+            json.loads(run("minima", *given, "--prove", 0, "-o", "-").out)["minima"]
+            for given in ((file, *springs, *more), (made,))
+        ]
+        energies = [[m["energy"] for m in one] for one in found]
+        assert energies[0] and energies[0] == pytest.approx(energies[1], rel=1e-12), name
+    assert run("modes", whole).code == 0
 
 
 def test_the_version_is_told():
@@ -43,27 +86,38 @@ def test_the_version_is_told():
 
 def test_an_output_checks_all_files_before_any_and_says_what_it_wrote(tmp_path, capsys):
     good = tmp_path / "a.json"
-    for targets, word in (
-        ({"json": good, "markdown": tmp_path / "none" / "a"}, "--markdown"),
-        ({"json": good, "figure": tmp_path / "a.gif"}, "--figure.*must end in .png"),
-        ({"json": good, "npz": tmp_path / "a.txt"}, "--npz.*must end in .npz"),
-        ({"json": good, "markdown": good}, "is the file of --json too"),
+    kinds = ("json", "figure", "markdown", "html")
+    for files, word in (
+        ([good, tmp_path / "none" / "a.md"], "does not exist"),
+        ([good, tmp_path / "a.gif"], "must end in one of .json, .png"),
+        ([good, tmp_path / "a"], "must end in one of .json, .png"),
+        ([good, good], "is given twice"),
+        (["-.png"], "only text goes to standard output"),
     ):
         with pytest.raises(origami_nlp.OrigamiError, match=word):
-            Output(**targets)
+            Output([*map(str, files)], kinds)
     assert not os.listdir(tmp_path)
-    out = Output(json=good, markdown=tmp_path / "a.md", html=None)
+    out = Output([str(good), str(tmp_path / "a.md")], kinds)
     out.write("json", lambda number: {"x": number}, 1)
     out.write("markdown", str.upper, "text")
     out.write("html", lambda: pytest.fail("nobody asked for it"))
     assert json.loads(good.read_text()) == {"x": 1} and (tmp_path / "a.md").read_text() == "TEXT"
     reported = capsys.readouterr()
     assert reported.out.splitlines() == [f"written: {good}", f"written: {tmp_path / 'a.md'}"]
-    out = Output(json="-", markdown=tmp_path / "b.md")
+    out = Output(["-", str(tmp_path / "b.md")], kinds)
     out.write("json", lambda: [1])
     out.write("markdown", lambda: "b")
     reported = capsys.readouterr()
     assert json.loads(reported.out) == [1] and reported.err == f"written: {tmp_path / 'b.md'}\n"
+
+
+def test_an_ending_says_what_a_file_holds_and_several_may_be_of_one_kind(tmp_path, capsys):
+    names = [str(tmp_path / name) for name in ("a.MD", "b.md")]
+    out = Output([*names, "-.md"], ("json", "markdown"))
+    out.write("markdown", lambda: "text")
+    assert [Path(name).read_text() for name in names] == ["text"] * 2
+    assert capsys.readouterr().out == "text"
+    assert run("example", "degree6", "-o", "-.fold").out.startswith("{")
 
 
 def test_a_vertex_of_a_fold_file_is_a_scene_and_its_oddities_are_told(tmp_path, capsys):
@@ -82,8 +136,8 @@ def test_a_vertex_of_a_fold_file_is_a_scene_and_its_oddities_are_told(tmp_path, 
 
 def test_a_pattern_is_taken_by_name_as_it_is_from_a_file(tmp_path):
     file = tmp_path / "miura.fold"
-    assert run("example", "miura:3x3", "--fold", str(file)).code == 0
-    one, two = run("pattern", "miura:3x3", "--json", "-"), run("pattern", str(file), "--json", "-")
+    assert run("example", "miura:3x3", "-o", str(file)).code == 0
+    one, two = run("pattern", "miura:3x3", "-o", "-"), run("pattern", str(file), "-o", "-")
     assert one.code == two.code == 0 and one.out == two.out
     wrong = run("pattern", "kresling")
     assert wrong.code == 2 and "no example: those are miura" in wrong.err

@@ -31,7 +31,7 @@ ASKED = {
     "mini": {"minima"},
     "minima s.toml --effort ": {"quick", "normal", "thorough"},
     "paper verify --only s2.v": {c.id for c in claims() if c.id.startswith("s2.v")},
-    "minima s.toml --json ": set(),  # a file
+    "minima s.toml -o ": set(),  # a file
 }
 
 

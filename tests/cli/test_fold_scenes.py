@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 import origami_nlp as o
+from origami_nlp import pattern
 from origami_nlp.barriers import find_barriers
-from origami_nlp.cli import source
 from origami_nlp.pattern import examples, fold_vertices, format_scene, parse_fold
 from tests.command_line import run, scene_file
 from tests.fold_files import disc, miura
@@ -36,7 +36,7 @@ def pocket(tmp_path):
 
 
 COMMANDS = (
-    "model minima contacts modes load barriers critical space landscape follow boundary".split()
+    "inspect minima contacts modes load barriers critical space landscape follow boundary".split()
 )
 OVER = ("--parameter", "ratio=0.01:1")
 NEEDED = {"follow": OVER, "boundary": (*OVER, "--event", "creases.stiffness[1]=1")}
@@ -57,7 +57,7 @@ def test_every_command_reads_a_vertex_of_a_fold_file_as_its_scene_file(
         return stop
 
     for name in ("vertex_scene", "vertex_scenes", "decode_scene"):
-        monkeypatch.setattr(source, name, noted(getattr(source, name)))
+        monkeypatch.setattr(pattern, name, noted(getattr(pattern, name)))
     needed = NEEDED.get(command, ())
     for words in ((fold, *options), (toml,)):
         assert run(*command.split("-"), *words, *needed).err == "origami-nlp: read\n"
@@ -66,7 +66,7 @@ def test_every_command_reads_a_vertex_of_a_fold_file_as_its_scene_file(
     assert code == 2 and "--vertex is for FOLD files" in err and err.count("\n") == 1
 
 
-@pytest.mark.parametrize("command", ["model", "space", "minima"])
+@pytest.mark.parametrize("command", ["inspect", "space", "minima"])
 def test_they_say_the_same_of_both(command, pocket):
     fold, toml, options = pocket
     more = {"space": ("--rings", 16), "minima": ("--max-starts", 16, "--prove", 0)}.get(command, ())
@@ -84,7 +84,7 @@ def test_standard_input_may_be_either(toml, pocket, monkeypatch):
         if toml and mark == b"\xef\xbb\xbf":
             continue  # TOML has no byte order mark
         monkeypatch.setattr(sys, "stdin", io.TextIOWrapper(io.BytesIO(mark + raw)))
-        done = run("model", "-", *(() if toml else options))
+        done = run("inspect", "-", *(() if toml else options))
         assert done.code == 0 and "degree 6" in done.out, done.err
 
 
@@ -97,16 +97,16 @@ def test_a_vertex_becomes_a_scene_file_of_the_same_doubles(sheet, tmp_path):
         for number, scene in o.read_fold_scenes(
             sheet, on_note=lambda note: None, **keywords
         ).items():
-            done = run("vertices", sheet, "--vertex", number, "--scene", out, *options)
+            done = run("inspect", sheet, "--vertex", number, "-o", out, *options)
             assert done.code == 0 and done.out.endswith(f"written: {out}\n")
             again = o.read_scene(out)
             assert again == scene and again.group == scene.group
             assert again.relations.exact == scene.relations.exact
-    done = run("vertices", sheet, "--vertex", 5, "--scene", "-")
+    done = run("inspect", sheet, "--vertex", 5, "-o", "-.toml")
     assert o.parse_scene(done.out) == o.read_fold_scene(sheet, 5, on_note=lambda note: None)
     assert "degree" in done.err  # the table, beside what goes to standard output
-    code, _, err = run("vertices", sheet, "--vertex", 5)
-    assert code == 2 and "--scene FILE" in err
+    code, _, err = run("inspect", sheet, "--stiffness", 5)
+    assert code == 2 and "-o FILE.fold" in err
 
 
 def test_scenes_of_random_numbers_survive_the_file():
@@ -124,7 +124,7 @@ def test_scenes_of_random_numbers_survive_the_file():
 
 def test_all_vertices_of_a_sheet_equal_ones_once(sheet, tmp_path):
     out = tmp_path / "all.json"
-    done = run("minima", sheet, "--each-vertex", "--json", out, "--prove", 0)
+    done = run("minima", sheet, "--each-vertex", "-o", out, "--prove", 0)
     assert done.code == 0 and "4 vertices, each on its own: 2 different" in done.out
     data = json.loads(out.read_text())
     assert data["schema"] == "origami-nlp/minima/2" and len(data["classes"]) == 2
@@ -146,10 +146,9 @@ def test_all_vertices_of_a_sheet_equal_ones_once(sheet, tmp_path):
         found.at(99)
     with pytest.raises(o.OrigamiError, match="dictionary of scenes"):
         o.find_minima({})
-    for option in ("--figure", "--fold", "--mesh"):
-        target = tmp_path / ("a.png" if option == "--figure" else "a.obj")
-        code, _, err = run("minima", sheet, "--each-vertex", option, target)
-        assert code == 2 and option in err and "--vertex" in err and err.count("\n") == 1
+    for name in ("a.png", "a.fold", "a.obj"):
+        code, _, err = run("minima", sheet, "--each-vertex", "-o", tmp_path / name)
+        assert code == 2 and name in err and "--vertex" in err and err.count("\n") == 1
 
 
 def test_noise_is_told_and_different_vertices_stay_apart():
@@ -193,10 +192,10 @@ def test_letters_alone_are_said_to_mean_shut(tmp_path):
         assert plain.code == angled.code == 0
         assert plain.err.count("--rest-angle 90") == 1 and "U = 0" in plain.err
         assert "--rest-angle" not in angled.err
-    done = run("load", path)  # the whole pattern, which needs a --crease
+    done = run("load", path, "--crease", 99)  # the whole pattern
     assert done.code == 2 and done.err.count("--rest-angle 90") == 1
     path.write_text(json.dumps(disc([90] * 4, "MVVV", [-90, 90, 90, 90])))
-    assert "--rest-angle" not in run("model", path).err
+    assert "--rest-angle" not in run("inspect", path).err
 
 
 @pytest.mark.slow
@@ -205,7 +204,7 @@ def test_paths_are_frames_of_states_that_close(pocket, tmp_path, monkeypatch):
     coarse = partial(find_barriers, spacing=0.5)
     monkeypatch.setattr("origami_nlp.barriers.find_barriers", coarse)
     out = tmp_path / "path.fold"
-    barrier = run("barriers", fold, *options, "--fold", out, "--json", tmp_path / "b.json")
+    barrier = run("barriers", fold, *options, "-o", out, "-o", tmp_path / "b.json")
     assert barrier.code == 0, barrier.err
     pattern, *frames = parse_fold(out.read_bytes())
     (vertex,), _ = fold_vertices(pattern)
@@ -227,14 +226,14 @@ def test_paths_are_frames_of_states_that_close(pocket, tmp_path, monkeypatch):
     ends = [m["energy"] for m in written["result"]["minima"]]
     assert np.isclose(max(steps), known["energy"], rtol=1e-9)
     assert np.allclose([steps[0], steps[-1]], ends, rtol=1e-9)
-    code, _, err = run("barriers", "--panels", "--fold", out)
-    assert code == 2 and "--fold" in err
+    code, _, err = run("barriers", "panels", "-o", out)
+    assert code == 2 and "-o" in err
 
 
 def test_descents_of_unstable_states_are_frames(tmp_path):
     scene = examples.degree6("pi/3", 1)
     out = tmp_path / "states.fold"
-    done = run("minima", scene_file(tmp_path, scene), "--full", "--fold", out, "--prove", 0)
+    done = run("minima", scene_file(tmp_path, scene), "--full", "-o", out, "--prove", 0)
     assert done.code == 0
     frames = json.loads(out.read_text())["file_frames"]
     states = [f for f in frames if "origaminlp:path" not in f]
@@ -264,7 +263,7 @@ def test_wrong_vertices_and_frames_get_one_line(name, tmp_path):
     path = tmp_path / "a.fold"
     path.write_text(json.dumps(miura()))
     arguments, words = BAD[name]
-    for command in ("model", "space"):
+    for command in ("inspect", "space")[name == "no vertex" :]:
         code, out, err = run(command, path, *arguments)
         assert code == 2 and not out and err.count("\n") == 1
         assert all(word in err for word in words), err
@@ -276,9 +275,9 @@ def test_several_frames_and_json_that_is_no_fold(tmp_path):
     path.write_text(
         json.dumps({**first, "file_frames": [{**first}, {"frame_title": "no geometry"}]})
     )
-    done = run("model", path, "--vertex", 5)
+    done = run("inspect", path, "--vertex", 5)
     assert done.code == 0 and "2 frames have geometry: frame 0 is read, --frame" in done.err
-    assert "frames" not in run("model", path, "--vertex", 5, "--frame", 1).err
+    assert "frames" not in run("inspect", path, "--vertex", 5, "--frame", 1).err
     path.write_text(json.dumps({"schema": "origami-nlp/minima/2", "scene": {}}))
     other = tmp_path / "result.txt"
     other.write_bytes(path.read_bytes())
@@ -296,7 +295,7 @@ def test_several_frames_and_json_that_is_no_fold(tmp_path):
 
 def test_examples_are_written_as_asked(tmp_path):
     fold, toml = tmp_path / "a.fold", tmp_path / "a.toml"
-    done = run("example", "miura:2x3", "--fold", fold, "--scene", toml, "--alpha", "pi/4")
+    done = run("example", "miura:2x3", "-o", fold, "-o", toml, "--alpha", "pi/4")
     assert done.code == 0 and done.out == f"written: {fold}\nwritten: {toml}\n"
     assert o.read_scene(toml) == examples.miura("pi/4")
     assert len(o.read_fold_scenes(fold, on_note=lambda note: None)) == 2
@@ -307,11 +306,11 @@ def test_examples_are_written_as_asked(tmp_path):
     for arguments, word in (
         (("miur",), "miura, waterbomb"),
         (("miura:4",), "ROWSxCOLUMNS"),
-        (("miura:4x4",), "--fold FILE"),
+        (("miura:4x4",), "-o FILE"),
         (("birdbase", "--alpha", "1"), "no option alpha"),
         (("miura", "--mountain", "1"), "[-pi, 0)"),
         (("miura", "--valley", "4"), "(0, pi]"),
-        (("miura:0x4", "--fold", fold), "rows"),
+        (("miura:0x4", "-o", fold), "rows"),
     ):
         code, out, err = run("example", *arguments)
         assert code == 2 and not out and err.count("\n") == 1 and word in err, err
@@ -319,7 +318,7 @@ def test_examples_are_written_as_asked(tmp_path):
 
 def test_patterns_are_drawn_with_numbers(sheet, tmp_path):
     picture = tmp_path / "a.png"
-    assert run("vertices", sheet, "--figure", picture).code == 0
+    assert run("inspect", sheet, "-o", picture).code == 0
     assert picture.stat().st_size > 10_000
     (frame,) = parse_fold(sheet.read_bytes())
     from origami_nlp.display import draw_pattern

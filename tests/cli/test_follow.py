@@ -17,8 +17,8 @@ def test_states_are_followed_over_a_parameter(tmp_path):
     scene.write_text(format_scene(examples.degree6("5*pi/12")))
     files = [tmp_path / name for name in ("a.json", "a.png", "a.fold")]
     done = run(
-        "follow", scene, "--parameter", "ratio=1:5", "--checks", 2, "--json", files[0], "--figure", files[1],
-        "--fold", files[2],
+        "follow", scene, "--parameter", "ratio=1:5", "--checks", 2, "-o", files[0], "-o", files[1],
+        "-o", files[2],
     )  # fmt: skip
     assert done.exit_code == 0 and "nonsmooth-fold" in done.output
     data = json.loads(files[0].read_text())
@@ -33,7 +33,7 @@ def test_events_are_followed_over_two_parameters(tmp_path):
     scene.write_text(format_scene(examples.degree6("pi/4")))
     out = tmp_path / "b.json"
     done = run(
-        "boundary", scene, "--event", "ratio=1", "--parameter", "alpha=50deg:51deg", "--lines", 1, "--json", out
+        "boundary", scene, "--event", "ratio=1", "--parameter", "alpha=50deg:51deg", "--lines", 1, "-o", out
     )  # fmt: skip
     assert done.exit_code == 0
     (curve,) = json.loads(out.read_text())["curves"]

@@ -18,7 +18,7 @@ def scene(tmp_path):
 def test_the_symmetry_of_a_scene_file_is_set_aside(scene, tmp_path):
     """Six equal sectors: 4 minima keep the symmetry; without it there are 21 stable states, the stable 3 among them."""
     out = tmp_path / "out.json"
-    code, table, _ = run("minima", scene, "--symmetry", "none", "--json", out)
+    code, table, _ = run("minima", scene, "--symmetry", "none", "-o", out)
     assert code == 0 and "21 stable states" in table and "not listed" not in table
     every = np.array([m["fold_angles"] for m in json.loads(out.read_text())["minima"]])
     kept = origami_nlp.find_minima(origami_nlp.examples.degree6("pi/3", 1), escape=False)
@@ -30,7 +30,7 @@ def test_the_symmetry_of_a_scene_file_is_set_aside(scene, tmp_path):
 
 def test_minima_writes_the_contract(scene, tmp_path):
     out = tmp_path / "out.json"
-    code, table, _ = run("minima", scene, "--json", out)
+    code, table, _ = run("minima", scene, "-o", out)
     first = " ".join(table.split())
     head = "3 stable states; 1 more that is stable only while its symmetry is kept"
     assert code == 0 and head in first and "IPOPT" not in table
@@ -80,7 +80,7 @@ def test_minima_writes_the_contract(scene, tmp_path):
 
 def test_json_to_stdout_is_only_json(scene):
     few = ("--max-starts", 16)
-    code, out, err = run("minima", scene, "--json", "-", *few)
+    code, out, err = run("minima", scene, "-o", "-", *few)
     assert code == 0 and json.loads(out)["schema"] == "origami-nlp/minima/2"
     assert "stable states" in err
 
@@ -88,8 +88,8 @@ def test_json_to_stdout_is_only_json(scene):
 def test_the_same_seed_gives_the_same_answer(scene, tmp_path):
     answers = []
     for name in ("a", "b"):
-        out = tmp_path / name
-        run("minima", scene, "--json", out, "--seed", 3, "--max-starts", 24)
+        out = tmp_path / f"{name}.json"
+        run("minima", scene, "-o", out, "--seed", 3, "--max-starts", 24)
         data = json.loads(out.read_text())
         data["search"].pop("seconds")
         data["completeness"].pop("seconds")
@@ -104,5 +104,13 @@ def test_example_prints_a_scene_that_reads_back():
 
 
 def test_model_prints_what_is_in_and_out(scene):
-    code, out, _ = run("model", scene)
+    code, out, _ = run("inspect", scene)
     assert code == 0 and "variables     4" in out and "left out" in out
+
+
+def test_stability_in_full_space_is_judged_unless_declined(scene):
+    verdicts = [
+        json.loads(run("minima", scene, *more, "-o", "-").out) for more in ((), ("--no-full",))
+    ]
+    assert all(m["full_space"] for m in verdicts[0]["minima"])
+    assert all(m.get("full_space") is None for m in verdicts[1]["minima"])

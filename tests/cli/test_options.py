@@ -8,11 +8,12 @@ from typer.main import get_command
 
 from origami_nlp.cli import app
 from origami_nlp.cli.group import FOLD_FILES, WRITES
-from origami_nlp.cli.source import FOLD_OPTIONS, PER_LENGTH
+from origami_nlp.cli.source import FOLD_OPTIONS, PER_LENGTH, SPRINGS
 from tests.command_line import run
 
 IN_THEIR_OWN_WORDS = {
-    "--fold": "the crease pattern of an example, states, or paths",
+    "--output": "each command lists what it can write",
+    "--verbose": "each command has its own details",
     "--state": "load follows one, others leave the others out",
     "--contact": "of a FOLD file, or of an example",
     "--symmetry": "of a FOLD file, or of an example",
@@ -67,11 +68,11 @@ def test_every_option_says_what_stands_after_it():
 
 
 def test_options_for_fold_files_stand_in_one_block_at_the_end():
-    of_files = {f"--{name.replace('_', '-')}" for name in (*FOLD_OPTIONS, *PER_LENGTH)}
+    of_files = {f"--{name.replace('_', '-')}" for name in (*FOLD_OPTIONS, *SPRINGS, *PER_LENGTH)}
     seen = 0
     for path, command in commands():
         names = {p.opts[0] for p in command.params}
-        if "--rest-from" not in names:
+        if "--vertex" not in names:
             continue
         before, after = run(*path, "--help").out.split(f"\n{FOLD_FILES}:\n")
         others = before.split("\nOptions:\n")[1]

@@ -169,7 +169,7 @@ def test_vertices_in_a_pipe_and_a_narrow_terminal(tmp_path, monkeypatch, width):
         monkeypatch.setenv("COLUMNS", str(width))
         monkeypatch.setenv("FORCE_COLOR", "1")  # rich: a terminal
         monkeypatch.setenv("NO_COLOR", "1")
-    out = RUN.invoke(app, ["vertices", str(file)]).output
+    out = RUN.invoke(app, ["inspect", str(file)]).output
     turned = [("MMV" * n)[k : k + n] for k in range(3)]
     assert any(t in out for t in turned), out  # on one line, that who copies it has it whole
     assert ("\u2502" in out) == (width is None)
@@ -218,13 +218,13 @@ def test_hostile_names_reach_no_terminal(tmp_path, monkeypatch):
     bad = tmp_path / "bad.toml"
     bad.write_text('["a\\u001b[31m"]\nx = 1\n')
     for args in (
-        ["vertices", fold],
-        ["model", scene],
+        ["inspect", fold],
+        ["inspect", scene],
         ["minima", scene, "--max-starts", "5"],
         ["minima", fold, "--max-starts", "5"],
-        ["contacts", scene, "--max-starts", "5"],
-        ["model", bad],
-        ["model", tmp_path / "a\x1b[31m"],
+        ["contacts", scene, "--effort", "quick"],
+        ["inspect", bad],
+        ["inspect", tmp_path / "a\x1b[31m"],
     ):
         streams = (
             io.TextIOWrapper(io.BytesIO(), encoding="utf-8"),
@@ -249,7 +249,7 @@ def test_half_a_character_is_no_traceback(tmp_path):
     fold.write_text(json.dumps({**data, "frame_title": "a\ud800b"}))
     out, figure = tmp_path / "out.fold", tmp_path / "a.svg"
     for args in (
-        ["vertices", str(fold), "--json", str(tmp_path / "v.json")],
+        ["inspect", str(fold), "-o", str(tmp_path / "v.json")],
         [
             "minima",
             str(fold),
@@ -257,9 +257,9 @@ def test_half_a_character_is_no_traceback(tmp_path):
             "9",
             "--prove",
             "0",
-            "--fold",
+            "-o",
             str(out),
-            "--figure",
+            "-o",
             str(figure),
         ],
     ):

@@ -84,7 +84,7 @@ def test_what_is_not_judged_in_the_full_space_is_undecided_by_name():
 def test_a_command_whose_time_is_over_tells_what_it_has(tmp_path, words):
     scene = scene_file(tmp_path, examples.degree6("pi/3", 1))
     out = tmp_path / "out.json"
-    done = run(words[0], scene, *words[1:], "--seconds", 0.01, "--json", out)
+    done = run(words[0], scene, *words[1:], "--seconds", 0.01, "-o", out)
     assert done.code == ENDED and not out.exists()
     assert "interrupted by the time limit (--seconds 0.01)" in " ".join(done.out.split())
     assert "Traceback" not in done.out + done.err
@@ -117,8 +117,8 @@ def test_an_error_before_the_time_is_over_is_an_error():
 
 
 COMMANDS = {
-    "follow": ("--parameter", "ratio=1:10", "--checks", "1", "--max-starts", "16"),
-    "load": ("--crease", "1", "--to", "-0.15", "--max-starts", "16"),
+    "follow": ("--parameter", "ratio=1:10", "--checks", "1", "--effort", "quick"),
+    "load": ("--crease", "1", "--to", "-0.15", "--effort", "quick"),
     "boundary": ("--event", "ratio=1:10", "--parameter", "alpha=74deg:75deg", "--lines", "1"),
 }
 
@@ -135,7 +135,7 @@ def test_what_was_followed_until_the_time_was_over_is_told_and_written(tmp_path,
     clock_of_tracers(monkeypatch)
     scene, out = scene_file(tmp_path, examples.degree6("5*pi/12")), tmp_path / "out.json"
     figure = tmp_path / "out.png"
-    files = "--json", out, "--figure", figure
+    files = "-o", out, "-o", figure
     done = run(name, scene, *COMMANDS[name], "--seconds", 1000, *files)
     assert done.code == ENDED and figure.exists(), done
     assert "interrupted by the time limit" in " ".join(done.out.split())

@@ -34,7 +34,7 @@ def shell(line, **settings):
 
 @POSIX
 def test_closed_standard_input_is_named():
-    done = shell("nlp model - <&-")
+    done = shell("nlp inspect - <&-")
     assert done.returncode == 2
     assert done.stderr == "origami-nlp: cannot read scene '-': standard input is closed\n"
 
@@ -42,16 +42,16 @@ def test_closed_standard_input_is_named():
 @POSIX
 def test_closed_standard_output_is_named_and_no_file_gets_what_is_printed(tmp_path):
     scene, out = scene_file(tmp_path, examples.degree6("pi/3", 1)), tmp_path / "out.json"
-    done = shell(f"nlp minima {scene} --json - >&-")
+    done = shell(f"nlp minima {scene} -o - >&-")
     assert done.returncode == 2
-    assert done.stderr == "origami-nlp: --json = '-' cannot be written: standard output is closed\n"
-    assert shell(f"nlp space {scene} --rings 8 --json {out} >&- 2>&-").returncode == 0
+    assert done.stderr == "origami-nlp: -o = '-' cannot be written: standard output is closed\n"
+    assert shell(f"nlp space {scene} --rings 8 -o {out} >&- 2>&-").returncode == 0
     assert out.read_text().startswith("{")
 
 
 @POSIX
 def test_nothing_for_people_goes_to_standard_output_where_errors_are_closed():
-    done = shell("nlp model nowhere.toml 2>&-")
+    done = shell("nlp inspect nowhere.toml 2>&-")
     assert (done.returncode, done.stdout, done.stderr) == (2, "", "")
 
 
@@ -59,7 +59,7 @@ def test_nothing_for_people_goes_to_standard_output_where_errors_are_closed():
 def test_a_display_that_does_not_exist_and_no_home_do_not_matter(tmp_path):
     scene = Scene(Vertex(("pi/2",) * 4), (1, 1, 1, 1), (1, 0, 1, 0), contact="fold-limits")
     path = scene_file(tmp_path, scene)
-    line = f"nlp minima {path} --prove 0 --figure {tmp_path / 'a.png'}"
+    line = f"nlp minima {path} --prove 0 -o {tmp_path / 'a.png'}"
     done = shell(line, MPLBACKEND="nonsense", HOME="/nowhere/at/all")
     assert done.returncode == 0, done.stderr
     assert (tmp_path / "a.png").exists()
@@ -92,7 +92,7 @@ def test_an_interruption_while_modules_load_is_one_line(tmp_path, module):
         "            except BaseException:\n"
         "                raise ImportError('what some modules make of it')\n"
         "sys.meta_path.insert(0, Slow())\n"
-        "sys.argv = ['origami-nlp', '--version']\n"
+        "sys.argv = ['origami-nlp', 'inspect', 'miura:2x2']\n"
         "from origami_nlp.cli import main\n"
         "main()\n"
     )
@@ -124,7 +124,7 @@ def test_a_byte_order_mark_is_no_text(tmp_path, kind):
     if kind == "toml":
         path.write_text(format_scene(examples.degree6("pi/3", 1)))
     else:
-        run("example", "degree6", "--fold", path)
-    plain = run("model", path)
+        run("example", "degree6", "-o", path)
+    plain = run("inspect", path)
     path.write_bytes(codecs.BOM_UTF8 + path.read_bytes())
-    assert plain.code == 0 and run("model", path) == plain
+    assert plain.code == 0 and run("inspect", path) == plain

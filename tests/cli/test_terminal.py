@@ -80,8 +80,8 @@ def test_who_asks_for_no_file_is_told_which_could_be_written_on_a_terminal_only(
     program = "from origami_nlp.cli import main; main()"
     line = ["paper", "cone", "count", "--degree", 6, "--rest-elevation", 0.3]
     shown = Terminal(program, *line).read()
-    assert shown.rstrip("\x1b[0m\n").endswith("--json writes this to a file")
-    shown = Terminal(program, *line, "--json", tmp_path / "a.json").read()
+    assert shown.rstrip("\x1b[0m\n").endswith("-o FILE writes this to a file")
+    shown = Terminal(program, *line, "-o", tmp_path / "a.json").read()
     assert "writes this" not in shown and shown.endswith(f"written: {tmp_path / 'a.json'}\n")
     shown = Terminal(program, *line, stdout=False).read()
     assert shown == ""
@@ -96,7 +96,7 @@ def test_what_is_written_is_told_last(tmp_path):
         (["paper", "cone", "phase", "--degree", 6, "--size", 12], ["csv", "json"]),
     ):
         files = {name: tmp_path / f"{command[0]}.{name}" for name in options}
-        asked = (word for name, file in files.items() for word in (f"--{name}", file))
+        asked = (word for name, file in files.items() for word in ("-o", file))
         code, out, _ = run(*command, *asked)
         assert code == 0
         reported = out.splitlines()[-len(options) :]

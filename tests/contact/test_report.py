@@ -24,8 +24,8 @@ def report() -> ContactReport:
 
 def test_command_writes_all_its_files(tmp_path: Path) -> None:
     scene = scene_file(tmp_path, o.examples.degree8("pi/6", 0.01))
-    files = {k: tmp_path / f"report.{k}" for k in ("json", "markdown", "html")}
-    options = [part for k, path in files.items() for part in (f"--{k}", str(path))]
+    files = {k: tmp_path / f"report.{k}" for k in ("json", "md", "html")}
+    options = [part for path in files.values() for part in ("-o", str(path))]
     done = run("contacts", scene, "--segments", *options)
     assert done.code == 0, done.err
     assert "load margin" in done.out and "metastable" in done.out
@@ -34,7 +34,7 @@ def test_command_writes_all_its_files(tmp_path: Path) -> None:
     (state,) = data["states"]
     minimum = data["result"]["minima"][state["number"] - 1]
     assert minimum["kind"] == "contact-pinned" and state["margin"]["checked"]
-    assert f"{state['margin']['norm']:.5g}" in files["markdown"].read_text()
+    assert f"{state['margin']['norm']:.5g}" in files["md"].read_text()
     page = files["html"].read_text()
     assert (
         page.startswith("<!doctype html>") and "largest moment on the creases of one orbit" in page

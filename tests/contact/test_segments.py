@@ -140,7 +140,7 @@ def test_moments_along_a_curve_start_from_those_of_the_state(name: str) -> None:
             assert 0 <= multiplier.min() < 1e-6
 
 
-def test_a_curve_with_more_freedom_is_a_geodesic_in_the_softest_direction() -> None:
+def test_a_curve_with_more_dof_is_a_geodesic_in_the_softest_direction() -> None:
     scene = o.Scene(
         o.Vertex((1.2, 0.9, 1.0, 1.1, 0.8, 2 * math.pi - 5.0)),
         (1.0, 2.0, 0.5, 1.5, 1.0, 0.7),

@@ -33,13 +33,13 @@ def tip(scene):
 
 def roots_by_signs(scene, text, count=4001):
     """Where that changes its sign, on a fine grid and by bisection, in what is followed."""
-    over = parse_parameter_range(text)
-    family = family_of(scene, over)
+    parameter = parse_parameter_range(text)
+    family = family_of(scene, parameter)
 
     def value(s):
-        return tip(family.scene_of(over.t_of(s)))
+        return tip(family.scene_of(parameter.t_of(s)))
 
-    grid = np.linspace(over.s_of(over.low), over.s_of(over.high), count)
+    grid = np.linspace(parameter.s_of(parameter.low), parameter.s_of(parameter.high), count)
     values = np.array([value(s) for s in grid])
     out = []
     for k in np.flatnonzero(values[1:] * values[:-1] < 0):
@@ -63,8 +63,12 @@ LINES = [
 
 @pytest.mark.parametrize(("scene", "text"), LINES, ids=[text for _, text in LINES])
 def test_when_curves_pass_the_flat_state(scene, text):
-    over = parse_parameter_range(text)
-    found = flat_roots(family_of(scene, over).line, over.s_of(over.low), over.s_of(over.high))
+    parameter = parse_parameter_range(text)
+    found = flat_roots(
+        family_of(scene, parameter).line,
+        parameter.s_of(parameter.low),
+        parameter.s_of(parameter.high),
+    )
     assert len(found) > 0
     assert [s for s, _ in found] == pytest.approx(roots_by_signs(scene, text, 101), abs=1e-9)
 
@@ -80,9 +84,9 @@ BETWEEN = drawn(90035, 5), "torque[2]=-9:3.4"
 
 def test_a_minimum_that_comes_out_of_the_flat_state_is_followed_without_a_search():
     scene, text = BETWEEN
-    over = parse_parameter_range(text)
-    family = family_of(scene, over)
-    web = BifurcationDiagram(family.line, over.low, over.high)
+    parameter = parse_parameter_range(text)
+    family = family_of(scene, parameter)
+    web = BifurcationDiagram(family.line, parameter.low, parameter.high)
     web.add_flat()
     born, gone = roots_by_signs(scene, text, 101)
     flat = sorted(n.s for n in web.nodes if not n.point[:-1].any())

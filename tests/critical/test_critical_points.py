@@ -63,7 +63,7 @@ def random_energy(scene, rng):
 def test_the_morse_sum_is_the_euler_characteristic(scene):
     found = find_critical_points(scene, all_links=True)
     assert found.doubts == ()
-    assert found.morse_sum == find_space(scene, size=COARSE).euler_characteristic
+    assert found.morse_sum == find_space(scene, rings=COARSE).euler_characteristic
     assert found.verdict(found.morse_sum).closes
     assert not found.verdict(found.morse_sum + 1).closes
     assert max(p.residual for p in found.points) < 1e-12
@@ -261,7 +261,7 @@ def test_json_round_trip():
         CriticalPoints.from_dict(data)
 
 
-def test_scenes_without_two_freedoms_are_refused():
+def test_scenes_without_two_dof_are_refused():
     full = Scene(PANELS[0].vertex, PANELS[0].stiffness, PANELS[0].rest_angles, "none")
     with pytest.raises(OptionError, match="3 degrees of freedom"):
         find_critical_points(full)
@@ -272,18 +272,18 @@ def test_scenes_without_two_freedoms_are_refused():
 @pytest.mark.slow
 def test_command_line(tmp_path, monkeypatch):
     monkeypatch.setattr(
-        "origami_nlp.space.find_space", lambda scene: find_space(scene, size=COARSE)
+        "origami_nlp.space.find_space", lambda scene: find_space(scene, rings=COARSE)
     )
     runner = CliRunner()
     text = runner.invoke(app, ["example", "degree8", "--alpha", "pi/6", "--ratio", "100"]).output
     file = tmp_path / "scene.toml"
     file.write_text(text)
     target = tmp_path / "critical.json"
-    done = runner.invoke(app, ["critical", str(file), "--no-compare", "--json", str(target)])
+    done = runner.invoke(app, ["critical", str(file), "--no-compare", "-o", str(target)])
     assert done.exit_code == 0, done.output
     assert "Morse sum 1, Euler characteristic 1: the count closes" in done.output
     data = json.loads(target.read_text())
     assert data["closes"] and data["euler_characteristic"] == 1
     assert {p["stratum"] for p in data["critical_points"]} >= {"interior", "boundary", "singular"}
-    bad = runner.invoke(app, ["critical", str(file), "--json", str(tmp_path / "no" / "x.json")])
+    bad = runner.invoke(app, ["critical", str(file), "-o", str(tmp_path / "no" / "x.json")])
     assert isinstance(bad.exception, OptionError) and not (tmp_path / "no").exists()

@@ -78,11 +78,11 @@ def test_what_cannot_be_written_is_said_before_the_search(
     scene = scene_file(tmp_path, result.scene)
     monkeypatch.setattr(animation.shutil, "which", lambda name: None)
     for name, word in (("film.mp4", "ffmpeg"), ("film.avi", ".gif")):
-        done = run("minima", scene, "--animate", tmp_path / name)
+        done = run("minima", scene, "-o", tmp_path / name)
         assert done.code == 2 and not done.out and word in done.err
         assert done.err.count("\n") == 1 and not (tmp_path / name).exists()
-    done = run("barriers", "--panels", "--animate", tmp_path / "film.gif")
-    assert done.code == 2 and "--panels" in done.err
+    done = run("barriers", "panels", "-o", tmp_path / "film.gif")
+    assert done.code == 2 and "all panels" in done.err
 
 
 def test_states_stand_side_by_side(result: MinimaResult) -> None:

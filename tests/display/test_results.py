@@ -25,7 +25,7 @@ def results():
     result = panel_result(scene)
     points = compare_minima(o.find_critical_points(scene, samples=512), result)
     contacts = o.find_contacts(result, segments=True, check=False)
-    found = [result, points, contacts, contacts.segments, o.find_space(scene, size=16)]
+    found = [result, points, contacts, contacts.segments, o.find_space(scene, rings=16)]
     found += [o.find_barriers(scene, result, spacing=0.5), o.find_landscape(result, size=31)]
     quick = {"confirm": False, "full": False, "effort": "quick", "max_starts": 16}
     loaded = [o.load_path(scene, 1, to=0.01, **quick)]
@@ -145,7 +145,17 @@ def test_options_are_named():
     """Functions take what they are asked about by place, at most one thing beside it, and all else by name."""
     import inspect
 
-    beside = {"result", "over", "ask", "seen", "vertex", "path", "target", "fold_angles"}
+    beside = {
+        "result",
+        "parameter",
+        "parameters",
+        "ask",
+        "mobility",
+        "vertex",
+        "path",
+        "target",
+        "fold_angles",
+    }
     beside |= {"event", "load"}
     for name in o.__all__:
         thing = getattr(o, name)
@@ -208,7 +218,7 @@ def broken(data):
     of_another = {**data, "schema": "origami-nlp/paper/1"}
     text = json.dumps(data)
     yield text[: len(text) // 2], "no JSON"
-    yield "", "no JSON"
+    yield "", "is empty"
     yield "[" * 100_000, "nested"
     yield "[]", "schema"
     yield json.dumps(of_another), "schema"

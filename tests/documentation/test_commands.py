@@ -136,7 +136,7 @@ def test_the_runner_sees_what_is_wrong(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     code, said = shell.run_line("origami-nlp example degree6 --alpha pi/3 > a.toml")
     assert (code, said) == (0, "") and "pi/3" in (tmp_path / "a.toml").read_text()
-    code, said = shell.run_line("origami-nlp example degree6 --alpha pi/3 | origami-nlp model -")
+    code, said = shell.run_line("origami-nlp example degree6 --alpha pi/3 | origami-nlp inspect -")
     assert code == 0 and "degree 6" in said
     with pytest.raises(AssertionError, match="only origami-nlp"):
         shell.run_line("rm -r a.toml")

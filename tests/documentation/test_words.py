@@ -19,6 +19,7 @@ NAMES = set(
     ways_out Lower thin_at leads_somewhere search_spheres let_go Way Web Arc Node Half Over Overview overview freedoms
     examine Alike group_alike find_boundaries Boundaries Moving Ended CLOSES TOUCHES SAME BESIDE ENDS TYPED Stand stands
     SheetTerrain SheetSearch TouchStrata TouchStarts TouchSystem Twin programmes tell
+    freedom one_freedom sheets Sheets on_sheet
     """.split()
 )
 """Identifiers that had a private meaning."""
@@ -38,6 +39,7 @@ WORDS = {
     r"gone out of": "followed",
     r"leads? somewhere": "is followed by admissible states",
     r"crossroads?": "branch points",
+    r"(on|leaves?|other|two) (the )?sheets? q|(the|this) other sheet": "lift (q = +1 or -1), branch, leaf",
     r"why it is (?-i:none)|that (is|are) (?-i:none)(?! of)": "is not one",
 }
 """What is not said, and what is."""

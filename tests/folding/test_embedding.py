@@ -27,7 +27,7 @@ def sectors_of(rng, n, total=2 * math.pi):
 
 
 def closed_states(rng, n, count, total=2 * math.pi):
-    """Random closed states of a random vertex, sheet q = -1 and fold angles above pi included."""
+    """Random closed states of a random vertex, lift q = -1 and fold angles above pi included."""
     a = sectors_of(rng, n, total)
     if total == 2 * math.pi:
         a = np.array(Vertex(tuple(a.tolist())).sector_angles)
@@ -230,7 +230,7 @@ def wedge_agreement(scene, rng, count):
     own = admissible(p.sectors, phi)
     for state, verdict in zip(phi, own, strict=True):
         y = state[first]
-        closed = np.abs(model.closure(y)[0]).max() <= 1e-10 and model.on_sheet(y)
+        closed = np.abs(model.closure(y)[0]).max() <= 1e-10 and model.lifts_to_one(y)
         holds = closed and bool(model.admissible(y[None])[0])
         assert holds == verdict, (scene, state)
     return own

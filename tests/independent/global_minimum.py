@@ -16,7 +16,7 @@ def proved(
     """Minimise 1/2 sum k (phi - rest)^2 over closed states with |phi| <= pi.
 
     Folds are unit quaternions (cos phi_i/2, sin phi_i/2 b_i); the product of the first half of them is the conjugate
-    of that of the second half (sheet q = +1), which keeps the products short.  Returns the lowest energy found, the
+    of that of the second half (lift q = +1), which keeps the products short.  Returns the lowest energy found, the
     proved lower bound, and the state [N].
     """
     from pyscipopt import Model, cos, quicksum, sin

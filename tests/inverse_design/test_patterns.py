@@ -74,7 +74,7 @@ fold_angles = %s
     assert answer.verified and o.draw(answer, tmp_path / "d.png").axes
     file, fold = tmp_path / "t.toml", tmp_path / "d.fold"
     file.write_text(text)
-    done = run("design", file, "--effort", "quick", "--scene", fold, "--json", tmp_path / "d.json")
+    done = run("design", file, "--effort", "quick", "-o", fold, "-o", tmp_path / "d.json")
     assert done.code == 0, done.err
     again = o.read_pattern(fold)
     assert again.stiffness == pytest.approx(answer.scene.stiffness, rel=1e-9)

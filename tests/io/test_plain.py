@@ -190,7 +190,7 @@ def test_another_schema_is_named(found):
 
 
 @pytest.mark.parametrize(
-    "content", [b"", b"{", b'{"a": NaN}', b"[" * 100_000, b"\xff\xfe", b"9" * 5000, b"[1] [2]"]
+    "content", [b"{", b'{"a": NaN}', b"[" * 100_000, b"\xff\xfe", b"9" * 5000, b"[1] [2]"]
 )
 def test_files_that_are_no_json(content, tmp_path):
     path = tmp_path / "a.json"

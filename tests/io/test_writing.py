@@ -100,12 +100,12 @@ def test_names_as_long_as_the_system_allows(tmp_path):
     write_whole(tmp_path / ("a" * 255), b"x")
     assert os.listdir(tmp_path) == ["a" * 255]
     with pytest.raises(OrigamiError, match="too long") as caught:
-        check_writable(tmp_path / ("a" * 300), "--json")
+        check_writable(tmp_path / ("a" * 300), "-o")
     assert len(str(caught.value)) < 300
 
 
 def test_a_check_leaves_no_trace(tmp_path):
-    check_writable(tmp_path / "a", "--json")
+    check_writable(tmp_path / "a", "-o")
     assert os.listdir(tmp_path) == []
 
 
@@ -126,12 +126,12 @@ def test_complaints_name_option_and_value(tmp_path, monkeypatch, name, words):
     (tmp_path / "folder").mkdir()
     (tmp_path / "file").write_text("")
     (tmp_path / "loop").symlink_to("loop")
-    for attempt in (lambda: check_writable(name, "--json"), lambda: write_whole(name, b"x")):
+    for attempt in (lambda: check_writable(name, "-o"), lambda: write_whole(name, b"x")):
         with pytest.raises(OrigamiError, match=words) as caught:
             attempt()
         assert "\n" not in str(caught.value) and "\0" not in str(caught.value)
-    with pytest.raises(OrigamiError, match="--json"):
-        check_writable(name, "--json")
+    with pytest.raises(OrigamiError, match="-o"):
+        check_writable(name, "-o")
 
 
 def test_what_may_not_be_written_is_found_out_early(tmp_path):
@@ -139,33 +139,35 @@ def test_what_may_not_be_written_is_found_out_early(tmp_path):
         pytest.skip("root may write anywhere")
     (tmp_path / "shut").mkdir(mode=0o500)
     with pytest.raises(OrigamiError, match="permission"):
-        check_writable(tmp_path / "shut" / "a", "--json")
+        check_writable(tmp_path / "shut" / "a", "-o")
     (tmp_path / "fixed").touch(0o400)
     with pytest.raises(OrigamiError, match="permission"):
-        check_writable(tmp_path / "fixed", "--json")
+        check_writable(tmp_path / "fixed", "-o")
 
 
 @needs_linux
 @pytest.mark.parametrize("name", ["/proc/a.json", "/proc/version", "/sys/a.json"])
 def test_virtual_file_systems_are_found_out_early(name):
-    with pytest.raises(OrigamiError, match="--json"):
-        check_writable(name, "--json")
+    with pytest.raises(OrigamiError, match="-o"):
+        check_writable(name, "-o")
 
 
 def test_no_result_overwrites_another(tmp_path):
     (tmp_path / "link").symlink_to("a")
     with pytest.raises(OrigamiError, match=r"--markdown.*is the file of --json"):
         check_outputs(("--json", tmp_path / "a"), ("--markdown", tmp_path / "link"))
-    check_outputs(("--json", "-"), ("--csv", None), ("--html", os.devnull), ("--fold", os.devnull))
+    check_outputs(("-o", "-"), ("-o", None), ("-o", os.devnull), ("-o", os.devnull))
 
 
 def test_folders_that_cannot_be_made(tmp_path):
-    assert make_folder(tmp_path / "a" / "b", "--out").is_dir()
+    assert make_folder(tmp_path / "a" / "b", "--folder").is_dir()
     (tmp_path / "file").write_text("")
     for folder in (tmp_path / "file", tmp_path / "file" / "a", tmp_path / ("a" * 300)):
-        with pytest.raises(OrigamiError, match="--out") as caught:
-            make_folder(folder, "--out")
+        with pytest.raises(OrigamiError, match="--folder") as caught:
+            make_folder(folder, "--folder")
         assert len(str(caught.value)) < 300
+    with pytest.raises(OrigamiError, match="is a file: name a folder"):
+        make_folder(tmp_path / "file", "--folder")
 
 
 # ---------------------------------------------------------------- anything else
@@ -205,16 +207,16 @@ COUNT = "paper cone count --degree 6 --ratio 1 --rest-elevation 0.3"
 @pytest.mark.parametrize(
     "line",
     [
-        "$NLP COUNT --json /dev/stdout",
-        "$NLP COUNT --json -",
+        "$NLP COUNT -o /dev/stdout",
+        "$NLP COUNT -o -",
         *(
-            pytest.param(f"$NLP COUNT --json {p}/fd/1", marks=pytest.mark.slow)
+            pytest.param(f"$NLP COUNT -o {p}/fd/1", marks=pytest.mark.slow)
             for p in ("/dev", "/proc/self")
         ),
-        "ln -s /dev/stdout link; $NLP COUNT --json link",
-        "exec 3>&1; $NLP COUNT --json >(cat >&3) > /dev/null; sleep 1",
-        "echo '' > a; $NLP COUNT --json /dev/stdout >> a; cat a",
-        "$NLP COUNT --json a > table; grep -q branches table && cat a",
+        "ln -s /dev/stdout link; $NLP COUNT -o link",
+        "exec 3>&1; $NLP COUNT -o >(cat >&3) > /dev/null; sleep 1",
+        "echo '' > a; $NLP COUNT -o /dev/stdout >> a; cat a",
+        "$NLP COUNT -o a.json > table; grep -q branches table && cat a.json",
     ],
 )
 def test_json_reaches_every_kind_of_output(tmp_path, line):
@@ -227,15 +229,15 @@ def test_json_reaches_every_kind_of_output(tmp_path, line):
 @pytest.mark.parametrize(
     "line",
     [
-        f"$NLP {COUNT} --json /dev/full",
-        f"$NLP {COUNT} --json /proc/a.json",
-        f"$NLP {COUNT} --json {'a' * 300}",
+        f"$NLP {COUNT} -o /dev/full",
+        f"$NLP {COUNT} -o /proc/a.json",
+        f"$NLP {COUNT} -o {'a' * 300}.json",
         f"$NLP {COUNT} > /dev/full",
         "$NLP example degree6 > /dev/full",
-        "$NLP paper demo --out /dev/null/a",
-        f"$NLP paper demo --out {'a' * 300}",
-        f"$NLP paper demo --seed 1 --out {'a' * 300}",
-        f"$NLP sweep s.toml --out {'a' * 300}",
+        "$NLP paper demo --folder /dev/null/a",
+        f"$NLP paper demo --folder {'a' * 300}",
+        f"$NLP paper demo --seed 1 --folder {'a' * 300}",
+        f"$NLP sweep s.toml --folder {'a' * 300}",
     ],
 )
 def test_faults_of_the_system_are_one_line(tmp_path, line, monkeypatch):
@@ -246,7 +248,7 @@ def test_faults_of_the_system_are_one_line(tmp_path, line, monkeypatch):
         monkeypatch.chdir(tmp_path)
         code, _, err = run(*line.split()[1:])
     assert code == 2 and one_line(err), err
-    option = next((word for word in line.split() if word in ("--json", "--out")), "")
+    option = next((word for word in line.split() if word in ("-o", "--folder")), "")
     assert option in err or "file = " in err, err  # a full disk shows when the file is written
 
 
@@ -285,12 +287,12 @@ def test_commands_check_their_files_first(tmp_path):
     scene.write_text(origami_nlp.format_scene(origami_nlp.examples.degree6("pi/3", 1)))
     bad = str(tmp_path / "none" / "a")
     for args in (
-        ["minima", str(scene), "--fold", bad],
-        ["contacts", str(scene), "--html", bad],
-        ["critical", str(scene), "--markdown", bad],
-        ["space", str(scene), "--json", bad],
-        ["paper", "panels", "--markdown", bad],
-        ["paper", "transitions", "degree6", "--json", bad],
+        ["minima", str(scene), "-o", bad],
+        ["contacts", str(scene), "-o", bad],
+        ["critical", str(scene), "-o", bad],
+        ["space", str(scene), "-o", bad],
+        ["paper", "panels", "-o", bad],
+        ["paper", "transitions", "degree6", "-o", bad],
     ):
         done = CliRunner().invoke(app, args)
         assert isinstance(done.exception, OrigamiError) and args[-2] in str(done.exception), args

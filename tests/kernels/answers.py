@@ -100,7 +100,7 @@ def capabilities() -> Iterator[Question]:
     scene = e.degree6("pi/4", ratio=0.01)
     yield "barriers", lambda: o.find_barriers(scene, o.find_minima(scene), spacing=0.5)
     yield "critical points", lambda: o.find_critical_points(scene, samples=16)
-    yield "space", lambda: o.find_space(e.degree6("pi/3"), size=8)
+    yield "space", lambda: o.find_space(e.degree6("pi/3"), rings=8)
 
 
 GROUPS = {"panels": panels, "vertices": vertices, "gallery": gallery, "capabilities": capabilities}

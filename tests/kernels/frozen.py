@@ -111,7 +111,7 @@ def loads() -> Iterator[Question]:
     e = o.examples
     quick: dict[str, Any] = {"confirm": False, "effort": "quick", "max_starts": 24}
     vertex = e.degree6("5*pi/12")
-    yield "vertex, snap and back", lambda: o.load_path(vertex, 1, to=-0.2, back=True, **quick)
+    yield "vertex, snap and back", lambda: o.load_path(vertex, 1, to=-0.2, unload=True, **quick)
     yield "vertex, confirmed", lambda: o.load_path(vertex, 1, to=-0.14)
     one = e.pattern("degree6", alpha="5*pi/12")
     for to in (-0.15, 0.06):
@@ -124,7 +124,7 @@ def loads() -> Iterator[Question]:
     yield "metasheet 3x3 into contact and back", lambda: of_pattern(touching, k, **back)
     pattern, start = folded_miura(2, 2)
     pull = Pull(pattern, (0, 8))
-    yield "Miura 2x2, pulled and back", lambda: of_pattern(pattern, pull, state=start, back=True)
+    yield "Miura 2x2, pulled and back", lambda: of_pattern(pattern, pull, state=start, unload=True)
     snapping, state = folded_miura(3, 2, *SNAPPING)
     yield "Miura 3x2, snaps", lambda: of_pattern(snapping, 1, state=state, confirm=False)
     several, begin, crease = sprung(35)
@@ -146,10 +146,10 @@ def paths() -> Iterator[Question]:
         (generic(5, 1), "creases.rest_angles[1]=-1:1", {}),
         (e.degree8("pi/6"), "torque[1]=-0.6:-0.4", {}),
     )
-    for scene, over, more in asked:
+    for scene, parameter, more in asked:
         yield (
-            f"{scene.label}, {over}",
-            lambda s=scene, t=over, m=more: o.follow(s, t, checks=2, **m),
+            f"{scene.label}, {parameter}",
+            lambda s=scene, t=parameter, m=more: o.follow(s, t, checks=2, **m),
         )
 
 
@@ -175,7 +175,7 @@ def proofs() -> Iterator[Question]:
         )
     scene = e.degree6("pi/4", 0.01)
     yield "barriers", lambda: o.find_barriers(scene, o.find_minima(scene), spacing=0.5)
-    yield "space", lambda: o.find_space(e.degree6("pi/3"), size=8)
+    yield "space", lambda: o.find_space(e.degree6("pi/3"), rings=8)
 
 
 def cones() -> Iterator[Question]:

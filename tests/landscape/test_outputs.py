@@ -26,11 +26,11 @@ def folder_written():
     folder.mkdir()
     path = scene_file(folder, o.examples.degree8("pi/6", 100.0))
     files = [folder / name for name in ("l.json", "l.npz", "l.png")]
-    options = ["--json", files[0], "--npz", files[1], "--figure", files[2], "--size", 101]
+    options = ["-o", files[0], "-o", files[1], "-o", files[2], "--size", 101]
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("origami_nlp.minima.find_minima", minima_once)  # a panel
         # meshes of tests/space and tests/barriers, which find the same on them as on finer ones
-        patch.setattr("origami_nlp.space.find_space", lambda s: find_space(s, size=16))
+        patch.setattr("origami_nlp.space.find_space", lambda s: find_space(s, rings=16))
         coarse = functools.partial(find_barriers, spacing=0.25)
         patch.setattr("origami_nlp.barriers.find_barriers", coarse)
         assert run("landscape", path, *options).code == 0
@@ -120,7 +120,7 @@ def test_vector_figures_without_contact(ending, tmp_path):
     """Without full contact there is no boundary to trace: the picture says so."""
     path = scene_file(tmp_path, o.examples.degree6("pi/4", 1.0, contact="fold-limits"))
     target = tmp_path / f"l.{ending}"
-    code, out, _ = run("landscape", path, "--figure", target, "--size", 61)
+    code, out, _ = run("landscape", path, "-o", target, "--size", 61)
     assert code == 0 and "boundary not traced" in out and target.stat().st_size > 5000
 
 
@@ -128,7 +128,7 @@ def test_vector_figures_without_contact(ending, tmp_path):
     ("scene", "options", "complaint"),
     [
         (o.examples.degree6("pi/4", 1.0, symmetry="none"), [], "3 degrees of freedom"),
-        (o.examples.degree6("pi/4", 1.0, contact="none"), ["--json", "-"], "contact = 'full'"),
+        (o.examples.degree6("pi/4", 1.0, contact="none"), ["-o", "-"], "contact = 'full'"),
     ],
 )
 def test_scenes_without_a_landscape(scene, options, complaint, tmp_path):

@@ -155,7 +155,7 @@ def pressed_path(steps=None):
     """The metasheet under a torque on a crease of class 2, until facets push, and back."""
     pattern, classes, start = driven_sheet()
     i = int(np.flatnonzero(classes == 2)[0])
-    return i, o.load_path(pattern, i + 1, state=start, to=-30.0, back=True, options=steps)
+    return i, o.load_path(pattern, i + 1, state=start, to=-30.0, unload=True, options=steps)
 
 
 def test_a_metasheet_touches_under_a_torque_where_trigonometry_says():
@@ -238,9 +238,9 @@ def sprung(seed, name="yoshimura", size=(3, 3)):
 
 
 @cache
-def loaded(seed, to, back=False, **more):
+def loaded(seed, to, unload=False, **more):
     pattern, start, crease = sprung(seed)
-    return o.load_path(pattern, crease, state=start, to=to, back=back, confirm=False, **more)
+    return o.load_path(pattern, crease, state=start, to=to, unload=unload, confirm=False, **more)
 
 
 def pushes(point):
@@ -294,7 +294,7 @@ def test_a_side_rolls_over_a_facet():
 
 @pytest.mark.slow
 def test_the_way_back_meets_the_same_events():
-    path = loaded(35, 1.2, back=True)
+    path = loaded(35, 1.2, unload=True)
     assert [leg.why for leg in path.legs] == ["range", "range"]
     closes, leaves = path.events
     for leg in path.legs:

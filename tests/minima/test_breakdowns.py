@@ -11,10 +11,10 @@ from origami_nlp.minima import find, job, record
 from origami_nlp.minima.windings import join_reports
 
 FAILURES = [np.linalg.LinAlgError("Singular matrix"), ZeroDivisionError("division by zero")]
-ONE_FREEDOM = Scene(
+ONE_DOF = Scene(
     Vertex.from_degrees((60, 80, 120, 100)), (1, 2, 3, 4), (0.3, -1, 2, 0.5), "none", "fold-limits"
 )
-TWO_FREEDOMS = examples.degree6("pi/3")
+TWO_DOF = examples.degree6("pi/3")
 
 
 def broken(error):
@@ -36,14 +36,14 @@ def whole(scene):
 @pytest.mark.parametrize(
     ("room", "name", "reported", "scene"),
     [
-        (job.RestState, "states", "the rest state", TWO_FREEDOMS),
-        (job.HingeSets, "states", "hinge sets", TWO_FREEDOMS),
-        (job.FlatFoldings, "states", "flat foldings", TWO_FREEDOMS),
-        (job.NearFlat, "states", "starts beside the flat state", TWO_FREEDOMS),
-        (job.NearFolded, "states", "starts beside flat foldings", TWO_FREEDOMS),
-        (job, "trace", "curves of one degree of freedom", ONE_FREEDOM),
-        (job, "polish", "a candidate on a curve", ONE_FREEDOM),
-        (find, "confirm", "a confirmation by IPOPT", TWO_FREEDOMS),
+        (job.RestState, "states", "the rest state", TWO_DOF),
+        (job.HingeSets, "states", "hinge sets", TWO_DOF),
+        (job.FlatFoldings, "states", "flat foldings", TWO_DOF),
+        (job.NearFlat, "states", "starts beside the flat state", TWO_DOF),
+        (job.NearFolded, "states", "starts beside flat foldings", TWO_DOF),
+        (job, "trace", "curves of one degree of freedom", ONE_DOF),
+        (job, "polish", "a candidate on a curve", ONE_DOF),
+        (find, "confirm", "a confirmation by IPOPT", TWO_DOF),
     ],
 )
 def test_one_part_that_fails_ends_no_search(monkeypatch, room, name, reported, scene):
@@ -64,8 +64,8 @@ def test_one_part_that_fails_ends_no_search(monkeypatch, room, name, reported, s
 
 @pytest.mark.parametrize("error", FAILURES, ids=["LinAlgError", "ZeroDivisionError"])
 def test_an_image_that_cannot_be_told_of_stays_undecided(monkeypatch, error):
-    model, found = Model(ONE_FREEDOM), record.Record()
-    answer = record.listed(model, model.reduce(np.array(angles(whole(ONE_FREEDOM))[0])))
+    model, found = Model(ONE_DOF), record.Record()
+    answer = record.listed(model, model.reduce(np.array(angles(whole(ONE_DOF))[0])))
     assert answer.is_minimum
     undecided = record.Classification("undecided", None, "left to its image", 0)
     symmetries = [(None, 1), (np.arange(model.size)[::-1], -1)]
@@ -79,12 +79,12 @@ def test_an_image_that_cannot_be_told_of_stays_undecided(monkeypatch, error):
 
 def test_a_state_that_breaks_the_judge_of_the_full_space_is_undecided_by_name(monkeypatch):
     monkeypatch.setattr(find, "judge_in_full_space", broken(FAILURES[0]))
-    found = find_minima(TWO_FREEDOMS, max_starts=64, prove=False, full=True, escape=False)
+    found = find_minima(TWO_DOF, max_starts=64, prove=False, full=True, escape=False)
     assert {m.full_space.verdict for m in found.minima} == {"undecided"}
     assert "linear algebra failed" in found.minima[0].full_space.certificate
 
 
 def test_what_was_left_out_is_told_of_every_winding():
-    report = whole(ONE_FREEDOM).search
+    report = whole(ONE_DOF).search
     reports = [replace(report, failed={"does not close": n}) for n in (1, 2)]
     assert join_reports((1, 3), reports).failed == {"does not close": 3}

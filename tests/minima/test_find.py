@@ -98,7 +98,7 @@ def test_a_flat_sheet_at_rest_stays_flat():
         best = find_minima(scene, max_starts=32, prove=False, escape=False).minima[0]
         assert best.energy <= 1e-20 and np.abs(best.fold_angles).max() <= 1e-9
         assert best.kind == "degenerate"  # closure loses rank at the flat state
-        assert best.local_dimension == Model(scene).freedom
+        assert best.local_dimension == Model(scene).dof
 
 
 SLOW = pytest.mark.slow
@@ -119,7 +119,7 @@ def test_a_vertex_that_cannot_fold_in_its_symmetry_is_flat():
     # D6: one fold angle, one equation; the only state of the wedge next to the flat one is the flat one
     scene = Scene(Vertex(("pi/3",) * 6), (1.0,) * 6, (0.3,) * 6)
     result = find_minima(scene, prove=False, escape=False)
-    assert scene.group.name == "D6" and Model(scene).freedom == 0
+    assert scene.group.name == "D6" and Model(scene).dof == 0
     assert all(np.abs(m.fold_angles).max() <= 1e-6 for m in result.minima)
 
 

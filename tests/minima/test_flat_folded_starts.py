@@ -108,7 +108,8 @@ def test_gaps_are_no_larger_than_distances():
     for line in list_branches(problem.pattern).lines[:2]:
         phi, _ = problem.project(1.5 * line / np.abs(line).max())
         x = problem.crossings.placed(phi)
-        gaps = clearance.gaps(x, np.full(len(clearance.first), np.inf))
+        every = np.arange(len(clearance.first))
+        gaps = clearance.gaps(x, np.full(len(every), np.inf), every)
         weights = rng.dirichlet(np.full(4, 0.4), 300)
         for k, (i, j) in enumerate(zip(clearance.first, clearance.second, strict=True)):
             if set(problem.crossings.pieces[i]) & set(problem.crossings.pieces[j]):
@@ -208,7 +209,7 @@ def test_an_interrupted_search_keeps_what_it_found(monkeypatch, tmp_path):
     assert "interrupted, not through with: random starts" in found.report(verbose=True)
     assert [m.energy for m in found.minima] == pytest.approx([m.energy for m in whole.minima])
     file = tmp_path / "found.json"
-    code, out, err = run("minima", "metasheet:3x3", "--json", file)
+    code, out, err = run("minima", "metasheet:3x3", "-o", file)
     assert code == 130 and "interrupted" in err and f"written: {file}" in out
     again = o.load(file)
     assert again.search.interrupted and len(again.minima) == len(found.minima)

@@ -140,7 +140,7 @@ def test_commands_write_fold_and_mesh(tmp_path):
             str(file),
             "--vertex",
             "0",
-            "--fold",
+            "-o",
             str(out),
             "--max-starts",
             "40",
@@ -150,7 +150,7 @@ def test_commands_write_fold_and_mesh(tmp_path):
     )
     assert done.exit_code == 0, done.output
     assert len(parse_fold(out.read_bytes())) >= 2
-    done = RUN.invoke(app, ["minima", str(file), "--mesh", str(tmp_path / "a.xyz")])
+    done = RUN.invoke(app, ["minima", str(file), "-o", str(tmp_path / "a.xyz")])
     assert isinstance(done.exception, OrigamiError) and ".glb" in str(done.exception)
 
 

@@ -67,9 +67,9 @@ SCENES = [
     *(("fold-limits", k) for k in range(5)),
     *(("full-contact", k) for k in range(5)),
     ("designed", 1),
-    ("one-freedom", 0),
+    ("one-dof", 0),
 ]
-CHEAP = [("fold-limits", 0), ("full-contact", 0), ("one-freedom", 0)]
+CHEAP = [("fold-limits", 0), ("full-contact", 0), ("one-dof", 0)]
 """Of degree 4; the others wait for the long studies."""
 CASES = [
     pytest.param(
@@ -123,7 +123,7 @@ def test_descriptions_are_of_the_same_vertex(name, number):
     assert len(x) >= 20 and (description.back(y) == x).all()
     ours, theirs = Model(scene), Model(other)
     assert np.abs(theirs.closure(y)[0]).max() <= 1e-12
-    assert (theirs.on_sheet(y) == ours.on_sheet(x)).all()
+    assert (theirs.lifts_to_one(y) == ours.lifts_to_one(x)).all()
     assert (theirs.admissible(y) == ours.admissible(x)).all()
     energies = [description.factor * scene.energy(s) for s in x]
     assert [other.energy(s) for s in y] == pytest.approx(energies, rel=1e-14)

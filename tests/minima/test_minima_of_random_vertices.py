@@ -74,7 +74,7 @@ def test_every_minimum_of_a_random_vertex_is_one(seed):
 def test_a_vertex_too_stiff_for_its_symmetry_stays_flat(shape):
     for seed in range(4):
         scene = build(np.random.default_rng(seed), shape)
-        assert Model(scene).freedom == 0
+        assert Model(scene).dof == 0
         (flat,) = find_minima(scene, prove=False, escape=False).minima
         assert flat.local_dimension == 0 and not any(flat.fold_angles)
         # own look: from anywhere near, closure leads back to the flat state, or nowhere

@@ -78,12 +78,12 @@ def test_what_a_pattern_has_not_is_refused():
 
 
 @pytest.mark.parametrize("contact", ["fold-limits", "full"])
-def test_vertices_with_one_freedom_have_the_same_minima_both_ways(contact):
+def test_vertices_with_one_dof_have_the_same_minima_both_ways(contact):
     assert "undecided" not in compare(drawn(0, 4, contact))
 
 
 @pytest.mark.parametrize(("seed", "contact"), [(1, "full"), (3, "fold-limits")])
-def test_vertices_with_more_freedoms_have_the_same_minima_both_ways(seed, contact):
+def test_vertices_with_more_dof_have_the_same_minima_both_ways(seed, contact):
     assert "minimum" in compare(drawn(seed, 5, contact), starts=1)
 
 

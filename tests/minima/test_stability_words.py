@@ -138,7 +138,7 @@ def test_undecided_states_are_counted_as_such(decided):
 def test_demo_decides_every_state(tmp_path, monkeypatch):
     few = [o.examples.degree6("pi/3", 1.0), o.examples.degree8("pi/4", 1.0)]
     monkeypatch.setattr(o.examples, "panels", lambda: few)
-    out = CliRunner().invoke(app, ["paper", "demo", "--out", str(tmp_path)])
+    out = CliRunner().invoke(app, ["paper", "demo", "--folder", str(tmp_path)])
     assert out.exit_code == 0, out.output
     assert "4 symmetric minima (3 stable, 1 unstable in the full space)" in out.output
     assert "3 of 4" in out.output and "2 of 2" in out.output and "5 of 6" in out.output

@@ -99,7 +99,7 @@ def test_nothing_open_is_reported():
     assert result.search.open > 5
     for s in result.states:
         assert PatternProblem(pattern).residual(s.phi) < 1e-12
-        assert PatternProblem(pattern).closure.on_sheet(s.phi)
+        assert PatternProblem(pattern).closure.lifts_to_one(s.phi)
     wrong = 0.3 * np.random.default_rng(0).normal(size=pattern.creases)
     assert judge(PatternProblem(pattern), wrong).verdict == "not admissible"
 
@@ -122,7 +122,7 @@ def test_solves_that_converge_open_are_no_states():
         assert state.verdict == "not admissible"  # elastic closure is never closed to rounding
         opened += problem.residual(phi) > 1e-3
         closed, residual = problem.project(phi)
-        if problem.residual(phi) < 1e-6 and problem.closure.on_sheet(closed):
+        if problem.residual(phi) < 1e-6 and problem.closure.lifts_to_one(closed):
             assert residual < 1e-13
             assert min(np.abs(s.phi - closed).max() for s in known) < 1e-4
     assert opened > 20

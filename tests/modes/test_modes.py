@@ -147,7 +147,7 @@ def test_modes_of_a_miura_run_along_its_closed_form(tmp_path):
     """Every vertex has tan(x / 2) = cos(alpha) tan(y / 2) for its two pairs of creases."""
     pattern = examples.pattern("miura", 3, 3).with_springs(1.0, 0.0)
     rest = np.where(np.arange(12) % 3 == 0, 0.9, -0.4)
-    found = find_minima(pattern.with_springs(rest=rest), effort="quick", escape=False)
+    found = find_minima(pattern.with_springs(rest_angles=rest), effort="quick", escape=False)
     # where it is folded in half along lines, or has more degrees of freedom, its motion is another one
     kept = [m for m in found.minima if m.dof == 1 and np.abs(m.fold_angles).min() >= 0.05]
     assert 0 < len(kept) < len(found.minima)
@@ -180,7 +180,7 @@ def test_modes_of_a_miura_run_along_its_closed_form(tmp_path):
 def test_the_command_writes_numbers_and_a_figure(tmp_path):
     scene, figure = tmp_path / "scene.toml", tmp_path / "modes.png"
     scene.write_text(format_scene(SCENE))
-    code, out, err = run("modes", scene, "--state", "2", "--max-starts", "16", "--json", "-")
+    code, out, err = run("modes", scene, "--state", "2", "--effort", "quick", "-o", "-")
     assert code == 0, err
     data = json.loads(out)
     (state,) = data["states"]

@@ -31,8 +31,8 @@ def test_the_energy_of_a_state_at_rest_is_zero(at_rest):
 
 def test_a_pattern_at_rest_is_printed_with_zero(at_rest, tmp_path):
     file, out = tmp_path / "a.fold", tmp_path / "a.json"
-    run("minima", _written(at_rest, tmp_path), "--fold", file)
-    code, text, _ = run("minima", file, "--frame", 1, "--starts", 3, "--json", out)
+    run("minima", _written(at_rest, tmp_path), "-o", file)
+    code, text, _ = run("minima", file, "--frame", 1, "--starts", 3, "-o", out)
     assert code == 0 and not any(f"e-{k}" in text for k in range(20, 40))
     assert json.loads(out.read_text())["minima"][0]["energy"] == 0.0
 

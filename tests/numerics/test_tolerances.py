@@ -32,13 +32,13 @@ BESIDE_THE_TABLE = {
         kkt/descent_witness.STEPS
         landscape/exact.PIECE loading/driver.SIDE loading/stable_path.LEAST_SPAN
         loading/stable_path.OVER minima/descents.ESCAPE minima/descents.SHORTEST
-        minima/escape.SMALLEST minima/one_freedom.ASIDE minima/search.DOWN modes/geodesic.STEP
+        minima/escape.SMALLEST minima/one_dof.ASIDE minima/search.DOWN modes/geodesic.STEP
         paper/transitions.BRACKET paper/transitions.MARGIN paper/transitions.SIDE
         continuation/curve.STEPS continuation/flat.ARRIVED continuation/flat.BESIDE_FLAT
         continuation/one_sided_branches.TRIALS continuation/diagram.STEPS pattern_states/curve.SHORTEST
         pattern_states/curve.STEP pattern_states/curves.LONG pattern_states/curve.DIFFERENCE
         pattern_states/judgement.NEAREST pattern_states/angle_sums.JUMPS pattern_states/contact_descents.REACH
-         pattern_states/contact_descents.SMALLER pattern_states/terrain.FIRST space/cells.NEAR_SINGULAR_TOL
+         pattern_states/contact_descents.SMALLER pattern_states/terrain.FIRST space/cells.RADIUS
          space/mesh.DIFFERENCE
         inverse_design/unwanted_minima.FIRST inverse_design/unwanted_minima.SHORT starts/batch_closure.QUADRATIC
         starts/near_flat.INSIDE
@@ -46,7 +46,7 @@ BESIDE_THE_TABLE = {
     "shares by which an algorithm goes on, gives up, or refines": """
         barriers/graph.STUCK contact/margin.LEAST_DAMPING contact/margin.SOFT
         critical/strata.LOOSE pattern_problem/equations.FALLS pattern_problem/stacks.GRID kkt/escape.CERTAIN
-        kkt/neighbourhood.GOES kkt/descent_witness.DOWN minima/curve.ROUGH minima/one_freedom.FALLS
+        kkt/neighbourhood.GOES kkt/descent_witness.DOWN minima/curve.ROUGH minima/one_dof.FALLS
         minima/recursive_newton.LEAST_PIVOT continuation/events.POLE pattern_states/branch_points.FORMS
         pattern_states/curves.ON_CURVE inverse_design/infeasibility.WEIGHTY
         inverse_design/robustness.ENDED starts/moments.SHORTEST_SHARE

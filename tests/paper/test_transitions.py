@@ -86,7 +86,7 @@ def test_curves_of_events_are_told(events6):
 )
 def test_signatures_on_both_sides(make, alpha, changes):
     below, at, above = (
-        signature_of(find_space(make(a), size=12)) for a in (alpha - 1e-5, alpha, alpha + 1e-5)
+        signature_of(find_space(make(a), rings=12)) for a in (alpha - 1e-5, alpha, alpha + 1e-5)
     )
     assert below.topology == above.topology
     assert below.corners != above.corners
@@ -162,7 +162,7 @@ def test_unknown_families_are_refused():
 def test_sweep_and_events_agree(family, known, tmp_path):
     out = tmp_path / "sweep.json"
     result = CliRunner().invoke(
-        app, ["paper", "transitions", family, "--samples", "17", "--seed", "3", "--json", str(out)]
+        app, ["paper", "transitions", family, "--samples", "17", "--seed", "3", "-o", str(out)]
     )
     assert result.exit_code == 0, result.output
     data = json.loads(out.read_text())

@@ -120,12 +120,12 @@ def test_the_command_says_and_chooses(tmp_path):
     found = {}
     for choice in ([], ["--rest-from", "file"], ["--rest-from", "measured"]):
         args = ["minima", str(file), "--vertex", "0", "--symmetry", "none", "--max-starts", "9"]
-        done = RUN.invoke(app, [*args, "--json", str(out), *choice])
+        done = RUN.invoke(app, [*args, "-o", str(out), *choice])
         assert done.exit_code == 0 and "90 degrees" in done.stderr, done.exception
         found[tuple(choice)] = json.loads(out.read_text())["origami"]["creases"]["rest_angles"]
     assert found[()] == found["--rest-from", "file"] != found["--rest-from", "measured"]
     assert all(abs(float(a)) < 1e-12 for a in found["--rest-from", "measured"])
-    done = RUN.invoke(app, ["vertices", str(file), "--json", str(out)])
+    done = RUN.invoke(app, ["inspect", str(file), "-o", str(out)])
     assert "90 degrees" in done.output
     (v,) = json.loads(out.read_text())["frames"][0]["vertices"]
     assert sorted(v["file_angles"]) == pytest.approx(sorted(np.radians(TARGETS)))
@@ -136,7 +136,7 @@ def test_choices_that_cannot_be_are_refused(tmp_path):
     pattern, form, scene = tmp_path / "a.fold", tmp_path / "b.fold", tmp_path / "c.toml"
     pattern.write_text(json.dumps(disc(SECTORS, "MVVV", angles=TARGETS)))
     form.write_text(json.dumps(simulator_export()))
-    scene.write_text("")
+    scene.write_text("[vertex]\n")
     for file, choice, words in (
         (pattern, "measured", "crease pattern"),
         (form, "both", "file or measured"),
@@ -215,7 +215,7 @@ def test_a_pattern_without_outline_says_what_to_add(tmp_path):
     )
     file = tmp_path / "a.fold"
     file.write_text(json.dumps(data))
-    assert 'assignment "B"' in RUN.invoke(app, ["vertices", str(file)]).output
+    assert 'assignment "B"' in RUN.invoke(app, ["inspect", str(file)]).output
     for args in (["minima", str(file)], ["minima", str(file), "--vertex", "0"]):
         done = RUN.invoke(app, args)
         assert isinstance(done.exception, OrigamiError) and 'assignment "B"' in str(done.exception)

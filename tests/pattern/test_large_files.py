@@ -107,7 +107,7 @@ def test_ten_thousand_vertices(tmp_path):
     file = tmp_path / "a.fold"
     file.write_text(sheet(99))
     start = time.process_time()
-    done = RUN.invoke(app, ["vertices", str(file)])
+    done = RUN.invoke(app, ["inspect", str(file)])
     assert time.process_time() - start < 5 * SLOWER
     assert done.exit_code == 0 and len(done.output.splitlines()) == 98**2 + 2
     assert done.output.splitlines()[-1].split()[:2] == ["9898", "4"]
@@ -124,10 +124,10 @@ def test_frames_that_inherit_too_much_are_refused_and_one_can_be_chosen(tmp_path
     monkeypatch.setattr(fold_file, "MOST_ELEMENTS", 500)
     file = tmp_path / "a.fold"
     file.write_text(chain(100))
-    done = RUN.invoke(app, ["vertices", str(file)])
+    done = RUN.invoke(app, ["inspect", str(file)])
     assert isinstance(done.exception, OrigamiError)
     assert "101 frames" in str(done.exception) and "--frame" in str(done.exception)
-    done = RUN.invoke(app, ["vertices", str(file), "--frame", "57"])
+    done = RUN.invoke(app, ["inspect", str(file), "--frame", "57"])
     assert done.exit_code == 0 and "frame 57" in done.output and "frame 56" not in done.output
     assert [f.number for f in parse_fold(chain(100), "first")] == [0]
     with pytest.raises(OrigamiError, match="--frame -1 is no frame"):
@@ -204,6 +204,6 @@ def test_scenes_of_very_many_creases(tmp_path, count, contact, words):
         f'[model]\nsymmetry = "none"\ncontact = "{contact}"\n'
     )
     start = time.process_time()
-    done = RUN.invoke(app, ["model", str(file)])
+    done = RUN.invoke(app, ["inspect", str(file)])
     assert time.process_time() - start < 5 * SLOWER
     assert isinstance(done.exception, OrigamiError) and words in str(done.exception)

@@ -83,7 +83,7 @@ def test_the_unit_of_length_does_not_close_holes(scale):
         assert np.abs(one - other).max() == 0
 
 
-def test_metasheet_has_one_freedom():
+def test_metasheet_has_one_dof():
     for size, redundant in ((3, 1), (4, 4)):
         pattern, _ = metasheet(size)
         problem = PatternProblem(pattern)

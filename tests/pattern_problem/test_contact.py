@@ -345,7 +345,7 @@ def distance(problem, phi, pair):
     return best
 
 
-def test_the_touch_of_a_metasheet_is_reached_by_the_way_of_many_freedoms():
+def test_the_touch_of_a_metasheet_is_reached_by_the_way_of_many_dof():
     sprung, driven_ones, start = driven()
     end = contact_descent(sprung, start)
     state = judge(sprung, end.phi)

@@ -42,7 +42,7 @@ def stacked(seed):
         states.append(problem.project(phi, held)[0])
     for k in rng.permutation(len(states)):
         phi = states[k]
-        good = problem.residual(phi) <= 1e-13 and problem.closure.on_sheet(phi) and phi.any()
+        good = problem.residual(phi) <= 1e-13 and problem.closure.lifts_to_one(phi) and phi.any()
         if not good or np.abs(phi).max() > math.pi or not check_admissible(vertex, phi).admissible:
             continue
         if (faces := Faces(problem, phi)).known or faces.open:
@@ -226,7 +226,7 @@ def test_lower_states_beside_stacked_minima_are_no_paper():
             start = phi + 10 ** rng.uniform(-3.5, -1.5) * way / np.linalg.norm(way)
             start = np.where(held_ones, phi, np.clip(start, -math.pi, math.pi))
             new, left = problem.project(start, held_ones)
-            if left > 1e-13 or np.abs(new).max() > math.pi or not problem.closure.on_sheet(new):
+            if left > 1e-13 or np.abs(new).max() > math.pi or not problem.closure.lifts_to_one(new):
                 continue
             if problem.scaled_energy(new) < problem.scaled_energy(phi) - 1e-12:
                 assert not check_admissible(scene.vertex, new).admissible
@@ -258,7 +258,7 @@ def test_ends_of_a_bird_base_are_held_by_its_layers():
             way = way / np.linalg.norm(way) + (k % 2) * down / np.linalg.norm(down)
             start = np.clip(phi + 10 ** rng.uniform(-3, -1.3) * way, -math.pi, math.pi)
             new, left = problem.project(np.where(held_ones, phi, start), held_ones)
-            if left > 1e-12 or np.abs(new).max() > math.pi or not problem.closure.on_sheet(new):
+            if left > 1e-12 or np.abs(new).max() > math.pi or not problem.closure.lifts_to_one(new):
                 continue
             if problem.scaled_energy(new) < problem.scaled_energy(phi) - 1e-9:
                 assert (

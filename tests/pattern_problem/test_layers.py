@@ -41,7 +41,7 @@ def test_one_vertex_as_the_exact_test_says(degree):
         problem, vertex = PatternProblem(wheel(sectors)), Vertex(tuple(sectors.tolist()))
         for signs in itertools.product((1.0, -1.0), repeat=degree):
             phi = math.pi * np.array(signs)
-            if problem.residual(phi) > 1e-12 or not problem.closure.on_sheet(phi):
+            if problem.residual(phi) > 1e-12 or not problem.closure.lifts_to_one(phi):
                 continue
             admissible = check_admissible(vertex, phi).admissible
             assert (order_layers(problem, phi).verdict == "ordered") == admissible
@@ -172,7 +172,7 @@ def _partly_folded(seed, count):
         phi, held = rng.uniform(-2.5, 2.5, n), rng.random(n) < 0.45
         phi[held] = rng.choice([-math.pi, math.pi, 0.0], held.sum(), p=[0.4, 0.4, 0.2])
         phi, left = problem.project(phi, held)
-        if left > 1e-13 or np.abs(phi).max() > math.pi or not problem.closure.on_sheet(phi):
+        if left > 1e-13 or np.abs(phi).max() > math.pi or not problem.closure.lifts_to_one(phi):
             continue
         found = order_layers(problem, phi)
         assert found.verdict != "not decided"
@@ -201,7 +201,7 @@ def test_ways_to_fold_stamps_are_as_many_as_is_known(size):
     problem, total = PatternProblem(grid(np.stack([i, j], axis=2))), 0
     for signs in itertools.product((1.0, -1.0), repeat=problem.size):
         phi = math.pi * np.array(signs)
-        if problem.residual(phi) < 1e-12 and problem.closure.on_sheet(phi):
+        if problem.residual(phi) < 1e-12 and problem.closure.lifts_to_one(phi):
             stack = Stack(problem.crossings, phi)
             orders = Orders(Rules(len(stack.pairs), [rule for rule, _ in stack.rules()]))
             if all(orders.assume({u: v}) == -1 for u, v, _ in stack.known()):

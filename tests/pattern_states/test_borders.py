@@ -63,7 +63,7 @@ def meeting():
             wheel(SIXTH).with_springs(list(rng.uniform(0.5, 1.5, 6)), list(rest))
         )
         phi, residual = problem.project(np.where(SHUT, math.pi, rng.uniform(-1.5, 1.5, 6)), SHUT)
-        if residual <= 1e-12 and np.abs(phi).max() <= math.pi and problem.closure.on_sheet(phi):
+        if residual <= 1e-12 and np.abs(phi).max() <= math.pi and problem.closure.lifts_to_one(phi):
             if not problem.crossings.find(phi):
                 out.append((problem, phi))
     return out

@@ -23,7 +23,7 @@ def flat_energy(pattern) -> float:
     return float(pattern.energy(np.zeros(pattern.creases)))
 
 
-def test_one_freedom_passes_at_the_flat_state() -> None:
+def test_one_dof_passes_at_the_flat_state() -> None:
     """Both states of a metasheet are on curves that meet at the flat state alone, which is the pass."""
     found = states("metasheet:3x3")
     pattern = found.pattern

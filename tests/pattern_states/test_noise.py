@@ -113,7 +113,7 @@ def test_a_vertex_survives_as_often_as_a_sheet() -> None:
     """A waterbomb with rest angles a little wrong, by both problems: the same states, survived as often."""
     rest = math.radians(0.06) * np.random.default_rng(2).normal(size=6)
     pattern = o.examples.pattern("waterbomb", 1, 1)
-    pattern = pattern.with_springs(rest=np.clip(pattern.rest + rest, -math.pi, math.pi))
+    pattern = pattern.with_springs(rest_angles=np.clip(pattern.rest + rest, -math.pi, math.pi))
     found = find_states(pattern, starts=10, escape=False, noise=0.06)
     scene, _ = scene_of(pattern, True)
     assert scene is not None

@@ -63,7 +63,7 @@ def named(name):
     return strips(*size) if word == "yoshimura strips" else o.examples.pattern(word, *size)
 
 
-def hinge_freedoms(pattern, phi):
+def hinge_dof(pattern, phi):
     """Degrees of freedom of facets as bodies in space, hinged at both ends of each crease: nothing of closure."""
     turn, shift = Poses(pattern).motions(phi)
     rows = []
@@ -98,7 +98,7 @@ def check_counts(seen, expected, most):
     assert problem.residual(seen.folded) < 1e-12 and np.abs(seen.folded).min() > 1e-3
     if seen.pattern.creases < most:
         assert differences_rank(problem, seen.folded) == data["rank_folded"]
-        assert hinge_freedoms(seen.pattern, seen.folded) == data["dof"]
+        assert hinge_dof(seen.pattern, seen.folded) == data["dof"]
         if seen.pattern.is_flat:
             assert differences_rank(problem, 0 * seen.folded) == data["rank_flat"]
     return data
@@ -113,7 +113,7 @@ def test_counts_of_other_peoples_files(name):
 @pytest.mark.parametrize(
     "name", [*TABLE, *(pytest.param(name, marks=pytest.mark.slow) for name in LONG)]
 )
-def test_counts_ranks_and_freedoms(name):
+def test_counts_ranks_and_dof(name):
     seen = o.analyze_mobility(named(name))
     data = check_counts(seen, (TABLE | LONG)[name], 100 if name in TABLE else 250)
     if name.startswith(("miura", "metasheet")):  # (m - 2)(n - 2) equations say nothing new
@@ -132,7 +132,7 @@ def test_miura_follows_its_law(size):
         assert PatternProblem(p).residual(phi) < 1e-14
 
 
-def test_a_hole_takes_freedoms_that_open_vertices_alone_would_leave():
+def test_a_hole_takes_dof_that_open_vertices_alone_would_leave():
     p = o.examples.pattern("miura", 5, 5)
     middle = [k for k in range(25) if k // 5 in (2, 3) and k % 5 in (1, 2)]
     polygons = [q for k, q in enumerate(p.polygons) if k not in middle]
@@ -148,7 +148,7 @@ def test_a_hole_takes_freedoms_that_open_vertices_alone_would_leave():
     j = j if isinstance(j, np.ndarray) else j.toarray()
     vertices_alone = np.linalg.matrix_rank(j[: 3 * len(holed.vertices)], tol=1e-7)
     assert holed.creases - vertices_alone == 7
-    assert holed.creases - jacobian_rank(problem, phi) == hinge_freedoms(holed, phi) == 2
+    assert holed.creases - jacobian_rank(problem, phi) == hinge_dof(holed, phi) == 2
     # closed at vertices alone it may be open round the hole
     z = np.linalg.svd(j[: 3 * len(holed.vertices)])[2][3 * len(holed.vertices) :]
     opened = max(np.linalg.norm(j @ d) for d in z)
@@ -164,13 +164,13 @@ def test_what_cannot_fold_is_said():
     assert "fewer than four creases" in text and "no folded state was found" in text
 
 
-def test_no_freedom_to_first_order_is_none_at_all():
+def test_no_dof_to_first_order_is_none_at_all():
     """A crease with a corner in it: paper of 270 and of 90 degrees, in one plane."""
     square = np.array([(0, 0), (1, 0), (1, 1), (0, 1), (-1, 1), (-1, -1), (1, -1)], float)
     p = make_pattern(square, [(0, 1, 2, 3), (0, 3, 4, 5, 6, 1)])
     assert angle_sums(p)[0] == pytest.approx(2 * math.pi, abs=1e-15)
     seen = o.analyze_mobility(p)
-    assert seen.folded is None and seen.dof == hinge_freedoms(p, np.zeros(2)) == 0
+    assert seen.folded is None and seen.dof == hinge_dof(p, np.zeros(2)) == 0
     assert "no degree of freedom is left" in str(seen) and "not flat" not in str(seen)
     alone = o.analyze_mobility(make_pattern(square[:4], [(0, 1, 2, 3)]))
     assert alone.dof == 0 and "no degree of freedom" not in str(alone)
@@ -197,12 +197,12 @@ def kresling(plates, sides=6, twist=0.7):
     return frame_pattern(frame)
 
 
-def test_a_tower_between_plates_has_no_freedom():
+def test_a_tower_between_plates_has_no_dof():
     seen = o.analyze_mobility(kresling(plates=True))
-    assert seen.dof == hinge_freedoms(seen.pattern, seen.pattern.reference) == 0
+    assert seen.dof == hinge_dof(seen.pattern, seen.pattern.reference) == 0
     assert "no degree of freedom is left" in str(seen)
     tube = o.analyze_mobility(kresling(plates=False))
-    assert tube.dof == hinge_freedoms(tube.pattern, tube.pattern.reference) == 6
+    assert tube.dof == hinge_dof(tube.pattern, tube.pattern.reference) == 6
 
 
 def test_concentric_squares_fold_along_a_diagonal_only():
@@ -230,14 +230,14 @@ def test_concentric_squares_fold_along_a_diagonal_only():
 
 def test_the_command_writes_its_keys(tmp_path):
     fold, out = tmp_path / "a.fold", tmp_path / "a.json"
-    assert run("example", "metasheet:3x4", "--fold", fold).code == 0
-    done = run("pattern", fold, "--json", out, "--figure", tmp_path / "a.png")
+    assert run("example", "metasheet:3x4", "-o", fold).code == 0
+    done = run("pattern", fold, "-o", out, "-o", tmp_path / "a.png")
     assert done.code == 0 and "dof" in done.out
     data = json.loads(out.read_text())
     assert {"holes", *KEYS} <= set(data) and data["holes"] == 0
     assert (data["facets"], data["dof"]) == (12, 1)
     assert (tmp_path / "a.png").stat().st_size > 10_000
-    reported = run("pattern", fold, "--json", "-")
+    reported = run("pattern", fold, "-o", "-")
     assert json.loads(reported.out)["redundant"] == data["redundant"]
     code, _, err = run("example", "metasheet")
-    assert code == 2 and "--fold" in err and err.count("\n") == 1
+    assert code == 2 and "-o" in err and err.count("\n") == 1

@@ -45,7 +45,7 @@ def random_subsets(rng, model, count):
 def check_closed(model, states, given, solve):
     """States close by CasADi's closure, within limits, on the sheet, and keep what was given."""
     assert np.abs(model.closure(states)[0]).max(initial=0.0) <= ROUNDED
-    assert model.on_sheet(states).all()
+    assert model.lifts_to_one(states).all()
     assert (np.abs(states) <= model.bound + OUTSIDE).all()
     kept = np.ones(states.shape, dtype=bool)
     np.put_along_axis(kept, solve, False, axis=1)
@@ -76,12 +76,12 @@ def test_completed_states_close(shape, contact):
 def test_every_closed_state_is_one_of_the_two_completions(shape, contact):
     rng = np.random.default_rng(2)
     model = Model(build(rng, shape, contact))
-    if model.freedom < 1:
+    if model.dof < 1:
         return
     x, residual = project(model, rng.uniform(-PI, PI, (400, model.size)))
     good = (residual <= ROUNDED) & (np.abs(x) <= PI).all(axis=1)
     x = x[good]
-    x = x[model.on_sheet(x)]
+    x = x[model.lifts_to_one(x)]
     assert len(x) > 20
     solve = random_subsets(rng, model, len(x))
     given = x.copy()
@@ -257,8 +257,8 @@ def test_corners_of_symmetric_vertices_are_all_listed(shape):
 
 def check_corners(model, x):
     assert np.abs(model.closure(x)[0]).max(initial=0.0) <= 2 * ROUNDED
-    assert ((np.abs(x) == PI).sum(axis=1) >= model.freedom).all()
-    assert model.on_sheet(x).all()
+    assert ((np.abs(x) == PI).sum(axis=1) >= model.dof).all()
+    assert model.lifts_to_one(x).all()
     assert len(distinct_rows(x)) == len(x)
     for state in x:  # turned over
         assert np.abs(x + state).max(axis=1).min() <= 1e-9
@@ -302,7 +302,7 @@ def test_random_strata_close_and_prefer_no_label(shape):
             continue
         x = random_strata(model, rng, 120)
         assert np.abs(model.closure(x)[0]).max(initial=0.0) <= 2 * ROUNDED
-        assert model.on_sheet(x).all() and (np.abs(x) <= model.bound + OUTSIDE).all()
+        assert model.lifts_to_one(x).all() and (np.abs(x) <= model.bound + OUTSIDE).all()
         if not model.has_limits:
             assert len(x) == 120
     at_limit = plain((1.1, 0.9, 1.2, 0.8, 1.3, 2 * PI - 5.3))

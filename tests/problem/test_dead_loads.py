@@ -34,13 +34,13 @@ FIVE = Scene(
     (1, 2, 0.5, 0.7, 1.3),
     (1, -1, 0.5, 0.2, 2),
     loads=LOADS,
-    held_facet=2,
+    fixed_facet=2,
 )
 BOOK = Scene(
     Vertex(("pi/2",) * 4),
     (1, 0.1, 1, 0.1),
     (0.4, 0, 0.4, 0),
-    held_facet=4,
+    fixed_facet=4,
     loads=[{"crease": 2, "distance": 0.5, "force": [0, 0, -0.3]}],
 )
 
@@ -48,7 +48,7 @@ BOOK = Scene(
 def closed_states(model, count, seed=0):
     x = np.random.default_rng(seed).uniform(-2.5, 2.5, (count, model.size))
     x, residual = project(model, x)
-    return x[(residual < 1e-13) & model.on_sheet(x)]
+    return x[(residual < 1e-13) & model.lifts_to_one(x)]
 
 
 def test_the_energy_is_that_of_points_found_from_folded_creases():
@@ -71,7 +71,7 @@ def test_the_energy_is_that_of_points_found_from_folded_creases():
         e3 = np.cross(e1, other) / math.sin(sectors[1])
         frame = np.stack([e1, np.cross(e3, e1), e3], axis=1)
         work += np.einsum("kij,kj,i->k", frame, point, load.force)
-    springs = replace(FIVE, loads=(), held_facet=None).energy(x)
+    springs = replace(FIVE, loads=(), fixed_facet=None).energy(x)
     assert np.abs(model.energies(x) - springs + work).max() < 1e-13
     assert np.abs(FIVE.energy(x) - springs + work).max() < 1e-13
 
@@ -81,7 +81,7 @@ def energy_with_50_digits(scene, x):
     total = mpmath.mpf(0)
     for k, rest, phi in zip(scene.stiffness, scene.wound_angles, x, strict=True):
         total += mpmath.mpf(k) / 2 * (phi - mpmath.mpf(rest)) ** 2
-    n, held = scene.degree, scene.held_facet - 1
+    n, held = scene.degree, scene.fixed_facet - 1
     for load in scene.loads:
         turn = mpmath.eye(3)
         for step in range((load.number - 1 - held) % n):
@@ -132,7 +132,7 @@ def test_a_long_vertex_uses_the_same_derivatives_in_closed_form():
     load = Load(facet=20, point=(1.0, 0.1), force=(0.2, 0.1, 0.3))
     scene = Scene(
         Vertex((2 * math.pi / n,) * n), (1,) * n, tuple(rng.uniform(-1, 1, n)), "auto", "fold-limits",
-        loads=(load,), held_facet=3,
+        loads=(load,), fixed_facet=3,
     )  # fmt: skip
     model, x = Model(scene), rng.uniform(-0.5, 0.5, n)
     h = 1e-5 * np.eye(n)
@@ -158,10 +158,10 @@ def test_a_weight_on_the_crease_of_a_book_by_hand():
     at_limit = sorted(m.fold_angles for m in found.minima[1:])
     assert np.abs(np.array(at_limit) - [(u, s, -u, s) for s in (-math.pi, math.pi)]).max() < 1e-9
     assert len(found.minima) == 3
-    assert any("facet 4 is held" in line for line in str(found).splitlines())
+    assert any("facet 4 is fixed" in line for line in str(found).splitlines())
 
 
-def test_minima_under_a_load_are_lower_than_states_near_by_and_depend_on_the_held_facet():
+def test_minima_under_a_load_are_lower_than_states_near_by_and_depend_on_the_fixed_facet():
     found = find_minima(FIVE, max_starts=128, effort="quick", prove=False, escape=False)
     model = Model(FIVE)
     assert found.minima and found.completeness is None
@@ -173,7 +173,7 @@ def test_minima_under_a_load_are_lower_than_states_near_by_and_depend_on_the_hel
         assert len(y) > 10 and (FIVE.energy(y) > m.energy - 1e-13).all()
         assert m.moment is None
     other = find_minima(
-        replace(FIVE, held_facet=4), max_starts=64, effort="quick", prove=False, escape=False
+        replace(FIVE, fixed_facet=4), max_starts=64, effort="quick", prove=False, escape=False
     )
     assert abs(other.minima[0].energy - found.minima[0].energy) > 1e-3
 
@@ -192,8 +192,8 @@ def test_a_moment_of_fixed_direction_has_no_energy():
 
 def test_scenes_with_loads_survive_files_and_torques_on_creases_are_preload():
     assert parse_scene(format_scene(FIVE)) == FIVE
-    torque = replace(FIVE, loads=[{"crease": 2, "torque": 0.3}], held_facet=None)
-    assert torque == replace(FIVE, loads=(), held_facet=None, preload=(0, 0.3, 0, 0, 0))
+    torque = replace(FIVE, loads=[{"crease": 2, "torque": 0.3}], fixed_facet=None)
+    assert torque == replace(FIVE, loads=(), fixed_facet=None, preload=(0, 0.3, 0, 0, 0))
     with pytest.raises(SceneFileError, match="loads"):
         parse_scene(format_scene(FIVE).replace("[[loads]]", "[loads]", 1).split("[[loads]]")[0])
 
@@ -201,8 +201,8 @@ def test_scenes_with_loads_survive_files_and_torques_on_creases_are_preload():
 @pytest.mark.parametrize(
     ("change", "word"),
     [
-        ({"held_facet": None}, "which facet is held"),
-        ({"held_facet": 9}, "1 to 5"),
+        ({"fixed_facet": None}, "which facet is held"),
+        ({"fixed_facet": 9}, "1 to 5"),
         ({"loads": [{"crease": 6, "distance": 1, "force": [0, 0, 1]}]}, "1 to 5"),
         ({"loads": [{"crease": 1, "distance": -1, "force": [0, 0, 1]}]}, "above 0"),
         ({"loads": [{"crease": 1, "force": [0, 0, 1]}]}, "none of"),
@@ -218,7 +218,7 @@ def test_loads_that_make_no_sense_are_refused_by_name(change, word):
 
 
 def test_what_does_not_know_forces_says_so():
-    with pytest.raises(SymmetryError, match="facet 4 held"):
+    with pytest.raises(SymmetryError, match="facet 4 fixed"):
         replace(BOOK, symmetry="D1")
     assert BOOK.group.is_trivial
     for ask in (find_critical_points, find_barriers, lambda s: prove(Model(s))):

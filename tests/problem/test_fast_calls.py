@@ -24,7 +24,7 @@ def test_evaluators_return_what_the_functions_return(scene):
     for _ in range(10):
         x = rng.normal(size=model.size)
         lam, mu = rng.normal(size=model.equation_count), rng.normal(size=len(model.structure.gaps))
-        for name in ("closure", "local", "hessian", "rays", "sheet"):
+        for name in ("closure", "local", "hessian", "rays", "lift"):
             extra = (1.5, lam, mu) if name == "hessian" else ()
             slow = getattr(f, name)(x, model.parameters.vector, *extra)
             slow = slow if isinstance(slow, tuple) else (slow,)

@@ -159,7 +159,7 @@ def test_long_chains_have_the_values_of_compiled_functions(n, contact):
         assert np.abs(model.hessian(state, lam, none, 0.7) - wanted).max() < 1e-12
         assert np.abs(h - wanted).max() < 1e-12
         assert np.abs(model.rays(state) - compiled["rays"](state, p)[0].T).max() < 1e-13
-        assert model.on_sheet(state) == (compiled["sheet"](state, p)[0][0, 0] > 0)
+        assert model.lifts_to_one(state) == (compiled["lift"](state, p)[0][0, 0] > 0)
     assert np.abs(many.closure - model.closure(x)[0]).max() == 0
     assert local.gaps.shape == (0,)
     assert local.gaps_jacobian.shape == (0, n)

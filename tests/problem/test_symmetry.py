@@ -96,8 +96,8 @@ def test_reduced_closure_is_closure_of_the_whole_vertex(case):
     phi = x[residual <= 1e-13][:, p.orbit]
     for state in phi[admissible(p.sectors, phi)] if len(phi) else phi:
         assert np.abs(model.closure(model.reduce(state))[0]).max() <= 1e-12
-        assert model.on_sheet(model.reduce(state))
-    # reduced -> whole: every solution of the reduced equations closes, on the sheet q = +1
+        assert model.lifts_to_one(model.reduce(state))
+    # reduced -> whole: every solution of the reduced equations closes, on the lift q = +1
     solved = 0
     for start in rng.uniform(-3, 3, (8, model.size)):
         y = start
@@ -114,8 +114,8 @@ def test_reduced_closure_is_closure_of_the_whole_vertex(case):
             continue
         solved += 1
         assert np.abs(product - np.eye(3)).max() <= 1e-10
-        assert (spin_sign(p.sectors, state)[0] > 0) == model.on_sheet(y)
-    if model.freedom > 0:
+        assert (spin_sign(p.sectors, state)[0] > 0) == model.lifts_to_one(y)
+    if model.dof > 0:
         assert solved
 
 

@@ -48,13 +48,13 @@ def test_every_winding_closes_the_whole_vertex(kind, order, flat):
                 assert np.abs(ours - theirs).max() < 1e-12
             x, residual = project(model, drawn)
             x = x[(residual < 1e-10) & (np.abs(x) <= 2 * math.pi).all(axis=1)]
-            if not len(x) or model.freedom < 0:
+            if not len(x) or model.dof < 0:
                 continue
             seen.add(one.winding or 1)
             _, q = fold_vertex(scene.vertex, model.expand(x))
             assert np.abs(q[:, 1:]).max() < 1e-8
-            assert ((q[:, 0] > 0) == model.on_sheet(x)).all()
-            x = x[model.on_sheet(x) & (np.abs(x) < math.pi - 1e-6).all(axis=1)]
+            assert ((q[:, 0] > 0) == model.lifts_to_one(x)).all()
+            x = x[model.lifts_to_one(x) & (np.abs(x) < math.pi - 1e-6).all(axis=1)]
             solve = tuple(rng.choice(model.size, model.equation_count, replace=False))
             states, exists = complete(model, x, solve)
             apart = np.where(exists, np.abs(states - x[:, None]).max(axis=2), 9.0)

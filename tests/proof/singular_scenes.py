@@ -29,7 +29,7 @@ def flat_foldings(model: Model) -> np.ndarray:
     x = np.array(list(itertools.product((0, 1, -1), repeat=model.size))) * math.pi
     kinematics = Kinematics(model)
     at = kinematics.fold(x)
-    return x[(np.abs(kinematics.closure(at)[0]).max(axis=1) < 1e-12) & (at.sheet > 0)]
+    return x[(np.abs(kinematics.closure(at)[0]).max(axis=1) < 1e-12) & (at.lift > 0)]
 
 
 def touched(x: np.ndarray) -> list[tuple[int, ...]]:
@@ -65,7 +65,7 @@ def handles(plain: Scene, a: int, b: int) -> list[np.ndarray]:
             line[:, a] = (0.0, 0.4, 1.0)
             line[:, b] = total - t * line[:, a]
             at = kinematics.fold(line)
-            if np.abs(kinematics.closure(at)[0]).max() > 1e-12 or (at.sheet <= 0).any():
+            if np.abs(kinematics.closure(at)[0]).max() > 1e-12 or (at.lift <= 0).any():
                 continue
             energy = model.energies(line)
             first = np.polyfit(line[:, a], energy, 2)

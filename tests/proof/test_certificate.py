@@ -115,7 +115,7 @@ def test_what_is_no_certificate_is_one_clear_line(name):
 def test_the_command_says_what_it_found(tmp_path):
     path, out = tmp_path / "proof.json", tmp_path / "check.json"
     write_certificate(GOOD, path)
-    done = run("check-proof", path, "--json", out)
+    done = run("check-proof", path, "-o", out)
     assert done.code == 0 and done.out.startswith("checked: complete - ")
     assert done.out.count("minimum: point") == sum(bool(p.is_minimum) for p in GOOD.points)
     said = json.loads(out.read_text())

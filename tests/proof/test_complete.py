@@ -10,7 +10,7 @@ from mpmath import mp, mpf
 from benchmarks import family_scene
 from origami_nlp import Model, Scene, find_minima
 from origami_nlp.pattern import Vertex, examples
-from origami_nlp.proof import prove
+from origami_nlp.proof import ProofOptions, prove
 from origami_nlp.proof.boxes import prune, strata
 from origami_nlp.proof.complete import pose
 from origami_nlp.proof.roots import certify, newton
@@ -46,7 +46,7 @@ def test_box_counts_and_the_flat_lemma_stay_small():
 
 
 @pytest.mark.slow
-def test_three_freedoms_are_proved():
+def test_three_dof_are_proved():
     scene = family_scene("fold-limits", 2)
     proof = prove(Model(scene))
     assert proof.complete and proof.boxes < 1_500_000
@@ -211,7 +211,7 @@ def test_panels_leave_no_box(index):
     """The paper's panels with fold limits: states of a search are proved minima, or lie in a singular cluster."""
     scene = replace(examples.panels()[index], contact="fold-limits")
     model = Model(scene)
-    proof = prove(model, most=20_000)
+    proof = prove(model, options=ProofOptions(boxes=20_000, fewest=1))
     assert proof.finished and not proof.undecided
     assert proof.boxes < (12_000 if scene.degree == 6 else 3_000)
     boxes = [(np.array(c.lower), np.array(c.upper)) for c in proof.singular]
@@ -253,3 +253,10 @@ def test_vertices_with_creases_on_one_line_need_the_twin_rule(degrees):
         posed.twin_rule, posed.twins = (), ()
         left = prune(posed, strata(n), flat=flat.radius, most=50_000)
         assert len(left.open)  # curves of boxes on which all minors vanish
+
+
+@pytest.mark.parametrize("contact", ["fold-limits", "full"])
+def test_options_limit_the_boxes_of_a_proof(contact):
+    scene = replace(examples.degree6("pi/3", ratio=1), contact=contact)
+    proof = prove(Model(scene), options=ProofOptions(boxes=1))
+    assert not proof.finished and not proof.complete

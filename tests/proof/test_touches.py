@@ -272,7 +272,7 @@ def test_signs_agree_with_the_test_of_single_states_of_wedges(number):
             assert verdict == (CROSSED if model.refuses(state) else APART)
 
 
-def test_one_freedom_has_no_touches():
+def test_one_dof_has_no_touches():
     model = Model(family_scene("full-contact", 0))
     assert not list(contact_strata(model))
     proof = prove(model)

@@ -15,7 +15,7 @@ from origami_nlp.folding import check_admissible, fold_vertex
 from origami_nlp.pattern import degree6, degree8, format_scene
 from origami_nlp.space import find_space, topology
 from origami_nlp.space.chain import chain_of
-from origami_nlp.space.mesh import SEAM, mesh_sheets
+from origami_nlp.space.mesh import SEAM, mesh_cover
 from tests.computed_once import once, thinned
 from tests.independent.kuhn import kuhn_surface
 from tests.independent.search_layers import symmetrically_admissible
@@ -33,13 +33,13 @@ SCENES = {
 
 @pytest.fixture(scope="module")
 def spaces():
-    return once("spaces", lambda: {k: find_space(scene, size=16) for k, scene in SCENES.items()})
+    return once("spaces", lambda: {k: find_space(scene, rings=16) for k, scene in SCENES.items()})
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", thinned(list(SCENES), 4))
 def test_topology_does_not_depend_on_the_mesh(spaces, name):
-    coarse, middle = find_space(SCENES[name], size=11), spaces[name]
+    coarse, middle = find_space(SCENES[name], rings=11), spaces[name]
     assert coarse.signature == middle.signature
     assert coarse.picture_holes == middle.picture_holes
 
@@ -48,7 +48,7 @@ def test_topology_does_not_depend_on_the_mesh(spaces, name):
 @pytest.mark.parametrize("name", SCENES)
 def test_topology_does_not_depend_on_fine_meshes(spaces, name):
     for size in (65, 128):
-        fine = find_space(SCENES[name], size=size)
+        fine = find_space(SCENES[name], rings=size)
         assert fine.signature == spaces[name].signature
         assert fine.picture_holes == spaces[name].picture_holes
 
@@ -206,7 +206,7 @@ def test_picture_joins_states_that_are_apart(spaces):
 @settings(max_examples=4)
 @given(st.floats(0.12, math.pi / 2 - 0.12), st.sampled_from([degree6, degree8]))
 def test_every_sector_angle_gives_a_sound_space(alpha, make):
-    space = find_space(make(alpha), size=12)
+    space = find_space(make(alpha), rings=12)
     assert space.euler_characteristic == len(space.components) - space.holes
     assert all(c.closed_surfaces == 0 for c in space.components)
     _, q = fold_vertex(space.scene.vertex, space.mesh.fold_angles)
@@ -227,10 +227,10 @@ def test_states_negate(spaces, name):
 
 @pytest.mark.slow
 def test_mesh_of_closed_states_is_a_surface():
-    sheets = mesh_sheets(chain_of(degree6(0.9)), 20)
-    _, of_triangle = topology.edges_of(sheets.triangles)
+    cover = mesh_cover(chain_of(degree6(0.9)), 20)
+    _, of_triangle = topology.edges_of(cover.triangles)
     assert np.bincount(of_triangle.ravel()).max() == 2
-    assert (sheets.sheet[sheets.on >> SEAM & 1 == 1] == 0).all()
+    assert (cover.leaf[cover.on >> SEAM & 1 == 1] == 0).all()
 
 
 def test_topology_of_known_complexes():
@@ -265,8 +265,8 @@ def test_topology_of_known_complexes():
 
 
 def test_bad_input_is_refused_in_one_line(tmp_path):
-    with pytest.raises(OptionError, match="size = 4"):
-        find_space(degree6("pi/4"), size=4)
+    with pytest.raises(OptionError, match="rings = 4"):
+        find_space(degree6("pi/4"), rings=4)
     with pytest.raises(OptionError, match="contact"):
         find_space(degree6("pi/4", contact="none"))
     with pytest.raises(OptionError, match="symmetry"):
@@ -278,7 +278,7 @@ def test_command_writes_json_and_figures(spaces, tmp_path):
     scene.write_text(format_scene(degree6("pi/3")))
     run = CliRunner().invoke
     out, figure = tmp_path / "space.json", tmp_path / "space.pdf"
-    arguments = ["space", str(scene), "--rings", "8", "--json", str(out), "--figure", str(figure)]
+    arguments = ["space", str(scene), "--rings", "8", "-o", str(out), "-o", str(figure)]
     result = run(app, arguments)
     assert result.exit_code == 0, result.output
     assert figure.read_bytes().startswith(b"%PDF")
@@ -288,7 +288,7 @@ def test_command_writes_json_and_figures(spaces, tmp_path):
     assert data["schema"] == "origami-nlp/landscape/2"
     assert len(data["handles"]) == 4
     assert data["euler_characteristic"] == 1
-    bad = run(app, ["space", str(scene), "--figure", str(tmp_path / "space.doc")])
+    bad = run(app, ["space", str(scene), "-o", str(tmp_path / "space.doc")])
     assert isinstance(bad.exception, OptionError)
 
 

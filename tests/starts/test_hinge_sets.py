@@ -61,7 +61,7 @@ def test_hinge_sets_hold_the_lowest_states_along_them(parts: tuple[int, ...]) ->
 
     moved = 0
     for x in states:
-        assert misses(x) < 1e-12 and model.on_sheet(x)
+        assert misses(x) < 1e-12 and model.lifts_to_one(x)
         hinges = np.flatnonzero((np.abs(x) < math.pi) & (np.abs(x) > 1e-9))
         for i, j in itertools.combinations(hinges, 2):
             for si, sj in itertools.product((1e-2, -1e-2), repeat=2):

@@ -102,7 +102,7 @@ def verify(result):
     for minimum in result.minima:
         x = np.array(minimum.fold_angles)
         value, jacobian = model.closure(x)
-        assert model.on_sheet(x)
+        assert model.lifts_to_one(x)
         assert np.abs(value).max() < 1e-12
         assert (np.abs(x) <= math.pi).all()
         free = np.abs(x) < math.pi - 1e-3

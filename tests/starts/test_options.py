@@ -11,7 +11,7 @@ from origami_nlp.errors import OptionError
 from origami_nlp.proof import ProofOptions
 from origami_nlp.starts import EFFORTS, SearchOptions
 
-TWO_FREEDOMS = o.examples.degree6("pi/3")
+TWO_DOF = o.examples.degree6("pi/3")
 QUARTIC = o.Scene(
     o.Vertex.from_degrees((70, 80, 120, 90)),
     (1, 2, 3, 2),
@@ -23,7 +23,7 @@ QUARTIC = o.Scene(
 
 def searched(**changed):
     options = dataclasses.replace(EFFORTS["quick"], **changed)
-    return o.find_minima(TWO_FREEDOMS, options=options, escape=False, prove=False)
+    return o.find_minima(TWO_DOF, options=options, escape=False, prove=False)
 
 
 def test_fields_of_a_search_have_their_effect():
@@ -46,7 +46,7 @@ def test_batches_change_nothing_but_the_time():
 
 
 def test_an_effort_is_its_options():
-    named = o.find_minima(TWO_FREEDOMS, effort="quick", escape=False, prove=False)
+    named = o.find_minima(TWO_DOF, effort="quick", escape=False, prove=False)
     assert named.search.by_source == searched().search.by_source
     assert [m.fold_angles for m in named.minima] == [m.fold_angles for m in searched().minima]
 
@@ -81,15 +81,17 @@ def test_fields_of_continuation_have_their_effect():
 
 
 def test_fields_of_a_proof_have_their_effect():
-    proved = o.find_minima(QUARTIC, prove=True, escape=False).completeness
+    def asked(**options):
+        return o.find_minima(QUARTIC, prove=ProofOptions(**options), escape=False).completeness
+
+    proved = asked(fewest=1)
     assert proved.status == "proved"
-    same = o.find_minima(QUARTIC, prove=ProofOptions(batch=50), escape=False).completeness
+    same = asked(batch=50, fewest=1)
     assert (same.status, same.boxes) == ("proved", proved.boxes)
-    coarse = o.find_minima(QUARTIC, prove=ProofOptions(smallest=1e-3), escape=False).completeness
-    assert coarse.boxes < proved.boxes
-    given_up = o.find_minima(
-        QUARTIC, prove=ProofOptions(boxes=5, batch=5), escape=False
-    ).completeness
+    finer = asked()
+    assert finer.status == "proved" and finer.boxes > proved.boxes
+    assert asked(smallest=1e-3, fewest=1).boxes < proved.boxes
+    given_up = asked(boxes=5, batch=5)
     assert given_up.status == "not-proved" and given_up.boxes < proved.boxes
 
 
@@ -128,14 +130,14 @@ def test_what_makes_no_sense_is_refused_in_one_line(make, changed, reported):
 
 
 @pytest.mark.parametrize(
-    ("origami", "over"),
+    ("origami", "parameter"),
     [(o.examples.degree6("pi/3"), "ratio=0.2:1"), ("metasheet:2x2", "stiffness[1]=0.5:2")],
     ids=("vertex", "pattern"),
 )
-def test_fields_of_continuation_have_their_effect_on_branches(origami, over):
+def test_fields_of_continuation_have_their_effect_on_branches(origami, parameter):
     def followed(**changed):
         options = ContinuationOptions(**changed)
-        return o.follow(origami, over, checks=1, max_starts=16, options=options)
+        return o.follow(origami, parameter, checks=1, max_starts=16, options=options)
 
     def points(atlas):
         return sum(len(branch.points) for branch in atlas.branches)
@@ -144,7 +146,7 @@ def test_fields_of_continuation_have_their_effect_on_branches(origami, over):
     assert points(fine) > 2 * points(plain) > 0
     assert [e.type for e in fine.events] == [e.type for e in plain.events]
     assert [e.t for e in fine.events] == pytest.approx([e.t for e in plain.events], abs=1e-9)
-    for t in (plain.over.low, 0.7, plain.over.high):
+    for t in (plain.parameter.low, 0.7, plain.parameter.high):
         energies = [[state.energy for state in atlas.at(t)] for atlas in (plain, fine)]
         assert energies[0] and energies[0] == pytest.approx(energies[1], rel=1e-9)
     # what is cut off says so, and reaches the end of the range nowhere
@@ -154,9 +156,9 @@ def test_fields_of_continuation_have_their_effect_on_branches(origami, over):
 
 def test_options_of_another_kind_are_refused():
     with pytest.raises(OptionError, match="options = 'fast' must be SearchOptions"):
-        o.find_minima(TWO_FREEDOMS, options="fast")
+        o.find_minima(TWO_DOF, options="fast")
     with pytest.raises(OptionError, match="prove = 'now' must be"):
-        o.find_minima(TWO_FREEDOMS, prove="now")
+        o.find_minima(TWO_DOF, prove="now")
 
 
 @pytest.mark.parametrize("kind", [SearchOptions, ContinuationOptions, ProofOptions])

@@ -290,7 +290,7 @@ def test_command_writes_json_and_markdown(
     source = tmp_path / "states.json"
     source.write_text(json.dumps(small[0][:2]))
     target, table = tmp_path / "out.json", tmp_path / "out.md"
-    done = run("audit", source, "--json", target, "--markdown", table, commands=app)
+    done = run("audit", source, "-o", target, "-o", table, commands=app)
     assert done.code == 0 and "2 published candidates" in done.out
     data = json.loads(target.read_text())
     assert data["schema"] == "origami-nlp/audit/1"
@@ -299,7 +299,7 @@ def test_command_writes_json_and_markdown(
     assert "| degree 6, alpha_1 = pi/4, r_k = 1 | 2 | 1 | 1 |" in table.read_text()
     bad = tmp_path / "bad.json"
     bad.write_text("[]")
-    for wrong in ([bad], [source, "--json", tmp_path / "no" / "out.json"]):
+    for wrong in ([bad], [source, "-o", tmp_path / "no" / "out.json"]):
         code, _, err = run("audit", *wrong, commands=app)
         assert code == 2 and err.count("\n") == 1
 

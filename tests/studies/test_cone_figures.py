@@ -17,7 +17,7 @@ from tests.computed_once import thinned
 def test_paper_figures_are_drawn_as_png_and_pdf(name, tmp_path, monkeypatch):
     monkeypatch.setattr(cone_figures, "SIZE", 4)
     cone_figures._diagram.cache_clear()
-    done = run("reproduce", name, "--out", tmp_path, commands=app)
+    done = run("reproduce", name, "--folder", tmp_path, commands=app)
     cone_figures._diagram.cache_clear()
     assert done.code == 0, done.err
     assert (tmp_path / f"{name}.png").read_bytes()[:4] == b"\x89PNG"

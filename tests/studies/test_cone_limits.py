@@ -89,7 +89,7 @@ def test_bad_arguments_are_named():
 
 def test_command_prints_every_quantity(tmp_path):
     out = tmp_path / "limits.json"
-    result = CliRunner().invoke(app, ["limits", "--json", str(out)])
+    result = CliRunner().invoke(app, ["limits", "-o", str(out)])
     assert result.exit_code == 0, result.output
     reported = json.loads(out.read_text())
     assert [row["name"] for row in reported["quantities"]] == [q.name for q in limits()]

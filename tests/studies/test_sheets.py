@@ -3,26 +3,28 @@
 from __future__ import annotations
 
 import resource
+from concurrent.futures import ThreadPoolExecutor
+from unittest.mock import create_autospec
 
 import numpy as np
 import pytest
 
 import origami_nlp as o
-from studies import draw_pattern_state, find_panels, sheet_table, sheets as sheet
+from studies import draw_panels, find_panels, sheet_table, sheets as sheet
 from studies.__main__ import app
-from studies.sheets import PatternProblem
+from studies.sheets import PanelGrid
 from tests.command_line import run
 
 
 @pytest.fixture
 def one_panel(monkeypatch):
-    small = PatternProblem(o.examples.degree8, ("pi/4",), (1.0,))
+    small = PanelGrid(o.examples.degree8, ("pi/4",), (1.0,))
     monkeypatch.setitem(sheet.SHEETS, "figure4", small)
 
 
 @pytest.mark.slow
 def test_reproduce_writes_png_and_pdf(one_panel, tmp_path):
-    code, out, _ = run("reproduce", "figure4", "--out", tmp_path / "new", commands=app)
+    code, out, _ = run("reproduce", "figure4", "--folder", tmp_path / "new", commands=app)
     assert code == 0 and "written" in out
     assert (tmp_path / "new/figure4.png").read_bytes().startswith(b"\x89PNG")
     assert (tmp_path / "new/figure4.pdf").read_bytes().startswith(b"%PDF")
@@ -32,7 +34,7 @@ def test_reproduce_writes_png_and_pdf(one_panel, tmp_path):
 def test_sheet_draws_what_was_found(one_panel):
     (panel,) = find_panels("figure4", size=41, workers=1)
     assert panel.counts == (2, 2, 2)
-    figure = draw_pattern_state("figure4", [panel])
+    figure = draw_panels("figure4", [panel])
     axes = figure.axes[0]
     stars = [ln for ln in axes.lines if ln.get_marker() not in (None, "None", "")]
     places = {tuple(np.round([*ln.get_xdata(), *ln.get_ydata()], 9)) for ln in stars}
@@ -41,12 +43,25 @@ def test_sheet_draws_what_was_found(one_panel):
     assert len(sheet_table([panel]).rows) == 1
 
 
+@pytest.mark.parametrize("workers", [1, 2])
+def test_each_panel_is_searched_and_mapped(monkeypatch, workers):
+    """In one process and in several (here threads), with arguments that the verbs take."""
+    grid = PanelGrid(o.examples.degree6, ("pi/3",), (0.5, 1.0))
+    monkeypatch.setitem(sheet.SHEETS, "figure3", grid)
+    monkeypatch.setattr(sheet, "worker_pool", ThreadPoolExecutor)
+    for verb in ("trace_boundary", "find_minima", "find_landscape"):
+        monkeypatch.setattr(sheet, verb, create_autospec(getattr(sheet, verb)))
+    panels = find_panels("figure3", size=21, workers=workers)
+    assert panels == [sheet.find_landscape.return_value] * 2
+    assert [call.args for call in sheet.find_minima.call_args_list] == [(s,) for s in grid.scenes]
+
+
 @pytest.mark.parametrize(
     ("arguments", "complaint"),
     [
         (["figure99"], "FIGURE = 'figure99' must be one of figure3, figure4"),
-        (["figure3", "--figure", "a.txt"], "must end in"),
-        (["figure3", "--figure", "nowhere/a.png"], "does not exist"),
+        (["figure3", "-o", "a.txt"], "must end in"),
+        (["figure3", "-o", "nowhere/a.png"], "does not exist"),
         (["figure3", "--seed", "-1"], "seed"),
     ],
 )
@@ -72,4 +87,4 @@ def test_whole_sheet(name):
         n_sym, n_open, n_full = panel.counts
         assert n_full is not None and n_open is not None
         assert n_sym == len(panel.result.minima) >= n_open >= n_full
-    assert len(draw_pattern_state(name, panels).axes) == 18
+    assert len(draw_panels(name, panels).axes) == 18

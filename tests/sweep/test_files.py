@@ -65,7 +65,7 @@ def test_places_of_a_pattern(tmp_path):
         }
     )
     assert drawn.pattern(3).facets == 6
-    same = o.examples.pattern("miura", 2, 2, alpha=1.0).with_springs(rest=1.0)
+    same = o.examples.pattern("miura", 2, 2, alpha=1.0).with_springs(rest_angles=1.0)
     assert pattern_to_dict(drawn.pattern(0)) == pattern_to_dict(same)
     assert pattern_to_dict(pattern_from_dict(pattern_to_dict(made))) == pattern_to_dict(made)
 
@@ -103,10 +103,10 @@ def test_the_command_says_when_it_was_interrupted(tmp_path, monkeypatch):
     file = tmp_path / "sheets.toml"
     file.write_text(PATTERNS)
     monkeypatch.setattr("origami_nlp.sweep.run.worker_pool", lambda workers: _Broken())
-    code, out, _ = run("sweep", file, "--out", tmp_path / "out", "--workers", "1")
+    code, out, _ = run("sweep", file, "--folder", tmp_path / "out", "--workers", "1")
     assert code == 130 and "goes on from here" in out
     monkeypatch.setattr("origami_nlp.sweep.run.worker_pool", lambda workers: Inline())
-    code, out, _ = run("sweep", file, "--out", tmp_path / "out", "--figure", tmp_path / "a.png")
+    code, out, _ = run("sweep", file, "--folder", tmp_path / "out", "-o", tmp_path / "a.png")
     assert code == 0 and "4 done" in out and (tmp_path / "a.png").stat().st_size > 1000
 
 
@@ -151,7 +151,7 @@ def test_mistakes_get_one_line(tmp_path, change, words):
     spec = tmp_path / "s.toml"
     assert change[0] in SMALL
     spec.write_text(SMALL.replace(*change, 1))
-    code, _, err = run("sweep", spec, "--out", tmp_path / "o")
+    code, _, err = run("sweep", spec, "--folder", tmp_path / "o")
     assert code == 2 and err.count("\n") == 1
     assert all(word in err for word in words), err
     assert not (tmp_path / "o").exists()
@@ -185,7 +185,7 @@ def test_places_of_loads():
     scene = {
         "vertex": {"sector_angles_deg": [96, 95, 92, 77]},
         "creases": {"stiffness": [1, 1, 1, 1], "rest_angles": [2.4, 2.4, 0.9, 0.7]},
-        "model": {"held_facet": 1},
+        "model": {"fixed_facet": 1},
         "loads": [{"crease": 3, "distance": 1, "force": [-1.0, -0.2, -0.15]}],
     }
     axes = [
@@ -197,3 +197,60 @@ def test_places_of_loads():
     for place in ("loads[2].force[1]", "loads[1].force", "loads[1].force[4]", "loads[1].nope"):
         with pytest.raises(OrigamiError, match="loads"):
             parse_sweep({"scene": scene, "axes": [{"set": place, "values": [1]}]})
+
+
+MEASURED = {
+    "vertex": {"sector_angles_deg": [99.4, 83.5, 74.1, 102.7], "normalize": True},
+    "creases": {"stiffness": [1.0, 2.0, 1.5, 0.7], "rest_angles_deg": [60, 60, -50, 40]},
+}
+
+
+@pytest.mark.parametrize("unit", ["", "_deg"])
+def test_a_sector_angle_means_the_same_in_a_sweep_and_where_states_are_followed(unit):
+    from origami_nlp.bifurcation import family_of, parse_parameter_range
+
+    sectors = (99.4, 83.5, 74.1, 103.0)
+    scene = {
+        "vertex": {f"sector_angles{unit}": [a if unit else np.radians(a) for a in sectors]},
+        "creases": MEASURED["creases"],
+    }
+    axis = {"set": "vertex.sector_angles[2]", "values": [*np.radians([80.0, 86.0, 88.0])]}
+    sweep = parse_sweep({"scene": scene, "axes": [axis]})
+    followed = family_of(sweep.scene(1), parse_parameter_range("sector_angles[2]=80deg:88deg"))
+    for index, degrees in enumerate((80.0, 86.0, 88.0)):
+        made = np.array(sweep.scene(index).vertex.sector_angles)
+        assert made[1] == pytest.approx(np.radians(degrees), abs=1e-15)
+        assert made.sum() == pytest.approx(2 * np.pi, abs=1e-14)
+        others = np.delete(made - np.radians(sectors), 1)
+        assert others == pytest.approx(np.full(3, np.radians(83.5 - degrees) / 3), abs=1e-14)
+        t = np.radians(degrees)
+        assert made == pytest.approx(np.array(followed.scene(t).vertex.sector_angles), abs=1e-14)
+    both = [{"set": f"vertex.sector_angles[{i}]", "values": [a]} for i, a in ((1, 1.7), (3, 1.3))]
+    made = np.array(parse_sweep({"scene": scene, "axes": both}).scene(0).vertex.sector_angles)
+    assert (made[0], made[2]) == (1.7, 1.3) and made.sum() == pytest.approx(2 * np.pi, abs=1e-14)
+
+
+def test_a_sweep_says_by_how_much_it_normalizes(tmp_path):
+    axis = {"set": "creases.stiffness[1]", "values": [1.0]}
+    assert np.degrees(parse_sweep({"scene": MEASURED, "axes": [axis]}).normalized) == pytest.approx(
+        0.075
+    )
+    every = [
+        {"set": f"vertex.sector_angles[{i}]", "values": [np.radians(a), np.radians(a + 0.2)]}
+        for i, a in enumerate((99.4, 83.5, 74.1, 103.0), start=1)
+    ]
+    search = {"mode": "list"}
+    swept = parse_sweep({"scene": MEASURED, "axes": every, "search": search})
+    assert np.degrees(swept.normalized) == pytest.approx(-0.2)
+    file = tmp_path / "s.toml"
+    file.write_text(
+        "[scene.vertex]\nsector_angles_deg = [99.4, 83.5, 74.1, 102.7]\nnormalize = true\n"
+        "[scene.creases]\nstiffness = [1, 2, 1.5, 0.7]\nrest_angles_deg = [60, 60, -50, 40]\n"
+        '[[axes]]\nset = "creases.stiffness[1]"\nvalues = [1]\n[search]\neffort = "quick"\n'
+    )
+    done = run("sweep", file, "--folder", tmp_path / "out", "--workers", 1)
+    assert done.code == 0
+    assert (
+        "note: sector angles normalized to a sum of 360 deg: each by +0.075 deg, at most"
+        in done.err
+    )

@@ -248,7 +248,17 @@ def test_a_failing_scene_does_not_end_the_sweep(tmp_path, monkeypatch):
 
 def start(spec, out):
     code = "from origami_nlp.cli import main; main()"
-    command = [sys.executable, "-c", code, "sweep", str(spec), "--out", str(out), "--workers", "2"]
+    command = [
+        sys.executable,
+        "-c",
+        code,
+        "sweep",
+        str(spec),
+        "--folder",
+        str(out),
+        "--workers",
+        "2",
+    ]
     return subprocess.Popen(
         command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, start_new_session=True
     )
@@ -353,7 +363,7 @@ def test_a_local_dask_cluster_gives_the_same(stores, tmp_path, text):
         ) as cluster:
             address = cluster.scheduler_address
             done = RUN.invoke(
-                app, ["sweep", str(spec), "--out", str(tmp_path / "o"), "--dask", address]
+                app, ["sweep", str(spec), "--folder", str(tmp_path / "o"), "--dask", address]
             )
     assert done.exit_code == 0, (done.output, done.exception)
     assert answers(tmp_path / "o") == answers(stores(text))
@@ -401,3 +411,31 @@ def test_a_sweep_that_follows_finds_what_one_that_searches_does(tmp_path, axis):
         assert a[:2] == b[:2] and a[kind] == b[kind]
         assert a[energy] == pytest.approx(b[energy], rel=1e-12)
         assert json.loads(a[angles]) == pytest.approx(json.loads(b[angles]), abs=1e-7)
+
+
+@pytest.mark.parametrize(
+    ("name", "places", "words"),
+    [
+        (
+            "creases.rest_angles_deg[2]",
+            ["creases.rest_angles_deg[2]"],
+            "rest angle of crease 2 [deg]",
+        ),
+        ("soft", ["creases.stiffness[1]", "creases.stiffness[4]"], "soft [N m/rad]"),
+        ("vertex.sector_angles[3]", ["vertex.sector_angles[3]"], "sector angle 3 [deg]"),
+        ("ratio", ["ratio"], "stiffness ratio rₖ"),
+    ],
+)
+def test_axes_of_a_picture_are_named_in_words(name, places, words):
+    from origami_nlp.sweep.figure import axis_label
+
+    assert axis_label({"places": {name: places}}, name) == words
+
+
+def test_an_axis_is_logarithmic_where_the_sweep_asks_for_it(tmp_path):
+    for scale in ("linear", "log"):
+        ratios = {"set": "ratio", "from": 0.1, "to": 10, "count": 2, "scale": scale}
+        one = {"example": "degree6"}
+        sweep = parse_sweep({"scene": one, "axes": [ratios], "search": {"max_starts": 4}})
+        run_sweep(sweep, tmp_path / scale, workers=1)
+        assert draw_sweep(tmp_path / scale).axes[0].get_xscale() == scale

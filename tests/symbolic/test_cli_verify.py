@@ -63,21 +63,21 @@ def test_the_counts_speak_of_statements_of_the_paper(verify):
 
 
 def test_reports_are_written(tmp_path, verify):
-    files = {kind: tmp_path / f"out.{kind}" for kind in ("json", "markdown", "latex")}
-    done = verify(*only(*QUICK), *(x for k, f in files.items() for x in (f"--{k}", f)))
+    files = {kind: tmp_path / f"out.{kind}" for kind in ("json", "md", "tex")}
+    done = verify(*only(*QUICK), *(x for f in files.values() for x in ("-o", f)))
     assert done.returncode == 0, done.stderr
     data = json.loads(files["json"].read_text(encoding="utf-8"))
     assert [c["id"] for c in data["claims"]] == list(QUICK)
-    assert "# Verification report" in files["markdown"].read_text(encoding="utf-8")
-    assert files["latex"].read_text(encoding="utf-8").count(r"\begin{equation}") == 3
+    assert "# Verification report" in files["md"].read_text(encoding="utf-8")
+    assert files["tex"].read_text(encoding="utf-8").count(r"\begin{equation}") == 3
 
 
 @pytest.mark.parametrize(
     ("args", "words"),
     [
         (["--only", "s3.nothing"], ["--only", "s3.nothing"]),
-        (["--json", "no/such/folder/x.json"], ["--json", "does not exist"]),
-        (["--markdown", "."], ["--markdown", "folder"]),
+        (["-o", "no/such/folder/x.json"], ["-o", "does not exist"]),
+        (["-o", "."], ["-o", "folder"]),
     ],
 )
 def test_bad_options_end_with_one_line_and_code_2(args, words, verify):
@@ -93,7 +93,7 @@ def test_an_unwritable_file_is_refused_before_the_work(tmp_path, monkeypatch):
     monkeypatch.setattr("os.access", lambda *_: False)
     monkeypatch.setattr(catalogue, "decide_all", lambda *_: pytest.fail("the work has begun"))
     with pytest.raises(OptionError, match="no permission"):
-        command.verify(json=tmp_path / "x.json")
+        command.verify(out=[str(tmp_path / "x.json")])
 
 
 @pytest.mark.parametrize(

@@ -32,12 +32,12 @@ def test_degree6_closes_for_any_sector_angles():
         assert np.sum(sign * one[point.ok] > 0.1) > 1000
 
 
-def test_degree6_refusals_are_on_the_other_sheet():
+def test_degree6_refusals_are_on_the_other_lift():
     """Where `degree6` refuses, the same fold angles modulo 2 pi close on q = -1 only."""
     rng = np.random.default_rng(12)
     two, three = rng.uniform(-np.pi, np.pi, (2, POINTS))
     point = degree6(0.8, 1.0, two, three)
-    refused = point.reason == Reason.NOT_ON_SHEET
+    refused = point.reason == Reason.OTHER_LIFT
     assert refused.sum() > 500
     azimuths = np.array([0, 0.8, 1.8, np.pi, -1.8, -0.8])
     a, b = two[refused], three[refused]

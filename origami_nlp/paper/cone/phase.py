@@ -59,6 +59,26 @@ class PhaseDiagram(ShortRepr, Result):
         """Number of branch minima [ratios, elevations]."""
         return self.map.total if self.contact else self.map.interior
 
+    def bounding(self, counted: str) -> tuple[PhaseBoundary, ...]:
+        """Return the boundaries at which a number of minima changes.
+
+        Parameters
+        ----------
+        counted
+            ``all`` minima, those in the ``interior`` of their branch, or those ``at end``.
+
+        Returns
+        -------
+        tuple of PhaseBoundary
+            Of the kinds that change it.
+        """
+        kinds = {
+            "all": ("start", "fold", "depth", "depth-at-end"),
+            "interior": ("start", "end", "fold", "depth"),
+            "at end": ("end", "depth-at-end"),
+        }[counted]
+        return tuple(b for b in self.boundaries if b.kind in kinds)
+
     @property
     def numbers(self) -> tuple[int, ...]:
         """The numbers that occur."""

@@ -60,8 +60,10 @@ def draw_map(
     branches: int,
     *,
     title: str = "",
+    boundaries: Sequence[PhaseBoundary] = (),
+    mirrored: bool = False,
 ) -> None:
-    """Draw numbers of branch minima as a map with one colour for each number that occurs.
+    """Draw numbers of branch minima as a map with one colour for each number that occurs, and exact borders.
 
     Parameters
     ----------
@@ -75,6 +77,10 @@ def draw_map(
         Number of all branches.
     title
         Of the map.
+    boundaries
+        Of `phase_boundaries`: those where the number changes, drawn over the cells.
+    mirrored
+        Whether the axis is -nu_0, as in `draw_boundaries`.
     """
     numbers = sorted({int(x) for x in np.unique(counts)})
     shown = np.searchsorted(np.array(numbers, dtype=object), counts).astype(float)
@@ -87,6 +93,9 @@ def draw_map(
     x = np.concatenate([nu - (nu[1] - nu[0]) / 2, [nu[-1] + (nu[1] - nu[0]) / 2]])
     y = np.concatenate([ratios / step, [ratios[-1] * step]])
     image = axes.pcolormesh(x, y, shown, cmap=colours, norm=norm, rasterized=True)
+    for curve in boundaries:
+        nu_0 = -curve.rest_elevation if mirrored else curve.rest_elevation
+        axes.plot(nu_0, curve.ratio, color="black", linewidth=1.2)
     frame(axes, (x[0], x[-1]), (y[0], y[-1]))
     if title:
         axes.set_title(title, fontsize=9)
@@ -294,10 +303,12 @@ def draw_phase(diagram: PhaseDiagram) -> Figure:
     grid = list(figure.subplots(1, panels, squeeze=False)[0])
     x, y = counts.elevations, counts.ratios
     if not one:
-        draw_map(grid[0], x, y, diagram.minima, counts.branches, title=words)
+        of = diagram.bounding("all" if diagram.contact else "interior")
+        draw_map(grid[0], x, y, diagram.minima, counts.branches, title=words, boundaries=of)
     if diagram.contact:
         title = end_words(counts.cone.end)
-        draw_map(grid[-2], x, y, counts.at_end, counts.branches, title=title)
+        of = diagram.bounding("at end")
+        draw_map(grid[-2], x, y, counts.at_end, counts.branches, title=title, boundaries=of)
     window = (
         (float(x[0]), float(x[-1])),
         (float(y[0]), float(y[-1])),

@@ -92,7 +92,7 @@ def print_count(count: ConeCount, console: Console) -> None:
         return
     console.print(count_table(count))
     if len(count.minima) > MOST_ROWS:
-        console.print(f"{len(count.minima) - MOST_ROWS} more rows: --json FILE has all")
+        console.print(f"{len(count.minima) - MOST_ROWS} more rows: -o FILE.json has all")
 
 
 def count_table(count: ConeCount) -> Table:

@@ -42,7 +42,7 @@ def test_values_out_of_range_are_named(arguments):
 
 def test_count_writes_the_contract():
     runner = CliRunner()
-    command = "paper cone count --degree 10 --ratio 0.01 --rest-elevation -0.8 --json -"
+    command = "paper cone count --degree 10 --ratio 0.01 --rest-elevation -0.8 -o -"
     out = runner.invoke(app, command.split())
     assert out.exit_code == 0
     data = json.loads(out.stdout)
@@ -84,7 +84,7 @@ def test_long_integers_are_strings(tmp_path):
         "--rest-elevation",
         "pi/6",
     ]
-    out = CliRunner().invoke(app, [*command, "--json", str(target)])
+    out = CliRunner().invoke(app, [*command, "-o", str(target)])
     assert out.exit_code == 0 and "of 2.535e30 branches" in out.stdout
     data = json.loads(target.read_text())
     assert data["branches"] == str(2**101)

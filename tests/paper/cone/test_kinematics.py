@@ -236,7 +236,7 @@ def test_assignments_are_read_and_written():
 
 def test_branch_gives_fold_angles_in_degrees():
     out = CliRunner().invoke(
-        app, ["paper", "cone", "branch", "--flaps", "VVM", "--elevation", "-pi/9", "--json", "-"]
+        app, ["paper", "cone", "branch", "--flaps", "VVM", "--elevation", "-pi/9", "-o", "-"]
     )
     assert out.exit_code == 0
     data = json.loads(out.stdout)
@@ -255,13 +255,13 @@ def test_branch_gives_fold_angles_in_degrees():
 def test_foldings_are_listed(tmp_path):
     target = tmp_path / "foldings.json"
     out = CliRunner().invoke(
-        app, ["paper", "cone", "foldings", "--degree", "12", "--json", str(target)]
+        app, ["paper", "cone", "foldings", "--degree", "12", "-o", str(target)]
     )
     assert out.exit_code == 0 and "(necklaces): 14" in out.stdout
     data = json.loads(target.read_text())
     assert (data["necklaces"], data["bracelets"]) == (14, 13)
     assert len(data["necklace_list"]) == 14 and len(data["bracelet_list"]) == 13
-    many = CliRunner().invoke(app, ["paper", "cone", "foldings", "--degree", "1000", "--json", "-"])
+    many = CliRunner().invoke(app, ["paper", "cone", "foldings", "--degree", "1000", "-o", "-"])
     assert json.loads(many.stdout)["necklaces"] == str(cone.number_of_foldings(1000))
     with pytest.raises(OptionError, match="up to 32"):
         CliRunner().invoke(
@@ -287,7 +287,7 @@ def test_a_branch_is_drawn_by_command(tmp_path):
         "VVM",
         "--elevation",
         "-0.2",
-        "--figure",
+        "-o",
         str(target),
     ]
     out = CliRunner().invoke(app, command)
@@ -296,5 +296,5 @@ def test_a_branch_is_drawn_by_command(tmp_path):
         cone.draw_branch(cone.ConeBranch((1, 1, -1), 1), [0.6])
     with pytest.raises(OptionError, match="--degree is missing"):
         CliRunner().invoke(
-            app, ["paper", "cone", "draw", "--figure", str(target)], catch_exceptions=False
+            app, ["paper", "cone", "draw", "-o", str(target)], catch_exceptions=False
         )

@@ -196,10 +196,7 @@ def test_printed_plateaus_agree_with_the_symbolic_claims():
 
 def test_command_writes_map_and_boundaries(tmp_path):
     files = {k: tmp_path / f"phase.{k}" for k in ("png", "csv", "json")}
-    wanted = [
-        f"--{option}={files[k]}"
-        for option, k in (("figure", "png"), ("csv", "csv"), ("json", "json"))
-    ]
+    wanted = [f"--output={file}" for file in files.values()]
     result = CliRunner().invoke(
         app, ["paper", "cone", "phase", "--degree", "8", "--size", "12", *wanted]
     )

@@ -81,7 +81,7 @@ def trace(model: Model) -> CandidateMinima:
     Parameters
     ----------
     model
-        With `freedom` 1, any group and contact.
+        With `dof` 1, any group and contact.
 
     Returns
     -------
@@ -93,9 +93,9 @@ def trace(model: Model) -> CandidateMinima:
     OptionError
         If the model has more degrees of freedom, or none.
     """
-    if model.freedom != 1:
+    if model.dof != 1:
         raise OptionError(
-            f"a model with {model.freedom} degrees of freedom has no curves to trace: need 1"
+            f"a model with {model.dof} degrees of freedom has no curves to trace: need 1"
         )
     curves = ConfigurationCurves(model)
     branches, failures = curves.resolved()
@@ -156,7 +156,7 @@ class _CandidateList:
 def lifts(
     model: Model, curves: ConfigurationCurves, branches: Branches
 ) -> list[tuple[Branches, np.ndarray]]:
-    """Split branches by the whole turns [L, n] [rad] that lead to states of the model, on its sheet."""
+    """Split branches by the whole turns [L, n] [rad] that lead to states of the model, with q = +1."""
     out = []
     keys = np.concatenate([branches.odd[:, None], branches.pinned], axis=1)
     for key in np.unique(keys, axis=0):
@@ -167,7 +167,7 @@ def lifts(
         more = pinned | (curves.period < 2 * model.bound)
         options = [(-1.0, 0.0, 1.0) if many else (0.0,) for many in more]
         turns = np.array(list(itertools.product(*options)))
-        if curves.sheets:
+        if curves.two_lifts:
             # each whole turn changes the sign of q: as many as lead to q = +1
             turns = turns[turns.sum(axis=1) % 2 == odd]
         turns = curves.period * turns

@@ -84,7 +84,7 @@ def test_a_saddle_of_a_miura_is_that_of_its_closed_form(tmp_path):
     assert o.draw(barriers, tmp_path / "b.png").axes
 
 
-def test_what_has_more_freedoms_is_refused_in_one_line():
+def test_what_has_more_dof_is_refused_in_one_line():
     found = o.find_minima("waterbomb:1x1", max_starts=4, escape=False)
     assert max(m.dof for m in found.minima) > 1
     with pytest.raises(OptionError, match="have more than one degree of freedom"):
@@ -101,6 +101,6 @@ def test_what_has_more_freedoms_is_refused_in_one_line():
 
 def test_the_command_takes_a_pattern(tmp_path):
     file = tmp_path / "b.json"
-    done = run("barriers", "metasheet:3x3", "--json", file, "--fold", tmp_path / "b.fold")
+    done = run("barriers", "metasheet:3x3", "-o", file, "-o", tmp_path / "b.fold")
     assert done.code == 0 and "flat state" in done.out, done.err
     assert file.stat().st_size > 1000

@@ -18,7 +18,7 @@ from tests.independent.admissible import admissible
 from tests.independent.scenes import SHAPES, build
 
 PI = math.pi
-ONE = [s for s in SHAPES if Model(build(np.random.default_rng(0), s)).freedom == 1]
+ONE = [s for s in SHAPES if Model(build(np.random.default_rng(0), s)).dof == 1]
 PLANTED = Scene(
     Vertex((0.7784849122786709, 2.291547160916454, 1.0231515757129965, 2.1900016582714645)),
     (0.022816280794769387, 0.03205546964080397, 0.04387824855836886, 0.0012500010060577914),
@@ -251,7 +251,7 @@ def test_the_same_turned_over_and_renumbered():
             assert len(x) == len(first) and all(nearest(y, first) < 1e-8 for y in x)
 
 
-def test_one_freedom_is_counted_in_a_fifth_of_a_second():
+def test_one_dof_is_counted_in_a_fifth_of_a_second():
     for scene in (PLANTED, WAITUKAITIS):
         model = Model(scene)
         trace(model)  # (compiled functions are made once)
@@ -260,7 +260,7 @@ def test_one_freedom_is_counted_in_a_fifth_of_a_second():
         assert time.process_time() - begin < 2.0  # 0.05 on a quiet machine
 
 
-def test_more_freedom_is_refused():
+def test_more_dof_is_refused():
     with pytest.raises(OptionError, match="2 degrees of freedom"):
         trace(Model(examples.degree6("pi/3", 1.0)))
 

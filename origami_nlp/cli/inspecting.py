@@ -1,0 +1,89 @@
+"""The command `inspect`: what a file says, whatever kind of file it is."""
+
+from __future__ import annotations
+
+import json
+import math
+from typing import TYPE_CHECKING, Any
+
+from origami_nlp.cli import options as o
+from origami_nlp.cli.output import Output, writes
+from origami_nlp.cli.source import Source, takes_scene
+from origami_nlp.errors import OptionError
+
+if TYPE_CHECKING:
+    from origami_nlp.display import Table
+    from origami_nlp.pattern import Scene
+
+
+@takes_scene(o.OrigamiFile, whole=True)
+@writes("json", "scene", "fold", "figure")
+def inspect(out: Output, scene: Source) -> None:
+    """Print what a file says: vertices of a pattern; creases, springs and optimisation problem of one vertex.
+
+    Of a pattern: degree, angles, flat-foldability and diagnosis of each interior vertex; -o FILE.png draws it with the
+    numbers of its vertices, FILE.fold is the pattern with the springs given here.  Of a scene, or with --vertex:
+    the springs of each crease, variables and constraints; -o FILE.toml is that vertex as a scene file.
+    """
+    if scene.is_whole:
+        _pattern(scene, out)
+    else:
+        _vertex(scene, out)
+
+
+def _vertex(scene: Source, out: Output) -> None:
+    from origami_nlp.pattern import format_scene
+    from origami_nlp.problem import Model
+
+    out.refuse("one vertex is written as a scene: end the name in .toml", "json", "fold", "figure")
+    stated = scene.read()
+    model = str(Model(stated))
+    out.say(_springs(stated))
+    for load in stated.loads:
+        out.say(f"load: {load.words}, facet {stated.fixed_facet} fixed", highlight=False)
+    out.say(model, highlight=False, soft_wrap=True)
+    out.write("scene", format_scene, stated)
+
+
+def _springs(stated: Scene) -> Table:
+    """Return one row a crease: the sector to the next crease, and its spring."""
+    from origami_nlp.display import rows_table
+
+    heads = ["crease", "sector to the next [deg]", "stiffness [N m/rad]", "rest angle [deg]"]
+    columns = [
+        [math.degrees(a) for a in stated.vertex.sector_angles],
+        stated.stiffness,
+        [math.degrees(a) for a in stated.rest_angles],
+    ]
+    if stated.preload:
+        heads, columns = [*heads, "preload [N m]"], [*columns, stated.preload]
+    rows = [
+        [str(i), *(f"{v:.7g}" for v in row)]
+        for i, row in enumerate(zip(*columns, strict=True), start=1)
+    ]
+    kept = f"symmetry {stated.group.name} ({stated.symmetry} asked)"
+    title = f"{stated.label or 'vertex'}: degree {stated.degree}, {kept}, contact {stated.contact}"
+    return rows_table(heads, rows, title)
+
+
+def _pattern(scene: Source, out: Output) -> None:
+    from origami_nlp.display import draw_pattern
+    from origami_nlp.folding import list_vertices, print_vertices, vertices_to_dict
+    from origami_nlp.pattern_problem import pattern_to_fold
+
+    out.refuse("name one vertex with --vertex, to write it as a scene", "scene")
+    others = [name for name in scene.given if name != "frame"]
+    if others and not out.files("fold"):
+        raise OptionError(
+            f"--{others[0].replace('_', '-')}: the list has every vertex as it is in the file; give "
+            "-o FILE.fold to write the pattern with it, or --vertex V -o FILE.toml for one vertex"
+        )
+    lists = [list_vertices(one) for one in scene.frames()]
+    flat = [one.frame for one in lists if not one.frame.folded]
+    if not flat:
+        out.refuse("there is no crease pattern to draw", "figure")
+    sheet: Any = scene.read_pattern() if out.files("fold") else None
+    print_vertices(lists, out.console)
+    out.write("json", vertices_to_dict, lists)
+    out.write("figure", lambda: draw_pattern(flat[0]))
+    out.write("fold", lambda: json.dumps(pattern_to_fold(sheet), indent=1) + "\n")

@@ -1,0 +1,81 @@
+"""A command loads what it needs and no more: which modules are there when it has ended, in a process of its own."""
+
+import json
+import subprocess
+import sys
+
+import pytest
+import typer
+
+from origami_nlp import examples, format_scene
+from origami_nlp.cli import app
+from tests.command_line import run
+
+HEAVY = "numpy scipy.sparse scipy.linalg matplotlib casadi sympy pydantic shapely cattrs rich.console".split()
+
+
+def loaded(*words):
+    """Which of `HEAVY` are loaded when a command has ended."""
+    code = (
+        "import sys, json, atexit\n"
+        "from origami_nlp.cli import main\n"
+        f"sys.argv = {['origami-nlp', *map(str, words)]}\n"
+        f"here = lambda: print(json.dumps([m for m in {HEAVY} if m in sys.modules]), file=sys.stderr)\n"
+        "atexit.register(here)\n"
+        "main()\n"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    return done.stdout, set(json.loads(done.stderr.splitlines()[-1]))
+
+
+@pytest.fixture
+def scene(tmp_path):
+    path = tmp_path / "scene.toml"
+    path.write_text(format_scene(examples.degree6("pi/3")))
+    return path
+
+
+@pytest.mark.parametrize(
+    "words", [["--version"], ["--help"], ["minima", "--help"], ["paper", "--help"]]
+)
+def test_what_says_something_of_the_program_loads_nothing(words):
+    said, modules = loaded(*words)
+    assert said and not modules
+
+
+def test_the_main_job_loads_what_it_computes_and_prints_with(scene):
+    said, modules = loaded("minima", scene, "--prove", 0, "--effort", "quick", "--max-starts", 16)
+    assert "minima" in said
+    assert modules == {"numpy", "casadi", "rich.console"}
+
+
+def test_a_figure_is_what_loads_matplotlib(scene, tmp_path):
+    picture = tmp_path / "states.png"
+    words = ["minima", scene, "--prove", 0, "--effort", "quick", "--max-starts", 16]
+    _, modules = loaded(*words, "-o", picture)
+    assert picture.exists() and "matplotlib" in modules
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["7", "007", "+7", "-7", " 7", "7.0", "1_0", "7e0", "seven", "", "\u0663", "\u00b2", "9" * 30],
+)
+def test_a_number_is_read_as_typer_reads_it(text):
+    """What is read without pydantic is what pydantic reads, and what it refuses is refused in the same words."""
+    command = typer.main.get_command(app).commands["minima"]
+    context = command.make_context("minima", ["scene.toml"])
+    (seed,) = [p for p in command.get_params(context) if p.name == "seed"]
+
+    def said(read):
+        try:
+            return read(context, text)
+        except Exception as error:  # of Typer's own, or of ours where the number is out of range
+            return type(error).__name__, str(error)
+
+    assert said(seed.process_value) == said(lambda *given: type(seed).process_value(seed, *given))
+
+
+def test_what_is_missing_is_said_as_before():
+    done = run("minima")
+    assert done.code == 2 and "missing argument" in done.err and "ORIGAMI" in done.err
