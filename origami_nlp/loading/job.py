@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import cached_property
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -246,8 +246,8 @@ class FollowedLoad:
 
     def symmetric(self, phi: np.ndarray) -> np.ndarray | None:
         """Return the variables of a state of all N fold angles that keeps the symmetry; None where it does not."""
-        model = self.web.line.problem
-        x = model.reduce(phi)
+        model: Any = self.web.line.problem
+        x: np.ndarray = model.reduce(phi)
         return x if np.abs(model.expand(x) - phi).max() <= SETTLED else None
 
     def chosen_image(self, phi: np.ndarray, node: SpecialPoint) -> np.ndarray:
@@ -316,15 +316,15 @@ class FollowedLoad:
         job, number, into, landed, s, what = self.falls[k]
         web, found = job.web, job.web.nodes[number]
         problem, after_in = web.line.at(found.s), into.web.line.at(found.s)
-        one = problem.expand(found.point[:-1]) + 0.0
-        two = after_in.expand(into.at_the_snap(landed, s, found.s)) + 0.0
+        before, after = found.point[:-1], into.at_the_snap(landed, s, found.s)
+        one, two = problem.expand(before) + 0.0, after_in.expand(after) + 0.0
         event = min(
             events, key=lambda e: abs(e.t - found.s) + float(np.abs(e.fold_angles - one).max())
         )
         # without the symmetry what branches off unstable states is not followed
         again = None if job.home is not None else restabilises(web, number)
         if into is job:
-            released = -float(problem.energy_change(problem.reduce(one), problem.reduce(two)))
+            released = -float(problem.energy_change(before, after))
         else:  # one of the two spaces has all fold angles
             released = -float(self.beyond.web.line.at(found.s).energy_change(one, two))
         return Snap(
