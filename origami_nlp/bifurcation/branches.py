@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -88,6 +88,30 @@ def branches_of(
         _branch(web, parameter, number, chain, parts, across, ids)
         for number, chain in enumerate(chains, start=1)
     )
+    return branches, events
+
+
+def joined(
+    one: tuple[Sequence[PathBranch], Sequence[PathEvent]],
+    two: tuple[Sequence[PathBranch], Sequence[PathEvent]],
+) -> tuple[list[PathBranch], list[PathEvent]]:
+    """Return the branches and events of two diagrams as those of one, numbered anew, events in order of the load."""
+    shift = len(one[0])
+    all_events = [(0, e) for e in one[1]] + [(1, e) for e in two[1]]
+    all_events.sort(key=lambda pair: pair[1].t)
+    ids = {(which, e.id): k for k, (which, e) in enumerate(all_events, start=1)}
+    events = [
+        replace(e, id=ids[which, e.id], branches=tuple(b + which * shift for b in e.branches))
+        for which, e in all_events
+    ]
+    branches = []
+    for which, several in enumerate((one[0], two[0])):
+        for b in several:
+            a, c = (
+                replace(end, event=None if end.event is None else ids[which, end.event])
+                for end in b.ends
+            )
+            branches.append(replace(b, id=b.id + which * shift, ends=(a, c)))
     return branches, events
 
 

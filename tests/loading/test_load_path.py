@@ -203,3 +203,50 @@ def test_a_path_without_events_shows_no_empty_table():
     first = next(iter(quiet.report_sections()))
     assert "does not snap" in first.title and len(first.rows) > 1
     assert "" not in loop().table().heads  # of the column for events that are not located
+
+
+def test_a_waterbomb_snaps_through_the_flat_state_at_the_load_of_its_slope_there():
+    """By hand: along a = -b / sqrt(1/2) the energy of springs and load is level at the flat state."""
+    scene = examples.waterbomb()
+    k, rest = scene.stiffness[0], np.array(scene.rest_angles)
+    along = np.array([-np.sqrt(2) / 2, 1, 1, -np.sqrt(2) / 2, 1, 1])
+    level = -k * (rest @ along) / 4  # torque on four creases that turn by 1
+    path = load_path(scene, 2, to=-0.06, confirm=False)
+    (snap,) = path.snaps
+    assert snap.type == "flat state" and snap.t == pytest.approx(level, rel=1e-9)
+    assert not np.any(path.legs[0].points[-1].fold_angles)
+    assert np.degrees(snap.after) == pytest.approx([-90, 0, 0, -90, 0, 0], abs=1e-6)
+    assert snap.released == pytest.approx(k * (np.pi / 2) ** 2, rel=1e-9)
+
+
+def test_where_the_symmetry_breaks_the_path_goes_on_to_the_snap_without_it():
+    path = load_path(examples.waterbomb(), 1, to=0.09, confirm=False)
+    first, second = path.legs[:2]
+    assert first.why == "breaks-symmetry" and first.points[-1].t == pytest.approx(
+        second.points[0].t
+    )
+    assert second.full_space == "stable" and second.why == "snap"
+    before, after = np.array(path.snaps[0].before), np.array(path.snaps[0].after)
+    assert abs(before[1] - before[2]) > 0.1 and before[1] == pytest.approx(before[4])
+    assert after[1:3] == pytest.approx(0, abs=1e-9) and after[0] > 1
+    # dead load, by SciPy: just before the snap a minimum is next to the state, just beyond it none is
+    from scipy.optimize import minimize
+
+    scene, t = examples.waterbomb(), path.snaps[0].t
+    sectors = np.array(scene.vertex.sector_angles)
+    at = np.array([p.fold_angles for p in second.points])[-1]
+
+    def end(load):
+        return minimize(
+            lambda phi: scene.energy(phi) - load * (phi[0] + phi[3]),
+            at,
+            constraints={
+                "type": "eq",
+                "fun": lambda phi: (fold(sectors, phi)[1][0] - np.eye(3))[[0, 0, 1], [1, 2, 2]],
+            },
+            method="SLSQP",
+            options={"ftol": 1e-14, "maxiter": 500},
+        ).x
+
+    assert np.abs(end(0.99 * t) - before).max() < 0.4
+    assert np.abs(end(1.01 * t) - after).max() < 0.1
