@@ -92,26 +92,44 @@ def branches_of(
 
 
 def joined(
-    one: tuple[Sequence[PathBranch], Sequence[PathEvent]],
-    two: tuple[Sequence[PathBranch], Sequence[PathEvent]],
+    diagrams: Sequence[tuple[Sequence[PathBranch], Sequence[PathEvent]]],
+    one: Callable[[PathEvent, PathEvent], bool],
+    last: Callable[[PathEvent], bool],
 ) -> tuple[list[PathBranch], list[PathEvent]]:
-    """Return the branches and events of two diagrams as those of one, numbered anew, events in order of the load."""
-    shift = len(one[0])
-    all_events = [(0, e) for e in one[1]] + [(1, e) for e in two[1]]
-    all_events.sort(key=lambda pair: pair[1].t)
-    ids = {(which, e.id): k for k, (which, e) in enumerate(all_events, start=1)}
+    """Return the branches and events of several diagrams of one system as those of one, numbered anew.
+
+    one: whether two events are one, of which the first is kept.  last: whether an event comes after others.
+    """
+    if len(diagrams) == 1:
+        return list(diagrams[0][0]), list(diagrams[0][1])
+    shifts = np.cumsum([0, *(len(branches) for branches, _ in diagrams)]).tolist()
+    found = [(which, e) for which, (_, events) in enumerate(diagrams) for e in events]
+    found.sort(key=lambda pair: (not pair[1].located, last(pair[1])))
+    groups: list[list[tuple[int, PathEvent]]] = []
+    for which, e in found:
+        same = next((g for g in groups if one(g[0][1], e)), None)
+        if same is None:
+            groups.append([(which, e)])
+        else:
+            same.append((which, e))
+    groups.sort(key=lambda group: group[0][1].t)
+    ids = {(which, e.id): k for k, g in enumerate(groups, start=1) for which, e in g}
     events = [
-        replace(e, id=ids[which, e.id], branches=tuple(b + which * shift for b in e.branches))
-        for which, e in all_events
+        replace(
+            g[0][1],
+            id=k,
+            branches=tuple(sorted({b + shifts[which] for which, e in g for b in e.branches})),
+        )
+        for k, g in enumerate(groups, start=1)
     ]
     branches = []
-    for which, several in enumerate((one[0], two[0])):
+    for which, (several, _) in enumerate(diagrams):
         for b in several:
             a, c = (
                 replace(end, event=None if end.event is None else ids[which, end.event])
                 for end in b.ends
             )
-            branches.append(replace(b, id=b.id + which * shift, ends=(a, c)))
+            branches.append(replace(b, id=b.id + shifts[which], ends=(a, c)))
     return branches, events
 
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -140,9 +140,19 @@ class VertexDriver:
         mean = "mean fold angle of creases" if len(self.creases) > 1 else "fold angle of crease"
         return f"{mean} {numbers} [rad]"
 
-    def without_symmetry(self) -> VertexDriver:
-        """Return the same load on states that need not keep the symmetry."""
-        return replace(self, scene=full_scene(self.scene), images=self.creases)
+    def keeping(self, elements: Collection[tuple[int, bool]]) -> VertexDriver:
+        """Return the same load on states that keep but some of the symmetries, or fewer where no scene states those."""
+        full, n = full_scene(self.scene), self.scene.degree
+        order = sum(not mirrored for _, mirrored in elements)
+        mirrors = [s for s, mirrored in elements if mirrored]
+        kept = replace(full, symmetry=f"C{order}")
+        if mirrors:
+            through = [k + 1 for k in range(n) if 2 * k % n in mirrors]
+            several = replace(full, symmetry=f"D{order}", mirror=through[0] if through else None)
+            kept = several if set(several.group.elements) == set(elements) else kept
+        # a winding belongs to its group
+        kept = full if len(kept.windings) > 1 else kept
+        return replace(self, scene=kept, images=self.creases)
 
     @property
     def unloaded(self) -> Scene:

@@ -5,14 +5,12 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import replace
-from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from origami_nlp.bifurcation import (
     ParameterRange,
-    PathBranch,
     PathEvent,
     branches_of,
     chains_of,
@@ -25,6 +23,7 @@ from origami_nlp.continuation import (
     ContinuationOptions,
     Equilibrium,
     EquilibriumCurve,
+    ParameterLine,
     SpecialPoint,
     is_equilibrium,
 )
@@ -32,7 +31,7 @@ from origami_nlp.errors import OUT_OF_TIME
 from origami_nlp.kkt import Classification, State, classify
 from origami_nlp.loading.driver import BRANCHES, LoadSearch, VertexDriver
 from origami_nlp.loading.pattern_driver import PatternDriver
-from origami_nlp.loading.records import ConfirmedSnap, Leg, LoadPoint, Snap
+from origami_nlp.loading.records import PITCHFORK, ConfirmedSnap, Leg, LoadPoint, Snap
 from origami_nlp.loading.result import LoadPath
 from origami_nlp.loading.stable_path import (
     StableSegment,
@@ -47,15 +46,21 @@ from origami_nlp.numerics import NEAR_SINGULAR_TOL, SETTLED, coarse
 
 MOST_SNAPS = 20
 """Of one path: more are taken for a mistake."""
+IDENTITY = ((0, False),)
+"""The symmetry that every state keeps."""
 
 
 class Way(NamedTuple):
-    """Stable states that the load passes in one space, one way, and the number of the snap that ends them."""
+    """Stable states that the load passes in one space, one way, and the number of the snap that ends them.
+
+    branches_off: whether the first of them is a bifurcation.
+    """
 
     job: FollowedLoad
     segment: StableSegment
     toward: float
     snap: int | None
+    branches_off: bool = False
 
 
 class Fall(NamedTuple):
@@ -89,6 +94,7 @@ class FollowedLoad:
         self._full = driver.full_line() if full else None
         self._known: dict[int, tuple[Equilibrium, float]] = {}
         functions = [("breaks-symmetry", self.across)] if self._full else []
+        self.spaces: dict[tuple[tuple[int, bool], ...], FollowedLoad] = {}
         self.web = BifurcationDiagram(
             driver.line(),
             low,
@@ -102,21 +108,39 @@ class FollowedLoad:
         self.falls: list[Fall] = [] if home is None else home.falls
         self.alarms: list[str] = [] if home is None else home.alarms
 
-    @cached_property
-    def beyond(self) -> FollowedLoad:
-        """The same path without the symmetry; itself where none is imposed, or states are to keep it."""
-        if self._full is None:
-            return self
-        assert isinstance(self.driver, VertexDriver)
-        return FollowedLoad(
-            self.driver.without_symmetry(), self.low, self.high, *self._given, home=self
-        )
+    @property
+    def root(self) -> FollowedLoad:
+        """The path in the space of the scene as stated."""
+        return self if self.home is None else self.home
 
     @property
     def jobs(self) -> list[FollowedLoad]:
         """The spaces in which something was followed."""
-        other = self.__dict__.get("beyond", self)
-        return [self] if other is self else [self, other]
+        return [self, *self.spaces.values()]
+
+    @property
+    def elements(self) -> tuple[tuple[int, bool], ...]:
+        """Symmetries that states keep; the identity alone where none is imposed."""
+        return (
+            self.driver.scene.group.elements if isinstance(self.driver, VertexDriver) else IDENTITY
+        )
+
+    def keeping(self, elements: Sequence[tuple[int, bool]]) -> FollowedLoad:
+        """Return the same path in the space of states that keep some of the symmetries of the scene."""
+        root = self.root
+        if root._full is None or set(elements) == set(root.elements):
+            return root
+        assert isinstance(root.driver, VertexDriver)
+        driver = root.driver.keeping(elements)
+        kept = driver.scene.group.elements
+        if kept not in root.spaces:
+            root.spaces[kept] = FollowedLoad(driver, self.low, self.high, *self._given, home=root)
+        return root.spaces[kept]
+
+    @property
+    def beyond(self) -> FollowedLoad:
+        """The same path without the symmetry; itself where none is imposed, or states are to keep it."""
+        return self.keeping(IDENTITY)
 
     def across(self, frame: Equilibrium) -> float:
         """Return the smallest eigenvalue across the symmetry; nan where it is not asked for."""
@@ -131,19 +155,22 @@ class FollowedLoad:
         assert self._full is not None
         return State(self._full.at(frame.s), frame.problem.expand(frame.state))
 
-    def _judged(self, way: StableSegment) -> tuple[str, float | None]:
-        """Describe the states of a segment without the symmetry, and from which load on; it may snap at its end."""
-        if self._full is None and self.home is None:
+    def _judged(self, way: StableSegment, first: int) -> tuple[str, float | None]:
+        """Describe the states of a segment, but for the first few, without the symmetry, and from which load on.
+
+        It may snap at its end.
+        """
+        if self.root._full is None:
             return "", None
-        last = max(len(way.frames) - 1 - (way.why != "range"), 0)
+        last = max(len(way.frames) - 1 - (way.why != "range"), first)
 
         def verdict(k: int) -> str:
             frame = way.frames[k]
-            return classify(frame.seen if self.home else self._in_full_space(frame)).verdict
+            return classify(self._in_full_space(frame) if self._full else frame.seen).verdict
 
         # asked at three places, then bisected: between two of them the verdict is taken to change once
-        good = -1
-        for k in sorted({0, last // 2, last}):
+        good = first - 1
+        for k in sorted({first, (first + last) // 2, last}):
             bad = verdict(k)
             if bad == "minimum":
                 good = k
@@ -191,34 +218,38 @@ class FollowedLoad:
             if way is None:
                 self.alarms.append(f"no stable states lead on from load {s:.9g}")
                 return None
+            begun = bool(before)
             way, before = replace(way, frames=(*before, *way.frames)), ()
             lost = self._lost(way)
             if lost is None:
-                self.ways.append(Way(self, way, toward, None))
+                self.ways.append(Way(self, way, toward, None, begun))
                 last = way.frames[-1]
                 return (self, last.state, last.s) if way.why == "range" else None
             into, node = lost
             landed = release(into.web, node, toward, into.driver)
             if isinstance(landed, str):
-                self.ways.append(Way(self, way, toward, None))
+                self.ways.append(Way(self, way, toward, None, begun))
                 if way.why == "snap":
                     self.alarms.append(
                         f"no certified minimum was reached from the end at {node.s:.9g}: {landed}"
                     )
                 return None
             x, s, what = landed
-            x = into.chosen_image(x, node)
+            x, into = into.chosen(x, node)
             if node.type in BRANCHES:
                 into.begin(x, s, toward)
                 led = walk(into.web, x, s, -toward, self.high if toward < 0 else self.low)
-                if led is not None and into.meets(led, node):
+                if led is not None and into.meets(led, self.web.nodes[way.node], self):
                     # stable states branch off there: the load goes on along them
-                    self.ways.append(Way(self, replace(way, why="breaks-symmetry"), toward, None))
+                    self.ways.append(Way(self, replace(way, why=PITCHFORK), toward, None, begun))
                     return into.go(x, s, end, once=once, before=led.frames[:0:-1])
-            if into.home is not None and (kept := into.home.symmetric(x)) is not None:
-                into, x = into.home, kept
+                if self._continuous(way, into, x, s):
+                    self.ways.append(Way(self, way, toward, None, begun))
+                    words = f"what branches off at load {node.s:.9g} was not followed"
+                    self.alarms.append(words)
+                    return None
             self.falls.append(Fall(self, way.node, into, x, s, what))
-            self.ways.append(Way(self, replace(way, why="snap"), toward, len(self.falls)))
+            self.ways.append(Way(self, replace(way, why="snap"), toward, len(self.falls), begun))
             if not self.web.low <= s <= self.web.high:
                 return None
             into.begin(x, s, toward, follow=not (once and into.lazy))
@@ -244,52 +275,83 @@ class FollowedLoad:
             return self.beyond, replace(node, point=point)
         return None
 
-    def symmetric(self, phi: np.ndarray) -> np.ndarray | None:
-        """Return the variables of a state of all N fold angles that keeps the symmetry; None where it does not."""
+    def chosen(self, x: np.ndarray, node: SpecialPoint) -> tuple[np.ndarray, FollowedLoad]:
+        """Return an image of a state under what keeps the state at a node, and the space of what symmetry it has.
+
+        The image is the same whatever rounding is.
+        """
+        root = self.root
+        if root._full is None:
+            return x, self
+        problem = self.web.line.problem
+        phi, at = problem.expand(x), problem.expand(node.point[:-1])
+        keeping = _kept(root.elements, at)
+        image = max(
+            (phi[_image(len(phi), e)] for e in keeping), key=lambda y: tuple(coarse(y).tolist())
+        )
+        into = self.keeping(_kept(root.elements, image))
+        return into.reduced(image), into
+
+    def reduced(self, phi: np.ndarray) -> np.ndarray:
+        """Return the variables of a state of all fold angles, which keeps the symmetry."""
         model: Any = self.web.line.problem
-        x: np.ndarray = model.reduce(phi)
-        return x if np.abs(model.expand(x) - phi).max() <= SETTLED else None
+        x: np.ndarray = model.reduce(phi) if self.root._full is not None else phi
+        return x
 
-    def chosen_image(self, phi: np.ndarray, node: SpecialPoint) -> np.ndarray:
-        """Return one of the images of a state under what keeps the state at a node: the same whatever rounding is."""
-        if self.home is None:
-            return phi
-        images, at = [phi], node.point[:-1]
-        for shift, mirrored in self.home.driver.scene.group.elements:  # type: ignore[union-attr]
-            to = (shift - np.arange(len(phi)) if mirrored else shift + np.arange(len(phi))) % len(
-                phi
-            )
-            if np.abs(at[to] - at).max() <= SETTLED:
-                images.append(phi[to])
-        return max(images, key=lambda y: tuple(coarse(y).tolist()))
-
-    def meets(self, led: StableSegment, node: SpecialPoint) -> bool:
-        """Whether stable states lead back to a node, where they branch off."""
+    def meets(self, led: StableSegment, node: SpecialPoint, of: FollowedLoad) -> bool:
+        """Whether stable states lead back to a node of another space, or this, where they branch off."""
         point = self.web.nodes[led.node].point
-        return bool(np.abs(self.web.root * (point - node.point)).max() <= NEAR_SINGULAR_TOL)
+        at = np.append(self.reduced(of.web.line.problem.expand(node.point[:-1])), node.s)
+        return bool(np.abs(self.web.root * (point - at)).max() <= NEAR_SINGULAR_TOL)
+
+    def _continuous(self, way: StableSegment, into: FollowedLoad, x: np.ndarray, s: float) -> bool:
+        """Whether a state x at s, beyond the end of a way at s0, lies on states that branch off there.
+
+        A snap loses energy at s0 already; along states that branch off it is lost by and by, less than the same two
+        states lose by the change of the load from s0 to s.
+        """
+        node = self.web.nodes[way.node]
+        one, two = self.web.line.at(s).expand(node.point[:-1]), into.web.line.at(s).expand(x)
+        space = self.beyond if self.root._full is not None else self
+        lost, at_the_node = (
+            -float(space.web.line.at(t).energy_change(space.reduced(one), space.reduced(two)))
+            for t in (s, node.s)
+        )
+        return lost <= 2 * abs(lost - at_the_node)
 
     def path(self, state: int, search: LoadSearch | None) -> LoadPath:
         """Judge what was followed, and pack it; that takes as long as it takes."""
-        branches: list[PathBranch] = []
-        events: list[PathEvent] = []
+        diagrams = []
         for job in self.jobs:
             web = job.web
             parts = {k: parts_of(arc, not job.lazy) for k, arc in enumerate(web.arcs)}
-            more = branches_of(web, job.parameter, chains_of(web), parts, job.across)
-            branches, events = joined((branches, events), more)
+            diagrams.append(branches_of(web, job.parameter, chains_of(web), parts, job.across))
+        legs = tuple(way.job.leg(way) for way in self.ways)
+        passed = {p.fold_angles for leg in legs for p in leg.points}
+        branches, events = joined(diagrams, self._one, lambda e: e.fold_angles not in passed)
         for branch in branches:
             for r in branch.kind_ranges:
                 if not r.stable and r.kind != "saddle":
                     words = f"branch {branch.id}, {r.t[0]:.6g} to {r.t[1]:.6g}: {r.kind}"
                     self.alarms.append(f"{words}: {r.certificate}")
         snaps = tuple(self._snap(k, events, search) for k in range(len(self.falls)))
-        legs = tuple(way.job.leg(way) for way in self.ways)
         tallies = [job.web.tally for job in self.jobs]
         return LoadPath(
             self.driver, state, self.low, self.high, legs, snaps, tuple(branches), tuple(events),
             tuple(dict.fromkeys(self.alarms)), sum(t.steps for t in tallies),
             sum(t.evaluations for t in tallies),
         )  # fmt: skip
+
+    def _one(self, a: PathEvent, b: PathEvent) -> bool:
+        """Whether two events are images under the symmetry, or one bifurcation as it is seen in two spaces."""
+        branching = {a.type, b.type} <= set(BRANCHES)
+        if (not branching and a.type != b.type) or abs(a.t - b.t) > SETTLED * (
+            self.high - self.low
+        ):
+            return False
+        x, y = np.array(a.fold_angles), np.array(b.fold_angles)
+        near = NEAR_SINGULAR_TOL if branching else SETTLED
+        return any(np.abs(x[_image(len(x), e)] - y).max() <= near for e in self.elements)
 
     def leg(self, way: Way) -> Leg:
         """Pack the states of a way."""
@@ -305,8 +367,9 @@ class FollowedLoad:
         node = self.web.nodes[way.segment.node]
         if way.snap is not None and node.type == "singular":
             points.append(self._point(node.s, self.web.line.at(node.s).expand(node.point[:-1])))
-        judged = self._judged(way.segment)
-        return Leg(int(way.toward), tuple(points), way.segment.why, way.snap, *judged)
+        judged = self._judged(way.segment, int(way.branches_off))
+        keeps = self.driver.scene.group.name if isinstance(self.driver, VertexDriver) else ""
+        return Leg(int(way.toward), tuple(points), way.segment.why, way.snap, *judged, keeps)
 
     def _point(self, t: float, phi: np.ndarray, eigenvalue: float = math.nan) -> LoadPoint:
         angle, energy = float(self.driver.conjugate(phi)), float(self.driver.unloaded.energy(phi))
@@ -321,8 +384,7 @@ class FollowedLoad:
         event = min(
             events, key=lambda e: abs(e.t - found.s) + float(np.abs(e.fold_angles - one).max())
         )
-        # without the symmetry what branches off unstable states is not followed
-        again = None if job.home is not None else restabilises(web, number)
+        again = restabilises(web, number, self._stable_end)
         if into is job:
             released = -float(problem.energy_change(before, after))
         else:  # one of the two spaces has all fold angles
@@ -337,9 +399,21 @@ class FollowedLoad:
             released,
             str(what.kind),
             what.reason,
-            None if again is None else web.nodes[again].s,
+            again,
             None if search is None else self._confirmed(k, search),
         )
+
+    def _stable_end(self, of: ParameterLine, node: SpecialPoint) -> float | None:
+        """Return the load at which stable states of the scene's own symmetry end at a node of another space."""
+        if self._full is None or of is self.web.line:
+            return None
+        at = of.problem.expand(node.point[:-1])
+        for k, other in enumerate(self.web.nodes):
+            apart = np.abs(self.web.line.problem.expand(other.point[:-1]) - at).max()
+            if other.type == "breaks-symmetry" and apart <= NEAR_SINGULAR_TOL:
+                stable = any(not a.index and k in (a.start, a.end) for a in self.web.arcs)
+                return other.s if stable else None
+        return None
 
     def at_the_snap(self, landed: np.ndarray, s: float, at: float) -> np.ndarray:
         """Return the state that a snap lands on, known at s, at the load of the snap itself if it is one there."""
@@ -360,10 +434,10 @@ class FollowedLoad:
     def _confirmed(self, k: int, search: LoadSearch) -> ConfirmedSnap | None:
         """Search on both sides of a snap for the states that the path has there."""
         job, _, into, landed, s, _ = self.falls[k]
-        _, way, toward, _ = next(w for w in self.ways if w.snap == k + 1)
+        _, way, toward, *_ = next(w for w in self.ways if w.snap == k + 1)
         at = job.web.nodes[way.node].s
-        # searched for in the space of both
-        wider = job if job.home is not None else into
+        both = set(job.elements) & set(into.elements)
+        wider = job if job is into else job.keeping(tuple(sorted(both)))
         side = toward * wider.driver.beside(at)
         loads = (at - side, at + side)
         onward = walk(into.web, landed, s, toward, loads[1])
@@ -390,3 +464,15 @@ class FollowedLoad:
             return None
         best = min(states, key=lambda f: float(np.abs(f.state - near.state).max()))
         return np.asarray(best.problem.expand(best.state))
+
+
+def _image(n: int, element: tuple[int, bool]) -> np.ndarray:
+    """Return the creases (0-based) whose fold angles those of the image of a state are, [n]."""
+    shift, mirrored = element
+    i = np.arange(n)
+    return (shift - i if mirrored else shift + i) % n
+
+
+def _kept(elements: Sequence[tuple[int, bool]], phi: np.ndarray) -> tuple[tuple[int, bool], ...]:
+    """Return the symmetries that a state of all fold angles keeps."""
+    return tuple(e for e in elements if np.abs(phi[_image(len(phi), e)] - phi).max() <= SETTLED)

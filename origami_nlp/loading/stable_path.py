@@ -8,7 +8,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from origami_nlp.continuation import LATE, BifurcationDiagram, Equilibrium, SpecialPoint
+from origami_nlp.continuation import (
+    LATE,
+    BifurcationDiagram,
+    Equilibrium,
+    ParameterLine,
+    SpecialPoint,
+)
 from origami_nlp.kkt import Classification
 from origami_nlp.loading.driver import BRANCHES, VertexDriver
 from origami_nlp.loading.pattern_driver import PatternDriver
@@ -156,8 +162,13 @@ def release(
     return why or "no lower state was reached"
 
 
-def restabilises(web: BifurcationDiagram, node: int) -> int | None:
-    """Return the node at which the unstable states that begin at a snap become stable again."""
+def restabilises(
+    web: BifurcationDiagram, node: int, ends: Callable[[ParameterLine, SpecialPoint], float | None]
+) -> float | None:
+    """Return the load at which the unstable states that begin at a snap become stable again.
+
+    ends: the load at which stable states that are not in this diagram end at a node.
+    """
     seen, todo = {node}, [node]
     while todo:
         here = todo.pop()
@@ -166,9 +177,12 @@ def restabilises(web: BifurcationDiagram, node: int) -> int | None:
                 other = arc.end if here == arc.start else arc.start
                 if other in seen:
                     continue
-                left = web.nodes[other].left
-                if any(not a.index and other in (a.start, a.end) for a in web.arcs) or left:
-                    return other
+                found = web.nodes[other]
+                if any(not a.index and other in (a.start, a.end) for a in web.arcs) or found.left:
+                    return found.s
+                beyond = ends(web.line, found)
+                if beyond is not None:
+                    return beyond
                 seen.add(other)
                 todo.append(other)
     return None
