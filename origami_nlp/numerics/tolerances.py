@@ -106,6 +106,9 @@ ENDPOINT_TOL = 1e-5
 ALIKE = 3e-5
 """Ends of descents that differ by no more [rad] are judged once: they stop at a torque of 1e-10 of the largest, which
 over a curvature of 3e-6 of that of springs is as far from where they lead."""
+BESIDE_SINGULAR = 1e-5
+"""Distance [rad] at which a state is distinguished from a singular one, and a vertex from a flat one: any fold angles
+close there to its square, a hundred times `CLOSURE_TOL`."""
 SLIDES = 3e-5
 """Contacts open by less [rad] are slid along: three times `UNPOLISHED`, to which they are known on the way."""
 SAME_DIRECTION = 1e-5
