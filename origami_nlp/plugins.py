@@ -16,11 +16,7 @@ from typing import Any
 
 from origami_nlp.errors import OptionError, OrigamiError
 
-GROUPS = {
-    "example": "origami_nlp.examples",
-    "material": "origami_nlp.materials",
-    "exporter": "origami_nlp.exporters",
-}
+GROUPS = {kind: f"origami_nlp.{kind}s" for kind in ("example", "material", "exporter")}
 """The group of entry points of each kind."""
 
 
