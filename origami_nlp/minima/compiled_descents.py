@@ -88,25 +88,23 @@ def source() -> str:
 
 
 def compiled(say: Callable[[str], object] = lambda line: None) -> Any:
-    """Return the compiled `descend`, or None where there is none.
+    """Return the compiled `descend`; None where there is no compiler, or it fails.
 
     Parameters
     ----------
     say
-        Called with a line before something is compiled, and why nothing is.
+        Called with a line before something is compiled.
     """
-    if os.environ.get(SWITCH) == "0":
-        return say(f"descents are made in NumPy, since {SWITCH} = 0")
     stated = os.environ.get("CC") or _compiler()
-    if not stated:
-        return say("descents are made in NumPy, several times slower: there is no C compiler")
+    if os.environ.get(SWITCH) == "0" or not stated:
+        return None
     home = os.environ.get("XDG_CACHE_HOME") or os.path.expanduser("~/.cache")
-    try:
-        return _library(stated, home, say)
-    except (OSError, AttributeError, ValueError, subprocess.SubprocessError) as error:
-        return say(
-            f"descents are made in NumPy, several times slower: {type(error).__name__} with {stated}"
-        )
+    if (stated, home) not in _LOADED:
+        try:
+            _LOADED[stated, home] = _library(stated, Path(home) / "origami_nlp", say)
+        except (OSError, AttributeError, ValueError, subprocess.SubprocessError):
+            _LOADED[stated, home] = None  # it is not tried again
+    return _LOADED[stated, home]
 
 
 @lru_cache(maxsize=1)
@@ -122,19 +120,16 @@ def _compiler() -> str | None:
 _LOADED: dict[tuple[str, str], Any] = {}
 
 
-def _library(compiler: str, home: str, say: Callable[[str], object]) -> Any:
-    """Return `descend` of the library in the cache folder of the user, which is made where it is not there."""
-    if (compiler, home) in _LOADED:
-        return _LOADED[compiler, home]
-    _LOADED[compiler, home] = None  # one that fails is not tried again
+def _library(compiler: str, cache: Path, say: Callable[[str], object]) -> Any:
+    """Return `descend` of the library in a folder, which is made where it is not there."""
     text, command = source(), [*shlex.split(compiler), *FLAGS]
     key = repr((command, text, sys.platform, platform.machine())).encode()
-    made = Path(home) / "origami_nlp" / f"descent-{hashlib.sha256(key).hexdigest()[:16]}.so"
+    made = cache / f"descent-{hashlib.sha256(key).hexdigest()[:16]}.so"
     if not made.exists():
         say("descents are compiled, once on this machine (a second)")
-        made.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
+        cache.mkdir(parents=True, exist_ok=True, mode=0o700)
         # beside, then moved: another process sees all of it or nothing
-        with tempfile.TemporaryDirectory(dir=made.parent) as folder:
+        with tempfile.TemporaryDirectory(dir=cache) as folder:
             code, out = Path(folder) / "descent.c", Path(folder) / "descent.so"
             code.write_text(text, "utf-8")
             command += [str(code), "-o", str(out), "-lm"]
@@ -143,7 +138,6 @@ def _library(compiler: str, home: str, say: Callable[[str], object]) -> Any:
     descend = ctypes.CDLL(str(made)).descend
     descend.argtypes = [ctypes.c_void_p, ctypes.c_void_p, ctypes.c_int64, ctypes.c_int64]
     descend.restype = ctypes.c_int64
-    _LOADED[compiler, home] = descend
     return descend
 
 

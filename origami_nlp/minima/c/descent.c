@@ -263,6 +263,7 @@ static void descend_one(const Vertex *v, const Samples *s, int64_t k, Point *p, 
   copy_ints((back ? s->kept_at_limit : s->at_limit) + k * n, n, t->at_limit);
   copy_ints((back ? s->kept_slots : s->slots) + k * SLOTS, SLOTS, t->slots);
   copy_ints((back ? s->kept_sides : s->sides) + k * SLOTS, SLOTS, t->sides);
+  s->hold[k] |= back;
   s->broken[k] = !close_state(v, t, ROUNDED, NULL, q);
   accept(v, s, k, t);
 }
