@@ -51,7 +51,7 @@ NAMES = {
 """Numbers that C takes from here."""
 
 
-class Vertex(ctypes.Structure):
+class VertexInC(ctypes.Structure):
     """What is the same for all samples."""
 
     _fields_ = [
@@ -61,7 +61,7 @@ class Vertex(ctypes.Structure):
     ]
 
 
-class State(ctypes.Structure):
+class SamplesInC(ctypes.Structure):
     """Samples, and how far each has come."""
 
     _fields_ = [(name, ctypes.c_void_p) for name in (*OF_FLOATS, *OF_INTS)]
@@ -165,7 +165,7 @@ class CompiledDescents:
                 self._kept[name] = np.ascontiguousarray(values[name], dtype=kind)
         numbers = {name: values[name] for name in FLOATS}
         numbers |= {name: int(values[name]) for name in INTS}
-        self._vertex = Vertex(**numbers, **{k: a.ctypes.data for k, a in self._kept.items()})
+        self._vertex = VertexInC(**numbers, **{k: a.ctypes.data for k, a in self._kept.items()})
 
     def run(self, starts: Samples, until: float = math.inf, threads: int = 1) -> Ends:
         """Descend from closed samples; see `Descents.run`.
@@ -188,7 +188,7 @@ class CompiledDescents:
         arrays |= {f"kept_{name}": np.empty_like(held[name]) for name in HELD}
         arrays["scene"] = np.ascontiguousarray(self._closing.numbered(s), dtype=np.int64)
         arrays |= {name: np.zeros(k, dtype=np.int64) for name in FLAGGED}
-        state = State(**{name: a.ctypes.data for name, a in arrays.items()})
+        state = SamplesInC(**{name: a.ctypes.data for name, a in arrays.items()})
         part = max(1, AT_ONCE // x.shape[1])
 
         def descend(first: int) -> bool:
