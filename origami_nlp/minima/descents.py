@@ -133,7 +133,11 @@ class Descents:
         self._many = plain and model.size > MOST_ONE_BY_ONE
         self.compiled = None
         if model.parameters.dead is None and (descend := compiled()) is not None:
-            rules = {"limits": model.has_limits, "many": self._many, "chain": self._chain}
+            rules: dict[str, float] = {
+                "limits": model.has_limits,
+                "many": self._many,
+                "chain": self._chain,
+            }
             rules["bound"] = float(model.bound)
             self.compiled = CompiledDescents(descend, self.closing, self.crossings, rules)
 
