@@ -33,7 +33,7 @@ AT_ONCE = 512
 """Creases of the descents between two looks at the time, and at Ctrl-C."""
 FLAGS = ("-O1", "-std=c99", "-shared", "-fPIC", "-ffp-contract=off")
 """No fused products, and sums in no other order: the same bits by each compiler (-O2: twice as long to compile)."""
-INTS = "n m rays creases period first entries pairs walls stacks plane shifted limits many chain".split()
+INTS = "n m rays creases period first entries pairs walls stacks plane shifted limits many chain steps".split()
 FLOATS = ["level", "bound"]
 FLOAT_ARRAYS = "flat factor onward mirror lever over stiffness rest load root metric".split()
 INT_ARRAYS = "crease variable entry three before pair real gap wall stack".split()
@@ -43,7 +43,7 @@ FLAGGED = ("escapes", "idle", "converged", "settled", "broken")
 OF_INTS = [*HELD, *(f"kept_{name}" for name in HELD), "hold", "scene", *FLAGGED]
 NAMES = {
     numerics: "CHOSEN CONTACT_TOL DECREASE EPS EXPLORED NONZERO OUTSIDE RANK ROUNDED SAME_ENERGY SINGULAR TINY",
-    descent_rules: "CUT EARLY ESCAPE ESCAPES FLAT_SLOPE GROWTH MOST_STEPS NEAR NEXT NO_SLOPE REACH SADDLE SHORTEST"
+    descent_rules: "CUT EARLY ESCAPE ESCAPES FLAT_SLOPE GROWTH NEAR NEXT NO_SLOPE REACH SADDLE SHORTEST"
     " STALLED",
     recursive_newton: "LEAST_PIVOT STIFF",
     starting: "CLOSED NAMELESS POOR QUADRATIC SETTLING SLOTS STEPS",
@@ -151,7 +151,7 @@ class CompiledDescents:
     closing, crossings
         As those of `Descents`.
     rules
-        Of the model: are there fold limits, are many of them met at once, is it swept; the largest fold angle [rad].
+        Are there fold limits, are many of them met at once, is it swept; most steps, largest fold angle [rad].
     """
 
     def __init__(

@@ -109,6 +109,8 @@ class Descents:
         Time of `time.monotonic` after which they stop where they are, and have not converged.
     threads
         That share the descents where these are compiled.
+    steps
+        Of a descent, at most.
 
     Attributes
     ----------
@@ -124,8 +126,9 @@ class Descents:
         springs: Sequence[Parameters] = (),
         until: float = math.inf,
         threads: int = 1,
+        steps: int = MOST_STEPS,
     ) -> None:
-        self.until, self._threads = until, threads
+        self.until, self._threads, self._steps = until, threads, steps
         self.model, self.closing = model, Closing(model, springs)
         self.crossings, self._m = VertexCrossings(model), model.equation_count
         plain = model.equation_count == 3 and not model.structure.gaps
@@ -137,6 +140,7 @@ class Descents:
                 "limits": model.has_limits,
                 "many": self._many,
                 "chain": self._chain,
+                "steps": steps,
             }
             rules["bound"] = float(model.bound)
             self.compiled = CompiledDescents(descend, self.closing, self.crossings, rules)
@@ -179,7 +183,7 @@ class Descents:
         reach, escapes = np.full(k, FIRST_REACH), np.zeros(k, dtype=int)
         idle = np.zeros(k, dtype=int)
         converged, settled = np.zeros(k, dtype=bool), np.zeros(k, dtype=bool)
-        for _ in range(MOST_STEPS):
+        for _ in range(self._steps):
             if not len(live) or time.monotonic() > self.until:
                 break
             slotted = s.slots[live].max(axis=1) != OPEN

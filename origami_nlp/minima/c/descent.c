@@ -252,7 +252,7 @@ static int make_step(const Vertex *v, const Samples *s, int64_t k, Point *p, Poi
 static void descend_one(const Vertex *v, const Samples *s, int64_t k, Point *p, Point *q, Scratch *w) {
   int64_t n = v->n;
   Trial *t = &w->trial;
-  for (int64_t step = 0; step < MOST_STEPS; step++) {
+  for (int64_t step = 0; step < v->steps; step++) {
     s->broken[k] = !make_step(v, s, k, p, q, w);
     if (s->broken[k]) return;
     if (s->converged[k] || s->reach[k] < SHORTEST || s->idle[k] >= STALLED) break;
