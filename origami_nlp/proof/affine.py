@@ -284,8 +284,9 @@ def turned(x: Affine, y: Affine, by: Turn) -> Affine:
     new = by.slope * y.centre
     cross = (by.slope[..., None, :] * y.slopes) if y.slopes.shape[-2] else y.slopes
     error = np.abs(cross).sum(axis=-2) + by.spread * mx + by.miss * my
-    # |cos t| <= 1, |sin t| <= 1
-    error = error + x.error + y.error
+    # |cos t| <= 1, and |sin t| <= sin r for r <= pi / 2, where the mean is at least 1/2
+    most = np.where(by.mean < 0.5, 1.0, np.abs(by.slope))
+    error = error + x.error + most * y.error
     slopes = np.concatenate([by.mean[..., None, :] * x.slopes, new[..., None, :]], axis=-2)
     total = mx + np.abs(by.slope) * my
     raw = padded(by.mean * x.centre, slopes, error, total, x.slopes.shape[-2] + 8)
