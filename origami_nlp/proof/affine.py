@@ -296,9 +296,12 @@ def turned(x: Affine, y: Affine, by: Turn) -> Affine:
 def mixed(
     x: Affine, a: np.ndarray, y: Affine, b: np.ndarray, doubt: float = TRIGONOMETRIC
 ) -> Affine:
-    """Return a x + b y for numbers a, b [..., K] that are known to within `doubt` of themselves."""
-    total = np.abs(a) * x.magnitude() + np.abs(b) * y.magnitude()
+    """Return a x + b y for numbers a, b [..., K] that are known to within `doubt` (|a| + |b|), as a cosine and sine."""
+    mx, my = x.magnitude(), y.magnitude()
+    total = np.abs(a) * mx + np.abs(b) * my
     centre = a * x.centre + b * y.centre
     slopes = a[..., None, :] * x.slopes + b[..., None, :] * y.slopes
-    error = np.abs(a) * x.error + np.abs(b) * y.error + doubt * total
+    error = np.abs(a) * x.error + np.abs(b) * y.error
+    # an angle that is off turns one into the other: what the cosine misses is of the size of the sine
+    error = error + doubt * (np.abs(a) + np.abs(b)) * (mx + my)
     return padded(centre, slopes, error, total, 4)
