@@ -181,6 +181,28 @@ class Clearance:
                 rays[which, k] = sides / np.linalg.norm(sides, axis=1, keepdims=True)
         return rays
 
+    def remainders(self, control: np.ndarray) -> np.ndarray:
+        """Bound how far corners, or rays, of one facet of each pair are off their chords over steps, as the other sees.
+
+        Parameters
+        ----------
+        control
+            Control points of each step, [T, 6, n].
+
+        Returns
+        -------
+        numpy.ndarray
+            Over the sheet's size, [T, K].
+        """
+        _, on, arms = self._between
+        # derivatives of Bezier polynomials are within those of their control points
+        speed = 5 * np.abs(np.diff(control, axis=1)).max(axis=1)
+        bend = 20 * np.abs(np.diff(control, 2, axis=1)).max(axis=1)
+        # |x''| <= sum_k |phi_k''| a_k + sum_kl |phi_k' phi_l'| a_l, l the crease nearer to what moves;
+        # from a chord a curve is no further than |x''| / 8
+        out: np.ndarray = (bend @ arms.T + 2 * (speed @ on.T) * (speed @ arms.T)) / 8
+        return out
+
     def touching(
         self,
         before: tuple[np.ndarray, np.ndarray],
@@ -206,16 +228,8 @@ class Clearance:
         lying : numpy.ndarray
             Which of them touch at both ends, of bool [N].
         """
-        (still, moving), on, arms = (
-            self._between[0][:, pairs],
-            *(x[pairs] for x in self._between[1:]),
-        )
-        # derivatives of Bezier polynomials are within those of their control points
-        speed = 5 * np.abs(np.diff(control, axis=1)).max(axis=1)
-        bend = 20 * np.abs(np.diff(control, 2, axis=1)).max(axis=1)
-        # |x''| <= sum_k |phi_k''| a_k + sum_kl |phi_k' phi_l'| a_l, l the crease nearer to what moves;
-        # from a chord a curve is no further than |x''| / 8
-        off = (bend @ arms.T + 2 * (speed @ on.T) * (speed @ arms.T)) / 8
+        still, moving = self._between[0][:, pairs]
+        off = self.remainders(control)[:, pairs]
         c, (corners, middles, radii) = self.problem.crossings, self._pieces
         here, there = c.facet[still], c.facet[moving]
 
