@@ -34,6 +34,8 @@ MOST_STATES = 3
 """With a vertex flat, from which ways down are sought: those of least energy."""
 MOST_TARGETS = 3
 """Minima on either side of a vertex towards which a way down begins, the nearest ones."""
+PLACES = 6
+"""Decimals of distances between states that are compared: more are rounding."""
 SHARES = np.array([0.25, 0.5, 0.75])
 """Of the first step of a way down, at which it is looked at."""
 
@@ -141,18 +143,35 @@ def ways_down(
     """
     terrain = PatternTerrain(problem, minima, True, {}, {}, 0)
     signs = PopSigns(problem.pattern)
-    sides = np.sign(minima @ signs.rows.T) if len(minima) else np.zeros((0, len(signs.rows)))
-    tops = [(x, k) for k, known in enumerate(flat_vertices) for x in known.states[:MOST_STATES]]
-    if problem.pattern.is_flat:
-        tops += [(np.zeros(problem.size), k) for k in range(len(flat_vertices))]
-    for flat, vertex in tops:
-        here = np.sign(signs.rows @ flat)
-        for side in (1.0, -1.0):
-            others = (sides != here) & (here != 0)
-            far = others.sum(axis=1) * 10 * math.pi + np.linalg.norm(minima - flat, axis=1)
-            near = [k for k in np.argsort(far, kind="stable").tolist() if sides[k, vertex] == side]
-            for k in near[:MOST_TARGETS]:
-                yield from _down(terrain, flat, minima[k])
+    sides = np.sign(minima @ signs.rows.T)
+    tops: list[tuple[np.ndarray, list[int]]] = []  # each once, with the vertices that are flat there
+    for vertex, known in enumerate(flat_vertices):
+        for x in known.states[:MOST_STATES]:
+            same = (at for y, at in tops if np.abs(x - y).max() <= NEAR_SINGULAR_TOL)
+            if (at := next(same, None)) is not None:
+                at.append(vertex)
+            else:
+                tops.append((x, [vertex]))
+    if problem.pattern.is_flat and not any(not x.any() for x, _ in tops):
+        tops.append((np.zeros(problem.size), list(range(len(flat_vertices)))))
+    symmetries, gone = find_labels(problem.pattern).symmetries(problem.pattern), list[np.ndarray]()
+    for top, vertices in tops:
+        if any(np.abs(top - x).max() <= NEAR_SINGULAR_TOL for x in gone):
+            continue
+        gone += [top, *(image(symmetry, top) for symmetry in symmetries)]
+        here = np.sign(signs.rows @ top)
+        here[vertices] = 0.0
+        others = ((sides != here) & (here != 0)).sum(axis=1)
+        far = others * 10 * math.pi + np.linalg.norm(minima - top, axis=1)
+        order = np.argsort(np.round(far, PLACES), kind="stable")
+        near = [order[sides[order, v] == side][:MOST_TARGETS] for v in vertices for side in (1, -1)]
+        for k in dict.fromkeys(np.concatenate(near).tolist()):
+            for to, path in _down(terrain, top, minima[k]):
+                yield to, path
+                for symmetry in symmetries:
+                    apart = np.abs(minima - image(symmetry, minima[to])).max(axis=1)
+                    if apart.min() <= NEAR_SINGULAR_TOL:
+                        yield int(apart.argmin()), image(symmetry, path)
 
 
 def _down(
