@@ -8,38 +8,56 @@ both sides is a path, so that barriers are exact where both agree.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from origami_nlp.barriers.passes import LISTED, SIGNED, Pass
-from origami_nlp.barriers.traced import EXPLICIT, passes_over
 from origami_nlp.barriers.result import Barriers, FlatVertexBound
+from origami_nlp.barriers.traced import EXPLICIT, passes_over, pattern_passes
+from origami_nlp.errors import OptionError
 from origami_nlp.kkt import energy_scale, level_of
 from origami_nlp.minima import MinimaResult, TracedPasses
 from origami_nlp.numerics import merge_tree
-from origami_nlp.pattern_states import list_flat_vertices, ways_down
+from origami_nlp.pattern_states import FlatVertex, list_flat_vertices, ways_down
 
 OPPOSITE = {("+", "-"), ("-", "+")}
 
 
-def with_signs(result: MinimaResult, traced: TracedPasses | None, known: Barriers | None) -> Barriers:
-    """Return the barriers of a pattern from the signs of its vertices, and from traced curves where there are some.
+def pattern_barriers(result: MinimaResult) -> Barriers:
+    """Return the barriers of a pattern, on traced curves and through states with a vertex flat.
 
     Parameters
     ----------
     result
-        Minima of a pattern whose facets must not cross.
-    traced
-        Its curves with one degree of freedom cut at their passes, if there are any.
-    known
-        The barriers that follow from these alone.
+        Its minima.
 
     Returns
     -------
     Barriers
         With the lowest pass that is known between every two minima, and what bounds it from below.
+
+    Raises
+    ------
+    OptionError
+        If there is neither a curve nor a vertex with a sign.
     """
+    known = pattern_passes(result)
+    if not (result.sign_vertices or known):
+        raise OptionError(
+            "no curve of states is known and no vertex has a sign (contact on, 360 degrees of paper or less): "
+            "barriers of a pattern need one of them, and the result of a search, not one from a file"
+        )
+    if not result.sign_vertices or not result.minima:
+        return known[0] if known else Barriers(result, (), ())
+    return _with_signs(result, *(known or (None, None)))
+
+
+def _with_signs(
+    result: MinimaResult, known: Barriers | None, traced: TracedPasses | None
+) -> Barriers:
+    """Add paths through states with a vertex flat, and what bounds all from below."""
     problem, minima = result.model, np.array([m.phi for m in result.minima])
     bounds = list_flat_vertices(result.pattern)
     states = [np.zeros((0, problem.size))]
@@ -89,12 +107,12 @@ def with_signs(result: MinimaResult, traced: TracedPasses | None, known: Barrier
     return replace(whole, passes=tuple(passes), flat_vertices=told)
 
 
-def _bounded(p: Pass, result: MinimaResult, bounds: tuple[object, ...], level: float) -> Pass:
+def _bounded(p: Pass, result: MinimaResult, bounds: Sequence[FlatVertex], level: float) -> Pass:
     """Add what bounds a pass from below."""
     one, two = (result.signs[k - 1] for k in (p.from_state, p.to_state))
     differ = [b for b, *pair in zip(bounds, one, two, strict=True) if tuple(pair) in OPPOSITE]
-    least = max((b.least for b in differ), default=math.nan)  # type: ignore[attr-defined]
-    listed = max((b.listed for b in differ), default=math.nan)  # type: ignore[attr-defined]
+    least = max((b.least for b in differ), default=math.nan)
+    listed = max((b.listed for b in differ), default=math.nan)
     p = replace(p, least=least, listed=listed)
     if p.is_lowest or math.isnan(least):
         return p

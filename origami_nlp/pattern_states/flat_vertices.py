@@ -144,7 +144,9 @@ def ways_down(
     terrain = PatternTerrain(problem, minima, True, {}, {}, 0)
     signs = PopSigns(problem.pattern)
     sides = np.sign(minima @ signs.rows.T)
-    tops: list[tuple[np.ndarray, list[int]]] = []  # each once, with the vertices that are flat there
+    tops: list[
+        tuple[np.ndarray, list[int]]
+    ] = []  # each once, with the vertices that are flat there
     for vertex, known in enumerate(flat_vertices):
         for x in known.states[:MOST_STATES]:
             same = (at for y, at in tops if np.abs(x - y).max() <= NEAR_SINGULAR_TOL)
