@@ -268,7 +268,7 @@ class Barriers(Report, Viewable):
         title = "energy with a vertex flat: paths that change its sign (+ or -, see minima) pass such a state"
         yield Table(heads, rows, title, "rrrr", framed=False, narrow=True)
         signs = self.result.signs
-        told = [
+        bounds = [
             (
                 *self._cells(p)[:2],
                 f"{signs[p.from_state - 1]} {signs[p.to_state - 1]}",
@@ -278,8 +278,8 @@ class Barriers(Report, Viewable):
             )
             for p in self.passes
         ]
-        heads = ("from", "to", "signs", "at least [J]", "over listed states [J]", "pass [J]")
-        table = Table(heads, told, "", "rrlrrr", framed=False, narrow=True)
+        names = ("from", "to", "signs", "at least [J]", "over listed states [J]", "pass [J]")
+        table = Table(names, bounds, "", "rrlrrr", framed=False, narrow=True)
         yield Details((table,), "What bounds passes from below")
 
     def _rows(self) -> Iterator[dict[str, object]]:

@@ -103,8 +103,8 @@ def _with_signs(
         if was is not None and (was.is_lowest or was.energy <= p.energy + level):
             p = was
         passes.append(_bounded(p, result, bounds, level))
-    told = tuple(FlatVertexBound(b.vertex, b.least, b.listed, len(b.states)) for b in bounds)
-    return replace(whole, passes=tuple(passes), flat_vertices=told)
+    vertices = tuple(FlatVertexBound(b.vertex, b.least, b.listed, len(b.states)) for b in bounds)
+    return replace(whole, passes=tuple(passes), flat_vertices=vertices)
 
 
 def _bounded(p: Pass, result: MinimaResult, bounds: Sequence[FlatVertex], level: float) -> Pass:

@@ -100,8 +100,8 @@ def list_flat_vertices(pattern: Pattern, search: bool = True) -> tuple[FlatVerte
         flat = flat_with(pattern, vertex)
         known = found.get(flat.tobytes())
         if known is None:
-            some = _states(pattern, flat) if search and pattern.is_flat else ()
-            some = sorted(filter(terrain.is_admissible, some), key=pattern.energy)
+            listed = _states(pattern, flat) if search and pattern.is_flat else ()
+            some = sorted(filter(terrain.is_admissible, listed), key=pattern.energy)
             least, states = least_flat_energy(pattern, flat), np.array(some).reshape(-1, len(flat))
             known = FlatVertex(vertex, flat, least, states, np.asarray(pattern.energy(states)))
             for symmetry in ((np.arange(len(flat)), 1.0), *symmetries):

@@ -53,7 +53,7 @@ def test_the_barrier_of_a_yoshimura_vertex(tmp_path):
     assert least == p.least == pytest.approx(by_hand, rel=1e-12)
     assert least < listed == p.listed == pytest.approx(p.energy, rel=1e-12)
     checked(found)
-    assert found.matrix().max() == p.energy and len(o.draw_barriers(found).axes) == 1
+    assert found.matrix().max() == p.energy and len(o.draw(found, tmp_path / "b.png").axes) == 1
 
 
 def test_a_twist_passes_through_its_flat_state():
