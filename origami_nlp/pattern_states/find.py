@@ -21,10 +21,12 @@ from origami_nlp.kkt import TangentCone
 from origami_nlp.minima import (
     ESCAPE_PATHS,
     MEETINGS,
+    Completeness,
     JudgedState,
     MinimaResult,
     PatternSearchReport,
     check_noise,
+    check_prove,
 )
 from origami_nlp.numerics import CLOSURE_TOL, DUPLICATE_TOL, RESOLVED, rank
 from origami_nlp.pattern import Pattern, as_pattern
@@ -55,6 +57,8 @@ from origami_nlp.pattern_states.judgement import (
     stationary_beside,
 )
 from origami_nlp.pattern_states.noise import NOISE, with_survival
+from origami_nlp.pattern_states.proved import prove_list
+from origami_nlp.proof import ProofOptions
 from origami_nlp.starts import OWN, Given, Popped, SearchOptions, families_in_turn, options_of
 
 OUT = 0.2
@@ -77,6 +81,7 @@ def find_states(
     effort: str = "normal",
     options: SearchOptions | None = None,
     max_starts: int | None = None,
+    prove: bool | float | ProofOptions | None = None,
 ) -> MinimaResult:
     """Find the stable states of a pattern.
 
@@ -92,6 +97,9 @@ def find_states(
         Whether facets must not cross; without, only fold limits count.
     seconds
         Wall time for the search, give or take a second or two: what was left out is named.  None: 300 s.
+    prove
+        Whether to prove that the list is complete: strips of vertices of degree four (`proof.prove_strip`); None: of up
+        to three such vertices.  True, a number of seconds or options, as for `minima.find_minima`.
     escape, noise, effort, options, max_starts
         As for `minima.find_minima`; errors are those of springs and of the positions of vertices.
 
@@ -125,6 +133,7 @@ def find_states(
     seconds = check_number("seconds", SECONDS if seconds is None else seconds, 0.0)
     check_flag("escape", escape)
     check_noise(noise)
+    check_prove("prove", prove)
     if not pattern.creases:
         raise OptionError("the pattern has no crease: there is nothing to fold")
     search = _Search(pattern, contact, seconds, asked)
@@ -140,6 +149,7 @@ def find_states(
             break
     search.part("minima with a vertex popped", search.pop, asked.most_popped * starts)
     search.part("images of minima under symmetries", search.add_images)
+    search.part("the proof that the list is complete", search.prove, pattern, prove)
     if escape:
         search.part("escape barriers", search.add_escapes)
     if noise is not None:
@@ -164,6 +174,7 @@ class _Search:
         self.curves = TracedCurves(self.problem, self.labels, contact)
         self.tally = PatternSearchReport(contact="full" if contact else "fold-limits")
         self._since, self.judged, self._traced = time.perf_counter(), list[JudgedState](), 0
+        self.completeness: Completeness | None = None
         self._planes: list[tuple[np.ndarray, np.ndarray]] = []
         self._families = families_in_turn(self.problem, self.labels)
         self._side = self.labels.drawn(np.random.default_rng(0).normal(size=pattern.creases))
@@ -238,6 +249,16 @@ class _Search:
             state = replace(state, verdict="undecided", kind="", certificate=why)
         self.add(state)
 
+    def prove(self, pattern: Pattern, wanted: bool | float | ProofOptions | None) -> None:
+        """Try to prove that the minima are all; what is missing is added."""
+        given = (self.judged, self._judge, self.contact, wanted, self.problem.until)
+        self.completeness, new = prove_list(pattern, *given)
+        for state in new:
+            self.add(state)
+
+    def _judge(self, phi: np.ndarray) -> JudgedState:
+        return judge_end(self.problem, phi, self.contact)
+
     def add_escapes(self) -> None:
         """Add what it takes to leave each minimum."""
         states, most = self.by_energy(), self.tally.starts
@@ -253,7 +274,8 @@ class _Search:
         """Sum up what was judged and done, where `starts` random ones in a row were to find nothing new."""
         minima = self.tally.sum_up(self.by_energy(), self.curves.found, starts)
         self.tally.seconds = time.perf_counter() - self._since
-        return MinimaResult(pattern, minima, self.tally, curves=tuple(self.curves.found))
+        curves = tuple(self.curves.found)
+        return MinimaResult(pattern, minima, self.tally, self.completeness, curves=curves)
 
     def by_energy(self) -> list[JudgedState]:
         """Return what was judged, by energy; states of one energy in an order that labels do not change."""

@@ -37,6 +37,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from origami_nlp.errors import OptionError
 from origami_nlp.pattern import Pattern
 from origami_nlp.proof.affine import UNIT, variables
 from origami_nlp.proof.balls import Ball, Jet, argument, exact, rational
@@ -113,7 +114,7 @@ class StripProof:
     maxima
         How many maxima of the energy lie inside the curves.
     undecided
-        What is left open: signs, two ends of theta, and why.
+        What is left open: between which fold angles [n], [n], and why.
     boxes, seconds
         Boxes of theta, and the processor time that they took.
     """
@@ -121,7 +122,7 @@ class StripProof:
     curves: int
     minima: tuple[StripMinimum, ...]
     maxima: int
-    undecided: tuple[tuple[tuple[int, ...], float, float, str], ...]
+    undecided: tuple[tuple[np.ndarray, np.ndarray, str], ...]
     boxes: int
     seconds: float
 
@@ -157,6 +158,29 @@ def as_strip(pattern: Pattern) -> tuple[Strip | None, str]:
         largest = max(squares)
         return Strip(tuple(c for c, _, _ in corners), tuple(s / largest for s in squares)), ""
     return None, min(reasons, default=why)
+
+
+def why_no_strip(pattern: Pattern) -> str:
+    """Return why a pattern is no strip whose minima are proved; "" where it is.
+
+    Parameters
+    ----------
+    pattern
+        Of any number of vertices.
+
+    Returns
+    -------
+    str
+        The first vertex that is in the way, and why.
+
+    Examples
+    --------
+    >>> import origami_nlp as o
+    >>> from origami_nlp.proof import why_no_strip
+    >>> why_no_strip(o.examples.pattern("miura", 2, 3))
+    'at vertex 6 the creases across the row are in one line'
+    """
+    return as_strip(pattern)[1]
 
 
 def _row(
@@ -361,7 +385,7 @@ class _Boxes:
 
 def prove_strip(
     pattern: Pattern, *, boxes: int = 1_000_000, until: float = math.inf
-) -> StripProof | str:
+) -> StripProof:
     """Find every minimum of the energy of a strip within fold limits, with a proof.
 
     Parameters
@@ -375,20 +399,28 @@ def prove_strip(
 
     Returns
     -------
-    StripProof or str
-        Why the pattern is no such strip, where it is none.
+    StripProof
+        All minima, but for what is undecided.
+
+    Raises
+    ------
+    OptionError
+        If the pattern is no such strip: `why_no_strip` says why.
 
     Examples
     --------
     >>> import origami_nlp as o
     >>> from origami_nlp.proof import prove_strip
     >>> points = [[0, 0], [1, 0.1], [0.2, 1], [-1, 0.3], [-0.3, -1]]
-    >>> prove_strip(o.examples.pattern("miura", 2, 3))
-    'at vertex 6 the creases across the row are in one line'
+    >>> faces = [(0, 1, 2), (0, 2, 3), (0, 3, 4), (0, 4, 1)]
+    >>> vertex = o.make_pattern(points, faces).with_springs(stiffness=0.01, rest_angles=[1.0, -0.5, 0.8, 0.9])
+    >>> proof = prove_strip(vertex)
+    >>> proof.curves, len(proof.minima), proof.undecided
+    (2, 2, ())
     """
     strip, why = as_strip(pattern)
     if strip is None:
-        return why
+        raise OptionError(f"pattern = {pattern.title}: no strip that can be proved: {why}")
     started = time.process_time()
     k = len(strip.corners)
     signs = np.array([(1, *rest) for rest in itertools.product((1, -1), repeat=k)], float).T
@@ -473,7 +505,7 @@ class _Ends:
 
     def __init__(self, energy: _Energy) -> None:
         self.energy, self.maxima = energy, 0
-        self.open: list[tuple[tuple[int, ...], float, float, str]] = []
+        self.open: list[tuple[np.ndarray, np.ndarray, str]] = []
         self._inside: list[_Piece] = []
         self._limits: list[tuple[_Piece, float]] = []
         self._ends: list[tuple[int, float]] = []
@@ -524,8 +556,13 @@ class _Ends:
                     self._ends.append((int(piece.curve), x))
 
     def _leave(self, piece: _Piece, why: str) -> None:
-        signs = tuple(int(s) for s in self.energy.signs[:, int(piece.curve)])
-        self.open.append((signs, piece.lower, piece.upper, why))
+        ends = np.array([piece.lower]), np.array([piece.upper])
+        angles = self.energy.over(np.array([int(piece.curve)]), *ends).angles
+        low, high = (np.full(len(self.energy.rest), s * math.pi) for s in (-1, 1))
+        for crease, a in angles.items():
+            low[crease] = np.fmax(-math.pi, a.centre[0] - a.radius[0])
+            high[crease] = np.fmin(math.pi, a.centre[0] + a.radius[0])
+        self.open.append((low, high, why))
 
     def _at(self, piece: _Piece, theta: float) -> _Piece:
         """Return what is known of one state of a piece."""
