@@ -115,8 +115,9 @@ def find_minima(
         it is cheap.
     others
         Of a scene alone: ``fewest_starts``, ``guesses``, ``full`` (judge each without the symmetry; None: up to 12
-        creases and 64 states), ``workers``, ``progress``, see `minima.find_minima`.  Of a pattern alone: ``starts`` (random starts in a row that find
-        nothing new, in place of the effort) and ``contact`` (``"full"``, or ``"fold-limits"``: facets may cross).
+        creases and 64 states), ``workers``, ``progress``, see `minima.find_minima`.  Of a pattern alone: ``starts``
+        (random starts in a row that find nothing new, in place of the effort) and ``contact`` (``"full"``, or
+        ``"fold-limits"``: facets may cross).
 
     Returns
     -------

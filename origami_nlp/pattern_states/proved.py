@@ -91,7 +91,9 @@ def hold_against(
         if not near:
             judged.append(judge(minimum.fold_angles))
             near = judged[-1:]
-        if not any(s.verdict == "minimum" or (contact and s.verdict == "not admissible") for s in near):
+        if not any(
+            s.verdict == "minimum" or (contact and s.verdict == "not admissible") for s in near
+        ):
             against.append(
                 f"a proved minimum ({near[0].energy:.9g} J) is judged: {near[0].verdict}"
             )

@@ -15,12 +15,12 @@ in [-pi/2, pi/2] that meet at the flat state alone.  Where sin D is not 0 the tr
     phi2 = arg(-conj(zA zB)),  zA = sin a1 cos a4 + cos a1 sin a4 cos phi1 + i sin a4 sin phi1,  zB so of a2, a3, phi3,
     d arg zA / d phi1 = sin a4 (sin a1 cos a4 cos phi1 + cos a1 sin a4) / sin^2 D,
 
-so that there are no other closed states.  D = pi needs creases 2 and 4 in one line and phi1 = 0; D = 0 needs a1 = a4 and
-a2 = a3: vertices of these two kinds are refused.  A vertex closes as paper (turned by no full turn) until one of phi2,
-phi4 has passed +-pi, and again when the other has.
+so that there are no other closed states.  D = pi needs creases 2 and 4 in one line and phi1 = 0; D = 0 needs a1 = a4
+and a2 = a3: vertices of these two kinds are refused.  A vertex closes as paper (turned by no full turn) until one of
+phi2, phi4 has passed +-pi, and again when the other has.
 
-Each curve is cut into boxes of theta; energy's slope U' has no zero there by U'(middle) and U'' over the box, or U'' has
-none and then U' has one at most, which signs of U' at the ends decide.
+Each curve is cut into boxes of theta.  The slope U' of the energy has no zero in a box, by its value in the middle and
+U'' over the box; or U'' has none, and then U' has one at most, which signs of U' at the ends decide.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ import itertools
 import math
 import operator
 import time
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import NamedTuple
@@ -51,15 +51,34 @@ NARROWEST = 2.0**-44
 FIRST = np.array([-0.5 * math.pi, -1.0, -0.1, 0.13, 1.0, 0.5 * math.pi])
 """Where the first boxes end [rad]: the flat state, theta = 0, is within one, at any depth."""
 NONE, RISING, FALLING, OUTSIDE, LIMIT, OPEN = range(6)
-"""Kinds of boxes: no critical state; U'' > 0; U'' < 0; no state within fold limits; a crease reaches +-pi; undecided."""
+"""Kinds of boxes: U' is not 0; U'' > 0; U'' < 0; no state within fold limits; a crease reaches +-pi; undecided."""
+
+
+class Side(NamedTuple):
+    """Two sectors beside a crease of the row: b towards the second crease of its vertex, c towards the fourth.
+
+    Their sines and cosines, and sin(b + c), 1 + cos(b + c), 1 - cos(b - c), each to within rounding of itself.
+    """
+
+    sin_b: Ball
+    cos_b: Ball
+    sin_c: Ball
+    cos_c: Ball
+    sine_of_sum: Ball
+    beyond: Ball
+    apart: Ball
+
+    @property
+    def turned(self) -> Side:
+        """The same seen from the other side: b and c change places."""
+        return self._replace(sin_b=self.sin_c, cos_b=self.cos_c, sin_c=self.sin_b, cos_c=self.cos_b)
 
 
 class Corner(NamedTuple):
-    """A vertex of a strip: its creases, the first and third in the row, and cosines and sines of its sectors."""
+    """A vertex of a strip: its creases, the first and third in the row, and what is on both sides of it."""
 
-    creases: tuple[int, int, int, int]
-    cosines: tuple[Ball, ...]
-    sines: tuple[Ball, ...]
+    creases: tuple[int, ...]
+    sides: tuple[Side, Side]
     directions: np.ndarray
 
 
@@ -202,27 +221,80 @@ def _row(
 def _corner(pattern: Pattern, vertex: int, ring: tuple[int, ...]) -> tuple[Corner, Fraction, str]:
     """Return a vertex, q of its row, and why it is refused."""
     place = pattern.corners[:, :2]
-    away = [[b if a == vertex else a for a, b in [pattern.ends[c].tolist()]][0] for c in ring]
-    u = [[Fraction(x) - Fraction(y) for x, y in zip(place[w], place[vertex], strict=True)] for w in away]
-    turns = [(u[i], u[(i + 1) % 4]) for i in range(4)]
-    cross = [a[0] * b[1] - a[1] * b[0] for a, b in turns]
-    dot = [a[0] * b[0] + a[1] * b[1] for a, b in turns]
-    size = [a[0] ** 2 + a[1] ** 2 for a in u]
-    lengths = [(rational(size[i]) * rational(size[(i + 1) % 4])).root().inverse() for i in range(4)]
-    sines = tuple(rational(abs(c)) * r for c, r in zip(cross, lengths, strict=True))
-    cosines = tuple(rational(d) * r for d, r in zip(dot, lengths, strict=True))
-    name = f"vertex {vertex + 1}"
-    why = ""
-    if len({c > 0 for c in cross}) > 1 or not all(cross):
-        return Corner(ring, cosines, sines, np.zeros((4, 2))), Fraction(1), f"{name} has a sector of 180 degrees or more"  # type: ignore[arg-type]
-    if u[1][0] * u[3][1] == u[1][1] * u[3][0]:
-        why = f"at {name} the creases across the row are in one line"
-    elif cross[0] ** 2 * size[3] == cross[3] ** 2 * size[1] and u[0][0] * u[2][1] == u[0][1] * u[2][0]:
-        why = f"{name} is symmetric about the row"
-    q = cross[0] * cross[3] * size[2] / (cross[1] * cross[2] * size[0])
+    away = [int(pattern.ends[c].sum()) - vertex for c in ring]
+    u = [
+        [Fraction(x) - Fraction(y) for x, y in zip(place[w], place[vertex], strict=True)]
+        for w in away
+    ]
+
+    def cross(i: int, j: int) -> Fraction:
+        return u[i][0] * u[j][1] - u[i][1] * u[j][0]
+
+    def dot(i: int, j: int) -> Fraction:
+        return u[i][0] * u[j][0] + u[i][1] * u[j][1]
+
+    name, why = f"vertex {vertex + 1}", ""
+    a1, a2, a3, a4 = (cross(i, (i + 1) % 4) for i in range(4))
+    q = Fraction(1)
+    if min(a1, a2, a3, a4) <= 0 <= max(a1, a2, a3, a4):
+        why = f"{name} has a sector of 180 degrees or more"
+    else:
+        q = a1 * a4 * dot(2, 2) / (a2 * a3 * dot(0, 0))
+        if cross(1, 3) == 0:
+            why = f"at {name} the creases across the row are in one line"
+        elif cross(0, 2) == 0 and a1**2 * dot(3, 3) == a4**2 * dot(1, 1):
+            why = f"{name} is symmetric about the row"
+    sense = 1 if a1 > 0 else -1
+    sides = tuple(_side(cross, dot, sense, *three) for three in ((1, 0, 3), (1, 2, 3)))
     directions = np.array([[float(x) for x in v] for v in u])
     directions /= np.linalg.norm(directions, axis=1)[:, None]
-    return Corner(ring, cosines, sines, directions), q, why  # type: ignore[arg-type]
+    return Corner(ring, sides, directions), q, why  # type: ignore[arg-type]
+
+
+def _side(
+    cross: Callable[[int, int], Fraction],
+    dot: Callable[[int, int], Fraction],
+    sense: int,
+    second: int,
+    row: int,
+    fourth: int,
+) -> Side:
+    """Return the sectors between a crease of the row and the two across, from products of directions of creases."""
+
+    def over(value: Fraction, *creases: int) -> Ball:
+        """Divide by the lengths of directions: exact but for one root."""
+        square = math.prod(dot(c, c) for c in creases)
+        return rational(value) * rational(square).root().inverse()
+
+    turn = (
+        sense if row == 0 else -sense
+    )  # sectors run from crease 4 over 1 to 2, and from 2 over 3 to 4
+    sin_sum, cos_sum = turn * cross(fourth, second), dot(fourth, second)
+    far = dot(second, second) * dot(fourth, fourth)
+    sin_apart = abs(cross(row, second)) * dot(row, fourth) - abs(cross(row, fourth)) * dot(
+        row, second
+    )
+    cos_apart = dot(row, second) * dot(row, fourth) + abs(cross(row, second) * cross(row, fourth))
+
+    def one_plus(cosine: Fraction, sine: Fraction, square: Fraction) -> Ball:
+        """1 + cos x = sin^2 x / (1 - cos x) where that is small; sine and cosine times the root of a square."""
+        root = rational(square).root()
+        if cosine > 0:
+            return exact(1.0) + rational(cosine) * root.inverse()
+        return (
+            rational(sine**2 / square) * (exact(1.0) - rational(cosine) * root.inverse()).inverse()
+        )
+
+    whole = far * dot(row, row) ** 2
+    return Side(
+        over(abs(cross(row, second)), row, second),
+        over(dot(row, second), row, second),
+        over(abs(cross(row, fourth)), row, fourth),
+        over(dot(row, fourth), row, fourth),
+        over(sin_sum, second, fourth),
+        one_plus(cos_sum, sin_sum, far),
+        one_plus(-cos_apart, sin_apart, whole),
+    )
 
 
 class _States:
@@ -232,53 +304,31 @@ class _States:
         self.strip = strip
         self.slopes: dict[int, Jet] = {}
         self.angles: dict[int, Ball] = {}
-        one, zero = exact(np.ones_like(theta.centre)), exact(np.zeros_like(theta.centre))
-        sine, cosine = theta.sine(), theta.cosine()
-        s, c = Jet(sine, cosine), Jet(cosine, -sine)
-        square, across = s * s, []
-        for crease, rho2, sign in zip(strip.row, strip.squares, signs, strict=True):
-            sigma = exact(sign)
-            # cos phi = 1 - 2 rho^2 sin^2 theta; cos(phi/2)^2 = cos^2 theta + (1 - rho^2) sin^2 theta
-            cosine_of = (square * rational(-2 * rho2)).plus(one)
-            half = sigma * rational(rho2).root() * sine
-            room = c * c + square * rational(1 - rho2)
-            if rho2 == 1:  # phi = 2 theta
-                self.angles[crease] = sigma * (theta + theta)
-                rate = Jet(sigma + sigma, zero)
-                sine_of = sigma * exact(2.0) * sine * cosine
+        zero = exact(np.zeros_like(theta.centre))
+        s, c = theta.sine(), theta.cosine()
+        sine, cosine = Jet(s, c), Jet(c, -s)
+        row = []
+        for crease, square, sign in zip(strip.row, strip.squares, signs, strict=True):
+            rho = exact(sign) * rational(square).root()
+            # sin^2(phi/2) = rho^2 sin^2 theta, cos^2(phi/2) = cos^2 theta + (1 - rho^2) sin^2 theta
+            low = sine * sine * rational(square)
+            high = cosine * cosine + sine * sine * rational(1 - square)
+            if square == 1:  # phi = 2 theta
+                angle, rate = exact(sign) * theta, Jet(exact(2 * sign) + zero, zero)
+                product = exact(sign) * s * c
             else:
-                other = room.value.root()
-                turn = argument(other, half)
-                self.angles[crease] = turn + turn
-                # phi' = 2 rho cos theta / cos(phi/2)
-                factor = sigma * rational(rho2).root() * exact(2.0)
-                rate = c * room.inverse_root() * factor
-                sine_of = exact(2.0) * half * other
-            self.slopes[crease] = rate
-            across.append((cosine_of, sine_of, rate))
-        for corner, before, after in zip(strip.corners, across[:-1], across[1:], strict=True):
-            self._across(corner, before, after)
-
-    def _across(
-        self, corner: Corner, before: tuple[Jet, Ball, Jet], after: tuple[Jet, Ball, Jet]
-    ) -> None:
-        """Add the two folds of a vertex that are not in the row."""
-        ca, sa = corner.cosines, corner.sines
-        for crease, (b, c, d, e) in ((corner.creases[1], (0, 3, 1, 2)), (corner.creases[3], (3, 0, 2, 1))):
-            total: Jet | None = None
-            z: list[tuple[Ball, Ball]] = []
-            for (i, j), (cosine, sine, rate) in (((b, c), before), ((d, e), after)):
-                diagonal = (cosine * -(sa[i] * sa[j])).plus(ca[i] * ca[j])  # cos D
-                below = (-diagonal).plus(exact(1.0)) * diagonal.plus(exact(1.0))  # sin^2 D
-                above = (cosine * (sa[i] * ca[j])).plus(ca[i] * sa[j]) * sa[j]
-                part = -(above * below.inverse() * rate)
-                total = part if total is None else total + part
-                z.append((sa[i] * ca[j] + ca[i] * sa[j] * cosine.value, sa[j] * sine))
-            assert total is not None
-            (x, y), (v, w) = z
-            # -conj(zA zB)
-            self.angles[crease] = argument(-(x * v - y * w), x * w + y * v)
-            self.slopes[crease] = total
+                angle = argument(high.value.root(), rho * s)
+                rate = cosine * high.inverse_root() * (rho + rho)
+                product = rho * s * high.value.root()
+            self.angles[crease], self.slopes[crease] = angle + angle, rate
+            row.append(_Fold(low + low, high + high, product + product, rate))
+        for corner, before, after in zip(strip.corners, row[:-1], row[1:], strict=True):
+            for crease, turn in ((1, False), (3, True)):
+                sides = [side.turned if turn else side for side in corner.sides]
+                (x, y, f), (v, w, g) = (_part(*p) for p in zip(sides, (before, after), strict=True))
+                # phi = arg(-conj(zA zB))
+                self.angles[corner.creases[crease]] = argument(y * w - x * v, x * w + y * v)
+                self.slopes[corner.creases[crease]] = -(f + g)
 
     def closes(self) -> np.ndarray:
         """Return whether each vertex comes back turned by no full turn, for folds in the middle of the boxes, [K]."""
@@ -291,9 +341,35 @@ class _States:
                 r, i, j = np.cos(half), np.sin(half) * x, np.sin(half) * y
                 a, b, c, d = q
                 # q (r + i I + j J)
-                q = np.array([a * r - b * i - c * j, a * i + b * r - d * j, a * j + c * r + d * i, d * r + b * j - c * i])
+                q = np.array(
+                    [
+                        a * r - b * i - c * j,
+                        a * i + b * r - d * j,
+                        a * j + c * r + d * i,
+                        d * r + b * j - c * i,
+                    ]
+                )
             whole &= q[0] > 0.5
         return whole
+
+
+class _Fold(NamedTuple):
+    """A fold phi of the row: 1 - cos phi, 1 + cos phi, sin phi and phi'."""
+
+    low: Jet
+    high: Jet
+    sine: Ball
+    rate: Jet
+
+
+def _part(side: Side, fold: _Fold) -> tuple[Ball, Ball, Jet]:
+    """Return z = sin b cos c + cos b sin c cos phi + i sin c sin phi, and the derivative of its argument."""
+    product = side.sin_b * side.sin_c
+    # sin^2 D = (1 + cos D) (1 - cos D): sums of what is positive
+    square = (fold.low * product).plus(side.beyond) * (fold.high * product).plus(side.apart)
+    above = (fold.low * -(side.sin_b * side.cos_c)).plus(side.sine_of_sum)
+    x = side.sine_of_sum - side.cos_b * side.sin_c * fold.low.value
+    return x, side.sin_c * fold.sine, above * square.inverse() * fold.rate * side.sin_c
 
 
 class _Energy:
@@ -363,7 +439,10 @@ class _Boxes:
         """Return how far in the middle a fold across the row, [K], is beyond sides pi, and its slope over the boxes."""
         value, rate = [], []
         for i, (a, s) in enumerate(zip(across, sides, strict=True)):
-            phi, slope = self.at.angles[self.energy.across[a]], self.box.slopes[self.energy.across[a]]
+            phi, slope = (
+                self.at.angles[self.energy.across[a]],
+                self.box.slopes[self.energy.across[a]],
+            )
             here = phi.centre[i] + (s * 2 * math.pi if s * phi.centre[i] < 0 else 0.0)
             value.append((here - s * math.pi, phi.radius[i] + 16 * UNIT))
             rate.append((slope.value.centre[i], slope.value.radius[i]))
@@ -383,9 +462,7 @@ class _Boxes:
         return found
 
 
-def prove_strip(
-    pattern: Pattern, *, boxes: int = 1_000_000, until: float = math.inf
-) -> StripProof:
+def prove_strip(pattern: Pattern, *, boxes: int = 1_000_000, until: float = math.inf) -> StripProof:
     """Find every minimum of the energy of a strip within fold limits, with a proof.
 
     Parameters
@@ -626,9 +703,7 @@ class _Ends:
                 break
         return low, high
 
-    def _state(
-        self, curve: int, low: float, high: float, held: dict[int, float]
-    ) -> StripMinimum:
+    def _state(self, curve: int, low: float, high: float, held: dict[int, float]) -> StripMinimum:
         """Return the state in a narrow box, creases across the row held at limits."""
         boxes = self.energy.over(np.array([curve]), np.array([low]), np.array([high]))
         phi, radius = np.zeros(len(self.energy.rest)), 0.0
