@@ -23,7 +23,7 @@ REFUTED, OPEN = 1, 3
 
 
 @bounded
-@writes("json", "scene", "fold", "figure")
+@writes("json", "scene", "fold", "figure", "bibtex")
 def design(
     out: Output,
     targets: Annotated[
@@ -78,6 +78,7 @@ def design(
         else:
             out.write("scene", format_scene, made)
         out.write("figure", draw_design, answer)
+    out.cite(answer)
     if not answer.verified:
         raise typer.Exit(REFUTED if answer.refuted else OPEN)
 

@@ -14,7 +14,7 @@ from origami_nlp.cli.timed import end_of
 from origami_nlp.errors import OptionError
 
 if TYPE_CHECKING:
-    from origami_nlp.display import Table, Viewable
+    from origami_nlp.display import Result, Table, Viewable
     from origami_nlp.io import Screen
 
 LONG = 24
@@ -32,9 +32,10 @@ KINDS = {
     "markdown": ((".md",), "table"),
     "latex": ((".tex",), "snippets"),
     "npz": ((".npz",), "arrays for NumPy"),
+    "bibtex": ((".bib",), "what to cite"),
 }
 """What files may hold: endings of their names, and what help calls it."""
-TEXTS = ("json", "scene", "csv", "fold", "markdown", "latex")
+TEXTS = ("json", "scene", "csv", "fold", "markdown", "latex", "bibtex")
 """Kinds of files that may go to standard output."""
 SEARCH = {
     "full": (o.FullOrNot, None),
@@ -145,6 +146,14 @@ class Output:
         self.save("html", lambda file: InteractivePage(*contents).save(file))
         self.save("animate", lambda file: write_animation(contents[0], file))
 
+    def cite(self, result: Result) -> None:
+        """Write what to cite for a result, and for the other files, where that was asked for."""
+        if self.files("bibtex"):
+            from origami_nlp.references import citations
+
+            others = [file for kind, file in self._given if kind != "bibtex"]
+            self.write("bibtex", lambda: citations(result, *others).bibtex())
+
     def written(self, *targets: Target) -> None:
         """Say which files are there now."""
         from origami_nlp.io import is_stdout, printable
@@ -201,9 +210,10 @@ def answers(
             out.save("fold", _save_frames, found)
             out.save("mesh", write_mesh, found)
             out.turn(found)
+            out.cite(found)
             end_of(found)
 
-        return writes(*kinds)(o.extended(run, command, own))
+        return writes(*kinds, "bibtex")(o.extended(run, command, own))
 
     return decorate
 

@@ -216,7 +216,7 @@ def load(
 
 @bounded
 @takes_scene(o.OrigamiOrPanels, whole=True, springs=False)
-@writes("json", "figure", "html", "fold", "animate", "markdown")
+@writes("json", "figure", "html", "fold", "animate", "markdown", "bibtex")
 def barriers(
     out: Output,
     scene: Source,
@@ -239,7 +239,7 @@ def barriers(
 
     given = scene.name
     if scene.is_panels:
-        out.refuse("this is for one ORIGAMI, not for all panels", "fold", "animate")
+        out.refuse("this is for one ORIGAMI, not for all panels", "fold", "animate", "bibtex")
     stated: list[Any] = [*examples.panels()] if scene.is_panels else [scene.read_whole()]
     for one in stated:
         if isinstance(one, Scene):
@@ -257,6 +257,7 @@ def barriers(
     out.write("fold", lambda: found[0].to_fold())
     out.write("figure", draw_barriers, *found)
     out.turn(*found)
+    out.cite(found[0])
 
 
 @bounded

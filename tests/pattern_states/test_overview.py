@@ -8,9 +8,8 @@ import pytest
 
 import origami_nlp as o
 from origami_nlp.pattern import frame_pattern, make_pattern, parse_fold
-from origami_nlp.pattern_problem import PatternProblem, Poses
+from origami_nlp.pattern_problem import PatternProblem, Poses, angle_sums
 from origami_nlp.pattern_states import jacobian_rank, list_branches
-from origami_nlp.pattern_states.angle_sums import angle_sums
 from tests.command_line import run
 from tests.fold_files import others
 
