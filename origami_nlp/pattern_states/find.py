@@ -33,6 +33,7 @@ from origami_nlp.pattern import Pattern, as_pattern
 from origami_nlp.pattern_problem import MOST_DENSE, PatternProblem, find_labels, image
 from origami_nlp.pattern_states.branch_points import (
     branch_directions,
+    closes_along,
     into_family,
     is_on_plane,
     split,
@@ -97,11 +98,9 @@ def find_states(
         Whether facets must not cross; without, only fold limits count.
     seconds
         Wall time for the search, give or take a second or two: what was left out is named.  None: 300 s.
-    prove
-        Whether to prove that the list is complete: strips of vertices of degree four (`proof.prove_strip`); None: of up
-        to three such vertices.  True, a number of seconds or options, as for `minima.find_minima`.
-    escape, noise, effort, options, max_starts
-        As for `minima.find_minima`; errors are those of springs and of the positions of vertices.
+    escape, noise, effort, options, max_starts, prove
+        As for `minima.find_minima`; errors are those of springs and of the positions of vertices, proofs are for strips
+        of vertices of degree four (`proof.prove_strip`), unasked of up to three.
 
     Returns
     -------
@@ -123,12 +122,7 @@ def find_states(
     """
     pattern = as_pattern(pattern)
     asked = options_of(effort, options)
-    starts = asked.in_a_row if starts is None else check_whole("starts", starts, 0)
-    most = (
-        asked.most_drawn * starts
-        if max_starts is None
-        else check_whole("max_starts", max_starts, 1)
-    )
+    starts, most = asked.random_starts(starts, max_starts)
     rng = np.random.default_rng(check_whole("seed", seed, 0))
     seconds = check_number("seconds", SECONDS if seconds is None else seconds, 0.0)
     check_flag("escape", escape)
@@ -251,13 +245,10 @@ class _Search:
 
     def prove(self, pattern: Pattern, wanted: bool | float | ProofOptions | None) -> None:
         """Try to prove that the minima are all; what is missing is added."""
-        given = (self.judged, self._judge, self.contact, wanted, self.problem.until)
+        given = (self.problem, self.judged, self.contact, wanted)
         self.completeness, new = prove_list(pattern, *given)
         for state in new:
             self.add(state)
-
-    def _judge(self, phi: np.ndarray) -> JudgedState:
-        return judge_end(self.problem, phi, self.contact)
 
     def add_escapes(self) -> None:
         """Add what it takes to leave each minimum."""
@@ -393,11 +384,7 @@ class _Search:
             return
         d = basis @ (basis.T @ self._side)
         d /= np.abs(d).max()
-        # closed at unequal distances both ways along a generic direction: taken for a plane of closed states
-        if (
-            max(problem.residual(phi + 0.7 * d), problem.residual(phi - 1.1 * d))
-            <= 10 * CLOSURE_TOL
-        ):
+        if closes_along(problem, phi, d):
             self._planes.append((basis, off))
             lowest = lowest_on(problem, phi, basis)
             if lowest is not None and not self.known(lowest):

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
 from origami_nlp.minima import Added, Completeness, JudgedState, Open
 from origami_nlp.numerics import DUPLICATE_TOL
 from origami_nlp.pattern import Pattern
+from origami_nlp.pattern_problem import PatternProblem
+from origami_nlp.pattern_states.judgement import judge_end
 from origami_nlp.proof import ProofOptions, StripProof, prove_strip, why_no_strip
 
 FEW = 3
@@ -19,11 +21,10 @@ FEW = 3
 
 def prove_list(
     pattern: Pattern,
+    problem: PatternProblem,
     known: Sequence[JudgedState],
-    judge: Callable[[np.ndarray], JudgedState],
     contact: bool,
     wanted: bool | float | ProofOptions | None,
-    until: float,
 ) -> tuple[Completeness | None, list[JudgedState]]:
     """Try to prove that the minima of a pattern that are known are all.
 
@@ -31,16 +32,14 @@ def prove_list(
     ----------
     pattern
         With springs.
+    problem
+        As it was searched, with its limit of time.
     known
         All that was judged.
-    judge
-        Judges a state [n].
     contact
         Whether facets must not cross: the proof knows fold limits only.
     wanted
         As for `find_minima`.
-    until
-        When the time of the search is over (`time.monotonic`).
 
     Returns
     -------
@@ -54,27 +53,25 @@ def prove_list(
     if why := why_no_strip(pattern):
         return (None if wanted is None else Completeness("not-proved", f"no strip: {why}")), []
     options = wanted if isinstance(wanted, ProofOptions) else ProofOptions()
+    seconds = math.inf
     if isinstance(wanted, float | int) and not isinstance(wanted, bool):
-        until = min(until, time.monotonic() + wanted)
+        seconds = float(wanted)
+    until = min(problem.until, time.monotonic() + seconds)
     proof = prove_strip(pattern, boxes=options.boxes, until=until)
-    return hold_against(pattern, proof, known, judge, contact)
+    return hold_against(proof, problem, known, contact)
 
 
 def hold_against(
-    pattern: Pattern,
-    proof: StripProof,
-    known: Sequence[JudgedState],
-    judge: Callable[[np.ndarray], JudgedState],
-    contact: bool,
+    proof: StripProof, problem: PatternProblem, known: Sequence[JudgedState], contact: bool
 ) -> tuple[Completeness, list[JudgedState]]:
     """Compare minima that are known with those that are proved; what is missing is judged.
 
     Parameters
     ----------
-    pattern, known, judge, contact
-        As for `prove_list`.
     proof
-        Of the same pattern.
+        Of the pattern of the problem.
+    problem, known, contact
+        As for `prove_list`.
 
     Returns
     -------
@@ -89,7 +86,7 @@ def hold_against(
         within = minimum.radius + DUPLICATE_TOL
         near = [s for s in known if np.abs(s.phi - minimum.fold_angles).max() <= within]
         if not near:
-            judged.append(judge(minimum.fold_angles))
+            judged.append(judge_end(problem, minimum.fold_angles, contact))
             near = judged[-1:]
         if not any(
             s.verdict == "minimum" or (contact and s.verdict == "not admissible") for s in near
@@ -110,7 +107,7 @@ def hold_against(
     if proof.undecided:
         many = len(proof.undecided)
         reasons.append(f"{many} interval{'s' * (many != 1)} of the curves not decided")
-    if contact and len(pattern.vertices) > 1:
+    if contact and len(problem.pattern.vertices) > 1:
         reasons.append(
             f"all minima within fold limits are proved, {len(shown)} on {proof.curves} curves; facets of different "
             "vertices may touch, and states that they hold are not enumerated"
@@ -124,7 +121,7 @@ def hold_against(
         {"0": len(shown), "1": proof.maxima} if proof.maxima else {"0": len(shown)},
         0,
         len(listed),
-        tuple(_region(pattern, *interval) for interval in proof.undecided),
+        tuple(_region(problem.pattern, *interval) for interval in proof.undecided),
         (),
         tuple(Added(s.energy, s.fold_angles) for s in added),
         f"all closed states within fold limits lie on {proof.curves} curves through the flat state",

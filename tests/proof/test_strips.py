@@ -12,8 +12,7 @@ import origami_nlp as o
 from origami_nlp.errors import OptionError
 from origami_nlp.pattern import make_pattern
 from origami_nlp.pattern_problem import PatternProblem
-from origami_nlp.pattern_states import judge
-from origami_nlp.pattern_states.proved import hold_against
+from origami_nlp.pattern_states import hold_against, judge
 from origami_nlp.proof import prove_strip, why_no_strip
 from origami_nlp.proof.balls import Ball, Jet, argument, exact, rational
 from tests.independent.strips import Strip
@@ -121,7 +120,7 @@ def test_a_list_is_held_against_the_proof():
     states = [judge(problem, m.fold_angles, False) for m in proof.minima]
 
     def held(known):
-        return hold_against(pattern, proof, known, lambda x: judge(problem, x, False), False)
+        return hold_against(proof, problem, known, False)
 
     done, added = held(states)
     assert done.proved and not added
