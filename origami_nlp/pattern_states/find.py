@@ -245,8 +245,8 @@ class _Search:
 
     def prove(self, pattern: Pattern, wanted: bool | float | ProofOptions | None) -> None:
         """Try to prove that the minima are all; what is missing is added."""
-        given = (self.problem, self.judged, self.contact, wanted)
-        self.completeness, new = prove_list(pattern, *given)
+        known = self.problem, self.judged, self.contact
+        self.completeness, new = prove_list(pattern, *known, wanted)
         for state in new:
             self.add(state)
 
@@ -258,8 +258,8 @@ class _Search:
 
     def add_survival(self, degrees: float) -> None:
         """Add how many random errors each minimum survives."""
-        states, given = self.by_energy(), (self.contact, degrees)
-        self.judged = with_survival(self.problem, self.labels, states, *given)
+        given = self.by_energy(), self.contact, degrees
+        self.judged = with_survival(self.problem, self.labels, *given)
 
     def result(self, pattern: Pattern, starts: int) -> MinimaResult:
         """Sum up what was judged and done, where `starts` random ones in a row were to find nothing new."""
@@ -408,8 +408,7 @@ class _Search:
     def draw(self, rng: np.random.Generator, k: int) -> None:
         """Make a random start."""
         before = self._found()
-        (start,) = self._families[k % len(self._families)].draw(rng, 1).x
-        self.explore(start)
+        self.explore(self._families[k % len(self._families)].draw(rng, 1).x[0])
         self.tally.drawn += 1
         self.tally.outside += len(self.curves.found) - before[1]
         self.tally.quiet = self.tally.quiet + 1 if self._found() == before else 0

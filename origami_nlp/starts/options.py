@@ -95,20 +95,6 @@ class SearchOptions:
         if self.hits > self.rounds:
             raise OptionError(f"hits = {self.hits} must be at most rounds = {self.rounds}")
 
-
-EFFORTS = {
-    "quick": SearchOptions(
-        corners=256, interior=32, a_round=8, rounds=1, hits=1, quiet=1, in_a_row=10
-    ),
-    "normal": SearchOptions(),
-    "thorough": SearchOptions(
-        corners=16384, interior=512, a_round=64, rounds=40, hits=4, quiet=4, in_a_row=160
-    ),
-}
-"""By name."""
-OWN = "own options"
-"""The effort of a search whose options were given."""
-
     def random_starts(self, starts: int | None, max_starts: int | None) -> tuple[int, int]:
         """Return how many random starts of a pattern in a row find nothing new, and how many are drawn at most.
 
@@ -131,6 +117,20 @@ OWN = "own options"
         if max_starts is None:
             return starts, self.most_drawn * starts
         return starts, check_whole("max_starts", max_starts, 1)
+
+
+EFFORTS = {
+    "quick": SearchOptions(
+        corners=256, interior=32, a_round=8, rounds=1, hits=1, quiet=1, in_a_row=10
+    ),
+    "normal": SearchOptions(),
+    "thorough": SearchOptions(
+        corners=16384, interior=512, a_round=64, rounds=40, hits=4, quiet=4, in_a_row=160
+    ),
+}
+"""By name."""
+OWN = "own options"
+"""The effort of a search whose options were given."""
 
 
 def options_of(effort: object, options: SearchOptions | None = None) -> SearchOptions:
