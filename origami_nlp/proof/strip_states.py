@@ -130,7 +130,7 @@ def why_no_strip(pattern: Pattern) -> str:
     >>> import origami_nlp as o
     >>> from origami_nlp.proof import why_no_strip
     >>> why_no_strip(o.examples.pattern("miura", 2, 3))
-    'at vertex 6 the creases across the row are in one line'
+    'vertex 2 is symmetric about the row'
     """
     return as_strip(pattern)[1]
 
@@ -166,7 +166,7 @@ def _corner(pattern: Pattern, vertex: int, ring: tuple[int, ...]) -> tuple[Corne
     def dot(i: int, j: int) -> Fraction:
         return u[i][0] * u[j][0] + u[i][1] * u[j][1]
 
-    name, why = f"vertex {vertex + 1}", ""
+    name, why = f"vertex {vertex}", ""
     a1, a2, a3, a4 = (cross(i, (i + 1) % 4) for i in range(4))
     q = Fraction(1)
     if min(a1, a2, a3, a4) <= 0 <= max(a1, a2, a3, a4):

@@ -198,11 +198,11 @@ def prove_strip(pattern: Pattern, *, boxes: int = 1_000_000, until: float = math
 
     Examples
     --------
-    >>> import origami_nlp as o
+    >>> from origami_nlp.pattern import make_pattern
     >>> from origami_nlp.proof import prove_strip
     >>> points = [[0, 0], [1, 0.1], [0.2, 1], [-1, 0.3], [-0.3, -1]]
     >>> faces = [(0, 1, 2), (0, 2, 3), (0, 3, 4), (0, 4, 1)]
-    >>> vertex = o.make_pattern(points, faces).with_springs(stiffness=0.01, rest_angles=[1.0, -0.5, 0.8, 0.9])
+    >>> vertex = make_pattern(points, faces).with_springs(stiffness=0.01, rest_angles=[1.0, -0.5, 0.8, 0.9])
     >>> proof = prove_strip(vertex)
     >>> proof.curves, len(proof.minima), proof.undecided
     (2, 2, ())
