@@ -58,7 +58,7 @@ from origami_nlp.pattern_states.judgement import (
     stationary_beside,
 )
 from origami_nlp.pattern_states.noise import NOISE, with_survival
-from origami_nlp.pattern_states.proved import prove_list
+from origami_nlp.pattern_states.proved import is_tried, prove_list
 from origami_nlp.proof import ProofOptions
 from origami_nlp.starts import OWN, Given, Popped, SearchOptions, families_in_turn, options_of
 
@@ -143,7 +143,8 @@ def find_states(
             break
     search.part("minima with a vertex popped", search.pop, asked.most_popped * starts)
     search.part("images of minima under symmetries", search.add_images)
-    search.part("the proof that the list is complete", search.prove, pattern, prove)
+    if is_tried(pattern, prove):
+        search.part("the proof that the list is complete", search.prove, pattern, prove)
     if escape:
         search.part("escape barriers", search.add_escapes)
     if noise is not None:
@@ -344,9 +345,8 @@ class _Search:
         order = sorted(
             range(len(states)), key=lambda i: (np.abs(states[i]).sum(), self.labels.key(states[i]))
         )
-        if not self.part(ESCAPE_PATHS, self._leave_flat_folded, states[order]):
-            return
-        self.part(MEETINGS, self._leave_meetings)
+        if self.part(ESCAPE_PATHS, self._leave_flat_folded, states[order]):
+            self.part(MEETINGS, self._leave_meetings)
 
     def _leave_meetings(self) -> None:
         """Go all branch directions of states at which curves meet."""

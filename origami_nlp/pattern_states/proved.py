@@ -19,13 +19,20 @@ FEW = 3
 """Vertices in a row up to which a proof is tried without being asked for: it costs no more than the search."""
 
 
+def is_tried(pattern: Pattern, wanted: bool | float | ProofOptions | None) -> bool:
+    """Return whether a proof is tried: where it is asked for, or of a short strip."""
+    if wanted is None:
+        return len(pattern.vertices) <= FEW and not why_no_strip(pattern)
+    return wanted is not False
+
+
 def prove_list(
     pattern: Pattern,
     problem: PatternProblem,
     known: Sequence[JudgedState],
     contact: bool,
     wanted: bool | float | ProofOptions | None,
-) -> tuple[Completeness | None, list[JudgedState]]:
+) -> tuple[Completeness, list[JudgedState]]:
     """Try to prove that the minima of a pattern that are known are all.
 
     Parameters
@@ -43,15 +50,13 @@ def prove_list(
 
     Returns
     -------
-    completeness : Completeness or None
-        None where it was not tried.
+    completeness : Completeness
+        What is proved.
     added : list of JudgedState
         What the proof found, and was judged.
     """
-    if wanted is False or (wanted is None and len(pattern.vertices) > FEW):
-        return None, []
     if why := why_no_strip(pattern):
-        return (None if wanted is None else Completeness("not-proved", f"no strip: {why}")), []
+        return Completeness("not-proved", f"no strip: {why}"), []
     options = wanted if isinstance(wanted, ProofOptions) else ProofOptions()
     seconds = math.inf
     if isinstance(wanted, float | int) and not isinstance(wanted, bool):
