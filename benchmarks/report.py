@@ -161,13 +161,14 @@ def in_short(data: dict[str, Any]) -> str:
 
 
 def _targets(data: dict[str, Any]) -> str:
-    lines = ["## Targets\n"]
+    lines, said = ["## Targets\n"], ""
     for t in targets(data):
         if t.measured is None:
             lines.append(f"- not measured: {t.text} (wanted {t.wanted:g})")
             continue
         verdict = "reached" if t.reached else "NOT reached"
-        why = f"; {t.why}" if t.why and not t.reached else ""
+        why = f"; {'as above' if t.why == said else t.why}" if t.why and not t.reached else ""
+        said = t.why or said
         lines.append(f"- {verdict}: {t.text} {show(t.measured)}, wanted at least {t.wanted:g}{why}")
     missed = job_summary(data)["missed"]
     words = "; ".join(f"{name}: {count}" for name, count in missed.items())

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import compress
 from typing import Any
 
 from origami_nlp.display import Table, Words
@@ -82,31 +83,37 @@ def _with_totals(panels: Sequence[PanelAudit]) -> list[tuple[str, list[str], boo
     return lines
 
 
-def summary_table(panels: Sequence[PanelAudit], *, short: bool = True) -> Table:
+def summary_table(panels: Sequence[PanelAudit]) -> Table:
     """Return one row a panel: published candidates, what they are, exact minima they belong to.
 
-    short: without the words that all rows share.
+    Causes that no candidate has are left out.
     """
     lines = _with_totals(panels)
+    sums = dict(zip(HEADS, totals(panels), strict=True))
+    shown = [head not in CAUSES or sums[head] != "0" for head in HEADS]
     rows = []
     for title, row, total in lines:
-        name = title.replace("alpha_1 = ", "").replace("r_k = ", "") if short else title
-        rows.append([Words(cell, "bold" if total else "") for cell in (name, *row)])
+        name = title.replace("alpha_1 = ", "").replace("r_k = ", "")
+        said = (name, *compress(row, shown))
+        rows.append([Words(cell, "bold" if total else "") for cell in said])
     count = sum(len(p.audited) for p in panels)
-    columns = "l" + "R" * len(HEADS)
     ends = [k for k, (_, _, total) in enumerate(lines) if total]
-    return Table(("panel", *HEADS), rows, f"{count} published candidates", columns, ends=ends)
+    heads = ("panel", *compress(HEADS, shown))
+    return Table(
+        heads, rows, f"{count} published candidates", "l" + "R" * (len(heads) - 1), ends=ends
+    )
 
 
 def as_markdown(panels: Sequence[PanelAudit]) -> str:
     """Return the summary as a Markdown table with a legend."""
+    table = summary_table(panels)
     lines = [
-        *(f"- **{cause}**: {MEANING[cause]}" for cause in CAUSES),
+        *(f"- **{cause}**: {MEANING[cause]}" for cause in CAUSES if cause in table.heads),
         "- **exact minima**: of the panel, found by `origami-nlp minima`; **represented**: by an exact candidate; "
         "**reached**: by a candidate or its descent",
         "- **appendix A strict**: candidates with different fold angles that the paper's own test calls strict minima",
     ]
-    return "\n".join([summary_table(panels, short=False).markdown(), *lines]) + "\n"
+    return "\n".join([table.markdown(), *lines]) + "\n"
 
 
 def audit_to_dict(panels: Sequence[PanelAudit]) -> dict[str, Any]:

@@ -17,8 +17,7 @@ class LeftOut:
 LEFT_OUT: tuple[LeftOut, ...] = (
     LeftOut(
         "abstract, sec. 3.1, 3.2",
-        "18 of 41 and 14 of 45 symmetric minima stay minima; the numbers in the corners of the panels "
-        "(for r_k = 1: 3, 8, 3)",
+        "18 of 41 and 14 of 45 symmetric minima stay minima; numbers in the corners of the panels",
         "results of a grid search; measured in docs/validation/states.md and docs/validation/landscapes.md",
     ),
     LeftOut(
@@ -28,27 +27,24 @@ LEFT_OUT: tuple[LeftOut, ...] = (
     ),
     LeftOut(
         "sec. 3, footnote; sec. 3.1",
-        "self-intersection can be checked efficiently; the search is exhaustive; a screening method",
+        "efficient checks of self-intersection; an exhaustive search; a screening method",
         "a method and its merits, no formula",
     ),
     LeftOut(
         "sec. 3.1",
-        "that each of the two regions is one piece; that two holes come into the interior; that the "
-        "1-handles expand",
+        "each region is one piece; two holes come into the interior; the 1-handles expand",
         "topology of a computed set; measured in docs/validation/space.md",
     ),
     LeftOut(
         "sec. 3.1, 3.2",
-        "where metastable segments lie, how they grow with r_k, stick-slip, states that collide and "
-        "vanish",
+        "metastable segments, how they grow with r_k, stick-slip, states that collide and vanish",
         "read off pictures; measured in docs/validation/metastable.md",
     ),
     LeftOut(
         "sec. 3.2",
         "no topological transitions; the most stable states at r_k = 1; shallow boundaries go with "
         "metastability",
-        "read off pictures; the first is measured in docs/validation/space.md, numbers of states in "
-        "docs/validation/states.md",
+        "read off pictures; measured in docs/validation/space.md and docs/validation/states.md",
     ),
     LeftOut(
         "sec. 4",
@@ -62,9 +58,8 @@ LEFT_OUT: tuple[LeftOut, ...] = (
     ),
     LeftOut(
         "sec. 5, figs. cone-3, cone-4, cone-56",
-        "where bands and regions lie, 'a large portion', 'nearly irrespective', 'primarily vertical', "
-        "'finer structure', 'less stable'",
-        "words about a coloured picture, without a threshold that could be checked",
+        "'a large portion', 'nearly irrespective', 'primarily vertical', 'finer structure', 'less stable'",
+        "words about a coloured picture, without a threshold",
     ),
     LeftOut(
         "sec. 5",
@@ -73,8 +68,8 @@ LEFT_OUT: tuple[LeftOut, ...] = (
     ),
     LeftOut(
         "sec. 5",
-        "fractions of stable branches other than the plateaus at large r_k and the value at v_0 = 0",
-        "depend on the optimiser, its starts and its threshold; measured in docs/validation/cones.md",
+        "other fractions of stable branches than the plateaus at large r_k and the value at v_0 = 0",
+        "depend on optimiser, starts and threshold; measured in docs/validation/cones.md",
     ),
     LeftOut(
         "sec. 5",

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 
 @takes_scene(o.OrigamiFile, whole=True)
-@writes("json", "figure", "html", "fold", "mesh", "animate")
+@writes("json", "figure", "html", "fold", "mesh", "animate", "bibtex")
 def minima(
     out: Output,
     scene: Source,
@@ -83,6 +83,7 @@ def minima(
         found.print_to(out.console, verbose)
         out.write("json", found.to_dict)
         out.turn(*found.results)
+        out.others(found)
         return
     if scene.is_whole:
         refuse("pattern", {"certificate": "its list is not proved"}, certificate=certificate)
@@ -91,7 +92,7 @@ def minima(
         options["contact"] = scene.whole_contact
     stopped = False
     try:
-        result = search(stated, scene.name, **options)
+        result = search(stated, scene.name, verbose=verbose, **options)
     except Interrupted as early:  # what was found is reported and written all the same
         result, stopped = early.result, True
     result.print_to(out.console, verbose)
@@ -103,6 +104,7 @@ def minima(
         _write_certificate(result, certificate)
         out.written(certificate)
     out.turn(result)
+    out.others(result)
     if stopped:
         raise KeyboardInterrupt
 
@@ -128,7 +130,7 @@ def _write_certificate(result: MinimaResult, file: str) -> None:
     write_certificate(certificate_of(result.scene, *proofs), file)
 
 
-@writes("json")
+@writes("json", "bibtex")
 def check_proof(out: Output, proof: o.ProofFile) -> None:
     """Check a proof that a list of minima is complete, claim by claim, in ball arithmetic.
 
@@ -141,6 +143,7 @@ def check_proof(out: Output, proof: o.ProofFile) -> None:
         found = check(certificate, lambda done, total: report(done, total))
     out.say("\n".join(found.lines), highlight=False, soft_wrap=True)
     out.write("json", found.to_dict)
+    out.others(found)
     if found.refused:
         raise typer.Exit(1)
 
@@ -150,7 +153,7 @@ SMALLEST, LARGEST = 16, 4097
 
 @bounded
 @takes_scene(o.SceneFile, springs=False)
-@writes("json", "figure", "html", "npz")
+@writes("json", "figure", "html", "npz", "bibtex")
 def landscape(
     out: Output,
     scene: Source,
@@ -204,6 +207,7 @@ def landscape(
     out.write("npz", _npz, exact)
     out.write("figure", draw_landscape, exact, barriers)
     out.save("html", lambda file: InteractivePage(exact.view_content(barriers)).save(file))
+    out.others(exact)
 
 
 def _npz(exact: ExactLandscape) -> bytes:

@@ -7,6 +7,7 @@ matplotlib's object interface only: no global state, any backend.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -61,21 +62,29 @@ class _Panels:
 
 
 def compose(
-    origami: Scene | Pattern, minima: tuple[JudgedState, ...], dof: int, chart: Landscape | None
+    origami: Scene | Pattern,
+    minima: tuple[JudgedState, ...],
+    dof: int,
+    chart: Landscape | None,
+    signs: Sequence[str] = (),
 ) -> Figure:
     """Draw minima folded, and on the landscape of their scene.
 
     dof: degrees of freedom of the symmetric states.  chart: None where there is no landscape to draw, as of a
-    pattern.
+    pattern.  signs: of the vertices in each state, if they are to be told.
     """
     shown = minima[:MOST_DRAWN]
     panels = _panels(chart)
     places = (
         [chart.place(m.fold_angles, m.winding) for m in shown] if chart and panels.groups else []
     )
+    signs = signs or [""] * len(shown)
     states = StatesDrawn(
         origami,
-        [_state_title(k, m, m.dof if chart is None else dof) for k, m in enumerate(shown, start=1)],
+        [
+            _state_title(k, m, m.dof if chart is None else dof, sign)
+            for k, (m, sign) in enumerate(zip(shown, signs, strict=False), start=1)
+        ],
         [m.phi for m in shown],
         [m.contacts for m in shown] if isinstance(origami, Pattern) else (),
         colours=[WARNING if verdict(origami, m) == "unstable" else "black" for m in shown],
@@ -149,7 +158,7 @@ def _title(origami: Scene | Pattern, minima: tuple[JudgedState, ...]) -> list[st
     return [label_text(f"{who}: {count}"), f"{symmetry}{contact[origami.contact]}"]
 
 
-def _state_title(number: int, minimum: JudgedState, dof: int) -> str:
+def _state_title(number: int, minimum: JudgedState, dof: int, signs: str = "") -> str:
     kind: str = minimum.kind
     if minimum.local_dimension < dof:
         kind += {0: ", isolated point", 1: ", on a 1-handle"}.get(
@@ -158,7 +167,9 @@ def _state_title(number: int, minimum: JudgedState, dof: int) -> str:
     known = "" if minimum.full_space is None else f", {minimum.full_space.verdict}"
     if minimum.shallow:
         kind = f"{minimum.kind}, shallow"
-    return f"{number}:  U = {minimum.energy:.4g} {UNIT}{known}\n{kind}\n{barrier_words(minimum.escape, UNIT)}".rstrip()
+    told = f",  {signs.replace('-', '−')}" if signs else ""
+    head = f"{number}:  U = {minimum.energy:.4g} {UNIT}{known}{told}\n{kind}"
+    return f"{head}\n{barrier_words(minimum.escape, UNIT)}".rstrip()
 
 
 def _notes(

@@ -14,7 +14,8 @@ from origami_nlp.minima.full_space import FullSpace
 from origami_nlp.minima.minimum import JudgedState
 from origami_nlp.minima.stability import isolated_foldings, number_words
 from origami_nlp.numerics import BALANCED, STATIONARY, residual_words
-from origami_nlp.pattern import Scene
+from origami_nlp.pattern import Scene, listed
+from origami_nlp.pattern_problem import PopSigns
 
 MOST_ANGLES = 24
 """Fold angles of a state up to which they are written out; those of larger ones are in the JSON."""
@@ -97,6 +98,18 @@ def angle_lines(minima: Sequence[JudgedState], numbers: Sequence[int]) -> Iterat
         yield f"{f'#{k}':>5} {angles}{winds}"
 
 
+def sign_lines(pops: PopSigns, signs: Sequence[str]) -> Iterator[str]:
+    """Say what the signs of states are, and at which vertices they say nothing."""
+    if pops.vertices:
+        many = len(set(signs))
+        yield (
+            f"signs: of the sum of fold angles round vertices {listed(pops.vertices)} (0: flat); {many} combination"
+            f"{'s' * (many != 1)}; motions without crossing facets change a sign only where that vertex is flat"
+        )
+    if pops.without:
+        yield f"no sign at vertices {listed(pops.without)}, with more than 360 degrees of paper"
+
+
 def flag_lines(flags: ResultFlags) -> list[str]:
     """Name the flags that are up."""
     if not flags:
@@ -175,3 +188,21 @@ def escape_words(e: Escape) -> str:
         return f"escape barrier {e.method}: {e.why}"
     to = f"#{e.to}" if e.to else "a state that is not listed"
     return f"escape path towards {to}: {e.method}"
+
+
+def residual_cells(m: JudgedState) -> list[str]:
+    """Return residuals and hits."""
+    return [*map(residual_words, (m.closure_residual, m.kkt_residual)), str(m.hits)]
+
+
+def touching_cells(m: JudgedState) -> list[str]:
+    """Return which facets touch, and which creases are at their fold limit."""
+    limits = [str(k) for c in m.contacts for k in c.creases]
+    touched = dict.fromkeys(c.facets for c in m.contacts if not c.is_limit)
+    words = [f"facets {_few([f'{a}|{b}' for a, b in touched])} touch"] * bool(touched)
+    words += [f"fold limit of {_few(limits)}"] * bool(limits)
+    return ["; ".join(words)]
+
+
+def _few(names: Sequence[str]) -> str:
+    return ", ".join([*names[:3], *["..."] * (len(names) > 3)])

@@ -38,8 +38,11 @@ from origami_nlp.minima.report_lines import (
     angle_lines,
     flag_lines,
     kinds_table,
+    residual_cells,
     scene_lines,
+    sign_lines,
     state_lines,
+    touching_cells,
     undecided_lines,
 )
 from origami_nlp.minima.stability import (
@@ -49,10 +52,16 @@ from origami_nlp.minima.stability import (
     not_asked_words,
     verdict,
 )
-from origami_nlp.minima.summary import MOST_LINES, find_images, summary_table, verdict_words
-from origami_nlp.numerics import STATIONARY, rank, residual_words
+from origami_nlp.minima.summary import (
+    MOST_LINES,
+    MOST_SIGNS,
+    find_images,
+    summary_table,
+    verdict_words,
+)
+from origami_nlp.numerics import STATIONARY, rank
 from origami_nlp.pattern import Pattern, Relations, Scene
-from origami_nlp.pattern_problem import MOST_DENSE, PatternProblem
+from origami_nlp.pattern_problem import MOST_DENSE, PatternProblem, PopSigns
 from origami_nlp.problem import Model
 
 if TYPE_CHECKING:
@@ -87,7 +96,7 @@ class MinimaResult(Report, Viewable):
 
     Notes
     -----
-    `to_frame` has a row a minimum: scene (its name), number (from 1), energy_J, kind, dimension,
+    `to_frame` has a row a minimum: scene (its name), number (from 1), energy_J, kind, dimension, signs,
     closure, kkt (residuals), hits, stable (None where the full space was not asked), softest_N_m_per_rad, barrier_J,
     barrier_method, shallow, phi_1_rad .. phi_N_rad.
 
@@ -111,7 +120,7 @@ class MinimaResult(Report, Viewable):
     model: Any = field(default=None, compare=False, metadata={"plain": False})
 
     PICTURE, SCHEMA = "draw_minima", "origami-nlp/minima/2"
-    ALSO = ("model", "flags", "closure_stress")
+    ALSO = ("model", "flags", "closure_stress", "signs", "sign_vertices")
 
     def __post_init__(self) -> None:
         stated = self.origami
@@ -211,6 +220,31 @@ class MinimaResult(Report, Viewable):
             return self.model
         return Model(replace(self.scene, winding=minimum.winding))
 
+    @cached_property
+    def _pop_signs(self) -> PopSigns | None:
+        """None where facets may cross: their signs mean nothing."""
+        contact = getattr(self.search, "contact", getattr(self.origami, "contact", "full"))
+        return PopSigns(self.origami) if contact == "full" else None
+
+    @property
+    def signs(self) -> tuple[str, ...]:
+        """On which side of its flat state each vertex is (`PopSigns.of`), a word such as ``"+-0"`` a minimum.
+
+        Admissible motions change one only through states with that vertex flat.  Empty where facets may cross.
+        """
+        pops = self._pop_signs
+        return tuple(pops.of(m.phi) if pops else "" for m in self.minima)
+
+    @property
+    def sign_vertices(self) -> tuple[int, ...]:
+        """The vertices that `signs` are of, as a FOLD file numbers them: those with 360 degrees of paper or less."""
+        return self._pop_signs.vertices if self._pop_signs else ()
+
+    @property
+    def shown_signs(self) -> tuple[str, ...]:
+        """`signs` of a pattern of few vertices, whose tables and pictures tell them; else nothing."""
+        return self.signs if self.is_pattern and len(self.sign_vertices) <= MOST_SIGNS else ()
+
     @property
     def closure_stress(self) -> tuple[dict[str, Any], ...]:
         """What closure of a pattern carries, a minimum each; nothing of a vertex, which says its `moment`.
@@ -300,7 +334,8 @@ class MinimaResult(Report, Viewable):
     def table(self) -> Table:
         """Return one row a minimum: energy, stability, what holds it, softest mode, escape barrier."""
         scale = float(np.mean(self.origami.stiffness))
-        return summary_table(self.origami, self.minima, self._images, self.verdict, scale)
+        about = self.origami, self.minima, self._images, self.verdict, scale
+        return summary_table(*about, self.shown_signs)
 
     def report_sections(self) -> Iterator[Section]:
         """Return how many states are stable, a line each, fold angles, what is not proved, and then the details."""
@@ -313,6 +348,8 @@ class MinimaResult(Report, Viewable):
         yield from angle_lines(self.minima, shown)
         if isinstance(self.origami, Scene):
             yield from scene_lines(self.origami)
+        elif self.minima and self._pop_signs:
+            yield from sign_lines(self._pop_signs, self.signs)
         yield from self._survivals()
         said = not_asked_words(self.origami, self.minima), imposed_words(self.origami)
         yield from filter(None, said)
@@ -342,7 +379,7 @@ class MinimaResult(Report, Viewable):
             some = [self.minima[k - 1] for k in listed]
             heads = ("contacts",) if self.is_pattern else ("closure", "KKT", "hits")
             free = [m.dof if self.is_pattern else self.model.dof for m in some]
-            cells = [_touching(m) if self.is_pattern else _reached(m) for m in some]
+            cells = [touching_cells(m) if self.is_pattern else residual_cells(m) for m in some]
             yield kinds_table(listed, some, free, heads, cells)
         yield from state_lines(self.minima)
         if self.is_pattern:
@@ -389,9 +426,11 @@ class MinimaResult(Report, Viewable):
         yield "modelled: rigid facets without thickness, springs at creases; on paths to a state facets may cross"
 
     def _rows(self) -> Iterator[dict[str, object]]:
+        signs = self.signs
         for number, m in enumerate(self.minima, start=1):
             row: dict[str, object] = {"scene": self.name, "number": number}
             row |= {"energy_J": m.energy, "kind": m.kind, "dimension": m.local_dimension}
+            row["signs"] = signs[number - 1]
             row |= {"closure": m.closure_residual, "kkt": m.kkt_residual, "hits": m.hits}
             row["stable"] = m.full_space and m.full_space.verdict
             row |= {"softest_N_m_per_rad": m.softest, "barrier_J": m.escape and m.escape.barrier}
@@ -439,21 +478,3 @@ class MinimaResult(Report, Viewable):
         return view_minima(
             self.origami, self.model, self.minima, tuple(self.report_sections()), chart
         )
-
-
-def _reached(m: JudgedState) -> list[str]:
-    """Return residuals and hits."""
-    return [*map(residual_words, (m.closure_residual, m.kkt_residual)), str(m.hits)]
-
-
-def _touching(m: JudgedState) -> list[str]:
-    """Return which facets touch, and which creases are at their fold limit."""
-    limits = [str(k) for c in m.contacts for k in c.creases]
-    touched = dict.fromkeys(c.facets for c in m.contacts if not c.is_limit)
-    words = [f"facets {_few([f'{a}|{b}' for a, b in touched])} touch"] * bool(touched)
-    words += [f"fold limit of {_few(limits)}"] * bool(limits)
-    return ["; ".join(words)]
-
-
-def _few(names: Sequence[str]) -> str:
-    return ", ".join([*names[:3], *["..."] * (len(names) > 3)])

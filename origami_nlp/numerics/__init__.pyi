@@ -6,7 +6,7 @@ from .factors import (
     Normal as Normal,
     dense as dense,
 )
-from .groups import groups as groups
+from .groups import groups as groups, pairs_within as pairs_within
 from .linear import (
     extremes as extremes,
     nearest as nearest,
@@ -29,6 +29,7 @@ from .tolerances import (
     ALIKE as ALIKE,
     ANSWERED as ANSWERED,
     BALANCED as BALANCED,
+    BESIDE_SINGULAR as BESIDE_SINGULAR,
     CARRIES as CARRIES,
     CHOSEN as CHOSEN,
     CLOSURE_TOL as CLOSURE_TOL,

@@ -106,6 +106,9 @@ ENDPOINT_TOL = 1e-5
 ALIKE = 3e-5
 """Ends of descents that differ by no more [rad] are judged once: they stop at a torque of 1e-10 of the largest, which
 over a curvature of 3e-6 of that of springs is as far from where they lead."""
+BESIDE_SINGULAR = 1e-5
+"""Distance [rad] at which a state is distinguished from a singular one, and a vertex from a flat one: any fold angles
+close there to its square, a hundred times `CLOSURE_TOL`."""
 SLIDES = 3e-5
 """Contacts open by less [rad] are slid along: three times `UNPOLISHED`, to which they are known on the way."""
 SAME_DIRECTION = 1e-5
@@ -149,6 +152,6 @@ DESIGN_MARGIN = 1e-6
 """Smallest margin of a design, over the mean stiffness: ten decades above rounding, and what a conic solver with its
 tolerance of 1e-10 leaves after division by the worst condition, 1e4."""
 SHALLOW = 1e-4
-"""Escape barriers below this share of sum k pi^2 / 2, the energy that folds every crease by pi: an error d of every
-rest angle changes the energy between two states by up to sum k d |change of fold angle| <= (2 d / pi) of that sum, so
-that 1e-4 is what errors of d = 1.6e-4 rad = 0.009 degrees may make or remove.  Nobody makes springs that well."""
+"""Escape barriers below this share of sum k pi^2 / 2, the energy of all creases folded by pi: an error d of every rest
+angle changes energy differences by up to (2 d / pi) of it, so that 1e-4 is what d = 1.6e-4 rad = 0.009 degrees may make
+or remove. Nobody makes springs that well."""

@@ -39,6 +39,12 @@ from .layers import (
     round_vertex as round_vertex,
 )
 from .meeting_features import touches_at as touches_at
+from .pop_signs import (
+    PopSigns as PopSigns,
+    angle_sums as angle_sums,
+    is_jump as is_jump,
+    pop_rows as pop_rows,
+)
 from .posed import independent_rows as independent_rows, pose as pose
 from .poses import MOVES as MOVES, Poses as Poses
 from .problem import PatternProblem as PatternProblem

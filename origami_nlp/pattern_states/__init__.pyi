@@ -1,4 +1,3 @@
-from .angle_sums import pop_rows as pop_rows
 from .clearance import Clearance as Clearance, Stretches as Stretches
 from .confirming import IpoptConfirmation as IpoptConfirmation, confirm_minimum as confirm_minimum
 from .contact_descents import (

@@ -9,8 +9,7 @@ import numpy as np
 
 from origami_nlp.kkt import STOPPED, follow
 from origami_nlp.numerics import CLOSURE_TOL
-from origami_nlp.pattern_problem import MOST_DENSE, PatternProblem
-from origami_nlp.pattern_states.angle_sums import is_jump, pop_rows
+from origami_nlp.pattern_problem import MOST_DENSE, PatternProblem, is_jump, pop_rows
 from origami_nlp.pattern_states.clearance import Stretches
 from origami_nlp.pattern_states.descent import TRUST, Descended
 

@@ -11,6 +11,7 @@ from origami_nlp.kkt import Classification, State, classify, newton
 from origami_nlp.minima import JudgedState
 from origami_nlp.numerics import (
     ANSWERED,
+    BESIDE_SINGULAR,
     CLOSURE_TOL,
     NEAR_SINGULAR_TOL,
     NONZERO,
@@ -19,10 +20,6 @@ from origami_nlp.numerics import (
 )
 from origami_nlp.pattern_problem import MOST_DENSE, PatternProblem
 from origami_nlp.problem import fold_limit
-
-NEAREST = 1e-5
-"""Distance [rad] at which a state is distinguished from a singular one: anything closes there to its square,
-a hundred times `CLOSURE_TOL`."""
 
 
 def judge(problem: PatternProblem, phi: np.ndarray, contact: bool = True) -> JudgedState:
@@ -82,7 +79,8 @@ def judge(problem: PatternProblem, phi: np.ndarray, contact: bool = True) -> Jud
     )
     # lower states as well: what closes to rounding may be further off the curve than they are away
     if (state.verdict == "minimum" or state.refuted) and singular_beside(problem, phi) is not None:
-        why = f"not decided: within {NEAREST:g} rad of a state where closure loses rank, and not distinguished from it"
+        why = f"not decided: within {BESIDE_SINGULAR:g} rad of a state where closure loses rank"
+        why += ", and not distinguished from it"
         return replace(state, verdict="undecided", kind="", certificate=why)
     return state
 
@@ -117,7 +115,7 @@ def singular_beside(problem: PatternProblem, phi: np.ndarray) -> np.ndarray | No
     >>> singular_beside(problem, np.zeros(4)) is None, singular_beside(problem, np.full(4, 1e-13)) is None
     (True, True)
     """
-    at_limit, flat = math.pi - np.abs(phi) < NEAREST, np.abs(phi) < NEAREST
+    at_limit, flat = math.pi - np.abs(phi) < BESIDE_SINGULAR, np.abs(phi) < BESIDE_SINGULAR
     near = np.where(at_limit, np.copysign(math.pi, phi), np.where(flat, 0.0, phi))
     if np.abs(near - phi).max(initial=0.0) <= OUTSIDE:
         return None

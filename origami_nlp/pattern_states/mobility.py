@@ -19,8 +19,7 @@ from origami_nlp.display import Details, Report, Section, Table
 from origami_nlp.io import from_plain, to_plain
 from origami_nlp.numerics import CLOSURE_TOL, INPUT_TOL, NOISE, RANK
 from origami_nlp.pattern import Pattern, as_pattern, listed, pattern_from_dict, pattern_to_dict
-from origami_nlp.pattern_problem import MOVES, Layers, PatternProblem, check_orders
-from origami_nlp.pattern_states.angle_sums import angle_sums
+from origami_nlp.pattern_problem import MOVES, Layers, PatternProblem, angle_sums, check_orders
 
 if TYPE_CHECKING:
     from typing import Self

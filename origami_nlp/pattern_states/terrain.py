@@ -10,8 +10,7 @@ import numpy as np
 
 from origami_nlp.kkt import FARTHEST, GOES, Terrain, energy_scale, over_flat
 from origami_nlp.numerics import CLOSURE_TOL, NEAR_SINGULAR_TOL, OUTSIDE, coarse
-from origami_nlp.pattern_problem import PatternProblem
-from origami_nlp.pattern_states.angle_sums import is_jump, pop_rows
+from origami_nlp.pattern_problem import PatternProblem, is_jump, pop_rows
 from origami_nlp.pattern_states.contact_descents import contact_descent
 from origami_nlp.pattern_states.descent import Descended, descend
 

@@ -71,9 +71,8 @@ _AREA = (
     "|sum phi| >= 2 pi - area(K) > 0, facets that touch included (docs/validation/barriers.md)."
 )
 _REMARK = (
-    "over the chart point (0, 0) lies more than the flat state, the book fold phi_1 = phi_4 = t "
-    "(Q(e1, t/2) Q(-e1, t/2) = 1 for all t): t > 0 belongs to one region, t < 0 to the other, and t = 0 "
-    "joins them.  For alpha_1 > pi/4 the chart has another such point: phi_2 = phi_3 with "
+    "over (0, 0) lies the book fold phi_1 = phi_4 = t too: t > 0 in one region, t < 0 in the other, t = 0 "
+    "joins them.  For alpha_1 > pi/4 the chart has another such point: phi_2 = phi_3, "
     "tan^2(phi_2/2) = -1/cos(2 alpha_1) lays crease 4 on crease 1 and frees phi_1 - phi_4.  "
     "That each region is one piece is measured (docs/validation/space.md), not decided here."
 )

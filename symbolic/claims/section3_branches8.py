@@ -263,7 +263,7 @@ def _check_odd(statement: tuple[Any, Any]) -> Verdict:
             r"\phi_1^{(i)}(-\upsilon,-\phi_2)=-\phi_1^{(i)}(\upsilon,\phi_2),\quad i=1,2",
             lambda: all(_check_odd((b, b)).verdict == "proved" for b in (BRANCH_1, BRANCH_2)),
             "as printed (|sin upsilon| in K) each branch is odd by itself: flipping the vertex "
-            "maps it to the DUPLICATE_TOL branch; the two branches are different shapes and meet where "
+            "maps it to the SAME branch; the two branches are different shapes and meet where "
             "J = 0.  (Call the inner cases branches, as s3.branches-8 does, and the sentence holds: the "
             "line for phi_2 < 0 is the line for phi_2 > 0 flipped over.)",
         ),

@@ -39,9 +39,8 @@ _GOOD = (_PERMUTED, _NONNEGATIVE)
 _AVERAGING = (
     "a torque with the symmetry of the creases sees averages only, dU.v = dU.Av, and Av is a symmetric "
     "tangent; there dU = sum mu_j dg_j, and dg_j.Av is the mean of the slopes of all images of the "
-    "gap along v: multipliers averaged over the group, still >= 0, balance the springs in the full "
-    "space.  Verified exactly at rational states of both vertices and at a pinned state (degree 6, "
-    "creases 2 and 6 closed)."
+    "gap along v: averaged multipliers, still >= 0, balance the springs in the full space.  Verified "
+    "exactly at rational states of both vertices and at a pinned state (degree 6, creases 2 and 6 closed)."
 )
 
 
@@ -183,9 +182,9 @@ def _pinned_correction() -> Correction:
         _AVERAGING
         + "  At tips the admissible set is a union of two pieces instead, and for all C, x, y, mu > 0 "
         "(c_1 = (C, 0, S), c_2 = (x, y, z)) d = (1, k, -S, -k, ...), k = 2 x C/y^2, gives dU.d = -mu C/2: "
-        "no such state is an equilibrium, whatever the springs (of this kind are the pinned minima of "
-        "the panels alpha_1 = pi/12 and pi/6, r_k = 100).  With 'multipliers' read as those of the full "
-        "space the sentence is the definition of first-order equilibrium and says nothing about symmetry.",
+        "no such state is an equilibrium, whatever the springs (such are the pinned minima of "
+        "alpha_1 = pi/12 and pi/6, r_k = 100).  With 'multipliers' of the full space the sentence is the "
+        "definition of first-order equilibrium and says nothing about symmetry.",
     )
 
 

@@ -48,7 +48,13 @@ def test_minima_writes_the_contract(scene, tmp_path):
         "model",
         "flags",
         "closure_stress",
+        "signs",
+        "sign_vertices",
     }
+    assert len(data["signs"]) == len(data["minima"]) and data["sign_vertices"] == [0]
+    for sign, m in zip(data["signs"], data["minima"], strict=True):
+        total = sum(m["fold_angles"])
+        assert sign == ("0" if not any(m["fold_angles"]) else "+" if total > 0 else "-")
     assert set(data["model"]) == {
         "variables",
         "equalities",

@@ -15,8 +15,14 @@ from origami_nlp.errors import OptionError
 from origami_nlp.kkt import newton, project
 from origami_nlp.numerics import Normal
 from origami_nlp.pattern import Pattern, make_pattern
-from origami_nlp.pattern_problem import ContactPair, FoldedGeometry, Parallel, PatternProblem
-from origami_nlp.pattern_states import find_states, pop_rows
+from origami_nlp.pattern_problem import (
+    ContactPair,
+    FoldedGeometry,
+    Parallel,
+    PatternProblem,
+    pop_rows,
+)
+from origami_nlp.pattern_states import find_states
 from tests.patterns import miura, strip
 from tests.relabelled import relabelled
 

@@ -31,13 +31,13 @@ BESIDE_THE_TABLE = {
         kkt/neighbourhood.RADII kkt/neighbourhood.STEPS kkt/descent_witness.DOWNHILL kkt/descent_witness.FAR
         kkt/descent_witness.STEPS
         landscape/exact.PIECE loading/driver.SIDE loading/stable_path.LEAST_SPAN
-        loading/result.SHIFT loading/stable_path.OVER minima/descents.ESCAPE minima/descents.SHORTEST
+        loading/result.SHIFT loading/stable_path.OVER minima/descent_rules.ESCAPE minima/descent_rules.SHORTEST
         minima/escape.SMALLEST minima/one_dof.ASIDE minima/search.DOWN modes/geodesic.STEP
         paper/transitions.BRACKET paper/transitions.MARGIN paper/transitions.SIDE
         continuation/curve.STEPS continuation/flat.ARRIVED continuation/flat.BESIDE_FLAT
         continuation/one_sided_branches.TRIALS continuation/diagram.STEPS pattern_states/curve.SHORTEST
         pattern_states/curve.STEP pattern_states/curves.LONG pattern_states/curve.DIFFERENCE
-        pattern_states/judgement.NEAREST pattern_states/angle_sums.JUMPS pattern_states/contact_descents.REACH
+        pattern_problem/pop_signs.JUMPS pattern_states/contact_descents.REACH
          pattern_states/contact_descents.SMALLER pattern_states/terrain.FIRST space/cells.RADIUS
          space/mesh.DIFFERENCE
         inverse_design/unwanted_minima.FIRST inverse_design/unwanted_minima.SHORT starts/batch_closure.QUADRATIC
@@ -65,7 +65,8 @@ BESIDE_THE_TABLE = {
     """,
     "data: stiffnesses and their ratios, and ranges of what is asked for": """
         folding/embedding.LARGEST_TOLERANCE paper/cone/phase.RATIOS
-        paper/cone/phase_curves.RATIO_LIMITS pattern/coordinate_repair.COARSE pattern/example_patterns.QUAD_STIFFNESS
+        paper/cone/phase_curves.RATIO_LIMITS pattern/coordinate_repair.COARSE
+        pattern/example_patterns.QUAD_STIFFNESS
         pattern/examples.RATIOS pattern/scene.SMALLEST pattern/example_vertices.STIFFNESS
         inverse_design/convex.LEAST_MARGIN inverse_design/finding.PRICES
     """,
@@ -75,53 +76,8 @@ BESIDE_THE_TABLE = {
     "where curves end before a limit that closed forms lose": """
         paper/cone/phase_curves.NEAREST
     """,
-    "rounding of a contouring library": """
-        paper/cone/phase_curves.ON_LINE
-    """,
-    "room for rounding in a bound": """
-        paper/cone/roots.FREE
-    """,
-    "room for rounding in an enclosure": """
-        paper/cone/roots.WIDER
-    """,
-    "rounding of a difference of two angles": """
-        paper/cone/rules.SLACK
-    """,
-    "energy of a contact tolerance, where a path is polished": """
-        kkt/descent.RISE
-    """,
-    "error of a curve's series, whose roots are polished": """
-        minima/curve.ACCURACY
-    """,
     "symmetry of the shortest step of a path": """
         minima/full_space.KEPT
-    """,
-    "torque left in explored states, which are polished afterwards": """
-        minima/descents.FLAT_SLOPE
-    """,
-    "curvature of explored states, relative to that of the springs": """
-        minima/descents.SADDLE
-    """,
-    "weight of what groups share, beside corners": """
-        pattern/coordinate_repair.LIGHT
-    """,
-    "weight of rows that depend on others": """
-        pattern/coordinate_repair.SOFT
-    """,
-    "torque left in states that are judged afterwards": """
-        pattern_states/descent.STILL
-    """,
-    "error of polynomials along a curve, whose wells are polished": """
-        pattern_states/interpolant.FITS
-    """,
-    "error of roots of polynomials, which are polished": """
-        pattern_states/interpolant.REAL
-    """,
-    "curvature of a step": """
-        kkt/descent.SOFTEST
-    """,
-    "regularisation, which iterations take back": """
-        numerics/factors.WEIGHT
     """,
     "widths, radii and shares of boxes in proofs, whose claims do not rest on them": """
         proof/boxes.EXACT proof/boxes.WIDER proof/check_bounds.BLUNT
@@ -132,6 +88,16 @@ BESIDE_THE_TABLE = {
     "bounds on rounding in proofs": """
         proof/check_bounds.TINY proof/check_whole.AGREES proof/flat.CLEAR
         proof/touching_rows.COSINE
+    """,
+    "room for rounding": """
+        paper/cone/phase_curves.ON_LINE paper/cone/roots.FREE paper/cone/roots.WIDER paper/cone/rules.SLACK
+    """,
+    "torque, curvature and error left in explored states, which are polished": """
+        minima/curve.ACCURACY kkt/descent.RISE minima/descent_rules.FLAT_SLOPE minima/descent_rules.SADDLE
+        pattern_states/descent.STILL pattern_states/interpolant.FITS pattern_states/interpolant.REAL
+    """,
+    "weights of rows and steps": """
+        pattern/coordinate_repair.LIGHT pattern/coordinate_repair.SOFT kkt/descent.SOFTEST numerics/factors.WEIGHT
     """,
 }
 """Small constants that stand elsewhere, by what they are."""
@@ -191,13 +157,18 @@ def rooms_that_use(name: str) -> list[str]:
 def page() -> str:
     """The page of the documentation."""
     head = ast.get_docstring(ast.parse(TABLE.read_text()))
-    rows = [
-        f"| {e.level} | `{e.name}` | {e.value:.2g} | {e.derivation} | {', '.join(rooms_that_use(e.name))} |"
-        for e in entries()
-    ]
+    rows: list[str] = []
+    for level, group in itertools.groupby(entries(), key=lambda e: e.level):
+        rows += [
+            "",
+            f"## {level.capitalize()}",
+            "",
+            "| name | value | notion and derivation |",
+            "| --- | --- | --- |",
+        ]
+        rows += [f"| `{e.name}` | {e.value:.2g} | {e.derivation} |" for e in group]
     others = [
-        f"| {why} | {', '.join(f'`{name}`' for name in sorted(names.split()))} |"
-        for why, names in sorted(BESIDE_THE_TABLE.items())
+        f"| {why} | {len(names.split())} |" for why, names in sorted(BESIDE_THE_TABLE.items())
     ]
     return "\n".join(
         [
@@ -206,13 +177,12 @@ def page() -> str:
             str(head),
             "",
             "Written by `python -m tests.numerics.test_tolerances` from `origami_nlp/numerics/tolerances.py`.",
-            "",
-            "| level | name | value | notion and derivation | rooms that use it |",
-            "| --- | --- | --- | --- | --- |",
             *rows,
             "",
-            "Every number below 0.1 elsewhere in the package has a name, and is one of these, a default value, or a",
-            "size in a picture:",
+            "## Elsewhere",
+            "",
+            "Other numbers below 0.1 in the package are default values, sizes in pictures, or of these kinds (names in",
+            "`tests/numerics/test_tolerances.py`):",
             "",
             "| what it is | constants |",
             "| --- | --- |",

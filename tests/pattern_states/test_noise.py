@@ -9,9 +9,8 @@ import pytest
 
 import origami_nlp as o
 from origami_nlp.minima import MinimaResult
-from origami_nlp.pattern_problem import PatternProblem, find_labels
+from origami_nlp.pattern_problem import PatternProblem, angle_sums, find_labels
 from origami_nlp.pattern_states import find_states
-from origami_nlp.pattern_states.angle_sums import angle_sums
 from origami_nlp.pattern_states.closed import scene_of
 from origami_nlp.pattern_states.noise import displacements
 from tests.relabelled import relabelled

@@ -1,0 +1,164 @@
+"""How much paper there is round each interior vertex, and which way each has popped.
+
+The latter is the sign of the sum of its fold angles, which motions of paper keep.  Round a vertex with an angle sum of
+360 degrees, or less, whose facets do not cross the fold angles sum to 0 in the flat state only (proved in
+docs/validation/barriers.md).  So admissible motions change the sign only through states in which the vertex is exactly
+flat: vertices divide the states of a sheet into cells, and a descent that steps from one into another has jumped over
+what parts them.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from origami_nlp.numerics import BESIDE_SINGULAR, DUPLICATE_TOL, INPUT_TOL, unit_normals
+from origami_nlp.pattern import Pattern, Scene
+
+
+def angle_sums(pattern: Pattern) -> dict[int, float]:
+    """Return the sum of the angles of paper round each interior vertex [rad], by the vertex.
+
+    Parameters
+    ----------
+    pattern
+        The pattern.
+
+    Returns
+    -------
+    dict
+        A sum a vertex.
+    """
+    inside = {loop.vertex: 0.0 for loop in pattern.vertices}
+    for polygon in pattern.polygons:
+        x = pattern.corners[list(polygon)]
+        normal = unit_normals(x)
+        for i, v in enumerate(polygon):
+            if v in inside:
+                a, b = x[(i + 1) % len(x)] - x[i], x[i - 1] - x[i]
+                angle = math.atan2(float(normal @ np.cross(a, b)), float(a @ b))
+                inside[v] += angle % (2 * math.pi)
+    return inside
+
+
+JUMPS = 1e-3
+"""Steps longer than this [rad] do not take a vertex from one side of its flat state to the other: shorter ones may."""
+SIGNS = {1.0: "+", -1.0: "-", 0.0: "0"}
+OPEN = "?"
+"""Of a sum that rounding leaves without a sign at a vertex that is not flat."""
+
+
+@dataclass(frozen=True, eq=False)
+class PopSigns:
+    """On which side of its flat state each interior vertex is: the sign of the sum of its fold angles.
+
+    Parameters
+    ----------
+    origami
+        A pattern, or one vertex; facets that meet at a vertex must not cross.
+
+    Examples
+    --------
+    >>> import numpy as np, origami_nlp as o
+    >>> from origami_nlp.pattern_problem import PopSigns
+    >>> signs = PopSigns(o.examples.pattern("miura", 2, 2))
+    >>> signs.vertices, signs.of(np.zeros(4)), signs.of(np.array([0.1, 0.2, 0.3, -0.2]))
+    ((2,), '0', '+')
+    """
+
+    origami: Pattern | Scene
+
+    @cached_property
+    def _loops(self) -> tuple[tuple[int, tuple[int, ...], float], ...]:
+        """Number, creases and angle sum [rad] of each interior vertex."""
+        if isinstance(self.origami, Scene):
+            whole = float(sum(self.origami.vertex.sector_angles))
+            return ((0, tuple(range(self.origami.degree)), whole),)
+        sums = angle_sums(self.origami)
+        return tuple((at.vertex, at.creases, sums[at.vertex]) for at in self.origami.vertices)
+
+    @cached_property
+    def around(self) -> tuple[tuple[int, ...], ...]:
+        """Creases (from 0) round each of `vertices`."""
+        return tuple(creases for _, creases, whole in self._loops if _pops(whole))
+
+    @cached_property
+    def vertices(self) -> tuple[int, ...]:
+        """Those with an angle sum of 360 degrees or less, as a file numbers them: the others have no sign."""
+        return tuple(vertex for vertex, _, whole in self._loops if _pops(whole))
+
+    @cached_property
+    def without(self) -> tuple[int, ...]:
+        """Interior vertices with more paper: their fold angles may sum to 0 where they are not flat."""
+        return tuple(vertex for vertex, _, whole in self._loops if not _pops(whole))
+
+    @cached_property
+    def rows(self) -> np.ndarray:
+        """What sums the fold angles round each of `vertices`, of 0 and 1, [v, n]."""
+        many = self.origami.degree if isinstance(self.origami, Scene) else self.origami.creases
+        rows = np.zeros((len(self.around), many))
+        for row, creases in zip(rows, self.around, strict=True):
+            row[list(creases)] = 1.0
+        return rows
+
+    def of(self, phi: np.ndarray) -> str:
+        """Return a sign for each of `vertices`: of a state whose facets do not cross.
+
+        Parameters
+        ----------
+        phi
+            Fold angles [rad], [n].
+
+        Returns
+        -------
+        str
+            ``+`` where they sum to more than 0 (valleys prevail), ``-`` to less, ``0`` where the vertex is flat (all
+            within `BESIDE_SINGULAR`), ``?`` where the sum is within rounding of 0 though the vertex is not flat.
+        """
+        return "".join(self._sign(phi[list(creases)]) for creases in self.around)
+
+    @staticmethod
+    def _sign(folds: np.ndarray) -> str:
+        if np.abs(folds).max() <= BESIDE_SINGULAR:
+            return SIGNS[0.0]
+        total = float(folds.sum())
+        return (
+            OPEN if abs(total) <= len(folds) * DUPLICATE_TOL else SIGNS[math.copysign(1.0, total)]
+        )
+
+
+def _pops(angle_sum: float) -> bool:
+    return angle_sum <= 2 * math.pi + INPUT_TOL
+
+
+def pop_rows(pattern: Pattern) -> np.ndarray:
+    """Return rows that sum the fold angles round each vertex that can pop through its flat state only.
+
+    Parameters
+    ----------
+    pattern
+        The pattern.
+
+    Returns
+    -------
+    numpy.ndarray
+        Of 0 and 1, [v, n]; vertices with an angle sum beyond 360 degrees have none.
+
+    Examples
+    --------
+    >>> import origami_nlp as o
+    >>> from origami_nlp.pattern_problem import pop_rows
+    >>> pop_rows(o.examples.pattern("miura", 2, 2)).tolist()
+    [[1.0, 1.0, 1.0, 1.0]]
+    """
+    return PopSigns(pattern).rows
+
+
+def is_jump(rows: np.ndarray, before: np.ndarray, after: np.ndarray) -> bool:
+    """Return whether a step from one state to another [n] takes a vertex past its flat state, by more than `JUMPS`."""
+    passed = (rows @ before) * (rows @ after) < 0
+    far = (rows * np.abs(after - before)).max(axis=1, initial=0.0) > JUMPS
+    return bool((passed & far).any())

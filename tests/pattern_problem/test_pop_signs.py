@@ -1,0 +1,78 @@
+"""On which side of its flat state each interior vertex is, beside states, and where that says nothing."""
+
+import math
+
+import numpy as np
+import pytest
+
+import origami_nlp as o
+from origami_nlp.pattern_problem import PopSigns, is_jump
+from origami_nlp.pattern_states import find_states
+from tests.patterns import make_pattern
+from tests.relabelled import relabelled
+
+
+def test_signs_are_those_of_sums_round_vertices():
+    """Summed from the creases' ends, which the package does not look at."""
+    found = find_states("yoshimura:2x3", starts=6, escape=False)
+    p = found.pattern
+    assert len(found.sign_vertices) == len(p.vertices) == 2
+    for state, signs in zip(found.minima, found.signs, strict=True):
+        sums = [state.phi[(p.ends == v).any(axis=1)].sum() for v in found.sign_vertices]
+        assert signs == "".join("+" if s > 0 else "-" for s in sums)
+    assert len(set(found.signs)) == 4  # each vertex up or down
+    text = str(found)
+    assert "signs: of the sum of fold angles round vertices" in text and "4 combinations" in text
+    assert found.to_dict()["signs"] == list(found.signs)
+
+
+def test_a_vertex_that_is_flat():
+    signs = PopSigns(o.examples.pattern("miura", 3, 3))
+    around = [list(c) for c in signs.around]
+    phi = np.zeros(signs.origami.creases)
+    assert signs.of(phi) == "0000"
+    phi[around[0]] = 2e-9, -1e-9, 3e-6, 0.0  # nothing that is told from flat
+    assert signs.of(phi)[0] == "0"
+    phi[around[0]] = 1.0, -1.0, 0.5, -0.5
+    assert signs.of(phi)[0] == "?"
+    phi[around[0]] = 1.0, -1.0, 0.5, -0.5 + 1e-6
+    assert signs.of(phi)[0] == "+" and is_jump(signs.rows, phi, -phi)
+
+
+def test_where_signs_say_nothing():
+    """Facets that may cross; more paper than 360 degrees, by a counterexample: sum 0, far from flat."""
+    assert set(find_states("miura:2x2", contact=False, starts=2, escape=False).signs) == {""}
+    ring = _up_and_down()
+    saddle = make_pattern(
+        np.vstack([np.zeros(3), ring]), [(0, 1, 2), (0, 2, 3), (0, 3, 4), (0, 4, 1)]
+    )
+    signs = PopSigns(saddle)
+    assert signs.vertices == () and signs.without == (0,) and signs.of(np.ones(4)) == ""
+    normals = [np.cross(ring[k - 1], ring[k]) for k in range(4)]
+    turns = [np.cross(normals[k], normals[(k + 1) % 4]) @ ring[k] for k in range(4)]
+    folds = [
+        math.atan2(t / np.linalg.norm(ring[k]), normals[k] @ normals[(k + 1) % 4])
+        for k, t in enumerate(turns)
+    ]
+    assert abs(sum(folds)) < 1e-12 and min(map(abs, folds)) > 0.5
+
+
+def _up_and_down() -> np.ndarray:
+    """Four directions, up and down in turn by one angle: sectors above 90 degrees."""
+    turns = np.arange(4) * math.pi / 2
+    return np.column_stack([np.cos(turns), np.sin(turns), 0.5 * (-1.0) ** np.arange(4)])
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_labels_change_no_sign(seed):
+    """Numbers of vertices and creases, and the place of the sheet."""
+    pattern = o.examples.pattern("yoshimura", 2, 3)
+    rng = np.random.default_rng(seed)
+    other, *_ = relabelled(pattern, seed)
+    mine, theirs = PopSigns(pattern), PopSigns(other)
+    assert len(mine.vertices) == len(theirs.vertices)
+    assert sorted(map(len, mine.around)) == sorted(map(len, theirs.around))
+    phi = rng.normal(size=other.creases)
+    for v, sign in zip(theirs.vertices, theirs.of(phi), strict=True):
+        total = phi[(other.ends == v).any(axis=1)].sum()
+        assert sign == ("+" if total > 0 else "-")
