@@ -45,7 +45,7 @@ def draw_space(space: Space) -> Figure:
     figure = Figure(figsize=(9.4, 5.0), dpi=140, facecolor="white")
     mesh = space.mesh
     colour = _lobe_colours(mesh)
-    flat = figure.add_axes((0.065, 0.2, 0.39, 0.66))
+    flat = figure.add_axes((0.085, 0.215, 0.38, 0.645))
     solid = figure.add_axes((0.47, 0.13, 0.52, 0.8), projection="3d")
     used = _draw_chart(flat, space, colour)
     used |= _draw_solid(solid, space, colour)
@@ -162,7 +162,12 @@ def _draw_solid(axis, space: Space, colour: list[str]) -> set[int]:  # type: ign
     for which, name in zip("xyz", names, strict=True):
         getattr(axis, f"set_{which}label")(name, labelpad=2)
         getattr(axis, f"set_{which}lim")(-math.pi, math.pi)
-        getattr(axis, f"set_{which}ticks")((-math.pi, 0, math.pi), ("−180°", "0°", "180°"))
+        ends = (
+            (0.0, math.pi) if which == "y" else (-math.pi, 0.0, math.pi)
+        )  # x and y share a corner
+        getattr(axis, f"set_{which}ticks")(
+            ends, [f"{math.degrees(a):.0f}°".replace("-", "−") for a in ends]
+        )
     axis.view_init(elev=22, azim=-62)
     axis.tick_params(pad=0, labelsize=8)
     extra = "" if mesh.wedge.shape[1] == 3 else f" (of {mesh.wedge.shape[1]})"

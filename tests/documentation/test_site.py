@@ -108,18 +108,14 @@ def test_what_pages_load_is_seen():
     ]
 
 
-def test_the_landing_page_shows_states_that_the_search_finds():
+def test_the_landing_page_shows_states_that_the_search_finds(tmp_path):
     pytest.importorskip("docutils", reason="extra docs")
-    from turning import data, page
+    from turning import frame, write_page
 
-    shown = data("metasheet:4x4", starts=0)
-    assert len(shown["states"]) == 2
-    assert [one["caption"].split(", ")[1] for one in shown["states"]] == [
-        "nothing touches",
-        "2 contacts closed",
-    ]
-    for one in shown["states"]:
-        assert len(one["corners"]) == 25 and len(one["letters"]) == 24
-    text = page("metasheet:4x4", shown)
-    assert len(text) < 2_000_000 and "http" not in text
-    assert json.loads(text.split('json">')[1].split("</script>")[0])["lines"]
+    file = write_page("metasheet:4x4", tmp_path / "new", starts=0)
+    text = (tmp_path / "new" / file).read_text()
+    (content,) = json.loads(text.split('id="data">')[1].split("</script>")[0])
+    assert len(content["stations"]) == 2 and len(content["body"]["creases"]) == 24
+    assert "2 pairs of facets" in text or "contact" in text
+    assert len(text) < 2_000_000
+    assert f'src="a/{file}#turning"' in frame("metasheet:4x4", f"a/{file}")
