@@ -176,7 +176,7 @@ def draw(family: str, columns: dict[str, list[Map]]) -> Figure:
     figure.legend(
         handles=legend([part for parts in columns.values() for part in parts]),
         loc="outside lower center",
-        ncols=7,
+        ncols=5,
         frameon=False,
         fontsize=8,
     )

@@ -29,6 +29,9 @@ WORDS = (
     "Origami Simulator",
     "escape barrier",
     "FOLD file",
+    "Lagrange multiplier",
+    "active constraint",
+    "waterbomb",
 )
 """What people type into the search of the site."""
 USERS = [
