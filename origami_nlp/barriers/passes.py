@@ -16,7 +16,7 @@ from typing import Literal
 import numpy as np
 
 from origami_nlp.io import ShortRepr, Unbounded
-from origami_nlp.kkt import State, Stratum, follow, judge_branch, newton, project
+from origami_nlp.kkt import State, follow, judge_branch, newton, project
 from origami_nlp.numerics import (
     BALANCED,
     CLOSURE_TOL,
@@ -179,18 +179,10 @@ def critical_at(state: State) -> Critical | None:
     else:
         kind = "contact saddle" if judged[0].rows else "saddle"
     if direction is None and index:
-        direction = _bent_down(state.on(judged[0].rows))
+        direction = state.on(judged[0].rows).softest
     if direction is not None:
         direction = direction / np.linalg.norm(direction)
     return Critical(x, judged[0].rows, index, residual, kind, direction)
-
-
-def _bent_down(piece: Stratum) -> np.ndarray | None:
-    """Return the direction of lowest curvature that keeps the contacts closed, [n]; None where nothing moves."""
-    z = piece.tangent
-    if not z.shape[1]:
-        return None
-    return z @ np.linalg.eigh(z.T @ piece.hessian @ z)[1][:, 0] / piece.state.problem.root
 
 
 def slide(

@@ -4,7 +4,7 @@ from .boundary import (
     EventCurve as EventCurve,
     find_bifurcation_set as find_bifurcation_set,
 )
-from .branches import branches_of as branches_of, chains_of as chains_of
+from .branches import branches_of as branches_of, chains_of as chains_of, joined as joined
 from .family import (
     Family as Family,
     family_of as family_of,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -88,6 +88,48 @@ def branches_of(
         _branch(web, parameter, number, chain, parts, across, ids)
         for number, chain in enumerate(chains, start=1)
     )
+    return branches, events
+
+
+def joined(
+    diagrams: Sequence[tuple[Sequence[PathBranch], Sequence[PathEvent]]],
+    one: Callable[[PathEvent, PathEvent], bool],
+    last: Callable[[PathEvent], bool],
+) -> tuple[list[PathBranch], list[PathEvent]]:
+    """Return the branches and events of several diagrams of one system as those of one, numbered anew.
+
+    one: whether two events are one, of which the first is kept.  last: whether an event comes after others.
+    """
+    if len(diagrams) == 1:
+        return list(diagrams[0][0]), list(diagrams[0][1])
+    shifts = np.cumsum([0, *(len(branches) for branches, _ in diagrams)]).tolist()
+    found = [(which, e) for which, (_, events) in enumerate(diagrams) for e in events]
+    found.sort(key=lambda pair: (not pair[1].located, last(pair[1])))
+    groups: list[list[tuple[int, PathEvent]]] = []
+    for which, e in found:
+        same = next((g for g in groups if one(g[0][1], e)), None)
+        if same is None:
+            groups.append([(which, e)])
+        else:
+            same.append((which, e))
+    groups.sort(key=lambda group: group[0][1].t)
+    ids = {(which, e.id): k for k, g in enumerate(groups, start=1) for which, e in g}
+    events = [
+        replace(
+            g[0][1],
+            id=k,
+            branches=tuple(sorted({b + shifts[which] for which, e in g for b in e.branches})),
+        )
+        for k, g in enumerate(groups, start=1)
+    ]
+    branches = []
+    for which, (several, _) in enumerate(diagrams):
+        for b in several:
+            a, c = (
+                replace(end, event=None if end.event is None else ids[which, end.event])
+                for end in b.ends
+            )
+            branches.append(replace(b, id=b.id + shifts[which], ends=(a, c)))
     return branches, events
 
 

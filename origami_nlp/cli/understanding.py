@@ -184,8 +184,9 @@ def load(
     """Load a stable state of ORIGAMI until it snaps, or to a given load: load against angle, snaps, hysteresis.
 
     A pattern is loaded by one of --crease, --edge, --pull and --force, a vertex by --crease, else by the scene's own
-    forces.  A vertex keeps its symmetry: images of the crease bear the same torque, and the path stops where the state
-    would break it.  --no-full goes on there with the symmetry kept; --symmetry none loads the one crease alone.
+    forces.  Images of the crease under the symmetry of a vertex bear the same torque; where the state breaks the
+    symmetry (a pitchfork) the path goes on along stable states that branch off, or snaps.  --no-full keeps the
+    symmetry; --symmetry none loads the one crease alone.
     """
     from origami_nlp.loading import load_path
     from origami_nlp.pattern import Scene
@@ -257,7 +258,7 @@ def barriers(
     out.write("fold", lambda: found[0].to_fold())
     out.write("figure", draw_barriers, *found)
     out.turn(*found)
-    out.cite(found[0])
+    out.others(found[0])
 
 
 @bounded

@@ -242,6 +242,15 @@ class Stratum:
         """Number of these directions."""
         return self.tangent.shape[1]
 
+    @property
+    def softest(self) -> np.ndarray | None:
+        """Direction of lowest curvature among them, in the problem's variables, [n]; None where nothing moves."""
+        z = self.tangent
+        if not z.shape[1]:
+            return None
+        soft: np.ndarray = z @ np.linalg.eigh(z.T @ self.hessian @ z)[1][:, 0]
+        return soft / self.state.problem.root
+
     @cached_property
     def multipliers(self) -> np.ndarray:
         """Lagrange multipliers of closure and contacts that balance the springs best, of smallest norm, [m + r]."""

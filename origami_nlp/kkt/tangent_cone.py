@@ -17,7 +17,6 @@ import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from heapq import heapify, heappop, heappush
-from itertools import takewhile
 
 import numpy as np
 
@@ -173,44 +172,72 @@ def combine(
         What is left of each choice, and lies in no other.
     """
     place: dict[int, int] = {}
-    level = [
-        np.zeros((0, 0))
-    ]  # bases in the variables that were met, in this order: the others are free
+    # bases in the variables that were met, in this order (the others are free), stacked by dimension
+    level = [np.zeros((1, 0, 0))]
     for v in by_known(variables):
         new = [c for c in variables[v].tolist() if c not in place]
         place.update(zip(new, range(len(place), n), strict=False))
         rows = [place[c] for c in variables[v].tolist()]
-        after = []
-        for basis in level:
-            check()
-            wide = _widened(basis, len(new))
-            here = wide[rows]
-            for mode in modes[v]:
-                # what this choice has so far must lie in the mode of the next loop: the kernel of its part across that
-                outside = here - mode @ (mode.T @ here)
-                if np.abs(outside).max(initial=0.0) < RANK:
-                    after.append(wide)
-                else:
-                    after.append(wide @ null_space(outside, RANK))
-        level = _largest(after, check)
-        if len(level) > MOST_CHOICES or sum(b.size for b in level) > MOST_NUMBERS:
-            most = f"more than {MOST_CHOICES:,}" if len(level) > MOST_CHOICES else "too many"
+        level = _largest(_inside(level, len(new), rows, modes[v], check), check)
+        many = sum(map(len, level))
+        if many > MOST_CHOICES or sum(b.size for b in level) > MOST_NUMBERS:
+            most = f"more than {MOST_CHOICES:,}" if many > MOST_CHOICES else "too many"
             reason = f"{most} choices of modes stay open"
             return TangentCone(np.zeros((0, n)), (), reason, split)
     rest = [c for c in range(n) if c not in place]
     back = np.argsort([*place, *rest])
-    level = [_widened(b, len(rest))[back] for b in level]
-    lines = [b[:, 0] / np.linalg.norm(b) for b in level if b.shape[1] == 1]
-    families = tuple(b for b in level if b.shape[1] > 1)
-    return TangentCone(np.array(lines).reshape(-1, n), families, "", split)
+    level = [_widened(b, len(rest))[:, back] for b in level]
+    lines = [b[:, :, 0] / np.linalg.norm(b, axis=1) for b in level if b.shape[2] == 1]
+    families = tuple(basis for b in level if b.shape[2] > 1 for basis in b)
+    return TangentCone(np.concatenate([*lines, np.zeros((0, n))]), families, "", split)
 
 
-def _widened(basis: np.ndarray, more: int) -> np.ndarray:
-    """Return a basis [k, t] with so many further rows that are free, [k + more, t + more]."""
-    (k, t) = basis.shape
-    wide = np.zeros((k + more, t + more))
-    wide[:k, :t], wide[k:, t:] = basis, np.eye(more)
+def _widened(bases: np.ndarray, more: int) -> np.ndarray:
+    """Return bases [S, k, t] with so many further rows that are free, [S, k + more, t + more]."""
+    (many, k, t) = bases.shape
+    wide = np.zeros((many, k + more, t + more))
+    wide[:, :k, :t], wide[:, k:, t:] = bases, np.eye(more)
     return wide
+
+
+def _inside(
+    level: Sequence[np.ndarray],
+    more: int,
+    rows: Sequence[int],
+    modes: Sequence[np.ndarray],
+    check: Callable[[], None],
+) -> list[np.ndarray]:
+    """Intersect stacks of subspaces [S, k, t] with each mode [d, j] of the next loop, in its rows: by dimension."""
+    parts: dict[int, list[tuple[np.ndarray, np.ndarray]]] = {}
+    before = 0
+    for bases in level:
+        wide = _widened(bases, more)
+        here = wide[:, rows]
+        for m, mode in enumerate(modes):
+            check()
+            # what a choice has so far must lie in the mode of the next loop: the kernel of its part across that
+            outside = here - mode @ (mode.T @ here)
+            dimension = np.full(len(wide), wide.shape[2])
+            across = np.flatnonzero(np.abs(outside).max(axis=(1, 2), initial=0.0) >= RANK)
+            _, s, vt = np.linalg.svd(
+                outside[across], full_matrices=outside.shape[1] < outside.shape[2]
+            )
+            dimension[across] -= (s > RANK).sum(axis=1)
+            # in the order of choices: of each, one mode after the other
+            turn = (before + np.arange(len(wide))) * len(modes) + m
+            for t in np.unique(dimension).tolist():
+                which = np.flatnonzero(dimension == t)
+                found = wide[which]
+                if t < wide.shape[2]:
+                    kernel = vt[np.searchsorted(across, which), wide.shape[2] - t :]
+                    found = found @ kernel.swapaxes(1, 2)
+                parts.setdefault(t, []).append((turn[which], found))
+        before += len(bases)
+    out = []
+    for t in sorted(parts, reverse=True):
+        turns, found = (np.concatenate(x) for x in zip(*parts[t], strict=True))
+        out.append(found[np.argsort(turns)])
+    return out
 
 
 def loop_modes(loop: LoopClosure) -> list[np.ndarray] | None:
@@ -279,36 +306,54 @@ def by_known(variables: Sequence[np.ndarray], cost: Sequence[int] | None = None)
                 heappush(waiting, (-shared[w], cost[w] if cost else 0, w))
 
 
-def _largest(subspaces: list[np.ndarray], check: Callable[[], None]) -> list[np.ndarray]:
-    """Keep the subspaces that lie in no other, once: what lies in another leads to nothing else."""
+def _largest(level: Sequence[np.ndarray], check: Callable[[], None]) -> list[np.ndarray]:
+    """Keep of stacks of subspaces [S, k, t], the largest first, those that lie in no other, each once."""
     kept: list[np.ndarray] = []
-    for k in sorted({b.shape[1] for b in subspaces if b.shape[1]}, reverse=True):
+    for bases in level:
+        if not bases.shape[2]:
+            continue
+        generic = np.cos(np.outer(np.arange(4.0) + 1.0, np.arange(bases.shape[1]) ** 2 + 1.0))
+        # where fixed vectors go in each subspace: equal ones take them to the same place
+        shadow = (bases @ (bases.swapaxes(1, 2) @ generic[0])[:, :, None])[:, :, 0]
+        inside = np.zeros(len(bases), bool)
+        # entries off by SAME_DIRECTION move the shadow by no more than this
+        most = SAME_DIRECTION * bases.shape[2] * float(np.linalg.norm(generic[0]))
+        for larger in (c for stack in kept for c in stack):
+            check()
+            missing = np.abs(shadow - shadow @ larger @ larger.T).max(axis=1)
+            i = np.flatnonzero((missing < most) & ~inside)
+            inside[i] = _lie_in(bases[i], larger)
+        seen = shadow @ generic.T
+        bases, seen = bases[~inside], seen[~inside]
+        if len(bases):
+            kept.append(bases[_distinct(bases, seen, check)])
+    return kept or [level[0][:1]]
+
+
+def _lie_in(b: np.ndarray, c: np.ndarray) -> np.ndarray:
+    """Return whether subspaces with bases [..., k, t] lie in others, [...]."""
+    out: np.ndarray = np.abs(b - c @ (c.swapaxes(-2, -1) @ b)).max(axis=(-2, -1)) < SAME_DIRECTION
+    return out
+
+
+def _distinct(bases: np.ndarray, seen: np.ndarray, check: Callable[[], None]) -> np.ndarray:
+    """Return which to keep of subspaces [S, k, t] that numbers [S, r], alike where they are equal, distinguish."""
+    near = SAME_DIRECTION * bases.shape[1]
+    order = np.argsort(seen[:, 0], kind="stable")
+    first = np.arange(len(bases))
+    # only neighbours in the order of the first number are compared: the next but one, and so on, while any are near
+    for apart in range(1, len(bases)):
         check()
-        new = [
-            b
-            for b in subspaces
-            if b.shape[1] == k
-            and all(np.abs(b - c @ (c.T @ b)).max() >= SAME_DIRECTION for c in kept)
-        ]
-        kept += _distinct(new) if new else []
-    return kept or subspaces[:1]
-
-
-def _distinct(subspaces: list[np.ndarray]) -> list[np.ndarray]:
-    """Keep one of each of subspaces of one dimension [n, k]."""
-    n = len(subspaces[0])
-    # equal ones see a fixed vector at the same angle: only neighbours in that order are compared
-    seen = np.linalg.norm(np.cos(np.arange(n) ** 2 + 1.0) @ np.array(subspaces), axis=-1)
-    order = np.argsort(seen, kind="stable")
-    kept: list[int] = []
-    for i in order:
-        b = subspaces[i]
-        close = takewhile(lambda j, i=i: seen[i] - seen[j] < SAME_DIRECTION * n, reversed(kept))  # type: ignore[misc]
-        if all(
-            np.abs(b - subspaces[j] @ (subspaces[j].T @ b)).max() >= SAME_DIRECTION for j in close
-        ):
-            kept.append(int(i))
-    return [subspaces[i] for i in sorted(kept)]
+        one, other = order[apart:], order[:-apart]
+        close = seen[one, 0] - seen[other, 0] < near
+        if not close.any():
+            break
+        close &= (np.abs(seen[one] - seen[other]) < near).all(axis=1)
+        one, other = one[close], other[close]
+        equal = _lie_in(bases[one], bases[other])
+        np.minimum.at(first, one[equal], other[equal])
+        np.minimum.at(first, other[equal], one[equal])
+    return np.flatnonzero(first == np.arange(len(bases)))
 
 
 def _rises_on(rows: np.ndarray, gradient: np.ndarray, steep: float) -> bool:

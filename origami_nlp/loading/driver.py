@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -16,13 +16,18 @@ import numpy as np
 from origami_nlp.arguments import check_whole
 from origami_nlp.continuation import ContinuationOptions, ParameterLine, SpecialPoint, load_line
 from origami_nlp.errors import OptionError
-from origami_nlp.kkt import Classification, follow
+from origami_nlp.kkt import Classification, State, follow
 from origami_nlp.minima import JudgedState, find_minima, full_scene
+from origami_nlp.numerics import first_largest
 from origami_nlp.pattern import Scene, dead_loads
 from origami_nlp.problem import Model, Parameters
 
 STEPS = ContinuationOptions()
 """Such that curves look smooth."""
+BRANCHES = ("branching", "breaks-symmetry")
+"""Events at which states lose stability without a limit point."""
+OFF_BRANCH = 1e-3
+"""How far beside such a state a descent begins [rad]."""
 CUT = "seconds: the time was over before the search for the state at load 0 was through: give more"
 SIDE = 0.01
 """Torque over `Model.scale`, or factor over that of the snap, between a snap and the searches beside it."""
@@ -62,10 +67,13 @@ class VertexDriver:
         As stated.
     crease
         Number (1-based) of the crease; None for the forces.
+    images
+        Creases (1-based) that bear the torque where the scene no longer imposes the symmetry that makes them images.
     """
 
     scene: Scene
     crease: int | None
+    images: tuple[int, ...] = ()
     ALSO = ("name", "unit", "coordinate", "creases")
     lazy = False
     WAY = ""
@@ -88,8 +96,8 @@ class VertexDriver:
     @property
     def creases(self) -> tuple[int, ...]:
         """Creases (1-based) on each of which the torque acts; empty for forces."""
-        if self.crease is None:
-            return ()
+        if self.crease is None or self.images:
+            return self.images
         orbit = self.scene.group.orbit
         return tuple(i + 1 for i, o in enumerate(orbit) if o == orbit[self.crease - 1])
 
@@ -128,7 +136,23 @@ class VertexDriver:
         """What the load works on, with its unit."""
         if self.crease is None:
             return "position of the loads along their forces [m]"
-        return f"fold angle of crease {self.crease} [rad]"
+        numbers = ", ".join(map(str, self.creases))
+        mean = "mean fold angle of creases" if len(self.creases) > 1 else "fold angle of crease"
+        return f"{mean} {numbers} [rad]"
+
+    def keeping(self, elements: Collection[tuple[int, bool]]) -> VertexDriver:
+        """Return the same load on states that keep but some of the symmetries, or fewer where no scene states those."""
+        full, n = full_scene(self.scene), self.scene.degree
+        order = sum(not mirrored for _, mirrored in elements)
+        mirrors = [s for s, mirrored in elements if mirrored]
+        kept = replace(full, symmetry=f"C{order}")
+        if mirrors:
+            through = [k + 1 for k in range(n) if 2 * k % n in mirrors]
+            several = replace(full, symmetry=f"D{order}", mirror=through[0] if through else None)
+            kept = several if set(several.group.elements) == set(elements) else kept
+        # a winding belongs to its group
+        kept = full if len(kept.windings) > 1 else kept
+        return replace(self, scene=kept, images=self.creases)
 
     @property
     def unloaded(self) -> Scene:
@@ -138,11 +162,13 @@ class VertexDriver:
     def conjugate(self, fold_angles: np.ndarray) -> np.ndarray:
         """Return what the load works on at states [..., N]: an angle [rad], or where forces are along themselves [m].
 
+        The mean angle of all creases that bear the torque: without the symmetry these may differ.
+
         Several forces: sum f . p over the root of the sum of their squares.
         """
         phi = np.asarray(fold_angles, dtype=float)
         if self.crease is not None:
-            return phi[..., self.crease - 1]
+            return phi[..., np.array(self.creases) - 1].mean(axis=-1)
         dead = dead_loads(self.scene.loads, self.scene.fixed_facet)
         assert dead is not None
         work = -dead.energy(np.array(self.scene.vertex.sector_angles), phi)
@@ -217,13 +243,22 @@ class VertexDriver:
         self, line: ParameterLine, s: float, node: SpecialPoint, near: float, until: float
     ) -> tuple[np.ndarray, Classification] | str:
         """Descend at s from the end of a state to a minimum farther away than `near` [rad], or return why not."""
-        try:
-            end = follow(line.at(s), node.point[:-1])
-        except ValueError as why:
-            return str(why)
-        if end.what.verdict == "minimum" and np.abs(end.end - node.point[:-1]).max() > near:
-            return end.end, end.what
-        return ""
+        problem, phi = line.at(s), node.point[:-1]
+        starts, why = [phi], ""
+        if node.type in BRANCHES:  # balanced: the energy falls to second order, to either side
+            soft = State(problem, phi).on(State(problem, phi).pieces[0]).softest
+            if soft is not None:
+                aside = OFF_BRANCH * soft * np.sign(soft[first_largest(np.abs(soft))])
+                starts = [phi + aside, phi - aside]
+        for start in starts:
+            try:
+                end = follow(problem, start, curved=len(starts) > 1)
+            except ValueError as refused:
+                why = str(refused)
+                continue
+            if end.what.verdict == "minimum" and np.abs(end.end - phi).max() > near:
+                return end.end, end.what
+        return why
 
     def beside(self, t: float) -> float:
         """Return the distance between a snap at t and the searches beside it."""

@@ -6,6 +6,9 @@ from dataclasses import dataclass, field
 
 from origami_nlp.io import ShortRepr
 
+PITCHFORK = "pitchfork"
+"""Why a leg ends where stable states branch off, along which the load goes on."""
+
 
 @dataclass(frozen=True)
 class ConfirmedSnap:
@@ -37,7 +40,7 @@ class Snap(ShortRepr):
     t
         The load there.
     type
-        ``fold``, ``nonsmooth-fold`` or ``branching``.
+        ``fold``, ``nonsmooth-fold``, ``branching``, ``breaks-symmetry`` or ``flat state``.
     before, after
         Fold angles of the last state and, at the same load, of the one it descends to, all N [rad].
     angle
@@ -47,7 +50,8 @@ class Snap(ShortRepr):
     kind, certificate
         Of the state after.
     restabilises
-        Load at which the unstable states that begin here become stable again; None where they do not.
+        Load at which the unstable states that begin here become stable again; None where they do not, or were not
+        followed so far.
     confirmed
         Searches on both sides; None where they were not asked for.
     """
@@ -101,7 +105,8 @@ class Leg(ShortRepr):
     points
         States in order.
     why
-        ``range``, ``snap``, ``breaks-symmetry``, or what stopped it.
+        ``range``, ``snap``, ``pitchfork`` (stable states branch off, of which the next leg is one branch),
+        ``breaks-symmetry``, or what stopped it.
     snap
         Number (1-based) of the snap that ends it, or None.
     full_space
@@ -109,6 +114,8 @@ class Leg(ShortRepr):
         where none is imposed, or it was not asked for.
     full_space_from
         First load at which it is not stable there; None where it is.
+    symmetry
+        That its states keep, such as ``"D2"``; ``"none"``, of a pattern empty.
     """
 
     toward: int
@@ -117,3 +124,4 @@ class Leg(ShortRepr):
     snap: int | None
     full_space: str
     full_space_from: float | None
+    symmetry: str = ""

@@ -28,7 +28,7 @@ from origami_nlp.display import (
 from origami_nlp.errors import OUT_OF_TIME
 from origami_nlp.loading.driver import VertexDriver
 from origami_nlp.loading.pattern_driver import PatternDriver
-from origami_nlp.loading.records import ConfirmedSnap, Leg, LoadPoint, Snap
+from origami_nlp.loading.records import PITCHFORK, ConfirmedSnap, Leg, LoadPoint, Snap
 from origami_nlp.minima import Part, state_parts
 from origami_nlp.numerics import INPUT_TOL
 from origami_nlp.pattern import Pattern, Scene
@@ -39,7 +39,8 @@ WHY = {
     "breaks-symmetry": "stopped: beyond, the state is stable only while its symmetry is kept",
 }
 """Why a leg ends, in words, where the name alone does not say it."""
-
+SNAP_WORDS = {"breaks-symmetry": "its symmetry breaks", "branching": "pitchfork"}
+"""Where a state snaps, in words, where those of the event say less."""
 
 MOST_ANGLES = 12
 """Fold angles that are printed of one state."""
@@ -211,21 +212,28 @@ class LoadPath(Report, Viewable):
     def _happenings(self) -> Iterator[Sequence[Cell]]:
         """Return a row for each start, contact, snap and end on the path, in its order."""
         arrived = None
-        for leg in self.legs:
+        for number, leg in enumerate(self.legs, start=1):
             first, last = leg.points[0], leg.points[-1]
             if arrived is None or abs(first.t - arrived) > SHIFT * (self.high - self.low):
                 said = f"state #{self.state}" if self.state else "the state that was given"
                 again = " again, loaded the other way" * (arrived is not None)
                 yield f"{first.t:.6g}", said + again, self._place(first.angle), ""
             for point, event in self._on(leg):
+                if leg.why == PITCHFORK and point is last:
+                    continue
                 words = EVENT_WORDS.get(event.type, event.type)
                 said = f"{words}: {event.contact}" if event.contact else words
                 yield f"{event.t:.6g}", said, self._place(point.angle), ""
-            if leg.snap is None:
+            if leg.why == PITCHFORK:
+                onward = self.legs[number].symmetry
+                words = f"pitchfork: symmetry {leg.symmetry} breaks to {onward}"
+                said = words if onward != leg.symmetry else "pitchfork: stable states branch off"
+                yield f"{last.t:.6g}", said, self._place(last.angle), ""
+            elif leg.snap is None:
                 yield f"{last.t:.6g}", WHY.get(leg.why, leg.why), self._place(last.angle), ""
             else:
                 snap = self.snaps[leg.snap - 1]
-                words = EVENT_WORDS.get(snap.type, snap.type)
+                words = SNAP_WORDS.get(snap.type) or EVENT_WORDS.get(snap.type, snap.type)
                 bold = Words(f"snap {leg.snap}: {words}", "bold")
                 yield f"{snap.t:.6g}", bold, self._place(*snap.angle), f"{snap.released:.6g}"
             arrived = last.t
@@ -252,8 +260,10 @@ class LoadPath(Report, Viewable):
             if leg.full_space != "stable":
                 a, b = leg.points[0].t, leg.points[-1].t
                 start = "" if leg.full_space_from is None else f" from {leg.full_space_from:.6g} on"
-                yield f"load {a:.6g} to {b:.6g}: {leg.full_space} without the symmetry {group}{start}"
-        yield f"states keep the symmetry {group}; --symmetry none follows those that break it as well"
+                yield f"load {a:.6g} to {b:.6g}: {leg.full_space} without the symmetry {leg.symmetry}{start}"
+        kept = list(dict.fromkeys(leg.symmetry for leg in self.legs))
+        words = f"states keep the symmetry {' and then '.join(kept)}"
+        yield f"{words}; --symmetry none follows those that break it as well"
 
     def _idle(self) -> Iterator[str]:
         for leg in self.legs:

@@ -8,9 +8,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from origami_nlp.continuation import LATE, BifurcationDiagram, Equilibrium
+from origami_nlp.continuation import (
+    LATE,
+    BifurcationDiagram,
+    Equilibrium,
+    ParameterLine,
+    SpecialPoint,
+)
 from origami_nlp.kkt import Classification
-from origami_nlp.loading.driver import VertexDriver
+from origami_nlp.loading.driver import BRANCHES, VertexDriver
 from origami_nlp.loading.pattern_driver import PatternDriver
 from origami_nlp.numerics import SETTLED
 
@@ -141,23 +147,28 @@ def _why(web: BifurcationDiagram, node: int, end: float) -> str:
 
 
 def release(
-    web: BifurcationDiagram, node: int, toward: float, driver: VertexDriver | PatternDriver
+    web: BifurcationDiagram, node: SpecialPoint, toward: float, driver: VertexDriver | PatternDriver
 ) -> tuple[np.ndarray, float, Classification] | str:
-    """Descend from a limit point, a little beyond its load; return the minimum, its load and certificate, or why
-    none."""
-    point, why = web.nodes[node].point, ""
+    """Descend from the end of a way, a little beyond its load; the minimum, its load and certificate, or why none."""
+    point, why = node.point, ""
     span = max(abs(float(point[-1])), LEAST_SPAN * (web.high - web.low))
-    for share in OVER:
+    # states that branch off are told from those that do not by the square root of the share
+    for share in OVER[node.type in BRANCHES :]:
         s = float(point[-1]) + toward * share * span
-        end = driver.down(web.line, s, web.nodes[node], 10 * share, web.steps.until)
+        end = driver.down(web.line, s, node, 10 * share, web.steps.until)
         if not isinstance(end, str):
             return end[0], s, end[1]
         why = end or why
     return why or "no lower state was reached"
 
 
-def restabilises(web: BifurcationDiagram, node: int) -> int | None:
-    """Return the node at which the unstable states that begin at a snap become stable again."""
+def restabilises(
+    web: BifurcationDiagram, node: int, ends: Callable[[ParameterLine, SpecialPoint], float | None]
+) -> float | None:
+    """Return the load at which the unstable states that begin at a snap become stable again.
+
+    ends: the load at which stable states that are not in this diagram end at a node.
+    """
     seen, todo = {node}, [node]
     while todo:
         here = todo.pop()
@@ -166,9 +177,12 @@ def restabilises(web: BifurcationDiagram, node: int) -> int | None:
                 other = arc.end if here == arc.start else arc.start
                 if other in seen:
                     continue
-                left = web.nodes[other].left
-                if any(not a.index and other in (a.start, a.end) for a in web.arcs) or left:
-                    return other
+                found = web.nodes[other]
+                if any(not a.index and other in (a.start, a.end) for a in web.arcs) or found.left:
+                    return found.s
+                beyond = ends(web.line, found)
+                if beyond is not None:
+                    return beyond
                 seen.add(other)
                 todo.append(other)
     return None

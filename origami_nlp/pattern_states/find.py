@@ -129,10 +129,10 @@ def find_states(
         raise OptionError("the pattern has no crease: there is nothing to fold")
     search = _Search(pattern, contact, seconds, asked)
     search.tally.seed, search.tally.effort = seed, OWN if options else effort
-    if pattern.is_flat:
-        search.part("branch directions of the flat state", search.from_crossroads)
     for start in Given(search.problem.pattern).states():
         search.part(Given.name, search.explore, start)
+    if pattern.is_flat:
+        search.part("branch directions of the flat state", search.from_crossroads)
     if len(pattern.vertices) == 1 and not pattern.holes:
         search.part("the search for single vertices", search.round_the_vertex, seed)
     for k in range(min(asked.most_drawn * starts, most)):

@@ -58,8 +58,8 @@ def test_the_load_at_which_a_bistable_waterbomb_snaps(folder):
     assert "2 stable states" in asked("minima", "my.toml")
     missing = run("load", "my.toml")
     assert missing.code == 2 and "--crease K is missing" in missing.err
-    stops = asked("load", "my.toml", "--crease", 1, "--no-confirm")
-    assert "does not snap" in stops and "--symmetry none" in stops
+    snaps = asked("load", "my.toml", "--crease", 1, "--no-confirm")
+    assert "snaps at 0.0757858 N m" in snaps and "symmetry D4 breaks to D2" in snaps
     asked(
         "load",
         "my.toml",

@@ -1,9 +1,11 @@
 """A pattern as a problem of the kernel: derivatives by differences, dependent rows, one answer with single vertices."""
 
 from collections import Counter
+from itertools import product
 
 import numpy as np
 import pytest
+import scipy as sp
 
 import origami_nlp as o
 from origami_nlp import State, classify
@@ -122,6 +124,34 @@ def test_the_tangent_cone_holds_the_tangents_of_curves_and_little_else():
     (loop, *_) = problem.loops(np.zeros(problem.size))
     modes = loop_modes(loop)
     assert modes is not None and [m.shape[1] for m in modes] == [1, 1]
+
+
+@pytest.mark.parametrize(("rows", "columns"), [(2, 4), (3, 3), (4, 3), (4, 4)])
+def test_the_tangent_cone_is_what_all_choices_of_modes_leave(rows, columns):
+    """Each choice by one null space of all vertices together; what lies in another is left out: by SciPy."""
+    problem = PatternProblem(miura(rows, columns))
+    loops = problem.loops(np.zeros(problem.size))
+    cone = tangent_cone(loops, problem.size)
+    spans = [
+        sp.linalg.null_space(
+            np.vstack(
+                [
+                    (np.eye(len(mode)) - mode @ mode.T) @ np.eye(problem.size)[loop.variables]
+                    for loop, mode in zip(loops, choice, strict=True)
+                ]
+            ),
+            1e-7,
+        )
+        for choice in product(*map(loop_modes, loops))
+    ]
+    projectors = [b @ b.T for b in sorted(spans, key=lambda b: -b.shape[1]) if b.shape[1]]
+    expected = []
+    for p in projectors:
+        if not any(np.abs(q @ p - p).max() < 1e-6 for q in expected):
+            expected.append(p)
+    found = [b @ b.T for b in (*cone.lines[:, :, None], *cone.families)]
+    assert len(found) == len(expected)
+    assert all(min(np.abs(p - q).max() for q in found) < 1e-9 for p in expected)
 
 
 @pytest.mark.parametrize("seed", range(3))

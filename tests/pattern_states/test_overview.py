@@ -7,9 +7,10 @@ import numpy as np
 import pytest
 
 import origami_nlp as o
+from origami_nlp.errors import Interrupted
 from origami_nlp.pattern import frame_pattern, make_pattern, parse_fold
 from origami_nlp.pattern_problem import PatternProblem, Poses, angle_sums
-from origami_nlp.pattern_states import jacobian_rank, list_branches
+from origami_nlp.pattern_states import find, jacobian_rank, list_branches
 from tests.command_line import run
 from tests.fold_files import others
 
@@ -240,3 +241,17 @@ def test_the_command_writes_its_keys(tmp_path):
     assert json.loads(reported.out)["redundant"] == data["redundant"]
     code, _, err = run("example", "metasheet")
     assert code == 2 and "-o" in err and err.count("\n") == 1
+
+
+def test_states_that_the_pattern_gives_come_before_branch_directions(monkeypatch):
+    """A search that is interrupted while branch directions are listed: of large sheets that had left no state."""
+
+    def interrupted(*_):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(find, "list_branches", interrupted)
+    with pytest.raises(Interrupted) as stop:
+        find.find_states("miura:3x3", starts=0)
+    found = stop.value.result
+    assert {s.kind for s in found.minima} == {"interior"}
+    assert found.search.left_out[0] == "branch directions of the flat state"

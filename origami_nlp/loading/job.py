@@ -1,0 +1,478 @@
+"""One load path while it is followed: legs through a web of equilibria, and snaps between them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from origami_nlp.bifurcation import (
+    ParameterRange,
+    PathEvent,
+    branches_of,
+    chains_of,
+    joined,
+    parts_of,
+)
+from origami_nlp.continuation import (
+    LATE,
+    BifurcationDiagram,
+    ContinuationOptions,
+    Equilibrium,
+    EquilibriumCurve,
+    ParameterLine,
+    SpecialPoint,
+    is_equilibrium,
+)
+from origami_nlp.errors import OUT_OF_TIME
+from origami_nlp.kkt import Classification, State, classify
+from origami_nlp.loading.driver import BRANCHES, LoadSearch, VertexDriver
+from origami_nlp.loading.pattern_driver import PatternDriver
+from origami_nlp.loading.records import PITCHFORK, ConfirmedSnap, Leg, LoadPoint, Snap
+from origami_nlp.loading.result import LoadPath
+from origami_nlp.loading.stable_path import (
+    StableSegment,
+    given,
+    position,
+    release,
+    restabilises,
+    walk,
+)
+from origami_nlp.modes import breaking_stiffness
+from origami_nlp.numerics import NEAR_SINGULAR_TOL, SETTLED, coarse
+
+MOST_SNAPS = 20
+"""Of one path: more are taken for a mistake."""
+IDENTITY = ((0, False),)
+"""The symmetry that every state keeps."""
+
+
+class Way(NamedTuple):
+    """Stable states that the load passes in one space, one way, and the number of the snap that ends them.
+
+    branches_off: whether the first of them is a bifurcation.
+    """
+
+    job: FollowedLoad
+    segment: StableSegment
+    toward: float
+    snap: int | None
+    branches_off: bool = False
+
+
+class Fall(NamedTuple):
+    """A snap: from a node in one space to a state, known at the load s, in one."""
+
+    job: FollowedLoad
+    node: int
+    into: FollowedLoad
+    state: np.ndarray
+    s: float
+    what: Classification
+
+
+class FollowedLoad:
+    """One load path while it is followed, in one space: with the symmetry of a scene, or (of a `home`) without it."""
+
+    def __init__(
+        self,
+        driver: VertexDriver | PatternDriver,
+        low: float,
+        high: float,
+        full: bool,
+        steps: ContinuationOptions | None,
+        until: float,
+        home: FollowedLoad | None = None,
+    ) -> None:
+        self.driver, self.low, self.high = driver, low, high
+        self.parameter = ParameterRange(driver.name, low, high, driver.unit, False)
+        self._given, self.home = (full, steps, until), home
+        self.lazy = driver.lazy or home is not None
+        self._full = driver.full_line() if full else None
+        self._known: dict[int, tuple[Equilibrium, float]] = {}
+        functions = [("breaks-symmetry", self.across)] if self._full else []
+        self.spaces: dict[tuple[tuple[int, bool], ...], FollowedLoad] = {}
+        self.web = BifurcationDiagram(
+            driver.line(),
+            low,
+            high,
+            steps=driver.steps(steps),
+            functions=functions,
+            lazy=self.lazy,
+            until=until,
+        )
+        self.ways: list[Way] = [] if home is None else home.ways
+        self.falls: list[Fall] = [] if home is None else home.falls
+        self.alarms: list[str] = [] if home is None else home.alarms
+
+    @property
+    def root(self) -> FollowedLoad:
+        """The path in the space of the scene as stated."""
+        return self if self.home is None else self.home
+
+    @property
+    def jobs(self) -> list[FollowedLoad]:
+        """The spaces in which something was followed."""
+        return [self, *self.spaces.values()]
+
+    @property
+    def elements(self) -> tuple[tuple[int, bool], ...]:
+        """Symmetries that states keep; the identity alone where none is imposed."""
+        return (
+            self.driver.scene.group.elements if isinstance(self.driver, VertexDriver) else IDENTITY
+        )
+
+    def keeping(self, elements: Sequence[tuple[int, bool]]) -> FollowedLoad:
+        """Return the same path in the space of states that keep some of the symmetries of the scene."""
+        root = self.root
+        if root._full is None or set(elements) == set(root.elements):
+            return root
+        assert isinstance(root.driver, VertexDriver)
+        driver = root.driver.keeping(elements)
+        kept = driver.scene.group.elements
+        if kept not in root.spaces:
+            root.spaces[kept] = FollowedLoad(driver, self.low, self.high, *self._given, home=root)
+        return root.spaces[kept]
+
+    @property
+    def beyond(self) -> FollowedLoad:
+        """The same path without the symmetry; itself where none is imposed, or states are to keep it."""
+        return self.keeping(IDENTITY)
+
+    def across(self, frame: Equilibrium) -> float:
+        """Return the smallest eigenvalue across the symmetry; nan where it is not asked for."""
+        if self._full is None:
+            return math.nan
+        if id(frame) not in self._known:
+            value = breaking_stiffness(self._in_full_space(frame), self.driver.scene)  # type: ignore[union-attr]
+            self._known[id(frame)] = frame, value
+        return self._known[id(frame)][1]
+
+    def _in_full_space(self, frame: Equilibrium) -> State:
+        assert self._full is not None
+        return State(self._full.at(frame.s), frame.problem.expand(frame.state))
+
+    def _judged(self, way: StableSegment, first: int) -> tuple[str, float | None]:
+        """Describe the states of a segment, but for the first few, without the symmetry, and from which load on.
+
+        It may snap at its end.
+        """
+        if self.root._full is None:
+            return "", None
+        last = max(len(way.frames) - 1 - (way.why != "range"), first)
+
+        def verdict(k: int) -> str:
+            frame = way.frames[k]
+            return classify(self._in_full_space(frame) if self._full else frame.seen).verdict
+
+        # asked at three places, then bisected: between two of them the verdict is taken to change once
+        good = first - 1
+        for k in sorted({first, (first + last) // 2, last}):
+            bad = verdict(k)
+            if bad == "minimum":
+                good = k
+                continue
+            while k - good > 1:
+                middle = (k + good) // 2
+                found = verdict(middle)
+                good, k, bad = (middle, k, bad) if found == "minimum" else (good, middle, found)
+            return "unstable" if bad == "not stationary" else "undecided", way.frames[k].s
+        return "stable", None
+
+    def between(self, *ends: float) -> None:
+        """Follow in the range of load that these and 0 span."""
+        if self.driver.lazy:
+            self.web.low, self.web.high = min(0.0, *ends), max(0.0, *ends)
+
+    def begin(self, x: np.ndarray, s: float, toward: float, follow: bool = True) -> None:
+        """Follow what comes of the minimum x at s: all of it, or what leads in one direction of the load at first."""
+        if position(self.web, x, s) is None and given(self.web, x, s) is None:
+            self.web.add(x, s, "minimum", toward if self.lazy else 0.0, follow)
+
+    def go(
+        self,
+        x: np.ndarray,
+        s: float,
+        end: float,
+        *,
+        once: bool,
+        before: tuple[Equilibrium, ...] = (),
+    ) -> tuple[FollowedLoad, np.ndarray, float] | None:
+        """Load the minimum x from s to `end`, through snaps unless `once`; returns where it arrives.
+
+        before: stable states that led to x.
+        """
+        toward = 1.0 if end > s else -1.0
+        self.begin(x, s, toward)
+        for _ in range(MOST_SNAPS):
+            # x is stable at s, and the load runs on from there
+            way = walk(self.web, x, s, toward, end, self.across)
+            if self.web.interrupted and (way is None or way.why in (LATE, "snap")):
+                if way is not None and len(way.frames) > 1:
+                    self.ways.append(Way(self, replace(way, why=LATE), toward, None))
+                self.alarms.append(f"{OUT_OF_TIME}: the path goes on from where it ends here")
+                return None
+            if way is None:
+                self.alarms.append(f"no stable states lead on from load {s:.9g}")
+                return None
+            begun = bool(before)
+            way, before = replace(way, frames=(*before, *way.frames)), ()
+            lost = self._lost(way)
+            if lost is None:
+                self.ways.append(Way(self, way, toward, None, begun))
+                last = way.frames[-1]
+                return (self, last.state, last.s) if way.why == "range" else None
+            into, node = lost
+            landed = release(into.web, node, toward, into.driver)
+            if isinstance(landed, str):
+                self.ways.append(Way(self, way, toward, None, begun))
+                if way.why == "snap":
+                    self.alarms.append(
+                        f"no certified minimum was reached from the end at {node.s:.9g}: {landed}"
+                    )
+                return None
+            x, s, what = landed
+            x, into = into.chosen(x, node)
+            if node.type in BRANCHES:
+                into.begin(x, s, toward)
+                led = walk(into.web, x, s, -toward, self.high if toward < 0 else self.low)
+                if led is not None and into.meets(led, self.web.nodes[way.node], self):
+                    # stable states branch off there: the load goes on along them
+                    self.ways.append(Way(self, replace(way, why=PITCHFORK), toward, None, begun))
+                    return into.go(x, s, end, once=once, before=led.frames[:0:-1])
+                if self._continuous(way, into, x, s):
+                    self.ways.append(Way(self, way, toward, None, begun))
+                    words = f"what branches off at load {node.s:.9g} was not followed"
+                    self.alarms.append(words)
+                    return None
+            self.falls.append(Fall(self, way.node, into, x, s, what))
+            self.ways.append(Way(self, replace(way, why="snap"), toward, len(self.falls), begun))
+            if not self.web.low <= s <= self.web.high:
+                return None
+            into.begin(x, s, toward, follow=not (once and into.lazy))
+            if once:
+                return (into, x, s) if self.driver.lazy else None
+            if into is not self:
+                return into.go(x, s, end, once=once)
+        self.alarms.append(f"more than {MOST_SNAPS} snaps")
+        return None
+
+    def _lost(self, way: StableSegment) -> tuple[FollowedLoad, SpecialPoint] | None:
+        """Return where a way ends because its states lose stability, and in which space that is seen; None elsewhere.
+
+        At the flat state branches cross: from there the energy falls along another one.
+        """
+        node = self.web.nodes[way.node]
+        if way.why == "snap":
+            return self, node
+        flat = node.type == "singular" and node.located and not node.point[:-1].any()
+        if way.why == "breaks-symmetry" or flat:
+            phi = self.web.line.at(node.s).expand(node.point[:-1])
+            point = node.point if self.beyond is self else np.append(phi, node.s)
+            return self.beyond, replace(node, point=point)
+        return None
+
+    def chosen(self, x: np.ndarray, node: SpecialPoint) -> tuple[np.ndarray, FollowedLoad]:
+        """Return an image of a state under what keeps the state at a node, and the space of what symmetry it has.
+
+        The image is the same whatever rounding is.
+        """
+        root = self.root
+        if root._full is None:
+            return x, self
+        problem = self.web.line.problem
+        phi, at = problem.expand(x), problem.expand(node.point[:-1])
+        keeping = _kept(root.elements, at)
+        image = max(
+            (phi[_image(len(phi), e)] for e in keeping), key=lambda y: tuple(coarse(y).tolist())
+        )
+        into = self.keeping(_kept(root.elements, image))
+        return into.reduced(image), into
+
+    def reduced(self, phi: np.ndarray) -> np.ndarray:
+        """Return the variables of a state of all fold angles, which keeps the symmetry."""
+        model: Any = self.web.line.problem
+        x: np.ndarray = model.reduce(phi) if self.root._full is not None else phi
+        return x
+
+    def meets(self, led: StableSegment, node: SpecialPoint, of: FollowedLoad) -> bool:
+        """Whether stable states lead back to a node of another space, or this, where they branch off."""
+        point = self.web.nodes[led.node].point
+        at = np.append(self.reduced(of.web.line.problem.expand(node.point[:-1])), node.s)
+        return bool(np.abs(self.web.root * (point - at)).max() <= NEAR_SINGULAR_TOL)
+
+    def _continuous(self, way: StableSegment, into: FollowedLoad, x: np.ndarray, s: float) -> bool:
+        """Whether a state x at s, beyond the end of a way at s0, lies on states that branch off there.
+
+        A snap loses energy at s0 already; along states that branch off it is lost by and by, less than the same two
+        states lose by the change of the load from s0 to s.
+        """
+        node = self.web.nodes[way.node]
+        one, two = self.web.line.at(s).expand(node.point[:-1]), into.web.line.at(s).expand(x)
+        space = self.beyond if self.root._full is not None else self
+        lost, at_the_node = (
+            -float(space.web.line.at(t).energy_change(space.reduced(one), space.reduced(two)))
+            for t in (s, node.s)
+        )
+        return lost <= 2 * abs(lost - at_the_node)
+
+    def path(self, state: int, search: LoadSearch | None) -> LoadPath:
+        """Judge what was followed, and pack it; that takes as long as it takes."""
+        diagrams = []
+        for job in self.jobs:
+            web = job.web
+            parts = {k: parts_of(arc, not job.lazy) for k, arc in enumerate(web.arcs)}
+            diagrams.append(branches_of(web, job.parameter, chains_of(web), parts, job.across))
+        legs = tuple(way.job.leg(way) for way in self.ways)
+        passed = {p.fold_angles for leg in legs for p in leg.points}
+        branches, events = joined(diagrams, self._one, lambda e: e.fold_angles not in passed)
+        for branch in branches:
+            for r in branch.kind_ranges:
+                if not r.stable and r.kind != "saddle":
+                    words = f"branch {branch.id}, {r.t[0]:.6g} to {r.t[1]:.6g}: {r.kind}"
+                    self.alarms.append(f"{words}: {r.certificate}")
+        snaps = tuple(self._snap(k, events, search) for k in range(len(self.falls)))
+        tallies = [job.web.tally for job in self.jobs]
+        return LoadPath(
+            self.driver, state, self.low, self.high, legs, snaps, tuple(branches), tuple(events),
+            tuple(dict.fromkeys(self.alarms)), sum(t.steps for t in tallies),
+            sum(t.evaluations for t in tallies),
+        )  # fmt: skip
+
+    def _one(self, a: PathEvent, b: PathEvent) -> bool:
+        """Whether two events are images under the symmetry, or one bifurcation as it is seen in two spaces."""
+        branching = {a.type, b.type} <= set(BRANCHES)
+        if (not branching and a.type != b.type) or abs(a.t - b.t) > SETTLED * (
+            self.high - self.low
+        ):
+            return False
+        x, y = np.array(a.fold_angles), np.array(b.fold_angles)
+        near = NEAR_SINGULAR_TOL if branching else SETTLED
+        return any(np.abs(x[_image(len(x), e)] - y).max() <= near for e in self.elements)
+
+    def leg(self, way: Way) -> Leg:
+        """Pack the states of a way."""
+        points = []
+        for frame in way.segment.frames:
+            phi = frame.problem.expand(frame.state) + 0.0
+            low = (
+                frame.problem.scale * float(frame.eigenvalues[0])
+                if len(frame.eigenvalues)
+                else math.nan
+            )
+            points.append(self._point(frame.s, phi, low))
+        node = self.web.nodes[way.segment.node]
+        if way.snap is not None and node.type == "singular":
+            points.append(self._point(node.s, self.web.line.at(node.s).expand(node.point[:-1])))
+        judged = self._judged(way.segment, int(way.branches_off))
+        keeps = self.driver.scene.group.name if isinstance(self.driver, VertexDriver) else ""
+        return Leg(int(way.toward), tuple(points), way.segment.why, way.snap, *judged, keeps)
+
+    def _point(self, t: float, phi: np.ndarray, eigenvalue: float = math.nan) -> LoadPoint:
+        angle, energy = float(self.driver.conjugate(phi)), float(self.driver.unloaded.energy(phi))
+        return LoadPoint(t, angle, tuple(phi.tolist()), energy, eigenvalue)
+
+    def _snap(self, k: int, events: Sequence[PathEvent], search: LoadSearch | None) -> Snap:
+        job, number, into, landed, s, what = self.falls[k]
+        web, found = job.web, job.web.nodes[number]
+        problem, after_in = web.line.at(found.s), into.web.line.at(found.s)
+        before, after = found.point[:-1], into.at_the_snap(landed, s, found.s)
+        one, two = problem.expand(before) + 0.0, after_in.expand(after) + 0.0
+        event = min(
+            events, key=lambda e: abs(e.t - found.s) + float(np.abs(e.fold_angles - one).max())
+        )
+        again = restabilises(web, number, self._stable_end)
+        if into is job:
+            released = -float(problem.energy_change(before, after))
+        else:  # one of the two spaces has all fold angles
+            released = -float(self.beyond.web.line.at(found.s).energy_change(one, two))
+        return Snap(
+            event.id,
+            found.s,
+            "flat state" if found.type == "singular" else found.type,
+            tuple(one.tolist()),
+            tuple(two.tolist()),
+            (float(self.driver.conjugate(one)), float(self.driver.conjugate(two))),
+            released,
+            str(what.kind),
+            what.reason,
+            again,
+            None if search is None else self._confirmed(k, search),
+        )
+
+    def _stable_end(self, of: ParameterLine, node: SpecialPoint) -> float | None:
+        """Return the load at which stable states of the scene's own symmetry end at a node of another space."""
+        if self._full is None or of is self.web.line:
+            return None
+        at = of.problem.expand(node.point[:-1])
+        for k, other in enumerate(self.web.nodes):
+            apart = np.abs(self.web.line.problem.expand(other.point[:-1]) - at).max()
+            if other.type == "breaks-symmetry" and apart <= NEAR_SINGULAR_TOL:
+                stable = any(not a.index and k in (a.start, a.end) for a in self.web.arcs)
+                return other.s if stable else None
+        return None
+
+    def at_the_snap(self, landed: np.ndarray, s: float, at: float) -> np.ndarray:
+        """Return the state that a snap lands on, known at s, at the load of the snap itself if it is one there."""
+        web, on_path = self.web, position(self.web, landed, s)
+        begun = given(web, landed, s)
+        same: Equilibrium | None = None
+        if on_path is not None:
+            frame = on_path[1]
+            same = web.arcs[on_path[0]].at(at, web.tally)
+        elif begun is not None:
+            frame = web.nodes[begun].halves[0].frame
+        else:
+            return landed
+        curve = EquilibriumCurve(web.line, frame.hold, web.tally)
+        same = same or curve.at(frame.x, at, frame.tangent)
+        return landed if same is None or not is_equilibrium(same) else same.state
+
+    def _confirmed(self, k: int, search: LoadSearch) -> ConfirmedSnap | None:
+        """Search on both sides of a snap for the states that the path has there."""
+        job, _, into, landed, s, _ = self.falls[k]
+        _, way, toward, *_ = next(w for w in self.ways if w.snap == k + 1)
+        at = job.web.nodes[way.node].s
+        both = set(job.elements) & set(into.elements)
+        wider = job if job is into else job.keeping(tuple(sorted(both)))
+        side = toward * wider.driver.beside(at)
+        loads = (at - side, at + side)
+        onward = walk(into.web, landed, s, toward, loads[1])
+        after = None if onward is None else into.nearest(onward, loads[1])
+        known = job.nearest(way, loads[0]), after
+        minima, found = [], []
+        for t, state in zip(loads, known, strict=True):
+            states = wider.driver.states_at(t, search)
+            if states is None:
+                return None
+            if search.cut:
+                self.alarms.append(f"{OUT_OF_TIME}: snap {k + 1} was not confirmed by searches")
+                return None
+            minima.append(len(states))
+            apart = [float(np.abs(x - state).max()) for x in states] if state is not None else []
+            found.append(min(apart, default=math.inf) <= SETTLED)
+        return ConfirmedSnap(loads, (minima[0], minima[1]), (found[0], found[1]))
+
+    def nearest(self, way: StableSegment, t: float) -> np.ndarray | None:
+        """All fold angles of the stable state at load t that a way passes; None where none is near."""
+        near = min(way.frames, key=lambda f: abs(f.s - t), default=None)
+        states = [f for _, f in self.web.states_at(t) if not f.index]
+        if near is None or not states:
+            return None
+        best = min(states, key=lambda f: float(np.abs(f.state - near.state).max()))
+        return np.asarray(best.problem.expand(best.state))
+
+
+def _image(n: int, element: tuple[int, bool]) -> np.ndarray:
+    """Return the creases (0-based) whose fold angles those of the image of a state are, [n]."""
+    shift, mirrored = element
+    i = np.arange(n)
+    return (shift - i if mirrored else shift + i) % n
+
+
+def _kept(elements: Sequence[tuple[int, bool]], phi: np.ndarray) -> tuple[tuple[int, bool], ...]:
+    """Return the symmetries that a state of all fold angles keeps."""
+    return tuple(e for e in elements if np.abs(phi[_image(len(phi), e)] - phi).max() <= SETTLED)
