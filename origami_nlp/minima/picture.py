@@ -71,7 +71,7 @@ def compose(
     """Draw minima folded, and on the landscape of their scene.
 
     dof: degrees of freedom of the symmetric states.  chart: None where there is no landscape to draw, as of a
-    pattern.  signs: of the vertices in each state, if they are written.
+    pattern.  signs: of the vertices in each state, if they are to be shown.
     """
     shown = minima[:MOST_DRAWN]
     panels = _panels(chart)
