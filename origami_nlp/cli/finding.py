@@ -83,7 +83,7 @@ def minima(
         found.print_to(out.console, verbose)
         out.write("json", found.to_dict)
         out.turn(*found.results)
-        out.cite(found)
+        out.others(found)
         return
     if scene.is_whole:
         refuse("pattern", {"certificate": "its list is not proved"}, certificate=certificate)
@@ -92,7 +92,7 @@ def minima(
         options["contact"] = scene.whole_contact
     stopped = False
     try:
-        result = search(stated, scene.name, **options)
+        result = search(stated, scene.name, verbose=verbose, **options)
     except Interrupted as early:  # what was found is reported and written all the same
         result, stopped = early.result, True
     result.print_to(out.console, verbose)
@@ -104,7 +104,7 @@ def minima(
         _write_certificate(result, certificate)
         out.written(certificate)
     out.turn(result)
-    out.cite(result)
+    out.others(result)
     if stopped:
         raise KeyboardInterrupt
 
@@ -143,7 +143,7 @@ def check_proof(out: Output, proof: o.ProofFile) -> None:
         found = check(certificate, lambda done, total: report(done, total))
     out.say("\n".join(found.lines), highlight=False, soft_wrap=True)
     out.write("json", found.to_dict)
-    out.cite(found)
+    out.others(found)
     if found.refused:
         raise typer.Exit(1)
 
@@ -207,7 +207,7 @@ def landscape(
     out.write("npz", _npz, exact)
     out.write("figure", draw_landscape, exact, barriers)
     out.save("html", lambda file: InteractivePage(exact.view_content(barriers)).save(file))
-    out.cite(exact)
+    out.others(exact)
 
 
 def _npz(exact: ExactLandscape) -> bytes:

@@ -156,6 +156,8 @@ def _value(parameter: Any, process: Callable[..., Any], ctx: Any, given: Any) ->
         value: Any = () if many else None
     elif isinstance(given, str) and not many and kind is str:
         value = given
+    elif kind == list[str] and isinstance(given, (list, tuple)):
+        value = list(given) or ()
     elif (
         isinstance(given, str) and not many and kind is int and given.isascii() and given.isdigit()
     ):

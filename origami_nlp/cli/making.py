@@ -78,7 +78,7 @@ def design(
         else:
             out.write("scene", format_scene, made)
         out.write("figure", draw_design, answer)
-    out.cite(answer)
+    out.others(answer)
     if not answer.verified:
         raise typer.Exit(REFUTED if answer.refuted else OPEN)
 
@@ -119,8 +119,8 @@ def example(
     from origami_nlp.pattern import examples, format_scene
 
     word, cells = examples.split_size(name)
-    known = (*examples.BY_NAME, *examples.WITH_SPRINGS, *EXAMPLES)
-    if word not in known:
+    if word not in EXAMPLES and not examples.is_example(word):
+        known = (*examples.names(), *EXAMPLES)
         listed = ", ".join(dict.fromkeys(known))
         raise OptionError(
             f"NAME = {name!r} is no example: those are {listed}{did_you_mean(word, known)}"
@@ -148,7 +148,7 @@ def example(
                 f"NAME = {name!r}: a size is that of a crease pattern: give -o FILE.fold"
             )
         stated = examples.by_name(word, **given)
-        made = lambda: _about(examples.BY_NAME[word]) + format_scene(stated)  # noqa: E731
+        made = lambda: _about(examples.maker(word)) + format_scene(stated)  # noqa: E731
     if not out.files("scene", "fold"):
         out = Output(["-"], ["scene"])
     out.write("fold", lambda: examples.crease_pattern(word, *cells, **given))

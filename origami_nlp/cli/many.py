@@ -65,7 +65,7 @@ class _Files:
         out.save("fold", self._fold)
         out.save("mesh", self._mesh)
         out.save("html", self._page)
-        out.cite(self.motion or self.seen)
+        out.others(self.motion or self.seen)
 
     def _data(self) -> dict[str, Any]:
         data = self.seen.to_dict()

@@ -57,6 +57,14 @@ def _rest_angle(value: str | None) -> str | None:
     return value
 
 
+def _stiffness(value: str | None) -> float | str | None:
+    """Return a number, or the name of a material."""
+    try:
+        return None if value is None else float(value)
+    except ValueError:
+        return value
+
+
 def extended(
     run: Callable[..., None],
     command: Callable[..., Any],
@@ -312,11 +320,13 @@ PerLength = Annotated[
     ),
 ]
 FoldStiffness = Annotated[
-    float | None,
+    str | None,
     typer.Option(
         metavar="K",
+        callback=_stiffness,
         **_OF_FOLD,
-        help="Stiffness of creases for which the file gives none [N m/rad] (default 1).",
+        help="Stiffness of creases for which the file gives none [N m/rad] (default 1); of a whole pattern also a "
+        "hinge material of a plug-in, by its name.",
     ),
 ]
 FoldRestAngle = Annotated[

@@ -66,8 +66,9 @@ class Source:
     @cached_property
     def is_example(self) -> bool:
         """Whether it is an example by name."""
-        known = self.name.partition(":")[0] in _examples()
-        return known and not Path(self.name).exists()
+        from origami_nlp.pattern import examples
+
+        return not Path(self.name).exists() and examples.is_example(self.name)
 
     @cached_property
     def _content(self) -> bytes:
@@ -76,9 +77,11 @@ class Source:
         if self.is_example:
             return json.dumps(examples.crease_pattern(self.name)).encode()
         if self.name != "-" and not Path(self.name).suffix and not Path(self.name).exists():
-            known = ", ".join(_examples())
-            meant = did_you_mean(self.name.partition(":")[0], _examples())
-            raise OptionError(f"{self.name!r} is no file, and no example: those are {known}{meant}")
+            known = examples.names()
+            meant = did_you_mean(self.name.partition(":")[0], known)
+            raise OptionError(
+                f"{self.name!r} is no file, and no example: those are {', '.join(known)}{meant}"
+            )
         if _named_fold(self.name):
             return read_limited(self.name, LARGEST, "FOLD", FoldFileError)
         return read_limited(self.name, LARGEST, "scene", SceneFileError)
@@ -121,6 +124,7 @@ class Source:
             return replace(scene, symmetry=symmetry, mirror=None, winding=None)
         if "per_length" in self.given:
             raise OptionError("--per-length is for whole patterns, not for a vertex of one")
+        self._refuse_material()
         if self.vertex is not None:
             check_whole("--vertex", self.vertex, 0)
         return vertex_scene(self._frame(), self.vertex, on_note=_note, **self._spring_options())
@@ -156,6 +160,8 @@ class Source:
                 raise OptionError(f"--{option} is for one vertex, not for a pattern: {more}")
         options = self._spring_options()
         options.pop("contact", None)
+        if "per_length" in self.given and isinstance(options.get("stiffness"), str):
+            raise OptionError("--per-length: a material is per length already, leave it out")
         whole = frame_pattern(self._frame(), **options)
         return whole.with_springs(per_length=True) if self.given.get("per_length") else whole
 
@@ -163,6 +169,7 @@ class Source:
         """Return the scene of every vertex of a FOLD file that can be analysed, by its number."""
         from origami_nlp.pattern import vertex_scenes
 
+        self._refuse_material()
         return vertex_scenes(self._frame(), on_note=_note, **self._spring_options())
 
     def refuse_options(self, why: str, but: Sequence[str] = ()) -> None:
@@ -170,6 +177,13 @@ class Source:
         if given := [name for name in self.given if name not in but]:
             option = given[0].replace("_", "-")
             raise OptionError(f"--{option} is for FOLD files (.fold); {why}")
+
+    def _refuse_material(self) -> None:
+        """Raise an error for a hinge material: the creases of a vertex have no length."""
+        if isinstance(name := self.given.get("stiffness"), str):
+            raise OptionError(
+                f"--stiffness = {name!r}: a material is for whole patterns, whose creases have lengths; give a number"
+            )
 
     def _frame(self) -> Frame:
         from origami_nlp.pattern import parse_fold
@@ -187,8 +201,9 @@ class Source:
 def spring_options(**given: Any) -> dict[str, Any]:
     """Return the options of FOLD files that were given, those about springs checked and in radians."""
     options = {name: value for name, value in given.items() if value is not None}
-    if not 0 < options.get("stiffness", 1.0) < math.inf:
-        raise OptionError(f"--stiffness = {options['stiffness']:g} must be positive and finite")
+    stiffness = options.get("stiffness", 1.0)
+    if not isinstance(stiffness, str) and not 0 < stiffness < math.inf:
+        raise OptionError(f"--stiffness = {stiffness:g} must be positive and finite")
     if "rest_angle" in options:
         options["rest_angle"] = math.radians(float(options["rest_angle"]))
     return options
@@ -227,12 +242,6 @@ def note_normalized(change: float, most: str = "") -> None:
         _note(
             f"sector angles normalized to a sum of 360 deg: each by {math.degrees(change):+.6g} deg{most}"
         )
-
-
-def _examples() -> tuple[str, ...]:
-    from origami_nlp.pattern import examples
-
-    return (*examples.BY_NAME, *examples.WITH_SPRINGS)
 
 
 def _named_fold(name: str) -> bool:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -90,18 +89,15 @@ def _best(
     at: np.ndarray, wide: float, extent: Bbox, taken: list[Bbox], frame: Bbox, point: float
 ) -> np.ndarray:
     """Choose the middle of a label: first what covers least, then inside the frame, then near."""
-    options: list[tuple[float, float, int, np.ndarray]] = []
-    for step in STEPS:
-        for angle in DIRECTIONS:
-            way = np.array([math.cos(math.radians(angle)), math.sin(math.radians(angle))])
-            # as far as the box needs to clear the mark in this direction
-            reach = abs(way[0]) * extent.width / 2 + abs(way[1]) * extent.height / 2
-            middle = at + way * (wide / 2 + step * point + reach)
-            box = _box(middle, extent.width, extent.height)
-            covered = sum(_overlap(box, other) for other in taken)
-            outside = extent.width * extent.height - _overlap(box, frame)
-            options.append((round(covered, 3), round(outside, 3), len(options), middle))
-    return min(options, key=lambda option: option[:3])[3]
+    turns = np.radians(DIRECTIONS)
+    way = np.tile(np.stack([np.cos(turns), np.sin(turns)], axis=1), (len(STEPS), 1))
+    side = np.array([extent.width, extent.height])
+    # as far as the box needs to clear the mark in this direction
+    reach = wide / 2 + np.repeat(STEPS, len(turns)) * point + np.abs(way) @ side / 2
+    middle = at + way * reach[:, None]
+    covered = _overlaps(middle, side, taken).sum(axis=1)
+    outside = side.prod() - _overlaps(middle, side, [frame])[:, 0]
+    return np.asarray(middle[np.lexsort((outside.round(3), covered.round(3)))[0]])
 
 
 def _box(middle: np.ndarray, width: float, height: float) -> Bbox:
@@ -109,7 +105,9 @@ def _box(middle: np.ndarray, width: float, height: float) -> Bbox:
     return Bbox.from_extents(x - width / 2, y - height / 2, x + width / 2, y + height / 2)
 
 
-def _overlap(one: Bbox, other: Bbox) -> float:
-    dx = min(one.x1, other.x1) - max(one.x0, other.x0)
-    dy = min(one.y1, other.y1) - max(one.y0, other.y0)
-    return float(max(dx, 0.0) * max(dy, 0.0))
+def _overlaps(middle: np.ndarray, side: np.ndarray, others: list[Bbox]) -> np.ndarray:
+    """Areas that boxes of one size share with others, [K, T]; middles [K, 2]."""
+    ends = np.array([[(b.x0, b.y0), (b.x1, b.y1)] for b in others])
+    low = np.maximum(middle[:, None] - side / 2, ends[:, 0])
+    high = np.minimum(middle[:, None] + side / 2, ends[:, 1])
+    return np.asarray(np.maximum(high - low, 0.0).prod(axis=2))

@@ -119,47 +119,52 @@ def layer_offsets(phi: np.ndarray, normals: np.ndarray) -> np.ndarray:
 
 def _best_view(creases: np.ndarray, normals: np.ndarray, weight: np.ndarray) -> np.ndarray:
     """Choose rows (right, up, towards the viewer) among azimuths and elevations."""
-    best, best_score = np.eye(3), -math.inf
-    n = len(creases)
-    i, j = np.triu_indices(n, 1)
-    for elevation in np.radians([20.0, 35.0, 50.0, 65.0, -20.0, -35.0, -50.0, -65.0]):
-        for azimuth in np.radians(np.arange(-60.0, 300.0, 7.5)):
-            s, c = math.sin(azimuth), math.cos(azimuth)
-            se, ce = math.sin(elevation), math.cos(elevation)
-            rows = np.array([[-s, c, 0.0], [-se * c, -se * s, ce], [ce * c, ce * s, se]])
-            flat = creases @ rows[:2].T
-            apart = np.hypot(*(flat[i] - flat[j]).T)
-            shown = np.minimum(np.abs(normals @ rows[2]), 0.85)
-            creases_hidden, facets_hidden = _hidden(creases, rows[2])
-            score = (
-                1.6 * float((shown * (1 - facets_hidden)) @ weight)
-                + 1.5 * float(np.minimum(shown, 0.25).min())
-                + 1.2 * float(np.minimum(apart, 0.3).mean())
-                + 1.0 * float(np.minimum(apart, 0.2).min())
-                - 0.9 * creases_hidden
-                - 0.15 * abs(abs(elevation) - math.radians(35))
-                - 0.1 * (elevation < 0)
-            )
-            if score > best_score + 1e-9:  # the first of equal views, whatever the rounding
-                best, best_score = rows, score
-    return best
+    i, j = np.triu_indices(len(creases), 1)
+    azimuth, elevation = np.meshgrid(
+        np.radians(np.arange(-60.0, 300.0, 7.5)),
+        np.radians([20.0, 35.0, 50.0, 65.0, -20.0, -35.0, -50.0, -65.0]),
+    )
+    azimuth, elevation = azimuth.ravel(), elevation.ravel()
+    s, c, se, ce = np.sin(azimuth), np.cos(azimuth), np.sin(elevation), np.cos(elevation)
+    rows = np.array([[-s, c, 0.0 * s], [-se * c, -se * s, ce], [ce * c, ce * s, se]])
+    rows = rows.transpose(2, 0, 1)
+    flat = creases @ rows[:, :2].transpose(0, 2, 1)
+    apart = np.linalg.norm(flat[:, i] - flat[:, j], axis=2)
+    shown = np.minimum(np.abs(rows[:, 2] @ normals.T), 0.85)
+    creases_hidden, facets_hidden = _hidden(creases, rows[:, 2])
+    scores = (
+        1.6 * ((shown * (1 - facets_hidden)) @ weight)
+        + 1.5 * np.minimum(shown, 0.25).min(axis=1)
+        + 1.2 * np.minimum(apart, 0.3).mean(axis=1)
+        + 1.0 * np.minimum(apart, 0.2).min(axis=1)
+        - 0.9 * creases_hidden
+        - 0.15 * abs(abs(elevation) - math.radians(35))
+        - 0.1 * (elevation < 0)
+    )
+    best = 0
+    for k, score in enumerate(scores):
+        if score > scores[best] + 1e-9:  # the first of equal views, whatever the rounding
+            best = k
+    return np.asarray(rows[best])
 
 
-def _hidden(creases: np.ndarray, view: np.ndarray) -> tuple[float, np.ndarray]:
-    """Shares that a facet hides from a viewer at infinity: of the creases' middles and ends, and of each facet [N]."""
+def _hidden(creases: np.ndarray, views: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Shares that a facet hides from V viewers at infinity: of creases' middles and ends [V], and of facets [V, N]."""
     n = len(creases)
     a, b = creases, np.roll(creases, -1, axis=0)
     inner = [t * a + (1 - t) * b for t in (0.2, 0.5, 0.8)]
     points = np.concatenate([0.5 * creases, 0.95 * creases, *inner])
     owner, own_facets = np.tile(np.arange(n), 5), np.repeat([False, True], [2 * n, 3 * n])
-    hidden = np.zeros(len(points), dtype=bool)
+    hidden = np.zeros((len(views), len(points)), dtype=bool)
     for f in range(n):
         # point + t view = x a + y b with t > 0, x, y >= 0, |x a + y b| <= 1
-        basis = np.stack([a[f], b[f], -view], axis=1)
-        if abs(np.linalg.det(basis)) < 1e-6:
-            continue
-        x, y, t = np.linalg.solve(basis, points.T)
-        length = np.linalg.norm(np.outer(x, a[f]) + np.outer(y, b[f]), axis=1)
+        sides = np.broadcast_to(np.stack([a[f], b[f]], axis=1), (len(views), 3, 2))
+        basis = np.concatenate([sides, -views[:, :, None]], axis=2)
+        basis[edge_on := np.abs(np.linalg.det(basis)) < 1e-6] = np.eye(3)
+        x, y, t = np.linalg.solve(basis, points.T).transpose(1, 0, 2)
+        length = np.linalg.norm(x[..., None] * a[f] + y[..., None] * b[f], axis=2)
         own = (owner == f) | ((owner == (f + 1) % n) & ~own_facets)
-        hidden |= (t > 1e-6) & (x > 0) & (y > 0) & (length < 1) & ~own
-    return float(hidden[: 2 * n].mean()), hidden[2 * n :].reshape(3, n).mean(axis=0)
+        within = (t > 1e-6) & (x > 0) & (y > 0) & (length < 1) & ~own
+        hidden |= within & ~edge_on[:, None]
+    facets = hidden[:, 2 * n :].reshape(len(views), 3, n).mean(axis=1)
+    return hidden[:, : 2 * n].mean(axis=1), facets

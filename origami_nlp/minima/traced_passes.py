@@ -11,12 +11,11 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-import scipy as sp
 
 from origami_nlp.kkt import project
 from origami_nlp.minima.curve import NODES, TO_SERIES, Branches, ConfigurationCurves
 from origami_nlp.minima.one_dof import gaps_of, lifts, roots
-from origami_nlp.numerics import ANSWERED, SETTLED, MergeTree, merge_tree
+from origami_nlp.numerics import ANSWERED, SETTLED, MergeTree, merge_tree, pairs_within
 from origami_nlp.problem import Model
 
 HALVINGS = 45
@@ -114,7 +113,7 @@ def traced_passes(
     nodes = np.concatenate([states, minima])
     value = np.concatenate([[model.energy(x) for x in states], energies])
     # cuts that are one state, on several pieces
-    pairs = sp.spatial.cKDTree(nodes).query_pairs(SETTLED, p=np.inf, output_type="ndarray")
+    pairs = pairs_within(nodes, SETTLED)
     edges = np.concatenate(
         [np.column_stack([good, good + 1]), np.column_stack([again, again + 1]), pairs]
     )

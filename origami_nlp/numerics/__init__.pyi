@@ -6,7 +6,7 @@ from .factors import (
     Normal as Normal,
     dense as dense,
 )
-from .groups import groups as groups
+from .groups import groups as groups, pairs_within as pairs_within
 from .linear import (
     extremes as extremes,
     nearest as nearest,

@@ -50,6 +50,7 @@ from .loads import (
     flat_points as flat_points,
     followed as followed,
 )
+from .materials import Material as Material, find_material as find_material
 from .pattern_file import frame_pattern as frame_pattern, read_pattern as read_pattern
 from .places import is_place as is_place, with_places as with_places
 from .relations import Relation as Relation, Relations as Relations

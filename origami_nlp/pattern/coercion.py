@@ -150,10 +150,7 @@ def as_pattern(stated: Pattern | str | PathLike[str], name: str = "pattern") -> 
     >>> as_pattern("metasheet:2x3")
     Pattern('metasheet': 6 facets, 7 creases, 2 interior vertices)
     """
-    if isinstance(stated, str) and stated.partition(":")[0] in {
-        **examples.BY_NAME,
-        **examples.WITH_SPRINGS,
-    }:
+    if isinstance(stated, str) and examples.is_example(stated):
         return examples.pattern(stated)
     if isinstance(stated, str | PathLike):
         return read_pattern(Path(stated))

@@ -6,7 +6,8 @@ import inspect
 import json
 import math
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from functools import wraps
 from typing import Any
 
 from origami_nlp.arguments import check_whole, did_you_mean, shown
@@ -31,6 +32,7 @@ from origami_nlp.pattern.pattern_file import frame_pattern
 from origami_nlp.pattern.scene import Contact, Scene
 from origami_nlp.pattern.sheet import Pattern
 from origami_nlp.pattern.vertex import Vertex
+from origami_nlp.plugins import plugins
 
 DEGREE6_ALPHAS = ("pi/4", "pi/3", "5*pi/12")
 """Sector angles alpha_1 of the columns of the paper's degree-6 figure."""
@@ -183,13 +185,103 @@ MOST_CELLS = 100
 """Rows or columns of a pattern."""
 
 
+def names() -> tuple[str, ...]:
+    """List all examples, those of plug-ins last.
+
+    Returns
+    -------
+    tuple
+        Of `BY_NAME`, of `WITH_SPRINGS`, and of plug-ins with a name of their own.
+
+    Examples
+    --------
+    >>> from origami_nlp import examples
+    >>> examples.names()[:2]
+    ('miura', 'waterbomb')
+    """
+    return tuple(dict.fromkeys((*BY_NAME, *WITH_SPRINGS, *plugins("example"))))
+
+
+def is_example(name: str) -> bool:
+    """Return whether a name, with or without a size, is that of an example.
+
+    Parameters
+    ----------
+    name
+        Such as ``"miura:4x6"``.
+
+    Returns
+    -------
+    bool
+        Plug-ins are looked for where it is none of the package's own and has no dot, as files have.
+
+    Examples
+    --------
+    >>> from origami_nlp import examples
+    >>> examples.is_example("miura:4x6"), examples.is_example("miura.fold")
+    (True, False)
+    """
+    word = name.partition(":")[0]
+    return (
+        word in BY_NAME
+        or word in WITH_SPRINGS
+        or ("." not in word and word != "-" and word in plugins("example"))
+    )
+
+
+def maker(name: str) -> Callable[..., Any]:
+    """Return what makes an example: of a plug-in a scene, or the data of a FOLD file.
+
+    Parameters
+    ----------
+    name
+        One of `BY_NAME`, or of a plug-in.
+
+    Returns
+    -------
+    Callable
+        With the options of the example as its parameters.
+
+    Raises
+    ------
+    OptionError
+        If there is no such example, or its plug-in is broken.
+
+    Examples
+    --------
+    >>> from origami_nlp import examples
+    >>> examples.maker("miura") is examples.miura
+    True
+    """
+    if name in BY_NAME:
+        return BY_NAME[name]
+    added = plugins("example")
+    if name not in added:
+        raise OptionError(
+            f"name = {shown(name)} is no example: use one of {', '.join(names())}{did_you_mean(name, names())}"
+        )
+    plugin = added[name]
+    if not callable(made := plugin.load()):
+        raise plugin.broken("is wrong", f"{type(made).__name__} instead of a function")
+
+    @wraps(made)
+    def make(**options: Any) -> Scene | Mapping[str, Any]:
+        example = plugin.call(**options)
+        if not isinstance(example, Scene | Mapping):
+            kind = type(example).__name__
+            raise plugin.broken("is wrong", f"{kind} instead of a Scene or FOLD data")
+        return example
+
+    return make
+
+
 def by_name(name: str, **options: Any) -> Scene:
     """Make an example by its name.
 
     Parameters
     ----------
     name
-        One of `BY_NAME`.
+        One of `BY_NAME`, or of a plug-in that makes a vertex.
     options
         Of its function.
 
@@ -211,21 +303,25 @@ def by_name(name: str, **options: Any) -> Scene:
     >>> examples.by_name("birdbase") == examples.bird_base()
     True
     """
-    if name in WITH_SPRINGS:
+    made = None if name in WITH_SPRINGS else _made(name, options)
+    if not isinstance(made, Scene):
         raise OptionError(
             f"name = {shown(name)} is a sheet, not one vertex: give -o FILE.fold for its pattern"
         )
-    if name not in BY_NAME:
-        raise OptionError(
-            f"name = {shown(name)} is no example: use one of {', '.join(BY_NAME)}{did_you_mean(name, BY_NAME)}"
-        )
-    known = inspect.signature(BY_NAME[name]).parameters
+    return made
+
+
+def _made(name: str, options: Mapping[str, Any]) -> Scene | Mapping[str, Any]:
+    """Make an example with options that it has."""
+    make = maker(name)
+    known = inspect.signature(make).parameters
     for option in options:
         if option not in known:
             raise OptionError(
                 f"{name} has no option {option}: it has {', '.join(known)}{did_you_mean(option, known)}"
             )
-    return BY_NAME[name](**options)
+    made: Scene | Mapping[str, Any] = make(**options)
+    return made
 
 
 def split_size(name: str) -> tuple[str, tuple[int, int] | tuple[None, None]]:
@@ -301,7 +397,7 @@ def crease_pattern(
     Parameters
     ----------
     name
-        One of `BY_NAME` or `WITH_SPRINGS`, also with its size, such as ``"miura:4x6"``; of the paper's families, and of
+        One of `names`, also with its size, such as ``"miura:4x6"``; of the paper's families, and of
         the waterbomb base, the vertex alone.
     rows, columns
         Cells of a pattern in `SIZES`, 1 to 100.
@@ -332,6 +428,16 @@ def crease_pattern(
         name, (rows, columns) = split_size(name)
     if name in WITH_SPRINGS and options:
         raise OptionError(f"{name} has no option {next(iter(options))}: it has rows and columns")
+    if name not in BY_NAME and name not in WITH_SPRINGS:  # a plug-in draws its own pattern
+        cells = {"rows": rows, "columns": columns}
+        asked = {key: value for key, value in cells.items() if value is not None}
+        if lacks := [key for key in asked if key not in inspect.signature(maker(name)).parameters]:
+            raise OptionError(f"{name} has no {' and '.join(lacks)}: leave out its size")
+        options |= asked
+        drawn = _made(name, options)
+        if not isinstance(drawn, Scene):
+            return dict(drawn)
+        return example_patterns.to_fold(*example_patterns.disc(drawn), drawn, drawn.label)
     scene = None if name in WITH_SPRINGS else by_name(name, **options)
     if name not in SIZES and (rows, columns) != (None, None):
         raise OptionError(f"{name} has no rows and columns: those of {', '.join(SIZES)} do")

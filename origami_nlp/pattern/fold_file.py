@@ -48,6 +48,7 @@ _READ = (
     LOADS_KEY,
     FIXED_KEY,
     "frame_classes",
+    "frame_unit",
     "frame_title",
     "file_title",
 )
@@ -93,6 +94,8 @@ class Frame:
         Forces on its one vertex, each a table as in a scene file, and the facet that is fixed; as the file states them.
     source
         What was read, as it was typed.
+    length_unit
+        ``frame_unit``: of the coordinates; "" where the file states none.
     """
 
     number: int
@@ -114,6 +117,7 @@ class Frame:
     fixed_facet: Any = None
     unit: float = 0.0
     source: str = ""
+    length_unit: str = ""
 
 
 def read_fold(source: str | Path, frame: int | Literal["first"] | None = None) -> tuple[Frame, ...]:
@@ -330,6 +334,7 @@ def _frame(data: dict[str, Any], number: int) -> Frame:
         tuple(_list(data.get(LOADS_KEY) or [], LOADS_KEY)),
         data.get(FIXED_KEY),
         unit,
+        length_unit=str(data.get("frame_unit", "")),
     )
 
 

@@ -38,12 +38,13 @@ def fold_springs(
     frame: Frame,
     edges: ArrayLike,
     measured: np.ndarray,
-    stiffness: float,
+    stiffness: ArrayLike,
     rest_angle: float,
     rest_from: str | None,
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return stiffness [N m/rad] and rest angle [rad] of some edges, [n] each; other parameters as for `frame_pattern`.
 
+    stiffness: of those for which the file states none, one or [n].
     measured: the angles at which a folded form is folded [rad], [n]; NaN where they are not known.
     """
     at = np.asarray(edges, dtype=np.intp)

@@ -10,7 +10,7 @@ import numpy as np
 
 from origami_nlp.arguments import check_type
 from origami_nlp.errors import OptionError
-from origami_nlp.numerics import groups
+from origami_nlp.numerics import groups, pairs_within
 from origami_nlp.problem import Model
 from origami_nlp.proof.boxes import Boxes, BoxProblem, joined, prune, strata
 from origami_nlp.proof.chains import VertexForms
@@ -286,15 +286,12 @@ def _point(model: Model, roots: Roots, i: int) -> ProvedCriticalPoint:
 
 def clusters(boxes: Boxes, options: ProofOptions) -> Iterator[np.ndarray]:
     """Group boxes of one stratum that are close to each other: cells of twenty times the smallest are no two apart."""
-    from scipy.spatial import cKDTree
-
     for group in by_stratum(boxes):
         middle = 0.5 * (boxes.lower[:, group] + boxes.upper[:, group])
         cells, cell = np.unique(
             np.floor(middle.T / (20 * options.smallest)), axis=0, return_inverse=True
         )
-        near = cKDTree(cells).query_pairs(2.5, p=math.inf, output_type="ndarray")
-        label = groups(len(cells), near)
+        label = groups(len(cells), pairs_within(cells, 2))
         for k in range(label.max() + 1):
             yield group[label[cell.ravel()] == k]
 

@@ -11,7 +11,10 @@ from origami_nlp import examples, format_scene
 from origami_nlp.cli import app
 from tests.command_line import run
 
-HEAVY = "numpy scipy.sparse scipy.linalg matplotlib casadi sympy pydantic shapely cattrs rich.console".split()
+HEAVY = (
+    "numpy scipy.sparse scipy.linalg scipy.spatial scipy.special "
+    "matplotlib casadi sympy pydantic shapely cattrs rich.console"
+).split()
 
 
 def loaded(*words):
@@ -50,11 +53,21 @@ def test_the_main_job_loads_what_it_computes_and_prints_with(scene):
     assert modules == {"numpy", "casadi", "rich.console"}
 
 
+@pytest.mark.parametrize("extra", [["--prove", 0], []])
+def test_a_vertex_with_its_proof_needs_no_more(extra, tmp_path):
+    path = tmp_path / "generic.toml"
+    path.write_text(format_scene(examples.by_name("miura")))
+    said, modules = loaded("minima", path, *extra)
+    assert "proved complete" in said or extra
+    assert modules == {"numpy", "casadi", "rich.console"}
+
+
 def test_a_figure_is_what_loads_matplotlib(scene, tmp_path):
     picture = tmp_path / "states.png"
     words = ["minima", scene, "--prove", 0, "--effort", "quick", "--max-starts", 16]
     _, modules = loaded(*words, "-o", picture)
-    assert picture.exists() and "matplotlib" in modules
+    assert picture.exists()
+    assert modules == {"numpy", "casadi", "rich.console", "matplotlib", "shapely"}
 
 
 @pytest.mark.parametrize(
