@@ -11,7 +11,14 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from origami_nlp.arguments import check_type
-from origami_nlp.bifurcation import EVENT_WORDS, draw_ranges, event_look, kinds_legend
+from origami_nlp.bifurcation import (
+    EVENT_WORDS,
+    PathBranch,
+    PathPoint,
+    draw_ranges,
+    event_look,
+    kinds_legend,
+)
 from origami_nlp.display import draw_pattern_state, label_text
 from origami_nlp.kkt import ContactForce, State, contact_forces
 from origami_nlp.loading.result import LoadPath
@@ -166,6 +173,7 @@ def _curve(axes: Any, path: LoadPath, shown: list[int]) -> None:
         t = np.array([p.t for p in branch.points])
         x = _angles(path, [p.fold_angles for p in branch.points])
         draw_ranges(axes, branch, x, t)
+        _dot_unstable(axes, branch, x, t)
     for leg in path.legs:
         x, t = (
             _angles(path, [p.fold_angles for p in leg.points]),
@@ -198,6 +206,9 @@ def _curve(axes: Any, path: LoadPath, shown: list[int]) -> None:
     axes.grid(True, lw=0.3, color="#dddddd")
     axes.tick_params(labelsize=8)
     handles = kinds_legend(path.branches)
+    if any(_is_broken(p) for b in path.branches for p in b.points):
+        label = "dotted: stable only with its symmetry"
+        handles.append(Line2D([], [], color="#888888", lw=1.8, ls=(0, (1, 1.0)), label=label))
     handles.append(Line2D([], [], color=PATH, lw=6, alpha=0.13, label="the path"))
     if path.snaps:
         at = list(dict.fromkeys(f"{s.t:.4g}" for s in path.snaps))[:MOST_DRAWN]
@@ -207,6 +218,22 @@ def _curve(axes: Any, path: LoadPath, shown: list[int]) -> None:
         label = f"stiffness at the start\n{path.start_stiffness:.4g} {path.stiffness_unit}"
         handles.append(Line2D([], [], **TANGENT, label=label))
     axes.legend(handles=handles, fontsize=7.5, framealpha=0.85)
+
+
+def _is_broken(point: PathPoint) -> bool:
+    """Whether a state gives way to motions that break its symmetry."""
+    return point.full_space_eigenvalue < 0
+
+
+def _dot_unstable(axes: Any, branch: PathBranch, x: np.ndarray, t: np.ndarray) -> None:
+    """Cut the lines of states that are stable but for their symmetry into dots."""
+    broken = np.zeros(len(x), dtype=bool)
+    for r in branch.kind_ranges:
+        for k in range(r.points[0], r.points[1] + 1):
+            broken[k] |= r.stable and _is_broken(branch.points[k])
+    if broken.any():
+        rest = np.where(broken, x, np.nan)
+        axes.plot(rest, t, color="white", lw=1.4, ls=(0, (1, 1.5)), zorder=2.5)
 
 
 def _tangent(axes: Any, path: LoadPath) -> None:
