@@ -189,6 +189,7 @@ def _curve(axes: Any, path: LoadPath, shown: list[int]) -> None:
             arrowprops={"arrowstyle": "-|>", "color": SNAP, "lw": 1.4, "shrinkA": 2, "shrinkB": 2},
             zorder=4,
         )  # fmt: skip
+        axes.plot(a, snap.t, "o", ms=9, mfc="none", mec=SNAP, zorder=6)  # of angles that stay, too
     named: dict[tuple[float, float], list[str]] = {}
     for event in path.events:
         if event.id not in shown:
