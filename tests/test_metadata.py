@@ -6,6 +6,7 @@ import tomllib
 from pathlib import Path
 
 import pytest
+import yaml
 
 import origami_nlp
 
@@ -53,3 +54,15 @@ def test_the_citation_names_the_paper_and_is_valid():
         assert f"family-names: {name}" in CITATION
     cff = pytest.importorskip("cffconvert")
     cff.Citation(CITATION).validate()
+
+
+def test_the_workflow_is_read_and_names_files_and_pythons_that_there_are():
+    workflow = yaml.safe_load((ROOT / ".github" / "workflows" / "ci.yml").read_text())
+    assert set(workflow) == {"name", True, "permissions", "jobs"}  # YAML 1.1 reads "on" as true
+    (job,) = workflow["jobs"].values()
+    pythons = [c.split(" :: ")[-1] for c in PROJECT["classifiers"] if "Python :: 3." in c]
+    assert job["strategy"]["matrix"]["python"] == pythons
+    assert all(len({"uses", "run"} & set(step)) == 1 for step in job["steps"])
+    said = "\n".join(step.get("run", "") for step in job["steps"])
+    named = re.findall(r"\.ci/\w+(?:\.py)?", said)
+    assert named and all((ROOT / name).is_file() for name in named)

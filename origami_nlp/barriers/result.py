@@ -220,7 +220,7 @@ class Barriers(Report, Viewable):
             if basin.lands_on is None:
                 yield f"a basin {basin.depth:.3g} J deep on the graph descends to no listed minimum"
         for f in self.full:
-            yield f"#{f.from_state} - #{f.to_state} in the full space: {_full_words(f)}"
+            yield f"#{f.from_state} - #{f.to_state} without the imposed symmetry: {_full_words(f)}"
         if known := [p for p in self.passes if math.isfinite(p.energy)]:
             rows = [(*(c := self._cells(p))[:2], f"{p.energy:.12g}", c[-1]) for p in known]
             heads = ("from", "to", "pass [J]", HEADS[-1])

@@ -28,7 +28,7 @@ from origami_nlp.bifurcation.parameter_range import (
 from origami_nlp.bifurcation.plane import Plane
 from origami_nlp.bifurcation.records import Interval
 from origami_nlp.continuation import BifurcationDiagram, Hold, SpecialPoint, Tally
-from origami_nlp.display import Report, Section, Table, Words
+from origami_nlp.display import Report, Section, Table, Words, angle_columns
 from origami_nlp.errors import OUT_OF_TIME, OptionError
 from origami_nlp.numerics import NEAR_SINGULAR_TOL, SAMPLED, STATIONARY
 from origami_nlp.pattern import Scene, as_scene
@@ -148,6 +148,19 @@ class BifurcationSet(Report):
     interrupted: bool = False
 
     PICTURE, SCHEMA = "draw_boundaries", "origami-nlp/follow/3"
+
+    def _rows(self) -> Iterator[dict[str, object]]:
+        for curve in self.curves:
+            for p in curve.points:
+                row: dict[str, object] = {"curve": curve.id, "type": curve.type}
+                row["contact"] = curve.contact
+                for k, (parameter, t) in enumerate(zip(self.parameters, p.t, strict=True), start=1):
+                    row |= {
+                        f"parameter_{k}": parameter.name,
+                        f"t_{k}": t,
+                        f"unit_{k}": parameter.unit,
+                    }
+                yield row | angle_columns(p.fold_angles)
 
     def report_sections(self) -> Iterator[Section]:
         """Return the curves, and the counts along each line."""

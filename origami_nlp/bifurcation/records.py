@@ -145,6 +145,10 @@ class PathBranch(ShortRepr):
     points: tuple[PathPoint, ...] = field(repr=False)
     ends: tuple[BranchEnd, BranchEnd]
 
+    def kind_at(self, k: int) -> str:
+        """Return what the point at position k is, see `KindRange.kind`."""
+        return next(r.kind for r in self.kind_ranges if r.points[0] <= k <= r.points[1])
+
 
 @dataclass(frozen=True)
 class Residuals:

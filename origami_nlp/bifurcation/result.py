@@ -23,7 +23,16 @@ from origami_nlp.bifurcation.records import (
     StateAt,
 )
 from origami_nlp.continuation import BifurcationDiagram
-from origami_nlp.display import Content, Details, Report, Section, Table, Viewable, Words
+from origami_nlp.display import (
+    Content,
+    Details,
+    Report,
+    Section,
+    Table,
+    Viewable,
+    Words,
+    angle_columns,
+)
 from origami_nlp.errors import OUT_OF_TIME, OptionError
 from origami_nlp.numerics import DUPLICATE_TOL
 from origami_nlp.pattern import Pattern, Scene
@@ -253,6 +262,19 @@ class Atlas(Report, Viewable):
     def _angles(fold_angles: tuple[float, ...]) -> str:
         return ", ".join(f"{math.degrees(v):.2f}" for v in fold_angles)
 
+    def _rows(self) -> Iterator[dict[str, object]]:
+        whose = getattr(self.scene, "label", self.scene.name)
+        for branch in self.branches:
+            for k, p in enumerate(branch.points):
+                row: dict[str, object] = {"scene": whose, "branch": branch.id}
+                row["winding"] = getattr(self.scene, "winding", None) or 1
+                row |= {"parameter": self.parameter.name, "t": p.t, "unit": self.parameter.unit}
+                row |= {"energy_J": p.energy, "kind": branch.kind_at(k)}
+                row["eigenvalue_N_m_per_rad"] = p.eigenvalue
+                yield row | angle_columns(p.fold_angles)
+        for other in self.others:
+            yield from other._rows()
+
     def view_content(self) -> Content:
         """Return branches and events as plain data, see `view`."""
         from origami_nlp.bifurcation.interactive import (
@@ -266,7 +288,7 @@ class Atlas(Report, Viewable):
         parameter, states = self.parameter, []
         for branch in self.branches:
             for k, point in enumerate(branch.points):
-                kind = next(r.kind for r in branch.kind_ranges if r.points[0] <= k <= r.points[1])
+                kind = branch.kind_at(k)
                 title = f"branch {branch.id}, {parameter.name} = {point.t:.9g}: {kind}"
                 more = {"branch": branch.id, "parameter": point.t, "energy": point.energy}
                 states.append((point.t, point.fold_angles, title, {**more, "kind": kind}))

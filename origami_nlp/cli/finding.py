@@ -92,7 +92,7 @@ def minima(
         options["contact"] = scene.whole_contact
     stopped = False
     try:
-        result = search(stated, scene.name, **options)
+        result = search(stated, scene.name, verbose=verbose, **options)
     except Interrupted as early:  # what was found is reported and written all the same
         result, stopped = early.result, True
     result.print_to(out.console, verbose)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from typing import TYPE_CHECKING, Any
 
 from origami_nlp.cli.progress import progress
@@ -11,15 +12,25 @@ if TYPE_CHECKING:
     from origami_nlp.pattern import Pattern, Scene
 
 
-def search(origami: Scene | Pattern, name: str | None, **options: Any) -> Any:
+def search(
+    origami: Scene | Pattern, name: str | None, *, verbose: bool = False, **options: Any
+) -> Any:
     """Find the minima of a vertex or a pattern, and report starts and minima (on stderr).
 
-    name: of what has no label.  options: of `find_minima`; what is None is left to it.
+    name: of what has no label.  verbose: say where nothing could be compiled.  options: of `find_minima`; what is None
+    is left to it.
     """
+    from origami_nlp.io import Screen
+    from origami_nlp.minima import compiled
     from origami_nlp.pattern import Scene
     from origami_nlp.verbs import find_minima
 
     vertex = isinstance(origami, Scene)
+    terminal = Screen(stderr=True).is_terminal
+    if vertex and compiled(_note if terminal else lambda line: None) is None and verbose:
+        _note(
+            "descents are made in NumPy, several times slower: no C compiler was found, or none is wanted"
+        )
     label = origami.label if isinstance(origami, Scene) else origami.name
     with progress(label or str(name)) as show:
 
@@ -35,6 +46,10 @@ def search(origami: Scene | Pattern, name: str | None, **options: Any) -> Any:
             result: Any = find_minima(origami, **given)
             keep(result)
         return result
+
+
+def _note(line: str) -> None:
+    print(f"note: {line}", file=sys.stderr)
 
 
 def search_panels(seed: int, full: bool = False) -> list[Any]:

@@ -7,6 +7,7 @@ from . import (
     table as table,
 )
 from .account import SearchReport as SearchReport
+from .compiled_descents import compiled as compiled
 from .completeness import Added as Added, Completeness as Completeness, Open as Open
 from .coverage import StrataCount as StrataCount, count_strata as count_strata
 from .escape import VertexTerrain as VertexTerrain, with_merge_tree as with_merge_tree

@@ -23,6 +23,26 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from origami_nlp.minima.compiled_descents import CompiledDescents, compiled
+from origami_nlp.minima.descent_rules import (
+    CUT,
+    EARLY,
+    ESCAPE,
+    ESCAPES,
+    FIRST_REACH,
+    FLAT_SLOPE,
+    GROWTH,
+    LONG_CHAIN,
+    MOST_ONE_BY_ONE,
+    MOST_STEPS,
+    NEAR,
+    NEXT,
+    NO_SLOPE,
+    REACH,
+    SADDLE,
+    SHORTEST,
+    STALLED,
+)
 from origami_nlp.minima.recursive_newton import LEAST_PIVOT, sweep
 from origami_nlp.numerics import (
     CHOSEN,
@@ -49,35 +69,8 @@ from origami_nlp.starts import (
     put,
 )
 
-FLAT_SLOPE = 1e-10
-"""Torque that is left where a descent has converged, relative to the largest that balance."""
-NO_SLOPE = FLAT_SLOPE / 100
-"""A crease with less of it stays where it is: of a contact that others close rounding times the condition is left,
-and steps that this sends against its limit end there."""
-SADDLE = -1e-7
-"""Eigenvalue (of a Hessian that is 1 for springs alone) below which a stationary state is left downhill."""
-EARLY = 0.3
-"""A contact that pulls more than this share of the torque that is left is let go before the rest has converged."""
-FIRST_REACH, REACH, SHORTEST = 1.0, 2.0, 1e-9
-"""Longest step of a fold angle [rad]: at first, ever, and where a descent gives up."""
-GROWTH, CUT = 1.7, 0.3
-"""By how much the reach changes after a step that was taken, and after one that was not."""
-ESCAPES, ESCAPE = 3, 0.05
-"""How often a saddle is left, and by how much [rad]."""
-NEAR = 0.3
-"""Furthest that a state is moved onto a contact [rad]."""
-NEXT = 1 + 2 * CHOSEN
-"""A fold limit at up to this times a step, which is rounded itself, is reached by it; so far apart two are at one."""
-STALLED = 6
-"""Steps without progress after which a descent stops."""
-MOST_STEPS = 45
-"""Steps of a descent."""
 APART = 128
 """So many samples without gaps, and with gaps, are worth steps of their own."""
-LONG_CHAIN, MOST_ONE_BY_ONE = 9, 24
-"""Creases from which Newton's directions are swept; and up to which fold limits are met, and left, one by one."""
-LONG, FEW = 20, 32
-"""After so many steps the slowest are given up, one in so many: a step of a few costs as much as one of hundreds."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -114,22 +107,43 @@ class Descents:
         Where samples of several scenes of one vertex descend together, those of each; see `Closing`.
     until
         Time of `time.monotonic` after which they stop where they are, and have not converged.
+    threads
+        That share the descents where these are compiled.
+    steps
+        Of a descent, at most.
 
     Attributes
     ----------
     closing, crossings
         What brings states onto their strata, and what determines where they cross something.
+    compiled
+        The same descents in C; None where there is no compiler, and under forces in space.
     """
 
     def __init__(
-        self, model: Model, springs: Sequence[Parameters] = (), until: float = math.inf
+        self,
+        model: Model,
+        springs: Sequence[Parameters] = (),
+        until: float = math.inf,
+        threads: int = 1,
+        steps: int = MOST_STEPS,
     ) -> None:
-        self.until = until
+        self.until, self._threads, self._steps = until, threads, steps
         self.model, self.closing = model, Closing(model, springs)
         self.crossings, self._m = VertexCrossings(model), model.equation_count
         plain = model.equation_count == 3 and not model.structure.gaps
         self._chain = plain and model.size >= LONG_CHAIN
         self._many = plain and model.size > MOST_ONE_BY_ONE
+        self.compiled = None
+        if model.parameters.dead is None and (descend := compiled()) is not None:
+            rules: dict[str, float] = {
+                "limits": model.has_limits,
+                "many": self._many,
+                "chain": self._chain,
+                "steps": steps,
+            }
+            rules["bound"] = float(model.bound)
+            self.compiled = CompiledDescents(descend, self.closing, self.crossings, rules)
 
     @classmethod
     def of_each(cls, several: Sequence[Descents]) -> Descents | None:
@@ -151,8 +165,10 @@ class Descents:
         linear algebra breaks down is found by halving, and ends where it started, as one that went nowhere; the others
         go on.
         """
+        if self.compiled is not None:
+            return self.compiled.run(starts, self.until, self._threads)
         try:
-            return self._run(starts)
+            return self.run_in_numpy(starts)
         except np.linalg.LinAlgError:
             if len(starts) <= 1:
                 none = np.zeros(len(starts), dtype=bool)
@@ -160,17 +176,14 @@ class Descents:
             halves = np.array_split(np.arange(len(starts)), 2)
             return Ends.of([self.run(starts[half]) for half in halves])
 
-    def _run(self, starts: Samples) -> Ends:
+    def run_in_numpy(self, starts: Samples) -> Ends:
+        """Descend in NumPy: what the compiled descents are compared with, and all there is of forces in space."""
         k, live = len(starts), np.arange(len(starts))
         s, kept = joined(starts), joined(starts)  # copies
         reach, escapes = np.full(k, FIRST_REACH), np.zeros(k, dtype=int)
         idle = np.zeros(k, dtype=int)
         converged, settled = np.zeros(k, dtype=bool), np.zeros(k, dtype=bool)
-        crowd = np.bincount(s.springs)
-        for step in range(MOST_STEPS):
-            if step >= LONG:
-                few = np.bincount(s.springs[live], minlength=len(crowd)) * FEW <= crowd
-                live = live[~few[s.springs[live]]]
+        for _ in range(self._steps):
             if not len(live) or time.monotonic() > self.until:
                 break
             slotted = s.slots[live].max(axis=1) != OPEN

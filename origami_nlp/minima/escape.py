@@ -50,13 +50,17 @@ PASS_NEAR = 0.5
 NOTHING_NEAR = "no other admissible state is near"
 
 
+LONG = 20
+"""Steps of a descent that says where a state belongs: one that takes longer has gone too far to say."""
+
+
 class VertexTerrain(Terrain):
     """Minima of a model with descents between them: what `kkt.escape_paths` walks on."""
 
     def __init__(self, model: Model, minima: np.ndarray, modes: Sequence[list[np.ndarray]]) -> None:
         super().__init__(model, minima, energy_scale(np.array(model.scene.stiffness)))
         self.model, self._modes = model, modes
-        self._descents = Descents(model)
+        self._descents = Descents(model, steps=LONG)
         self._closed: dict[bytes, tuple[Contact, ...]] = {}
         self._landed: dict[bytes, np.ndarray] = {}
 

@@ -37,7 +37,7 @@ class Search:
     under
         The same scene under other labels, where descents are made, and these labels; None: `model` itself.
     workers
-        Processes that descents are shared out to.
+        Threads that share compiled descents, or processes those in NumPy.
     found
         Called after each new minimum.
     until
@@ -59,7 +59,7 @@ class Search:
     ) -> None:
         self.model, self.record, self._batches = model, record, batches
         self._labels = under[1] if under else None
-        self._descents = Descents(under[0] if under else model, until=until[0])
+        self._descents = Descents(under[0] if under else model, until=until[0], threads=workers)
         self._ends = np.empty((1024, model.size))  # as descents left them: with room to spare
         self._answer_of: list[FoundState] = []
         self._below: list[np.ndarray] = []  # uncounted starts, for the next batch
@@ -131,7 +131,7 @@ class Search:
         return [starts[part] for part in split if len(part)]
 
     def _made_by_workers(self, parts: list[Samples]) -> Iterator[Ends] | None:
-        if self._workers == 1 or len(parts) <= 1:
+        if self._workers == 1 or len(parts) <= 1 or self._descents.compiled:
             return None
         self._pool = self._pool or worker_pool(self._workers)
         return self._pool.map(self._descents.run, parts)

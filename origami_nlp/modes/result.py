@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from origami_nlp.display import Report, Section, Table
+from origami_nlp.display import Report, Section, Table, angle_columns
 from origami_nlp.io import ShortRepr
 from origami_nlp.minima import JudgedState, MinimaResult
 from origami_nlp.modes.geodesic import Geodesic
@@ -148,3 +148,14 @@ class Modes(Report):
                 yield (
                     f"   between symmetric and breaking modes: {state.coupling:.1e} N m/rad (rounding)"
                 )
+
+    def _rows(self) -> Iterator[dict[str, object]]:
+        for state in self.states:
+            for k, mode in enumerate(state.modes, start=1):
+                low, high = mode.along.ends
+                row: dict[str, object] = {"scene": self.label, "minimum": state.number, "mode": k}
+                row |= {"block": mode.block, "eigenvalue_N_m_per_rad": mode.eigenvalue}
+                row |= {"backward_rad": low.s, "forward_rad": high.s}
+                row |= {"backward_rise_J": low.rise, "forward_rise_J": high.rise}
+                changes = angle_columns(mode.direction)  # a unit vector, without a unit
+                yield row | {f"d_{name.removesuffix('_rad')}": v for name, v in changes.items()}

@@ -15,6 +15,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from fractions import Fraction
+from typing import Any
 
 import numpy as np
 
@@ -141,6 +142,35 @@ class Kinematics:
         e = np.arange(len(self._variable))
         # creases before p turn all three rays together, those from r on turn none: only what lies between counts
         self._spans = np.stack([(p <= e) & (e < q), (q <= e) & (e < r)], axis=1).astype(float)
+
+    def tables(self) -> dict[str, Any]:
+        """Return what compiled descents read: numbers, and arrays by name."""
+        count = len(self._flat)
+        crease = np.full(count, -1)
+        crease[self.ray_of_crease] = np.arange(len(self.ray_of_crease))
+        return {
+            "n": self.size,
+            "m": self.equations,
+            "rays": count,
+            "creases": len(self._variable),
+            "period": self._period,
+            "first": self._first,
+            "plane": self._cyclic and self._order == 1,
+            "shifted": self._cyclic and self._order > 1,
+            "entries": len(self._entries or ()),
+            "level": self._level,
+            "flat": self._flat[:, :2],
+            "crease": crease,
+            "factor": self._factor,
+            "variable": self._variable,
+            "onward": self._onward,
+            "mirror": self._mirror,
+            "entry": self._entries or (),
+            "lever": self._lever_of,
+            "three": self._three,
+            "over": self._over,
+            "before": self._before[self._three],
+        }
 
     def fold(self, x: np.ndarray) -> FoldedRays:
         """Fold states x [K, n] [rad]."""

@@ -15,7 +15,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from origami_nlp.display import Report, Section
+from origami_nlp.display import Report, Section, angle_columns
 from origami_nlp.io import ShortRepr
 from origami_nlp.numerics import SETTLED, groups
 from origami_nlp.pattern import Scene
@@ -210,6 +210,13 @@ class Space(Report):
     mesh: SpaceMesh = field(metadata={"plain": False})
 
     PICTURE, SCHEMA, READS = "draw_space", "origami-nlp/landscape/2", False
+
+    def _rows(self) -> Iterator[dict[str, object]]:
+        names = ("dimension", "euler_characteristic", "holes", "closed_surfaces")
+        for number, one in enumerate(self.components, start=1):
+            row = {"scene": self.scene.label, "component": number}
+            row |= {name: getattr(one, name) for name in names}
+            yield row | angle_columns(one.fold_angles)
 
     @property
     def signature(self) -> tuple[int, ...]:

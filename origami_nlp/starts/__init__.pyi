@@ -1,9 +1,28 @@
 from . import rounds as rounds
-from .batch_closure import Closing as Closing, ClosurePoint as ClosurePoint, balance as balance
-from .batch_states import Ends as Ends, Samples as Samples, joined as joined, put as put
+from .batch_closure import (
+    CLOSED as CLOSED,
+    POOR as POOR,
+    QUADRATIC as QUADRATIC,
+    SETTLING as SETTLING,
+    STEPS as STEPS,
+    Closing as Closing,
+    ClosurePoint as ClosurePoint,
+    balance as balance,
+)
+from .batch_states import (
+    SLOTS as SLOTS,
+    Ends as Ends,
+    Samples as Samples,
+    joined as joined,
+    put as put,
+)
 from .contact_closed_form import close_pinched as close_pinched
 from .contact_strata import ContactStrata as ContactStrata, Row as Row, list_strata as list_strata
-from .crossings import VertexCrossings as VertexCrossings, model_rows as model_rows
+from .crossings import (
+    NAMELESS as NAMELESS,
+    VertexCrossings as VertexCrossings,
+    model_rows as model_rows,
+)
 from .family import Listed as Listed, StartFamily as StartFamily
 from .hinge_sets import HingeSets as HingeSets
 from .moments import Moments as Moments, is_chain as is_chain

@@ -75,6 +75,9 @@ class Closing:
             )
             self._all = replace(self._all, stiffness=stiffness, rest=rest, load=load)
         self._roots = np.sqrt(self._all.stiffness)
+        low, high = (bound(axis=-1, keepdims=True) for bound in (self._roots.min, self._roots.max))
+        # where stiffnesses are very unequal; ones elsewhere
+        self._unequal = np.where(high > math.sqrt(UNEQUAL) * low, self._roots, 1.0)
 
     def springs(self, s: Samples) -> Parameters:
         """Return the springs of samples: numbers [n] where all have the same, [K, n] otherwise."""
@@ -83,15 +86,24 @@ class Closing:
             return p
         return replace(p, stiffness=p.stiffness[k], rest=p.rest[k], load=p.load[k])
 
+    def numbered(self, s: Samples) -> np.ndarray:
+        """Return which of the springs in `tables` are those of each sample, [K]."""
+        return s.springs if self._several else np.zeros(len(s), dtype=int)
+
+    def tables(self) -> dict[str, np.ndarray]:
+        """Return what compiled descents read of all springs, [S, n] each."""
+        p = self._all
+        return {
+            "stiffness": p.stiffness,
+            "rest": p.rest,
+            "load": p.load,
+            "root": self._roots,
+            "metric": self._unequal,
+        }
+
     def root(self, s: Samples) -> np.ndarray:
         """Return the metric of samples, sqrt(k), [n] or [K, n] as `springs`."""
         return self._roots[s.springs] if self._several else self._roots
-
-    def _unequal_root(self, s: Samples) -> np.ndarray:
-        """Return the metric [K, n] of samples whose stiffnesses are very unequal, ones for the others."""
-        root = self.root(s) * np.ones((len(s), 1))
-        low, high = (bound(axis=1, keepdims=True) for bound in (root.min, root.max))
-        return np.where(high > math.sqrt(UNEQUAL) * low, root, 1.0)
 
     def rows(self, s: Samples) -> tuple[FoldedRays, np.ndarray, np.ndarray]:
         """Fold samples; return the folded states, closure and held gaps [K, r], and their Jacobian [K, r, n].
@@ -139,7 +151,9 @@ class Closing:
         and the energy hardly changes.
         """
         x, at_limit, todo = s.x.copy(), s.at_limit.copy(), np.arange(len(s))
-        root = self._unequal_root(s) if metric else np.ones((len(s), 1))
+        root = np.ones((len(s), 1))
+        if metric:
+            root = (self._unequal[s.springs] if self._several else self._unequal) * root
         for _ in range(steps):
             part = replace(s[todo], x=x[todo], at_limit=at_limit[todo])
             _, value, rows = self.rows(part)

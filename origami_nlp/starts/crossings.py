@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from origami_nlp.folding import find_crossings, pair_depths, pair_rows, stack_depths, stack_rule
@@ -72,12 +74,27 @@ class VertexCrossings:
         self._gap = np.full((rays, rays), NAMELESS)
         for (k, j), index in model_rows(model).items():
             self._gap[k, j] = index
-        self._real = np.ones((0, 4), dtype=bool)
-        if len(self._pairs):
-            table = pair_rows(self._pairs, rays)
-            self._real = self._gap[table[..., 0], table[..., 1]] != NAMELESS
+        self._table = pair_rows(self._pairs, rays)
+        self._real = self._gap[self._table[..., 0], self._table[..., 1]] != NAMELESS
         full = bool(len(self._pairs)) and model.scene.group.is_trivial
         self._stack = stack_rule(model.scene.vertex.sector_angles) if full else None
+
+    def tables(self) -> dict[str, Any]:
+        """Return what compiled descents read: numbers, and arrays by name."""
+        walls = np.stack([self._walls, self._ray, self._last], axis=1)
+        stack = np.zeros((0, 3), dtype=int)
+        if self._stack is not None:
+            stack = np.column_stack([self._stack.end, self._stack.row])
+        return {
+            "pairs": len(self._table),
+            "walls": len(walls),
+            "stacks": len(stack),
+            "pair": self._table,
+            "real": self._real,
+            "gap": self._gap,
+            "wall": walls,
+            "stack": stack,
+        }
 
     def of(
         self, at: FoldedRays, x: np.ndarray, at_limit: np.ndarray

@@ -31,7 +31,7 @@ BESIDE_THE_TABLE = {
         kkt/neighbourhood.RADII kkt/neighbourhood.STEPS kkt/descent_witness.DOWNHILL kkt/descent_witness.FAR
         kkt/descent_witness.STEPS
         landscape/exact.PIECE loading/driver.SIDE loading/stable_path.LEAST_SPAN
-        loading/result.SHIFT loading/stable_path.OVER minima/descents.ESCAPE minima/descents.SHORTEST
+        loading/result.SHIFT loading/stable_path.OVER minima/descent_rules.ESCAPE minima/descent_rules.SHORTEST
         minima/escape.SMALLEST minima/one_dof.ASIDE minima/search.DOWN modes/geodesic.STEP
         paper/transitions.BRACKET paper/transitions.MARGIN paper/transitions.SIDE
         continuation/curve.STEPS continuation/flat.ARRIVED continuation/flat.BESIDE_FLAT
@@ -93,7 +93,7 @@ BESIDE_THE_TABLE = {
         paper/cone/phase_curves.ON_LINE paper/cone/roots.FREE paper/cone/roots.WIDER paper/cone/rules.SLACK
     """,
     "torque, curvature and error left in explored states, which are polished": """
-        minima/curve.ACCURACY kkt/descent.RISE minima/descents.FLAT_SLOPE minima/descents.SADDLE
+        minima/curve.ACCURACY kkt/descent.RISE minima/descent_rules.FLAT_SLOPE minima/descent_rules.SADDLE
         pattern_states/descent.STILL pattern_states/interpolant.FITS pattern_states/interpolant.REAL
     """,
     "weights of rows and steps": """

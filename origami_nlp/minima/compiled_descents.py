@@ -1,0 +1,211 @@
+"""Descents in C (`c/descent.c`), compiled once by the compiler of the machine; without one there are those in NumPy."""
+
+from __future__ import annotations
+
+import ctypes
+import hashlib
+import math
+import os
+import platform
+import shlex
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from origami_nlp import numerics, starts as starting
+from origami_nlp.minima import descent_rules, recursive_newton
+from origami_nlp.minima.descent_rules import FIRST_REACH
+from origami_nlp.problem import OPEN
+from origami_nlp.starts import SLOTS, Closing, Ends, Samples, VertexCrossings, joined, put
+
+SWITCH = "ORIGAMI_NLP_COMPILED"
+"""Environment variable: 0 makes descents in NumPy."""
+AT_ONCE = 512
+"""Creases of the descents between two looks at the time, and at Ctrl-C."""
+FLAGS = ("-O1", "-std=c99", "-shared", "-fPIC", "-ffp-contract=off")
+"""No fused products, and sums in no other order: the same bits by each compiler (-O2: twice as long to compile)."""
+INTS = "n m rays creases period first entries pairs walls stacks plane shifted limits many chain steps".split()
+FLOATS = ["level", "bound"]
+FLOAT_ARRAYS = "flat factor onward mirror lever over stiffness rest load root metric".split()
+INT_ARRAYS = "crease variable entry three before pair real gap wall stack".split()
+OF_FLOATS = ["x", "kept_x", "reach"]
+HELD = ("at_limit", "slots", "sides")
+FLAGGED = ("escapes", "idle", "converged", "settled", "broken")
+OF_INTS = [*HELD, *(f"kept_{name}" for name in HELD), "hold", "scene", *FLAGGED]
+NAMES = {
+    numerics: "CHOSEN CONTACT_TOL DECREASE EPS EXPLORED NONZERO OUTSIDE RANK ROUNDED SAME_ENERGY SINGULAR TINY",
+    descent_rules: "CUT EARLY ESCAPE ESCAPES FLAT_SLOPE GROWTH NEAR NEXT NO_SLOPE REACH SADDLE SHORTEST"
+    " STALLED",
+    recursive_newton: "LEAST_PIVOT STIFF",
+    starting: "CLOSED NAMELESS POOR QUADRATIC SETTLING SLOTS STEPS",
+}
+"""Numbers that C takes from here."""
+
+
+class VertexInC(ctypes.Structure):
+    """What is the same for all samples."""
+
+    _fields_ = [
+        *((name, ctypes.c_int64) for name in INTS),
+        *((name, ctypes.c_double) for name in FLOATS),
+        *((name, ctypes.c_void_p) for name in (*FLOAT_ARRAYS, *INT_ARRAYS)),
+    ]
+
+
+class SamplesInC(ctypes.Structure):
+    """Samples, and how far each has come."""
+
+    _fields_ = [(name, ctypes.c_void_p) for name in (*OF_FLOATS, *OF_INTS)]
+
+
+def source() -> str:
+    """Return what is compiled: types and tolerances as they are here, and the files beside."""
+    lines = [f"#include <{name}.h>" for name in ("math", "stdint", "stdlib", "string")]
+    values: dict[str, float] = {"PI": math.pi, "OPEN": OPEN, "ROWS": 3 + SLOTS}
+    for module, names in NAMES.items():
+        values |= {name: getattr(module, name) for name in names.split()}
+    for name, value in values.items():
+        lines.append(f"#define {name} ({value if isinstance(value, int) else float(value).hex()})")
+    fields = [("int64_t ", INTS), ("double ", FLOATS)]
+    fields += [("const double *", FLOAT_ARRAYS), ("const int64_t *", INT_ARRAYS)]
+    of_samples = [("double *", OF_FLOATS), ("int64_t *", OF_INTS)]
+    for struct, parts in (("Vertex", fields), ("Samples", of_samples)):
+        lines += ["typedef struct {", *(f"{c}{name};" for c, names in parts for name in names)]
+        lines.append(f"}} {struct};")
+    files = ("linear.h", "kinematics.h", "closing.h", "newton.h", "descent.c")
+    return "\n".join(
+        [*lines, *((Path(__file__).parent / "c" / f).read_text("utf-8") for f in files)]
+    )
+
+
+def compiled(say: Callable[[str], object] = lambda line: None) -> Any:
+    """Return the compiled `descend`; None where there is no compiler, or it fails.
+
+    Parameters
+    ----------
+    say
+        Called with a line before something is compiled.
+    """
+    stated = os.environ.get("CC") or _compiler()
+    if os.environ.get(SWITCH) == "0" or not stated:
+        return None
+    home = os.environ.get("XDG_CACHE_HOME") or os.path.expanduser("~/.cache")
+    if (stated, home) not in _LOADED:
+        try:
+            _LOADED[stated, home] = _library(stated, Path(home) / "origami_nlp", say)
+        except (OSError, AttributeError, ValueError, subprocess.SubprocessError):
+            _LOADED[stated, home] = None  # it is not tried again
+    return _LOADED[stated, home]
+
+
+@lru_cache(maxsize=1)
+def _compiler() -> str | None:
+    """Return the C compiler of the machine."""
+    if sys.platform == "darwin":  # without these tools `cc` only opens a window that offers them
+        asked = subprocess.run(["xcode-select", "-p"], check=False, capture_output=True)
+        if asked.returncode:
+            return None
+    return next(filter(shutil.which, ("cc", "gcc", "clang")), None)
+
+
+_LOADED: dict[tuple[str, str], Any] = {}
+
+
+def _library(compiler: str, cache: Path, say: Callable[[str], object]) -> Any:
+    """Return `descend` of the library in a folder, which is made where it is not there."""
+    text, command = source(), [*shlex.split(compiler), *FLAGS]
+    key = repr((command, text, sys.platform, platform.machine())).encode()
+    made = cache / f"descent-{hashlib.sha256(key).hexdigest()[:16]}.so"
+    if not made.exists():
+        say("descents are compiled, once on this machine (a second)")
+        cache.mkdir(parents=True, exist_ok=True, mode=0o700)
+        # beside, then moved: another process sees all of it or nothing
+        with tempfile.TemporaryDirectory(dir=cache) as folder:
+            code, out = Path(folder) / "descent.c", Path(folder) / "descent.so"
+            code.write_text(text, "utf-8")
+            command += [str(code), "-o", str(out), "-lm"]
+            subprocess.run(command, check=True, capture_output=True, timeout=60)
+            os.replace(out, made)
+    descend = ctypes.CDLL(str(made)).descend
+    descend.argtypes = [ctypes.c_void_p, ctypes.c_void_p, ctypes.c_int64, ctypes.c_int64]
+    descend.restype = ctypes.c_int64
+    return descend
+
+
+class CompiledDescents:
+    """Descents of a model one after the other.
+
+    Parameters
+    ----------
+    descend
+        The compiled function.
+    closing, crossings
+        As those of `Descents`.
+    rules
+        Are there fold limits, are many of them met at once, is it swept; most steps, largest fold angle [rad].
+    """
+
+    def __init__(
+        self, descend: Any, closing: Closing, crossings: VertexCrossings, rules: dict[str, float]
+    ) -> None:
+        self._descend, self._closing = descend, closing
+        values = closing.kinematics.tables() | crossings.tables() | closing.tables() | rules
+        self._kept = {}  # what C points to
+        for names, kind in ((FLOAT_ARRAYS, np.float64), (INT_ARRAYS, np.int64)):
+            for name in names:
+                self._kept[name] = np.ascontiguousarray(values[name], dtype=kind)
+        numbers = {name: values[name] for name in FLOATS}
+        numbers |= {name: int(values[name]) for name in INTS}
+        self._vertex = VertexInC(**numbers, **{k: a.ctypes.data for k, a in self._kept.items()})
+
+    def run(self, starts: Samples, until: float = math.inf, threads: int = 1) -> Ends:
+        """Descend from closed samples; see `Descents.run`.
+
+        Parameters
+        ----------
+        starts
+            Closed samples.
+        until
+            Time of `time.monotonic` after which none is begun.
+        threads
+            That share the samples; each has its own end, whoever makes it.
+        """
+        s, k = joined(starts), len(starts)
+        held = {
+            name: np.ascontiguousarray(getattr(s, name), dtype=np.int64) for name in (*HELD, "hold")
+        }
+        x, reach = np.ascontiguousarray(s.x), np.full(k, FIRST_REACH)
+        arrays = {"x": x, "kept_x": np.empty_like(x), "reach": reach, **held}
+        arrays |= {f"kept_{name}": np.empty_like(held[name]) for name in HELD}
+        arrays["scene"] = np.ascontiguousarray(self._closing.numbered(s), dtype=np.int64)
+        arrays |= {name: np.zeros(k, dtype=np.int64) for name in FLAGGED}
+        state = SamplesInC(**{name: a.ctypes.data for name, a in arrays.items()})
+        part = max(1, AT_ONCE // x.shape[1])
+
+        def descend(first: int) -> bool:
+            late = time.monotonic() > until
+            return late or self._descend(
+                ctypes.byref(self._vertex), ctypes.byref(state), first, min(first + part, k)
+            )
+
+        if threads == 1 or k <= part:
+            made = all(map(descend, range(0, k, part)))
+        else:  # C runs without the interpreter's lock
+            with ThreadPoolExecutor(threads) as pool:
+                made = all(pool.map(descend, range(0, k, part)))
+        if not made:
+            raise MemoryError("descents")
+        at_limit, slots, sides, hold = held.values()
+        s = Samples(x, at_limit, slots, sides, hold != 0, s.source, s.springs)
+        converged, settled, broken = (arrays[name] != 0 for name in FLAGGED[2:])
+        put(s, np.flatnonzero(broken), starts[broken])
+        return Ends(s, converged & ~broken, settled & ~broken, broken)

@@ -1,0 +1,74 @@
+"""Files that may not be read or written: one line that names the file, exit code 2."""
+
+import errno
+import os
+
+import pytest
+
+from tests.command_line import run
+
+READ = (
+    ("minima", "a.toml"),
+    ("inspect", "a.toml"),
+    ("pattern", "a.fold"),
+    ("minima", "a.fold", "--vertex", "0"),
+    ("load", "a.toml", "--crease", "1"),
+    ("design", "a.toml"),
+    ("sweep", "a.toml", "--folder", "swept"),
+    ("check-proof", "a.toml"),
+)
+WRITE = (
+    ("minima", "miura.toml", "-o", "a.json"),
+    ("minima", "miura.toml", "--certificate", "a.json"),
+    ("example", "miura", "-o", "a.toml"),
+    ("inspect", "miura.toml", "-o", "a.png"),
+    ("pattern", "miura:1x2", "-o", "a.bib"),
+)
+
+
+@pytest.fixture
+def here(tmp_path, monkeypatch):
+    """A folder with a scene and two files that are only named."""
+    monkeypatch.chdir(tmp_path)
+    assert run("example", "miura", "-o", "miura.toml").code == 0
+    for name in ("a.toml", "a.fold"):
+        (tmp_path / name).write_text("never read")
+    return tmp_path
+
+
+def refuse(file, *more, **options):
+    raise PermissionError(errno.EACCES, os.strerror(errno.EACCES), str(file))
+
+
+def is_refused(words, named):
+    code, out, err = run(*words)
+    assert (code, out, err.count("\n")) == (2, "", 1), (words, out, err)
+    assert err.startswith("origami-nlp: ") and "ermission" in err and named in err, err
+
+
+@pytest.mark.parametrize("words", READ, ids=" ".join)
+def test_a_file_that_may_not_be_read(here, monkeypatch, words):
+    monkeypatch.setattr("origami_nlp.io.reading.open", refuse, raising=False)
+    is_refused(words, words[1])
+
+
+@pytest.mark.parametrize("words", WRITE, ids=" ".join)
+def test_a_file_that_may_not_be_written_is_refused_before_the_work(here, monkeypatch, words):
+    monkeypatch.setattr("os.access", lambda *asked, **more: False)
+    is_refused(words, words[-1])
+
+
+def test_a_file_that_may_not_be_written_any_more(here, monkeypatch):
+    monkeypatch.setattr("origami_nlp.io.writing._replace", refuse)
+    is_refused(("example", "miura", "-o", "late.toml"), "late.toml")
+    assert not (here / "late.toml").exists()
+
+
+def test_a_folder_that_may_not_be_looked_into(here, monkeypatch):
+    stat = os.stat
+
+    def locked(path, *more, **options):
+        return refuse(path) if "locked" in str(path) else stat(path, *more, **options)
+
+    monkeypatch.setattr("os.stat", locked)
+    is_refused(("minima", os.path.join("locked", "a.toml")), "locked")

@@ -1,0 +1,175 @@
+"""Descents in C end where those in NumPy end, start by start; without a compiler a search answers the same."""
+
+import ctypes
+import json
+import math
+import os
+import subprocess
+import sys
+import time
+
+import numpy as np
+import pytest
+
+from origami_nlp import Model, Scene, Vertex, examples, find_minima
+from origami_nlp.minima import compiled
+from origami_nlp.minima.compiled_descents import SWITCH
+from origami_nlp.minima.descents import Descents
+from origami_nlp.problem import OPEN
+from origami_nlp.starts import EFFORTS, Rounds, Samples, joined
+
+pytestmark = pytest.mark.skipif(compiled() is None, reason="no C compiler, or it is switched off")
+SAME = 1e-9
+"""Fold angles [rad]: descents stop at 1e-10 of the torque, in curvatures of order 1."""
+
+
+def vertex(degree, seed, contact="fold-limits", decades=2.0):
+    rng = np.random.default_rng([degree, seed])
+    s = rng.uniform(0.5, 1.5, degree)
+    return Scene(
+        Vertex(tuple(s * 2 * math.pi / s.sum())),
+        tuple(10 ** rng.uniform(-decades / 2, decades / 2, degree)),
+        tuple(rng.uniform(-math.pi, math.pi, degree)),
+        symmetry="none",
+        contact=contact,
+    )
+
+
+def starts_of(model, descents, most):
+    """Starts of the first round, spread over its families."""
+    samples = next(iter(Rounds(model, 0, EFFORTS["normal"])))
+    samples = samples[np.unique(np.linspace(0, len(samples) - 1, most).astype(int))]
+    good = np.isfinite(samples.x).all(axis=1)
+    at = descents.closing.kinematics.fold(samples.x)
+    return samples[good & (descents.crossings.of(at, samples.x, samples.at_limit)[0] == OPEN)]
+
+
+def assert_same(one, other, to=SAME):
+    for name in ("converged", "settled", "broken"):
+        assert (getattr(one, name) == getattr(other, name)).all()
+    for name in ("at_limit", "slots", "sides", "hold", "source", "springs"):
+        assert (getattr(one.samples, name) == getattr(other.samples, name)).all()
+    done = one.converged | one.settled
+    assert np.abs(one.samples.x - other.samples.x)[done].max(initial=0.0) <= to
+
+
+CASES = {
+    "a cell of degree 6, symmetric": (examples.degree6("pi/3", 1), 100),
+    "degree 8, symmetric": (examples.degree8("pi/8", 0.1), 60),
+    "mirrored, full contact": (examples.degree6("pi/4", 0.01), 60),
+    "degree 4": (vertex(4, 2), 100),
+    "degree 6": (vertex(6, 2), 150),
+    "degree 9, swept": (vertex(9, 2), 100),
+    "degree 30, many limits": (vertex(30, 1), 30),
+    "degree 5 through itself": (vertex(5, 3, "none"), 80),
+    "degree 6 with contact": (vertex(6, 2, "full"), 120),
+    "degree 7 with contact": (vertex(7, 3, "full"), 120),
+    "stiffness ratios of 1e8": (vertex(5, 3, decades=7.9), 120),
+    "the same with contact": (vertex(6, 3, "full", decades=7.9), 120),
+}
+
+
+@pytest.mark.parametrize("scene, most", CASES.values(), ids=CASES)
+def test_every_start_ends_as_in_numpy(scene, most):
+    model = Model(scene)
+    descents = Descents(model)
+    starts = starts_of(model, descents, most)
+    assert len(starts) > 20
+    assert_same(descents.run(starts), descents.run_in_numpy(starts))
+
+
+def test_several_scenes_of_one_vertex_and_threads():
+    scenes = [vertex(5, 4), vertex(5, 4, decades=6.0)]
+    both = [Model(s) for s in scenes]
+    descents = Descents(both[0], [m.parameters for m in both], threads=2)
+    samples = starts_of(both[0], descents, 400)
+    samples.springs[::2] = 1
+    ends = descents.run(samples)
+    assert_same(ends, descents.run_in_numpy(samples))
+    for number, model in enumerate(both):
+        own = samples[samples.springs == number]
+        own.springs[:] = 0
+        alone = Descents(model).run(own)
+        assert (alone.samples.x == ends.samples.x[samples.springs == number]).all()
+
+
+def test_where_linear_algebra_breaks_down_a_descent_ends_where_it_began():
+    descents = Descents(Model(vertex(5, 5)))
+    x = np.full((3, 5), 0.1)
+    x[1] = math.nan
+    ends = descents.run(Samples.on(x))
+    assert not ends.converged[1] and np.isnan(ends.samples.x[1]).all()
+    assert np.isfinite(ends.samples.x[[0, 2]]).all()
+
+
+def test_a_large_vertex_keeps_its_limit_of_time():
+    model = Model(vertex(300, 1))
+    some = next(iter(Rounds(model, 0, EFFORTS["quick"])))
+    late = Descents(model, until=time.monotonic() + 0.1)
+    begin = time.monotonic()
+    ends = late.run(joined(*[some] * 40))
+    assert time.monotonic() - begin < 5 and not ends.converged.all()
+
+
+SCENES = vertex(5, 5), vertex(5, 2, "full")
+ASK = """
+import json
+from origami_nlp.minima import compiled
+from tests.minima.test_compiled_descents import answers
+print(json.dumps([compiled() is None, answers()]))
+"""
+
+
+def answers():
+    found = [find_minima(s, prove=False, effort="quick", escape=False) for s in SCENES]
+    return [result.to_dict() for result in found]
+
+
+def test_without_a_compiler_a_search_answers_the_same():
+    asked = subprocess.run(
+        [sys.executable, "-c", ASK],
+        env=os.environ | {SWITCH: "0"},
+        capture_output=True,
+        text=True,
+    )
+    assert not asked.returncode, asked.stderr
+    none, others = json.loads(asked.stdout)
+    assert none
+    for here, there in zip(json.loads(json.dumps(answers())), others, strict=True):
+        assert_near(here, there)
+
+
+@pytest.mark.parametrize(
+    "name, value",
+    [("CC", "/bin/false"), ("CC", "/no/such/cc"), ("CC", "'"), ("XDG_CACHE_HOME", "/dev/null")],
+)
+def test_where_nothing_can_be_compiled_numpy_descends(name, value, monkeypatch):
+    monkeypatch.setenv(name, value)
+    model = Model(vertex(5, 4))
+    descents = Descents(model)
+    assert descents.compiled is None
+    assert descents.run(Samples.on(np.zeros((1, 5)))).converged.all()
+
+
+def assert_near(one, other, at=""):
+    if isinstance(one, float) and isinstance(other, float):
+        assert math.isclose(one, other, rel_tol=1e-10, abs_tol=1e-12), (at, one, other)
+    elif isinstance(one, dict):
+        assert one.keys() == other.keys()
+        for key in one.keys() - {"seconds", "cost"}:
+            assert_near(one[key], other[key], f"{at}.{key}")
+    elif isinstance(one, list):
+        assert len(one) == len(other), at
+        for k, (a, b) in enumerate(zip(one, other, strict=True)):
+            assert_near(a, b, f"{at}[{k}]")
+    else:
+        assert one == other, (at, one, other)
+
+
+def test_it_is_compiled_once_and_told(tmp_path, monkeypatch):
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    lines = []
+    descend = compiled(lines.append)
+    assert isinstance(descend, ctypes._CFuncPtr) and len(lines) == 1
+    assert compiled(lines.append) is descend and len(lines) == 1
+    assert len(list((tmp_path / "origami_nlp").iterdir())) == 1
