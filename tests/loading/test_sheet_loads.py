@@ -14,7 +14,6 @@ import origami_nlp as o
 from origami_nlp.errors import OptionError
 from origami_nlp.pattern_problem import DeadForce, PatternProblem, Pull, Torque
 from origami_nlp.pattern_states import descend, judge
-from origami_nlp.pattern_states.closed import scene_of
 from tests.command_line import run
 from tests.independent.trigonometry import strip_states
 from tests.patterns import miura, miura_angles, strip, wheel
@@ -423,12 +422,3 @@ def test_the_command_writes_all_of_it(tmp_path):
     assert code == 2 and "--crease" in err
     code, _, err = run("load", "degree6", "--crease", "1", "--no-full")
     assert code == 2 and "full = False is not for a pattern" in err
-
-
-def test_springs_that_a_torque_winds_beyond_pi_are_searched_as_preload():
-    loaded = Torque(o.examples.pattern("waterbomb", 1, 1), (1,)).loaded(-0.14)
-    assert np.abs(loaded.rest).max() > np.pi
-    scene, creases = scene_of(loaded, True)
-    for phi in np.random.default_rng(0).uniform(-3, 3, (3, loaded.creases)):
-        energy = 0.5 * loaded.stiffness @ (phi - loaded.rest) ** 2
-        assert scene.energy(phi[creases]) == pytest.approx(energy, rel=1e-14)
