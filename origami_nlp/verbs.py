@@ -37,6 +37,7 @@ _OF_A_SCENE = {
     "fewest_starts": "of a pattern, starts says when the search ends",
     "workers": "a pattern is searched in one process",
     "progress": "a pattern reports no progress",
+    "found": "a pattern reports no progress",
 }
 """What only the one or the other takes, and why."""
 
@@ -58,6 +59,7 @@ def find_minima(
     noise: float | None = ...,
     workers: int | None = ...,
     progress: Callable[[int, int, int], None] | None = ...,
+    found: Callable[[float, np.ndarray], object] | None = ...,
 ) -> MinimaResult: ...
 @overload
 def find_minima(
@@ -112,8 +114,8 @@ def find_minima(
         Standard deviation [degrees] of random errors: how many of 20 draws each minimum survives.
     others
         Of a scene alone: ``fewest_starts``, ``guesses``, ``full`` (judge each without the symmetry; None: up to 12
-        creases and 64 states), ``prove``, ``workers``, ``progress``, see
-        `minima.find_minima`.  Of a pattern alone: ``starts`` (random starts in a row that find
+        creases and 64 states), ``prove``, ``workers``, ``progress`` and ``found`` (called with each minimum as it is
+        found), see `minima.find_minima`.  Of a pattern alone: ``starts`` (random starts in a row that find
         nothing new, in place of the effort) and ``contact`` (``"full"``, or ``"fold-limits"``: facets may cross).
 
     Returns
