@@ -86,7 +86,7 @@ class MinimaResult(Report, Viewable):
     search
         What the search did, why it stopped, and what it found that is no minimum or not decided.
     completeness
-        Whether the list is complete, as far as that was proved; None where it was not tried, as of a pattern.
+        Whether the list is complete, as far as that was proved; None where it was not tried.
     relations
         What was decided on special relations of a scene's sector angles; None of a pattern.
     curves

@@ -1,4 +1,8 @@
-from .borders import Disjunction as Disjunction, choices as choices
+from .borders import (
+    Disjunction as Disjunction,
+    choices as choices,
+    without_passing as without_passing,
+)
 from .closure import Closure as Closure
 from .contact_pairs import (
     ContactPair as ContactPair,

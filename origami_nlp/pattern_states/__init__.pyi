@@ -43,3 +43,4 @@ from .mobility import (
 )
 from .motion import Motion as Motion, find_motion as find_motion
 from .noise import is_overdetermined as is_overdetermined
+from .proved import hold_against as hold_against

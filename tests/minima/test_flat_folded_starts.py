@@ -163,7 +163,7 @@ def test_one_facet_has_nothing_to_fold():
     [
         ("resch", (), "random starts"),
         ("degree8", (), "the search for single vertices"),
-        ("miura", (3, 3), "branch directions of flat-folded states"),
+        ("miura", (3, 3), "random starts"),
         ("miura", (8, 8), "branch directions of the flat state"),
     ],
 )
