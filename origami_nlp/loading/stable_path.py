@@ -152,7 +152,7 @@ def release(
     """Descend from the end of a way, a little beyond its load; the minimum, its load and certificate, or why none."""
     point, why = node.point, ""
     span = max(abs(float(point[-1])), LEAST_SPAN * (web.high - web.low))
-    # states that branch off are told from those that do not by the square root of the share
+    # states that branch off are distinguished from those that do not by the square root of the share
     for share in OVER[node.type in BRANCHES :]:
         s = float(point[-1]) + toward * share * span
         end = driver.down(web.line, s, node, 10 * share, web.steps.until)
