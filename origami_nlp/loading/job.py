@@ -56,7 +56,7 @@ MOST_SNAPS = 20
 """Of one path: more are taken for a mistake."""
 
 
-class Way(NamedTuple):
+class Run(NamedTuple):
     """Stable states that the load passes in one space, one way, and the number of the snap that ends them.
 
     branches_off: whether the first of them is a bifurcation.
@@ -110,7 +110,7 @@ class FollowedLoad:
             lazy=self.lazy,
             until=until,
         )
-        self.ways: list[Way] = [] if home is None else home.ways
+        self.ways: list[Run] = [] if home is None else home.ways
         self.falls: list[Fall] = [] if home is None else home.falls
         self.alarms: list[str] = [] if home is None else home.alarms
 
@@ -218,7 +218,7 @@ class FollowedLoad:
             way = walk(self.web, x, s, toward, end, self.across)
             if self.web.interrupted and (way is None or way.why in (LATE, "snap")):
                 if way is not None and len(way.frames) > 1:
-                    self.ways.append(Way(self, replace(way, why=LATE), toward, None))
+                    self.ways.append(Run(self, replace(way, why=LATE), toward, None))
                 self.alarms.append(f"{OUT_OF_TIME}: the path goes on from where it ends here")
                 return None
             if way is None:
@@ -228,13 +228,13 @@ class FollowedLoad:
             way, before = replace(way, frames=(*before, *way.frames)), ()
             lost = self._lost(way)
             if lost is None:
-                self.ways.append(Way(self, way, toward, None, begun))
+                self.ways.append(Run(self, way, toward, None, begun))
                 last = way.frames[-1]
                 return (self, last.state, last.s) if way.why == "range" else None
             into, node = lost
             landed = release(into.web, node, toward, into.driver)
             if isinstance(landed, str):
-                self.ways.append(Way(self, way, toward, None, begun))
+                self.ways.append(Run(self, way, toward, None, begun))
                 if way.why == "snap":
                     self.alarms.append(
                         f"no certified minimum was reached from the end at {node.s:.9g}: {landed}"
@@ -247,15 +247,15 @@ class FollowedLoad:
                 led = walk(into.web, x, s, -toward, self.high if toward < 0 else self.low)
                 if led is not None and into.meets(led, self.web.nodes[way.node], self):
                     # stable states branch off there: the load goes on along them
-                    self.ways.append(Way(self, replace(way, why=PITCHFORK), toward, None, begun))
+                    self.ways.append(Run(self, replace(way, why=PITCHFORK), toward, None, begun))
                     return into.go(x, s, end, once=once, before=led.frames[:0:-1])
                 if self._continuous(way, into, x, s):
-                    self.ways.append(Way(self, way, toward, None, begun))
+                    self.ways.append(Run(self, way, toward, None, begun))
                     words = f"what branches off at load {node.s:.9g} was not followed"
                     self.alarms.append(words)
                     return None
             self.falls.append(Fall(self, way.node, into, x, s, what))
-            self.ways.append(Way(self, replace(way, why="snap"), toward, len(self.falls), begun))
+            self.ways.append(Run(self, replace(way, why="snap"), toward, len(self.falls), begun))
             if not self.web.low <= s <= self.web.high:
                 return None
             into.begin(x, s, toward, follow=not (once and into.lazy))
@@ -359,7 +359,7 @@ class FollowedLoad:
         near = NEAR_SINGULAR_TOL if branching else SETTLED
         return any(np.abs(x[image_of(len(x), e)] - y).max() <= near for e in self.elements)
 
-    def leg(self, way: Way) -> Leg:
+    def leg(self, way: Run) -> Leg:
         """Pack the states of a way."""
         points = []
         for frame in way.segment.frames:

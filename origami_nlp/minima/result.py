@@ -242,7 +242,7 @@ class MinimaResult(Report, Viewable):
 
     @property
     def shown_signs(self) -> tuple[str, ...]:
-        """`signs` of a pattern of few vertices, whose tables and pictures tell them; else nothing."""
+        """`signs` of a pattern of few vertices, whose tables and pictures name them; else nothing."""
         return self.signs if self.is_pattern and len(self.sign_vertices) <= MOST_SIGNS else ()
 
     @property
