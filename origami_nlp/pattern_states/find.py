@@ -279,9 +279,13 @@ class _Search(Parts):
                 self.attempt(self.settle, image(symmetry, state.phi))
 
     def sign(self) -> None:
-        """Start beside the flat state with each combination of signs of vertices that no minimum has."""
-        problem = self.problem
-        if not (self.contact and problem.pattern.is_flat and problem.size <= MOST_DENSE):
+        """Start beside the flat state with each combination of signs of vertices that no minimum has.
+
+        Not where its branch directions were enumerated: they lead to all that there are.
+        """
+        problem, enumerated = self.problem, self.tally.lines or self.tally.families
+        flat = problem.pattern.is_flat and not enumerated
+        if not (self.contact and flat and problem.size <= MOST_DENSE):
             return
         minima = np.array([s.phi for s in self.judged if s.verdict == "minimum"])
         for start in Signed(problem, self.labels, minima).states():

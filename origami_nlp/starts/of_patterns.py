@@ -168,7 +168,9 @@ class Popped(Listed):
 
 
 MOST_SIGNED = 6
-"""Interior vertices up to which every combination of their signs is started from; of more as many are drawn."""
+"""Interior vertices up to which every combination of their signs is started from."""
+DRAWN = 16
+"""Combinations of more vertices, which are drawn."""
 TRIED, GROWN = 12, 0.2
 """Directions that are tried for each, and their largest fold angle [rad]."""
 
@@ -209,7 +211,7 @@ class Signed(Listed):
         many, rng = len(self._rows), np.random.default_rng(0)
         free = null_space(dense(self._problem.closure.jacobian(np.zeros(self.size))))
         if many > MOST_SIGNED:
-            wanted = np.sign(rng.normal(size=(2**MOST_SIGNED, many)))
+            wanted = np.sign(rng.normal(size=(DRAWN, many)))
         else:
             wanted = np.array(list(product((1.0, -1.0), repeat=many))).reshape(-1, many)
         for signs in wanted if many else ():
