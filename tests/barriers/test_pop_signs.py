@@ -83,7 +83,9 @@ def _embedded(rng, degree, paper=2 * math.pi):
     """A random closed state of a random vertex whose link does not cross itself."""
     for _ in range(200):
         sectors = rng.dirichlet(np.full(degree, rng.uniform(0.8, 6.0))) * paper
-        if sectors.max() >= math.pi:
+        if (
+            sectors.max() >= math.pi - 0.01
+        ):  # the link is seen from the middle of an open hemisphere
             continue
         phi = closed(sectors, rng.uniform(-1, 1, degree) * rng.uniform(0.05, 3.0))
         if phi is not None and np.abs(phi).max() > 1e-4 and not crosses(corners(sectors, phi)[0]):
