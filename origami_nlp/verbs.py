@@ -36,6 +36,7 @@ _OF_A_SCENE = {
     "fewest_starts": "of a pattern, starts says when the search ends",
     "workers": "a pattern is searched in one process",
     "progress": "a pattern reports no progress",
+    "found": "a pattern reports no progress",
 }
 """What only the one or the other takes, and why."""
 
@@ -57,6 +58,7 @@ def find_minima(
     noise: float | None = ...,
     workers: int | None = ...,
     progress: Callable[[int, int, int], None] | None = ...,
+    found: Callable[[float, np.ndarray], object] | None = ...,
 ) -> MinimaResult: ...
 @overload
 def find_minima(
@@ -115,9 +117,9 @@ def find_minima(
         it is cheap.
     others
         Of a scene alone: ``fewest_starts``, ``guesses``, ``full`` (judge each without the symmetry; None: up to 12
-        creases and 64 states), ``workers``, ``progress``, see `minima.find_minima`.  Of a pattern alone: ``starts``
-        (random starts in a row that find nothing new, in place of the effort) and ``contact`` (``"full"``, or
-        ``"fold-limits"``: facets may cross).
+        creases and 64 states), ``workers``, ``progress`` and ``found`` (called with each minimum as it is found), see
+        `minima.find_minima`.  Of a pattern alone: ``starts`` (random starts in a row that find nothing new, in place of
+        the effort) and ``contact`` (``"full"``, or ``"fold-limits"``: facets may cross).
 
     Returns
     -------
