@@ -279,10 +279,7 @@ class _Search(Parts):
                 self.attempt(self.settle, image(symmetry, state.phi))
 
     def sign(self) -> None:
-        """Start beside the flat state with each combination of signs of vertices that no minimum has.
-
-        Not where its branch directions were enumerated: they lead to all that there are.
-        """
+        """Start by signs of vertices that no minimum has, where branch directions of the flat state are not known."""
         problem, enumerated = self.problem, self.tally.lines or self.tally.families
         flat = problem.pattern.is_flat and not enumerated
         if not (self.contact and flat and problem.size <= MOST_DENSE):
