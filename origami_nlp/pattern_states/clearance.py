@@ -168,7 +168,7 @@ class Clearance:
         return out
 
     @cached_property
-    def _rays(self) -> tuple[np.ndarray, np.ndarray]:
+    def _rays(self) -> np.ndarray:
         """Unit rays in the reference state along both sides of the pieces at the apex of each pair, [2, K, 2, 3]."""
         corners, pieces = self._pieces[0], self.problem.crossings.pieces
         rays = np.zeros((2, len(self.first), 2, 3))
