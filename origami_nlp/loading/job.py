@@ -29,7 +29,14 @@ from origami_nlp.continuation import (
 )
 from origami_nlp.errors import OUT_OF_TIME
 from origami_nlp.kkt import Classification, State, classify
-from origami_nlp.loading.driver import BRANCHES, LoadSearch, VertexDriver
+from origami_nlp.loading.driver import (
+    BRANCHES,
+    IDENTITY,
+    LoadSearch,
+    VertexDriver,
+    image_of,
+    kept_by,
+)
 from origami_nlp.loading.pattern_driver import PatternDriver
 from origami_nlp.loading.records import PITCHFORK, ConfirmedSnap, Leg, LoadPoint, Snap
 from origami_nlp.loading.result import LoadPath
@@ -39,6 +46,7 @@ from origami_nlp.loading.stable_path import (
     position,
     release,
     restabilises,
+    stiffness_at,
     walk,
 )
 from origami_nlp.modes import breaking_stiffness
@@ -46,8 +54,6 @@ from origami_nlp.numerics import NEAR_SINGULAR_TOL, SETTLED, coarse
 
 MOST_SNAPS = 20
 """Of one path: more are taken for a mistake."""
-IDENTITY = ((0, False),)
-"""The symmetry that every state keeps."""
 
 
 class Run(NamedTuple):
@@ -285,11 +291,11 @@ class FollowedLoad:
             return x, self
         problem = self.web.line.problem
         phi, at = problem.expand(x), problem.expand(node.point[:-1])
-        keeping = _kept(root.elements, at)
+        keeping = kept_by(root.elements, at)
         image = max(
-            (phi[_image(len(phi), e)] for e in keeping), key=lambda y: tuple(coarse(y).tolist())
+            (phi[image_of(len(phi), e)] for e in keeping), key=lambda y: tuple(coarse(y).tolist())
         )
-        into = self.keeping(_kept(root.elements, image))
+        into = self.keeping(kept_by(root.elements, image))
         return into.reduced(image), into
 
     def reduced(self, phi: np.ndarray) -> np.ndarray:
@@ -351,7 +357,7 @@ class FollowedLoad:
             return False
         x, y = np.array(a.fold_angles), np.array(b.fold_angles)
         near = NEAR_SINGULAR_TOL if branching else SETTLED
-        return any(np.abs(x[_image(len(x), e)] - y).max() <= near for e in self.elements)
+        return any(np.abs(x[image_of(len(x), e)] - y).max() <= near for e in self.elements)
 
     def leg(self, way: Run) -> Leg:
         """Pack the states of a way."""
@@ -369,7 +375,11 @@ class FollowedLoad:
             points.append(self._point(node.s, self.web.line.at(node.s).expand(node.point[:-1])))
         judged = self._judged(way.segment, int(way.branches_off))
         keeps = self.driver.scene.group.name if isinstance(self.driver, VertexDriver) else ""
-        return Leg(int(way.toward), tuple(points), way.segment.why, way.snap, *judged, keeps)
+        stiff = math.nan
+        if not way.branches_off and len(way.segment.frames) > 1:
+            stiff = stiffness_at(way.segment.frames[0], self.web.root, self.driver)
+        whole = way.segment.why, way.snap, *judged, keeps, stiff
+        return Leg(int(way.toward), tuple(points), *whole)
 
     def _point(self, t: float, phi: np.ndarray, eigenvalue: float = math.nan) -> LoadPoint:
         angle, energy = float(self.driver.conjugate(phi)), float(self.driver.unloaded.energy(phi))
@@ -464,15 +474,3 @@ class FollowedLoad:
             return None
         best = min(states, key=lambda f: float(np.abs(f.state - near.state).max()))
         return np.asarray(best.problem.expand(best.state))
-
-
-def _image(n: int, element: tuple[int, bool]) -> np.ndarray:
-    """Return the creases (0-based) whose fold angles those of the image of a state are, [n]."""
-    shift, mirrored = element
-    i = np.arange(n)
-    return (shift - i if mirrored else shift + i) % n
-
-
-def _kept(elements: Sequence[tuple[int, bool]], phi: np.ndarray) -> tuple[tuple[int, bool], ...]:
-    """Return the symmetries that a state of all fold angles keeps."""
-    return tuple(e for e in elements if np.abs(phi[_image(len(phi), e)] - phi).max() <= SETTLED)

@@ -10,7 +10,6 @@ from .curve import (
     follow_curve as follow_curve,
     tangents as tangents,
 )
-from .curve_passes import curve_passes as curve_passes
 from .descent import Descended as Descended, descend as descend
 from .drawing import (
     draw_mobility as draw_mobility,
@@ -49,3 +48,4 @@ from .mobility import (
 from .motion import Motion as Motion, find_motion as find_motion
 from .noise import is_overdetermined as is_overdetermined
 from .proved import hold_against as hold_against
+from .traced_passes import curve_passes as curve_passes

@@ -205,7 +205,9 @@ def _layers(problem: PatternProblem, phi: np.ndarray) -> str:
         np.where(np.abs(phi) < NEAR_SINGULAR_TOL, 0.0, np.copysign(math.pi, phi))
     )
     if residual > CLOSURE_TOL or np.abs(flat - phi).max() > 2 * NEAR_SINGULAR_TOL:
-        return "whether its layers can be ordered is not known: no flat-folded state was found beside it"
+        return (
+            "whether its layers can be ordered is not known: no flat-folded state was found near it"
+        )
     found = order_layers(problem, flat)
     return "its layers can be ordered" if found.verdict == "ordered" else found.reason
 
