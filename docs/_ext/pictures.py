@@ -121,6 +121,12 @@ def by_command(*words: str) -> None:
     subprocess.run([sys.executable, "-m", *words], check=True)
 
 
+def drawn_load(name: str) -> None:
+    """Draw the load path of the tutorial: a torque on the straight mountain of a waterbomb."""
+    path = o.load_path(o.examples.waterbomb(), 1, to=0.09, confirm=False)
+    o.draw(path, FOLDER / f"{name}.png")
+
+
 def reproduce(figure: str, name: str) -> None:
     """Make one of the paper's figures anew; its landscapes as PDF too."""
     from studies import FIGURES
@@ -180,6 +186,7 @@ PICTURES: dict[str, Callable[[str], None]] = {
         )
         for family in ("degree6", "degree8")
     },
+    "bistable_waterbomb": drawn_load,
     "metastable_degree8": own,
     "proof_boxes": own,
     "barriers_merge_trees": lambda name: by_command(

@@ -34,10 +34,10 @@ LOOKS: dict[str, dict[str, Any]] = {
 """Marks by how contacts push."""
 TINT = 0.3
 """Share of the colour of contacts in that of facets that touch."""
-_red, _green, _blue = (
+RED, GREEN, BLUE = (
     (1 - TINT) * a + TINT * b for a, b in zip(to_rgb(UPPER), to_rgb(PUSHES), strict=True)
 )
-TOUCHING = to_hex((_red, _green, _blue))
+TOUCHING = to_hex((RED, GREEN, BLUE))
 """Upper side of facets that touch."""
 
 

@@ -168,7 +168,7 @@ class Clearance:
         return out
 
     @cached_property
-    def _rays(self) -> tuple[np.ndarray, np.ndarray]:
+    def _rays(self) -> np.ndarray:
         """Unit rays in the reference state along both sides of the pieces at the apex of each pair, [2, K, 2, 3]."""
         corners, pieces = self._pieces[0], self.problem.crossings.pieces
         rays = np.zeros((2, len(self.first), 2, 3))
@@ -244,13 +244,13 @@ class Clearance:
 
         found = []
         apex = self._apex[pairs]
-        for step in range(len(control)):
-            every, single = np.flatnonzero(apex == -1), np.full(len(pairs), step)
+        for t in range(len(control)):
+            every, single = np.flatnonzero(apex == -1), np.full(len(pairs), t)
             turn, shift = seen(single[every], every)
             y = (turn @ middles[moving[every], :, None])[..., 0] + shift - middles[still[every]]
             # the chord of two middles is no nearer to a third than this
             near = np.linalg.norm(y, axis=2).sum(axis=0) - np.linalg.norm(y[1] - y[0], axis=1)
-            close = near / 2 - radii[moving[every]] - radii[still[every]] <= off[step, every]
+            close = near / 2 - radii[moving[every]] - radii[still[every]] <= off[t, every]
             found.append((single[: close.sum()], every[close], turn[:, close], shift[:, close]))
         step, k = (np.concatenate([x[i] for x in found]) for i in (0, 1))
         turn, shift = (np.concatenate([x[i] for x in found], axis=1) for i in (2, 3))
@@ -344,8 +344,8 @@ class Clearance:
         crosses = bool(self._crosses(c.carried(*x)[None])[0])
         for half, one, other in ((before, a, x), (after, x, b)):
             if not crosses:
-                ends = [(turn[None], shift[None]) for turn, shift in (one, other)]
-                _, left, flat = self.touching(*ends, half[None], pairs)
+                begun, ended = ((turn[None], shift[None]) for turn, shift in (one, other))
+                _, left, flat = self.touching(begun, ended, half[None], pairs)
                 if len(left):
                     yield from self._within(half, one, other, left, flat, depth + 1)
             if half is before:
