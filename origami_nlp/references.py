@@ -188,7 +188,7 @@ REFERENCES = (
     ),
     Reference(
         "scipy",
-        "SciPy: sparse matrices, graphs and neighbours",
+        "SciPy: sparse matrices and graphs",
         "article",
         "Virtanen, Pauli and Gommers, Ralf and Oliphant, Travis E. and others",
         "SciPy 1.0: fundamental algorithms for scientific computing in Python",
@@ -311,7 +311,7 @@ def _recorded(thing: Any, seen: set[int], depth: int) -> Iterator[str]:
 def _of_itself(thing: Any) -> Iterator[str]:
     """Name what one record says that it was found with."""
     from origami_nlp.inverse_design import Design
-    from origami_nlp.minima import Completeness, JudgedState, SearchReport
+    from origami_nlp.minima import JudgedState, SearchReport
     from origami_nlp.pattern import Pattern, Scene
     from origami_nlp.proof import Check
 
@@ -326,8 +326,6 @@ def _of_itself(thing: Any) -> Iterator[str]:
             yield from ("casadi", "ipopt")
         case SearchReport() if thing.solves or getattr(thing, "of_vertex", 0):
             yield from ("casadi", "ipopt")
-        case Completeness() if thing.boxes:
-            yield "scipy"
         case Design() if thing.iterations:
             yield from ("clarabel", "scipy")
         case Check():

@@ -63,7 +63,7 @@ class Classification(ShortRepr):
     descent
         For a saddle, a unit direction of descent [n] in the model's variables.
     lower
-        A lower admissible state [n] that was found beside it; None where none was, or was needed.
+        A lower admissible state [n] that was found near it; None where there is none, or none was needed.
     mode
         Of a minimum, the unit eigenvector (in the metric of all fold angles) of the smallest of `eigenvalues`, as a
         direction [n] in the model's variables, its largest entry positive; None where it is not one.

@@ -12,6 +12,7 @@ import itertools
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from typing import TypeAlias
 
 import numpy as np
 
@@ -19,6 +20,7 @@ from origami_nlp.kkt.classification import Classification, classify
 from origami_nlp.kkt.neighbourhood import sample_neighbourhood
 from origami_nlp.kkt.polishing import Polished, Solve, exact_beside, newton, polish
 from origami_nlp.kkt.projection import project
+from origami_nlp.kkt.splitting import Choices
 from origami_nlp.kkt.state import State, Stratum
 from origami_nlp.numerics import (
     CARRIES,
@@ -52,11 +54,14 @@ SOFTEST = 1e-6
 """Of curvatures in steps, over the mean stiffness."""
 TRIED = (1e-3, 3e-3, 1e-4)
 """Steps [rad] that are tried along the softest mode."""
+MOST_WAYS = 300
+"""Sets of contacts that a step is computed for where more pieces meet than can be listed."""
 SHORTEST = 1e-6
 """A path that cannot take a step this long [rad] has arrived, or is stuck."""
 
 
 STOPPED = Classification("undecided", None, "the descent was stopped on its way", 0)
+DescentDirection: TypeAlias = tuple[tuple[Contact, ...], np.ndarray, tuple[Contact, ...]]
 RISE = 1e-7
 """Relative rise of the energy that is allowed to the end of a path when it is polished."""
 
@@ -200,6 +205,10 @@ def _closed(
     """
     for _ in range(MOST_PASSED):
         y, residual = project(model, want, held, stalls=STALLS if rows else math.inf)
+        over = tuple(c for c in model.beyond(y) if c not in held)
+        if over and residual <= CLOSURE_TOL:  # limits that the way back to closure passes
+            held = (*held, *over)
+            continue
         y = np.clip(y, -model.bound, model.bound)
         if not (
             residual <= CLOSURE_TOL
@@ -225,31 +234,73 @@ def _step(
 ) -> tuple[np.ndarray, float] | None:
     """Take one admissible step down, of at most `length`, by a backtracking line search; None where no step is
     lower."""
-    model, x = state.problem, state.x
-    near = model.about_to_close(x, length)
-    choices = state.pieces
+    near = state.problem.about_to_close(state.x, length)
     best: tuple[float, np.ndarray, float] | None = None
-    tries = [tuple(dict.fromkeys((*rows, *near))) for rows in choices] if near else []
-    for rows in (*tries, *choices):
-        if best is not None and rows in choices:
-            break  # only where looking ahead to contacts that will close led nowhere
-        d, held = _pull(state.on(rows), curved)
-        size = float(np.abs(d).max(initial=0.0) if curved else np.linalg.norm(d))
-        if size < ROUNDED:
-            continue
-        slope = float(state.local.gradient @ d)
-        step = min(1.0, length / size)
-        # sufficient decrease (Nocedal & Wright, 3.4), along states that are pulled back onto closure
-        while step * size >= SHORTEST:
-            found = _lower(state, step * d, DECREASE * step * slope, held, leads)
-            if found is None and curved:
-                found = _lower(state, step * d, DECREASE * step * slope, held, leads, rows)
-            if found is not None:
-                if best is None or found[0] < best[0]:
-                    best = (*found, step * size)
+    for ahead in (near, ()) if near else ((),):
+        for rows, d, held in _ways_down(state, ahead, curved):
+            size = _length(d, curved)
+            if size < ROUNDED:
+                continue
+            slope = float(state.local.gradient @ d)
+            step = min(1.0, length / size)
+            # sufficient decrease (Nocedal & Wright, 3.4), along states that are pulled back onto closure
+            while step * size >= SHORTEST:
+                found = _lower(state, step * d, DECREASE * step * slope, held, leads)
+                if found is None and curved:
+                    found = _lower(state, step * d, DECREASE * step * slope, held, leads, rows)
+                if found is not None:
+                    if best is None or found[0] < best[0]:
+                        best = (*found, step * size)
+                    break
+                step /= 2
+            if best is not None and not state.contacts.few:
                 break
-            step /= 2
-    return None if best is None else best[1:]
+        if best is not None:
+            return best[1:]  # not looking ahead only where that led nowhere
+    return None
+
+
+def _length(d: np.ndarray, curved: bool) -> float:
+    """Return the length of a step [n]: of Newton's its largest entry."""
+    return float(np.abs(d).max(initial=0.0) if curved else np.linalg.norm(d))
+
+
+def _ways_down(
+    state: State, ahead: tuple[Contact, ...], curved: bool
+) -> Iterator[DescentDirection]:
+    """Go through steps down: contacts that they keep open, `ahead` among them, the step [n], and what it keeps closed.
+
+    Of each piece that meets here one; where these are too many to be listed the contacts of all pieces come first, and
+    those of a choice are added where the step passes it (branch and bound, steepest first).
+    """
+
+    def way(rows: tuple[Contact, ...]) -> DescentDirection:
+        rows = tuple(dict.fromkeys((*rows, *ahead)))
+        return rows, *_pull(state.on(rows), curved)
+
+    if state.contacts.few:
+        yield from map(way, state.pieces)
+        return
+    choices = Choices(state)
+    pending, asked, seen = [way(state.contacts.base)], 1, set[frozenset[int]]()
+    while pending and asked < MOST_WAYS:
+        rows, d, held = pending.pop()
+        still = _length(d, curved) < ROUNDED
+        passed = [] if still else choices.passed(choices.open(rows), d)
+        if not passed:
+            yield rows, d, held
+            continue
+        options = []
+        for option in choices.branches[passed[0]]:
+            said = choices.said((*rows, *option))
+            if said not in seen:
+                seen.add(said)
+                options.append(way((*rows, *option)))
+        asked += len(options)
+        gradient = state.local.gradient
+        # the steepest of a step's length is taken first
+        options.sort(key=lambda w: -gradient @ w[1] / max(1.0, _length(w[1], curved)))
+        pending += options
 
 
 def _lower(
@@ -311,6 +362,12 @@ def _pull(piece: Stratum, curved: bool) -> tuple[np.ndarray, tuple[Contact, ...]
     return d / p.root, tuple(c for c, on in zip(piece.contacts, keeps, strict=True) if on)
 
 
+def _pushing(piece: Stratum) -> tuple[Contact, ...]:
+    """Return the contacts with a positive multiplier."""
+    forces = piece.multiplier_set.found
+    return tuple(c for c, f in zip(piece.contacts, forces, strict=True) if f > CARRIES)
+
+
 def _level_with(model: Problem, x: np.ndarray) -> np.ndarray | None:
     """Polish the end of a path: it may stand a contact tolerance inside a closed contact, so a little lower."""
     most = RISE * max(model.energy(x), model.scale)
@@ -345,7 +402,12 @@ def polished_nearby(
             pull[contact.index] = 1.0
     answer = Solve(x, "followed", 0, 0.0, pull, None)
     # the contacts that are closed first: a guess from near gaps may close one that the path never met
-    for guess in (*state.pieces[:MOST_GUESSES], None):
+    if state.contacts.few:
+        guesses = state.pieces[:MOST_GUESSES]
+    else:  # those that push
+        ways = itertools.islice(_ways_down(state, (), True), MOST_GUESSES)
+        guesses = [_pushing(state.on(rows)) for rows, _, _ in ways]
+    for guess in (*guesses, None):
         done = polish(model, answer, guess)
         if not done.converged:
             done = exact_beside(model, done)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from functools import partial
 from typing import TypeAlias
 
@@ -31,7 +32,7 @@ def judge_by_splitting(
     tried: list[np.ndarray] = []
     good: list[BranchJudgement] = []
     failed: list[BranchJudgement] = []
-    choices: _Choices | None = None
+    choices: Choices | None = None
     pending = [state.contacts.base]
     while pending:
         state.problem.check_time()
@@ -40,7 +41,7 @@ def judge_by_splitting(
         if b.verdict == "minimum":
             good.append(b)
             continue
-        choices = choices or _Choices(state)
+        choices = choices or Choices(state)
         free = choices.open(rows)
         # a set that ignores a choice holds more states: where its way down closes every option, the choice forbids it
         passed = [
@@ -62,27 +63,54 @@ def judge_by_splitting(
     return good, failed
 
 
-class _Choices:
-    """The choices at a state, and how fast their contacts open along a direction."""
+class Choices:
+    """The choices at a state, and how fast their contacts open along a direction.
+
+    Where corners lie on each other many sides meet, and most choices say the same to first order: gaps with parallel
+    slopes along closed motions are one half-space.  Of choices between the same half-spaces one is kept, and none that
+    follows from another: fewer choices are a larger set.
+    """
 
     def __init__(self, state: State) -> None:
-        branches = state.contacts.branches
-        every = dict.fromkeys(c for branch in branches for option in branch for c in option)
+        contacts = state.contacts
+        branches = contacts.branches
+        every = dict.fromkeys(
+            (*contacts.base, *(c for branch in branches for option in branch for c in option))
+        )
         self._number = {c: k for k, c in enumerate(every)}
         slopes = state.on(tuple(every)).slopes
-        lever = np.linalg.norm(slopes @ state.kernel, axis=1)
+        along = slopes @ state.kernel
+        lever = np.linalg.norm(along, axis=1)
         size = np.maximum(lever, INDEPENDENT)
         known = dict(zip(every, lever.round(9).tolist(), strict=True))
-        self.branches = branches if state.contacts.complete else _by_levers(branches, known)
         self._slopes, self._root = slopes / size[:, None], state.problem.root
+        self._half_spaces = dict(zip(every, _half_spaces(along / size[:, None]), strict=True))
+        ordered = branches if contacts.complete else _by_levers(branches, known)
+        self.branches = ordered if contacts.complete else self._independent(ordered)
+
+    def said(self, rows: Iterable[Contact]) -> frozenset[int]:
+        """Return the half-spaces of contacts, by number."""
+        return frozenset(self._half_spaces[c] for c in rows if c in self._half_spaces)
+
+    def _independent(self, branches: Branches) -> Branches:
+        """Leave out choices that follow from others to first order."""
+        # options stay as they are: of two that agree to first order either may allow more to second order
+        kept: dict[frozenset[frozenset[int]], tuple[tuple[Contact, ...], ...]] = {}
+        for branch in branches:
+            kept.setdefault(frozenset(self.said(option) for option in branch), branch)
+        for said in reversed(list(kept)):
+            others = (other for other in kept if other != said)
+            if any(all(any(o >= option for option in said) for o in other) for other in others):
+                del kept[said]
+        return tuple(kept.values())
 
     def open(self, rows: tuple[Contact, ...]) -> list[int]:
         """Return the choices of which no option holds with these contacts."""
-        held = set(rows)
+        held = self.said(rows)
         return [
             k
             for k, branch in enumerate(self.branches)
-            if not any(held.issuperset(o) for o in branch)
+            if not any(held >= self.said(o) for o in branch)
         ]
 
     def open_along(self, free: list[int], direction: np.ndarray) -> bool:
@@ -101,6 +129,12 @@ class _Choices:
         if least >= -INDEPENDENT:
             return []
         return [next(k for k, b in zip(free, best, strict=True) if b < 0.999 * least)]
+
+
+def _half_spaces(normals: np.ndarray) -> list[int]:
+    """Return for each unit normal [r, t] the first one that agrees with it."""
+    same = np.abs(normals[:, None] - normals[None]).max(axis=2, initial=0.0) <= INDEPENDENT
+    return same.argmax(axis=1).tolist()
 
 
 def _by_levers(branches: Branches, lever: dict[Contact, float]) -> Branches:

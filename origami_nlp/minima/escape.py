@@ -350,7 +350,7 @@ def _bounded(
             return f"more than {MOST_STATES} minima: sought for those of lowest energy"
         if not why and len(loose) == 1:
             return "no other state is known that it could be left for"
-        return why or "no descent from beside it ended at a state of lower energy"
+        return why or "no descent from near it ended at a state of lower energy"
 
     group = model.scene.group
     kept = "" if group.is_trivial else f"; among states with symmetry {group.name}"

@@ -64,8 +64,8 @@ class Load:
             {"facet", "point", "force"},
         ):
             raise SceneError(
-                f"a load with {', '.join(sorted(given)) or 'nothing'} is none of: crease and torque; crease, distance "
-                "and force; facet, point = [distance, angle] and force"
+                f"a load with {', '.join(sorted(given)) or 'nothing'} must have one of: crease and torque; "
+                "crease, distance and force; facet, point = [distance, angle] and force"
             )
         if self.torque is not None:
             object.__setattr__(self, "torque", _number("torque", self.torque))

@@ -65,6 +65,43 @@ def choices(features: Features, at: FoldedGeometry, reach: float = 0.0) -> list[
     return list(found.values())
 
 
+def without_passing(
+    features: Features, found: list[Disjunction]
+) -> list[tuple[tuple[ContactPair, ...], ...]]:
+    """Return choices as options of one or more gaps, joined for two sides of one facet that meet in a corner.
+
+    Where the sides lead to both sides of the plane of another facet, each asks the corner to its own.  Exactly on the
+    plane both gaps are closed, but inside the border the facet of the two sides passes through the other one there, in
+    the line of both planes.  So the corner is on one side, and the side that leads to the other is beside the border.
+
+    Parameters
+    ----------
+    features
+        Of a pattern.
+    found
+        Of `choices`.
+
+    Returns
+    -------
+    list of tuple of tuple of ContactPair
+        Choices, each a tuple of options: all gaps of one option at least stay open.
+    """
+    over = [c[0] if c[0].type == "vertex-face" else None for c in found]
+    out: list[tuple[tuple[ContactPair, ...], ...]] = []
+    joined: set[int] = set()
+    for k, one in enumerate(over):
+        for m in range(k):
+            other = over[m]
+            if one is None or other is None or one.sign == other.sign or one.key != other.key:
+                continue
+            sides = {*found[k][1].corners[:2], *found[m][1].corners[:2]}
+            if len(sides) == 3 and any(ring >= sides for ring in features.rings):
+                joined |= {k, m}
+                out.append((*((one, t) for t in found[m][1:]), *((other, t) for t in found[k][1:])))
+    rest = [tuple((t,) for t in c) for k, c in enumerate(found) if k not in joined]
+    return rest + out
+
+
 def _sides_on_faces(
     features: Features, planes: Planes, pairs: np.ndarray, reach: float
 ) -> Iterator[Disjunction]:

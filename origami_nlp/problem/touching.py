@@ -24,6 +24,8 @@ from origami_nlp.problem.gaps import Gap, first_of_each
 from origami_nlp.problem.posed import PosedProblem
 
 Rays = Callable[[], np.ndarray]
+MOST_LISTED = 256
+"""Pieces of the feasible set that are listed one by one."""
 
 
 @dataclass(frozen=True)
@@ -43,12 +45,17 @@ class ClosedContacts:
     implied: tuple[tuple[Contact, Contact], ...]
     complete: bool = True
 
-    def combinations(self, most: int = 256) -> list[tuple[Contact, ...]] | None:
-        """Return every choice of branches as one set of rows, or None if there are more than `most`.
+    @property
+    def few(self) -> bool:
+        """Whether the pieces that meet are few enough to be listed."""
+        return math.prod(len(b) for b in self.branches) <= MOST_LISTED
+
+    def combinations(self) -> list[tuple[Contact, ...]] | None:
+        """Return every choice of branches as one set of rows, or None where they are too many to be listed.
 
         A choice whose rows include those of another describes a part of it and is left out.
         """
-        if math.prod(len(b) for b in self.branches) > most:
+        if not self.few:
             return None
         choices = [
             tuple(dict.fromkeys((*self.base, *itertools.chain.from_iterable(choice))))

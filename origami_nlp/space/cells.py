@@ -230,7 +230,7 @@ def check_lower_dimensional(cells: Cells) -> None:
             states = states[admissible(cover.chain.scene, states)]
             vertex = cover.chain.scene.vertex
             if any(check_admissible(vertex, phi, tolerance=FOLLOWED).admissible for phi in states):
-                raise MeshError("a handle has a surface beside it: use a larger size")
+                raise MeshError("a handle has a surface next to it: use a larger size")
 
 
 def _edge_keys(edges: np.ndarray, signs: np.ndarray) -> np.ndarray:

@@ -21,7 +21,16 @@ TERMINAL = ("bash", "console")
 PAGES = [
     page for page in markdown() if any(b.language in (*TERMINAL, "python") for b in blocks(page))
 ]
-DEAR = {"check_a_claim", "design", "loads", "many_scenes", "pattern", "sheets", "slow"}
+DEAR = {
+    "bistable_waterbomb",
+    "check_a_claim",
+    "design",
+    "loads",
+    "many_scenes",
+    "pattern",
+    "sheets",
+    "slow",
+}
 """Pages of several seconds: other tests run such commands; what they print waits for the long studies."""
 SLOW = [page for page in PAGES if any(b.run.startswith("slow") for b in blocks(page))]
 

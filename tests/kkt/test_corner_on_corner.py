@@ -1,0 +1,110 @@
+"""A descent that ends where a corner lies on a corner: more than a hundred choices meet, too many to be listed."""
+
+import math
+from functools import cache
+
+import numpy as np
+import pytest
+
+import origami_nlp as o
+from origami_nlp.kkt import project
+from origami_nlp.kkt.splitting import Choices
+from origami_nlp.pattern_problem import PatternProblem, choices, without_passing
+from origami_nlp.pattern_states import contact_descent_off, descend, judge
+
+
+@cache
+def pressed():
+    """A yoshimura pattern of random rest angles, folded until corners meet, and where it ends."""
+    pattern = o.examples.pattern("yoshimura", 4, 4)
+    rest = np.minimum(np.random.default_rng(3).uniform(2.2, 3.2, pattern.creases), math.pi)
+    problem = PatternProblem(pattern.with_springs(1.0, list(pattern.signs * rest)))
+    start, _ = problem.project(0.3 * pattern.signs)
+    end = contact_descent_off(problem, descend(problem, start).path)
+    assert end is not None and end.arrived
+    return problem, o.State(problem, end.phi)
+
+
+def least(rates, choice):
+    """The best option's slowest gap."""
+    return max(min(rates[c] for c in option) for option in choice)
+
+
+def test_where_corners_meet_the_end_is_a_minimum_of_every_piece():
+    problem, state = pressed()
+    many = [len(branch) for branch in state.contacts.branches]
+    assert state.contacts.combinations() is None and math.prod(many) > 2**100
+    found = judge(problem, state.x)
+    assert found.verdict == "minimum" and "pieces of the feasible set" in found.certificate
+    assert found.kkt_residual < 1e-11 and found.closure_residual < 1e-12
+    assert any(c.force > 0.1 for c in found.contacts)
+
+
+def test_fewer_choices_leave_the_same_directions():
+    """Choices that are left out follow from those that are kept, for random directions."""
+    _, state = pressed()
+    every = [c for branch in state.contacts.branches for option in branch for c in option]
+    slopes = dict(zip(every, state.on(tuple(every)).slopes @ state.kernel, strict=True))
+    kept = Choices(state).branches
+    assert len(kept) < 40 < 100 < len(state.contacts.branches)
+    normals, rng, both = np.array(list(slopes.values())), np.random.default_rng(0), [0, 0]
+    for k in range(1500):
+        d = rng.normal(size=normals.shape[1])
+        some = normals[rng.choice(len(normals), 6)] * rng.choice([1.0, -1.0], (6, 1))
+        # across gaps: others hardly ever open one of each choice
+        d = d if k % 2 else some.T @ rng.uniform(0, 1, 6)
+        rates = {c: float(row @ d) for c, row in slopes.items()}
+        passes = [
+            min(least(rates, choice) for choice in choices) < 0
+            for choices in (state.contacts.branches, kept)
+        ]
+        assert passes[0] == passes[1]
+        both[passes[0]] += 1
+    assert min(both) > 15
+
+
+def test_lower_states_beside_it_cross_by_another_library():
+    pytest.importorskip("fcl", reason="python-fcl, of the extra test")
+    from tests.independent.rigid import Rigid
+
+    problem, state = pressed()
+    body, z, rng, lower = Rigid(problem.pattern), state.kernel, np.random.default_rng(1), 0
+    inverse, energy = body.slopes(state.x), float(problem.pattern.energy(state.x))
+    down = -z.T @ problem.torque(state.x)
+    down /= np.linalg.norm(down)
+    for k in range(60):
+        way = rng.normal(size=z.shape[1])
+        way = way / np.linalg.norm(way) + (k % 3) * 0.5 * down
+        phi = body.closed(state.x + 10 ** rng.uniform(-3, -1.5) * z @ way, inverse)
+        if phi is None or np.abs(phi).max() > math.pi:
+            continue
+        if float(problem.pattern.energy(phi)) < energy:
+            lower += 1
+            assert body.collide(phi)
+    assert lower > 7
+
+
+def test_a_corner_on_the_plane_inside_a_border_passes_through():
+    """What choices one by one allow, as its gap is closed for both sides; joined they refuse it, and facets cross."""
+    problem, state = pressed()
+    found = choices(problem.features, problem.placed(state.x))
+    joined = [c for c in without_passing(problem.features, found) if len(c[0]) > 1]
+    z, rng, many = state.kernel, np.random.default_rng(0), 0
+    for choice in joined[:30]:
+        corner = choice[0][0]
+        held = problem.contact_of(corner)
+        row = state.on((held,)).slopes[0] @ z
+        beside = [t for option in choice for t in option[1:]]
+        for _ in range(10):
+            d = rng.normal(size=len(row))
+            d -= (d @ row / (row @ row)) * row
+            phi, residual = project(problem, state.x + 1e-4 * z @ d, (held,))
+            at = problem.placed(phi)
+            if residual <= 1e-12 and max(t.gap(at) for t in beside) < -1e-6:
+                assert (
+                    abs(corner.gap(at)) < 1e-11
+                    and max(min(t.gap(at) for t in option) for option in choice) < 0
+                )
+                assert any(corner.facets[0] in pair for pair in problem.crossings.find(phi))
+                many += 1
+    assert joined and many > 5
