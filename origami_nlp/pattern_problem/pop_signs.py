@@ -184,7 +184,7 @@ def flat_with(pattern: Pattern, vertex: int) -> np.ndarray:
     >>> import origami_nlp as o
     >>> from origami_nlp.pattern_problem import flat_with
     >>> sheet = o.examples.pattern("squaretwist")
-    >>> flat_with(sheet, sheet.vertices[0].vertex).all()
+    >>> bool(flat_with(sheet, sheet.vertices[0].vertex).all())
     True
     """
     flat = np.zeros(pattern.creases, bool)
