@@ -61,7 +61,11 @@ def draw_bench(data: dict[str, Any], target: Path) -> None:
     )
     _hessians(axes[1][0], data)
     _scaling(axes[1][1], data)
-    figure.get_layout_engine().set(h_pad=0.12)
+    from matplotlib.layout_engine import ConstrainedLayoutEngine
+
+    engine = figure.get_layout_engine()
+    assert isinstance(engine, ConstrainedLayoutEngine)
+    engine.set(h_pad=0.12)
     save_figure(figure, target, 150)
 
 

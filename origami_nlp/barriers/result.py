@@ -26,7 +26,7 @@ from origami_nlp.display import (
 from origami_nlp.folding import path_frames
 from origami_nlp.minima import MinimaResult
 from origami_nlp.pattern import Scene
-from origami_nlp.pattern_problem import state_frame, states_to_fold
+from origami_nlp.pattern_problem import PopSigns, state_frame, states_to_fold
 
 HEADS = (
     "from",
@@ -247,6 +247,11 @@ class Barriers(Report, Viewable):
             yield f"{', '.join(pairs[:MOST_STATES])}{more}: {why}"
         if self.flat_vertices:
             yield from self._flat_vertices()
+            signs = PopSigns(self.result.pattern)
+            for p in self.passes:
+                for vertex, _ in signs.crossed(p.path):
+                    pair = f"#{p.from_state} - #{p.to_state}"
+                    yield f"alarm: {pair}: facets cross round vertex {vertex} on the path, which is none of paper"
         for basin in self.unlisted:
             if basin.lands_on is None:
                 yield f"a basin {basin.depth:.3g} J deep on the graph descends to no listed minimum"

@@ -212,8 +212,8 @@ def _curve(axes: Any, path: LoadPath, shown: list[int]) -> None:
         handles.append(Line2D([], [], color="#888888", lw=1.8, ls=(0, (1, 1.0)), label=label))
     handles.append(Line2D([], [], color=PATH, lw=6, alpha=0.13, label="the path"))
     if path.snaps:
-        at = list(dict.fromkeys(f"{s.t:.4g}" for s in path.snaps))[:MOST_DRAWN]
-        label = f"snap at {', '.join(at)} {path.driver.unit}".rstrip()
+        places = list(dict.fromkeys(f"{s.t:.4g}" for s in path.snaps))[:MOST_DRAWN]
+        label = f"snap at {', '.join(places)} {path.driver.unit}".rstrip()
         handles.append(Line2D([], [], color=SNAP, label=label))
     if math.isfinite(path.start_stiffness):
         label = f"stiffness at the start\n{path.start_stiffness:.4g} {path.stiffness_unit}"

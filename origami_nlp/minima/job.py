@@ -277,12 +277,12 @@ class Job:
                 break
 
     def _tell(self) -> None:
-        r = self.record
-        for answer in r.minima if self._found else ():
-            if id(answer) not in self._told:
+        r, found = self.record, self._found
+        for answer in r.minima if found else ():
+            if found and id(answer) not in self._told:
                 self._told.add(id(answer))
                 x = answer.polished.x
-                self._found(float(self.model.energy(x)), self.model.expand(x))
+                found(float(self.model.energy(x)), self.model.expand(x))
         if self.progress:
             self.progress(r.starts, len(r.minima), r.seen_once)
 

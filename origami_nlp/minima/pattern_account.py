@@ -51,6 +51,8 @@ class PatternSearchReport(SearchReport):
         Minima that the search for single vertices found, where there is but one.
     popped, by_pops
         Starts from minima with one vertex popped, its folds turned over; minima that they led to.
+    signed, by_signs
+        Starts beside the flat state with signs of vertices that no minimum had; minima that they led to.
     wells, resolved
         Wells of the energy along curves; how many of them were judged.
     coarse
@@ -77,6 +79,8 @@ class PatternSearchReport(SearchReport):
     of_vertex: int = 0
     popped: int = 0
     by_pops: int = 0
+    signed: int = 0
+    by_signs: int = 0
     wells: int = 0
     resolved: int = 0
     coarse: int = 0
@@ -171,10 +175,17 @@ class PatternSearchReport(SearchReport):
         if self.pressed:
             what = "descent" if self.pressed == 1 else "descents"
             yield f"contact: {self.pressed} {what} along states that do not cross"
-        if self.popped:
-            what = "minimum" if self.by_pops == 1 else "minima"
-            new = f"{self.by_pops} further {what}" if self.by_pops else "no further minimum"
-            yield f"{self.popped} starts from minima with one vertex popped: {new}"
+        for starts, whence, found in (
+            (self.signed, "with signs of vertices that no minimum had", self.by_signs),
+            (self.popped, "from minima with one vertex popped", self.by_pops),
+        ):
+            new = (
+                f"{found} further minim{'um' if found == 1 else 'a'}"
+                if found
+                else "no further minimum"
+            )
+            if starts:
+                yield f"{starts} start{'s' * (starts != 1)} {whence}: {new}"
 
     def open_words(self) -> list[str]:
         """Say in a few lines what is not proved or not decided."""

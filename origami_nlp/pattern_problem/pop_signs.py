@@ -127,6 +127,29 @@ class PopSigns:
         """
         return "".join(self._sign(phi[list(creases)]) for creases in self.around)
 
+    def crossed(self, states: np.ndarray) -> tuple[tuple[int, int], ...]:
+        """Return where a path takes a vertex from one side to the other though it is not flat between: facets cross.
+
+        Between two states the sum is 0 somewhere; a vertex that is flat there has fold angles no larger than the step.
+
+        Parameters
+        ----------
+        states
+            Along the path, closely, [S, n] [rad].
+
+        Returns
+        -------
+        tuple of tuple
+            Vertex, and number of the state after which it happens (from 0).
+        """
+        sums, found = states @ self.rows.T, []
+        for step, v in np.argwhere(sums[:-1] * sums[1:] < 0).tolist():
+            a, b = (states[k][list(self.around[v])] for k in (step, step + 1))
+            share = sums[step, v] / (sums[step, v] - sums[step + 1, v])
+            if np.abs(a + share * (b - a)).max() > np.abs(b - a).max():
+                found.append((self.vertices[v], step))
+        return tuple(found)
+
     @staticmethod
     def _sign(folds: np.ndarray) -> str:
         if np.abs(folds).max() <= BESIDE_SINGULAR:

@@ -7,16 +7,13 @@ is on none of them.
 
 from __future__ import annotations
 
-import math
 import time
-from collections.abc import Callable
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 
 from origami_nlp.arguments import check_flag, check_number, check_whole
-from origami_nlp.errors import Interrupted, OptionError, OutOfTime
+from origami_nlp.errors import Interrupted, OptionError
 from origami_nlp.kkt import TangentCone
 from origami_nlp.minima import (
     ESCAPE_PATHS,
@@ -58,16 +55,23 @@ from origami_nlp.pattern_states.judgement import (
     stationary_beside,
 )
 from origami_nlp.pattern_states.noise import NOISE, with_survival
+from origami_nlp.pattern_states.parts import Parts
 from origami_nlp.pattern_states.proved import is_tried, prove_list
 from origami_nlp.proof import ProofOptions
-from origami_nlp.starts import OWN, Given, Popped, SearchOptions, families_in_turn, options_of
+from origami_nlp.starts import (
+    OWN,
+    Given,
+    Popped,
+    SearchOptions,
+    Signed,
+    families_in_turn,
+    options_of,
+)
 
 OUT = 0.2
 """First step out of a state where curves meet, of the longest fold angle [rad]."""
 SECONDS = 300.0
 """For a search, of wall time."""
-FAILURES = np.linalg.LinAlgError, ArithmeticError
-"""What linear algebra may end in at some start: it is counted and named."""
 
 
 def find_states(
@@ -141,6 +145,7 @@ def find_states(
     for k in range(min(asked.most_drawn * starts, most)):
         if not search.part("random starts", search.draw, rng, k) or search.tally.quiet == starts:
             break
+    search.part(Signed.name, search.sign)
     search.part("minima with a vertex popped", search.pop, asked.most_popped * starts)
     search.part("images of minima under symmetries", search.add_images)
     if is_tried(pattern, prove):
@@ -154,7 +159,7 @@ def find_states(
     return search.result(pattern, starts)
 
 
-class _Search:
+class _Search(Parts):
     """A search on its way."""
 
     def __init__(
@@ -173,27 +178,6 @@ class _Search:
         self._planes: list[tuple[np.ndarray, np.ndarray]] = []
         self._families = families_in_turn(self.problem, self.labels)
         self._side = self.labels.drawn(np.random.default_rng(0).normal(size=pattern.creases))
-
-    def part(self, what: str, work: Callable[..., None], *given: Any) -> bool:
-        """Do a part of the search; False, and noted as left out, where time or the user ends it before."""
-        try:
-            self.problem.check_time()
-            work(*given)
-        except (OutOfTime, KeyboardInterrupt) as stop:
-            if isinstance(stop, KeyboardInterrupt):
-                self.problem.until, self.tally.interrupted = -math.inf, True
-            self.tally.leave_out(what)
-            return False
-        except FAILURES as failure:
-            self.tally.fail(failure)
-        return True
-
-    def attempt(self, work: Callable[..., None], *given: Any) -> None:
-        """Do what concerns one start, or one well; where linear algebra fails there, count and name it."""
-        try:
-            work(*given)
-        except FAILURES as failure:
-            self.tally.fail(failure)
 
     def known(self, phi: np.ndarray, verdict: str = "minimum") -> bool:
         """Return whether a state was judged: one that is not stationary says nothing of a minimum beside it."""
@@ -274,7 +258,7 @@ class _Search:
         by_key = sorted(self.judged, key=lambda s: self.labels.key(s.phi))
         return sorted(by_key, key=lambda s: rank(s.energy / self.problem.scale, ()))
 
-    def _from_popped(self, start: np.ndarray) -> None:
+    def _kept_apart(self, start: np.ndarray) -> None:
         """Go downhill from a start along states that do not cross, if it is one of them and on no curve."""
         phi = self._begun(start)
         if phi is None or phi in self.curves:
@@ -293,6 +277,25 @@ class _Search:
         for symmetry in self._symmetries:
             for state in [s for s in self.judged if s.verdict == "minimum"]:
                 self.attempt(self.settle, image(symmetry, state.phi))
+
+    def sign(self) -> None:
+        """Start by signs of vertices that no minimum has, where branch directions of the flat state are not known."""
+        problem, enumerated = self.problem, self.tally.lines or self.tally.families
+        flat = problem.pattern.is_flat and not enumerated
+        if not (self.contact and flat and problem.size <= MOST_DENSE):
+            return
+        minima = np.array([s.phi for s in self.judged if s.verdict == "minimum"])
+        for start in Signed(problem, self.labels, minima).states():
+            problem.check_time()
+            self.tally.signed += 1
+            self.tally.by_signs += self._start_apart(start)
+
+    def _start_apart(self, start: np.ndarray) -> int:
+        """Go down from a start along states that do not cross; return how many minima that adds."""
+        before = self._found()[0]
+        self.tally.starts += 1
+        self.attempt(self._kept_apart, start)
+        return self._found()[0] - before
 
     def pop(self, most: int) -> None:
         """Start from each minimum with one vertex popped, the lowest first, what that leads to among them.
@@ -318,10 +321,7 @@ class _Search:
                 if self.tally.popped == most:
                     return
                 self.tally.popped += 1
-                before = self._found()[0]
-                self.tally.starts += 1
-                self.attempt(self._from_popped, start)
-                self.tally.by_pops += self._found()[0] - before
+                self.tally.by_pops += self._start_apart(start)
 
     def from_crossroads(self) -> None:
         """Go all branch directions of flat-folded states, and out of states at which the curves meet others."""

@@ -18,7 +18,7 @@ from origami_nlp.errors import OptionError
 from origami_nlp.io import OneBased
 from origami_nlp.numerics import CLOSURE_TOL, NEAR_SINGULAR_TOL
 from origami_nlp.pattern import Pattern, as_pattern, listed
-from origami_nlp.pattern_problem import PatternProblem, order_layers
+from origami_nlp.pattern_problem import PatternProblem, PopSigns, order_layers
 from origami_nlp.pattern_states.curve import ClosureCurve, follow_curve
 from origami_nlp.pattern_states.mobility import Mobility, analyze_mobility
 
@@ -89,6 +89,11 @@ class Motion(Report, Viewable):
         ]
         heads = "state", "along [rad]", "largest fold angle [deg]", "energy [J]"
         yield Table(heads, rows, self.verdict, "rrrr", framed=False)
+        for vertex, k in PopSigns(self.pattern).crossed(self.fold_angles):
+            yield (
+                f"alarm: after state {k + 1} facets cross round vertex {vertex}: its fold angles sum to 0 though it "
+                "is not flat; this is no motion of paper"
+            )
         if self.layers:
             yield f"folded flat there: {self.layers}"
         if self.dof > 1:

@@ -284,8 +284,9 @@ def turned(x: Affine, y: Affine, by: Turn) -> Affine:
     new = by.slope * y.centre
     cross = (by.slope[..., None, :] * y.slopes) if y.slopes.shape[-2] else y.slopes
     error = np.abs(cross).sum(axis=-2) + by.spread * mx + by.miss * my
-    # |cos t| <= 1, |sin t| <= 1
-    error = error + x.error + y.error
+    # |cos t| <= 1, and |sin t| <= sin r for r <= pi / 2, where the mean is at least 1/2
+    most = np.where(by.mean < 0.5, 1.0, np.abs(by.slope))
+    error = error + x.error + most * y.error
     slopes = np.concatenate([by.mean[..., None, :] * x.slopes, new[..., None, :]], axis=-2)
     total = mx + np.abs(by.slope) * my
     raw = padded(by.mean * x.centre, slopes, error, total, x.slopes.shape[-2] + 8)
@@ -295,9 +296,12 @@ def turned(x: Affine, y: Affine, by: Turn) -> Affine:
 def mixed(
     x: Affine, a: np.ndarray, y: Affine, b: np.ndarray, doubt: float = TRIGONOMETRIC
 ) -> Affine:
-    """Return a x + b y for numbers a, b [..., K] that are known to within `doubt` of themselves."""
-    total = np.abs(a) * x.magnitude() + np.abs(b) * y.magnitude()
+    """Return a x + b y for numbers a, b [..., K] that are known to within `doubt` (|a| + |b|), as a cosine and sine."""
+    mx, my = x.magnitude(), y.magnitude()
+    total = np.abs(a) * mx + np.abs(b) * my
     centre = a * x.centre + b * y.centre
     slopes = a[..., None, :] * x.slopes + b[..., None, :] * y.slopes
-    error = np.abs(a) * x.error + np.abs(b) * y.error + doubt * total
+    error = np.abs(a) * x.error + np.abs(b) * y.error
+    # an angle that is off turns one into the other: what the cosine misses is of the size of the sine
+    error = error + doubt * (np.abs(a) + np.abs(b)) * (mx + my)
     return padded(centre, slopes, error, total, 4)

@@ -1,8 +1,11 @@
 """What every local minimum satisfies, as affine forms over boxes of fold angles: closure, minors, twins; no symmetry.
 
 Closure.  The loop is cut at the facet between crease N and crease 1 and in its middle: with Q(b, phi) the fold about b,
-Q(b_1, phi_1) ... Q(b_h, phi_h) = Q(b_N, -phi_N) ... Q(b_{h+1}, -phi_{h+1}), both sides unit quaternions, states the
-lift q = +1 only.  Both depend on half of the angles, so that what is of second order stays small.
+L = Q(b_1, phi_1) ... Q(b_h, phi_h) = R = Q(b_N, -phi_N) ... Q(b_{h+1}, -phi_{h+1}), both sides unit quaternions, states
+the lift q = +1 only.  Both depend on half of the angles, so that what is of second order stays small.  With R_0 = R at
+the middle of a box the rows are (L - R) R_0^-1.  As Q(b, mid + t) = Q(b, t) Q(b, mid), each side is a product of folds
+by t alone, about the axes where the middle of the box has them (the product of exponentials), times a constant: no
+angle of the middle turns an error into other rows, as it would if the chain were folded one crease after the other.
 
 Minors.  On the free creases of a stratum a local minimum has rank [G | C] <= 3 (Fritz John; G_i = k_i (phi_i -
 rest_i), row i of C the axis c_i): det [G_S | C_S] = 0 for every four free creases S, an alternating sum of G_i times
@@ -22,6 +25,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
+from origami_nlp.numerics import quaternion
 from origami_nlp.proof.affine import (
     TRIGONOMETRIC,
     UNIT,
@@ -114,12 +118,14 @@ class VertexForms:
         self.doubt = doubt + 2 * TRIGONOMETRIC  # of a cosine or sine of a sector
         self.doubt_crease = (n * doubt + 8 * UNIT) + 2 * TRIGONOMETRIC
         self.sides = (
-            (tuple(range(self.half)), _right_products(left), 1.0),
-            (tuple(range(n - 1, self.half - 1, -1)), _right_products(right), -1.0),
+            (tuple(range(self.half)), _units(left), 1.0),
+            (tuple(range(n - 1, self.half - 1, -1)), _units(right), -1.0),
         )
-        # folds and sectors of the loop multiply to -1: q_left Q(e3, whole) = -q_right, whole = 2 pi on a sheet
+        # a fold in the middle of boxes is off by 2 TRIGONOMETRIC and what came before it; an axis is turned by two such
+        self.doubt_middle = 16 * n * TRIGONOMETRIC
+        # folds and sectors of the loop multiply to -1: L Q(e3, whole) = -R, whole = 2 pi on a sheet
         self.onward = (
-            None if whole == 2 * math.pi else _onward(-math.cos(whole / 2), -math.sin(whole / 2))
+            None if whole == 2 * math.pi else (-math.cos(whole / 2), 0.0, 0.0, -math.sin(whole / 2))
         )
         self._pose_triples()
         self._pose_minors()
@@ -177,40 +183,47 @@ class VertexForms:
         return VanishingRows(closure, *with_twins(self, minors, fours, middle, half, pins))
 
     def closure(self, middle: np.ndarray, half: np.ndarray, pins: np.ndarray) -> Affine:
-        """Enclose conj(q_m) (q_left - q_right), q_m = q_left at the middle: four rows."""
-        left, right = self.sides_of(middle, half, pins)
+        """Enclose (L - R) R_0^-1, R_0 = R at the middle: four rows."""
+        turn = half_turns(middle, half, pins)
+        unit = np.eye(4)[:, :1] + np.zeros((4, middle.shape[1]))
+        left, right = (self._middle(turn, side, unit)[0] for side in (0, 1))
+        doubt = self.doubt_middle
         if self.onward is not None:
-            left = carried(self.onward, left)
-            left = Affine(left.centre, left.slopes, left.error + 4 * self.doubt)
+            left = quaternion.multiply(left, self.onward)
+            doubt += 4 * self.doubt
+        start = np.array(quaternion.multiply(left, (right[0], *(-v for v in right[1:]))))
+        left, right = (self._folded(turn, *at) for at in ((0, start, doubt), (1, unit, 0.0)))
         back = right.slopes[:, ::-1]  # creases h+1 .. N in order
         # two folds by phi about creases that differ by d differ by |sin (phi / 2)| d
         sines = np.where(pins != 0, 1.0, np.minimum(1.0, 0.5 * (np.abs(middle) + half)))
-        doubt = 2 * self.doubt_crease * sines.sum(axis=0)
-        # two unit quaternions are equal where their difference vanishes; q_left = -q_right, the other lift, is far
-        # from 0
-        gap = padded(
+        # two unit quaternions are equal where their difference vanishes; L = -R, the other lift, is far from 0
+        return padded(
             left.centre - right.centre,
             np.concatenate([left.slopes, -back], axis=1),
-            left.error + right.error + doubt,
+            left.error + right.error + 2 * self.doubt_crease * sines.sum(axis=0),
             left.magnitude() + right.magnitude(),
             2,
         )
-        return times_conjugate(left.centre, gap)
 
-    def sides_of(
-        self, middle: np.ndarray, half: np.ndarray, pins: np.ndarray
-    ) -> tuple[Affine, Affine]:
-        """Enclose q_left, in angles 1 .. h, and q_right, in angles N .. h+1: [4, K] each."""
-        ends = []
-        turn = half_turns(middle, half, pins)
-        for creases, products, sign in self.sides:
-            q = constant(np.array([1.0, 0, 0, 0]), 0.0, 0, middle.shape[1])
-            for crease, right in zip(creases, products, strict=True):
-                by = taken(turn, crease, sign)
-                x = mixed(q, by.cosine, carried(right, q), by.sine)
-                q = turned(x, carried(right, x), by)
-            ends.append(q)
-        return ends[0], ends[1]
+    def _middle(self, turn: Turn, side: int, q: Any) -> tuple[Any, list[np.ndarray]]:
+        """Return q times the folds of one side in the middle of boxes, and the axes [3, K] that each is about."""
+        creases, units, sign = self.sides[side]
+        axes = []
+        for crease, (x, y) in zip(creases, units, strict=True):
+            axes.append(np.array(quaternion.rotate(q, (x, y, 0.0))))
+            c, s = turn.cosine[crease], sign * turn.sine[crease]
+            q = quaternion.multiply(q, quaternion.fold(c, s, (x, y, 0.0)))
+        return q, axes
+
+    def _folded(self, turn: Turn, side: int, start: np.ndarray, doubt: float) -> Affine:
+        """Enclose Q(c_1, t_1) Q(c_2, t_2) ... start: c_i the axes of a side in the middle, t_i = phi_i - middle."""
+        creases, _, sign = self.sides[side]
+        # Q(c, t) start = start Q(c', t): axes as they are seen before start
+        axes = self._middle(turn, side, (start[0], *(-v for v in start[1:])))[1]
+        q = Affine(start, np.zeros((4, 0, start.shape[1])), np.full(start.shape, doubt))
+        for crease, axis in zip(creases, axes, strict=True):
+            q = turned(q, times_vector(q, axis, self.doubt_middle), taken(turn, crease, sign))
+        return q
 
     def triple_products(self, middle: np.ndarray, half: np.ndarray, pins: np.ndarray) -> Affine:
         """Enclose the triple products of axes, in the order of `triples`: [T, K] in n variables."""
@@ -351,37 +364,21 @@ def taken(turn: Turn, which: Any, sign: float = 1.0) -> Turn:
     )
 
 
-def _onward(cosine: float, sine: float) -> np.ndarray:
-    """Matrix [4, 4] of q -> q (cosine + sine e3)."""
-    c, s = cosine, sine
-    return np.array([[c, 0, 0, -s], [0, c, s, 0], [0, -s, c, 0], [s, 0, 0, c]])
+def _units(azimuths: list[float]) -> list[tuple[float, float]]:
+    """Unit vectors at these azimuths."""
+    return [(math.cos(beta), math.sin(beta)) for beta in azimuths]
 
 
-def _right_products(azimuths: list[float]) -> list[np.ndarray]:
-    """Matrices [4, 4] of q -> q b for the unit vectors b at these azimuths."""
-    out = []
-    for beta in azimuths:
-        x, y = math.cos(beta), math.sin(beta)
-        out.append(np.array([[0, -x, -y, 0], [x, 0, 0, -y], [y, 0, 0, x], [0, y, -x, 0.0]]))
-    return out
-
-
-def carried(matrix: np.ndarray, q: Affine) -> Affine:
-    """Apply a constant matrix [4, 4] (|entries| <= 1, two a row)."""
-    d, boxes = q.slopes.shape[1:]
-    slopes = (matrix @ q.slopes.reshape(4, d * boxes)).reshape(4, d, boxes)
+def times_vector(q: Affine, v: np.ndarray, doubt: float) -> Affine:
+    """Multiply quaternions [4, K] from the right by vectors [3, K] of length 1, each entry known to within `doubt`."""
+    x, y, z = v
+    o = np.zeros_like(x)
+    matrix = np.array([[o, -x, -y, -z], [x, o, z, -y], [y, -z, o, x], [z, y, -x, o]])
     size = np.abs(matrix)
-    return padded(matrix @ q.centre, slopes, size @ q.error, size @ q.magnitude(), 8)
-
-
-def times_conjugate(m: np.ndarray, q: Affine) -> Affine:
-    """Multiply by conj(m) from the left, m [4, K] any numbers."""
-    w, x, y, z = m
-    matrix = np.array([[w, x, y, z], [-x, w, z, -y], [-y, -z, w, x], [-z, y, -x, w]])
-    size = np.abs(matrix)
+    magnitude = q.magnitude()
     slopes = np.einsum("abk,bdk->adk", matrix, q.slopes)
-    error = np.einsum("abk,bk->ak", size, q.error)
-    total = np.einsum("abk,bk->ak", size, q.magnitude())
+    error = np.einsum("abk,bk->ak", size, q.error) + doubt * magnitude.sum(axis=0)
+    total = np.einsum("abk,bk->ak", size, magnitude)
     return padded(np.einsum("abk,bk->ak", matrix, q.centre), slopes, error, total, 8)
 
 

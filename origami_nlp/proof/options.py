@@ -17,8 +17,8 @@ class ProofOptions:
     Attributes
     ----------
     boxes
-        Boxes within fold limits after which a proof gives up: 2 million take about a minute, three times what degree 6
-        needs.
+        Boxes within fold limits after which a proof gives up: 2 million take about a minute, over ten times what degree
+        6 needs.
     touching_boxes
         Boxes for all sets of touches together, some 50,000 a second.
     isolated_boxes

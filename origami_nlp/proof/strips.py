@@ -27,6 +27,8 @@ HALF_TURN = math.nextafter(math.pi, 0.0)
 """Not above pi, which is between two doubles."""
 NARROWEST = 2.0**-44
 """Width of theta below which a box is left open [rad]."""
+TOGETHER = 2.0**-30
+"""Width of theta within which folds of several vertices pass their limits at once [rad]."""
 FIRST = np.array([-0.5 * math.pi, -1.0, -0.1, 0.13, 1.0, 0.5 * math.pi])
 """Where the first boxes end [rad]: the flat state, theta = 0, is within one, at any depth."""
 NONE, RISING, FALLING, OUTSIDE, LIMIT, OPEN = range(6)
@@ -150,24 +152,22 @@ class _ThetaBoxes:
     def reaching(self, across: np.ndarray, sides: np.ndarray) -> tuple[Ball, Ball]:
         """Return how far in the middle a fold across the row, [K], is beyond sides pi, and its slope over the boxes."""
         value, rate = [], []
-        for i, (a, s) in enumerate(zip(across, sides, strict=True)):
-            phi, slope = (
-                self.at.angles[self.energy.across[a]],
-                self.box.slopes[self.energy.across[a]],
-            )
+        for i, (a, s) in enumerate(zip(across.tolist(), sides.tolist(), strict=True)):
+            crease = self.energy.across[a]
+            phi, slope = self.at.angles[crease], self.box.slopes[crease].value
             here = phi.centre[i] + (s * 2 * math.pi if s * phi.centre[i] < 0 else 0.0)
             value.append((here - s * math.pi, phi.radius[i] + 16 * UNIT))
-            rate.append((slope.value.centre[i], slope.value.radius[i]))
+            rate.append((slope.centre[i], slope.radius[i]))
         return Ball(*np.array(value).T), Ball(*np.array(rate).T)
 
     def passing(self) -> np.ndarray:
         """Return which folds across the row may be at +-pi, [creases across, K]; where nothing is known, too."""
         return np.array([~(self.angles[c].magnitude < HALF_TURN) for c in self.energy.across])
 
-    def lifted(self, sign: float, passing: np.ndarray) -> dict[int, Ball]:
-        """Return folds across the row in the middle, those that pass a limit continued to sign pi."""
+    def lifted(self, signs: np.ndarray, passing: np.ndarray) -> dict[int, Ball]:
+        """Return folds across the row in the middle, those that pass a limit continued to signs pi, [across, K]."""
         found = {}
-        for c, passes in zip(self.energy.across, passing, strict=True):
+        for c, sign, passes in zip(self.energy.across, signs, passing, strict=True):
             a = self.at.angles[c]
             turn = np.where(passes & (sign * a.centre < 0), sign * 2 * math.pi, 0.0)
             found[c] = Ball(a.centre + turn, a.radius + 16 * UNIT)
@@ -253,18 +253,21 @@ def _kinds(
     kind[inside & (bend.sign < 0)] = FALLING
     kind[inside & (slope.sign != 0)] = NONE
     kind[inside & ~boxes.at.closes()] = OUTSIDE
-    rates = np.array([boxes.box.slopes[c].value.sign for c in energy.across])
-    moving = np.where(passing.sum(axis=0) == 1, (rates * passing).sum(axis=0), 0.0)
-    ahead, behind = (boxes.slope(boxes.lifted(s, passing))[0].sign for s in (1.0, -1.0))
-    kind[(moving != 0) & (ahead != 0) & (behind != 0)] = LIMIT
-    return kind, slope.sign, moving, ahead, behind, passing.argmax(axis=0)
+    # folds that pass a limit, of one vertex one at most: towards larger theta they grow to pi or fall to -pi
+    moving = np.array([boxes.box.slopes[c].value.sign for c in energy.across])
+    known = ((moving != 0) | ~passing).all(axis=0) & ~(passing[::2] & passing[1::2]).any(axis=0)
+    ahead, behind = (boxes.slope(boxes.lifted(s * moving, passing))[0].sign for s in (1.0, -1.0))
+    known &= (passing.sum(axis=0) == 1) | (upper - lower <= TOGETHER)
+    kind[~inside & known & (ahead != 0) & (behind != 0)] = LIMIT
+    bits = 2.0 ** np.arange(len(energy.across))
+    return kind, slope.sign, ahead, behind, bits @ passing, bits @ (moving > 0)
 
 
 class _Stretch(NamedTuple):
     """A box of theta of one curve, or several beside each other: its kind, and the sign of U' over it.
 
-    Where a crease across the row (its number among them) reaches a limit: the sign of its slope, and those of U' with
-    it continued to +pi and to -pi.
+    Where folds across the row reach limits: the signs of U' with them continued as towards larger theta, and as towards
+    smaller, the sum of 2^i over their numbers i among those across, and over those that grow.
     """
 
     curve: float
@@ -272,10 +275,20 @@ class _Stretch(NamedTuple):
     upper: float
     kind: float
     slope: float
-    moving: float
     ahead: float
     behind: float
-    across: float
+    passing: float
+    growing: float
+
+    def at_limits(self, toward: float) -> dict[int, float]:
+        """Return which folds across the row pass limits, and +-1 for the limit, coming from smaller theta (1) or larger
+        (-1).
+        """
+        return {
+            i: toward * (1.0 if int(self.growing) >> i & 1 else -1.0)
+            for i in range(int(self.passing).bit_length())
+            if int(self.passing) >> i & 1
+        }
 
     @property
     def valid(self) -> bool:
@@ -285,7 +298,9 @@ class _Stretch(NamedTuple):
     def joins(self, other: _Stretch) -> bool:
         """Return whether both are of one kind, and say the same."""
         if self.kind == LIMIT:
-            return self[3:4] + self[5:] == other[3:4] + other[5:]
+            passing = int(self.passing)
+            grow = int(self.growing) & passing == int(other.growing) & passing
+            return grow and self[3:4] + self[5:8] == other[3:4] + other[5:8]
         return self.kind == other.kind and (self.kind != NONE or self.slope == other.slope)
 
 
@@ -331,10 +346,8 @@ class _CurveEnds:
                     self._leave(piece, "creases reach +-pi together")
                     continue
                 toward = 1.0 if sides[0] is before else -1.0
-                # the fold grows to pi, or falls to -pi, towards the end
-                side = toward * piece.moving
-                if toward * (piece.ahead if side > 0 else piece.behind) < 0:
-                    self._limits.append((piece, side))
+                if toward * (piece.ahead if toward > 0 else piece.behind) < 0:
+                    self._limits.append((piece, toward))
             if piece.valid and (before is None or after is None):
                 toward = -1.0 if before is None else 1.0
                 x = piece.lower if before is None else piece.upper
@@ -384,25 +397,31 @@ class _CurveEnds:
             self._leave(self._inside[0], "the flat state is a minimum of some of its curves only")
         limits = [piece for piece, _ in self._limits]
         curve = np.array([int(p.curve) for p in limits], int)
-        boxes = self._narrowed(curve, limits, np.array([side for _, side in self._limits]))
-        for (piece, side), low, high in zip(self._limits, *boxes, strict=True):
-            across = self.energy.across[int(piece.across)]
-            found.append(self._state(int(piece.curve), low, high, {across: side * math.pi}))
+        held = [piece.at_limits(toward) for piece, toward in self._limits]
+        boxes = self._narrowed(curve, limits, [next(iter(folds.items())) for folds in held])
+        for piece, folds, low, high in zip(limits, held, *boxes, strict=True):
+            at = {self.energy.across[i]: side * math.pi for i, side in folds.items()}
+            found.append(self._state(int(piece.curve), low, high, at))
         return found + [self._state(curve, x, x, {-1: 0.0}) for curve, x in self._ends]
 
     def _narrowed(
-        self, curve: np.ndarray, pieces: list[_Stretch], sides: np.ndarray | None
+        self, curve: np.ndarray, pieces: list[_Stretch], first: list[tuple[int, float]] | None
     ) -> tuple[np.ndarray, np.ndarray]:
-        """Return the ends of theta after interval Newton steps: for U' = 0, or for a fold across the row at +-pi."""
+        """Return the ends of theta after interval Newton steps: for U' = 0, or for the first fold at its limit."""
         low, high = (np.array([getattr(p, end) for p in pieces]) for end in ("lower", "upper"))
-        rising = np.array([1.0 if p.kind == RISING else p.moving for p in pieces])
+        across, sides = np.array(first or [(0, 0.0)]).T
+        grows = [
+            1.0 if int(p.growing) >> int(i) & 1 else -1.0
+            for p, i in zip(pieces, across, strict=False)
+        ]
+        rising = np.array(grows) if first else np.ones(len(pieces))
         for _ in range(40 * bool(pieces)):
             boxes = self.energy.over(curve, low, high)
             middle, _ = variables(low, high)
-            if sides is None:
+            if first is None:
                 value, rate = self.energy.first(boxes.at, boxes.at.angles), boxes.slope()[1]
             else:
-                value, rate = boxes.reaching(np.array([int(p.across) for p in pieces]), sides)
+                value, rate = boxes.reaching(across.astype(int), sides)
             step = value * rate.inverse()
             root = Ball(middle - step.centre, step.radius + 4 * UNIT)
             # where the slope over the box is not certain, the half that the sign in the middle points to
@@ -421,6 +440,6 @@ class _CurveEnds:
         phi, radius = np.zeros(len(self.energy.rest)), 0.0
         for crease, angle in boxes.angles.items():
             phi[crease] = held.get(crease, angle.centre[0])
-            radius = max(radius, 0.0 if crease in held else float(angle.radius[0]))
+            radius = max(radius, float(angle.radius[0]))
         signs = tuple(int(s) for s in self.energy.signs[:, curve])
         return StripMinimum(signs, (float(low), float(high)), phi, radius, bool(held))

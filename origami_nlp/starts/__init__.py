@@ -20,6 +20,7 @@
 | `Uniform` | pattern | any fold angles |
 | `UniformFolded` | pattern | any fold angles, some creases fully folded |
 | `Popped` | pattern | a minimum with one vertex on its other side |
+| `Signed` | pattern | beside the flat state, with signs of the vertices that no minimum has yet |
 
 `samples` are states with the contacts that they hold, `closing` brings them onto closure and these contacts, and
 `crossings` finds where facets cross; `contact_strata` lists the strata with touches, which `pinches` closes.

@@ -31,6 +31,7 @@ from .of_patterns import (
     Given as Given,
     Grown as Grown,
     Popped as Popped,
+    Signed as Signed,
     Uniform as Uniform,
     UniformFolded as UniformFolded,
     creases_around as creases_around,

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 import math
 
 import numpy as np
@@ -54,8 +53,7 @@ def flat_foldings(model: Model) -> list[np.ndarray]:
     """
     n = model.size
     few = model.has_limits and n <= MOST_FLAT_VARIABLES
-    places = itertools.product((-1.0, 0.0, 1.0), repeat=n) if few else [(0.0,) * n]
-    x = math.pi * np.array(list(places))
+    x = math.pi * (np.indices((3,) * n).reshape(n, -1).T - 1.0) if few else np.zeros((1, n))
     closed = CreaseChain(model).misses(x) <= CLOSURE_TOL
     return [state for state in x[closed] if model.lifts_to_one(state)]
 

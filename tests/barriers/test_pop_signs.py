@@ -8,8 +8,9 @@ from scipy.optimize import linprog
 from scipy.spatial import ConvexHull, QhullError
 from scipy.spatial.transform import Rotation
 
-from origami_nlp.pattern_problem import PatternProblem
+from origami_nlp.pattern_problem import PatternProblem, PopSigns
 from origami_nlp.pattern_states import contact_descent
+from tests.independent.links import closed, corners, crosses
 from tests.patterns import wheel
 
 
@@ -76,3 +77,65 @@ def test_the_sum_of_folds_is_bounded_by_the_hull_of_the_link(degree):
                 assert abs(state.sum()) >= bound - 1e-7
                 sides.add(math.copysign(1.0, state.sum()))
     assert sides == {1.0, -1.0} and (touching or degree == 4)
+
+
+def _embedded(rng, degree, paper=2 * math.pi):
+    """A random closed state of a random vertex whose link does not cross itself."""
+    for _ in range(200):
+        sectors = rng.dirichlet(np.full(degree, rng.uniform(0.8, 6.0))) * paper
+        if (
+            sectors.max() >= math.pi - 0.01
+        ):  # the link is seen from the middle of an open hemisphere
+            continue
+        phi = closed(sectors, rng.uniform(-1, 1, degree) * rng.uniform(0.05, 3.0))
+        if phi is not None and np.abs(phi).max() > 1e-4 and not crosses(corners(sectors, phi)[0]):
+            return sectors, phi
+    raise AssertionError("no embedded state")
+
+
+@pytest.mark.parametrize("many", [300, pytest.param(10_000, marks=pytest.mark.slow)])
+def test_random_embedded_vertices_have_a_sign(many):
+    """Degree 4 to 9, closed and looked at by code of its own: the sum is above 2 pi less the area of the hull."""
+    rng, least, sides = np.random.default_rng(many), math.inf, set()
+    for k in range(many):
+        sectors, phi = _embedded(rng, 4 + k % 6)
+        bound = 2 * math.pi - hull_area(corners(sectors, phi)[0])
+        assert bound > 0
+        assert abs(phi.sum()) >= bound - 1e-9
+        least = min(least, abs(phi.sum()) / np.abs(phi).max())
+        sides.add(math.copysign(1.0, phi.sum()))
+    assert sides == {1.0, -1.0} and least > 0
+
+
+def test_with_less_paper_a_vertex_never_pops():
+    """On a cone the sum is at least sqrt(4 pi^2 - L^2): it has one sign for the convex side."""
+    rng = np.random.default_rng(0)
+    for k in range(60):
+        sectors, phi = _embedded(rng, 4 + k % 4, paper=5.5)
+        assert abs(phi.sum()) >= math.sqrt(4 * math.pi**2 - sectors.sum() ** 2) - 1e-9
+
+
+def test_hypotheses_are_needed():
+    """More paper: a saddle whose folds sum to 0; facets that cross: with 360 degrees sums come as near to 0."""
+    sectors = np.full(4, math.radians(103.3))
+    phi = closed(sectors, np.array([-0.9, 0.9, -0.9, 0.9]))
+    assert phi is not None and abs(phi.sum()) < 1e-9 and np.abs(phi).min() > 0.5
+    assert not crosses(corners(sectors, phi)[0])
+    rng, sums = np.random.default_rng(1), []
+    for _ in range(700):
+        sectors = rng.dirichlet(np.full(6, 4.0)) * 2 * math.pi
+        phi = closed(sectors, rng.uniform(-3, 3, 6))
+        if phi is not None and np.abs(phi).max() > 1 and crosses(corners(sectors, phi)[0]):
+            sums.append(phi.sum())
+    assert min(map(abs, sums)) < 0.05
+
+
+def test_a_path_through_crossing_states_raises_an_alarm():
+    """From one side of a vertex to the other past a state that is not flat; through the flat state there is none."""
+    pattern = wheel(np.full(6, math.pi / 3))
+    signs = PopSigns(pattern)
+    up = np.array([1.0, -0.5, 1.0, -0.5, 1.0, -0.5])
+    through = np.linspace(-1, 1, 12)[:, None] * up
+    assert not signs.crossed(through)
+    aside = through + np.array([0.5, -0.5, 0, 0, 0, 0])
+    assert [vertex for vertex, _ in signs.crossed(aside)] == [signs.vertices[0]]

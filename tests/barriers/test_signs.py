@@ -10,6 +10,7 @@ from scipy.spatial.transform import Rotation
 
 import origami_nlp as o
 from origami_nlp.barriers.passes import LISTED, SIGNED
+from origami_nlp.barriers.traced import pattern_passes
 from origami_nlp.errors import OptionError
 from origami_nlp.pattern import as_pattern
 from origami_nlp.pattern_problem import PatternProblem, PopSigns, flat_with, least_flat_energy
@@ -152,3 +153,27 @@ def test_no_path_is_below_a_bound(name):
     for p in itertools.filterfalse(lambda p: math.isinf(p.energy), found.passes):
         assert math.isnan(p.least) or p.energy >= p.least * (1 - 1e-12)
     assert any(p.why in (SIGNED, LISTED) for p in found.passes)
+
+
+@pytest.mark.slow
+def test_traced_passes_are_not_below_bounds_in_closed_form():
+    """Two hundred pairs of sheets with one degree of freedom and random springs: by traced curves alone."""
+    pairs, exact, rng = 0, 0, np.random.default_rng(5)
+    for name in itertools.cycle(("squaretwist", "miura:3x3", "metasheet:2x4")):
+        if pairs >= 200:
+            break
+        plain = as_pattern(name)
+        n = plain.creases
+        springs = (10 ** rng.uniform(-1, 1, n)).tolist(), rng.uniform(-3, 3, n).tolist()
+        pattern = plain.with_springs(*springs)
+        result = o.find_minima(pattern, starts=0, escape=False)
+        bounds = [least_flat_energy(pattern, flat_with(pattern, v)) for v in result.sign_vertices]
+        known = pattern_passes(result)
+        for p in known[0].passes if known else ():
+            one, two = (result.signs[k - 1] for k in (p.from_state, p.to_state))
+            least = [b for b, *pair in zip(bounds, one, two, strict=True) if set(pair) == {*"+-"}]
+            if least and math.isfinite(p.energy):
+                pairs += 1
+                exact += p.energy <= max(least) * (1 + 1e-9)
+                assert p.energy >= max(least) * (1 - 1e-9)
+    assert exact > 0.5 * pairs

@@ -55,26 +55,31 @@ def test_triple_products_hold_their_values(n, width):
 @pytest.mark.parametrize("n", thinned([5, 4, 6], 3))
 @pytest.mark.parametrize("width", WIDTHS)
 def test_closure_holds_its_values(n, width):
-    """conj(q_m) (q_left - q_right), where q_m is the double that the form is multiplied by."""
+    """(L - R) R_0^-1, where R_0 is R at the middle of the box."""
     rng = np.random.default_rng([n, int(width * 1e9)])
     vertex = random_vertex(rng, n)
     lower, upper, pins = boxes(rng, n, width, 6)
     middle, half = variables(lower, upper)
     form = vertex.closure(middle, half, pins)
-    factor = vertex.sides_of(middle, half, pins)[0].centre
     sectors = exact_sectors(vertex)
     azimuth = [sum(sectors[:i], mpf(0)) for i in range(n)]
+
+    def product(creases, sign, angles):
+        q = [mpf(1), mpf(0), mpf(0), mpf(0)]
+        for i in creases:
+            axis = mp.cos(azimuth[i]), mp.sin(azimuth[i])
+            q = multiply(q, quaternion(axis, sign * angles[i]))
+        return q
+
+    left, right = range(vertex.half), range(n - 1, vertex.half - 1, -1)
     for k, angles, xi in points(rng, lower, upper, pins, middle, half):
-        ends = []
-        for creases, sign in ((range(vertex.half), 1), (range(n - 1, vertex.half - 1, -1), -1)):
-            q = [mpf(1), mpf(0), mpf(0), mpf(0)]
-            for i in creases:
-                axis = mp.cos(azimuth[i]), mp.sin(azimuth[i])
-                q = multiply(q, quaternion(axis, sign * angles[i]))
-            ends.append(q)
-        gap = [a - b for a, b in zip(*ends, strict=True)]
-        m = [mpf(v) for v in factor[:, k]]
-        exact = multiply([m[0], -m[1], -m[2], -m[3]], gap)
+        at = [
+            p * mp.pi if p else mpf(m)
+            for p, m in zip(pins[:, k].tolist(), middle[:, k], strict=True)
+        ]
+        w, x, y, z = product(right, -1, at)
+        ends = product(left, 1, angles), product(right, -1, angles)
+        exact = multiply([a - b for a, b in zip(*ends, strict=True)], [w, -x, -y, -z])
         for row in range(4):
             assert abs(exact[row] - value_of(form, row, k, xi)) <= mpf(form.error[row, k])
 
@@ -120,8 +125,8 @@ def test_sums_of_sectors_are_held():
     for n in (4, 5, 6, 9):
         vertex = random_vertex(rng, n)
         sectors = exact_sectors(vertex)
-        for creases, products, sign in vertex.sides:
-            for i, right in zip(creases, products, strict=True):
+        for creases, units, sign in vertex.sides:
+            for i, (x, y) in zip(creases, units, strict=True):
                 beta = sum(sectors[:i], mpf(0)) if sign > 0 else -sum(sectors[i:], mpf(0))
-                assert abs(mp.cos(beta) - mpf(right[1, 0])) <= vertex.doubt_crease
-                assert abs(mp.sin(beta) - mpf(right[2, 0])) <= vertex.doubt_crease
+                assert abs(mp.cos(beta) - mpf(x)) <= vertex.doubt_crease
+                assert abs(mp.sin(beta) - mpf(y)) <= vertex.doubt_crease

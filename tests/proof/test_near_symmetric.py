@@ -10,6 +10,8 @@ from scipy.spatial.transform import Rotation
 
 from origami_nlp import Model, Scene, Vertex, find_minima
 from origami_nlp.proof import ProofOptions
+from origami_nlp.proof.boxes import prune, strata
+from origami_nlp.proof.complete import pose
 from origami_nlp.proof.touches import contact_strata
 from tests.independent.sheet import product_of_folds
 
@@ -68,17 +70,22 @@ def test_a_regular_pentagon_with_full_contact_is_decided_or_refused():
 def test_a_hexagon_nearly_regular_is_refused_with_where_boxes_are_left():
     """With every other crease fully folded the other three lie nearly on one line: nearly closed states fill a surface.
 
-    The product of rotations shows it: to 1e-6 it closes wherever the three others sum to pi.
+    The product of rotations shows it: to 1e-6 it closes wherever the three others sum to pi.  Those strata are decided
+    nevertheless, since the rows of closure have no error of second order across the plane of all creases.
     """
     scene = near(6, 1e-6, 1, "random", "fold-limits")
     for a, b in np.random.default_rng(3).uniform(-1, 1, (20, 2)):
         turned = product_of_folds(scene.vertex.sector_angles, [pi, a, pi, b, pi, pi - a - b])
         assert np.abs(turned - np.eye(3)).max() < 1e-5
+    posed, every = pose(Model(scene))[0], strata(6)
+    surface = every[(every.pins.T == (1, 0, 1, 0, 1, 0)).all(axis=1)]
+    left = prune(posed, surface, most=10_000)
+    assert not len(left.open) and not len(left.candidates)
     known = find_minima(
-        scene, prove=ProofOptions(boxes=60_000), max_starts=16, escape=False
+        scene, prove=ProofOptions(boxes=100_000), max_starts=16, escape=False
     ).completeness
-    assert 60_000 <= known.boxes < 70_000 and known.status == "not-proved"
-    assert "the number of boxes: most are left with creases 1, 3, 5 at +-pi" in known.reason
+    assert 100_000 <= known.boxes < 110_000 and known.status == "not-proved"
+    assert "the number of boxes: most are left with creases 1, 4 at +-pi" in known.reason
 
 
 @pytest.mark.slow

@@ -179,3 +179,18 @@ def test_jets_are_derivatives():
     with mpmath.workdps(40):
         want = mpmath.diff(lambda x: 1 / (mpmath.sin(x) ** 2 + 2), mpmath.mpf(0.3))
         assert abs(float(jet.slope.centre) - want) <= float(jet.slope.radius) < 1e-7
+
+
+def test_creases_of_several_vertices_reach_their_limits_at_once():
+    """A tiling by one quadrilateral: by its half-turns, vertices are alike."""
+    pattern = o.examples.pattern("metasheet", 2, 3)
+    found = o.find_minima(pattern, contact="fold-limits", prove=True, escape=False, starts=1)
+    assert found.completeness.proved and len(found.minima) == 5
+    # a minimum at the end of a curve, at which closure loses rank: proved, but not judged, so that nothing is claimed
+    pattern = o.examples.pattern("metasheet", 2, 4)
+    proof = prove_strip(pattern)
+    assert len(proof.minima) == 9 and not proof.undecided
+    problem = PatternProblem(pattern)
+    states = [judge(problem, m.fold_angles, False) for m in proof.minima]
+    held, _ = hold_against(proof, problem, states, False)
+    assert not held.proved and "is judged: undecided" in held.reason

@@ -57,6 +57,7 @@ def pattern_families():
         starts.Uniform(labels),
         starts.UniformFolded(labels),
         starts.Popped(pattern, labels, phi),
+        starts.Signed(problem, labels, np.zeros((0, pattern.creases))),
     ]
 
 
