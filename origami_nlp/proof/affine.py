@@ -293,15 +293,15 @@ def turned(x: Affine, y: Affine, by: Turn) -> Affine:
     return Affine(raw.centre, raw.slopes, raw.error + (4 * TRIGONOMETRIC) * total)
 
 
-def mixed(
-    x: Affine, a: np.ndarray, y: Affine, b: np.ndarray, doubt: float = TRIGONOMETRIC
-) -> Affine:
-    """Return a x + b y for numbers a, b [..., K] that are known to within `doubt` (|a| + |b|), as a cosine and sine."""
+def mixed(x: Affine, a: np.ndarray, y: Affine, b: np.ndarray, doubt: float = 0.0) -> Affine:
+    """Return a x + b y, a and b [..., K] known to `TRIGONOMETRIC` of themselves; where a cosine and a sine are those of
+    an angle in doubt, to within `doubt` (|a| + |b|) besides: what the one misses is of the size of the other.
+    """
     mx, my = x.magnitude(), y.magnitude()
     total = np.abs(a) * mx + np.abs(b) * my
     centre = a * x.centre + b * y.centre
     slopes = a[..., None, :] * x.slopes + b[..., None, :] * y.slopes
-    error = np.abs(a) * x.error + np.abs(b) * y.error
-    # an angle that is off turns one into the other: what the cosine misses is of the size of the sine
-    error = error + doubt * (np.abs(a) + np.abs(b)) * (mx + my)
+    error = np.abs(a) * x.error + np.abs(b) * y.error + TRIGONOMETRIC * total
+    if doubt:
+        error = error + doubt * (np.abs(a) + np.abs(b)) * (mx + my)
     return padded(centre, slopes, error, total, 4)

@@ -187,20 +187,22 @@ class VertexForms:
         turn = half_turns(middle, half, pins)
         unit = np.eye(4)[:, :1] + np.zeros((4, middle.shape[1]))
         left, right = (self._middle(turn, side, unit)[0] for side in (0, 1))
-        doubt = self.doubt_middle
+        # two folds by phi about creases that differ by d differ by |sin (phi / 2)| d
+        sines = np.where(pins != 0, 1.0, np.minimum(1.0, 0.5 * (np.abs(middle) + half))).sum(axis=0)
+        # c (1 + e) + s (1 + f) b = (1 + e) (c + s b) + (f - e) s b: a vector misses no more than the sines allow
+        doubt = np.full_like(unit, self.doubt_middle)
+        doubt[1:] *= np.minimum(1.0, sines)
         if self.onward is not None:
             left = quaternion.multiply(left, self.onward)
             doubt += 4 * self.doubt
         start = np.array(quaternion.multiply(left, (right[0], *(-v for v in right[1:]))))
-        left, right = (self._folded(turn, *at) for at in ((0, start, doubt), (1, unit, 0.0)))
+        left, right = (self._folded(turn, *at) for at in ((0, start, doubt), (1, unit, 0.0 * unit)))
         back = right.slopes[:, ::-1]  # creases h+1 .. N in order
-        # two folds by phi about creases that differ by d differ by |sin (phi / 2)| d
-        sines = np.where(pins != 0, 1.0, np.minimum(1.0, 0.5 * (np.abs(middle) + half)))
         # two unit quaternions are equal where their difference vanishes; L = -R, the other lift, is far from 0
         return padded(
             left.centre - right.centre,
             np.concatenate([left.slopes, -back], axis=1),
-            left.error + right.error + 2 * self.doubt_crease * sines.sum(axis=0),
+            left.error + right.error + 2 * self.doubt_crease * sines,
             left.magnitude() + right.magnitude(),
             2,
         )
@@ -215,12 +217,12 @@ class VertexForms:
             q = quaternion.multiply(q, quaternion.fold(c, s, (x, y, 0.0)))
         return q, axes
 
-    def _folded(self, turn: Turn, side: int, start: np.ndarray, doubt: float) -> Affine:
+    def _folded(self, turn: Turn, side: int, start: np.ndarray, doubt: np.ndarray) -> Affine:
         """Enclose Q(c_1, t_1) Q(c_2, t_2) ... start: c_i the axes of a side in the middle, t_i = phi_i - middle."""
         creases, _, sign = self.sides[side]
         # Q(c, t) start = start Q(c', t): axes as they are seen before start
         axes = self._middle(turn, side, (start[0], *(-v for v in start[1:])))[1]
-        q = Affine(start, np.zeros((4, 0, start.shape[1])), np.full(start.shape, doubt))
+        q = Affine(start, np.zeros((4, 0, start.shape[1])), doubt)
         for crease, axis in zip(creases, axes, strict=True):
             q = turned(q, times_vector(q, axis, self.doubt_middle), taken(turn, crease, sign))
         return q

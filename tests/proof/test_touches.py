@@ -88,7 +88,8 @@ def test_rows_of_a_touch_hold_their_values(width):
             values = [q[0] - (c * p[0] - s * p[1]), q[1] + s * p[0] + c * p[1], p[2], q[2]]
             for row, value in enumerate(values):
                 off = abs(value - value_of(form, 4 + row, box, xi))
-                assert off <= form.error[4 + row, box]
+                # the sine of pi is 0 in the form, and not in fifty digits
+                assert off <= mpf(form.error[4 + row, box]) + mpf(10) ** -45
 
 
 @pytest.mark.slow
