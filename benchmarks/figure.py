@@ -61,6 +61,7 @@ def draw_bench(data: dict[str, Any], target: Path) -> None:
     )
     _hessians(axes[1][0], data)
     _scaling(axes[1][1], data)
+    figure.get_layout_engine().set(h_pad=0.12)
     save_figure(figure, target, 150)
 
 

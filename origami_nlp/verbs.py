@@ -32,11 +32,11 @@ _OF_A_PATTERN = {
 }
 _OF_A_SCENE = {
     "full": "states of a pattern keep no symmetry: each is judged among all of them",
-    "prove": "lists of a pattern are not proved, those of one vertex are (read_fold_scene, --vertex)",
     "guesses": "a state of a pattern is judged by classify",
     "fewest_starts": "of a pattern, starts says when the search ends",
     "workers": "a pattern is searched in one process",
     "progress": "a pattern reports no progress",
+    "found": "a pattern reports no progress",
 }
 """What only the one or the other takes, and why."""
 
@@ -58,6 +58,7 @@ def find_minima(
     noise: float | None = ...,
     workers: int | None = ...,
     progress: Callable[[int, int, int], None] | None = ...,
+    found: Callable[[float, np.ndarray], object] | None = ...,
 ) -> MinimaResult: ...
 @overload
 def find_minima(
@@ -69,6 +70,7 @@ def find_minima(
     max_starts: int | None = ...,
     starts: int | None = ...,
     contact: str | None = ...,
+    prove: bool | float | ProofOptions | None = ...,
     seconds: float | None = ...,
     escape: bool = ...,
     noise: float | None = ...,
@@ -110,11 +112,14 @@ def find_minima(
         Say what it takes to leave each minimum (its ``escape``); False: do not.
     noise
         Standard deviation [degrees] of random errors: how many of 20 draws each minimum survives.
+    prove
+        Whether to prove that no minimum is missing: of a vertex, or of a strip of vertices of degree four.  None: where
+        it is cheap.
     others
         Of a scene alone: ``fewest_starts``, ``guesses``, ``full`` (judge each without the symmetry; None: up to 12
-        creases and 64 states), ``prove``, ``workers``, ``progress``, see
-        `minima.find_minima`.  Of a pattern alone: ``starts`` (random starts in a row that find
-        nothing new, in place of the effort) and ``contact`` (``"full"``, or ``"fold-limits"``: facets may cross).
+        creases and 64 states), ``workers``, ``progress`` and ``found`` (called with each minimum as it is found), see
+        `minima.find_minima`.  Of a pattern alone: ``starts`` (random starts in a row that find nothing new, in place of
+        the effort) and ``contact`` (``"full"``, or ``"fold-limits"``: facets may cross).
 
     Returns
     -------
@@ -152,8 +157,6 @@ def find_minima(
         one = isinstance(stated, Scene)
         find: Any = minima.find_minima if one else minima.find_vertexwise
         return find(stated, **both)  # type: ignore[no-any-return]
-    if given.get("prove") is False:  # lists of a pattern never are
-        del given["prove"], both["prove"]
     refuse("pattern", _OF_A_SCENE, **given)
     if "contact" in both:
         both["contact"] = _facets_apart(both["contact"])

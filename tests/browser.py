@@ -34,15 +34,15 @@ class Browser:
         self.errors: list[str] = []
         self.asked: list[str] = []
 
-    def open(self, file: Path, width: int = 1280, height: int = 1000) -> None:
-        """Open a file and wait until it is loaded."""
+    def open(self, file: Path, width: int = 1280, height: int = 1000, fragment: str = "") -> None:
+        """Open a file, at a fragment such as ``#turning``, and wait until it is loaded."""
         target = self.call("Target.createTarget", url="about:blank")["targetId"]
         attached = self.call("Target.attachToTarget", targetId=target, flatten=True)
         self._session = attached["sessionId"]
         for domain in ("Runtime", "Log", "Network", "Page"):
             self.call(f"{domain}.enable")
         self.resize(width, height)
-        self.call("Page.navigate", url=file.as_uri())
+        self.call("Page.navigate", url=file.as_uri() + fragment)
         self.until("document.readyState === 'complete'")
 
     def resize(self, width: int, height: int) -> None:

@@ -111,7 +111,9 @@ _kept = by_scene(SEARCH)
 
 def minima_once(scene: Scene, **options: Any) -> MinimaResult:
     """Return `find_minima(scene, **options)`, the same for the same question; no progress is reported."""
-    asked = {k: v for k, v in options.items() if k != "progress" and v != DEFAULTS[k]}
+    asked = {
+        k: v for k, v in options.items() if k not in ("progress", "found") and v != DEFAULTS[k]
+    }
     if scene in PANELS and set(asked) <= {"full"}:
         found = panel_result(scene, full=asked.get("full") is not False)
         return dataclasses.replace(

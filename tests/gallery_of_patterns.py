@@ -32,7 +32,7 @@ SHEETS = {
 HEAD = f"""# Sheets by name
 
 Whole sheets with their springs, and the stable states of least energy of each: up to {SHOWN} energies, one state
-drawn for each. Energies are in millijoules: stiffnesses have the geometric mean 0.025 N m/rad, but for the metasheet.
+drawn for each. Energies are in joules: stiffnesses have the geometric mean 0.025 N m/rad, but for the metasheet.
 "States" counts those of this energy that the search found, which images under symmetries of the sheet are among. The
 barrier is what it takes to leave the first of them, see [patterns](how_to/pattern.md): "<=" is an upper bound, "?" is
 not determined.
@@ -69,7 +69,7 @@ def rows(result: MinimaResult) -> list[str]:
         at_limit = sum(c.type == "fold-limit" for c in first.contacts)
         held = [f"{len(touches)} pair{'s' * (len(touches) > 1)} of facets"] * bool(touches)
         held += [f"{at_limit} fold limit{'s' * (at_limit > 1)}"] * bool(at_limit)
-        energy = f"{1e3 * first.energy:.6g}" if first.energy > 1e-12 else "0"
+        energy = f"{first.energy:.6g}" if first.energy > 1e-12 else "0"
         cells = k, energy, len(states), first.kind, first.dof, barrier, ", ".join(held)
         lines.append("| " + " | ".join(map(str, cells)) + " |")
     return lines
@@ -86,7 +86,7 @@ def section(name: str, result: MinimaResult, seconds: float) -> str:
         "",
         f"![states of {name}](figures/sheets/{file}.png)",
         "",
-        "| # | energy [mJ] | states | kind | dof | barrier [J] | held by |",
+        "| # | energy [J] | states | kind | dof | barrier [J] | held by |",
         "|---|---:|---:|---|---:|---:|---|",
         *rows(result),
         "",
@@ -100,7 +100,7 @@ def section(name: str, result: MinimaResult, seconds: float) -> str:
 
 def title(number: int, state: JudgedState) -> str:
     """The title of a state's picture: energy, kind and escape barrier."""
-    head = f"{number}: {1e3 * state.energy:.4g} mJ, {state.kind}{', shallow' * state.shallow}"
+    head = f"{number}: {state.energy:.4g} J, {state.kind}{', shallow' * state.shallow}"
     return f"{head}\n{barrier_words(state.escape, 'J')}".rstrip()
 
 

@@ -124,6 +124,7 @@ CASES = [
     case(find_minima, "guesses", (*LISTS, [[0.0] * 5], [[math.nan] * 6], np.zeros(6)), "scene"),
     case(find_minima, "full", tuple(v for v in FLAGS if v is not None), "scene"),
     case(find_minima, "progress", CALLS, "scene"),
+    case(find_minima, "found", CALLS, "scene"),
     case(o.draw_minima, "result", (SCENE, *SCENES)),
     case(o.draw_minima, "path", PATHS, "result"),
     case(o.draw_minima, "size", (7, *WHOLES), "result"),

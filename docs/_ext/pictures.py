@@ -1,10 +1,12 @@
 """The pictures of README and documentation: `python docs/_ext/pictures.py [NAME ...]` draws them anew, from a checkout.
 
-Without names those that take seconds; ``all`` takes about an hour.
+Without names those that take seconds; ``all`` takes about half an hour.  Measured times are drawn as they were recorded
+(`docs/bench.json`, `docs/bench_patterns.json`), but for those of `time_budget`.
 """
 
 from __future__ import annotations
 
+import json
 import re
 import subprocess
 import sys
@@ -24,6 +26,7 @@ from matplotlib.patches import Circle
 import origami_nlp as o
 from origami_nlp.display import draw_state
 from origami_nlp.display.drawing import UPPER
+from origami_nlp.proof import draw_proof, prove
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -99,6 +102,14 @@ def own(name: str) -> None:
         draw_row(o.find_minima(o.examples.degree6("pi/3", ratio=1, symmetry="none")), path)
     elif name == "degree6_pi3":
         o.draw(o.find_minima(panel("pi/3 1"), full=True), path)
+    elif name == "metastable_degree8":
+        scene = o.examples.degree8("pi/12", ratio=0.01)
+        o.draw(o.find_segments(o.find_minima(scene)), path)
+    elif name == "proof_boxes":
+        vertex = o.Vertex.from_degrees((120, 33, 42, 111, 54))
+        stiffness, rest = (3.88, 9.16, 2.56, 1.53, 1.46), (-2.47, -0.74, 1.53, -1.78, 2.71)
+        model = o.Model(o.Scene(vertex, stiffness, rest, "none", "fold-limits"))
+        draw_proof(model, prove(model, record=True), pair=(0, 2)).savefig(path)
     else:
         family, alpha = re.fullmatch(r"space_(degree\d)_(\w+)", name).groups()
         vertex = getattr(o.examples, family)(alpha.replace("5pi", "5*pi").replace("_", "/"))
@@ -111,10 +122,23 @@ def by_command(*words: str) -> None:
 
 
 def reproduce(figure: str, name: str) -> None:
-    """Make one of the paper's figures anew."""
+    """Make one of the paper's figures anew; its landscapes as PDF too."""
     from studies import FIGURES
 
-    FIGURES[figure](figure, 0, lambda *_: None).figure.savefig(FOLDER / f"{name}.png", dpi=150)
+    drawn = FIGURES[figure](figure, 0, lambda *_: None).figure
+    for ending in (".png", ".pdf")[: 1 + name.startswith("figure")]:
+        drawn.savefig(FOLDER / f"{name}{ending}", dpi=150)
+
+
+def recorded(name: str) -> None:
+    """Draw the times of a recorded run."""
+    from benchmarks import PatternBench, draw_bench, draw_patterns
+
+    data = json.loads((FOLDER.parent / f"{name.replace('speed', 'bench')}.json").read_text())
+    if name == "speed":
+        draw_bench(data, FOLDER / "speed.png")
+    else:
+        draw_patterns(PatternBench.from_dict(data), FOLDER / "speed_patterns.png")
 
 
 PICTURES: dict[str, Callable[[str], None]] = {
@@ -150,18 +174,33 @@ PICTURES: dict[str, Callable[[str], None]] = {
     ),
     "examples": lambda _: by_command("tests.gallery"),
     "sheets": lambda _: by_command("tests.gallery_of_patterns"),
-    "states_degree6": lambda _: by_command("tests.bifurcation.maps"),
-    "speed_patterns": lambda _: by_command(
-        "benchmarks",
-        "patterns",
-        "-o",
-        "docs/bench_patterns.json",
-        "-o",
-        str(FOLDER / "speed_patterns.png"),
+    **{
+        f"states_{family}": lambda name: by_command(
+            "tests.bifurcation.maps", name.removeprefix("states_")
+        )
+        for family in ("degree6", "degree8")
+    },
+    "metastable_degree8": own,
+    "proof_boxes": own,
+    "barriers_merge_trees": lambda name: by_command(
+        "origami_nlp", "barriers", "panels", "--full", "-o", str(FOLDER / f"{name}.png")
+    ),
+    "speed": recorded,
+    "speed_patterns": recorded,
+    "time_budget": lambda name: by_command(
+        "benchmarks", "profile", "-o", str(FOLDER / f"{name}.png"), "-o", "-.md"
     ),
 }
-"""What makes each picture of the documentation; a few make several, and the tables beside them."""
-SLOW = ("examples", "sheets", "states_degree6", "speed_patterns", "grid_convergence")
+"""What makes each picture of the documentation; ``examples`` and ``sheets`` their folder and page."""
+SLOW = (
+    "examples",
+    "sheets",
+    "states_degree6",
+    "states_degree8",
+    "grid_convergence",
+    "barriers_merge_trees",
+    "time_budget",
+)
 """Made only by name, or with ``all``: minutes each."""
 
 if __name__ == "__main__":

@@ -20,7 +20,8 @@ from origami_nlp.barriers.graph import side_of_flat
 from origami_nlp.barriers.passes import PROVED, Pass, critical_at, slide
 from origami_nlp.barriers.refine import RefinedGraph
 from origami_nlp.barriers.result import Barriers, Join, Unlisted
-from origami_nlp.barriers.traced import pattern_barriers, vertex_barriers
+from origami_nlp.barriers.signs import pattern_barriers
+from origami_nlp.barriers.traced import vertex_barriers
 from origami_nlp.errors import OptionError
 from origami_nlp.kkt import State
 from origami_nlp.minima import (
@@ -56,8 +57,10 @@ def find_barriers(
     spacing: float | None = None,
     seed: int = 0,
 ) -> Barriers:
-    """Find the lowest pass between every two minima of a vertex (up to two degrees of freedom) or of a pattern (one).
+    """Find the lowest pass between every two minima of a vertex (up to two degrees of freedom) or of a pattern.
 
+    Of a pattern paths go along traced curves, and through states with a vertex flat: where two minima differ in the
+    sign of a vertex (`MinimaResult.signs`), every path passes one, which bounds the barrier from below.
     With one degree of freedom passes are those of all curves of closed states, exactly.  Of a vertex they join states
     that wind once round the axis, or `Scene.winding` times: no path within the symmetry leads to others.
 
@@ -82,8 +85,8 @@ def find_barriers(
     Raises
     ------
     OptionError
-        If a scene has dead loads or another number of symmetric degrees of freedom, a pattern minima with more than one
-        degree of freedom, or an argument is not what it must be.
+        If a scene has dead loads or another number of symmetric degrees of freedom, neither a curve nor a vertex with a
+        sign is known of a pattern, or an argument is not what it must be.
 
     Examples
     --------

@@ -9,6 +9,7 @@ in one state only that state itself is the pass.  A pass counts only with the ev
 from __future__ import annotations
 
 import itertools
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Literal
@@ -33,7 +34,12 @@ EVERY = "no lower path: all curves of the one degree of freedom are known"
 FOLLOWED = (
     "no lower path: motions from the first state follow traced curves, up to where others meet them"
 )
-LOWEST = (PROVED, EVERY, FOLLOWED)
+SIGNED = "no lower path: each makes a vertex flat at which the signs differ, in closed form that costs as much"
+LISTED = (
+    "no lower path over listed states: each makes a vertex flat at which the signs differ, and no state that was found "
+    "with it flat is lower"
+)
+LOWEST = (PROVED, EVERY, FOLLOWED, SIGNED)
 """What bounds a barrier from below by its own height."""
 PassKind = Literal["saddle", "contact saddle", "corner", "flat state", "singular", "mesh", "none"]
 OFF = (1e-2, 3e-2, 3e-3, 1e-3)
@@ -68,6 +74,11 @@ class Pass(ShortRepr):
         Height of the lowest path on the graph alone.
     why
         What bounds the barrier from below.
+    least
+        Of a pattern: energy that every path passes at least, as it makes a vertex flat at which the signs of the two
+        differ; nan where none does.
+    listed
+        The same by the states that were found with that vertex flat: no bound where these are not all.
     """
 
     from_state: int
@@ -81,6 +92,8 @@ class Pass(ShortRepr):
     path_energy: np.ndarray = field(repr=False)
     mesh_energy: Unbounded
     why: str
+    least: float = math.nan
+    listed: float = math.nan
 
     @property
     def is_lowest(self) -> bool:

@@ -12,7 +12,7 @@ import numpy as np
 
 from origami_nlp.barriers.full import FullPass
 from origami_nlp.barriers.graph import StateGraph
-from origami_nlp.barriers.passes import Pass, PassKind
+from origami_nlp.barriers.passes import LISTED, Pass, PassKind
 from origami_nlp.display import (
     Content,
     Details,
@@ -40,7 +40,7 @@ HEADS = (
 MOST_NAMED = 4
 """Minima whose barriers the verdict names."""
 MOST_STATES = 8
-"""Minima whose energies are printed below the passes."""
+"""Minima whose energies, and pairs whose bounds, are printed below the passes."""
 LONG_HEADS = (
     "scene",
     "pair",
@@ -91,6 +91,28 @@ class Unlisted:
     lands_on: int | None
 
 
+@dataclass(frozen=True)
+class FlatVertexBound:
+    """What it takes to make a vertex of a pattern flat: motions that change its sign do.
+
+    Attributes
+    ----------
+    vertex
+        As a file numbers it.
+    least
+        Energy of every state with it flat at least, in closed form.
+    listed
+        The least that was found; `least` where nothing was, or nothing is lower.
+    states
+        Stable ones with it flat that were found.
+    """
+
+    vertex: int
+    least: float
+    listed: float
+    states: int
+
+
 @dataclass(frozen=True, repr=False)
 class Barriers(Report, Viewable):
     """Passes for every pair of minima, the merge tree, and the graph that they came from.
@@ -110,6 +132,8 @@ class Barriers(Report, Viewable):
         The deepest basins of the graph without a listed minimum.
     full
         What is known of the barriers in the full space, for pairs of minima that are stable there, if asked for.
+    flat_vertices
+        Of a pattern, what it takes to make each vertex flat that has a sign.
 
     Examples
     --------
@@ -126,6 +150,7 @@ class Barriers(Report, Viewable):
     graph: StateGraph | None = field(default=None, metadata={"plain": False})
     unlisted: tuple[Unlisted, ...] = ()
     full: tuple[FullPass, ...] = ()
+    flat_vertices: tuple[FlatVertexBound, ...] = ()
 
     PICTURE, SCHEMA = "draw_barriers", "origami-nlp/landscape/2"
 
@@ -158,17 +183,18 @@ class Barriers(Report, Viewable):
         """How much energy it takes to leave the minima, in a sentence."""
         many = len(self.result.minima)
         words = f"{self.label}: {many} minim{'um' if many == 1 else 'a'}"
-        least: dict[int, tuple[float, str]] = {}
+        least: dict[int, tuple[float, str, str]] = {}
         for p in self.passes:
             for k, energy in zip((p.from_state, p.to_state), self._energies(p), strict=True):
-                rise = p.energy - energy, "" if p.is_lowest else "at most "
-                least[k] = min(least.get(k, (math.inf, "")), rise)
-        known = sorted((rise, bound, k) for k, (rise, bound) in least.items() if rise < math.inf)
+                listed = " over listed states" * (p.why == LISTED)
+                rise = p.energy - energy, "" if p.is_lowest or listed else "at most ", listed
+                least[k] = min(least.get(k, (math.inf, "", "")), rise)
+        known = sorted((*rise, k) for k, rise in least.items() if rise[0] < math.inf)
         if not known:
             return f"{words}, no pass between minima is known"
         kept = self.scene is not None and not self.scene.group.is_trivial
         group = f" on paths that keep {self.scene.group.name}" if kept and self.scene else ""
-        said = [f"{bound}{rise:.4g} J to leave #{k}" for rise, bound, k in known]
+        said = [f"{bound}{rise:.4g} J to leave #{k}{listed}" for rise, bound, listed, k in known]
         if len(said) > MOST_NAMED:
             return f"{words}; it takes from {said[0]} to {said[-1]}{group}"
         return f"{words}; it takes {', '.join(said)}{group}"
@@ -197,7 +223,9 @@ class Barriers(Report, Viewable):
     def _cells(self, p: Pass) -> tuple[str, ...]:
         pair = (f"#{p.from_state}", f"#{p.to_state}")
         if math.isinf(p.energy):
-            return (*pair, "-", "-", "-", "none", p.why)
+            known = not math.isnan(p.least)
+            least = (f">= {p.least - end:.6g}" if known else "-" for end in self._energies(p))
+            return (*pair, *least, "-", "none", p.why)
         rises = (f"{p.energy - end:.6g}" for end in self._energies(p))
         angles = ", ".join(f"{math.degrees(a) + 0.0:.2f}" for a in p.fold_angles)
         angles = "all 0" if p.pass_kind == "flat state" else angles
@@ -215,7 +243,10 @@ class Barriers(Report, Viewable):
         for p in self.passes:
             reasons.setdefault(p.why, []).append(f"#{p.from_state} - #{p.to_state}")
         for why, pairs in reasons.items():
-            yield f"{', '.join(pairs)}: {why}"
+            more = f" and {len(pairs) - MOST_STATES} more" if len(pairs) > MOST_STATES else ""
+            yield f"{', '.join(pairs[:MOST_STATES])}{more}: {why}"
+        if self.flat_vertices:
+            yield from self._flat_vertices()
         for basin in self.unlisted:
             if basin.lands_on is None:
                 yield f"a basin {basin.depth:.3g} J deep on the graph descends to no listed minimum"
@@ -226,6 +257,30 @@ class Barriers(Report, Viewable):
             heads = ("from", "to", "pass [J]", HEADS[-1])
             table = Table(heads, rows, "", "rrrL", framed=False, narrow=True)
             yield Details((table,), "Fold angles at the passes")
+
+    def _flat_vertices(self) -> Iterator[Section]:
+        """Say what it takes to make vertices flat, and what that bounds."""
+        heads = ("vertex", "at least [J]", "found [J]", "states")
+        rows = [
+            (f"{b.vertex}", f"{b.least:.9g}", f"{b.listed:.9g}" if b.states else "-", f"{b.states}")
+            for b in self.flat_vertices
+        ]
+        title = "energy with a vertex flat: paths that change its sign (+ or -, see minima) pass such a state"
+        yield Table(heads, rows, title, "rrrr", framed=False, narrow=True)
+        signs = self.result.signs
+        bounds = [
+            (
+                *self._cells(p)[:2],
+                f"{signs[p.from_state - 1]} {signs[p.to_state - 1]}",
+                "-" if math.isnan(p.least) else f"{p.least:.9g}",
+                "-" if math.isnan(p.listed) else f"{p.listed:.9g}",
+                f"{p.energy:.9g}" if math.isfinite(p.energy) else "-",
+            )
+            for p in self.passes
+        ]
+        names = ("from", "to", "signs", "at least [J]", "over listed states [J]", "pass [J]")
+        table = Table(names, bounds, "", "rrlrrr", framed=False, narrow=True)
+        yield Details((table,), "What bounds passes from below")
 
     def _rows(self) -> Iterator[dict[str, object]]:
         for p in self.passes:

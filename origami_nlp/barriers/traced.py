@@ -24,7 +24,10 @@ APART = 0.2
 """Length of a step of a path [rad]."""
 ASIDE = 0.9
 """The projected middle of a step is nearer to both ends than this share of its length."""
-EXPLICIT = "the lowest path on traced curves; others branch off them, or contact may be missed between states"
+EXPLICIT = (
+    "the lowest path that is known, on traced curves and through states with a vertex flat: contact may be missed "
+    "between its states, and lower ones are not excluded"
+)
 """That nothing bounds a barrier from below."""
 
 
@@ -47,51 +50,37 @@ def vertex_barriers(model: Any, result: MinimaResult) -> Barriers:
         raise OptionError(
             "the curves of the one degree of freedom could not be resolved: passes may be missing"
         )
-    return _barriers(model, result, found, 1.0, lambda i, j, height: EVERY)
+    return passes_over(model, result, found, 1.0, lambda i, j, height: EVERY)
 
 
-def pattern_barriers(result: MinimaResult) -> Barriers:
-    """Return the barriers of a pattern whose minima have one degree of freedom each, or none.
-
-    Raises
-    ------
-    OptionError
-        If some have more, or no curve of them is known.
-    """
-    loose = [k for k, m in enumerate(result.minima, start=1) if m.dof > 1]
-    if loose:
-        numbers = ", ".join(map(str, loose[:8])) + (", ..." if len(loose) > 8 else "")
-        raise OptionError(
-            f"minima {numbers} have more than one degree of freedom: barriers of a pattern are those on curves "
-            "(`escape` of each minimum has a bound)"
-        )
-    if not result.curves:
-        raise OptionError(
-            "no curve of states is known: barriers of a pattern need the result of a search, not one from a file"
-        )
+def pattern_passes(result: MinimaResult) -> tuple[Barriers, TracedPasses] | None:
+    """Return the barriers of a pattern on its traced curves, and these curves; None where none are known."""
     problem, states = result.model, np.array([m.fold_angles for m in result.minima])
-    traced = curve_passes(problem, result.curves, states)
-    assert traced is not None
+    traced = curve_passes(problem, result.curves, states) if len(states) else None
+    if traced is None:
+        return None
     scale = energy_scale(result.pattern.stiffness)
     level = level_of(problem.energies(states), scale) / problem.scale
 
     def why(i: int, j: int, height: float) -> str:
+        if result.minima[i].dof > 1:
+            return EXPLICIT
         sure = traced.sure.tree.barrier(i, j)
         known = sure is not None and sure.height <= height + level
         # over states at which other curves may leave, no more is known than that energy
         return FOLLOWED if known and traced.least(i, [j], level) >= height - level else EXPLICIT
 
-    return _barriers(problem, result, traced.passes, problem.scale, why)
+    return passes_over(problem, result, traced.passes, problem.scale, why), traced.passes
 
 
-def _barriers(
+def passes_over(
     problem: Any,
     result: Any,
     found: TracedPasses,
     unit: float,
     why: Callable[[int, int, float], str],
 ) -> Barriers:
-    """Return the passes of traced curves; unit: of their energies."""
+    """Return the passes over a graph of states; unit: of their energies."""
     many = len(result.minima)
     passes = tuple(
         _between(problem, found, unit, i, j, why) for i in range(many) for j in range(i + 1, many)
@@ -134,7 +123,8 @@ def _between(
     merge = found.tree.barrier(i, j)
     if merge is None:
         none = np.zeros((0, len(problem.expand(found.states[0]))))
-        words = "no curve of admissible states leads from one to the other"
+        every = why(i, j, math.inf) == EVERY
+        words = "no curve leads from one to the other" if every else "no admissible path is known"
         return Pass(
             i + 1, j + 1, math.inf, "none", (), (), math.nan, none, none[:, 0], math.inf, words
         )

@@ -41,7 +41,7 @@ _OF_A_PATTERN = {"starts": "the effort says how many starts a vertex gets"}
 _OF_A_SCENE = {
     "full": "states of a pattern keep no symmetry",
     "morse": "critical points of a pattern are not counted",
-    "prove": "lists of a pattern are not proved",
+    "prove": "lists along a parameter are not proved for patterns",
 }
 """What only the one or the other takes, and why."""
 JUDGING = 0.1

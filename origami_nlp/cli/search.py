@@ -33,13 +33,17 @@ def search(
         )
     label = origami.label if isinstance(origami, Scene) else origami.name
     with progress(label or str(name)) as show:
+        energies: list[float] = []
 
         def report(starts: int, found: int, once: int) -> None:
-            show(text=f"{starts} starts, {found} minima, {once} of them reached once")
+            listed = ", ".join(f"{energy:.4g}" for energy in sorted(energies))
+            shown = f" (energies {listed})" if energies and terminal else ""
+            show(text=f"{starts} starts, {found} minima{shown}, {once} of them reached once")
 
         given = {option: value for option, value in options.items() if value is not None}
         if vertex:
             given["progress"] = report
+            given["found"] = lambda energy, _: energies.append(energy)
         with paused() as left:
             if left is not None:
                 given["seconds"] = left

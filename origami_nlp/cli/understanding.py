@@ -227,8 +227,9 @@ def barriers(
 ) -> None:
     """Find the lowest pass between every two minima of ORIGAMI, and a path through it.
 
-    Of a vertex with up to two degrees of freedom, or of a pattern with one.  With --full the barriers without the
-    symmetry are bounded as well.
+    Of a vertex with up to two degrees of freedom, or of a pattern: along traced curves, and through states with a
+    vertex flat, which bound barriers from below where the signs of that vertex differ.  With --full the barriers of a
+    vertex without the symmetry are bounded as well.
     """
     from origami_nlp.barriers import (
         barriers_table,

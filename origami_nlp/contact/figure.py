@@ -64,7 +64,7 @@ def draw_contacts(
         for push, words in ((True, "contact that pushes"), (False, "contact that only touches"))
         if push in pushing
     ]
-    handles += crease_legend()
+    handles += crease_legend([(model.scene.vertex, phi)])
     drawn = WIDTH * drawn_height(model.scene.vertex, phi)
     legend, head = 0.21 * math.ceil(len(handles) / 2) + 0.1, 0.3 if title else 0.05
     height = head + drawn + 0.1 + legend

@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 import os
 import shutil
+import subprocess
 import tempfile
 from collections.abc import Iterator
 from pathlib import Path
@@ -96,7 +97,7 @@ def write_animation(content: Content, target: str | os.PathLike[str]) -> None:
     Raises
     ------
     OptionError
-        If there is no state, the body is no single vertex, or the file cannot be written.
+        If there is no state, the body is no single vertex, ffmpeg fails, or the file cannot be written.
     """
     check_type("content", content, Content)
     check_path("target", target)
@@ -114,10 +115,16 @@ def write_animation(content: Content, target: str | os.PathLike[str]) -> None:
     writer = PillowWriter(RATE) if ending == ".gif" else FFMpegWriter(RATE)
     with tempfile.TemporaryDirectory() as folder:
         film_file = os.path.join(folder, f"film{ending}")
-        with writer.saving(figure, film_file, DPI):
-            for shot in shots:
-                draw_shot(figure, content.title, shot)
-                writer.grab_frame()
+        try:
+            with writer.saving(figure, film_file, DPI):
+                for shot in shots:
+                    draw_shot(figure, content.title, shot)
+                    writer.grab_frame()
+        except (subprocess.CalledProcessError, BrokenPipeError) as error:
+            said = (getattr(error, "stderr", "") or "it ended early").strip().splitlines()[-1]
+            raise OptionError(
+                f"animation = {str(target)!r}: ffmpeg failed ({said}): use .gif"
+            ) from None
         write_whole(target, Path(film_file).read_bytes())
 
 

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import itertools
 import math
+from collections.abc import Iterable
 from functools import lru_cache
 from typing import Any
 
@@ -28,6 +29,8 @@ PIXELS = 560
 """Side of the painted picture."""
 DASH, GAP = 0.085, 0.055
 """Of valley creases [of the unit radius]."""
+COARSE = 120
+"""Pixels along a side of a picture that is only asked for what it shows."""
 PALE = 0.5
 """Strength of the number of a crease whose end is hidden."""
 LIGHT = np.array([-0.35, 0.55, 0.76])
@@ -154,8 +157,13 @@ def _placed(
     return pose, labels, corner, side, float(low[1])
 
 
-def crease_legend() -> list[Any]:
+def crease_legend(states: Iterable[tuple[Vertex, np.ndarray]] | None = None) -> list[Any]:
     """Return legend entries for the creases and the sides of the paper.
+
+    Parameters
+    ----------
+    states
+        Vertices with fold angles, shape [N] [rad], that are drawn: entries for what is seen of them; None: all.
 
     Returns
     -------
@@ -163,12 +171,26 @@ def crease_legend() -> list[Any]:
         Handles with labels.
     """
     dashes = (0, (2.2, 1.3))
-    return [
+    entries = [
         Line2D([], [], color=MOUNTAIN, linewidth=2.2, label="mountain"),
         Line2D([], [], color=VALLEY, linewidth=2.2, linestyle=dashes, label="valley"),
         patch(UPPER, "upper side"),
         patch(LOWER, "lower side"),
     ]
+    if states is None:
+        return entries
+    seen = np.any([_seen(vertex, np.asarray(phi)) for vertex, phi in states], axis=0)
+    return [entry for entry, there in zip(entries, seen, strict=True) if there]
+
+
+def _seen(vertex: Vertex, phi: np.ndarray) -> tuple[bool, bool, bool, bool]:
+    """Whether a picture shows mountains, valleys, the upper side and the lower side."""
+    pose, _, corner, side, _ = _placed(vertex, tuple(phi.tolist()))
+    x, y = (corner[k] + side * np.linspace(0, 1, COARSE, dtype=np.float32) for k in (0, 1))
+    depths = np.array([_facet_depth(pose, f, x, y) for f in range(len(phi))])
+    front = depths.argmax(axis=0)[np.isfinite(depths).any(axis=0)]
+    upper = pose.normals[front, 2] >= 0
+    return bool((phi < 0).any()), bool((phi > 0).any()), bool(upper.any()), not upper.all()
 
 
 def _hidden_ends(pose: Pose) -> list[bool]:

@@ -26,7 +26,7 @@ from origami_nlp.display.drawing import (
 )
 from origami_nlp.display.folded_pattern import pattern_view
 from origami_nlp.display.style import PUSHES
-from origami_nlp.display.touches import contact_places, mark_touches, touching_facets
+from origami_nlp.display.touches import TINT, contact_places, mark_touches, touching_facets
 from origami_nlp.kkt import ContactForce
 from origami_nlp.numerics import CLOSURE_TOL
 from origami_nlp.pattern import Pattern
@@ -43,8 +43,6 @@ DASH, PERIOD = 0.014, 0.022
 """Of valleys, as shares of the picture."""
 LAYER = 1e-5
 """Of layers that lie on each other within this share of the picture, the first is shown."""
-TINT = 0.3
-"""Share of the colour of contacts in that of facets that touch."""
 MOST_ORDERED = 400
 """Polygons up to which layers are ordered for a picture."""
 BEFORE = 4e-3

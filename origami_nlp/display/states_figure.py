@@ -168,6 +168,9 @@ class StatesDrawn:
         """Return entries of a legend: creases, sides of the paper, and contacts that are marked."""
         if not self.titles:
             return []
+        shown = self.fold_angles[: len(self.titles)]
+        if isinstance(self.origami, Scene):
+            return crease_legend([(self.origami.vertex, phi) for phi in shown])
         return [*crease_legend(), *contact_legend(chain(*self.contacts[: len(self.titles)]))]
 
 

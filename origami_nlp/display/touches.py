@@ -6,10 +6,12 @@ from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from matplotlib.colors import to_hex, to_rgb
 from matplotlib.lines import Line2D
 from matplotlib.patheffects import withStroke
 
-from origami_nlp.display.style import IDLE, PUSHES
+from origami_nlp.display.drawing import UPPER
+from origami_nlp.display.style import IDLE, PUSHES, patch
 from origami_nlp.kkt import ContactForce
 from origami_nlp.numerics import CARRIES, INDEPENDENT
 from origami_nlp.pattern import Pattern
@@ -30,6 +32,10 @@ LOOKS: dict[str, dict[str, Any]] = {
     REST: {**RING, "mec": IDLE, "mfc": "white"},
 }
 """Marks by how contacts push."""
+TINT = 0.3
+"""Share of the colour of contacts in that of facets that touch."""
+TOUCHING = to_hex((1 - TINT) * np.array(to_rgb(UPPER)) + TINT * np.array(to_rgb(PUSHES)))
+"""Upper side of facets that touch."""
 
 
 def touching_facets(contacts: Sequence[ContactForce]) -> list[int]:
@@ -123,10 +129,11 @@ def mark_touches(
                       va="bottom" if up > 0 else "top", fontsize=9, path_effects=around, zorder=6)  # fmt: skip
 
 
-def contact_legend(contacts: Iterable[ContactForce]) -> list[Line2D]:
+def contact_legend(contacts: Iterable[ContactForce]) -> list[Any]:
     """Return what the marks of contacts mean, those that occur."""
     met = {_how(c) for c in contacts if not c.is_limit}
-    return [Line2D([], [], label=how, **look) for how, look in LOOKS.items() if how in met]
+    marks = [Line2D([], [], label=how, **look) for how, look in LOOKS.items() if how in met]
+    return [*marks, patch(TOUCHING, "facets that touch")] if met else marks
 
 
 def _how(contact: ContactForce) -> str:

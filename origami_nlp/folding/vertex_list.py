@@ -116,7 +116,8 @@ def print_vertices(lists: Sequence[VertexList], screen: Screen) -> None:
         frame = one.frame
         kind = "folded form" if frame.folded else "crease pattern"
         title = f"frame {frame.number} ({kind}){': ' + frame.title if frame.title else ''}"
-        title += f": {len(one.vertices)} interior vertices with creases"
+        many = len(one.vertices)
+        title += f": {many} interior {'vertex' if many == 1 else 'vertices'} with creases"
         rows = [_row(v, folds) for v, folds in zip(one.vertices, one.flat, strict=True)]
         screen.print_rows(title, HEADS, rows, left=WORDS, tables=len(lists))
         said = [f"note: {note}" for note in one.notes]

@@ -61,7 +61,7 @@ SHORTEST = 1e-6
 
 
 STOPPED = Classification("undecided", None, "the descent was stopped on its way", 0)
-Way: TypeAlias = tuple[tuple[Contact, ...], np.ndarray, tuple[Contact, ...]]
+DescentDirection: TypeAlias = tuple[tuple[Contact, ...], np.ndarray, tuple[Contact, ...]]
 RISE = 1e-7
 """Relative rise of the energy that is allowed to the end of a path when it is polished."""
 
@@ -265,14 +265,16 @@ def _length(d: np.ndarray, curved: bool) -> float:
     return float(np.abs(d).max(initial=0.0) if curved else np.linalg.norm(d))
 
 
-def _ways_down(state: State, ahead: tuple[Contact, ...], curved: bool) -> Iterator[Way]:
+def _ways_down(
+    state: State, ahead: tuple[Contact, ...], curved: bool
+) -> Iterator[DescentDirection]:
     """Go through steps down: contacts that they keep open, `ahead` among them, the step [n], and what it keeps closed.
 
     Of each piece that meets here one; where these are too many to be listed the contacts of all pieces come first, and
     those of a choice are added where the step passes it (branch and bound, steepest first).
     """
 
-    def way(rows: tuple[Contact, ...]) -> Way:
+    def way(rows: tuple[Contact, ...]) -> DescentDirection:
         rows = tuple(dict.fromkeys((*rows, *ahead)))
         return rows, *_pull(state.on(rows), curved)
 

@@ -18,7 +18,7 @@ from origami_nlp.continuation import ContinuationOptions, ParameterLine, Special
 from origami_nlp.errors import OptionError
 from origami_nlp.kkt import Classification, State, follow
 from origami_nlp.minima import JudgedState, find_minima, full_scene
-from origami_nlp.numerics import first_largest
+from origami_nlp.numerics import SETTLED, first_largest
 from origami_nlp.pattern import Scene, dead_loads
 from origami_nlp.problem import Model, Parameters
 
@@ -29,6 +29,8 @@ BRANCHES = ("branching", "breaks-symmetry")
 OFF_BRANCH = 1e-3
 """How far beside such a state a descent begins [rad]."""
 CUT = "seconds: the time was over before the search for the state at load 0 was through: give more"
+IDENTITY = ((0, False),)
+"""The symmetry that every state keeps."""
 SIDE = 0.01
 """Torque over `Model.scale`, or factor over that of the snap, between a snap and the searches beside it."""
 
@@ -267,3 +269,15 @@ class VertexDriver:
     def states_at(self, t: float, search: LoadSearch) -> list[np.ndarray]:
         """Return the fold angles of the minima at t."""
         return [np.array(m.fold_angles) for m in self._minima(t, search)]
+
+
+def image_of(n: int, element: tuple[int, bool]) -> np.ndarray:
+    """Return the creases (0-based) whose fold angles those of the image of a state are, [n]."""
+    shift, mirrored = element
+    i = np.arange(n)
+    return (shift - i if mirrored else shift + i) % n
+
+
+def kept_by(elements: Sequence[tuple[int, bool]], phi: np.ndarray) -> tuple[tuple[int, bool], ...]:
+    """Return the symmetries that a state of all fold angles keeps."""
+    return tuple(e for e in elements if np.abs(phi[image_of(len(phi), e)] - phi).max() <= SETTLED)

@@ -11,7 +11,14 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from origami_nlp.arguments import check_type
-from origami_nlp.bifurcation import draw_ranges, event_look, kinds_legend
+from origami_nlp.bifurcation import (
+    EVENT_WORDS,
+    PathBranch,
+    PathPoint,
+    draw_ranges,
+    event_look,
+    kinds_legend,
+)
 from origami_nlp.display import draw_pattern_state, label_text
 from origami_nlp.kkt import ContactForce, State, contact_forces
 from origami_nlp.loading.result import LoadPath
@@ -22,6 +29,9 @@ PICTURE_WIDTH = 9.6
 TALL, MOST_DRAWN = 2.9, 4
 """Of the row of folded states [inches], and how many there are."""
 PATH, SNAP = "#222222", "#c1121f"
+TANGENT: Any = {"color": "#7b2d8b", "lw": 1.1, "ls": (0, (4, 2))}
+TANGENT_SHARE = 0.2
+"""Of the loads that are shown, to either side of the start, along which the stiffness there is drawn."""
 
 
 def draw_load(path: LoadPath) -> Figure:
@@ -100,7 +110,10 @@ def carried_at(problem: Any, phi: np.ndarray) -> tuple[ContactForce, ...]:
 def _lines(path: LoadPath) -> tuple[list[str], float]:
     """Return what is said of each event, and how tall it is [inches]."""
     shown = _shown_events(path)
-    lines = [f"{e.id}  {e.type} {e.t:.9g}" + (f": {e.contact}" if e.contact else "") for e in shown]
+    lines = [
+        f"{e.id}  {EVENT_WORDS.get(e.type, e.type)}, {e.t:.9g}{f': {e.contact}' * bool(e.contact)}"
+        for e in shown
+    ]
     lines = ["\n    ".join(textwrap.wrap(line, 58)) for line in lines]
     rows = math.ceil(len(lines) / 2)
     tall = sum(max(line.count("\n") + 1 for line in lines[2 * k : 2 * k + 2]) for k in range(rows))
@@ -160,12 +173,15 @@ def _curve(axes: Any, path: LoadPath, shown: list[int]) -> None:
         t = np.array([p.t for p in branch.points])
         x = _angles(path, [p.fold_angles for p in branch.points])
         draw_ranges(axes, branch, x, t)
+        _dot_unstable(axes, branch, x, t)
     for leg in path.legs:
         x, t = (
             _angles(path, [p.fold_angles for p in leg.points]),
             np.array([p.t for p in leg.points]),
         )
         axes.plot(x, t, color=PATH, lw=6, alpha=0.13, solid_capstyle="round", zorder=1)
+    if math.isfinite(path.start_stiffness):
+        _tangent(axes, path)
     for snap in path.snaps:
         a, b = _angles(path, [snap.before, snap.after])
         axes.annotate(
@@ -173,6 +189,7 @@ def _curve(axes: Any, path: LoadPath, shown: list[int]) -> None:
             arrowprops={"arrowstyle": "-|>", "color": SNAP, "lw": 1.4, "shrinkA": 2, "shrinkB": 2},
             zorder=4,
         )  # fmt: skip
+        axes.plot(a, snap.t, "o", ms=9, mfc="none", mec=SNAP, zorder=6)  # of angles that stay, too
     named: dict[tuple[float, float], list[str]] = {}
     for event in path.events:
         if event.id not in shown:
@@ -190,10 +207,43 @@ def _curve(axes: Any, path: LoadPath, shown: list[int]) -> None:
     axes.grid(True, lw=0.3, color="#dddddd")
     axes.tick_params(labelsize=8)
     handles = kinds_legend(path.branches)
+    if any(_is_broken(p) for b in path.branches for p in b.points):
+        label = "dotted: stable only with its symmetry"
+        handles.append(Line2D([], [], color="#888888", lw=1.8, ls=(0, (1, 1.0)), label=label))
     handles.append(Line2D([], [], color=PATH, lw=6, alpha=0.13, label="the path"))
     if path.snaps:
-        handles.append(Line2D([], [], color=SNAP, label="snap"))
+        at = list(dict.fromkeys(f"{s.t:.4g}" for s in path.snaps))[:MOST_DRAWN]
+        label = f"snap at {', '.join(at)} {path.driver.unit}".rstrip()
+        handles.append(Line2D([], [], color=SNAP, label=label))
+    if math.isfinite(path.start_stiffness):
+        label = f"stiffness at the start\n{path.start_stiffness:.4g} {path.stiffness_unit}"
+        handles.append(Line2D([], [], **TANGENT, label=label))
     axes.legend(handles=handles, fontsize=7.5, framealpha=0.85)
+
+
+def _is_broken(point: PathPoint) -> bool:
+    """Whether a state gives way to motions that break its symmetry."""
+    return point.full_space_eigenvalue < 0
+
+
+def _dot_unstable(axes: Any, branch: PathBranch, x: np.ndarray, t: np.ndarray) -> None:
+    """Cut the lines of states that are stable but for their symmetry into dots."""
+    broken = np.zeros(len(x), dtype=bool)
+    for r in branch.kind_ranges:
+        for k in range(r.points[0], r.points[1] + 1):
+            broken[k] |= r.stable and _is_broken(branch.points[k])
+    if broken.any():
+        rest = np.where(broken, x, np.nan)
+        axes.plot(rest, t, color="white", lw=1.4, ls=(0, (1, 1.5)), zorder=2.5)
+
+
+def _tangent(axes: Any, path: LoadPath) -> None:
+    """Draw the line of the stiffness at the start, over a share of the loads that are shown."""
+    start, (low, high) = path.legs[0].points[0], _range(path)
+    ends = np.array([-1.0, 1.0]) * TANGENT_SHARE * (high - low)
+    where = start.angle + ends / path.start_stiffness
+    turned = path.driver.coordinate.endswith("[rad]")
+    axes.plot(np.degrees(where) if turned else where, start.t + ends, **TANGENT, zorder=3)
 
 
 def _energy(axes: Any, path: LoadPath) -> None:

@@ -29,7 +29,14 @@ from origami_nlp.continuation import (
 )
 from origami_nlp.errors import OUT_OF_TIME
 from origami_nlp.kkt import Classification, State, classify
-from origami_nlp.loading.driver import BRANCHES, LoadSearch, VertexDriver
+from origami_nlp.loading.driver import (
+    BRANCHES,
+    IDENTITY,
+    LoadSearch,
+    VertexDriver,
+    image_of,
+    kept_by,
+)
 from origami_nlp.loading.pattern_driver import PatternDriver
 from origami_nlp.loading.records import PITCHFORK, ConfirmedSnap, Leg, LoadPoint, Snap
 from origami_nlp.loading.result import LoadPath
@@ -39,6 +46,7 @@ from origami_nlp.loading.stable_path import (
     position,
     release,
     restabilises,
+    stiffness_at,
     walk,
 )
 from origami_nlp.modes import breaking_stiffness
@@ -46,11 +54,9 @@ from origami_nlp.numerics import NEAR_SINGULAR_TOL, SETTLED, coarse
 
 MOST_SNAPS = 20
 """Of one path: more are taken for a mistake."""
-IDENTITY = ((0, False),)
-"""The symmetry that every state keeps."""
 
 
-class Way(NamedTuple):
+class Run(NamedTuple):
     """Stable states that the load passes in one space, one way, and the number of the snap that ends them.
 
     branches_off: whether the first of them is a bifurcation.
@@ -104,7 +110,7 @@ class FollowedLoad:
             lazy=self.lazy,
             until=until,
         )
-        self.ways: list[Way] = [] if home is None else home.ways
+        self.ways: list[Run] = [] if home is None else home.ways
         self.falls: list[Fall] = [] if home is None else home.falls
         self.alarms: list[str] = [] if home is None else home.alarms
 
@@ -212,7 +218,7 @@ class FollowedLoad:
             way = walk(self.web, x, s, toward, end, self.across)
             if self.web.interrupted and (way is None or way.why in (LATE, "snap")):
                 if way is not None and len(way.frames) > 1:
-                    self.ways.append(Way(self, replace(way, why=LATE), toward, None))
+                    self.ways.append(Run(self, replace(way, why=LATE), toward, None))
                 self.alarms.append(f"{OUT_OF_TIME}: the path goes on from where it ends here")
                 return None
             if way is None:
@@ -222,13 +228,13 @@ class FollowedLoad:
             way, before = replace(way, frames=(*before, *way.frames)), ()
             lost = self._lost(way)
             if lost is None:
-                self.ways.append(Way(self, way, toward, None, begun))
+                self.ways.append(Run(self, way, toward, None, begun))
                 last = way.frames[-1]
                 return (self, last.state, last.s) if way.why == "range" else None
             into, node = lost
             landed = release(into.web, node, toward, into.driver)
             if isinstance(landed, str):
-                self.ways.append(Way(self, way, toward, None, begun))
+                self.ways.append(Run(self, way, toward, None, begun))
                 if way.why == "snap":
                     self.alarms.append(
                         f"no certified minimum was reached from the end at {node.s:.9g}: {landed}"
@@ -241,15 +247,15 @@ class FollowedLoad:
                 led = walk(into.web, x, s, -toward, self.high if toward < 0 else self.low)
                 if led is not None and into.meets(led, self.web.nodes[way.node], self):
                     # stable states branch off there: the load goes on along them
-                    self.ways.append(Way(self, replace(way, why=PITCHFORK), toward, None, begun))
+                    self.ways.append(Run(self, replace(way, why=PITCHFORK), toward, None, begun))
                     return into.go(x, s, end, once=once, before=led.frames[:0:-1])
                 if self._continuous(way, into, x, s):
-                    self.ways.append(Way(self, way, toward, None, begun))
+                    self.ways.append(Run(self, way, toward, None, begun))
                     words = f"what branches off at load {node.s:.9g} was not followed"
                     self.alarms.append(words)
                     return None
             self.falls.append(Fall(self, way.node, into, x, s, what))
-            self.ways.append(Way(self, replace(way, why="snap"), toward, len(self.falls), begun))
+            self.ways.append(Run(self, replace(way, why="snap"), toward, len(self.falls), begun))
             if not self.web.low <= s <= self.web.high:
                 return None
             into.begin(x, s, toward, follow=not (once and into.lazy))
@@ -285,11 +291,11 @@ class FollowedLoad:
             return x, self
         problem = self.web.line.problem
         phi, at = problem.expand(x), problem.expand(node.point[:-1])
-        keeping = _kept(root.elements, at)
+        keeping = kept_by(root.elements, at)
         image = max(
-            (phi[_image(len(phi), e)] for e in keeping), key=lambda y: tuple(coarse(y).tolist())
+            (phi[image_of(len(phi), e)] for e in keeping), key=lambda y: tuple(coarse(y).tolist())
         )
-        into = self.keeping(_kept(root.elements, image))
+        into = self.keeping(kept_by(root.elements, image))
         return into.reduced(image), into
 
     def reduced(self, phi: np.ndarray) -> np.ndarray:
@@ -351,9 +357,9 @@ class FollowedLoad:
             return False
         x, y = np.array(a.fold_angles), np.array(b.fold_angles)
         near = NEAR_SINGULAR_TOL if branching else SETTLED
-        return any(np.abs(x[_image(len(x), e)] - y).max() <= near for e in self.elements)
+        return any(np.abs(x[image_of(len(x), e)] - y).max() <= near for e in self.elements)
 
-    def leg(self, way: Way) -> Leg:
+    def leg(self, way: Run) -> Leg:
         """Pack the states of a way."""
         points = []
         for frame in way.segment.frames:
@@ -369,7 +375,11 @@ class FollowedLoad:
             points.append(self._point(node.s, self.web.line.at(node.s).expand(node.point[:-1])))
         judged = self._judged(way.segment, int(way.branches_off))
         keeps = self.driver.scene.group.name if isinstance(self.driver, VertexDriver) else ""
-        return Leg(int(way.toward), tuple(points), way.segment.why, way.snap, *judged, keeps)
+        stiff = math.nan
+        if not way.branches_off and len(way.segment.frames) > 1:
+            stiff = stiffness_at(way.segment.frames[0], self.web.root, self.driver)
+        whole = way.segment.why, way.snap, *judged, keeps, stiff
+        return Leg(int(way.toward), tuple(points), *whole)
 
     def _point(self, t: float, phi: np.ndarray, eigenvalue: float = math.nan) -> LoadPoint:
         angle, energy = float(self.driver.conjugate(phi)), float(self.driver.unloaded.energy(phi))
@@ -464,15 +474,3 @@ class FollowedLoad:
             return None
         best = min(states, key=lambda f: float(np.abs(f.state - near.state).max()))
         return np.asarray(best.problem.expand(best.state))
-
-
-def _image(n: int, element: tuple[int, bool]) -> np.ndarray:
-    """Return the creases (0-based) whose fold angles those of the image of a state are, [n]."""
-    shift, mirrored = element
-    i = np.arange(n)
-    return (shift - i if mirrored else shift + i) % n
-
-
-def _kept(elements: Sequence[tuple[int, bool]], phi: np.ndarray) -> tuple[tuple[int, bool], ...]:
-    """Return the symmetries that a state of all fold angles keeps."""
-    return tuple(e for e in elements if np.abs(phi[_image(len(phi), e)] - phi).max() <= SETTLED)

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 
-from origami_nlp.io import ShortRepr
+from origami_nlp.io import ShortRepr, Unbounded
 
 PITCHFORK = "pitchfork"
 """Why a leg ends where stable states branch off, along which the load goes on."""
@@ -116,6 +117,9 @@ class Leg(ShortRepr):
         First load at which it is not stable there; None where it is.
     symmetry
         That its states keep, such as ``"D2"``; ``"none"``, of a pattern empty.
+    stiffness
+        Derivative of the load by what it works on where the leg begins [N m/rad, N/m, or 1/m of a factor]; inf where
+        that stays, nan at a bifurcation, and where no state goes on.
     """
 
     toward: int
@@ -125,3 +129,4 @@ class Leg(ShortRepr):
     full_space: str
     full_space_from: float | None
     symmetry: str = ""
+    stiffness: Unbounded = math.nan

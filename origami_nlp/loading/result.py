@@ -96,7 +96,7 @@ class LoadPath(Report, Viewable):
     evaluations: int
 
     PICTURE, TURNED, SCHEMA = "draw_load", "view_path", "origami-nlp/load/2"
-    ALSO = ("dissipated", "interrupted")
+    ALSO = ("dissipated", "interrupted", "start_stiffness", "stiffness_unit")
 
     @property
     def interrupted(self) -> bool:
@@ -165,6 +165,8 @@ class LoadPath(Report, Viewable):
             narrow=True,
         )
         yield table
+        if math.isfinite(self.start_stiffness):
+            yield f"stiffness at the start: {self.start_stiffness:.5g} {self.stiffness_unit}"
         for number, snap in enumerate(self.snaps, start=1):
             after = " ".join(f"{math.degrees(a) + 0.0:.2f}" for a in snap.after)
             many = len(snap.after) > MOST_ANGLES
@@ -194,6 +196,17 @@ class LoadPath(Report, Viewable):
         more = len(self.snaps) - len(at)
         words += f" snaps at {' and '.join(at)}{f' and {more} more loads' if more else ''}{unit}"
         return f"{words}, losing {self.dissipated:.6g} J{' in all' if len(self.snaps) > 1 else ''}"
+
+    @property
+    def start_stiffness(self) -> float:
+        """Stiffness of the state that is loaded, against the load, see `Leg`."""
+        return self.legs[0].stiffness if self.legs else math.nan
+
+    @property
+    def stiffness_unit(self) -> str:
+        """Unit of stiffness: of the load over that of what it works on."""
+        over = "rad" if self.driver.coordinate.endswith("[rad]") else "m"
+        return f"{self.driver.unit or 1}/{over}"
 
     @property
     def _unit(self) -> str:

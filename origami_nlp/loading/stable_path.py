@@ -18,13 +18,15 @@ from origami_nlp.continuation import (
 from origami_nlp.kkt import Classification
 from origami_nlp.loading.driver import BRANCHES, VertexDriver
 from origami_nlp.loading.pattern_driver import PatternDriver
-from origami_nlp.numerics import SETTLED
+from origami_nlp.numerics import EPS, INPUT_TOL, SETTLED
 
 LEAST_SPAN = 1e-3
 """A snap at a load of less than this share of the whole range is stepped over by shares of that."""
 OVER = (1e-5, 1e-4, 1e-3)
 """How far beyond a snap, over the load there or the whole range, the state is let go: the first from which it comes to
 rest at a certified minimum."""
+STEP = EPS ** (1 / 3)
+"""Of central differences [rad]: its square is their error."""
 WALL = ("refused", "singular", "touches")
 """Where nothing is known of what lies beyond."""
 
@@ -152,7 +154,7 @@ def release(
     """Descend from the end of a way, a little beyond its load; the minimum, its load and certificate, or why none."""
     point, why = node.point, ""
     span = max(abs(float(point[-1])), LEAST_SPAN * (web.high - web.low))
-    # states that branch off are told from those that do not by the square root of the share
+    # states that branch off are distinguished from those that do not by the square root of the share
     for share in OVER[node.type in BRANCHES :]:
         s = float(point[-1]) + toward * share * span
         end = driver.down(web.line, s, node, 10 * share, web.steps.until)
@@ -160,6 +162,16 @@ def release(
             return end[0], s, end[1]
         why = end or why
     return why or "no lower state was reached"
+
+
+def stiffness_at(
+    frame: Equilibrium, root: np.ndarray, driver: VertexDriver | PatternDriver
+) -> float:
+    """Return the derivative of the load by what it works on, along the tangent; inf where that stays."""
+    along = frame.tangent / root
+    ahead, behind = (frame.problem.expand(frame.state + h * along[:-1]) for h in (STEP, -STEP))
+    moved = float(driver.conjugate(ahead) - driver.conjugate(behind)) / (2 * STEP)
+    return math.inf if abs(moved) <= INPUT_TOL * driver.arm else float(along[-1]) / moved
 
 
 def restabilises(

@@ -27,7 +27,7 @@ from origami_nlp.kkt import (
 )
 from origami_nlp.minima.full_space import FullSpace, is_affordable, judge_in_full_space, not_judged
 from origami_nlp.minima.ipopt import MOST_CONFIRMED, Confirmation, confirm
-from origami_nlp.minima.job import Job, Progress
+from origami_nlp.minima.job import Found, Job, Progress
 from origami_nlp.minima.minimum import JudgedState
 from origami_nlp.minima.noise import check_noise
 from origami_nlp.minima.proved import check_prove
@@ -92,6 +92,7 @@ def find_minima(
     noise: float | None = None,
     workers: int = 1,
     progress: Progress | None = None,
+    found: Found | None = None,
 ) -> MinimaResult:
     """Find and classify the energy minima of a scene among states of its symmetry, of each of its `Scene.windings`.
 
@@ -131,6 +132,9 @@ def find_minima(
     progress
         Called as progress(starts, minima, how many of these one random start reached), after each new minimum and
         round.
+    found
+        Called as found(energy, fold angles [N] [rad]) with each minimum as soon as it is certified: ``found=print``
+        shows them while the search goes on.
 
     Returns
     -------
@@ -162,8 +166,9 @@ def find_minima(
     check_noise(noise)
     check_whole("workers", workers, 1)
     check_callback("progress", progress)
+    check_callback("found", found)
     guesses = _check_guesses(guesses, scene.degree)
-    jobs = jobs_of(scene, seed, wanted, (fewest_starts, max_starts), progress, until)
+    jobs = jobs_of(scene, seed, wanted, (fewest_starts, max_starts), progress, until, found)
     finish_all([jobs], guesses, workers)
     return _result(jobs, effort if options is None else OWN, prove, full, escape, noise)
 

@@ -54,6 +54,8 @@ FEW_DOF = 2
 """Degrees of freedom up to which one round may suffice, within fold limits (beyond, each shape comes in lifts)."""
 Progress = Callable[[int, int, int], None]
 """Called as progress(starts, minima found, how many of these one drawn start reached)."""
+Found = Callable[[float, np.ndarray], object]
+"""Called as found(energy, fold angles [N]) with each minimum."""
 
 
 class Job:
@@ -67,10 +69,12 @@ class Job:
         starts: tuple[int, int],
         progress: Progress | None,
         until: float = math.inf,
+        found: Found | None = None,
     ) -> None:
         self.model, self.seed, self.options = model, seed, options
         self.fewest, self.most = starts
         self.progress, self.until = progress, until
+        self._found, self._told = found, set[int]()
         self.record = Record()
         self.stopped_by = "rule"
         self.complete = ""
@@ -87,6 +91,7 @@ class Job:
     def work(self, guesses: list[np.ndarray], workers: int) -> Work:
         """List states, and search; guesses: states [N] to start from first."""
         self.list_states()
+        self._tell()
         self.given = [(g, self._stationary_at(self.model.reduce(g))) for g in guesses]
         # where nothing can move within the symmetry, the listed states are all there is
         if self.model.dof > 0 and not self._late():
@@ -161,6 +166,7 @@ class Job:
         # how finely curves are cut suits the torque of springs: under forces in space a search goes on from there
         if self.model.dof == 1 and self._traced() and not self.model.scene.loads:
             self.stopped_by = "complete"
+            self._tell()
             return
         if self.model.size > self.options.most_batched and not is_chain(self.model):
             self._one_by_one()
@@ -271,8 +277,13 @@ class Job:
                 break
 
     def _tell(self) -> None:
+        r = self.record
+        for answer in r.minima if self._found else ():
+            if id(answer) not in self._told:
+                self._told.add(id(answer))
+                x = answer.polished.x
+                self._found(float(self.model.energy(x)), self.model.expand(x))
         if self.progress:
-            r = self.record
             self.progress(r.starts, len(r.minima), r.seen_once)
 
     def report(

@@ -109,7 +109,7 @@ def survival_words(degrees: float, measured: str) -> str:
         A sentence below the table.
     """
     return (
-        f"survives: those of {TRIALS} draws of random errors, {degrees:g} degrees (standard deviation) of {measured} "
+        f"survives: those of {TRIALS} draws of random errors, {degrees:g} deg (standard deviation) of {measured} "
         f"and {math.radians(degrees):.2g} of stiffnesses, in which the state could be followed, as the errors grow, to "
         "a certified minimum"
     )

@@ -71,7 +71,7 @@ def compose(
     """Draw minima folded, and on the landscape of their scene.
 
     dof: degrees of freedom of the symmetric states.  chart: None where there is no landscape to draw, as of a
-    pattern.  signs: of the vertices in each state, if they are to be told.
+    pattern.  signs: of the vertices in each state, if they are to be shown.
     """
     shown = minima[:MOST_DRAWN]
     panels = _panels(chart)
@@ -167,8 +167,8 @@ def _state_title(number: int, minimum: JudgedState, dof: int, signs: str = "") -
     known = "" if minimum.full_space is None else f", {minimum.full_space.verdict}"
     if minimum.shallow:
         kind = f"{minimum.kind}, shallow"
-    told = f",  {signs.replace('-', '−')}" if signs else ""
-    head = f"{number}:  U = {minimum.energy:.4g} {UNIT}{known}{told}\n{kind}"
+    signed = f",  {signs.replace('-', '−')}" if signs else ""
+    head = f"{number}:  U = {minimum.energy:.4g} {UNIT}{known}{signed}\n{kind}"
     return f"{head}\n{barrier_words(minimum.escape, UNIT)}".rstrip()
 
 

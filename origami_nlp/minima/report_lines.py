@@ -103,11 +103,11 @@ def sign_lines(pops: PopSigns, signs: Sequence[str]) -> Iterator[str]:
     if pops.vertices:
         many = len(set(signs))
         yield (
-            f"signs: of the sum of fold angles round vertices {listed(pops.vertices)} (0: flat); {many} combination"
+            f"signs: of the sum of fold angles round vertices {listed([*pops.vertices])} (0: flat); {many} combination"
             f"{'s' * (many != 1)}; motions without crossing facets change a sign only where that vertex is flat"
         )
     if pops.without:
-        yield f"no sign at vertices {listed(pops.without)}, with more than 360 degrees of paper"
+        yield f"no sign at vertices {listed([*pops.without])}, with more than 360 degrees of paper"
 
 
 def flag_lines(flags: ResultFlags) -> list[str]:

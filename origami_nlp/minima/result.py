@@ -86,7 +86,7 @@ class MinimaResult(Report, Viewable):
     search
         What the search did, why it stopped, and what it found that is no minimum or not decided.
     completeness
-        Whether the list is complete, as far as that was proved; None where it was not tried, as of a pattern.
+        Whether the list is complete, as far as that was proved; None where it was not tried.
     relations
         What was decided on special relations of a scene's sector angles; None of a pattern.
     curves
@@ -242,7 +242,7 @@ class MinimaResult(Report, Viewable):
 
     @property
     def shown_signs(self) -> tuple[str, ...]:
-        """`signs` of a pattern of few vertices, whose tables and pictures tell them; else nothing."""
+        """`signs` of a pattern of few vertices, whose tables and pictures name them; else nothing."""
         return self.signs if self.is_pattern and len(self.sign_vertices) <= MOST_SIGNS else ()
 
     @property

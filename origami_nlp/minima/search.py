@@ -21,6 +21,8 @@ from origami_nlp.workers import stop_workers, worker_pool
 
 BREAKDOWN = "linear algebra broke down on the way"
 """Why a descent failed that has no end."""
+EARLY = 64
+"""Compiled descents that are made before their ends are judged, by each thread."""
 DOWN = 0.05
 """First step [rad] down either side of a saddle."""
 Work = Generator[tuple[Descents, Samples], Ends, None]
@@ -127,7 +129,8 @@ class Search:
         """Split starts in batches whose sizes do not depend on who makes them, small ones first: early answers."""
         early = self._answer_of or self._descents.crossings.any
         first, rest = np.split(np.arange(len(starts)), [0 if early else self._batches[0]])
-        split = [first, *np.array_split(rest, -(-len(rest) // self._batches[1]) or 1)]
+        most = EARLY * self._workers if self._descents.compiled else self._batches[1]
+        split = [first, *np.array_split(rest, -(-len(rest) // most) or 1)]
         return [starts[part] for part in split if len(part)]
 
     def _made_by_workers(self, parts: list[Samples]) -> Iterator[Ends] | None:

@@ -19,7 +19,7 @@ from origami_nlp.kkt import OPEN, Escape
 from origami_nlp.minima.account import SearchReport
 from origami_nlp.minima.completeness import Completeness
 from origami_nlp.minima.escape import with_escapes
-from origami_nlp.minima.job import Job, Progress
+from origami_nlp.minima.job import Found, Job, Progress
 from origami_nlp.minima.minimum import JudgedState
 from origami_nlp.minima.noise import with_survival
 from origami_nlp.minima.proved import is_cheap, prove_complete
@@ -41,9 +41,11 @@ def jobs_of(
     starts: tuple[int, int],
     progress: Progress | None,
     until: float = math.inf,
+    found: Found | None = None,
 ) -> list[Job]:
     """Return the searches that a scene asks for, one for each winding; arguments as for `Job`."""
-    jobs = [Job(Model(one), seed, options, starts, None, until) for one in scene.of_each_winding]
+    each = scene.of_each_winding
+    jobs = [Job(Model(one), seed, options, starts, None, until, found) for one in each]
     if progress is not None:
         records = [job.record for job in jobs]
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -76,7 +77,7 @@ def in_radians(angles: np.ndarray, legacy: bool, notes: list[str]) -> bool:
     return False
 
 
-def listed(items: list[int], most: int = 8) -> str:
+def listed(items: Sequence[int], most: int = 8) -> str:
     """Write the first numbers, and how many there are.
 
     Parameters

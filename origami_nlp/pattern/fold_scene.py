@@ -22,6 +22,7 @@ from origami_nlp.pattern.fold_springs import (
     are_silent,
     check_fold_springs,
     fold_springs,
+    unused_words,
 )
 from origami_nlp.pattern.scene import Contact, Scene
 
@@ -231,6 +232,8 @@ def vertex_scene(
         on_note(note)
     if _by_letters(frame, here, **options):
         on_note(LETTERS_ONLY)
+    for note in _unused(frame, here, **options):
+        on_note(note)
     return scene
 
 
@@ -300,6 +303,19 @@ def _what_it_is(frame: Frame, number: int) -> str:
     if not ring.edge[number]:
         return f"has no edge in {here}"
     return f"has no crease in {here}" if number in ring.interior else f"is on the border of {here}"
+
+
+def _unused(
+    frame: Frame,
+    one: FoldVertex,
+    *,
+    stiffness: float = 1.0,
+    rest_angle: float = math.pi,
+    rest_from: Literal["file", "measured"] | None = None,
+    **others: Any,
+) -> list[str]:
+    at = np.searchsorted(frame.numbers, one.edges)
+    return unused_words(frame, at, np.array(one.fold_angles), stiffness, rest_angle, rest_from)
 
 
 def _by_letters(

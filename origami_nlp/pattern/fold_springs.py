@@ -58,6 +58,33 @@ def fold_springs(
     return k, np.clip(rest, -math.pi, math.pi)
 
 
+def unused_words(
+    frame: Frame,
+    edges: ArrayLike,
+    measured: np.ndarray,
+    stiffness: ArrayLike,
+    rest_angle: float,
+    rest_from: str | None,
+) -> list[str]:
+    """Say in a line each which of the springs that were asked for no crease got; parameters as for `fold_springs`."""
+    at = np.asarray(edges, dtype=np.intp)
+    said = []
+    if rest_angle != math.pi:
+        _, one = fold_springs(frame, at, measured, 1.0, math.pi, rest_from)
+        _, other = fold_springs(frame, at, measured, 1.0, 0.0, rest_from)
+        if np.array_equal(one, other):
+            said.append(
+                f"--rest-angle {math.degrees(rest_angle):g} is not used: each mountain and valley has an angle, stated "
+                "or measured"
+            )
+    if (
+        not (np.isscalar(stiffness) and stiffness == 1.0)
+        and not np.isnan(frame.stiffness[at]).any()
+    ):
+        said.append("--stiffness is not used: the file states the stiffness of each crease")
+    return said
+
+
 def are_silent(frame: Frame, edges: ArrayLike) -> bool:
     """Return whether the file gives no angle of some edges, neither a fold angle nor a rest angle."""
     at = np.asarray(edges, dtype=np.intp)

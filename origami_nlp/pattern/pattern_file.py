@@ -31,6 +31,7 @@ from origami_nlp.pattern.fold_springs import (
     check_fold_springs,
     fold_springs,
     stated_sign,
+    unused_words,
 )
 from origami_nlp.pattern.materials import Material, find_material, material_springs, material_words
 from origami_nlp.pattern.polygons import Side, side, sides_of
@@ -159,6 +160,7 @@ def frame_pattern(
     else:
         each = material
     k, rest = fold_springs(frame, at, found, each, rest_angle, rest_from)
+    sheet.notes += unused_words(frame, at, found, each, rest_angle, rest_from) if at else []
     drawn = {frame.assignment[e] for e in at} & set("MV")
     if drawn and are_silent(frame, at) and not frame.folded and rest_angle == math.pi:
         sheet.notes.append(LETTERS_ONLY)

@@ -11,6 +11,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
@@ -215,6 +216,39 @@ class Pattern:
                     f"rest_angles has shape {phi.shape}: give {self.creases} angles in [-pi, pi], one a crease"
                 )
         return replace(self, stiffness=np.array(k), rest=np.array(phi))
+
+    def joined(self, flat: np.ndarray) -> Pattern:
+        """Return the pattern with some creases of a flat sheet that do not fold: facets beside them are one.
+
+        Parameters
+        ----------
+        flat
+            Which, of bool [n]; all those that facets of one piece lie on both sides of.
+
+        Returns
+        -------
+        Pattern
+            With the other creases in the same order.
+        """
+        sides = [(a, b) for a, b in self.ends.tolist()]
+        kept = [k for k, gone in enumerate(flat) if not gone]
+
+        def of(values: np.ndarray) -> dict[tuple[int, int], Any]:
+            return {sides[k]: values[k].item() for k in kept}
+
+        return make_pattern(
+            self.corners,
+            self.polygons,
+            assignment={sides[k]: self.assignment[k] for k in kept},
+            joins=[
+                *(side for side, many in self.other_sides.items() if many > 1),
+                *(sides[k] for k in np.flatnonzero(flat)),
+            ],
+            numbers=of(self.numbers),
+            stiffness=of(self.stiffness),
+            rest=of(self.rest),
+            name=self.name,
+        )
 
     @cached_property
     def signs(self) -> np.ndarray:

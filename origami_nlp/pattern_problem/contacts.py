@@ -175,14 +175,15 @@ class PatternContacts(PatternEquations):
             return [self.contact_of(t) for t in every if t.gap(place) <= near]
 
         meeting = [self.contact_of(t) for t in touches_at(self, x, at_limit, within)]
-        known = [c for pair, above in faces.known for c in closed(pair, above)]
+        known = [c for each, above in faces.known for c in closed(each, above)]
         base = self._needed(x, (*limits, *meeting), known)
         edges = choices(self.features, place, 0.0 if tolerance <= CONTACT_TOL else tolerance)
+        options = without_passing(self.features, edges)
         branches: list[tuple[tuple[Contact, ...], ...]]
         # a choice: one of these gaps stays open, whichever; the set of states is the union over them
         branches = [
             tuple(tuple(self.contact_of(t) for t in option) for option in choice)
-            for choice in without_passing(self.features, edges)
+            for choice in options
         ]
         branches += [(tuple(closed(k, False)), tuple(closed(k, True))) for k in faces.open]
         whole = not (meeting or known or branches or faces.reason)

@@ -15,7 +15,14 @@ from functools import cached_property
 
 import numpy as np
 
-from origami_nlp.numerics import BESIDE_SINGULAR, DUPLICATE_TOL, INPUT_TOL, unit_normals
+from origami_nlp.numerics import (
+    BESIDE_SINGULAR,
+    DUPLICATE_TOL,
+    INPUT_TOL,
+    NOISE,
+    groups,
+    unit_normals,
+)
 from origami_nlp.pattern import Pattern, Scene
 
 
@@ -128,6 +135,76 @@ class PopSigns:
         return (
             OPEN if abs(total) <= len(folds) * DUPLICATE_TOL else SIGNS[math.copysign(1.0, total)]
         )
+
+
+def flat_with(pattern: Pattern, vertex: int) -> np.ndarray:
+    """Return which creases are flat in every state in which a vertex is, whatever the springs.
+
+    Those round it; of a flat sheet also creases between facets that are in one plane then, and those round other
+    vertices that can only fold so far: the sides of the link sum to 360 degrees, so that with one of 180 degrees it is
+    a lune, with a longer one or with three sides a great circle, and all creases but two collinear ones are flat.
+
+    Parameters
+    ----------
+    pattern
+        The pattern.
+    vertex
+        An interior vertex, as a file numbers it.
+
+    Returns
+    -------
+    numpy.ndarray
+        Of bool, [n].
+
+    Examples
+    --------
+    >>> import origami_nlp as o
+    >>> from origami_nlp.pattern_problem import flat_with
+    >>> sheet = o.examples.pattern("squaretwist")
+    >>> flat_with(sheet, sheet.vertices[0].vertex).all()
+    True
+    """
+    flat = np.zeros(pattern.creases, bool)
+    flat[list(next(at.creases for at in pattern.vertices if at.vertex == vertex))] = True
+    if not pattern.is_flat:
+        return flat
+    sums, before = angle_sums(pattern), -1
+    rings = {at.vertex: at.creases for at in pattern.vertices}
+    even = [at for at in rings if abs(sums[at] - 2 * math.pi) <= INPUT_TOL]
+    while before < (before := int(flat.sum())):
+        part = groups(pattern.facets, np.column_stack([pattern.left, pattern.right])[flat])
+        flat |= part[pattern.left] == part[pattern.right]
+        for at in even:
+            folds = [k for k in rings[at] if not flat[k]]
+            flat[_flat_round(pattern, at, folds)] = True
+    return flat
+
+
+def _flat_round(pattern: Pattern, vertex: int, folds: list[int]) -> list[int]:
+    """Return which creases round a vertex are flat, as all but some are: in a flat sheet, with 360 degrees of paper."""
+    signs = np.where(pattern.ends[folds, 0] == vertex, 1.0, -1.0)
+    away = signs[:, None] * pattern.directions[folds]
+    normal = unit_normals(pattern.corners[list(pattern.polygons[0])])
+    turns = np.arctan2(np.cross(away[0], away) @ normal, away @ away[0]) if folds else np.zeros(0)
+    order = np.argsort(turns % (2 * math.pi), kind="stable")
+    gaps = np.diff(turns[order] % (2 * math.pi), append=2 * math.pi)
+    straight = [
+        k
+        for k, d in zip(folds, away, strict=True)
+        if any(np.abs(d + other).max() <= NOISE for other in away)
+    ]
+    if len(folds) <= 3 or gaps.max() >= math.pi - INPUT_TOL:
+        return [k for k in folds if k not in straight]
+    return []
+
+
+def least_flat_energy(pattern: Pattern, flat: np.ndarray) -> float:
+    """Return what a pattern's energy is not below while some creases are flat, of bool [n].
+
+    That of the others is 0 at best, or what a rest angle beyond the fold limit leaves.
+    """
+    size = np.where(flat, np.abs(pattern.rest), np.maximum(np.abs(pattern.rest) - math.pi, 0.0))
+    return float(0.5 * pattern.stiffness @ size**2)
 
 
 def _pops(angle_sum: float) -> bool:

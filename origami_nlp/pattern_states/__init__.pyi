@@ -10,7 +10,6 @@ from .curve import (
     follow_curve as follow_curve,
     tangents as tangents,
 )
-from .curve_passes import curve_passes as curve_passes
 from .descent import Descended as Descended, descend as descend
 from .drawing import (
     draw_mobility as draw_mobility,
@@ -21,6 +20,11 @@ from .flat_folded import (
     FlatFolded as FlatFolded,
     list_branches as list_branches,
     list_flat_folded as list_flat_folded,
+)
+from .flat_vertices import (
+    FlatVertex as FlatVertex,
+    list_flat_vertices as list_flat_vertices,
+    ways_down as ways_down,
 )
 from .interactive import (
     pattern_content as pattern_content,
@@ -43,3 +47,5 @@ from .mobility import (
 )
 from .motion import Motion as Motion, find_motion as find_motion
 from .noise import is_overdetermined as is_overdetermined
+from .proved import hold_against as hold_against
+from .traced_passes import curve_passes as curve_passes

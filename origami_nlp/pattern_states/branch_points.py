@@ -181,3 +181,9 @@ def into_family(phi: np.ndarray, basis: np.ndarray, side: np.ndarray) -> Iterato
     for k in range(4):
         d = basis @ (basis.T @ ((-1.0) ** k * np.roll(side, k // 2)))
         yield inward / max(np.abs(inward).max(), NONZERO) + 0.2 * d / np.abs(d).max()
+
+
+def closes_along(problem: PatternProblem, phi: np.ndarray, d: np.ndarray) -> bool:
+    """Return whether states close at unequal distances both ways along a generic direction: a plane of them."""
+    ends = phi + 0.7 * d, phi - 1.1 * d
+    return all(problem.residual(end) <= 10 * CLOSURE_TOL for end in ends)

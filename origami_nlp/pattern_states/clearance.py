@@ -1,9 +1,10 @@
 """Where facets cross along a curve, and that they do not touch unseen between two states at which it was asked.
 
-Over a step the facets of a pair move relative to each other by at most the turns of the creases between them times
-their distance from these creases, which no fold makes longer than the way over the paper.  Where the gaps at both ends
-of a step add up to more than that, the pair does not touch inside; otherwise the step is halved.  A gap is bounded
-from below by planes between the facets.  Facets round one vertex touch in a point always: for them gaps are angles.
+As seen from one facet the corners of another move over a step along their chords, but for a remainder of second order:
+their second derivatives are bounded by how fast the creases between both turn, times the way over the paper from these
+creases, which no fold makes longer.  A plane that parts both facets by more than that at both ends of the step parts
+them all along; otherwise the step is halved.  Facets round one vertex always touch there: rays take the place of
+corners.
 """
 
 from __future__ import annotations
@@ -11,19 +12,24 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 import scipy as sp
 
 from origami_nlp.io import ShortRepr
-from origami_nlp.numerics import CLOSURE_TOL, CURVED, DEEP, NONZERO, cross
+from origami_nlp.numerics import CLOSURE_TOL, CURVED, DEEP, NONZERO, area_vectors, cross
 from origami_nlp.pattern_problem import PatternProblem, cross_each_other
 from origami_nlp.pattern_states.interpolant import Interpolant, halves
 
 MOST_HALVINGS = 3
 """Of a step in which a pair might touch."""
 FAR = 1e200
-"""Longer than any distance, and finite, so that no fold moves over it makes 0."""
+"""Longer than any distance, and finite."""
+TILTS = 0.0, 0.1, 0.3, 1.0
+"""By which planes of sectors are turned, in search of one between two sectors: tangents."""
+MOST_STEPS = 64
+"""Of a curve at once: some 10 MB."""
 MOST_PIECES = 64
 """Convex pieces of facets up to which gaps are asked for; beyond, only crossings at the states of a curve."""
 
@@ -49,7 +55,7 @@ class Stretches(ShortRepr):
 
 
 class Clearance:
-    """Gaps of the facets of a sheet, and how far creases can move them.
+    """Which facets of a sheet might touch between states of a curve, and where they cross.
 
     Parameters
     ----------
@@ -82,37 +88,44 @@ class Clearance:
         return out
 
     @cached_property
-    def _radii(self) -> np.ndarray:
-        """Sum of the radii of the pieces of each pair about their middles, [K]: facets are rigid."""
-        flat = self.problem.crossings.placed(np.zeros(self.problem.pattern.creases))
-        radius = np.linalg.norm(flat - flat.mean(axis=1, keepdims=True), axis=2).max(axis=1)
-        out: np.ndarray = radius[self.first] + radius[self.second]
-        return out
+    def _pieces(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Corners of the pieces in the reference state, their middles and radii, over the sheet's size: [P, q, 3]."""
+        c = self.problem.crossings
+        corners = self.problem.pattern.corners[c.pieces] / c.size
+        middles = corners.mean(axis=1)
+        radii = np.linalg.norm(corners - middles[:, None], axis=2).max(axis=1)
+        return corners, middles, radii
 
     @cached_property
-    def _arms(self) -> np.ndarray:
-        """Distance that a turn of each crease moves the pieces of each pair apart, at most, [K, n]; 1 for angles."""
+    def _between(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Both pieces of each pair, the one taken to move last, and of the creases between them two things.
+
+        [2, K]; whether a crease is one of them [K, n]; the longest way over the paper from each to what it moves, over
+        the sheet's size, 1 for rays [K, n].
+        """
         p, c = self.problem.pattern, self.problem.crossings
-        ways, before = self._ways(), self._before()
+        ways, before = self._ways() / c.size, self._before()
         crease_between = {}
         for k, (i, j) in enumerate(zip(p.left.tolist(), p.right.tolist(), strict=True)):
             crease_between[i, j] = crease_between[j, i] = k
-        out = np.zeros((len(self.first), p.creases))
-        for k, (i, j) in enumerate(zip(self.first, self.second, strict=True)):
+        pair, (on, arms) = (
+            np.array([self.first, self.second]),
+            np.zeros((2, len(self.first), p.creases)),
+        )
+        for k, (i, j) in enumerate(pair.T):
             self.problem.check_time()
-            if self._apex[k] == -2:
-                out[k] = FAR  # never shown to be apart where anything moves
-                continue
             path, here, there = [], int(c.facet[j]), int(c.facet[i])
             while here != there:
                 path.append(crease_between[here, int(before[there, here])])
                 here = int(before[there, here])
-            if self._apex[k] >= 0 and all(self._apex[k] in p.ends[crease] for crease in path):
-                out[k, path] = 1.0
-                continue
-            moved = [ways[path][:, c.pieces[x]].max(axis=1) for x in (i, j)]
-            out[k, path] = min(moved, key=lambda m: float(m.sum()))
-        return out
+            one, other = (ways[path][:, c.pieces[x]].max(axis=1) for x in (i, j))
+            if one.sum() < other.sum():
+                pair[:, k] = j, i
+            on[k, path] = 1.0
+            arms[k, path] = (
+                1.0 if self._apex[k] >= 0 else min(one, other, key=lambda m: float(m.sum()))
+            )
+        return pair, on, arms
 
     def _before(self) -> np.ndarray:
         """Facet before each on a shortest walk from each, [F, F]."""
@@ -143,63 +156,128 @@ class Clearance:
         ]
         return np.minimum(size * ways, FAR)
 
-    def crosses(self, placed: np.ndarray) -> bool:
-        """Return whether facets cross, from corners of pieces in space [P, q, 3]."""
-        a, b = placed[self.first], placed[self.second]
-        near = (a.min(axis=1) <= b.max(axis=1)).all(axis=1) & (b.min(axis=1) <= a.max(axis=1)).all(
-            axis=1
-        )
-        deep = DEEP * self.problem.crossings.size
-        return bool(near.any() and cross_each_other(a[near], b[near], deep).any())
-
-    def gaps(self, placed: np.ndarray, need: np.ndarray, pairs: np.ndarray) -> np.ndarray:
-        """Return lower bounds of the gaps of pairs, as far as they matter, [k].
-
-        Parameters
-        ----------
-        placed
-            Corners of pieces in space, [P, q, 3].
-        need
-            Gaps from which on a pair does not matter, [k].
-        pairs
-            Which of all, k of them.
-        """
-        middle, apex = placed.mean(axis=1), self._apex[pairs]
-        first, second = self.first[pairs], self.second[pairs]
-        # balls about the facets bound their gap: few pairs are asked for more
-        out = np.linalg.norm(middle[second] - middle[first], axis=1) - self._radii[pairs]
-        out = np.maximum(out, 0.0)
-        out[apex != -1] = 0.0
-        for axes in (lambda a, b: (b - a).mean(axis=1)[:, None], _axes):
-            close = np.flatnonzero((out <= need) & (apex == -1))
-            if not len(close):
-                break
-            a, b = placed[first[close]], placed[second[close]]
-            out[close] = np.maximum(out[close], _apart(a, b, axes(a, b)))
-        corner = np.flatnonzero(apex >= 0)
-        if len(corner):
-            at = self._rays[pairs[corner]]
-            # [k, 2, 3, 3]: apex and two neighbours of either piece
-            tips = placed[at[..., 0], at[..., 1]]
-            rays = tips[:, :, 1:] - tips[:, :, :1]
-            rays /= np.linalg.norm(rays, axis=3, keepdims=True)
-            out[corner] = _angles(rays[:, 0], rays[:, 1])
+    def _crosses(self, placed: np.ndarray) -> np.ndarray:
+        """Return at which states facets cross, from corners of pieces in space [S, P, q, 3]."""
+        low, high = placed.min(axis=2), placed.max(axis=2)
+        near = (low[:, self.first] <= high[:, self.second]).all(axis=2)
+        near &= (low[:, self.second] <= high[:, self.first]).all(axis=2)
+        s, k = np.nonzero(near)
+        a, b = placed[s, self.first[k]], placed[s, self.second[k]]
+        out = np.zeros(len(placed), bool)
+        out[s[cross_each_other(a, b, DEEP * self.problem.crossings.size)]] = True
         return out
 
     @cached_property
-    def _rays(self) -> np.ndarray:
-        """Where the apex of each pair and its neighbours are: piece and corner, [K, 2, 3, 2]; 0 where there is none."""
-        pieces = self.problem.crossings.pieces
-        at = np.zeros((len(self.first), 2, 3, 2), int)
+    def _rays(self) -> tuple[np.ndarray, np.ndarray]:
+        """Unit rays in the reference state along both sides of the pieces at the apex of each pair, [2, K, 2, 3]."""
+        corners, pieces = self._pieces[0], self.problem.crossings.pieces
+        rays = np.zeros((2, len(self.first), 2, 3))
         for k in np.flatnonzero(self._apex >= 0):
-            both = []
-            for i in (self.first[k], self.second[k]):
+            for which, i in enumerate(self._between[0][:, k]):
                 ring = pieces[i].tolist()
                 many = len(set(ring))  # padded by the first corner
                 m = ring.index(int(self._apex[k]))
-                both.append([(i, m), (i, (m - 1) % many), (i, (m + 1) % many)])
-            at[k] = both
-        return at
+                sides = corners[i, [(m - 1) % many, (m + 1) % many]] - corners[i, m]
+                rays[which, k] = sides / np.linalg.norm(sides, axis=1, keepdims=True)
+        return rays
+
+    def remainders(self, control: np.ndarray) -> np.ndarray:
+        """Bound how far corners, or rays, of one facet of each pair are off their chords over steps, as the other sees.
+
+        Parameters
+        ----------
+        control
+            Control points of each step, [T, 6, n].
+
+        Returns
+        -------
+        numpy.ndarray
+            Over the sheet's size, [T, K].
+        """
+        _, on, arms = self._between
+        # derivatives of Bezier polynomials are within those of their control points
+        speed = 5 * np.abs(np.diff(control, axis=1)).max(axis=1)
+        bend = 20 * np.abs(np.diff(control, 2, axis=1)).max(axis=1)
+        # |x''| <= sum_k |phi_k''| a_k + sum_kl |phi_k' phi_l'| a_l, l the crease nearer to what moves;
+        # from a chord a curve is no further than |x''| / 8
+        out: np.ndarray = (bend @ arms.T + 2 * (speed @ on.T) * (speed @ arms.T)) / 8
+        return out
+
+    def touching(
+        self,
+        before: tuple[np.ndarray, np.ndarray],
+        after: tuple[np.ndarray, np.ndarray],
+        control: np.ndarray,
+        pairs: np.ndarray,
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Return which pairs might touch inside steps.
+
+        Parameters
+        ----------
+        before, after
+            Motions of the facets at both ends of each step, [T, F, 3, 3] and [T, F, 3], as `Poses.motions`.
+        control
+            Control points of each step, [T, 6, n].
+        pairs
+            Which of all pairs are asked for, [K].
+
+        Returns
+        -------
+        step, pair : numpy.ndarray
+            Each step and pair that were not shown to be apart, [N].
+        lying : numpy.ndarray
+            Which of them touch at both ends, of bool [N].
+        """
+        still, moving = self._between[0][:, pairs]
+        off = self.remainders(control)[:, pairs]
+        c, (corners, middles, radii) = self.problem.crossings, self._pieces
+        here, there = c.facet[still], c.facet[moving]
+
+        def seen(step: np.ndarray, k: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+            """Return motions of the moving pieces as seen from the other, at both ends: [2, N, 3, 3], [2, N, 3]."""
+            out = []
+            for turn, shift in (before, after):
+                back = turn[step, here[k]].swapaxes(1, 2)
+                away = (shift[step, there[k]] - shift[step, here[k]]) / c.size
+                out.append((back @ turn[step, there[k]], (back @ away[:, :, None])[:, :, 0]))
+            return np.array([t for t, _ in out]), np.array([s for _, s in out])
+
+        found = []
+        apex = self._apex[pairs]
+        for step in range(len(control)):
+            every, single = np.flatnonzero(apex == -1), np.full(len(pairs), step)
+            turn, shift = seen(single[every], every)
+            y = (turn @ middles[moving[every], :, None])[..., 0] + shift - middles[still[every]]
+            # the chord of two middles is no nearer to a third than this
+            near = np.linalg.norm(y, axis=2).sum(axis=0) - np.linalg.norm(y[1] - y[0], axis=1)
+            close = near / 2 - radii[moving[every]] - radii[still[every]] <= off[step, every]
+            found.append((single[: close.sum()], every[close], turn[:, close], shift[:, close]))
+        step, k = (np.concatenate([x[i] for x in found]) for i in (0, 1))
+        turn, shift = (np.concatenate([x[i] for x in found], axis=1) for i in (2, 3))
+        a, b = corners[still[k]], corners[moving[k]] @ turn.swapaxes(2, 3) + shift[:, :, None]
+        lying = np.zeros(len(k), bool)
+        left = np.arange(len(k))
+        for axes in (lambda a, b: (b - a).mean(axis=1)[:, None], _planes, _axes):
+            if not len(left):
+                break
+            middle = 0.5 * (b[0, left] + b[1, left])
+            gap, at_ends = _apart(a[left], b[:, left], axes(a[left], middle))
+            lying[left] = at_ends < DEEP
+            left = left[gap <= off[step[left], k[left]]]
+        at = np.repeat(np.arange(len(control)), (apex >= 0).sum())
+        corner = np.tile(np.flatnonzero(apex >= 0), len(control))
+        first, second = (x[pairs[corner]] for x in self._rays)
+        turn, _ = seen(at, corner)
+        gap, at_ends = _sectors_apart(first, second @ turn.swapaxes(2, 3))
+        touch = gap <= off[at, corner]
+        # several corners in common: never shown to be apart where anything moves
+        more = np.tile(np.flatnonzero(apex == -2), len(control))
+        of_more = np.repeat(np.arange(len(control)), (apex == -2).sum())
+        return (
+            np.concatenate([step[left], at[touch], of_more]),
+            pairs[np.concatenate([k[left], corner[touch], more])],
+            np.concatenate([lying[left], at_ends[touch] < DEEP, np.ones(len(more), bool)]),
+        )
 
     def along(self, curve: Interpolant) -> Stretches:
         """Ask along a curve where facets cross, with further states where two might touch between those it has.
@@ -214,108 +292,141 @@ class Clearance:
         Stretches
             What was seen.
         """
-        c = self.problem.crossings
-        states, placed = list(curve.states), [c.placed(x) for x in curve.states]
-        crosses = [self.crosses(x) for x in placed]
+        problem, c = self.problem, self.problem.crossings
+        motions = [c.poses.motions(x) for x in curve.states]
+        turn, shift = (np.array(x) for x in zip(*motions, strict=True))
+        crosses = self._crosses(np.array([c.carried(*motion) for motion in motions]))
+        many = len(curve.control)
         if len(c.pieces) > MOST_PIECES or not len(self.first):
-            return Stretches(
-                np.array(states), np.array(crosses), len(states) - 1 if len(self.first) else 0
-            )
-        out, flags, unclear = [states[0]], [crosses[0]], 0
-        every = np.arange(len(self.first))
-        for i, control in enumerate(curve.control):
-            self.problem.check_time()
-            ends = (placed[i], crosses[i]), (placed[i + 1], crosses[i + 1])
-            # folded flat at an end, facets lie on each other
-            at_end = i in (0, len(curve.control) - 1)
-            for inside in () if at_end else self._within(control, *ends, every):
-                if inside is None:
-                    unclear += 1
-                else:
-                    out.append(inside[0])
-                    flags.append(inside[1])
-            out.append(states[i + 1])
-            flags.append(crosses[i + 1])
-        return Stretches(np.array(out), np.array(flags), unclear)
+            return Stretches(curve.states, crosses, many if len(self.first) else 0)
+        # folded flat at an end of the curve, facets lie on each other
+        steps = np.flatnonzero(~crosses[1:-2] & ~crosses[2:-1]) + 1
+        out, flags, unclear = [curve.states[:1]], [crosses[:1]], 0
+        found: dict[int, list[Any]] = {}
+        for few in np.array_split(steps, range(MOST_STEPS, len(steps), MOST_STEPS)):
+            if not len(few):
+                break
+            problem.check_time()
+            ends = ((turn[few], shift[few]), (turn[few + 1], shift[few + 1]))
+            at, pairs, lying = self.touching(*ends, curve.control[few], np.arange(len(self.first)))
+            for i, step in enumerate(few.tolist()):
+                problem.check_time()
+                which = at == i
+                given = motions[step], motions[step + 1], pairs[which], lying[which]
+                found[step] = list(self._within(curve.control[step], *given)) if which.any() else []
+        for i in range(many):
+            inside = [x for x in found.get(i, []) if x is not None]
+            unclear += len(found.get(i, [])) - len(inside)
+            out += [*(x[None] for x, _ in inside), curve.states[i + 1 : i + 2]]
+            flags += [*(np.array([f]) for _, f in inside), crosses[i + 1 : i + 2]]
+        return Stretches(np.concatenate(out), np.concatenate(flags), unclear)
 
     def _within(
         self,
         control: np.ndarray,
-        a: tuple[np.ndarray, bool],
-        b: tuple[np.ndarray, bool],
+        a: tuple[np.ndarray, np.ndarray],
+        b: tuple[np.ndarray, np.ndarray],
         pairs: np.ndarray,
+        lying: np.ndarray,
         depth: int = 0,
     ) -> Iterator[tuple[np.ndarray, bool] | None]:
         """Go through states to be added inside a step, and whether facets cross; None for a part left unclear.
 
         Only `pairs` might touch in it: a half of a step asks no more for those that the whole showed to be apart.
         """
-        if a[1] or b[1]:
-            return
-        # a polynomial turns no crease by more, in sum, than its control points do
-        reach = self._arms[pairs] @ np.abs(np.diff(control, axis=0)).sum(axis=0)
-        # to touch inside, a pair would close the gap of one end and open that of the other
-        room = self.gaps(a[0], reach, pairs)
-        close = np.flatnonzero(room < reach)
-        room = room[close] + self.gaps(b[0], reach[close], pairs[close])
-        close = close[still := room < reach[close]]
-        if not len(close):
-            return
-        if (room[still] < DEEP * self.problem.crossings.size).all():  # they lie on each other
-            yield None
-            return
         before, after = halves(control)
         phi, residual = self.problem.project(before[-1])
-        if depth == MOST_HALVINGS or residual > CLOSURE_TOL:
+        if lying.all() or depth == MOST_HALVINGS or residual > CLOSURE_TOL:
             yield None
             return
-        x = self.problem.crossings.placed(phi)
-        middle = x, self.crosses(x)
-        yield from self._within(before, a, middle, pairs[close], depth + 1)
-        yield phi, middle[1]
-        yield from self._within(after, middle, b, pairs[close], depth + 1)
+        c = self.problem.crossings
+        x = c.poses.motions(phi)
+        crosses = bool(self._crosses(c.carried(*x)[None])[0])
+        for half, one, other in ((before, a, x), (after, x, b)):
+            if not crosses:
+                ends = [(turn[None], shift[None]) for turn, shift in (one, other)]
+                _, left, flat = self.touching(*ends, half[None], pairs)
+                if len(left):
+                    yield from self._within(half, one, other, left, flat, depth + 1)
+            if half is before:
+                yield phi, crosses
+
+
+def _planes(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """Normals of polygons [K, q, 3], [K, 2, 3]."""
+    return np.stack([area_vectors(a), area_vectors(b)], axis=1)
 
 
 def _axes(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     """Directions across which convex polygons [K, q, 3] may be apart: of sides, planes, and both, [K, A, 3]."""
     sides = [np.roll(x, -1, axis=1) - x for x in (a, b)]
-    normals = [
-        cross(x - x[:, :1], s).sum(axis=1)[:, None] for x, s in zip((a, b), sides, strict=True)
-    ]
+    normals = [area_vectors(x)[:, None] for x in (a, b)]
     across = cross(sides[0][:, :, None], sides[1][:, None]).reshape(len(a), -1, 3)
     inside = [cross(s, n) for s, n in zip(sides, normals, strict=True)]
     corners = (b[:, None] - a[:, :, None]).reshape(len(a), -1, 3)
     return np.concatenate([*normals, across, *inside, corners], axis=1)
 
 
-def _apart(a: np.ndarray, b: np.ndarray, axes: np.ndarray) -> np.ndarray:
-    """Largest gap of the shadows of polygons [K, q, 3] along axes [K, A, 3]: no more than their distance, [K]."""
+def _apart(a: np.ndarray, b: np.ndarray, axes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return the largest gap that shadows of polygons along one of some axes have at both ends of a step.
+
+    Parameters
+    ----------
+    a, b
+        Corners of the one that stays [K, q, 3], and of the other at both ends [2, K, q, 3].
+    axes
+        Directions, [K, A, 3].
+
+    Returns
+    -------
+    apart : numpy.ndarray
+        Least gap of all that lies on the chords between, [K]: negative where no axis parts them.
+    at_ends : numpy.ndarray
+        Sum of the largest gaps at either end, [K].
+    """
     size = np.linalg.norm(axes, axis=2)
     unit = axes / np.maximum(size, NONZERO)[..., None]
-    # the gap of the shadows along any direction bounds the distance from below: the largest is taken
-    of_a, of_b = np.einsum("kai,kqi->kaq", unit, a), np.einsum("kai,kqi->kaq", unit, b)
-    gap = np.maximum(of_b.min(axis=2) - of_a.max(axis=2), of_a.min(axis=2) - of_b.max(axis=2))
-    gap[size < CURVED * size.max(axis=1, keepdims=True)] = 0.0
-    return np.maximum(gap.max(axis=1), 0.0)
+    of_a, of_b = unit @ a.swapaxes(1, 2), unit @ b.swapaxes(2, 3)
+    ahead = of_b.min(axis=3) - of_a.max(axis=2)
+    behind = of_a.min(axis=2) - of_b.max(axis=3)
+    for gap in (ahead, behind):
+        gap[:, size < CURVED * size.max(axis=1, keepdims=True)] = -1.0
+    apart = np.maximum(ahead.min(axis=0), behind.min(axis=0)).max(axis=1)
+    at_ends = np.maximum(np.maximum(ahead, behind).max(axis=2), 0.0).sum(axis=0)
+    return apart, at_ends
 
 
-def _angles(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """Lower bounds of the angles between sectors with a common apex, from unit rays [K, 2, 3] each: [K]."""
-    between = (b[:, None] - a[:, :, None]).reshape(len(a), -1, 3)
-    planes = np.stack([cross(a[:, 0], a[:, 1]), cross(b[:, 0], b[:, 1])], axis=1)
-    planes /= np.linalg.norm(planes, axis=2, keepdims=True)
-    feet = [
-        x - np.einsum("kri,ki->kr", x, p)[..., None] * p[:, None]
-        for x, p in ((b, planes[:, 0]), (a, planes[:, 1]))
-    ]
-    feet = [x / np.maximum(np.linalg.norm(x, axis=2, keepdims=True), NONZERO) for x in feet]
-    middle = (b.sum(axis=1) - a.sum(axis=1))[:, None]
-    n = np.concatenate([between, planes, -planes, b - feet[0], feet[1] - a, middle], axis=1)
+def _sectors_apart(a: np.ndarray, b: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return the same for sectors with a common apex, from unit rays [K, 2, 3] and [2, K, 2, 3]: sines of angles."""
+    middle = 0.5 * (b[0] + b[1])
+    between = (middle[:, None] - a[:, :, None]).reshape(len(a), 4, 3)
+    # the plane of a, turned about a line at right angles to its middle, away from it
+    of_a = cross(a[:, 0], a[:, 1])[:, None]
+    of_a = of_a / np.maximum(np.linalg.norm(of_a, axis=2, keepdims=True), NONZERO)
+    away = a.sum(axis=1, keepdims=True)
+    of_a = np.concatenate([of_a, -of_a], axis=1)
+    # until both sides of b are as far in front
+    (high, fall) = (np.diff(n @ middle.swapaxes(1, 2), axis=2)[..., 0] for n in (of_a, away))
+    even = high / np.where(np.abs(fall) > NONZERO, fall, np.inf)
+    tilts = [np.clip(even, 0.0, 1.0), *(np.full_like(even, t) for t in TILTS)]
+    of_a = np.concatenate([of_a - t[..., None] * away for t in tilts], axis=1)
+    # the plane of b, turned about a line at right angles to its middle until it meets a
+    of_b = cross(middle[:, 0], middle[:, 1])[:, None]
+    of_b = of_b / np.maximum(np.linalg.norm(of_b, axis=2, keepdims=True), NONZERO)
+    of_b = np.concatenate([of_b, -of_b], axis=1)
+    inward = middle.sum(axis=1, keepdims=True)
+    low = -(of_b @ a.swapaxes(1, 2)).max(axis=2)
+    ahead = (inward @ a.swapaxes(1, 2)).max(axis=2)
+    turned = (
+        of_b + (np.maximum(low, 0.0) / np.maximum(ahead, np.abs(low) + NONZERO))[..., None] * inward
+    )
+    # at right angles to a side of a: towards each side of b
+    across = middle[:, None] - np.einsum("kai,kbi->kab", a, middle)[..., None] * a[:, :, None]
+    across = across.reshape(len(a), 4, 3)
+    both = (middle.sum(axis=1) - a.sum(axis=1))[:, None]
+    n = np.concatenate([between, of_a, turned, across, both], axis=1)
     n = n / np.maximum(np.linalg.norm(n, axis=2, keepdims=True), NONZERO)
-    low = -np.einsum("kai,kri->kar", n, a).max(axis=2)
-    high = np.einsum("kai,kri->kar", n, b).min(axis=2)
-    # on an arc between two rays on one side of a plane nothing is closer to the plane than both
-    good = (low >= 0) & (high >= 0)
-    angle = np.arcsin(np.clip(low, 0, 1)) + np.arcsin(np.clip(high, 0, 1))
-    out: np.ndarray = np.where(good, angle, 0.0).max(axis=1)
-    return out
+    # rays of the one behind a plane through the apex, those of the other in front of it
+    behind = (n @ a.swapaxes(1, 2)).max(axis=2) <= CLOSURE_TOL
+    high = np.where(behind, (n @ b.swapaxes(2, 3)).min(axis=3), -1.0)
+    return high.min(axis=0).max(axis=1), np.maximum(high.max(axis=2), 0.0).sum(axis=0)

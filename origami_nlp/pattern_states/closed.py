@@ -31,9 +31,13 @@ def scene_of(pattern: Pattern, contact: bool) -> tuple[Scene | None, list[int]]:
     vertex, creases = round_vertex(pattern, loop), list(loop.creases)
     if vertex is None or len(creases) < pattern.creases:
         return None, creases
-    stiffness, rest = (tuple(x[creases].tolist()) for x in (pattern.stiffness, pattern.rest))
+    stiffness, wound = pattern.stiffness[creases], pattern.rest[creases]
+    # a torque winds springs beyond the rest angles that a scene states: what is beyond is preload
+    rest = np.clip(wound, -math.pi, math.pi)
+    preload = tuple((stiffness * (wound - rest)).tolist()) if np.any(wound != rest) else ()
     kind: Contact = "full" if contact else "fold-limits"
-    return Scene(vertex, stiffness, rest, "none", kind), creases
+    k, at = tuple(stiffness.tolist()), tuple(rest.tolist())
+    return Scene(vertex, k, at, "none", kind, preload=preload), creases
 
 
 def of_vertex(

@@ -21,16 +21,19 @@ from origami_nlp.kkt import TangentCone
 from origami_nlp.minima import (
     ESCAPE_PATHS,
     MEETINGS,
+    Completeness,
     JudgedState,
     MinimaResult,
     PatternSearchReport,
     check_noise,
+    check_prove,
 )
 from origami_nlp.numerics import CLOSURE_TOL, DUPLICATE_TOL, RESOLVED, rank
 from origami_nlp.pattern import Pattern, as_pattern
 from origami_nlp.pattern_problem import MOST_DENSE, PatternProblem, find_labels, image
 from origami_nlp.pattern_states.branch_points import (
     branch_directions,
+    closes_along,
     into_family,
     is_on_plane,
     split,
@@ -55,6 +58,8 @@ from origami_nlp.pattern_states.judgement import (
     stationary_beside,
 )
 from origami_nlp.pattern_states.noise import NOISE, with_survival
+from origami_nlp.pattern_states.proved import is_tried, prove_list
+from origami_nlp.proof import ProofOptions
 from origami_nlp.starts import OWN, Given, Popped, SearchOptions, families_in_turn, options_of
 
 OUT = 0.2
@@ -77,6 +82,7 @@ def find_states(
     effort: str = "normal",
     options: SearchOptions | None = None,
     max_starts: int | None = None,
+    prove: bool | float | ProofOptions | None = None,
 ) -> MinimaResult:
     """Find the stable states of a pattern.
 
@@ -92,8 +98,9 @@ def find_states(
         Whether facets must not cross; without, only fold limits count.
     seconds
         Wall time for the search, give or take a second or two: what was left out is named.  None: 300 s.
-    escape, noise, effort, options, max_starts
-        As for `minima.find_minima`; errors are those of springs and of the positions of vertices.
+    escape, noise, effort, options, max_starts, prove
+        As for `minima.find_minima`; errors are those of springs and of the positions of vertices, proofs are for strips
+        of vertices of degree four (`proof.prove_strip`), unasked of up to three.
 
     Returns
     -------
@@ -115,16 +122,12 @@ def find_states(
     """
     pattern = as_pattern(pattern)
     asked = options_of(effort, options)
-    starts = asked.in_a_row if starts is None else check_whole("starts", starts, 0)
-    most = (
-        asked.most_drawn * starts
-        if max_starts is None
-        else check_whole("max_starts", max_starts, 1)
-    )
+    starts, most = asked.random_starts(starts, max_starts)
     rng = np.random.default_rng(check_whole("seed", seed, 0))
     seconds = check_number("seconds", SECONDS if seconds is None else seconds, 0.0)
     check_flag("escape", escape)
     check_noise(noise)
+    check_prove("prove", prove)
     if not pattern.creases:
         raise OptionError("the pattern has no crease: there is nothing to fold")
     search = _Search(pattern, contact, seconds, asked)
@@ -140,6 +143,8 @@ def find_states(
             break
     search.part("minima with a vertex popped", search.pop, asked.most_popped * starts)
     search.part("images of minima under symmetries", search.add_images)
+    if is_tried(pattern, prove):
+        search.part("the proof that the list is complete", search.prove, pattern, prove)
     if escape:
         search.part("escape barriers", search.add_escapes)
     if noise is not None:
@@ -164,6 +169,7 @@ class _Search:
         self.curves = TracedCurves(self.problem, self.labels, contact)
         self.tally = PatternSearchReport(contact="full" if contact else "fold-limits")
         self._since, self.judged, self._traced = time.perf_counter(), list[JudgedState](), 0
+        self.completeness: Completeness | None = None
         self._planes: list[tuple[np.ndarray, np.ndarray]] = []
         self._families = families_in_turn(self.problem, self.labels)
         self._side = self.labels.drawn(np.random.default_rng(0).normal(size=pattern.creases))
@@ -238,6 +244,13 @@ class _Search:
             state = replace(state, verdict="undecided", kind="", certificate=why)
         self.add(state)
 
+    def prove(self, pattern: Pattern, wanted: bool | float | ProofOptions | None) -> None:
+        """Try to prove that the minima are all; what is missing is added."""
+        known = self.problem, self.judged, self.contact
+        self.completeness, new = prove_list(pattern, *known, wanted)
+        for state in new:
+            self.add(state)
+
     def add_escapes(self) -> None:
         """Add what it takes to leave each minimum."""
         states, most = self.by_energy(), self.tally.starts
@@ -246,14 +259,15 @@ class _Search:
 
     def add_survival(self, degrees: float) -> None:
         """Add how many random errors each minimum survives."""
-        states, given = self.by_energy(), (self.contact, degrees)
-        self.judged = with_survival(self.problem, self.labels, states, *given)
+        given = self.by_energy(), self.contact, degrees
+        self.judged = with_survival(self.problem, self.labels, *given)
 
     def result(self, pattern: Pattern, starts: int) -> MinimaResult:
         """Sum up what was judged and done, where `starts` random ones in a row were to find nothing new."""
         minima = self.tally.sum_up(self.by_energy(), self.curves.found, starts)
         self.tally.seconds = time.perf_counter() - self._since
-        return MinimaResult(pattern, minima, self.tally, curves=tuple(self.curves.found))
+        curves = tuple(self.curves.found)
+        return MinimaResult(pattern, minima, self.tally, self.completeness, curves=curves)
 
     def by_energy(self) -> list[JudgedState]:
         """Return what was judged, by energy; states of one energy in an order that labels do not change."""
@@ -331,9 +345,8 @@ class _Search:
         order = sorted(
             range(len(states)), key=lambda i: (np.abs(states[i]).sum(), self.labels.key(states[i]))
         )
-        if not self.part(ESCAPE_PATHS, self._leave_flat_folded, states[order]):
-            return
-        self.part(MEETINGS, self._leave_meetings)
+        if self.part(ESCAPE_PATHS, self._leave_flat_folded, states[order]):
+            self.part(MEETINGS, self._leave_meetings)
 
     def _leave_meetings(self) -> None:
         """Go all branch directions of states at which curves meet."""
@@ -371,11 +384,7 @@ class _Search:
             return
         d = basis @ (basis.T @ self._side)
         d /= np.abs(d).max()
-        # closed at unequal distances both ways along a generic direction: taken for a plane of closed states
-        if (
-            max(problem.residual(phi + 0.7 * d), problem.residual(phi - 1.1 * d))
-            <= 10 * CLOSURE_TOL
-        ):
+        if closes_along(problem, phi, d):
             self._planes.append((basis, off))
             lowest = lowest_on(problem, phi, basis)
             if lowest is not None and not self.known(lowest):
@@ -399,8 +408,7 @@ class _Search:
     def draw(self, rng: np.random.Generator, k: int) -> None:
         """Make a random start."""
         before = self._found()
-        (start,) = self._families[k % len(self._families)].draw(rng, 1).x
-        self.explore(start)
+        self.explore(self._families[k % len(self._families)].draw(rng, 1).x[0])
         self.tally.drawn += 1
         self.tally.outside += len(self.curves.found) - before[1]
         self.tally.quiet = self.tally.quiet + 1 if self._found() == before else 0

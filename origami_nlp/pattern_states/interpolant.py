@@ -89,13 +89,13 @@ class Interpolant(ShortRepr):
 
     def nearest(self, step: int, phi: np.ndarray) -> tuple[float, float]:
         """Return the share of a step that is nearest to a state [n], and how far it is: looked at closer and closer."""
-        low, high = 0.0, 1.0
+        low, high, powers = 0.0, 1.0, POWERS @ self.control[step]
         for _ in range(5):
             shares = np.linspace(low, high, CUTS)
-            apart = [float(np.linalg.norm(self.at(step, u) - phi)) for u in shares]
-            k = int(np.argmin(apart))
+            apart = np.linalg.norm(shares[:, None] ** np.arange(6.0) @ powers - phi, axis=1)
+            k = int(apart.argmin())
             low, high = shares[max(k - 1, 0)], shares[min(k + 1, CUTS - 1)]
-        return float(shares[k]), apart[k]
+        return float(shares[k]), float(apart[k])
 
 
 def interpolate(problem: PatternProblem, curve: ClosureCurve) -> Interpolant:

@@ -72,6 +72,10 @@ class PatternTerrain(Terrain):
             return None
         return None if self.contact and not jumps and is_jump(self._pops, a, x) else x
 
+    def beside(self, a: np.ndarray, start: np.ndarray) -> np.ndarray | None:
+        """Close a start beside a state [n], on either side of vertices; None where that is no admissible state."""
+        return self._step(a, start, jumps=True)
+
     def between(self, a: np.ndarray, b: np.ndarray, shares: np.ndarray) -> np.ndarray | None:
         """States between two; creases that are fully folded at both stay so."""
         out = []

@@ -407,9 +407,10 @@ class PosedProblem(Energies, PrettyRepr):
         for gap in self.structure.gaps:
             if gap.type != "facet-pair":
                 lines.append(f"                  {self.gap_name(gap)} (gap >= 0)")
-        for i, j in self.contact_pairs:
+        if pairs := [f"{i} and {j}" for i, j in self.contact_pairs]:
+            each = " each" if len(pairs) > 1 else ""
             lines.append(
-                f"                  facets {i} and {j}: a separating plane, 4 rows "
+                f"                  facets {', '.join(pairs)}: a separating plane{each}, 4 rows "
                 "(3 more variables and |n| = 1, only while a solve needs it)"
             )
         lines += [f"  load          {line}" for line in scene.load_lines]

@@ -24,5 +24,11 @@ from .flat import Flat as Flat, flat_lemma as flat_lemma
 from .options import ProofOptions as ProofOptions
 from .result import Cluster as Cluster, Proof as Proof, ProvedCriticalPoint as ProvedCriticalPoint
 from .singular import Isolation as Isolation, isolated as isolated
+from .strip_states import why_no_strip as why_no_strip
+from .strips import (
+    StripMinimum as StripMinimum,
+    StripProof as StripProof,
+    prove_strip as prove_strip,
+)
 from .touches import prove as prove, why_not as why_not
 from .tree import NodeKind as NodeKind, Recorder as Recorder, Tree as Tree

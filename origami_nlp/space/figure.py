@@ -14,7 +14,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from origami_nlp.chart import crease_number
-from origami_nlp.display import HANDLE, INKS, RING, label_text, pi_label, subscript
+from origami_nlp.display import HANDLE, INKS, RING, angle_ticks, label_text, subscript
 from origami_nlp.space.result import Space, SpaceMesh
 from origami_nlp.space.topology import edges_of, surface_pieces
 
@@ -24,8 +24,6 @@ WALLS = (*INKS[:4], INKS[6])
 """Lines of the contacts that bound X."""
 DASHES: tuple[Any, ...] = ("-", (0, (6, 1.5)), (0, (2, 1)), (0, (6, 1.5, 1.5, 1.5)), "-")
 """Of these lines, so that they differ in grey too."""
-TICKS = (-math.pi, -math.pi / 2, 0.0, math.pi / 2, math.pi)
-TICK_NAMES = tuple(pi_label(k, 2) for k in range(-2, 3))
 
 
 def draw_space(space: Space) -> Figure:
@@ -44,10 +42,10 @@ def draw_space(space: Space) -> Figure:
     matplotlib.figure.Figure
         Two views.
     """
-    figure = Figure(figsize=(11.2, 5.7), dpi=120, facecolor="white")
+    figure = Figure(figsize=(9.4, 5.0), dpi=140, facecolor="white")
     mesh = space.mesh
     colour = _lobe_colours(mesh)
-    flat = figure.add_axes((0.065, 0.2, 0.39, 0.66))
+    flat = figure.add_axes((0.085, 0.215, 0.38, 0.645))
     solid = figure.add_axes((0.47, 0.13, 0.52, 0.8), projection="3d")
     used = _draw_chart(flat, space, colour)
     used |= _draw_solid(solid, space, colour)
@@ -115,16 +113,15 @@ def _draw_chart(axis: Axes, space: Space, colour: list[str]) -> set[int]:
     other = (
         f"φ{subscript(crease_number(space.scene, 2))}"
         if (group.kind, group.order, len(group.rays)) == ("D", 1, 4)
-        else f"υ (elevation of crease {crease_number(space.scene, 0)})"
+        else f"elevation υ of crease {crease_number(space.scene, 0)}"
     )
-    axis.set_xlabel(f"{name}  [rad]")
-    axis.set_ylabel(f"{other}  [rad]")
+    axis.set_xlabel(f"fold angle {name}")
+    axis.set_ylabel(f"fold angle {other}" if "φ" in other else other)
     axis.set_xlim(-math.pi, math.pi)
     high = math.pi if "φ" in other else math.pi / 2
     axis.set_ylim(-high, high)
-    axis.set_xticks(TICKS, TICK_NAMES)
-    ticks = [(t, n) for t, n in zip(TICKS, TICK_NAMES, strict=True) if abs(t) <= high + 1e-9]
-    axis.set_yticks([t for t, _ in ticks], [n for _, n in ticks])
+    angle_ticks(axis.xaxis, -math.pi, math.pi)
+    angle_ticks(axis.yaxis, -high, high)
     if high == math.pi:
         axis.set_aspect("equal")
     axis.set_title("in the paper's chart", fontsize=10)
@@ -165,7 +162,12 @@ def _draw_solid(axis, space: Space, colour: list[str]) -> set[int]:  # type: ign
     for which, name in zip("xyz", names, strict=True):
         getattr(axis, f"set_{which}label")(name, labelpad=2)
         getattr(axis, f"set_{which}lim")(-math.pi, math.pi)
-        getattr(axis, f"set_{which}ticks")(TICKS[::2], TICK_NAMES[::2])
+        ends = (
+            (0.0, math.pi) if which == "y" else (-math.pi, 0.0, math.pi)
+        )  # x and y share a corner
+        getattr(axis, f"set_{which}ticks")(
+            ends, [f"{math.degrees(a):.0f}°".replace("-", "−") for a in ends]
+        )
     axis.view_init(elev=22, azim=-62)
     axis.tick_params(pad=0, labelsize=8)
     extra = "" if mesh.wedge.shape[1] == 3 else f" (of {mesh.wedge.shape[1]})"
@@ -202,7 +204,9 @@ def _legend(figure: Figure, space: Space, colour: list[str], used: set[int]) -> 
         if k in used:
             text = re.sub(r"phi_(\d+)", lambda m: "φ" + subscript(int(m[1])), name)
             entries.append(
-                Line2D([], [], color=WALLS[k], lw=2, ls=DASHES[k], label=text.replace("+-pi", "±π"))
+                Line2D(
+                    [], [], color=WALLS[k], lw=2, ls=DASHES[k], label=text.replace("+-pi", "±180°")
+                )
             )
     kinds = {p.kind for p in space.pinch_points}
     if "pinch point" in kinds:
@@ -226,5 +230,5 @@ def _legend(figure: Figure, space: Space, colour: list[str], used: set[int]) -> 
     if space.picture_joins:
         entries.append(Line2D([], [], **RING, ls="", ms=10, label="several states there"))
     figure.legend(
-        handles=entries, loc="lower center", ncols=min(5, len(entries)), fontsize=8, frameon=False
+        handles=entries, loc="lower center", ncols=min(5, len(entries)), fontsize=9, frameon=False
     )

@@ -95,6 +95,29 @@ class SearchOptions:
         if self.hits > self.rounds:
             raise OptionError(f"hits = {self.hits} must be at most rounds = {self.rounds}")
 
+    def random_starts(self, starts: int | None, max_starts: int | None) -> tuple[int, int]:
+        """Return how many random starts of a pattern in a row find nothing new, and how many are drawn at most.
+
+        Parameters
+        ----------
+        starts, max_starts
+            As asked for; None: what the options say.
+
+        Returns
+        -------
+        starts, most : int
+            Both at least 0.
+
+        Raises
+        ------
+        OptionError
+            If one is no such number.
+        """
+        starts = self.in_a_row if starts is None else check_whole("starts", starts, 0)
+        if max_starts is None:
+            return starts, self.most_drawn * starts
+        return starts, check_whole("max_starts", max_starts, 1)
+
 
 EFFORTS = {
     "quick": SearchOptions(

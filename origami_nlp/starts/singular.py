@@ -9,7 +9,7 @@ import numpy as np
 
 from origami_nlp.kkt import project
 from origami_nlp.numerics import CLOSURE_TOL, NEAR_SINGULAR_TOL, NONZERO, ROUNDED
-from origami_nlp.problem import Problem
+from origami_nlp.problem import CreaseChain, Model
 from origami_nlp.starts.family import Listed
 from origami_nlp.starts.projected import BATCH
 
@@ -46,7 +46,7 @@ MOST_FLAT_VARIABLES = 9
 """Flat foldings are listed for up to this many variables (3^9 = 19683 candidates)."""
 
 
-def flat_foldings(model: Problem) -> list[np.ndarray]:
+def flat_foldings(model: Model) -> list[np.ndarray]:
     """Return every state of the model whose fold angles are 0 or +-pi and that closes with q = +1.
 
     Candidates only: layers are not ordered here.  Only the flat state without fold limits, or for too
@@ -56,7 +56,7 @@ def flat_foldings(model: Problem) -> list[np.ndarray]:
     few = model.has_limits and n <= MOST_FLAT_VARIABLES
     places = itertools.product((-1.0, 0.0, 1.0), repeat=n) if few else [(0.0,) * n]
     x = math.pi * np.array(list(places))
-    closed = np.abs(model.closure(x)[0]).max(axis=1) <= CLOSURE_TOL
+    closed = CreaseChain(model).misses(x) <= CLOSURE_TOL
     return [state for state in x[closed] if model.lifts_to_one(state)]
 
 
@@ -93,7 +93,7 @@ class RigidStates(Listed):
     name = "states that cannot move"
     sentence = "isolated states of models without degrees of freedom"
 
-    def __init__(self, model: Problem, seed: int) -> None:
+    def __init__(self, model: Model, seed: int) -> None:
         super().__init__(model)
         self._seed = seed
 

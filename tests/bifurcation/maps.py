@@ -65,6 +65,8 @@ LINES = {
 }
 """Curves by what their type ends in."""
 SHORT = {"interior": "i", "contact-pinned": "p", "contact-touching": "t", "degenerate": "d"}
+NAMED = 0.02
+"""Share of the plane from which on a region has its numbers written into it."""
 Map = tuple[BifurcationSet, Sequence[Region]]
 
 
@@ -123,7 +125,7 @@ def draw_map(
             cmap=ListedColormap([COLOURS[min(region.minima, 6)]]),
             rasterized=True,
         )
-        if region.share >= 0.02:
+        if region.share >= NAMED:
             axes.text(
                 place(region.t[1]),
                 region.t[0],
@@ -163,18 +165,18 @@ def draw(family: str, columns: dict[str, list[Map]]) -> Figure:
         axes.set_yscale("log")
         axes.set_ylim(parts[0][0].parameters[0].low, parts[0][0].parameters[0].high)
         axes.set_title(title, fontsize=10)
-        axes.set_xlabel("$\\alpha_1$ [deg]")
+        axes.set_xlabel("sector angle $\\alpha_1$ [deg]")
         axes.set_xlim(
             math.degrees(parts[0][0].parameters[1].low),
             85 if family == "degree8" else math.degrees(parts[-1][0].parameters[1].high),
         )
         if len(parts) > 1:
             axes.axvline(60, color="black", ls=":", lw=1)
-    figure.axes[0].set_ylabel("$r_k$")
+    figure.axes[0].set_ylabel("stiffness ratio $r_k$")
     figure.legend(
         handles=legend([part for parts in columns.values() for part in parts]),
         loc="outside lower center",
-        ncols=8,
+        ncols=5,
         frameon=False,
         fontsize=8,
     )
@@ -193,6 +195,10 @@ def legend(parts: Sequence[Map]) -> list[Artist]:
     looks = {look_of(curve) for found, _ in parts for curve in found.curves}
     for look, label in (LINES[key] for key in LINES if key in looks):
         entries.append(Line2D([], [], **look, label=label))
+    kinds = {
+        k for region in regions if region.agrees and region.share >= NAMED for k in region.kinds
+    }
+    entries += [Line2D([], [], ls="", label=f"{SHORT[k]}: {k}") for k in SHORT if k in kinds]
     return entries
 
 

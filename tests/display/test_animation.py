@@ -3,6 +3,7 @@
 import dataclasses
 import shutil
 import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -59,6 +60,51 @@ def test_file_by_ffmpeg_has_all_pictures(part: Content, tmp_path: Path) -> None:
     what = ["-show_entries", "stream=codec_name,pix_fmt,nb_read_frames"]
     said = subprocess.run([*ask, *what, tmp_path / "states.mp4"], capture_output=True, text=True)
     assert said.stdout.strip() == "h264,yuv420p,8", said  # what every player takes
+
+
+FFMPEG = """#!{python}
+import sys
+from pathlib import Path
+data = sys.stdin.buffer.read()
+Path({record!r}).write_text("\\n".join([*sys.argv[1:], str(len(data))]))
+Path(sys.argv[-1]).write_bytes(b"film")
+"""
+"""Notes how it was called and how much it was given, and writes a file."""
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="the stand-in is a script")
+def test_ffmpeg_is_given_all_pictures_and_a_form_that_players_take(
+    part: Content, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    program, record = tmp_path / "bin" / "ffmpeg", tmp_path / "record"
+    program.parent.mkdir()
+    program.write_text(FFMPEG.format(python=sys.executable, record=str(record)))
+    program.chmod(0o755)
+    monkeypatch.setenv("PATH", str(program.parent))
+    write_animation(part, tmp_path / "states.mp4")
+    assert (tmp_path / "states.mp4").read_bytes() == b"film"
+    *said, size = record.read_text().splitlines()
+    width, height = map(int, said[said.index("-s") + 1].split("x"))
+    assert width % 2 == height % 2 == 0  # H.264 with yuv420p needs even sides
+    assert "yuv420p" in said and "h264" in said and said[-1].endswith(".mp4")
+    assert int(size) == 8 * width * height * 4  # eight pictures of RGBA
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="the stand-in is a script")
+def test_a_failing_ffmpeg_is_named(
+    part: Content, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    program = tmp_path / "bin" / "ffmpeg"
+    program.parent.mkdir()
+    program.write_text(f"#!{sys.executable}\nimport sys\nsys.exit('Unknown encoder h264')\n")
+    program.chmod(0o755)
+    monkeypatch.setenv("PATH", str(program.parent))
+    with pytest.raises(
+        o.OrigamiError,
+        match=r"states\.mp4': ffmpeg failed \((Unknown encoder h264|it ended early)\): use \.gif",
+    ):
+        write_animation(part, tmp_path / "states.mp4")
+    assert not (tmp_path / "states.mp4").exists()
 
 
 def test_file_has_all_pictures_and_they_differ(part: Content, tmp_path: Path) -> None:

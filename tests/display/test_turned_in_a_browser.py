@@ -1,6 +1,7 @@
 """The page that can be turned, in a real browser without network."""
 
 from collections.abc import Iterator
+from pathlib import Path
 
 import pytest
 
@@ -155,3 +156,32 @@ def test_nothing_is_wider_than_the_screen(opened: Browser, width: int) -> None:
             f"(() => {{const r = $('{name}').getBoundingClientRect(); return [r.left, r.right]}})()"
         )
         assert 0 <= left < right <= width
+
+
+def test_alone_a_state_turns_until_it_is_touched(tmp_path: Path) -> None:
+    """As in a frame on the landing page of the site."""
+    page = tmp_path / "page.html"
+    o.view(panel_result(o.examples.degree6("pi/3", 1.0), full=True), page)
+    with browser(tmp_path / "profile") as found:
+        found.open(page, 400, 400, "#turning")
+        found.until("!!document.querySelector('#space canvas')")
+        names = "['title', 'state', 'path', 'lines', 'maps', 'space']"
+        seen = found.ask(f"{names}.filter(n => $(n).getClientRects().length)")
+        assert seen == ["state", "space"]
+        size = found.ask("[document.documentElement.scrollWidth, document.body.scrollHeight]")
+        assert max(size) <= 400
+        where = "space.camera.position.toArray()"
+        first = found.ask(where)
+        found.until(f"length(sub({where}, {first})) > 0.01")
+        canvas = "$('space').querySelector('canvas')"
+        for kind in ("mousePressed", "mouseReleased"):
+            press = {"type": kind, "x": 200, "y": 250, "button": "left", "clickCount": 1}
+            found.call("Input.dispatchMouseEvent", **press)
+        stopped = found.ask(where)
+        found.ask("new Promise(done => setTimeout(done, 200))")
+        assert found.ask(where) == stopped
+        found.ask(f"{canvas}.dispatchEvent(new KeyboardEvent('keydown', {{key: 'ArrowUp'}}))")
+        assert found.ask(where) != stopped
+        found.ask("$('after').click()")
+        assert found.ask("$('state').value") == "1"
+        assert not found.errors

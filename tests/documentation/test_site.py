@@ -16,13 +16,21 @@ from tests.documentation.pages import ROOT, markdown, name_of, prose
 
 sys.path.append(str(ROOT / "docs" / "_ext"))
 
-WORDS = (
+FIRST = (
     "bistable",
     "multistable",
     "degree of freedom",
     "stiffness",
     "snap-through",
     "self-folding",
+    "Lagrange multiplier",
+    "active constraint",
+    "waterbomb",
+    "FOLD",
+)
+"""Terms of the glossary, which the search of the site lists first."""
+WORDS = (
+    *FIRST,
     "Poisson's ratio",
     "Kawasaki",
     "MERLIN",
@@ -58,6 +66,11 @@ def test_words_that_people_type_stand_in_a_heading_or_the_glossary(word):
         page for page in USERS if any(word.lower() in h.lower() for h in headings(page.read_text()))
     ]
     assert found
+
+
+@pytest.mark.parametrize("word", FIRST)
+def test_words_of_the_field_are_terms_of_the_glossary(word):
+    assert word in headings((ROOT / "docs" / "concepts.md").read_text())
 
 
 def test_the_check_of_words_reads_headings_and_terms_only():
@@ -108,18 +121,24 @@ def test_what_pages_load_is_seen():
     ]
 
 
-def test_the_landing_page_shows_states_that_the_search_finds():
+def test_the_landing_page_shows_states_that_the_search_finds(tmp_path):
     pytest.importorskip("docutils", reason="extra docs")
-    from turning import data, page
+    from turning import frame, write_page
 
-    shown = data("metasheet:4x4", starts=0)
-    assert len(shown["states"]) == 2
-    assert [one["caption"].split(", ")[1] for one in shown["states"]] == [
-        "nothing touches",
-        "2 contacts closed",
-    ]
-    for one in shown["states"]:
-        assert len(one["corners"]) == 25 and len(one["letters"]) == 24
-    text = page("metasheet:4x4", shown)
-    assert len(text) < 2_000_000 and "http" not in text
-    assert json.loads(text.split('json">')[1].split("</script>")[0])["lines"]
+    file = write_page("metasheet:4x4", tmp_path / "new", starts=0)
+    text = (tmp_path / "new" / file).read_text()
+    (content,) = json.loads(text.split('id="data">')[1].split("</script>")[0])
+    assert len(content["stations"]) == 2 and len(content["body"]["creases"]) == 24
+    assert "2 pairs of facets" in text or "contact" in text
+    assert len(text) < 2_000_000
+    assert f'src="a/{file}#turning"' in frame("metasheet:4x4", f"a/{file}")
+
+
+def test_every_picture_is_made_by_the_one_command_and_stands_on_a_page():
+    from pictures import FOLDER, PICTURES, SLOW
+
+    files = {file.relative_to(FOLDER) for file in FOLDER.rglob("*.*")}
+    made = {file.stem if len(file.parts) == 1 else file.parts[0] for file in files}
+    assert made == set(PICTURES) and set(SLOW) < set(PICTURES)
+    text = "\n".join(page.read_text() for page in markdown())
+    assert [str(file) for file in files if f"figures/{file.as_posix()}" not in text] == []

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.optimize import minimize
 
-from origami_nlp import examples, load_path
+from origami_nlp import draw, examples, load_path
 from tests.independent.rotations import fold
 
 
@@ -28,8 +28,8 @@ def slopes(scene, phi, h=1e-4):
     return (8 * near - far) / (12 * h)
 
 
-def stiffness(scene, creases, t, phi):
-    """Residual torque and eigenvalues on the tangent space under torques t, by finite differences [N m/rad]."""
+def reduced(scene, creases, t, phi):
+    """Residual torque under torques t, the Hessian on the tangent space, and its basis, by finite differences."""
     n, h = len(phi), 1e-4
     slope = slopes(scene, phi)
     torque = np.array(scene.stiffness) * (phi - scene.rest_angles)
@@ -41,7 +41,13 @@ def stiffness(scene, creases, t, phi):
     hessian = np.diag(scene.stiffness) - curved @ multipliers
     tangent = np.linalg.svd(slope.T)[2][3:].T
     balance = np.abs(torque - slope @ multipliers).max()
-    return balance, np.linalg.eigvalsh(tangent.T @ hessian @ tangent)
+    return balance, tangent.T @ hessian @ tangent, tangent
+
+
+def stiffness(scene, creases, t, phi):
+    """Residual torque under torques t, and the eigenvalues of the reduced Hessian [N m/rad]."""
+    balance, hessian, _ = reduced(scene, creases, t, phi)
+    return balance, np.linalg.eigvalsh(hessian)
 
 
 def rest(scene, creases, t, near):
@@ -129,3 +135,30 @@ def test_a_pitchfork_is_one_event_and_its_two_branches_are_images():
     again = next(e for e in found.events if abs(e.t - found.snaps[0].restabilises) < 1e-12)
     _, soft = stiffness(examples.waterbomb(), (1, 4), again.t, np.array(again.fold_angles))
     assert abs(soft[0]) < 1e-6
+
+
+@pytest.mark.parametrize(("crease", "creases"), [(1, (1, 4)), (2, (2, 3, 5, 6))])
+def test_the_stiffness_at_the_start_is_that_of_the_reduced_hessian(crease, creases):
+    scene, found = examples.waterbomb(), path("waterbomb", crease, 0.09 if crease == 1 else -0.06)
+    phi = np.array(found.legs[0].points[0].fold_angles)
+    hessian, tangent = reduced(scene, creases, 0.0, phi)[1:]
+    force = tangent.T @ np.isin(np.arange(1, 7), creases).astype(float)
+    mean = force @ np.linalg.solve(hessian, force) / len(creases)  # per torque on each of them
+    assert found.start_stiffness == pytest.approx(1 / mean, rel=1e-6)
+    assert found.stiffness_unit == "N m/rad"
+    assert f"stiffness at the start: {1 / mean:.4g}"[:-1] in str(found)
+    after = found.legs[-1].stiffness  # of the state after the snap, under the load there
+    assert after > 0 and np.isnan(found.legs[1].stiffness) == (crease == 1)
+
+
+def test_the_stiffness_at_the_start_is_drawn_through_the_start():
+    found = path("waterbomb", 1, 0.09)
+    (axes, _) = draw(found).axes
+    labels = [text.get_text() for text in axes.get_legend().get_texts()]
+    assert "snap at 0.0841 N m" in labels
+    assert f"stiffness at the start\n{found.start_stiffness:.4g} N m/rad" in labels
+    style = [line for line in axes.lines if line.get_color() == "#7b2d8b"]
+    (x, y) = style[0].get_data()
+    assert np.diff(y) / np.radians(np.diff(x)) == pytest.approx(found.start_stiffness)
+    start = found.legs[0].points[0]
+    assert (np.degrees(start.angle), start.t) == pytest.approx((x.mean(), y.mean()), abs=1e-12)

@@ -195,3 +195,19 @@ def test_a_search_ended_by_time_says_so():
         find_minima(examples.degree6("pi/3", 1), seconds=60.0, prove=False).search.stopped_by
         == "rule"
     )
+
+
+def test_minima_are_told_as_they_are_found():
+    """Each once, certified, before the search has ended; symmetric ones with all their fold angles."""
+    for scene in (examples.degree6("pi/3", 1), examples.miura("pi/3")):
+        told, order = [], []
+        result = find_minima(
+            scene,
+            prove=False,
+            escape=False,
+            found=lambda energy, x, told=told: told.append((energy, *x)),
+            progress=lambda *_, told=told, order=order: order.append(len(told)),
+        )
+        listed = sorted((m.energy, *m.fold_angles) for m in result.minima)
+        assert np.allclose(sorted(told), listed, atol=1e-9)
+        assert order[-1] == len(told) and order[0] < order[-1]

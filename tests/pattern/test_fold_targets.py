@@ -2,6 +2,7 @@
 
 import json
 import math
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -9,9 +10,18 @@ from typer.testing import CliRunner
 
 from origami_nlp import OrigamiError
 from origami_nlp.cli import app
-from origami_nlp.pattern import REST_KEY, fold_vertices, parse_fold, scene_at
+from origami_nlp.pattern import (
+    REST_KEY,
+    STIFFNESS_KEY,
+    fold_vertices,
+    frame_pattern,
+    parse_fold,
+    scene_at,
+    vertex_scene,
+)
 from tests.fold_files import closed_state, disc, folded
 
+FILES = Path(__file__).parents[2] / "docs" / "files"
 RUN = CliRunner()
 SECTORS = (60, 100, 120, 80)
 TARGETS = [-90, 70, 80, 60]
@@ -228,3 +238,28 @@ def test_an_outline_drawn_in_part_is_noticed():
     found, notes = fold_vertices(frame(data))
     assert not found and any("outline" in note for note in notes)
     assert not fold_vertices(frame(disc(SECTORS, "MVVV")))[1]
+
+
+def test_springs_that_were_asked_for_and_not_used_are_named():
+    letters = json.loads((FILES / "pattern.fold").read_text())
+    ask = {"stiffness": 0.01, "rest_angle": math.pi / 2}
+
+    def notes(data, **options):
+        (frame,) = parse_fold(json.dumps(data))
+        said = []
+        one = fold_vertices(frame)[0][0].number
+        vertex_scene(frame, one, on_note=said.append, **options)
+        return [
+            [n for n in some if "is not used" in n]
+            for some in (frame_pattern(frame, **options).notes, said)
+        ]
+
+    assert notes(letters, **ask) == [[], []]
+    angles = [{"M": -60, "V": 60}.get(a, 0) for a in letters["edges_assignment"]]
+    folded = {**letters, "edges_foldAngle": angles}
+    for said in notes(folded, **ask):
+        assert len(said) == 1 and said[0].startswith("--rest-angle 90 is not used")
+    assert notes(folded) == [[], []]
+    stated = {**letters, STIFFNESS_KEY: [0.02] * len(angles)}
+    for said in notes(stated, **ask):
+        assert said == ["--stiffness is not used: the file states the stiffness of each crease"]

@@ -83,7 +83,7 @@ def test_survivals_are_told_and_kept(yoshimura: MinimaResult) -> None:
     assert low.survival is not None and high.survival is not None
     assert low.survival.kept == high.survival.kept == DRAWS and low.survival.springs is None
     assert "survives" in yoshimura.table().heads
-    assert "0.5 degrees (standard deviation)" in str(yoshimura)
+    assert "0.5 deg (standard deviation)" in str(yoshimura)
     again = MinimaResult.from_dict(json.loads(json.dumps(yoshimura.to_dict(), allow_nan=False)))
     assert [s.survival for s in again.minima] == [s.survival for s in yoshimura.minima]
 

@@ -1,5 +1,6 @@
 // What moves on the interactive page.  All geometry comes from the data; nothing is folded or searched here: a step of
-// the slider shows a stored state, and nothing is shown between two of them.
+// the slider shows a stored state, and nothing is shown between two of them.  Opened as page.html#turning, in a frame
+// of another page, it shows a state alone that turns until it is touched.
 "use strict";
 const DATA = JSON.parse(document.getElementById("data").textContent);
 const $ = id => document.getElementById(id);
@@ -9,6 +10,9 @@ const CREASES = {mountain: {color: 0xc1121f, linewidth: 4.5}, valley: {color: 0x
 const MOST_NUMBERED = 40;  // creases whose numbers can be read
 const kindOf = phi => Math.abs(phi) < 1e-6 ? "not folded" : phi < 0 ? "mountain" : "valley";
 const ARC = Math.PI / 24;
+const ALONE = location.hash === "#turning";
+const SPEED = ALONE && !matchMedia("(prefers-reduced-motion: reduce)").matches ? 0.3 : 0;  // of turning by itself [rad/s]
+const BY_KEY = {ArrowLeft: [-0.1, 0], ArrowRight: [0.1, 0], ArrowUp: [0, -0.1], ArrowDown: [0, 0.1]};
 // dark (low) to pale (high): readable in grey, and to colour-blind readers
 const SCALE = ["#0b2559", "#24479d", "#1f7fb6", "#56bcc0", "#dff3c4"];
 const LOOKS = {contact: {stroke: "#1b1b1b", strokeWidth: 1.5}, handle: {stroke: "#7b1fa2", strokeWidth: 2.5, strokeDasharray: "6 4"},
@@ -108,7 +112,7 @@ function marksOf(state, marks, towards, right) {
 
 // ---------------------------------------------------------------- space
 
-const space = {renderer: null, camera: null, controls: null, world: new LIB.Scene(), body: null, pickable: [], labels: [],
+const space = {renderer: null, camera: null, controls: null, speed: SPEED, last: 0, world: new LIB.Scene(), body: null, pickable: [], labels: [],
   dirty: true, positions: []};
 
 function openSpace() {
@@ -133,13 +137,33 @@ function openSpace() {
   Object.assign(space.controls, {rotateSpeed: 2.5, staticMoving: true});
   space.controls.addEventListener("change", () => { space.dirty = true; });
   new ResizeObserver(fitSpace).observe($("space"));
+  Object.assign(canvas, {tabIndex: 0, role: "img", ariaLabel: "folded state; drag, or use the arrow keys, to turn it"});
+  canvas.addEventListener("pointerdown", () => { space.speed = 0; });
+  canvas.addEventListener("keydown", event => {
+    if (!BY_KEY[event.key]) return;
+    event.preventDefault();
+    space.speed = 0;
+    turnBy(...BY_KEY[event.key]);
+  });
   canvas.addEventListener("pointermove", point);
   canvas.addEventListener("pointerleave", () => { $("pointed").style.display = "none"; });
-  (function turn() {
+  (function turn(now = 0) {
+    if (space.speed && scene.data) turnBy(space.speed * Math.min(now - space.last, 60) / 1000, 0);
+    space.last = now;
     space.controls.update();
     if (space.dirty) render();
     requestAnimationFrame(turn);
   })();
+}
+
+function turnBy(round, over) {  // about what is upright, and about what points to the right [rad]
+  const {camera, controls} = space, away = camera.position.clone().sub(controls.target);
+  const right = camera.up.clone().cross(away).normalize();
+  away.applyAxisAngle(camera.up, -round).applyAxisAngle(right, over);
+  camera.up.applyAxisAngle(right, over);
+  camera.position.copy(controls.target).add(away);
+  camera.lookAt(controls.target);
+  space.dirty = true;
 }
 
 function fitSpace() {
@@ -445,7 +469,7 @@ function choosePath(n) {
 
 function chooseScene(n) {  // it opens on its first path, where it has one
   stop();
-  const data = DATA[n], first = data.tracks.length ? 0 : -1;
+  const data = DATA[n], first = data.tracks.length && !ALONE ? 0 : -1;
   let step = 0;
   if (first === 0 && data.tracks[0].start === null && data.stations.length) {  // through the first state, not from it
     const far = state => length(sub(state.angles, data.stations[0].angles)), {states} = data.tracks[0];
@@ -458,7 +482,7 @@ function chooseScene(n) {  // it opens on its first path, where it has one
   fill($("path"), ["none: the state alone", ...data.tracks.map(t => t.title)], 0);
   document.querySelectorAll(".paths").forEach(e => { e.style.display = data.tracks.length ? "" : "none"; });
   document.querySelectorAll(".report").forEach((e, k) => { e.hidden = k !== n; });
-  $("numbers").checked = data.body.creases.length <= 12;
+  $("numbers").checked = data.body.creases.length <= 12 && !ALONE;
   const some = data.stations.length + data.tracks.length > 0;
   document.querySelector(".plots").style.display = some ? "" : "none";
   if (some) draw();
@@ -487,5 +511,6 @@ $("scene").onchange = event => chooseScene(Number(event.target.value));
 fill($("scene"), DATA.map(d => d.title), 0);
 document.querySelectorAll(".many").forEach(e => { e.style.display = DATA.length > 1 ? "" : "none"; });
 window.onresize = () => { if (scene.mapped) { drawProfile(); drawMaps(); } };  // figures fit the width
+document.body.classList.toggle("alone", ALONE);
 openSpace();
 chooseScene(0);

@@ -112,7 +112,8 @@ def _sheet(
     ]
     heights = [max(shares[k : k + columns]) + TITLE + 0.1 for k in range(0, len(states), columns)]
     width = max(columns, 2) * CELL + 2 * MARGIN
-    stack = StackedFigure(width, sum(heights), handles=crease_legend(), notes=[note])
+    drawn = [(branch.vertex, phi) for (branch, _, _), phi in zip(states, angles, strict=True)]
+    stack = StackedFigure(width, sum(heights), handles=crease_legend(drawn), notes=[note])
     left = (width - columns * CELL) / 2
     for k, (branch, _, title) in enumerate(states):
         row, column = divmod(k, columns)

@@ -1,0 +1,121 @@
+"""Barriers between stable states of a pattern that differ in the sign of an interior vertex.
+
+Every admissible path between them passes a state in which that vertex is flat (`PopSigns`): its energy is bounded from
+below in closed form, and by the states that a search with that vertex flat has found.  A way down from such a state to
+both sides is a path, so that barriers are exact where both agree.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from origami_nlp.barriers.passes import LISTED, SIGNED, Pass
+from origami_nlp.barriers.result import Barriers, FlatVertexBound
+from origami_nlp.barriers.traced import EXPLICIT, passes_over, pattern_passes
+from origami_nlp.errors import OptionError
+from origami_nlp.kkt import energy_scale, level_of
+from origami_nlp.minima import MinimaResult, TracedPasses
+from origami_nlp.numerics import merge_tree
+from origami_nlp.pattern_states import FlatVertex, list_flat_vertices, ways_down
+
+OPPOSITE = {("+", "-"), ("-", "+")}
+
+
+def pattern_barriers(result: MinimaResult) -> Barriers:
+    """Return the barriers of a pattern, on traced curves and through states with a vertex flat.
+
+    Parameters
+    ----------
+    result
+        Its minima.
+
+    Returns
+    -------
+    Barriers
+        With the lowest pass that is known between every two minima, and what bounds it from below.
+
+    Raises
+    ------
+    OptionError
+        If there is neither a curve nor a vertex with a sign.
+    """
+    known = pattern_passes(result)
+    if not (result.sign_vertices or known):
+        raise OptionError(
+            "no curve of states is known and no vertex has a sign (contact on, 360 degrees of paper or less): "
+            "barriers of a pattern need one of them, and the result of a search, not one from a file"
+        )
+    if not result.sign_vertices or not result.minima:
+        return known[0] if known else Barriers(result, (), ())
+    return _with_signs(result, *(known or (None, None)))
+
+
+def _with_signs(
+    result: MinimaResult, known: Barriers | None, traced: TracedPasses | None
+) -> Barriers:
+    """Add paths through states with a vertex flat, and what bounds all from below."""
+    problem, minima = result.model, np.array([m.phi for m in result.minima])
+    bounds = list_flat_vertices(result.pattern)
+    states = [np.zeros((0, problem.size))]
+    edges: list[np.ndarray] = []
+    first, many = 0, len(minima)
+    if traced is not None:
+        first = len(traced.states) - many
+        states.append(traced.states[:first])
+        edges.append(traced.edges)  # minima are last
+    tops: list[np.ndarray] = []
+    ways = []
+    for to, path in ways_down(problem, minima, bounds):
+        at = next((k for k, x in enumerate(tops) if np.abs(x - path[0]).max() == 0), len(tops))
+        if at == len(tops):
+            tops.append(path[0])
+        ways.append((at, to, path[1:-1]))
+    inner = sum(len(path) for *_, path in ways)
+    shift = len(tops) + inner
+    if edges:
+        edges[0] = np.where(edges[0] >= first, edges[0] + shift, edges[0])
+    states.append(np.array(tops).reshape(-1, problem.size))
+    begin = first + len(tops)
+    for at, to, path in ways:
+        numbers = [first + at, *range(begin, begin + len(path)), first + shift + to]
+        edges.append(np.column_stack([numbers[:-1], numbers[1:]]))
+        states.append(path)
+        begin += len(path)
+    states.append(minima)
+    nodes = np.concatenate(states)
+    energies = np.array([problem.scaled_energy(x) for x in nodes])
+    joined = np.concatenate(edges).astype(int) if edges else np.zeros((0, 2), int)
+    heights = energies[joined].max(axis=1) if len(joined) else np.zeros(0)
+    leaves = list(range(len(nodes) - many, len(nodes)))
+    tree = merge_tree(energies, joined, heights, leaves)
+    found = TracedPasses(tree, nodes, energies, joined, np.isin(leaves, joined))
+    whole = passes_over(problem, result, found, problem.scale, lambda i, j, height: EXPLICIT)
+    scale = energy_scale(result.pattern.stiffness)
+    level = level_of(np.array([m.energy for m in result.minima]), scale)
+    before = {} if known is None else {(p.from_state, p.to_state): p for p in known.passes}
+    passes = []
+    for p in whole.passes:
+        was = before.get((p.from_state, p.to_state))
+        if was is not None and (was.is_lowest or was.energy <= p.energy + level):
+            p = was
+        passes.append(_bounded(p, result, bounds, level))
+    vertices = tuple(FlatVertexBound(b.vertex, b.least, b.listed, len(b.states)) for b in bounds)
+    return replace(whole, passes=tuple(passes), flat_vertices=vertices)
+
+
+def _bounded(p: Pass, result: MinimaResult, bounds: Sequence[FlatVertex], level: float) -> Pass:
+    """Add what bounds a pass from below."""
+    one, two = (result.signs[k - 1] for k in (p.from_state, p.to_state))
+    differ = [b for b, *pair in zip(bounds, one, two, strict=True) if tuple(pair) in OPPOSITE]
+    least = max((b.least for b in differ), default=math.nan)
+    listed = max((b.listed for b in differ), default=math.nan)
+    p = replace(p, least=least, listed=listed)
+    if p.is_lowest or math.isnan(least):
+        return p
+    if p.energy <= least + level:
+        return replace(p, why=SIGNED)
+    return replace(p, why=LISTED) if p.energy <= listed + level else p

@@ -1,0 +1,197 @@
+"""States of a pattern in which one interior vertex is flat, of least energy, and ways down from them to its minima.
+
+Motions of paper from one side of a vertex to the other pass through such a state (`PopSigns`).  With the vertex flat
+the facets round it are one: the states are those of a pattern with fewer creases, which is searched as any other.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from origami_nlp.io import ShortRepr
+from origami_nlp.numerics import NEAR_SINGULAR_TOL
+from origami_nlp.pattern import Pattern
+from origami_nlp.pattern_problem import (
+    PatternProblem,
+    PopSigns,
+    find_labels,
+    flat_with,
+    image,
+    least_flat_energy,
+)
+from origami_nlp.pattern_states.find import find_states
+from origami_nlp.pattern_states.terrain import FIRST, NEARLY, PatternTerrain
+
+STARTS = 10
+"""Random starts in a row that find nothing new, in the search with a vertex flat."""
+SECONDS = 60.0
+"""For such a search, of wall time."""
+MOST_STATES = 3
+"""With a vertex flat, from which ways down are sought: those of least energy."""
+MOST_TARGETS = 3
+"""Minima on either side of a vertex towards which a way down begins, the nearest ones."""
+PLACES = 6
+"""Decimals of distances between states that are compared: more are rounding."""
+SHARES = np.array([0.25, 0.5, 0.75])
+"""Of the first step of a way down, at which it is looked at."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class FlatVertex(ShortRepr):
+    """What is known of states in which one vertex is flat.
+
+    Attributes
+    ----------
+    vertex
+        As a file numbers it.
+    flat
+        Creases that are flat then, of bool [n].
+    least
+        What the energy is not below, in closed form: `least_flat_energy`.
+    states, energies
+        Stable ones among them that a search has found, by energy, [S, n] [rad], [S].
+    """
+
+    vertex: int
+    flat: np.ndarray
+    least: float
+    states: np.ndarray
+    energies: np.ndarray
+
+    @property
+    def listed(self) -> float:
+        """The least energy of the states that were found; `least` where none was, or a state attains that."""
+        return max(float(self.energies[0]), self.least) if len(self.energies) else self.least
+
+
+def list_flat_vertices(pattern: Pattern, search: bool = True) -> tuple[FlatVertex, ...]:
+    """Find the states of least energy with each vertex flat that has a sign, once for vertices that are alike.
+
+    Parameters
+    ----------
+    pattern
+        With its springs; states are searched where its reference state is flat.
+    search
+        Whether to search for them, or give the bounds in closed form alone.
+
+    Returns
+    -------
+    tuple of FlatVertex
+        In the order of `PopSigns.vertices`.
+
+    Examples
+    --------
+    >>> from origami_nlp.pattern import as_pattern
+    >>> from origami_nlp.pattern_states import list_flat_vertices
+    >>> (known,) = list_flat_vertices(as_pattern("yoshimura:2x2"))
+    >>> round(known.least, 6), round(known.listed, 6)
+    (0.37011, 0.372454)
+    """
+    labels, problem = find_labels(pattern), PatternProblem(pattern)
+    symmetries = labels.symmetries(pattern)
+    terrain = PatternTerrain(problem, np.zeros((0, pattern.creases)), True, {}, {}, 0)
+    found: dict[bytes, FlatVertex] = {}
+    out = []
+    for vertex in PopSigns(pattern).vertices:
+        flat = flat_with(pattern, vertex)
+        known = found.get(flat.tobytes())
+        if known is None:
+            listed = _states(pattern, flat) if search and pattern.is_flat else ()
+            some = sorted(filter(terrain.is_admissible, listed), key=pattern.energy)
+            least, states = least_flat_energy(pattern, flat), np.array(some).reshape(-1, len(flat))
+            known = FlatVertex(vertex, flat, least, states, np.asarray(pattern.energy(states)))
+            for symmetry in ((np.arange(len(flat)), 1.0), *symmetries):
+                to = image(symmetry, flat.astype(float)) != 0
+                there = FlatVertex(vertex, to, least, image(symmetry, known.states), known.energies)
+                found.setdefault(to.tobytes(), there)
+        out.append(FlatVertex(vertex, known.flat, known.least, known.states, known.energies))
+    return tuple(out)
+
+
+def _states(pattern: Pattern, flat: np.ndarray) -> np.ndarray:
+    """Return stable states of a flat sheet with some creases flat, [S, n]."""
+    if flat.all():
+        return np.zeros((1, len(flat)))
+    found = find_states(pattern.joined(flat), starts=STARTS, escape=False, seconds=SECONDS)
+    states = np.zeros((len(found.minima), len(flat)))
+    states[:, ~flat] = np.array([m.phi for m in found.minima]).reshape(len(found.minima), -1)
+    return states
+
+
+def ways_down(
+    problem: PatternProblem, minima: np.ndarray, flat_vertices: Sequence[FlatVertex]
+) -> Iterator[tuple[int, np.ndarray]]:
+    """Go down from states with a vertex flat to minima on either side of it, along states that do not cross.
+
+    Parameters
+    ----------
+    problem
+        Of the pattern.
+    minima
+        Stable states, [M, n].
+    flat_vertices
+        Of `list_flat_vertices`.
+
+    Yields
+    ------
+    tuple
+        Number of the minimum (from 0), and closed states from the one with a vertex flat down to it, [S, n].
+    """
+    terrain = PatternTerrain(problem, minima, True, {}, {}, 0)
+    signs = PopSigns(problem.pattern)
+    sides = np.sign(minima @ signs.rows.T)
+    tops: list[
+        tuple[np.ndarray, list[int]]
+    ] = []  # each once, with the vertices that are flat there
+    for vertex, known in enumerate(flat_vertices):
+        for x in known.states[:MOST_STATES]:
+            same = (at for y, at in tops if np.abs(x - y).max() <= NEAR_SINGULAR_TOL)
+            if (at := next(same, None)) is not None:
+                at.append(vertex)
+            else:
+                tops.append((x, [vertex]))
+    if problem.pattern.is_flat and not any(not x.any() for x, _ in tops):
+        tops.append((np.zeros(problem.size), list(range(len(flat_vertices)))))
+    symmetries, gone = find_labels(problem.pattern).symmetries(problem.pattern), list[np.ndarray]()
+    for top, vertices in tops:
+        if any(np.abs(top - x).max() <= NEAR_SINGULAR_TOL for x in gone):
+            continue
+        gone += [top, *(image(symmetry, top) for symmetry in symmetries)]
+        here = np.sign(signs.rows @ top)
+        here[vertices] = 0.0
+        others = ((sides != here) & (here != 0)).sum(axis=1)
+        far = others * 10 * math.pi + np.linalg.norm(minima - top, axis=1)
+        order = np.argsort(np.round(far, PLACES), kind="stable")
+        near = [order[sides[order, v] == side][:MOST_TARGETS] for v in vertices for side in (1, -1)]
+        for k in dict.fromkeys(np.concatenate(near).tolist()):
+            for to, path in _down(terrain, top, minima[k]):
+                yield to, path
+                for symmetry in symmetries:
+                    apart = np.abs(minima - image(symmetry, minima[to])).max(axis=1)
+                    if apart.min() <= NEAR_SINGULAR_TOL:
+                        yield int(apart.argmin()), image(symmetry, path)
+
+
+def _down(
+    terrain: PatternTerrain, top: np.ndarray, towards: np.ndarray
+) -> Iterator[tuple[int, np.ndarray]]:
+    """Yield the way down that begins towards a minimum, if it ends at one."""
+    open_ = top == 0
+    starts = (
+        terrain.beside(top, np.where(open_, FIRST * towards, share * top)) for share in NEARLY
+    )
+    beside = next((x for x in starts if x is not None), None)
+    if beside is None:
+        return
+    first = terrain.between(top, beside, SHARES)
+    down = terrain.path_down(beside, lambda _: False)
+    if first is None or len(down) < 2:
+        return
+    apart = np.abs(terrain.minima - down[-1]).max(axis=1)
+    k = int(apart.argmin())
+    if apart[k] <= NEAR_SINGULAR_TOL:
+        yield k, np.concatenate([top[None], first, down[:-1], terrain.minima[k][None]])

@@ -1,0 +1,139 @@
+"""A proof of all minima of a strip, held against what a search found."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Sequence
+
+import numpy as np
+
+from origami_nlp.minima import Added, Completeness, JudgedState, Open
+from origami_nlp.numerics import DUPLICATE_TOL
+from origami_nlp.pattern import Pattern
+from origami_nlp.pattern_problem import PatternProblem
+from origami_nlp.pattern_states.judgement import judge_end
+from origami_nlp.proof import ProofOptions, StripProof, prove_strip, why_no_strip
+
+FEW = 3
+"""Vertices in a row up to which a proof is tried without being asked for: it costs no more than the search."""
+
+
+def is_tried(pattern: Pattern, wanted: bool | float | ProofOptions | None) -> bool:
+    """Return whether a proof is tried: where it is asked for, or of a short strip."""
+    if wanted is None:
+        return len(pattern.vertices) <= FEW and not why_no_strip(pattern)
+    return wanted is not False
+
+
+def prove_list(
+    pattern: Pattern,
+    problem: PatternProblem,
+    known: Sequence[JudgedState],
+    contact: bool,
+    wanted: bool | float | ProofOptions | None,
+) -> tuple[Completeness, list[JudgedState]]:
+    """Try to prove that the minima of a pattern that are known are all.
+
+    Parameters
+    ----------
+    pattern
+        With springs.
+    problem
+        As it was searched, with its limit of time.
+    known
+        All that was judged.
+    contact
+        Whether facets must not cross: the proof knows fold limits only.
+    wanted
+        As for `find_minima`.
+
+    Returns
+    -------
+    completeness : Completeness
+        What is proved.
+    added : list of JudgedState
+        What the proof found, and was judged.
+    """
+    if why := why_no_strip(pattern):
+        return Completeness("not-proved", f"no strip: {why}"), []
+    options = wanted if isinstance(wanted, ProofOptions) else ProofOptions()
+    seconds = math.inf
+    if isinstance(wanted, float | int) and not isinstance(wanted, bool):
+        seconds = float(wanted)
+    until = min(problem.until, time.monotonic() + seconds)
+    proof = prove_strip(pattern, boxes=options.boxes, until=until)
+    return hold_against(proof, problem, known, contact)
+
+
+def hold_against(
+    proof: StripProof, problem: PatternProblem, known: Sequence[JudgedState], contact: bool
+) -> tuple[Completeness, list[JudgedState]]:
+    """Compare minima that are known with those that are proved; what is missing is judged.
+
+    Parameters
+    ----------
+    proof
+        Of the pattern of the problem.
+    problem, known, contact
+        As for `prove_list`.
+
+    Returns
+    -------
+    completeness : Completeness
+        What is proved.
+    added : list of JudgedState
+        What was judged on the way.
+    """
+    against: list[str] = []
+    judged: list[JudgedState] = []
+    for minimum in proof.minima:
+        within = minimum.radius + DUPLICATE_TOL
+        near = [s for s in known if np.abs(s.phi - minimum.fold_angles).max() <= within]
+        if not near:
+            judged.append(judge_end(problem, minimum.fold_angles, contact))
+            near = judged[-1:]
+        if not any(
+            s.verdict == "minimum" or (contact and s.verdict == "not admissible") for s in near
+        ):
+            against.append(
+                f"a proved minimum ({near[0].energy:.9g} J) is judged: {near[0].verdict}"
+            )
+    shown = [m.fold_angles for m in proof.minima]
+    listed = [s for s in (*known, *judged) if s.verdict == "minimum"]
+    pressed = 0
+    for state in listed:
+        if min((np.abs(state.phi - x).max() for x in shown), default=math.inf) > DUPLICATE_TOL:
+            touching = contact and any(not c.is_limit for c in state.contacts)
+            pressed += touching
+            if not touching:
+                against.append(f"a listed minimum ({state.energy:.9g} J) is none of the proof")
+    reasons = [*against]
+    if proof.undecided:
+        many = len(proof.undecided)
+        reasons.append(f"{many} interval{'s' * (many != 1)} of the curves not decided")
+    if contact and len(problem.pattern.vertices) > 1:
+        reasons.append(
+            f"all minima within fold limits are proved, {len(shown)} on {proof.curves} curves; facets of different "
+            "vertices may touch, and states that they hold are not enumerated"
+        )
+    added = [s for s in judged if s.verdict == "minimum"]
+    completeness = Completeness(
+        "not-proved" if reasons else "proved",
+        "; ".join(reasons),
+        proof.boxes,
+        proof.seconds,
+        {"0": len(shown), "1": proof.maxima} if proof.maxima else {"0": len(shown)},
+        0,
+        len(listed),
+        tuple(_region(problem.pattern, *interval) for interval in proof.undecided),
+        (),
+        tuple(Added(s.energy, s.fold_angles) for s in added),
+        f"all closed states within fold limits lie on {proof.curves} curves through the flat state",
+    )
+    return completeness, judged
+
+
+def _region(pattern: Pattern, lower: np.ndarray, upper: np.ndarray, why: str) -> Open:
+    energy = float(pattern.energy(0.5 * (lower + upper)))
+    return Open(tuple(lower.tolist()), tuple(upper.tolist()), energy, why)

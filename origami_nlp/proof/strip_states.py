@@ -1,0 +1,305 @@
+"""The closed states of a strip: flat vertices of degree four in a row, each sharing a crease with the next, opposite.
+
+Round a vertex with creases 1..4 and sectors a_i from crease i to crease i + 1, the arc D between creases 2 and 4 is a
+side of two spherical triangles, and where the sectors sum to 2 pi the two laws of cosines,
+
+    cos D = cos a4 cos a1 - sin a4 sin a1 cos phi1 = cos a2 cos a3 - sin a2 sin a3 cos phi3,
+
+are equal at phi = 0 and so say (1 - cos phi3) = q (1 - cos phi1), that is
+
+    sin(phi3/2) = +-sqrt(q) sin(phi1/2),    q = sin a1 sin a4 / (sin a2 sin a3).
+
+So along the row sin(phi_i/2) = s_i rho_i sin theta with signs s_i and max rho = 1: for k vertices 2^k curves over theta
+in [-pi/2, pi/2] that meet at the flat state alone.  Where sin D is not 0 the triangles give the other two folds,
+
+    phi2 = arg(-conj(zA zB)),  zA = sin a1 cos a4 + cos a1 sin a4 cos phi1 + i sin a4 sin phi1,  zB so of a2, a3, phi3,
+    d arg zA / d phi1 = sin a4 (sin a1 cos a4 cos phi1 + cos a1 sin a4) / sin^2 D,
+
+so that there are no other closed states.  D = pi needs creases 2 and 4 in one line and phi1 = 0; D = 0 needs a1 = a4
+and a2 = a3: vertices of these two kinds are refused.  A vertex closes as paper (turned by no full turn) until one of
+phi2, phi4 has passed +-pi, and again when the other has.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import NamedTuple
+
+import numpy as np
+
+from origami_nlp.pattern import Pattern
+from origami_nlp.proof.balls import Ball, Jet, argument, exact, rational
+
+MOST_VERTICES = 8
+"""In a row: 256 curves."""
+
+
+class Side(NamedTuple):
+    """Two sectors beside a crease of the row: b towards the second crease of its vertex, c towards the fourth.
+
+    Their sines and cosines, and sin(b + c), 1 + cos(b + c), 1 - cos(b - c), each to within rounding of itself.
+    """
+
+    sin_b: Ball
+    cos_b: Ball
+    sin_c: Ball
+    cos_c: Ball
+    sine_of_sum: Ball
+    beyond: Ball
+    apart: Ball
+
+    @property
+    def turned(self) -> Side:
+        """The same seen from the other side: b and c change places."""
+        return self._replace(sin_b=self.sin_c, cos_b=self.cos_c, sin_c=self.sin_b, cos_c=self.cos_b)
+
+
+class Corner(NamedTuple):
+    """A vertex of a strip: its creases, the first and third in the row, and what is on both sides of it."""
+
+    creases: tuple[int, ...]
+    sides: tuple[Side, Side]
+    directions: np.ndarray
+
+
+@dataclass(frozen=True)
+class Strip:
+    """Vertices in a row, [k], and the squares of rho along it, [k + 1], which are fractions."""
+
+    corners: tuple[Corner, ...]
+    squares: tuple[Fraction, ...]
+
+    @property
+    def row(self) -> list[int]:
+        """Creases along the row, [k + 1]."""
+        return [c.creases[0] for c in self.corners] + [self.corners[-1].creases[2]]
+
+
+def as_strip(pattern: Pattern) -> tuple[Strip | None, str]:
+    """Return the vertices of a pattern in a row, or None and why the pattern is no strip that can be proved.
+
+    Sectors are those of the corners as they are, in exact arithmetic.
+    """
+    if not pattern.is_flat or pattern.corners[:, 2].any():
+        return None, "the reference state is not flat"
+    if pattern.holes or not pattern.vertices:
+        return None, "the pattern has a hole" if pattern.holes else "no vertex is inside"
+    if any(len(v.creases) != 4 for v in pattern.vertices):
+        return None, "a vertex has not four creases"
+    if len(pattern.vertices) > MOST_VERTICES:
+        return None, f"{len(pattern.vertices)} vertices in a row (at most {MOST_VERTICES})"
+    rounds = [v.creases for v in pattern.vertices]
+    why = "vertices are not in a row, each sharing a crease with the next one opposite"
+    reasons = []
+    for end, first in itertools.product(range(len(rounds)), range(4)):
+        order = _row(rounds, end, first)
+        if order is None:
+            continue
+        corners = [_corner(pattern, pattern.vertices[v].vertex, c) for v, c in order]
+        bad = next((w for _, _, w in corners if w), "")
+        if bad:
+            reasons.append(bad)
+            continue
+        squares = [Fraction(1)]
+        for _, ratio, _ in corners:
+            squares.append(squares[-1] * ratio)
+        largest = max(squares)
+        return Strip(tuple(c for c, _, _ in corners), tuple(s / largest for s in squares)), ""
+    return None, min(reasons, default=why)
+
+
+def why_no_strip(pattern: Pattern) -> str:
+    """Return why a pattern is no strip whose minima are proved; "" where it is.
+
+    Parameters
+    ----------
+    pattern
+        Of any number of vertices.
+
+    Returns
+    -------
+    str
+        The first vertex that is in the way, and why.
+
+    Examples
+    --------
+    >>> import origami_nlp as o
+    >>> from origami_nlp.proof import why_no_strip
+    >>> why_no_strip(o.examples.pattern("miura", 2, 3))
+    'vertex 2 is symmetric about the row'
+    """
+    return as_strip(pattern)[1]
+
+
+def _row(
+    rounds: Sequence[tuple[int, ...]], end: int, first: int
+) -> list[tuple[int, tuple[int, ...]]] | None:
+    """Return all vertices in a row from a crease of one of them, with their creases from there; None: they are not."""
+    order, vertex, crease = [], end, rounds[end][first]
+    while True:
+        at = rounds[vertex].index(crease)
+        ring = rounds[vertex][at:] + rounds[vertex][:at]
+        order.append((vertex, ring))
+        beyond = [v for v, others in enumerate(rounds) if ring[2] in others and v != vertex]
+        if not beyond or len(order) > len(rounds):
+            break
+        vertex, crease = beyond[0], ring[2]
+    return order if sorted(v for v, _ in order) == list(range(len(rounds))) else None
+
+
+def _corner(pattern: Pattern, vertex: int, ring: tuple[int, ...]) -> tuple[Corner, Fraction, str]:
+    """Return a vertex, q of its row, and why it is refused."""
+    place = pattern.corners[:, :2]
+    away = [int(pattern.ends[c].sum()) - vertex for c in ring]
+    u = [
+        [Fraction(x) - Fraction(y) for x, y in zip(place[w], place[vertex], strict=True)]
+        for w in away
+    ]
+
+    def cross(i: int, j: int) -> Fraction:
+        return u[i][0] * u[j][1] - u[i][1] * u[j][0]
+
+    def dot(i: int, j: int) -> Fraction:
+        return u[i][0] * u[j][0] + u[i][1] * u[j][1]
+
+    name, why = f"vertex {vertex}", ""
+    a1, a2, a3, a4 = (cross(i, (i + 1) % 4) for i in range(4))
+    q = Fraction(1)
+    if min(a1, a2, a3, a4) <= 0 <= max(a1, a2, a3, a4):
+        why = f"{name} has a sector of 180 degrees or more"
+    else:
+        q = a1 * a4 * dot(2, 2) / (a2 * a3 * dot(0, 0))
+        if cross(1, 3) == 0:
+            why = f"at {name} the creases across the row are in one line"
+        elif cross(0, 2) == 0 and a1**2 * dot(3, 3) == a4**2 * dot(1, 1):
+            why = f"{name} is symmetric about the row"
+    sense = 1 if a1 > 0 else -1
+    sides = tuple(_side(cross, dot, sense, *three) for three in ((1, 0, 3), (1, 2, 3)))
+    directions = np.array([[float(x) for x in v] for v in u])
+    directions /= np.linalg.norm(directions, axis=1)[:, None]
+    return Corner(ring, sides, directions), q, why  # type: ignore[arg-type]
+
+
+def _side(
+    cross: Callable[[int, int], Fraction],
+    dot: Callable[[int, int], Fraction],
+    sense: int,
+    second: int,
+    row: int,
+    fourth: int,
+) -> Side:
+    """Return the sectors between a crease of the row and the two across, from products of directions of creases."""
+
+    def over(value: Fraction, *creases: int) -> Ball:
+        """Divide by the lengths of directions: exact but for one root."""
+        square = math.prod((dot(c, c) for c in creases), start=Fraction(1))
+        return rational(value) * rational(square).root().inverse()
+
+    turn = (
+        sense if row == 0 else -sense
+    )  # sectors run from crease 4 over 1 to 2, and from 2 over 3 to 4
+    sin_sum, cos_sum = turn * cross(fourth, second), dot(fourth, second)
+    far = dot(second, second) * dot(fourth, fourth)
+    sin_apart = abs(cross(row, second)) * dot(row, fourth) - abs(cross(row, fourth)) * dot(
+        row, second
+    )
+    cos_apart = dot(row, second) * dot(row, fourth) + abs(cross(row, second) * cross(row, fourth))
+
+    def one_plus(cosine: Fraction, sine: Fraction, square: Fraction) -> Ball:
+        """1 + cos x = sin^2 x / (1 - cos x) where that is small; sine and cosine times the root of a square."""
+        root = rational(square).root()
+        if cosine > 0:
+            return exact(1.0) + rational(cosine) * root.inverse()
+        return (
+            rational(sine**2 / square) * (exact(1.0) - rational(cosine) * root.inverse()).inverse()
+        )
+
+    whole = far * dot(row, row) ** 2
+    return Side(
+        over(abs(cross(row, second)), row, second),
+        over(dot(row, second), row, second),
+        over(abs(cross(row, fourth)), row, fourth),
+        over(dot(row, fourth), row, fourth),
+        over(sin_sum, second, fourth),
+        one_plus(cos_sum, sin_sum, far),
+        one_plus(-cos_apart, sin_apart, whole),
+    )
+
+
+class StripStates:
+    """States of a strip over boxes of theta, on curves with these signs, [k + 1, K]."""
+
+    def __init__(self, strip: Strip, signs: np.ndarray, theta: Ball) -> None:
+        self.strip = strip
+        self.slopes: dict[int, Jet] = {}
+        self.angles: dict[int, Ball] = {}
+        zero = exact(np.zeros_like(theta.centre))
+        s, c = theta.sine(), theta.cosine()
+        sine, cosine = Jet(s, c), Jet(c, -s)
+        row = []
+        for crease, square, sign in zip(strip.row, strip.squares, signs, strict=True):
+            rho = exact(sign) * rational(square).root()
+            # sin^2(phi/2) = rho^2 sin^2 theta, cos^2(phi/2) = cos^2 theta + (1 - rho^2) sin^2 theta
+            low = sine * sine * rational(square)
+            high = cosine * cosine + sine * sine * rational(1 - square)
+            if square == 1:  # phi = 2 theta
+                angle, rate = exact(sign) * theta, Jet(exact(2 * sign) + zero, zero)
+                product = exact(sign) * s * c
+            else:
+                angle = argument(high.value.root(), rho * s)
+                rate = cosine * high.inverse_root() * (rho + rho)
+                product = rho * s * high.value.root()
+            self.angles[crease], self.slopes[crease] = angle + angle, rate
+            row.append(_Fold(low + low, high + high, product + product, rate))
+        for corner, before, after in zip(strip.corners, row[:-1], row[1:], strict=True):
+            for crease, turn in ((1, False), (3, True)):
+                sides = [side.turned if turn else side for side in corner.sides]
+                (x, y, f), (v, w, g) = (_part(*p) for p in zip(sides, (before, after), strict=True))
+                # phi = arg(-conj(zA zB))
+                self.angles[corner.creases[crease]] = argument(y * w - x * v, x * w + y * v)
+                self.slopes[corner.creases[crease]] = -(f + g)
+
+    def closes(self) -> np.ndarray:
+        """Return whether each vertex comes back turned by no full turn, for folds in the middle of the boxes, [K]."""
+        whole = np.ones(len(next(iter(self.angles.values())).centre), bool)
+        for corner in self.strip.corners:
+            q = np.zeros((4, len(whole)))
+            q[0] = 1.0
+            for crease, (x, y) in zip(corner.creases, corner.directions, strict=True):
+                half = 0.5 * np.broadcast_to(self.angles[crease].centre, whole.shape)
+                r, i, j = np.cos(half), np.sin(half) * x, np.sin(half) * y
+                a, b, c, d = q
+                # q (r + i I + j J)
+                q = np.array(
+                    [
+                        a * r - b * i - c * j,
+                        a * i + b * r - d * j,
+                        a * j + c * r + d * i,
+                        d * r + b * j - c * i,
+                    ]
+                )
+            whole &= q[0] > 0.5
+        return whole
+
+
+class _Fold(NamedTuple):
+    """A fold phi of the row: 1 - cos phi, 1 + cos phi, sin phi and phi'."""
+
+    low: Jet
+    high: Jet
+    sine: Ball
+    rate: Jet
+
+
+def _part(side: Side, fold: _Fold) -> tuple[Ball, Ball, Jet]:
+    """Return z = sin b cos c + cos b sin c cos phi + i sin c sin phi, and the derivative of its argument."""
+    product = side.sin_b * side.sin_c
+    # sin^2 D = (1 + cos D) (1 - cos D): sums of what is positive
+    square = (fold.low * product).plus(side.beyond) * (fold.high * product).plus(side.apart)
+    above = (fold.low * -(side.sin_b * side.cos_c)).plus(side.sine_of_sum)
+    x = side.sine_of_sum - side.cos_b * side.sin_c * fold.low.value
+    return x, side.sin_c * fold.sine, above * square.inverse() * fold.rate * side.sin_c

@@ -1,0 +1,181 @@
+"""All minima of strips of vertices of degree four, against a scan in closed form and against searches."""
+
+import math
+from dataclasses import replace
+from fractions import Fraction
+
+import mpmath
+import numpy as np
+import pytest
+
+import origami_nlp as o
+from origami_nlp.errors import OptionError
+from origami_nlp.pattern import make_pattern
+from origami_nlp.pattern_problem import PatternProblem
+from origami_nlp.pattern_states import hold_against, judge
+from origami_nlp.proof import prove_strip, why_no_strip
+from origami_nlp.proof.balls import Ball, Jet, argument, exact, rational
+from tests.independent.strips import Strip
+from tests.patterns import miura, strip, wheel
+
+
+def _closest(states, x) -> float:
+    return min((float(np.abs(x - y).max()) for y in states), default=math.inf)
+
+
+def _against_scan(seed: int, vertices: int) -> None:
+    pattern = strip(seed, vertices + 1, 2)
+    proof = prove_strip(pattern)
+    assert proof.curves == 2**vertices and not proof.undecided
+    inside = [m.fold_angles for m in proof.minima if not m.at_limit]
+    wells = list(Strip(pattern).wells())
+    # the scan stops where a vertex first passes a fold limit; a minimum beyond a second one is a state all the same
+    assert all(_closest(inside, x) < 1e-9 for x in wells)
+    problem = PatternProblem(pattern)
+    for minimum in proof.minima:
+        assert judge(problem, minimum.fold_angles, False).verdict == "minimum"
+        assert minimum.radius < 1e-8
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_minima_are_those_of_a_scan(seed):
+    _against_scan(seed, 2 + seed % 3)
+
+
+@pytest.mark.slow
+def test_minima_of_two_hundred_strips():
+    for seed in range(200):
+        _against_scan(1000 + seed, 2 + seed % 4)
+
+
+@pytest.mark.slow
+def test_searches_of_strips_lack_nothing():
+    for seed in range(40):
+        pattern = strip(2000 + seed, 3 + seed % 3, 2)
+        proof = prove_strip(pattern)
+        found = o.find_minima(pattern, contact="fold-limits", prove=False, escape=False).minima
+        for minimum in found:
+            assert _closest([m.fold_angles for m in proof.minima], minimum.phi) < 1e-6
+
+
+def test_one_vertex_is_a_strip():
+    points = [[0, 0], [1, 0.1], [0.2, 1], [-1, 0.3], [-0.3, -1]]
+    faces = [(0, 1, 2), (0, 2, 3), (0, 3, 4), (0, 4, 1)]
+    pattern = make_pattern(np.array(points, float), faces)
+    pattern = pattern.with_springs(stiffness=0.01, rest_angles=[1.0, -0.5, 0.8, 0.9])
+    found = o.find_minima(
+        pattern, prove=True
+    )  # facets round one vertex do not meet before a fold limit
+    assert found.completeness.proved
+    assert len(found.minima) == len(prove_strip(pattern).minima)
+
+
+def test_the_flat_state_at_rest():
+    proof = prove_strip(strip(0, 3, 2).with_springs(stiffness=1.0, rest_angles=[0.0] * 7))
+    assert len(proof.minima) == 1 and not proof.undecided
+    assert np.abs(proof.minima[0].fold_angles).max() < 1e-12
+
+
+@pytest.mark.parametrize("stiff", [1e-6, 1e6])
+def test_unequal_springs(stiff):
+    pattern = strip(7, 4, 2)
+    k = pattern.stiffness.copy()
+    k[::3] *= stiff
+    proof = prove_strip(pattern.with_springs(list(k)))
+    wells = list(Strip(pattern.with_springs(list(k))).wells())
+    assert not proof.undecided and len(wells) >= 6
+    assert all(_closest([m.fold_angles for m in proof.minima], x) < 1e-7 for x in wells)
+
+
+def test_what_is_no_strip():
+    assert "in one line" in why_no_strip(miura(2, 3))
+    assert (
+        why_no_strip(miura(3, 3))
+        == "vertices are not in a row, each sharing a crease with the next one opposite"
+    )
+    assert (
+        why_no_strip(wheel([1.0, 1.2, 0.9, 1.3, math.tau - 4.4])) == "a vertex has not four creases"
+    )
+    assert "180 degrees" in why_no_strip(wheel([0.5, 0.6, 0.7, math.tau - 1.8]))
+    with pytest.raises(OptionError, match="no strip that can be proved: at vertex"):
+        prove_strip(miura(2, 3))
+
+
+@pytest.mark.parametrize("far", [1e-10, 1e-6])
+def test_nearly_in_one_line(far):
+    """Creases across the row within so much of one line: closure all but loses rank at the flat state."""
+    points = np.array([[0, 0], [1, 0.1], [0, 1], [-1, 0.3], [far, -1]])
+    pattern = make_pattern(points, [(0, 1, 2), (0, 2, 3), (0, 3, 4), (0, 4, 1)])
+    pattern = pattern.with_springs(stiffness=1.0, rest_angles=[1.0, -0.5, 0.8, 0.9])
+    proof = prove_strip(pattern)
+    problem = PatternProblem(pattern)
+    assert proof.minima and len(proof.minima) + len(proof.undecided) >= 2
+    assert all(problem.residual(m.fold_angles) < 1e-9 for m in proof.minima)
+
+
+def test_a_list_is_held_against_the_proof():
+    """What a search lacks is added; what the proof does not have spoils it."""
+    pattern = strip(0, 3, 2)
+    problem, proof = PatternProblem(pattern), prove_strip(pattern)
+    states = [judge(problem, m.fold_angles, False) for m in proof.minima]
+
+    def held(known):
+        return hold_against(proof, problem, known, False)
+
+    done, added = held(states)
+    assert done.proved and not added
+    done, added = held(states[1:])
+    assert done.proved and len(added) == 1 and done.added[0].energy == states[0].energy
+    false = replace(states[0], fold_angles=tuple(0.99 * np.array(states[0].fold_angles)))
+    done, _ = held([*states, false])
+    assert not done.proved and "is none of the proof" in done.reason
+    done, _ = held([replace(states[0], verdict="saddle"), *states[1:]])
+    assert not done.proved and "is judged: saddle" in done.reason
+
+
+def test_contact_is_named():
+    found = o.find_minima(strip(0, 3, 2), prove=True, starts=1, escape=False)
+    assert found.completeness.status == "not-proved"
+    assert "facets of different vertices may touch" in found.completeness.reason
+
+
+def test_balls_hold_what_they_should():
+    """Operations on balls and jets, against 60 digits at states inside."""
+    rng = np.random.default_rng(0)
+    with mpmath.workdps(60):
+        for _ in range(200):
+            a, b = rng.uniform(-2, 2, 2)
+            ra, rb = 10.0 ** rng.uniform(-12, -1, 2)
+            x, y = Ball(np.array(a), np.array(ra)), Ball(np.array(b), np.array(rb))
+            p = mpmath.mpf(a) + mpmath.mpf(ra) * rng.uniform(-1, 1)
+            q = mpmath.mpf(b) + mpmath.mpf(rb) * rng.uniform(-1, 1)
+            pairs = [
+                (x + y, p + q),
+                (x * y, p * q),
+                (x - y, p - q),
+                (x.sine(), mpmath.sin(p)),
+                (x.cosine(), mpmath.cos(p)),
+                (argument(x, y), mpmath.atan2(q, p)),
+                (x.inverse(), 1 / p),
+                ((x * x).root(), abs(p)),
+            ]
+            for ball, value in pairs:
+                far = abs(mpmath.mpf(float(ball.centre)) - value)
+                far = min(far, abs(far - 2 * mpmath.pi)) if ball is pairs[5][0] else far
+                assert not np.isfinite(ball.radius) or far <= mpmath.mpf(float(ball.radius))
+
+
+def test_jets_are_derivatives():
+    def value(t):
+        return (mpmath.sin(t) ** 2 + mpmath.mpf(1) / 3) ** -0.5 * mpmath.cos(t)
+
+    t = Ball(np.array(0.3), np.array(1e-9))
+    s, c = Jet(t.sine(), t.cosine()), Jet(t.cosine(), -t.sine())
+    jet = (s * s).plus(rational(Fraction(1, 3))).inverse_root() * c
+    with mpmath.workdps(40):
+        want = mpmath.diff(value, mpmath.mpf(0.3))
+        assert abs(float(jet.slope.centre) - want) <= float(jet.slope.radius) < 1e-7
+    jet = (s * s).plus(exact(2.0)).inverse()
+    with mpmath.workdps(40):
+        want = mpmath.diff(lambda x: 1 / (mpmath.sin(x) ** 2 + 2), mpmath.mpf(0.3))
+        assert abs(float(jet.slope.centre) - want) <= float(jet.slope.radius) < 1e-7
