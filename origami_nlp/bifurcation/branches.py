@@ -94,17 +94,17 @@ def branches_of(
 def joined(
     diagrams: Sequence[tuple[Sequence[PathBranch], Sequence[PathEvent]]],
     one: Callable[[PathEvent, PathEvent], bool],
-    last: Callable[[PathEvent], bool],
+    order: Callable[[PathEvent], tuple[float, ...]],
 ) -> tuple[list[PathBranch], list[PathEvent]]:
     """Return the branches and events of several diagrams of one system as those of one, numbered anew.
 
-    one: whether two events are one, of which the first is kept.  last: whether an event comes after others.
+    one: whether two events are one, of which the first is kept.  order: of events that are.
     """
     if len(diagrams) == 1:
         return list(diagrams[0][0]), list(diagrams[0][1])
     shifts = np.cumsum([0, *(len(branches) for branches, _ in diagrams)]).tolist()
     found = [(which, e) for which, (_, events) in enumerate(diagrams) for e in events]
-    found.sort(key=lambda pair: (not pair[1].located, last(pair[1])))
+    found.sort(key=lambda pair: (not pair[1].located, order(pair[1])))
     groups: list[list[tuple[int, PathEvent]]] = []
     for which, e in found:
         same = next((g for g in groups if one(g[0][1], e)), None)

@@ -334,7 +334,11 @@ class FollowedLoad:
             diagrams.append(branches_of(web, job.parameter, chains_of(web), parts, job.across))
         legs = tuple(way.job.leg(way) for way in self.ways)
         passed = {p.fold_angles for leg in legs for p in leg.points}
-        branches, events = joined(diagrams, self._one, lambda e: e.fold_angles not in passed)
+        branches, events = joined(
+            diagrams,
+            self._one,
+            lambda e: (e.fold_angles not in passed, *(-coarse(np.array(e.fold_angles))).tolist()),
+        )
         for branch in branches:
             for r in branch.kind_ranges:
                 if not r.stable and r.kind != "saddle":

@@ -135,7 +135,7 @@ class LoadPath(Report, Viewable):
             [
                 str(e.id) + ("*" if e.id in on else ""),
                 e.type,
-                f"{e.t:.12g}",
+                f"{e.t:{'.12g' if e.located else '.6g'}}",
                 e.contact or "-",
                 f"{float(self.driver.conjugate(np.array(e.fold_angles))):.6g}",
                 "" if e.located else "not located",

@@ -162,3 +162,19 @@ def test_the_stiffness_at_the_start_is_drawn_through_the_start():
     assert np.diff(y) / np.radians(np.diff(x)) == pytest.approx(found.start_stiffness)
     start = found.legs[0].points[0]
     assert (np.degrees(start.angle), start.t) == pytest.approx((x.mean(), y.mean()), abs=1e-12)
+
+
+def test_of_images_of_an_event_rounding_chooses_none_and_unsure_digits_are_not_printed():
+    found = path("waterbomb_base", 1, 0.14)
+    rows = {row[0].rstrip("*"): row for row in found.table().rows}
+    assert any(not e.located for e in found.events)
+    for e in found.events:
+        assert rows[str(e.id)][2] == f"{e.t:{'.12g' if e.located else '.6g'}}"
+    passed = {p.fold_angles for leg in found.legs for p in leg.points}
+    for e in found.events:
+        if e.fold_angles in passed or e.type == "singular":
+            continue
+        phi = np.round(e.fold_angles, 6).tolist()
+        images = [np.roll(phi[::s], k).tolist() for s in (1, -1) for k in range(0, 8, 2)]
+        at = [image for image in images if np.sum(image[::2]) == pytest.approx(np.sum(phi[::2]))]
+        assert phi[0] >= max(image[0] for image in at) - 1e-4

@@ -176,7 +176,7 @@ def test_lower_states_beside_it_cross_by_another_library(name, size, seed):
     down = -z.T @ problem.torque(state.phi)
     down /= np.linalg.norm(down)
     inverse, many = body.slopes(state.phi), 0
-    for k in range(200):
+    for k in range(400):
         if many == 30:
             break
         way = rng.normal(size=z.shape[1])
