@@ -30,7 +30,8 @@ BESIDE_THE_TABLE = {
         kkt/descent.RESCUE kkt/descent.SHORTEST kkt/descent.TRIED kkt/level.BESIDE_FLAT
         kkt/neighbourhood.RADII kkt/neighbourhood.STEPS kkt/descent_witness.DOWNHILL kkt/descent_witness.FAR
         kkt/descent_witness.STEPS
-        landscape/exact.PIECE loading/driver.SIDE loading/stable_path.LEAST_SPAN
+        landscape/exact.PIECE loading/driver.OFF_BRANCH loading/driver.SIDE
+        loading/stable_path.LEAST_SPAN
         loading/result.SHIFT loading/stable_path.OVER minima/descent_rules.ESCAPE minima/descent_rules.SHORTEST
         minima/escape.SMALLEST minima/one_dof.ASIDE minima/search.DOWN modes/geodesic.STEP
         paper/transitions.BRACKET paper/transitions.MARGIN paper/transitions.SIDE
@@ -67,7 +68,7 @@ BESIDE_THE_TABLE = {
         folding/embedding.LARGEST_TOLERANCE paper/cone/phase.RATIOS
         paper/cone/phase_curves.RATIO_LIMITS pattern/coordinate_repair.COARSE
         pattern/example_patterns.QUAD_STIFFNESS
-        pattern/examples.RATIOS pattern/scene.SMALLEST pattern/example_vertices.STIFFNESS
+        pattern/examples.RATIOS pattern/materials.METRES pattern/scene.SMALLEST pattern/example_vertices.STIFFNESS
         inverse_design/convex.LEAST_MARGIN inverse_design/finding.PRICES
     """,
     "options of IPOPT and of a conic solver": """
