@@ -130,10 +130,11 @@ def _library(compiler: str, cache: Path, say: Callable[[str], object]) -> Any:
         cache.mkdir(parents=True, exist_ok=True, mode=0o700)
         # beside, then moved: another process sees all of it or nothing
         with tempfile.TemporaryDirectory(dir=cache) as folder:
-            code, out = Path(folder) / "descent.c", Path(folder) / "descent.so"
-            code.write_text(text, "utf-8")
-            command += [str(code), "-o", str(out), "-lm"]
-            subprocess.run(command, check=True, capture_output=True, timeout=60)
+            out = Path(folder) / "descent.so"
+            command += ["-x", "c", "-", "-o", str(out), "-lm"]
+            subprocess.run(
+                command, input=text.encode(), check=True, capture_output=True, timeout=60
+            )
             os.replace(out, made)
     descend = ctypes.CDLL(str(made)).descend
     descend.argtypes = [ctypes.c_void_p, ctypes.c_void_p, ctypes.c_int64, ctypes.c_int64]

@@ -205,7 +205,7 @@ def test_scenes_with_loads_survive_files_and_torques_on_creases_are_preload():
         ({"fixed_facet": 9}, "1 to 5"),
         ({"loads": [{"crease": 6, "distance": 1, "force": [0, 0, 1]}]}, "1 to 5"),
         ({"loads": [{"crease": 1, "distance": -1, "force": [0, 0, 1]}]}, "above 0"),
-        ({"loads": [{"crease": 1, "force": [0, 0, 1]}]}, "none of"),
+        ({"loads": [{"crease": 1, "force": [0, 0, 1]}]}, "must have one of"),
         ({"loads": [{"facet": 1, "point": [1, 2.0], "force": [0, 0, 1]}]}, "within facet 1"),
         ({"loads": [{"facet": 1, "point": [1, 0.1], "force": [0, 1]}]}, "3 numbers"),
         ({"loads": [{"facet": 1, "point": [1, 0.1], "force": [0, 1, math.inf]}]}, "number"),
