@@ -236,8 +236,11 @@ def _step(
     lower."""
     near = state.problem.about_to_close(state.x, length)
     best: tuple[float, np.ndarray, float] | None = None
+    listed = state.pieces if state.contacts.few else []
     for ahead in (near, ()) if near else ((),):
         for rows, d, held in _ways_down(state, ahead, curved):
+            if best is not None and rows in listed:
+                break  # of the pieces themselves the first that leads down
             size = _length(d, curved)
             if size < ROUNDED:
                 continue

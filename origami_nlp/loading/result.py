@@ -204,7 +204,7 @@ class LoadPath(Report, Viewable):
 
     @property
     def stiffness_unit(self) -> str:
-        """Unit of stiffness: of the load over that of what it works on."""
+        """The unit of `start_stiffness`, of the load over what it works on."""
         over = "rad" if self.driver.coordinate.endswith("[rad]") else "m"
         return f"{self.driver.unit or 1}/{over}"
 
