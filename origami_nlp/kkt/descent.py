@@ -201,20 +201,21 @@ def _closed(
 ) -> np.ndarray | None:
     """Pull a state [n] onto closure with contacts held, within the fold limits; None where that does not close.
 
-    Those of `rows` that it passes are held as well: a straight step passes what bends towards it.
+    Those of `rows` that it passes are held as well, and fold limits that the way back to closure passes: a straight step
+    passes what bends towards it.
     """
     for _ in range(MOST_PASSED):
         y, residual = project(model, want, held, stalls=STALLS if rows else math.inf)
-        over = tuple(c for c in model.beyond(y) if c not in held)
-        if over and residual <= CLOSURE_TOL:  # limits that the way back to closure passes
+        inside = np.clip(y, -model.bound, model.bound)
+        if residual > CLOSURE_TOL:
+            return None
+        if np.abs(model.local(inside).closure).max(initial=0.0) > CLOSURE_TOL:
+            over = tuple(c for c in model.beyond(y) if c not in held)
+            if not (rows and over):
+                return None
             held = (*held, *over)
             continue
-        y = np.clip(y, -model.bound, model.bound)
-        if not (
-            residual <= CLOSURE_TOL
-            and np.abs(model.local(y).closure).max(initial=0.0) <= CLOSURE_TOL
-        ):
-            return None
+        y = inside
         try:
             values, _ = model.local(y).openings(rows)
         except ArithmeticError:  # sides that come to run along each other have no gap

@@ -16,6 +16,7 @@ from origami_nlp.kkt import ALONE, BOUND, TRACED, TREE, energy_scale
 from origami_nlp.minima.escape import VertexTerrain, with_escapes
 from origami_nlp.numerics import SHALLOW
 from tests.computed_once import panel_result
+from tests.kernels.answers import generic
 
 DEGREES = 0.06
 PAGE = Path(__file__).parents[2] / "docs" / "how_to" / "noise.md"
@@ -255,6 +256,15 @@ nothing folds with such errors, and what survives errors of the springs alone is
 @pytest.mark.slow
 def test_the_page_on_noise_is_made_by_this_code():
     assert PAGE.read_text() == page(), "run: python -m tests.minima.test_escape"
+
+
+def test_shallow_states_are_known_as_such():
+    """Descents from near them that keep to other contacts than these found no way out."""
+    panel = find_minima(examples.degree6("pi/3", ratio=100), prove=False)
+    assert [m.shallow for m in panel.minima] == [False, False, False, True]
+    assert 1e-6 < panel.minima[3].escape.barrier < 1e-5
+    vertex = find_minima(generic(6, 7, "fold-limits"), prove=False, full=False)
+    assert [m.energy for m in vertex.minima if m.shallow] == [pytest.approx(3.16964, abs=1e-5)]
 
 
 def test_noise_makes_shallow_states_of_a_waterbomb_and_they_are_told_apart(tmp_path):
