@@ -201,8 +201,8 @@ def _closed(
 ) -> np.ndarray | None:
     """Pull a state [n] onto closure with contacts held, within the fold limits; None where that does not close.
 
-    Those of `rows` that it passes are held as well, and fold limits that the way back to closure passes: a straight step
-    passes what bends towards it.
+    Those of `rows` that it passes are held as well, and fold limits that the way back to closure passes: a straight
+    step passes what bends towards it.
     """
     for _ in range(MOST_PASSED):
         y, residual = project(model, want, held, stalls=STALLS if rows else math.inf)
