@@ -161,7 +161,7 @@ def _hidden(creases: np.ndarray, views: np.ndarray) -> tuple[np.ndarray, np.ndar
         sides = np.broadcast_to(np.stack([a[f], b[f]], axis=1), (len(views), 3, 2))
         basis = np.concatenate([sides, -views[:, :, None]], axis=2)
         basis[edge_on := np.abs(np.linalg.det(basis)) < 1e-6] = np.eye(3)
-        x, y, t = np.linalg.solve(basis, points.T).transpose(1, 0, 2)
+        x, y, t = np.linalg.solve(basis, points.T[None]).transpose(1, 0, 2)
         length = np.linalg.norm(x[..., None] * a[f] + y[..., None] * b[f], axis=2)
         own = (owner == f) | ((owner == (f + 1) % n) & ~own_facets)
         within = (t > 1e-6) & (x > 0) & (y > 0) & (length < 1) & ~own
