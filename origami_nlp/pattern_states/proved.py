@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Sequence
+from fractions import Fraction
 
 import numpy as np
 
@@ -101,21 +102,21 @@ def hold_against(
             )
     shown = [m.fold_angles for m in proof.minima]
     listed = [s for s in (*known, *judged) if s.verdict == "minimum"]
-    pressed = 0
     for state in listed:
         if min((np.abs(state.phi - x).max() for x in shown), default=math.inf) > DUPLICATE_TOL:
-            touching = contact and any(not c.is_limit for c in state.contacts)
-            pressed += touching
-            if not touching:
+            if not (contact and any(not c.is_limit for c in state.contacts)):
                 against.append(f"a listed minimum ({state.energy:.9g} J) is none of the proof")
     reasons = [*against]
     if proof.undecided:
         many = len(proof.undecided)
         reasons.append(f"{many} interval{'s' * (many != 1)} of the curves not decided")
-    if contact and len(problem.pattern.vertices) > 1:
+    if contact and not _meet_at_limits_only(problem.pattern):
+        which = (
+            "of different vertices" if len(problem.pattern.vertices) > 1 else "that are not convex"
+        )
         reasons.append(
-            f"all minima within fold limits are proved, {len(shown)} on {proof.curves} curves; facets of different "
-            "vertices may touch, and states that they hold are not enumerated"
+            f"all minima within fold limits are proved, {len(shown)} on {proof.curves} curves; facets {which} may "
+            "touch, and states that they hold are not enumerated"
         )
     added = [s for s in judged if s.verdict == "minimum"]
     completeness = Completeness(
@@ -132,6 +133,27 @@ def hold_against(
         f"all closed states within fold limits lie on {proof.curves} curves through the flat state",
     )
     return completeness, judged
+
+
+def _meet_at_limits_only(pattern: Pattern) -> bool:
+    """Return whether facets cannot touch before a crease reaches +-180 degrees: four convex ones round one vertex.
+
+    Each is within the cone of its sector.  Where two cones that are not neighbours meet first, a crease lies in the
+    sector opposite; so does the crease between them, and that sector lies on its neighbour.
+    """
+    place = [[Fraction(x) for x in point] for point in pattern.corners[:, :2].tolist()]
+    turns = set()
+    for polygon in pattern.polygons:
+        for a, b, c in zip(
+            polygon, (*polygon[1:], *polygon[:1]), (*polygon[2:], *polygon[:2]), strict=True
+        ):
+            (u, v), (w, z) = (
+                [q - p for p, q in zip(place[i], place[j], strict=True)]
+                for i, j in ((a, b), (b, c))
+            )
+            turns.add((u * z > v * w) - (u * z < v * w))
+    convex = not {-1, 1} <= turns
+    return len(pattern.vertices) == 1 and len(pattern.polygons) == 4 and convex
 
 
 def _region(pattern: Pattern, lower: np.ndarray, upper: np.ndarray, why: str) -> Open:

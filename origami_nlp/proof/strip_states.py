@@ -36,6 +36,8 @@ from origami_nlp.proof.balls import Ball, Jet, argument, exact, rational
 
 MOST_VERTICES = 8
 """In a row: 256 curves."""
+NARROW = 0.1
+"""Radius of a fold angle, of which four make less than a quarter of a turn [rad]."""
 
 
 class Side(NamedTuple):
@@ -103,6 +105,11 @@ def as_strip(pattern: Pattern) -> tuple[Strip | None, str]:
         bad = next((w for _, _, w in corners if w), "")
         if bad:
             reasons.append(bad)
+            continue
+        # any other crease is a free hinge, whose energy the curves know nothing of
+        around = {crease for c, _, _ in corners for crease in c.creases}
+        if not len(around) == 3 * len(corners) + 1 == pattern.creases:
+            reasons.append("a crease is none of the row, or two vertices share more than one")
             continue
         squares = [Fraction(1)]
         for _, ratio, _ in corners:
@@ -264,13 +271,13 @@ class StripStates:
                 self.slopes[corner.creases[crease]] = -(f + g)
 
     def closes(self) -> np.ndarray:
-        """Return whether each vertex comes back turned by no full turn, for folds in the middle of the boxes, [K]."""
-        whole = np.ones(len(next(iter(self.angles.values())).centre), bool)
+        """Return which vertices come back turned by no full turn, [k, K]; asked of boxes that are narrow (`narrow`)."""
+        found = []
         for corner in self.strip.corners:
-            q = np.zeros((4, len(whole)))
+            q = np.zeros((4, len(self.narrow)))
             q[0] = 1.0
             for crease, (x, y) in zip(corner.creases, corner.directions, strict=True):
-                half = 0.5 * np.broadcast_to(self.angles[crease].centre, whole.shape)
+                half = 0.5 * np.broadcast_to(self.angles[crease].centre, self.narrow.shape)
                 r, i, j = np.cos(half), np.sin(half) * x, np.sin(half) * y
                 a, b, c, d = q
                 # q (r + i I + j J)
@@ -282,8 +289,13 @@ class StripStates:
                         d * r + b * j - c * i,
                     ]
                 )
-            whole &= q[0] > 0.5
-        return whole
+            found.append(q[0] > 0)
+        return np.array(found)
+
+    @property
+    def narrow(self) -> np.ndarray:
+        """Whether all fold angles are known to within so little that four of them are no quarter of a turn, [K]."""
+        return np.all([a.radius < NARROW for a in self.angles.values()], axis=0)
 
 
 class _Fold(NamedTuple):

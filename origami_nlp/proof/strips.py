@@ -29,7 +29,9 @@ NARROWEST = 2.0**-44
 """Width of theta below which a box is left open [rad]."""
 TOGETHER = 2.0**-30
 """Width of theta within which folds of several vertices pass their limits at once [rad]."""
-FIRST = np.array([-0.5 * math.pi, -1.0, -0.1, 0.13, 1.0, 0.5 * math.pi])
+BEYOND = math.nextafter(0.5 * math.pi, math.inf)
+"""Not below pi/2, which is between two doubles."""
+FIRST = np.array([-BEYOND, -1.0, -0.1, 0.13, 1.0, BEYOND])
 """Where the first boxes end [rad]: the flat state, theta = 0, is within one, at any depth."""
 NONE, RISING, FALLING, OUTSIDE, LIMIT, OPEN = range(6)
 """Kinds of boxes: U' is not 0; U'' > 0; U'' < 0; no state within fold limits; a crease reaches +-pi; undecided."""
@@ -247,18 +249,21 @@ def _kinds(
     boxes = energy.over(curve, lower, upper)
     slope, bend = boxes.slope()
     passing = boxes.passing()
-    inside = ~passing.any(axis=0)
+    narrow = boxes.at.narrow
+    inside = narrow & ~passing.any(axis=0)
     kind = np.full(len(curve), OPEN)
     kind[inside & (bend.sign > 0)] = RISING
     kind[inside & (bend.sign < 0)] = FALLING
     kind[inside & (slope.sign != 0)] = NONE
-    kind[inside & ~boxes.at.closes()] = OUTSIDE
-    # folds that pass a limit, of one vertex one at most: towards larger theta they grow to pi or fall to -pi
-    moving = np.array([boxes.box.slopes[c].value.sign for c in energy.across])
-    known = ((moving != 0) | ~passing).all(axis=0) & ~(passing[::2] & passing[1::2]).any(axis=0)
+    kind[inside & ~boxes.at.closes().all(axis=0)] = OUTSIDE
+    # folds that pass a limit, each once, of one vertex one at most: towards larger theta they grow to pi or fall to -pi
+    rates = [boxes.box.slopes[c].value for c in energy.across]
+    moving = np.array([r.sign for r in rates])
+    once = np.array([(r.sign != 0) & (r.magnitude * boxes.half < 1) for r in rates])
+    known = (once | ~passing).all(axis=0) & ~(passing[::2] & passing[1::2]).any(axis=0)
     ahead, behind = (boxes.slope(boxes.lifted(s * moving, passing))[0].sign for s in (1.0, -1.0))
     known &= (passing.sum(axis=0) == 1) | (upper - lower <= TOGETHER)
-    kind[~inside & known & (ahead != 0) & (behind != 0)] = LIMIT
+    kind[narrow & passing.any(axis=0) & known & (ahead != 0) & (behind != 0)] = LIMIT
     bits = 2.0 ** np.arange(len(energy.across))
     return kind, slope.sign, ahead, behind, bits @ passing, bits @ (moving > 0)
 
@@ -341,21 +346,24 @@ class _CurveEnds:
                 sides = [p for p in (before, after) if p is not None and p.valid]
                 whole = all(p is None or p.valid or p.kind == OUTSIDE for p in (before, after))
                 if whole and not sides and before is not None and after is not None:
-                    continue  # another vertex does not close on either side
+                    # each vertex changes once at most: one that is open on both sides is open between them
+                    if not (
+                        self._closing(piece, piece.lower) | self._closing(piece, piece.upper)
+                    ).all():
+                        continue
                 if len(sides) != 1 or not whole or before is None or after is None:
                     self._leave(piece, "creases reach +-pi together")
                     continue
                 toward = 1.0 if sides[0] is before else -1.0
                 if toward * (piece.ahead if toward > 0 else piece.behind) < 0:
                     self._limits.append((piece, toward))
-            if piece.valid and (before is None or after is None):
-                toward = -1.0 if before is None else 1.0
-                x = piece.lower if before is None else piece.upper
-                slope = toward * self._slope(piece, x)
-                if slope == 0:
-                    self._leave(piece, "U' is 0 at +-pi, to rounding")
-                elif slope < 0:
-                    self._ends.append((int(piece.curve), x))
+            for beyond, x, toward in ((before, piece.lower, -1.0), (after, piece.upper, 1.0)):
+                if beyond is None and piece.valid:
+                    slope = toward * self._slope(piece, x)
+                    if slope == 0:
+                        self._leave(piece, "U' is 0 at +-pi, to rounding")
+                    elif slope < 0:
+                        self._ends.append((int(piece.curve), x))
 
     def _leave(self, piece: _Stretch, why: str) -> None:
         ends = np.array([piece.lower]), np.array([piece.upper])
@@ -378,6 +386,11 @@ class _CurveEnds:
             return piece.slope
         x = np.array([theta])
         return float(self.energy.over(np.array([int(piece.curve)]), x, x).slope()[0].sign[0])
+
+    def _closing(self, piece: _Stretch, theta: float) -> np.ndarray:
+        """Return which vertices may close at one state of a piece, [k]."""
+        at = self.energy.over(np.array([int(piece.curve)]), *np.array([[theta], [theta]])).at
+        return (at.closes() | ~at.narrow)[:, 0]
 
     def minima(self) -> list[StripMinimum]:
         """Return all minima that were found, each in a narrow box."""
@@ -439,7 +452,7 @@ class _CurveEnds:
         boxes = self.energy.over(np.array([curve]), np.array([low]), np.array([high]))
         phi, radius = np.zeros(len(self.energy.rest)), 0.0
         for crease, angle in boxes.angles.items():
-            phi[crease] = held.get(crease, angle.centre[0])
+            phi[crease] = held.get(crease, np.clip(angle.centre[0], -math.pi, math.pi))
             radius = max(radius, float(angle.radius[0]))
         signs = tuple(int(s) for s in self.energy.signs[:, curve])
         return StripMinimum(signs, (float(low), float(high)), phi, radius, bool(held))

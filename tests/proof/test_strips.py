@@ -139,6 +139,52 @@ def test_contact_is_named():
     assert "facets of different vertices may touch" in found.completeness.reason
 
 
+@pytest.mark.parametrize("seed", [8, 12, 17])
+def test_minima_at_both_ends_of_a_curve(seed):
+    """Rest angles near +-180 degrees: on some curves the energy has no maximum and no fold passes a limit."""
+    rng = np.random.default_rng(seed)
+    pattern = strip(seed, 3, 2)
+    k = rng.uniform(0.2, 2, pattern.creases)
+    rest = 3.14 * np.sign(rng.normal(size=pattern.creases))
+    pattern = pattern.with_springs(list(k), list(rest))
+    proof = prove_strip(pattern)
+    scan = Strip(pattern)
+    x = math.pi / 2 - 1e-9
+    ends = []
+    for a in (1, -1):
+        for b in (1, -1):
+            for side in (1, -1):
+                way = [scan.at((a, b), side * t)[0] for t in np.linspace(0, x, 4000)]
+                if (
+                    np.abs(np.diff(way, axis=0)).max() < 1
+                    and side * scan.slope((a, b), side * x) < 0
+                ):
+                    ends.append(way[-1])
+    assert ends
+    assert all(_closest([m.fold_angles for m in proof.minima], end) < 1e-6 for end in ends)
+    assert all(np.abs(m.fold_angles).max() <= math.pi for m in proof.minima)
+
+
+CORNERS = [[0, 0], [1, 0.1], [0.2, 1], [-1, 0.3], [-0.3, -1]]
+ROUND = [(0, 1, 2), (0, 2, 3), (0, 3, 4), (0, 4, 1)]
+
+
+def test_a_crease_from_border_to_border_is_none_of_a_row():
+    """Its angle is free, and its energy is none of the curves'."""
+    pattern = make_pattern([*CORNERS, [1.2, 1.1]], [*ROUND, (1, 5, 2)])
+    assert "none of the row" in why_no_strip(pattern)
+
+
+@pytest.mark.parametrize("middle, proved", [([-0.3, 0.9], True), ([-0.1, 0.3], False)])
+def test_facets_that_are_not_convex_may_touch(middle, proved):
+    """A facet with an arm reaches over its neighbours: cones of sectors say nothing of it."""
+    pattern = make_pattern([*CORNERS, middle], [(0, 1, 2), (0, 2, 5, 3), *ROUND[2:]])
+    pattern = pattern.with_springs(stiffness=0.01, rest_angles=[1.0, -0.5, 0.8, 0.9])
+    problem, proof = PatternProblem(pattern), prove_strip(pattern)
+    states = [judge(problem, m.fold_angles, True) for m in proof.minima]
+    assert hold_against(proof, problem, states, True)[0].proved is proved
+
+
 def test_balls_hold_what_they_should():
     """Operations on balls and jets, against 60 digits at states inside."""
     rng = np.random.default_rng(0)
