@@ -103,7 +103,8 @@ def floors() -> list[str]:
     """Return the oldest stated dependencies of the core and of the extras that commands need, a requirement each."""
     project = tomllib.loads(Path("pyproject.toml").read_text())["project"]
     extras = (
-        project["optional-dependencies"][name] for name in ("proof", "design", "mesh", "sweep")
+        project["optional-dependencies"][name]
+        for name in ("proof", "design", "mesh", "sweep", "dxf")
     )
     stated = itertools.chain(project["dependencies"], *extras)
     return sorted({one.replace(">=", "==") for one in stated})

@@ -72,6 +72,10 @@ class FoldFileError(OrigamiError):
     """A FOLD file cannot be read, or what is asked of it is not in it."""
 
 
+class DrawingError(FoldFileError):
+    """A drawing (SVG, .cp, .opx, DXF) cannot be read or written, or has no crease pattern in it."""
+
+
 class OptionError(OrigamiError):
     """A command-line or keyword option has a value it cannot take."""
 

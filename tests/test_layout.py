@@ -24,7 +24,7 @@ import origami_nlp
 PACKAGE = Path(origami_nlp.__file__).parent
 ROOT = PACKAGE.parent
 ORDER = (
-    "version errors arguments workers io plugins numerics closed_forms symbolic pattern folding problem kkt "
+    "version errors arguments workers io plugins numerics closed_forms symbolic drawings pattern folding problem kkt "
     "pattern_problem starts continuation display chart proof "
     "minima pattern_states contact modes critical barriers space landscape bifurcation inverse_design "
     "loading sweep results verbs references paper cli __main__"

@@ -53,10 +53,12 @@ class Source:
 
     @cached_property
     def is_fold(self) -> bool:
-        """Whether it is a FOLD file or an example, by its name or, without one that says so, by its first letter."""
-        from origami_nlp.pattern import is_json
+        """Whether it is a FOLD file, a drawing or an example, by its name or, without one, by its first letters."""
+        from origami_nlp.pattern import is_drawing, is_json
 
-        return _named_fold(self.name) or is_json(self._content)
+        if _named_fold(self.name) or is_drawing(self.name):
+            return True
+        return is_json(self._content) or is_drawing(self.name, self._content)
 
     @property
     def is_panels(self) -> bool:
@@ -72,7 +74,7 @@ class Source:
 
     @cached_property
     def _content(self) -> bytes:
-        from origami_nlp.pattern import LARGEST, examples
+        from origami_nlp.pattern import LARGEST, examples, is_drawing
 
         if self.is_example:
             return json.dumps(examples.crease_pattern(self.name)).encode()
@@ -84,6 +86,8 @@ class Source:
             )
         if _named_fold(self.name):
             return read_limited(self.name, LARGEST, "FOLD", FoldFileError)
+        if is_drawing(self.name):
+            return read_limited(self.name, LARGEST, "drawing", FoldFileError)
         return read_limited(self.name, LARGEST, "scene", SceneFileError)
 
     @property

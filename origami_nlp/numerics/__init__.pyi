@@ -22,6 +22,7 @@ from .rounding import (
     coarse as coarse,
     energy_or_zero as energy_or_zero,
     first_largest as first_largest,
+    last_place as last_place,
     rank as rank,
     residual_words as residual_words,
 )

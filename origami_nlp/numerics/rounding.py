@@ -141,3 +141,29 @@ def coarse(a: np.ndarray, to: float = CHOSEN) -> np.ndarray:
     size = np.abs(a).max(axis=-1, keepdims=True, initial=0.0)
     unit = np.ldexp(to, np.frexp(size)[1])
     return np.asarray(np.round(a / unit) * unit)
+
+
+def last_place(coords: np.ndarray) -> float:
+    """Return the last decimal place that numbers state, or single precision does; 0 where they are whole doubles.
+
+    Parameters
+    ----------
+    coords
+        Of any shape.
+
+    Returns
+    -------
+    float
+        Such as 0.001.
+
+    Examples
+    --------
+    >>> last_place(np.array([0.25, 1.5])), last_place(np.array([1 / 3]))
+    (0.01, 0.0)
+    """
+    for digits in range(13):
+        if (np.round(coords, digits) == coords).all():
+            return 10.0**-digits
+    if (coords.astype(np.float32) == coords).all():
+        return 2.0**-23 * float(np.abs(coords).max())
+    return 0.0

@@ -35,6 +35,7 @@ from .fold_scene import (
     vertex_scene as vertex_scene,
     vertex_scenes as vertex_scenes,
 )
+from .fold_source import is_drawing as is_drawing
 from .kept_symmetry import with_symmetry_of as with_symmetry_of
 from .labels import (
     EquivalentVertices as EquivalentVertices,

@@ -59,16 +59,6 @@ class Exact:
     relations: int
 
 
-def last_place(coords: np.ndarray) -> float:
-    """Return the last decimal place that numbers state, or single precision does; 0 where they are whole doubles."""
-    for digits in range(13):
-        if (np.round(coords, digits) == coords).all():
-            return 10.0**-digits
-    if (coords.astype(np.float32) == coords).all():
-        return 2.0**-23 * float(np.abs(coords).max())
-    return 0.0
-
-
 def made_exact(
     corners: np.ndarray,
     polygons: Sequence[Sequence[int]],

@@ -8,7 +8,6 @@ add keys with a namespace).  Vertices, edges and frames are numbered from 0, as 
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
@@ -17,11 +16,12 @@ from typing import Any, Literal
 
 import numpy as np
 
+from origami_nlp.drawings import ERROR_KEY, DrawingOptions
 from origami_nlp.errors import FoldFileError
 from origami_nlp.io import printable, read_limited
-from origami_nlp.numerics import INPUT_TOL
-from origami_nlp.pattern.coordinate_repair import last_place
+from origami_nlp.numerics import INPUT_TOL, last_place
 from origami_nlp.pattern.fold_notes import compare_signs, flattened, in_radians, once
+from origami_nlp.pattern.fold_source import STDIN, decode_source
 
 LARGEST = 50_000_000
 """Bytes; the largest published crease patterns are a few MB."""
@@ -35,22 +35,9 @@ FOLDS = "MVUF"
 """Assignments of edges about which the sheet may fold (F: flat, joined again unless facets need it)."""
 _LEGACY = {"edges_foldAngles": "edges_foldAngle", "edges_assignments": "edges_assignment"}
 _READ = (
-    "vertices_coords",
-    "edges_vertices",
-    "faces_vertices",
-    "faceOrders",
-    "edges_assignment",
-    "edges_foldAngle",
-    *_LEGACY,
-    STIFFNESS_KEY,
-    REST_KEY,
-    PRELOAD_KEY,
-    LOADS_KEY,
-    FIXED_KEY,
-    "frame_classes",
-    "frame_unit",
-    "frame_title",
-    "file_title",
+    *"vertices_coords edges_vertices faces_vertices faceOrders edges_assignment edges_foldAngle".split(),
+    *(*_LEGACY, STIFFNESS_KEY, REST_KEY, PRELOAD_KEY, LOADS_KEY, FIXED_KEY, ERROR_KEY),
+    *"frame_classes frame_unit frame_title file_title".split(),
 )
 
 
@@ -89,13 +76,16 @@ class Frame:
     notes
         What is odd in the frame, one line each.
     unit
-        The last decimal place of the coordinates in the file; 0 where they are whole doubles.
+        The last decimal place of the coordinates in the file, or ``origaminlp:coordinateError`` where that is larger; 0
+        where they are whole doubles.
     loads, fixed_facet
         Forces on its one vertex, each a table as in a scene file, and the facet that is fixed; as the file states them.
     source
         What was read, as it was typed.
     length_unit
         ``frame_unit``: of the coordinates; "" where the file states none.
+    y_down
+        Whether the file's own y points down: places are named as they are in the file.
     """
 
     number: int
@@ -118,10 +108,22 @@ class Frame:
     unit: float = 0.0
     source: str = ""
     length_unit: str = ""
+    y_down: bool = False
+
+    def place(self, vertex: int) -> str:
+        """Return where a vertex is, as the file has it."""
+        x, y = (
+            float(v) + 0.0 for v in self.coords[vertex, :2] * [1.0, -1.0 if self.y_down else 1.0]
+        )
+        return f"({x:.6g}, {y:.6g})"
 
 
-def read_fold(source: str | Path, frame: int | Literal["first"] | None = None) -> tuple[Frame, ...]:
-    """Read the frames of a FOLD file that have geometry.
+def read_fold(
+    source: str | Path,
+    frame: int | Literal["first"] | None = None,
+    drawing: DrawingOptions | None = None,
+) -> tuple[Frame, ...]:
+    """Read the frames of a FOLD file that have geometry, or the one of a drawing (SVG, .cp, .opx, DXF).
 
     Parameters
     ----------
@@ -129,6 +131,8 @@ def read_fold(source: str | Path, frame: int | Literal["first"] | None = None) -
         The file, or ``"-"`` for standard input.
     frame
         Read only this one, numbered as in `Frame`, or the ``"first"`` with geometry; others are not looked at.
+    drawing
+        What is known of a drawing beside it.
 
     Returns
     -------
@@ -143,22 +147,29 @@ def read_fold(source: str | Path, frame: int | Literal["first"] | None = None) -
         If `source` is no path.
     """
     text = read_limited(source, LARGEST, "FOLD", FoldFileError)
-    return parse_fold(text, frame, source="standard input" if str(source) == "-" else str(source))
+    name = STDIN if str(source) == "-" else str(source)
+    return parse_fold(text, frame, source=name, drawing=drawing)
 
 
 def parse_fold(
-    text: str | bytes, frame: int | Literal["first"] | None = None, *, source: str = ""
+    text: str | bytes,
+    frame: int | Literal["first"] | None = None,
+    *,
+    source: str = "",
+    drawing: DrawingOptions | None = None,
 ) -> tuple[Frame, ...]:
-    """Read the frames with geometry from the text of a FOLD file.
+    """Read the frames with geometry from the text of a FOLD file, or the one frame of a drawing.
 
     Parameters
     ----------
     text
-        JSON.
+        JSON, or what an SVG, .cp, .opx or DXF file holds.
     frame
         As for `read_fold`.
     source
-        Where the text is from, as it was typed.
+        Where the text is from, as it was typed; its ending says which format it has.
+    drawing
+        What is known of a drawing beside it.
 
     Returns
     -------
@@ -183,25 +194,8 @@ def parse_fold(
     """
 
     name = f"FOLD file {source!r}" if source else "FOLD file"
-
-    def refuse(constant: str) -> float:
-        why = f"{name} holds {constant}, which is no JSON number: write null or a number"
-        raise FoldFileError(why)
-
-    try:
-        data = json.loads(text, parse_constant=refuse)
-    except FoldFileError:
-        raise
-    # JSONDecodeError and UnicodeDecodeError are ValueErrors
-    except (ValueError, RecursionError) as error:
-        why = str(error).splitlines()[0]
-        if isinstance(error, RecursionError):
-            why = "it is nested too deeply"
-        elif isinstance(error, UnicodeDecodeError):
-            why = f"it is not UTF-8 text: {error.reason}"
-        raise FoldFileError(f"{name} is not valid JSON: {why}") from None
-    if not isinstance(data, Mapping):
-        raise FoldFileError(f"{name} must be a JSON object: vertices_coords, edges_vertices, ...")
+    found = decode_source(text, source, drawing)
+    data = found.data
     raw = [data, *_list(data.get("file_frames", []), "file_frames")]
     for number, one in enumerate(raw):
         if not isinstance(one, Mapping):
@@ -222,7 +216,11 @@ def parse_fold(
     else:
         wanted = there
         _check_total([full[number] for number in there])
-    frames = [replace(_frame(full[number], number), source=source) for number in wanted]
+    frames = [_frame(full[number], number) for number in wanted]
+    frames = [
+        replace(one, source=source, notes=(*found.notes, *one.notes), y_down=found.y_down)
+        for one in frames
+    ]
     if frame == "first" and len(there) > 1:
         others = (
             f"{len(there)} frames have geometry: frame {there[0]} is read, --frame takes another"
@@ -280,7 +278,7 @@ def _frame(data: dict[str, Any], number: int) -> Frame:
             legacy.append(old)
             notes.append(f"{old}: read as {new} (its name since FOLD 1.1)")
     coords, wide = _coords(data["vertices_coords"])
-    unit = last_place(coords)
+    unit = max(last_place(coords), _number(data.get(ERROR_KEY) or 0.0, ERROR_KEY))
     faces = _faces(data.get("faces_vertices"), len(coords))
     pairs = _edges(data.get("edges_vertices"), faces, len(coords), notes)
     m = len(pairs)

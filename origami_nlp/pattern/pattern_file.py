@@ -265,14 +265,14 @@ class _Sheet:
                 v = walk[ends[0] - 1]
                 e = self.number[side(v, walk[ends[0]])]
                 raise FoldFileError(
-                    f"edges_vertices[{frame.numbers[e]}] ends within a facet, at vertex {v}: it cannot fold. Carry it "
-                    "on to another crease or to the border, or leave it out"
+                    f"edges_vertices[{frame.numbers[e]}] ends within a facet, at vertex {v} {frame.place(v)}: it "
+                    "cannot fold. Carry it on to another crease or to the border, or leave it out"
                 )
             if len(set(walk)) < len(walk):
                 v = Counter(walk).most_common(1)[0][0]
                 raise FoldFileError(
-                    f"a facet comes to vertex {v} twice: join what is inside it to its outline by a crease, or give "
-                    "faces_vertices"
+                    f"a facet comes to vertex {v} {frame.place(v)} twice: join what is inside it to its "
+                    "outline by a crease, or give faces_vertices"
                 )
             letters = {
                 frame.assignment[self.number[side(walk[i - 1], v)]] for i, v in enumerate(walk)

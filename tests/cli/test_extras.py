@@ -20,7 +20,13 @@ PACKAGE = {"flint": "python-flint"}
 
 def test_what_is_required_is_in_the_extra_that_is_named():
     calls = re.findall(r'\brequire\("(\w+)", "[^"]+", "(\w+)"', SOURCES)
-    assert {module for module, _ in calls} >= {"trimesh", "clarabel", "pandas", "distributed"}
+    assert {module for module, _ in calls} >= {
+        "trimesh",
+        "clarabel",
+        "pandas",
+        "distributed",
+        "ezdxf",
+    }
     for module, extra in calls:
         assert any(line.startswith(PACKAGE.get(module, module)) for line in EXTRAS[extra])
 
@@ -30,6 +36,7 @@ def test_what_is_required_is_in_the_extra_that_is_named():
     [
         ("clarabel", "design", ["design", "three-equal"]),
         ("trimesh", "mesh", ["minima", "miura:2x2", "-o", "a.glb"]),
+        ("ezdxf", "dxf", ["inspect", str(Path(__file__).parents[1] / "drawings" / "square.dxf")]),
     ],
 )
 def test_a_command_without_its_extra_names_it(monkeypatch, tmp_path, module, extra, words):

@@ -61,6 +61,9 @@ BESIDE_THE_TABLE = {
         pattern/fold_notes.SMALLEST_FOLD pattern/fold_notes.UP pattern/relations.NEAR
         pattern_problem/poses.MOVES space/result.EXTENDED
     """,
+    "shares of a drawing: what is joined, what is straight, what is rounding": """
+        drawings/sheet.RUNGS drawings/sheet.COARSE drawings/svg_path.STRAIGHT
+    """,
     "definitions of the source paper": """
         contact/segments.SLOPE contact/segments.STIFFNESS
     """,

@@ -1,0 +1,9 @@
+from .lines import DrawingOptions as DrawingOptions, Lines as Lines
+from .reading import (
+    ERROR_KEY as ERROR_KEY,
+    READERS as READERS,
+    drawing_kind as drawing_kind,
+    drawing_to_fold as drawing_to_fold,
+    read_drawing as read_drawing,
+)
+from .sheet import Drawing as Drawing

@@ -1,0 +1,109 @@
+"""DXF in, by `ezdxf`: what a line is says its layer, then its colour.
+
+Old ORIPA drew mountains blue and valleys red, new ORIPA and Oriedita the other way round, all on layers of the
+same names: so layers come first.
+"""
+
+from __future__ import annotations
+
+import io
+import math
+import re
+from typing import Any
+
+from origami_nlp.arguments import require
+from origami_nlp.drawings.lines import MOST_LINES, DrawingOptions, LineList, Lines
+from origami_nlp.errors import DrawingError
+
+LAYERS = (
+    (r"mountain|^mt?n?$", "M"),
+    (r"valley|^v(ly)?$", "V"),
+    (r"^cut[ _-]?line$|border|outline|contour|boundary|edge", "B"),
+    (r"cut|slit", "C"),
+    (r"aux|flat|facet", "F"),
+    (r"unassigned|^u$", "U"),
+)
+"""What a layer is, by a part of its name; the first that fits."""
+INSUNITS = {1: "in", 4: "mm", 5: "cm", 6: "m"}
+
+
+def read_dxf(raw: bytes, name: str, options: DrawingOptions) -> Lines:
+    """Read the lines and polylines of a DXF drawing, those of its blocks included.
+
+    Parameters
+    ----------
+    raw
+        The file.
+    name
+        How messages call it.
+    options
+        What else is known of it; layers and colours are names here, such as ``"colour 1"``.
+
+    Returns
+    -------
+    Lines
+        In the drawing's units.
+
+    Raises
+    ------
+    DrawingError
+        If it is no DXF, has no line whose letter is known, curves that nothing was said of, or `ezdxf` is not there.
+    """
+    ezdxf = require("ezdxf", "DXF", "dxf", DrawingError)
+    from ezdxf import disassemble, path, recover
+
+    try:
+        document, _ = recover.read(io.BytesIO(raw))
+    except (
+        ezdxf.DXFError,
+        OSError,
+        ValueError,
+        IndexError,
+        KeyError,
+        TypeError,
+        AttributeError,
+    ) as error:
+        raise DrawingError(
+            f"{name} is no DXF file: {str(error).splitlines()[0] if str(error) else error!r}"
+        ) from None
+    found = LineList(name, options)
+    for count, entity in enumerate(disassemble.recursive_decompose(document.modelspace())):
+        if count > MOST_LINES:
+            raise DrawingError(f"{name} has more than {MOST_LINES} entities: no crease pattern")
+        kind = entity.dxftype()
+        if kind not in ("LINE", "LWPOLYLINE", "POLYLINE", "ARC", "CIRCLE", "ELLIPSE", "SPLINE"):
+            found.left_out[kind] += 1
+            continue
+        letter = _letter(found, entity, document)
+        if letter is None:
+            continue
+        drawn = path.make_path(entity)
+        curves = sum(command.type.name != "LINE_TO" for command in drawn.commands())
+        found.curved += curves
+        chords = options.curves if isinstance(options.curves, int) else 0
+        if not curves or chords:
+            points = [(p.x, p.y) for p in drawn.approximate(segments=max(chords, 1))]
+            found.add(points, letter, math.nan, f"in a {kind} of layer {entity.dxf.layer!r}")
+    found.length_unit = INSUNITS.get(document.header.get("$INSUNITS", 0), "")
+    return found.lines("layers and colours", y_down=False)
+
+
+def _letter(found: LineList, entity: Any, document: Any) -> str | None:
+    layer = entity.dxf.layer
+    by_name = next((letter for part, letter in LAYERS if re.search(part, layer, re.I)), None)
+    asked = found.options.letters
+    if by_name is not None or layer.lower() in {key.strip().lower() for key in asked}:
+        return found.letter(layer, lambda _: by_name)
+    colour = entity.dxf.color
+    if colour == 256 and layer in document.layers:  # as its layer has it
+        colour = document.layers.get(layer).color
+    return found.letter(f"colour {abs(colour)}", lambda _: _of_colour(abs(colour)))
+
+
+def _of_colour(colour: int) -> str | None:
+    """Return what a colour of AutoCAD's index is: as the newer programs have them."""
+    if colour == 1:
+        return "M"
+    if colour == 5:
+        return "V"
+    return {7: "B", 250: "B", 3: "B", 4: "F"}.get(colour)

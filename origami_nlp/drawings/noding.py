@@ -1,0 +1,301 @@
+"""Lines made edges that meet in vertices: ends joined, lines split where others end on them or cross, each once.
+
+Letters are carried: where lines lie on each other the border wins, then cuts, then folds, then what is unassigned or
+flat; a mountain on a valley is a fault, and both stay.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from origami_nlp.errors import DrawingError
+from origami_nlp.numerics import EPS, groups
+
+RANK = "BCMVUF"
+"""Which letter stays where two lie on each other: the first; M and V contradict each other."""
+ROUNDS = 30
+"""Of joining and splitting; drawings take two to four."""
+
+
+@dataclass(frozen=True, eq=False)
+class Noded:
+    """A drawing as edges between vertices.
+
+    Attributes
+    ----------
+    points
+        [V, 2]; each one that the drawing states, or a crossing.
+    edges
+        Vertices, the smaller first, [E, 2]; where mountain lies on valley, both.
+    letters
+        One an edge.
+    angles
+        Fold angles [deg], [E].
+    lines
+        Of each edge, the lines that lie on it.
+    moved
+        How far an end is from the vertex that it was joined to, at most.
+    joined, split, crossed, doubled, vanished
+        How many ends were joined to others, lines split where an end lies on them, crossings found, edges drawn more
+        than once, and lines shorter than the tolerance.
+    clashes
+        Edges (positions) that are drawn as mountain and as valley, or with two fold angles.
+    """
+
+    points: np.ndarray
+    edges: np.ndarray
+    letters: tuple[str, ...]
+    angles: np.ndarray
+    lines: tuple[frozenset[int], ...]
+    moved: float
+    joined: int
+    split: int
+    crossed: int
+    doubled: int
+    vanished: int
+    clashes: tuple[int, ...]
+
+
+def node(ends: np.ndarray, letters: Sequence[str], angles: np.ndarray, tolerance: float) -> Noded:
+    """Make edges and vertices of lines.
+
+    Parameters
+    ----------
+    ends
+        [n, 2, 2].
+    letters
+        One a line.
+    angles
+        Fold angles [deg], [n]; NaN where not given.
+    tolerance
+        Distance within which points are one, and lie on lines.
+
+    Returns
+    -------
+    Noded
+        In the order of the lines.
+
+    Raises
+    ------
+    DrawingError
+        If lines go on splitting each other.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> cross = np.array([[[0, 0], [2, 2]], [[0, 2], [2, 0.0]]])
+    >>> made = node(cross, "MV", np.full(2, np.nan), 1e-6)
+    >>> made.points[-1].tolist(), made.edges.tolist(), made.letters
+    ([1.0, 1.0], [[0, 4], [1, 4], [2, 4], [3, 4]], ('M', 'M', 'V', 'V'))
+    """
+    n = len(ends)
+    points = ends.reshape(-1, 2)
+    pieces = np.arange(2 * n).reshape(-1, 2)
+    line = np.arange(n)
+    points, at = _join(points, len(points), tolerance)
+    moved = float(np.linalg.norm(points[at] - ends.reshape(-1, 2), axis=1).max(initial=0.0))
+    joined = int((np.abs(points[at] - ends.reshape(-1, 2)).max(axis=1) > 0).sum())
+    pieces, line, vanished = _remap(at, pieces, line)
+    drawn, split, crossed = len(points), 0, 0
+    for _ in range(ROUNDS):
+        pieces, line, cuts = _split_at_points(points, pieces, line, tolerance)
+        split += cuts
+        pieces, line = _once_a_line(pieces, line)
+        more, pieces, line = _split_at_crossings(points, pieces, line)
+        if not len(more):
+            break
+        crossed += len(more)
+        points, at = _join(np.concatenate([points, more]), drawn, tolerance)
+        pieces, line, _ = _remap(at, pieces, line)
+    else:
+        raise DrawingError(
+            "the drawing: its lines go on splitting each other: take a larger tolerance"
+        )
+    return _merged(points, pieces, line, letters, angles, moved, joined, split, crossed, vanished)
+
+
+def _join(points: np.ndarray, drawn: int, tolerance: float) -> tuple[np.ndarray, np.ndarray]:
+    """Return one point for each group within the tolerance, and which each belongs to; drawn: the first ones are."""
+    from scipy.spatial import cKDTree
+
+    group = groups(len(points), cKDTree(points).query_pairs(tolerance, output_type="ndarray"))
+    count = int(group.max()) + 1
+    many = np.bincount(group, minlength=count)
+    mean = (
+        np.stack([np.bincount(group, weights=points[:, k]) for k in (0, 1)], axis=1) / many[:, None]
+    )
+    # the member next to the mean stands for all: its coordinates are the file's, those of a drawn one if there is one
+    off = np.linalg.norm(points - mean[group], axis=1)
+    order = np.lexsort((off, np.arange(len(points)) >= drawn, group))
+    first = order[np.concatenate([[True], np.diff(group[order]) > 0])]
+    return points[first], group
+
+
+def _remap(
+    at: np.ndarray, pieces: np.ndarray, line: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, int]:
+    pieces = at[pieces]
+    keep = pieces[:, 0] != pieces[:, 1]
+    return pieces[keep], line[keep], int((~keep).sum())
+
+
+def _once_a_line(pieces: np.ndarray, line: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return the pieces of each line once, in order."""
+    key = np.column_stack([line, np.sort(pieces, axis=1)])
+    first = np.sort(np.unique(key, axis=0, return_index=True)[1])
+    return pieces[first], line[first]
+
+
+def _split_at_points(
+    points: np.ndarray, pieces: np.ndarray, line: np.ndarray, tolerance: float
+) -> tuple[np.ndarray, np.ndarray, int]:
+    """Split pieces where a point lies on them."""
+    from shapely import STRtree, linestrings, points as as_points
+
+    if not len(pieces):
+        return pieces, line, 0
+    used = np.unique(pieces)
+    tree = STRtree(linestrings(points[pieces]))
+    which, piece = tree.query(as_points(points[used]), predicate="dwithin", distance=tolerance)
+    vertex = used[which]
+    a, b = points[pieces[piece, 0]], points[pieces[piece, 1]]
+    along = ((points[vertex] - a) * (b - a)).sum(axis=1) / ((b - a) ** 2).sum(axis=1)
+    inside = (vertex != pieces[piece, 0]) & (vertex != pieces[piece, 1]) & (along > 0) & (along < 1)
+    return _cut(pieces, line, piece[inside], vertex[inside], along[inside])
+
+
+def _cut(
+    pieces: np.ndarray, line: np.ndarray, piece: np.ndarray, vertex: np.ndarray, along: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, int]:
+    """Split pieces at vertices, which lie on them in the order of `along`."""
+    every = np.arange(len(pieces))
+    owner = np.concatenate([every, piece, every])
+    where = np.concatenate([np.full(len(pieces), -1.0), along, np.full(len(pieces), 2.0)])
+    chain = np.concatenate([pieces[:, 0], vertex, pieces[:, 1]])
+    order = np.lexsort((where, owner))
+    owner, chain = owner[order], chain[order]
+    next_ = owner[:-1] == owner[1:]
+    return (
+        np.column_stack([chain[:-1], chain[1:]])[next_],
+        line[owner[:-1][next_]],
+        len(np.unique(piece)),
+    )
+
+
+def _split_at_crossings(
+    points: np.ndarray, pieces: np.ndarray, line: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return the points at which pieces cross, numbered on from those there are, and the pieces split there."""
+    from shapely import STRtree, linestrings
+
+    shapes = linestrings(points[pieces])
+    one, other = STRtree(shapes).query(shapes, predicate="intersects")
+    # those that share an end meet nowhere else: where one lies on the other, points on lines have split it
+    apart = (one < other) & (pieces[one][:, :, None] != pieces[other][:, None, :]).all(axis=(1, 2))
+    one, other = one[apart], other[apart]
+    p, q = points[pieces[one, 0]], points[pieces[other, 0]]
+    d, e = points[pieces[one, 1]] - p, points[pieces[other, 1]] - q
+    turn = d[:, 0] * e[:, 1] - d[:, 1] * e[:, 0]
+    # lines that cross at less than rounding are along each other: their ends lie on them
+    sure = np.abs(turn) > 16 * EPS * np.linalg.norm(d, axis=1) * np.linalg.norm(e, axis=1)
+    one, other, p, q, d, e, turn = (x[sure] for x in (one, other, p, q, d, e, turn))
+    gap = q - p
+    s = (gap[:, 0] * e[:, 1] - gap[:, 1] * e[:, 0]) / turn
+    t = (gap[:, 0] * d[:, 1] - gap[:, 1] * d[:, 0]) / turn
+    new = p + s[:, None] * d
+    number = len(points) + np.arange(len(new))
+    pieces, line, _ = _cut(
+        pieces,
+        line,
+        np.concatenate([one, other]),
+        np.concatenate([number, number]),
+        np.clip(np.concatenate([s, t]), 0.0, 1.0),
+    )
+    return new, pieces, line
+
+
+def _merged(
+    points: np.ndarray,
+    pieces: np.ndarray,
+    line: np.ndarray,
+    letters: Sequence[str],
+    angles: np.ndarray,
+    moved: float,
+    joined: int,
+    split: int,
+    crossed: int,
+    vanished: int,
+) -> Noded:
+    """Merge pieces that lie on each other, and let go points at which only one line goes on."""
+    on: dict[tuple[int, int], list[int]] = {}
+    for (a, b), k in zip(np.sort(pieces, axis=1).tolist(), line.tolist(), strict=True):
+        on.setdefault((a, b), []).append(k)
+    doubled = sum(len(several) > 1 for several in on.values())
+    kept: list[tuple[int, int, str, float, frozenset[int]]] = []
+    clashes = []
+    for (a, b), several in on.items():
+        rank = min(min(RANK.index(letters[k]), 3) for k in several)
+        best = [k for k in several if letters[k] in (RANK[rank] if rank < 2 else RANK[2:])]
+        folds = [k for k in best if letters[k] in "MV"] or sorted(
+            best, key=lambda k: RANK.index(letters[k])
+        )[:1]
+        said: dict[tuple[str, float | None], int] = {}
+        for k in folds if rank >= 2 else folds[:1]:
+            said.setdefault((letters[k], None if np.isnan(angles[k]) else float(angles[k])), k)
+        if len(said) > 1:
+            clashes += [len(kept) + i for i in range(len(said))]
+        kept += [(a, b, letters[k], float(angles[k]), frozenset(several)) for k in said.values()]
+    kept = _straightened(points, kept, {i for i in clashes})
+    many = Counter((a, b) for a, b, *_ in kept)
+    clashes = [i for i, (a, b, *_) in enumerate(kept) if many[a, b] > 1]
+    used = np.unique(np.array([(a, b) for a, b, *_ in kept], dtype=int).reshape(-1, 2))
+    number = np.full(len(points), -1)
+    number[used] = np.arange(len(used))
+    edges = number[np.array([(a, b) for a, b, *_ in kept], dtype=int).reshape(-1, 2)]
+    return Noded(
+        points[used],
+        edges,
+        tuple(letter for _, _, letter, _, _ in kept),
+        np.array([angle for *_, angle, _ in kept]),
+        tuple(several for *_, several in kept),
+        moved,
+        joined,
+        split,
+        crossed,
+        doubled,
+        vanished,
+        tuple(clashes),
+    )
+
+
+def _straightened(
+    points: np.ndarray, kept: list[tuple[int, int, str, float, frozenset[int]]], fixed: set[int]
+) -> list[tuple[int, int, str, float, frozenset[int]]]:
+    """Join the two edges at a point where nothing but one line goes on: its split was that of a line on it."""
+    at: dict[int, list[int]] = {}
+    for e, (a, b, *_) in enumerate(kept):
+        at.setdefault(a, []).append(e)
+        at.setdefault(b, []).append(e)
+    gone: set[int] = set()
+    for v, both in at.items():
+        both = [e for e in both if e not in gone]
+        if len(both) != 2 or fixed & set(both):
+            continue
+        (a, b, letter, angle, lines), (c, d, letter2, angle2, lines2) = (kept[e] for e in both)
+        alike = letter == letter2 and (angle == angle2 or (np.isnan(angle) and np.isnan(angle2)))
+        if not alike or not lines & lines2:
+            continue
+        ends = sorted((a + b - v, c + d - v))
+        if ends[0] == ends[1]:
+            continue
+        e, f = both
+        kept[e] = (ends[0], ends[1], letter, angle, lines & lines2)
+        gone.add(f)
+        far = ends[0] if kept[f][0] + kept[f][1] - v == ends[0] else ends[1]
+        at[far] = [e if g == f else g for g in at[far]]
+        at[v] = []
+    return [one for e, one in enumerate(kept) if e not in gone]

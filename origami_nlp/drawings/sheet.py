@@ -1,0 +1,250 @@
+"""A drawing as one planar graph: the smallest tolerance at which it is whole, strays and sheets, and its outline.
+
+No fixed tolerance does: of drawings that people publish some state their corners to twelve digits, some to a thousandth
+of the sheet, and at a larger tolerance than needed small facets vanish.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from origami_nlp.drawings.lines import DrawingOptions, Lines
+from origami_nlp.drawings.noding import Noded, node
+from origami_nlp.drawings.planar import Planar, planar
+from origami_nlp.errors import DrawingError
+from origami_nlp.numerics import INPUT_TOL, last_place
+
+RUNGS = (1e-7, 1e-6, 1e-5, 1e-4, 1e-3, 3e-3)
+"""Shares of the sheet within which ends are joined, tried in this order."""
+CHAINED = 2.0
+"""Tolerances by which an end may move: one that moves farther has been joined to others along a chain of ends."""
+COARSE = 1e-3
+"""Share of the sheet under which a last decimal place is rounding: whole numbers on a small grid are exact."""
+NAMED = 3
+"""Places that a note names; the others are counted."""
+
+
+@dataclass(frozen=True, eq=False)
+class Drawing:
+    """A drawing as a planar graph, y upwards.
+
+    Attributes
+    ----------
+    points
+        Vertices, [V, 2].
+    edges
+        [E, 2] vertices; where mountain lies on valley, both.
+    letters
+        One an edge, as in FOLD.
+    angles
+        Fold angles [deg], valley positive, [E]; NaN where none is stated.
+    error
+        How far vertices may be off: the largest distance over which ends were joined, or their last decimal place.
+    tolerance
+        Share of the sheet within which ends were joined.
+    title, length_unit, y_down
+        As of `Lines`.
+    notes
+        What was left out, repaired and taken, one line each.
+    """
+
+    points: np.ndarray = field(repr=False)
+    edges: np.ndarray = field(repr=False)
+    letters: tuple[str, ...] = field(repr=False)
+    angles: np.ndarray = field(repr=False)
+    error: float
+    tolerance: float
+    title: str = ""
+    length_unit: str = ""
+    y_down: bool = False
+    notes: tuple[str, ...] = ()
+
+
+def make_drawing(lines: Lines, options: DrawingOptions, name: str) -> Drawing:
+    """Make a planar graph of lines, and say what was done.
+
+    Parameters
+    ----------
+    lines
+        As read.
+    options
+        `tolerance` and `part` of them.
+    name
+        Of the file, for complaints.
+
+    Returns
+    -------
+    Drawing
+        Of all its sheets, or of the one asked for.
+
+    Raises
+    ------
+    DrawingError
+        If the lines have no extent, or there is no such part.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> corners = np.array([[0, 0], [1, 0], [1, 1], [0, 1.0]])
+    >>> ends = np.stack([corners, np.roll(corners, -1, axis=0)], axis=1)
+    >>> square = Lines(np.append(ends, [[[0, 0], [1, 1.00005]]], axis=0), tuple("BBBBM"), np.full(5, np.nan), False)
+    >>> made = make_drawing(square, DrawingOptions(), "it")
+    >>> len(made.points), len(made.edges), made.tolerance
+    (4, 5, 0.0001)
+    """
+    size = float(np.ptp(lines.ends.reshape(-1, 2), axis=0).max())
+    if not size > 1e-50:
+        raise DrawingError(f"{name}: all its lines lie in one point")
+    stated = "B" in lines.letters
+    rungs = RUNGS if options.tolerance is None else (options.tolerance,)
+    best: tuple[int, float, Noded, Planar] | None = None
+    for rung in rungs:
+        noded = node(lines.ends, lines.letters, lines.angles, rung * size)
+        if not len(noded.edges):
+            continue
+        found = planar(noded.points, noded.edges)
+        faults = _loose(noded, found).size + (_open(noded, found).size if stated else 0)
+        if noded.moved > CHAINED * rung * size:
+            faults = len(noded.edges) + 2 * len(
+                lines.ends
+            )  # chains of short lines shrink to points
+        if best is None or faults < best[0]:
+            best = (faults, rung, noded, found)
+        if not faults:
+            break
+    if best is None:
+        raise DrawingError(f"{name}: its lines are shorter than the tolerance")
+    faults, rung, noded, found = best
+    how = "as asked"
+    if options.tolerance is None:
+        how = "the best, but at none is it whole" if faults else "the smallest at which it is whole"
+    notes = [*lines.notes, *_repairs(noded, rung, size, how)]
+    keep, more = _sheets(lines, noded, found, options.part, name)
+    notes += more
+    loose = np.intersect1d(_loose(noded, found), noded.edges[keep])
+    if len(loose):
+        where = _places(lines, noded.points[loose])
+        notes.append(
+            f"{len(loose)} ends hang loose: {where}; --tolerance joins ends that are farther apart"
+        )
+    letters = np.array(noded.letters)
+    border = found.outer & keep
+    if not stated:
+        taken = border & (letters != "C")
+        letters[taken] = "B"
+        notes.append(f"no border is drawn: the outline, {int(taken.sum())} edges, is taken for it")
+    elif (letters[keep] == "B").all() and options.part is None:
+        notes.append(
+            "all lines are borders: --colour says which are folds, such as --colour 'black=U'"
+        )
+    for e in noded.clashes[::2] if keep.any() else ():
+        a, b = (lines.place(noded.points[v]) for v in noded.edges[e])
+        notes.append(
+            f"the line from {a} to {b} is drawn twice, with other letters or fold angles: keep one"
+        )
+    place = last_place(lines.ends)
+    # whole numbers on a grid of a few are exact
+    error = max(noded.moved * (noded.moved > INPUT_TOL * size), place * (place < COARSE * size))
+    made = Drawing(
+        noded.points,
+        noded.edges[keep],
+        tuple(letters[keep].tolist()),
+        noded.angles[keep],
+        error,
+        rung,
+        lines.title,
+        lines.length_unit,
+        lines.y_down,
+        tuple(_cut_short(notes)),
+    )
+    return _used(made)
+
+
+def _cut_short(notes: list[str]) -> list[str]:
+    """Return notes, of doubled lines no more than a few."""
+    twice = [note for note in notes if note.endswith("keep one")]
+    rest = [note for note in notes if not note.endswith("keep one")]
+    more = [f"{len(twice) - NAMED} more lines are drawn twice so"] if len(twice) > NAMED else []
+    return [*rest, *twice[:NAMED], *more]
+
+
+def _used(made: Drawing) -> Drawing:
+    used = np.unique(made.edges)
+    number = np.full(len(made.points), -1)
+    number[used] = np.arange(len(used))
+    return replace(made, points=made.points[used], edges=number[made.edges])
+
+
+def _loose(noded: Noded, found: Planar) -> np.ndarray:
+    """Return the vertices at which an edge of a sheet ends in the open."""
+    sheet = found.faces[found.component] > 0
+    ends = np.unique(noded.edges[sheet])
+    return ends[found.degree[ends] == 1] if len(ends) else np.flatnonzero(found.degree == 1)
+
+
+def _open(noded: Noded, found: Planar) -> np.ndarray:
+    """Return the edges outside that are no border, of components that enclose something."""
+    folds = ~np.isin(np.array(noded.letters), ("B", "C"))
+    return np.flatnonzero(found.outer & folds & (found.faces[found.component] > 0))
+
+
+def _repairs(noded: Noded, rung: float, size: float, how: str) -> list[str]:
+    """Say what joining and splitting did; where nothing was to be done, nothing."""
+    counts = {
+        "ends joined": noded.joined * (noded.moved > INPUT_TOL * size),
+        "lines split where others end on them": noded.split,
+        "crossings made vertices": noded.crossed,
+        "edges drawn more than once": noded.doubled,
+        "lines shorter than the tolerance left out": noded.vanished,
+    }
+    said = [f"{many} {what}" for what, many in counts.items() if many]
+    if not said:
+        return []
+    move = f", the largest move {noded.moved:.2g}" if counts["ends joined"] else ""
+    return [f"tolerance {rung:g} of the sheet ({rung * size:.3g}), {how}: {', '.join(said)}{move}"]
+
+
+def _sheets(
+    lines: Lines, noded: Noded, found: Planar, part: int | None, name: str
+) -> tuple[np.ndarray, list[str]]:
+    """Return which edges to keep: those of sheets, or of one of them; strays are left out."""
+    component, points = found.component, noded.points
+    whole = found.faces > 0
+    if not whole.any():
+        if part not in (None, 1):
+            raise DrawingError(f"{name} has no part {part}: it encloses nothing")
+        return np.ones(len(component), bool), []
+    notes = []
+    stray = ~whole[component]
+    if stray.any():
+        where = _places(lines, points[noded.edges[stray][:, 0]])
+        notes.append(f"{int(stray.sum())} strays, joined to no sheet, left out: {where}")
+    sheets = np.flatnonzero(whole)
+    boxes = []
+    for one in sheets:
+        own = points[noded.edges[component == one].ravel()]
+        boxes.append((own.min(axis=0), own.max(axis=0)))
+    extent = [float(np.prod(high - low)) for low, high in boxes]
+    order = sorted(range(len(sheets)), key=lambda k: (-round(extent[k], 9), *boxes[k][0]))
+    if len(sheets) > 1:
+        where = "; ".join(
+            f"{k + 1} at {lines.place((boxes[i][0] + boxes[i][1]) / 2)}, {int(found.faces[sheets[i]])} faces"
+            for k, i in enumerate(order[:6])
+        )
+        more = "; ..." if len(sheets) > 6 else ""
+        chosen = "--part takes one" if part is None else f"part {part} is taken"
+        notes.append(f"{len(sheets)} separate sheets ({where}{more}): {chosen}")
+    if part is None:
+        return ~stray, notes
+    if part > len(sheets):
+        raise DrawingError(f"{name} has no part {part}: it has {len(sheets)}")
+    return component == sheets[order[part - 1]], notes
+
+
+def _places(lines: Lines, points: Iterable[np.ndarray]) -> str:
+    shown = list(points)
+    first = ", ".join(lines.place(p) for p in shown[:NAMED])
+    return f"at {first}" + (", ..." if len(shown) > NAMED else "")

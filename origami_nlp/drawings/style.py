@@ -1,0 +1,160 @@
+"""How an SVG says what a line looks like: colours, attributes, style sheets, and what groups hand down."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from xml.etree.ElementTree import Element
+
+SIMULATOR_COLOURS = {
+    "#000000": "B",
+    "#ff0000": "M",
+    "#0000ff": "V",
+    "#00ff00": "C",
+    "#ffff00": "F",
+    "#ff00ff": "U",
+    "#808080": "F",
+    "#888888": "F",
+}
+"""Of Origami Simulator (js/pattern.js), and the gray with which Flat-Folder and Rabbit Ear draw flat lines."""
+_NAMES = {
+    "black": "#000000",
+    "red": "#ff0000",
+    "blue": "#0000ff",
+    "lime": "#00ff00",
+    "yellow": "#ffff00",
+    "magenta": "#ff00ff",
+    "fuchsia": "#ff00ff",
+    "gray": "#808080",
+    "grey": "#808080",
+    "green": "#008000",
+    "white": "#ffffff",
+}
+LOOKS = ("stroke", "stroke-opacity", "opacity", "display", "visibility")
+INHERITED = ("stroke", "stroke-opacity", "visibility")
+"""Properties that are read, and those of them that groups hand down; opacity is the element's own."""
+_RULE = re.compile(r"([^{}]+)\{([^{}]*)\}")
+_COMPOUND = re.compile(r"^(?:[\w-]+|\*)?(?:[.#][\w-]+)*$")
+_PART = re.compile(r"([.#]?)([\w-]+|\*)")
+
+Declarations = dict[str, str]
+
+
+def canonical_colour(text: str) -> str:
+    """Return a colour as ``#rrggbb``, whichever way CSS writes it; what is none, as it is.
+
+    Examples
+    --------
+    >>> canonical_colour("RGB(255, 0,0)"), canonical_colour("#0f0"), canonical_colour("url(#a)")
+    ('#ff0000', '#00ff00', 'url(#a)')
+    """
+    colour = re.sub(r"\s+", "", text).lower()
+    if re.fullmatch(r"#[0-9a-f]{3,4}", colour):
+        return "#" + "".join(2 * c for c in colour[1:4])
+    if re.fullmatch(r"#[0-9a-f]{6}([0-9a-f]{2})?", colour):
+        return colour[:7]
+    if found := re.fullmatch(r"rgba?\(([\d.]+%?),([\d.]+%?),([\d.]+%?)(,[\d.]+%?)?\)", colour):
+        try:
+            parts = [
+                float(p[:-1]) * 2.55 if p.endswith("%") else float(p) for p in found.groups()[:3]
+            ]
+        except ValueError:
+            return colour
+        return "#" + "".join(f"{min(round(p), 255):02x}" for p in parts)
+    return _NAMES.get(colour, colour)
+
+
+def declarations(text: str) -> Declarations:
+    """Return what a style attribute, or the body of a rule, says of the properties that are read."""
+    found = {}
+    for one in re.sub(r"/\*.*?\*/", "", text, flags=re.S).split(";"):
+        key, _, value = one.partition(":")
+        if (key := key.strip().lower()) in LOOKS:
+            found[key] = re.sub(r"!\s*important", "", value).strip()
+    return found
+
+
+@dataclass(frozen=True)
+class _Rule:
+    """Compounds, each within the one before it, and what they are said."""
+
+    compounds: tuple[tuple[tuple[str, str], ...], ...]
+    said: Declarations
+    weight: tuple[int, int, int, int]
+
+
+class Sheet:
+    """Rules of the style sheets of a file: selectors of tags, classes and ids, also within each other.
+
+    Parameters
+    ----------
+    root
+        Of the file.
+
+    Attributes
+    ----------
+    left_out
+        Selectors of other kinds.
+    """
+
+    def __init__(self, root: Element) -> None:
+        self.rules: list[_Rule] = []
+        self.left_out: list[str] = []
+        for style in root.iter("style"):
+            text = re.sub(r"/\*.*?\*/|<!--|-->|@import[^;]*;", "", style.text or "", flags=re.S)
+            for selectors, body in _RULE.findall(text):
+                said = declarations(body)
+                for selector in selectors.split(",") if said else ():
+                    self._add(" ".join(selector.split()), said)
+        self.rules.sort(key=lambda rule: rule.weight)
+
+    def _add(self, selector: str, said: Declarations) -> None:
+        words = selector.split()
+        if not words or not all(_COMPOUND.match(word) for word in words):
+            self.left_out.append(selector)
+            return
+        parts = [tuple((a, b) for a, b in _PART.findall(word)) for word in words]
+        flat = [part for compound in parts for part in compound]
+        weight = (
+            sum(a == "#" for a, _ in flat),
+            sum(a == "." for a, _ in flat),
+            sum(a == "" and b != "*" for a, b in flat),
+            len(self.rules),
+        )
+        self.rules.append(_Rule(tuple(parts), said, weight))
+
+    def look(self, chain: Sequence[Element], inherited: Mapping[str, str]) -> Declarations:
+        """Return the look of the last element of a chain from the root, and what it inherits."""
+        element = chain[-1]
+        own = {key: element.attrib[key].strip() for key in LOOKS if key in element.attrib}
+        for rule in self.rules:
+            if _selects(rule.compounds, chain):
+                own |= rule.said
+        own |= declarations(element.get("style", ""))
+        own = {key: value for key, value in own.items() if value != "inherit"}
+        return {key: inherited[key] for key in INHERITED if key in inherited} | own
+
+
+def _selects(compounds: Sequence[Sequence[tuple[str, str]]], chain: Sequence[Element]) -> bool:
+    if not _matches(compounds[-1], chain[-1]):
+        return False
+    rest = list(compounds[:-1])
+    for above in reversed(chain[:-1]):
+        if not rest:
+            break
+        if _matches(rest[-1], above):
+            rest.pop()
+    return not rest
+
+
+def _matches(compound: Sequence[tuple[str, str]], element: Element) -> bool:
+    classes = element.get("class", "").split()
+    return all(
+        name in classes
+        if sign == "."
+        else name == element.get("id")
+        if sign == "#"
+        else name in ("*", element.tag)
+        for sign, name in compound
+    )

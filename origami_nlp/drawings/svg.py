@@ -1,0 +1,226 @@
+"""SVG in: lines of Origami Simulator's colours, wherever groups, transforms and style sheets put them.
+
+Its rules (js/pattern.js): the stroke says what a line is, opacity times stroke-opacity times 180 degrees is the fold
+angle, the opacity of a group does not count.  ``data-assignment`` and ``data-foldAngle`` (Rabbit Ear's) come first.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Mapping
+from xml.etree.ElementTree import Element
+
+import numpy as np
+
+from origami_nlp.drawings.lines import DrawingOptions, LineList, Lines
+from origami_nlp.drawings.style import SIMULATOR_COLOURS, Sheet, canonical_colour
+from origami_nlp.drawings.svg_path import path_chains
+from origami_nlp.drawings.xml_tree import parse_xml
+from origami_nlp.errors import DrawingError
+
+NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
+PIXELS = {"": 1.0, "px": 1.0, "in": 96.0, "mm": 96 / 25.4, "cm": 96 / 2.54, "pt": 4 / 3, "pc": 16.0}
+"""Of each unit of CSS; user units are pixels."""
+UNITS = {"mm": "mm", "cm": "cm", "in": "in"}
+_NOT_DRAWN = frozenset(
+    "defs symbol clipPath mask marker pattern title desc metadata style namedview script".split()
+)
+_SHAPES = frozenset("line polyline polygon rect path".split())
+_OTHERS = frozenset("circle ellipse use text image foreignObject".split())
+_TRANSFORM = re.compile(r"(\w+)\s*\(([^)]*)\)")
+
+
+def read_svg(raw: bytes, name: str, options: DrawingOptions) -> Lines:
+    """Read the lines of an SVG drawing.
+
+    Parameters
+    ----------
+    raw
+        The file.
+    name
+        How messages call it.
+    options
+        What else is known of it.
+
+    Returns
+    -------
+    Lines
+        In user units, or mm, cm, in where one user unit is one.
+
+    Raises
+    ------
+    DrawingError
+        If it is no SVG, has no line whose letter is known, or curves that nothing was said of.
+
+    Examples
+    --------
+    >>> found = read_svg(b'<svg><path stroke="red" opacity=".5" d="M0 0h4"/></svg>', "it", DrawingOptions())
+    >>> found.letters, found.angles.tolist()
+    (('M',), [-90.0])
+    """
+    root = parse_xml(raw, name)
+    if root.tag != "svg":
+        raise DrawingError(f"{name} is no SVG: its root is <{root.tag}>")
+    sheet, found = Sheet(root), LineList(name, _canonical(options))
+    if sheet.left_out:
+        found.notes.append(
+            f"selectors of its style sheet left out: {', '.join(sheet.left_out[:4])}"
+        )
+    hidden = 0
+    stack: list[tuple[tuple[Element, ...], np.ndarray, Mapping[str, str]]] = [
+        ((root,), np.eye(3), {})
+    ]
+    while stack:
+        chain, above, inherited = stack.pop()
+        element = chain[-1]
+        if element.tag in _NOT_DRAWN:
+            continue
+        look = sheet.look(chain, inherited)
+        if look.get("display") == "none":
+            hidden += _count(element)
+            continue
+        matrix = above @ _matrix(element, name)
+        if element.tag == "svg" and len(chain) > 1:
+            matrix = matrix @ _affine(1, 0, 0, 1, *(_length(element, k, name) for k in "xy"))
+        if element.tag in _OTHERS:
+            if (
+                element.tag in ("use", "image", "foreignObject")
+                or look.get("stroke", "none") != "none"
+            ):
+                found.left_out[f"<{element.tag}>"] += 1
+        elif element.tag in _SHAPES:
+            if look.get("visibility") in ("hidden", "collapse"):
+                hidden += 1
+            elif (colour := canonical_colour(look.get("stroke", "none"))) != "none":
+                _shape(found, element, matrix, colour, look)
+        stack += [((*chain, child), matrix, look) for child in reversed(element)]
+    if hidden:
+        found.left_out["hidden shapes"] = hidden
+    found.length_unit = _unit(root)
+    title = root.findtext("title") or ""
+    return found.lines("colours", y_down=True, title=title.strip())
+
+
+def _canonical(options: DrawingOptions) -> DrawingOptions:
+    letters = {canonical_colour(key): letter for key, letter in options.letters.items()}
+    return DrawingOptions(options.tolerance, letters, options.curves, options.part)
+
+
+def _shape(
+    found: LineList, element: Element, matrix: np.ndarray, colour: str, look: Mapping[str, str]
+) -> None:
+    said = element.get("data-assignment", "").upper()
+    letter = found.letter(
+        colour, lambda c: said if said and said in "BMVFUC" else SIMULATOR_COLOURS.get(c)
+    )
+    if letter is None:
+        return
+    where = f"in <{element.tag}{' ' + repr(element.get('id')) if element.get('id') else ''}>"
+    chains, curves = _chains(element, found)
+    found.curved += curves
+    stated = _real(element.get("data-foldAngle", ""))
+    angle = _fold_angle(letter, look) if stated is None else stated
+    for chain in chains:
+        with np.errstate(all="ignore"):  # numbers that are none are left out below
+            points = np.column_stack([np.array(chain, float), np.ones(len(chain))]) @ matrix[:2].T
+        found.add(points.tolist(), letter, angle, where)
+
+
+def _fold_angle(letter: str, look: Mapping[str, str]) -> float:
+    """Return the fold angle [deg] that opacity states: NaN without opacity, and for a line that is not seen."""
+    if letter not in "MV" or not {"opacity", "stroke-opacity"} & {*look}:
+        return math.nan
+    shares = [
+        _real(look.get(key, "1").replace("%", "e-2")) for key in ("opacity", "stroke-opacity")
+    ]
+    share = math.prod(1.0 if s is None else min(max(s, 0.0), 1.0) for s in shares)
+    return (
+        math.nan if share == 0.0 else math.copysign(180.0 * share, 1.0 if letter == "V" else -1.0)
+    )
+
+
+def _chains(element: Element, found: LineList) -> tuple[list[list[tuple[float, float]]], int]:
+    """Return the chains of points of a shape, and how many curves it has."""
+    name = found.name
+    if element.tag == "path":
+        chords = found.options.curves
+        return path_chains(element.get("d", ""), chords if isinstance(chords, int) else 0)
+    if element.tag == "line":
+        x1, y1, x2, y2 = (_length(element, key, name) for key in ("x1", "y1", "x2", "y2"))
+        return [[(x1, y1), (x2, y2)]], 0
+    if element.tag == "rect":
+        x, y, w, h = (_length(element, key, name) for key in ("x", "y", "width", "height"))
+        return [[(x, y), (x + w, y), (x + w, y + h), (x, y + h), (x, y)]], 0
+    numbers = [float(n) for n in re.findall(NUMBER, element.get("points", ""))]
+    chain = list(zip(numbers[::2], numbers[1::2], strict=False))
+    return ([[*chain, *chain[: element.tag == "polygon"]]] if len(chain) > 1 else []), 0
+
+
+def _length(element: Element, key: str, name: str) -> float:
+    text = element.get(key, "0").strip()
+    match = re.fullmatch(rf"({NUMBER})\s*([a-z]*)", text)
+    if match is None or match[2] not in PIXELS:
+        raise DrawingError(f"{name}: {key} = {text[:40]!r} of a <{element.tag}> must be a length")
+    return float(match[1]) * PIXELS[match[2]]
+
+
+def _real(text: str) -> float | None:
+    try:
+        value = float(text)
+    except ValueError:
+        return None
+    return value if math.isfinite(value) else None
+
+
+def _affine(a: float, b: float, c: float, d: float, e: float, f: float) -> np.ndarray:
+    return np.array([[a, c, e], [b, d, f], [0.0, 0.0, 1.0]])
+
+
+def _matrix(element: Element, name: str) -> np.ndarray:
+    """Return the transform of an element: its functions apply from the right to the left."""
+    matrix, text = np.eye(3), element.get("transform", "")
+    for kind, words in _TRANSFORM.findall(text):
+        n = [float(w) for w in re.findall(NUMBER, words)]
+        try:
+            matrix = matrix @ _function(kind, n)
+        except (TypeError, ValueError, IndexError):
+            raise DrawingError(
+                f"{name}: transform {kind}({words[:40]}) is none that SVG has"
+            ) from None
+    return matrix
+
+
+def _function(kind: str, n: list[float]) -> np.ndarray:
+    if kind == "matrix":
+        return _affine(*n)
+    if kind == "translate":
+        return _affine(1, 0, 0, 1, n[0], *(n[1:] or [0.0]))
+    if kind == "scale":
+        return _affine(n[0], 0, 0, n[-1], 0, 0)
+    if kind == "rotate":
+        angle = math.radians(n[0])
+        turn = _affine(math.cos(angle), math.sin(angle), -math.sin(angle), math.cos(angle), 0, 0)
+        if len(n) == 1:
+            return turn
+        there: np.ndarray = (
+            _affine(1, 0, 0, 1, n[1], n[2]) @ turn @ _affine(1, 0, 0, 1, -n[1], -n[2])
+        )
+        return there
+    slope = math.tan(math.radians(n[0]))
+    if kind in ("skewX", "skewY"):
+        return _affine(1, slope * (kind == "skewY"), slope * (kind == "skewX"), 1, 0, 0)
+    raise ValueError(kind)
+
+
+def _unit(root: Element) -> str:
+    """Return the unit of which one user unit is one; "" where there is none."""
+    width = re.fullmatch(rf"\s*({NUMBER})\s*([a-z]+)\s*", root.get("width", ""))
+    box = [float(n) for n in re.findall(NUMBER, root.get("viewBox", ""))]
+    if width is None or len(box) != 4 or float(width[1]) != box[2]:
+        return ""
+    return UNITS.get(width[2], "")
+
+
+def _count(element: Element) -> int:
+    return sum(one.tag in _SHAPES for one in element.iter())

@@ -1,0 +1,120 @@
+"""What a file says as FOLD data, whichever format it has: JSON, or a drawing (SVG, .cp, .opx, DXF)."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from origami_nlp.drawings import DrawingOptions, drawing_kind, drawing_to_fold, read_drawing
+from origami_nlp.errors import FoldFileError
+
+STDIN = "standard input"
+
+
+@dataclass(frozen=True)
+class FoldSource:
+    """FOLD data, and what there is besides.
+
+    Attributes
+    ----------
+    data
+        Keys of FOLD.
+    notes
+        Of a drawing: what was repaired, taken and left out.
+    y_down
+        Whether the file's own y points down.
+    """
+
+    data: Mapping[str, Any]
+    notes: tuple[str, ...] = ()
+    y_down: bool = False
+
+
+def decode_source(
+    text: str | bytes, source: str = "", drawing: DrawingOptions | None = None
+) -> FoldSource:
+    """Return what a file says.
+
+    Parameters
+    ----------
+    text
+        All of it.
+    source
+        Where it is from: the ending of its name is its format; first letters are, where there is none.
+    drawing
+        What a person says of a drawing.
+
+    Returns
+    -------
+    FoldSource
+        Its data.
+
+    Raises
+    ------
+    FoldFileError
+        If it is not of its format.
+
+    Examples
+    --------
+    >>> decode_source('{"file_spec": 1.1}').data
+    {'file_spec': 1.1}
+    >>> len(decode_source("1 0 0 1 0", "line.cp").data["edges_vertices"])
+    1
+    """
+    raw = text.encode("utf-8", "surrogatepass") if isinstance(text, str) else text
+    kind = drawing_kind("-" if source in ("", STDIN) else source, raw)
+    if kind is None:
+        if drawing is not None:
+            raise FoldFileError(
+                f"{source!r} is a FOLD file: the options of drawings are not for it"
+            )
+        return FoldSource(_json(text, f"FOLD file {source!r}" if source else "FOLD file"))
+    made = read_drawing(raw, kind, repr(source) if source else "the drawing", drawing)
+    return FoldSource(drawing_to_fold(made), made.notes, made.y_down)
+
+
+def is_drawing(source: str, raw: bytes = b"") -> bool:
+    """Return whether a file is a drawing that is read as FOLD data.
+
+    Parameters
+    ----------
+    source
+        Its name, ``"-"`` for standard input.
+    raw
+        What it holds, or nothing to go by the name.
+
+    Returns
+    -------
+    bool
+        Whether it is SVG, .cp, .opx or DXF.
+
+    Examples
+    --------
+    >>> is_drawing("crane.opx"), is_drawing("crane.fold")
+    (True, False)
+    """
+    return drawing_kind("-" if source in ("", STDIN) else source, raw) is not None
+
+
+def _json(text: str | bytes, name: str) -> Mapping[str, Any]:
+    def refuse(constant: str) -> float:
+        why = f"{name} holds {constant}, which is no JSON number: write null or a number"
+        raise FoldFileError(why)
+
+    try:
+        data = json.loads(text, parse_constant=refuse)
+    except FoldFileError:
+        raise
+    # JSONDecodeError and UnicodeDecodeError are ValueErrors
+    except (ValueError, RecursionError) as error:
+        why = str(error).splitlines()[0]
+        if isinstance(error, RecursionError):
+            why = "it is nested too deeply"
+        elif isinstance(error, UnicodeDecodeError):
+            why = f"it is not UTF-8 text: {error.reason}"
+        raise FoldFileError(f"{name} is not valid JSON: {why}") from None
+    if not isinstance(data, Mapping):
+        raise FoldFileError(f"{name} must be a JSON object: vertices_coords, edges_vertices, ...")
+    return data
