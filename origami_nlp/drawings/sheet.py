@@ -96,7 +96,7 @@ def make_drawing(lines: Lines, options: DrawingOptions, name: str) -> Drawing:
     (4, 5, 0.0001)
     """
     size = float(np.ptp(lines.ends.reshape(-1, 2), axis=0).max())
-    if not size > 1e-50:
+    if size < 1 / 1e50:  # as in FOLD
         raise DrawingError(f"{name}: all its lines lie in one point")
     stated = "B" in lines.letters
     rungs = RUNGS if options.tolerance is None else (options.tolerance,)
@@ -222,26 +222,26 @@ def _sheets(
     if stray.any():
         where = _places(lines, points[noded.edges[stray][:, 0]])
         notes.append(f"{int(stray.sum())} strays, joined to no sheet, left out: {where}")
-    sheets = np.flatnonzero(whole)
+    wholes = np.flatnonzero(whole)
     boxes = []
-    for one in sheets:
+    for one in wholes:
         own = points[noded.edges[component == one].ravel()]
         boxes.append((own.min(axis=0), own.max(axis=0)))
     extent = [float(np.prod(high - low)) for low, high in boxes]
-    order = sorted(range(len(sheets)), key=lambda k: (-round(extent[k], 9), *boxes[k][0]))
-    if len(sheets) > 1:
+    order = sorted(range(len(wholes)), key=lambda k: (-round(extent[k], 9), *boxes[k][0]))
+    if len(wholes) > 1:
         where = "; ".join(
-            f"{k + 1} at {lines.place((boxes[i][0] + boxes[i][1]) / 2)}, {int(found.faces[sheets[i]])} faces"
+            f"{k + 1} at {lines.place((boxes[i][0] + boxes[i][1]) / 2)}, {int(found.faces[wholes[i]])} faces"
             for k, i in enumerate(order[:6])
         )
-        more = "; ..." if len(sheets) > 6 else ""
+        more = "; ..." if len(wholes) > 6 else ""
         chosen = "--part takes one" if part is None else f"part {part} is taken"
-        notes.append(f"{len(sheets)} separate sheets ({where}{more}): {chosen}")
+        notes.append(f"{len(wholes)} separate sheets ({where}{more}): {chosen}")
     if part is None:
         return ~stray, notes
-    if part > len(sheets):
-        raise DrawingError(f"{name} has no part {part}: it has {len(sheets)}")
-    return component == sheets[order[part - 1]], notes
+    if part > len(wholes):
+        raise DrawingError(f"{name} has no part {part}: it has {len(wholes)}")
+    return component == wholes[order[part - 1]], notes
 
 
 def _places(lines: Lines, points: Iterable[np.ndarray]) -> str:

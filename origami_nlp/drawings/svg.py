@@ -122,7 +122,7 @@ def _shape(
     stated = _real(element.get("data-foldAngle", ""))
     angle = _fold_angle(letter, look) if stated is None else stated
     for chain in chains:
-        with np.errstate(all="ignore"):  # numbers that are none are left out below
+        with np.errstate(all="ignore"):  # what is not finite is left out below
             points = np.column_stack([np.array(chain, float), np.ones(len(chain))]) @ matrix[:2].T
         found.add(points.tolist(), letter, angle, where)
 

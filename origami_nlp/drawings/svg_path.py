@@ -12,7 +12,7 @@ _COMMAND = re.compile(r"([MLHVCSQTAZ])([^MLHVCSQTAZ]*)", re.I)
 _ARC = re.compile(r"[\s,]*".join([*[f"({NUMBER})"] * 3, "([01])", "([01])", *[f"({NUMBER})"] * 2]))
 TAKES = {"M": 2, "L": 2, "H": 1, "V": 1, "C": 6, "S": 4, "Q": 4, "T": 2, "A": 7, "Z": 0}
 STRAIGHT = 1e-6
-"""Share of its chord by which the handles of a curve that is none may be off it: drawing programs write such lines."""
+"""Share of its chord by which the handles of a straight curve may be off it: drawing programs write lines so."""
 
 Chain = list[tuple[float, float]]
 

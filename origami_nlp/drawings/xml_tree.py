@@ -62,7 +62,7 @@ def parse_xml(raw: bytes, name: str) -> Element:
         parser.Parse(raw, True)
     except expat.ExpatError as error:
         raise DrawingError(f"{name} is not valid XML: {error}") from None
-    except (LookupError, ValueError) as error:  # an encoding that is none
+    except (LookupError, ValueError) as error:  # an unknown encoding
         if isinstance(error, DrawingError):
             raise
         raise DrawingError(f"{name} is not valid XML: {error}") from None
