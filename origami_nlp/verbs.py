@@ -6,13 +6,14 @@ function hands over to the room that knows the one or the other.
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable, Mapping, Sequence
 from os import PathLike, fspath
 from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
 
-from origami_nlp.arguments import check_angles, check_path, check_type, refuse, shown
+from origami_nlp.arguments import check_angles, check_path, check_type, check_until, refuse, shown
 from origami_nlp.errors import OptionError
 from origami_nlp.numerics import CLOSURE_TOL
 
@@ -35,8 +36,6 @@ _OF_A_SCENE = {
     "guesses": "a state of a pattern is judged by classify",
     "fewest_starts": "of a pattern, starts says when the search ends",
     "workers": "a pattern is searched in one process",
-    "progress": "a pattern reports no progress",
-    "found": "a pattern reports no progress",
 }
 """What only the one or the other takes, and why."""
 
@@ -74,6 +73,8 @@ def find_minima(
     seconds: float | None = ...,
     escape: bool = ...,
     noise: float | None = ...,
+    progress: Callable[[int, int, str], object] | None = ...,
+    found: Callable[[float, np.ndarray], object] | None = ...,
 ) -> MinimaResult: ...
 @overload
 def find_minima(origami: Mapping[int, Scene], **options: Any) -> VertexwiseMinima: ...
@@ -116,10 +117,12 @@ def find_minima(
         Whether to prove that no minimum is missing: of a vertex, or of a strip of vertices of degree four.  None: where
         it is cheap.
     others
+        ``progress`` (called with starts, minima, and how many of these one drawn start reached; of a pattern with what
+        the search is at) and ``found`` (called with energy and fold angles of each minimum as it is found).
         Of a scene alone: ``fewest_starts``, ``guesses``, ``full`` (judge each without the symmetry; None: up to 12
-        creases and 64 states), ``workers``, ``progress`` and ``found`` (called with each minimum as it is found), see
-        `minima.find_minima`.  Of a pattern alone: ``starts`` (random starts in a row that find nothing new, in place of
-        the effort) and ``contact`` (``"full"``, or ``"fold-limits"``: facets may cross).
+        creases and 64 states), ``workers``, see `minima.find_minima`.  Of a pattern alone: ``starts`` (random starts
+        in a row that find nothing new, in place of the effort) and ``contact`` (``"full"``, or ``"fold-limits"``:
+        facets may cross).
 
     Returns
     -------
@@ -139,6 +142,7 @@ def find_minima(
     >>> len(o.find_minima("metasheet:2x3", effort="quick", escape=False).minima)
     5
     """
+    until = check_until(seconds)
     from origami_nlp import minima, pattern_states
     from origami_nlp.pattern import Scene, as_origami
 
@@ -146,7 +150,6 @@ def find_minima(
     both: dict[str, Any] = {
         "options": options,
         "effort": effort,
-        "seconds": seconds,
         "escape": escape,
         "noise": noise,
     }
@@ -156,11 +159,14 @@ def find_minima(
         refuse("scene", _OF_A_PATTERN, **given)
         one = isinstance(stated, Scene)
         find: Any = minima.find_minima if one else minima.find_vertexwise
-        return find(stated, **both)  # type: ignore[no-any-return]
-    refuse("pattern", _OF_A_SCENE, **given)
-    if "contact" in both:
-        both["contact"] = _facets_apart(both["contact"])
-    return pattern_states.find_states(stated, **both)
+    else:
+        refuse("pattern", _OF_A_SCENE, **given)
+        if "contact" in both:
+            both["contact"] = _facets_apart(both["contact"])
+        find = pattern_states.find_states
+    # importing and reading took some of it
+    left = None if seconds is None else max(until - time.monotonic(), 0.0)
+    return find(stated, seconds=left, **both)  # type: ignore[no-any-return]
 
 
 def _facets_apart(contact: object) -> bool:

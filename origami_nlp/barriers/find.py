@@ -8,13 +8,23 @@ sets of the energy first meet; Newton on the KKT system makes the top of each lo
 from __future__ import annotations
 
 import math
+import time
+from collections.abc import Callable
 from dataclasses import replace
 from os import PathLike
 from typing import Any
 
 import numpy as np
 
-from origami_nlp.arguments import check_flag, check_number, check_type, check_whole, refuse
+from origami_nlp.arguments import (
+    check_callback,
+    check_flag,
+    check_number,
+    check_type,
+    check_until,
+    check_whole,
+    refuse,
+)
 from origami_nlp.barriers.full import Exits, FullPass, full_pass
 from origami_nlp.barriers.graph import side_of_flat
 from origami_nlp.barriers.passes import PROVED, Pass, critical_at, slide
@@ -45,6 +55,12 @@ _OF_TWO = {
     "spacing": "curves are traced, there is no lattice",
 }
 """What a graph of states takes alone, and why."""
+_OF_A_PATTERN = dict.fromkeys(
+    ("seconds", "progress"), "the graph of two degrees of freedom takes seconds"
+)
+"""What a pattern alone takes, and why."""
+SEARCHING = 0.5
+"""Share of a time limit that the search for minima gets."""
 SPACING = 0.12
 """Lattice of the graph [rad]."""
 
@@ -56,6 +72,8 @@ def find_barriers(
     full: bool | None = None,
     spacing: float | None = None,
     seed: int = 0,
+    seconds: float | None = None,
+    progress: Callable[[str], object] | None = None,
 ) -> Barriers:
     """Find the lowest pass between every two minima of a vertex (up to two degrees of freedom) or of a pattern.
 
@@ -76,6 +94,11 @@ def find_barriers(
         Of two degrees of freedom: lattice of the graph of states [rad]; None: 0.12.
     seed
         Of the search for minima and for thin sets.
+    seconds
+        Of a pattern, wall time: what was found by then is returned, and what was left out named.  None: the search for
+        minima takes 300 s at most, the one with each vertex flat 60 s.
+    progress
+        Of a pattern, called with what it is at.
 
     Returns
     -------
@@ -96,6 +119,8 @@ def find_barriers(
     >>> [(p.from_state, p.to_state, p.pass_kind) for p in found.passes]
     [(1, 2, 'flat state')]
     """
+    until = check_until(seconds)
+    check_callback("progress", progress)
     scene = as_origami(origami)
     if full is not None:
         check_flag("full", full)
@@ -105,9 +130,13 @@ def find_barriers(
     if not isinstance(scene, Scene):
         refuse("pattern", _OF_TWO, full=full, spacing=spacing)
         if result is None:
-            result = find_states(scene, seed=seed, escape=False)
+            left = None if seconds is None else SEARCHING * max(until - time.monotonic(), 0.0)
+            result = find_states(
+                scene, seed=seed, escape=False, seconds=left, progress=_in_words(progress)
+            )
         check_type("result", result, MinimaResult)
-        return pattern_barriers(result)
+        return pattern_barriers(result, until, progress)
+    refuse("vertex", _OF_A_PATTERN, seconds=seconds, progress=progress)
     scene.check_no_forces("barriers")
     if result is not None:
         check_type("result", result, MinimaResult)
@@ -121,6 +150,15 @@ def find_barriers(
             scene.of_one_winding, seed=seed, full=bool(full), prove=False, escape=False
         )
     return _of_vertex(scene, model, found, bool(full), spacing or SPACING, seed)
+
+
+def _in_words(
+    progress: Callable[[str], object] | None,
+) -> Callable[[int, int, str], object] | None:
+    """Return what a search calls, for something that is told words."""
+    if progress is None:
+        return None
+    return lambda starts, minima, at: progress(f"{starts} starts, {minima} minima, {at}")
 
 
 def _of_vertex(

@@ -23,6 +23,7 @@ from origami_nlp.display import (
     angle_columns,
     short_label,
 )
+from origami_nlp.errors import OUT_OF_TIME
 from origami_nlp.folding import path_frames
 from origami_nlp.minima import MinimaResult
 from origami_nlp.pattern import Scene
@@ -134,6 +135,8 @@ class Barriers(Report, Viewable):
         What is known of the barriers in the full space, for pairs of minima that are stable there, if asked for.
     flat_vertices
         Of a pattern, what it takes to make each vertex flat that has a sign.
+    left_out
+        Parts that the time limit ended: passes that they would have found are missing.
 
     Examples
     --------
@@ -151,6 +154,7 @@ class Barriers(Report, Viewable):
     unlisted: tuple[Unlisted, ...] = ()
     full: tuple[FullPass, ...] = ()
     flat_vertices: tuple[FlatVertexBound, ...] = ()
+    left_out: tuple[str, ...] = ()
 
     PICTURE, SCHEMA = "draw_barriers", "origami-nlp/landscape/2"
 
@@ -158,6 +162,11 @@ class Barriers(Report, Viewable):
     def scene(self) -> Scene | None:
         """The scene; None of a pattern."""
         return None if self.result.is_pattern else self.result.scene
+
+    @property
+    def interrupted(self) -> bool:
+        """Whether the time limit ended it, or the search for its minima."""
+        return bool(self.left_out)
 
     @property
     def label(self) -> str:
@@ -245,6 +254,8 @@ class Barriers(Report, Viewable):
         for why, pairs in reasons.items():
             more = f" and {len(pairs) - MOST_STATES} more" if len(pairs) > MOST_STATES else ""
             yield f"{', '.join(pairs[:MOST_STATES])}{more}: {why}"
+        if self.left_out:
+            yield f"{OUT_OF_TIME}, not through with: {', '.join(self.left_out)}"
         if self.flat_vertices:
             yield from self._flat_vertices()
             signs = PopSigns(self.result.pattern)

@@ -8,7 +8,8 @@ both sides is a path, so that barriers are exact where both agree.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+import time
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -16,7 +17,7 @@ import numpy as np
 from origami_nlp.barriers.passes import LISTED, SIGNED, Pass
 from origami_nlp.barriers.result import Barriers, FlatVertexBound
 from origami_nlp.barriers.traced import EXPLICIT, passes_over, pattern_passes
-from origami_nlp.errors import OptionError
+from origami_nlp.errors import OptionError, OutOfTime
 from origami_nlp.kkt import energy_scale, level_of
 from origami_nlp.minima import MinimaResult, TracedPasses
 from origami_nlp.numerics import merge_tree
@@ -25,13 +26,30 @@ from origami_nlp.pattern_states import FlatVertex, list_flat_vertices, ways_down
 OPPOSITE = {("+", "-"), ("-", "+")}
 
 
-def pattern_barriers(result: MinimaResult) -> Barriers:
+MINIMA, FLAT_STATES, WAYS_DOWN, ON_CURVES = (
+    "the search for minima",
+    "states with a vertex flat",
+    "ways down from states with a vertex flat",
+    "passes along traced curves",
+)
+"""Parts that the time may end."""
+
+
+def pattern_barriers(
+    result: MinimaResult,
+    until: float = math.inf,
+    progress: Callable[[str], object] | None = None,
+) -> Barriers:
     """Return the barriers of a pattern, on traced curves and through states with a vertex flat.
 
     Parameters
     ----------
     result
         Its minima.
+    until
+        Time of `time.monotonic` at which it ends with what it has.
+    progress
+        Called with what it is at.
 
     Returns
     -------
@@ -43,23 +61,48 @@ def pattern_barriers(result: MinimaResult) -> Barriers:
     OptionError
         If there is neither a curve nor a vertex with a sign.
     """
-    known = pattern_passes(result)
+    problem, say = result.model, progress or (lambda _: None)
+    before, problem.until = problem.until, until
+    try:
+        return _until(result, say)
+    finally:
+        problem.until = before
+
+
+def _until(result: MinimaResult, say: Callable[[str], object]) -> Barriers:
+    """Find the barriers until the time of the problem is over."""
+    late = [MINIMA] * (result.search.stopped_by == "time")
+    known: tuple[Barriers, TracedPasses] | None = None
+    say(ON_CURVES)
+    try:
+        known = pattern_passes(result)
+    except OutOfTime:
+        late.append(ON_CURVES)
+    if late and not (result.sign_vertices or known):
+        return Barriers(result, (), (), left_out=(*late,))
     if not (result.sign_vertices or known):
         raise OptionError(
             "no curve of states is known and no vertex has a sign (contact on, 360 degrees of paper or less): "
             "barriers of a pattern need one of them, and the result of a search, not one from a file"
         )
     if not result.sign_vertices or not result.minima:
-        return known[0] if known else Barriers(result, (), ())
-    return _with_signs(result, *(known or (None, None)))
+        found = known[0] if known else Barriers(result, (), ())
+        return replace(found, left_out=(*late,))
+    on_curves, traced = known or (None, None)
+    return _with_signs(result, on_curves, traced, late, say)
 
 
 def _with_signs(
-    result: MinimaResult, known: Barriers | None, traced: TracedPasses | None
+    result: MinimaResult,
+    known: Barriers | None,
+    traced: TracedPasses | None,
+    late: list[str],
+    say: Callable[[str], object],
 ) -> Barriers:
     """Add paths through states with a vertex flat, and what bounds all from below."""
     problem, minima = result.model, np.array([m.phi for m in result.minima])
-    bounds = list_flat_vertices(result.pattern)
+    bounds = list_flat_vertices(result.pattern, True, problem.until, say)
+    late = [*late, *[FLAT_STATES] * (time.monotonic() > problem.until)]
     states = [np.zeros((0, problem.size))]
     edges: list[np.ndarray] = []
     first, many = 0, len(minima)
@@ -69,11 +112,15 @@ def _with_signs(
         edges.append(traced.edges)  # minima are last
     tops: list[np.ndarray] = []
     ways = []
-    for to, path in ways_down(problem, minima, bounds):
-        at = next((k for k, x in enumerate(tops) if np.abs(x - path[0]).max() == 0), len(tops))
-        if at == len(tops):
-            tops.append(path[0])
-        ways.append((at, to, path[1:-1]))
+    say(WAYS_DOWN)
+    try:
+        for to, path in ways_down(problem, minima, bounds):
+            at = next((k for k, x in enumerate(tops) if np.abs(x - path[0]).max() == 0), len(tops))
+            if at == len(tops):
+                tops.append(path[0])
+            ways.append((at, to, path[1:-1]))
+    except OutOfTime:
+        late.append(WAYS_DOWN)
     inner = sum(len(path) for *_, path in ways)
     shift = len(tops) + inner
     if edges:
@@ -104,7 +151,7 @@ def _with_signs(
             p = was
         passes.append(_bounded(p, result, bounds, level))
     vertices = tuple(FlatVertexBound(b.vertex, b.least, b.listed, len(b.states)) for b in bounds)
-    return replace(whole, passes=tuple(passes), flat_vertices=vertices)
+    return replace(whole, passes=tuple(passes), flat_vertices=vertices, left_out=(*late,))
 
 
 def _bounded(p: Pass, result: MinimaResult, bounds: Sequence[FlatVertex], level: float) -> Pass:

@@ -12,9 +12,9 @@ from typing import Any
 
 import numpy as np
 
-from origami_nlp.barriers.passes import EVERY, FOLLOWED, Pass, critical_near
+from origami_nlp.barriers.passes import EVERY, FOLLOWED, Pass, PassKind, critical_near
 from origami_nlp.barriers.result import Barriers, Join
-from origami_nlp.errors import OptionError
+from origami_nlp.errors import OptionError, OutOfTime
 from origami_nlp.kkt import State, energy_scale, level_of, project
 from origami_nlp.minima import MinimaResult, TracedPasses, trace, traced_passes
 from origami_nlp.numerics import CLOSURE_TOL, NEAR_SINGULAR_TOL, SETTLED
@@ -101,7 +101,10 @@ def _filled(problem: Any, states: np.ndarray) -> np.ndarray:
     while waiting:
         a, b = out[-1], waiting[-1]
         size = float(np.linalg.norm(problem.root * (b - a)))
-        middle, residual = project(problem, (a + b) / 2)
+        try:
+            middle, residual = project(problem, (a + b) / 2)
+        except OutOfTime:
+            return np.array([*out, *waiting[::-1]])
         longer = max(float(np.linalg.norm(problem.root * (middle - end))) for end in (a, b))
         # a projection that goes far aside has come to another curve
         if size > APART and residual <= CLOSURE_TOL and longer < ASIDE * size:
@@ -129,11 +132,11 @@ def _between(
             i + 1, j + 1, math.inf, "none", (), (), math.nan, none, none[:, 0], math.inf, words
         )
     top, first = found.top(i, j), len(found.states) - len(found.on_curves)
-    exact = critical_near(problem, top[None], NEAR_SINGULAR_TOL)
-    at = State(problem, exact[0].x if exact else top)
-    kind, residual = (exact[0].kind, exact[0].residual) if exact else ("corner", math.nan)
-    if not exact and not at.regular:
-        kind = "flat state" if np.abs(top).max() <= SETTLED else "singular"
+    try:
+        at, kind, residual = _made_exact(problem, top)
+        closed = tuple(problem.name(c) for c in at.pieces[0])
+    except OutOfTime:
+        at, kind, residual, closed = State(problem, top), "mesh", math.nan, ()
     way = found.tree.path(first + i, first + j)
     assert way is not None
     states = _filled(problem, found.states[way[0]])
@@ -142,12 +145,23 @@ def _between(
         i + 1,
         j + 1,
         at.energy,
-        kind,  # type: ignore[arg-type]
+        kind,
         tuple(problem.expand(at.x).tolist()),
-        tuple(problem.name(c) for c in at.pieces[0]),
+        closed,
         residual,
         problem.expand(states),
         energies,
         float(merge.height * unit),
         why(i, j, merge.height),
     )
+
+
+def _made_exact(problem: Any, top: np.ndarray) -> tuple[State, PassKind, float]:
+    """Return the state of a pass near the top of a path [n], its kind and its residual."""
+    exact = critical_near(problem, top[None], NEAR_SINGULAR_TOL)
+    if exact:
+        return State(problem, exact[0].x), exact[0].kind, exact[0].residual  # type: ignore[return-value]
+    at = State(problem, top)
+    if at.regular:
+        return at, "corner", math.nan
+    return at, "flat state" if np.abs(top).max() <= SETTLED else "singular", math.nan

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import time
+from collections.abc import Callable
 from dataclasses import replace
 from functools import cached_property
 from os import PathLike
@@ -12,7 +13,14 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from origami_nlp.arguments import check_flag, check_type, check_until, check_whole, refuse
+from origami_nlp.arguments import (
+    check_callback,
+    check_flag,
+    check_type,
+    check_until,
+    check_whole,
+    refuse,
+)
 from origami_nlp.bifurcation.branches import branches_of, chains_of, widest_gap
 from origami_nlp.bifurcation.family import SAMPLES, Family, family_of, with_generic_symmetry
 from origami_nlp.bifurcation.judging import Touching, breaking_eigenvalue, parts_of
@@ -63,6 +71,7 @@ def follow(
     starts: int | None = None,
     options: ContinuationOptions | None = None,
     seconds: float | None = None,
+    progress: Callable[[str], object] | None = None,
 ) -> Atlas:
     """Follow the minima of a vertex or a pattern over a parameter.
 
@@ -97,6 +106,8 @@ def follow(
         Of the continuation: lengths of steps, points and arcs at most.
     seconds
         Wall time; what was followed by then is judged and returned, see `Atlas.interrupted`.  None: no limit.
+    progress
+        Called with what it is at, in words, whenever that changes.
 
     Returns
     -------
@@ -120,6 +131,7 @@ def follow(
     stated = parse_parameter_range(parameter) if isinstance(parameter, str) else parameter
     check_type("parameter", stated, ParameterRange)
     until = check_until(seconds)
+    check_callback("progress", progress)
     given = {
         "full": full,
         "morse": morse,
@@ -135,6 +147,7 @@ def follow(
         "effort": effort,
         "seed": seed,
         "until": until,
+        "progress": progress,
     }
     what = as_origami(origami)
     if not isinstance(what, Scene):
@@ -166,6 +179,7 @@ def follow_family(
     starts: int | None = None,
     options: ContinuationOptions | None = None,
     until: float = math.inf,
+    progress: Callable[[str], object] | None = None,
 ) -> Atlas:
     """Follow the minima of a family of scenes or patterns; arguments as for `follow`.
 
@@ -184,7 +198,7 @@ def follow_family(
     search = {"effort": effort, "seed": seed, **{k: v for k, v in given.items() if v is not None}}
     if not isinstance(family, PatternFamily):
         search["prove"] = prove
-    survey = _Survey(family, through_folds, full, morse, search, options, until)
+    survey = _Survey(family, through_folds, full, morse, search, options, until, progress)
     survey.web.add_flat()
     ends = [family.parameter.low, family.parameter.high]
     middle = family.parameter.t_of(0.5 * (survey.web.low + survey.web.high))
@@ -209,7 +223,9 @@ class _Survey:
         search: dict[str, object],
         steps: ContinuationOptions | None,
         until: float,
+        progress: Callable[[str], object] | None,
     ) -> None:
+        self._say = progress or (lambda _: None)
         self._begin = time.perf_counter()
         self.family, self.parameter, self._morse, self._search = (
             family,
@@ -236,6 +252,7 @@ class _Survey:
             through_folds=through_folds,
             functions=functions,
             until=turn,
+            progress=self._followed,
         )
         self.checks: list[SearchCheck] = []
         self.alarms: list[str] = []
@@ -258,6 +275,11 @@ class _Survey:
             )
         return self._across[frame]
 
+    def _followed(self, arcs: int, s: float) -> None:
+        """Say how much of the diagram is known, and where a branch is followed from."""
+        at = f"{self.parameter.name} = {self.parameter.t_of(s):.4g}"
+        self._say(f"{len(self.checks)} searches compared, {arcs} arcs followed, now from {at}")
+
     def check(self, values: list[float]) -> None:
         """Search at some values at once; follow what is new at one after the other, and compare."""
         if self.web.late:
@@ -265,6 +287,8 @@ class _Survey:
         begin, until = time.perf_counter(), self.web.steps.until
         left = None if math.isinf(until) else max(until - time.monotonic(), 0.0)
         scenes = [self.family.scene(t) for t in values]
+        listed = ", ".join(f"{t:.4g}" for t in values)
+        self._say(f"search at {self.parameter.name} = {listed}")
         results = self.family.search(scenes, left, **self._search)
         seconds = time.perf_counter() - begin
         self._begin += seconds

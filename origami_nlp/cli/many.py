@@ -123,14 +123,16 @@ def follow(
 
     # options of an example by name are among what it can be followed over
     named = scene.is_example and not scene.given
-    return follow_states(
-        scene.name if named else scene.read_whole(),
-        parameter,
-        checks=checks,
-        prove=o.wanted_proof(prove),
-        starts=starts,
-        **search,
-    )
+    with progress(f"{scene.name} over {parameter}") as report:
+        return follow_states(
+            scene.name if named else scene.read_whole(),
+            parameter,
+            checks=checks,
+            prove=o.wanted_proof(prove),
+            starts=starts,
+            progress=lambda text: report(text=text),
+            **search,
+        )
 
 
 @takes_scene(o.SceneFile, springs=False)

@@ -35,15 +35,15 @@ def search(
     with progress(label or str(name)) as show:
         energies: list[float] = []
 
-        def report(starts: int, found: int, once: int) -> None:
+        def report(starts: int, found: int, at: int | str) -> None:
             listed = ", ".join(f"{energy:.4g}" for energy in sorted(energies))
             shown = f" (energies {listed})" if energies and terminal else ""
-            show(text=f"{starts} starts, {found} minima{shown}, {once} of them reached once")
+            at = at if isinstance(at, str) else f"{at} of them reached once"
+            show(text=f"{starts} starts, {found} minima{shown}, {at}")
 
         given = {option: value for option, value in options.items() if value is not None}
-        if vertex:
-            given["progress"] = report
-            given["found"] = lambda energy, _: energies.append(energy)
+        given["progress"] = report
+        given["found"] = lambda energy, _: energies.append(energy)
         with paused() as left:
             if left is not None:
                 given["seconds"] = left

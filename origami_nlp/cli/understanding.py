@@ -13,7 +13,7 @@ from origami_nlp.cli.output import Output, answers, writes
 from origami_nlp.cli.progress import progress
 from origami_nlp.cli.search import search, search as search_minima
 from origami_nlp.cli.source import Source, takes_scene
-from origami_nlp.cli.timed import bounded
+from origami_nlp.cli.timed import bounded, keep, paused
 from origami_nlp.errors import OptionError
 
 if TYPE_CHECKING:
@@ -210,9 +210,10 @@ def load(
         work = crease[0] if crease else None
     else:
         work = work_of(what, creases_of(what, edge) or crease, pulled, forced, fixed_facet or 1)
-    return load_path(
-        what, work, to=end, state=state, unload=unload, confirm=confirm, starts=starts, **search
-    )  # fmt: skip
+    with progress(f"{scene.name} under load"):
+        return load_path(
+            what, work, to=end, state=state, unload=unload, confirm=confirm, starts=starts, **search
+        )
 
 
 @bounded
@@ -248,10 +249,15 @@ def barriers(
             check_dof(one)
     found = []
     for one in stated:
-        asked = {"full": bool(full)} if isinstance(one, Scene) else {"full": full or None}
-        result = search(one, given, seed=seed, escape=False, **asked)
-        with progress(f"{getattr(one, 'label', given) or given}: passes between the minima"):
-            found.append(find_barriers(one, result, full=full or None, seed=seed))
+        if isinstance(one, Scene):
+            result = search(one, given, seed=seed, escape=False, full=bool(full))
+            with progress(f"{one.label or given}: passes between the minima"):
+                found.append(find_barriers(one, result, full=full or None, seed=seed))
+        else:
+            with progress(f"{given}: barriers") as report, paused() as left:
+                told: Any = {"seconds": left, "progress": lambda text: report(text=text)}
+                found.append(find_barriers(one, seed=seed, full=full or None, **told))
+                keep(found[-1])
         found[-1].print_to(out.console, verbose)
     documents = [b.to_dict() for b in found]
     out.write("json", lambda: documents if scene.is_panels else documents[0])

@@ -82,6 +82,8 @@ class BifurcationDiagram:
         Whether stable states beyond unstable ones, and what branches off, wait until they are asked for (`resume`).
     until
         When following ends (`time.monotonic`), wherever it is.
+    progress
+        Called with the number of arcs that are known, and s at the node from which the next one is followed.
 
     Attributes
     ----------
@@ -104,8 +106,9 @@ class BifurcationDiagram:
         functions: Sequence[tuple[str, Functions]] = (),
         lazy: bool = False,
         until: float = math.inf,
+        progress: Callable[[int, float], object] | None = None,
     ) -> None:
-        self.lazy = lazy
+        self.lazy, self.progress = lazy, progress
         self.line, self.low, self.high = line, low, high
         self.steps = replace(steps, until=min(steps.until, until))
         self.interrupted = False
@@ -177,6 +180,8 @@ class BifurcationDiagram:
         while todo and len(self.arcs) - before < self.steps.arcs and not self.late:
             number, k = todo.pop()
             if k not in self.nodes[number].used:
+                if self.progress is not None:
+                    self.progress(len(self.arcs), self.nodes[number].s)
                 self.nodes[number].used.append(k)
                 todo += self._follow(number, self.nodes[number].halves[k])
         if todo and not self.interrupted:

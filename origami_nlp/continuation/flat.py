@@ -22,8 +22,11 @@ from origami_nlp.continuation.equilibrium import Equilibrium, EquilibriumCurve
 from origami_nlp.continuation.line import ParameterLine
 from origami_nlp.continuation.redundant import system_at
 from origami_nlp.continuation.system import BorderedSystem, Hold, Tally
-from origami_nlp.numerics import CLOSURE_TOL, RANK, SETTLED, bracketed_roots
+from origami_nlp.numerics import CLOSURE_TOL, RANK, SETTLED, bracketed_roots, dense
 
+MOST_ROWS = 400
+"""Equations, or variables, beyond which no curve is asked for: sheets with more have many vertices, and lose a rank of
+closure at each of them."""
 FLAT = 0.1
 """Fold angles [rad] from a flat state up to which a curve may be about to pass it."""
 DEGREES = (4, 16, 64)
@@ -233,7 +236,9 @@ def _forms(
     system: BorderedSystem, first: list[np.ndarray]
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray] | None:
     """Return g, Q and Z; None where more than one rank is lost, or Q loses one.  first: w, for its sign."""
-    c = system.jacobian
+    if min(system.jacobian.shape) > MOST_ROWS:
+        return None
+    c = dense(system.jacobian)
     u, values, vt = np.linalg.svd(c)
     rank = int((values > RANK).sum())
     if len(c) - rank != 1 or np.abs(system.values).max() > CLOSURE_TOL:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import cached_property
 
 import numpy as np
@@ -23,8 +24,10 @@ class PatternCrossings:
     def __init__(self, pattern: Pattern) -> None:
         self.pattern, self.poses = pattern, Poses(pattern)
         pieces, inner, polygons = [], [], []
+        convex = _convex(pattern.corners, pattern.polygons)
         for k, polygon in enumerate(pattern.polygons):
-            for part, cuts in convex_parts(pattern.corners, polygon):
+            whole = [(polygon, (False,) * len(polygon))]
+            for part, cuts in whole if convex[k] else convex_parts(pattern.corners, polygon):
                 pieces.append(part)
                 inner.append(cuts)
                 polygons.append(k)
@@ -107,8 +110,9 @@ class PatternCrossings:
         for start in range(0, len(pairs), 20_000):
             a, b = pairs[start : start + 20_000].T
             hit[start : start + 20_000] = cross_each_other(x[a], x[b], deep)
-        found = {(min(p, q), max(p, q)) for p, q in self.facet[pairs[hit]].tolist()}
-        return sorted(found)
+        low, high = np.sort(self.facet[pairs[hit]], axis=1).T
+        codes = np.unique(low * self.pattern.facets + high)
+        return [divmod(code, self.pattern.facets) for code in codes.tolist()]
 
 
 def boxes_that_meet(low: np.ndarray, high: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -172,12 +176,31 @@ def _chord(
     return through, np.where(cut, t, np.inf).min(axis=1), np.where(cut, t, -np.inf).max(axis=1)
 
 
+def _convex(corners: np.ndarray, polygons: Sequence[tuple[int, ...]]) -> np.ndarray:
+    """Return which plane polygons are convex, those with equally many corners at once; of bool, [P]."""
+    out = np.zeros(len(polygons), bool)
+    many = np.array([len(polygon) for polygon in polygons], int)
+    for q in np.unique(many):
+        same = np.flatnonzero(many == q)
+        x = corners[np.array([polygons[k] for k in same.tolist()], int)]
+        sides = np.roll(x, -1, axis=1) - x
+        # turns of a plane polygon, along its normal: twice areas
+        turns = np.einsum("kqi,ki->kq", cross(np.roll(sides, 1, axis=1), sides), unit_normals(x))
+        out[same] = (turns >= -_tiny(x)[:, None]).all(axis=1)
+    return out
+
+
+def _tiny(x: np.ndarray) -> np.ndarray:
+    """Return by how much a polygon [..., q, 3] may turn the other way and count as convex: twice an area, [...]."""
+    return np.asarray(OUTSIDE * np.ptp(x, axis=-2).max(axis=-1) ** 2)
+
+
 def convex_parts(
     corners: np.ndarray, polygon: tuple[int, ...]
 ) -> list[tuple[tuple[int, ...], tuple[bool, ...]]]:
-    """Cut a plane polygon into convex ones: each as its corners, and which of its sides are cuts.
+    """Cut a plane polygon that is not convex into triangles, by its ears.
 
-    A convex polygon is returned whole; others are cut into triangles by their ears.
+    Each comes as its corners, and which of its sides are cuts.
     """
     x = corners[list(polygon)]
     normal = unit_normals(x)
@@ -190,9 +213,7 @@ def convex_parts(
         return float(p[0] * q[1] - p[1] * q[0])
 
     ring = list(range(len(polygon)))
-    tiny = OUTSIDE * float(np.ptp(flat, axis=0).max()) ** 2
-    if all(turn(ring[i - 2], ring[i - 1], ring[i]) >= -tiny for i in range(len(ring))):
-        return [(tuple(polygon), (False,) * len(polygon))]
+    tiny = float(_tiny(flat))
     sides = {(i, (i + 1) % len(polygon)) for i in range(len(polygon))}
     parts: list[tuple[int, ...]] = []
     while len(ring) > 3:

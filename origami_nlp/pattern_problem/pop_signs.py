@@ -160,7 +160,9 @@ class PopSigns:
         )
 
 
-def flat_with(pattern: Pattern, vertex: int) -> np.ndarray:
+def flat_with(
+    pattern: Pattern, vertex: int, memo: dict[tuple[int, ...], list[int]] | None = None
+) -> np.ndarray:
     """Return which creases are flat in every state in which a vertex is, whatever the springs.
 
     Those round it; of a flat sheet also creases between facets that are in one plane then, and those round other
@@ -173,6 +175,8 @@ def flat_with(pattern: Pattern, vertex: int) -> np.ndarray:
         The pattern.
     vertex
         An interior vertex, as a file numbers it.
+    memo
+        Kept from call to call, of one pattern: which creases are flat round vertices where only some fold.
 
     Returns
     -------
@@ -191,15 +195,19 @@ def flat_with(pattern: Pattern, vertex: int) -> np.ndarray:
     flat[list(next(at.creases for at in pattern.vertices if at.vertex == vertex))] = True
     if not pattern.is_flat:
         return flat
-    sums, before = angle_sums(pattern), -1
+    memo, before = {} if memo is None else memo, -1
     rings = {at.vertex: at.creases for at in pattern.vertices}
-    even = [at for at in rings if abs(sums[at] - 2 * math.pi) <= INPUT_TOL]
+    if () not in memo:
+        sums = angle_sums(pattern)
+        memo[()] = [at for at in rings if abs(sums[at] - 2 * math.pi) <= INPUT_TOL]
     while before < (before := int(flat.sum())):
         part = groups(pattern.facets, np.column_stack([pattern.left, pattern.right])[flat])
         flat |= part[pattern.left] == part[pattern.right]
-        for at in even:
-            folds = [k for k in rings[at] if not flat[k]]
-            flat[_flat_round(pattern, at, folds)] = True
+        for at in memo[()]:
+            folds = at, *(k for k in rings[at] if not flat[k])
+            if folds not in memo:
+                memo[folds] = _flat_round(pattern, at, [*folds[1:]])
+            flat[memo[folds]] = True
     return flat
 
 

@@ -63,11 +63,10 @@ class Poses:
     def centres(self) -> np.ndarray:
         """Means of the corners of each facet in the reference state, [F, 3]."""
         p = self.pattern
-        total, many = np.zeros((p.facets, 3)), np.zeros(p.facets)
-        for k, polygon in enumerate(p.polygons):
-            total[p.facet_of[k]] += p.corners[list(polygon)].sum(axis=0)
-            many[p.facet_of[k]] += len(polygon)
-        return total / many[:, None]
+        many = np.array([len(polygon) for polygon in p.polygons], int)
+        facet, total = np.repeat(p.facet_of, many), np.zeros((p.facets, 3))
+        np.add.at(total, facet, p.corners[np.concatenate([*p.polygons]).astype(int)])
+        return total / np.bincount(facet, minlength=p.facets)[:, None]
 
     def motions(self, phi: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return rotations [F, 3, 3] and translations [F, 3] of the facets from the reference state, read only."""

@@ -203,7 +203,13 @@ class PatternProblem(PatternContacts, Energies):
 
     def crossed(self, x: np.ndarray, tolerance: float = OUTSIDE) -> tuple[tuple[int, int], ...]:
         """Return the pairs of facets (0-based) that cross at a state."""
-        return tuple(self.crossings.find(x)) if self.contact else ()
+        if not self.contact:
+            return ()
+        self.check_time()
+        found: tuple[tuple[int, int], ...] = self.kept(
+            "crossed", x, lambda: tuple(self.crossings.find(x))
+        )
+        return found
 
     def refuses(self, x: np.ndarray, tolerance: float = OUTSIDE) -> str:
         """Return why a closed state is not admissible, or "": lift, fold limits, crossings, order of layers."""

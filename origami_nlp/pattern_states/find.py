@@ -8,11 +8,12 @@ is on none of them.
 from __future__ import annotations
 
 import time
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
 
-from origami_nlp.arguments import check_flag, check_number, check_whole
+from origami_nlp.arguments import check_callback, check_flag, check_number, check_whole
 from origami_nlp.errors import Interrupted, OptionError
 from origami_nlp.kkt import TangentCone
 from origami_nlp.minima import (
@@ -25,7 +26,7 @@ from origami_nlp.minima import (
     check_noise,
     check_prove,
 )
-from origami_nlp.numerics import CLOSURE_TOL, DUPLICATE_TOL, RESOLVED, rank
+from origami_nlp.numerics import DUPLICATE_TOL, RESOLVED
 from origami_nlp.pattern import Pattern, as_pattern
 from origami_nlp.pattern_problem import MOST_DENSE, PatternProblem, find_labels, image
 from origami_nlp.pattern_states.branch_points import (
@@ -83,6 +84,8 @@ def find_states(
     escape: bool = True,
     noise: float | None = None,
     *,
+    progress: Callable[[int, int, str], object] | None = None,
+    found: Callable[[float, np.ndarray], object] | None = None,
     effort: str = "normal",
     options: SearchOptions | None = None,
     max_starts: int | None = None,
@@ -101,10 +104,14 @@ def find_states(
     contact
         Whether facets must not cross; without, only fold limits count.
     seconds
-        Wall time for the search, give or take a second or two: what was left out is named.  None: 300 s.
+        Wall time for the search, give or take a second: what was left out is named.  None: 300 s.
     escape, noise, effort, options, max_starts, prove
         As for `minima.find_minima`; errors are those of springs and of the positions of vertices, proofs are for strips
         of vertices of degree four (`proof.prove_strip`), unasked of up to three.
+    progress
+        Called as progress(starts, minima, what the search is at), after each start and each minimum.
+    found
+        Called with energy [J] and fold angles [rad] of each minimum as it is found.
 
     Returns
     -------
@@ -124,17 +131,21 @@ def find_states(
     >>> len(find_states("metasheet:2x3", starts=4).minima)
     5
     """
+    begin = time.monotonic()
+    seconds = check_number("seconds", SECONDS if seconds is None else seconds, 0.0)
     pattern = as_pattern(pattern)
     asked = options_of(effort, options)
     starts, most = asked.random_starts(starts, max_starts)
     rng = np.random.default_rng(check_whole("seed", seed, 0))
-    seconds = check_number("seconds", SECONDS if seconds is None else seconds, 0.0)
     check_flag("escape", escape)
     check_noise(noise)
     check_prove("prove", prove)
+    check_callback("progress", progress)
+    check_callback("found", found)
     if not pattern.creases:
         raise OptionError("the pattern has no crease: there is nothing to fold")
-    search = _Search(pattern, contact, seconds, asked)
+    search = _Search(pattern, contact, begin + seconds, asked)
+    search.progress, search.found = progress, found
     search.tally.seed, search.tally.effort = seed, OWN if options else effort
     for start in Given(search.problem.pattern).states():
         search.part(Given.name, search.explore, start)
@@ -163,9 +174,9 @@ class _Search(Parts):
     """A search on its way."""
 
     def __init__(
-        self, pattern: Pattern, contact: bool, seconds: float, options: SearchOptions
+        self, pattern: Pattern, contact: bool, until: float, options: SearchOptions
     ) -> None:
-        self.options, until = options, time.monotonic() + seconds
+        self._since, self.options = time.perf_counter(), options
         self.labels, self.contact = find_labels(pattern), contact
         self.problem = PatternProblem(self.labels.arranged(pattern))
         self.problem.until = until
@@ -173,27 +184,11 @@ class _Search(Parts):
         self._symmetries = self.labels.symmetries(pattern)
         self.curves = TracedCurves(self.problem, self.labels, contact)
         self.tally = PatternSearchReport(contact="full" if contact else "fold-limits")
-        self._since, self.judged, self._traced = time.perf_counter(), list[JudgedState](), 0
+        self.judged, self._traced = list[JudgedState](), 0
         self.completeness: Completeness | None = None
         self._planes: list[tuple[np.ndarray, np.ndarray]] = []
         self._families = families_in_turn(self.problem, self.labels)
         self._side = self.labels.drawn(np.random.default_rng(0).normal(size=pattern.creases))
-
-    def known(self, phi: np.ndarray, verdict: str = "minimum") -> bool:
-        """Return whether a state was judged: one that is not stationary says nothing of a minimum beside it."""
-        least = {"not stationary": CLOSURE_TOL} if verdict == "minimum" else {}
-        apart = ((np.abs(phi - s.phi).max(), s.verdict) for s in self.judged)
-        return any(far <= least.get(what, 10 * DUPLICATE_TOL) for far, what in apart)
-
-    def add(self, state: JudgedState) -> None:
-        """Keep a state, once."""
-        near = singular_beside(self.problem, state.phi) if state.verdict == "undecided" else None
-        if state.dof < 0:  # it does not close, or is beyond a limit
-            self.tally.open += 1
-        elif near is not None and self.known(near):  # not distinguished from what was judged
-            self.tally.stalled += 1
-        elif not self.known(state.phi, state.verdict):
-            self.judged.append(state)
 
     def settle(self, phi: np.ndarray) -> None:
         """Go downhill from a state that all but closes, on either side of saddles, and judge what is reached."""
@@ -253,11 +248,6 @@ class _Search(Parts):
         curves = tuple(self.curves.found)
         return MinimaResult(pattern, minima, self.tally, self.completeness, curves=curves)
 
-    def by_energy(self) -> list[JudgedState]:
-        """Return what was judged, by energy; states of one energy in an order that labels do not change."""
-        by_key = sorted(self.judged, key=lambda s: self.labels.key(s.phi))
-        return sorted(by_key, key=lambda s: rank(s.energy / self.problem.scale, ()))
-
     def _kept_apart(self, start: np.ndarray) -> None:
         """Go downhill from a start along states that do not cross, if it is one of them and on no curve."""
         phi = self._begun(start)
@@ -292,10 +282,10 @@ class _Search(Parts):
 
     def _start_apart(self, start: np.ndarray) -> int:
         """Go down from a start along states that do not cross; return how many minima that adds."""
-        before = self._found()[0]
-        self.tally.starts += 1
+        before = self.count()[0]
+        self.begin()
         self.attempt(self._kept_apart, start)
-        return self._found()[0] - before
+        return self.count()[0] - before
 
     def pop(self, most: int) -> None:
         """Start from each minimum with one vertex popped, the lowest first, what that leads to among them.
@@ -407,19 +397,15 @@ class _Search(Parts):
 
     def draw(self, rng: np.random.Generator, k: int) -> None:
         """Make a random start."""
-        before = self._found()
+        before = self.count()
         self.explore(self._families[k % len(self._families)].draw(rng, 1).x[0])
         self.tally.drawn += 1
         self.tally.outside += len(self.curves.found) - before[1]
-        self.tally.quiet = self.tally.quiet + 1 if self._found() == before else 0
-
-    def _found(self) -> tuple[int, int]:
-        """Return how many minima and curves are known."""
-        return sum(s.verdict == "minimum" for s in self.judged), len(self.curves.found)
+        self.tally.quiet = self.tally.quiet + 1 if self.count() == before else 0
 
     def explore(self, start: np.ndarray) -> None:
         """Close a start, trace its curve or go downhill from it, and judge what is found."""
-        self.tally.starts += 1
+        self.begin()
         self.attempt(self._explore, start)
 
     def _explore(self, start: np.ndarray) -> None:

@@ -7,7 +7,8 @@ the facets round it are one: the states are those of a pattern with fewer crease
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+import time
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -68,7 +69,12 @@ class FlatVertex(ShortRepr):
         return max(float(self.energies[0]), self.least) if len(self.energies) else self.least
 
 
-def list_flat_vertices(pattern: Pattern, search: bool = True) -> tuple[FlatVertex, ...]:
+def list_flat_vertices(
+    pattern: Pattern,
+    search: bool = True,
+    until: float = math.inf,
+    progress: Callable[[str], object] | None = None,
+) -> tuple[FlatVertex, ...]:
     """Find the states of least energy with each vertex flat that has a sign, once for vertices that are alike.
 
     Parameters
@@ -77,6 +83,10 @@ def list_flat_vertices(pattern: Pattern, search: bool = True) -> tuple[FlatVerte
         With its springs; states are searched where its reference state is flat.
     search
         Whether to search for them, or give the bounds in closed form alone.
+    until
+        Time of `time.monotonic` after which no search begins or goes on.
+    progress
+        Called with what it is at.
 
     Returns
     -------
@@ -95,12 +105,16 @@ def list_flat_vertices(pattern: Pattern, search: bool = True) -> tuple[FlatVerte
     symmetries = labels.symmetries(pattern)
     terrain = PatternTerrain(problem, np.zeros((0, pattern.creases)), True, {}, {}, 0)
     found: dict[bytes, FlatVertex] = {}
-    out = []
+    out, memo = [], dict[tuple[int, ...], list[int]]()
     for vertex in PopSigns(pattern).vertices:
-        flat = flat_with(pattern, vertex)
+        late = time.monotonic() > until
+        flat = _round(pattern, vertex) if late else flat_with(pattern, vertex, memo)
         known = found.get(flat.tobytes())
         if known is None:
-            listed = _states(pattern, flat) if search and pattern.is_flat else ()
+            left = min(SECONDS, until - time.monotonic())
+            if progress is not None:
+                progress(f"states with vertex {vertex} flat")
+            listed = _states(pattern, flat, left) if search and pattern.is_flat and left > 0 else ()
             some = sorted(filter(terrain.is_admissible, listed), key=pattern.energy)
             least, states = least_flat_energy(pattern, flat), np.array(some).reshape(-1, len(flat))
             known = FlatVertex(vertex, flat, least, states, np.asarray(pattern.energy(states)))
@@ -112,11 +126,17 @@ def list_flat_vertices(pattern: Pattern, search: bool = True) -> tuple[FlatVerte
     return tuple(out)
 
 
-def _states(pattern: Pattern, flat: np.ndarray) -> np.ndarray:
+def _round(pattern: Pattern, vertex: int) -> np.ndarray:
+    """Return the creases round a vertex, of bool [n]: flat where it is, and perhaps others."""
+    at = next(at for at in pattern.vertices if at.vertex == vertex)
+    return np.isin(np.arange(pattern.creases), at.creases)
+
+
+def _states(pattern: Pattern, flat: np.ndarray, seconds: float) -> np.ndarray:
     """Return stable states of a flat sheet with some creases flat, [S, n]."""
     if flat.all():
         return np.zeros((1, len(flat)))
-    found = find_states(pattern.joined(flat), starts=STARTS, escape=False, seconds=SECONDS)
+    found = find_states(pattern.joined(flat), starts=STARTS, escape=False, seconds=seconds)
     states = np.zeros((len(found.minima), len(flat)))
     states[:, ~flat] = np.array([m.phi for m in found.minima]).reshape(len(found.minima), -1)
     return states

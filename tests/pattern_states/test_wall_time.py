@@ -1,0 +1,118 @@
+"""Sheets of thousands of facets: limits of wall time are kept by every search, and each says where it is."""
+
+import time
+
+import numpy as np
+import pytest
+
+from origami_nlp import find_barriers, find_minima, follow, load_path
+from origami_nlp.errors import OUT_OF_TIME, OptionError
+from origami_nlp.pattern import as_pattern
+from origami_nlp.pattern_problem import PatternProblem
+
+LATE = 1.0
+"""Seconds by which a limit of wall time may be passed; of those that the process had, as other processes run."""
+LONG, WIDE = "miura:48x48", "waterbomb:20x20"
+"""Of 2,304 and 2,400 facets."""
+SEARCHES = {
+    "minima": lambda sheet, seconds: find_minima(sheet, seconds=seconds),
+    "follow": lambda sheet, seconds: follow(sheet, "ratio=0.5:2", seconds=seconds),
+    "barriers": lambda sheet, seconds: find_barriers(sheet, seconds=seconds),
+    "load": lambda sheet, seconds: load_path(sheet, [1], seconds=seconds),
+}
+
+
+@pytest.fixture(scope="module")
+def warm():
+    """Import and compile what the searches use: that is none of their time."""
+    for search in SEARCHES.values():
+        search(as_pattern("metasheet:2x3"), 4.0)
+
+
+@pytest.mark.parametrize("sheet", [LONG, WIDE])
+@pytest.mark.parametrize("search", SEARCHES)
+def test_limits_of_wall_time_are_kept_on_large_sheets(warm, search, sheet):
+    pattern = as_pattern(sheet)
+    begin, worked = time.perf_counter(), time.process_time()
+    try:
+        found = SEARCHES[search](pattern, 3.0)
+    except OptionError as error:  # no stable state to load is known
+        assert search == "load" and ("time was over" in str(error) or "stable state" in str(error))
+        found = None
+    wall, worked = time.perf_counter() - begin, time.process_time() - worked
+    # beside other processes a second of work takes longer
+    assert wall < 3.0 + LATE * max(1.0, wall / worked)
+    if found is not None:
+        assert OUT_OF_TIME in str(found)
+
+
+def test_searches_of_sheets_say_where_they_are():
+    said, energies = [], []
+    result = find_minima(
+        "metasheet:2x3",
+        starts=2,
+        progress=lambda starts, minima, at: said.append((starts, minima, at)),
+        found=lambda energy, phi: energies.append((energy, phi)),
+    )
+    assert {m.energy for m in result.minima} <= {energy for energy, _ in energies}
+    assert [starts for starts, *_ in said] == sorted(starts for starts, *_ in said)
+    assert said[-1][:2] == (result.search.starts, len(result.minima))
+    assert {"random starts", "minima with a vertex popped"} <= {at for *_, at in said}
+    words = []
+    follow("metasheet:2x3", "ratio=0.5:2", checks=1, starts=1, progress=words.append)
+    assert words[0] == "search at ratio = 1" and "arcs followed, now from ratio" in words[-1]
+
+
+def test_barriers_end_with_what_they_have():
+    words = []
+    whole = find_barriers("yoshimura:2x2", progress=words.append)
+    assert any("random starts" in text for text in words) and "vertex" in words[-1]
+    assert not whole.left_out and not whole.interrupted
+    cut = find_barriers("yoshimura:2x2", whole.result, seconds=0.0)
+    assert cut.left_out and cut.interrupted and OUT_OF_TIME in str(cut)
+    # what bounds them in closed form does not hang on the time, nor is any bound above
+    assert all(
+        0 <= a.least <= b.least for a, b in zip(cut.flat_vertices, whole.flat_vertices, strict=True)
+    )
+    for p, q in zip(cut.passes, whole.passes, strict=True):
+        assert q.energy <= p.energy + 1e-12
+    assert whole.result.model.until == np.inf
+    long = find_barriers("yoshimura:2x2", whole.result, seconds=3600.0)
+    assert np.array_equal(long.matrix(), whole.matrix())
+
+
+def test_facets_of_many_corners_are_cut_as_each_by_itself():
+    from origami_nlp.pattern_problem.crossings import _convex, convex_parts
+
+    rng = np.random.default_rng(0)
+    corners, polygons, convex = [], [], []
+    for _ in range(200):
+        q = int(rng.integers(3, 8))
+        turns = np.sort(rng.uniform(0, 2 * np.pi, q))
+        # stars: of radii that differ, some are not convex
+        radii = rng.uniform(0.3, 1, q) if rng.random() < 0.5 else np.ones(q)
+        if np.diff(turns, append=turns[0] + 2 * np.pi).max() > 3:
+            continue
+        frame = np.linalg.qr(rng.normal(size=(3, 3)))[0][:2]
+        x = (radii[:, None] * np.column_stack([np.cos(turns), np.sin(turns)])) @ frame
+        polygons.append(tuple(range(len(corners), len(corners) + q)))
+        corners += x.tolist()
+        # an independent answer: every corner is on its hull
+        flat = radii[:, None] * np.column_stack([np.cos(turns), np.sin(turns)])
+        d = np.roll(flat, -1, axis=0) - flat
+        e = np.roll(d, -1, axis=0)
+        convex.append(bool((d[:, 0] * e[:, 1] - d[:, 1] * e[:, 0] > 0).all()))
+    found = _convex(np.array(corners), polygons)
+    assert found.tolist() == convex and 20 < sum(convex) < len(convex) - 20
+    for polygon, whole in zip(polygons, convex, strict=True):
+        if not whole:
+            parts = convex_parts(np.array(corners), polygon)
+            assert len(parts) == len(polygon) - 2 and all(len(part) == 3 for part, _ in parts)
+
+
+def test_a_sheet_of_four_thousand_facets_is_posed_in_a_second():
+    pattern = as_pattern("waterbomb:26x26")
+    begin = time.process_time()
+    problem = PatternProblem(pattern)
+    assert time.process_time() - begin < 1.0
+    assert pattern.facets == 4056 and len(problem.crossings.pieces) == 4056
