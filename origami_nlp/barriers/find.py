@@ -155,7 +155,7 @@ def find_barriers(
 def _in_words(
     progress: Callable[[str], object] | None,
 ) -> Callable[[int, int, str], object] | None:
-    """Return what a search calls, for something that is told words."""
+    """Return what a search calls, in words."""
     if progress is None:
         return None
     return lambda starts, minima, at: progress(f"{starts} starts, {minima} minima, {at}")

@@ -255,8 +255,8 @@ def barriers(
                 found.append(find_barriers(one, result, full=full or None, seed=seed))
         else:
             with progress(f"{given}: barriers") as report, paused() as left:
-                told: Any = {"seconds": left, "progress": lambda text: report(text=text)}
-                found.append(find_barriers(one, seed=seed, full=full or None, **told))
+                limits: Any = {"seconds": left, "progress": lambda text: report(text=text)}
+                found.append(find_barriers(one, seed=seed, full=full or None, **limits))
                 keep(found[-1])
         found[-1].print_to(out.console, verbose)
     documents = [b.to_dict() for b in found]
