@@ -31,7 +31,7 @@ class Parts:
     found: Callable[[float, np.ndarray], object] | None = None
     at = ""
 
-    def tell(self) -> None:
+    def say(self) -> None:
         """Say how far the work is: starts, minima and the part that it is at."""
         if self.progress is not None:
             self.progress(self.tally.starts, self.count()[0], self.at)
@@ -39,12 +39,12 @@ class Parts:
     def begin(self) -> None:
         """Count a start."""
         self.tally.starts += 1
-        self.tell()
+        self.say()
 
     def part(self, what: str, work: Callable[..., None], *given: Any) -> bool:
         """Do a part of the search; False, and noted as left out, where time or the user ends it before."""
         self.at = what
-        self.tell()
+        self.say()
         try:
             self.problem.check_time()
             work(*given)
@@ -81,7 +81,7 @@ class Parts:
             self.judged.append(state)
             if state.verdict == "minimum" and self.found is not None:
                 self.found(state.energy, state.phi.copy())
-            self.tell()
+            self.say()
 
     def by_energy(self) -> list[JudgedState]:
         """Return what was judged, by energy; states of one energy in an order that labels do not change."""

@@ -1,6 +1,7 @@
 """Sheets of thousands of facets: limits of wall time are kept by every search, and each says where it is."""
 
 import time
+from contextlib import suppress
 
 import numpy as np
 import pytest
@@ -25,7 +26,8 @@ SEARCHES = {
 def warm():
     """Import and compile what the searches use: that is none of their time."""
     for search in SEARCHES.values():
-        search(as_pattern("metasheet:2x3"), 4.0)
+        with suppress(OptionError):  # 4 s of a busy machine may not do for a path
+            search(as_pattern("metasheet:2x3"), 4.0)
 
 
 @pytest.mark.parametrize("sheet", [LONG, WIDE])
