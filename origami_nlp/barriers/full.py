@@ -202,7 +202,7 @@ def exits(at: State, known: Sequence[np.ndarray] = (), spacing: float = EXIT_SPA
                 continue
             seen.append(y)
             there = at.at(y)
-            if (np.abs(y) > model.bound + OUTSIDE).any() or there.refused:
+            if not model.fold_limits.inside(y, OUTSIDE).all() or there.refused:
                 continue
             if is_lower_dimensional(there):
                 frontier.append(there)

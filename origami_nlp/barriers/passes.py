@@ -27,7 +27,7 @@ from origami_nlp.numerics import (
     LEVEL,
     NONZERO,
 )
-from origami_nlp.problem import Contact, Problem, fold_limit
+from origami_nlp.problem import Contact, Problem
 
 PROVED = "proved: admissible states above and below the flat state meet there only"
 EVERY = "no lower path: all curves of the one degree of freedom are known"
@@ -224,7 +224,7 @@ def both_sides(
         for off in OFF:
             held = pass_.rows if pass_.kind == "contact saddle" else ()
             y, residual = project(model, pass_.x + sign * off * pass_.direction, held)
-            y = np.clip(y, -model.bound, model.bound)
+            y = model.fold_limits.clip(y)
             lower = model.energy_change(pass_.x, y) < 0
             if residual <= CLOSURE_TOL and lower and not model.refuses(y):
                 down = slide(model, y, minima)
@@ -246,9 +246,9 @@ def leg_is_below(
     for want in top + t * (x - top):
         y, residual = project(model, want)
         # a chord between two states at +-pi leaves the limit by rounding
-        over = np.flatnonzero(np.abs(y) > model.bound)
-        if model.has_limits and len(over):  # between two states on a wall: stay on it
-            y, residual = project(model, y, [fold_limit(int(v), y[v]) for v in over])
+        over = model.fold_limits.contacts(y, ~model.fold_limits.inside(y))
+        if model.has_limits and over:  # between two states on a wall: stay on it
+            y, residual = project(model, y, over)
         if residual > CLOSURE_TOL or np.abs(y - want).max() > 0.5 * np.abs(x - top).max():
             return None
         out.append(y)

@@ -82,7 +82,7 @@ def _admissible_run(problem: Problem, points: Sequence[Point]) -> int:
     """How many of the points, from the first on, are admissible."""
     states = np.array([p.x for p in points])
     # a fold angle exceeds pi, by however little, where a held limit does not keep it there
-    inside = (np.abs(states) <= problem.bound).all(axis=1) | (not problem.has_limits)
+    inside = problem.fold_limits.inside(states).all(axis=1) | (not problem.has_limits)
     good = inside & problem.admissible(states)
     count = len(points) if good.all() else int(np.argmin(good))
     # the order of layers is looked at where a run ends: it changes at corners, and then stays

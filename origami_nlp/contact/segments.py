@@ -281,7 +281,7 @@ def _boundary_states(model: Model, rng: np.random.Generator) -> Iterator[Stratum
     gaps = [Contact("gap", c.index, side) for c in model.every_gap for side in model.sides(c)]
     for row in (*model.limits, *gaps):
         for _ in range(SAMPLES):
-            x = rng.uniform(-math.pi, math.pi, model.size)
+            x = rng.uniform(model.fold_limits.low, model.fold_limits.high)
             exact = correct(State(model, x).on((row,)), FROM_AFAR)
             if exact is None or exact.refused:
                 continue

@@ -222,7 +222,7 @@ def _not_located(good: Equilibrium, bad: Equilibrium) -> LocatedEvent:
         return LocatedEvent(
             "touches", good, None, np.nan, False, f"{names}: {where}: bracketed, not located"
         )
-    at_limit = [v + 1 for v in np.flatnonzero(np.pi - np.abs(good.state) < NEARLY).tolist()]
+    at_limit = [v + 1 for v in np.flatnonzero(p.fold_limits.room(good.state) < NEARLY).tolist()]
     why = bad.seen.refused or "closure"
     if p.beyond(bad.state) and len(at_limit) > 1:
         named = ", ".join(map(str, at_limit[:MOST_NAMED])) + ", ..." * (len(at_limit) > MOST_NAMED)

@@ -177,10 +177,10 @@ class EquilibriumCurve:
     ) -> tuple[np.ndarray, BorderedSystem]:
         """Put fold angles that are beyond their limits by rounding back onto them: contacts may keep a crease there."""
         p, x = system.problem, point[:-1]
-        beyond = np.abs(x) - p.bound if p.redundant else np.zeros(1)
+        beyond = -p.fold_limits.room(x) if p.redundant else np.zeros(1)
         if not 0.0 < beyond.max(initial=0.0) <= OUTSIDE:
             return point, system
-        point = np.append(np.clip(x, -p.bound, p.bound), point[-1])
+        point = np.append(p.fold_limits.clip(x), point[-1])
         return point, self.system(point, system.multipliers)
 
     def correct(self, x: np.ndarray) -> np.ndarray | None:

@@ -25,6 +25,7 @@ from origami_nlp.io import write_whole
 from origami_nlp.numerics import CONTACT_TOL
 from origami_nlp.pattern import (
     FIXED_KEY,
+    LIMITS_KEY,
     LOADS_KEY,
     PRELOAD_KEY,
     REST_KEY,
@@ -90,6 +91,8 @@ def _loads(scene: Scene) -> dict[str, Any]:
     out: dict[str, Any] = {}
     if scene.preload:
         out[PRELOAD_KEY] = [*scene.preload, *[None] * scene.degree]
+    if scene.limits:
+        out[LIMITS_KEY] = [*np.degrees(scene.limits).tolist(), *[None] * scene.degree]
     if scene.loads:
         out[LOADS_KEY] = [load.to_dict() for load in scene.loads]
         out[FIXED_KEY] = scene.fixed_facet

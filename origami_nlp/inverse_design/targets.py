@@ -374,7 +374,7 @@ def place(model: Any, target: Target) -> ClosedTarget:
             f"{who}: fold angles break the symmetry {model.symmetry} by {math.degrees(broken):.3g} deg: "
             "write [model] symmetry = 'none'"
         )
-    x = np.clip(x, -model.bound, model.bound)
+    x = model.fold_limits.clip(x)
     near, residual = project(model, x)
     # what is typed holds contacts to a few digits: they are closed exactly, where that is near enough
     contacts = State(model, near, DESIGN_SNAP).pieces[0] if residual <= CLOSURE_TOL else ()

@@ -106,7 +106,7 @@ def follow(
         If the start does not close, or is not admissible.
     """
     x, residual = project(model, np.asarray(start, dtype=float), ())
-    x = np.clip(x, -model.bound, model.bound)
+    x = model.fold_limits.clip(x)
     refused = f"closure {residual:.1e}" if residual > CLOSURE_TOL else model.refuses(x)
     if refused:
         raise ValueError(f"the start is not a closed, admissible state: {refused}")
@@ -206,7 +206,7 @@ def _closed(
     """
     for _ in range(MOST_PASSED):
         y, residual = project(model, want, held, stalls=STALLS if rows else math.inf)
-        inside = np.clip(y, -model.bound, model.bound)
+        inside = model.fold_limits.clip(y)
         if residual > CLOSURE_TOL:
             return None
         if np.abs(model.local(inside).closure).max(initial=0.0) > CLOSURE_TOL:

@@ -180,7 +180,7 @@ def follow_lines(state: State) -> DescentWitness | None:
     steep = model.scale * float(np.linalg.norm(state.gradient))
     at_limit = np.zeros(len(x), dtype=bool)
     at_limit[[row.index for row in state.limits]] = True
-    lines = [d / model.root for d in state.tangent_cone.open(x)]
+    lines = [d / model.root for d in state.tangent_cone.open(x, model.fold_limits)]
     # in an order that rounding does not change: the first that leads down is reported
     for d in sorted((d / np.linalg.norm(d) for d in lines), key=lambda d: (-coarse(d)).tolist()):
         before = 0.0

@@ -93,12 +93,12 @@ def lower_beside(state: State, branch: BranchJudgement) -> DescentWitness | None
     noise = LEVEL * max(p.energy(x), p.scale)
     for d in _directions(state, branch):
         for step in FAR:
-            start = np.clip(x + step * d, -math.pi, math.pi)
-            y, residual = p.project(start, np.abs(start) == math.pi)
+            start = p.fold_limits.clip(x + step * d)
+            y, residual = p.project(start, p.fold_limits.room(start) == 0)
             moved = float(np.abs(y - x).max())
             if residual > CLOSURE_TOL or not 0.1 * step <= moved <= 3 * step:
                 continue
-            if np.abs(y).max() > math.pi or p.energy_change(x, y) >= -noise:
+            if not p.fold_limits.inside(y).all() or p.energy_change(x, y) >= -noise:
                 continue
             if p.refuses(y):
                 break

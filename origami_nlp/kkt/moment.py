@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,6 +9,7 @@ import numpy as np
 from origami_nlp.folding import fold_vertex
 from origami_nlp.numerics import CLOSURE_TOL, CONTACT_TOL, RANK
 from origami_nlp.pattern import Scene
+from origami_nlp.problem import FoldLimits
 
 
 @dataclass(frozen=True)
@@ -66,7 +66,9 @@ def passing_moment(scene: Scene, fold_angles: np.ndarray) -> PassingMoment | Non
     stiffness = np.array(scene.stiffness)
     torque = stiffness * (phi - np.array(scene.wound_angles))
     free = (
-        np.abs(phi) < math.pi - CONTACT_TOL if scene.contact != "none" else np.ones(len(phi), bool)
+        FoldLimits(*scene.limit_angles).room(phi) > CONTACT_TOL
+        if scene.contact != "none"
+        else np.ones(len(phi), bool)
     )
     c, t, root = creases[free], torque[free], np.sqrt(stiffness[free])
     if len(c) < 3 or np.linalg.svd(c, compute_uv=False)[2] <= RANK:

@@ -30,7 +30,7 @@ from origami_nlp.numerics import (
     UNPOLISHED,
     first_largest,
 )
-from origami_nlp.problem import Contact, Local, Problem, fold_limit, held
+from origami_nlp.problem import Contact, Local, Problem, held
 
 MOST_STEPS = 12
 MANY = 24
@@ -116,9 +116,10 @@ def exact_beside(model: Problem, state: Polished) -> Polished:
     exact = Polished(y, (), float(residual), math.nan, True)
     if frozen.all() and residual <= CLOSURE_TOL:
         return exact
-    # a crease put at 0 is free to turn; only at +-pi is it held
-    at_limit = frozen & (flat != 0) & model.has_limits
-    rows = tuple(fold_limit(int(v), flat[v]) for v in np.flatnonzero(at_limit))
+    # a crease put at 0 is free to turn; only at its limit is it held
+    limits = model.fold_limits
+    at_limit = frozen & (limits.near(flat, 0.0) != 0) & model.has_limits
+    rows = limits.contacts(flat, at_limit)
     along, _ = newton(model, exact.x, rows)
     if along is None or not along.converged or np.abs(along.x - state.x).max() > NEAR_SINGULAR_TOL:
         return state
@@ -181,15 +182,15 @@ def _repair(
 
 
 def _with_all_limits(model: Problem, state: Polished) -> Polished:
-    """Polish once more with every crease held that may be at +-pi, where the state is known better so.
+    """Polish once more with every crease held that may be at its limit, where the state is known better so.
 
     A crease that others force to its fold limit pulls by no more than rounding over their levers, so that no row holds
     it; without its row the state is known to that quotient only, with it to rounding.
     """
     if not model.has_limits or not state.converged or state.uncertainty <= CLOSURE_TOL:
         return state
-    at_limit = np.flatnonzero(math.pi - np.abs(state.x) <= state.uncertainty)
-    limits = tuple(fold_limit(int(v), state.x[v]) for v in at_limit)
+    at_limit = model.fold_limits.room(state.x) <= state.uncertainty
+    limits = model.fold_limits.contacts(state.x, at_limit)
     rows = tuple(sorted({*state.rows, *limits}))
     if rows == tuple(sorted(state.rows)):
         return state
@@ -339,14 +340,15 @@ def _distance_to_singular(jacobian: np.ndarray) -> float:
 
 
 def _closed_exactly(model: Problem, x: np.ndarray) -> np.ndarray:
-    """Set fold angles within rounding of +-pi to +-pi (contacts can hold a crease there without a row).
+    """Set fold angles within rounding of their limits to these (contacts can hold a crease there without a row).
 
     A crease that contacts force to its fold limit is known to the rounding of these over their levers: beyond the limit
     it is at it where the state closes there as well; elsewhere it stays beyond, for the active set to see.
     """
-    at_limit = np.abs(np.abs(x) - math.pi) <= 9 * EPS
-    y = np.where(at_limit, np.copysign(math.pi, x), x)
-    at_limits = np.clip(y, -math.pi, math.pi)
+    y = np.where(np.abs(np.abs(x) - math.pi) <= 9 * EPS, np.copysign(math.pi, x), x)
+    limits = model.fold_limits
+    y = limits.hold(y, limits.near(y, 9 * EPS) * model.has_limits)
+    at_limits = limits.clip(y)
     if not model.has_limits or (at_limits == y).all():
         return y
     return at_limits if np.abs(model.closure(at_limits)[0]).max() <= CLOSURE_TOL else y

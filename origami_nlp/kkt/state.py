@@ -127,7 +127,7 @@ class State:
     def limits(self) -> tuple[Contact, ...]:
         """Fold limits that are closed to `tolerance`: known without a look at facets."""
         rows = self.problem.limits
-        return tuple(c for c in rows if math.pi - c.side * self.x[c.index] <= self.tolerance)
+        return tuple(c for c in rows if c.at - c.side * self.x[c.index] <= self.tolerance)
 
     @cached_property
     def pieces(self) -> list[tuple[Contact, ...]]:

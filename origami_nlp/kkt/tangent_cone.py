@@ -29,7 +29,7 @@ from origami_nlp.numerics import (
     nonnegative_least_squares,
     null_space,
 )
-from origami_nlp.problem import LoopClosure
+from origami_nlp.problem import FoldLimits, LoopClosure
 
 MOST_CHOICES = 10_000
 """Choices of subspaces at some loops that are carried on to the others."""
@@ -58,9 +58,9 @@ class TangentCone:
     reason: str = ""
     split: bool = True
 
-    def open(self, phi: np.ndarray) -> Iterator[np.ndarray]:
+    def open(self, phi: np.ndarray, limits: FoldLimits) -> Iterator[np.ndarray]:
         """Yield the lines, and their opposites, that lead from a state [n] to none beyond its fold limits [n]."""
-        limit = np.sign(phi) * (math.pi - np.abs(phi) < SAME_DIRECTION)
+        limit = limits.near(phi, SAME_DIRECTION)
         for line in self.lines:
             for d in (line, -line):
                 if (d * limit <= SAME_DIRECTION).all():

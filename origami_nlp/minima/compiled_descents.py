@@ -34,8 +34,10 @@ AT_ONCE = 512
 FLAGS = ("-O1", "-std=c99", "-shared", "-fPIC", "-ffp-contract=off")
 """No fused products, and sums in no other order: the same bits by each compiler (-O2: twice as long to compile)."""
 INTS = "n m rays creases period first entries pairs walls stacks plane shifted limits many chain steps".split()
-FLOATS = ["level", "bound"]
-FLOAT_ARRAYS = "flat factor onward mirror lever over stiffness rest load root metric".split()
+FLOATS = ["level"]
+FLOAT_ARRAYS = (
+    "flat factor onward mirror lever over stiffness rest load root metric low high".split()
+)
 INT_ARRAYS = "crease variable entry three before pair real gap wall stack".split()
 OF_FLOATS = ["x", "kept_x", "reach"]
 HELD = ("at_limit", "slots", "sides")
@@ -152,11 +154,11 @@ class CompiledDescents:
     closing, crossings
         As those of `Descents`.
     rules
-        Are there fold limits, are many of them met at once, is it swept; most steps, largest fold angle [rad].
+        Are there fold limits, are many of them met at once, is it swept; most steps; fold limits [n] [rad].
     """
 
     def __init__(
-        self, descend: Any, closing: Closing, crossings: VertexCrossings, rules: dict[str, float]
+        self, descend: Any, closing: Closing, crossings: VertexCrossings, rules: dict[str, Any]
     ) -> None:
         self._descend, self._closing = descend, closing
         values = closing.kinematics.tables() | crossings.tables() | closing.tables() | rules

@@ -112,7 +112,9 @@ class ConfigurationCurves:
         self.period = np.where(whole, 2 * math.pi, 4 * math.pi)
         """What brings each variable back to the same shape; a whole turn changes the lift without symmetry."""
         self.two_lifts = self.piece.kind == "C" and not cyclic
-        self.reach = np.minimum(self.period / 2, model.bound)
+        self.whole = math.pi if model.has_limits else 2 * math.pi
+        """Largest fold angle of any state; stops are looked at by those who take states from curves."""
+        self.reach = np.minimum(self.period / 2, self.whole)
         """Largest fold angle of a variable that is looked at, up to its period."""
         self.others = np.array([np.delete(np.arange(n), v) for v in range(n)])
 

@@ -20,6 +20,7 @@ import math
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -136,13 +137,13 @@ class Descents:
         self._many = plain and model.size > MOST_ONE_BY_ONE
         self.compiled = None
         if model.parameters.dead is None and (descend := compiled()) is not None:
-            rules: dict[str, float] = {
+            rules: dict[str, Any] = {
                 "limits": model.has_limits,
                 "many": self._many,
                 "chain": self._chain,
                 "steps": steps,
             }
-            rules["bound"] = float(model.bound)
+            rules |= {"low": model.fold_limits.low, "high": model.fold_limits.high}
             self.compiled = CompiledDescents(descend, self.closing, self.crossings, rules)
 
     @classmethod
@@ -153,6 +154,7 @@ class Descents:
         first, models = several[0].model, [descents.model for descents in several]
         same = not any(d._chain or d.model.parameters.dead is not None for d in several) and all(
             m.structure == first.structure
+            and m.fold_limits.same_as(first.fold_limits)
             and np.array_equal(m.parameters.sectors, first.parameters.sectors)
             for m in models
         )
@@ -345,7 +347,8 @@ class Descents:
         if not self.model.has_limits or self._many:
             return replace(s, x=s.x + share[:, None] * dx), share
         at_limit = s.at_limit.copy()
-        room = np.maximum(np.where(dx > 0, math.pi - s.x, math.pi + s.x), 0.0)
+        limits = self.model.fold_limits
+        room = np.maximum(np.where(dx > 0, limits.high - s.x, s.x - limits.low), 0.0)
         to = np.where(
             (at_limit == 0) & (np.abs(dx) > ROUNDED),
             room / np.maximum(np.abs(dx), NONZERO),
@@ -356,22 +359,23 @@ class Descents:
         hit = np.flatnonzero(nearest <= share * NEXT)
         share = np.minimum(share, nearest)
         x = s.x + share[:, None] * dx
-        side = np.sign(dx[hit, first[hit]])
-        at_limit[hit, first[hit]], x[hit, first[hit]] = side, side * math.pi
+        side, v = np.sign(dx[hit, first[hit]]), first[hit]
+        at_limit[hit, v], x[hit, v] = side, np.where(side > 0, limits.high[v], limits.low[v])
         return replace(s, x=x, at_limit=at_limit), share
 
     def _try(self, trial: Samples, before: _Before) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Return which trial states are taken; and which gap each crosses (`OPEN` for none), with its open side."""
         at, value, _ = self.closing.rows(trial)
         good = np.abs(value).max(axis=1) <= EXPLORED
-        good &= (np.abs(trial.x) <= self.model.bound + ROUNDED).all(axis=1) & (at.lift > 0)
+        limits = self.model.fold_limits
+        good &= limits.inside(trial.x, ROUNDED).all(axis=1) & (at.lift > 0)
         # closing may have gone to states far from where the step led
         good &= np.abs(trial.x - before.x).max(axis=1) < 2 * REACH
         now, e = self.closing.springs(trial).energy(trial.x), before.energy
         # sufficient decrease (Nocedal and Wright, eq. 3.4), with slack for the rounding of energies
         lower = now <= e + DECREASE * np.minimum(before.slope, 0) + EXPLORED * (1 + e)
         good &= lower | (before.escaped & (now <= e + SAME_ENERGY))
-        gap, side = self.crossings.of(at, trial.x, trial.at_limit)
+        gap, side = self.crossings.of(at, trial.x, limits.folded_flat(trial.at_limit))
         return good & (gap == OPEN), gap, side
 
     def _meet(

@@ -111,13 +111,13 @@ class VertexTerrain(Terrain):
             left = np.linalg.norm(way, axis=1)
             length = np.where(aimed[live], np.minimum(step, left), step)[:, None]
             move = length * way / np.maximum(left, NONZERO)[:, None] / model.root
-            want = np.clip(at[live] + move, -model.bound, model.bound)
+            want = model.fold_limits.clip(at[live] + move)
             arrives = aimed[live] & (left <= step)
             # nothing beside it: at the flat state closure has no rank, and rounding would choose a side
             want[arrives] = goal[live][arrives]
             still = (goal[live] != 0) & driven[live, None]
             y, residual = project(model, want, held, frozen=still, steps=MOST_STEPS)
-            y = np.clip(y, -model.bound, model.bound)
+            y = model.fold_limits.clip(y)
             moved = np.linalg.norm(y - at[live], axis=1)
             good = (
                 (residual <= FOLLOWED) & (moved > GOES[0] * length[:, 0]) & (moved < GOES[1] * step)
@@ -166,7 +166,7 @@ class VertexTerrain(Terrain):
         """Close states [S, n] with contacts held, moved by `longest` [S] at most; None where one is no state."""
         model = self.model
         x, residual = project(model, want, held)
-        x = np.clip(x, -model.bound, model.bound)
+        x = model.fold_limits.clip(x)
         long = (np.abs(x - want).max(axis=1) > longest + CLOSURE_TOL).any()
         if long or (residual > FOLLOWED).any() or (np.abs(model.closure(x)[0]) > CLOSURE_TOL).any():
             return None
@@ -178,7 +178,7 @@ class VertexTerrain(Terrain):
 
     def land(self, states: np.ndarray) -> np.ndarray:
         """Where descents in batches end."""
-        at_limit = np.where(np.abs(states) == math.pi, np.sign(states), 0).astype(int)
+        at_limit = self.model.fold_limits.near(states, 0.0)
         at_limit *= self.model.has_limits
         out = np.full(states.shape, math.nan)
         # at the flat state closure has no rank, steps no direction: rounding would choose one

@@ -153,12 +153,12 @@ def confirm_by(
             row = m + gaps.index(contact.index)
             (lower if contact.side > 0 else upper)[row] = 0.0
             row_pull[row] = -contact.side * force
-    bound = np.full(model.size, model.bound)
+    limits = model.fold_limits
     out = problem.solver(
         x0=x,
         p=model.parameters.vector,
-        lbx=-bound,
-        ubx=bound,
+        lbx=limits.low,
+        ubx=limits.high,
         lbg=lower,
         ubg=upper,
         lam_x0=pull,
@@ -188,17 +188,18 @@ def solve(model: Solvable, start: np.ndarray, pairs: Pairs = ()) -> Solve:
     problem = build_solver(model.structure, pairs, tolerance_for(model))
     n = model.size
     x0 = np.asarray(start, dtype=float)
-    bound = np.full(n, model.bound)
+    low, high = model.fold_limits.low, model.fold_limits.high
     if pairs:
         rays = model.rays(x0)
         normals = [separating_normal(rays, pair) for pair in pairs]
         x0 = np.concatenate([x0, *normals])
-        bound = np.concatenate([bound, np.full(3 * len(pairs), 1.5)])
+        most = np.full(3 * len(pairs), 1.5)
+        low, high = np.concatenate([low, -most]), np.concatenate([high, most])
     out = problem.solver(
         x0=x0,
         p=model.parameters.vector,
-        lbx=-bound,
-        ubx=bound,
+        lbx=low,
+        ubx=high,
         lbg=problem.lower,
         ubg=problem.upper,
     )

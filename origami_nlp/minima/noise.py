@@ -198,7 +198,7 @@ def _beside(model: Model, x: np.ndarray) -> np.ndarray | None:
     if residual > CLOSURE_TOL:
         start, residual = project(model, x)
     try:
-        down = follow(model, np.clip(start, -model.bound, model.bound))
+        down = follow(model, model.fold_limits.clip(start))
     except ValueError:
         return None
     return down.end if down.what.verdict == "minimum" else None

@@ -25,7 +25,7 @@ from origami_nlp.numerics import (
     UNPOLISHED,
     distinct,
 )
-from origami_nlp.problem import Contact, Model, fold_limit, vertices
+from origami_nlp.problem import Contact, Model, vertices
 
 MOST_VERTICES = 10_000
 """More candidates than a model with one degree of freedom has."""
@@ -104,8 +104,7 @@ def trace(model: Model) -> CandidateMinima:
         _add_stationary(curves, some, lift, found)
     if model.has_limits:
         for x in vertices(model, MOST_VERTICES, np.random.default_rng(0)):
-            held = np.flatnonzero(np.abs(x) == math.pi)
-            found.add(x, tuple(fold_limit(int(v), x[v]) for v in held), "limit")
+            found.add(x, model.fold_limits.contacts(x, model.fold_limits.room(x) == 0), "limit")
     for x in _crossings(curves):
         found.add(x, (), "crossing")
     if model.gaps:
@@ -164,7 +163,7 @@ def lifts(
         odd, pinned = bool(key[0]), key[1:]
         # a variable that stands at +-pi is written as +pi or -pi by rounding
         # whole turns that lead to other fold angles within the bound
-        more = pinned | (curves.period < 2 * model.bound)
+        more = pinned | (curves.period < 2 * curves.whole)
         options = [(-1.0, 0.0, 1.0) if many else (0.0,) for many in more]
         turns = np.array(list(itertools.product(*options)))
         if curves.two_lifts:
@@ -201,8 +200,8 @@ def _add_stationary(
     rising = way * slope > -UNPOLISHED * np.broadcast_to(scale, may.shape)[which, lifts]
     which, lifts, where = which[rising], lifts[rising], where[rising]
     for x in _at(curves, b.take(which), where, lift[lifts]):
-        held = np.flatnonzero(np.abs(np.abs(x) - math.pi) <= FOLLOWED) if model.has_limits else ()
-        found.add(x, tuple(fold_limit(int(v), x[v]) for v in held), "stationary")
+        held = (np.abs(model.fold_limits.room(x)) <= FOLLOWED) & model.has_limits
+        found.add(x, model.fold_limits.contacts(x, held), "stationary")
 
 
 def _at(
@@ -223,8 +222,9 @@ def _at(
     speed = np.abs(tangents)
     fastest = speed[np.arange(len(x)), b.sections.driver] >= SLOW * speed.max(axis=1)
     fastest &= size > RANK  # (crossings are listed by themselves)
-    inside = (np.abs(x) <= curves.model.bound + CLOSURE_TOL).all(axis=1)
-    return np.clip(x[inside & fastest], -curves.model.bound, curves.model.bound)
+    limits = curves.model.fold_limits
+    inside = limits.inside(x, CLOSURE_TOL).all(axis=1)
+    return limits.clip(x[inside & fastest])
 
 
 def roots(series: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -275,15 +275,14 @@ def _crossings(curves: ConfigurationCurves) -> list[np.ndarray]:
     out = []
     for state in states[distinct(states, RESOLVED)]:
         every = state + turns
-        every = every[(np.abs(every) <= model.bound + CLOSURE_TOL).all(axis=1)]
+        every = every[model.fold_limits.inside(every, CLOSURE_TOL).all(axis=1)]
         steps = beside - state
         steps -= curves.period * np.round(steps / curves.period)
         steps = steps[np.abs(steps).max(axis=1) < 1e2 * shift]
         for y in every[curves.piece.misses(every) <= 2 * ROUNDED]:
             # (without fold limits the bound is none of the energy's)
-            inside = np.abs(y + steps).max(axis=1) <= (
-                math.pi + CLOSURE_TOL if model.has_limits else math.inf
-            )
+            inside = model.fold_limits.inside(y + steps, CLOSURE_TOL).all(axis=1)
+            inside |= not model.has_limits
             # no minimum where the energy falls along a branch that leaves it
             torque = model.parameters.torque(y)
             if not (steps[inside] @ torque < -FALLS * shift * np.abs(torque).max()).any():

@@ -13,9 +13,9 @@ import numpy as np
 from origami_nlp.kkt import Solve, State
 from origami_nlp.minima.descents import Descents
 from origami_nlp.minima.record import FoundState, Record, close_orbit, judge
-from origami_nlp.numerics import ALIKE, DUPLICATE_TOL, NEAR_CONTACT, ROUNDED
+from origami_nlp.numerics import ALIKE, DUPLICATE_TOL, NEAR_CONTACT, OUTSIDE, ROUNDED
 from origami_nlp.pattern import Relabelling
-from origami_nlp.problem import OPEN, Contact, Model, fold_limit
+from origami_nlp.problem import OPEN, Contact, Model
 from origami_nlp.starts import DRAWN, GIVEN, SOURCES, Ends, Samples, joined
 from origami_nlp.workers import stop_workers, worker_pool
 
@@ -141,11 +141,13 @@ class Search:
 
     def _feasible(self, starts: Samples) -> np.ndarray:
         crossings = self._descents.crossings
-        good = np.isfinite(starts.x).all(axis=1)
+        good, limits = np.isfinite(starts.x).all(axis=1), self._descents.model.fold_limits
+        if not limits.are_flat and self.model.has_limits:  # starts in closed form know +-pi only
+            good &= limits.inside(starts.x, OUTSIDE).all(axis=1)
         if not crossings.any:
             return good
         at = self._descents.closing.kinematics.fold(starts.x)
-        gap, _ = crossings.of(at, starts.x, starts.at_limit)
+        gap, _ = crossings.of(at, starts.x, limits.folded_flat(starts.at_limit))
         return good & (gap == OPEN)
 
     def closed(self, x: np.ndarray, *, touching: bool = False) -> Samples:
@@ -154,12 +156,12 @@ class Search:
         touching: hold the contacts that are closed there until they pull, so that the first step runs into none.
         """
         x = np.array([self._under(state) for state in x]).reshape(x.shape)
-        x = np.clip(x, -self.model.bound, self.model.bound)
+        x = self._descents.model.fold_limits.clip(x)
         s = Samples.on(x, source=GIVEN)
         for k in range(len(x) * touching):
             for contact in State(self._descents.model, x[k], NEAR_CONTACT).pieces[0]:
                 if contact.is_limit:
-                    s.x[k, contact.index] = contact.side * math.pi
+                    contact.hold(s.x[k])
                     s.at_limit[k, contact.index] = contact.side
                 elif OPEN in s.slots[k]:
                     slot = s.slots[k].tolist().index(OPEN)
@@ -225,8 +227,8 @@ class Search:
 
     def _held(self, s: Samples, k: int) -> tuple[Contact, ...]:
         """The contacts that an end holds."""
-        at_limit = self._stated(s.at_limit[k] + 0.0)
-        limits = [fold_limit(int(v), at_limit[v]) for v in np.flatnonzero(at_limit)]
+        at_limit, x = self._stated(s.at_limit[k] + 0.0), self._stated(s.x[k])
+        limits = self.model.fold_limits.contacts(x, at_limit != 0)
         slots = zip(s.slots[k].tolist(), s.sides[k].tolist(), strict=True)
         sign = self._labels.sign if self._labels else 1
         gaps = [

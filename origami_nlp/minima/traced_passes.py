@@ -105,7 +105,7 @@ def traced_passes(
     order = np.lexsort((where, which))
     which, where = which[order], where[order]
     states = p.at(which, where)
-    inside = (np.abs(states) <= math.pi + SETTLED).all(axis=1)
+    inside = model.fold_limits.inside(states, SETTLED).all(axis=1)
     step = np.flatnonzero((which[1:] == which[:-1]) & (where[1:] > where[:-1]))
     # between two cuts all states are admissible or none is: the middle one stands for them
     good = step[_admissible(model, p, which[step], (where[step] + where[step + 1]) / 2)]
@@ -155,9 +155,9 @@ def _cuts(model: Model, p: _Pieces) -> tuple[np.ndarray, np.ndarray]:
     add(np.einsum("kj,bj->bk", TO_SERIES, torque.sum(axis=2)), many)
     for v in range(model.size):
         turns = np.flatnonzero(~p.pinned[:, v])
-        for side in (-1, 1):
+        for limit in (model.fold_limits.low[v], model.fold_limits.high[v]):
             values = p.series[turns, :, v].copy()
-            values[:, 0] -= side * math.pi
+            values[:, 0] -= limit
             may = np.abs(values[:, 0]) <= np.abs(values[:, 1:]).sum(axis=1) + SETTLED
             add(values[may], turns[may])
     if model.gaps:

@@ -19,6 +19,7 @@ from .examples import degree6 as degree6, degree8 as degree8, panels as panels
 from .fold_file import (
     FIXED_KEY as FIXED_KEY,
     LARGEST as LARGEST,
+    LIMITS_KEY as LIMITS_KEY,
     LOADS_KEY as LOADS_KEY,
     PRELOAD_KEY as PRELOAD_KEY,
     REST_KEY as REST_KEY,
@@ -26,6 +27,12 @@ from .fold_file import (
     Frame as Frame,
     parse_fold as parse_fold,
     read_fold as read_fold,
+)
+from .fold_limits import (
+    limit_angles as limit_angles,
+    limit_words as limit_words,
+    read_limits as read_limits,
+    tapered_limit as tapered_limit,
 )
 from .fold_notes import listed as listed
 from .fold_scene import (

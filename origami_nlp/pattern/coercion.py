@@ -119,7 +119,9 @@ def _equal_scene(pattern: Pattern) -> Scene | None:
             if angle(along[i], way) + angle(way, along[j]) - sectors[i] > PLACES:
                 return None
     springs = tuple(pattern.stiffness.tolist()), tuple(pattern.rest.tolist())
-    return Scene(Vertex(tuple(sectors)), *springs, "none", "full", name=pattern.name)
+    vertex = Vertex(tuple(sectors))
+    limits = pattern.limits
+    return Scene(vertex, *springs, "none", "full", name=pattern.name, limits=limits)
 
 
 def as_pattern(stated: Pattern | str | PathLike[str], name: str = "pattern") -> Pattern:
@@ -204,5 +206,6 @@ def scene_pattern(scene: Scene) -> Pattern:
         numbers={s: i for i, s in enumerate(sides)},
         stiffness=dict(zip(sides, scene.stiffness, strict=True)),
         rest=dict(zip(sides, scene.rest_angles, strict=True)),
+        limits=dict(zip(sides, scene.limits, strict=True)) if scene.limits else None,
         name=scene.name or "",
     )

@@ -2,8 +2,8 @@
 
 A FOLD file holds a crease pattern or a folded form: vertices, edges with assignment (M, V, B, F, U, C, J),
 fold angles in degrees, valley positive.  We also read ``edges_origaminlp:stiffness`` [N m/rad] and
-``edges_origaminlp:restAngle`` [deg], ``edges_origaminlp:preload`` [N m] (FOLD lets programs
-add keys with a namespace).  Vertices, edges and frames are numbered from 0, as in the file.
+``edges_origaminlp:restAngle`` [deg], ``edges_origaminlp:preload`` [N m], ``edges_origaminlp:limits`` [deg] (FOLD lets
+programs add keys with a namespace).  Vertices, edges and frames are numbered from 0, as in the file.
 """
 
 from __future__ import annotations
@@ -20,6 +20,7 @@ from origami_nlp.drawings import ERROR_KEY, DrawingOptions
 from origami_nlp.errors import FoldFileError
 from origami_nlp.io import printable, read_limited
 from origami_nlp.numerics import INPUT_TOL, last_place
+from origami_nlp.pattern.fold_limits import edge_limits
 from origami_nlp.pattern.fold_notes import compare_signs, flattened, in_radians, once
 from origami_nlp.pattern.fold_source import STDIN, decode_source
 
@@ -28,7 +29,7 @@ LARGEST = 50_000_000
 MOST_ELEMENTS = 2_000_000
 """Vertices and edges of all frames together, those that they inherit included, where all are read."""
 STIFFNESS_KEY = "edges_origaminlp:stiffness"
-REST_KEY = "edges_origaminlp:restAngle"
+REST_KEY, LIMITS_KEY = "edges_origaminlp:restAngle", "edges_origaminlp:limits"
 PRELOAD_KEY = "edges_origaminlp:preload"
 LOADS_KEY, FIXED_KEY = "origaminlp:loads", "origaminlp:fixedFacet"
 FOLDS = "MVUF"
@@ -36,7 +37,7 @@ FOLDS = "MVUF"
 _LEGACY = {"edges_foldAngles": "edges_foldAngle", "edges_assignments": "edges_assignment"}
 _READ = (
     *"vertices_coords edges_vertices faces_vertices faceOrders edges_assignment edges_foldAngle".split(),
-    *(*_LEGACY, STIFFNESS_KEY, REST_KEY, PRELOAD_KEY, LOADS_KEY, FIXED_KEY, ERROR_KEY),
+    *(*_LEGACY, STIFFNESS_KEY, REST_KEY, PRELOAD_KEY, LIMITS_KEY, LOADS_KEY, FIXED_KEY, ERROR_KEY),
     *"frame_classes frame_unit frame_title file_title".split(),
 )
 
@@ -86,6 +87,8 @@ class Frame:
         ``frame_unit``: of the coordinates; "" where the file states none.
     y_down
         Whether the file's own y points down: places are named as they are in the file.
+    limits
+        Fold limits (low, high), [E, 2] [rad], +-pi where not given; None where the file gives none.
     """
 
     number: int
@@ -109,6 +112,7 @@ class Frame:
     source: str = ""
     length_unit: str = ""
     y_down: bool = False
+    limits: np.ndarray | None = field(default=None, repr=False)
 
     def place(self, vertex: int) -> str:
         """Return where a vertex is, as the file has it."""
@@ -333,6 +337,7 @@ def _frame(data: dict[str, Any], number: int) -> Frame:
         data.get(FIXED_KEY),
         unit,
         length_unit=str(data.get("frame_unit", "")),
+        limits=edge_limits(data.get(LIMITS_KEY), m, LIMITS_KEY, keep),
     )
 
 

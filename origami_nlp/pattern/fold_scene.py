@@ -189,6 +189,7 @@ def scene_at(
         symmetry_tolerance=NOISE,
         source=f"{frame.source}, vertex {v.number}" if frame.source else "",
         preload=tuple(np.nan_to_num(frame.preload[at]).tolist()),
+        limits=() if frame.limits is None else tuple(map(tuple, frame.limits[at].tolist())),
         **loads,
     )
 

@@ -63,6 +63,11 @@ class Relabelling:
         """Angles or torques [N] of the creases under the new labels."""
         return self.sign * np.array(values)[self.creases] + 0.0
 
+    def limit_angles(self, scene: Scene) -> np.ndarray:
+        """Low and high fold limits of the creases under the new labels, [2, N]; turned over, they change places."""
+        limits = scene.limit_angles[:, self.creases]
+        return -limits[::-1] if self.over else limits
+
     def relabelled(self, scene: Scene) -> Scene:
         """Return a scene without symmetry under the new labels, its mean stiffness 1."""
         sectors = np.array(scene.vertex.sector_angles)[self.facets]
@@ -83,6 +88,7 @@ class Relabelling:
             symmetry="none",
             contact=scene.contact,
             preload=self._turned(scene.preload) / np.mean(scene.stiffness) if scene.preload else (),
+            limits=tuple(map(tuple, self.limit_angles(scene).T.tolist())) if scene.limits else (),
             relations=decided,
         )
 
@@ -110,7 +116,8 @@ def canonical_labels(scene: Scene) -> Relabelling:
 
     def seen(labels: Relabelling) -> list[float]:
         rest = labels.sign * numbers[2, labels.creases] + 0.0
-        return [*numbers[0, labels.facets], *numbers[1, labels.creases], *rest]
+        limits = np.round(labels.limit_angles(scene), 12).ravel() + 0.0 if scene.limits else ()
+        return [*numbers[0, labels.facets], *numbers[1, labels.creases], *rest, *limits]
 
     return min(every_label(n), key=seen)
 
@@ -193,6 +200,7 @@ def _match(first: Scene, other: Scene) -> tuple[Relabelling, float] | None:
             float(np.abs(theirs[0, labels.facets] - sectors).max()),
             float(np.abs(theirs[1, i] / k - 1).max()),
             float(np.abs(labels.sign * theirs[2:, i] - rest).max()),
+            float(np.abs(labels.limit_angles(other) - first.limit_angles).max()),
         )
         if apart <= noise and (best is None or apart < best[1]) and _keeps(first, other, i):
             best = labels, apart
@@ -232,6 +240,7 @@ def symmetries(scene: Scene) -> list[Relabelling]:
             sectors[labels.facets] - sectors,
             k[i] / k - 1,
             labels.sign * signed[:, i] - signed,
+            labels.limit_angles(scene) - scene.limit_angles,
         )
         same = max(float(np.abs(d).max()) for d in differ) <= DUPLICATE_TOL
         return same and _keeps(scene, scene, i)

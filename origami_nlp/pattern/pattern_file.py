@@ -174,6 +174,9 @@ def frame_pattern(
         stiffness=dict(zip(creases, k, strict=True)),
         rest=dict(zip(creases, rest, strict=True)),
         file_angles=dict(zip(creases, frame.fold_angles[at], strict=True)),
+        limits=None
+        if frame.limits is None
+        else dict(zip(creases, map(tuple, frame.limits[at].tolist()), strict=True)),
         name=frame.title or f"frame {frame.number}",
         notes=[*frame.notes, *sheet.notes, *([FORCES] if frame.loads else [])],
         orders=sheet.orders,

@@ -14,7 +14,16 @@ from origami_nlp.errors import OptionError, SceneError, SymmetryError
 from origami_nlp.io import PrettyRepr, cut, is_unicode, printable
 from origami_nlp.numerics import EPS, INPUT_TOL, RESOLVED, SUMMED, energy_or_zero
 from origami_nlp.pattern.angles import format_angle, parse_angles
+from origami_nlp.pattern.fold_limits import (
+    Limits,
+    limit_angles,
+    limit_words,
+    read_limits,
+    read_panels,
+    thick_limits,
+)
 from origami_nlp.pattern.loads import Load, dead_loads, read_loads
+from origami_nlp.pattern.numbers_read import check_length, check_range, read_numbers, read_preload
 from origami_nlp.pattern.relations import Relations, find_relations
 from origami_nlp.pattern.symmetry import (
     Symmetry,
@@ -30,13 +39,6 @@ MOST_CREASES = 1_000
 """Of a scene; `model` then takes seconds."""
 MOST_PAIRED = 400
 """Creases of a scene with full contact, 80,000 pairs of facets; `model` then takes seconds."""
-LARGEST_RATIO = 1e8
-"""Largest ratio of two stiffnesses.  At 1e12 the torque of a soft spring is below the rounding of a stiff one's: along
-a line of states that only soft springs order, every point seems to balance, and a search never ends."""
-MOST_WOUND = 1e3
-"""Largest |wound angle| [rad]: the energy of such a spring is 1e6 times that of one radian, and loses 6 digits."""
-SMALLEST, LARGEST = 1e-300, 1e300
-"""Bounds of a stiffness, in any unit: energies beyond them overflow, or lose digits."""
 
 
 @dataclass(frozen=True)
@@ -75,6 +77,12 @@ class Scene(PrettyRepr):
     winding
         How often states of C_n or D_n, n > 2, wind round the axis of their symmetry: an odd number up to n.  Default: a
         search looks at all of `windings`, anything else at states that wind once.
+    limits
+        Fold limits of each crease [rad], pairs (low, high) within +-pi, shape [N, 2], or one pair for all: stops before
+        facets meet.  Default: +-pi.  A rest angle may lie beyond; it then presses the crease against its stop.
+    panels
+        Thickness of the panels and width of the taper beside their hinges [mm], which narrow the limits
+        (`tapered_limit`): kinematics are those of paper, all hinges in the middle surface.  None: paper.
     source
         What was read, as it was typed: a file, or an example; reports are titled by it.
     relations
@@ -121,6 +129,8 @@ class Scene(PrettyRepr):
     loads: tuple[Load, ...] = ()
     fixed_facet: int | None = None
     winding: int | None = None
+    limits: Limits = ()
+    panels: tuple[float, float] | None = None
     source: str = field(default="", repr=False, compare=False)
     relations: Relations = field(default=None, repr=False, compare=False)  # type: ignore[assignment]
     group: Symmetry = field(init=False, repr=False, compare=False)
@@ -139,13 +149,13 @@ class Scene(PrettyRepr):
                 f"vertex has {n} creases: with contact = 'full', which keeps every two facets apart, at most "
                 f"{MOST_PAIRED}; use contact = 'fold-limits'"
             )
-        stiffness = _numbers(self.stiffness, "stiffness", n)
+        stiffness = read_numbers(self.stiffness, "stiffness", n)
         for i, k in enumerate(stiffness, start=1):
             if not (math.isfinite(k) and k > 0):
                 raise SceneError(f"stiffness[{i}] = {k!r} must be positive and finite [N m/rad]")
         check_range(stiffness)
         rest = parse_angles(self.rest_angles, "rest_angles")
-        _same_length(rest, "rest_angles", n)
+        check_length(rest, "rest_angles", n)
         for i, a in enumerate(rest, start=1):
             if abs(a) > math.pi * (1 + 4 * EPS):
                 raise SceneError(
@@ -166,6 +176,13 @@ class Scene(PrettyRepr):
             raise SceneError(f"name = {shown(self.name)} must be text")
         if self.name is not None and not is_unicode(self.name):
             raise SceneError(f"name = {self.name!r} holds half a surrogate pair: leave it out")
+        object.__setattr__(self, "panels", read_panels(self.panels))
+        limits = thick_limits(read_limits(self.limits, n), n, self.panels)
+        object.__setattr__(self, "limits", limits)
+        if self.limits and self.contact == "none":
+            raise SceneError(
+                "limits are fold limits: contact = 'none' has none; use contact = 'fold-limits' or 'full'"
+            )
         object.__setattr__(self, "stiffness", stiffness)
         object.__setattr__(self, "rest_angles", rest)
         self._read_loads(stiffness, rest)
@@ -210,11 +227,11 @@ class Scene(PrettyRepr):
         forces = tuple(load for load in loads if load.force is not None)
         given: object = self.preload
         if len(forces) < len(loads):
-            total = list(_read_preload(given, stiffness, rest) or (0.0,) * len(stiffness))
+            total = list(read_preload(given, stiffness, rest) or (0.0,) * len(stiffness))
             for load in loads:
                 total[load.number - 1] += load.torque or 0.0
             given = tuple(total)
-        object.__setattr__(self, "preload", _read_preload(given, stiffness, rest))
+        object.__setattr__(self, "preload", read_preload(given, stiffness, rest))
         object.__setattr__(self, "loads", forces)
         held, n = self.fixed_facet, len(stiffness)
         if held is None and not forces:
@@ -235,7 +252,8 @@ class Scene(PrettyRepr):
                 "use none or auto"
             )
         wanted = ("none", *wanted[1:]) if self.loads else wanted
-        return find_symmetry(self.vertex, stiffness, (rest, self.wound_angles), *wanted)
+        angles = rest, self.wound_angles, *self.limit_angles
+        return find_symmetry(self.vertex, stiffness, angles, *wanted)
 
     def _make_symmetric(self, *wanted: Any) -> None:
         """Average sector angles, stiffness, rest angles and preload over the group, then cut the piece anew.
@@ -251,7 +269,11 @@ class Scene(PrettyRepr):
                 averaged(values, elements, facets=False) if values else ()
                 for values in (self.rest_angles, self.stiffness, self.preload)
             )
-            made = sectors, rest, np.divide(preload, k) if preload else (), k
+            made = [sectors, rest, np.divide(preload, k) if preload else (), k]
+            if self.limits:
+                low, high = (averaged(v, elements, facets=False) for v in self.limit_angles)
+                limits = tuple(zip(low, high, strict=True))
+                made[-1:-1] = [low, high]
             if _change(made, self._numbers) <= SUMMED:
                 return
             object.__setattr__(self, "adjusted", _change(made, stated))
@@ -264,13 +286,21 @@ class Scene(PrettyRepr):
             object.__setattr__(self, "stiffness", k)
             object.__setattr__(self, "rest_angles", rest)
             object.__setattr__(self, "preload", preload)
+            if self.limits:
+                object.__setattr__(self, "limits", read_limits(limits, len(k)))
             object.__setattr__(self, "group", self._find_symmetry(k, rest, *wanted))
 
     @property
     def _numbers(self) -> tuple[Any, ...]:
-        """Sector angles, rest angles, angles by which preload winds the springs, stiffness."""
+        """Sector angles, rest angles, angles by which preload winds the springs, stated limits, stiffness."""
         wound = np.divide(self.preload, self.stiffness) if self.preload else ()
-        return self.vertex.sector_angles, self.rest_angles, wound, self.stiffness
+        limits = self.limit_angles if self.limits else ()
+        return self.vertex.sector_angles, self.rest_angles, wound, *limits, self.stiffness
+
+    @property
+    def limit_angles(self) -> np.ndarray:
+        """Low and high fold limits, [2, N] [rad]; +-pi where none are stated."""
+        return limit_angles(self.limits, self.degree)
 
     @property
     def wound_angles(self) -> tuple[float, ...]:
@@ -295,6 +325,25 @@ class Scene(PrettyRepr):
     def degree(self) -> int:
         """Number of creases N."""
         return self.vertex.degree
+
+    def check_no_stops(self, what: str) -> None:
+        """Raise an error where fold limits are stated, which `what` does not know.
+
+        Parameters
+        ----------
+        what
+            Of the scene, in words.
+
+        Raises
+        ------
+        OptionError
+            If the scene has such limits.
+        """
+        if self.limits:
+            raise OptionError(
+                f"{what}: not decided for scenes with fold limits of their own ({limit_words(self.limits)}); "
+                "minima, symmetric or not, are known there"
+            )
 
     def check_no_forces(self, what: str) -> None:
         """Raise an error where forces pull in space, which `what` does not know.
@@ -375,6 +424,7 @@ class Scene(PrettyRepr):
         return (
             f"Scene({title}{self.vertex},\n  stiffness=[{k}] N m/rad,\n  rest_angles=[{rest}] rad,"
             + (f"\n  preload=[{preload}] N m," if preload else "")
+            + (f"\n  limits: {limit_words(self.limits)}," if self.limits else "")
             + "".join(
                 f"\n  load: {load.words}, facet {self.fixed_facet} fixed," for load in self.loads
             )
@@ -387,65 +437,3 @@ def _change(new: Sequence[Any], old: Sequence[Any]) -> float:
     pairs = zip(new[:-1], old[:-1], strict=True)
     angles = [np.abs(np.subtract(a, b)).max(initial=0.0) for a, b in pairs]
     return float(max(*angles, np.abs(np.divide(new[-1], old[-1]) - 1).max()))
-
-
-def check_range(stiffness: Sequence[float]) -> None:
-    """Raise an error for stiffnesses that cannot be computed with, or not together."""
-    soft, stiff = min(stiffness), max(stiffness)
-    i, j = stiffness.index(soft) + 1, stiffness.index(stiff) + 1
-    if soft < SMALLEST or stiff > LARGEST:
-        wrong, k = (i, soft) if soft < SMALLEST else (j, stiff)
-        raise SceneError(
-            f"stiffness[{wrong}] = {k:.6g} is not within {SMALLEST:g} to {LARGEST:g}: use other units"
-        )
-    if stiff > LARGEST_RATIO * soft * (1 + INPUT_TOL):
-        raise SceneError(
-            f"stiffness[{j}] = {stiff:.6g} is more than {LARGEST_RATIO:g} times stiffness[{i}] = {soft:.6g}: "
-            f"soft springs would be lost in rounding; bring the ratio to {LARGEST_RATIO:g} or less, or merge "
-            "the facets at the stiff crease"
-        )
-
-
-def _read_preload(
-    values: object, stiffness: Sequence[float], rest: Sequence[float]
-) -> tuple[float, ...]:
-    """Read the preload [N m] of each crease; () where there is none."""
-    if isinstance(values, tuple) and not values:
-        return ()
-    preload = _numbers(values, "preload", len(stiffness))
-    for i, (m, k, a) in enumerate(zip(preload, stiffness, rest, strict=True), start=1):
-        if not math.isfinite(m):
-            raise SceneError(f"preload[{i}] = {m!r} must be finite [N m]")
-        if abs(a + m / k) > MOST_WOUND:
-            raise SceneError(
-                f"preload[{i}] = {m:.6g} N m winds a spring of {k:.6g} N m/rad to {a + m / k:.6g} rad: at most "
-                f"{MOST_WOUND:g} rad, beyond which energies lose digits"
-            )
-    return preload if any(preload) else ()
-
-
-def _same_length(values: Sequence[float], name: str, degree: int) -> None:
-    if len(values) != degree:
-        raise SceneError(
-            f"{name} has {len(values)} entries, but the vertex has {degree} creases: give one each"
-        )
-
-
-def _numbers(values: object, name: str, degree: int) -> tuple[float, ...]:
-    """Read `degree` floats, or raise an error about field `name`."""
-    wrong = SceneError(f"{name} = {shown(values)} must be a list of numbers, one for each crease")
-    if isinstance(values, str | bytes):
-        raise wrong
-    try:
-        items = list(values)  # type: ignore[call-overload]
-    except TypeError:
-        raise wrong from None
-    for i, v in enumerate(items, start=1):
-        if isinstance(v, bool | str | bytes) or not np.isscalar(v):
-            raise SceneError(f"{name}[{i}] = {v!r} is not a number")
-    try:
-        numbers = tuple(float(v) for v in items)
-    except OverflowError:
-        raise wrong from None
-    _same_length(numbers, name, degree)
-    return numbers

@@ -15,12 +15,22 @@ from origami_nlp.errors import SceneFileError
 from origami_nlp.io import as_text, check_tables, one_of, parse_toml, read_limited
 from origami_nlp.numerics import INPUT_TOL
 from origami_nlp.pattern.angles import format_angle, parse_angles
+from origami_nlp.pattern.fold_limits import read_limits
 from origami_nlp.pattern.scene import Scene
 from origami_nlp.pattern.vertex import Vertex
 
 _KEYS: dict[str, tuple[str, ...]] = {
     "vertex": ("sector_angles", "sector_angles_deg", "directions", "flat", "normalize"),
-    "creases": ("stiffness", "rest_angles", "rest_angles_deg", "preload"),
+    "creases": (
+        "stiffness",
+        "rest_angles",
+        "rest_angles_deg",
+        "preload",
+        "limits",
+        "limits_deg",
+        "thickness_mm",
+        "taper_mm",
+    ),
     "model": (
         "symmetry",
         "contact",
@@ -32,6 +42,8 @@ _KEYS: dict[str, tuple[str, ...]] = {
     ),
     "loads": (),
 }
+PANELS = "thickness_mm", "taper_mm"
+"""Keys of thickness and taper of panels."""
 _LARGEST = 1_000_000  # bytes; a scene is a few hundred
 
 
@@ -187,6 +199,16 @@ def scene_from_dict(data: Mapping[str, Any], source: str = "") -> Scene:
     if "stiffness" not in creases:
         raise SceneFileError("missing key in [creases]: give stiffness, one number a crease")
     more = {"preload": creases["preload"]} if "preload" in creases else {}
+    if "limits" in creases or "limits_deg" in creases:
+        key = one_of(
+            creases,
+            "[creases]",
+            ("limits", "limits_deg"),
+            SceneFileError,
+        )
+        more["limits"] = read_limits(creases[key], vertex.degree, degrees=key.endswith("_deg"))
+    if "thickness_mm" in creases or "taper_mm" in creases:
+        more["panels"] = creases.get("thickness_mm"), creases.get("taper_mm")
     more |= {"loads": data["loads"]} if "loads" in data else {}
     more |= dict(data.get("model", {}))
     return Scene(vertex, creases["stiffness"], rest, source=source, **more)
@@ -258,6 +280,8 @@ def scene_to_dict(scene: Scene) -> dict[str, Any]:
             "stiffness": list(scene.stiffness),
             "rest_angles": [_exact(a) for a in scene.rest_angles],
             **({"preload": list(scene.preload)} if scene.preload else {}),
+            **(dict(zip(PANELS, scene.panels, strict=True)) if scene.panels else {}),
+            **({"limits": [[_exact(a) for a in p] for p in scene.limits]} if scene.limits else {}),
         },
         "model": model,
         **({"loads": [load.to_dict() for load in scene.loads]} if scene.loads else {}),

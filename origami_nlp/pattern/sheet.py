@@ -16,33 +16,16 @@ from typing import Any
 import numpy as np
 
 from origami_nlp.arguments import check_number, shown
-from origami_nlp.errors import FoldFileError, SceneError
+from origami_nlp.errors import FoldFileError, OptionError, SceneError
 from origami_nlp.io import printable
 from origami_nlp.numerics import energy_or_zero, groups
-from origami_nlp.pattern.polygons import rings, sides_of
-from origami_nlp.pattern.scene import check_range
+from origami_nlp.pattern.fold_limits import Limits, limit_angles, limit_words, read_limits
+from origami_nlp.pattern.loops import Loop, Loops
+from origami_nlp.pattern.numbers_read import check_range
+from origami_nlp.pattern.polygons import sides_of
 
 MOST_FACETS = 20_000
 """Of a pattern."""
-
-
-@dataclass(frozen=True, eq=False)
-class Loop:
-    """A closed walk over facets: round an interior vertex, or round a hole.
-
-    Attributes
-    ----------
-    creases
-        Those it crosses, in order, [d].
-    signs
-        +1 where a crease is crossed from its right to its left facet, [d].
-    vertex
-        The interior vertex, or -1 for a hole.
-    """
-
-    creases: tuple[int, ...]
-    signs: tuple[int, ...]
-    vertex: int
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -88,6 +71,8 @@ class Pattern:
         (f, g, -1) where on the other.
     source
         What was read, as it was typed: a file, or an example; reports are titled by it.
+    limits
+        Fold limits of each crease [rad], pairs (low, high) within +-pi, [n, 2]; () where all are +-pi.
 
     Examples
     --------
@@ -116,6 +101,7 @@ class Pattern:
     notes: tuple[str, ...] = field(default=())
     orders: tuple[tuple[int, int, int], ...] = ()
     source: str = ""
+    limits: Limits = ()
 
     @property
     def title(self) -> str:
@@ -217,6 +203,58 @@ class Pattern:
                 )
         return replace(self, stiffness=np.array(k), rest=np.array(phi))
 
+    @property
+    def limit_angles(self) -> np.ndarray:
+        """Low and high fold limits, [2, n] [rad]; +-pi where none are stated."""
+        return limit_angles(self.limits, self.creases)
+
+    def with_limits(self, limits: Sequence[Any], *, degrees: bool = False) -> Pattern:
+        """Return the same pattern with fold limits: stops before facets meet.
+
+        Parameters
+        ----------
+        limits
+            One pair (low, high) for all creases, or a pair for each [rad]; () for +-pi.
+        degrees
+            Whether numbers are degrees.
+
+        Returns
+        -------
+        Pattern
+            With these limits.
+
+        Raises
+        ------
+        SceneError, AngleError
+            If they do not fit.
+
+        Examples
+        --------
+        >>> import origami_nlp as o
+        >>> o.examples.pattern("miura", 2, 2).with_limits([-150, 150], degrees=True).limit_angles.round(2)[1].tolist()
+        [2.62, 2.62, 2.62, 2.62]
+        """
+        return replace(self, limits=read_limits(limits, self.creases, degrees=degrees))
+
+    def check_no_stops(self, what: str) -> None:
+        """Raise an error where fold limits are stated, which `what` does not know.
+
+        Parameters
+        ----------
+        what
+            Of the pattern, in words.
+
+        Raises
+        ------
+        OptionError
+            If the pattern has such limits.
+        """
+        if self.limits:
+            raise OptionError(
+                f"{what}: not decided for patterns with fold limits of their own ({limit_words(self.limits)}); "
+                "minima and motions are known there"
+            )
+
     def joined(self, flat: np.ndarray) -> Pattern:
         """Return the pattern with some creases of a flat sheet that do not fold: facets beside them are one.
 
@@ -234,7 +272,7 @@ class Pattern:
         kept = [k for k, gone in enumerate(flat) if not gone]
 
         def of(values: np.ndarray) -> dict[tuple[int, int], Any]:
-            return {sides[k]: values[k].item() for k in kept}
+            return {sides[k]: values[k].tolist() for k in kept}
 
         return make_pattern(
             self.corners,
@@ -247,6 +285,7 @@ class Pattern:
             numbers=of(self.numbers),
             stiffness=of(self.stiffness),
             rest=of(self.rest),
+            limits=of(self.limit_angles.T) if self.limits else None,
             name=self.name,
         )
 
@@ -291,6 +330,7 @@ def make_pattern(
     stiffness: dict[tuple[int, int], float] | float = 1.0,
     rest: dict[tuple[int, int], float] | None = None,
     file_angles: dict[tuple[int, int], float] | None = None,
+    limits: dict[tuple[int, int], tuple[float, float]] | None = None,
     name: str = "",
     notes: Sequence[str] = (),
     orders: Sequence[tuple[int, int, int]] = (),
@@ -303,9 +343,10 @@ def make_pattern(
         Points of the reference state, [V, 2] or [V, 3].
     polygons
         Corners of each, all counter-clockwise seen from one side.
-    assignment, fold_angles, numbers, stiffness, rest, file_angles
+    assignment, fold_angles, numbers, stiffness, rest, file_angles, limits
         Of sides, by their two corners in increasing order: letters, fold angles of the reference state [rad], numbers
-        in a file, stiffness [N m/rad], rest angles [rad], fold angles of a file [rad].
+        in a file, stiffness [N m/rad], rest angles [rad], fold angles of a file [rad], fold limits [rad] (all or
+        none).
     joins
         Sides across which two polygons are one facet.
     name, notes, orders
@@ -357,7 +398,7 @@ def make_pattern(
         return np.array([(values or {}).get(s, default) for s in sides], float)
 
     ends = np.array(sides, int).reshape(-1, 2)
-    loops = _Loops(polygons, left_of, index)
+    loops = Loops(polygons, left_of, index)
     vertices, holes = loops.vertices(), loops.holes(corners)
     left = np.array([facet_of[left_of[s]] for s in sides], int)
     right = np.array([facet_of[left_of[s[::-1]]] for s in sides], int)
@@ -384,55 +425,8 @@ def make_pattern(
         name,
         tuple(notes),
         tuple((int(f), int(g), int(s)) for f, g, s in orders),
+        limits=read_limits([limits[s] for s in sides], len(sides)) if limits else (),
     )
-
-
-class _Loops:
-    """Walks round corners, from side to side."""
-
-    def __init__(
-        self,
-        polygons: Sequence[Sequence[int]],
-        left_of: dict[tuple[int, int], int],
-        index: dict[tuple[int, int], int],
-    ) -> None:
-        self.polygons, self.left_of, self.index = polygons, left_of, index
-        self.following = {
-            (p[i - 1], v): (v, p[(i + 1) % len(p)]) for p in polygons for i, v in enumerate(p)
-        }
-
-    def crossing(self, v: int, w: int) -> tuple[int, int] | None:
-        """Return the crease from v to w and the sense in which a walk about v, counter-clockwise, crosses it."""
-        crease = self.index.get((min(v, w), max(v, w)))
-        return None if crease is None else (crease, 1 if v < w else -1)
-
-    def vertices(self) -> tuple[Loop, ...]:
-        """Return a loop for each corner with polygons all around."""
-        found = []
-        for ring in sorted(rings(self.polygons)):
-            crossed = [c for side in ring if (c := self.crossing(*side)) is not None]
-            if crossed:
-                found.append(Loop(*zip(*crossed, strict=True), ring[0][0]))  # type: ignore[call-arg,arg-type]
-        return tuple(found)
-
-    def holes(self, corners: np.ndarray) -> tuple[Loop, ...]:
-        """Return a loop for each border but the longest: a walk over the facets along it, paper on the left."""
-        borders, seen = [], set()
-        for first in sorted(s for s in self.left_of if s[::-1] not in self.left_of):
-            if first in seen:
-                continue
-            crossed, length, side = [], 0.0, first
-            while side not in seen:
-                seen.add(side)
-                length += float(np.linalg.norm(corners[side[1]] - corners[side[0]]))
-                side = self.following[side]
-                while side[::-1] in self.left_of:  # clockwise about side[0], from facet to facet
-                    if (c := self.crossing(*side)) is not None:
-                        crossed.append((c[0], -c[1]))
-                    side = self.following[side[::-1]]
-            borders.append((length, crossed))
-        inner = sorted(borders, key=lambda b: b[0])[:-1]
-        return tuple(Loop(*zip(*crossed, strict=True), -1) for _, crossed in inner if crossed)  # type: ignore[call-arg,arg-type]
 
 
 def _check_topology(facet_of: np.ndarray, left: np.ndarray, right: np.ndarray, loops: int) -> None:

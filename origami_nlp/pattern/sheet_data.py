@@ -36,6 +36,7 @@ class _Stated:
     file_angles: tuple[float, ...]
     notes: tuple[str, ...]
     orders: tuple[tuple[int, int, int], ...]
+    limits: tuple[tuple[float, float], ...] = ()
 
 
 def pattern_to_dict(pattern: Pattern) -> dict[str, Any]:
@@ -73,8 +74,11 @@ def pattern_to_dict(pattern: Pattern) -> dict[str, Any]:
         file_angles=tuple(p.file_angles),
         notes=p.notes,
         orders=p.orders,
+        limits=p.limits,
     )
     data: dict[str, Any] = to_plain(stated)
+    if not p.limits:
+        del data["limits"]
     return data
 
 
@@ -115,6 +119,7 @@ def pattern_from_dict(data: Any) -> Pattern:
             name=said.name,
             notes=said.notes,
             orders=list(said.orders),
+            limits=of(said.limits) if said.limits else None,
         )
     except (KeyError, TypeError, ValueError, IndexError) as error:
         raise FoldFileError(f"pattern is not whole: {error}") from None

@@ -1,4 +1,4 @@
-"""Which rotations and mirrors of the flat sheet map creases, stiffness, rest angles and preload to themselves.
+"""Which rotations and mirrors of the flat sheet map creases, stiffness, rest angles, preload and limits to themselves.
 
 The point group of a vertex is C_n or D_n (paper, section 2, "Scope of symmetry reductions").  From
 a group follow the orbits of creases, which are the independent fold angles, and, for D_n, a wedge
@@ -108,14 +108,14 @@ def find_symmetry(
             )
         if len(shifts) % order:
             raise SymmetryError(
-                f"symmetry = {shown(wanted)} is not shared by geometry, stiffness, rest angles and preload: "
-                f"the largest common group is {largest}"
+                f"symmetry = {shown(wanted)} is not shared by geometry, stiffness, rest angles, preload and "
+                f"fold limits: the largest common group is {largest}"
             )
         return _period(vertex, order)
     if len(shifts) % order or not mirrors:
         raise SymmetryError(
-            f"symmetry = {shown(wanted)} is not shared by geometry, stiffness, rest angles and preload: "
-            f"the largest common group is {largest}"
+            f"symmetry = {shown(wanted)} is not shared by geometry, stiffness, rest angles, preload and "
+            f"fold limits: the largest common group is {largest}"
         )
     return _wedge(vertex, order, mirrors, mirror, tolerance)
 

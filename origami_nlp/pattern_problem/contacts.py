@@ -14,7 +14,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
 
 import numpy as np
 
@@ -34,7 +33,7 @@ from origami_nlp.pattern_problem.contact_pairs import ContactPair, FoldedGeometr
 from origami_nlp.pattern_problem.equations import MOST_DENSE, PatternEquations
 from origami_nlp.pattern_problem.faces import CoplanarContact, Faces
 from origami_nlp.pattern_problem.meeting_features import contact_pair_words, needed_rows, touches_at
-from origami_nlp.problem import ClosedContacts, Contact, ContactWords, Local, fold_limit
+from origami_nlp.problem import ClosedContacts, Contact, ContactWords, Local
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,7 +55,7 @@ class PatternLocal(Local):
             self.known.update(zip(new, both, strict=True))
         for r, contact in enumerate(contacts):
             if contact.is_limit:
-                values[r] = math.pi - contact.side * self.x[contact.index]
+                values[r] = contact.at - contact.side * self.x[contact.index]
                 slopes[r, contact.index] = -contact.side
             else:
                 values[r], slopes[r] = self.known[contact]
@@ -87,10 +86,10 @@ class PatternContacts(PatternEquations):
         self._touches: list[tuple[ContactPair, ContactPair]] = []
         self._numbers: dict[ContactPair, int] = {}
 
-    @cached_property
+    @property
     def limits(self) -> tuple[Contact, ...]:
         """Both fold limits of every crease."""
-        return tuple(Contact("limit", v, side) for v in range(self.size) for side in (-1, 1))
+        return self.fold_limits.both
 
     @property
     def every_gap(self) -> tuple[Contact, ...]:
@@ -159,8 +158,8 @@ class PatternContacts(PatternEquations):
         self, x: np.ndarray, tolerance: float = CONTACT_TOL, local: Local | None = None
     ) -> ClosedContacts:
         """Find the contacts of a state that are closed, and the choices that keep facets apart."""
-        at_limit = np.flatnonzero(math.pi - np.abs(x) <= tolerance)
-        limits = tuple(fold_limit(int(v), x[v]) for v in at_limit)
+        at_limit = np.flatnonzero(self.fold_limits.room(x) <= tolerance)
+        limits = self.fold_limits.contacts(x, self.fold_limits.room(x) <= tolerance)
         if not self.touching:
             return ClosedContacts(limits, (), ())
         faces, place = self.faces(x), self.placed(x)
@@ -212,10 +211,10 @@ class PatternContacts(PatternEquations):
 
     def about_to_close(self, x: np.ndarray, length: float) -> tuple[Contact, ...]:
         """Return contacts that are open, but closed by a step of `length` [rad] at most."""
-        slack = math.pi - np.abs(x)
+        slack = self.fold_limits.room(x)
         # twice the step: room for the way back onto closure
-        near = np.flatnonzero((slack > CONTACT_TOL) & (slack <= 2 * length))
-        found = [fold_limit(int(v), x[v]) for v in near]
+        near = (slack > CONTACT_TOL) & (slack <= 2 * length)
+        found = list(self.fold_limits.contacts(x, near))
         if self.touching:
             facing = self.features.facing(self.placed(x), 2 * length)
             found += [self.contact_of(t) for t, gap in facing if gap > CONTACT_TOL]
@@ -223,16 +222,13 @@ class PatternContacts(PatternEquations):
 
     def beyond(self, x: np.ndarray, tolerance: float = OUTSIDE) -> tuple[Contact, ...]:
         """Return the fold limits that a state is beyond by more than `tolerance`."""
-        over = np.flatnonzero(np.abs(x) > math.pi + tolerance)
-        return tuple(fold_limit(int(v), x[v]) for v in over)
+        return self.fold_limits.contacts(x, ~self.fold_limits.inside(x, tolerance))
 
     def guess(self, x: np.ndarray, pull: np.ndarray, pair_force: object) -> tuple[Contact, ...]:
         """Guess which contacts an answer of a solver closes: slack smaller than force, or both tiny."""
-        slack = math.pi - np.abs(x)
-        at_limit = np.flatnonzero(
-            (slack <= ANSWERED) | ((slack <= LOADED) & (np.abs(pull) > slack))
-        )
-        found = [fold_limit(int(v), x[v]) for v in at_limit]
+        slack = self.fold_limits.room(x)
+        at_limit = (slack <= ANSWERED) | ((slack <= LOADED) & (np.abs(pull) > slack))
+        found = list(self.fold_limits.contacts(x, at_limit))
         if self.touching:
             facing = self.features.facing(self.placed(x), ANSWERED, INSIDE)
             found += [self.contact_of(t) for t, _ in facing]
@@ -245,7 +241,7 @@ class PatternContacts(PatternEquations):
     def name(self, contact: Contact) -> str:
         """Describe which contact it is; creases, facets and corners 1-based."""
         if contact.is_limit:
-            return f"phi = {'+' if contact.side > 0 else '-'}pi at crease {contact.index + 1}"
+            return f"phi = {contact.where} at crease {contact.index + 1}"
         touch = self.touch(contact)
         return contact_pair_words(touch, self._place(touch))
 

@@ -40,6 +40,7 @@ from origami_nlp.pattern_problem.contact_pairs import FoldedGeometry
 from origami_nlp.pattern_problem.crossings import PatternCrossings
 from origami_nlp.pattern_problem.features import Features
 from origami_nlp.pattern_problem.stacks import Stack
+from origami_nlp.problem import FoldLimits
 
 MOST_DENSE = 400
 """Creases up to which kernels are formed by a singular value decomposition; sparse factors beyond."""
@@ -63,6 +64,8 @@ class PatternEquations:
         Its equations.
     crossings
         Its test of facets that cross.
+    fold_limits
+        Of its creases: +-pi, or stops.
     scale
         Mean stiffness [N m/rad]: residuals of torques are over it.
     until
@@ -74,6 +77,7 @@ class PatternEquations:
         self.closure = Closure(pattern)
         self.crossings = PatternCrossings(pattern)
         self.scale = float(pattern.stiffness.mean()) if pattern.creases else 1.0
+        self.fold_limits = FoldLimits(*pattern.limit_angles)
         self._end = [math.inf]
         self._last: tuple[bytes, list[int], Normal] | None = None
         self._seen: dict[str, tuple[bytes, Any]] = {}
@@ -218,8 +222,8 @@ class PatternEquations:
         else:
             lam = normal.multipliers(g)
             balance = g - normal.jacobian.T @ lam
-        # grad U = J' lam + mu (-side): opening pi - side phi has the slope -side, and mu >= 0 pushes the crease open
-        limits = np.array([-math.copysign(1.0, phi[i]) * balance[i] for i in held])
+        # grad U = J' lam + mu (-side): opening at - side phi has the slope -side, and mu >= 0 pushes the crease open
+        limits = -self.fold_limits.side(phi)[held] * balance[held]
         balance[held] = 0.0
         return lam, limits, balance
 

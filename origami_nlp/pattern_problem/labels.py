@@ -58,6 +58,8 @@ class CanonicalLabelling:
             for to, sign in self.images
             if np.abs(k[to] - k).max() <= DUPLICATE_TOL
             and np.abs(rest[to] - sign * rest).max() <= DUPLICATE_TOL
+            and np.abs(_turned(pattern.limit_angles[:, to], sign) - pattern.limit_angles).max()
+            <= DUPLICATE_TOL
         ]
 
     def arranged(self, pattern: Pattern) -> Pattern:
@@ -114,6 +116,7 @@ def find_labels(pattern: Pattern) -> CanonicalLabelling:
     middle = ends.mean(axis=1)
     k, rest = pattern.stiffness / pattern.stiffness.mean(), pattern.rest
     springs = np.column_stack([k, rest]) / PLACES
+    limits = pattern.limit_angles if pattern.limits else np.zeros((2, n))
     reference = pattern.reference[:, None] / PLACES
     views = []
     for c in _rarest(middle, pattern, size):
@@ -122,7 +125,8 @@ def find_labels(pattern: Pattern) -> CanonicalLabelling:
         bars = np.abs((ends[:, 1] - ends[:, 0]) @ axes[c].T)
         for signs in product((1.0, -1.0), repeat=3):
             places = _cells(np.hstack([seen * signs / size, bars / size, reference * signs[2]]))
-            of_springs = _cells(springs * (1.0, signs[2]))
+            stops = _turned(limits, signs[2]).T / PLACES
+            of_springs = _cells(np.hstack([springs * (1.0, signs[2]), stops]))
             order = np.lexsort(places.T[::-1])
             views.append((places[order].tolist(), of_springs[order].tolist(), order, signs))
         if len(views) >= MOST_VIEWS:
@@ -137,6 +141,11 @@ def find_labels(pattern: Pattern) -> CanonicalLabelling:
             to[order] = other
             images[(*to.tolist(), side)] = to, sign * side
     return CanonicalLabelling(order, sign, best[3][0] * best[3][1] < 0, tuple(images.values()))
+
+
+def _turned(limits: np.ndarray, sign: float) -> np.ndarray:
+    """Return fold limits [2, n] as they are seen from the other side of the paper where the sign is -1."""
+    return limits if sign > 0 else -limits[::-1]
 
 
 def image(symmetry: tuple[np.ndarray, float], phi: np.ndarray) -> np.ndarray:

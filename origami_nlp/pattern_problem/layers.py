@@ -112,12 +112,9 @@ def check_orders(problem: PatternEquations) -> Layers | None:
     phi = pattern.stated
     if phi is None:
         return None
-    phi, residual = problem.project(phi, np.abs(phi) == math.pi)
-    if (
-        residual > CLOSURE_TOL
-        or np.abs(phi).max(initial=0.0) > math.pi
-        or problem.crossings.find(phi)
-    ):
+    limits = problem.fold_limits
+    phi, residual = problem.project(phi, limits.room(phi) == 0)
+    if residual > CLOSURE_TOL or not limits.inside(phi).all() or problem.crossings.find(phi):
         return None
     found = order_layers(problem, phi)
     if found.verdict == "crosses" and found.stated:

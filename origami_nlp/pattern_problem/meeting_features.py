@@ -52,7 +52,8 @@ def _opened_by(
     # -side d(gap)/dphi >= 0 for creases at their limits, and nothing for the rest: the limits imply the gap
     others = np.abs(np.delete(row, at_limit)).max(initial=0.0)
     return bool(
-        others <= tiny and (-np.sign(x[at_limit]) * row[at_limit]).min(initial=0.0) >= -tiny
+        others <= tiny
+        and (-problem.fold_limits.side(x)[at_limit] * row[at_limit]).min(initial=0.0) >= -tiny
     )
 
 

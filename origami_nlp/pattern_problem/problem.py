@@ -6,7 +6,6 @@ The energy and the closure of `PatternEquations`, the contacts of `PatternContac
 from __future__ import annotations
 
 import copy
-import math
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import cached_property
@@ -57,7 +56,6 @@ class PatternProblem(PatternContacts, Energies):
     """
 
     symmetry = "none"
-    bound = math.pi
     has_limits = True
     redundant = True
 
@@ -71,6 +69,11 @@ class PatternProblem(PatternContacts, Energies):
     def parameters(self) -> Parameters:
         """Springs and load over `scale`."""
         return Parameters(np.zeros(0), self.stiffness, self.pattern.rest, self._load, self._dead)
+
+    @property
+    def bound(self) -> float:
+        """Largest |fold angle| within the limits."""
+        return float(np.abs([self.fold_limits.low, self.fold_limits.high]).max(initial=0.0))
 
     @cached_property
     def root(self) -> np.ndarray:
@@ -215,8 +218,8 @@ class PatternProblem(PatternContacts, Energies):
         """Return why a closed state is not admissible, or "": lift, fold limits, crossings, order of layers."""
         if not self.lifts_to_one(x):
             return "closes with q = -1 round a vertex: not a sheet of paper"
-        if (np.abs(x) > math.pi + tolerance).any():
-            return "a fold angle is beyond pi"
+        if over := self.beyond(x, tolerance):
+            return f"beyond the fold limit {self.name(over[0])}"
         crossed = self.crossed(x)
         if crossed:
             many = f"{len(crossed)} pairs of facets" if len(crossed) > 1 else "two facets"
@@ -237,7 +240,7 @@ class PatternProblem(PatternContacts, Energies):
             return self._layers(x).reason
         if not self.touching:
             return ""
-        place, at_limit = self.placed(x), np.flatnonzero(math.pi - np.abs(x) <= CONTACT_TOL)
+        place, at_limit = self.placed(x), np.flatnonzero(self.fold_limits.room(x) <= CONTACT_TOL)
         gaps = (t.gap(place) / self.crossings.size for t in touches_at(self, x, at_limit))
         # rounding of a closed state is some `CLOSURE_TOL`: what reaches in deeper is no closed contact
         deepest = min([self.faces(x).reach(), *gaps])
@@ -247,7 +250,7 @@ class PatternProblem(PatternContacts, Energies):
 
     def admissible(self, x: np.ndarray, tolerance: float = OUTSIDE) -> np.ndarray:
         """Return which closed states [K, n] are admissible; layers are not ordered."""
-        good = np.isfinite(x).all(axis=1) & (np.abs(x) <= math.pi + tolerance).all(axis=1)
+        good = np.isfinite(x).all(axis=1) & self.fold_limits.inside(x, tolerance).all(axis=1)
         for k in np.flatnonzero(good):
             good[k] = self.lifts_to_one(x[k]) and not self.crossed(x[k])
         return good

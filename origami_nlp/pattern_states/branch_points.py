@@ -17,6 +17,7 @@ from origami_nlp.pattern_problem import PatternProblem
 from origami_nlp.pattern_states.curve import second
 from origami_nlp.pattern_states.flat_folded import list_branches
 from origami_nlp.pattern_states.interpolant import Interpolant
+from origami_nlp.problem import FoldLimits
 
 MOST_CREASES = 60
 """Up to which singular values are computed along curves; beyond, vertices are asked whether they are flat."""
@@ -92,7 +93,7 @@ def _snapped(problem: PatternProblem, phi: np.ndarray) -> np.ndarray | None:
     new, residual = problem.project(np.where(held, whole, phi), held)
     if residual > CLOSURE_TOL or np.abs(new - phi).max() > 100 * SETTLED:
         new, residual = problem.project(phi)
-    return np.clip(new, -math.pi, math.pi) if residual <= CLOSURE_TOL else None
+    return problem.fold_limits.clip(new) if residual <= CLOSURE_TOL else None
 
 
 def branch_directions(problem: PatternProblem, phi: np.ndarray) -> TangentCone:
@@ -175,9 +176,11 @@ def is_on_plane(
     )
 
 
-def into_family(phi: np.ndarray, basis: np.ndarray, side: np.ndarray) -> Iterator[np.ndarray]:
+def into_family(
+    phi: np.ndarray, basis: np.ndarray, side: np.ndarray, limits: FoldLimits
+) -> Iterator[np.ndarray]:
     """Yield directions [n] from a state into a family of closed states with a basis [n, t], away from limits."""
-    inward = basis @ (basis.T @ (-np.sign(phi) * (np.abs(phi) > math.pi - RESOLVED)))
+    inward = basis @ (basis.T @ -limits.near(phi, RESOLVED))
     for k in range(4):
         d = basis @ (basis.T @ ((-1.0) ** k * np.roll(side, k // 2)))
         yield inward / max(np.abs(inward).max(), NONZERO) + 0.2 * d / np.abs(d).max()

@@ -14,12 +14,13 @@ from origami_nlp.pattern_problem import PatternProblem, round_vertex
 
 def close(problem: PatternProblem, start: np.ndarray) -> np.ndarray | None:
     """Close a start within the fold limits, fully folded creases left so if possible; None where it does not close."""
-    start = np.clip(start, -math.pi, math.pi)
-    at_limit = np.abs(start) == math.pi
+    limits = problem.fold_limits
+    start = limits.clip(start)
+    at_limit = limits.room(start) == 0
     for held in (at_limit, None) if at_limit.any() else (None,):
         phi, residual = problem.project(start, held)
-        within = np.abs(phi).max(initial=0.0) <= math.pi + EXPLORED
-        phi = np.clip(phi, -math.pi, math.pi)
+        within = limits.inside(phi, EXPLORED).all()
+        phi = limits.clip(phi)
         if residual <= CLOSURE_TOL and within and problem.closure.lifts_to_one(phi):
             return phi
     return None
@@ -37,7 +38,8 @@ def scene_of(pattern: Pattern, contact: bool) -> tuple[Scene | None, list[int]]:
     preload = tuple((stiffness * (wound - rest)).tolist()) if np.any(wound != rest) else ()
     kind: Contact = "full" if contact else "fold-limits"
     k, at = tuple(stiffness.tolist()), tuple(rest.tolist())
-    return Scene(vertex, k, at, "none", kind, preload=preload), creases
+    limits = tuple(pattern.limits[c] for c in creases) if pattern.limits else ()
+    return Scene(vertex, k, at, "none", kind, preload=preload, limits=limits), creases
 
 
 def of_vertex(
@@ -60,12 +62,12 @@ def lowest_on(problem: PatternProblem, phi: np.ndarray, basis: np.ndarray) -> np
     _, r = np.linalg.qr(root * basis)  # energy = |r y - r y0|^2 / 2 and what stays
     y0 = np.linalg.lstsq(root * basis, root[:, 0] * (problem.pattern.rest - phi), rcond=None)[0]
     # in coordinates r y the energy is half a squared distance: the state is the nearest point of a polytope
+    limits = problem.fold_limits
     rows = np.linalg.solve(r.T, np.vstack([basis, -basis]).T).T
-    y = nearest(r @ y0, rows, np.concatenate([-math.pi - phi, phi - math.pi]))
+    y = nearest(r @ y0, rows, np.concatenate([limits.low - phi, phi - limits.high]))
     if y is None:
         return None
     state = phi + basis @ np.linalg.solve(r, y)
-    at_limit = math.pi - np.abs(state) < 10 * DUPLICATE_TOL
-    state[at_limit] = np.copysign(math.pi, state[at_limit])
+    state = limits.hold(state, limits.near(state, 10 * DUPLICATE_TOL))
     state[np.abs(state) < 10 * DUPLICATE_TOL] = 0.0
     return close(problem, state)

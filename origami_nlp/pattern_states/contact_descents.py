@@ -150,7 +150,7 @@ def contact_descent_off(problem: PatternProblem, path: Sequence[np.ndarray]) -> 
         if (
             residual > CLOSURE_TOL
             or not problem.closure.lifts_to_one(start)
-            or np.abs(start).max() > math.pi
+            or not problem.fold_limits.inside(start).all()
         ):
             continue
         if not problem.crossings.find(start):

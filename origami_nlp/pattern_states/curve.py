@@ -114,22 +114,25 @@ class ClosedStates:
     def limit(self, here: Sample, beyond: Sample) -> Sample | None:
         """Return the state inside a step at which creases reach fold limits: all that do together, or the first."""
         went = beyond.x - here.x
-        near = np.abs(beyond.x) > math.pi - np.abs(went) - EXPLORED
+        limits = self.problem.fold_limits
+        near = limits.room(beyond.x) < np.abs(went) + EXPLORED
         # creases that are fully folded and stay so do not end the curve
-        opening = np.where(math.pi - np.abs(here.x) > EXPLORED, math.pi - np.abs(here.x), math.inf)
-        share = opening / np.maximum(np.abs(beyond.x) - np.abs(here.x), NONZERO)
-        share[np.abs(beyond.x) <= math.pi] = math.inf
+        side = limits.side(beyond.x)
+        opening = np.where(side > 0, limits.high - here.x, here.x - limits.low)
+        opening = np.where(opening > EXPLORED, opening, math.inf)
+        share = opening / np.maximum(side * went, NONZERO)
+        share[limits.inside(beyond.x)] = math.inf
         first = np.arange(len(share)) == share.argmin()
         for held, start in ((near, beyond.x), (first, here.x + min(share.min(), 1.0) * went)):
-            start = np.where(held, np.copysign(math.pi, start), start)
+            start = np.where(held, limits.hold(start, limits.side(start)), start)
             end, residual = self.problem.project(start, held, steps=12)
             there = end - here.x
             size = float(np.linalg.norm(there))
-            good = residual <= CLOSURE_TOL and (np.abs(end) <= math.pi + EXPLORED).all()
+            good = residual <= CLOSURE_TOL and bool(limits.inside(end, EXPLORED).all())
             good = good and self.problem.closure.lifts_to_one(end)
             ahead = float(there @ here.tangent) >= BENT * size
             if good and ahead and size <= 1.5 * float(np.linalg.norm(went)):
-                return self.at(np.clip(end, -math.pi, math.pi), here.tangent)
+                return self.at(limits.clip(end), here.tangent)
         return None
 
 
@@ -166,8 +169,10 @@ def follow_curve(
         most=MOST_STEPS,
     )
 
+    limits = problem.fold_limits
+
     def inside(samples: object) -> int:
-        beyond = [bool((np.abs(s.x) > math.pi + EXPLORED).any()) for s in samples]  # type: ignore[attr-defined]
+        beyond = [not limits.inside(s.x, EXPLORED).all() for s in samples]  # type: ignore[attr-defined]
         return beyond.index(True) if True in beyond else len(beyond)
 
     found = first and trace(curve, first, steps, [End(inside, "limit", curve.limit)])
@@ -176,10 +181,10 @@ def follow_curve(
         return ClosureCurve(phi[None], np.zeros(1), (LOST, LOST), none, none)
     ends = []
     for why, last in ((found.start, found.frames[0]), (found.end, found.frames[-1])):
-        at_limit = bool((math.pi - np.abs(last.x) <= EXPLORED).any())
+        at_limit = bool((limits.room(last.x) <= EXPLORED).any())
         known = {CLOSED_CURVE: "closed", "limit": "limit" if at_limit else "lost at a fold limit"}
         ends.append(known.get(why, f"lost: {why}" if why.startswith("more") else LOST))
-    states = np.clip(found.states, -math.pi, math.pi)
+    states = limits.clip(found.states)
     chords = np.linalg.norm(np.diff(states, axis=0), axis=1) / root
     return ClosureCurve(
         states,

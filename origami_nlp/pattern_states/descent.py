@@ -90,7 +90,8 @@ def descend(
     """
     radius, saddles = TRUST, 0
     stays = np.zeros(len(phi), bool) if kept is None else kept
-    held = (np.abs(np.abs(phi) - math.pi) <= OUTSIDE) | stays
+    limited = problem.fold_limits
+    held = (np.abs(limited.room(phi)) <= OUTSIDE) | stays
     energy, path = problem.scaled_energy(phi), [phi]
     for step in range(most):
         where = np.flatnonzero(held)
@@ -122,7 +123,7 @@ def descend(
             if closes and (lower or tiny) and np.abs(new - phi).max() <= 3 * radius + OUTSIDE:
                 phi, energy, moved = new, problem.scaled_energy(new), True
                 path.append(phi)
-                held = held | (np.abs(np.abs(phi) - math.pi) <= OUTSIDE)
+                held = held | (np.abs(limited.room(phi)) <= OUTSIDE)
                 if np.abs(trial).max() >= 0.9 * radius:
                     radius = min(TRUST, 2 * radius)
                 break
@@ -187,13 +188,14 @@ def _retract(
 ) -> tuple[np.ndarray, bool]:
     """Project back; creases that would pass a limit stop there."""
     held = held.copy()
-    phi, residual = problem.project(np.clip(phi, -math.pi, math.pi), held, near=near)
+    limits = problem.fold_limits
+    phi, residual = problem.project(limits.clip(phi), held, near=near)
     for _ in range(6):
-        beyond = np.abs(phi) > math.pi
+        beyond = ~limits.inside(phi)
         if not beyond.any():
             break
         held |= beyond
-        phi[beyond] = np.copysign(math.pi, phi[beyond])
+        phi = np.where(beyond, limits.clip(phi), phi)
         phi, residual = problem.project(phi, held)
-    good = residual <= CLOSURE_TOL and bool((np.abs(phi) <= math.pi).all())
+    good = residual <= CLOSURE_TOL and bool(limits.inside(phi).all())
     return phi, good and problem.closure.lifts_to_one(phi)

@@ -249,7 +249,7 @@ def _openings(problem: PatternProblem, phi: np.ndarray, contact: bool) -> list[n
 def _modes(problem: PatternProblem, state: JudgedState) -> list[np.ndarray]:
     """Return the softest motions of a state that closure allows, fully folded creases held, where they are single."""
     phi = state.phi
-    at_limit = np.flatnonzero(np.abs(phi) >= math.pi - OUTSIDE)
+    at_limit = np.flatnonzero(problem.fold_limits.room(phi) <= OUTSIDE)
     z = problem.kernel(phi, at_limit)
     lam, _, _ = problem.multipliers(phi, at_limit)
     values, vectors = np.linalg.eigh(z.T @ (problem.hessian(phi, lam) @ z))

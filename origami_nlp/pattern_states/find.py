@@ -358,7 +358,7 @@ class _Search(Parts):
         if ways.reason:
             self.tally.skip(f"branch directions of a state where curves meet: {ways.reason}")
             return
-        lines = sorted(ways.open(phi), key=self.labels.key)
+        lines = sorted(ways.open(phi, self.problem.fold_limits), key=self.labels.key)
         for d in lines:
             self.explore(phi + OUT * d / np.abs(d).max())
         for basis in ways.families:
@@ -380,7 +380,7 @@ class _Search(Parts):
             if lowest is not None and not self.known(lowest):
                 self.add(judge(problem, lowest, self.contact))
             return
-        for d in into_family(phi, basis, self._side):
+        for d in into_family(phi, basis, self._side, self.problem.fold_limits):
             self.explore(phi + OUT * d / np.abs(d).max())
 
     def round_the_vertex(self, seed: int) -> None:

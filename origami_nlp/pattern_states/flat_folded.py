@@ -135,6 +135,8 @@ def _foldings(pattern: Pattern, loop: Loop, contact: bool) -> np.ndarray:
     """Return the ways to fold a vertex flat, 0, 1 or -1 a crease, [F, d]."""
     axes = np.array(loop.signs)[:, None] * pattern.directions[list(loop.creases)]
     choices = np.array(list(product((0, 1, -1), repeat=len(axes))), float)
+    low, high = pattern.limit_angles[:, list(loop.creases)]
+    choices = choices[((math.pi * choices >= low) & (math.pi * choices <= high)).all(axis=1)]
     q = tuple(np.full(len(choices), x) for x in (1.0, 0.0, 0.0, 0.0))
     for turn, axis in zip(choices.T, axes, strict=True):
         # cosine and sine of half of 0 or +-pi are 1 and 0, or 0 and +-1: exact

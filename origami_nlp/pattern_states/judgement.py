@@ -19,7 +19,6 @@ from origami_nlp.numerics import (
     STATIONARY,
 )
 from origami_nlp.pattern_problem import MOST_DENSE, PatternProblem
-from origami_nlp.problem import fold_limit
 
 
 def judge(problem: PatternProblem, phi: np.ndarray, contact: bool = True) -> JudgedState:
@@ -40,7 +39,7 @@ def judge(problem: PatternProblem, phi: np.ndarray, contact: bool = True) -> Jud
         With the verdict and what it rests on.
     """
     phi = np.asarray(phi, float)
-    at_limit = np.clip(phi, -math.pi, math.pi)
+    at_limit = problem.fold_limits.clip(phi)
     if np.abs(phi - at_limit).max(initial=0.0) <= CLOSURE_TOL:  # as exactly as states close
         phi = at_limit
     problem = problem.with_contact(contact)
@@ -51,8 +50,8 @@ def judge(problem: PatternProblem, phi: np.ndarray, contact: bool = True) -> Jud
         why = f"does not close: {residual:.1e}"
     elif not problem.closure.lifts_to_one(phi):
         why = "closes with q = -1 round a vertex: not a sheet of paper"
-    elif np.abs(phi).max(initial=0.0) > math.pi:
-        why = "a fold angle is beyond pi"
+    elif not problem.fold_limits.inside(phi).all():
+        why = f"beyond the fold limit {problem.name(problem.beyond(phi, 0.0)[0])}"
     if why:
         return JudgedState(energy, angles, "not admissible", why, closure_residual=residual)
     what = classified(problem, phi)
@@ -158,6 +157,6 @@ def stationary_beside(problem: PatternProblem, phi: np.ndarray) -> np.ndarray | 
     """
     if problem.size > MOST_DENSE:
         return None
-    at_limit = np.flatnonzero(np.abs(np.abs(phi) - math.pi) <= OUTSIDE)
-    better, _ = newton(problem, phi, tuple(fold_limit(int(v), phi[v]) for v in at_limit))
+    limits = problem.fold_limits
+    better, _ = newton(problem, phi, limits.contacts(phi, np.abs(limits.room(phi)) <= OUTSIDE))
     return None if better is None or np.abs(better.x - phi).max() >= NEAR_SINGULAR_TOL else better.x

@@ -189,7 +189,7 @@ def find_motion(
         states = _at_limit(problem, states)
     phi, touching = _until_touch(problem, states)
     arc = np.r_[0.0, np.cumsum(np.linalg.norm(np.diff(phi, axis=0), axis=1))]
-    end = _end(curve, phi[-1], touching)
+    end = _end(problem, curve, phi[-1], touching)
     return Motion(
         pattern,
         mobility.dof,
@@ -220,10 +220,13 @@ def _layers(problem: PatternProblem, phi: np.ndarray) -> str:
 def _at_limit(problem: PatternProblem, phi: np.ndarray) -> np.ndarray:
     """Add the flat-folded state ahead, where many creases reach their fold limits at once and steps look alike."""
     last = phi[-1]
-    near = math.pi - np.abs(last) < AHEAD
-    end, residual = problem.project(np.where(near, np.copysign(math.pi, last), last), near)
+    limits = problem.fold_limits
+    near = limits.room(last) < AHEAD
+    end, residual = problem.project(
+        np.where(near, limits.hold(last, limits.side(last)), last), near
+    )
     good = near.any() and residual <= CLOSURE_TOL and np.abs(end - last).max() < AHEAD
-    return np.vstack([phi, end]) if good and (np.abs(end) <= math.pi).all() else phi
+    return np.vstack([phi, end]) if good and limits.inside(end).all() else phi
 
 
 def _until_touch(
@@ -249,10 +252,15 @@ def _until_touch(
     return phi, None
 
 
-def _end(curve: ClosureCurve, phi: np.ndarray, touching: tuple[int, int] | None) -> str:
+def _end(
+    problem: PatternProblem,
+    curve: ClosureCurve,
+    phi: np.ndarray,
+    touching: tuple[int, int] | None,
+) -> str:
     if touching is not None:
         return f"facets {touching[0] + 1} and {touching[1] + 1} touch"
-    at_limit = (np.flatnonzero(math.pi - np.abs(phi) <= NEAR_SINGULAR_TOL) + 1).tolist()
+    at_limit = (np.flatnonzero(problem.fold_limits.room(phi) <= NEAR_SINGULAR_TOL) + 1).tolist()
     if curve.ends[1] == "limit" or at_limit:
         if len(at_limit) == 1:
             return f"crease {at_limit[0]} is at its fold limit"

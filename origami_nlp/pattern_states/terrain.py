@@ -52,7 +52,7 @@ class PatternTerrain(Terrain):
     def is_admissible(self, x: np.ndarray) -> bool:
         """Whether a closed state is within the fold limits, and no facets cross where that is asked for."""
         within = self.pattern_problem.residual(x) <= CLOSURE_TOL and bool(
-            (np.abs(x) <= math.pi).all()
+            self.pattern_problem.fold_limits.inside(x).all()
         )
         within = within and self.pattern_problem.closure.lifts_to_one(x)
         return within and not (self.contact and self.pattern_problem.crossings.find(x))
@@ -61,13 +61,14 @@ class PatternTerrain(Terrain):
         self, a: np.ndarray, start: np.ndarray, held: np.ndarray | None = None, jumps: bool = False
     ) -> np.ndarray | None:
         """Close a start beside state a; None where that is no admissible state, or past a vertex's flat state."""
-        start = np.clip(start, -math.pi, math.pi)
-        at_limit = np.abs(start) >= math.pi - OUTSIDE
+        limits = self.pattern_problem.fold_limits
+        start = limits.clip(start)
+        at_limit = limits.room(start) <= OUTSIDE
         at_limit = at_limit if held is None else at_limit | held
         x, residual = self.pattern_problem.project(start, at_limit)
         if residual > CLOSURE_TOL and held is None and at_limit.any():
             x, _ = self.pattern_problem.project(start)
-        x = np.clip(x, -math.pi, math.pi)
+        x = limits.clip(x)
         if not self.is_admissible(x):
             return None
         return None if self.contact and not jumps and is_jump(self._pops, a, x) else x
@@ -79,7 +80,7 @@ class PatternTerrain(Terrain):
     def between(self, a: np.ndarray, b: np.ndarray, shares: np.ndarray) -> np.ndarray | None:
         """States between two; creases that are fully folded at both stay so."""
         out = []
-        at_limit = (np.abs(a) >= math.pi - OUTSIDE) & (a == b)
+        at_limit = (self.pattern_problem.fold_limits.room(a) <= OUTSIDE) & (a == b)
         flat = (a == 0) & (b == 0)
         for share in shares:
             start = a + share * (b - a)

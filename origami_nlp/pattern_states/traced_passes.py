@@ -171,8 +171,9 @@ class _Network:
         """Return the closed state at a place of a curve, as exactly as closure determines it."""
         step = min(int(at), len(curve.control) - 1)
         x = curve.at(step, at - step)
-        at_limit = np.abs(x) >= math.pi - ON_CURVE**2
-        x = np.where(at_limit, np.copysign(math.pi, x), x)
+        limits = self.problem.fold_limits
+        at_limit = limits.room(x) <= ON_CURVE**2
+        x = np.where(at_limit, limits.hold(x, limits.side(x)), x)
         new, residual = self.problem.project(x, at_limit)
         return new if residual <= CLOSURE_TOL and np.abs(new - x).max() <= ON_CURVE else x
 

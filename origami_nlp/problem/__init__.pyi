@@ -9,8 +9,8 @@ from .completion import (
 )
 from .contact import (
     Contact as Contact,
+    FoldLimits as FoldLimits,
     LoopClosure as LoopClosure,
-    fold_limit as fold_limit,
     held as held,
 )
 from .gaps import Gap as Gap, separation_rows as separation_rows

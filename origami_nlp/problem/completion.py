@@ -55,8 +55,9 @@ def complete(
 
     Notes
     -----
-    States close on the lift q = +1.  With fold limits they exist only within |phi| <= pi; what misses +-pi by rounding
-    is +-pi.  A crease that closes at +pi may close at -pi as well: one of the two is returned.
+    States close on the lift q = +1.  With fold limits they exist only within these; what misses one by rounding is put
+    at it.
+    A crease that closes at +pi may close at -pi as well: one of the two is returned.
     Without fold limits angles are the principal ones, except that without symmetry, where the lift q = +1 asks for it,
     the largest of the three makes a whole turn backward.
     Where a family of states closes (two creases lie on each other, or a turn moves nothing), the first of the turns
@@ -64,7 +65,25 @@ def complete(
     x -> -x gives the negatives in the other order, but for the choice between +pi and -pi.
     """
     states, exists, _ = close_by(CreaseChain(model), model.has_limits, x, solve)
+    if model.has_limits and not model.fold_limits.are_flat:
+        states, exists = within(model, states, exists, solve)
     return states, exists
+
+
+def within(
+    model: PosedProblem, states: np.ndarray, exists: np.ndarray, solve: tuple[int, ...] | np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Leave out completions [K, 2, n] beyond a stop; what misses one by rounding is put at it, where that closes."""
+    limits = model.fold_limits
+    near = np.zeros(states.shape, dtype=bool)
+    solved = np.broadcast_to(solve, (len(states), np.shape(solve)[-1]))
+    np.put_along_axis(near, solved[:, None].repeat(states.shape[1], 1), True, axis=2)
+    near &= exists[..., None] & (np.abs(limits.room(states)) <= OUTSIDE)
+    snapped = np.where(near, limits.hold(states, limits.side(states)), states)
+    exact = np.asarray(near.any(axis=2))
+    exact[exact] = CreaseChain(model).misses(snapped[exact]) <= ROUNDED
+    states = np.where(exact[..., None], snapped, states)
+    return states, exists & limits.inside(states, OUTSIDE).all(axis=2)
 
 
 def close_by(

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import copy
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -14,7 +13,7 @@ import numpy as np
 from origami_nlp.folding import check_admissible, pair_depths
 from origami_nlp.numerics import ANSWERED, CONTACT_TOL, LOADED, OUTSIDE
 from origami_nlp.problem.compiled import Functions, compile_structure, mapped
-from origami_nlp.problem.contact import Contact, LoopClosure, fold_limit, openings
+from origami_nlp.problem.contact import Contact, LoopClosure, openings
 from origami_nlp.problem.kinematics import Kinematics
 from origami_nlp.problem.posed import PosedProblem
 from origami_nlp.problem.touching import (
@@ -136,7 +135,7 @@ class Model(PosedProblem):
         torque, closure, gaps = self.functions.drift(
             x, self.parameters.vector, multipliers[:m], mu, change
         )
-        # fold limits are at +-pi whatever the parameters are
+        # fold limits stay where they are whatever the parameters are
         moved = [0.0 if c.is_limit else c.side * float(gaps[c.index, 0]) for c in contacts]
         return torque[:, 0], np.concatenate([closure[:, 0], moved])
 
@@ -344,10 +343,11 @@ class Model(PosedProblem):
         separates a facet pair, None if all may press.
         """
         rows = []
+        room = self.fold_limits.room(x)
         for v in range(self.size if self.has_limits else 0):
-            slack, force = math.pi - abs(x[v]), abs(pull[v])
+            slack, force = room[v], abs(pull[v])
             if slack <= ANSWERED or (slack <= LOADED and force > slack):
-                rows.append(fold_limit(v, x[v]))
+                rows.append(self.fold_limits.contact(v, x[v]))
         if self.structure.gaps:
             rows += guess_gaps(self, self.local(x).gaps, self.rays(x), rows, pair_force)
         return tuple(dict.fromkeys(rows))
@@ -355,18 +355,16 @@ class Model(PosedProblem):
     def about_to_close(self, x: np.ndarray, length: float) -> tuple[Contact, ...]:
         """Return fold limits, mirrors and the axis, where open but closed by a step of `length` [rad] at most."""
         gaps = self.local(x).gaps
-        slack = [(fold_limit(v, x[v]), math.pi - abs(x[v])) for v in range(self.size)]
+        room = self.fold_limits.room(x)
+        slack = [(self.fold_limits.contact(v, x[v]), room[v]) for v in range(self.size)]
         slack = slack if self.has_limits else []
         slack += [(c, gaps[c.index]) for c in self.gaps if c.index in self.walls]
         return tuple(c for c, opening in slack if CONTACT_TOL < abs(opening) <= 2 * length)
 
     def beyond(self, x: np.ndarray, tolerance: float = OUTSIDE) -> tuple[Contact, ...]:
         """Return the fold limits, mirrors and axis contacts that a state x [n] is beyond by more than `tolerance`."""
-        out = [
-            fold_limit(v, x[v])
-            for v in range(self.size if self.has_limits else 0)
-            if abs(x[v]) > math.pi + tolerance
-        ]
+        over = ~self.fold_limits.inside(x, tolerance) & self.has_limits
+        out = list(self.fold_limits.contacts(x, over))
         if self.walls:
             gaps = self.local(x).gaps
             out += [Contact("gap", i, 1) for i in self.walls if gaps[i] < -tolerance]
@@ -403,7 +401,9 @@ class Model(PosedProblem):
         """
         if not self.lifts_to_one(x):
             return "closes with q = -1: not a sheet of paper"
-        if (np.abs(x) > self.bound + tolerance).any():
+        if not self.fold_limits.inside(x, tolerance).all():
+            if over := self.beyond(x, tolerance):
+                return f"beyond the fold limit {self.name(over[0])}"
             return f"a fold angle exceeds {self.bound:.4g}: not modelled"
         if self.scene.contact != "full":
             return ""
@@ -434,7 +434,7 @@ class Model(PosedProblem):
         numpy.ndarray
             Of bool, shape [K].
         """
-        good = np.isfinite(x).all(axis=1) & (np.abs(x) <= self.bound + tolerance).all(axis=1)
+        good = np.isfinite(x).all(axis=1) & self.fold_limits.inside(x, tolerance).all(axis=1)
         where = np.flatnonzero(good)
         where = where[self.lifts_to_one(x[where])] if len(where) else where
         if self.walls and len(where):

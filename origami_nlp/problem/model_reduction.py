@@ -37,6 +37,13 @@ def enumerate_gaps(
                 f"averaged over {group.name}: symmetry_tolerance = {scene.symmetry_tolerance:g}",
             )
         )
+    if scene.panels:
+        left.append(
+            LeftOut(
+                f"thickness of panels ({scene.panels[0]:g} mm) but for stops",
+                "panels that share no crease, and corners at the vertex, are tested as paper",
+            )
+        )
     if scene.contact != "full":
         left.append(
             LeftOut("crossing of non-adjacent facets", f'contact = "{scene.contact}" does not ask')

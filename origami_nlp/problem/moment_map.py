@@ -4,9 +4,9 @@ Where U = 1/2 sum k_i (phi_i - phi0_i)^2 - load . phi is stationary among closed
 free crease balances k_i (phi_i - phi0_i) - load_i = m . c_i with one vector m: d(vec q)/dphi_i = c_i / 2 where q = 1,
 so m is half of the multipliers of vec q.  The deformed crease c_i depends on the folds before it only, and
 
-    phi_i = clip(phi0_i + (load_i + m . c_i) / k_i, -pi, pi)
+    phi_i = clip(phi0_i + (load_i + m . c_i) / k_i, fold limits)
 
-is a recursion.  It also gives the sign that a fold limit needs: at +pi the springs want to go on.  So m gives all
+is a recursion.  It also gives the sign that a fold limit needs: there the springs want to go on.  So m gives all
 folds, one after the other, and these how far the vertex misses closing: three numbers, whatever N is, whose zeros are
 the stationary states of all strata.  The chain is folded from both ends of the fixed facet and shot at its middle:
 errors of m grow over half of the creases only.
@@ -77,13 +77,15 @@ class MomentMap:
         p, n = model.parameters, model.size
         if model.equation_count != 3:
             raise ValueError("one moment is for vertices without symmetry")
-        self._bound = math.pi if model.has_limits else math.inf
+        reach = np.array([model.fold_limits.low, model.fold_limits.high])
+        low, high = reach if model.has_limits else np.copysign(math.inf, reach)
         half = (n + 1) // 2
         self.size, self._left = n, np.arange(half)
         self._right = np.arange(n - 1, half - 1, -1)
         # both halves side by side, [half, 2, 1]; where N is odd the right one ends with a crease that does not fold
         self._rest = self._halves(p.rest + p.load / p.stiffness)
         self._soft = self._halves(1 / p.stiffness)
+        self._low, self._high = self._halves(low), self._halves(high)
         after, before = p.sectors[self._left], p.sectors[self._right - 1]
         before = np.append(before[:-1], np.zeros(half - len(before) + 1))
         turns = np.stack([after, -before], axis=1)[..., None] / 2
@@ -151,14 +153,15 @@ class MomentMap:
         x = np.zeros((2 * len(self._left), count))
         theta = np.zeros((3, 3, 2, count)) if slope else None
         q = np.broadcast_to(self._start, (4, 2, count))
-        for i, (rest, soft) in enumerate(zip(self._rest, self._soft, strict=True)):
+        of_each = zip(self._rest, self._soft, self._low, self._high, strict=True)
+        for i, (rest, soft, low, high) in enumerate(of_each):
             w, a, b, c = q
             # deformed crease R(q) e1: the frame moves along, so that each crease is its first axis
             crease = np.stack(
                 [w * w + a * a - b * b - c * c, 2 * (a * b + w * c), 2 * (a * c - w * b)]
             )
             free = rest + soft * (crease * m).sum(axis=0)
-            phi = np.clip(free, -self._bound, self._bound)
+            phi = np.clip(free, low, high)
             if theta is not None:
                 # dphi/dm = (c + Theta' (c x m)) / k of a free crease; 0 where a fold limit is active
                 give = np.where(phi == free, soft, 0.0)

@@ -14,9 +14,9 @@ import numpy as np
 from origami_nlp.arguments import check_type
 from origami_nlp.io import PrettyRepr, pick
 from origami_nlp.numerics import SUMMED
-from origami_nlp.pattern import Scene, dead_loads
+from origami_nlp.pattern import Scene, dead_loads, limit_words
 from origami_nlp.problem.compiled import Structure
-from origami_nlp.problem.contact import Contact, gap_weights
+from origami_nlp.problem.contact import Contact, FoldLimits, gap_weights
 from origami_nlp.problem.gaps import Gap, first_of_each
 from origami_nlp.problem.model_reduction import enumerate_gaps, facet_of_ray
 from origami_nlp.problem.parameters import Parameters
@@ -96,6 +96,8 @@ class PosedProblem(Energies, PrettyRepr):
         Sector angles, stiffness, rest angles and load of the variables.
     multiplicity
         How many creases each variable stands for, [n].
+    fold_limits
+        Of the variables: +-pi or stops; without contact +-2 pi, beyond which shapes repeat.
     """
 
     sparse = False
@@ -123,6 +125,9 @@ class PosedProblem(Energies, PrettyRepr):
         position = {r: v for v, r in enumerate(crease_rays)}
         self.variable_of_crease = np.array([position[r] for r in group.orbit])
         self.multiplicity = np.bincount(self.variable_of_crease)
+        first = np.unique(self.variable_of_crease, return_index=True)[1]
+        reach = 1 if self.has_limits else 2  # without contact each further turn repeats the shape
+        self.fold_limits = FoldLimits(*(reach * scene.limit_angles[:, first]))
         # creases of one orbit agree to a tolerance: the mean keeps the energy of symmetric states right
         k = np.bincount(self.variable_of_crease, scene.stiffness)
         rest = np.bincount(self.variable_of_crease, scene.wound_angles) / self.multiplicity
@@ -175,7 +180,7 @@ class PosedProblem(Energies, PrettyRepr):
 
     @property
     def has_limits(self) -> bool:
-        """Whether |phi| <= pi is imposed."""
+        """Whether fold limits are imposed: |phi| <= pi, or stops."""
         return self.structure.limits
 
     @property
@@ -186,8 +191,7 @@ class PosedProblem(Energies, PrettyRepr):
     @cached_property
     def limits(self) -> tuple[Contact, ...]:
         """Both fold limits of every variable, where they are imposed."""
-        many = range(self.size if self.has_limits else 0)
-        return tuple(Contact("limit", v, side) for v in many for side in (-1, 1))
+        return self.fold_limits.both if self.has_limits else ()
 
     @cached_property
     def walls(self) -> tuple[int, ...]:
@@ -227,16 +231,18 @@ class PosedProblem(Energies, PrettyRepr):
                 continue
             same = np.abs(sectors - a).max() <= SUMMED
             if same and (p.stiffness[order] == p.stiffness).all():
-                if (sign * p.rest[order] == p.rest).all() and (
-                    sign * p.load[order] == p.load
-                ).all():
+                if (
+                    (sign * p.rest[order] == p.rest).all()
+                    and (sign * p.load[order] == p.load).all()
+                    and self.fold_limits.same(order, sign)
+                ):
                     found.append((order, sign))
         return tuple(found)
 
     @property
     def bound(self) -> float:
-        """Largest |fold angle|: pi, or 2 pi without contact, where each further turn repeats the shape."""
-        return math.pi if self.has_limits else 2 * math.pi
+        """Largest |fold angle|: pi or less, or 2 pi without contact, where each further turn repeats the shape."""
+        return float(np.abs([self.fold_limits.low, self.fold_limits.high]).max())
 
     def creases_of(self, variable: int) -> tuple[int, ...]:
         """Return the creases (1-based) whose fold angle is variable number `variable` (0-based)."""
@@ -349,8 +355,8 @@ class PosedProblem(Energies, PrettyRepr):
         if not contact.is_limit:
             return self.gap_name(self.structure.gaps[contact.index])
         creases = self.creases_of(contact.index)
-        sign = "+" if contact.side > 0 else "-"
-        return f"phi = {sign}pi at crease{'s' * (len(creases) > 1)} " + ", ".join(map(str, creases))
+        where = f"at crease{'s' * (len(creases) > 1)} " + ", ".join(map(str, creases))
+        return f"phi = {contact.where} {where}"
 
     def weight(self, contact: Contact) -> int:
         """How many single contacts of the vertex it stands for: its multiplier over this is the moment at each."""
@@ -403,7 +409,8 @@ class PosedProblem(Energies, PrettyRepr):
         lines.append(f"  equalities    {self.equation_count}: {form}")
         lines.append(f"  inequalities  {self.inequality_count}")
         if self.has_limits:
-            lines.append(f"                  {2 * self.size} fold limits |phi| <= pi")
+            limits = f": {limit_words(scene.limits)}" if scene.limits else " |phi| <= pi"
+            lines.append(f"                  {2 * self.size} fold limits{limits}")
         for gap in self.structure.gaps:
             if gap.type != "facet-pair":
                 lines.append(f"                  {self.gap_name(gap)} (gap >= 0)")

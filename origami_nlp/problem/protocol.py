@@ -10,7 +10,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from origami_nlp.problem.contact import Contact, LoopClosure
+from origami_nlp.problem.contact import Contact, FoldLimits, LoopClosure
 from origami_nlp.problem.model import Local
 from origami_nlp.problem.parameters import Parameters
 from origami_nlp.problem.touching import ClosedContacts, ContactWords, PairForce
@@ -46,6 +46,8 @@ class Problem(Protocol):
     def bound(self) -> float: ...  # noqa: D102
     @property
     def has_limits(self) -> bool: ...  # noqa: D102
+    @property
+    def fold_limits(self) -> FoldLimits: ...  # noqa: D102
     @property
     def limits(self) -> tuple[Contact, ...]: ...  # noqa: D102
     @property

@@ -12,7 +12,7 @@ import math
 import numpy as np
 
 from origami_nlp.numerics import OUTSIDE, ROUNDED, SETTLED, distinct
-from origami_nlp.problem.completion import CreaseChain, at_limits, close_by, complete
+from origami_nlp.problem.completion import CreaseChain, at_limits, close_by, complete, within
 from origami_nlp.problem.posed import PosedProblem
 
 TRIES = 32
@@ -83,8 +83,9 @@ def vertices(model: PosedProblem, most: int, rng: np.random.Generator) -> np.nda
         share = most * number // (2 * sum(many))
         solve, signs = _candidates(n, k, rng, share if sum(many) > most else None)
         x = np.zeros((len(solve), n))
-        x[_others(solve, n)] = math.pi * signs.ravel()
-        states, exists, family = _solved(piece, x, solve)
+        x[_others(solve, n)] = signs.ravel()
+        x = model.fold_limits.hold(x, x)
+        states, exists, family = _solved(model, piece, x, solve)
         found.append(states[exists & ~family])
     return _different(np.concatenate(found))
 
@@ -102,17 +103,22 @@ def _candidates(
 
 
 def _solved(
-    piece: CreaseChain, x: np.ndarray, solve: np.ndarray
+    model: PosedProblem, piece: CreaseChain, x: np.ndarray, solve: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Close states at fold limits by k <= m fold angles: states, which exist, which are of a family."""
     k = solve.shape[1]
     if k == piece.equation_count:
-        return close_by(piece, True, x, solve)
+        states, exists, family = close_by(piece, True, x, solve)
+        if not model.fold_limits.are_flat:
+            states, exists = within(model, states, exists, solve)
+        return states, exists, family
     turns, family = piece.fewer_turns(x, np.sort(solve, axis=1))
     np.put_along_axis(x, np.sort(solve, axis=1), turns, axis=1)
     # fewer unknowns than equations: solved from the first ones, the others hold or do not
-    inside = (np.abs(x) <= math.pi + OUTSIDE).all(axis=1)
+    inside = model.fold_limits.inside(x, OUTSIDE).all(axis=1)
     x = at_limits(piece, x[:, None], inside[:, None], solve)[:, 0]
+    if not model.fold_limits.are_flat:
+        x = within(model, x[:, None], inside[:, None], solve)[0][:, 0]
     return x, inside & (piece.misses(x) <= ROUNDED), family
 
 
@@ -163,9 +169,11 @@ def _draw(model: PosedProblem, rng: np.random.Generator, count: int, closed: int
     n, m = model.size, model.equation_count
     # the first m are solved, the next `closed` are at +-pi, the others stay uniform
     order = rng.permuted(np.tile(np.arange(n), (count, 1)), axis=1)
-    x = rng.uniform(-model.bound, model.bound, (count, n))
-    held = math.pi * _random_signs(rng, count, closed)
-    np.put_along_axis(x, order[:, m : m + closed], held, axis=1)
+    limits = model.fold_limits
+    x = rng.uniform(limits.low, limits.high, (count, n))
+    held = np.zeros((count, n))
+    np.put_along_axis(held, order[:, m : m + closed], _random_signs(rng, count, closed), axis=1)
+    x = limits.hold(x, held)
     states, exists = complete(model, x, order[:, :m])
     side = np.where(exists.all(axis=1), rng.integers(2, size=count), exists.argmax(axis=1))
     rows = np.arange(count)

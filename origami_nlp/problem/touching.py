@@ -19,7 +19,7 @@ import numpy as np
 
 from origami_nlp.folding import LARGEST_TOLERANCE, LayerProblem, fold_vertex, layer_problem
 from origami_nlp.numerics import ANSWERED, CONTACT_TOL, NEAR_SINGULAR_TOL, RANK, UNPOLISHED, cross
-from origami_nlp.problem.contact import Contact, fold_limit
+from origami_nlp.problem.contact import Contact
 from origami_nlp.problem.gaps import Gap, first_of_each
 from origami_nlp.problem.posed import PosedProblem
 
@@ -154,7 +154,7 @@ def guess_gaps(
 ) -> list[Contact]:
     """Guess which gaps an answer of a solver closes, from their size and the force of separating planes."""
     out = []
-    limited = {contact.index for contact in limits}
+    limited = {contact.index for contact in limits if contact.at == math.pi}
     same = first_of_each(model.structure.gaps)
     for index, gap in enumerate(model.structure.gaps):
         value = gaps[index]
@@ -192,9 +192,7 @@ def closed_contacts(
     """Find every contact of a state x [n] that is closed to `tolerance`; `rays` returns those of its piece."""
     base: list[Contact] = []
     if model.has_limits:
-        for v in range(model.size):
-            if math.pi - abs(x[v]) <= tolerance:
-                base.append(fold_limit(v, x[v]))
+        base += model.fold_limits.contacts(x, model.fold_limits.room(x) <= tolerance)
     for index, gap in enumerate(model.structure.gaps):
         if gap.type != "facet-pair" and gaps[index] <= tolerance:
             base.append(Contact("gap", index, 1))
@@ -351,7 +349,7 @@ def _limit_that_says_the_same(
         else:
             variable = m % model.size
         for limit in base:
-            if limit.is_limit and limit.index == variable:
+            if limit.is_limit and limit.index == variable and limit.at == math.pi:
                 # a valley turns the walk around the vertex to the left: the other facet opens on that side
                 return limit if row.side == limit.side else None
     return None

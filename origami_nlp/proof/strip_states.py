@@ -139,6 +139,8 @@ def why_no_strip(pattern: Pattern) -> str:
     >>> why_no_strip(o.examples.pattern("miura", 2, 3))
     'vertex 2 is symmetric about the row'
     """
+    if pattern.limits:
+        return "creases have stops: proofs know fold limits of +-180 degrees only"
     return as_strip(pattern)[1]
 
 

@@ -209,6 +209,7 @@ def prove_strip(pattern: Pattern, *, boxes: int = 1_000_000, until: float = math
     >>> proof.curves, len(proof.minima), proof.undecided
     (2, 2, ())
     """
+    pattern.check_no_stops("a proof")
     strip, why = as_strip(pattern)
     if strip is None:
         raise OptionError(f"pattern = {pattern.title}: no strip that can be proved: {why}")

@@ -169,12 +169,13 @@ class Closing:
             x[todo] -= move / np.maximum(1.0, length)[:, None]
             left = length > QUADRATIC  # the next residual is the square of this
             if self.model.has_limits:
-                over = (np.abs(x[todo]) > math.pi + ROUNDED) & (at_limit[todo] == 0)
+                limits = self.model.fold_limits
+                over = ~limits.inside(x[todo], ROUNDED) & (at_limit[todo] == 0)
                 # far from closure a step may leave the limits and come back
                 over &= (length <= SETTLING)[:, None]
                 k, v = todo[over.any(axis=1)], over.any(axis=1)
-                side = np.sign(x[k])
-                x[k] = np.where(over[v], side * math.pi, x[k])
+                side = limits.side(x[k])
+                x[k] = np.where(over[v], limits.hold(x[k], side), x[k])
                 at_limit[k] = np.where(over[v], side, at_limit[k])
                 left |= v
             todo = todo[left]

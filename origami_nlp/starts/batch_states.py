@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
-from origami_nlp.problem import OPEN
+from origami_nlp.problem import OPEN, FoldLimits
 
 SLOTS = 3
 """Gaps that a descent can hold at once, besides fold limits."""
@@ -65,9 +64,9 @@ class Samples:
         )
 
     @classmethod
-    def at_limits(cls, x: np.ndarray, *, hold: bool = False) -> Samples:
+    def at_limits(cls, x: np.ndarray, limits: FoldLimits, *, hold: bool = False) -> Samples:
         """Make samples that hold the creases that are at their fold limits."""
-        return cls.on(x, np.where(np.abs(x) == math.pi, np.sign(x), 0), hold=hold)
+        return cls.on(x, limits.near(x, 0.0), hold=hold)
 
     def __getitem__(self, which: np.ndarray) -> Samples:
         return Samples(*(getattr(self, f.name)[which] for f in fields(self)))

@@ -20,12 +20,16 @@ import math
 
 import numpy as np
 
-from origami_nlp.problem import close_three
+from origami_nlp.problem import FoldLimits, close_three
 from origami_nlp.starts.contact_strata import StratumFamily
 
 
 def free_parameters(
-    sectors: np.ndarray, family: StratumFamily, strata: np.ndarray, rng: np.random.Generator
+    sectors: np.ndarray,
+    family: StratumFamily,
+    strata: np.ndarray,
+    limits: FoldLimits,
+    rng: np.random.Generator,
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Draw where touches lie, the turns that are free, and which turns close each piece.
 
@@ -35,6 +39,8 @@ def free_parameters(
         Sector angles, [N].
     family, strata
         The strata, as positions in the family, [K].
+    limits
+        Where closed creases are held.
     rng
         Source of the draws.
 
@@ -43,7 +49,8 @@ def free_parameters(
     positions : numpy.ndarray
         Arc from ray j to each touch, uniform on the part of facet j that it divides [rad], [K, touches].
     turns : numpy.ndarray
-        Uniform in (-pi, pi); +-pi for closed creases, 0 for the flat one of a stack touch, [K, N + 2 touches].
+        Uniform in (-pi, pi); of closed creases their fold limits, 0 for the flat one of a stack touch,
+        [K, N + 2 touches].
     rank : numpy.ndarray
         In each piece the three turns with the lowest rank close it, [K, N + 2 touches].
     """
@@ -62,7 +69,8 @@ def free_parameters(
     at_limit = family.at_limit[strata]
     turns = rng.uniform(-math.pi, math.pi, (count, n + 2 * pinches))
     rank = rng.random(turns.shape)
-    turns[:, :n] = np.where(at_limit, np.copysign(math.pi, turns[:, :n]), turns[:, :n])
+    sides = np.where(at_limit, np.sign(turns[:, :n]), 0)
+    turns[:, :n] = limits.hold(turns[:, :n], sides)
     # the three turns of lowest rank close a piece: those of touches first, never those that are held
     rank[:, :n] += 2.0 * at_limit
     rank[:, n:] -= 1.0

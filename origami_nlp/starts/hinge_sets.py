@@ -60,8 +60,9 @@ class HingeSets(Listed):
             if x is None:
                 continue
             lowest = x[moving]
-            # a hinge at +-pi is fully folded: that state belongs to another set
+            # a hinge at +-pi is fully folded: that state belongs to another set; one at its stop to this one
             inside = (math.pi - np.abs(lowest) > OUTSIDE).all()
+            inside &= model.fold_limits.inside(fixed).all()
             if inside and np.abs(model.closure(x)[0]).max() <= CLOSURE_TOL:
                 states.append(x)  # (a piece of a symmetric state may close once round, or wind)
         states.sort(key=model.energy)
@@ -122,7 +123,8 @@ def _lowest_of(
     weight, free = p.stiffness[moving], p.rest[moving]
     x: np.ndarray | None = None
     for _ in range(1 if p.dead is None else MOST_STEPS):
-        lowest = _lowest(weight, free, turn, c)
+        limits = model.fold_limits.low[moving], model.fold_limits.high[moving]
+        lowest = _lowest(weight, free, turn, c, limits)
         if lowest is None:
             return None
         y = fixed.copy()
@@ -139,8 +141,14 @@ def _lowest_of(
     )  # a state that is nearly lowest would stand for the one that is
 
 
-def _lowest(weight: np.ndarray, rest: np.ndarray, turn: np.ndarray, c: float) -> np.ndarray | None:
-    """Minimise sum weight (x - rest)^2 over turn . x = c, |x| <= pi.
+def _lowest(
+    weight: np.ndarray,
+    rest: np.ndarray,
+    turn: np.ndarray,
+    c: float,
+    limits: tuple[np.ndarray, np.ndarray],
+) -> np.ndarray | None:
+    """Minimise sum weight (x - rest)^2 over turn . x = c and fold limits (low, high).
 
     x = clip(rest + s turn / weight) for the s at which turn . x, which grows with s, is c.
     """
@@ -149,11 +157,11 @@ def _lowest(weight: np.ndarray, rest: np.ndarray, turn: np.ndarray, c: float) ->
     slope = turn / weight
 
     def at(s: float) -> np.ndarray:
-        return np.clip(rest + s * slope, -math.pi, math.pi)
+        return np.clip(rest + s * slope, *limits)
 
     used = turn != 0
     # turn . at(s) is piecewise linear and does not fall: c lies between two bends, where hinges reach their limits
-    bends = np.concatenate([(b - rest[used]) / slope[used] for b in (-math.pi, math.pi)])
+    bends = np.concatenate([(b[used] - rest[used]) / slope[used] for b in limits])
     bends = np.sort(bends)
     values = np.array([turn @ at(s) for s in bends])
     k = int(np.searchsorted(values, c))

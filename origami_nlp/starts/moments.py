@@ -60,7 +60,8 @@ class Moments(StartFamily):
     def draw(self, rng: np.random.Generator, many: int) -> Samples:
         """Return closed states from as many moments; fewer where some do not close."""
         m, _ = find_zeros(self.map, self.moments(rng, many))
-        s = self._closing.close(Samples.at_limits(self.map.shoot(m, slope=False).x))
+        x, limits = self.map.shoot(m, slope=False).x, self._closing.model.fold_limits
+        s = self._closing.close(Samples.at_limits(x, limits))
         value, _ = self._closing.kinematics.closure(self._closing.kinematics.fold(s.x))
         return s[np.abs(value).max(axis=1) <= DUPLICATE_TOL]
 

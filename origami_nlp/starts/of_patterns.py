@@ -11,6 +11,7 @@ import numpy as np
 from origami_nlp.numerics import CLOSURE_TOL, NONZERO, RESOLVED, dense, null_space
 from origami_nlp.pattern import Pattern
 from origami_nlp.pattern_problem import CanonicalLabelling, PatternProblem, PopSigns
+from origami_nlp.problem import FoldLimits
 from origami_nlp.starts.batch_states import Samples
 from origami_nlp.starts.family import Listed, StartFamily
 
@@ -51,18 +52,21 @@ class Uniform(StartFamily):
     ----------
     labels
         Of the pattern: fold angles are drawn in their order.
+    limits
+        Of its creases: what is drawn beyond is held there.
     """
 
     name = "uniform"
     sentence = "any fold angles"
 
-    def __init__(self, labels: CanonicalLabelling) -> None:
-        self._labels = labels
+    def __init__(self, labels: CanonicalLabelling, limits: FoldLimits) -> None:
+        self._labels, self._limits = labels, limits
 
     def draw(self, rng: np.random.Generator, many: int) -> Samples:
         """Draw states one after the other."""
-        x = [self._labels.drawn(self._angles(rng)) for _ in range(many)]
-        return Samples.at_limits(np.array(x).reshape(many, -1))
+        drawn = [self._labels.drawn(self._angles(rng)) for _ in range(many)]
+        x = self._limits.clip(np.array(drawn).reshape(many, -1))
+        return Samples.at_limits(x, self._limits)
 
     def _angles(self, rng: np.random.Generator) -> np.ndarray:
         size = rng.uniform(0.3, math.pi)
@@ -102,8 +106,9 @@ class Grown(StartFamily):
 
     def draw(self, rng: np.random.Generator, many: int) -> Samples:
         """Grow states one after the other."""
-        x = [self._grown(rng) for _ in range(many)]
-        return Samples.at_limits(np.array(x).reshape(many, self._problem.size))
+        grown = [self._grown(rng) for _ in range(many)]
+        x = np.array(grown).reshape(many, self._problem.size)
+        return Samples.at_limits(x, self._problem.fold_limits)
 
     def _grown(self, rng: np.random.Generator) -> np.ndarray:
         problem = self._problem
@@ -119,7 +124,7 @@ class Grown(StartFamily):
             new, residual = problem.project(phi + 0.3 * way / size)
             if (
                 residual > CLOSURE_TOL
-                or np.abs(new).max() > math.pi
+                or not problem.fold_limits.inside(new).all()
                 or not problem.closure.lifts_to_one(new)
             ):
                 break
@@ -131,9 +136,10 @@ def families_in_turn(
     problem: PatternProblem, labels: CanonicalLabelling
 ) -> tuple[StartFamily, ...]:
     """Return the families of random starts of a pattern, from which one start each is drawn in turn."""
-    anywhere = Uniform(labels)
+    limits = problem.fold_limits
+    anywhere = Uniform(labels, limits)
     grown = Grown(problem, labels) if problem.pattern.is_flat else anywhere
-    return grown, anywhere, UniformFolded(labels)
+    return grown, anywhere, UniformFolded(labels, limits)
 
 
 POPPED = (1.0, -1.0), (1.0, -0.3), (0.3, -1.0), (0.3, -0.3)

@@ -13,7 +13,6 @@ on purpose; `kkt.lower_dimensional_at` decides which they are.
 from __future__ import annotations
 
 import itertools
-import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 
@@ -56,14 +55,17 @@ class Projected(StartFamily):
     def starts(self, rng: np.random.Generator) -> Iterator[Start]:
         """Yield starts without end."""
         size = self._model.size
-        faces = itertools.cycle([(v, side) for v in range(size) for side in (-math.pi, math.pi)])
+        ends = self._model.fold_limits.low, self._model.fold_limits.high
+        faces = itertools.cycle([(v, float(end[v])) for v in range(size) for end in ends])
         while True:
             yield from self._batch(rng, faces)
 
     def _batch(self, rng: np.random.Generator, faces: Iterator[tuple[int, float]]) -> list[Start]:
         """Draw a batch: feasible starts where there are enough, else the others too."""
         model = self._model
-        x = rng.uniform(-math.pi, math.pi, (BATCH, model.size))
+        limits = model.fold_limits
+        share = 1.0 if model.has_limits else 0.5  # without limits within +-pi
+        x = rng.uniform(share * limits.low, share * limits.high, (BATCH, model.size))
         frozen = np.zeros_like(x, dtype=bool)
         if model.has_limits and model.size > 1:
             # the chance that a uniform start lies at phi = +-pi is 0, and sets exist only there
@@ -74,7 +76,7 @@ class Projected(StartFamily):
         x, residual = project(model, x, frozen=frozen)
         feasible = residual <= CLOSURE_TOL
         feasible[feasible] = model.admissible(x[feasible])
-        x = np.clip(x, -model.bound, model.bound)
+        x = limits.clip(x)
         keep = feasible | frozen.any(axis=1)
         if keep.sum() < BATCH // 8:
             keep[:] = True
@@ -86,20 +88,21 @@ SAMPLES_ON_A_LIMIT = 8
 
 
 def states_on_limits(model: Problem, rng: np.random.Generator) -> list[np.ndarray]:
-    """Return closed states within the fold limits that have one or two fold angles at +-pi."""
+    """Return closed states within the fold limits that have one or two creases at theirs."""
     n = model.size
     single = [((v, s),) for v in range(n) for s in (-1, 1)] * SAMPLES_ON_A_LIMIT
     faces = [(v, s) for v in range(n) for s in (-1, 1)]
     double = [pair for pair in itertools.combinations(faces, 2) if pair[0][0] != pair[1][0]] * 3
     patterns = (single[:BATCH] + double)[: MOST_BATCHES * BATCH] if n > 4 else single + double
     patterns = patterns[: MOST_BATCHES * BATCH]
-    x = rng.uniform(-math.pi, math.pi, (len(patterns), n))
+    limits = model.fold_limits
+    x = rng.uniform(limits.low, limits.high, (len(patterns), n))
     frozen = np.zeros_like(x, dtype=bool)
     for row, pattern in enumerate(patterns):
         for v, s in pattern:
-            x[row, v], frozen[row, v] = s * math.pi, True
+            x[row, v], frozen[row, v] = (limits.high if s > 0 else limits.low)[v], True
     x, residual = project(model, x, frozen=frozen)
     # what closing moved onto a limit, to rounding, is at the limit
-    x = np.where(np.abs(np.abs(x) - math.pi) <= OUTSIDE, np.sign(x) * math.pi, x)
-    good = (residual <= CLOSURE_TOL) & (np.abs(x) <= math.pi).all(axis=1)
+    x = limits.hold(x, limits.near(x, OUTSIDE))
+    good = (residual <= CLOSURE_TOL) & limits.inside(x).all(axis=1)
     return [state for state in x[good] if model.lifts_to_one(state)]

@@ -55,6 +55,7 @@ def flat_foldings(model: Model) -> list[np.ndarray]:
     few = model.has_limits and n <= MOST_FLAT_VARIABLES
     x = math.pi * (np.indices((3,) * n).reshape(n, -1).T - 1.0) if few else np.zeros((1, n))
     closed = CreaseChain(model).misses(x) <= CLOSURE_TOL
+    closed &= model.fold_limits.inside(x).all(axis=1)
     return [state for state in x[closed] if model.lifts_to_one(state)]
 
 
@@ -102,7 +103,7 @@ class RigidStates(Listed):
         x = np.random.default_rng(self._seed).uniform(-math.pi, math.pi, (4 * BATCH, model.size))
         x, residual = project(model, x)
         found: list[np.ndarray] = []
-        for state in x[(residual <= CLOSURE_TOL) & (np.abs(x) <= model.bound).all(axis=1)]:
+        for state in x[(residual <= CLOSURE_TOL) & model.fold_limits.inside(x).all(axis=1)]:
             known = [*flat, *found]
             if model.lifts_to_one(state) and all(
                 np.abs(state - k).max() > NEAR_SINGULAR_TOL for k in known

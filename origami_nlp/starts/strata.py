@@ -23,7 +23,7 @@ class Corners(StartFamily):
 
     def draw(self, rng: np.random.Generator, many: int) -> Samples:
         """Return all corners of up to `many` candidates, of a sample of these beyond (`problem.vertices`)."""
-        return Samples.at_limits(vertices(self._model, many, rng))
+        return Samples.at_limits(vertices(self._model, many, rng), self._model.fold_limits)
 
 
 class NearCorners(StartFamily):
@@ -65,7 +65,8 @@ class Strata(StartFamily):
 
     def draw(self, rng: np.random.Generator, many: int) -> Samples:
         """Draw as many of each number of closed creases; fewer in all where closed states are rare."""
-        return Samples.at_limits(random_strata(self._model, rng, many), hold=True)
+        x = random_strata(self._model, rng, many)
+        return Samples.at_limits(x, self._model.fold_limits, hold=True)
 
 
 class Interior(StartFamily):

@@ -237,7 +237,7 @@ def draw(
     for family in strata.families:
         local = numbers[(numbers >= seen) & (numbers < seen + len(family.way))] - seen
         if len(local):
-            drawn = free_parameters(sectors, family, local, rng)
+            drawn = free_parameters(sectors, family, local, model.fold_limits, rng)
             x, signs, row = close_pinched(sectors, family, local, *drawn)
             touches = np.zeros((len(x), MOST_TOUCHES, 3), int)
             touches[:, :, :2] = -1
@@ -245,7 +245,10 @@ def draw(
             touches[:, : all_rows.shape[1], :2] = all_rows[family.way[local[row]]]
             touches[:, : all_rows.shape[1], 2] = signs
             act = np.where(family.at_limit[local[row]], np.sign(x), 0).astype(np.int8)
-            good = ~faulty(model, x, act, touches)
+            good = ~faulty(model, x, model.fold_limits.folded_flat(act), touches)
+            if not model.fold_limits.are_flat:  # else what closes in closed form is within them
+                good &= model.fold_limits.inside(x, OUTSIDE).all(axis=1)
+                act = model.fold_limits.near(x, OUTSIDE) * np.abs(act)
             parts.append((x[good], act[good], touches[good], local[row][good] + seen))
         seen += len(family.way)
     if not parts:

@@ -20,7 +20,7 @@ def random_vertex(rng, n):
 
 def random_state(model, rng, pinned=False):
     """An admissible state, with a fold limit closed where `pinned`."""
-    from origami_nlp.problem import fold_limit
+    from origami_nlp.problem import Contact
 
     for _ in range(400):
         start = rng.uniform(-2.7, 2.7, model.size)
@@ -28,7 +28,7 @@ def random_state(model, rng, pinned=False):
         if pinned:
             k, side = int(rng.integers(model.size)), int(rng.choice([-1, 1]))
             start[k] = side * math.pi
-            rows = (fold_limit(k, float(side)),)
+            rows = (Contact("limit", k, 1 if side > 0 else -1),)
         x, left = project(model, start, rows)
         if left < 1e-12 and not model.refuses(x) and np.sort(np.abs(x))[-1 - pinned] < 3.05:
             return tuple(model.expand(x).tolist())

@@ -7,7 +7,7 @@ import pytest
 
 from origami_nlp import Model, Scene, State, Vertex, examples, find_minima
 from origami_nlp.kkt import Solve, certificates, passing_moment, polish, polishing
-from origami_nlp.problem import fold_limit
+from origami_nlp.problem import Contact
 from tests.computed_once import panel_result
 from tests.independent.rotations import about
 
@@ -25,7 +25,9 @@ def test_polished_as_with_all_rows(n, monkeypatch):
     model, many = found.model, 0
     for minimum in found.minima[:: max(1, len(found.minima) // 6)]:
         x = np.array(minimum.fold_angles)
-        rows = tuple(fold_limit(v, x[v]) for v in range(n) if abs(x[v]) == math.pi)
+        rows = tuple(
+            Contact("limit", v, 1 if x[v] > 0 else -1) for v in range(n) if abs(x[v]) == math.pi
+        )
         many += len(rows) > 12
         end = Solve(x + 1e-6 * np.sin(np.arange(n)), "", 0, math.nan, np.abs(x) / math.pi, None)
         short = polish(model, end, rows)
@@ -51,7 +53,7 @@ def test_independent_contacts_all_open_at_once(monkeypatch):
     rng = np.random.default_rng(0)
     for r, t in ((14, 20), (20, 20)):
         rows = rng.normal(size=(r, t))
-        names = tuple(fold_limit(v, 1.0) for v in range(r))
+        names = tuple(Contact("limit", v, 1) for v in range(r))
         fast = certificates.cone(rows, names)
         monkeypatch.setattr(certificates, "MANY_ROWS", 99)
         slow = certificates.cone(rows, names)
@@ -100,7 +102,12 @@ def test_one_moment_in_the_frame_of_every_facet(n):
             assert np.abs(np.array(other.vector) - in_facet).max() < 1e-9 * size
         multipliers = (
             State(found.model, phi)
-            .on(tuple(fold_limit(int(v), phi[v]) for v in np.flatnonzero(at_limit)))
+            .on(
+                tuple(
+                    Contact("limit", int(v), 1 if phi[v] > 0 else -1)
+                    for v in np.flatnonzero(at_limit)
+                )
+            )
             .multipliers[:3]
         )
         half = 0.5 * found.model.scale * multipliers

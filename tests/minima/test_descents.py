@@ -11,7 +11,7 @@ from origami_nlp.kkt import project
 from origami_nlp.minima import find_minima_of_each
 from origami_nlp.minima.descents import Descents
 from origami_nlp.pattern import Relabelling, canonical_labels
-from origami_nlp.problem import OPEN, Contact, fold_limit, random_strata
+from origami_nlp.problem import OPEN, Contact, random_strata
 from origami_nlp.starts import EFFORTS, Samples
 from tests.computed_once import panel_result, thinned
 
@@ -48,7 +48,9 @@ def test_ends_are_stationary_with_their_contacts(scene):
     assert ends.converged.mean() >= 0.8
     for k in np.flatnonzero(ends.converged):
         s, local = ends.samples, model.local(ends.samples.x[k])
-        contacts = [fold_limit(int(v), s.at_limit[k, v]) for v in np.flatnonzero(s.at_limit[k])]
+        contacts = [
+            Contact("limit", int(v), int(s.at_limit[k, v])) for v in np.flatnonzero(s.at_limit[k])
+        ]
         contacts += [
             Contact("gap", int(g), int(o))
             for g, o in zip(s.slots[k], s.sides[k], strict=True)

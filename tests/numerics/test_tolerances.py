@@ -71,7 +71,8 @@ BESIDE_THE_TABLE = {
         folding/embedding.LARGEST_TOLERANCE paper/cone/phase.RATIOS
         paper/cone/phase_curves.RATIO_LIMITS pattern/coordinate_repair.COARSE
         pattern/example_patterns.QUAD_STIFFNESS
-        pattern/examples.RATIOS pattern/materials.METRES pattern/scene.SMALLEST pattern/example_vertices.STIFFNESS
+        pattern/examples.RATIOS pattern/materials.METRES pattern/numbers_read.SMALLEST
+        pattern/example_vertices.STIFFNESS
         inverse_design/convex.LEAST_MARGIN inverse_design/finding.PRICES
     """,
     "options of IPOPT and of a conic solver": """

@@ -14,7 +14,7 @@ from origami_nlp.kkt import newton
 from origami_nlp.pattern import Scene
 from origami_nlp.pattern_problem import FoldedGeometry, PatternProblem, choices, order_layers
 from origami_nlp.pattern_states import contact_descent, judge
-from origami_nlp.problem import fold_limit
+from origami_nlp.problem import Contact
 from tests.patterns import wheel
 from tests.relabelled import relabelled
 
@@ -38,7 +38,7 @@ def pressed():
             start, _ = problem.project(start, SHUT)
             z = problem.kernel(start, [5])
             start = start - 0.5 * z @ (z.T @ problem.torque(start))
-        done, _ = newton(problem, start, (fold_limit(5, math.pi),))
+        done, _ = newton(problem, start, (Contact("limit", 5, 1),))
         if done is None or np.abs((phi := done.x) - start).max() > 0.1:
             continue
         if np.abs(phi).max() <= math.pi and (np.abs(phi[:5]) < math.pi - 1e-6).all():

@@ -54,8 +54,8 @@ def pattern_families():
     return [
         starts.Given(pattern),
         starts.Grown(problem, labels),
-        starts.Uniform(labels),
-        starts.UniformFolded(labels),
+        starts.Uniform(labels, problem.fold_limits),
+        starts.UniformFolded(labels, problem.fold_limits),
         starts.Popped(pattern, labels, phi),
         starts.Signed(problem, labels, np.zeros((0, pattern.creases))),
     ]

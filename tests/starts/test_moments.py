@@ -8,7 +8,7 @@ import pytest
 
 from origami_nlp import Model, Scene, State, Vertex, find_minima
 from origami_nlp.kkt import Solve, classify, polish, project
-from origami_nlp.problem import MomentMap, fold_limit
+from origami_nlp.problem import MomentMap
 from origami_nlp.starts.moments import Moments, find_zeros
 
 
@@ -44,7 +44,7 @@ def zeros_that_are_minima(scene, count, seed):
     x = x[np.unique(np.round(x / 1e-6), axis=0, return_index=True)[1]]
     minima = []
     for state in x:
-        rows = tuple(fold_limit(int(v), state[v]) for v in np.flatnonzero(np.abs(state) == math.pi))
+        rows = model.fold_limits.contacts(state, np.abs(state) == math.pi)
         end = polish(model, Solve(state, "", 0, math.nan, np.abs(state) / math.pi, None), rows)
         if end.converged and classify(State(model, end.x)).verdict == "minimum":
             minima.append(end.x)

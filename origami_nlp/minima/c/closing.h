@@ -11,6 +11,12 @@ typedef struct {
   int64_t *at_limit, slots[SLOTS], sides[SLOTS];
 } Trial;
 
+static double limit_of(const Vertex *v, int64_t i, int64_t side) { return side > 0 ? v->high[i] : v->low[i]; }
+
+static int beyond(const Vertex *v, const double *x, int64_t i) {
+  return !(x[i] <= v->high[i] + ROUNDED && x[i] >= v->low[i] - ROUNDED);
+}
+
 /* Fold a state; write closure, held gaps and their Jacobian; return how many rows there are. */
 static int64_t rows_at(const Vertex *v, const double *x, const int64_t *slots, const int64_t *sides, Point *p) {
   int64_t used = 0;
@@ -113,14 +119,19 @@ static int close_state(const Vertex *v, Trial *t, double to, const double *root,
     for (int64_t i = 0; i < n; i++) x[i] -= move[i] / fmax(1.0, length);
     if (v->limits && length <= SETTLING) /* far from closure a step may leave the limits and come back */
       for (int64_t i = 0; i < n; i++)
-        if (fabs(x[i]) > PI + ROUNDED && !t->at_limit[i]) {
-          t->at_limit[i] = x[i] > 0 ? 1 : -1;
-          x[i] = t->at_limit[i] * PI;
+        if (beyond(v, x, i) && !t->at_limit[i]) {
+          t->at_limit[i] = v->high[i] - x[i] < x[i] - v->low[i] ? 1 : -1;
+          x[i] = limit_of(v, i, t->at_limit[i]);
           more = 1;
         }
     if (!more) return 1;
   }
   return 1;
+}
+
+/* The crease folded flat, where facets lie on each other: its side, 0 at a stop. */
+static int64_t folded_flat(const Vertex *v, const int64_t *at_limit, int64_t i) {
+  return at_limit[i] && fabs(limit_of(v, i, at_limit[i])) == PI ? at_limit[i] : 0;
 }
 
 /* How far the four ends of a pair of facets are off the plane of the other one. */
@@ -170,13 +181,14 @@ static int64_t crossing(const Vertex *v, const Folded *at, const double *x, cons
   if (v->stacks && gap == OPEN) {
     for (k = 0; k < v->n; k++) {
       int64_t e = v->stack[3 * k];
-      depth[k] = e < 0 ? 0.0 : fmax(at_limit[k] * sin(x[e]), 0.0);
-      if (e >= 0 && at_limit[k] * at_limit[e] > 0 && v->stack[3 * e] == k) depth[k] = 1.0;
+      int64_t flat = folded_flat(v, at_limit, k);
+      depth[k] = e < 0 ? 0.0 : fmax(flat * sin(x[e]), 0.0);
+      if (e >= 0 && flat * folded_flat(v, at_limit, e) > 0 && v->stack[3 * e] == k) depth[k] = 1.0;
     }
     k = first_largest(depth, v->n);
     if (depth[k] > CONTACT_TOL) {
       gap = depth[k] >= 1.0 ? NAMELESS : v->gap[v->stack[3 * k + 1] * v->rays + v->stack[3 * k + 2]];
-      *side = at_limit[k];
+      *side = folded_flat(v, at_limit, k);
     }
   }
   return gap;

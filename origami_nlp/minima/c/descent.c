@@ -79,9 +79,9 @@ static void project_hessian(const Vertex *v, const Samples *s, int64_t k, int64_
 }
 
 /* Where a crease that moves by dx meets its fold limit, as a share of the step. */
-static double to_limit(const double *x, const double *dx, const int64_t *held, int64_t i) {
+static double to_limit(const Vertex *v, const double *x, const double *dx, const int64_t *held, int64_t i) {
   if (held[i] || fabs(dx[i]) <= ROUNDED) return INFINITY;
-  return fmax(dx[i] > 0 ? PI - x[i] : PI + x[i], 0.0) / fmax(fabs(dx[i]), NONZERO);
+  return fmax(dx[i] > 0 ? v->high[i] - x[i] : x[i] - v->low[i], 0.0) / fmax(fabs(dx[i]), NONZERO);
 }
 
 /* Step by a share of dx into the trial state, to the first fold limit at most, which is held then; return how far. */
@@ -89,7 +89,7 @@ static double move(const Vertex *v, const Samples *s, int64_t k, const double *d
   int64_t n = v->n, *held = s->at_limit + k * n, bounded = v->limits && !v->many;
   const double *x = s->x + k * n;
   double nearest = INFINITY;
-  for (int64_t i = 0; bounded && i < n; i++) nearest = fmin(nearest, to_limit(x, dx, held, i));
+  for (int64_t i = 0; bounded && i < n; i++) nearest = fmin(nearest, to_limit(v, x, dx, held, i));
   int hit = nearest <= share * NEXT;
   share = fmin(share, nearest);
   copy_ints(held, n, t->at_limit);
@@ -97,9 +97,9 @@ static double move(const Vertex *v, const Samples *s, int64_t k, const double *d
   copy_ints(s->sides + k * SLOTS, SLOTS, t->sides);
   for (int64_t i = 0; i < n; i++) {
     t->x[i] = x[i] + share * dx[i];
-    if (hit && to_limit(x, dx, held, i) <= nearest * NEXT) {
+    if (hit && to_limit(v, x, dx, held, i) <= nearest * NEXT) {
       t->at_limit[i] = dx[i] > 0 ? 1 : -1;
-      t->x[i] = t->at_limit[i] * PI;
+      t->x[i] = limit_of(v, i, t->at_limit[i]);
       hit = 0;
     }
   }
@@ -112,9 +112,9 @@ static int try_state(const Vertex *v, const Samples *s, int64_t k, double slope,
   const Trial *t = &w->trial;
   const double *x = s->x + k * v->n;
   int64_t rows = rows_at(v, t->x, t->slots, t->sides, q), g = s->scene[k];
-  int good = largest_of(q->value, rows) <= EXPLORED && largest_of(t->x, v->n) <= v->bound + ROUNDED;
+  int good = largest_of(q->value, rows) <= EXPLORED;
   good = good && (!v->plane || q->at.end[0] > 0);
-  for (int64_t i = 0; i < v->n; i++) good = good && fabs(t->x[i] - x[i]) < 2 * REACH;
+  for (int64_t i = 0; i < v->n; i++) good = good && !beyond(v, t->x, i) && fabs(t->x[i] - x[i]) < 2 * REACH;
   double now = energy(v, g, t->x), e = energy(v, g, x);
   /* sufficient decrease (Nocedal and Wright, eq. 3.4), with slack for the rounding of energies */
   int lower = now <= e + DECREASE * fmin(slope, 0.0) + EXPLORED * (1 + e);

@@ -1,0 +1,83 @@
+"""Numbers that a scene states for its creases: read, or an error about the field by its name."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from origami_nlp.arguments import shown
+from origami_nlp.errors import SceneError
+from origami_nlp.numerics import INPUT_TOL
+
+LARGEST_RATIO = 1e8
+"""Largest ratio of two stiffnesses.  At 1e12 the torque of a soft spring is below the rounding of a stiff one's: along
+a line of states that only soft springs order, every point seems to balance, and a search never ends."""
+MOST_WOUND = 1e3
+"""Largest |wound angle| [rad]: the energy of such a spring is 1e6 times that of one radian, and loses 6 digits."""
+SMALLEST, LARGEST = 1e-300, 1e300
+"""Bounds of a stiffness, in any unit: energies beyond them overflow, or lose digits."""
+
+
+def check_range(stiffness: Sequence[float]) -> None:
+    """Raise an error for stiffnesses that cannot be computed with, or not together."""
+    soft, stiff = min(stiffness), max(stiffness)
+    i, j = stiffness.index(soft) + 1, stiffness.index(stiff) + 1
+    if soft < SMALLEST or stiff > LARGEST:
+        wrong, k = (i, soft) if soft < SMALLEST else (j, stiff)
+        raise SceneError(
+            f"stiffness[{wrong}] = {k:.6g} is not within {SMALLEST:g} to {LARGEST:g}: use other units"
+        )
+    if stiff > LARGEST_RATIO * soft * (1 + INPUT_TOL):
+        raise SceneError(
+            f"stiffness[{j}] = {stiff:.6g} is more than {LARGEST_RATIO:g} times stiffness[{i}] = {soft:.6g}: "
+            f"soft springs would be lost in rounding; bring the ratio to {LARGEST_RATIO:g} or less, or merge "
+            "the facets at the stiff crease"
+        )
+
+
+def read_preload(
+    values: object, stiffness: Sequence[float], rest: Sequence[float]
+) -> tuple[float, ...]:
+    """Read the preload [N m] of each crease; () where there is none."""
+    if isinstance(values, tuple) and not values:
+        return ()
+    preload = read_numbers(values, "preload", len(stiffness))
+    for i, (m, k, a) in enumerate(zip(preload, stiffness, rest, strict=True), start=1):
+        if not math.isfinite(m):
+            raise SceneError(f"preload[{i}] = {m!r} must be finite [N m]")
+        if abs(a + m / k) > MOST_WOUND:
+            raise SceneError(
+                f"preload[{i}] = {m:.6g} N m winds a spring of {k:.6g} N m/rad to {a + m / k:.6g} rad: at most "
+                f"{MOST_WOUND:g} rad, beyond which energies lose digits"
+            )
+    return preload if any(preload) else ()
+
+
+def check_length(values: Sequence[float], name: str, degree: int) -> None:
+    """Raise an error unless there is one value for each crease."""
+    if len(values) != degree:
+        raise SceneError(
+            f"{name} has {len(values)} entries, but the vertex has {degree} creases: give one each"
+        )
+
+
+def read_numbers(values: object, name: str, degree: int) -> tuple[float, ...]:
+    """Read `degree` floats, or raise an error about field `name`."""
+    wrong = SceneError(f"{name} = {shown(values)} must be a list of numbers, one for each crease")
+    if isinstance(values, str | bytes):
+        raise wrong
+    try:
+        items = list(values)  # type: ignore[call-overload]
+    except TypeError:
+        raise wrong from None
+    for i, v in enumerate(items, start=1):
+        if isinstance(v, bool | str | bytes) or not np.isscalar(v):
+            raise SceneError(f"{name}[{i}] = {v!r} is not a number")
+    try:
+        numbers = tuple(float(v) for v in items)
+    except OverflowError:
+        raise wrong from None
+    check_length(numbers, name, degree)
+    return numbers

@@ -1,0 +1,137 @@
+"""Stops: minima against scans that share no code with the package, symmetry, files."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import origami_nlp as o
+from origami_nlp import Scene, Vertex
+from origami_nlp.errors import OptionError, SceneError, SymmetryError
+from origami_nlp.pattern import tapered_limit
+from tests.independent import scan_four
+
+
+def drawn(rng, contact, flat=True):
+    """A vertex of degree four with a stop on either side of each crease; its flat state may be beyond one."""
+    a = rng.dirichlet([4] * 4) * 2 * math.pi
+    while a.max() > 3.0:
+        a = rng.dirichlet([4] * 4) * 2 * math.pi
+    k, rest = np.exp(rng.normal(size=4)), rng.uniform(-math.pi, math.pi, 4)
+    limits = np.radians(rng.uniform(20, 175, (4, 2))) * (-1, 1)
+    limits[rng.integers(4)] = -math.pi, math.pi
+    if not flat:
+        limits[rng.integers(4), 0] = 0.2
+    return Scene(Vertex(tuple(a)), tuple(k), tuple(rest), "none", contact, limits=limits)
+
+
+def compared(scene, samples=6_001):
+    """Energies that a search finds, and those of a scan."""
+    k, rest = np.array(scene.stiffness), np.array(scene.rest_angles)
+    energy, _ = scan_four.minima(
+        lambda x: 0.5 * (x - rest) ** 2 @ k,
+        np.array(scene.vertex.sector_angles),
+        scene.limit_angles,
+        scene.contact,
+        samples,
+    )
+    return [m.energy for m in o.find_minima(scene).minima], sorted(energy)
+
+
+@pytest.mark.parametrize(
+    ("seed", "contact", "flat"), [(3, "full", True), (4, "fold-limits", False)]
+)
+def test_minima_are_those_of_a_scan(seed, contact, flat):
+    rng = np.random.default_rng(seed)
+    for _ in range(2):
+        ours, theirs = compared(drawn(rng, contact, flat))
+        assert np.allclose(ours, theirs, atol=1e-2, rtol=2e-3)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("contact", ["full", "fold-limits"])
+@pytest.mark.parametrize("flat", [True, False])
+def test_minima_of_many_are_those_of_scans(contact, flat):
+    rng = np.random.default_rng(5)
+    for _ in range(25):
+        ours, theirs = compared(drawn(rng, contact, flat))
+        assert np.allclose(ours, theirs, atol=1e-2, rtol=2e-3)
+
+
+def test_stops_belong_to_the_symmetry():
+    scene = o.examples.degree6("pi/3", ratio=0.3)
+    same = replace(scene, limits=(-1.2, 1.2))
+    assert same.group.name == "D1"
+    free = o.find_minima(replace(same, symmetry="none"))
+    kept = o.find_minima(same)
+    assert [m.energy for m in kept.minima] == pytest.approx([m.energy for m in free.minima])
+    with pytest.raises(SymmetryError, match="fold limits"):
+        replace(scene, limits=[(-1.2, 1.2)] * 5 + [(-1, 1)])
+
+
+def test_turned_over_the_stops_change_sides():
+    scene = drawn(np.random.default_rng(7), "full")
+    over = replace(
+        scene,
+        rest_angles=tuple(-a for a in scene.rest_angles),
+        limits=tuple((-high, -low) for low, high in scene.limits),
+    )
+    one, two = o.find_minima(scene), o.find_minima(over)
+    assert [m.energy for m in one.minima] == pytest.approx(
+        [m.energy for m in two.minima], rel=1e-12
+    )
+    found = [np.array(m.fold_angles) for m in one.minima]
+    assert np.allclose(found, [-np.array(m.fold_angles) for m in two.minima], atol=1e-9)
+
+
+def test_a_vertex_as_a_pattern_has_the_same_states():
+    rng = np.random.default_rng(11)
+    for _ in range(2):
+        scene = drawn(rng, "full")
+        sheet = o.pattern.scene_pattern(scene)
+        assert sheet.limits == scene.limits
+        vertex, pattern = o.find_minima(scene), o.find_minima(sheet)
+        assert [m.energy for m in pattern.minima] == pytest.approx(
+            [m.energy for m in vertex.minima]
+        )
+
+
+def test_files_keep_stops(tmp_path):
+    scene = replace(drawn(np.random.default_rng(2), "full"), panels=(6.0, 10.0))
+    most = tapered_limit(6.0, 10.0)
+    assert math.degrees(most) == pytest.approx(180 - 2 * math.degrees(math.atan(3 / 10)))
+    assert np.abs(scene.limit_angles).max() <= most
+    assert o.parse_scene(o.format_scene(scene)) == scene
+    sheet = o.examples.pattern("miura", 2, 2).with_limits([-150, 120], degrees=True)
+    result = o.find_minima(sheet.with_springs(1.0, 2.5))
+    o.write_fold(result, tmp_path / "states.fold")
+    again = o.read_pattern(tmp_path / "states.fold")
+    assert np.allclose(again.limit_angles, sheet.limit_angles, atol=1e-15)
+    assert all((np.abs(m.fold_angles) <= math.radians(150)).all() for m in result.minima)
+
+
+@pytest.mark.parametrize(
+    ("limits", "why"),
+    [
+        ((1.0, -1.0), "no room"),
+        ((-4.0, 1.0), "outside"),
+        ([(-1, 1)] * 3, "one for each crease"),
+        ("-1..1", "one pair"),
+        ((-1, 1, 2), "one pair"),
+    ],
+)
+def test_wrong_limits_are_named(limits, why):
+    with pytest.raises(SceneError, match=why):
+        Scene(Vertex(("pi/2",) * 4), (1,) * 4, (0,) * 4, limits=limits)
+
+
+def test_what_does_not_know_stops_says_so():
+    scene = replace(o.examples.degree6("pi/3"), limits=(-2, 2))
+    for asked in (o.find_barriers, o.find_critical_points, o.find_space):
+        with pytest.raises(OptionError, match="fold limits of their own"):
+            asked(scene)
+    four = drawn(np.random.default_rng(0), "fold-limits")
+    assert "stops" in o.find_minima(four, prove=True).completeness.reason
