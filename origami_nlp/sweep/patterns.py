@@ -31,7 +31,7 @@ contact = true                 # whether facets must not cross
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -115,22 +115,6 @@ class PatternSweep(Sweep):
                     raise SweepError(f"{key} = {own[key]:g} must be a whole number")
                 shape[key] = int(own.pop(key))
         return examples.pattern(name, **shape, **own)
-
-    def chains(self, length: int = 1) -> Iterator[range]:
-        """Every pattern by itself: no state is handed on, and so no answer depends on another.
-
-        Parameters
-        ----------
-        length
-            Not used.
-
-        Yields
-        ------
-        range
-            One pattern.
-        """
-        for index in range(self.count):
-            yield range(index, index + 1)
 
 
 def parse_pattern_sweep(data: Mapping[str, Any], folder: Path | None) -> PatternSweep:

@@ -1,15 +1,14 @@
 """Run a sweep on any executor of `concurrent.futures`: processes, a Dask cluster, MPI.
 
-Scenes run in chains of neighbours (`Sweep.chains`): the states of one are tried first in the next.  The chain is
-walked in order whatever happens, and a resumed chain takes the states of its last finished scene from the store
-to the last bit; so the answers depend on neither workers, nor interruptions, nor the order of completion.
+Every scene is searched by itself, or a row of them followed (`Sweep.chains`); so the answers depend on neither workers,
+nor interruptions, nor the order of completion.
 """
 
 from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from concurrent.futures import (
     FIRST_COMPLETED,
     BrokenExecutor,
@@ -17,11 +16,10 @@ from concurrent.futures import (
     Future,
     wait,
 )
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
-
-import numpy as np
 
 from origami_nlp.arguments import check_callback, check_number, check_path, check_type, check_whole
 from origami_nlp.errors import OrigamiError, SweepError
@@ -57,7 +55,7 @@ class SweepReport:
     interrupted: bool
 
 
-def run_scene(sweep: Sweep, index: int, guesses: Sequence[Sequence[float]]) -> Outcome:
+def run_scene(sweep: Sweep, index: int) -> Outcome:
     """Find the states of one scene; errors become its outcome (this is what a worker does)."""
     s = sweep.search
 
@@ -81,7 +79,6 @@ def run_scene(sweep: Sweep, index: int, guesses: Sequence[Sequence[float]]) -> O
             full=s["full"],
             prove=False,
             escape=False,
-            guesses=[np.array(g) for g in guesses],
         )
         rows = tuple(
             row_of(m, m.local_dimension, m.full_space.verdict if m.full_space else None)
@@ -95,17 +92,13 @@ def run_scene(sweep: Sweep, index: int, guesses: Sequence[Sequence[float]]) -> O
 
 
 def run_chain(sweep: Sweep, chain: range) -> list[Outcome]:
-    """Find the states of the scenes of a chain by following them; by searches where they are no smooth family."""
-    from origami_nlp.sweep.along import follow_chain
+    """Find the states of the scenes of a chain by searches; by following them where asked for and they are smooth."""
+    with suppress(OrigamiError):
+        if sweep.search["follow"]:
+            from origami_nlp.sweep.along import follow_chain
 
-    try:
-        return follow_chain(sweep, chain)
-    except OrigamiError:
-        out: list[Outcome] = []
-        for index in chain:
-            guesses = [s[-1] for s in out[-1].states] if out else []
-            out.append(run_scene(sweep, index, guesses))
-        return out
+            return follow_chain(sweep, chain)
+    return [run_scene(sweep, index) for index in chain]
 
 
 def run_sweep(
@@ -194,21 +187,8 @@ def _walk(
 ) -> tuple[int, bool]:
     done = store.done()
     waiting = iter([chain for chain in sweep.chains() if not done.issuperset(chain)])
-    running: dict[Future[Any], tuple[range, int]] = {}
+    running: set[Future[Any]] = set()
     finished, ran, states = len(done), 0, 0
-
-    def submit(chain: range, at: int) -> bool:
-        """Submit the first scene of `chain` from position `at` that is not done, or all of it where it is followed."""
-        if sweep.search["follow"]:
-            if not at:
-                running[pool.submit(run_chain, sweep, chain)] = chain, len(chain)
-            return not at
-        for k in range(at, len(chain)):
-            if chain[k] not in done:
-                guesses = store.angles(chain[k - 1]) if k else []
-                running[pool.submit(run_scene, sweep, chain[k], guesses)] = chain, k
-                return True
-        return False
 
     try:
         while True:
@@ -216,7 +196,7 @@ def _walk(
                 chain = next(waiting, None)
                 if chain is None:
                     break
-                submit(chain, 0)
+                running.add(pool.submit(run_chain, sweep, chain))
             if not running:
                 return ran, False
             left = None if until == math.inf else max(until - time.monotonic(), 0.0)
@@ -226,9 +206,8 @@ def _walk(
                     future.cancel()
                 return ran, True
             for future in ended:
-                chain, k = running.pop(future)
-                found = future.result()
-                for outcome in found if isinstance(found, list) else [found]:
+                running.remove(future)
+                for outcome in future.result():
                     if outcome.scene in done:
                         continue
                     store.add(outcome, sweep.parameters(outcome.scene))
@@ -236,7 +215,6 @@ def _walk(
                     finished, ran, states = finished + 1, ran + 1, states + len(outcome.states)
                     if progress:
                         progress(finished, sweep.count, states)
-                submit(chain, k + 1)
     except BrokenExecutor:
         raise SweepError(
             f"a worker died after {ran:,} scenes (killed, or out of memory): what finished is stored, "

@@ -212,16 +212,10 @@ class Sweep:
                 changes.append(self._scene(self.parameters(index)).vertex.normalized)
         return max(changes, key=abs)
 
-    def chains(self, length: int = 32) -> Iterator[range]:
-        """Cut the scenes into runs of neighbours along the last axis: each warm-starts the next of its run.
-
-        Runs depend on the sweep alone, not on what was interrupted when, and so does every answer.
-        """
-        row = self.shape[-1]
-        length = row if self.search["follow"] else length
-        for start in range(0, self.count, row):
-            for a in range(start, start + row, length):
-                yield range(a, min(a + length, start + row))
+    def chains(self) -> Iterator[range]:
+        """Cut the scenes into what one process works on at a time: one, or a row along the last axis to be followed."""
+        length = self.shape[-1] if self.search["follow"] else 1
+        yield from (range(a, a + length) for a in range(0, self.count, length))
 
     def fingerprint(self) -> str:
         """The whole sweep as text: two sweeps are the same when these agree."""

@@ -156,13 +156,6 @@ class Store:
         rows = self._db.execute("SELECT scene FROM scenes WHERE status != 'failed'")
         return {int(r[0]) for r in rows}
 
-    def angles(self, scene: int) -> list[list[float]]:
-        """Return the fold angles of a scene's states, as they were found to the last bit."""
-        rows = self._db.execute(
-            "SELECT fold_angles FROM states WHERE scene = ? ORDER BY state", (scene,)
-        )
-        return [json.loads(r[0]) for r in rows]
-
     def add(self, outcome: Outcome, parameters: dict[str, float]) -> None:
         """Add a scene, whole."""
         with self._db:

@@ -95,7 +95,7 @@ def test_what_is_wrong_is_named(change, word):
 def test_a_sheet_that_cannot_be_made_is_invalid():
     data = tomllib.loads(PATTERNS)
     data["axes"][0] = {"set": "alpha", "values": [1.0, 4.0]}
-    assert run_scene(parse_sweep(data), 2, ()).status == "invalid"
+    assert run_scene(parse_sweep(data), 2).status == "invalid"
 
 
 @pytest.mark.slow

@@ -236,7 +236,7 @@ def test_a_failing_scene_does_not_end_the_sweep(tmp_path, monkeypatch):
 
     monkeypatch.setattr("origami_nlp.minima.find_minima", fail)
     sweep = parse_sweep(tomllib.loads(FEW))
-    assert run_scene(sweep, 0, ()).reason == "RuntimeError: no luck"
+    assert run_scene(sweep, 0).reason == "RuntimeError: no luck"
     report = run_sweep(sweep, tmp_path, executor=Inline())
     assert report.counts == {"failed": 4}
     monkeypatch.undo()
@@ -381,12 +381,17 @@ def test_figures(finished, tmp_path):
     assert (tmp_path / "a.png").stat().st_size > 1000
 
 
-def test_chains_cover_every_scene_once():
+def test_scenes_are_searched_each_by_itself_but_where_rows_are_followed(finished):
     sweep = small()
-    for length in (1, 4, 32):
-        chains = list(sweep.chains(length))
-        assert sorted(i for c in chains for i in c) == list(range(sweep.count))
-        assert all(len({i // 6 for i in c}) == 1 for c in chains)  # neighbours along the last axis
+    assert [*sweep.chains()] == [range(k, k + 1) for k in range(sweep.count)]
+    rows = [*small(SMALL.replace("[search]\n", "[search]\nfollow = true\n")).chains()]
+    assert rows == [range(a, a + 6) for a in range(0, sweep.count, 6)]
+    # nothing of a scene is handed on to its neighbour
+    for index in (1, sweep.count - 1):
+        alone = run_scene(sweep, index)
+        table = load_states(finished)
+        listed = table[table.scene == index].energy_J.tolist()
+        assert [s[0] for s in alone.states] == listed
 
 
 @pytest.mark.parametrize(
