@@ -17,7 +17,6 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks import union as unions
 from benchmarks.checkout import HERE, Checkout, Job
 from benchmarks.families import family_scene
 from benchmarks.foreign import Ends, distinct, foreign_methods, run_foreign, vertex_starts
@@ -64,7 +63,6 @@ class Searched:
     attempts, rejected, false: of foreign searches: local solves; those that did not converge or ended at no state
     (wrong sheet, facets that cross); distinct states that were claimed and are no minima.
     exact, exact_seconds: members that they found to 1e-10, and when the last of these.
-    error: of what they claimed near a member, median of the largest error of a fold angle [rad].
     other_kind: of the main job: minima that the union's run called another kind.
     """
 
@@ -77,7 +75,6 @@ class Searched:
     false: int = 0
     exact: int = 0
     exact_seconds: Unbounded = math.inf
-    error: Unbounded = math.inf
     other_kind: int = 0
 
 
@@ -101,10 +98,8 @@ class Covered:
 NOW, BEFORE = "this package", "before"
 
 
-def scenes_for(
-    families: Sequence[str], quick: bool = False, most: int | None = None
-) -> dict[str, Sequence[int]]:
-    """Return the numbers of the scenes of some families (all, if none is named): at most so many, `quick` two, of each.
+def scenes_for(families: Sequence[str], quick: bool = False) -> dict[str, Sequence[int]]:
+    """Return the numbers of the scenes of some families (all, if none is named); `quick`: the first two of each.
 
     Raises
     ------
@@ -114,8 +109,7 @@ def scenes_for(
     for family in families:
         if family not in SCENES:
             raise OptionError(f"family = {family!r} is unknown: use one of {', '.join(SCENES)}")
-    most = 2 if quick else most
-    return {f: range(min(SCENES[f], most or SCENES[f])) for f in families or SCENES}
+    return {f: range(2 if quick else SCENES[f]) for f in families or SCENES}
 
 
 def measure_coverage(
@@ -169,13 +163,7 @@ def measure_coverage(
             write_union(union, folder)
     return {
         "schema": SCHEMA,
-        "settings": {
-            "seeds": seeds,
-            "budget": budget,
-            "effort": effort,
-            "union_seeds": unions.UNION_SEEDS,
-            "union_seconds": [min(unions.SECONDS.values()), unions.MOST_SECONDS],
-        },
+        "settings": {"seeds": seeds, "budget": budget, "effort": effort},
         "scenes": [to_plain(c) for c in out],
     }
 
@@ -265,7 +253,6 @@ def _of_ends(model: Model, union: Union, ends: Ends, claimed: np.ndarray, false:
             if good and d <= within:
                 when.setdefault(int(k), float(t))
     times = sorted(first[FOUND].values())
-    near_one = far[claimed & (far <= FOUND)]
     return Searched(
         ends.seed,
         float(ends.seconds[-1]) if attempts else 0.0,
@@ -276,5 +263,4 @@ def _of_ends(model: Model, union: Union, ends: Ends, claimed: np.ndarray, false:
         false,
         len(first[EXACT]),
         max(first[EXACT].values(), default=math.inf),
-        float(np.median(near_one)) if len(near_one) else math.inf,
     )

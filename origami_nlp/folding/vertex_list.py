@@ -22,14 +22,14 @@ SCHEMA = "origami-nlp/pattern/2"
 HEADS = (
     "vertex",
     "degree",
-    "M/V",
-    "sector angles\n[deg]",
-    "Kawasaki\n[deg]",
+    "assignment",
+    "sector angles [deg]",
+    "Kawasaki [deg]",
     "Maekawa",
-    "folds\nflat",
+    "folds flat",
     "analysis",
 )
-WORDS = ("M/V", "sector angles\n[deg]", "analysis")
+WORDS = ("assignment", "sector angles [deg]", "analysis")
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Final, Literal, NamedTuple
 
@@ -94,15 +94,11 @@ def rounded_up(value: float) -> str:
 
 
 class EscapePath(NamedTuple):
-    """An escape path: how high it climbs over its state, where, and number of the listed state it leads to, or -1.
-
-    states: on the way, [S, n], to where descents in batches take over; empty where they are not kept.
-    """
+    """An escape path: how high it climbs over its state, where, and number of the listed state it leads to, or -1."""
 
     height: float
     top: np.ndarray
     to: int
-    states: np.ndarray = np.zeros((0, 0))
 
 
 def escape_paths(
@@ -133,25 +129,16 @@ def escape_paths(
     dict
         A way by number, where one was found.
     """
-    found = (
-        (k, next(ways, None))
-        for k, ways in escape_paths_of_each(terrain, which, sections, confirmed)
-    )
-    return {k: way for k, way in found if way is not None}
-
-
-def escape_paths_of_each(
-    terrain: Terrain,
-    which: Sequence[int],
-    sections: int = SECTIONS,
-    confirmed: int = MOST_CONFIRMED,
-) -> Iterator[tuple[int, Iterator[EscapePath]]]:
-    """Yield escape paths of states by number, as `escape_paths`: all that are gone down, the lowest beginning first."""
     partings = _partings(terrain, which)
     _sharpen(terrain, [p for parts in partings.values() for p in parts[:confirmed]], sections)
+    ways = {}
     for k, parts in partings.items():
-        found = (_way(terrain, part) for part in sorted(parts[:confirmed], key=_rank))
-        yield k, filter(None, found)
+        lowest = sorted(parts[:confirmed], key=_rank)
+        found = (_way(terrain, part) for part in lowest)
+        way = next(filter(None, found), None)
+        if way is not None:
+            ways[k] = way
+    return ways
 
 
 @dataclass
@@ -193,11 +180,7 @@ def _rank(part: _Parting) -> float:
 
 def _away(terrain: Terrain, starts: Sequence[tuple[int, np.ndarray]]) -> np.ndarray:
     """Return whether descents from them leave the state, of some number, for good."""
-    away = np.zeros(len(starts), dtype=bool)
-    of = np.array([k for k, _ in starts], dtype=int)
-    for k in dict.fromkeys(of.tolist()):
-        mine = np.flatnonzero(of == k).tolist()
-        away[mine] = terrain.are_lower(k, np.array([starts[i][1] for i in mine]))
+    away = np.array([terrain.is_lower(k, x) for k, x in starts], dtype=bool)
     todo = np.flatnonzero(~away).tolist()
     if len(todo):
         ends = terrain.land(np.array([starts[i][1] for i in todo]))
@@ -236,10 +219,8 @@ LONG = 0.1
 """A step that is longer [rad] is cut in any case: whether it is a way at all."""
 
 
-def highest(
-    terrain: Terrain, k: int, states: np.ndarray
-) -> tuple[float, np.ndarray, np.ndarray] | None:
-    """Return an upper bound of the energy along a way over state k, the highest state that was looked at, and all.
+def _highest(terrain: Terrain, k: int, states: np.ndarray) -> tuple[float, np.ndarray] | None:
+    """Return an upper bound of the energy along a way over state k, and the highest state that was looked at.
 
     Between two states that are d apart the energy is at most (u + v + L d) / 2, where L is the largest slope: steps
     that may be higher than what was seen are cut until that is little.  None where a cut does not close,
@@ -249,9 +230,9 @@ def highest(
     x = list(states)
     u = terrain.rise(k, states).tolist()
     slope = [terrain.slope(y) for y in x]
-    d = [terrain.distance(a, b) for a, b in itertools.pairwise(x)]
     cuts = 0
     while True:
+        d = [terrain.distance(a, b) for a, b in itertools.pairwise(x)]
         most = [
             (u[i] + u[i + 1] + LONGER * max(slope[i], slope[i + 1]) * d[i]) / 2
             for i in range(len(d))
@@ -264,7 +245,7 @@ def highest(
             reported = coarse(np.array(most))
             cut = sorted(high, key=lambda i: -reported[i])[:A_ROUND]
         if not cut:
-            return max(top, *most), x[int(np.argmax(u))], np.array(x)
+            return max(top, *most), x[int(np.argmax(u))]
         cuts += len(cut)
         cut.sort()
         halves = terrain.middles(*(np.array([x[i + e] for i in cut]) for e in (0, 1)))
@@ -272,10 +253,8 @@ def highest(
             return None
         rises = terrain.rise(k, halves).tolist()
         for i, y, rise in list(zip(cut, halves, rises, strict=True))[::-1]:
-            parts = [terrain.distance(x[i], y), terrain.distance(y, x[i + 1])]
-            if max(parts) > ASIDE * d[i]:
+            if max(terrain.distance(y, z) for z in (x[i], x[i + 1])) > ASIDE * d[i]:
                 return None
-            d[i : i + 1] = parts
             x.insert(i + 1, y)
             u.insert(i + 1, rise)
             slope.insert(i + 1, terrain.slope(y))
@@ -302,28 +281,13 @@ def _way(terrain: Terrain, part: _Parting) -> EscapePath | None:
         return None
     if not lower and (to in (k, -1) or not terrain.is_way(k, down[-1])):
         return None
-    best, after = highest(terrain, k, np.array([*part.before, part.low, part.high])), 0
+    best = _highest(terrain, k, np.array([*part.before, part.low, part.high]))
     if best is None or best[0] > terrain.worth:
         back = terrain.path_down(part.low, lambda x: False)
         if _listed(terrain, back[-1]) == k:
-            for states, meets in _over_passes(terrain, back, down):
-                over = highest(terrain, k, states)
-                if over is not None and (best is None or over[0] < best[0]):
-                    best, after = over, meets
-    if best is None:
-        return None
-    height, top, states = best
-    way = np.concatenate([states, down[after + 1 :]])
-    return EscapePath(height, top, -1 if to == k else to, way)
-
-
-def down_to(terrain: Terrain, state: np.ndarray) -> tuple[np.ndarray, int] | None:
-    """Go down carefully to a listed state: states [S, n], and its number; None where that fails, or a step is long."""
-    down = terrain.path_down(state, lambda _: False)
-    to = _listed(terrain, down[-1])
-    if to < 0 or any(terrain.distance(a, b) > JUMP for a, b in itertools.pairwise(down)):
-        return None
-    return np.concatenate([down, terrain.minima[to][None]]), to
+            over = (_highest(terrain, k, states) for states in _over_passes(terrain, back, down))
+            best = min(filter(None, (best, *over)), key=lambda found: found[0], default=None)
+    return None if best is None else EscapePath(*best, -1 if to == k else to)
 
 
 def _listed(terrain: Terrain, x: np.ndarray) -> int:
@@ -332,10 +296,8 @@ def _listed(terrain: Terrain, x: np.ndarray) -> int:
     return nearest if apart[nearest] <= NEAR_SINGULAR_TOL else -1
 
 
-def _over_passes(
-    terrain: Terrain, back: np.ndarray, down: np.ndarray
-) -> list[tuple[np.ndarray, int]]:
-    """Return ways across to the other descent where these part, over passes as well, and where in `down` each ends."""
+def _over_passes(terrain: Terrain, back: np.ndarray, down: np.ndarray) -> list[np.ndarray]:
+    """Return ways that leave one descent for the other where these part: straight across, and over passes there."""
     apart = np.linalg.norm(back[:, None] - down[None], axis=2)
     near = apart <= 2 * max(float(apart[0, 0]), TOGETHER)
     j = int(np.flatnonzero(near.any(axis=0))[-1])
@@ -343,7 +305,7 @@ def _over_passes(
     i = int(apart[:, j].argmin())
     ways = []
     for middle in ([], *([x] for x in terrain.passes(back[i], down[j]))):
-        ways.append((np.array([*back[i:][::-1], *middle, down[j]]), j))
+        ways.append(np.array([*back[i:][::-1], *middle, down[j]]))
     return ways
 
 

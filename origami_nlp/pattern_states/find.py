@@ -159,7 +159,7 @@ def find_states(
     search.part(Signed.name, search.sign)
     search.part("minima with a vertex popped", search.pop, asked.most_popped * starts)
     search.part("images of minima under symmetries", search.add_images)
-    if is_tried(pattern, prove):
+    if is_tried(pattern, prove, contact):
         search.part("the proof that the list is complete", search.prove, pattern, prove)
     if escape:
         search.part("escape barriers", search.add_escapes)

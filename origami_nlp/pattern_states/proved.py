@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Sequence
-from fractions import Fraction
 
 import numpy as np
 
@@ -14,16 +13,22 @@ from origami_nlp.numerics import DUPLICATE_TOL
 from origami_nlp.pattern import Pattern
 from origami_nlp.pattern_problem import PatternProblem
 from origami_nlp.pattern_states.judgement import judge_end
-from origami_nlp.proof import ProofOptions, StripProof, prove_strip, why_no_strip
+from origami_nlp.proof import (
+    ProofOptions,
+    StripProof,
+    prove_strip,
+    why_no_strip,
+    why_no_strip_contact,
+)
 
 FEW = 3
-"""Vertices in a row up to which a proof is tried without being asked for: it costs no more than the search."""
+"""Vertices in a row up to which a proof is tried unasked, one fewer with contact: it costs no more than the search."""
 
 
-def is_tried(pattern: Pattern, wanted: bool | float | ProofOptions | None) -> bool:
+def is_tried(pattern: Pattern, wanted: bool | float | ProofOptions | None, contact: bool) -> bool:
     """Return whether a proof is tried: where it is asked for, or of a short strip."""
     if wanted is None:
-        return len(pattern.vertices) <= FEW and not why_no_strip(pattern)
+        return len(pattern.vertices) <= FEW - contact and not why_no_strip(pattern)
     return wanted is not False
 
 
@@ -45,7 +50,7 @@ def prove_list(
     known
         All that was judged.
     contact
-        Whether facets must not cross: the proof knows fold limits only.
+        Whether facets must not cross.
     wanted
         As for `find_minima`.
 
@@ -63,7 +68,8 @@ def prove_list(
     if isinstance(wanted, float | int) and not isinstance(wanted, bool):
         seconds = float(wanted)
     until = min(problem.until, time.monotonic() + seconds)
-    proof = prove_strip(pattern, boxes=options.boxes, until=until)
+    facets = contact and not why_no_strip_contact(pattern)
+    proof = prove_strip(pattern, contact=facets, boxes=options.boxes, until=until)
     return hold_against(proof, problem, known, contact)
 
 
@@ -104,19 +110,16 @@ def hold_against(
     listed = [s for s in (*known, *judged) if s.verdict == "minimum"]
     for state in listed:
         if min((np.abs(state.phi - x).max() for x in shown), default=math.inf) > DUPLICATE_TOL:
-            if not (contact and any(not c.is_limit for c in state.contacts)):
+            if proof.contact or not (contact and any(not c.is_limit for c in state.contacts)):
                 against.append(f"a listed minimum ({state.energy:.9g} J) is none of the proof")
     reasons = [*against]
     if proof.undecided:
         many = len(proof.undecided)
         reasons.append(f"{many} interval{'s' * (many != 1)} of the curves not decided")
-    if contact and not _meet_at_limits_only(problem.pattern):
-        which = (
-            "of different vertices" if len(problem.pattern.vertices) > 1 else "that are not convex"
-        )
+    if contact and not proof.contact:
         reasons.append(
-            f"all minima within fold limits are proved, {len(shown)} on {proof.curves} curves; facets {which} may "
-            "touch, and states that they hold are not enumerated"
+            f"all minima within fold limits are proved, {len(shown)} on {proof.curves} curves; "
+            f"{why_no_strip_contact(problem.pattern)}: states that touching facets hold are not enumerated"
         )
     added = [s for s in judged if s.verdict == "minimum"]
     completeness = Completeness(
@@ -130,30 +133,10 @@ def hold_against(
         tuple(_region(problem.pattern, *interval) for interval in proof.undecided),
         (),
         tuple(Added(s.energy, s.fold_angles) for s in added),
-        f"all closed states within fold limits lie on {proof.curves} curves through the flat state",
+        f"all closed states within fold limits lie on {proof.curves} curves through the flat state"
+        + ", and facets are apart, touch or cross over intervals of them" * proof.contact,
     )
     return completeness, judged
-
-
-def _meet_at_limits_only(pattern: Pattern) -> bool:
-    """Return whether facets cannot touch before a crease reaches +-180 degrees: four convex ones round one vertex.
-
-    Each is within the cone of its sector.  Where two cones that are not neighbours meet first, a crease lies in the
-    sector opposite; so does the crease between them, and that sector lies on its neighbour.
-    """
-    place = [[Fraction(x) for x in point] for point in pattern.corners[:, :2].tolist()]
-    turns = set()
-    for polygon in pattern.polygons:
-        for a, b, c in zip(
-            polygon, (*polygon[1:], *polygon[:1]), (*polygon[2:], *polygon[:2]), strict=True
-        ):
-            (u, v), (w, z) = (
-                [q - p for p, q in zip(place[i], place[j], strict=True)]
-                for i, j in ((a, b), (b, c))
-            )
-            turns.add((u * z > v * w) - (u * z < v * w))
-    convex = not {-1, 1} <= turns
-    return len(pattern.vertices) == 1 and len(pattern.polygons) == 4 and convex
 
 
 def _region(pattern: Pattern, lower: np.ndarray, upper: np.ndarray, why: str) -> Open:

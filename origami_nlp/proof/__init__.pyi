@@ -24,6 +24,7 @@ from .flat import Flat as Flat, flat_lemma as flat_lemma
 from .options import ProofOptions as ProofOptions
 from .result import Cluster as Cluster, Proof as Proof, ProvedCriticalPoint as ProvedCriticalPoint
 from .singular import Isolation as Isolation, isolated as isolated
+from .strip_contact import why_no_strip_contact as why_no_strip_contact
 from .strip_states import why_no_strip as why_no_strip
 from .strips import (
     StripMinimum as StripMinimum,

@@ -17,6 +17,7 @@ from itertools import product
 import numpy as np
 from scipy.optimize import brentq
 
+from tests.independent.rigid import Rigid
 from tests.independent.trigonometry import sectors
 
 
@@ -103,3 +104,75 @@ def _corner(b: float, c: float, phi: float, rate: float) -> tuple[complex, compl
     )
     dz = math.sin(c) * complex(-math.cos(b) * math.sin(phi), math.cos(phi))
     return z, rate * dz
+
+
+class StripInContact:
+    """Stable states of a strip whose facets must not cross, by a scan of its curves: to the width of a last step."""
+
+    def __init__(self, pattern) -> None:
+        self.strip, self.rigid = Strip(pattern), Rigid(pattern)
+        polygons = [set(p) for p in pattern.polygons]
+        every = range(len(polygons))
+        self.pairs = [
+            (a, b) for a in every for b in every if a < b and not polygons[a] & polygons[b]
+        ]
+
+    def crosses(self, states: np.ndarray) -> np.ndarray:
+        """Whether a side of a facet passes through a triangle of another, [S] for states [S, n]."""
+        placed = [self.rigid.polygons(phi) for phi in states]
+        facets = [np.array([p[k] for p in placed]) for k in range(len(placed[0]))]
+        found = np.zeros(len(states), bool)
+        for a, b in self.pairs:
+            for one, other in ((facets[a], facets[b]), (facets[b], facets[a])):
+                for i in range(one.shape[1]):
+                    p, q = one[:, i - 1], one[:, i]
+                    for j in range(1, other.shape[1] - 1):
+                        found |= _pierces(p, q, other[:, 0], other[:, j], other[:, j + 1])
+        return found
+
+    def wells(self, samples: int = 400) -> Iterator[tuple[np.ndarray, bool]]:
+        """Minima, [n] each, and whether facets that touch hold them."""
+        grid = np.unique(
+            np.r_[np.geomspace(1e-6, 0.1, 40), np.linspace(0.1, math.pi / 2 - 1e-9, samples)]
+        )
+        for signs in product((1, -1), repeat=len(self.strip.around)):
+            for side in (1.0, -1.0):
+                states = np.array([self.strip.at(signs, side * t)[0] for t in grid])
+                jumps = np.flatnonzero(np.abs(np.diff(states, axis=0)).max(axis=1) > math.pi)
+                end = int(jumps[0]) + 1 if len(jumps) else len(grid)
+                free = ~self.crosses(states[:end])
+                slopes = np.array([side * self.strip.slope(signs, side * t) for t in grid[:end]])
+                for i in range(end - 1):
+                    if free[i] and free[i + 1] and slopes[i] < 0 <= slopes[i + 1]:
+                        root = brentq(
+                            lambda t, s=signs, d=side: self.strip.slope(s, d * t),
+                            grid[i],
+                            grid[i + 1],
+                        )
+                        yield self.strip.at(signs, side * root)[0], False
+                    elif (
+                        free[i] != free[i + 1]
+                        and slopes[i] * slopes[i + 1] > 0
+                        and (slopes[i] < 0) == free[i]
+                    ):
+                        low, high = grid[i], grid[i + 1]
+                        for _ in range(40):
+                            middle = 0.5 * (low + high)
+                            phi = self.strip.at(signs, side * middle)[0]
+                            if self.crosses(phi[None])[0] == free[i]:
+                                high = middle
+                            else:
+                                low = middle
+                        yield self.strip.at(signs, side * low)[0], True
+
+
+def _pierces(p, q, a, b, c) -> np.ndarray:
+    """Whether segments p q pass through triangles a b c inside, for points [S, 3]."""
+
+    def volume(x, y, z, w):
+        return np.einsum("si,si->s", np.cross(y - x, z - x), w - x)
+
+    one, two = volume(a, b, c, p), volume(a, b, c, q)
+    turns = [volume(p, q, *pair) for pair in ((a, b), (b, c), (c, a))]
+    alike = np.all([t > 0 for t in turns], axis=0) | np.all([t < 0 for t in turns], axis=0)
+    return (one * two < 0) & alike

@@ -1,0 +1,268 @@
+"""Where the energy of a strip has its least values along curves: inside, where facets meet, or where a curve ends."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from origami_nlp.proof.affine import UNIT, variables
+from origami_nlp.proof.balls import Ball
+from origami_nlp.proof.strip_contact import APART, CROSSING, TOUCHING, UNKNOWN, StripContact, Touch
+from origami_nlp.proof.strip_energy import (
+    FALLING,
+    LIMIT,
+    NONE,
+    OPEN,
+    OUTSIDE,
+    RISING,
+    StripEnergy,
+    ThetaStretch,
+    kinds_of_boxes,
+)
+
+
+@dataclass(frozen=True)
+class StripMinimum:
+    """A minimum of the energy on a curve.
+
+    Attributes
+    ----------
+    signs
+        Of the folds along the row for theta > 0, [k + 1].
+    theta
+        Two numbers that it lies between [rad].
+    fold_angles
+        In the middle, [n] [rad].
+    radius
+        None of the fold angles differs by more [rad].
+    at_limit
+        Whether a crease is at +-pi there.
+    touching
+        Pairs of facets (polygons of the pattern, from 0) that hold it; none but with contact.
+    """
+
+    signs: tuple[int, ...]
+    theta: tuple[float, float]
+    fold_angles: np.ndarray
+    radius: float
+    at_limit: bool
+    touching: tuple[tuple[int, int], ...] = ()
+
+
+class CurveEnds:
+    """Where the energy has its least values along curves: inside, or where a curve ends."""
+
+    def __init__(
+        self,
+        energy: StripEnergy,
+        contact: StripContact | None,
+        touches: dict[tuple[float, float, float], tuple[Touch, ...]],
+    ) -> None:
+        self.energy, self.maxima = energy, 0
+        self.contact, self.touches = contact, touches
+        self.open: list[tuple[np.ndarray, np.ndarray, str]] = []
+        self._inside: list[ThetaStretch] = []
+        self._limits: list[tuple[ThetaStretch, float]] = []
+        self._ends: list[tuple[int, float]] = []
+        self._held: list[ThetaStretch] = []
+
+    def along(self, boxes: list[ThetaStretch]) -> None:
+        """Add what the boxes of a curve show, which cover it."""
+        pieces = [boxes[0]]
+        for box in boxes[1:]:
+            if pieces[-1].joins(box):
+                pieces[-1] = pieces[-1]._replace(upper=box.upper)
+            else:
+                pieces.append(box)
+        for before, piece, after in zip([None, *pieces], pieces, [*pieces[1:], None], strict=False):
+            if piece.kind == OPEN:
+                self._leave(piece, "not decided in the smallest boxes")
+            elif piece.contact == CROSSING or piece.kind == OUTSIDE:
+                continue
+            elif piece.contact == UNKNOWN:
+                self._leave(piece, "whether facets cross is not decided in the smallest boxes")
+                continue
+            elif piece.contact == TOUCHING and piece.kind != LIMIT:
+                self._touch(piece, before is None, after is None)
+                continue
+            elif piece.kind in (RISING, FALLING):
+                low, high = (self._slope(piece, x) for x in (piece.lower, piece.upper))
+                if low * high == 0:
+                    self._leave(piece, "U' is 0 at an end, to rounding")
+                elif low != high:
+                    self._inside += [piece] * (piece.kind == RISING)
+                    self.maxima += piece.kind == FALLING
+            elif piece.kind == LIMIT:
+                # another crease reaches its limit in the next box: what is between them, at one state
+                before, after = (
+                    self._at(p, x) if p is not None and p.kind == LIMIT else p
+                    for p, x in ((before, piece.lower), (after, piece.upper))
+                )
+                sides = [p for p in (before, after) if p is not None and p.closes]
+                whole = all(p is None or p.closes or p.kind == OUTSIDE for p in (before, after))
+                if whole and not sides and before is not None and after is not None:
+                    # each vertex changes once at most: one that is open on both sides is open between them
+                    if not (
+                        self._closing(piece, piece.lower) | self._closing(piece, piece.upper)
+                    ).all():
+                        continue
+                if len(sides) == 2 and piece.contact == APART:
+                    continue  # so that no fold passes, and U' is not 0
+                if len(sides) != 1 or not whole or before is None or after is None:
+                    self._leave(piece, "creases reach +-pi together")
+                    continue
+                toward = 1.0 if sides[0] is before else -1.0
+                contact = self._limit_contact(piece, toward) if piece.contact == TOUCHING else APART
+                if contact == CROSSING:
+                    continue
+                if contact == UNKNOWN:
+                    self._leave(
+                        piece, "whether facets cross where a crease is at +-pi is not decided"
+                    )
+                    continue
+                if toward * (piece.ahead if toward > 0 else piece.behind) < 0:
+                    self._limits.append((piece, toward))
+            for beyond, x, toward in ((before, piece.lower, -1.0), (after, piece.upper, 1.0)):
+                if beyond is None and piece.valid:
+                    slope = toward * self._slope(piece, x)
+                    if slope == 0:
+                        self._leave(piece, "U' is 0 at +-pi, to rounding")
+                    elif slope < 0:
+                        self._ends.append((int(piece.curve), x))
+
+    def _touch(self, piece: ThetaStretch, first: bool, last: bool) -> None:
+        """Add the state of a piece where two facets meet, if the energy falls towards it, and the end of a curve."""
+        touch = self.touches[piece[:3]]
+        low, high = (self._gap(piece, touch, x) for x in (piece.lower, piece.upper))
+        if low * high == 0:
+            self._leave(piece, "whether facets cross at an end of a box is not decided")
+            return
+        if (low < 0 < high and piece.slope > 0) or (high < 0 < low and piece.slope < 0):
+            self._held.append(piece)
+        # U' has one sign over the piece
+        if first and low > 0 and piece.slope > 0:
+            self._ends.append((int(piece.curve), piece.lower))
+        if last and high > 0 and piece.slope < 0:
+            self._ends.append((int(piece.curve), piece.upper))
+
+    def _limit_contact(self, piece: ThetaStretch, toward: float) -> int:
+        """Return what is known of facets at the state of a piece where creases reach their limits from one side."""
+        ends = np.array([[piece.lower], [piece.upper]])
+        boxes = self.energy.over(np.array([int(piece.curve)]), *ends)
+        assert self.contact is not None
+        facets = self.contact.facets(boxes.at, boxes.box, boxes.angles, boxes.half)
+        held = {self.energy.across[i]: side for i, side in piece.at_limits(toward).items()}
+        return self.contact.at_limits(facets, boxes.angles, held)
+
+    def _gap(self, piece: ThetaStretch, touch: tuple[Touch, ...], theta: float) -> float:
+        """Return the sign of the gap of two facets at one state, 0 where it is not certain."""
+        at = self.energy.over(np.array([int(piece.curve)]), *np.array([[theta], [theta]])).at
+        assert self.contact is not None
+        return float(self.contact.gap(touch, at)[0])
+
+    def _leave(self, piece: ThetaStretch, why: str) -> None:
+        ends = np.array([piece.lower]), np.array([piece.upper])
+        angles = self.energy.over(np.array([int(piece.curve)]), *ends).angles
+        low, high = (np.full(len(self.energy.rest), s * math.pi) for s in (-1, 1))
+        for crease, a in angles.items():
+            low[crease] = np.fmax(-math.pi, a.centre[0] - a.radius[0])
+            high[crease] = np.fmin(math.pi, a.centre[0] + a.radius[0])
+        self.open.append((low, high, why))
+
+    def _at(self, piece: ThetaStretch, theta: float) -> ThetaStretch:
+        """Return what is known of one state of a piece."""
+        x = np.array([theta])
+        found = kinds_of_boxes(self.energy, np.array([int(piece.curve)]), x, x, self.contact, {})
+        return ThetaStretch(piece.curve, theta, theta, *(float(v[0]) for v in found))
+
+    def _slope(self, piece: ThetaStretch, theta: float) -> float:
+        """Return the sign of U' at one state of a piece, 0 where it is not certain."""
+        if piece.kind == NONE:
+            return piece.slope
+        x = np.array([theta])
+        return float(self.energy.over(np.array([int(piece.curve)]), x, x).slope()[0].sign[0])
+
+    def _closing(self, piece: ThetaStretch, theta: float) -> np.ndarray:
+        """Return which vertices may close at one state of a piece, [k]."""
+        at = self.energy.over(np.array([int(piece.curve)]), *np.array([[theta], [theta]])).at
+        return (at.closes() | ~at.narrow)[:, 0]
+
+    def minima(self) -> list[StripMinimum]:
+        """Return all minima that were found, each in a narrow box."""
+        found = []
+        curve = np.array([int(p.curve) for p in self._inside], int)
+        boxes = self._narrowed(curve, self._inside, None)
+        flat = 0
+        for piece, low, high in zip(self._inside, *boxes, strict=True):
+            if low <= 0 <= high:  # at the flat state, if U' is 0 there
+                if self.energy.rest.any():
+                    self._leave(piece, "a minimum at the flat state, or beside it")
+                flat += 1
+                if flat != self.energy.signs.shape[1]:
+                    continue
+            found.append(self._state(int(piece.curve), low, high, {}))
+        if 0 < flat < self.energy.signs.shape[1]:
+            self._leave(self._inside[0], "the flat state is a minimum of some of its curves only")
+        limits = [piece for piece, _ in self._limits]
+        curve = np.array([int(p.curve) for p in limits], int)
+        held = [piece.at_limits(toward) for piece, toward in self._limits]
+        boxes = self._narrowed(curve, limits, [next(iter(folds.items())) for folds in held])
+        for piece, folds, low, high in zip(limits, held, *boxes, strict=True):
+            at = {self.energy.across[i]: side * math.pi for i, side in folds.items()}
+            found.append(self._state(int(piece.curve), low, high, at))
+        found += [self._state(curve, x, x, {-1: 0.0}) for curve, x in self._ends]
+        return found + [self._held_state(piece) for piece in self._held]
+
+    def _held_state(self, piece: ThetaStretch) -> StripMinimum:
+        """Return the state of a piece where two facets meet, in a narrow box."""
+        touch = self.touches[piece[:3]]
+        low, high = piece.lower, piece.upper
+        while (middle := 0.5 * (low + high)) not in (low, high):
+            side = self._gap(piece, touch, middle) * touch[0].slope
+            if side == 0:
+                break
+            low, high = (low, middle) if side > 0 else (middle, high)
+        state = self._state(int(piece.curve), low, high, {})
+        return replace(state, touching=tuple(t.polygons for t in touch))
+
+    def _narrowed(
+        self, curve: np.ndarray, pieces: list[ThetaStretch], first: list[tuple[int, float]] | None
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Return the ends of theta after interval Newton steps: for U' = 0, or for the first fold at its limit."""
+        low, high = (np.array([getattr(p, end) for p in pieces]) for end in ("lower", "upper"))
+        across, sides = np.array(first or [(0, 0.0)]).T
+        grows = [
+            1.0 if int(p.growing) >> int(i) & 1 else -1.0
+            for p, i in zip(pieces, across, strict=False)
+        ]
+        rising = np.array(grows) if first else np.ones(len(pieces))
+        for _ in range(40 * bool(pieces)):
+            boxes = self.energy.over(curve, low, high)
+            middle, _ = variables(low, high)
+            if first is None:
+                value, rate = self.energy.first(boxes.at, boxes.at.angles), boxes.slope()[1]
+            else:
+                value, rate = boxes.reaching(across.astype(int), sides)
+            step = value * rate.inverse()
+            root = Ball(middle - step.centre, step.radius + 4 * UNIT)
+            # where the slope over the box is not certain, the half that the sign in the middle points to
+            beyond = value.sign * rising
+            new_low = np.where(beyond < 0, middle, np.fmax(low, root.centre - root.radius))
+            new_high = np.where(beyond > 0, middle, np.fmin(high, root.centre + root.radius))
+            shrunk = new_high - new_low < 0.9 * (high - low)
+            low, high = np.fmax(low, new_low), np.fmin(high, new_high)
+            if not shrunk.any():
+                break
+        return low, high
+
+    def _state(self, curve: int, low: float, high: float, held: dict[int, float]) -> StripMinimum:
+        """Return the state in a narrow box, creases across the row held at limits."""
+        boxes = self.energy.over(np.array([curve]), np.array([low]), np.array([high]))
+        phi, radius = np.zeros(len(self.energy.rest)), 0.0
+        for crease, angle in boxes.angles.items():
+            phi[crease] = held.get(crease, np.clip(angle.centre[0], -math.pi, math.pi))
+            radius = max(radius, float(angle.radius[0]))
+        signs = tuple(int(s) for s in self.energy.signs[:, curve])
+        return StripMinimum(signs, (float(low), float(high)), phi, radius, bool(held))

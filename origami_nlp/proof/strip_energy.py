@@ -1,0 +1,205 @@
+"""The energy of a strip along its curves over boxes: its slope, fold limits and contact, as far as certain."""
+
+from __future__ import annotations
+
+import functools
+import math
+import operator
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from origami_nlp.pattern import Pattern
+from origami_nlp.proof.affine import UNIT, variables
+from origami_nlp.proof.balls import Ball, exact
+from origami_nlp.proof.strip_contact import APART, CROSSING, TOUCHING, UNKNOWN, StripContact, Touch
+from origami_nlp.proof.strip_states import Strip, StripStates
+
+HALF_TURN = math.nextafter(math.pi, 0.0)
+"""Not above pi, which is between two doubles."""
+TOGETHER = 2.0**-30
+"""Width of theta within which folds of several vertices pass their limits at once [rad]."""
+NONE, RISING, FALLING, OUTSIDE, LIMIT, OPEN = range(6)
+"""Kinds of boxes: U' is not 0; U'' > 0; U'' < 0; no state within fold limits; a crease reaches +-pi; undecided."""
+
+
+class StripEnergy:
+    """The energy's derivatives U' and U'' along curves with these signs, [k + 1, curves], over boxes of theta."""
+
+    def __init__(self, strip: Strip, pattern: Pattern, signs: np.ndarray) -> None:
+        self.strip, self.signs = strip, signs
+        self.k, self.rest = pattern.stiffness, pattern.rest
+        self.across = [c for v in strip.corners for c in (v.creases[1], v.creases[3])]
+
+    def over(self, curve: np.ndarray, lower: np.ndarray, upper: np.ndarray) -> ThetaBoxes:
+        """Return what is known over boxes on curves of these numbers."""
+        middle, half = variables(lower, upper)
+        signs = self.signs[:, curve]
+        at = StripStates(self.strip, signs, exact(middle))
+        box = StripStates(self.strip, signs, Ball(middle, half))
+        # phi = phi(middle) + phi' (theta - middle)
+        angles = {c: a.widened(box.slopes[c].value.magnitude * half) for c, a in at.angles.items()}
+        return ThetaBoxes(self, at, box, angles, half)
+
+    def first(self, states: StripStates, angles: dict[int, Ball]) -> Ball:
+        """Return U' = sum k (phi - rest) phi'."""
+        return total(
+            exact(self.k[c]) * (phi - exact(self.rest[c])) * states.slopes[c].value
+            for c, phi in angles.items()
+        )
+
+    def second(self, states: StripStates, angles: dict[int, Ball]) -> Ball:
+        """Return U'' = sum k (phi'^2 + (phi - rest) phi'')."""
+        return total(
+            exact(self.k[c])
+            * (
+                states.slopes[c].value * states.slopes[c].value
+                + (phi - exact(self.rest[c])) * states.slopes[c].slope
+            )
+            for c, phi in angles.items()
+        )
+
+
+def total(parts: Iterable[Ball]) -> Ball:
+    """Sum balls."""
+    return functools.reduce(operator.add, parts)
+
+
+@dataclass(frozen=True, eq=False)
+class ThetaBoxes:
+    """States in the middle of boxes and over them, and all fold angles over them."""
+
+    energy: StripEnergy
+    at: StripStates
+    box: StripStates
+    angles: dict[int, Ball]
+    half: np.ndarray
+
+    def slope(self, lifted: dict[int, Ball] | None = None) -> tuple[Ball, Ball]:
+        """Return U' over the boxes, from its middle and U'', and U''; folds in the middle may be lifted by 2 pi."""
+        middle = self.at.angles | (lifted or {})
+        moved = {
+            c: a.widened(self.box.slopes[c].value.magnitude * self.half)
+            for c, a in (lifted or {}).items()
+        }
+        bend = self.energy.second(self.box, self.angles | moved)
+        first = self.energy.first(self.at, middle)
+        return first.widened(bend.magnitude * self.half), bend
+
+    def reaching(self, across: np.ndarray, sides: np.ndarray) -> tuple[Ball, Ball]:
+        """Return how far in the middle a fold across the row, [K], is beyond sides pi, and its slope over the boxes."""
+        value, rate = [], []
+        for i, (a, s) in enumerate(zip(across.tolist(), sides.tolist(), strict=True)):
+            crease = self.energy.across[a]
+            phi, slope = self.at.angles[crease], self.box.slopes[crease].value
+            here = phi.centre[i] + (s * 2 * math.pi if s * phi.centre[i] < 0 else 0.0)
+            value.append((here - s * math.pi, phi.radius[i] + 16 * UNIT))
+            rate.append((slope.centre[i], slope.radius[i]))
+        return Ball(*np.array(value).T), Ball(*np.array(rate).T)
+
+    def passing(self) -> np.ndarray:
+        """Return which folds across the row may be at +-pi, [creases across, K]; where nothing is known, too."""
+        return np.array([~(self.angles[c].magnitude < HALF_TURN) for c in self.energy.across])
+
+    def lifted(self, signs: np.ndarray, passing: np.ndarray) -> dict[int, Ball]:
+        """Return folds across the row in the middle, those that pass a limit continued to signs pi, [across, K]."""
+        found = {}
+        for c, sign, passes in zip(self.energy.across, signs, passing, strict=True):
+            a = self.at.angles[c]
+            turn = np.where(passes & (sign * a.centre < 0), sign * 2 * math.pi, 0.0)
+            found[c] = Ball(a.centre + turn, a.radius + 16 * UNIT)
+        return found
+
+
+class ThetaStretch(NamedTuple):
+    """A box of theta of one curve, or several beside each other: its kind, and the sign of U' over it.
+
+    Where folds across the row reach limits: the signs of U' with them continued as towards larger theta, and as towards
+    smaller, the sum of 2^i over their numbers i among those across, and over those that grow.
+    """
+
+    curve: float
+    lower: float
+    upper: float
+    kind: float
+    slope: float
+    ahead: float
+    behind: float
+    passing: float
+    growing: float
+    contact: float
+
+    def at_limits(self, toward: float) -> dict[int, float]:
+        """Return which folds across the row pass limits, and +-1 for the limit, coming from smaller theta (1) or larger
+        (-1).
+        """
+        return {
+            i: toward * (1.0 if int(self.growing) >> i & 1 else -1.0)
+            for i in range(int(self.passing).bit_length())
+            if int(self.passing) >> i & 1
+        }
+
+    @property
+    def valid(self) -> bool:
+        """Whether all its states close within fold limits, and no facets cross in all or some of them."""
+        return self.closes and self.contact != CROSSING
+
+    @property
+    def closes(self) -> bool:
+        """Whether all its states close within fold limits."""
+        return self.kind in (NONE, RISING, FALLING)
+
+    def joins(self, other: ThetaStretch) -> bool:
+        """Return whether both are of one kind, and say the same."""
+        if self.contact != other.contact or self.contact == TOUCHING:
+            return False
+        if self.kind == LIMIT:
+            passing = int(self.passing)
+            grow = int(self.growing) & passing == int(other.growing) & passing
+            return grow and self[3:4] + self[5:8] == other[3:4] + other[5:8]
+        return self.kind == other.kind and (self.kind != NONE or self.slope == other.slope)
+
+
+def kinds_of_boxes(
+    energy: StripEnergy,
+    curve: np.ndarray,
+    lower: np.ndarray,
+    upper: np.ndarray,
+    contact: StripContact | None,
+    touches: dict[tuple[float, float, float], tuple[Touch, ...]],
+) -> tuple[np.ndarray, ...]:
+    """Return what a `ThetaStretch` says of each box; where facets meet is added to the touches."""
+    boxes = energy.over(curve, lower, upper)
+    slope, bend = boxes.slope()
+    passing = boxes.passing()
+    narrow = boxes.at.narrow
+    inside = narrow & ~passing.any(axis=0)
+    kind = np.full(len(curve), OPEN)
+    kind[inside & (bend.sign > 0)] = RISING
+    kind[inside & (bend.sign < 0)] = FALLING
+    kind[inside & (slope.sign != 0)] = NONE
+    kind[inside & ~boxes.at.closes().all(axis=0)] = OUTSIDE
+    # folds that pass a limit, each once, of one vertex one at most: towards larger theta they grow to pi or fall to -pi
+    rates = [boxes.box.slopes[c].value for c in energy.across]
+    moving = np.array([r.sign for r in rates])
+    once = np.array([(r.sign != 0) & (r.magnitude * boxes.half < 1) for r in rates])
+    known = (once | ~passing).all(axis=0) & ~(passing[::2] & passing[1::2]).any(axis=0)
+    ahead, behind = (boxes.slope(boxes.lifted(s * moving, passing))[0].sign for s in (1.0, -1.0))
+    known &= (passing.sum(axis=0) == 1) | (upper - lower <= TOGETHER)
+    kind[narrow & passing.any(axis=0) & known & (ahead != 0) & (behind != 0)] = LIMIT
+    bits = 2.0 ** np.arange(len(energy.across))
+    status = np.full(len(curve), APART)
+    asked = np.flatnonzero((kind != OPEN) & (kind != OUTSIDE))
+    if contact is not None and len(asked):
+        some = energy.over(curve[asked], lower[asked], upper[asked])
+        facets = contact.facets(some.at, some.box, some.angles, some.half)
+        status[asked], found = contact.over(facets, some.angles, (upper - lower)[asked])
+        for k, touch in found.items():
+            i = int(asked[k])
+            if kind[i] == NONE:
+                touches[float(curve[i]), float(lower[i]), float(upper[i])] = touch
+            else:
+                status[i] = UNKNOWN
+    return kind, slope.sign, ahead, behind, bits @ passing, bits @ (moving > 0), status
