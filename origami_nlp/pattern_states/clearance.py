@@ -230,7 +230,7 @@ class Clearance:
         """
         still, moving = self._between[0][:, pairs]
         off = self.remainders(control)[:, pairs]
-        c, (corners, middles, radii) = self.problem.crossings, self._pieces
+        c, (corners, _, radii) = self.problem.crossings, self._pieces
         here, there = c.facet[still], c.facet[moving]
 
         def seen(step: np.ndarray, k: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -242,18 +242,14 @@ class Clearance:
                 out.append((back @ turn[step, there[k]], (back @ away[:, :, None])[:, :, 0]))
             return np.array([t for t, _ in out]), np.array([s for _, s in out])
 
-        found = []
         apex = self._apex[pairs]
-        for t in range(len(control)):
-            every, single = np.flatnonzero(apex == -1), np.full(len(pairs), t)
-            turn, shift = seen(single[every], every)
-            y = (turn @ middles[moving[every], :, None])[..., 0] + shift - middles[still[every]]
-            # the chord of two middles is no nearer to a third than this
-            near = np.linalg.norm(y, axis=2).sum(axis=0) - np.linalg.norm(y[1] - y[0], axis=1)
-            close = near / 2 - radii[moving[every]] - radii[still[every]] <= off[t, every]
-            found.append((single[: close.sum()], every[close], turn[:, close], shift[:, close]))
-        step, k = (np.concatenate([x[i] for x in found]) for i in (0, 1))
-        turn, shift = (np.concatenate([x[i] for x in found], axis=1) for i in (2, 3))
+        every = np.flatnonzero(apex == -1)
+        y = self._middles(before, after, still[every], moving[every])
+        # the chord of two middles is no nearer to a third than this
+        near = np.linalg.norm(y, axis=3).sum(axis=0) - np.linalg.norm(y[1] - y[0], axis=2)
+        step, k = np.nonzero(near / 2 - radii[moving[every]] - radii[still[every]] <= off[:, every])
+        k = every[k]
+        turn, shift = seen(step, k)
         a, b = corners[still[k]], corners[moving[k]] @ turn.swapaxes(2, 3) + shift[:, :, None]
         lying = np.zeros(len(k), bool)
         left = np.arange(len(k))
@@ -278,6 +274,27 @@ class Clearance:
             pairs[np.concatenate([k[left], corner[touch], more])],
             np.concatenate([lying[left], at_ends[touch] < DEEP, np.ones(len(more), bool)]),
         )
+
+    def _middles(
+        self,
+        before: tuple[np.ndarray, np.ndarray],
+        after: tuple[np.ndarray, np.ndarray],
+        still: np.ndarray,
+        moving: np.ndarray,
+    ) -> np.ndarray:
+        """Return the middles of pieces [K], less those of others [K], as these see them at both ends, [2, T, K, 3]."""
+        c, middles = self.problem.crossings, self._pieces[1]
+        out = []
+        for turn, shift in (before, after):
+            back = turn[:, c.facet].swapaxes(2, 3)
+            placed = (turn[:, c.facet] @ middles[..., None])[..., 0] + shift[:, c.facet] / c.size
+            # of all pairs at once: one product of matrices a step
+            steps, many = placed.shape[:2]
+            seen = (back.reshape(steps, 3 * many, 3) @ placed.swapaxes(1, 2)).reshape(
+                steps, many, 3, many
+            )
+            out.append(seen[:, still, :, moving] - seen[:, still, :, still])
+        return np.array(out).swapaxes(1, 2)
 
     def along(self, curve: Interpolant) -> Stretches:
         """Ask along a curve where facets cross, with further states where two might touch between those it has.

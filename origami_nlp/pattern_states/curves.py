@@ -121,5 +121,11 @@ class TracedCurves:
         i = int(distance.argmin())
         if distance[i] > 2 * LONG * math.sqrt(self.problem.size):
             return False
-        steps = (step for step in (i - 1, i) if 0 <= step < len(curve.control))
-        return any(curve.nearest(step, phi)[1] < ON_CURVE for step in steps)
+        steps = [step for step in (i - 1, i) if 0 <= step < len(curve.control)]
+        # no state of a step is outside the box of its control points
+        low, high = (end(curve.control[steps], axis=1) for end in (np.min, np.max))
+        inside = ((phi >= low - ON_CURVE) & (phi <= high + ON_CURVE)).all(axis=1)
+        return any(
+            near and curve.nearest(step, phi)[1] < ON_CURVE
+            for step, near in zip(steps, inside, strict=True)
+        )

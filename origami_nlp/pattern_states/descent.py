@@ -29,6 +29,10 @@ STILL = 1e-12
 """Reduced torque over the mean stiffness at which a descent has arrived."""
 MOST_SPECTRAL = 60
 """Creases up to which steps are taken from a spectrum, which leaves saddles; beyond, curvature is shifted."""
+FALLS = 0.5
+"""Steps that lower no energy go on while each leaves a smaller share of the torque: beside states where closure loses
+rank they end nowhere."""
+NO_LOWER = "no lower state within reach"
 FAR = 4.0
 """A step that is cut by more than this goes along the softest ways alone: curvature is shifted instead."""
 
@@ -93,6 +97,7 @@ def descend(
     limited = problem.fold_limits
     held = (np.abs(limited.room(phi)) <= OUTSIDE) | stays
     energy, path = problem.scaled_energy(phi), [phi]
+    crept, before = False, math.inf
     for step in range(most):
         where = np.flatnonzero(held)
         lam, limits, balance = problem.multipliers(phi, where)
@@ -100,10 +105,14 @@ def descend(
         pulls = np.where(stays[where], 0.0, limits)
         if len(where) and pulls.min() < -STILL:  # negative multiplier: it leaves the active set
             held[where[int(pulls.argmin())]] = False
+            crept = False
             continue
         # beside the flat state multipliers are large, and rounding with them
         size, left = max(1.0, float(np.abs(lam).max(initial=0.0))), float(np.abs(balance).max())
         still = STILL * size
+        if crept and left > FALLS * before:
+            return Descended(phi, left <= BALANCED, step, NO_LOWER, saddles, tuple(path))
+        before = left
         if left <= ROUNDED * size and problem.size > MOST_SPECTRAL:  # no step leaves a saddle there
             return Descended(phi, True, step, "still", saddles, tuple(path))
         d, off_saddle = _direction(problem, phi, lam, held, radius, normal, side)
@@ -121,7 +130,7 @@ def descend(
                 1 + energy
             )
             if closes and (lower or tiny) and np.abs(new - phi).max() <= 3 * radius + OUTSIDE:
-                phi, energy, moved = new, problem.scaled_energy(new), True
+                phi, energy, moved, crept = new, problem.scaled_energy(new), True, not lower
                 path.append(phi)
                 held = held | (np.abs(limited.room(phi)) <= OUTSIDE)
                 if np.abs(trial).max() >= 0.9 * radius:
@@ -130,9 +139,7 @@ def descend(
             radius *= 0.3
         if not moved:
             at_rest = np.abs(balance).max() <= BALANCED
-            return Descended(
-                phi, at_rest, step, "no lower state within reach", saddles, tuple(path)
-            )
+            return Descended(phi, at_rest, step, NO_LOWER, saddles, tuple(path))
         radius = max(radius, SETTLED)
     return Descended(phi, False, most, "too many steps", saddles, tuple(path))
 
