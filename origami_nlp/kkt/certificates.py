@@ -133,7 +133,7 @@ def _judge(piece: Stratum, stationary: float) -> BranchJudgement:
     if y.shape[1]:
         loaded = multipliers.upper > 10 * stationary * size
         y = null_space(a[loaded] @ z)
-    s = z @ y
+    s = z @ y if loaded.any() else z
     if s.shape[1] == 0:
         return say(
             "minimum", "sharp: the energy grows to first order in every feasible direction", 3

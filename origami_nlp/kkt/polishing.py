@@ -28,13 +28,17 @@ from origami_nlp.numerics import (
     STATIONARY,
     SUMMED,
     UNPOLISHED,
+    KernelBasis,
     first_largest,
+    solve_symmetric,
 )
 from origami_nlp.problem import Contact, Local, Problem, held
 
 MOST_STEPS = 12
 MANY = 24
 """Variables above which those at their limits are left out of the KKT system."""
+LARGE = 100
+"""Variables above which what closure leaves has its basis as reflections: products take n^2, not n^3."""
 MOST_REPAIRS = 8
 RESOLVED = 0.1
 """A state is distinguished from a singular one at a distance of which its uncertainty is at most this share."""
@@ -269,11 +273,16 @@ class _System:
         left = self.stationarity if self.free is None else self.stationarity[self.free]
         # null-space method for the Newton-KKT system (Nocedal & Wright, 16.2 and 18.1): a small singular value s of the
         # Jacobian is one of s^2 over the Hessian in the whole system, beside singular states below rounding
-        u, singular, vt = np.linalg.svd(self.jacobian)
+        large = self.jacobian.shape[1] > LARGE
+        u, singular, vt = np.linalg.svd(self.jacobian, full_matrices=not large)
         rank = int((singular > DEPENDENT).sum())
         move = -vt[:rank].T @ ((u[:, :rank].T @ values[:count]) / singular[:rank])
         z = vt[rank:].T
-        if z.shape[1]:
+        if large:
+            basis = KernelBasis(vt[:rank])
+            cost = basis.coordinates((left + self.hessian @ move)[:, None])
+            move = move - basis.spread(solve_symmetric(basis.within(self.hessian), cost))[:, 0]
+        elif z.shape[1]:
             cost = z.T @ (left + self.hessian @ move)
             move = move - z @ np.linalg.lstsq(z.T @ self.hessian @ z, cost, rcond=ROUNDED)[0]
         if self.free is None:
@@ -316,15 +325,21 @@ def _uncertainty(system: _System) -> float:
     only.
     """
     hessian, jacobian, multipliers = system.hessian, system.jacobian, system.multipliers
-    _, singular, vt = np.linalg.svd(jacobian)
+    large = jacobian.shape[1] > LARGE
+    _, singular, vt = np.linalg.svd(jacobian, full_matrices=not large)
     rank = int((singular > DEPENDENT).sum())
     across = vt[:rank].T / singular[:rank]  # moves by one unit of each independent constraint
     along = vt[rank:].T
     torque = 1.0 + float(np.abs(multipliers).max(initial=0.0))
     error = SUMMED * float(np.abs(across).sum(axis=1).max(initial=0.0))
-    if along.shape[1]:
-        stiffness = np.abs(np.linalg.eigvalsh(along.T @ hessian @ along)).min()
-        tilt = SUMMED * np.abs(along.T @ hessian @ across).sum() + EPS * torque
+    if large or along.shape[1]:
+        if large:
+            basis = KernelBasis(vt[:rank])
+            inside, beside = basis.within(hessian), basis.coordinates(hessian @ across)
+        else:
+            inside, beside = along.T @ hessian @ along, along.T @ hessian @ across
+        stiffness = np.abs(np.linalg.eigvalsh(inside)).min()
+        tilt = SUMMED * np.abs(beside).sum() + EPS * torque
         error += float(tilt / max(stiffness, NONZERO))
     return error
 
