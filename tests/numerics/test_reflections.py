@@ -1,4 +1,4 @@
-"""Bases of kernels as reflections: what they give is what the basis itself gives, and systems are solved as SVD does."""
+"""Bases of kernels as reflections give what the basis itself gives, and systems are solved as SVD does."""
 
 import numpy as np
 import pytest
