@@ -20,8 +20,9 @@ from benchmarks.prescribed import (
     random_question,
 )
 from origami_nlp.display import Report, Section, Table
-from origami_nlp.inverse_design import DEFINITE, ConvexDesign, scene_of, smatrix, solve, springs_of
+from origami_nlp.inverse_design import ConvexDesign, scene_of, solve, springs_of
 from origami_nlp.io import to_plain
+from origami_nlp.numerics import DEFINITE, smatrix
 
 SCHEMA = "origami-nlp/design-bench/1"
 STATES = 2

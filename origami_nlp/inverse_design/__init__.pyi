@@ -1,10 +1,3 @@
-from .conic import (
-    DEFINITE as DEFINITE,
-    ConeRows as ConeRows,
-    ConicProgram as ConicProgram,
-    ConicSolution as ConicSolution,
-    smatrix as smatrix,
-)
 from .contact_choice import solve as solve
 from .convex import (
     ConvexDesign as ConvexDesign,

@@ -7,9 +7,9 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from origami_nlp.inverse_design.conic import ConeRows
 from origami_nlp.inverse_design.convex import ConvexDesign, standing
 from origami_nlp.inverse_design.targets import Targets
+from origami_nlp.numerics import ConeRows
 from origami_nlp.problem import Contact
 
 MOST_CHOICES = 64

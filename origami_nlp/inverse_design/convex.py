@@ -15,18 +15,20 @@ from typing import Any
 import numpy as np
 
 from origami_nlp.errors import OptionError
-from origami_nlp.inverse_design.conic import (
+from origami_nlp.inverse_design.equilibrium import Balance, Springs, balances, energy_row
+from origami_nlp.inverse_design.targets import Targets
+from origami_nlp.kkt import State
+from origami_nlp.numerics import (
     BALL,
+    DESIGN_ACTIVE,
+    DESIGN_MARGIN,
     EQUAL,
     POSITIVE,
+    ROUNDED,
     ConeRows,
     ConicProgram,
     ConicSolution,
 )
-from origami_nlp.inverse_design.equilibrium import Balance, Springs, balances, energy_row
-from origami_nlp.inverse_design.targets import Targets
-from origami_nlp.kkt import State
-from origami_nlp.numerics import DESIGN_ACTIVE, DESIGN_MARGIN, ROUNDED
 from origami_nlp.pattern import Pattern, Scene
 from origami_nlp.problem import Contact
 

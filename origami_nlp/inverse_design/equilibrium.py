@@ -19,9 +19,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from origami_nlp.inverse_design.conic import DEFINITE, EQUAL, POSITIVE, ConicProgram, svector
 from origami_nlp.kkt import State, Stratum
-from origami_nlp.numerics import INDEPENDENT, RANK
+from origami_nlp.numerics import DEFINITE, EQUAL, INDEPENDENT, POSITIVE, RANK, ConicProgram, svector
 from origami_nlp.problem import Contact, Problem
 
 

@@ -14,7 +14,6 @@ import numpy as np
 from origami_nlp.arguments import check_callback, check_whole, refuse, shown
 from origami_nlp.errors import OptionError
 from origami_nlp.inverse_design.checking import check
-from origami_nlp.inverse_design.conic import ConeRows
 from origami_nlp.inverse_design.contact_choice import solve
 from origami_nlp.inverse_design.convex import ConvexDesign, scene_of, springs_of
 from origami_nlp.inverse_design.infeasibility import why_not
@@ -25,7 +24,7 @@ from origami_nlp.inverse_design.targets_file import Ask, read_targets
 from origami_nlp.inverse_design.transition_paths import Passes
 from origami_nlp.inverse_design.unwanted_minima import cuts
 from origami_nlp.minima import find_minima
-from origami_nlp.numerics import DESIGN_SNAP
+from origami_nlp.numerics import DESIGN_SNAP, ConeRows
 from origami_nlp.pattern import Pattern, Scene
 from origami_nlp.pattern_states import find_states
 

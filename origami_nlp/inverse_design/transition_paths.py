@@ -14,11 +14,19 @@ import numpy as np
 
 from origami_nlp.continuation import BoundaryCurve, evaluate, follow_boundary
 from origami_nlp.errors import OptionError
-from origami_nlp.inverse_design.conic import EQUAL, POSITIVE, ConeRows
 from origami_nlp.inverse_design.equilibrium import Springs, energy_row, slope_row
 from origami_nlp.inverse_design.targets import BarrierAsk, Targets
 from origami_nlp.kkt import State, project
-from origami_nlp.numerics import CLOSURE_TOL, DUPLICATE_TOL, LEVEL, SAMPLED, SETTLED
+from origami_nlp.numerics import (
+    CLOSURE_TOL,
+    DUPLICATE_TOL,
+    EQUAL,
+    LEVEL,
+    POSITIVE,
+    SAMPLED,
+    SETTLED,
+    ConeRows,
+)
 from origami_nlp.problem import Model
 
 CANDIDATES = 15

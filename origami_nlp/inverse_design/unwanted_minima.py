@@ -8,12 +8,11 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from origami_nlp.inverse_design.conic import EQUAL, POSITIVE, ConeRows
 from origami_nlp.inverse_design.equilibrium import Balance, Springs, energy_row, slope_row
 from origami_nlp.inverse_design.targets import Targets
 from origami_nlp.inverse_design.transition_paths import curve_of, outward
 from origami_nlp.kkt import State, project
-from origami_nlp.numerics import CLOSURE_TOL, RANK, SAMPLED, SETTLED
+from origami_nlp.numerics import CLOSURE_TOL, EQUAL, POSITIVE, RANK, SAMPLED, SETTLED, ConeRows
 from origami_nlp.problem import Model
 
 FALLS = 0.1

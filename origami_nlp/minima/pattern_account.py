@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
@@ -11,6 +12,7 @@ from origami_nlp.errors import OUT_OF_TIME
 from origami_nlp.minima.account import FEW_QUIET, SearchReport
 from origami_nlp.minima.minimum import JudgedState
 from origami_nlp.minima.stopping import unseen_share
+from origami_nlp.pattern_problem import SignVector
 
 ESCAPE_PATHS = "branch directions of flat-folded states"
 MEETINGS = "branch directions of states where curves meet"
@@ -49,10 +51,10 @@ class PatternSearchReport(SearchReport):
         Descents into contact; how many of them did not converge, by reason.
     of_vertex
         Minima that the search for single vertices found, where there is but one.
-    popped, by_pops
-        Starts from minima with one vertex popped, its folds turned over; minima that they led to.
-    signed, by_signs
-        Starts beside the flat state with signs of vertices that no minimum had; minima that they led to.
+    reached, alone
+        Minima that the starts of each family of `by_source` led to, and those of them that no other family did.
+    sign_vectors
+        Which signs of vertices occur, as far as that was asked.
     wells, resolved
         Wells of the energy along curves; how many of them were judged.
     coarse
@@ -77,10 +79,9 @@ class PatternSearchReport(SearchReport):
     pressed: int = 0
     gave_up: dict[str, int] = field(default_factory=Counter)
     of_vertex: int = 0
-    popped: int = 0
-    by_pops: int = 0
-    signed: int = 0
-    by_signs: int = 0
+    reached: dict[str, int] = field(default_factory=dict)
+    alone: dict[str, int] = field(default_factory=dict)
+    sign_vectors: tuple[SignVector, ...] = ()
     wells: int = 0
     resolved: int = 0
     coarse: int = 0
@@ -175,17 +176,11 @@ class PatternSearchReport(SearchReport):
         if self.pressed:
             what = "descent" if self.pressed == 1 else "descents"
             yield f"contact: {self.pressed} {what} along states that do not cross"
-        for starts, whence, found in (
-            (self.signed, "with signs of vertices that no minimum had", self.by_signs),
-            (self.popped, "from minima with one vertex popped", self.by_pops),
-        ):
-            new = (
-                f"{found} further minim{'um' if found == 1 else 'a'}"
-                if found
-                else "no further minimum"
-            )
-            if starts:
-                yield f"{starts} start{'s' * (starts != 1)} {whence}: {new}"
+        for family, starts in self.by_source.items():
+            found, own = self.reached.get(family, 0), self.alone.get(family, 0)
+            alone = f", {own} of them by no other family" if own else ""
+            many = f"{found} minim{'um' if found == 1 else 'a'}"
+            yield f"{starts} start{'s' * (starts != 1)}, {family}: {many} reached{alone}"
 
     def open_words(self) -> list[str]:
         """Say in a few lines what is not proved or not decided."""
@@ -223,6 +218,11 @@ class PatternSearchReport(SearchReport):
                 f"No new minimum in the last {self.quiet} of {self.drawn} random starts: a missing one attracts fewer "
                 f"than {unseen_share(self.quiet):.2g} of them (95 % confidence)."
             )
+            if 0 < self.expected_undiscovered < math.inf:
+                yield (
+                    f"At least {self.expected_undiscovered:.1f} more minima are within the reach of random starts, by "
+                    "how often these reached the others (Chao's estimate, a lower bound in expectation)."
+                )
         elif self.drawn and not self.quiet:
             yield "the last random start found another minimum or curve: use more starts"
 

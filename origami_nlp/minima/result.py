@@ -41,6 +41,7 @@ from origami_nlp.minima.report_lines import (
     residual_cells,
     scene_lines,
     sign_lines,
+    sign_table,
     state_lines,
     touching_cells,
     undecided_lines,
@@ -61,7 +62,7 @@ from origami_nlp.minima.summary import (
 )
 from origami_nlp.numerics import STATIONARY, rank
 from origami_nlp.pattern import Pattern, Relations, Scene
-from origami_nlp.pattern_problem import MOST_DENSE, PatternProblem, PopSigns
+from origami_nlp.pattern_problem import MOST_DENSE, PatternProblem, PopSigns, SignVector
 from origami_nlp.problem import Model
 
 if TYPE_CHECKING:
@@ -241,6 +242,10 @@ class MinimaResult(Report, Viewable):
         return self._pop_signs.vertices if self._pop_signs else ()
 
     @property
+    def _sign_vectors(self) -> tuple[SignVector, ...]:
+        return getattr(self.search, "sign_vectors", ())
+
+    @property
     def shown_signs(self) -> tuple[str, ...]:
         """`signs` of a pattern of few vertices, whose tables and pictures name them; else nothing."""
         return self.signs if self.is_pattern and len(self.sign_vertices) <= MOST_SIGNS else ()
@@ -349,7 +354,7 @@ class MinimaResult(Report, Viewable):
         if isinstance(self.origami, Scene):
             yield from scene_lines(self.origami)
         elif self.minima and self._pop_signs:
-            yield from sign_lines(self._pop_signs, self.signs)
+            yield from sign_lines(self._pop_signs, self.signs, self._sign_vectors)
         yield from self._survivals()
         said = not_asked_words(self.origami, self.minima), imposed_words(self.origami)
         yield from filter(None, said)
@@ -383,6 +388,9 @@ class MinimaResult(Report, Viewable):
             yield kinds_table(listed, some, free, heads, cells)
         yield from state_lines(self.minima)
         if self.is_pattern:
+            if any(self.shown_signs):
+                scale = float(np.mean(self.origami.stiffness))
+                yield sign_table(self.minima, self.signs, self._sign_vectors, scale)
             for s in self.crossing:
                 yield f"rejected: energy {s.energy:.6g} J: {s.certificate}"
         if isinstance(self.origami, Scene):

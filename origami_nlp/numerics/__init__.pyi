@@ -1,4 +1,15 @@
 from . import quaternion as quaternion
+from .conic import (
+    BALL as BALL,
+    DEFINITE as DEFINITE,
+    EQUAL as EQUAL,
+    POSITIVE as POSITIVE,
+    ConeRows as ConeRows,
+    ConicProgram as ConicProgram,
+    ConicSolution as ConicSolution,
+    smatrix as smatrix,
+    svector as svector,
+)
 from .factors import (
     SYMMETRIC as SYMMETRIC,
     Factor as Factor,

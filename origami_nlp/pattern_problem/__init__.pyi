@@ -50,6 +50,11 @@ from .pop_signs import (
 from .posed import independent_rows as independent_rows, pose as pose
 from .poses import MOVES as MOVES, Poses as Poses
 from .problem import PatternProblem as PatternProblem
+from .sign_vectors import (
+    SignConflict as SignConflict,
+    SignVector as SignVector,
+    VertexCones as VertexCones,
+)
 from .stacks import Stack as Stack
 from .work import (
     DeadForce as DeadForce,

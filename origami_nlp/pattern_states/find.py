@@ -28,7 +28,7 @@ from origami_nlp.minima import (
 )
 from origami_nlp.numerics import DUPLICATE_TOL, RESOLVED
 from origami_nlp.pattern import Pattern, as_pattern
-from origami_nlp.pattern_problem import MOST_DENSE, PatternProblem, find_labels, image
+from origami_nlp.pattern_problem import PatternProblem, find_labels
 from origami_nlp.pattern_states.branch_points import (
     branch_directions,
     closes_along,
@@ -39,7 +39,6 @@ from origami_nlp.pattern_states.branch_points import (
 from origami_nlp.pattern_states.closed import close, lowest_on, of_vertex
 from origami_nlp.pattern_states.contact_descents import (
     UNTOLD,
-    contact_descent,
     contact_descent_off,
     contact_descents_along,
 )
@@ -48,6 +47,7 @@ from origami_nlp.pattern_states.curves import ON_CURVE, TracedCurve, TracedCurve
 from origami_nlp.pattern_states.descent import Descended, descend
 from origami_nlp.pattern_states.escape import with_escapes
 from origami_nlp.pattern_states.flat_folded import escape_paths, list_branches, list_flat_folded
+from origami_nlp.pattern_states.from_minima import FromMinima
 from origami_nlp.pattern_states.interpolant import wells
 from origami_nlp.pattern_states.judgement import (
     judge,
@@ -56,11 +56,11 @@ from origami_nlp.pattern_states.judgement import (
     stationary_beside,
 )
 from origami_nlp.pattern_states.noise import NOISE, with_survival
-from origami_nlp.pattern_states.parts import Parts
 from origami_nlp.pattern_states.proved import is_tried, prove_list
 from origami_nlp.proof import ProofOptions
 from origami_nlp.starts import (
     OWN,
+    FoldedVertices,
     Given,
     Popped,
     SearchOptions,
@@ -69,6 +69,8 @@ from origami_nlp.starts import (
     options_of,
 )
 
+BRANCHES = "branch directions"
+"""Out of the flat state and of others where curves meet, as starts."""
 OUT = 0.2
 """First step out of a state where curves meet, of the longest fold angle [rad]."""
 SECONDS = 300.0
@@ -148,7 +150,7 @@ def find_states(
     search.progress, search.found = progress, found
     search.tally.seed, search.tally.effort = seed, OWN if options else effort
     for start in Given(search.problem.pattern).states():
-        search.part(Given.name, search.explore, start)
+        search.part(Given.name, search.explore, start, Given.name)
     if pattern.is_flat:
         search.part("branch directions of the flat state", search.from_crossroads)
     if len(pattern.vertices) == 1 and not pattern.holes:
@@ -156,8 +158,9 @@ def find_states(
     for k in range(min(asked.most_drawn * starts, most)):
         if not search.part("random starts", search.draw, rng, k) or search.tally.quiet == starts:
             break
-    search.part(Signed.name, search.sign)
-    search.part("minima with a vertex popped", search.pop, asked.most_popped * starts)
+    search.part(Signed.name, search.sign, pattern)
+    search.part(FoldedVertices.name, search.fold_vertices, asked.most_popped * starts)
+    search.part(Popped.name, search.pop, asked.most_popped * starts)
     search.part("images of minima under symmetries", search.add_images)
     if is_tried(pattern, prove, contact):
         search.part("the proof that the list is complete", search.prove, pattern, prove)
@@ -170,12 +173,13 @@ def find_states(
     return search.result(pattern, starts)
 
 
-class _Search(Parts):
+class _Search(FromMinima):
     """A search on its way."""
 
     def __init__(
         self, pattern: Pattern, contact: bool, until: float, options: SearchOptions
     ) -> None:
+        super().__init__()
         self._since, self.options = time.perf_counter(), options
         self.labels, self.contact = find_labels(pattern), contact
         self.problem = PatternProblem(self.labels.arranged(pattern))
@@ -243,75 +247,12 @@ class _Search(Parts):
 
     def result(self, pattern: Pattern, starts: int) -> MinimaResult:
         """Sum up what was judged and done, where `starts` random ones in a row were to find nothing new."""
+        self.settle_signs()
         minima = self.tally.sum_up(self.by_energy(), self.curves.found, starts)
+        self.count_families({family.name for family in self._families})
         self.tally.seconds = time.perf_counter() - self._since
         curves = tuple(self.curves.found)
         return MinimaResult(pattern, minima, self.tally, self.completeness, curves=curves)
-
-    def _kept_apart(self, start: np.ndarray) -> None:
-        """Go downhill from a start along states that do not cross, if it is one of them and on no curve."""
-        phi = self._begun(start)
-        if phi is None or phi in self.curves:
-            return
-        if (
-            self.contact
-            and self.problem.size <= MOST_DENSE
-            and not self.problem.crossings.find(phi)
-        ):
-            self.contact_descent(contact_descent(self.problem, phi, keep=True))
-        else:
-            self._enter(phi)
-
-    def add_images(self) -> None:
-        """Judge images of minima under symmetries of the sheet with its springs."""
-        for symmetry in self._symmetries:
-            for state in [s for s in self.judged if s.verdict == "minimum"]:
-                self.attempt(self.settle, image(symmetry, state.phi))
-
-    def sign(self) -> None:
-        """Start by signs of vertices that no minimum has, where branch directions of the flat state are not known."""
-        problem, enumerated = self.problem, self.tally.lines or self.tally.families
-        flat = problem.pattern.is_flat and not enumerated
-        if not (self.contact and flat and problem.size <= MOST_DENSE):
-            return
-        minima = np.array([s.phi for s in self.judged if s.verdict == "minimum"])
-        for start in Signed(problem, self.labels, minima).states():
-            problem.check_time()
-            self.tally.signed += 1
-            self.tally.by_signs += self._start_apart(start)
-
-    def _start_apart(self, start: np.ndarray) -> int:
-        """Go down from a start along states that do not cross; return how many minima that adds."""
-        before = self.count()[0]
-        self.begin()
-        self.attempt(self._kept_apart, start)
-        return self.count()[0] - before
-
-    def pop(self, most: int) -> None:
-        """Start from each minimum with one vertex popped, the lowest first, what that leads to among them.
-
-        There are states on either side of a vertex (`pops`); those that touching facets hold are seldom met by descents
-        that let facets cross.  Where the sheet has symmetries, one of a minimum and its images is enough.
-        """
-        popped: list[np.ndarray] = []
-        while True:
-            self.problem.check_time()
-            waiting = [
-                s.phi
-                for s in self.by_energy()
-                if s.verdict == "minimum"
-                and s.phi.any()
-                and not any(np.abs(s.phi - x).max() <= 10 * DUPLICATE_TOL for x in popped)
-            ]
-            if not waiting:
-                return
-            phi = waiting[0]
-            popped += [phi, *(image(symmetry, phi) for symmetry in self._symmetries)]
-            for start in Popped(self.problem.pattern, self.labels, phi).states():
-                if self.tally.popped == most:
-                    return
-                self.tally.popped += 1
-                self.tally.by_pops += self._start_apart(start)
 
     def from_crossroads(self) -> None:
         """Go all branch directions of flat-folded states, and out of states at which the curves meet others."""
@@ -360,7 +301,7 @@ class _Search(Parts):
             return
         lines = sorted(ways.open(phi, self.problem.fold_limits), key=self.labels.key)
         for d in lines:
-            self.explore(phi + OUT * d / np.abs(d).max())
+            self.explore(phi + OUT * d / np.abs(d).max(), BRANCHES)
         for basis in ways.families:
             self._leave_family(phi, basis)
         if not lines and not ways.families and not self.known(phi):
@@ -381,7 +322,7 @@ class _Search(Parts):
                 self.add(judge(problem, lowest, self.contact))
             return
         for d in into_family(phi, basis, self._side, self.problem.fold_limits):
-            self.explore(phi + OUT * d / np.abs(d).max())
+            self.explore(phi + OUT * d / np.abs(d).max(), BRANCHES)
 
     def round_the_vertex(self, seed: int) -> None:
         """Judge the minima that the search for single vertices finds, where there is but one."""
@@ -398,14 +339,15 @@ class _Search(Parts):
     def draw(self, rng: np.random.Generator, k: int) -> None:
         """Make a random start."""
         before = self.count()
-        self.explore(self._families[k % len(self._families)].draw(rng, 1).x[0])
+        family = self._families[k % len(self._families)]
+        self.explore(family.draw(rng, 1).x[0], family.name)
         self.tally.drawn += 1
         self.tally.outside += len(self.curves.found) - before[1]
         self.tally.quiet = self.tally.quiet + 1 if self.count() == before else 0
 
-    def explore(self, start: np.ndarray) -> None:
+    def explore(self, start: np.ndarray, family: str) -> None:
         """Close a start, trace its curve or go downhill from it, and judge what is found."""
-        self.begin()
+        self.begin(family)
         self.attempt(self._explore, start)
 
     def _explore(self, start: np.ndarray) -> None:

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections import defaultdict
+from collections.abc import Callable, Collection
 from typing import Any
 
 import numpy as np
 
 from origami_nlp.errors import OutOfTime
-from origami_nlp.minima import JudgedState, PatternSearchReport
+from origami_nlp.minima import JudgedState, PatternSearchReport, chao1
 from origami_nlp.numerics import CLOSURE_TOL, DUPLICATE_TOL, rank
 from origami_nlp.pattern_problem import CanonicalLabelling, PatternProblem
 from origami_nlp.pattern_states.curves import TracedCurves
@@ -30,20 +31,40 @@ class Parts:
     progress: Callable[[int, int, str], object] | None = None
     found: Callable[[float, np.ndarray], object] | None = None
     at = ""
+    family = ""
+
+    def __init__(self) -> None:
+        self._reached: dict[int, set[tuple[str, int]]] = defaultdict(set)
 
     def say(self) -> None:
         """Say how far the work is: starts, minima and the part that it is at."""
         if self.progress is not None:
             self.progress(self.tally.starts, self.count()[0], self.at)
 
-    def begin(self) -> None:
-        """Count a start."""
+    def begin(self, family: str) -> None:
+        """Count a start of a family."""
+        self.family = family
         self.tally.starts += 1
+        self.tally.by_source[family] = self.tally.by_source.get(family, 0) + 1
         self.say()
+
+    def _reach(self, k: int) -> None:
+        """Note that the start that is on led to a minimum."""
+        if self.judged[k].verdict == "minimum":
+            self._reached[k].add((self.family, self.tally.starts))
+
+    def count_families(self, drawn: Collection[str]) -> None:
+        """Sum up what each family led to; how many minima drawn starts miss at least, in expectation."""
+        tally, by = self.tally, [{family for family, _ in at} for at in self._reached.values()]
+        tally.reached = {f: sum(f in at for at in by) for f in tally.by_source}
+        tally.alone = {f: sum(at == {f} for at in by) for f in tally.by_source}
+        hits = [sum(f in drawn for f, _ in at) for at in self._reached.values()]
+        if tally.drawn and not tally.curves:
+            tally.expected_undiscovered = chao1(hits)
 
     def part(self, what: str, work: Callable[..., None], *given: Any) -> bool:
         """Do a part of the search; False, and noted as left out, where time or the user ends it before."""
-        self.at = what
+        self.at = self.family = what
         self.say()
         try:
             self.problem.check_time()
@@ -65,10 +86,19 @@ class Parts:
             self.tally.fail(failure)
 
     def known(self, phi: np.ndarray, verdict: str = "minimum") -> bool:
-        """Return whether a state was judged: one that is not stationary says nothing of a minimum beside it."""
+        """Return whether a state was judged: one that is not stationary says nothing of a minimum beside it.
+
+        Of a minimum it is noted that the start that is on led to it.
+        """
         least = {"not stationary": CLOSURE_TOL} if verdict == "minimum" else {}
-        apart = ((np.abs(phi - s.phi).max(), s.verdict) for s in self.judged)
-        return any(far <= least.get(what, 10 * DUPLICATE_TOL) for far, what in apart)
+        here = [
+            k
+            for k, s in enumerate(self.judged)
+            if np.abs(phi - s.phi).max() <= least.get(s.verdict, 10 * DUPLICATE_TOL)
+        ]
+        for k in here:
+            self._reach(k)
+        return bool(here)
 
     def add(self, state: JudgedState) -> None:
         """Keep a state, once."""
@@ -79,6 +109,7 @@ class Parts:
             self.tally.stalled += 1
         elif not self.known(state.phi, state.verdict):
             self.judged.append(state)
+            self._reach(len(self.judged) - 1)
             if state.verdict == "minimum" and self.found is not None:
                 self.found(state.energy, state.phi.copy())
             self.say()

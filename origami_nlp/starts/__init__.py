@@ -19,6 +19,7 @@
 | `Grown` | pattern | grown out of the flat state |
 | `Uniform` | pattern | any fold angles |
 | `UniformFolded` | pattern | any fold angles, some creases fully folded |
+| `FoldedVertices` | pattern | one vertex almost folded flat, the others as flat as closure lets them be |
 | `Popped` | pattern | a minimum with one vertex on its other side |
 | `Signed` | pattern | beside the flat state, with signs of the vertices that no minimum has yet |
 

@@ -24,6 +24,11 @@ from .crossings import (
     model_rows as model_rows,
 )
 from .family import Listed as Listed, StartFamily as StartFamily
+from .folded_vertices import (
+    LARGEST_DEGREE as LARGEST_DEGREE,
+    FoldedVertices as FoldedVertices,
+    vertex_foldings as vertex_foldings,
+)
 from .hinge_sets import HingeSets as HingeSets
 from .moments import Moments as Moments, is_chain as is_chain
 from .near_flat import NearFlat as NearFlat, NearFolded as NearFolded
@@ -31,7 +36,6 @@ from .of_patterns import (
     Given as Given,
     Grown as Grown,
     Popped as Popped,
-    Signed as Signed,
     Uniform as Uniform,
     UniformFolded as UniformFolded,
     creases_around as creases_around,
@@ -51,6 +55,7 @@ from .rounds import (
     SOURCES as SOURCES,
     Rounds as Rounds,
 )
+from .signed import Signed as Signed
 from .singular import (
     FlatFoldings as FlatFoldings,
     RestState as RestState,

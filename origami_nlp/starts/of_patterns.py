@@ -1,4 +1,4 @@
-"""Starts of patterns: what the pattern gives, any fold angles, grown out of the flat state, signs, vertices popped."""
+"""Starts of patterns: what the pattern gives, any fold angles, grown out of the flat state, vertices popped."""
 
 from __future__ import annotations
 
@@ -8,9 +8,9 @@ from itertools import product
 
 import numpy as np
 
-from origami_nlp.numerics import CLOSURE_TOL, NONZERO, RESOLVED, dense, null_space
+from origami_nlp.numerics import CLOSURE_TOL, RESOLVED
 from origami_nlp.pattern import Pattern
-from origami_nlp.pattern_problem import CanonicalLabelling, PatternProblem, PopSigns
+from origami_nlp.pattern_problem import CanonicalLabelling, PatternProblem
 from origami_nlp.problem import FoldLimits
 from origami_nlp.starts.batch_states import Samples
 from origami_nlp.starts.family import Listed, StartFamily
@@ -171,74 +171,6 @@ class Popped(Listed):
                 start = size * self._phi
                 start[creases] *= share
                 yield start
-
-
-MOST_SIGNED = 6
-"""Interior vertices up to which every combination of their signs is started from."""
-DRAWN = 16
-"""Combinations of more vertices, which are drawn."""
-TRIED, GROWN = 12, 0.2
-"""Directions that are tried for each, and their largest fold angle [rad]."""
-
-
-class Signed(Listed):
-    """States beside the flat one with signs of the vertices that no minimum has yet, none of whose facets cross.
-
-    The sum of the fold angles round a vertex keeps its sign along motions of paper (`PopSigns`), and the states with
-    given signs are compact with those on their borders: a descent that does not cross comes to a minimum there, or to a
-    vertex that is flat.
-
-    Parameters
-    ----------
-    problem
-        Of a flat pattern.
-    labels
-        The order of its creases.
-    minima
-        States whose signs are known, [M, n] [rad].
-    """
-
-    name = "signs of vertices that no minimum has"
-    sentence = "beside the flat state, with signs of the vertices that no minimum has yet"
-
-    def __init__(
-        self, problem: PatternProblem, labels: CanonicalLabelling, minima: np.ndarray
-    ) -> None:
-        self.size, self._problem, self._labels = problem.size, problem, labels
-        can_pop = {frozenset(creases) for creases in PopSigns(problem.pattern).around}
-        around = [c for c in creases_around(problem.pattern, labels) if frozenset(c) in can_pop]
-        self._rows = np.zeros((len(around), problem.size))
-        for row, creases in zip(self._rows, around, strict=True):
-            row[creases] = 1.0
-        self._seen = {tuple(np.sign(self._rows @ x).tolist()) for x in minima}
-
-    def states(self) -> Iterator[np.ndarray]:
-        """Yield one for each combination of signs for which one is found."""
-        many, rng = len(self._rows), np.random.default_rng(0)
-        free = null_space(dense(self._problem.closure.jacobian(np.zeros(self.size))))
-        if many > MOST_SIGNED:
-            wanted = np.sign(rng.normal(size=(DRAWN, many)))
-        else:
-            wanted = np.array(list(product((1.0, -1.0), repeat=many))).reshape(-1, many)
-        for signs in wanted if many else ():
-            if tuple(signs.tolist()) not in self._seen:
-                start = self._beside_flat(signs, free, rng)
-                if start is not None:
-                    yield start
-
-    def _beside_flat(
-        self, signs: np.ndarray, free: np.ndarray, rng: np.random.Generator
-    ) -> np.ndarray | None:
-        problem = self._problem
-        for k in range(TRIED):
-            aside = self._labels.drawn(rng.normal(size=self.size))
-            d = free @ (free.T @ (self._rows.T @ signs + 0.2 * k * aside))
-            start = GROWN * d / max(float(np.abs(d).max()), NONZERO)
-            phi, residual = problem.project(start)
-            good = residual <= CLOSURE_TOL and (np.sign(self._rows @ phi) == signs).all()
-            if good and np.abs(phi).max() > RESOLVED and not problem.crossings.find(phi):
-                return phi
-        return None
 
 
 def creases_around(pattern: Pattern, labels: CanonicalLabelling) -> list[list[int]]:

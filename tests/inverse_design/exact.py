@@ -9,7 +9,7 @@ from fractions import Fraction
 
 import numpy as np
 
-from origami_nlp.inverse_design.conic import DEFINITE, EQUAL, POSITIVE, smatrix
+from origami_nlp.numerics import DEFINITE, EQUAL, POSITIVE, smatrix
 
 CAP = 10
 ROOM = 2

@@ -27,9 +27,9 @@ from origami_nlp.inverse_design import (
     solve,
     springs_of,
 )
-from origami_nlp.inverse_design.conic import DEFINITE, EQUAL, POSITIVE, smatrix
 from origami_nlp.inverse_design.examples import EXAMPLES
 from origami_nlp.kkt import State, classify
+from origami_nlp.numerics import DEFINITE, EQUAL, POSITIVE, smatrix
 from origami_nlp.problem import Model
 from tests.inverse_design.questions import built, question
 

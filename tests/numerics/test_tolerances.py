@@ -76,7 +76,7 @@ BESIDE_THE_TABLE = {
         inverse_design/convex.LEAST_MARGIN inverse_design/finding.PRICES
     """,
     "options of IPOPT and of a conic solver": """
-        minima/ipopt.OPTIONS minima/ipopt.TOLERANCE minima/ipopt.WARM inverse_design/conic.ACCURACIES
+        minima/ipopt.OPTIONS minima/ipopt.TOLERANCE minima/ipopt.WARM numerics/conic.ACCURACIES
     """,
     "where curves end before a limit that closed forms lose": """
         paper/cone/phase_curves.NEAREST

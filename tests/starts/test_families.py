@@ -57,6 +57,7 @@ def pattern_families():
         starts.Uniform(labels, problem.fold_limits),
         starts.UniformFolded(labels, problem.fold_limits),
         starts.Popped(pattern, labels, phi),
+        starts.FoldedVertices(problem, labels, True),
         starts.Signed(problem, labels, np.zeros((0, pattern.creases))),
     ]
 

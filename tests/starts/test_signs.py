@@ -38,12 +38,13 @@ def test_minima_of_every_combination():
     pattern = as_pattern("yoshimura:2x3")
     found = find_states(pattern, starts=0, escape=False)
     assert set(found.signs) == {"++", "+-", "-+", "--"}
-    assert found.search.signed and found.search.by_signs
-    assert any("with signs of vertices that no minimum had" in w for w in found.search.words())
+    assert found.search.by_source[Signed.name] and found.search.reached[Signed.name]
+    assert any(Signed.name in w for w in found.search.words())
     other, *_ = relabelled(pattern, 3)
     again = find_states(other, starts=0, escape=False)
     assert [m.energy for m in again.minima] == pytest.approx([m.energy for m in found.minima])
 
 
 def test_what_was_enumerated_is_not_started_from():
-    assert not find_states("squaretwist", starts=2, escape=False).search.signed
+    search = find_states("squaretwist", starts=2, escape=False).search
+    assert Signed.name not in search.by_source and len(search.sign_vectors) == 16

@@ -15,7 +15,7 @@ import numpy as np
 from scipy import sparse
 
 from origami_nlp.arguments import require
-from origami_nlp.numerics import BALANCED, DEPENDENT, NONZERO
+from origami_nlp.numerics.tolerances import BALANCED, DEPENDENT, NONZERO
 
 EQUAL, POSITIVE, BALL, DEFINITE = "=", ">=", "|.|<=", "psd"
 

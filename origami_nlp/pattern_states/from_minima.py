@@ -1,0 +1,122 @@
+"""Starts that follow from what was found: signs that no minimum has, vertices of minima popped, images of minima."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from itertools import islice
+
+import numpy as np
+
+from origami_nlp.minima import JudgedState
+from origami_nlp.numerics import DUPLICATE_TOL
+from origami_nlp.pattern import Pattern
+from origami_nlp.pattern_problem import MOST_DENSE, PopSigns, SignVector, image
+from origami_nlp.pattern_states.contact_descents import contact_descent
+from origami_nlp.pattern_states.descent import Descended
+from origami_nlp.pattern_states.parts import Parts
+from origami_nlp.starts import FoldedVertices, Popped, Signed
+
+
+class FromMinima(Parts):
+    """A search that knows some minima, and goes on from them."""
+
+    contact: bool
+    _symmetries: list[tuple[np.ndarray, float]]
+
+    @abstractmethod
+    def settle(self, phi: np.ndarray) -> None:
+        """Go downhill from a state that all but closes, and judge what is reached."""
+
+    @abstractmethod
+    def contact_descent(self, end: Descended) -> None:
+        """Judge where a descent into contact ended."""
+
+    @abstractmethod
+    def _begun(self, start: np.ndarray) -> np.ndarray | None: ...
+
+    @abstractmethod
+    def _enter(self, phi: np.ndarray) -> None: ...
+
+    @property
+    def minima(self) -> list[JudgedState]:
+        """Those that are known, by energy."""
+        return [s for s in self.by_energy() if s.verdict == "minimum"]
+
+    def _kept_apart(self, start: np.ndarray) -> None:
+        """Go downhill from a start along states that do not cross, if it is one of them and on no curve."""
+        phi = self._begun(start)
+        if phi is None or phi in self.curves:
+            return
+        if (
+            self.contact
+            and self.problem.size <= MOST_DENSE
+            and not self.problem.crossings.find(phi)
+        ):
+            self.contact_descent(contact_descent(self.problem, phi, keep=True))
+        else:
+            self._enter(phi)
+
+    def add_images(self) -> None:
+        """Judge images of minima under symmetries of the sheet with its springs."""
+        for symmetry in self._symmetries:
+            for state in [s for s in self.judged if s.verdict == "minimum"]:
+                self.attempt(self.settle, image(symmetry, state.phi))
+
+    def sign(self, pattern: Pattern) -> None:
+        """Ask which signs of vertices occur; start by those that no minimum has, unless branches are enumerated."""
+        problem, enumerated = self.problem, self.tally.lines or self.tally.families
+        if not (self.contact and problem.pattern.is_flat and problem.size <= MOST_DENSE):
+            return
+        minima = np.array([s.phi for s in self.minima]).reshape(-1, problem.size)
+        family = Signed(problem, self.labels, minima, pattern)
+        for start in family.states():
+            problem.check_time()
+            if not enumerated:
+                self._start_apart(Signed.name, start)
+            self.tally.sign_vectors = tuple(family.vectors)
+        self.tally.sign_vectors = tuple(family.vectors)
+
+    def settle_signs(self) -> None:
+        """Of signs that some minimum has by now, say so."""
+        has = set(map(PopSigns(self.problem.pattern).of, (s.phi for s in self.minima)))
+        self.tally.sign_vectors = tuple(
+            SignVector(v.signs, "minimum", conflict=v.conflict) if v.signs in has else v
+            for v in self.tally.sign_vectors
+        )
+
+    def fold_vertices(self, most: int) -> None:
+        """Start from each vertex folded flat, the others as flat as closure lets them be."""
+        problem = self.problem
+        if problem.pattern.is_flat and problem.size <= MOST_DENSE and not self.tally.flat_folded:
+            for start in islice(FoldedVertices(problem, self.labels, self.contact).states(), most):
+                problem.check_time()
+                self._start_apart(FoldedVertices.name, start)
+
+    def _start_apart(self, family: str, start: np.ndarray) -> None:
+        """Go down from a start along states that do not cross."""
+        self.begin(family)
+        self.attempt(self._kept_apart, start)
+
+    def pop(self, most: int) -> None:
+        """Start from each minimum with one vertex popped, the lowest first, what that leads to among them.
+
+        There are states on either side of a vertex (`pops`); those that touching facets hold are seldom met by descents
+        that let facets cross.  Where the sheet has symmetries, one of a minimum and its images is enough.
+        """
+        popped: list[np.ndarray] = []
+        while True:
+            self.problem.check_time()
+            waiting = [
+                s.phi
+                for s in self.minima
+                if s.phi.any()
+                and not any(np.abs(s.phi - x).max() <= 10 * DUPLICATE_TOL for x in popped)
+            ]
+            if not waiting:
+                return
+            phi = waiting[0]
+            popped += [phi, *(image(symmetry, phi) for symmetry in self._symmetries)]
+            for start in Popped(self.problem.pattern, self.labels, phi).states():
+                if self.tally.by_source.get(Popped.name, 0) == most:
+                    return
+                self._start_apart(Popped.name, start)
