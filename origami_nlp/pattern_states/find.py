@@ -159,7 +159,7 @@ def find_states(
         if not search.part("random starts", search.draw, rng, k) or search.tally.quiet == starts:
             break
     search.part(Signed.name, search.sign, pattern)
-    search.part(FoldedVertices.name, search.fold_vertices, asked.most_popped * starts)
+    search.part(FoldedVertices.name, search.fold_vertices, asked.most_folded * starts)
     search.part(Popped.name, search.pop, asked.most_popped * starts)
     search.part("images of minima under symmetries", search.add_images)
     if is_tried(pattern, prove, contact):

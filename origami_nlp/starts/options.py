@@ -12,7 +12,7 @@ from origami_nlp.errors import OptionError
 class SearchOptions:
     """How much a search does; `EFFORTS` holds those of ``effort="quick"``, ``"normal"`` and ``"thorough"``.
 
-    The first twelve are of a vertex, the last five of a pattern.
+    The first twelve are of a vertex, the last six of a pattern.
 
     Attributes
     ----------
@@ -46,6 +46,8 @@ class SearchOptions:
         Random starts in all, over `in_a_row`.
     most_popped
         Starts with a vertex popped, over `in_a_row`.
+    most_folded
+        Starts with a vertex almost folded flat, over `in_a_row`: these are slow, with much that touches.
     most_traced
         Creases up to which curves are traced; descents beyond.
     most_curves
@@ -79,13 +81,14 @@ class SearchOptions:
     in_a_row: int = 40
     most_drawn: int = 10
     most_popped: int = 2
+    most_folded: int = 0
     most_traced: int = 250
     most_curves: int = 64
 
     def __post_init__(self) -> None:
         from_zero = (
             *("interior", "most_with_corners", "fewest_for_moments", "most_batched"),
-            *("in_a_row", "most_popped", "most_traced", "most_curves"),
+            *("in_a_row", "most_popped", "most_folded", "most_traced", "most_curves"),
         )
         for name, value in vars(self).items():
             if name == "judging":
@@ -125,7 +128,14 @@ EFFORTS = {
     ),
     "normal": SearchOptions(),
     "thorough": SearchOptions(
-        corners=16384, interior=512, a_round=64, rounds=40, hits=4, quiet=4, in_a_row=160
+        corners=16384,
+        interior=512,
+        a_round=64,
+        rounds=40,
+        hits=4,
+        quiet=4,
+        in_a_row=160,
+        most_folded=1,
     ),
 }
 """By name."""

@@ -9,7 +9,7 @@ import origami_nlp as o
 from origami_nlp.continuation import ContinuationOptions
 from origami_nlp.errors import OptionError
 from origami_nlp.proof import ProofOptions
-from origami_nlp.starts import EFFORTS, Popped, SearchOptions
+from origami_nlp.starts import EFFORTS, FoldedVertices, Popped, SearchOptions
 
 TWO_DOF = o.examples.degree6("pi/3")
 QUARTIC = o.Scene(
@@ -62,6 +62,16 @@ def test_fields_of_a_search_of_a_pattern_have_their_effect():
     assert search(most_curves=1).not_traced > plain.not_traced
     assert Popped.name not in search(most_popped=0).by_source and plain.by_source[Popped.name]
     assert search(in_a_row=0).drawn == 0
+
+
+def test_vertices_are_almost_folded_where_that_is_asked_for():
+    def search(folded):
+        options = SearchOptions(in_a_row=2, most_drawn=1, most_popped=0, most_folded=folded)
+        return o.find_minima("yoshimura:2x2", options=options, escape=False).search
+
+    name = FoldedVertices.name
+    assert search(1).by_source[name] == 2 and search(1).reached[name]
+    assert name not in search(0).by_source
 
 
 def test_fields_of_continuation_have_their_effect():
