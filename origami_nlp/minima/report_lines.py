@@ -99,11 +99,10 @@ def angle_lines(minima: Sequence[JudgedState], numbers: Sequence[int]) -> Iterat
         yield f"{f'#{k}':>5} {angles}{winds}"
 
 
-def sign_lines(
-    pops: PopSigns, signs: Sequence[str], vectors: Sequence[SignVector]
-) -> Iterator[str]:
+def sign_lines(pops: PopSigns, signs: Sequence[str], search: SearchReport) -> Iterator[str]:
     """Say what the signs of states are, which cannot be, and at which vertices they say nothing."""
     if pops.vertices:
+        vectors = getattr(search, "sign_vectors", ())
         many, none = len(set(signs)), sum(v.conflict is not None for v in vectors)
         refused = f", {none} of {len(vectors)} proved to have no state beside the flat one" * bool(
             none
@@ -117,28 +116,28 @@ def sign_lines(
         yield f"no sign at vertices {listed([*pops.without])}, with more than 360 degrees of paper"
 
 
-def sign_table(
-    minima: Sequence[JudgedState],
-    signs: Sequence[str],
-    vectors: Sequence[SignVector],
-    scale: float,
-) -> Table:
+def sign_tables(
+    minima: Sequence[JudgedState], signs: Sequence[str], search: SearchReport, scale: float
+) -> Iterator[Table]:
     """Return a line for each combination of signs: its stable states, and what is known beside the flat state.
 
     Parameters
     ----------
     minima, signs
-        By energy, with the signs of each.
-    vectors
-        What is known of others.
+        By energy, with the signs of each; without signs there is no table.
+    search
+        What it knows of other combinations.
     scale
         Mean stiffness, of which rounding of energies is a share.
 
-    Returns
-    -------
+    Yields
+    ------
     Table
-        Those with states first, by their lowest energy.
+        Combinations with states first, by their lowest energy.
     """
+    if not any(signs):
+        return
+    vectors: Sequence[SignVector] = getattr(search, "sign_vectors", ())
     order = ("minimum", "state", "open", "impossible")
     known = {v.signs: v for v in sorted(vectors, key=lambda v: order.index(v.verdict))}
     rows: list[list[Cell]] = []
@@ -147,7 +146,7 @@ def sign_table(
         lowest = energy_words(some[0].energy, scale) if some else "-"
         rows.append([name, str(len(some)), lowest, _beside_flat(known.get(name))])
     heads = ["signs", "states", "lowest [J]", "beside the flat state"]
-    return Table(heads, rows, "states by signs of vertices", "lrrL", framed=False, narrow=True)
+    yield Table(heads, rows, "states by signs of vertices", "lrrL", framed=False, narrow=True)
 
 
 def _beside_flat(vector: SignVector | None) -> str:

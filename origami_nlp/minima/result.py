@@ -41,7 +41,7 @@ from origami_nlp.minima.report_lines import (
     residual_cells,
     scene_lines,
     sign_lines,
-    sign_table,
+    sign_tables,
     state_lines,
     touching_cells,
     undecided_lines,
@@ -62,7 +62,7 @@ from origami_nlp.minima.summary import (
 )
 from origami_nlp.numerics import STATIONARY, rank
 from origami_nlp.pattern import Pattern, Relations, Scene
-from origami_nlp.pattern_problem import MOST_DENSE, PatternProblem, PopSigns, SignVector
+from origami_nlp.pattern_problem import MOST_DENSE, PatternProblem, PopSigns
 from origami_nlp.problem import Model
 
 if TYPE_CHECKING:
@@ -233,17 +233,12 @@ class MinimaResult(Report, Viewable):
 
         Admissible motions change one only through states with that vertex flat.  Empty where facets may cross.
         """
-        pops = self._pop_signs
-        return tuple(pops.of(m.phi) if pops else "" for m in self.minima)
+        return tuple(self._pop_signs.of(m.phi) if self._pop_signs else "" for m in self.minima)
 
     @property
     def sign_vertices(self) -> tuple[int, ...]:
         """The vertices that `signs` are of, as a FOLD file numbers them: those with 360 degrees of paper or less."""
         return self._pop_signs.vertices if self._pop_signs else ()
-
-    @property
-    def _sign_vectors(self) -> tuple[SignVector, ...]:
-        return getattr(self.search, "sign_vectors", ())
 
     @property
     def shown_signs(self) -> tuple[str, ...]:
@@ -354,7 +349,7 @@ class MinimaResult(Report, Viewable):
         if isinstance(self.origami, Scene):
             yield from scene_lines(self.origami)
         elif self.minima and self._pop_signs:
-            yield from sign_lines(self._pop_signs, self.signs, self._sign_vectors)
+            yield from sign_lines(self._pop_signs, self.signs, self.search)
         yield from self._survivals()
         said = not_asked_words(self.origami, self.minima), imposed_words(self.origami)
         yield from filter(None, said)
@@ -388,11 +383,10 @@ class MinimaResult(Report, Viewable):
             yield kinds_table(listed, some, free, heads, cells)
         yield from state_lines(self.minima)
         if self.is_pattern:
-            if any(self.shown_signs):
-                scale = float(np.mean(self.origami.stiffness))
-                yield sign_table(self.minima, self.signs, self._sign_vectors, scale)
-            for s in self.crossing:
-                yield f"rejected: energy {s.energy:.6g} J: {s.certificate}"
+            yield from sign_tables(self.minima, self.shown_signs, self.search, self.model.scale)
+            yield from (
+                f"rejected: energy {s.energy:.6g} J: {s.certificate}" for s in self.crossing
+            )
         if isinstance(self.origami, Scene):
             yield from flag_lines(self.flags)
         if self.completeness:

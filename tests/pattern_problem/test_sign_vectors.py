@@ -10,7 +10,7 @@ import pytest
 
 from origami_nlp.pattern import as_pattern
 from origami_nlp.pattern_problem import PatternProblem, PopSigns, SignConflict, VertexCones
-from origami_nlp.pattern_states.flat_folded import list_branches
+from origami_nlp.pattern_states import list_branches
 from origami_nlp.starts import Signed
 from tests.patterns import wheel
 
