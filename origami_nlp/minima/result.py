@@ -229,10 +229,7 @@ class MinimaResult(Report, Viewable):
 
     @property
     def signs(self) -> tuple[str, ...]:
-        """On which side of its flat state each vertex is (`PopSigns.of`), a word such as ``"+-0"`` a minimum.
-
-        Admissible motions change one only through states with that vertex flat.  Empty where facets may cross.
-        """
+        """Sides of the flat state that vertices are on (`PopSigns`): ``"+-0"`` a minimum; "" where facets may cross."""
         return tuple(self._pop_signs.of(m.phi) if self._pop_signs else "" for m in self.minima)
 
     @property
