@@ -135,6 +135,7 @@ EFFORTS = {
         hits=4,
         quiet=4,
         in_a_row=160,
+        most_popped=10,
         most_folded=1,
     ),
 }
