@@ -25,6 +25,7 @@ from origami_nlp.arguments import (
     check_whole,
     refuse,
 )
+from origami_nlp.barriers.descents import descent_barriers
 from origami_nlp.barriers.full import Exits, FullPass, full_pass
 from origami_nlp.barriers.graph import side_of_flat
 from origami_nlp.barriers.passes import PROVED, Pass, critical_at, slide
@@ -54,6 +55,7 @@ _OF_TWO = {
     "full": "states of one degree of freedom have passes on their curves alone",
     "spacing": "curves are traced, there is no lattice",
 }
+_OF_MORE = dict.fromkeys(("full", "spacing"), "with two a graph of states takes it")
 """What a graph of states takes alone, and why."""
 _OF_A_PATTERN = dict.fromkeys(
     ("seconds", "progress"), "the graph of two degrees of freedom takes seconds"
@@ -75,12 +77,14 @@ def find_barriers(
     seconds: float | None = None,
     progress: Callable[[str], object] | None = None,
 ) -> Barriers:
-    """Find the lowest pass between every two minima of a vertex (up to two degrees of freedom) or of a pattern.
+    """Find the lowest pass between every two minima of a vertex or of a pattern.
 
     Of a pattern paths go along traced curves, and through states with a vertex flat: where two minima differ in the
     sign of a vertex (`MinimaResult.signs`), every path passes one, which bounds the barrier from below.
     With one degree of freedom passes are those of all curves of closed states, exactly.  Of a vertex they join states
-    that wind once round the axis, or `Scene.winding` times: no path within the symmetry leads to others.
+    that wind once round the axis, or `Scene.winding` times: no path within the symmetry leads to others.  With three or
+    more degrees of freedom they are upper bounds by paths that descents show, and exact where the flat state parts two
+    minima, or a thin set is left, and a path climbs no higher.
 
     Parameters
     ----------
@@ -108,8 +112,8 @@ def find_barriers(
     Raises
     ------
     OptionError
-        If a scene has dead loads or another number of symmetric degrees of freedom, neither a curve nor a vertex with a
-        sign is known of a pattern, or an argument is not what it must be.
+        If a scene has dead loads or no degree of freedom, neither a curve nor a vertex with a sign is known of a
+        pattern, or an argument is not what it must be.
 
     Examples
     --------
@@ -143,8 +147,11 @@ def find_barriers(
         check_type("result", result, MinimaResult)
     check_dof(scene)
     model = Model(scene)
-    if model.dof == 1:
-        refuse("vertex of one degree of freedom", _OF_TWO, full=full or None, spacing=spacing)
+    if model.dof != 2:
+        number, reasons = f"{model.dof} degrees", _OF_MORE
+        if model.dof == 1:
+            number, reasons = "one degree", _OF_TWO
+        refuse(f"vertex of {number} of freedom", reasons, full=full or None, spacing=spacing)
     found: Any = result
     if found is None:
         found = find_minima(
@@ -172,6 +179,8 @@ def _of_vertex(
         result = replace(result, minima=here)
     if model.dof == 1:
         return vertex_barriers(model, result)
+    if model.dof > 2:
+        return descent_barriers(model, result)
     work = RefinedGraph(
         model, [model.reduce(np.array(m.fold_angles)) for m in result.minima], spacing, seed
     )
@@ -206,7 +215,7 @@ def _of_vertex(
 
 
 def check_dof(scene: Scene) -> None:
-    """Raise an error for a scene whose symmetric states form neither curves nor a surface.
+    """Raise an error for a scene that no symmetric motion folds.
 
     Raises
     ------
@@ -214,9 +223,9 @@ def check_dof(scene: Scene) -> None:
         With the number of degrees of freedom it has.
     """
     dof = Model(scene).dof
-    if dof not in (1, 2):
+    if dof < 1:
         raise OptionError(
-            f"[model] symmetry = {scene.symmetry!r} leaves {dof} degrees of freedom; barriers need 1 or 2: "
+            f"[model] symmetry = {scene.symmetry!r} leaves {dof} degrees of freedom; barriers need one: "
             "state another symmetry"
         )
 

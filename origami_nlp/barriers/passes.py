@@ -39,8 +39,12 @@ LISTED = (
     "no lower path over listed states: each makes a vertex flat at which the signs differ, and no state that was found "
     "with it flat is lower"
 )
-LOWEST = (PROVED, EVERY, FOLLOWED, SIGNED)
+LEFT = "proved: a minimum lies on a thin set, of three closed flaps about one edge, left at this energy at least"
+NEVER = "no path: with less than 360 degrees of paper a vertex keeps its sign (proved)"
+LOWEST = (PROVED, EVERY, FOLLOWED, SIGNED, LEFT, NEVER)
 """What bounds a barrier from below by its own height."""
+FOLLOWS = (EVERY, FOLLOWED)
+"""Of these, what says that all paths are known up to that height, not only those between the two."""
 PassKind = Literal["saddle", "contact saddle", "corner", "flat state", "singular", "mesh", "none"]
 OFF = (1e-2, 3e-2, 3e-3, 1e-3)
 """First steps [rad] of the descents from a saddle."""

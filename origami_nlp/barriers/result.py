@@ -12,7 +12,7 @@ import numpy as np
 
 from origami_nlp.barriers.full import FullPass
 from origami_nlp.barriers.graph import StateGraph
-from origami_nlp.barriers.passes import LISTED, Pass, PassKind
+from origami_nlp.barriers.passes import FOLLOWS, LISTED, Pass, PassKind
 from origami_nlp.display import (
     Content,
     Details,
@@ -26,6 +26,7 @@ from origami_nlp.display import (
 from origami_nlp.errors import OUT_OF_TIME
 from origami_nlp.folding import path_frames
 from origami_nlp.minima import MinimaResult
+from origami_nlp.numerics import SAME_ENERGY
 from origami_nlp.pattern import Scene
 from origami_nlp.pattern_problem import PopSigns, state_frame, states_to_fold
 
@@ -40,6 +41,8 @@ HEADS = (
 )
 MOST_NAMED = 4
 """Minima whose barriers the verdict names."""
+MOST_PAIRS = 30
+"""Pairs of minima beyond which those of which nothing is known have no line."""
 MOST_STATES = 8
 """Minima whose energies, and pairs whose bounds, are printed below the passes."""
 LONG_HEADS = (
@@ -185,6 +188,9 @@ class Barriers(Report, Viewable):
     def table(self) -> Table:
         """Return one row for each pair of minima; energies in the scene's units."""
         rows = [self._cells(p)[:-1] for p in self.passes]
+        return self._table(rows)
+
+    def _table(self, rows: list[tuple[str, ...]]) -> Table:
         return Table(HEADS[:-1], rows, self.verdict, "rrrrrL", framed=False, narrow=True)
 
     @property
@@ -193,10 +199,13 @@ class Barriers(Report, Viewable):
         many = len(self.result.minima)
         words = f"{self.label}: {many} minim{'um' if many == 1 else 'a'}"
         least: dict[int, tuple[float, str, str]] = {}
-        for p in self.passes:
-            for k, energy in zip((p.from_state, p.to_state), self._energies(p), strict=True):
+        for p, floors in zip(self.passes, self._floors(), strict=True):
+            for k, energy, floor in zip(
+                (p.from_state, p.to_state), self._energies(p), floors, strict=True
+            ):
                 listed = " over listed states" * (p.why == LISTED)
-                rise = p.energy - energy, "" if p.is_lowest or listed else "at most ", listed
+                exact = bool(listed) or (p.is_lowest and p.energy <= floor)
+                rise = p.energy - energy, "" if exact else "at most ", listed
                 least[k] = min(least.get(k, (math.inf, "", "")), rise)
         known = sorted((*rise, k) for k, rise in least.items() if rise[0] < math.inf)
         if not known:
@@ -229,11 +238,30 @@ class Barriers(Report, Viewable):
         one, two = (self.result.minima[k - 1].energy for k in (p.from_state, p.to_state))
         return one, two
 
+    def _floors(self) -> list[tuple[float, float]]:
+        """Return of each pass what leaving either minimum climbs to at least: over this pass, or any other.
+
+        All paths are known where they follow curves; else each pair of minima has what bounds its own.
+        """
+        floor: dict[int, float] = {}
+        for p in self.passes:
+            known = p.energy if p.is_lowest else np.nanmax([p.least, *self._energies(p)])
+            for k in (p.from_state, p.to_state):
+                floor[k] = min(floor.get(k, math.inf), float(known))
+        near = 1 + SAME_ENERGY
+        return [
+            (p.energy,) * 2
+            if p.why in FOLLOWS
+            else (floor[p.from_state] * near, floor[p.to_state] * near)
+            for p in self.passes
+        ]
+
     def _cells(self, p: Pass) -> tuple[str, ...]:
         pair = (f"#{p.from_state}", f"#{p.to_state}")
         if math.isinf(p.energy):
             known = not math.isnan(p.least)
-            least = (f">= {p.least - end:.6g}" if known else "-" for end in self._energies(p))
+            ends = self._energies(p)
+            least = (f">= {max(p.least, *ends) - end:.6g}" if known else "-" for end in ends)
             return (*pair, *least, "-", "none", p.why)
         rises = (f"{p.energy - end:.6g}" for end in self._energies(p))
         angles = ", ".join(f"{math.degrees(a) + 0.0:.2f}" for a in p.fold_angles)
@@ -242,7 +270,9 @@ class Barriers(Report, Viewable):
 
     def report_sections(self) -> Iterator[Section]:
         """Return the table of passes, what bounds each, what is known without the symmetry, and where they are."""
-        yield self.table()
+        some = [p for p in self.passes if math.isfinite(p.energy) or not math.isnan(p.least)]
+        shown = self.passes if len(self.passes) <= MOST_PAIRS else some
+        yield self._table([self._cells(p)[:-1] for p in shown])
         energies = [f"#{k} {m.energy:.6g} J" for k, m in enumerate(self.result.minima, start=1)]
         if energies:
             yield f"states as minima lists them: {', '.join(energies[:MOST_STATES])}" + (

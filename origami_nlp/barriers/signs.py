@@ -15,12 +15,12 @@ from dataclasses import replace
 import numpy as np
 
 from origami_nlp.barriers.passes import LISTED, SIGNED, Pass
+from origami_nlp.barriers.paths import PathDown, passes_over_paths
 from origami_nlp.barriers.result import Barriers, FlatVertexBound
-from origami_nlp.barriers.traced import EXPLICIT, passes_over, pattern_passes
+from origami_nlp.barriers.traced import EXPLICIT, pattern_passes
 from origami_nlp.errors import OptionError, OutOfTime
 from origami_nlp.kkt import energy_scale, level_of
 from origami_nlp.minima import MinimaResult, TracedPasses
-from origami_nlp.numerics import merge_tree
 from origami_nlp.pattern_states import FlatVertex, list_flat_vertices, ways_down
 
 OPPOSITE = {("+", "-"), ("-", "+")}
@@ -103,44 +103,14 @@ def _with_signs(
     problem, minima = result.model, np.array([m.phi for m in result.minima])
     bounds = list_flat_vertices(result.pattern, True, problem.until, say)
     late = [*late, *[FLAT_STATES] * (time.monotonic() > problem.until)]
-    states = [np.zeros((0, problem.size))]
-    edges: list[np.ndarray] = []
-    first, many = 0, len(minima)
-    if traced is not None:
-        first = len(traced.states) - many
-        states.append(traced.states[:first])
-        edges.append(traced.edges)  # minima are last
-    tops: list[np.ndarray] = []
-    ways = []
+    ways: list[PathDown] = []
     say(WAYS_DOWN)
     try:
         for to, path in ways_down(problem, minima, bounds):
-            at = next((k for k, x in enumerate(tops) if np.abs(x - path[0]).max() == 0), len(tops))
-            if at == len(tops):
-                tops.append(path[0])
-            ways.append((at, to, path[1:-1]))
+            ways.append(PathDown(path, to))
     except OutOfTime:
         late.append(WAYS_DOWN)
-    inner = sum(len(path) for *_, path in ways)
-    shift = len(tops) + inner
-    if edges:
-        edges[0] = np.where(edges[0] >= first, edges[0] + shift, edges[0])
-    states.append(np.array(tops).reshape(-1, problem.size))
-    begin = first + len(tops)
-    for at, to, path in ways:
-        numbers = [first + at, *range(begin, begin + len(path)), first + shift + to]
-        edges.append(np.column_stack([numbers[:-1], numbers[1:]]))
-        states.append(path)
-        begin += len(path)
-    states.append(minima)
-    nodes = np.concatenate(states)
-    energies = np.array([problem.scaled_energy(x) for x in nodes])
-    joined = np.concatenate(edges).astype(int) if edges else np.zeros((0, 2), int)
-    heights = energies[joined].max(axis=1) if len(joined) else np.zeros(0)
-    leaves = list(range(len(nodes) - many, len(nodes)))
-    tree = merge_tree(energies, joined, heights, leaves)
-    found = TracedPasses(tree, nodes, energies, joined, np.isin(leaves, joined))
-    whole = passes_over(problem, result, found, problem.scale, lambda i, j, height: EXPLICIT)
+    whole = passes_over_paths(problem, result, minima, ways, traced, EXPLICIT)
     scale = energy_scale(result.pattern.stiffness)
     level = level_of(np.array([m.energy for m in result.minima]), scale)
     before = {} if known is None else {(p.from_state, p.to_state): p for p in known.passes}

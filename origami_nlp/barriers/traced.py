@@ -17,7 +17,7 @@ from origami_nlp.barriers.result import Barriers, Join
 from origami_nlp.errors import OptionError, OutOfTime
 from origami_nlp.kkt import State, energy_scale, level_of, project
 from origami_nlp.minima import MinimaResult, TracedPasses, trace, traced_passes
-from origami_nlp.numerics import CLOSURE_TOL, NEAR_SINGULAR_TOL, SETTLED
+from origami_nlp.numerics import CLOSURE_TOL, NEAR_SINGULAR_TOL, SAME_ENERGY, SETTLED
 from origami_nlp.pattern_states import curve_passes
 
 APART = 0.2
@@ -79,11 +79,14 @@ def passes_over(
     found: TracedPasses,
     unit: float,
     why: Callable[[int, int, float], str],
+    otherwise: PassKind = "corner",
 ) -> Barriers:
-    """Return the passes over a graph of states; unit: of their energies."""
+    """Return the passes over a graph of states; unit: of their energies; otherwise: regular tops that are no saddle."""
     many = len(result.minima)
     passes = tuple(
-        _between(problem, found, unit, i, j, why) for i in range(many) for j in range(i + 1, many)
+        _between(problem, found, unit, i, j, why, otherwise)
+        for i in range(many)
+        for j in range(i + 1, many)
     )
     kinds = {(p.from_state - 1, p.to_state - 1): p for p in passes}
     merges = []
@@ -121,6 +124,7 @@ def _between(
     i: int,
     j: int,
     why: Callable[[int, int, float], str],
+    otherwise: PassKind,
 ) -> Pass:
     """Return the pass between minima i and j (0-based) with its path."""
     merge = found.tree.barrier(i, j)
@@ -133,10 +137,13 @@ def _between(
         )
     top, first = found.top(i, j), len(found.states) - len(found.on_curves)
     try:
-        at, kind, residual = _made_exact(problem, top)
+        at, kind, residual = _made_exact(problem, top, otherwise)
         closed = tuple(problem.name(c) for c in at.pieces[0])
     except OutOfTime:
         at, kind, residual, closed = State(problem, top), "mesh", math.nan, ()
+    height = float(merge.height * unit)
+    if otherwise == "mesh" and kind == "mesh" and height <= at.energy + SAME_ENERGY * unit:
+        kind = "singular"  # a state from which ways go down to both sides: none was cut
     way = found.tree.path(first + i, first + j)
     assert way is not None
     states = _filled(problem, found.states[way[0]])
@@ -144,24 +151,26 @@ def _between(
     return Pass(
         i + 1,
         j + 1,
-        at.energy,
+        height if kind == "mesh" else at.energy,
         kind,
         tuple(problem.expand(at.x).tolist()),
         closed,
         residual,
         problem.expand(states),
         energies,
-        float(merge.height * unit),
+        height,
         why(i, j, merge.height),
     )
 
 
-def _made_exact(problem: Any, top: np.ndarray) -> tuple[State, PassKind, float]:
-    """Return the state of a pass near the top of a path [n], its kind and its residual."""
+def _made_exact(
+    problem: Any, top: np.ndarray, otherwise: PassKind
+) -> tuple[State, PassKind, float]:
+    """Return the state of a pass near the top of a path [n], its kind (`otherwise`: no saddle) and its residual."""
     exact = critical_near(problem, top[None], NEAR_SINGULAR_TOL)
     if exact:
         return State(problem, exact[0].x), exact[0].kind, exact[0].residual  # type: ignore[return-value]
     at = State(problem, top)
     if at.regular:
-        return at, "corner", math.nan
+        return at, otherwise, math.nan
     return at, "flat state" if np.abs(top).max() <= SETTLED else "singular", math.nan

@@ -228,9 +228,9 @@ def barriers(
 ) -> None:
     """Find the lowest pass between every two minima of ORIGAMI, and a path through it.
 
-    Of a vertex with up to two degrees of freedom, or of a pattern: along traced curves, and through states with a
-    vertex flat, which bound barriers from below where the signs of that vertex differ.  With --full the barriers of a
-    vertex without the symmetry are bounded as well.
+    Along traced curves, over graphs of states, and through states with a vertex flat, which bound barriers from below
+    where the signs of that vertex differ; with three or more degrees of freedom along descents, as upper bounds.  With
+    --full the barriers of a vertex (two degrees of freedom) without the symmetry are bounded as well.
     """
     from origami_nlp.barriers import (
         barriers_table,

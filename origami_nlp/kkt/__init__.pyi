@@ -26,9 +26,13 @@ from .escape import (
     TREE as TREE,
     Escape as Escape,
     EscapePath as EscapePath,
+    Method as Method,
     barriers as barriers,
     bounds as bounds,
+    down_to as down_to,
     escape_paths as escape_paths,
+    escape_paths_of_each as escape_paths_of_each,
+    highest as highest,
     level_of as level_of,
     rounded_up as rounded_up,
 )

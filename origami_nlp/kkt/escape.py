@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Final, Literal, NamedTuple
 
@@ -94,11 +94,15 @@ def rounded_up(value: float) -> str:
 
 
 class EscapePath(NamedTuple):
-    """An escape path: how high it climbs over its state, where, and number of the listed state it leads to, or -1."""
+    """An escape path: how high it climbs over its state, where, and number of the listed state it leads to, or -1.
+
+    states: on the way, [S, n], to where descents in batches take over; empty where they are not kept.
+    """
 
     height: float
     top: np.ndarray
     to: int
+    states: np.ndarray = np.zeros((0, 0))
 
 
 def escape_paths(
@@ -129,16 +133,25 @@ def escape_paths(
     dict
         A way by number, where one was found.
     """
+    found = (
+        (k, next(ways, None))
+        for k, ways in escape_paths_of_each(terrain, which, sections, confirmed)
+    )
+    return {k: way for k, way in found if way is not None}
+
+
+def escape_paths_of_each(
+    terrain: Terrain,
+    which: Sequence[int],
+    sections: int = SECTIONS,
+    confirmed: int = MOST_CONFIRMED,
+) -> Iterator[tuple[int, Iterator[EscapePath]]]:
+    """Yield escape paths of states by number, as `escape_paths`: all that are gone down, the lowest beginning first."""
     partings = _partings(terrain, which)
     _sharpen(terrain, [p for parts in partings.values() for p in parts[:confirmed]], sections)
-    ways = {}
     for k, parts in partings.items():
-        lowest = sorted(parts[:confirmed], key=_rank)
-        found = (_way(terrain, part) for part in lowest)
-        way = next(filter(None, found), None)
-        if way is not None:
-            ways[k] = way
-    return ways
+        found = (_way(terrain, part) for part in sorted(parts[:confirmed], key=_rank))
+        yield k, filter(None, found)
 
 
 @dataclass
@@ -219,8 +232,10 @@ LONG = 0.1
 """A step that is longer [rad] is cut in any case: whether it is a way at all."""
 
 
-def _highest(terrain: Terrain, k: int, states: np.ndarray) -> tuple[float, np.ndarray] | None:
-    """Return an upper bound of the energy along a way over state k, and the highest state that was looked at.
+def highest(
+    terrain: Terrain, k: int, states: np.ndarray
+) -> tuple[float, np.ndarray, np.ndarray] | None:
+    """Return an upper bound of the energy along a way over state k, the highest state that was looked at, and all.
 
     Between two states that are d apart the energy is at most (u + v + L d) / 2, where L is the largest slope: steps
     that may be higher than what was seen are cut until that is little.  None where a cut does not close,
@@ -245,7 +260,7 @@ def _highest(terrain: Terrain, k: int, states: np.ndarray) -> tuple[float, np.nd
             reported = coarse(np.array(most))
             cut = sorted(high, key=lambda i: -reported[i])[:A_ROUND]
         if not cut:
-            return max(top, *most), x[int(np.argmax(u))]
+            return max(top, *most), x[int(np.argmax(u))], np.array(x)
         cuts += len(cut)
         cut.sort()
         halves = terrain.middles(*(np.array([x[i + e] for i in cut]) for e in (0, 1)))
@@ -281,13 +296,28 @@ def _way(terrain: Terrain, part: _Parting) -> EscapePath | None:
         return None
     if not lower and (to in (k, -1) or not terrain.is_way(k, down[-1])):
         return None
-    best = _highest(terrain, k, np.array([*part.before, part.low, part.high]))
+    best, after = highest(terrain, k, np.array([*part.before, part.low, part.high])), 0
     if best is None or best[0] > terrain.worth:
         back = terrain.path_down(part.low, lambda x: False)
         if _listed(terrain, back[-1]) == k:
-            over = (_highest(terrain, k, states) for states in _over_passes(terrain, back, down))
-            best = min(filter(None, (best, *over)), key=lambda found: found[0], default=None)
-    return None if best is None else EscapePath(*best, -1 if to == k else to)
+            for states, meets in _over_passes(terrain, back, down):
+                over = highest(terrain, k, states)
+                if over is not None and (best is None or over[0] < best[0]):
+                    best, after = over, meets
+    if best is None:
+        return None
+    height, top, states = best
+    way = np.concatenate([states, down[after + 1 :]])
+    return EscapePath(height, top, -1 if to == k else to, way)
+
+
+def down_to(terrain: Terrain, state: np.ndarray) -> tuple[np.ndarray, int] | None:
+    """Go down carefully to a listed state: states [S, n], and its number; None where that fails, or a step is long."""
+    down = terrain.path_down(state, lambda _: False)
+    to = _listed(terrain, down[-1])
+    if to < 0 or any(terrain.distance(a, b) > JUMP for a, b in itertools.pairwise(down)):
+        return None
+    return np.concatenate([down, terrain.minima[to][None]]), to
 
 
 def _listed(terrain: Terrain, x: np.ndarray) -> int:
@@ -296,8 +326,10 @@ def _listed(terrain: Terrain, x: np.ndarray) -> int:
     return nearest if apart[nearest] <= NEAR_SINGULAR_TOL else -1
 
 
-def _over_passes(terrain: Terrain, back: np.ndarray, down: np.ndarray) -> list[np.ndarray]:
-    """Return ways that leave one descent for the other where these part: straight across, and over passes there."""
+def _over_passes(
+    terrain: Terrain, back: np.ndarray, down: np.ndarray
+) -> list[tuple[np.ndarray, int]]:
+    """Return ways across to the other descent where these part, over passes as well, and where in `down` each ends."""
     apart = np.linalg.norm(back[:, None] - down[None], axis=2)
     near = apart <= 2 * max(float(apart[0, 0]), TOGETHER)
     j = int(np.flatnonzero(near.any(axis=0))[-1])
@@ -305,7 +337,7 @@ def _over_passes(terrain: Terrain, back: np.ndarray, down: np.ndarray) -> list[n
     i = int(apart[:, j].argmin())
     ways = []
     for middle in ([], *([x] for x in terrain.passes(back[i], down[j]))):
-        ways.append(np.array([*back[i:][::-1], *middle, down[j]]))
+        ways.append((np.array([*back[i:][::-1], *middle, down[j]]), j))
     return ways
 
 

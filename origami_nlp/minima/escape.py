@@ -15,6 +15,7 @@ from origami_nlp.kkt import (
     TRACED,
     TREE,
     Escape,
+    Method,
     State,
     Terrain,
     barriers,
@@ -269,7 +270,12 @@ def with_escapes(
 
 
 def with_merge_tree(
-    model: Model, minima: Sequence[JudgedState], heights: np.ndarray, why: str
+    model: Model,
+    minima: Sequence[JudgedState],
+    heights: np.ndarray,
+    why: str,
+    method: Method = TREE,
+    beyond: np.ndarray | None = None,
 ) -> list[JudgedState]:
     """Add what a merge tree of a graph of states says of leaving each minimum.
 
@@ -281,8 +287,10 @@ def with_merge_tree(
         Its minima.
     heights
         Energy of the lowest pass between two of them, [M, M]; inf where there is none.
-    why
+    why, method
         What that rests on.
+    beyond
+        What a way from each to a lower state that is not listed climbs, [M]; inf for none.
 
     Returns
     -------
@@ -291,10 +299,10 @@ def with_merge_tree(
     """
     energies = np.array([m.energy for m in minima])
     scale = energy_scale(np.array(model.scene.stiffness))
-    listed = barriers(energies, heights, level_of(energies, scale), scale)
+    listed = barriers(energies, heights, level_of(energies, scale), scale, beyond)
     return [
-        replace(m, escape=Escape(barrier, TREE, why, to + 1, (), barrier < SHALLOW * scale))
-        if to >= 0
+        replace(m, escape=Escape(barrier, method, why, to + 1, (), barrier < SHALLOW * scale))
+        if math.isfinite(barrier)
         else m
         for m, (barrier, to) in zip(minima, listed, strict=True)
     ]

@@ -93,8 +93,11 @@ def test_what_has_more_dof_is_refused_in_one_line():
     with pytest.raises(OptionError, match="full = True is not for a pattern: "):
         o.find_barriers(pattern, full=True)
     free = replace(o.examples.degree6("5*pi/12"), symmetry="none")
-    with pytest.raises(OptionError, match="3 degrees of freedom; barriers need 1 or 2"):
-        o.find_barriers(free)
+    with pytest.raises(OptionError, match="of 3 degrees of freedom: with two a graph"):
+        o.find_barriers(free, full=True)
+    rigid = o.Scene(o.Vertex.from_degrees([100, 120, 140]), (1.0,) * 3, (0.4,) * 3, symmetry="none")
+    with pytest.raises(OptionError, match="leaves 0 degrees of freedom; barriers need one"):
+        o.find_barriers(rigid)
     with pytest.raises(OptionError, match="of one degree of freedom: "):
         o.find_barriers(quadrilateral(), spacing=0.3)
 

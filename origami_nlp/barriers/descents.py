@@ -1,0 +1,231 @@
+"""Barriers of a vertex with three or more degrees of freedom: paths that descents show, and what bounds all from below.
+
+Escape paths from each minimum (`kkt.escape_paths_of_each`), and descents from states that paths have to pass: the flat
+state, which parts minima whose fold angles sum to more and to less than 0 (`PopSigns`), and exits of thin sets
+(`flaps`).  Where a path climbs no higher than such a bound the barrier is exact; others are bounded from above.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from origami_nlp.barriers.flaps import flap_exit
+from origami_nlp.barriers.passes import LEFT, NEVER, PROVED, Pass, both_sides, critical_near
+from origami_nlp.barriers.paths import PathDown, passes_over_paths
+from origami_nlp.barriers.result import Barriers
+from origami_nlp.kkt import (
+    BOUND,
+    down_to,
+    energy_scale,
+    escape_paths_of_each,
+    highest,
+    level_of,
+    rounded_up,
+)
+from origami_nlp.minima import MinimaResult, VertexTerrain, with_merge_tree
+from origami_nlp.numerics import DUPLICATE_TOL, INPUT_TOL, coarse
+from origami_nlp.pattern import Scene
+from origami_nlp.problem import Model
+
+SHOWN = "the lowest path that descents show: lower ones are not excluded"
+NONE = "no admissible path is known"
+OPPOSITE = {("+", "-"), ("-", "+")}
+"""Signs of a vertex on either side of its flat state."""
+FIRST = 0.02, 0.1, 0.3
+"""Of the way from a state that paths pass towards a minimum: where a descent begins [rad]."""
+TARGETS = 6
+"""Minima towards which descents begin at such a state: the nearest ones on either side."""
+RAYS, LATER = 5, 8
+"""Rays from a minimum, and states on each, from which careful descents begin."""
+HALVINGS = 5
+"""Of the step of a ray in which careful descents part."""
+NEAR = 0.2
+"""Newton finds a saddle within this distance [rad] of the highest state of a way."""
+PLACES = 6
+"""Decimals of distances that are compared: more are rounding."""
+
+
+def descent_barriers(model: Model, result: MinimaResult) -> Barriers:
+    """Return the barriers of a vertex with any number of degrees of freedom.
+
+    Parameters
+    ----------
+    model
+        Of its scene.
+    result
+        Its minima, of one winding.
+
+    Returns
+    -------
+    Barriers
+        With the lowest pass that is known between every two minima, and what bounds it from below.
+    """
+    scene, many = model.scene, len(result.minima)
+    minima = np.array([model.reduce(np.array(m.fold_angles)) for m in result.minima])
+    minima = minima.reshape(-1, model.size)
+    if not many:
+        return Barriers(result, (), ())
+    soft = [m.softest_mode for m in result.minima]
+    modes = [[model.reduce(np.array(mode))] if mode else [] for mode in soft]
+    terrain = VertexTerrain(model, minima, modes)
+    exits = [flap_exit(scene, np.array(m.fold_angles)) for m in result.minima]
+    loose = [k for k, m in enumerate(result.minima) if m.local_dimension != 0]
+    ways, beyond = list[PathDown](), np.full(many, math.inf)
+    for k, found in escape_paths_of_each(terrain, loose):
+        for way in found:
+            if way.to < 0:
+                beyond[k] = min(beyond[k], way.height)
+            elif (known := _way_between(terrain, k, way.states)) is not None:
+                ways.append(known)
+    left = {way.start for way in ways}
+    for k in loose:
+        if k not in left and result.minima[k].local_dimension == model.dof:
+            ways += _along_rays(terrain, k)
+    tops = [np.zeros(model.size)] * (scene.vertex.flat and not model.refuses(np.zeros(model.size)))
+    for k, one in enumerate(exits):
+        if one is not None:
+            top = model.reduce(one.fold_angles)
+            # the set is convex in its fold angles, and so is the energy on it
+            steps = np.linspace(0, 1, 2 + int(np.abs(top - minima[k]).max() / FIRST[1]))[:, None]
+            ways.append(PathDown(top + steps * (minima[k] - top), k))
+            tops.append(top)
+    ways += _over_saddles(terrain, ways)
+    for top in tops:
+        ways += _ways_down(terrain, top)
+    whole = passes_over_paths(model, result, minima, ways, None, SHOWN, "mesh")
+    signs = _flat_bound(scene, result)
+    level = level_of(terrain.problem.energies(minima), energy_scale(np.array(scene.stiffness)))
+    leave = [-math.inf if one is None else one.energy for one in exits]
+    passes = tuple(_bounded(_rounded(p, result), result, signs, leave, level) for p in whole.passes)
+    heights = np.full((many, many), math.inf)
+    for p in passes:
+        heights[p.from_state - 1, p.to_state - 1] = p.energy
+    listed = with_merge_tree(model, result.minima, heights, SHOWN, BOUND, beyond)
+    return replace(whole, result=replace(result, minima=tuple(listed)), passes=passes)
+
+
+def _way_between(terrain: VertexTerrain, start: int, states: np.ndarray) -> PathDown | None:
+    """Go an escape path [S, n] from a minimum on to where it ends, and look at all of it."""
+    down = down_to(terrain, states[-1])
+    if down is None or down[1] == start:
+        return None
+    whole = np.concatenate([terrain.minima[start][None], states, down[0][1:]])
+    return _checked(terrain, whole, down[1], start)
+
+
+def _along_rays(terrain: VertexTerrain, k: int) -> Iterator[PathDown]:
+    """Go along rays from a minimum until careful descents end at another, where descents in batches jumped early."""
+    parting = []
+    for _, ray in terrain.rays([k]):
+        ends = terrain.land(ray)
+        away = np.isfinite(ends).all(axis=1) & (np.abs(ends - terrain.minima[k]).max(axis=1) > NEAR)
+        if away.any():
+            first = int(np.flatnonzero(away)[0])
+            parting.append((float(coarse(terrain.rise(k, ray[: first + 1])).max()), first, ray))
+    for _, first, ray in sorted(parting, key=lambda one: one[0])[:RAYS]:
+        for j in range(max(first, 1), min(first + LATER, len(ray))):
+            down = down_to(terrain, ray[j])
+            if down is None or down[1] != k:
+                break
+        if down is None or down[1] == k:
+            continue
+        low, high = ray[j - 1], ray[j]
+        for _ in range(HALVINGS):
+            half = terrain.between(low, high, np.array([0.5]))
+            there = None if half is None else down_to(terrain, half[0])
+            if half is None or there is None:
+                break
+            if there[1] == k:
+                low = half[0]
+            else:
+                high, down = half[0], there
+        way = np.concatenate([ray[:j], low[None], down[0]])
+        if (known := _checked(terrain, way, down[1], k)) is not None:
+            yield known
+
+
+def _checked(
+    terrain: VertexTerrain, states: np.ndarray, to: int, start: int = -1
+) -> PathDown | None:
+    """Cut steps of a way finely, and bound what it climbs; None where it does not close or touch as it should."""
+    apart = [True, *(np.abs(a - b).max() > 0 for a, b in itertools.pairwise(states))]
+    found = highest(terrain, to, states[apart])
+    if found is None:
+        return None
+    rise, top, dense = found
+    begins = start < 0 and np.array_equal(top, dense[0])
+    energy = math.nan if begins else terrain.problem.energy(terrain.minima[to]) + rise
+    return PathDown(dense, to, start, energy)
+
+
+def _over_saddles(terrain: VertexTerrain, ways: Sequence[PathDown]) -> list[PathDown]:
+    """Go down both sides of the saddles that Newton finds beside the highest states of ways."""
+    model, found, out = terrain.model, list[np.ndarray](), list[PathDown]()
+    for way in ways:
+        top = way.states[int(model.energies(way.states).argmax())]
+        for one in critical_near(model, top[None], NEAR):
+            if any(np.abs(one.x - x).max() <= DUPLICATE_TOL for x in found):
+                continue
+            found.append(one.x)
+            for side in both_sides(model, one, list(terrain.minima)) or ():
+                if side.lands_on is not None:
+                    end = terrain.minima[side.lands_on]
+                    states = np.concatenate([one.x[None], side.states, end[None]])
+                    out += filter(None, [_checked(terrain, states, side.lands_on)])
+    return out
+
+
+def _ways_down(terrain: VertexTerrain, top: np.ndarray) -> Iterator[PathDown]:
+    """Go down from a state that paths pass, beginning towards minima: beside the flat state on either side."""
+    sides = np.zeros(len(terrain.minima))
+    if not top.any():
+        sides = np.sign([terrain.model.expand(x).sum() for x in terrain.minima])
+    far = np.round(np.linalg.norm(terrain.problem.root * (terrain.minima - top), axis=1), PLACES)
+    order = np.argsort(far, kind="stable")
+    near = [order[sides[order] == side][:TARGETS] for side in (1.0, -1.0, 0.0)]
+    for k in np.concatenate(near).tolist():
+        apart = float(np.abs(terrain.minima[k] - top).max())
+        for size in FIRST:
+            beside = terrain.between(top, terrain.minima[k], np.array([min(1, size / apart)]))
+            down = None if beside is None else down_to(terrain, beside[0])
+            if down is None:
+                continue
+            way = _checked(terrain, np.concatenate([top[None], down[0]]), down[1])
+            if way is not None:
+                yield way
+                break
+
+
+def _flat_bound(scene: Scene, result: MinimaResult) -> float:
+    """Return what paths between the two signs of a vertex climb to at least; nan where its signs mean nothing."""
+    if not result.sign_vertices:
+        return math.nan
+    if sum(scene.vertex.sector_angles) < 2 * math.pi - INPUT_TOL:
+        return math.inf
+    return float(scene.energy(np.zeros(scene.degree)))
+
+
+def _rounded(p: Pass, result: MinimaResult) -> Pass:
+    """Round what an unrefined way climbs up to two digits: more hang on where its steps were cut."""
+    if p.pass_kind != "mesh":
+        return p
+    high = max(result.minima[k - 1].energy for k in (p.from_state, p.to_state))
+    return replace(p, energy=high + float(rounded_up(p.energy - high)))
+
+
+def _bounded(p: Pass, result: MinimaResult, flat: float, leave: list[float], level: float) -> Pass:
+    """Add what bounds a pass from below; leave: energies that the exits of both minima have at least."""
+    pair = p.from_state - 1, p.to_state - 1
+    bounds = [(leave[k], LEFT) for k in pair if leave[k] > -math.inf]
+    if tuple(result.signs[k] for k in pair) in OPPOSITE and not math.isnan(flat):
+        bounds.append((flat, NEVER if math.isinf(flat) else PROVED))
+    if not bounds:
+        return p if len(p.path) else replace(p, why=NONE)
+    least, why = max(bounds, key=lambda bound: bound[0])
+    p = replace(p, least=least, why=p.why if len(p.path) else NONE)
+    return replace(p, why=why) if p.energy <= least + level else p

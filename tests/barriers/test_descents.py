@@ -1,0 +1,146 @@
+"""Barriers of vertices with three and more degrees of freedom: paths and bounds, by closure and floods of their own."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import origami_nlp as o
+from origami_nlp.barriers.passes import LEFT, LOWEST, NEVER, PROVED
+from origami_nlp.problem import Model
+from tests.command_line import run
+from tests.independent import flood_three
+from tests.independent.links import corners, crosses
+
+
+def drawn(degree, seed, **more):
+    """A vertex with random sectors and springs, and these as arrays."""
+    rng = np.random.default_rng(seed)
+    sectors = rng.dirichlet(np.full(degree, 6.0)) * 2 * math.pi
+    stiffness, rest = rng.uniform(0.2, 2, degree), rng.uniform(-3, 3, degree)
+    vertex = o.Vertex(tuple(sectors))
+    return o.Scene(vertex, tuple(stiffness), tuple(rest), symmetry="none", **more)
+
+
+def checked(found, crossing=True):
+    """Each path closes, stays within limits, goes in short steps from end to end, and no higher than is said.
+
+    Without `crossing` no facets cross on it, nor touch, between minima in which none touch.
+    """
+    scene, seen = found.result.scene, 0
+    sectors, k = np.array(scene.vertex.sector_angles), np.array(scene.stiffness)
+    for p in found.passes:
+        assert math.isinf(p.energy) == (not len(p.path))
+        if math.isinf(p.energy):
+            continue
+        seen += 1
+        ends = [found.result.minima[n - 1] for n in (p.from_state, p.to_state)]
+        apart = crossing or any(m.kind != "interior" for m in ends)
+        assert np.abs(p.path[[0, -1]] - [m.fold_angles for m in ends]).max() < 1e-6
+        assert np.abs(np.diff(p.path, axis=0)).max() < 0.25
+        assert np.abs(p.path).max() <= math.pi + 1e-12
+        energy = 0.5 * (p.path - np.array(scene.rest_angles)) ** 2 @ k
+        assert energy.max() <= p.energy * (1 + 1e-12)
+        assert energy.max() >= p.energy * (1 - 1e-9) or p.pass_kind == "mesh"
+        for phi in p.path:
+            points, turn = corners(sectors, phi)
+            assert np.abs(turn - np.eye(3)).max() < 1e-10
+            assert apart or np.abs(phi).max() <= 1e-3 or not crosses(points)
+    return seen
+
+
+def by_hand(scene):
+    """Energy of the flat state."""
+    return 0.5 * float(np.array(scene.stiffness) @ np.array(scene.rest_angles) ** 2)
+
+
+@pytest.mark.parametrize(
+    "scene",
+    [
+        o.examples.waterbomb(symmetry="none"),
+        drawn(6, 3, contact="full"),
+        drawn(7, 2, contact="full"),
+    ],
+    ids=["waterbomb", "degree 6", "degree 7"],
+)
+def test_between_the_sides_of_the_flat_state_barriers_are_exact(scene):
+    found = o.find_barriers(scene, o.find_minima(scene, prove=False, escape=False))
+    assert Model(scene).dof in (3, 4)
+    sums = [sum(m.fold_angles) for m in found.result.minima]
+    assert checked(found, crossing=False)
+    exact = [p for p in found.passes if sums[p.from_state - 1] * sums[p.to_state - 1] < 0]
+    assert exact
+    for p in exact:
+        assert p.least == pytest.approx(by_hand(scene), rel=1e-12)
+        assert p.energy >= p.least * (1 - 1e-12)
+        totals = p.path.sum(axis=1)
+        assert not [k for k in np.flatnonzero(totals[:-1] * totals[1:] < 0)]
+        assert not np.abs(p.path[np.abs(totals) < 1e-9]).any()
+    assert any(p.why == PROVED and p.pass_kind == "flat state" for p in exact)
+    for m in found.result.minima:  # a state of no higher energy need not be listed
+        assert not m.escape or m.escape.method == "upper bound (descents)"
+
+
+def test_paths_are_as_low_as_a_flood_of_a_lattice_finds():
+    """Three fold angles on a lattice, the others by spherical trigonometry: 39,100 states, within fold limits."""
+    scene = drawn(6, 0, contact="fold-limits")
+    result = o.find_minima(scene, prove=False, escape=False)
+    found = o.find_barriers(scene, result)
+    assert checked(found) >= 3 and not any(p.why in LOWEST for p in found.passes)
+    minima = np.array([m.fold_angles for m in result.minima])
+    sectors, k, rest = (
+        np.array(x) for x in (scene.vertex.sector_angles, scene.stiffness, scene.rest_angles)
+    )
+    flooded, lattice = flood_three.heights(sectors, k, rest, minima, 31, 0.6)
+    for phi in lattice[::500]:
+        assert np.abs(corners(sectors, phi)[1] - np.eye(3)).max() < 1e-9
+    heights = found.matrix()
+    both = [(1, 3), (5, 6), (7, 8)]
+    saddles = {(p.from_state, p.to_state): p.pass_kind for p in found.passes}
+    assert [saddles[pair] for pair in both] == ["saddle", "saddle", "contact saddle"]
+    for i, j in both:
+        assert heights[i - 1, j - 1] <= flooded[i - 1, j - 1] < heights[i - 1, j - 1] * 1.05
+
+
+@pytest.mark.slow
+def test_handles_of_a_panel_are_left_at_their_proved_exits():
+    """Without the symmetry imposed the passes of the panel with it remain, by the same proof."""
+    scene = o.examples.degree6("pi/3", ratio=1)
+    kept = o.find_minima(scene, prove=False, escape=False)
+    free = replace(scene, symmetry="none")
+    states = [m.fold_angles for m in kept.minima[1:]]
+    full = o.find_minima(free, prove=False, escape=False)
+    some = [
+        m
+        for m in full.minima
+        if min(np.abs(np.subtract(m.fold_angles, x)).max() for x in states) < 1e-6
+    ]
+    assert len(some) == 3
+    found = o.find_barriers(free, replace(full, minima=tuple(some)))
+    checked(found)
+    assert [p.why for p in found.passes] == [LEFT] * 3
+    exact = o.find_barriers(scene, kept, spacing=0.3).matrix()[1:, 1:]
+    assert found.matrix() == pytest.approx(exact, rel=1e-9)
+    assert "at most" not in found.verdict
+
+
+def test_with_less_paper_no_path_leads_to_the_other_side():
+    vertex = o.Vertex(tuple(np.full(6, math.radians(50))), flat=False)
+    scene = o.Scene(vertex, (1.0,) * 6, (0.4, 0.5, 0.6, 0.4, 0.5, 0.6), symmetry="none")
+    result = o.find_minima(scene, prove=False, escape=False)
+    found = o.find_barriers(scene, result)
+    sums = [sum(m.fold_angles) for m in result.minima]
+    across = [p for p in found.passes if sums[p.from_state - 1] * sums[p.to_state - 1] < 0]
+    assert across and all(p.why == NEVER and math.isinf(p.energy) for p in across)
+    assert "less than 360 degrees" in str(found)
+
+
+def test_the_command_answers_with_files_and_a_picture(tmp_path):
+    file, picture, scene = (tmp_path / name for name in ("b.json", "b.png", "scene.toml"))
+    scene.write_text(o.format_scene(o.examples.waterbomb(symmetry="none")))
+    done = run("barriers", scene, "-o", file, "-o", picture)
+    assert done.code == 0 and "0.06169 J to leave #2" in done.out, done.err
+    again = o.load(file)
+    assert again.passes[0].why == PROVED and again.passes[0].least == again.passes[0].energy
+    assert picture.stat().st_size > 10_000
