@@ -188,7 +188,7 @@ REFERENCES = (
     ),
     Reference(
         "scipy",
-        "SciPy: sparse matrices and graphs",
+        "SciPy: sparse matrices",
         "article",
         "Virtanen, Pauli and Gommers, Ralf and Oliphant, Travis E. and others",
         "SciPy 1.0: fundamental algorithms for scientific computing in Python",

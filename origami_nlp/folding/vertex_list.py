@@ -22,14 +22,14 @@ SCHEMA = "origami-nlp/pattern/2"
 HEADS = (
     "vertex",
     "degree",
-    "assignment",
-    "sector angles [deg]",
-    "Kawasaki [deg]",
+    "M/V",
+    "sector angles\n[deg]",
+    "Kawasaki\n[deg]",
     "Maekawa",
-    "folds flat",
+    "folds\nflat",
     "analysis",
 )
-WORDS = ("assignment", "sector angles [deg]", "analysis")
+WORDS = ("M/V", "sector angles\n[deg]", "analysis")
 
 
 @dataclass(frozen=True)

@@ -6,6 +6,7 @@ import os
 from collections.abc import Container, Iterable, Iterator, Sequence
 from typing import Any
 
+from rich.box import SIMPLE_HEAD
 from rich.console import Console, ConsoleOptions, RenderableType
 from rich.measure import Measurement
 from rich.protocol import rich_cast
@@ -115,14 +116,15 @@ class Screen(Console):
         Many rows or tables are plain lines, which is 20 times as fast.
         """
         if max(len(rows), 10 * tables) <= MOST_BOXED:
-            table = Table(title=title, title_justify="left")
+            look = {"box": SIMPLE_HEAD, "pad_edge": False, "padding": (0, 1, 0, 0)}
+            table = Table(title=title, title_justify="left", **look)  # type: ignore[arg-type]
             for head in heads:
                 table.add_column(head, justify="left" if head in left else "right")
             for row in rows:
                 table.add_row(*row)
             self.print(table)
             return
-        lines = [heads, *rows]
+        lines = [[head.replace("\n", " ") for head in heads], *rows]
         widths = [max(map(len, column)) for column in zip(*lines, strict=True)]
         print(printable(title), file=self.file)
         for line in lines:
