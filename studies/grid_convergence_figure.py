@@ -71,7 +71,7 @@ def _errors(axes: Any, errors: tuple[GridErrors, ...], what: str, label: str) ->
             fontsize=9,
             va="center",
         )
-    axes.set_ylim(low / 12 if what == "energy" else low, high)
+    axes.set_ylim(low / 12 if what == "energy" else low, high if what == "energy" else 1.25 * high)
     if what == "distance":
         axes.axhline(REACH, color="#999999", lw=0.8, ls=":")
         axes.annotate(
