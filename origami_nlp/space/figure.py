@@ -49,7 +49,8 @@ def draw_space(space: Space) -> Figure:
     solid = figure.add_axes((0.47, 0.13, 0.52, 0.8), projection="3d")
     used = _draw_chart(flat, space, colour)
     used |= _draw_solid(solid, space, colour)
-    figure.suptitle(_title(space), fontsize=11, y=0.965)
+    title = _title(space)
+    figure.suptitle(title, fontsize=11, y=0.995 if "\n" in title else 0.965)
     _legend(figure, space, colour, used)
     return figure
 
