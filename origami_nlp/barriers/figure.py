@@ -69,7 +69,8 @@ def draw_barriers(*several: Barriers, columns: int = 2) -> Figure:
             ax.set_ylabel("energy [J]")
     drawn = [alike[0] for alike in shapes.values()]
     found = [(m.kind, _judged(m)) for b in drawn for m in b.result.minima]
-    handles = minima_legend(found, STAR)
+    kept = any(b.scene is not None and not b.scene.group.is_trivial for b in drawn)
+    handles = minima_legend(found, STAR, kept)
     handles += passes_legend((j.pass_kind for b in drawn for j in b.merges), STAR)
     figure.legend(
         handles=handles,

@@ -183,7 +183,9 @@ def mark_minimum(
     axes.plot(*point, **look, zorder=7, clip_on=False, path_effects=halo, gid="mark")
 
 
-def minima_legend(found: Iterable[tuple[str, str | None]], size: float) -> list[Line2D]:
+def minima_legend(
+    found: Iterable[tuple[str, str | None]], size: float, verdicts: bool = True
+) -> list[Line2D]:
     """Return legend entries for minima: first the verdicts that occur, then the kinds.
 
     Parameters
@@ -192,6 +194,8 @@ def minima_legend(found: Iterable[tuple[str, str | None]], size: float) -> list[
         Kind and verdict of every minimum that is marked.
     size
         Of a star [points].
+    verdicts
+        Whether verdicts are listed: without a symmetry that may break they say nothing.
 
     Returns
     -------
@@ -205,7 +209,7 @@ def minima_legend(found: Iterable[tuple[str, str | None]], size: float) -> list[
     entries = [
         Line2D([], [], label=words, **minimum_look(kinds[0], verdict, size))
         for verdict, (_, words) in VERDICTS.items()
-        if any(v == verdict for _, v in pairs)
+        if verdicts and any(v == verdict for _, v in pairs)
     ]
     for kind in kinds:
         look = minimum_look(kind, None, size) | {"markerfacecolor": "white"}

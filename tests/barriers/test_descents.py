@@ -144,3 +144,5 @@ def test_the_command_answers_with_files_and_a_picture(tmp_path):
     again = o.load(file)
     assert again.passes[0].why == PROVED and again.passes[0].least == again.passes[0].energy
     assert picture.stat().st_size > 10_000
+    (legend,) = o.draw(again, tmp_path / "again.png").legends
+    assert [text.get_text() for text in legend.texts] == ["interior", "pass: flat state"]
