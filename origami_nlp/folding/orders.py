@@ -42,7 +42,7 @@ class Rules:
     """
 
     def __init__(self, count: int, rules: Iterable[Rule]) -> None:
-        self.rules = [(unknowns, _bits(allowed)) for unknowns, allowed in rules]
+        self.rules = [(unknowns, _table(allowed, len(unknowns))) for unknowns, allowed in rules]
         self.of: list[list[int]] = [[] for _ in range(count)]
         for k, (unknowns, _) in enumerate(self.rules):
             for u in unknowns:
@@ -133,12 +133,55 @@ class Orders:
         TimeoutError
             If the search is given up.
         """
+        counts = self.counts()
+        if not all(whole for _, _, whole in counts):
+            raise TimeoutError
+        return math.prod(many for _, many, _ in counts)
+
+    def counts(self) -> list[tuple[list[int], int, bool]]:
+        """Count the answers of each part of the unknowns that rules leave open; parts share no rule.
+
+        Returns
+        -------
+        list of tuple
+            Unknowns, number of their answers, and whether it is the number, or only one that is no larger since the
+            guesses were used up.  A part of no unknowns without answer where what is known contradicts itself.
+        """
         if self.settle() >= 0:
-            return 0
-        # parts share no rule: their answers combine freely
-        total = 1
+            return [([], 0, True)]
+        found = []
         for part in self._parts():
-            total *= sum(1 for _ in self._each(part))
+            guesses = [self._most]
+            found.append((part, self._many(self.values, part, guesses), guesses[0] >= 0))
+        return found
+
+    def answers(self, part: Sequence[int]) -> Iterator[list[bool]]:
+        """Go through the answers of one part of `counts`, false before true.
+
+        Raises
+        ------
+        TimeoutError
+            If the search is given up.
+        """
+        for values in self._each(part):
+            yield [bool(values[u]) for u in part]
+
+    def _many(self, values: Values, part: Sequence[int], guesses: list[float]) -> int:
+        """Count the answers of a part: what a guess leaves open falls into parts again, which combine freely."""
+        guesses[0] -= 1
+        if guesses[0] < 0:
+            return 0
+        total = 0
+        for guess in (0, 1):
+            more = list(values)
+            more[part[0]] = guess
+            if self._propagate(more, self._of[part[0]]) < 0:
+                many = 1
+                for one in self._parts(more, part):
+                    many *= self._many(more, one, guesses)
+                    if not many:
+                        break
+                total += many
         return total
 
     def _found(self) -> Values | None:
@@ -153,20 +196,28 @@ class Orders:
         self._answers.append(found)
         return found
 
-    def _parts(self) -> list[list[int]]:
+    def _parts(
+        self, values: Values | None = None, among: Sequence[int] | None = None
+    ) -> list[list[int]]:
         """Return the unknowns that are left, in groups that share no rule; of each group the most bound first."""
+        known = self.values if values is None else values
         groups, seen = [], set[int]()
-        for first in (u for u, v in enumerate(self.values) if v < 0):
-            if first in seen:
+        for first in range(len(known)) if among is None else sorted(among):
+            if first in seen or known[first] >= 0:
                 continue
             group, todo = [], [first]
             seen.add(first)
             while todo:
                 group.append(todo.pop())
-                near = (u for k in self._of[group[-1]] for u in self._rules[k][0])
-                new = {u for u in near if self.values[u] < 0} - seen
-                seen |= new
-                todo += new
+                for k in self._of[group[-1]]:
+                    unknowns, table = self._rules[k]
+                    code = 0
+                    for u in unknowns:
+                        code = 3 * code + known[u]
+                    if table.binds[code]:  # else any values of those that are left obey it
+                        new = {u for u in unknowns if known[u] < 0} - seen
+                        seen |= new
+                        todo += new
             groups.append(sorted(group, key=lambda u: (-len(self._of[u]), u)))
         return groups
 
@@ -192,15 +243,14 @@ class Orders:
     def _propagate(self, values: Values, waiting: Iterable[int]) -> int:
         """Fill in what rules force, in place: the rule that cannot be obeyed, or -1."""
         pending = dict.fromkeys(waiting)
+        rules, of = self._rules, self._of
         while pending:
             k, _ = pending.popitem()
-            unknowns, allowed = self._rules[k]
-            mask = value = 0
-            for n, u in enumerate(unknowns):
-                if values[u] >= 0:
-                    mask |= 1 << n
-                    value |= values[u] << n
-            forced = _forced(allowed, mask, value, len(unknowns))
+            unknowns, table = rules[k]
+            code = 0
+            for u in unknowns:
+                code = 3 * code + values[u]
+            forced = table[code]
             if forced is None:
                 return k
             for n, v in forced:
@@ -208,31 +258,62 @@ class Orders:
                 if values[u] == 1 - v:  # the same unknown twice in a rule
                     return k
                 values[u] = v
-                pending.update(dict.fromkeys(self._of[u]))
+                pending.update(dict.fromkeys(of[u]))
         return -1
 
 
+Forced = tuple[tuple[int, int], ...]
+
+
+class _Table(dict[int, Forced | None]):
+    """What a rule forces: positions with their values, by the values that are known; None: they disobey it.
+
+    Known values are written as one number, in digits 1, 0 and -1 (unknown) to the base 3, the first value highest.
+    """
+
+    def __init__(self, allowed: Allowed, count: int) -> None:
+        self.allowed, self.count = allowed, count
+        self.binds = _Binds(self)
+
+    def __missing__(self, code: int) -> Forced | None:
+        known, fits = self.fitting(code)
+        free = [k for k, v in enumerate(known) if v < 0]
+        # a value that is the same in all that fits is forced
+        one = [(k, {int(v[k]) for v in fits}) for k in free]
+        self[code] = tuple((k, v.pop()) for k, v in one if len(v) == 1) if fits else None
+        return self[code]
+
+    def fitting(self, code: int) -> tuple[list[int], list[tuple[bool, ...]]]:
+        """Return the values that a number writes, and all that are allowed with them."""
+        known = []
+        for _ in range(self.count):
+            digit = (code + 1) % 3 - 1
+            known.append(digit)
+            code = (code - digit) // 3
+        known.reverse()
+        fits = [
+            values
+            for values in self.allowed
+            if all(k in (-1, int(v)) for k, v in zip(known, values, strict=True))
+        ]
+        return known, fits
+
+
+class _Binds(dict[int, bool]):
+    """Whether a rule says anything of the values that are not known."""
+
+    def __init__(self, table: _Table) -> None:
+        self.table = table
+
+    def __missing__(self, code: int) -> bool:
+        known, fits = self.table.fitting(code)
+        self[code] = len(fits) < 2 ** known.count(-1)
+        return self[code]
+
+
 @lru_cache(maxsize=4096)
-def _bits(allowed: Allowed) -> frozenset[int]:
-    """Write each tuple of values as one number, the first value as the lowest bit."""
-    return frozenset(sum(int(v) << k for k, v in enumerate(values)) for values in allowed)
-
-
-@lru_cache(maxsize=65536)
-def _forced(
-    allowed: frozenset[int], mask: int, value: int, count: int
-) -> tuple[tuple[int, int], ...] | None:
-    """Return the positions, with their values, that the known ones (mask, value) leave no choice; None: no fit."""
-    fits = [v for v in allowed if v & mask == value]
-    if not fits:
-        return None
-    # a bit that is 1 in every value that fits, or 0 in every one, is forced
-    both, either = fits[0], fits[0]
-    for v in fits:
-        both &= v
-        either |= v
-    free = (k for k in range(count) if not mask >> k & 1)
-    return tuple((k, both >> k & 1) for k in free if (both >> k & 1) == (either >> k & 1))
+def _table(allowed: Allowed, count: int) -> _Table:
+    return _Table(allowed, count)
 
 
 @lru_cache(maxsize=4096)

@@ -227,11 +227,50 @@ class Stack:
             return
         n, k = np.array(third).T
         # an order is transitive only where all three have an area in common
-        both = self._common(self.pairs)[n]
-        common = self._is_area(self._shared(both, self._drawn(k, self.pairs[n, 0])))
+        both = self._common(self.pairs)
+        common = self._share_a_disc(both, n, k)
+        rest = np.flatnonzero(~common)
+        drawn = self._drawn(k[rest], self.pairs[n[rest], 0])
+        common[rest] = self._is_area(self._shared(both[n[rest]], drawn))
         for (i, j), m in zip(self.pairs[n[common]].tolist(), k[common].tolist(), strict=True):
             unknowns = self.unknown[i, j], self.unknown[j, m], self.unknown[i, m]
             yield (unknowns, TRANSITIVE), (i, j, m)
+
+    def _share_a_disc(
+        self, both: NDArray[np.object_], n: np.ndarray, k: np.ndarray
+    ) -> NDArray[np.bool_]:
+        """Return which pairs n, that have the areas `both` in common, share a disc wider than `near` with pieces k.
+
+        In a convex body of perimeter l a disc of radius r leaves an area of r l / 2 at least: it is wide enough.
+        """
+        from shapely import centroid, get_coordinates
+
+        i, j = self.pairs.T
+        u = self.x[i, 1] - self.x[i, 0]
+        u /= np.linalg.norm(u, axis=1, keepdims=True)
+        flat = get_coordinates(centroid(both))
+        middle = self.x[i, 0] + flat[:, :1] * u + flat[:, 1:] * cross(self.normal[i], u)
+        side = np.roll(self.x, -1, axis=1) - self.x
+        inward = cross(self.normal[:, None], side)
+        length = np.linalg.norm(inward, axis=2, keepdims=True)
+        # no side at all where a piece is padded
+        inward = np.where(length > 0, inward / np.maximum(length, NONZERO), 0.0)
+        a, b = self.pairs[n].T
+        others = [
+            np.array([self.unknown[_pair(p, q)] for p, q in zip(one, k.tolist(), strict=True)], int)
+            for one in (a.tolist(), b.tolist())
+        ]
+        widest = np.zeros(len(n))
+        for at in (n, *others):
+            least = np.full(len(n), np.inf)
+            for piece in (a, b, k):
+                off = middle[at][:, None] - self.x[piece]
+                depth = np.einsum("tqi,tqi->tq", off, inward[piece])
+                depth[length[piece, :, 0] == 0] = np.inf
+                least = np.minimum(least, depth.min(axis=1))
+            widest = np.maximum(widest, least)
+        # more than the grid moves corners
+        return np.asarray(widest > 2 * self.near)
 
     def _passages(self) -> Iterator[tuple[tuple[End, End], tuple[End, End]]]:
         """Go through pairs of passages along a common piece of a line, the first of them over an edge."""
