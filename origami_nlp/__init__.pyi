@@ -57,6 +57,12 @@ from .results import (
 )
 from .space import Space as Space, find_space as find_space
 from .starts import SearchOptions as SearchOptions
+from .validity import (
+    LayerOrders as LayerOrders,
+    Validity as Validity,
+    check as check,
+    layer_orders as layer_orders,
+)
 from .verbs import (
     classify as classify,
     find_minima as find_minima,

@@ -31,6 +31,8 @@ _READ = (
     ("pattern/2", "motion", "pattern_states", "Motion"),
     ("pattern/2", "arc", "pattern_states", "Motion"),
     ("pattern/2", "facets", "pattern_states", "Mobility"),
+    ("layers/1", "components", "validity", "LayerOrders"),
+    ("validity/1", "tests", "validity", "Validity"),
 )
 """Room and class of what is read back: by its schema, and by a key of it; of several the first."""
 

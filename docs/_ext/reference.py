@@ -17,7 +17,7 @@ from origami_nlp.references import REFERENCES
 
 ROOMS = (
     "pattern problem kkt minima loading modes bifurcation inverse_design proof contact critical "
-    "barriers continuation space chart landscape pattern_problem pattern_states sweep folding paper paper.cone"
+    "barriers continuation space chart landscape pattern_problem pattern_states validity sweep folding paper paper.cone"
 ).split()
 """Rooms whose faces users of Python need, in the order of the pages."""
 
@@ -30,6 +30,7 @@ TASKS = {
         "Scene Vertex Pattern Load"
     ),
     "How a sheet moves": "analyze_mobility find_motion Mobility Motion",
+    "Is a folded state real, in how many layer orders": "check layer_orders Validity LayerOrders",
     "Loads, snaps, barriers": (
         "load_path find_barriers find_modes find_contacts LoadPath Barriers Modes ContactReport"
     ),

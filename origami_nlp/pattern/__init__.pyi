@@ -35,6 +35,7 @@ from .fold_limits import (
     tapered_limit as tapered_limit,
 )
 from .fold_notes import listed as listed
+from .fold_rings import Oddity as Oddity, drawing_oddities as drawing_oddities
 from .fold_scene import (
     read_fold_scene as read_fold_scene,
     read_fold_scenes as read_fold_scenes,
@@ -59,7 +60,11 @@ from .loads import (
     followed as followed,
 )
 from .materials import Material as Material, find_material as find_material
-from .pattern_file import frame_pattern as frame_pattern, read_pattern as read_pattern
+from .pattern_file import (
+    face_oddities as face_oddities,
+    frame_pattern as frame_pattern,
+    read_pattern as read_pattern,
+)
 from .places import is_place as is_place, with_places as with_places
 from .relations import Relation as Relation, Relations as Relations
 from .scene import Contact as Contact, Scene as Scene

@@ -6,7 +6,8 @@ And why faces do not hang together in one sheet, and what to change.
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from typing import NamedTuple
 
 import numpy as np
 
@@ -173,8 +174,35 @@ def oriented(faces: Sequence[tuple[int, ...]]) -> tuple[list[tuple[int, ...]], i
     return faces, against
 
 
+class Oddity(NamedTuple):
+    """What is wrong with a frame, as its message says it, and the vertices, edges and faces of the file there."""
+
+    text: str
+    vertices: tuple[int, ...] = ()
+    edges: tuple[int, ...] = ()
+    faces: tuple[int, ...] = ()
+    size: float | None = None
+
+
 def check_drawing(frame: Frame) -> None:
     """Raise an error for edges that cross, or pass through a vertex, in a drawing whose faces are to be traced."""
+    for one in drawing_oddities(frame):
+        raise FoldFileError(one.text)
+
+
+def drawing_oddities(frame: Frame) -> Iterator[Oddity]:
+    """Go through edges of a drawing that cross, or pass through a vertex.
+
+    Parameters
+    ----------
+    frame
+        A flat one.
+
+    Yields
+    ------
+    Oddity
+        One each.
+    """
     from shapely import STRtree, linestrings, points
 
     xy = frame.coords[:, :2]
@@ -183,17 +211,26 @@ def check_drawing(frame: Frame) -> None:
     near = INPUT_TOL * float(np.ptp(xy, axis=0).max())
     used: list[int] = np.unique(frame.edges).tolist()
     which, through = tree.query(points(xy[used]), predicate="dwithin", distance=near)
+    same = set()
     for v, e in zip(np.array(used)[which].tolist(), through.tolist(), strict=True):
         if v not in frame.edges[e]:
-            raise FoldFileError(
-                coincident(frame, [v])
-                or f"edges_vertices[{frame.numbers[e]}] passes through vertex {v}: split it there"
+            twins = coincident(frame, [v])
+            if twins in same:
+                continue
+            same |= {twins} - {""}
+            number = int(frame.numbers[e])
+            yield Oddity(
+                twins or f"edges_vertices[{number}] passes through vertex {v}: split it there",
+                (v,),
+                () if twins else (number,),
             )
-    one, other = tree.query(lines, predicate="crosses")
-    if len(one):
-        a, b = sorted((int(frame.numbers[one[0]]), int(frame.numbers[other[0]])))
-        raise FoldFileError(
-            f"edges_vertices[{a}] and [{b}] cross without a vertex: add one where they meet, and split both"
+    pairs = {(min(i, j), max(i, j)) for i, j in tree.query(lines, predicate="crosses").T.tolist()}
+    for i, j in sorted(pairs):
+        a, b = sorted((int(frame.numbers[i]), int(frame.numbers[j])))
+        yield Oddity(
+            f"edges_vertices[{a}] and [{b}] cross without a vertex: add one where they meet, and split both",
+            (),
+            (a, b),
         )
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Literal
@@ -18,6 +19,7 @@ from origami_nlp.pattern.crease_pattern import APART
 from origami_nlp.pattern.fold_file import LOADS_KEY, PRELOAD_KEY, Frame, read_fold
 from origami_nlp.pattern.fold_notes import NOISE, listed
 from origami_nlp.pattern.fold_rings import (
+    Oddity,
     Rings,
     check_drawing,
     check_parts,
@@ -296,23 +298,8 @@ class _Sheet:
         return faces
 
     def _check_faces(self) -> None:
-        from shapely import LinearRing
-
-        x = self.frame.coords
-        for f, face in enumerate(self.polygons):
-            p = x[list(face)] - x[face[0]]
-            _, extent, axes = np.linalg.svd(p, full_matrices=False)
-            name = f"faces_vertices[{f}]" if self.frame.faces else f"the facet at vertices {face}"
-            if extent[1] <= INPUT_TOL * extent[0]:
-                raise FoldFileError(f"{name} has no area: leave it out, or move a vertex")
-            if len(face) > 3 and not LinearRing(p @ axes[:2].T).is_simple:
-                raise FoldFileError(
-                    f"{name} comes back to or crosses its own outline: put its vertices in the order of the outline"
-                )
-            if len(extent) > 2 and extent[2] > NOISE * extent[0]:
-                raise FoldFileError(
-                    f"{name} is not flat (by {extent[2] / extent[0]:.2g} of its size): split it along a crease"
-                )
+        for one in face_oddities(self.frame, self.polygons):
+            raise FoldFileError(one.text)
 
     def _cut(self) -> None:
         """Give each piece of paper that meets at a vertex only, or across a cut, a corner of its own."""
@@ -427,6 +414,43 @@ class _Sheet:
             self.notes.append(
                 f"edges_foldAngle of edges {listed(other)} are not the angles of the coordinates (by up to {most:.3g} "
                 "degrees): read as rest angles, the state is measured"
+            )
+
+
+def face_oddities(frame: Frame, polygons: Sequence[tuple[int, ...]]) -> Iterator[Oddity]:
+    """Go through faces that are no plane simple polygons.
+
+    Parameters
+    ----------
+    frame
+        Where they are.
+    polygons
+        The faces, by their vertices.
+
+    Yields
+    ------
+    Oddity
+        One each; its size is how far the face is off a plane, over its own.
+    """
+    from shapely import LinearRing
+
+    x = frame.coords
+    for f, face in enumerate(polygons):
+        p = x[list(face)] - x[face[0]]
+        _, extent, axes = np.linalg.svd(p, full_matrices=False)
+        name = f"faces_vertices[{f}]" if frame.faces else f"the facet at vertices {face}"
+        at = tuple(face), (), (f,) if frame.faces else ()
+        if extent[1] <= INPUT_TOL * extent[0]:
+            yield Oddity(f"{name} has no area: leave it out, or move a vertex", *at)
+        elif len(face) > 3 and not LinearRing(p @ axes[:2].T).is_simple:
+            yield Oddity(
+                f"{name} comes back to or crosses its own outline: put its vertices in the order of the outline",
+                *at,
+            )
+        elif len(extent) > 2 and extent[2] > NOISE * extent[0]:
+            off = float(extent[2] / extent[0])
+            yield Oddity(
+                f"{name} is not flat (by {off:.2g} of its size): split it along a crease", *at, off
             )
 
 

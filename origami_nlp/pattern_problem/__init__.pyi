@@ -35,7 +35,9 @@ from .labels import (
 from .layers import (
     Layers as Layers,
     check_orders as check_orders,
+    conflict as conflict,
     order_layers as order_layers,
+    pose_stack as pose_stack,
     round_vertex as round_vertex,
 )
 from .meeting_features import touches_at as touches_at
@@ -55,7 +57,7 @@ from .sign_vectors import (
     SignVector as SignVector,
     VertexCones as VertexCones,
 )
-from .stacks import Stack as Stack
+from .stacks import Stack as Stack, Unclear as Unclear
 from .work import (
     DeadForce as DeadForce,
     Pull as Pull,

@@ -101,18 +101,50 @@ class PatternCrossings:
         list of tuple
             Pairs of facets, sorted; facets that merely touch, or lie on each other, are not among them.
         """
+        pairs, _ = self._crossing(phi)
+        low, high = np.sort(self.facet[pairs], axis=1).T
+        codes = np.unique(low * self.pattern.facets + high)
+        return [divmod(code, self.pattern.facets) for code in codes.tolist()]
+
+    def _crossing(self, phi: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return the pairs of pieces that cross, [K, 2], and all pieces in space."""
         x = self.placed(phi)
         pairs = self.candidates(x)
-        if not len(pairs):
-            return []
         deep = DEEP * self.size
         hit = np.zeros(len(pairs), bool)
         for start in range(0, len(pairs), 20_000):
             a, b = pairs[start : start + 20_000].T
             hit[start : start + 20_000] = cross_each_other(x[a], x[b], deep)
-        low, high = np.sort(self.facet[pairs[hit]], axis=1).T
-        codes = np.unique(low * self.pattern.facets + high)
-        return [divmod(code, self.pattern.facets) for code in codes.tolist()]
+        return pairs[hit], x
+
+    def measure(self, phi: np.ndarray) -> list[tuple[int, int, float, np.ndarray]]:
+        """Measure how deep polygons that cross at a closed state reach into each other, and where.
+
+        Parameters
+        ----------
+        phi
+            Fold angles, shape [n] [rad].
+
+        Returns
+        -------
+        list of tuple
+            Two polygons, the depth (what each reaches through the plane of the other, and the length of the line in
+            which they intersect, the least of the three) and the middle of that line [3]; of several pieces the
+            deepest.
+        """
+        pairs, x = self._crossing(phi)
+        if not len(pairs):
+            return []
+        a, b = pairs.T
+        depth, middle = intersect(x[a], x[b])
+        found: dict[tuple[int, int], tuple[float, np.ndarray]] = {}
+        for (p, q), deep, at in zip(
+            self.polygon[pairs].tolist(), depth.tolist(), middle, strict=True
+        ):
+            both = (min(p, q), max(p, q))
+            if both not in found or found[both][0] < deep:
+                found[both] = deep, at
+        return [(*both, *what) for both, what in sorted(found.items())]
 
 
 def boxes_that_meet(low: np.ndarray, high: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -147,25 +179,55 @@ def cross_each_other(a: np.ndarray, b: np.ndarray, deep: float) -> np.ndarray:
     numpy.ndarray
         Of bool, [K].
     """
+    return np.asarray(_intersected(a, b)[0] > deep)
+
+
+def intersect(a: np.ndarray, b: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Measure how deep convex polygons that cross reach into each other, and where.
+
+    Parameters
+    ----------
+    a, b
+        Corners, [K, q, 3], padded by repeating the first.
+
+    Returns
+    -------
+    numpy.ndarray
+        How far each reaches through the other's plane, and the length that their chords have in common: the least of
+        the three, [K].
+    numpy.ndarray
+        The middle of what the chords have in common, [K, 3].
+    """
+    depth, along, line, normal_a, normal_b = _intersected(a, b)
+    # from the first corner of b, in whose plane it is: along the line, and across it to the plane of a
+    across = cross(line, normal_b)
+    off = np.einsum("ki,ki->k", a[:, 0] - b[:, 0], normal_a)
+    off /= np.einsum("ki,ki->k", across, normal_a)
+    return depth, b[:, 0] + along[:, None] * line + off[:, None] * across
+
+
+def _intersected(a: np.ndarray, b: np.ndarray) -> tuple[np.ndarray, ...]:
+    """Return depths, middles of common chords from b's first corner, directions of the lines, and both normals."""
     normal_a, normal_b = unit_normals(a), unit_normals(b)
     line = cross(normal_a, normal_b)
     line /= np.maximum(np.linalg.norm(line, axis=1, keepdims=True), NONZERO)
-    origin = b[:, :1]
-    through_a, low_a, high_a = _chord(a, normal_b, origin, line, deep)
-    through_b, low_b, high_b = _chord(b, normal_a, a[:, :1], line, deep)
-    # places along the line, both from the first corner of b
+    reach_a, low_a, high_a = _chord(a, normal_b, b[:, :1], line)
+    reach_b, low_b, high_b = _chord(b, normal_a, a[:, :1], line)
     # chords are measured from different corners: the one of b from a's, and the other way round
     shift = np.einsum("ki,ki->k", a[:, 0] - b[:, 0], line)
-    overlap = np.minimum(high_a, high_b + shift) - np.maximum(low_a, low_b + shift)
-    return through_a & through_b & (overlap > deep)
+    low, high = np.maximum(low_a, low_b + shift), np.minimum(high_a, high_b + shift)
+    depth = np.minimum(np.minimum(reach_a, reach_b), high - low)
+    meets = depth > 0
+    along = 0.5 * np.add(low, high, out=np.zeros_like(low), where=meets)
+    return depth, along, line, normal_a, normal_b
 
 
 def _chord(
-    x: np.ndarray, normal: np.ndarray, origin: np.ndarray, line: np.ndarray, deep: float
+    x: np.ndarray, normal: np.ndarray, origin: np.ndarray, line: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Cut polygons by planes: whether they reach through by `deep`, and from where to where along a line."""
+    """Cut polygons by planes: how far they reach through, and from where to where along a line."""
     h = np.einsum("kqi,ki->kq", x - origin, normal)
-    through = (h.max(axis=1) > deep) & (h.min(axis=1) < -deep)
+    reach = np.minimum(h.max(axis=1), -h.min(axis=1))
     h2 = np.roll(h, -1, axis=1)
     # half open: a corner in the plane counts for one of its sides, so that a convex polygon has two cuts or none
     cut = ((h > 0) & (h2 <= 0)) | ((h <= 0) & (h2 > 0))
@@ -173,7 +235,7 @@ def _chord(
         s = np.where(cut, h / (h - h2), 0.0)
     t = np.einsum("kqi,ki->kq", x - origin, line)
     t = t + s * (np.roll(t, -1, axis=1) - t)
-    return through, np.where(cut, t, np.inf).min(axis=1), np.where(cut, t, -np.inf).max(axis=1)
+    return reach, np.where(cut, t, np.inf).min(axis=1), np.where(cut, t, -np.inf).max(axis=1)
 
 
 def _convex(corners: np.ndarray, polygons: Sequence[tuple[int, ...]]) -> np.ndarray:

@@ -23,10 +23,12 @@ from origami_nlp.numerics import CLOSURE_TOL, INSIDE, cross
 from origami_nlp.pattern_problem.contact_pairs import ContactPair, FoldedGeometry
 from origami_nlp.pattern_problem.equations import PatternEquations
 from origami_nlp.pattern_problem.features import Features
-from origami_nlp.pattern_problem.layers import MOST_PAIRS, Layers, pose_layers
+from origami_nlp.pattern_problem.layers import Layers, pose_layers
 from origami_nlp.pattern_problem.stacks import Stack, Unclear
 
 Point: TypeAlias = tuple[float, float, float]
+MOST_PAIRS = 2_000
+"""Overlapping pairs of pieces whose gaps are contacts."""
 ASIDE = 1e-4
 """Share of the way to the middle of an overlap at which a point is inside it, and stays inside beside the state."""
 

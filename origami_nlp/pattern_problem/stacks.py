@@ -86,6 +86,8 @@ class Stack:
         Fold angles of a closed state in which no facets pierce each other [rad], [n].
     check
         Called every now and then: may raise to end what takes long.
+    near
+        Share of the sheet's size up to which features lie on each other: more where corners have few digits.
 
     Attributes
     ----------
@@ -94,10 +96,14 @@ class Stack:
     """
 
     def __init__(
-        self, crossings: PatternCrossings, phi: np.ndarray, check: Callable[[], None] = lambda: None
+        self,
+        crossings: PatternCrossings,
+        phi: np.ndarray,
+        check: Callable[[], None] = lambda: None,
+        near: float = INSIDE,
     ) -> None:
         self.crossings, self.phi, self._check = crossings, phi, check
-        self.near = INSIDE * crossings.size
+        self.near = near * crossings.size
         self.x = crossings.placed(phi)
         self.normal = unit_normals(self.x)
         self.low, self.high = self.x.min(axis=1) - self.near, self.x.max(axis=1) + self.near
@@ -194,6 +200,23 @@ class Stack:
         """Write 'the first piece is above the second' as an unknown and its value."""
         return self.unknown[_pair(above, below)], (above < below) == true
 
+    def states(self, order: tuple[int, int, int]) -> Iterator[tuple[int, bool]]:
+        """Go through what (f, g, s) of `Layers.orders` says: unknowns and values, wherever polygons f and g overlap."""
+        f, g, s = order
+        # FOLD: f lies on the side to which g's normal points where s = 1; `up` is one normal for the whole stack
+        for k in self._of_polygons.get(_pair(f, g), ()):
+            i, j = self.pairs[k].tolist()
+            a, b = (i, j) if self.crossings.polygon[i] == f else (j, i)
+            yield self.said(a, b, (s > 0) == (self.normal[b] @ self.up[b] > 0))
+
+    @cached_property
+    def _of_polygons(self) -> dict[Pair, list[int]]:
+        """Of polygons the pairs of their pieces that overlap."""
+        found: dict[Pair, list[int]] = {}
+        for k, (f, g) in enumerate(self.crossings.polygon[self.pairs].tolist()):
+            found.setdefault(_pair(f, g), []).append(k)
+        return found
+
     def rules(self) -> Iterator[tuple[Rule, tuple[int, ...]]]:
         """Go through what orders must obey, each with the pieces that it is about.
 
@@ -243,13 +266,7 @@ class Stack:
 
         In a convex body of perimeter l a disc of radius r leaves an area of r l / 2 at least: it is wide enough.
         """
-        from shapely import centroid, get_coordinates
-
-        i, j = self.pairs.T
-        u = self.x[i, 1] - self.x[i, 0]
-        u /= np.linalg.norm(u, axis=1, keepdims=True)
-        flat = get_coordinates(centroid(both))
-        middle = self.x[i, 0] + flat[:, :1] * u + flat[:, 1:] * cross(self.normal[i], u)
+        middle = self._middles(both, self.pairs[:, 0])
         side = np.roll(self.x, -1, axis=1) - self.x
         inward = cross(self.normal[:, None], side)
         length = np.linalg.norm(inward, axis=2, keepdims=True)
@@ -271,6 +288,21 @@ class Stack:
             widest = np.maximum(widest, least)
         # more than the grid moves corners
         return np.asarray(widest > 2 * self.near)
+
+    def _middles(self, both: NDArray[np.object_], on: np.ndarray) -> np.ndarray:
+        """Return where in space the middles of areas are that were drawn in the planes of pieces, [K, 3]."""
+        from shapely import centroid, get_coordinates
+
+        u = self.x[on, 1] - self.x[on, 0]
+        u /= np.linalg.norm(u, axis=1, keepdims=True)
+        flat = get_coordinates(centroid(both))
+        x = self.x[on, 0] + flat[:, :1] * u + flat[:, 1:] * cross(self.normal[on], u)
+        return np.asarray(x)
+
+    def middles(self, which: np.ndarray) -> np.ndarray:
+        """Return the middles of what pairs have in common, in space, [K, 3]; which: their numbers, [K]."""
+        pairs = self.pairs[which]
+        return self._middles(self._common(pairs), pairs[:, 0])
 
     def _passages(self) -> Iterator[tuple[tuple[End, End], tuple[End, End]]]:
         """Go through pairs of passages along a common piece of a line, the first of them over an edge."""

@@ -1,0 +1,9 @@
+from .counting import (
+    Component as Component,
+    LayerOrders as LayerOrders,
+    layer_orders as layer_orders,
+)
+from .faults import Fault as Fault, Test as Test
+from .figure import draw_validity as draw_validity
+from .finding import check as check
+from .result import Validity as Validity

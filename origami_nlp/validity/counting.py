@@ -1,0 +1,285 @@
+"""How many layer orders a state of a pattern has: counted part by part, and listed up to a cap."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from origami_nlp.arguments import check_angles, check_whole
+from origami_nlp.display import Report, Section, Table
+from origami_nlp.errors import OptionError
+from origami_nlp.numerics import CLOSURE_TOL, INSIDE, NOISE
+from origami_nlp.pattern import Pattern, as_pattern
+from origami_nlp.pattern_problem import (
+    Layers,
+    PatternProblem,
+    Stack,
+    Unclear,
+    pattern_frame,
+    pattern_to_fold,
+    pose_stack,
+)
+
+GUESSES = 20_000
+"""Of the search in each part."""
+WIDENED = 4.0
+"""Over how far facets miss each other, the distance up to which they lie on each other."""
+UNCLEAR = "facets are closer than can be resolved, but not on each other"
+
+
+@dataclass(frozen=True)
+class Component:
+    """Pairs of layers whose order hangs together: it is chosen freely beside that of other components.
+
+    Attributes
+    ----------
+    pairs
+        Number of pairs of overlapping pieces.
+    orders
+        Number of orders.
+    whole
+        Whether that is the number, or one that is no larger since the search was given up.
+    """
+
+    pairs: int
+    orders: int
+    whole: bool = True
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class LayerOrders(Report):
+    """The layer orders of a state of a pattern.
+
+    Attributes
+    ----------
+    pattern
+        The pattern.
+    fold_angles
+        The state [rad], [n].
+    pairs
+        Number of pairs of convex pieces of facets that lie on each other.
+    components
+        What is left open by the creases and by what follows from them, part by part.
+    orders
+        Orders, each as FOLD's faceOrders: (f, g, s), polygons from 0; as many as were asked for.
+    reason
+        Why there is none, or why it is not known; "" otherwise.
+    decided
+        Whether that is known.
+    unassigned
+        Number of creases that may be mountain or valley.
+    misses
+        How far facets miss each other where loops do not close, over the sheet's size: the noise of a drawing.
+
+    Examples
+    --------
+    >>> import math, origami_nlp as o
+    >>> strip = o.examples.pattern("miura", 1, 4)
+    >>> found = o.layer_orders(strip, [math.pi] * 3)
+    >>> found.count, len(found.orders), found.count_words
+    (2, 2, '2')
+    """
+
+    SCHEMA = "origami-nlp/layers/1"
+    pattern: Pattern
+    fold_angles: np.ndarray
+    pairs: int
+    components: tuple[Component, ...]
+    orders: tuple[tuple[tuple[int, int, int], ...], ...] = field(repr=False)
+    reason: str = ""
+    decided: bool = True
+    unassigned: int = 0
+    misses: float = 0.0
+
+    @property
+    def whole(self) -> bool:
+        """Whether `count` is the number of orders, not only one that is no larger."""
+        return self.decided and all(c.whole for c in self.components)
+
+    @property
+    def count(self) -> int:
+        """Number of layer orders: the product of those of the components."""
+        return 0 if self.reason else math.prod(c.orders for c in self.components)
+
+    @property
+    def count_words(self) -> str:
+        """The number, or that it is one that is no larger."""
+        return f"{'' if self.whole else 'at least '}{self.count:,}"
+
+    @property
+    def verdict(self) -> str:
+        """How many layer orders there are, in a sentence."""
+        if self.reason:
+            doubt = "no layer order: " if self.decided else "layer orders not counted: "
+            return f"{self.pattern.title}: {doubt}{self.reason}"
+        which = "folded flat" if (np.abs(self.fold_angles) == math.pi).all() else "folded"
+        one = self.count == 1 and self.whole
+        return f"{self.pattern.title}: {which}, {self.count_words} layer order{'' if one else 's'}"
+
+    def report_sections(self) -> Iterator[Section]:
+        """Return the verdict over a table of the components."""
+        rows = []
+        parts = sorted(self.components, key=lambda c: (-c.orders, -c.pairs))
+        for (pairs, orders, whole), many in itertools.groupby(
+            parts, key=lambda c: (c.pairs, c.orders, c.whole)
+        ):
+            rows.append((str(len(list(many))), str(pairs), f"{'' if whole else '>= '}{orders:,}"))
+        if not rows:
+            yield self.verdict
+        else:
+            yield Table(
+                ("components", "pairs in each", "orders of each"), rows, self.verdict, "rrr", False
+            )
+        if not self.reason:
+            left = self.pairs - sum(c.pairs for c in self.components)
+            yield (
+                f"{self.pairs:,} pairs of layers, {left:,} of them in the same order in all; "
+                f"{len(self.orders):,} of the orders are listed (JSON, FOLD)"
+            )
+        if self.unassigned:
+            yield f"{self.unassigned} creases are unassigned: mountain or valley, as the order of layers has it"
+        if self.misses:
+            yield (
+                f"as drawn, facets miss each other by up to {self.misses:.1e} of the sheet: what is nearer than "
+                f"{WIDENED:g} times that lies on each other"
+            )
+
+    def to_fold(self) -> dict[str, Any]:
+        """Return FOLD: the crease pattern, and a frame with faceOrders for each order that is listed."""
+        if not self.orders:
+            raise OptionError(
+                f"-o: {self.reason or 'no order is listed: ask for some with --most'}"
+            )
+        frame = pattern_frame(self.pattern, self.fold_angles, "layer order 1")
+        frames = [
+            {**frame, "frame_title": f"layer order {k}", "faceOrders": [list(o) for o in order]}
+            for k, order in enumerate(self.orders, start=1)
+        ]
+        return pattern_to_fold(self.pattern, frames)
+
+    def _rows(self) -> Iterable[dict[str, object]]:
+        for k, one in enumerate(self.components, start=1):
+            yield {"component": k, "pairs": one.pairs, "orders": one.orders, "whole": one.whole}
+
+
+def flat_folded(pattern: Pattern) -> tuple[np.ndarray, set[int]]:
+    """Return a pattern folded flat by its letters, [n] [rad], and the creases that may be mountain or valley."""
+    free = set(np.flatnonzero(pattern.signs == 0).tolist())
+    return np.where(pattern.signs == 0, math.pi, math.pi * pattern.signs), free
+
+
+def layer_orders(
+    pattern: Pattern | str | Path,
+    fold_angles: Sequence[float] | np.ndarray | None = None,
+    *,
+    most: int = 100,
+    guesses: int = GUESSES,
+) -> LayerOrders:
+    """Count the layer orders of a folded state, and list some.
+
+    Parameters
+    ----------
+    pattern
+        Of `read_pattern` or `make_pattern`, the name of an example such as ``"miura:4x4"``, or a FOLD file.
+    fold_angles
+        Of a state that closes [rad], [n]; by default the one that the file describes, and where it describes none the
+        pattern folded flat, unassigned creases as mountains or valleys.
+    most
+        Orders that are listed.
+    guesses
+        Of the search in each component, after which it is given up.
+
+    Returns
+    -------
+    LayerOrders
+        How many orders there are, by components, and some of them.
+
+    Raises
+    ------
+    OptionError
+        If an argument is not what it must be.
+    AngleError
+        If `fold_angles` are not n finite numbers.
+
+    Notes
+    -----
+    Components and their numbers are those of Akitaya, Demaine and Ku, Computing flat-folded states (8OSME, 2024), whose
+    program Flat-Folder counts flat-folded states; here layers may lie in several planes.
+
+    Examples
+    --------
+    >>> import origami_nlp as o
+    >>> o.layer_orders("miura:3x3").count
+    1
+    """
+    sheet = as_pattern(pattern)
+    check_whole("most", most, 0)
+    check_whole("guesses", guesses, 1)
+    free: set[int] = set()
+    if fold_angles is not None:
+        phi = check_angles("fold_angles", fold_angles, sheet.creases, one=True)
+    elif sheet.stated is not None:
+        phi = sheet.stated
+    else:
+        phi, free = flat_folded(sheet)
+    return count_orders(PatternProblem(sheet), phi, free, most, guesses)
+
+
+def count_orders(
+    problem: PatternProblem,
+    phi: np.ndarray,
+    unassigned: set[int],
+    most: int,
+    guesses: int = GUESSES,
+) -> LayerOrders:
+    """Count the layer orders of a state; a drawing may miss closure by its noise."""
+    pattern = problem.pattern
+    misses = problem.crossings.poses.apart(phi) / problem.crossings.size
+    # what rounding leaves is no noise
+    misses = misses if misses > 10 * CLOSURE_TOL else 0.0
+
+    def without(reason: str, decided: bool = True, pairs: int = 0) -> LayerOrders:
+        free = len(unassigned)
+        return LayerOrders(pattern, phi, pairs, (), (), reason, decided, free, misses)
+
+    if max(misses, problem.residual(phi)) > 10 * NOISE:
+        why = f"the state does not close: facets miss each other by {misses:.1e} of the sheet"
+        return without(why, decided=False)
+    if pierced := problem.crossings.find(phi):
+        f, g = pierced[0]
+        return without(f"facets {f + 1} and {g + 1} pass through each other")
+    stack = Stack(problem.crossings, phi, near=max(INSIDE, WIDENED * misses))
+    many = len(stack.pairs)
+    try:
+        posed = pose_stack(stack, unassigned, guesses)
+    except Unclear:
+        return without(UNCLEAR, False, many)
+    if isinstance(posed, Layers):
+        return without(posed.reason, pairs=many)
+    orders = posed[0]
+    parts = orders.counts()
+    found = tuple(Component(len(part), number, whole) for part, number, whole in parts)
+    reason, decided = "", True
+    if any(c.whole and not c.orders for c in found):
+        reason = "layers have no order in which they do not cross"
+    elif any(not c.orders for c in found):
+        reason, decided = f"no order was found with {guesses:,} guesses in each component", False
+    listed: tuple[Any, ...] = ()
+    if not reason and most:
+        # of each part no more than are listed: the product begins with those
+        each = [list(itertools.islice(orders.answers(part), most)) for part, _, _ in parts]
+        unknowns = [u for part, _, _ in parts for u in part]
+        values = [v == 1 for v in orders.values]
+        written = []
+        for answer in itertools.islice(itertools.product(*each), most):
+            for u, v in zip(unknowns, itertools.chain(*answer), strict=True):
+                values[u] = v
+            written.append(stack.polygons(values))
+        listed = tuple(written)
+    return replace(without(reason, decided, many), components=found, orders=listed)

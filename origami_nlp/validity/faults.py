@@ -1,0 +1,162 @@
+"""What a check looked at, and what is wrong there."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field
+from typing import Literal
+
+import numpy as np
+
+from origami_nlp.numerics import NOISE, PLACES
+from origami_nlp.pattern import Frame
+
+PLACED = 9
+"""Decimals of places, over the size of the frame: beyond that is rounding."""
+
+Status = Literal["ok", "fault", "not decided", "does not apply"]
+
+
+@dataclass(frozen=True)
+class Fault:
+    """Something that is wrong with a frame; vertices, edges and faces are numbered from 0 as in the file.
+
+    Attributes
+    ----------
+    test
+        What found it.
+    text
+        What is wrong, in a sentence.
+    frame
+        Of the file.
+    vertices, edges, faces
+        Where it is.
+    place
+        A point there, in the coordinates of the frame; empty where there is none.
+    size
+        How much, in the unit of `unit`; None where there is no measure of it.
+    unit
+        ``"length"`` in that of the file, ``"rad"``, or ``""`` for a share.
+    """
+
+    test: str
+    text: str
+    frame: int
+    vertices: tuple[int, ...] = ()
+    edges: tuple[int, ...] = ()
+    faces: tuple[int, ...] = ()
+    place: tuple[float, ...] = ()
+    size: float | None = None
+    unit: str = ""
+
+
+@dataclass(frozen=True)
+class Test:
+    """One thing that was asked of a frame.
+
+    Attributes
+    ----------
+    name
+        What was asked.
+    frame
+        Of the file.
+    status
+        The answer.
+    text
+        What was looked at, or why it is not decided or does not apply.
+    """
+
+    name: str
+    frame: int
+    status: Status
+    text: str = ""
+
+
+@dataclass
+class Findings:
+    """Tests and faults of a frame, as they are found.
+
+    Attributes
+    ----------
+    frame
+        What is looked at.
+    tolerance
+        Share of its size by which places may be off, as asked for; None where nothing was asked.
+    """
+
+    frame: Frame
+    tolerance: float | None = None
+    tests: list[Test] = field(default_factory=list)
+    faults: list[Fault] = field(default_factory=list)
+
+    @property
+    def size(self) -> float:
+        """Longest side of what the frame holds."""
+        return float(np.ptp(self.frame.coords, axis=0).max())
+
+    def lengths(self, *others: Frame) -> float:
+        """Return by how much lengths may differ: places of this frame and of others have so many digits."""
+        if self.tolerance is not None:
+            return self.tolerance * self.size
+        digits = 2 * sum(one.unit for one in (self.frame, *others) if one.folded)
+        return float(np.clip(digits, PLACES * self.size, NOISE * self.size))
+
+    def drawn(self) -> float:
+        """Return by how much vertices of a drawing may be off."""
+        return (NOISE if self.tolerance is None else self.tolerance) * self.size
+
+    def settle(self, name: str, faults: Iterable[Fault], text: str = "", doubt: str = "") -> bool:
+        """Record a test with its faults; doubt: why it is not decided, where it has none.  Whether it is ok."""
+        found = list(faults)
+        self.faults += found
+        status: Status = "fault" if found else "not decided" if doubt else "ok"
+        many = f"{len(found)} found" if len(found) > 1 else ""
+        said = "; ".join(filter(None, (many, text))) if found or not doubt else doubt
+        self.tests.append(Test(name, self.frame.number, status, said))
+        return status == "ok"
+
+    def skip(self, name: str, why: str, undecided: bool = False) -> None:
+        """Record a test that does not apply, or is not decided."""
+        self.tests.append(
+            Test(name, self.frame.number, "not decided" if undecided else "does not apply", why)
+        )
+
+    def fault(
+        self,
+        test: str,
+        text: str,
+        *,
+        vertices: Sequence[int] = (),
+        edges: Sequence[int] = (),
+        faces: Sequence[int] = (),
+        place: Sequence[float] | np.ndarray | None = None,
+        size: float | None = None,
+        unit: str = "",
+    ) -> Fault:
+        """Return a fault of this frame; its place is the middle of the vertices unless given."""
+        if place is None:
+            place = self.middle(vertices, edges, faces)
+        return Fault(
+            test,
+            text,
+            self.frame.number,
+            tuple(map(int, vertices)),
+            tuple(map(int, edges)),
+            tuple(map(int, faces)),
+            tuple(float(round(v / self.size, PLACED)) * self.size + 0.0 for v in place),
+            None if size is None else float(size),
+            unit,
+        )
+
+    def middle(
+        self, vertices: Sequence[int], edges: Sequence[int], faces: Sequence[int]
+    ) -> np.ndarray:
+        """Return the middle of vertices, else of edges, else of faces; nothing where there are none."""
+        frame = self.frame
+        at = [*vertices]
+        if not at and len(edges):
+            number = {int(n): k for k, n in enumerate(frame.numbers)}
+            at = [int(v) for e in edges if e in number for v in frame.edges[number[e]]]
+        if not at and frame.faces:
+            at = [v for f in faces for v in frame.faces[f]]
+        return frame.coords[at].mean(axis=0) if at else np.zeros(0)

@@ -1,0 +1,234 @@
+"""Check a file: every frame as a sheet, every folded state against its crease pattern, itself and its layers."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from os import PathLike
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from origami_nlp.arguments import check_number, check_whole
+from origami_nlp.errors import OptionError, OrigamiError
+from origami_nlp.numerics import CLOSURE_TOL
+from origami_nlp.pattern import Frame, Pattern, examples, frame_pattern, parse_fold, read_fold
+from origami_nlp.pattern_problem import PatternProblem, pattern_to_fold
+from origami_nlp.validity.faults import Findings
+from origami_nlp.validity.flat_folding import check_flat_folding
+from origami_nlp.validity.geometry import (
+    CROSSINGS,
+    check_closure,
+    check_crossings,
+    check_fold_angles,
+    check_isometry,
+    check_letters,
+    check_sheet,
+    is_same_sheet,
+)
+from origami_nlp.validity.result import Validity
+from origami_nlp.validity.stacking import check_layers
+
+LARGEST_TOLERANCE = 0.05
+"""Share of the size of a sheet by which its places may be off."""
+
+
+def check(
+    source: str | PathLike[str] | Pattern | Mapping[str, Any],
+    *,
+    frame: int | None = None,
+    flat_frame: int | None = None,
+    tolerance: float | None = None,
+) -> Validity:
+    """Check whether the states of a file are real: all that is wrong, where, and by how much.
+
+    A folded form is compared with the crease pattern in the same file: lengths, then planes of faces, fold angles,
+    mountains and valleys, faces that pass through each other, the order of layers.  A crease pattern that states fold
+    angles is folded by them; one that states none, or full ones, is asked whether it folds flat.
+
+    Parameters
+    ----------
+    source
+        A file that `read_pattern` takes, ``"-"`` for standard input, the name of an example, a pattern, or the data of
+        a FOLD file.
+    frame
+        The frame that is checked, from 0; by default all with geometry.
+    flat_frame
+        The crease pattern that folded forms are compared with; by default the first that numbers vertices, edges and
+        faces as they do.
+    tolerance
+        By how much places may be off, over the longest side of what the frame holds, up to 0.05; by default what the
+        digits of a folded form leave (1e-6 to 1e-4), and 1e-4 of a drawing.
+
+    Returns
+    -------
+    Validity
+        The verdict, every test, every fault.
+
+    Raises
+    ------
+    FoldFileError
+        If the file cannot be read.
+    OptionError
+        If an argument is not what it must be.
+
+    Examples
+    --------
+    A Miura sheet folded half way, and one of its corners moved by 0.01:
+
+    >>> import origami_nlp as o
+    >>> from origami_nlp.pattern_problem import state_frame
+    >>> motion = o.find_motion(o.examples.pattern("miura", 2, 2))
+    >>> fold = motion.to_fold()
+    >>> o.check(fold, frame=3).verdict
+    'valid'
+    >>> fold["file_frames"][2]["vertices_coords"][0][2] += 0.01
+    >>> print(o.check(fold, frame=3).faults[0].test)
+    lengths as in the crease pattern
+    """
+    if tolerance is not None:
+        check_number("tolerance", tolerance, 0.0, LARGEST_TOLERANCE)
+    for name, number in (("frame", frame), ("flat_frame", flat_frame)):
+        if number is not None:
+            check_whole(name, number, 0)
+    name, frames = _read(source)
+    by_number = {one.number: one for one in frames}
+    for option, number in (("frame", frame), ("flat_frame", flat_frame)):
+        if number is not None and number not in by_number:
+            known = ", ".join(map(str, [*by_number][:12]))
+            raise OptionError(f"{option} = {number} is no frame with geometry: there is {known}")
+    if flat_frame is not None and by_number[flat_frame].folded:
+        raise OptionError(f"flat_frame = {flat_frame} is a folded form: give a crease pattern")
+    flat = [one for one in frames if not one.folded]
+    if flat_frame is not None:
+        flat = [by_number[flat_frame]]
+    chosen = frames if frame is None else [by_number[frame]]
+    folded = any(one.folded for one in chosen)
+    seen = []
+    for one in chosen:
+        f = Findings(one, tolerance)
+        if one.folded:
+            _check_folded(f, flat)
+        else:
+            _check_pattern(f, beside_folded=folded)
+        seen.append(f)
+    kinds = tuple((one.number, "folded form" if one.folded else "crease pattern") for one in chosen)
+    notes = dict.fromkeys(note for f in seen for note in f.frame.notes)
+    others = () if frame is None or not folded else tuple(one for one in flat if one not in chosen)
+    return Validity(
+        name,
+        kinds,
+        tuple(t for f in seen for t in f.tests),
+        tuple(fault for f in seen for fault in f.faults),
+        tuple(notes),
+        (*chosen, *others),
+    )
+
+
+def _read(source: str | PathLike[str] | Pattern | Mapping[str, Any]) -> tuple[str, list[Frame]]:
+    """Return what it is called, and its frames."""
+    if isinstance(source, Pattern):
+        return source.title, list(parse_fold(json.dumps(pattern_to_fold(source))))
+    if isinstance(source, Mapping):
+        title = source.get("file_title")
+        return str(title or "FOLD data"), list(parse_fold(json.dumps(source)))
+    text = str(source)
+    if not Path(text).exists() and examples.is_example(text):
+        return text, list(parse_fold(json.dumps(examples.crease_pattern(text))))
+    return "standard input" if text == "-" else text, list(read_fold(text))
+
+
+def _check_folded(f: Findings, flat: Sequence[Frame]) -> None:
+    """Check a folded form."""
+    pattern = check_sheet(f)
+    mate = next((one for one in flat if is_same_sheet(f.frame, one)), None)
+    as_paper = check_isometry(f, mate, bool(flat))
+    if pattern is None:
+        f.skip("the state as a sheet of rigid facets", "its faces make no sheet", undecided=True)
+        return
+    check_fold_angles(f, pattern)
+    sheet = None if mate is None else _sheet_of(mate, f.frame, pattern)
+    phi, what = pattern.reference, pattern
+    if sheet is not None and as_paper and not _bent(f):
+        check_closure(f, PatternProblem(sheet), pattern.reference)
+    elif sheet is not None and not np.isnan(sheet.file_angles).any():
+        # coordinates are off: the state is the one of the fold angles that the file states
+        phi, what = sheet.file_angles, sheet
+        if not check_closure(f, PatternProblem(sheet), phi):
+            f.skip(CROSSINGS, "neither coordinates nor fold angles are a state", undecided=True)
+            return
+    elif _bent(f) or not as_paper:
+        f.skip(CROSSINGS, "the coordinates are none of the sheet", undecided=True)
+        return
+    problem = PatternProblem(what)
+    if what is sheet:
+        phi, _ = problem.project(phi, np.abs(phi) == math.pi)
+    if check_crossings(f, problem, phi):
+        check_layers(f, problem, phi)
+
+
+def _sheet_of(mate: Frame, folded: Frame, pattern: Pattern) -> Pattern | None:
+    """Return the crease pattern with fold angles and orders of a folded form, its creases in the same order."""
+    try:
+        sheet = frame_pattern(mate)
+    except OrigamiError:
+        return None  # said of that frame
+    alike = sheet.numbers.tolist() == pattern.numbers.tolist()
+    if not alike or not sheet.is_flat or len(sheet.polygons) != len(folded.faces):
+        return None
+    # s of (f, g, s) is by the normal of g: as the file has it, or turned over
+    sense = [
+        1 if _runs(face, polygon) else -1
+        for face, polygon in zip(folded.faces, sheet.polygons, strict=True)
+    ]
+    orders = tuple((f, g, s * sense[g]) for f, g, s in folded.face_orders)
+    return replace(sheet, file_angles=pattern.file_angles, orders=orders)
+
+
+def _runs(face: Sequence[int], polygon: Sequence[int]) -> bool:
+    """Return whether two polygons of the same corners run in the same sense."""
+    at = polygon.index(face[0])
+    return polygon[(at + 1) % len(polygon)] == face[1]
+
+
+def _bent(f: Findings) -> bool:
+    return any(t.name == "plane faces" and t.status == "fault" for t in f.tests)
+
+
+def _check_pattern(f: Findings, beside_folded: bool) -> None:
+    """Check a crease pattern: as a drawing, folded by its fold angles, or folded flat."""
+    pattern = check_sheet(f)
+    if pattern is None:
+        if not beside_folded and not f.faults:
+            check_flat_folding(f, None)
+        f.skip("the pattern as a sheet of rigid facets", "its faces make no sheet", undecided=True)
+        return
+    stated = pattern.stated
+    check_letters(f, pattern, np.zeros(pattern.creases))
+    problem = PatternProblem(pattern)
+    if stated is not None and not np.isin(np.abs(stated), (0.0, math.pi)).all():
+        closes = check_closure(f, problem, stated)
+        if closes is not None:
+            _check_stated(f, problem, stated, closes)
+            return
+    if not beside_folded:
+        check_flat_folding(f, problem)
+        folds = all(t.status != "fault" for t in f.tests)
+        if stated is not None and pattern.orders and folds:
+            check_layers(f, problem, stated)
+
+
+def _check_stated(f: Findings, problem: PatternProblem, stated: np.ndarray, closes: bool) -> None:
+    """Check the state that a crease pattern states by fold angles."""
+    if not closes:
+        f.skip(CROSSINGS, "the state does not close", undecided=True)
+        return
+    phi, residual = problem.project(stated, np.abs(stated) == math.pi)
+    if residual > CLOSURE_TOL or np.abs(phi).max(initial=0.0) > math.pi:
+        why = "no closed state is near the fold angles that are stated"
+        f.skip(CROSSINGS, why, undecided=True)
+    elif check_crossings(f, problem, phi):
+        check_layers(f, problem, phi)

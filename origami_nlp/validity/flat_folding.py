@@ -1,0 +1,147 @@
+"""Does a crease pattern fold flat: Kawasaki, Maekawa, big-little-big and layers at each vertex, then all layers."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+
+from origami_nlp.folding import folds_flat
+from origami_nlp.numerics import INPUT_TOL, NONZERO
+from origami_nlp.pattern import FoldVertex, fold_vertices
+from origami_nlp.pattern_problem import PatternProblem
+from origami_nlp.validity.counting import count_orders, flat_folded
+from origami_nlp.validity.faults import Fault, Findings
+
+KAWASAKI, MAEKAWA, LITTLE = "Kawasaki", "Maekawa", "big-little-big"
+VERTEX = "layers round each vertex"
+EXISTS = "layers have an order"
+AMPLIFIED = 5.0
+"""Over the noise of places divided by the shortest crease, what alternate angles round a vertex miss at most."""
+
+
+def check_flat_folding(f: Findings, problem: PatternProblem | None) -> None:
+    """Check that a crease pattern folds flat; without a problem only round each vertex."""
+    vertices = [v for v in fold_vertices(f.frame)[0] if not _is_unfolded(v)]
+    number = {int(n): k for k, n in enumerate(f.frame.numbers)}
+    x, ends = f.frame.coords, f.frame.edges
+    odd, wrong, letters, little, layers = [], [], [], [], []
+    undecided, unassigned, largest = [], 0, 0.0
+    for v in vertices:
+        at = ends[[number[e] for e in v.edges]]
+        shortest = float(np.linalg.norm(x[at[:, 0]] - x[at[:, 1]], axis=1).min())
+        most = AMPLIFIED * f.drawn() / max(shortest, NONZERO)
+        where = [v.number]
+        if v.kawasaki is None:
+            if v.degree % 2:
+                odd.append(
+                    f.fault(KAWASAKI, f"vertex {v.number} has {v.degree} creases", vertices=where)
+                )
+            else:
+                undecided.append(v.number)
+            continue
+        largest = max(largest, v.kawasaki)
+        good = v.kawasaki <= most
+        if not good:
+            needs = v.kawasaki * shortest / AMPLIFIED / f.size
+            wrong.append(
+                f.fault(
+                    KAWASAKI,
+                    f"alternate angles round vertex {v.number} differ by {math.degrees(v.kawasaki):.3g} degrees; a "
+                    f"drawing that is off by {needs:.1e} of its size would explain it",
+                    size=v.kawasaki,
+                    unit="rad",
+                    vertices=where,
+                )
+            )
+        if v.maekawa is None:
+            unassigned += 1
+            continue
+        if v.maekawa:
+            m, w = v.assignment.count("M"), v.assignment.count("V")
+            text = f"vertex {v.number} has {m} mountains and {w} valleys: they must differ by 2"
+            letters.append(f.fault(MAEKAWA, text, size=abs(v.maekawa), vertices=where))
+        colliding = [*_little(f, v, max(most, INPUT_TOL))]
+        little += colliding
+        if good and not v.maekawa and not colliding:
+            folds = _folds(v)
+            if folds is None:
+                undecided.append(v.number)
+            elif not folds:
+                text = f"layers round vertex {v.number} ({v.assignment}) have no order"
+                layers.append(f.fault(VERTEX, text, vertices=where))
+    many = f"{len(vertices)} interior vertices"
+    ok = f.settle(
+        KAWASAKI, [*odd, *wrong], f"{many}, off by up to {math.degrees(largest):.1e} degrees"
+    )
+    some = f"; {unassigned} not assigned in whole" if unassigned else ""
+    ok &= f.settle(MAEKAWA, letters, many + some)
+    ok &= f.settle(LITTLE, little, many + some)
+    doubt = ""
+    if undecided and problem is None:
+        doubt = f"vertices {', '.join(map(str, undecided[:8]))} are not decided"
+    ok &= f.settle(VERTEX, layers, many + some, doubt)
+    if not ok or problem is None:
+        f.skip(
+            EXISTS,
+            "not asked where a vertex does not fold flat, or there is no sheet",
+            problem is None,
+        )
+        return
+    phi, free = flat_folded(problem.pattern)
+    found = count_orders(problem, phi, free, 0)
+    if found.reason and found.decided:
+        f.settle(EXISTS, [f.fault(EXISTS, found.reason, place=())])
+    else:
+        orders = f"{found.count_words} order{'' if found.count == 1 and found.whole else 's'}"
+        f.settle(EXISTS, [], f"{orders} of {found.pairs:,} pairs of layers", found.reason)
+
+
+def _is_unfolded(v: FoldVertex) -> bool:
+    """Return whether all that meets at a vertex is flat."""
+    return set(v.assignment) <= {"F"}
+
+
+def _little(f: Findings, v: FoldVertex, most: float) -> Iterator[Fault]:
+    """Go through runs of equal sectors between larger ones whose creases cannot have their letters.
+
+    Of k equal sectors between two larger ones, mountains and valleys among the k + 1 creases are as many where k is
+    odd, and differ by one where it is even (Hull, Origametry, on equal consecutive angles); for k = 1 that is big-little-big.
+    """
+    a, n = np.array(v.sector_angles), v.degree
+    for i in range(n):
+        if a[i - 1] <= a[i] + most:
+            continue
+        k = 1
+        while k < n and abs(a[(i + k) % n] - a[i]) <= most:
+            k += 1
+        if k >= n - 1 or a[(i + k) % n] <= a[i] + most:
+            continue
+        # sector i lies between creases i and i + 1
+        run = [(i + m) % n for m in range(k + 1)]
+        letters = "".join(v.assignment[m] for m in run)
+        if abs(letters.count("M") - letters.count("V")) == (k + 1) % 2:
+            continue
+        edges = [v.edges[m] for m in run]
+        what = "a smaller angle" if k == 1 else f"{k} equal smaller angles"
+        yield f.fault(
+            LITTLE,
+            f"round vertex {v.number} edges {', '.join(map(str, edges))} ({letters}) enclose {what} of "
+            f"{math.degrees(a[i]):.5g} degrees between larger ones",
+            vertices=[v.number],
+            edges=edges,
+            size=float(min(a[i - 1], a[(i + k) % n]) - a[i]),
+            unit="rad",
+        )
+
+
+def _folds(v: FoldVertex) -> bool | None:
+    """Return whether a vertex folds flat whose alternate angles are equal but for the noise of a drawing."""
+    a = np.array(v.sector_angles)
+    miss = math.fsum(a[::2]) - math.fsum(a[1::2])
+    a = a - miss / len(a) * (-1.0) ** np.arange(len(a))
+    return folds_flat(
+        replace(v, sector_angles=tuple((a * (2 * math.pi / a.sum())).tolist()), kawasaki=0.0)
+    )

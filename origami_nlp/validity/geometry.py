@@ -1,0 +1,449 @@
+"""Is a folded form one of the sheet of its crease pattern: lengths, planes, angles, letters, closure, crossings."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Iterator
+
+import numpy as np
+
+from origami_nlp.errors import OrigamiError
+from origami_nlp.numerics import NOISE, NONZERO, PLACES, quaternion
+from origami_nlp.pattern import (
+    Frame,
+    Loop,
+    Pattern,
+    drawing_oddities,
+    face_oddities,
+    fold_vertices,
+    frame_pattern,
+)
+from origami_nlp.pattern_problem import PatternProblem
+from origami_nlp.validity.faults import Fault, Findings
+
+CROSSINGS = "no faces pass through each other"
+MOST_SIDES = 40
+"""Of a face up to which all its diagonals are measured; of larger ones those from every vertex to the next but one."""
+
+
+def check_sheet(f: Findings) -> Pattern | None:
+    """Check that a frame is a sheet of plane faces; the pattern where it is one."""
+    frame = f.frame
+    if not frame.folded:
+        f.settle(
+            "drawing",
+            (
+                f.fault("drawing", o.text, vertices=o.vertices, edges=o.edges)
+                for o in drawing_oddities(frame)
+            ),
+            f"{len(frame.edges)} edges",
+        )
+    twice = [
+        f.fault(
+            "drawing",
+            f"edge {e} is stated twice with different assignments or fold angles",
+            edges=[e],
+        )
+        for e in sorted(int(frame.numbers[k]) for k in frame.conflicts)
+    ]
+    if twice:
+        f.settle("edges stated once", twice)
+    if frame.faces:
+        off = f.lengths() / f.size
+        bad = [
+            f.fault(
+                "plane faces",
+                o.text,
+                vertices=o.vertices,
+                faces=o.faces,
+                size=o.size,
+            )
+            for o in face_oddities(frame, frame.faces)
+        ]
+        known = {face for one in bad for face in one.faces}
+        bad += _bent(f, known, off * f.size)
+        f.settle("plane faces", bad, f"{len(frame.faces)} faces, to {off:.0e} of the sheet")
+    try:
+        return frame_pattern(frame)
+    except OrigamiError as error:
+        if not f.faults:
+            f.settle("sheet", [f.fault("sheet", str(error))])
+    return None
+
+
+def _bent(f: Findings, known: set[int], most: float) -> Iterator[Fault]:
+    """Go through faces that are off a plane by more than the digits of the file, but less than the reader refuses."""
+    for k, face in enumerate(f.frame.faces):
+        x = f.frame.coords[list(face)]
+        x = x - x.mean(axis=0)
+        normal = np.linalg.svd(x, full_matrices=False)[2][-1] if len(face) > 3 else np.zeros(3)
+        off = float(np.abs(x @ normal).max())
+        if off > most and k not in known:
+            yield f.fault(
+                "plane faces",
+                f"face {k} is off a plane by {off / f.size:.1e} of the sheet",
+                faces=[k],
+                size=off,
+                unit="length",
+            )
+
+
+def is_same_sheet(folded: Frame, flat: Frame) -> bool:
+    """Return whether two frames number vertices, edges and faces alike."""
+    one, other = (
+        {(min(a, b), max(a, b)) for a, b in frame.edges.tolist()} for frame in (folded, flat)
+    )
+    faces = {frozenset(face) for face in flat.faces}
+    alike = not faces or faces == {frozenset(face) for face in folded.faces}
+    return len(folded.coords) == len(flat.coords) and one == other and alike
+
+
+def check_isometry(f: Findings, flat: Frame | None, others: bool) -> bool:
+    """Check that no edge and no diagonal of a face is longer or shorter; whether the form is that of a sheet at all.
+
+    A scaled form is one, of another size.
+    """
+    name = "lengths as in the crease pattern"
+    if flat is None:
+        if others:
+            why = "the crease pattern of the file numbers its vertices, edges or faces otherwise"
+            f.skip(name, why, undecided=True)
+        else:
+            _check_developable(f)
+        return True
+    most = f.lengths(flat)
+    ends = f.frame.edges
+    was, now = (
+        np.linalg.norm(x[ends[:, 0]] - x[ends[:, 1]], axis=1) for x in (flat.coords, f.frame.coords)
+    )
+    wrong = np.flatnonzero(np.abs(now - was) > most)
+    faults = []
+    ratio = now / np.maximum(was, NONZERO)
+    scale = float(np.median(ratio))
+    even = len(wrong) == len(ends) and np.abs(ratio / scale - 1).max() <= most / f.size * 10
+    if even and len(ends):
+        faults.append(
+            f.fault(
+                name,
+                f"all lengths are {scale:.6g} times those of the crease pattern: the state is scaled",
+                place=f.frame.coords.mean(axis=0),
+                size=abs(scale - 1),
+            )
+        )
+    else:
+        for k in wrong.tolist():
+            e, by = int(f.frame.numbers[k]), now[k] - was[k]
+            more = "longer" if by > 0 else "shorter"
+            share = _percent(abs(by) / max(was[k], NONZERO))
+            faults.append(
+                f.fault(
+                    name,
+                    f"edge {e} is {share} {more} than in the crease pattern",
+                    vertices=ends[k].tolist(),
+                    edges=[e],
+                    size=abs(by),
+                    unit="length",
+                )
+            )
+        stretched = {frozenset(ends[k].tolist()) for k in wrong.tolist()}
+        faults += _sheared(f, flat, most, name, stretched)
+    shared = set.intersection(*({*one.vertices} for one in faults)) if len(faults) > 1 else set()
+    at = "".join(f", all at vertex {v}" for v in sorted(shared)[:1])
+    f.settle(name, faults, f"{len(ends)} edges, to {most / f.size:.0e} of the sheet{at}")
+    return even or not faults
+
+
+def _sheared(
+    f: Findings, flat: Frame, most: float, name: str, stretched: set[frozenset[int]]
+) -> Iterator[Fault]:
+    """Go through faces whose sides are right and whose diagonals are not."""
+    for k, face in enumerate(f.frame.faces):
+        sides = {frozenset((face[i - 1], v)) for i, v in enumerate(face)}
+        if sides & stretched:
+            continue
+        few = len(face) <= MOST_SIDES
+        pairs = itertools.combinations(face, 2) if few else zip(face, face[2:], strict=False)
+        a, b = np.array([*pairs]).T
+        was, now = (np.linalg.norm(x[a] - x[b], axis=1) for x in (flat.coords, f.frame.coords))
+        worst = int(np.abs(now - was).argmax())
+        off = abs(float(now[worst] - was[worst]))
+        # a face that is bent is not sheared: its diagonals are then off by the square of that
+        if off > 2 * most:
+            apart = "further apart" if now[worst] > was[worst] else "closer"
+            yield f.fault(
+                name,
+                f"face {k} has another shape: its vertices {a[worst]} and {b[worst]} are "
+                f"{_percent(off / max(was[worst], NONZERO))} {apart}",
+                vertices=[int(a[worst]), int(b[worst])],
+                faces=[k],
+                size=off,
+                unit="length",
+            )
+
+
+def _check_developable(f: Findings) -> None:
+    """Check that angles round every vertex sum to a full turn, where there is no crease pattern to compare with."""
+    name = "flat round every vertex"
+    found = [v for v in fold_vertices(f.frame)[0] if not math.isnan(sum(v.sector_angles))]
+    faults = []
+    for v in found:
+        off = math.fsum(v.sector_angles) - 2 * math.pi
+        if abs(off) > _angle_noise(f, v.number, v.edges):
+            faults.append(
+                f.fault(
+                    name,
+                    f"angles round vertex {v.number} sum to {math.degrees(off) + 360:.6g} degrees: it is folded of no "
+                    "flat sheet",
+                    vertices=[v.number],
+                    size=abs(off),
+                    unit="rad",
+                )
+            )
+    f.settle(
+        name, faults, f"{len(found)} interior vertices; no crease pattern to compare lengths with"
+    )
+
+
+def _angle_noise(f: Findings, vertex: int, edges: tuple[int, ...]) -> float:
+    """Return by how much an angle sum may be off where places are off by so much."""
+    number = {int(n): k for k, n in enumerate(f.frame.numbers)}
+    ends = f.frame.edges[[number[e] for e in edges]]
+    x = f.frame.coords
+    shortest = float(np.linalg.norm(x[ends[:, 0]] - x[ends[:, 1]], axis=1).min())
+    return 2 * len(edges) * f.lengths() / max(shortest, NONZERO) + PLACES
+
+
+def check_fold_angles(f: Findings, pattern: Pattern) -> None:
+    """Check fold angles that the file states, and letters, against those of the coordinates."""
+    p = pattern
+    noise = _crease_noise(f, p)
+    off = np.abs(p.file_angles - p.reference)
+    # at +-pi the coordinates have no sign
+    off = np.where(np.abs(p.reference) == math.pi, np.abs(np.abs(p.file_angles) - math.pi), off)
+    name = "fold angles as in the coordinates"
+    if np.isnan(p.file_angles).all():
+        f.skip(name, "the file states no fold angles")
+    else:
+        wrong = np.flatnonzero(np.nan_to_num(off) > noise)
+        faults = [
+            f.fault(
+                name,
+                f"edge {p.numbers[c]}: edges_foldAngle is {math.degrees(p.file_angles[c]):.6g}, its coordinates are "
+                f"folded by {math.degrees(p.reference[c]):.6g} degrees",
+                vertices=p.ends[c].tolist(),
+                edges=[p.numbers[c]],
+                place=p.corners[p.ends[c]].mean(axis=0),
+                size=off[c],
+                unit="rad",
+            )
+            for c in wrong.tolist()
+        ]
+        stated = int((~np.isnan(p.file_angles)).sum())
+        f.settle(name, faults, f"{stated} of {p.creases} creases")
+    check_letters(f, p, np.where(np.abs(p.reference) > noise, p.reference, 0.0))
+    flat = _flat_edges(f, p)
+    f.settle("flat edges are flat", flat, "edges F and J, and sides that are no edges")
+
+
+def check_letters(f: Findings, p: Pattern, measured: np.ndarray) -> None:
+    """Check letters against the signs of fold angles, measured ones [n] and those of the file."""
+    name = "mountains and valleys as folded"
+    faults = []
+    for c in range(p.creases):
+        stated = p.file_angles[c]
+        for phi, what in ((measured[c], "is folded by"), (stated, "has edges_foldAngle")):
+            # fully folded, coordinates have no sign
+            if p.signs[c] * phi < -PLACES and (what != "is folded by" or abs(phi) < math.pi):
+                letter = "a mountain" if p.signs[c] < 0 else "a valley"
+                faults.append(
+                    f.fault(
+                        name,
+                        f"edge {p.numbers[c]} is {letter} and {what} {math.degrees(phi):+.6g} degrees",
+                        edges=[p.numbers[c]],
+                        place=p.corners[p.ends[c]].mean(axis=0),
+                        size=abs(phi),
+                        unit="rad",
+                    )
+                )
+                break
+    given = int((p.signs != 0).sum())
+    if not given:
+        f.skip(name, "no edge is a mountain or a valley")
+    else:
+        f.settle(name, faults, f"{given} of {p.creases} creases")
+
+
+def _crease_noise(f: Findings, p: Pattern) -> np.ndarray:
+    """Return by how much each measured fold angle may be off [rad]: places over the widths of the facets."""
+    widths = np.full(p.creases, np.inf)
+    at = {(a, b): c for c, (a, b) in enumerate(p.ends.tolist())}
+    for q in p.polygons:
+        x = p.corners[list(q)]
+        for i, v in enumerate(q):
+            c = at.get((min(q[i - 1], v), max(q[i - 1], v)))
+            if c is not None:
+                way = p.directions[c]
+                out = x - x[i]
+                wide = np.linalg.norm(out - np.outer(out @ way, way), axis=1).max()
+                widths[c] = min(widths[c], float(wide))
+    digits = np.abs(np.degrees(p.file_angles) * 1e3 - np.round(np.degrees(p.file_angles) * 1e3))
+    coarse = np.nanmax(digits, initial=0.0) <= PLACES  # three decimals of a degree, or less
+    return 4 * f.lengths() / np.maximum(widths, NONZERO) + (
+        math.radians(1e-3) if coarse else PLACES
+    )
+
+
+def _flat_edges(f: Findings, p: Pattern) -> Iterator[Fault]:
+    """Go through sides within a facet at which its pieces of paper are at an angle."""
+    normals = []
+    for q in p.polygons:
+        x = p.corners[list(q)]
+        n = np.cross(x - x[0], np.roll(x, -1, axis=0) - x[0]).sum(axis=0)
+        normals.append(n / max(float(np.linalg.norm(n)), NONZERO))
+    sides: dict[tuple[int, int], list[int]] = {}
+    for k, q in enumerate(p.polygons):
+        for i, v in enumerate(q):
+            sides.setdefault((min(q[i - 1], v), max(q[i - 1], v)), []).append(k)
+    number = {
+        (min(a, b), max(a, b)): int(e)
+        for (a, b), e in zip(f.frame.edges.tolist(), f.frame.numbers, strict=True)
+    }
+    creases = {(a, b) for a, b in p.ends.tolist()}
+    for s, faces in sides.items():
+        if len(faces) != 2 or s in creases:
+            continue
+        one, other = (normals[k] for k in faces)
+        angle = math.atan2(float(np.linalg.norm(np.cross(one, other))), float(one @ other))
+        if angle > NOISE + 4 * f.lengths() / f.size:
+            edge = number.get(s)
+            what = f"edge {edge}" if edge is not None else f"the side {s[0]}-{s[1]} of two faces"
+            yield f.fault(
+                "flat edges are flat",
+                f"{what} is no crease (F, J or none) and is folded by {math.degrees(angle):.6g} degrees: facets are "
+                "rigid",
+                vertices=s,
+                edges=[] if edge is None else [edge],
+                faces=faces if f.frame.faces else [],
+                size=angle,
+                unit="rad",
+            )
+
+
+def check_closure(f: Findings, problem: PatternProblem, phi: np.ndarray) -> bool | None:
+    """Check that fold angles [n] close round every vertex and hole; whether they do, None where at no vertex."""
+    p, name = problem.pattern, "closes round vertices and holes"
+    values = problem.closure.values(phi)
+    digits = math.radians(1e-3) if _is_coarse(phi) else PLACES
+    most = [0.5 * digits * len(loop.creases) + NOISE * 0.1 for loop in (*p.vertices, *p.holes)]
+    faults = []
+    for k, loop in enumerate(p.vertices):
+        miss = float(np.linalg.norm(values[3 * k : 3 * k + 3]))
+        if miss > most[k]:
+            faults.append(
+                f.fault(
+                    name,
+                    f"round vertex {loop.vertex} fold angles do not close: {_angle(miss)} are left",
+                    vertices=[loop.vertex],
+                    edges=p.numbers[list(loop.creases)].tolist(),
+                    place=p.corners[loop.vertex],
+                    size=2 * math.asin(min(miss, 1.0)),
+                    unit="rad",
+                )
+            )
+    if faults and len(faults) == len(p.vertices):
+        # springs are driven to such angles; whether a state was meant is not known
+        f.skip(name, "fold angles close round no vertex: targets of springs, or no state", True)
+        return None
+    begin = 3 * len(p.vertices)
+    for k, loop in enumerate(p.holes):
+        six = values[begin + 6 * k : begin + 6 * k + 6]
+        miss = float(np.linalg.norm(six))
+        if miss > most[len(p.vertices) + k]:
+            turn = float(np.linalg.norm(six[:3]))
+            faults.append(
+                f.fault(
+                    name,
+                    f"round a hole fold angles do not close: {_angle(turn)} are left, and ends are "
+                    f"{np.linalg.norm(six[3:]):.1e} of the sheet apart",
+                    edges=p.numbers[list(loop.creases)].tolist(),
+                    place=p.corners[p.ends[list(loop.creases)].ravel()].mean(axis=0),
+                    size=2 * math.asin(min(turn, 1.0)),
+                    unit="rad",
+                )
+            )
+    if not faults and not problem.closure.lifts_to_one(phi):
+        faults = [
+            f.fault(
+                name,
+                f"round vertex {loop.vertex} folds turn the sheet over once more than paper allows (q = -1): a "
+                "mountain and a valley are exchanged",
+                vertices=[loop.vertex],
+                edges=p.numbers[list(loop.creases)].tolist(),
+                place=p.corners[loop.vertex],
+            )
+            for loop in p.vertices
+            if _turn(p, loop, phi) < 0
+        ]
+    return f.settle(name, faults, f"{len(p.vertices)} vertices, {len(p.holes)} holes")
+
+
+def _turn(p: Pattern, loop: Loop, phi: np.ndarray) -> float:
+    """Return the first entry of the quaternion of all folds round a vertex."""
+    q = quaternion.IDENTITY
+    for c, sign in zip(loop.creases, loop.signs, strict=True):
+        half = 0.5 * float(phi[c])
+        q = quaternion.multiply(
+            q, quaternion.fold(math.cos(half), math.sin(half), sign * p.directions[c])
+        )
+    return float(q[0])
+
+
+def check_crossings(f: Findings, problem: PatternProblem, phi: np.ndarray) -> bool:
+    """Check that no faces pass through each other; whether that is so."""
+    name, size = CROSSINGS, problem.crossings.size
+    faults = []
+    for a, b, deep, at in problem.crossings.measure(phi):
+        if deep > f.lengths():
+            faults.append(
+                f.fault(
+                    name,
+                    f"{face_words(f, problem.pattern, a, b)} pass through each other, {deep / size:.2g} of the sheet "
+                    "deep",
+                    vertices=[],
+                    faces=[a, b] if f.frame.faces else [],
+                    place=at,
+                    size=deep,
+                    unit="length",
+                )
+            )
+    return f.settle(name, faults, f"{len(problem.pattern.polygons)} faces")
+
+
+def face_words(f: Findings, p: Pattern, *which: int) -> str:
+    """Name polygons: faces of the file by their numbers, others by their vertices."""
+    if f.frame.faces:
+        names = [str(k) for k in which]
+        what = "faces" if len(names) > 1 else "face"
+    else:
+        names = ["-".join(map(str, p.polygons[k])) for k in which]
+        what = "the faces at vertices" if len(names) > 1 else "the face at vertices"
+    return f"{what} {listed_words(names)}"
+
+
+def listed_words(names: list[str]) -> str:
+    """Join names by commas and an 'and'."""
+    return names[0] if len(names) == 1 else ", ".join(names[:-1]) + f" and {names[-1]}"
+
+
+def _is_coarse(phi: np.ndarray) -> bool:
+    milli = np.degrees(phi) * 1e3
+    return bool((np.abs(milli - np.round(milli)) <= PLACES).all())
+
+
+def _angle(miss: float) -> str:
+    return f"{math.degrees(2 * math.asin(min(miss, 1.0))):.3g} degrees"
+
+
+def _percent(share: float) -> str:
+    return f"{100 * share:.2g} %"

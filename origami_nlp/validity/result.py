@@ -1,0 +1,145 @@
+"""What a check found: every test with its answer, every fault with its place and size, and one verdict."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, field
+from typing import Any, Literal
+
+from origami_nlp.display import Cell, Details, Report, Section, Table, Words
+from origami_nlp.io import printable
+from origami_nlp.pattern import Frame
+from origami_nlp.validity.faults import Fault, Test
+
+MOST_FAULTS = 12
+"""That are printed; the others with ``--verbose``."""
+MOST_FRAMES = 3
+"""Whose tests are printed where they are ok; the others with ``--verbose``."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Validity(Report):
+    """Whether the states of a file are real.
+
+    Attributes
+    ----------
+    source
+        What was read.
+    kinds
+        Of each frame that was looked at its number and ``"folded form"`` or ``"crease pattern"``.
+    tests
+        What was asked, in order.
+    faults
+        All that is wrong, in order of the tests.
+    notes
+        What is odd in the file without being wrong.
+    frames
+        What was looked at; not among plain data.
+
+    Examples
+    --------
+    >>> import origami_nlp as o
+    >>> seen = o.check("miura:3x3")
+    >>> seen.verdict, len(seen.faults), seen.tests[-1].text
+    ('valid', 0, '1 order of 72 pairs of layers')
+    """
+
+    PICTURE = "draw_validity"
+    SCHEMA = "origami-nlp/validity/1"
+    source: str
+    kinds: tuple[tuple[int, str], ...]
+    tests: tuple[Test, ...]
+    faults: tuple[Fault, ...] = ()
+    notes: tuple[str, ...] = ()
+    frames: tuple[Frame, ...] = field(default=(), metadata={"plain": False}, repr=False)
+
+    @property
+    def verdict(self) -> Literal["valid", "faults", "not decided"]:
+        """The answer: valid only where every test that applies was decided."""
+        if self.faults:
+            return "faults"
+        return "not decided" if any(t.status == "not decided" for t in self.tests) else "valid"
+
+    @property
+    def sentence(self) -> str:
+        """The answer in words."""
+        name = printable(self.source)
+        if self.faults:
+            many = len(self.faults)
+            return f"{name}: {many} fault{'s' if many > 1 else ''}"
+        doubts = [t for t in self.tests if t.status == "not decided"]
+        if doubts:
+            return f"{name}: not decided: {doubts[0].name}: {doubts[0].text}"
+        folded = sum(kind == "folded form" for _, kind in self.kinds)
+        asked = sum(t.status == "ok" for t in self.tests)
+        what = f"{folded} folded state{'s' if folded > 1 else ''}" if folded else "crease pattern"
+        return f"{name}: valid: {what}, {asked} tests"
+
+    def report_sections(self) -> Iterator[Section]:
+        """Return the verdict over the tests, then the faults."""
+        several = len(self.kinds) > 1
+        open_ = [t for t in self.tests if t.status not in ("ok", "does not apply")]
+        shown = self.tests if len(self.kinds) <= MOST_FRAMES else tuple(open_)
+        if shown:
+            yield self._table(shown, several, self.sentence)
+        else:
+            yield self.sentence
+        yield from self._words(self.faults[:MOST_FAULTS], several)
+        for note in self.notes:
+            yield f"note: {note}"
+        rest = self.faults[MOST_FAULTS:]
+        if rest or len(shown) < len(self.tests):
+            pieces: list[Table | Cell] = [*self._words(rest, several)]
+            if len(shown) < len(self.tests):
+                pieces.append(self._table(self.tests, several, "all tests"))
+            title = f"{len(rest)} more faults" if rest else "All tests of all frames"
+            yield Details(pieces, title)
+
+    def _table(self, tests: Iterable[Test], several: bool, title: str) -> Table:
+        styles = {"fault": "red", "not decided": "yellow", "ok": "", "does not apply": "dim"}
+        rows = [
+            (
+                *((str(t.frame),) if several else ()),
+                t.name,
+                Words(t.status, styles[t.status]),
+                t.text,
+            )
+            for t in tests
+        ]
+        heads = (*(("frame",) if several else ()), "test", "", "")
+        return Table(heads, rows, title, ("r" if several else "") + "LLL", framed=False)
+
+    def _words(self, faults: Iterable[Fault], several: bool) -> Iterator[str]:
+        for one in faults:
+            where = f"frame {one.frame}: " if several else ""
+            at = f", at ({', '.join(f'{v:.4g}' for v in one.place)})" if one.place else ""
+            yield f"fault: {where}{one.text}{at}"
+
+    def _rows(self) -> Iterable[dict[str, object]]:
+        for one in self.faults:
+            x, y, z = (*one.place, *[math.nan] * 3)[:3]
+            yield {
+                "frame": one.frame,
+                "test": one.test,
+                "text": one.text,
+                "vertices": one.vertices,
+                "edges": one.edges,
+                "faces": one.faces,
+                "x": x,
+                "y": y,
+                "z": z,
+                "size": one.size,
+                "unit": one.unit,
+            }
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return plain data, the verdict first."""
+        data = super().to_dict()
+        return {"schema": data.pop("schema"), "verdict": self.verdict, **data}
+
+    @classmethod
+    def from_dict(cls, data: dict[str, Any], what: str = "") -> Validity:
+        """Rebuild from `to_dict`; what was looked at is not in it, so that it is not drawn."""
+        plain = {key: value for key, value in data.items() if key != "verdict"}
+        return super().from_dict(plain, what)
