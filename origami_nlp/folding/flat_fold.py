@@ -13,6 +13,7 @@ from functools import lru_cache
 
 import numpy as np
 
+from origami_nlp.errors import OrigamiError
 from origami_nlp.folding.embedding import check_admissible
 from origami_nlp.numerics import NOISE
 from origami_nlp.pattern import FoldVertex, make_vertex
@@ -53,7 +54,10 @@ def folds_flat(v: FoldVertex) -> bool | None:
         answer = crimped(v.sector_angles, v.assignment)
         if answer is not None:
             return answer
-    return _ordered(tuple(round(a / GRAIN) * GRAIN for a in v.sector_angles), v.assignment)
+    try:
+        return _ordered(tuple(round(a / GRAIN) * GRAIN for a in v.sector_angles), v.assignment)
+    except OrigamiError:  # such as a sector smaller than the grain
+        return None
 
 
 def crimped(sectors: tuple[float, ...], letters: str) -> bool | None:

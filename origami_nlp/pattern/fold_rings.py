@@ -211,13 +211,16 @@ def drawing_oddities(frame: Frame) -> Iterator[Oddity]:
     near = INPUT_TOL * float(np.ptp(xy, axis=0).max())
     used: list[int] = np.unique(frame.edges).tolist()
     which, through = tree.query(points(xy[used]), predicate="dwithin", distance=near)
-    same = set()
+    same, touching = set(), set()
     for v, e in zip(np.array(used)[which].tolist(), through.tolist(), strict=True):
         if v not in frame.edges[e]:
             twins = coincident(frame, [v])
             if twins in same:
                 continue
             same |= {twins} - {""}
+            touching |= {
+                (e, other) for other in np.flatnonzero((frame.edges == v).any(axis=1)).tolist()
+            }
             number = int(frame.numbers[e])
             yield Oddity(
                 twins or f"edges_vertices[{number}] passes through vertex {v}: split it there",
@@ -226,6 +229,8 @@ def drawing_oddities(frame: Frame) -> Iterator[Oddity]:
             )
     pairs = {(min(i, j), max(i, j)) for i, j in tree.query(lines, predicate="crosses").T.tolist()}
     for i, j in sorted(pairs):
+        if {(i, j), (j, i)} & touching:
+            continue  # in the vertex through which one of them passes
         a, b = sorted((int(frame.numbers[i]), int(frame.numbers[j])))
         yield Oddity(
             f"edges_vertices[{a}] and [{b}] cross without a vertex: add one where they meet, and split both",

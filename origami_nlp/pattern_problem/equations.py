@@ -174,6 +174,10 @@ class PatternEquations:
             Where the steps ended.
         residual : float
             Largest entry of closure there: whether that is close enough is for the caller to say.
+
+        Notes
+        -----
+        Where a factorization breaks down the steps end: this one state is not closed, whatever goes on beside it.
         """
         self.check_time()
         phi = phi.copy()
@@ -186,7 +190,10 @@ class PatternEquations:
                 break
             size = float(np.linalg.norm(c))  # the same in every frame
             if near is None or not size <= FALLS * before:
-                near = Normal(self.closure.jacobian(phi, at)[:, free])
+                try:
+                    near = Normal(self.closure.jacobian(phi, at)[:, free])
+                except (np.linalg.LinAlgError, RuntimeError):  # the latter is what SuperLU says
+                    break
             before = size
             d = near.step(-c)
             phi[free] += d * min(1.0, LONGEST / max(float(np.abs(d).max(initial=0.0)), NONZERO))

@@ -188,8 +188,8 @@ def layer_orders(
     pattern
         Of `read_pattern` or `make_pattern`, the name of an example such as ``"miura:4x4"``, or a FOLD file.
     fold_angles
-        Of a state that closes [rad], [n]; by default the one that the file describes, and where it describes none the
-        pattern folded flat, unassigned creases as mountains or valleys.
+        Of a state that closes [rad], [n]; by default the one that the file describes, and where it describes none that
+        closes the pattern folded flat, unassigned creases as mountains or valleys.
     most
         Orders that are listed.
     guesses
@@ -221,14 +221,17 @@ def layer_orders(
     sheet = as_pattern(pattern)
     check_whole("most", most, 0)
     check_whole("guesses", guesses, 1)
-    free: set[int] = set()
+    problem, free = PatternProblem(sheet), set[int]()
     if fold_angles is not None:
         phi = check_angles("fold_angles", fold_angles, sheet.creases, one=True)
-    elif sheet.stated is not None:
-        phi = sheet.stated
     else:
-        phi, free = flat_folded(sheet)
-    return count_orders(PatternProblem(sheet), phi, free, most, guesses)
+        phi, residual = np.zeros(0), math.inf
+        # fold angles that do not close are targets of springs
+        if (stated := sheet.stated) is not None and problem.residual(stated) <= 10 * NOISE:
+            phi, residual = problem.project(stated, np.abs(stated) == math.pi)
+        if residual > CLOSURE_TOL:
+            phi, free = flat_folded(sheet)
+    return count_orders(problem, phi, free, most, guesses)
 
 
 def count_orders(

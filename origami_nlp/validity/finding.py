@@ -28,6 +28,7 @@ from origami_nlp.validity.geometry import (
     check_letters,
     check_sheet,
     is_same_sheet,
+    measured_on,
 )
 from origami_nlp.validity.result import Validity
 from origami_nlp.validity.stacking import check_layers
@@ -146,21 +147,24 @@ def _check_folded(f: Findings, flat: Sequence[Frame]) -> None:
     pattern = check_sheet(f)
     mate = next((one for one in flat if is_same_sheet(f.frame, one)), None)
     as_paper = check_isometry(f, mate, bool(flat))
-    if pattern is None:
+    sheet = None if mate is None else _sheet_of(mate, f.frame)
+    measured = pattern or (None if sheet is None else measured_on(sheet, f.frame))
+    if measured is None:
         f.skip("the state as a sheet of rigid facets", "its faces make no sheet", undecided=True)
         return
-    check_fold_angles(f, pattern)
-    sheet = None if mate is None else _sheet_of(mate, f.frame, pattern)
-    phi, what = pattern.reference, pattern
-    if sheet is not None and as_paper and not _bent(f):
-        check_closure(f, PatternProblem(sheet), pattern.reference)
-    elif sheet is not None and not np.isnan(sheet.file_angles).any():
+    check_fold_angles(f, measured)
+    alike = sheet is not None and sheet.numbers.tolist() == measured.numbers.tolist()
+    whole = as_paper and pattern is not None and not _bent(f)
+    phi, what = measured.reference, measured
+    if sheet is not None and alike and whole:
+        check_closure(f, PatternProblem(sheet), phi)
+    elif sheet is not None and not whole and not np.isnan(sheet.file_angles).any():
         # coordinates are off: the state is the one of the fold angles that the file states
         phi, what = sheet.file_angles, sheet
         if not check_closure(f, PatternProblem(sheet), phi):
             f.skip(CROSSINGS, "neither coordinates nor fold angles are a state", undecided=True)
             return
-    elif _bent(f) or not as_paper:
+    elif not whole:
         f.skip(CROSSINGS, "the coordinates are none of the sheet", undecided=True)
         return
     problem = PatternProblem(what)
@@ -170,14 +174,15 @@ def _check_folded(f: Findings, flat: Sequence[Frame]) -> None:
         check_layers(f, problem, phi)
 
 
-def _sheet_of(mate: Frame, folded: Frame, pattern: Pattern) -> Pattern | None:
-    """Return the crease pattern with fold angles and orders of a folded form, its creases in the same order."""
+def _sheet_of(mate: Frame, folded: Frame) -> Pattern | None:
+    """Return the crease pattern with the fold angles, letters and orders of a folded form."""
     try:
         sheet = frame_pattern(mate)
     except OrigamiError:
         return None  # said of that frame
-    alike = sheet.numbers.tolist() == pattern.numbers.tolist()
-    if not alike or not sheet.is_flat or len(sheet.polygons) != len(folded.faces):
+    alike = np.array_equal(np.sort(mate.edges), np.sort(folded.edges))
+    alike &= [{*q} for q in sheet.polygons] == [{*face} for face in folded.faces]
+    if not (sheet.is_flat and alike and np.array_equal(mate.numbers, folded.numbers)):
         return None
     # s of (f, g, s) is by the normal of g: as the file has it, or turned over
     sense = [
@@ -185,7 +190,10 @@ def _sheet_of(mate: Frame, folded: Frame, pattern: Pattern) -> Pattern | None:
         for face, polygon in zip(folded.faces, sheet.polygons, strict=True)
     ]
     orders = tuple((f, g, s * sense[g]) for f, g, s in folded.face_orders)
-    return replace(sheet, file_angles=pattern.file_angles, orders=orders)
+    at = {int(n): k for k, n in enumerate(folded.numbers)}
+    which = [at[int(n)] for n in sheet.numbers]
+    letters = "".join(folded.assignment[k].replace("?", "U") for k in which)
+    return replace(sheet, file_angles=folded.fold_angles[which], assignment=letters, orders=orders)
 
 
 def _runs(face: Sequence[int], polygon: Sequence[int]) -> bool:

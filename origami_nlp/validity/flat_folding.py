@@ -108,7 +108,8 @@ def _little(f: Findings, v: FoldVertex, most: float) -> Iterator[Fault]:
     """Go through runs of equal sectors between larger ones whose creases cannot have their letters.
 
     Of k equal sectors between two larger ones, mountains and valleys among the k + 1 creases are as many where k is
-    odd, and differ by one where it is even (Hull, Origametry, on equal consecutive angles); for k = 1 that is big-little-big.
+    odd, and differ by one where it is even (Hull, Origametry, on equal consecutive angles); for k = 1 that is
+    big-little-big.
     """
     a, n = np.array(v.sector_angles), v.degree
     for i in range(n):

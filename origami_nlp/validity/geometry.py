@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterator
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -18,10 +20,12 @@ from origami_nlp.pattern import (
     face_oddities,
     fold_vertices,
     frame_pattern,
+    listed,
 )
 from origami_nlp.pattern_problem import PatternProblem
 from origami_nlp.validity.faults import Fault, Findings
 
+PLANES = "plane faces"
 CROSSINGS = "no faces pass through each other"
 MOST_SIDES = 40
 """Of a face up to which all its diagonals are measured; of larger ones those from every vertex to the next but one."""
@@ -53,7 +57,7 @@ def check_sheet(f: Findings) -> Pattern | None:
         off = f.lengths() / f.size
         bad = [
             f.fault(
-                "plane faces",
+                PLANES,
                 o.text,
                 vertices=o.vertices,
                 faces=o.faces,
@@ -63,7 +67,7 @@ def check_sheet(f: Findings) -> Pattern | None:
         ]
         known = {face for one in bad for face in one.faces}
         bad += _bent(f, known, off * f.size)
-        f.settle("plane faces", bad, f"{len(frame.faces)} faces, to {off:.0e} of the sheet")
+        f.settle(PLANES, bad, f"{len(frame.faces)} faces, to {off:.0e} of the sheet")
     try:
         return frame_pattern(frame)
     except OrigamiError as error:
@@ -81,7 +85,7 @@ def _bent(f: Findings, known: set[int], most: float) -> Iterator[Fault]:
         off = float(np.abs(x @ normal).max())
         if off > most and k not in known:
             yield f.fault(
-                "plane faces",
+                PLANES,
                 f"face {k} is off a plane by {off / f.size:.1e} of the sheet",
                 faces=[k],
                 size=off,
@@ -148,10 +152,23 @@ def check_isometry(f: Findings, flat: Frame | None, others: bool) -> bool:
             )
         stretched = {frozenset(ends[k].tolist()) for k in wrong.tolist()}
         faults += _sheared(f, flat, most, name, stretched)
-    shared = set.intersection(*({*one.vertices} for one in faults)) if len(faults) > 1 else set()
-    at = "".join(f", all at vertex {v}" for v in sorted(shared)[:1])
+    moved = moved_vertices(faults)
+    at = ""
+    if 2 * len(moved) <= len(faults) and not even:
+        at = f", as where vert{'ices' if len(moved) > 1 else 'ex'} {listed(moved)} moved"
     f.settle(name, faults, f"{len(ends)} edges, to {most / f.size:.0e} of the sheet{at}")
     return even or not faults
+
+
+def moved_vertices(faults: Sequence[Fault]) -> list[int]:
+    """Return few vertices at which all faults are that are at vertices: those that probably moved."""
+    left = [set(one.vertices) for one in faults if one.vertices]
+    found = []
+    while left:
+        many = Counter(v for one in left for v in one)
+        found.append(max(many, key=lambda v: (many[v], -v)))
+        left = [one for one in left if found[-1] not in one]
+    return sorted(found)
 
 
 def _sheared(
@@ -218,6 +235,14 @@ def check_fold_angles(f: Findings, pattern: Pattern) -> None:
     """Check fold angles that the file states, and letters, against those of the coordinates."""
     p = pattern
     noise = _crease_noise(f, p)
+    # beside faces that are out of shape the angles follow from that
+    spoilt = {
+        *moved_vertices([one for one in f.faults if one.unit == "length" or one.test == PLANES])
+    }
+    beside = np.zeros(p.facets, bool)
+    for q, facet in zip(p.polygons, p.facet_of, strict=True):
+        beside[facet] |= bool(spoilt & {*q})
+    out = beside[p.left] | beside[p.right]
     off = np.abs(p.file_angles - p.reference)
     # at +-pi the coordinates have no sign
     off = np.where(np.abs(p.reference) == math.pi, np.abs(np.abs(p.file_angles) - math.pi), off)
@@ -225,7 +250,7 @@ def check_fold_angles(f: Findings, pattern: Pattern) -> None:
     if np.isnan(p.file_angles).all():
         f.skip(name, "the file states no fold angles")
     else:
-        wrong = np.flatnonzero(np.nan_to_num(off) > noise)
+        wrong = np.flatnonzero((np.nan_to_num(off) > noise) & ~out)
         faults = [
             f.fault(
                 name,
@@ -240,10 +265,35 @@ def check_fold_angles(f: Findings, pattern: Pattern) -> None:
             for c in wrong.tolist()
         ]
         stated = int((~np.isnan(p.file_angles)).sum())
-        f.settle(name, faults, f"{stated} of {p.creases} creases")
+        apart = f", {out.sum()} of them beside faces that are out of shape" if out.any() else ""
+        f.settle(name, faults, f"{stated} of {p.creases} creases{apart}")
     check_letters(f, p, np.where(np.abs(p.reference) > noise, p.reference, 0.0))
     flat = _flat_edges(f, p)
     f.settle("flat edges are flat", flat, "edges F and J, and sides that are no edges")
+
+
+def measured_on(sheet: Pattern, folded: Frame) -> Pattern:
+    """Return a crease pattern with the coordinates of a folded form, and the fold angles that its faces have there.
+
+    Faces need not be plane: it is for measuring alone.
+    """
+    x = folded.coords
+    normals = {}
+    for q in sheet.polygons:
+        at = x[list(q)] - x[q[0]]
+        n = np.cross(at, np.roll(at, -1, axis=0)).sum(axis=0)
+        for i, v in enumerate(q):
+            normals[q[i - 1], v] = n / max(float(np.linalg.norm(n)), NONZERO)
+    phi = np.zeros(sheet.creases)
+    for c, (v, w) in enumerate(sheet.ends.tolist()):
+        right, left, d = normals[w, v], normals[v, w], x[w] - x[v]
+        phi[c] = math.atan2(
+            float(d @ np.cross(right, left)) / max(float(np.linalg.norm(d)), NONZERO),
+            float(right @ left),
+        )
+        if math.pi - abs(phi[c]) < NOISE:
+            phi[c] = math.copysign(math.pi, sheet.signs[c] or phi[c])
+    return replace(sheet, corners=x, reference=phi)
 
 
 def check_letters(f: Findings, p: Pattern, measured: np.ndarray) -> None:

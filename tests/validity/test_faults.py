@@ -1,0 +1,521 @@
+"""Faults planted one by one are found, at the right place; what is sound is valid."""
+
+import copy
+import json
+import math
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+import origami_nlp as o
+from origami_nlp.cli import app
+from origami_nlp.errors import FoldFileError, OptionError
+from origami_nlp.pattern_problem import pattern_frame, pattern_to_fold
+from tests.patterns import grid as quads, miura, miura_angles
+
+STRETCH = "lengths as in the crease pattern"
+PLANES = "plane faces"
+ANGLES = "fold angles as in the coordinates"
+LETTERS = "mountains and valleys as folded"
+CLOSES = "closes round vertices and holes"
+CROSSES = "no faces pass through each other"
+CREASES = "faceOrders agree with creases"
+AGREE = "faceOrders agree with each other"
+PAPER = "faceOrders are those of paper"
+WHOLE = "faceOrders are whole"
+LAYERS = "layers have an order"
+
+
+def map_3x3():
+    """A map of 3 x 3 squares folded flat: thirds over each other, then thirds again."""
+    i, j = np.meshgrid(np.arange(4.0), np.arange(4.0), indexing="ij")
+    sheet = quads(np.stack([i, j], axis=2))
+    phi = np.zeros(sheet.creases)
+    middle = sheet.corners[sheet.ends].mean(axis=1)
+    for c, (x, y, _) in enumerate(middle):
+        if x == round(
+            x
+        ):  # across the first folds, all through the sheet: up at x = 1, down at x = 2
+            phi[c] = math.pi if x == 1 else -math.pi
+        else:  # the second folds alternate with the layers
+            side = 1.0 if y == 1 else -1.0
+            phi[c] = math.pi * side * (-1.0) ** math.floor(x)
+    return sheet, phi
+
+
+def stated(sheet, phi):
+    """FOLD data: the crease pattern and the folded form, with order of layers."""
+    return json.loads(json.dumps(pattern_to_fold(sheet, [pattern_frame(sheet, phi, "folded")])))
+
+
+@pytest.fixture(scope="module")
+def flat():
+    return stated(*map_3x3())
+
+
+@pytest.fixture(scope="module")
+def space():
+    sheet = miura(3, 3)
+    return stated(sheet, miura_angles(sheet, 3, 1.0))
+
+
+def faults(data, **options):
+    """What is found: (test, fault) by test."""
+    found = {}
+    for one in o.check(data, **options).faults:
+        found.setdefault(one.test, []).append(one)
+    return found
+
+
+def planted(data, change):
+    made = copy.deepcopy(data)
+    change(made, made["file_frames"][0])
+    return made
+
+
+def test_what_is_sound_is_valid(flat, space):
+    for data in (flat, space):
+        seen = o.check(data)
+        assert seen.verdict == "valid", seen.report()
+        assert all(t.status == "ok" or t.status == "does not apply" for t in seen.tests)
+
+
+# ---------------------------------------------------------------- coordinates
+
+
+@pytest.mark.parametrize("by", [1e-4, 1e-2, 0.3])
+def test_a_moved_corner_is_blamed_on_its_edges_not_on_layers(flat, space, by):
+    for data in (flat, space):
+
+        def move(whole, frame):
+            frame["vertices_coords"][5][0] += by
+
+        bad = planted(data, move)
+        found = faults(bad)
+        at = {e for e, pair in enumerate(bad["edges_vertices"]) if 5 in pair}
+        stretched = {e for one in found[STRETCH] for e in one.edges}
+        assert stretched and stretched <= at
+        assert not {AGREE, CREASES, PAPER, WHOLE, LAYERS} & set(found)
+        size = max(one.size for one in found[STRETCH] if one.edges)
+        assert 0.2 * by < size <= 1.01 * by
+
+
+def test_a_scaled_copy_is_one_fault(space):
+    def scale(whole, frame):
+        frame["vertices_coords"] = (1.1 * np.array(frame["vertices_coords"])).tolist()
+
+    (one,) = faults(planted(space, scale))[STRETCH]
+    assert one.size == pytest.approx(0.1) and "1.1 times" in one.text
+
+
+def test_a_copy_stretched_one_way_is_found_on_the_edges_that_run_there(flat):
+    def stretch(whole, frame):
+        frame["vertices_coords"] = (np.array(frame["vertices_coords"]) * [1.1, 1.0, 1.0]).tolist()
+
+    bad = planted(flat, stretch)
+    x = np.array(bad["file_frames"][0]["vertices_coords"])
+    longer = {e for e, (a, b) in enumerate(bad["edges_vertices"]) if abs(x[a, 0] - x[b, 0]) > 0.5}
+    assert {e for one in faults(bad)[STRETCH] for e in one.edges} == longer
+
+
+def test_a_sheared_face_is_found_by_its_diagonals():
+    flat = quads(np.array([[[0, 0], [0, 1]], [[1, 0], [1, 1]], [[2, 0], [2, 1]]], float))
+    data = stated(flat, np.zeros(1))
+    shear = np.array([[1.0, math.sin(0.1), 0.0], [0.0, math.cos(0.1), 0.0], [0.0, 0.0, 1.0]])
+    frame = data["file_frames"][0]
+    frame["vertices_coords"] = (np.array(frame["vertices_coords"]) @ shear.T).tolist()
+    found = faults(data)[STRETCH]
+    assert [one.faces for one in found] == [(0,), (1,)]
+    # law of cosines: the diagonal between sides of length 1 at 90 degrees less 0.1
+    assert found[0].size == pytest.approx(
+        max(abs(math.sqrt(2 + s * 2 * math.sin(0.1)) - math.sqrt(2)) for s in (1, -1)), rel=1e-6
+    )
+
+
+def test_a_face_off_its_plane_is_found(space):
+    def lift(whole, frame):
+        frame["vertices_coords"][0][2] += 2e-3
+
+    found = faults(planted(space, lift))
+    assert [one.faces for one in found[PLANES]] == [(0,)]
+
+
+def test_a_stated_fold_angle_that_is_not_that_of_the_coordinates(space):
+    edge = next(e for e, a in enumerate(space["file_frames"][0]["edges_foldAngle"]) if abs(a) > 1)
+
+    def turn(whole, frame):
+        frame["edges_foldAngle"][edge] *= 1.05
+
+    (one,) = faults(planted(space, turn))[ANGLES]
+    was = abs(space["file_frames"][0]["edges_foldAngle"][edge])
+    assert one.edges == (edge,) and math.degrees(one.size) == pytest.approx(0.05 * was, rel=1e-6)
+
+
+def test_a_mountain_that_is_folded_as_a_valley(space):
+    letters = space["file_frames"][0]["edges_assignment"]
+    edge = letters.index("M")
+
+    def swap(whole, frame):
+        frame["edges_assignment"][edge] = "V"
+
+    (one,) = faults(planted(space, swap))[LETTERS]
+    assert one.edges == (edge,)
+
+
+def test_a_letter_of_a_crease_folded_flat_against_the_order(flat):
+    letters = flat["file_frames"][0]["edges_assignment"]
+    edge = letters.index("M")
+
+    def swap(whole, frame):
+        frame["edges_assignment"][edge] = "V"
+        frame["edges_foldAngle"][edge] *= -1
+
+    found = faults(planted(flat, swap))
+    assert edge in {e for one in found[CREASES] for e in one.edges}
+
+
+def test_joined_faces_at_an_angle():
+    """Two faces joined by an F edge, folded along it, beside a crease."""
+    data = {
+        "vertices_coords": [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [2, 0, 0.5], [2, 1, 0.5]],
+        "faces_vertices": [[0, 1, 2, 3], [1, 4, 5, 2]],
+        "edges_vertices": [[0, 1], [1, 2], [2, 3], [3, 0], [1, 4], [4, 5], [5, 2]],
+        "edges_assignment": ["B", "F", "B", "B", "B", "B", "B"],
+        "frame_classes": ["foldedForm"],
+    }
+    (one,) = faults(data)["flat edges are flat"]
+    assert one.edges == (1,) and one.size == pytest.approx(math.atan(0.5))
+
+
+def test_an_angle_sum_that_no_flat_sheet_has():
+    """A corner of a cube, without a crease pattern."""
+    data = {
+        "vertices_coords": [
+            [0, 0, 0],
+            [1, 0, 0],
+            [0, 1, 0],
+            [0, 0, 1],
+            [1, 1, 0],
+            [0, 1, 1],
+            [1, 0, 1],
+        ],
+        "faces_vertices": [[0, 1, 4, 2], [0, 2, 5, 3], [0, 3, 6, 1]],
+        "frame_classes": ["foldedForm"],
+    }
+    (one,) = faults(data)["flat round every vertex"]
+    assert one.vertices == (0,) and one.size == pytest.approx(math.pi / 2)
+    assert one.place == (0.0, 0.0, 0.0)
+
+
+def test_faces_that_pass_through_each_other():
+    """A strip of four rolled up: its last square dips through the first."""
+    turn = math.radians(100.0)
+    strip = quads(np.array([[[x, 0], [x, 1]] for x in range(5)], float))
+    data = stated(strip, np.full(3, turn))
+    (one,) = faults(data)[CROSSES]
+    assert one.faces == (0, 3)
+    # corners of the strip, seen from its end
+    heading = np.cumsum([0, turn, turn, turn])
+    corner = np.concatenate([[0], np.cumsum(np.exp(1j * heading))])
+    a, b = corner[3], corner[4]
+    at = a + (b - a) * (-a.imag / (b.imag - a.imag))
+    assert 0 < at.real < 1
+    place = np.array(one.place)
+    x = np.array(data["file_frames"][0]["vertices_coords"])
+    first = x[data["faces_vertices"][0]]
+    along = x[data["faces_vertices"][0]][:, :]
+    corners = {tuple(np.round(p, 9)) for p in along}
+    assert corners
+    # on the first square, its distance from the strip's end
+    ends = [v for v in data["faces_vertices"][0] if v in (0, 1)]
+    start = x[ends].mean(axis=0)
+    assert np.linalg.norm(place - start) == pytest.approx(at.real, abs=1e-9)
+    assert np.linalg.matrix_rank(np.vstack([first - first[0], place - first[0]]), tol=1e-9) == 2
+
+
+# ---------------------------------------------------------------- order of layers
+
+
+@pytest.mark.parametrize("k", range(0, 36, 5))
+def test_an_order_turned_round_is_found(flat, k):
+    def turn(whole, frame):
+        frame["faceOrders"][k][2] *= -1
+
+    f, g, _ = flat["file_frames"][0]["faceOrders"][k]
+    found = faults(planted(flat, turn))
+    assert set(found) <= {CREASES, PAPER, AGREE}
+    named = [set(one.faces) for test in found.values() for one in test]
+    assert named and all({f, g} <= faces for faces in named)
+
+
+def test_two_orders_that_say_the_opposite(flat):
+    def add(whole, frame):
+        f, g, s = frame["faceOrders"][4]
+        frame["faceOrders"].append([f, g, -s])
+
+    f, g, _ = flat["file_frames"][0]["faceOrders"][4]
+    (one,) = faults(planted(flat, add))[AGREE]
+    assert one.faces == (f, g)
+
+
+def test_orders_left_out_that_follow_from_others_are_whole(flat):
+    def thin(whole, frame):
+        frame["faceOrders"] = frame["faceOrders"][:2]
+
+    assert o.check(planted(flat, thin)).verdict in ("valid", "faults")
+
+
+def pleats():
+    """A strip of five with letters that leave several orders."""
+    strip = quads(np.array([[[x, 0], [x, 1]] for x in range(6)], float))
+    return strip, math.pi * np.array([1.0, 1.0, -1.0, -1.0])
+
+
+def test_an_order_that_is_neither_stated_nor_follows():
+    data = stated(*pleats())
+    count = o.layer_orders(*pleats()).count
+    assert count > 1 and o.check(data).verdict == "valid"
+    orders = data["file_frames"][0]["faceOrders"]
+    lost = []
+    for k in range(len(orders)):
+        found = faults(planted(data, lambda whole, frame, k=k: frame["faceOrders"].pop(k)))
+        if found:
+            (one,) = found[WHOLE]
+            assert set(one.faces) == set(orders[k][:2])
+            lost.append(k)
+    one_kept = planted(data, lambda whole, frame: frame.update(faceOrders=orders[:1]))
+    assert lost or WHOLE in faults(one_kept)
+
+
+def test_layers_without_any_order():
+    """Three stamps of which the middle is the smallest, both folded onto it: they cannot pass each other."""
+    xs = [0.0, 3.0, 4.0, 7.0]
+    strip = quads(np.array([[[x, 0], [x, 1]] for x in xs], float))
+    data = stated(strip, np.array([math.pi, math.pi]))
+    data["file_frames"][0]["faceOrders"] = []
+    (one,) = faults(data)[LAYERS]
+    assert one.faces or "facets" in one.text
+
+
+@pytest.mark.parametrize(
+    "kind, widths",
+    [("taco-taco", [1, 1, 1, 1, 1]), ("transitivity", [1, 1, 1]), ("taco-tortilla", [3, 1, 3])],
+)
+def test_the_rule_that_is_broken_is_named(kind, widths):
+    """Over a strip with pleats: between equal ones creases meet, over a narrow one they end within a face."""
+    xs = np.concatenate([[0.0], np.cumsum(widths)])
+    strip = quads(np.array([[[x, 0], [x, 1]] for x in xs], float))
+    data = stated(strip, math.pi * (-1.0) ** np.arange(len(widths) - 1))
+    said = set()
+    rows = data["file_frames"][0]["faceOrders"]
+    for k, (f, g, s) in enumerate(rows):
+        bad = planted(data, lambda _, frame, k=k, s=s: frame["faceOrders"][k].__setitem__(2, -s))
+        broken = faults(bad).get(PAPER, ())
+        assert all({f, g} <= set(one.faces) for one in broken)
+        said |= {one.text.rsplit("(", 1)[-1].rstrip(")") for one in broken}
+    assert kind in said
+
+
+# ---------------------------------------------------------------- crease patterns
+
+
+def star(sectors, letters, lengths=None):
+    """One vertex of a sheet: a crease pattern without faces."""
+    turn = np.concatenate([[0.0], np.cumsum(np.radians(sectors))[:-1]])
+    n = len(sectors)
+    r = np.ones(n) if lengths is None else np.array(lengths)
+    rim = [[float(a * math.cos(t)), float(a * math.sin(t))] for a, t in zip(r, turn, strict=True)]
+    return {
+        "vertices_coords": [[0.0, 0.0], *rim],
+        "edges_vertices": [[0, k + 1] for k in range(n)]
+        + [[k + 1, (k + 1) % n + 1] for k in range(n)],
+        "edges_assignment": [*letters, *"B" * n],
+    }
+
+
+VERTICES = {
+    "Kawasaki": star([80, 100, 101, 79], "MVVV"),
+    "odd": star([70, 70, 70, 70, 80], "MVVVV"),
+    "Maekawa": star([80, 100, 100, 80], "MVMV"),
+    "big-little-big": star([100, 40, 100, 40, 40, 40], "VVMVVV"),
+    "two equal": star([100, 50, 50, 80, 30, 50], "MMMVVV"),
+}
+
+
+@pytest.mark.parametrize("name", VERTICES)
+def test_a_vertex_that_does_not_fold_flat(name):
+    data = VERTICES[name]
+    found = faults(data)
+    test = "Kawasaki" if name == "odd" else "Maekawa" if name == "two equal" else name
+    assert test in found and all(one.vertices == (0,) for one in found[test])
+    if name == "Kawasaki":
+        # 80 + 101 against 100 + 79
+        assert found[test][0].size == pytest.approx(math.radians(2.0))
+
+
+def test_a_vertex_that_folds_flat_is_valid():
+    assert o.check(star([45, 90, 135, 90], "VMMM")).verdict == "valid"
+
+
+def test_little_angle_between_two_creases_of_one_letter():
+    (one,) = faults(star([45, 90, 135, 90], "MMVM"))["big-little-big"]
+    assert one.edges == (0, 1) and one.size == pytest.approx(math.radians(45))
+
+
+def test_noise_of_a_drawing_is_no_fault_and_is_measured():
+    drawn = star([90.003, 89.997, 90.002, 89.998], "MVVV")
+    assert o.check(drawn).verdict == "valid"
+    (one,) = faults(drawn, tolerance=1e-6)["Kawasaki"]
+    assert "would explain it" in one.text
+    assert one.size == pytest.approx(math.radians(0.01))
+
+
+def test_fold_angles_that_do_not_close_at_one_vertex(space):
+    sheet = miura(3, 3)
+    phi = miura_angles(sheet, 3, 1.0)
+    data = pattern_to_fold(sheet)
+    number = {int(e): c for c, e in enumerate(sheet.numbers)}
+    data["edges_foldAngle"] = [
+        math.degrees(phi[number[e]]) if e in number else 0.0
+        for e in range(len(data["edges_vertices"]))
+    ]
+    assert o.check(data).verdict == "valid"
+    rim = next(c for c in range(sheet.creases) if sum(c in v.creases for v in sheet.vertices) == 1)
+    vertex = next(v.vertex for v in sheet.vertices if rim in v.creases)
+    data["edges_foldAngle"][int(sheet.numbers[rim])] += 2.0
+    (one,) = faults(data)[CLOSES]
+    assert one.vertices == (vertex,) and one.size == pytest.approx(math.radians(2.0), rel=1e-6)
+
+
+def test_a_letter_against_its_fold_angle():
+    data = star([45, 90, 135, 90], "VMMM")
+    data["edges_foldAngle"] = [180, -180, 180, -180, 0, 0, 0, 0]
+    (one,) = faults(data)[LETTERS]
+    assert one.edges == (2,)
+
+
+def drawing(change):
+    data = star([90, 90, 90, 90], "MVVV")
+    change(data)
+    return data
+
+
+@pytest.mark.parametrize(
+    "change, edges, vertices",
+    [
+        (
+            lambda d: (d["edges_vertices"].append([2, 4]), d["edges_assignment"].append("V")),
+            {8},
+            {0},
+        ),
+        (
+            lambda d: (
+                d["vertices_coords"].extend([[0.3, -0.2], [0.3, 0.2]]),
+                d["edges_vertices"].append([5, 6]),
+                d["edges_assignment"].append("F"),
+            ),
+            {0, 8},
+            set(),
+        ),
+        (
+            lambda d: (d["edges_vertices"].append([0, 1]), d["edges_assignment"].append("V")),
+            {0},
+            set(),
+        ),
+    ],
+    ids=["through a vertex", "crossing", "twice"],
+)
+def test_a_drawing_that_is_none(change, edges, vertices):
+    found = faults(drawing(change))["drawing"]
+    assert {e for one in found for e in one.edges} == edges
+    assert {v for one in found for v in one.vertices} == vertices
+
+
+def test_two_vertices_in_one_place():
+    data = star([90, 90, 90, 90], "MVVV")
+    data["vertices_coords"].append([1.0, 0.0])
+    data["edges_vertices"][4] = [5, 2]
+    (one,) = faults(data)["drawing"]
+    assert "same place" in one.text
+
+
+def test_a_face_that_crosses_its_own_outline():
+    data = {
+        "vertices_coords": [[0, 0], [1, 0], [1, 1], [0, 1]],
+        "edges_vertices": [[0, 1], [1, 3], [3, 2], [2, 0]],
+        "edges_assignment": ["B"] * 4,
+        "faces_vertices": [[0, 1, 3, 2]],
+    }
+    assert any(one.faces == (0,) for one in faults(data)[PLANES])
+
+
+def test_a_crease_that_ends_within_a_facet():
+    data = star([90, 90, 90, 90], "MVVV")
+    data["vertices_coords"].append([0.5, 0.3])
+    data["edges_vertices"].append([1, 5])
+    data["edges_assignment"].append("V")
+    seen = o.check(data)
+    assert seen.verdict == "faults" and "ends within a facet" in seen.faults[0].text
+
+
+def test_all_faults_are_listed_and_not_the_first_only(space):
+    def spoil(whole, frame):
+        frame["vertices_coords"][0][2] += 0.02
+        frame["vertices_coords"][15][2] += 0.02
+        frame["edges_foldAngle"][edge] += 10
+
+    frame = space["file_frames"][0]
+    edge = next(
+        e
+        for e, (a, both) in enumerate(
+            zip(frame["edges_foldAngle"], space["edges_vertices"], strict=True)
+        )
+        if abs(a) > 1 and set(both) <= {5, 6, 9, 10}
+    )
+    bad = planted(space, spoil)
+    found = faults(bad)
+    assert {0, 15} <= {v for one in found[STRETCH] for v in one.vertices}
+    assert [one.edges for one in found[ANGLES]] == [(edge,)]
+    assert {f for one in found[PLANES] for f in one.faces} == {0, 8}
+
+
+# ---------------------------------------------------------------- results, command
+
+
+def test_results_print_save_and_load(flat, tmp_path):
+    bad = planted(flat, lambda whole, frame: frame["vertices_coords"][5].__setitem__(0, 9.0))
+    seen = o.check(bad)
+    path = tmp_path / "seen.json"
+    seen.save(path)
+    again = o.load(path)
+    assert again.faults == seen.faults and again.verdict == "faults"
+    assert json.loads(path.read_text())["verdict"] == "faults"
+    assert len(seen.to_frame()) == len(seen.faults) and "faults" in str(seen)
+    with pytest.raises(OptionError):
+        again.draw()
+    assert len(seen.draw().axes) == 2
+
+
+def test_exit_codes_of_the_command(flat, tmp_path):
+    good, bad, none = (tmp_path / name for name in ("good.fold", "bad.fold", "none.fold"))
+    good.write_text(json.dumps(flat))
+    moved = planted(flat, lambda whole, frame: frame["vertices_coords"][5].__setitem__(0, 9.0))
+    bad.write_text(json.dumps(moved))
+    none.write_text("{}")
+    run = CliRunner().invoke
+    assert run(app, ["check", str(good)]).exit_code == 0
+    assert run(app, ["check", str(good), str(bad)]).exit_code == 1
+    several = run(app, ["check", str(good), str(none), str(bad)])
+    assert several.exit_code == 2
+    assert "1 valid, 1 with faults, 0 not decided, 1 not read" in several.stdout
+    picture = tmp_path / "faults.png"
+    assert run(app, ["check", str(bad), "-o", str(picture)]).exit_code == 1 and picture.exists()
+
+
+def test_arguments_are_checked(flat):
+    for wrong in ({"tolerance": 1.0}, {"frame": 9}, {"flat_frame": 1}):
+        with pytest.raises(OptionError):
+            o.check(flat, **wrong)
+    with pytest.raises(FoldFileError):
+        o.check({"vertices_coords": []})
