@@ -1,5 +1,5 @@
 from .counting import (
-    Component as Component,
+    LayerComponent as LayerComponent,
     LayerOrders as LayerOrders,
     layer_orders as layer_orders,
 )

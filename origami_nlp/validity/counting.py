@@ -34,7 +34,7 @@ UNCLEAR = "facets are closer than can be resolved, but not on each other"
 
 
 @dataclass(frozen=True)
-class Component:
+class LayerComponent:
     """Pairs of layers whose order hangs together: it is chosen freely beside that of other components.
 
     Attributes
@@ -87,10 +87,11 @@ class LayerOrders(Report):
     """
 
     SCHEMA = "origami-nlp/layers/1"
+    ALSO = ("count", "whole")
     pattern: Pattern
     fold_angles: np.ndarray
     pairs: int
-    components: tuple[Component, ...]
+    components: tuple[LayerComponent, ...]
     orders: tuple[tuple[tuple[int, int, int], ...], ...] = field(repr=False)
     reason: str = ""
     decided: bool = True
@@ -267,7 +268,7 @@ def count_orders(
         return without(posed.reason, pairs=many)
     orders = posed[0]
     parts = orders.counts()
-    found = tuple(Component(len(part), number, whole) for part, number, whole in parts)
+    found = tuple(LayerComponent(len(part), number, whole) for part, number, whole in parts)
     reason, decided = "", True
     if any(c.whole and not c.orders for c in found):
         reason = "layers have no order in which they do not cross"

@@ -11,6 +11,9 @@ import numpy as np
 from origami_nlp.numerics import NOISE, PLACES
 from origami_nlp.pattern import Frame
 
+MILLI = 1e-3
+"""Of a degree: fold angles of which no smaller part is stated have three decimals; as a share of the sheet, the most
+that layers may be apart."""
 PLACED = 9
 """Decimals of places, over the size of the frame: beyond that is rounding."""
 
@@ -86,6 +89,8 @@ class Findings:
 
     frame: Frame
     tolerance: float | None = None
+    posed: bool = False
+    """Whether what is looked at is folded from the crease pattern, elsewhere than the coordinates of the frame."""
     tests: list[Test] = field(default_factory=list)
     faults: list[Fault] = field(default_factory=list)
 
@@ -134,7 +139,7 @@ class Findings:
         unit: str = "",
     ) -> Fault:
         """Return a fault of this frame; its place is the middle of the vertices unless given."""
-        if place is None:
+        if place is None or self.posed:
             place = self.middle(vertices, edges, faces)
         return Fault(
             test,

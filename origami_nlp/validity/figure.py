@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -13,7 +14,8 @@ from matplotlib.patheffects import withStroke
 from origami_nlp.display import WARNING, draw_pattern, draw_pattern_state, pattern_view
 from origami_nlp.errors import OptionError, OrigamiError
 from origami_nlp.pattern import Frame, frame_pattern
-from origami_nlp.validity.faults import Fault
+from origami_nlp.validity.faults import Fault, Findings
+from origami_nlp.validity.geometry import is_same_sheet
 from origami_nlp.validity.result import Validity
 
 if TYPE_CHECKING:
@@ -65,23 +67,44 @@ def draw_validity(result: Validity) -> Figure:
     rows = -(-len(shown) // columns)
     below = 0.19 * max(len(lines), 1) + 0.2
     figure = Figure(figsize=(WIDTH * columns, WIDTH * rows + below))
-    top = 1 - 0.45 / (WIDTH * rows + below)
-    grid = figure.add_gridspec(
-        rows, columns, left=0.02, right=0.98, top=top, bottom=below / (WIDTH * rows + below)
-    )
+    height = WIDTH * rows + below
+    top = 1 - 0.65 / height
+    grid = figure.add_gridspec(rows, columns, left=0.02, right=0.98, top=top, bottom=below / height)
     for k, frame in enumerate(shown):
         axes = figure.add_subplot(grid[k // columns, k % columns])
         here = [(numbers[id(one)], one) for one in result.faults if one.frame == frame.number]
+        if not frame.folded:  # what is wrong with a folded form, where it is on the paper
+            here += [
+                (numbers[id(one)], _on(frame, one))
+                for other in shown
+                if other.folded and is_same_sheet(other, frame)
+                for one in result.faults
+                if one.frame == other.number
+            ]
         kind = "folded form" if frame.folded else "crease pattern"
         if len(result.frames) > 1:
             axes.set_title(f"frame {frame.number}: {kind}", fontsize=9, parse_math=False)
         _draw(axes, frame, here)
-    figure.suptitle(result.sentence, fontsize=11, x=0.02, ha="left", parse_math=False)
+    figure.suptitle(
+        result.sentence,
+        fontsize=11,
+        x=0.02,
+        y=1 - 0.1 / height,
+        ha="left",
+        va="top",
+        parse_math=False,
+    )
     for k, line in enumerate(lines):
-        y = (below - 0.19 * (k + 1)) / (WIDTH * rows + below)
+        y = (below - 0.19 * (k + 1)) / height
         short = line if len(line) <= 62 * columns else line[: 62 * columns - 3] + "..."
         figure.text(0.02, y, short, fontsize=8, va="bottom", parse_math=False)
     return figure
+
+
+def _on(frame: Frame, one: Fault) -> Fault:
+    """Return a fault of another frame of the same sheet in the coordinates of this one."""
+    place = Findings(frame).middle(one.vertices, one.edges, one.faces)
+    return replace(one, place=tuple(place.tolist()))
 
 
 def _draw(axes: Axes, frame: Frame, faults: Sequence[tuple[int, Fault]]) -> None:

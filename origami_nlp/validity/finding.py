@@ -17,12 +17,10 @@ from origami_nlp.errors import OptionError, OrigamiError
 from origami_nlp.numerics import CLOSURE_TOL
 from origami_nlp.pattern import Frame, Pattern, examples, frame_pattern, parse_fold, read_fold
 from origami_nlp.pattern_problem import PatternProblem, pattern_to_fold
+from origami_nlp.validity.closing import CROSSINGS, check_closure, check_crossings
 from origami_nlp.validity.faults import Findings
 from origami_nlp.validity.flat_folding import check_flat_folding
 from origami_nlp.validity.geometry import (
-    CROSSINGS,
-    check_closure,
-    check_crossings,
     check_fold_angles,
     check_isometry,
     check_letters,
@@ -160,7 +158,7 @@ def _check_folded(f: Findings, flat: Sequence[Frame]) -> None:
         check_closure(f, PatternProblem(sheet), phi)
     elif sheet is not None and not whole and not np.isnan(sheet.file_angles).any():
         # coordinates are off: the state is the one of the fold angles that the file states
-        phi, what = sheet.file_angles, sheet
+        phi, what, f.posed = sheet.file_angles, sheet, True
         if not check_closure(f, PatternProblem(sheet), phi):
             f.skip(CROSSINGS, "neither coordinates nor fold angles are a state", undecided=True)
             return
@@ -218,7 +216,7 @@ def _check_pattern(f: Findings, beside_folded: bool) -> None:
     check_letters(f, pattern, np.zeros(pattern.creases))
     problem = PatternProblem(pattern)
     if stated is not None and not np.isin(np.abs(stated), (0.0, math.pi)).all():
-        closes = check_closure(f, problem, stated)
+        closes = check_closure(f, problem, stated, beside_folded)
         if closes is not None:
             _check_stated(f, problem, stated, closes)
             return

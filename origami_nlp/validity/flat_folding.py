@@ -72,10 +72,8 @@ def check_flat_folding(f: Findings, problem: PatternProblem | None) -> None:
             elif not folds:
                 text = f"layers round vertex {v.number} ({v.assignment}) have no order"
                 layers.append(f.fault(VERTEX, text, vertices=where))
-    many = f"{len(vertices)} interior vertices"
-    ok = f.settle(
-        KAWASAKI, [*odd, *wrong], f"{many}, off by up to {math.degrees(largest):.1e} degrees"
-    )
+    many = f"{len(vertices)} interior vert{'ex' if len(vertices) == 1 else 'ices'}"
+    ok = f.settle(KAWASAKI, [*odd, *wrong], f"{many}, {_off(largest)}")
     some = f"; {unassigned} not assigned in whole" if unassigned else ""
     ok &= f.settle(MAEKAWA, letters, many + some)
     ok &= f.settle(LITTLE, little, many + some)
@@ -97,6 +95,13 @@ def check_flat_folding(f: Findings, problem: PatternProblem | None) -> None:
     else:
         orders = f"{found.count_words} order{'' if found.count == 1 and found.whole else 's'}"
         f.settle(EXISTS, [], f"{orders} of {found.pairs:,} pairs of layers", found.reason)
+
+
+def _off(largest: float) -> str:
+    """Write by how much alternate angles differ; what rounding leaves is none."""
+    if largest <= INPUT_TOL:
+        return "exact to rounding"
+    return f"off by up to {math.degrees(largest):.1e} degrees"
 
 
 def _is_unfolded(v: FoldVertex) -> bool:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
-from typing import Any, Literal
+from typing import Literal
 
 from origami_nlp.display import Cell, Details, Report, Section, Table, Words
 from origami_nlp.io import printable
@@ -40,13 +40,16 @@ class Validity(Report):
     Examples
     --------
     >>> import origami_nlp as o
-    >>> seen = o.check("miura:3x3")
+    >>> pattern = o.examples.crease_pattern("miura", 3, 3)
+    >>> del pattern["edges_foldAngle"]  # rest angles of springs, at which no vertex closes
+    >>> seen = o.check(pattern)
     >>> seen.verdict, len(seen.faults), seen.tests[-1].text
-    ('valid', 0, '1 order of 72 pairs of layers')
+    ('valid', 0, '1 order of 36 pairs of layers')
     """
 
     PICTURE = "draw_validity"
     SCHEMA = "origami-nlp/validity/1"
+    ALSO = ("verdict",)
     source: str
     kinds: tuple[tuple[int, str], ...]
     tests: tuple[Test, ...]
@@ -132,14 +135,3 @@ class Validity(Report):
                 "size": one.size,
                 "unit": one.unit,
             }
-
-    def to_dict(self) -> dict[str, Any]:
-        """Return plain data, the verdict first."""
-        data = super().to_dict()
-        return {"schema": data.pop("schema"), "verdict": self.verdict, **data}
-
-    @classmethod
-    def from_dict(cls, data: dict[str, Any], what: str = "") -> Validity:
-        """Rebuild from `to_dict`; what was looked at is not in it, so that it is not drawn."""
-        plain = {key: value for key, value in data.items() if key != "verdict"}
-        return super().from_dict(plain, what)

@@ -17,9 +17,9 @@ from origami_nlp.pattern_problem import (
     conflict,
     pose_stack,
 )
+from origami_nlp.validity.closing import face_words
 from origami_nlp.validity.counting import UNCLEAR
-from origami_nlp.validity.faults import Findings
-from origami_nlp.validity.geometry import face_words
+from origami_nlp.validity.faults import MILLI, Findings
 
 STATED = "faceOrders agree with each other"
 CREASES = "faceOrders agree with creases"
@@ -30,7 +30,7 @@ Order = tuple[int, int, int]
 
 
 @dataclass
-class _Stated:
+class _Said:
     """What is said of pairs of pieces: values, and which statement says each."""
 
     value: dict[int, bool]
@@ -41,7 +41,7 @@ class _Stated:
 def check_layers(f: Findings, problem: PatternProblem, phi: np.ndarray) -> None:
     """Check the order of layers of a state in which no faces pass through each other."""
     pattern = problem.pattern
-    near = max(INSIDE, min(2 * f.lengths() / problem.crossings.size, 1e-3))
+    near = max(INSIDE, min(2 * f.lengths() / problem.crossings.size, MILLI))
     stack = Stack(problem.crossings, phi, near=near)
     if not len(stack.pairs):
         f.settle(EXISTS, [], "no faces lie on each other")
@@ -53,8 +53,8 @@ def check_layers(f: Findings, problem: PatternProblem, phi: np.ndarray) -> None:
         return
     stated = pattern.orders
     if stated:
-        told = _stated(f, stack, stated)
-        good = _check_rules(f, stack, rules, told)
+        given = _stated(f, stack, stated)
+        good = _check_rules(f, stack, rules, given)
         if not good:
             f.skip(WHOLE, "the orders that are stated are not those of paper")
             f.skip(EXISTS, "the orders that are stated are not those of paper")
@@ -65,56 +65,56 @@ def check_layers(f: Findings, problem: PatternProblem, phi: np.ndarray) -> None:
     _check_exists(f, stack, stated)
 
 
-def _stated(f: Findings, stack: Stack, stated: Sequence[Order]) -> _Stated:
+def _stated(f: Findings, stack: Stack, stated: Sequence[Order]) -> _Said:
     """Read what the file states of each pair, against itself and against the creases."""
     shown = f.frame.face_orders
-    told, faults = _Stated({}, {}, set()), []
+    given, faults = _Said({}, {}, set()), []
     for k, order in enumerate(stated):
         for unknown, value in stack.states(order):
-            if told.value.setdefault(unknown, value) != value and unknown not in told.disputed:
-                told.disputed.add(unknown)
+            if given.value.setdefault(unknown, value) != value and unknown not in given.disputed:
+                given.disputed.add(unknown)
                 faults.append(
                     f.fault(
                         STATED,
-                        f"{_written(shown, told.by[unknown])} and {_written(shown, k)} say the opposite of each other",
+                        f"{_written(shown, given.by[unknown])} and {_written(shown, k)} say the opposite of each other",
                         faces=shown[k][:2],
                         place=_place(stack, unknown),
                     )
                 )
-            told.by.setdefault(unknown, k)
+            given.by.setdefault(unknown, k)
     f.settle(STATED, faults, f"{len(stated)} stated")
     faults = []
     for unknown, value, crease in stack.known():
-        if told.value.get(unknown, value) == value or unknown in told.disputed:
-            told.value[unknown] = value
+        if given.value.get(unknown, value) == value or unknown in given.disputed:
+            given.value[unknown] = value
             continue
-        told.disputed.add(unknown)
+        given.disputed.add(unknown)
         edge = int(stack.crossings.pattern.numbers[crease])
         kind = "valley" if stack.phi[crease] > 0 else "mountain"
         says = "mountain" if kind == "valley" else "valley"
         faults.append(
             f.fault(
                 CREASES,
-                f"edge {edge} is folded as a {kind}, but {_written(shown, told.by[unknown])} says {says}",
+                f"edge {edge} is folded as a {kind}, but {_written(shown, given.by[unknown])} says {says}",
                 edges=[edge],
-                faces=shown[told.by[unknown]][:2],
+                faces=shown[given.by[unknown]][:2],
                 place=_place(stack, unknown),
             )
         )
     f.settle(CREASES, faults, f"{sum(1 for _ in stack.known())} creases folded flat")
-    return told
+    return given
 
 
 def _check_rules(
-    f: Findings, stack: Stack, rules: list[tuple[Rule, tuple[int, ...]]], told: _Stated
+    f: Findings, stack: Stack, rules: list[tuple[Rule, tuple[int, ...]]], given: _Said
 ) -> bool:
     """Check every rule with what is said of its pairs; whether all are obeyed."""
     faults, seen, common = [], set(), None
     for (unknowns, allowed), pieces in rules:
-        known = [None if u in told.disputed else told.value.get(u) for u in unknowns]
+        known = [None if u in given.disputed else given.value.get(u) for u in unknowns]
         if any(all(k in (None, v) for k, v in zip(known, fit, strict=True)) for fit in allowed):
             continue
-        named = {u for u in unknowns if told.value.get(u) is not None}
+        named = {u for u in unknowns if given.value.get(u) is not None}
         common = named if common is None else common & named
         kind, text = _broken(f, stack, allowed is TRANSITIVE or allowed == TRANSITIVE, pieces)
         which = stack.crossings.polygon[list(dict.fromkeys(pieces))]
@@ -124,11 +124,11 @@ def _check_rules(
             place = _place(stack, unknowns[0]) if unknowns else stack.x[pieces[0]].mean(axis=0)
             faces = sorted({int(p) for p in which}) if f.frame.faces else []
             faults.append(f.fault(RULES, text, faces=faces, place=place))
-    culprits = sorted({told.by[u] for u in common or () if u in told.by})
+    culprits = sorted({given.by[u] for u in common or () if u in given.by})
     blamed = [_written(f.frame.face_orders, k) for k in culprits]
     all_name = f", all of them with {' or '.join(blamed)}" if blamed and len(faults) > 1 else ""
     f.settle(RULES, faults, f"{len(rules):,} rules{all_name}")
-    return not (faults or told.disputed)
+    return not (faults or given.disputed)
 
 
 def _broken(

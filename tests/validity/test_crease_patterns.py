@@ -1,0 +1,150 @@
+"""Crease patterns: faults of drawings, vertices that do not fold flat, fold angles that do not close."""
+
+import math
+
+import numpy as np
+import pytest
+
+import origami_nlp as o
+from origami_nlp.pattern_problem import pattern_to_fold
+from tests.patterns import miura, miura_angles
+from tests.validity.test_faults import CLOSES, LETTERS, PLANES, faults
+
+
+def star(sectors, letters, lengths=None):
+    """One vertex of a sheet: a crease pattern without faces."""
+    turn = np.concatenate([[0.0], np.cumsum(np.radians(sectors))[:-1]])
+    n = len(sectors)
+    r = np.ones(n) if lengths is None else np.array(lengths)
+    rim = [[float(a * math.cos(t)), float(a * math.sin(t))] for a, t in zip(r, turn, strict=True)]
+    return {
+        "vertices_coords": [[0.0, 0.0], *rim],
+        "edges_vertices": [[0, k + 1] for k in range(n)]
+        + [[k + 1, (k + 1) % n + 1] for k in range(n)],
+        "edges_assignment": [*letters, *"B" * n],
+    }
+
+
+VERTICES = {
+    "Kawasaki": star([80, 100, 101, 79], "MVVV"),
+    "odd": star([70, 70, 70, 70, 80], "MVVVV"),
+    "Maekawa": star([80, 100, 100, 80], "MVMV"),
+    "big-little-big": star([100, 40, 100, 40, 40, 40], "VVMVVV"),
+    "two equal": star([100, 50, 50, 80, 30, 50], "MMMVVV"),
+}
+
+
+@pytest.mark.parametrize("name", VERTICES)
+def test_a_vertex_that_does_not_fold_flat(name):
+    data = VERTICES[name]
+    found = faults(data)
+    test = "Kawasaki" if name == "odd" else "Maekawa" if name == "two equal" else name
+    assert test in found and all(one.vertices == (0,) for one in found[test])
+    if name == "Kawasaki":
+        # 80 + 101 against 100 + 79
+        assert found[test][0].size == pytest.approx(math.radians(2.0))
+
+
+def test_a_vertex_that_folds_flat_is_valid():
+    assert o.check(star([45, 90, 135, 90], "VMMM")).verdict == "valid"
+
+
+def test_little_angle_between_two_creases_of_one_letter():
+    (one,) = faults(star([45, 90, 135, 90], "MMVM"))["big-little-big"]
+    assert one.edges == (0, 1) and one.size == pytest.approx(math.radians(45))
+
+
+def test_noise_of_a_drawing_is_no_fault_and_is_measured():
+    drawn = star([90.003, 89.997, 90.002, 89.998], "MVVV")
+    assert o.check(drawn).verdict == "valid"
+    (one,) = faults(drawn, tolerance=1e-6)["Kawasaki"]
+    assert "would explain it" in one.text
+    assert one.size == pytest.approx(math.radians(0.01))
+
+
+def test_fold_angles_that_do_not_close_at_one_vertex():
+    sheet = miura(3, 3)
+    phi = miura_angles(sheet, 3, 1.0)
+    data = pattern_to_fold(sheet)
+    number = {int(e): c for c, e in enumerate(sheet.numbers)}
+    data["edges_foldAngle"] = [
+        math.degrees(phi[number[e]]) if e in number else 0.0
+        for e in range(len(data["edges_vertices"]))
+    ]
+    assert o.check(data).verdict == "valid"
+    rim = next(c for c in range(sheet.creases) if sum(c in v.creases for v in sheet.vertices) == 1)
+    vertex = next(v.vertex for v in sheet.vertices if rim in v.creases)
+    data["edges_foldAngle"][int(sheet.numbers[rim])] += 2.0
+    (one,) = faults(data)[CLOSES]
+    assert one.vertices == (vertex,) and one.size == pytest.approx(math.radians(2.0), rel=1e-6)
+
+
+def test_a_letter_against_its_fold_angle():
+    data = star([45, 90, 135, 90], "VMMM")
+    data["edges_foldAngle"] = [180, -180, 180, -180, 0, 0, 0, 0]
+    (one,) = faults(data)[LETTERS]
+    assert one.edges == (2,)
+
+
+def drawing(change):
+    data = star([90, 90, 90, 90], "MVVV")
+    change(data)
+    return data
+
+
+@pytest.mark.parametrize(
+    "change, edges, vertices",
+    [
+        (
+            lambda d: (d["edges_vertices"].append([2, 4]), d["edges_assignment"].append("V")),
+            {8},
+            {0},
+        ),
+        (
+            lambda d: (
+                d["vertices_coords"].extend([[0.3, -0.2], [0.3, 0.2]]),
+                d["edges_vertices"].append([5, 6]),
+                d["edges_assignment"].append("F"),
+            ),
+            {0, 8},
+            set(),
+        ),
+        (
+            lambda d: (d["edges_vertices"].append([0, 1]), d["edges_assignment"].append("V")),
+            {0},
+            set(),
+        ),
+    ],
+    ids=["through a vertex", "crossing", "twice"],
+)
+def test_a_drawing_that_is_none(change, edges, vertices):
+    found = faults(drawing(change))["drawing"]
+    assert {e for one in found for e in one.edges} == edges
+    assert {v for one in found for v in one.vertices} == vertices
+
+
+def test_two_vertices_in_one_place():
+    data = star([90, 90, 90, 90], "MVVV")
+    data["vertices_coords"].append([1.0, 0.0])
+    data["edges_vertices"][4] = [5, 2]
+    (one,) = faults(data)["drawing"]
+    assert "same place" in one.text
+
+
+def test_a_face_that_crosses_its_own_outline():
+    data = {
+        "vertices_coords": [[0, 0], [1, 0], [1, 1], [0, 1]],
+        "edges_vertices": [[0, 1], [1, 3], [3, 2], [2, 0]],
+        "edges_assignment": ["B"] * 4,
+        "faces_vertices": [[0, 1, 3, 2]],
+    }
+    assert any(one.faces == (0,) for one in faults(data)[PLANES])
+
+
+def test_a_crease_that_ends_within_a_facet():
+    data = star([90, 90, 90, 90], "MVVV")
+    data["vertices_coords"].append([0.5, 0.3])
+    data["edges_vertices"].append([1, 5])
+    data["edges_assignment"].append("V")
+    seen = o.check(data)
+    assert seen.verdict == "faults" and "ends within a facet" in seen.faults[0].text
