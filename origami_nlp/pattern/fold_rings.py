@@ -198,9 +198,9 @@ def drawing_oddities(frame: Frame) -> Iterator[Oddity]:
     frame
         A flat one.
 
-    Yields
-    ------
-    Oddity
+    Returns
+    -------
+    iterator of Oddity
         One each.
     """
     from shapely import STRtree, linestrings, points

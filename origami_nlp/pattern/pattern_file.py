@@ -427,9 +427,9 @@ def face_oddities(frame: Frame, polygons: Sequence[tuple[int, ...]]) -> Iterator
     polygons
         The faces, by their vertices.
 
-    Yields
-    ------
-    Oddity
+    Returns
+    -------
+    iterator of Oddity
         One each; its size is how far the face is off a plane, over its own.
     """
     from shapely import LinearRing

@@ -83,7 +83,7 @@ class LayerOrders(Report):
     >>> strip = o.examples.pattern("miura", 1, 4)
     >>> found = o.layer_orders(strip, [math.pi] * 3)
     >>> found.count, len(found.orders), found.count_words
-    (2, 2, '2')
+    (3, 3, '3')
     """
 
     SCHEMA = "origami-nlp/layers/1"
@@ -141,7 +141,7 @@ class LayerOrders(Report):
             left = self.pairs - sum(c.pairs for c in self.components)
             yield (
                 f"{self.pairs:,} pairs of layers, {left:,} of them in the same order in all; "
-                f"{len(self.orders):,} of the orders are listed (JSON, FOLD)"
+                f"listed: {len(self.orders):,} (JSON, FOLD)"
             )
         if self.unassigned:
             yield f"{self.unassigned} creases are unassigned: mountain or valley, as the order of layers has it"

@@ -25,6 +25,8 @@ MOST_PANELS = 4
 """Frames that are drawn: those with faults first."""
 MOST_LINES = 14
 """Faults that are written below."""
+LETTERS = 84
+"""Of a fault below a panel."""
 WIDTH = 5.2
 """Of a panel [inches]."""
 
@@ -96,7 +98,7 @@ def draw_validity(result: Validity) -> Figure:
     )
     for k, line in enumerate(lines):
         y = (below - 0.19 * (k + 1)) / height
-        short = line if len(line) <= 62 * columns else line[: 62 * columns - 3] + "..."
+        short = line if len(line) <= LETTERS * columns else line[: LETTERS * columns - 3] + "..."
         figure.text(0.02, y, short, fontsize=8, va="bottom", parse_math=False)
     return figure
 

@@ -76,17 +76,18 @@ def check(
 
     Examples
     --------
-    A Miura sheet folded half way, and one of its corners moved by 0.01:
+    A Miura sheet on its folding motion, and a corner of it moved by 0.01:
 
     >>> import origami_nlp as o
-    >>> from origami_nlp.pattern_problem import state_frame
-    >>> motion = o.find_motion(o.examples.pattern("miura", 2, 2))
-    >>> fold = motion.to_fold()
-    >>> o.check(fold, frame=3).verdict
+    >>> from origami_nlp.pattern_problem import pattern_frame, pattern_to_fold
+    >>> sheet = o.examples.pattern("miura", 2, 2)
+    >>> phi = o.find_motion(sheet).fold_angles[5]
+    >>> fold = pattern_to_fold(sheet, [pattern_frame(sheet, phi, "folded")])
+    >>> o.check(fold).verdict
     'valid'
-    >>> fold["file_frames"][2]["vertices_coords"][0][2] += 0.01
-    >>> print(o.check(fold, frame=3).faults[0].test)
-    lengths as in the crease pattern
+    >>> fold["file_frames"][0]["vertices_coords"][0][0] += 0.01
+    >>> {fault.test for fault in o.check(fold).faults}
+    {'lengths as in the crease pattern'}
     """
     if tolerance is not None:
         check_number("tolerance", tolerance, 0.0, LARGEST_TOLERANCE)
