@@ -24,7 +24,7 @@ AMPLIFIED = 5.0
 
 def check_flat_folding(f: Findings, problem: PatternProblem | None) -> None:
     """Check that a crease pattern folds flat; without a problem only round each vertex."""
-    vertices = [v for v in fold_vertices(f.frame)[0] if not _is_unfolded(v)]
+    vertices = [w for v in fold_vertices(f.frame)[0] if (w := _folded(v)) is not None]
     number = {int(n): k for k, n in enumerate(f.frame.numbers)}
     x, ends = f.frame.coords, f.frame.edges
     odd, wrong, letters, little, layers = [], [], [], [], []
@@ -104,9 +104,25 @@ def _off(largest: float) -> str:
     return f"off by up to {math.degrees(largest):.1e} degrees"
 
 
-def _is_unfolded(v: FoldVertex) -> bool:
-    """Return whether all that meets at a vertex is flat."""
-    return set(v.assignment) <= {"F"}
+def _folded(v: FoldVertex) -> FoldVertex | None:
+    """Return a vertex without its flat creases (F), between which facets are one; None where none is folded."""
+    keep = [k for k, letter in enumerate(v.assignment) if letter != "F"]
+    if not keep or math.isnan(sum(v.sector_angles)):
+        return None
+    if len(keep) == v.degree:
+        return v
+    ahead = np.roll(np.array(v.sector_angles), -keep[0])
+    a = np.add.reduceat(ahead, [k - keep[0] for k in keep])
+    letters = "".join(v.assignment[k] for k in keep)
+    whole = set(letters) <= {"M", "V"}
+    return replace(
+        v,
+        edges=tuple(v.edges[k] for k in keep),
+        sector_angles=tuple(a.tolist()),
+        assignment=letters,
+        kawasaki=None if len(keep) % 2 else abs(float(a[::2].sum() - a[1::2].sum())),
+        maekawa=abs(letters.count("M") - letters.count("V")) - 2 if whole else None,
+    )
 
 
 def _little(f: Findings, v: FoldVertex, most: float) -> Iterator[Fault]:
@@ -145,6 +161,8 @@ def _little(f: Findings, v: FoldVertex, most: float) -> Iterator[Fault]:
 
 def _folds(v: FoldVertex) -> bool | None:
     """Return whether a vertex folds flat whose alternate angles are equal but for the noise of a drawing."""
+    if v.degree == 2:
+        return True  # a straight crease of one letter, by Kawasaki and Maekawa
     a = np.array(v.sector_angles)
     miss = math.fsum(a[::2]) - math.fsum(a[1::2])
     a = a - miss / len(a) * (-1.0) ** np.arange(len(a))

@@ -1,12 +1,15 @@
 """Crease patterns: faults of drawings, vertices that do not fold flat, fold angles that do not close."""
 
+import json
 import math
 
 import numpy as np
 import pytest
 
 import origami_nlp as o
-from origami_nlp.pattern_problem import pattern_to_fold
+from origami_nlp.folding import list_vertices
+from origami_nlp.pattern import parse_fold
+from origami_nlp.pattern_problem import PatternProblem, equations, pattern_to_fold
 from tests.patterns import miura, miura_angles
 from tests.validity.test_faults import CLOSES, LETTERS, PLANES, faults
 
@@ -148,3 +151,45 @@ def test_a_crease_that_ends_within_a_facet():
     data["edges_assignment"].append("V")
     seen = o.check(data)
     assert seen.verdict == "faults" and "ends within a facet" in seen.faults[0].text
+
+
+def test_flat_creases_count_for_nothing():
+    """Two F edges that cut facets of a vertex, at odd angles: facets on both sides of them are one."""
+    data = star([45, 20, 70, 135, 30, 60], "VMFMMF")
+    assert o.check(data).verdict == "valid"
+    data["edges_assignment"][2] = "V"
+    (one,) = faults(data)["Kawasaki"]
+    assert one.vertices == (0,) and "5 creases" in one.text
+
+
+def test_a_vertex_that_cannot_be_folded_does_not_end_the_listing():
+    """A sector of 1e-12 rad, beside a vertex that is sound."""
+    good, bad = star([45, 90, 135, 90], "VMMM"), star([90, 90, 90, 90], "MVVV")
+    bad["vertices_coords"][2] = [1.0, 1e-12]
+    shift = len(good["vertices_coords"])
+    both = {
+        "vertices_coords": [
+            *good["vertices_coords"],
+            *([x + 5.0, y] for x, y in bad["vertices_coords"]),
+        ],
+        "edges_vertices": [
+            *good["edges_vertices"],
+            *([a + shift, b + shift] for a, b in bad["edges_vertices"]),
+        ],
+        "edges_assignment": [*good["edges_assignment"], *bad["edges_assignment"]],
+    }
+    (frame,) = parse_fold(json.dumps(both))
+    listed = list_vertices(frame)
+    assert [v.number for v in listed.vertices] == [0, shift] and listed.flat[0] is True
+
+
+@pytest.mark.parametrize("error", [np.linalg.LinAlgError, RuntimeError])
+def test_a_factorization_that_breaks_down_ends_one_projection(monkeypatch, error):
+    def fails(*_):
+        raise error("singular")
+
+    problem = PatternProblem(miura(2, 2))
+    start = np.full(problem.size, 0.5)
+    monkeypatch.setattr(equations, "Normal", fails)
+    phi, residual = problem.project(start)
+    assert (phi == start).all() and residual > 1e-3
