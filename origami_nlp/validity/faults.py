@@ -107,8 +107,13 @@ class Findings:
         return float(np.clip(digits, PLACES * self.size, NOISE * self.size))
 
     def drawn(self) -> float:
-        """Return by how much vertices of a drawing may be off."""
-        return (NOISE if self.tolerance is None else self.tolerance) * self.size
+        """Return by how much vertices of a drawing may be off: at least by what joined its lines."""
+        if self.tolerance is not None:
+            return self.tolerance * self.size
+        unit, x = self.frame.unit, self.frame.coords
+        # a last decimal place is one of the coordinates; what lines were joined by is not
+        joined = unit if unit and (np.round(x / unit) * unit != x).any() else 0.0
+        return max(NOISE * self.size, joined)
 
     def settle(self, name: str, faults: Iterable[Fault], text: str = "", doubt: str = "") -> bool:
         """Record a test with its faults; doubt: why it is not decided, where it has none.  Whether it is ok."""

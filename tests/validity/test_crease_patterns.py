@@ -9,7 +9,7 @@ import pytest
 import origami_nlp as o
 from origami_nlp.folding import list_vertices
 from origami_nlp.pattern import parse_fold
-from origami_nlp.pattern_problem import PatternProblem, equations, pattern_to_fold
+from origami_nlp.pattern_problem import pattern_to_fold
 from tests.patterns import miura, miura_angles
 from tests.validity.test_faults import CLOSES, LETTERS, PLANES, faults
 
@@ -181,15 +181,3 @@ def test_a_vertex_that_cannot_be_folded_does_not_end_the_listing():
     (frame,) = parse_fold(json.dumps(both))
     listed = list_vertices(frame)
     assert [v.number for v in listed.vertices] == [0, shift] and listed.flat[0] is True
-
-
-@pytest.mark.parametrize("error", [np.linalg.LinAlgError, RuntimeError])
-def test_a_factorization_that_breaks_down_ends_one_projection(monkeypatch, error):
-    def fails(*_):
-        raise error("singular")
-
-    problem = PatternProblem(miura(2, 2))
-    start = np.full(problem.size, 0.5)
-    monkeypatch.setattr(equations, "Normal", fails)
-    phi, residual = problem.project(start)
-    assert (phi == start).all() and residual > 1e-3
