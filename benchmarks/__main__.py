@@ -116,6 +116,9 @@ def search(
         ),
     ] = None,
     quick: o.Quick = False,
+    scenes: Annotated[
+        int | None, typer.Option(metavar="COUNT", help="Scenes of each family (default all).")
+    ] = None,
     before: Annotated[
         Path | None, typer.Option(metavar="DIR", help="Another checkout to compare with.")
     ] = None,
@@ -135,11 +138,11 @@ def search(
 
     with progress.progress("search") as report:
         data = measure_coverage(
-            scenes_for(family or [], quick),
+            scenes_for(family or [], quick, scenes),
             unions or Path(tempfile.gettempdir()) / "origami_nlp-unions",
             before=before,
-            seeds=2 if quick else 5,
-            budget=1.0 if quick else 5.0,
+            seeds=2 if quick else 3,
+            budget=1.0 if quick else 2.0,
             effort=effort,
             progress=lambda text: report(text=text),
         )

@@ -63,6 +63,7 @@ class Searched:
     attempts, rejected, false: of foreign searches: local solves; those that did not converge or ended at no state
     (wrong sheet, facets that cross); distinct states that were claimed and are no minima.
     exact, exact_seconds: members that they found to 1e-10, and when the last of these.
+    error: of what they claimed near a member, median of the largest error of a fold angle [rad].
     other_kind: of the main job: minima that the union's run called another kind.
     """
 
@@ -75,6 +76,7 @@ class Searched:
     false: int = 0
     exact: int = 0
     exact_seconds: Unbounded = math.inf
+    error: Unbounded = math.inf
     other_kind: int = 0
 
 
@@ -98,8 +100,10 @@ class Covered:
 NOW, BEFORE = "this package", "before"
 
 
-def scenes_for(families: Sequence[str], quick: bool = False) -> dict[str, Sequence[int]]:
-    """Return the numbers of the scenes of some families (all, if none is named); `quick`: the first two of each.
+def scenes_for(
+    families: Sequence[str], quick: bool = False, most: int | None = None
+) -> dict[str, Sequence[int]]:
+    """Return the numbers of the scenes of some families (all, if none is named): at most so many, `quick` two, of each.
 
     Raises
     ------
@@ -109,7 +113,8 @@ def scenes_for(families: Sequence[str], quick: bool = False) -> dict[str, Sequen
     for family in families:
         if family not in SCENES:
             raise OptionError(f"family = {family!r} is unknown: use one of {', '.join(SCENES)}")
-    return {f: range(2 if quick else SCENES[f]) for f in families or SCENES}
+    most = 2 if quick else most
+    return {f: range(min(SCENES[f], most or SCENES[f])) for f in families or SCENES}
 
 
 def measure_coverage(
@@ -253,6 +258,7 @@ def _of_ends(model: Model, union: Union, ends: Ends, claimed: np.ndarray, false:
             if good and d <= within:
                 when.setdefault(int(k), float(t))
     times = sorted(first[FOUND].values())
+    near_one = far[claimed & (far <= FOUND)]
     return Searched(
         ends.seed,
         float(ends.seconds[-1]) if attempts else 0.0,
@@ -263,4 +269,5 @@ def _of_ends(model: Model, union: Union, ends: Ends, claimed: np.ndarray, false:
         false,
         len(first[EXACT]),
         max(first[EXACT].values(), default=math.inf),
+        float(np.median(near_one)) if len(near_one) else math.inf,
     )

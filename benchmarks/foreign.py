@@ -1,5 +1,5 @@
-"""Searches that a user would write without this package, for as long as they are given: multi-starts of SLSQP and
-IPOPT, and basin hopping.
+"""Searches that a user would write without this package, for as long as they are given: multi-starts of SLSQP (SciPy's
+and, where it is installed, NLopt's), trust-constr and IPOPT, and basin hopping.
 
 They get the package's own problem (closure, planes between facets that an answer makes cross) with exact
 derivatives, and none of its starts: uniform random fold angles, some of them fully folded at random, or starts that are
@@ -17,6 +17,7 @@ import numpy as np
 
 from benchmarks.attempt import FEASIBLE, Attempt, Method, StartPoint
 from benchmarks.methods_casadi import ipopt_alone, silence
+from benchmarks.methods_nlopt import nlopt_slsqp
 from benchmarks.methods_scipy import Record, basin_hopping, contacts_held, scipy_methods
 from origami_nlp.kkt import project
 from origami_nlp.numerics import CLOSURE_TOL, ENDPOINT_TOL
@@ -121,7 +122,7 @@ class Foreign:
     """A search that shares nothing with the package's but the problem.
 
     name: for tables.  prepare(model): builds what is needed.  starts: where its attempts begin.
-    share: of the time for building a union.  aided: it holds contacts, for building unions only: no user's search.
+    share: of the time for building a union; 0: it is no part of that.  aided: it holds contacts, for building unions only: no user's search.
     """
 
     name: str
@@ -136,6 +137,7 @@ def foreign_methods(starts: np.ndarray | None = None) -> list[Foreign]:
     slsqp = _attempts(
         next(m for m in scipy_methods(raw=False) if m.name == "SLSQP" and not m.sweep)
     )
+    trust = next(m for m in scipy_methods(raw=False) if m.name == "trust-constr" and not m.sweep)
     ipopt = _attempts(next(m for m in ipopt_alone() if not m.sweep))
     out = [
         Foreign("SLSQP", slsqp),
@@ -144,7 +146,11 @@ def foreign_methods(starts: np.ndarray | None = None) -> list[Foreign]:
         Foreign("IPOPT", ipopt, share=0.25),
         Foreign("basin hopping", basin_hopping, share=0.25),
         Foreign("SLSQP, contacts held", contacts_held, at_limit, 1.0, aided=True),
+        Foreign("trust-constr", _attempts(trust), share=0.0),
     ]
+    nlopt = nlopt_slsqp()
+    if not nlopt.missing:
+        out.append(Foreign(nlopt.name, _attempts(nlopt), share=0.0))
     if starts is not None:
         out.append(Foreign("SLSQP, given starts", slsqp, given(starts)))
     return out

@@ -35,6 +35,7 @@ def scipy_methods(sweep: bool = True, raw: bool = True) -> list[Method]:
     missing = ""
     if importlib.util.find_spec("scipy") is None:
         missing = "not installed: pip install scipy"
+    solvers: dict[str, Solve] = {"SLSQP": _slsqp, "trust-constr": _trust_constr}
     out = []
     for name, tolerances, search in (
         ("SLSQP", SLSQP_TOLERANCES, SLSQP_SEARCH),
@@ -42,7 +43,7 @@ def scipy_methods(sweep: bool = True, raw: bool = True) -> list[Method]:
     ):
         for tolerance in tolerances:
             if sweep or tolerance in search:
-                prepare = _Prepare(name, tolerance, raw=False)
+                prepare = Prepare(solvers[name], tolerance)
                 setting = f"tol {tolerance:.0e}"
                 out.append(
                     Method(
@@ -57,7 +58,7 @@ def scipy_methods(sweep: bool = True, raw: bool = True) -> list[Method]:
                 )
         if raw:
             tolerance = search[0]
-            prepare = _Prepare(name, tolerance, raw=True)
+            prepare = Prepare(solvers[name], tolerance, raw=True)
             title = f"{name}, raw starts"
             slow = name == "trust-constr"
             out.append(
@@ -66,12 +67,15 @@ def scipy_methods(sweep: bool = True, raw: bool = True) -> list[Method]:
     return out
 
 
-class _Prepare:
-    """Prepares one of SciPy's methods for a model."""
+Solve = Callable[..., Any]
+"""Solves a problem from z within a bound to a tolerance: x, success, message, nit, as SciPy returns them."""
 
-    def __init__(self, name: str, tolerance: float, raw: bool) -> None:
-        self._solve = _slsqp if name == "SLSQP" else _trust_constr
-        self._tolerance, self._raw = tolerance, raw
+
+class Prepare:
+    """Prepares a local method for a model."""
+
+    def __init__(self, solve: Solve, tolerance: float, raw: bool = False) -> None:
+        self._solve, self._tolerance, self._raw = solve, tolerance, raw
 
     def __call__(self, model: Model) -> Solver:
         evaluators: dict[Pairs, tuple[Problem, Evaluator]] = {}

@@ -205,7 +205,7 @@ def complete(scene: Scene, folder: Folder, progress: Progress = lambda text: Non
     longest = SECONDS.get(scene.degree, MOST_SECONDS)
     tasks = []
     for method in foreign_methods():
-        if model.dof > 0 and (not method.aided or model.structure.pairs):
+        if method.share and model.dof > 0 and (not method.aided or model.structure.pairs):
             seconds = longest * method.share
             run = _bound(from_foreign, model, method, 0, seconds)
             tasks.append((f"{method.name}, seed 0", run))

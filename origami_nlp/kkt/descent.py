@@ -356,7 +356,7 @@ def _pull(piece: Stratum, curved: bool) -> tuple[np.ndarray, tuple[Contact, ...]
         keeps &= forces > CARRIES
         free = null_space(rows[keeps])
     scaled = []  # d = scaled y, with y'y/2 the quadratic form: what is left is a projection
-    for basis in (z @ free, z @ null_space(free.T)):
+    for basis in (z @ free, z @ null_space(free.T)) if curved else (z,):
         values, vectors = np.linalg.eigh(basis.T @ h @ basis)
         scaled.append(basis @ vectors / np.sqrt(np.maximum(np.abs(values), SOFTEST)))
     whole = np.hstack(scaled)

@@ -193,7 +193,11 @@ def _rank(part: _Parting) -> float:
 
 def _away(terrain: Terrain, starts: Sequence[tuple[int, np.ndarray]]) -> np.ndarray:
     """Return whether descents from them leave the state, of some number, for good."""
-    away = np.array([terrain.is_lower(k, x) for k, x in starts], dtype=bool)
+    away = np.zeros(len(starts), dtype=bool)
+    of = np.array([k for k, _ in starts], dtype=int)
+    for k in dict.fromkeys(of.tolist()):
+        mine = np.flatnonzero(of == k).tolist()
+        away[mine] = terrain.are_lower(k, np.array([starts[i][1] for i in mine]))
     todo = np.flatnonzero(~away).tolist()
     if len(todo):
         ends = terrain.land(np.array([starts[i][1] for i in todo]))
@@ -245,9 +249,9 @@ def highest(
     x = list(states)
     u = terrain.rise(k, states).tolist()
     slope = [terrain.slope(y) for y in x]
+    d = [terrain.distance(a, b) for a, b in itertools.pairwise(x)]
     cuts = 0
     while True:
-        d = [terrain.distance(a, b) for a, b in itertools.pairwise(x)]
         most = [
             (u[i] + u[i + 1] + LONGER * max(slope[i], slope[i + 1]) * d[i]) / 2
             for i in range(len(d))
@@ -268,8 +272,10 @@ def highest(
             return None
         rises = terrain.rise(k, halves).tolist()
         for i, y, rise in list(zip(cut, halves, rises, strict=True))[::-1]:
-            if max(terrain.distance(y, z) for z in (x[i], x[i + 1])) > ASIDE * d[i]:
+            parts = [terrain.distance(x[i], y), terrain.distance(y, x[i + 1])]
+            if max(parts) > ASIDE * d[i]:
                 return None
+            d[i : i + 1] = parts
             x.insert(i + 1, y)
             u.insert(i + 1, rise)
             slope.insert(i + 1, terrain.slope(y))

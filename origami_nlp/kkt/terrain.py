@@ -106,9 +106,13 @@ class Terrain(ABC):
         """Distance of two states, in the same metric."""
         return float(np.linalg.norm(self.problem.root * (a - b)))
 
+    def are_lower(self, k: int, x: np.ndarray) -> np.ndarray:
+        """Which states [S, n] have less energy than state k, by more than rounding."""
+        return self.rise(k, x) < -self.noise[k]
+
     def is_lower(self, k: int, x: np.ndarray) -> bool:
         """Whether a state [n] has less energy than state k, by more than rounding."""
-        return bool(self.rise(k, x) < -self.noise[k])
+        return bool(self.are_lower(k, x))
 
     def is_way(self, k: int, end: np.ndarray) -> bool:
         """Whether an end is another state, of no more energy; of any for a state than which none listed has less."""

@@ -84,7 +84,11 @@ def prove_complete(
         return Completeness("not-proved", refused)
     try:
         if wanted is None or wanted is True or isinstance(wanted, ProofOptions):
-            options = ProofOptions(boxes=UNASKED) if wanted is None else ProofOptions()
+            options = (
+                ProofOptions(boxes=UNASKED, touching_boxes=UNASKED)
+                if wanted is None
+                else ProofOptions()
+            )
             options = wanted if isinstance(wanted, ProofOptions) else options
             proof = prove(model, until=until, options=options)
         else:

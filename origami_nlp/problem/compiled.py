@@ -217,6 +217,7 @@ def _carried(held: int, facet: int, x: ca.SX, sectors: ca.SX, point: ca.SX) -> A
 
 
 @lru_cache(maxsize=256)
-def mapped(structure: Structure, name: str, count: int) -> Any:
+def mapped(structure: Structure, name: str, count: int) -> Evaluate:
     """One function of `structure` for `count` states at once: arguments and results side by side, column by column."""
-    return getattr(compile_structure(structure), name).map(count)
+    # through buffers: as matrices of CasADi's own, ten states took eight times as long
+    return evaluator(getattr(compile_structure(structure), name).map(count))

@@ -159,13 +159,8 @@ class Model(PosedProblem):
                 for m in more
             ]
             return [out[:0] for out in self._call(name, np.zeros((1, self.size)), *spare)]
-        columns = [
-            x,
-            np.tile(self.parameters.vector, (k, 1)),
-            *(np.reshape(m, (k, -1)) for m in more),
-        ]
-        out = mapped(self.structure, name, k)(*(c.T for c in columns))
-        full = [o.full() for o in (out if isinstance(out, tuple | list) else [out])]
+        columns = (x, np.tile(self.parameters.vector, k), *more)
+        full = mapped(self.structure, name, k)(*(np.reshape(c, -1) for c in columns))
         return [
             f.reshape(len(f), k, -1).transpose(1, 0, 2)
             if f.size

@@ -143,16 +143,17 @@ def none_beside(forms: Forms, boxes: DirectionBoxes, core: float, radius: float)
     Returns
     -------
     numpy.ndarray
-        Bool [K]: True is proved.
+        Bool [K]: True is proved.  After the first box of a stratum that is not, its others are not looked at.
     """
+    out = np.zeros(len(boxes.stratum), dtype=bool)
     forms = _with_rounding(forms)
-    return np.array(
-        [
-            forms.order == 2 and _tilted(_held(forms, s), low, high, core, radius)
-            for s, low, high in zip(boxes.stratum, boxes.lower, boxes.upper, strict=True)
-        ],
-        dtype=bool,
-    )
+    for s in np.unique(boxes.stratum) if forms.order == 2 else ():
+        rows = _held(forms, s)
+        for i in np.flatnonzero(boxes.stratum == s):
+            out[i] = _tilted(rows, boxes.lower[i], boxes.upper[i], core, radius)
+            if not out[i]:
+                break  # nothing is shown of this stratum
+    return out
 
 
 def _with_rounding(forms: Forms) -> Forms:

@@ -127,8 +127,10 @@ def _state_at(model: Model, x: np.ndarray, stratum: Stratum) -> tuple[np.ndarray
     held = np.flatnonzero(stratum)
     if (turns[held] != np.array(stratum)[held]).any() or np.isin(held, turned).any():
         raise NotShown("it is not on the stratum")
-    kinematics = Kinematics(model)
-    at = kinematics.fold(point[None])
+    if not turned:
+        _check_closes(model, point)
+        return point, []
+    at = Kinematics(model).fold(point[None])
     # turned creases by the line that they share
     lines: list[list[int]] = []
     for i in turned:
@@ -145,12 +147,25 @@ def _state_at(model: Model, x: np.ndarray, stratum: Stratum) -> tuple[np.ndarray
     quarters = 0.5 * math.pi * np.rint(2 * x[turned] / math.pi)
     if mirrored and np.abs(x[turned] - quarters).max() <= NEAR_SINGULAR_TOL:
         point[turned] = quarters
-    at = kinematics.fold(point[None])
-    if np.abs(kinematics.closure(at)[0]).max() > CLOSURE_TOL or at.lift[0] <= 0:
-        raise NotShown("no flat folding, nor one with twins turned, closes there")
+    _check_closes(model, point)
     if np.abs(x - point).max() > NEAR_SINGULAR_TOL:
         raise NotShown("its turned creases are not in balance there")
     return point, lines
+
+
+def _check_closes(model: Model, point: np.ndarray) -> None:
+    """Raise `NotShown` unless a state closes; each is looked at once, however many strata it is on."""
+    known, key = _CLOSES.setdefault(model, {}), point.tobytes()
+    if key not in known:
+        kinematics = Kinematics(model)
+        at = kinematics.fold(point[None])
+        closes = np.abs(kinematics.closure(at)[0]).max() <= CLOSURE_TOL and at.lift[0] > 0
+        known[key] = bool(closes)
+    if not known[key]:
+        raise NotShown("no flat folding, nor one with twins turned, closes there")
+
+
+_CLOSES: WeakKeyDictionary[Model, dict[bytes, bool]] = WeakKeyDictionary()
 
 
 def _balanced(model: Model, x: np.ndarray, line: list[int], axes: np.ndarray) -> np.ndarray:

@@ -34,8 +34,9 @@ from __future__ import annotations
 import itertools
 import math
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -297,10 +298,11 @@ def with_touches(
             cluster = replace(cluster, touches=tuple(t.gap for t in touches))
             (singular if is_singular else undecided).append(cluster)
     kept = [p for p in points if p is not None]
+    refuses = lru_cache(maxsize=None)(lambda x: model.refuses(np.array(x)))
     return replace(
         limits,
         points=tuple(sorted(kept, key=lambda p: p.energy)),
-        singular=tuple(_refused(model, c, options.smallest) for c in singular),
+        singular=tuple(_refused(c, options.smallest, refuses) for c in singular),
         undecided=tuple(undecided),
         boxes=limits.boxes + treated,
         seconds=limits.seconds + time.process_time() - started,
@@ -309,12 +311,12 @@ def with_touches(
     )
 
 
-def _refused(model: Model, cluster: Cluster, size: float) -> Cluster:
+def _refused(cluster: Cluster, size: float, refuses: Callable[[tuple[float, ...]], str]) -> Cluster:
     """Return of a singular state whether its layers have no order: the state at multiples of pi that the box holds."""
     middle = 0.5 * (np.array(cluster.lower) + np.array(cluster.upper))
     flat = math.pi * np.round(middle / math.pi)
     x = np.where(np.abs(middle - flat) < size, flat, middle)
-    why = model.refuses(x)
+    why = refuses(tuple(x.tolist()))
     return replace(cluster, reason=f"{cluster.reason}; not admissible: {why}") if why else cluster
 
 
