@@ -184,11 +184,16 @@ class Job:
 
     def _rounds(self, search: Search, rounds: Rounds) -> Work:
         self.stopped_by = "cap"
-        quiet = 0
-        for samples in rounds:
-            found = len(self.record.minima)
+        quiet = found = 0
+        for number, samples in enumerate(rounds, start=1):
+            found = found if 1 < number <= rounds.opening else len(self.record.minima)
             some = np.arange(min(len(samples), self.most - self.record.starts))
             yield from search.run(samples[some])
+            if number < rounds.opening and self.record.starts < self.most:
+                self._tell()
+                if self._late():
+                    return
+                continue
             quiet = quiet + 1 if len(self.record.minima) == found else 0
             self._tell()
             if self._late():

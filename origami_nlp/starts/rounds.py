@@ -36,8 +36,17 @@ OTHERS = 8
 class Rounds:
     """Rounds of closed starts of a model, the same for the same seed.
 
-    The first holds the corners and the interior besides; each holds corners with some of their creases let go,
+    The corners and the interior come first; each round after them holds corners with some of their creases let go,
     random strata, and touches; all but corners and the interior hold their contacts until they have converged.
+
+    Attributes
+    ----------
+    opening
+        Rounds that belong together, from the first on: a search is not enough before they are made.
+    corners, every_corner
+        Corners among the starts, and whether there are no others.
+    touches
+        Where starts with touches are drawn; None without.
     """
 
     def __init__(self, model: Model, seed: int, options: SearchOptions) -> None:
@@ -48,6 +57,7 @@ class Rounds:
         if not self._long:
             self._corners = self._drawn(Corners(model), options.corners)
         self.corners = len(self._corners)
+        self.opening = 1 if self._long else 1 + options.hits
         self.every_corner = 0 < vertex_candidates(model) <= options.corners
         touching = model.scene.group.is_trivial and bool(model_rows(model))
         self.touches = Touches(model) if touching else None
@@ -77,22 +87,25 @@ class Rounds:
                 yield moments, self._a_round
 
     def __iter__(self) -> Iterator[Samples]:
-        """Yield round after round."""
-        if self._long:
-            yield from (self._mixed(self._round()) for _ in range(self._options.rounds))
-            return
-        # without limits there is nothing but the interior, and each shape in several lifts
-        interior = self._options.interior * (1 if self._model.has_limits else 8)
-        first = [self._drawn(self._interior, interior), self._corners]
-        # batches cost by the call more than by the sample: the first rounds go with them
-        yield self._mixed(*first, *(self._round() for _ in range(self._options.hits)))
-        for _ in range(self._options.rounds - self._options.hits):
-            yield self._mixed(self._round())
+        """Yield round after round, each drawn when it is asked for."""
+        order, drawn = self._rng.spawn(1)[0], 0
+        if not self._long:
+            # without limits there is nothing but the interior, and each shape in several lifts
+            interior = self._options.interior * (1 if self._model.has_limits else 8)
+            first = joined(self._drawn(self._interior, interior), self._corners)
+            yield self._mixed(first, order)
+            drawn = len(first)
+        for number in range(max(self._options.rounds, self._options.hits)):
+            some = self._round()
+            opens = number < self.opening - 1
+            yield self._mixed(some, order if opens else self._rng)
+            drawn += len(some)
+            if opens and number + 2 == self.opening:
+                self._rng.permutation(drawn)  # a seed's later rounds are those of before
 
-    def _mixed(self, *parts: Samples) -> Samples:
+    def _mixed(self, some: Samples, order: np.random.Generator) -> Samples:
         """Samples in random order: of every kind from the first on, and alike whether early or late."""
-        some = joined(*parts)
-        return some[self._rng.permutation(len(some))]
+        return some[order.permutation(len(some))]
 
     def _round(self) -> Samples:
         return joined(*(self._drawn(family, many) for family, many in self._each))
