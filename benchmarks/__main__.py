@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import os
+import shlex
+import sys
 from pathlib import Path
 from typing import Annotated
 
@@ -135,6 +137,8 @@ def search(
     import tempfile
 
     from benchmarks import coverage_markdown, draw_coverage, measure_coverage, scenes_for
+    from benchmarks.fixed_costs import measure_costs
+    from benchmarks.speed_page import stamp
 
     with progress.progress("search") as report:
         data = measure_coverage(
@@ -146,10 +150,24 @@ def search(
             effort=effort,
             progress=lambda text: report(text=text),
         )
+        if out.files("json"):
+            data["stamp"] = stamp()
+            data["command"] = f"python -m benchmarks {shlex.join(sys.argv[1:])}"
+            data["costs"] = measure_costs(lambda text: report(text=text))
     out.page(coverage_markdown(data))
     out.write("json", lambda: data)
     out.save("figure", draw_coverage, data)
     out.write("markdown", coverage_markdown, data)
+
+
+def page() -> None:
+    """Write the page of speed against error, its figure and the README's sentence from the recorded measurement."""
+    import json
+
+    from benchmarks import read_bench, speed_page
+
+    data = json.loads(speed_page.DATA.read_text())
+    speed_page.write_page(data, read_bench(speed_page.PAPER))
 
 
 @writes("json", "figure", "markdown")
@@ -228,7 +246,7 @@ def cones(
 
 
 app = Group("Speed against error of this package and of others, measured on this machine.")
-app.add(speed, search, profile, hard, patterns, proved, design, cones)
+app.add(speed, search, page, profile, hard, patterns, proved, design, cones)
 
 if __name__ == "__main__":
     main(app)

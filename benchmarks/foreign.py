@@ -122,7 +122,8 @@ class Foreign:
     """A search that shares nothing with the package's but the problem.
 
     name: for tables.  prepare(model): builds what is needed.  starts: where its attempts begin.
-    share: of the time for building a union; 0: it is no part of that.  aided: it holds contacts, for building unions only: no user's search.
+    share: of the time for building a union; 0: it is no part of that.  aided: it holds contacts, for building unions
+    only: no user's search.
     """
 
     name: str

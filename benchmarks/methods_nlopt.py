@@ -71,7 +71,7 @@ def _solve(
     solver.set_maxeval(3 * MOST_ITERATIONS)
     try:
         x, said = solver.optimize(z), solver.last_optimize_result()
-    except (RuntimeError, nlopt.RoundoffLimited) as error:  # NLopt's name for a failure
+    except (nlopt.runtime_error, nlopt.RoundoffLimited, RuntimeError) as error:
         return _Answer(z, False, str(error), solver.get_numevals())
     stopped = said in (nlopt.MAXEVAL_REACHED, nlopt.MAXTIME_REACHED)
     worst = np.abs(evaluate.at(x).g[equal] - built.lower[equal]).max(initial=0.0)

@@ -78,6 +78,7 @@ class Prepare:
         self._solve, self._tolerance, self._raw = solve, tolerance, raw
 
     def __call__(self, model: Model) -> Solver:
+        """Return what solves from a start; functions of the model are compiled now."""
         evaluators: dict[Pairs, tuple[Problem, Evaluator]] = {}
 
         def get(pairs: Pairs) -> tuple[Problem, Evaluator]:

@@ -148,8 +148,8 @@ def markdown(data: dict[str, Any], figure: str | None = None) -> str:
                 f"{name} {1e6 * v:.2g} us" for name, v in data[key]["evaluation"].items()
             )
             out.append(f"Closure and its Jacobian, one evaluation: {times}.\n")
-    out.append(_grid(data))
-    out.append(_hessian(data))
+    out.append(grid_section(data))
+    out.append(appendix_section(data))
     out.append(_scaling(data))
     out.append(_missing(data))
     return "\n".join(out)
@@ -198,7 +198,8 @@ def _references(data: dict[str, Any]) -> str:
     return text + (f"; the others: {'; '.join(why)}" if why else "") + ".\n"
 
 
-def _grid(data: dict[str, Any]) -> str:
+def grid_section(data: dict[str, Any]) -> str:
+    """Return what the grid method finds."""
     if not data["grid"]:
         return ""
     heads = (
@@ -230,7 +231,8 @@ def _grid(data: dict[str, Any]) -> str:
     return "## The grid method\n\n" + rows_markdown(heads, lines)
 
 
-def _hessian(data: dict[str, Any]) -> str:
+def appendix_section(data: dict[str, Any]) -> str:
+    """Return what the paper's test of a state costs and misses."""
     heads = ("test", "ms a state", "relative error of the eigenvalues")
     h = data["hessian"]
     exact = Spread.of(x["error_exact"] for x in h)

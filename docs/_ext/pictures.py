@@ -1,7 +1,7 @@
 """The pictures of README and documentation: `python docs/_ext/pictures.py [NAME ...]` draws them anew, from a checkout.
 
 Without names those that take seconds; ``all`` takes about half an hour.  Measured times are drawn as they were recorded
-(`docs/bench.json`, `docs/bench_patterns.json`), but for those of `time_budget`.
+(`docs/bench_search.json`, `docs/bench_patterns.json`), but for those of `time_budget`.
 """
 
 from __future__ import annotations
@@ -138,11 +138,12 @@ def reproduce(figure: str, name: str) -> None:
 
 def recorded(name: str) -> None:
     """Draw the times of a recorded run."""
-    from benchmarks import PatternBench, draw_bench, draw_patterns
+    from benchmarks import PatternBench, draw_coverage, draw_patterns
 
-    data = json.loads((FOLDER.parent / f"{name.replace('speed', 'bench')}.json").read_text())
+    which = "bench_search" if name == "speed" else "bench_patterns"
+    data = json.loads((FOLDER.parent / f"{which}.json").read_text())
     if name == "speed":
-        draw_bench(data, FOLDER / "speed.png")
+        draw_coverage(data, FOLDER / "speed.png")
     else:
         draw_patterns(PatternBench.from_dict(data), FOLDER / "speed_patterns.png")
 
