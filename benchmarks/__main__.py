@@ -145,8 +145,8 @@ def search(
             scenes_for(family or [], quick, scenes),
             unions or Path(tempfile.gettempdir()) / "origami_nlp-unions",
             before=before,
-            seeds=2 if quick else 3,
-            budget=1.0 if quick else 2.0,
+            seeds=2,
+            budget=1.0,
             effort=effort,
             progress=lambda text: report(text=text),
         )

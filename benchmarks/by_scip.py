@@ -13,7 +13,7 @@ from typing import Any
 
 from origami_nlp.pattern import Scene
 
-LIMIT = 30.0
+LIMIT = 10.0
 """Seconds after which it is stopped."""
 
 

@@ -17,6 +17,7 @@ from typing import Any
 
 import numpy as np
 
+from benchmarks import union as unions
 from benchmarks.checkout import HERE, Checkout, Job
 from benchmarks.families import family_scene
 from benchmarks.foreign import Ends, distinct, foreign_methods, run_foreign, vertex_starts
@@ -168,7 +169,13 @@ def measure_coverage(
             write_union(union, folder)
     return {
         "schema": SCHEMA,
-        "settings": {"seeds": seeds, "budget": budget, "effort": effort},
+        "settings": {
+            "seeds": seeds,
+            "budget": budget,
+            "effort": effort,
+            "union_seeds": unions.UNION_SEEDS,
+            "union_seconds": [min(unions.SECONDS.values()), unions.MOST_SECONDS],
+        },
         "scenes": [to_plain(c) for c in out],
     }
 

@@ -14,7 +14,7 @@ from benchmarks.digest import Spread
 from origami_nlp.display import rows_markdown
 from origami_nlp.io import from_plain, save_figure
 
-TIMES = (0.05, 0.1, 0.2, 0.5, 1.0, 2.0)
+TIMES = (0.05, 0.1, 0.2, 0.3, 0.5, 1.0)
 """Processor seconds at which searches are compared."""
 RIVAL = "SLSQP"
 STYLES = {  # Okabe and Ito's colours; grey levels, dashes and markers distinguish them too
@@ -239,7 +239,7 @@ def draw_coverage(data: dict[str, Any], target: str | Path) -> None:
     families = {f: s for f, s in scenes_of(data).items() if RIVAL in s[0].runs}
     figure = Figure(figsize=(4.6 * max(1, len(families)), 4.2), layout="constrained")
     axes = figure.subplots(1, max(1, len(families)), squeeze=False, sharey=True)[0]
-    end = max(5.0, float(data["settings"]["budget"]))
+    end = max(1.0, float(data["settings"]["budget"]))
     for ax, (family, scenes) in zip(axes, families.items(), strict=False):
         for name in scenes[0].runs:
             colour, dashes, marker = STYLES[name]
