@@ -25,6 +25,8 @@ STYLES = {  # Okabe and Ito's colours; grey levels, dashes and markers distingui
     "SLSQP, some fully folded": ("#CC79A7", (0, (5, 1, 1, 1, 1, 1)), "s"),
     "IPOPT": ("#0072B2", ":", "D"),
     "basin hopping": ("#56B4E9", (0, (1, 2)), "X"),
+    "trust-constr": ("#999933", (0, (3, 2)), "P"),
+    "NLopt SLSQP": ("#009E73", (0, (6, 1)), "<"),
 }
 
 Row = tuple[str, ...]
@@ -262,9 +264,9 @@ def draw_coverage(data: dict[str, Any], target: str | Path) -> None:
         ax.minorticks_off()
         ax.set_ylim(0, 102)
         ax.set_xlabel("processor seconds")
-        ax.set_title(
-            f"{family}: {len(scenes)} scenes, {sum(c.minima for c in scenes)} minima", fontsize=10
-        )
+        degrees = sorted({c.degree for c in scenes})
+        title = f"{family}, degree {degrees[0]}" + f" to {degrees[-1]}" * (len(degrees) > 1)
+        ax.set_title(f"{title}: {sum(c.minima for c in scenes)} minima", fontsize=10)
         ax.grid(alpha=0.3)
         ax.spines[["top", "right"]].set_visible(False)
     axes[0].set_ylabel("share of all known minima [%]")
@@ -277,7 +279,7 @@ def draw_coverage(data: dict[str, Any], target: str | Path) -> None:
         handles.values(),
         handles.keys(),
         loc="outside lower center",
-        ncols=4,
+        ncols=min(4, 2 * max(1, len(families))),
         frameon=False,
         fontsize=9,
     )

@@ -124,7 +124,7 @@ def stages(scenes: Sequence[Scene]) -> list[dict[str, Any]]:
                 {
                     "scene": scene.label,
                     "minima": len(result.minima),
-                    "proof": "not tried" if proof is None else proof.status,
+                    "says": "not tried" if proof is None else proof.status,
                     **spent,
                 }
             )

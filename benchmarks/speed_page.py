@@ -215,7 +215,7 @@ def markdown(data: dict[str, Any], paper: dict[str, Any]) -> str:
         "# Speed against error",
         in_short(data),
         f"![Share of all known minima against processor seconds](../figures/{FIGURE.name})",
-        f"Recorded at `{data['stamp']}`: {said['seeds']} seeds of `find_minima(prove=False)`, one run of "
+        f"Recorded at `{data['stamp']}`: {said['seeds']} seeds of `find_minima(prove=False, escape=False)`, one run of "
         f"{said['budget']:g} s of each other search, processor seconds of one thread without imports and compilation "
         "(below). Others get this package's own problem (closure, planes between facets that an answer makes cross) "
         "with exact derivatives compiled by CasADi, from uniform random fold angles; "
@@ -224,12 +224,15 @@ def markdown(data: dict[str, Any], paper: dict[str, Any]) -> str:
         "each polished and certified: "
         f"{said['union_seeds']} thorough runs, and {said['union_seconds'][0]:g} to {said['union_seconds'][1]:g} s of "
         "each other search on every vertex. Whole patterns, with bars and hinges: "
-        "[speed_patterns.md](speed_patterns.md).",
+        "[speed_patterns.md](speed_patterns.md)."
+        + (f" {data['remark']}" if data.get("remark") else ""),
         "<!-- run: not: it takes an hour -->\n```bash\nexport OMP_NUM_THREADS=1\n"
         + data["command"]
         + "\npython -m benchmarks page\n```",
         "## Found against seconds, by degree",
         rows_markdown(degree, list(_by_degree(scenes))).rstrip(),
+        f"Last column: {RIVAL}'s time until the last minimum that it has right, over our whole search, both a minimum; "
+        "inf: it has none right.",
         "## Work and precision",
         rows_markdown(precision, list(_precision(scenes))).rstrip(),
         "Errors are medians over scenes of the largest error of a fold angle of what was claimed near a minimum. Those "
@@ -245,7 +248,7 @@ def markdown(data: dict[str, Any], paper: dict[str, Any]) -> str:
         "## What a call without options does",
         "Seconds of `find_minima(scene)`: the search, and what it does unasked; `prove=False, escape=False` leave that "
         "out.",
-        rows_markdown(stages, [_stage(s, stages) for s in costs["stages"]]).rstrip(),
+        rows_markdown(stages, [_stage(s) for s in costs["stages"]]).rstrip(),
         "## One global minimum: SCIP",
         _global(costs["global"]),
         "## Where others are ahead",
@@ -263,11 +266,11 @@ def _shares(data: dict[str, Any]) -> str:
     return rows_markdown(heads, [row[: len(heads)] for row in curve_rows(data)]).rstrip()
 
 
-def _stage(found: dict[str, Any], heads: Sequence[str]) -> tuple[str, ...]:
+def _stage(found: dict[str, Any]) -> tuple[str, ...]:
     from benchmarks.fixed_costs import STAGES
 
-    seconds = (f"{found.get(name, 0.0):.2f}" for name in STAGES)
-    return (found["scene"], str(found["minima"]), *seconds, f"{found['whole']:.2f}", found["proof"])
+    seconds = (f"{found.get(name, 0.0):.2f}" for name in STAGES.values())
+    return (found["scene"], str(found["minima"]), *seconds, f"{found['whole']:.2f}", found["says"])
 
 
 def _global(found: Sequence[dict[str, Any]]) -> str:

@@ -29,6 +29,8 @@ STAGES = (
     "polish",
     "judging",
     "IPOPT confirms",
+    "escape barriers",
+    "without symmetry",
     "other",
 )
 
@@ -100,6 +102,8 @@ def measure(scene: Scene, seed: int = 0) -> TimeBudget:
             (job, "polish", "polish"),
             (record, "polish", "polish"),
             (find, "confirm", "IPOPT confirms"),
+            (find, "escapes_of_each", "escape barriers"),
+            (find, "_in_full_space", "without symmetry"),
             (ipopt, "build_warm", "building"),
             (descents.Descents, "run", "descents"),
             (rounds.Rounds, "_round", "starts"),
@@ -161,6 +165,8 @@ def draw(budgets: list[TimeBudget], target: Any) -> None:
         "#E69F00",
         "#009E73",
         "#56B4E9",
+        "#D55E00",
+        "#000000",
         "#DDDDDD",
     )
     figure = Figure(figsize=(9, 0.32 * len(budgets) + 1.8), layout="constrained")

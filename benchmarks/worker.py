@@ -21,7 +21,8 @@ def answer(asked: dict[str, Any]) -> dict[str, Any]:
     """Search once; options that this checkout does not know are left out, and named."""
     scene = scene_from_dict(asked["scene"])
     known = inspect.signature(find_minima).parameters
-    wanted = {"prove": False, **asked["options"]}  # what is measured is the search
+    # what is measured is the search
+    wanted = {"prove": False, "escape": False, **asked["options"]}
     options = {k: v for k, v in wanted.items() if k in known}
     curve: list[tuple[float, int]] = []
 
