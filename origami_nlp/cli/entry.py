@@ -36,7 +36,7 @@ app = Group(
     },
 )
 app.add(minima, pattern, load, follow, design, under=FIRST)
-app.add(inspect, check, example, under=FIRST)
+app.add(inspect, example, check, under=FIRST)
 app.add(landscape, barriers, modes, contacts, critical, space, under=ANALYSIS)
 app.add(layers, boundary, sweep, check_proof, under=ANALYSIS)
 app.add_group("paper", paper, under="The source paper")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -77,11 +77,12 @@ def draw_validity(result: Validity) -> Figure:
         here = [(numbers[id(one)], one) for one in result.faults if one.frame == frame.number]
         if not frame.folded:  # what is wrong with a folded form, where it is on the paper
             here += [
-                (numbers[id(one)], _on(frame, one))
+                (numbers[id(one)], there)
                 for other in shown
                 if other.folded and is_same_sheet(other, frame)
                 for one in result.faults
                 if one.frame == other.number
+                for there in _on(frame, one)
             ]
         kind = "folded form" if frame.folded else "crease pattern"
         if len(result.frames) > 1:
@@ -103,10 +104,12 @@ def draw_validity(result: Validity) -> Figure:
     return figure
 
 
-def _on(frame: Frame, one: Fault) -> Fault:
-    """Return a fault of another frame of the same sheet in the coordinates of this one."""
-    place = Findings(frame).middle(one.vertices, one.edges, one.faces)
-    return replace(one, place=tuple(place.tolist()))
+def _on(frame: Frame, one: Fault) -> Iterator[Fault]:
+    """Go through the places of a fault of another frame of the same sheet in this one: each of its faces, or one."""
+    middle = Findings(frame).middle
+    apart = len(one.faces) > 1 and not (one.vertices or one.edges)
+    for faces in [(k,) for k in one.faces] if apart else [one.faces]:
+        yield replace(one, place=tuple(middle(one.vertices, one.edges, faces).tolist()))
 
 
 def _draw(axes: Axes, frame: Frame, faults: Sequence[tuple[int, Fault]]) -> None:

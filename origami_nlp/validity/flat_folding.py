@@ -60,8 +60,8 @@ def check_flat_folding(f: Findings, problem: PatternProblem | None) -> None:
             unassigned += 1
             continue
         if v.maekawa:
-            m, w = v.assignment.count("M"), v.assignment.count("V")
-            text = f"vertex {v.number} has {m} mountains and {w} valleys: they must differ by 2"
+            mountains, valleys = v.assignment.count("M"), v.assignment.count("V")
+            text = f"vertex {v.number} has {mountains} mountains and {valleys} valleys: they must differ by 2"
             letters.append(f.fault(MAEKAWA, text, size=abs(v.maekawa), vertices=where))
         colliding = [*_little(f, v, max(most, INPUT_TOL))]
         little += colliding
