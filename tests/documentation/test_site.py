@@ -27,6 +27,8 @@ FIRST = (
     "active constraint",
     "waterbomb",
     "FOLD",
+    "contact",
+    "escape barrier",
 )
 """Terms of the glossary, which the search of the site lists first."""
 WORDS = (
@@ -35,7 +37,6 @@ WORDS = (
     "Kawasaki",
     "MERLIN",
     "Origami Simulator",
-    "escape barrier",
     "FOLD file",
 )
 """What people type into the search of the site."""

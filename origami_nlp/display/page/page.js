@@ -136,7 +136,7 @@ function openSpace() {
   space.controls = new LIB.TrackballControls(space.camera, canvas);
   Object.assign(space.controls, {rotateSpeed: 2.5, staticMoving: true});
   space.controls.addEventListener("change", () => { space.dirty = true; });
-  new ResizeObserver(fitSpace).observe($("space"));
+  new ResizeObserver(() => { fitSpace(); if (space.dirty) render(); }).observe($("space"));  // a new size empties the canvas
   Object.assign(canvas, {tabIndex: 0, role: "img", ariaLabel: "folded state; drag, or use the arrow keys, to turn it"});
   canvas.addEventListener("pointerdown", () => { space.speed = 0; });
   canvas.addEventListener("keydown", event => {
