@@ -13,6 +13,7 @@ from .contact import (
 )
 from .continuation import ContinuationOptions as ContinuationOptions
 from .critical import CriticalPoints as CriticalPoints, find_critical_points as find_critical_points
+from .drawings import DrawingOptions as DrawingOptions, WriteOptions as WriteOptions
 from .errors import OrigamiError as OrigamiError
 from .folding import check_admissible as check_admissible
 from .inverse_design import Design as Design, design as design
@@ -31,6 +32,7 @@ from .pattern import (
     Pattern as Pattern,
     Scene as Scene,
     Vertex as Vertex,
+    convert as convert,
     examples as examples,
     format_scene as format_scene,
     parse_scene as parse_scene,

@@ -16,8 +16,8 @@ from origami_nlp.cli import app as command_line
 from origami_nlp.references import REFERENCES
 
 ROOMS = (
-    "pattern problem kkt minima loading modes bifurcation inverse_design proof contact critical "
-    "barriers continuation space chart landscape pattern_problem pattern_states validity sweep folding paper paper.cone"
+    "drawings pattern problem kkt minima loading modes bifurcation inverse_design proof contact critical barriers "
+    "continuation space chart landscape pattern_problem pattern_states validity sweep folding paper paper.cone"
 ).split()
 """Rooms whose faces users of Python need, in the order of the pages."""
 
@@ -38,6 +38,7 @@ TASKS = {
         "follow find_bifurcation_set sweep Atlas BifurcationSet ContinuationOptions"
     ),
     "Springs for given states": "design inverse_design Design",
+    "Other formats, lasers": "convert DrawingOptions WriteOptions",
     "Draw, write, read, cite": "draw draw_minima view save load to_frame write_fold write_mesh citations",
     "The whole energy landscape": (
         "find_landscape find_critical_points find_space find_segments ExactLandscape CriticalPoints Space"

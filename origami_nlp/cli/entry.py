@@ -10,6 +10,7 @@ from typing import Annotated, NoReturn
 import typer
 
 from origami_nlp.cli.checking import check, layers
+from origami_nlp.cli.converting import convert
 from origami_nlp.cli.fault import report_fault
 from origami_nlp.cli.finding import check_proof, landscape, minima
 from origami_nlp.cli.group import Group
@@ -36,7 +37,7 @@ app = Group(
     },
 )
 app.add(minima, pattern, load, follow, design, under=FIRST)
-app.add(inspect, example, check, under=FIRST)
+app.add(inspect, example, check, convert, under=FIRST)
 app.add(landscape, barriers, modes, contacts, critical, space, under=ANALYSIS)
 app.add(layers, boundary, sweep, check_proof, under=ANALYSIS)
 app.add_group("paper", paper, under="The source paper")

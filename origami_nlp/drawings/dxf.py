@@ -1,4 +1,4 @@
-"""DXF in, by `ezdxf`: what a line is says its layer, then its colour.
+"""DXF in and out, by `ezdxf`: what a line is says its layer, then its colour.
 
 Old ORIPA drew mountains blue and valleys red, new ORIPA and Oriedita the other way round, all on layers of the
 same names: so layers come first.
@@ -9,6 +9,7 @@ from __future__ import annotations
 import io
 import math
 import re
+from collections.abc import Callable
 from typing import Any
 
 from origami_nlp.arguments import require
@@ -91,8 +92,7 @@ def read_dxf(raw: bytes, name: str, options: DrawingOptions) -> Lines:
 def _letter(found: LineList, entity: Any, document: Any) -> str | None:
     layer = entity.dxf.layer
     by_name = next((letter for part, letter in LAYERS if re.search(part, layer, re.I)), None)
-    asked = found.options.letters
-    if by_name is not None or layer.lower() in {key.strip().lower() for key in asked}:
+    if by_name is not None or found.is_asked(layer):
         return found.letter(layer, lambda _: by_name)
     colour = entity.dxf.color
     if colour == 256 and layer in document.layers:  # as its layer has it
@@ -107,3 +107,30 @@ def _of_colour(colour: int) -> str | None:
     if colour == 5:
         return "V"
     return {7: "B", 250: "B", 3: "B", 4: "F"}.get(colour)
+
+
+def dxf_text(layers: dict[str, int], unit: str, draw: Callable[[Any], None]) -> str:
+    """Return a DXF document as text, without the date: equal drawings are equal files.
+
+    layers: their colours.  unit: of `INSUNITS`, or "".  draw: what draws in the model space.
+    """
+    ezdxf = require("ezdxf", "DXF", "dxf", DrawingError)
+    from ezdxf.appsettings import update_extents
+
+    codes = {name: code for code, name in INSUNITS.items()}
+    before = ezdxf.options.write_fixed_meta_data_for_testing
+    ezdxf.options.write_fixed_meta_data_for_testing = True
+    try:
+        document = ezdxf.new("R2000", units=codes.get(unit, 0))
+        for name, colour in layers.items():
+            document.layers.add(name, color=colour)
+        space = document.modelspace()
+        draw(space)
+        # programs that place a drawing by its extents (LibreOffice) show nothing without them
+        box = update_extents(document)
+        space.reset_limits(box.extmin.vec2, box.extmax.vec2)
+        text = io.StringIO()
+        document.write(text)
+    finally:
+        ezdxf.options.write_fixed_meta_data_for_testing = before
+    return text.getvalue()

@@ -32,6 +32,17 @@ class DrawingOptions:
         ``"refuse"``, ``"leave"`` (out), or the number of chords for each.
     part
         Which of several sheets, from 1, the largest first; None: all of them.
+
+    Raises
+    ------
+    OptionError
+        If a value is none of these.
+
+    Examples
+    --------
+    >>> import origami_nlp as o
+    >>> o.DrawingOptions(letters={"#EE1032": "M", "orange": "-"}, curves=8).letters["#EE1032"]
+    'M'
     """
 
     tolerance: float | None = None
@@ -128,6 +139,10 @@ class LineList:
         if found is None:
             self.unknown[key] += 1
         return found
+
+    def is_asked(self, key: str) -> bool:
+        """Return whether a person says what this colour or layer is."""
+        return key.lower() in self._asked
 
     def add(self, points: Sequence[Sequence[float]], letter: str, angle: float, where: str) -> None:
         """Add a chain of lines through points; those that are no numbers are left out."""

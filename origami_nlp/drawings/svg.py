@@ -121,6 +121,8 @@ def _shape(
     found.curved += curves
     stated = _real(element.get("data-foldAngle", ""))
     angle = _fold_angle(letter, look) if stated is None else stated
+    if found.is_asked(colour) and letter in "MV":
+        angle = math.copysign(angle, -1.0 if letter == "M" else 1.0)
     for chain in chains:
         with np.errstate(all="ignore"):  # what is not finite is left out below
             points = np.column_stack([np.array(chain, float), np.ones(len(chain))]) @ matrix[:2].T

@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from origami_nlp.folding.flat_fold import folds_flat
+from origami_nlp.folding.flat_fold import explained, folds_flat
 from origami_nlp.io import pick, to_plain
 from origami_nlp.pattern import FoldVertex, Frame, fold_vertices
 
@@ -83,6 +83,12 @@ def list_vertices(frame: Frame) -> VertexList:
         If `frame` is none of `read_fold`.
     """
     found, notes = fold_vertices(frame)
+    off = [v.kawasaki or 0.0 for v in found if explained(v)]
+    if off:
+        notes += (
+            f"{len(off)} vertices miss Kawasaki's condition by up to {math.degrees(max(off)):.2g} degrees, no more "
+            f"than coordinates known to {frame.error or frame.unit:.2g} leave open: judged as the nearest that meet it",
+        )
     return VertexList(frame, found, tuple(map(folds_flat, found)), (*frame.notes, *notes))
 
 

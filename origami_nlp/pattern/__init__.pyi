@@ -10,6 +10,7 @@ from .coercion import (
     as_scene as as_scene,
     scene_pattern as scene_pattern,
 )
+from .converting import convert as convert, frame_drawing as frame_drawing
 from .crease_pattern import (
     FoldVertex as FoldVertex,
     fold_vertices as fold_vertices,

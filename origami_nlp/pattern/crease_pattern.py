@@ -25,6 +25,9 @@ from origami_nlp.pattern.vertex import Vertex
 APART = math.radians(1.0)
 """Measured and stated fold angles [rad] that differ by more are worth a word."""
 
+VAGUE = 0.1
+"""Angles [rad] that decimal places leave open: where it is more, they are not those of rounding."""
+
 
 @dataclass(frozen=True)
 class FoldVertex:
@@ -52,6 +55,9 @@ class FoldVertex:
         Why it cannot be analysed; empty if it can.
     notes
         What was assumed.
+    kawasaki_error
+        How far the alternating sum may be off [rad], corners being known as they are: those of drawings to what their
+        ends were joined over, others to their last decimal place where that says anything.
     """
 
     ALSO = ("degree",)
@@ -66,6 +72,7 @@ class FoldVertex:
     maekawa: int | None
     reason: str
     notes: tuple[str, ...] = ()
+    kawasaki_error: float = 0.0
 
     @property
     def degree(self) -> int:
@@ -222,7 +229,17 @@ def _analyse(
         maekawa,
         reason,
         tuple(notes),
+        _kawasaki_error(frame, length[keep]),
     )
+
+
+def _kawasaki_error(frame: Frame, lengths: np.ndarray) -> float:
+    """Return how far the alternating sum of sectors may be off: each crease turns two of them, of opposite signs."""
+    if frame.folded:
+        return 0.0
+    error = float(2.0 * (2.0 * (frame.error or frame.unit) / lengths).sum())
+    # whole numbers on a small grid are exact, not rounded
+    return error if frame.error or error <= VAGUE else 0.0
 
 
 def _is_sprung(frame: Frame, edge: int) -> bool:

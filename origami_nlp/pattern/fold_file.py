@@ -87,6 +87,8 @@ class Frame:
         ``frame_unit``: of the coordinates; "" where the file states none.
     y_down
         Whether the file's own y points down: places are named as they are in the file.
+    error
+        ``origaminlp:coordinateError``: how far vertices may be off; 0 where the file does not say.
     limits
         Fold limits (low, high), [E, 2] [rad], +-pi where not given; None where the file gives none.
     """
@@ -113,12 +115,11 @@ class Frame:
     length_unit: str = ""
     y_down: bool = False
     limits: np.ndarray | None = field(default=None, repr=False)
+    error: float = 0.0
 
     def place(self, vertex: int) -> str:
         """Return where a vertex is, as the file has it."""
-        x, y = (
-            float(v) + 0.0 for v in self.coords[vertex, :2] * [1.0, -1.0 if self.y_down else 1.0]
-        )
+        x, y = self.coords[vertex, :2] * [1.0, -1.0 if self.y_down else 1.0] + 0.0
         return f"({x:.6g}, {y:.6g})"
 
 
@@ -282,7 +283,8 @@ def _frame(data: dict[str, Any], number: int) -> Frame:
             legacy.append(old)
             notes.append(f"{old}: read as {new} (its name since FOLD 1.1)")
     coords, wide = _coords(data["vertices_coords"])
-    unit = max(last_place(coords), _number(data.get(ERROR_KEY) or 0.0, ERROR_KEY))
+    error = _number(data.get(ERROR_KEY) or 0.0, ERROR_KEY)
+    unit = max(last_place(coords), error)
     faces = _faces(data.get("faces_vertices"), len(coords))
     pairs = _edges(data.get("edges_vertices"), faces, len(coords), notes)
     m = len(pairs)
@@ -337,6 +339,7 @@ def _frame(data: dict[str, Any], number: int) -> Frame:
         data.get(FIXED_KEY),
         unit,
         length_unit=str(data.get("frame_unit", "")),
+        error=error,
         limits=edge_limits(data.get(LIMITS_KEY), m, LIMITS_KEY, keep),
     )
 

@@ -65,6 +65,9 @@ BESIDE_THE_TABLE = {
     "shares of a drawing: what is joined, what is straight, what is rounding": """
         drawings/sheet.RUNGS drawings/sheet.COARSE drawings/svg_path.STRAIGHT
     """,
+    "lengths in files [mm]": """
+        drawings/laser.GRID drawings/laser_files.HAIRLINE drawings/writing.MILLIMETRES
+    """,
     "definitions of the source paper": """
         contact/segments.SLOPE contact/segments.STIFFNESS
     """,

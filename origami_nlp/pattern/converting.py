@@ -1,0 +1,168 @@
+"""One crease pattern from format to format: FOLD, SVG, .cp, .opx, DXF; and what a laser cuts, or the bench needs."""
+
+from __future__ import annotations
+
+import json
+import math
+from dataclasses import replace
+from os import PathLike
+from pathlib import Path
+
+import numpy as np
+
+from origami_nlp.drawings import (
+    STYLES,
+    Drawing,
+    DrawingOptions,
+    WriteOptions,
+    drawing_to_fold,
+    write_drawing,
+)
+from origami_nlp.errors import DrawingError, FoldFileError
+from origami_nlp.io import write_whole
+from origami_nlp.pattern import examples
+from origami_nlp.pattern.fold_file import Frame, parse_fold, read_fold
+from origami_nlp.pattern.pattern_file import frame_pattern
+
+FOLD = ".fold"
+
+
+def convert(
+    source: str | PathLike[str],
+    out: str | PathLike[str],
+    *,
+    frame: int | None = None,
+    drawing: DrawingOptions | None = None,
+    write: WriteOptions | None = None,
+) -> Drawing:
+    """Write the crease pattern of a file in another format.
+
+    Parameters
+    ----------
+    source
+        FOLD, SVG, .cp, .opx or DXF; ``"-"`` for standard input; or an example by name, such as ``"miura:4x4"``.
+    out
+        The ending says which format is written.
+    frame
+        Of a FOLD file, from 0; a folded form is drawn flat, with its fold angles.
+    drawing
+        What is known of a drawing beside it.
+    write
+        Style, size, dashes and holes.
+
+    Returns
+    -------
+    Drawing
+        What was written, its `notes` with what was repaired, and what the format does not hold.
+
+    Raises
+    ------
+    FoldFileError
+        If the file cannot be read, or is not written so.
+
+    Examples
+    --------
+    >>> import json, os, tempfile, origami_nlp as o
+    >>> folder = tempfile.mkdtemp()
+    >>> path = os.path.join(folder, "miura.fold")
+    >>> with open(path, "w") as file:
+    ...     json.dump(o.examples.crease_pattern("miura", 4, 4), file)
+    >>> written = o.convert(path, os.path.join(folder, "miura.svg"))
+    >>> len(o.read_pattern(os.path.join(folder, "miura.svg")).polygons)
+    16
+    """
+    kind = Path(out).suffix.lower()
+    if kind != FOLD and kind not in STYLES:
+        known = ", ".join((FOLD, *STYLES))
+        raise DrawingError(f"OUT = {str(out)!r} must end in one of {known}")
+    frames = _frames(str(source), drawing)
+    chosen = _chosen(frames, frame)
+    flat = _flat(frames, chosen)
+    made = frame_drawing(flat, chosen)
+    options = write or WriteOptions()
+    if kind == FOLD:
+        if options != WriteOptions():
+            raise DrawingError("style, scale, size, dash and holes are for drawings, not for FOLD")
+        text, notes = json.dumps(drawing_to_fold(made), indent=1) + "\n", _lost(chosen)
+    else:
+        labels = _labels(flat, made) if options.style == "bench" else ()
+        text, notes = write_drawing(made, kind, options, labels)
+    write_whole(out, text.encode())
+    return replace(made, notes=(*made.notes, *notes))
+
+
+def _frames(source: str, drawing: DrawingOptions | None) -> tuple[Frame, ...]:
+    if not Path(source).exists() and examples.is_example(source):
+        return parse_fold(json.dumps(examples.crease_pattern(source)), source=f"{source}.fold")
+    return read_fold(source, drawing=drawing)
+
+
+def _lost(frame: Frame) -> tuple[str, ...]:
+    stated = [frame.stiffness, frame.rest_angles, frame.preload]
+    if all(np.isnan(values).all() for values in stated):
+        return ()
+    return (
+        "stiffness, rest angles and preload of the file are left out: inspect -o FILE.fold keeps them",
+    )
+
+
+def _chosen(frames: tuple[Frame, ...], number: int | None) -> Frame:
+    found = frames[:1] if number is None else [one for one in frames if one.number == number]
+    if not found:
+        some = ", ".join(str(one.number) for one in frames[:12])
+        raise FoldFileError(f"--frame {number} is no frame with geometry: there is {some}")
+    return found[0]
+
+
+def _flat(frames: tuple[Frame, ...], chosen: Frame) -> Frame:
+    """Return the crease pattern of a frame: itself, or the flat one of the file with the same edges."""
+    for one in (chosen, *frames):
+        alike = len(one.coords) == len(chosen.coords) and np.array_equal(one.edges, chosen.edges)
+        if alike and not one.folded:
+            return one
+    raise FoldFileError(
+        f"frame {chosen.number} is a folded form, and the file has no crease pattern with its edges: nothing to draw "
+        "flat"
+    )
+
+
+def frame_drawing(flat: Frame, state: Frame | None = None) -> Drawing:
+    """Return a flat frame as a drawing.
+
+    Parameters
+    ----------
+    flat
+        The crease pattern.
+    state
+        Another frame with the same edges, whose letters and fold angles are drawn.
+
+    Returns
+    -------
+    Drawing
+        Edges that are joined (J) as flat ones.
+    """
+    said = state or flat
+    names = {"J": "F", "?": "U"}
+    return Drawing(
+        flat.coords[:, :2],
+        flat.edges,
+        tuple(names.get(letter, letter) for letter in said.assignment),
+        np.degrees(said.fold_angles),
+        0.0,
+        0.0,
+        said.title,
+        flat.length_unit,
+        flat.y_down,
+        said.notes,
+    )
+
+
+def _labels(flat: Frame, made: Drawing) -> tuple[str, ...]:
+    """Return for each edge the number of its crease, from 1 as results print it, and its fold angle [deg]."""
+    pattern = frame_pattern(flat)
+    crease = {int(number): k + 1 for k, number in enumerate(pattern.numbers)}
+    out = []
+    for number, angle in zip(flat.numbers.tolist(), made.angles.tolist(), strict=True):
+        fold = "" if math.isnan(angle) else f": {angle:+.1f}\N{DEGREE SIGN}"
+        out.append(f"{crease[number]}{fold}" if number in crease else "")
+    return tuple(out)
