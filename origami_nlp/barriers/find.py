@@ -142,7 +142,7 @@ def find_barriers(
         return pattern_barriers(result, until, progress)
     refuse("vertex", _OF_A_PATTERN, seconds=seconds, progress=progress)
     scene.check_no_forces("barriers")
-    scene.check_no_stops("barriers")
+    scene.check_plain_hinges("barriers")
     if result is not None:
         check_type("result", result, MinimaResult)
     check_dof(scene)

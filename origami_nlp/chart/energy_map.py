@@ -127,7 +127,7 @@ def landscape(scene: Scene, size: int = 401) -> Landscape:
         If `scene` is no scene, or `size` no such number.
     """
     check_type("scene", scene, Scene)
-    scene.check_no_stops("the energy landscape")
+    scene.check_plain_hinges("the energy landscape")
     size = check_whole("size", size, 8, LARGEST_SIZE)
     chart = chart_of(scene)
     if chart is not None:

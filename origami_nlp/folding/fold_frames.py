@@ -31,6 +31,7 @@ from origami_nlp.pattern import (
     REST_KEY,
     STIFFNESS_KEY,
     Scene,
+    laws_to_fold,
 )
 from origami_nlp.version import __version__
 
@@ -91,6 +92,8 @@ def _loads(scene: Scene) -> dict[str, Any]:
     out: dict[str, Any] = {}
     if scene.preload:
         out[PRELOAD_KEY] = [*scene.preload, *[None] * scene.degree]
+    if scene.laws:
+        out |= laws_to_fold(scene.laws, scene.degree)
     if scene.limits:
         out[LIMITS_KEY] = [*np.degrees(scene.limits).tolist(), *[None] * scene.degree]
     if scene.loads:

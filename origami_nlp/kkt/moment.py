@@ -64,7 +64,7 @@ def passing_moment(scene: Scene, fold_angles: np.ndarray) -> PassingMoment | Non
     phi = np.asarray(fold_angles, dtype=float)
     creases, _ = fold_vertex(scene.vertex, phi)
     stiffness = np.array(scene.stiffness)
-    torque = stiffness * (phi - np.array(scene.wound_angles))
+    torque = scene.torque(phi)
     free = (
         FoldLimits(*scene.limit_angles).room(phi) > CONTACT_TOL
         if scene.contact != "none"

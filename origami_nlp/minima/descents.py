@@ -133,10 +133,10 @@ class Descents:
         self.model, self.closing = model, Closing(model, springs)
         self.crossings, self._m = VertexCrossings(model), model.equation_count
         plain = model.equation_count == 3 and not model.structure.gaps
-        self._chain = plain and model.size >= LONG_CHAIN
+        self._chain = plain and model.size >= LONG_CHAIN and model.parameters.laws is None
         self._many = plain and model.size > MOST_ONE_BY_ONE
         self.compiled = None
-        if model.parameters.dead is None and (descend := compiled()) is not None:
+        if model.parameters.plain and (descend := compiled()) is not None:
             rules: dict[str, Any] = {
                 "limits": model.has_limits,
                 "many": self._many,
@@ -152,7 +152,7 @@ class Descents:
         if len(several) <= 1:
             return None
         first, models = several[0].model, [descents.model for descents in several]
-        same = not any(d._chain or d.model.parameters.dead is not None for d in several) and all(
+        same = not any(d._chain or not d.model.parameters.plain for d in several) and all(
             m.structure == first.structure
             and m.fold_limits.same_as(first.fold_limits)
             and np.array_equal(m.parameters.sectors, first.parameters.sectors)
@@ -373,7 +373,7 @@ class Descents:
         good &= np.abs(trial.x - before.x).max(axis=1) < 2 * REACH
         now, e = self.closing.springs(trial).energy(trial.x), before.energy
         # sufficient decrease (Nocedal and Wright, eq. 3.4), with slack for the rounding of energies
-        lower = now <= e + DECREASE * np.minimum(before.slope, 0) + EXPLORED * (1 + e)
+        lower = now <= e + DECREASE * np.minimum(before.slope, 0) + EXPLORED * (1 + np.abs(e))
         good &= lower | (before.escaped & (now <= e + SAME_ENERGY))
         gap, side = self.crossings.of(at, trial.x, limits.folded_flat(trial.at_limit))
         return good & (gap == OPEN), gap, side

@@ -164,7 +164,7 @@ class Job:
     def search(self, guesses: list[np.ndarray], workers: int) -> Work:
         """Start from guesses, then round after round until the stopping rule says that it is enough."""
         # how finely curves are cut suits the torque of springs: under forces in space a search goes on from there
-        if self.model.dof == 1 and self._traced() and not self.model.scene.loads:
+        if self.model.dof == 1 and self._traced() and self.model.parameters.plain:
             self.stopped_by = "complete"
             self._tell()
             return
@@ -245,13 +245,13 @@ class Job:
                 if new:
                     judge(self.model, answer)
         whole = traced.complete and self.record.failed.total() == broken
-        self.complete = traced.reason if whole and not self.model.scene.loads else ""
+        self.complete = traced.reason if whole and self.model.parameters.plain else ""
         return whole
 
     def _under(self) -> tuple[Model, Relabelling] | None:
         """Pose the scene under labels that do not depend on how it was labelled; None where it is as well as is."""
         scene = self.model.scene
-        if not scene.group.is_trivial or scene.loads:
+        if not scene.group.is_trivial or scene.loads or scene.laws:
             return None
         labels = canonical_labels(scene)
         return Model(labels.relabelled(scene)), labels
@@ -261,6 +261,8 @@ class Job:
         if min(hits, default=self.options.hits) >= self.options.hits:
             # the first round holds several: where there is more to find, one that found nothing is wanted as well
             few = self.model.dof <= FEW_DOF and self.model.has_limits
+            # of laws that fall minima are many and their basins small
+            few &= all(law is None or law.monotone for law in self.model.scene.laws)
             return quiet > 0 or few
         # Chao's estimate of the minima that nothing has reached yet, from those reached once and twice
         return quiet >= self.options.quiet and chao1(hits) < 0.5

@@ -105,6 +105,8 @@ def why_not(model: Model) -> str:
         return "dead loads: proofs know springs and torques on creases only"
     if not model.has_limits:
         return "without fold limits fold angles are not bounded by +-pi"
+    if model.scene.laws:
+        return "hinge laws: proofs know linear springs only"
     if model.scene.limits:
         return f"stops ({limit_words(model.scene.limits)}): proofs know fold limits of +-180 degrees only"
     if not model.scene.vertex.flat:

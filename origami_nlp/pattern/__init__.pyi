@@ -45,6 +45,18 @@ from .fold_scene import (
     vertex_scenes as vertex_scenes,
 )
 from .fold_source import is_drawing as is_drawing
+from .hinge_law import (
+    HingeLaw as HingeLaw,
+    detent as detent,
+    double_well as double_well,
+    law_to_dict as law_to_dict,
+    one_sided as one_sided,
+    read_law as read_law,
+    sum_of as sum_of,
+    table as table,
+    well as well,
+)
+from .hinges_stated import laws_to_fold as laws_to_fold
 from .kept_symmetry import with_symmetry_of as with_symmetry_of
 from .labels import (
     EquivalentVertices as EquivalentVertices,

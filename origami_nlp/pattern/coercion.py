@@ -120,8 +120,8 @@ def _equal_scene(pattern: Pattern) -> Scene | None:
                 return None
     springs = tuple(pattern.stiffness.tolist()), tuple(pattern.rest.tolist())
     vertex = Vertex(tuple(sectors))
-    limits = pattern.limits
-    return Scene(vertex, *springs, "none", "full", name=pattern.name, limits=limits)
+    limits, laws = pattern.limits, pattern.laws
+    return Scene(vertex, *springs, "none", "full", name=pattern.name, limits=limits, laws=laws)
 
 
 def as_pattern(stated: Pattern | str | PathLike[str], name: str = "pattern") -> Pattern:
@@ -196,7 +196,7 @@ def scene_pattern(scene: Scene) -> Pattern:
     corners = np.vstack([[0.0, 0.0], np.column_stack([np.cos(a), np.sin(a)])])
     triangles = [(0, i, i % n + 1) for i in range(1, n + 1)]
     sides = [(0, i) for i in range(1, n + 1)]
-    return make_pattern(
+    made = make_pattern(
         corners,
         triangles,
         assignment={
@@ -209,3 +209,4 @@ def scene_pattern(scene: Scene) -> Pattern:
         limits=dict(zip(sides, scene.limits, strict=True)) if scene.limits else None,
         name=scene.name or "",
     )
+    return made.with_laws(scene.laws) if scene.laws else made

@@ -23,6 +23,7 @@ from origami_nlp.numerics import INPUT_TOL, last_place
 from origami_nlp.pattern.fold_limits import edge_limits
 from origami_nlp.pattern.fold_notes import compare_signs, flattened, in_radians, once
 from origami_nlp.pattern.fold_source import STDIN, decode_source
+from origami_nlp.pattern.hinges_stated import LAW_KEY, refuse_laws
 
 LARGEST = 50_000_000
 """Bytes; the largest published crease patterns are a few MB."""
@@ -38,7 +39,7 @@ _LEGACY = {"edges_foldAngles": "edges_foldAngle", "edges_assignments": "edges_as
 _READ = (
     *"vertices_coords edges_vertices faces_vertices faceOrders edges_assignment edges_foldAngle".split(),
     *(*_LEGACY, STIFFNESS_KEY, REST_KEY, PRELOAD_KEY, LIMITS_KEY, LOADS_KEY, FIXED_KEY, ERROR_KEY),
-    *"frame_classes frame_unit frame_title file_title".split(),
+    *f"{LAW_KEY} frame_classes frame_unit frame_title file_title".split(),
 )
 
 
@@ -292,6 +293,7 @@ def _frame(data: dict[str, Any], number: int) -> Frame:
     angles = _numbers(data.get("edges_foldAngle"), "edges_foldAngle", m)
     if not in_radians(angles, "edges_foldAngles" in legacy, notes):
         angles = np.radians(angles)
+    refuse_laws(data)
     rest = np.radians(_numbers(data.get(REST_KEY), REST_KEY, m))
     stiffness = _numbers(data.get(STIFFNESS_KEY), STIFFNESS_KEY, m)
     preload = _numbers(data.get(PRELOAD_KEY), PRELOAD_KEY, m)

@@ -181,6 +181,8 @@ def _match(first: Scene, other: Scene) -> tuple[Relabelling, float] | None:
     """Return the labels under which `other` comes nearest to `first`, and how near, if near enough."""
     n = first.degree
     kinds = [(s.contact, s.vertex.flat, s.group.name, s.winding) for s in (first, other)]
+    if first.laws or other.laws:
+        return None
     if first.loads or other.loads:  # forces are counted from a facet that has a number
         return None
     if other.degree != n or kinds[0] != kinds[1]:
@@ -227,7 +229,7 @@ def symmetries(scene: Scene) -> list[Relabelling]:
     list of Relabelling
         ``labels.back(x)`` are the states into which a symmetry takes states x; empty under loads.
     """
-    if scene.loads:
+    if scene.loads or scene.laws:
         return []
     sectors, k = np.array(scene.vertex.sector_angles), np.array(scene.stiffness)
     signed = np.array(

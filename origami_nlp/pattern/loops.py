@@ -7,6 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from origami_nlp.errors import FoldFileError
+from origami_nlp.numerics import groups
 from origami_nlp.pattern.polygons import rings
 
 
@@ -75,3 +77,20 @@ class Loops:
             borders.append((length, crossed))
         inner = sorted(borders, key=lambda b: b[0])[:-1]
         return tuple(Loop(*zip(*crossed, strict=True), -1) for _, crossed in inner if crossed)  # type: ignore[call-arg,arg-type]
+
+
+def check_topology(facet_of: np.ndarray, left: np.ndarray, right: np.ndarray, loops: int) -> None:
+    """Raise an error unless the facets hang together and the loops generate every closed walk over them."""
+    facets = int(facet_of.max(initial=-1)) + 1
+    parts = int(groups(facets, np.column_stack([left, right])).max(initial=-1)) + 1
+    if parts != 1:
+        raise FoldFileError(
+            f"the facets fall into {parts} parts that no crease joins: give each part a file of its own"
+            if parts
+            else "there are no facets: give faces_vertices, or edges that enclose some"
+        )
+    if len(left) - facets + 1 > loops:
+        raise FoldFileError(
+            f"the surface has handles ({len(left)} creases, {facets} facets, {loops} vertices and holes): "
+            "only sheets with holes, and closed surfaces without handles, are modelled"
+        )

@@ -22,6 +22,16 @@ from origami_nlp.pattern.fold_limits import (
     read_panels,
     thick_limits,
 )
+from origami_nlp.pattern.hinge_law import HingeLaw
+from origami_nlp.pattern.hinges_stated import (
+    check_laws,
+    check_plain_hinges,
+    energy_with_laws,
+    law_numbers,
+    read_laws,
+    torque_with_laws,
+    with_laws,
+)
 from origami_nlp.pattern.loads import Load, dead_loads, read_loads
 from origami_nlp.pattern.numbers_read import check_length, check_range, read_numbers, read_preload
 from origami_nlp.pattern.relations import Relations, find_relations
@@ -83,6 +93,9 @@ class Scene(PrettyRepr):
     panels
         Thickness of the panels and width of the taper beside their hinges [mm], which narrow the limits
         (`tapered_limit`): kinematics are those of paper, all hinges in the middle surface.  None: paper.
+    laws
+        A `HingeLaw` for each crease, or None for its linear spring, [N]; () where all are linear.  Where there is a law
+        `stiffness` is its mean size and `rest_angles` its lowest angle, whatever is stated.
     source
         What was read, as it was typed: a file, or an example; reports are titled by it.
     relations
@@ -131,6 +144,7 @@ class Scene(PrettyRepr):
     winding: int | None = None
     limits: Limits = ()
     panels: tuple[float, float] | None = None
+    laws: tuple[HingeLaw | None, ...] = ()
     source: str = field(default="", repr=False, compare=False)
     relations: Relations = field(default=None, repr=False, compare=False)  # type: ignore[assignment]
     group: Symmetry = field(init=False, repr=False, compare=False)
@@ -149,13 +163,15 @@ class Scene(PrettyRepr):
                 f"vertex has {n} creases: with contact = 'full', which keeps every two facets apart, at most "
                 f"{MOST_PAIRED}; use contact = 'fold-limits'"
             )
-        stiffness = read_numbers(self.stiffness, "stiffness", n)
+        object.__setattr__(self, "laws", read_laws(self.laws, n))
+        stiffness = with_laws(read_numbers(self.stiffness, "stiffness", n), self.laws, "stiffness")
         for i, k in enumerate(stiffness, start=1):
             if not (math.isfinite(k) and k > 0):
                 raise SceneError(f"stiffness[{i}] = {k!r} must be positive and finite [N m/rad]")
         check_range(stiffness)
         rest = parse_angles(self.rest_angles, "rest_angles")
         check_length(rest, "rest_angles", n)
+        rest = with_laws(rest, self.laws, "rest")
         for i, a in enumerate(rest, start=1):
             if abs(a) > math.pi * (1 + 4 * EPS):
                 raise SceneError(
@@ -179,6 +195,7 @@ class Scene(PrettyRepr):
         object.__setattr__(self, "panels", read_panels(self.panels))
         limits = thick_limits(read_limits(self.limits, n), n, self.panels)
         object.__setattr__(self, "limits", limits)
+        check_laws(self.laws, self.limit_angles, self.contact, self.preload)
         if self.limits and self.contact == "none":
             raise SceneError(
                 "limits are fold limits: contact = 'none' has none; use contact = 'fold-limits' or 'full'"
@@ -252,7 +269,7 @@ class Scene(PrettyRepr):
                 "use none or auto"
             )
         wanted = ("none", *wanted[1:]) if self.loads else wanted
-        angles = rest, self.wound_angles, *self.limit_angles
+        angles = [rest, self.wound_angles, *self.limit_angles, *law_numbers(self.laws)]
         return find_symmetry(self.vertex, stiffness, angles, *wanted)
 
     def _make_symmetric(self, *wanted: Any) -> None:
@@ -326,24 +343,22 @@ class Scene(PrettyRepr):
         """Number of creases N."""
         return self.vertex.degree
 
-    def check_no_stops(self, what: str) -> None:
-        """Raise an error where fold limits are stated, which `what` does not know.
+    def check_plain_hinges(self, what: str, *, stops: bool = False) -> None:
+        """Raise an error where hinge laws are stated, or fold limits, which `what` does not know.
 
         Parameters
         ----------
         what
             Of the scene, in words.
+        stops
+            Whether it knows fold limits.
 
         Raises
         ------
         OptionError
-            If the scene has such limits.
+            If the scene has them.
         """
-        if self.limits:
-            raise OptionError(
-                f"{what}: not decided for scenes with fold limits of their own ({limit_words(self.limits)}); "
-                "minima, symmetric or not, are known there"
-            )
+        check_plain_hinges(self.laws, () if stops else self.limits, what)
 
     def check_no_forces(self, what: str) -> None:
         """Raise an error where forces pull in space, which `what` does not know.
@@ -407,10 +422,15 @@ class Scene(PrettyRepr):
         """
         phi = check_angles("fold_angles", fold_angles, self.degree, finite=False)
         k, rest = np.array(self.stiffness), np.array(self.wound_angles)
-        energy = energy_or_zero(0.5 * np.sum(k * (phi - rest) ** 2, axis=-1), k)
+        energy = energy_or_zero(energy_with_laws(phi, k, rest, self.laws), k)
         if (dead := dead_loads(self.loads, self.fixed_facet)) is not None:
             energy = energy + dead.energy(np.array(self.vertex.sector_angles), phi)
         return float(energy) if energy.ndim == 0 else energy
+
+    def torque(self, fold_angles: np.ndarray) -> np.ndarray:
+        """Torques dU/dphi of the hinges at states [..., N], without forces, same shape [N m]."""
+        k, rest = np.array(self.stiffness), np.array(self.wound_angles)
+        return torque_with_laws(np.asarray(fold_angles, float), k, rest, self.laws)
 
     def __repr__(self) -> str:
         who = self.label or f"{self.vertex!r}"
@@ -424,6 +444,9 @@ class Scene(PrettyRepr):
         return (
             f"Scene({title}{self.vertex},\n  stiffness=[{k}] N m/rad,\n  rest_angles=[{rest}] rad,"
             + (f"\n  preload=[{preload}] N m," if preload else "")
+            + "".join(
+                f"\n  law of crease {i}: {law}," for i, law in enumerate(self.laws, start=1) if law
+            )
             + (f"\n  limits: {limit_words(self.limits)}," if self.limits else "")
             + "".join(
                 f"\n  load: {load.words}, facet {self.fixed_facet} fixed," for load in self.loads

@@ -16,6 +16,7 @@ from origami_nlp.io import as_text, check_tables, one_of, parse_toml, read_limit
 from origami_nlp.numerics import INPUT_TOL
 from origami_nlp.pattern.angles import format_angle, parse_angles
 from origami_nlp.pattern.fold_limits import read_limits
+from origami_nlp.pattern.hinge_law import HingeLaw, law_to_dict, read_law
 from origami_nlp.pattern.scene import Scene
 from origami_nlp.pattern.vertex import Vertex
 
@@ -30,6 +31,7 @@ _KEYS: dict[str, tuple[str, ...]] = {
         "limits_deg",
         "thickness_mm",
         "taper_mm",
+        "law",
     ),
     "model": (
         "symmetry",
@@ -185,6 +187,8 @@ def scene_from_dict(data: Mapping[str, Any], source: str = "") -> Scene:
     AngleError, VertexError, SceneError, SymmetryError
         If a value does not fit.
     """
+    data = dict(data)
+    of_laws = data.pop("laws", {})
     check_tables(data, _KEYS, "a scene has", SceneFileError, ("loads",))
     vertex, creases = vertex_from_dict(data.get("vertex", {})), data.get("creases", {})
     rest_key = one_of(creases, "[creases]", ("rest_angles", "rest_angles_deg"), SceneFileError)
@@ -209,9 +213,29 @@ def scene_from_dict(data: Mapping[str, Any], source: str = "") -> Scene:
         more["limits"] = read_limits(creases[key], vertex.degree, degrees=key.endswith("_deg"))
     if "thickness_mm" in creases or "taper_mm" in creases:
         more["panels"] = creases.get("thickness_mm"), creases.get("taper_mm")
+    if "law" in creases:
+        more["laws"] = _laws(creases["law"], of_laws, vertex.degree)
+    elif of_laws:
+        raise SceneFileError(
+            '[laws] is not used: name one for each crease in [creases], law = [...], "" for a spring'
+        )
     more |= {"loads": data["loads"]} if "loads" in data else {}
     more |= dict(data.get("model", {}))
     return Scene(vertex, creases["stiffness"], rest, source=source, **more)
+
+
+def _laws(named: object, stated: object, degree: int) -> tuple[HingeLaw | None, ...]:
+    """Read the laws of the creases by their names."""
+    names = [named] * degree if isinstance(named, str) else named
+    if not isinstance(names, list) or len(names) != degree or not isinstance(stated, Mapping):
+        raise SceneFileError(
+            f"[creases] law = {shown(named)} must be the name of a table [laws.NAME], or one for each of {degree} "
+            'creases, "" for a linear spring'
+        )
+    laws = {name: read_law(table, str(name)) for name, table in stated.items()}
+    if unknown := [name for name in names if name and name not in laws]:
+        raise SceneFileError(f"[creases] law: there is no table [laws.{unknown[0]}]")
+    return tuple(laws[name] if name else None for name in names)
 
 
 def vertex_from_dict(table: Mapping[str, Any]) -> Vertex:
@@ -274,6 +298,10 @@ def scene_to_dict(scene: Scene) -> dict[str, Any]:
     vertex: dict[str, Any] = {"sector_angles": [_exact(a) for a in scene.vertex.sector_angles]}
     if not scene.vertex.flat:
         vertex["flat"] = False
+    names: dict[HingeLaw, str] = {}
+    for law in filter(None, scene.laws):
+        taken = [name for other, name in names.items() if other != law]
+        names[law] = law.name if law.name not in taken else f"{law.name}-{len(names) + 1}"
     return {
         "vertex": vertex,
         "creases": {
@@ -281,9 +309,11 @@ def scene_to_dict(scene: Scene) -> dict[str, Any]:
             "rest_angles": [_exact(a) for a in scene.rest_angles],
             **({"preload": list(scene.preload)} if scene.preload else {}),
             **(dict(zip(PANELS, scene.panels, strict=True)) if scene.panels else {}),
+            **({"law": [names[law] if law else "" for law in scene.laws]} if names else {}),
             **({"limits": [[_exact(a) for a in p] for p in scene.limits]} if scene.limits else {}),
         },
         "model": model,
+        **({"laws": {name: law_to_dict(law) for law, name in names.items()}} if names else {}),
         **({"loads": [load.to_dict() for load in scene.loads]} if scene.loads else {}),
     }
 
@@ -315,6 +345,11 @@ def format_scene(scene: Scene) -> str:
     lines = []
     for name, content in scene_to_dict(scene).items():
         many = isinstance(content, list)
+        if name == "laws":
+            for law, table in content.items():
+                lines.append(f"[laws.{_toml(law)}]")
+                lines += [*(f"{key} = {_toml(value)}" for key, value in table.items()), ""]
+            continue
         for table in content if many else [content]:
             lines.append(f"[[{name}]]" if many else f"[{name}]")
             lines += [f"{key} = {_toml(value)}" for key, value in table.items()]

@@ -16,11 +16,20 @@ from typing import Any
 import numpy as np
 
 from origami_nlp.arguments import check_number, shown
-from origami_nlp.errors import FoldFileError, OptionError, SceneError
+from origami_nlp.errors import FoldFileError, SceneError
 from origami_nlp.io import printable
 from origami_nlp.numerics import energy_or_zero, groups
-from origami_nlp.pattern.fold_limits import Limits, limit_angles, limit_words, read_limits
-from origami_nlp.pattern.loops import Loop, Loops
+from origami_nlp.pattern.fold_limits import Limits, limit_angles, read_limits
+from origami_nlp.pattern.hinge_law import HingeLaw
+from origami_nlp.pattern.hinges_stated import (
+    Laws,
+    check_laws,
+    check_plain_hinges,
+    energy_with_laws,
+    read_laws,
+    with_laws,
+)
+from origami_nlp.pattern.loops import Loop, Loops, check_topology
 from origami_nlp.pattern.numbers_read import check_range
 from origami_nlp.pattern.polygons import sides_of
 
@@ -73,6 +82,9 @@ class Pattern:
         What was read, as it was typed: a file, or an example; reports are titled by it.
     limits
         Fold limits of each crease [rad], pairs (low, high) within +-pi, [n, 2]; () where all are +-pi.
+    laws
+        A `HingeLaw` for each crease, or None for its linear spring, [n]; () where all are linear.  Where there is a law
+        `stiffness` is its mean size and `rest` its lowest angle.
 
     Examples
     --------
@@ -102,6 +114,7 @@ class Pattern:
     orders: tuple[tuple[int, int, int], ...] = ()
     source: str = ""
     limits: Limits = ()
+    laws: Laws = ()
 
     @property
     def title(self) -> str:
@@ -201,7 +214,8 @@ class Pattern:
                 raise SceneError(
                     f"rest_angles has shape {phi.shape}: give {self.creases} angles in [-pi, pi], one a crease"
                 )
-        return replace(self, stiffness=np.array(k), rest=np.array(phi))
+        made = replace(self, stiffness=np.array(k), rest=np.array(phi))
+        return made.with_laws(self.laws) if self.laws else made
 
     @property
     def limit_angles(self) -> np.ndarray:
@@ -227,33 +241,60 @@ class Pattern:
         ------
         SceneError, AngleError
             If they do not fit.
-
-        Examples
-        --------
-        >>> import origami_nlp as o
-        >>> o.examples.pattern("miura", 2, 2).with_limits([-150, 150], degrees=True).limit_angles.round(2)[1].tolist()
-        [2.62, 2.62, 2.62, 2.62]
         """
-        return replace(self, limits=read_limits(limits, self.creases, degrees=degrees))
+        made = replace(self, limits=read_limits(limits, self.creases, degrees=degrees))
+        check_laws(made.laws, made.limit_angles, "full", ())
+        return made
 
-    def check_no_stops(self, what: str) -> None:
-        """Raise an error where fold limits are stated, which `what` does not know.
+    def with_laws(
+        self, laws: HingeLaw | Sequence[HingeLaw | None], *, per_length: bool = False
+    ) -> Pattern:
+        """Return the same pattern with hinge laws in place of linear springs.
+
+        Parameters
+        ----------
+        laws
+            One for all creases, or one, or None, for each.
+        per_length
+            Whether torques are per unit length of crease.
+
+        Returns
+        -------
+        Pattern
+            With these laws.
+
+        Raises
+        ------
+        SceneError
+            If one is not known between the fold limits.
+        """
+        given = [laws] * self.creases if isinstance(laws, HingeLaw) else list(laws)
+        if per_length:
+            each = zip(given, self.lengths.tolist(), strict=True)
+            given = [law and law.times(length) for law, length in each]
+        read = read_laws(tuple(given), self.creases)
+        check_laws(read, self.limit_angles, "full", ())
+        k = np.array(with_laws(self.stiffness.tolist(), read, "stiffness"))
+        check_range(k.tolist())
+        rest = np.array(with_laws(self.rest.tolist(), read, "rest"))
+        return replace(self, stiffness=k, rest=rest, laws=read)
+
+    def check_plain_hinges(self, what: str, *, stops: bool = False) -> None:
+        """Raise an error where hinge laws are stated, or fold limits, which `what` does not know.
 
         Parameters
         ----------
         what
             Of the pattern, in words.
+        stops
+            Whether it knows fold limits.
 
         Raises
         ------
         OptionError
-            If the pattern has such limits.
+            If the pattern has them.
         """
-        if self.limits:
-            raise OptionError(
-                f"{what}: not decided for patterns with fold limits of their own ({limit_words(self.limits)}); "
-                "minima and motions are known there"
-            )
+        check_plain_hinges(self.laws, () if stops else self.limits, what)
 
     def joined(self, flat: np.ndarray) -> Pattern:
         """Return the pattern with some creases of a flat sheet that do not fold: facets beside them are one.
@@ -287,7 +328,7 @@ class Pattern:
             rest=of(self.rest),
             limits=of(self.limit_angles.T) if self.limits else None,
             name=self.name,
-        )
+        ).with_laws([self.laws[k] for k in kept] if self.laws else [None] * len(kept))
 
     @cached_property
     def signs(self) -> np.ndarray:
@@ -307,7 +348,8 @@ class Pattern:
         ndarray
             Shape [...].
         """
-        energy = 0.5 * np.sum(self.stiffness * (fold_angles - self.rest) ** 2, axis=-1)
+        phi = np.asarray(fold_angles, float)
+        energy = energy_with_laws(phi, self.stiffness, self.rest, self.laws)
         return energy_or_zero(energy, self.stiffness)
 
     def __repr__(self) -> str:
@@ -402,7 +444,7 @@ def make_pattern(
     vertices, holes = loops.vertices(), loops.holes(corners)
     left = np.array([facet_of[left_of[s]] for s in sides], int)
     right = np.array([facet_of[left_of[s[::-1]]] for s in sides], int)
-    _check_topology(facet_of, left, right, len(vertices) + len(holes))
+    check_topology(facet_of, left, right, len(vertices) + len(holes))
     k = stiffness if isinstance(stiffness, dict) else dict.fromkeys(sides, float(stiffness))
     springs = of(k, 1.0)
     if sides:
@@ -427,20 +469,3 @@ def make_pattern(
         tuple((int(f), int(g), int(s)) for f, g, s in orders),
         limits=read_limits([limits[s] for s in sides], len(sides)) if limits else (),
     )
-
-
-def _check_topology(facet_of: np.ndarray, left: np.ndarray, right: np.ndarray, loops: int) -> None:
-    """Raise an error unless the facets hang together and the loops generate every closed walk over them."""
-    facets = int(facet_of.max(initial=-1)) + 1
-    parts = int(groups(facets, np.column_stack([left, right])).max(initial=-1)) + 1
-    if parts != 1:
-        raise FoldFileError(
-            f"the facets fall into {parts} parts that no crease joins: give each part a file of its own"
-            if parts
-            else "there are no facets: give faces_vertices, or edges that enclose some"
-        )
-    if len(left) - facets + 1 > loops:
-        raise FoldFileError(
-            f"the surface has handles ({len(left)} creases, {facets} facets, {loops} vertices and holes): "
-            "only sheets with holes, and closed surfaces without handles, are modelled"
-        )

@@ -14,6 +14,7 @@ import numpy as np
 
 from origami_nlp.errors import FoldFileError
 from origami_nlp.io import from_plain, to_plain
+from origami_nlp.pattern.hinge_law import law_to_dict, read_law
 from origami_nlp.pattern.sheet import Pattern, make_pattern
 
 T = TypeVar("T")
@@ -79,6 +80,10 @@ def pattern_to_dict(pattern: Pattern) -> dict[str, Any]:
     data: dict[str, Any] = to_plain(stated)
     if not p.limits:
         del data["limits"]
+    if p.laws:
+        every = list(dict.fromkeys(filter(None, p.laws)))
+        data["laws"] = [{"name": law.name, **law_to_dict(law)} for law in every]
+        data["law"] = [None if law is None else every.index(law) for law in p.laws]
     return data
 
 
@@ -100,6 +105,9 @@ def pattern_from_dict(data: Any) -> Pattern:
     FoldFileError
         If an entry is missing or wrong, or the facets are no sheet.
     """
+    data, laws, which = dict(data), [], []
+    if "laws" in data:
+        laws, which = data.pop("laws"), data.pop("law", [])
     said = from_plain(_Stated, data, "pattern", FoldFileError)
 
     def of(values: Iterable[T]) -> dict[tuple[int, int], T]:
@@ -125,4 +133,12 @@ def pattern_from_dict(data: Any) -> Pattern:
         raise FoldFileError(f"pattern is not whole: {error}") from None
     if tuple(map(tuple, made.ends.tolist())) != said.creases:
         raise FoldFileError("pattern: its creases are not those of its polygons")
-    return made
+    if not laws:
+        return made
+    try:
+        read = [
+            read_law({k: v for k, v in law.items() if k != "name"}, law["name"]) for law in laws
+        ]
+        return made.with_laws([None if k is None else read[k] for k in which])
+    except (KeyError, TypeError, AttributeError, IndexError) as error:
+        raise FoldFileError(f"pattern: its hinge laws are not whole: {error}") from None

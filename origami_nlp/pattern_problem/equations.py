@@ -40,7 +40,7 @@ from origami_nlp.pattern_problem.contact_pairs import FoldedGeometry
 from origami_nlp.pattern_problem.crossings import PatternCrossings
 from origami_nlp.pattern_problem.features import Features
 from origami_nlp.pattern_problem.stacks import Stack
-from origami_nlp.problem import FoldLimits
+from origami_nlp.problem import FoldLimits, HingeLaws, Parameters
 
 MOST_DENSE = 400
 """Creases up to which kernels are formed by a singular value decomposition; sparse factors beyond."""
@@ -134,13 +134,23 @@ class PatternEquations:
         """Over `scale`, [n]."""
         return self.pattern.stiffness / self.scale
 
+    @cached_property
+    def springs(self) -> Parameters:
+        """Springs and laws over `scale`, without load."""
+        laws = None
+        if self.pattern.laws:
+            has = np.array([law is not None for law in self.pattern.laws], float)
+            laws = HingeLaws(self.pattern.laws, has / self.scale)
+        none = np.zeros(self.size)
+        return Parameters(none[:0], self.stiffness, self.pattern.rest, none, None, laws)
+
     def torque(self, phi: np.ndarray) -> np.ndarray:
         """Gradient of the energy over `scale`, [n]."""
-        return self.stiffness * (phi - self.pattern.rest)
+        return self.springs.torque(phi)
 
     def scaled_energy(self, phi: np.ndarray) -> float:
         """Elastic energy over `scale`."""
-        return float(0.5 * self.stiffness @ (phi - self.pattern.rest) ** 2)
+        return float(self.springs.energy(phi))
 
     def residual(self, phi: np.ndarray) -> float:
         """Largest entry of closure."""
@@ -238,8 +248,8 @@ class PatternEquations:
         """Hessian of U - multipliers . closure over `scale`, [n, n]."""
         bent = self.closure.hessian(phi, multipliers)
         if isinstance(bent, np.ndarray):
-            return np.diag(self.stiffness) - bent
-        return sp.sparse.diags_array(self.stiffness).tocsr() - bent
+            return np.diag(self.springs.curvature(phi)) - bent
+        return sp.sparse.diags_array(self.springs.curvature(phi)).tocsr() - bent
 
     def along(self, phi: np.ndarray, v: np.ndarray) -> np.ndarray:
         """Return the part of v [n] that closure allows to first order at a state."""

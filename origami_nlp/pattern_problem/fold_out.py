@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from origami_nlp.folding import folded_frame, frames_to_fold
-from origami_nlp.pattern import LIMITS_KEY, REST_KEY, STIFFNESS_KEY, Pattern, Scene
+from origami_nlp.pattern import LIMITS_KEY, REST_KEY, STIFFNESS_KEY, Pattern, Scene, laws_to_fold
 from origami_nlp.pattern_problem.crossings import PatternCrossings
 from origami_nlp.pattern_problem.layers import order_layers
 from origami_nlp.pattern_problem.poses import Poses
@@ -116,6 +116,7 @@ def pattern_to_fold(pattern: Pattern, frames: Iterable[dict[str, Any]] = ()) -> 
         **({} if p.is_flat or not p.orders else {"faceOrders": [list(o) for o in p.orders]}),
         STIFFNESS_KEY: [*p.stiffness.tolist(), *none],
         REST_KEY: [*np.degrees(p.rest).tolist(), *none],
+        **laws_to_fold(p.laws, len(others)),
         **({LIMITS_KEY: [*np.degrees(p.limits).tolist(), *none]} if p.limits else {}),
         "file_frames": list(frames),
     }

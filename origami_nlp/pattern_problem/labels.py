@@ -14,7 +14,7 @@ from itertools import product
 import numpy as np
 
 from origami_nlp.numerics import DUPLICATE_TOL, PLACES, area_vectors, cross
-from origami_nlp.pattern import Loop, Pattern
+from origami_nlp.pattern import HingeLaw, Loop, Pattern
 
 OFFSET = 0.37614159
 """Of the grid, so that places that are simple fractions lie in the middle of its cells."""
@@ -58,6 +58,7 @@ class CanonicalLabelling:
             for to, sign in self.images
             if np.abs(k[to] - k).max() <= DUPLICATE_TOL
             and np.abs(rest[to] - sign * rest).max() <= DUPLICATE_TOL
+            and (not pattern.laws or _keep_laws(pattern.laws, to, sign))
             and np.abs(_turned(pattern.limit_angles[:, to], sign) - pattern.limit_angles).max()
             <= DUPLICATE_TOL
         ]
@@ -141,6 +142,11 @@ def find_labels(pattern: Pattern) -> CanonicalLabelling:
             to[order] = other
             images[(*to.tolist(), side)] = to, sign * side
     return CanonicalLabelling(order, sign, best[3][0] * best[3][1] < 0, tuple(images.values()))
+
+
+def _keep_laws(laws: tuple[HingeLaw | None, ...], to: np.ndarray, sign: float) -> bool:
+    """Return whether a symmetry of the paper takes each law to an equal one; turned over, few laws are known to be."""
+    return sign > 0 and all(laws[k] == laws[v] for v, k in enumerate(to.tolist()))
 
 
 def _turned(limits: np.ndarray, sign: float) -> np.ndarray:

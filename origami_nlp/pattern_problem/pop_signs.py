@@ -234,6 +234,8 @@ def least_flat_energy(pattern: Pattern, flat: np.ndarray) -> float:
 
     That of the others is 0 at best, or what a rest angle beyond the fold limit leaves.
     """
+    if pattern.laws:
+        return 0.0  # their energies are not negative
     size = np.where(flat, np.abs(pattern.rest), np.maximum(np.abs(pattern.rest) - math.pi, 0.0))
     return float(0.5 * pattern.stiffness @ size**2)
 

@@ -68,7 +68,7 @@ class PatternProblem(PatternContacts, Energies):
     @cached_property
     def parameters(self) -> Parameters:
         """Springs and load over `scale`."""
-        return Parameters(np.zeros(0), self.stiffness, self.pattern.rest, self._load, self._dead)
+        return replace(self.springs, load=self._load, dead=self._dead)
 
     @property
     def bound(self) -> float:
@@ -319,6 +319,7 @@ class PatternProblem(PatternContacts, Energies):
             stiffness = parameters.stiffness * self.scale
             other.pattern = replace(self.pattern, stiffness=stiffness, rest=parameters.rest)
             vars(other).pop("stiffness", None)
+            vars(other).pop("springs", None)
         other._load, other._dead = parameters.load, parameters.dead  # type: ignore[assignment]
         return other
 

@@ -39,7 +39,8 @@ def scene_of(pattern: Pattern, contact: bool) -> tuple[Scene | None, list[int]]:
     kind: Contact = "full" if contact else "fold-limits"
     k, at = tuple(stiffness.tolist()), tuple(rest.tolist())
     limits = tuple(pattern.limits[c] for c in creases) if pattern.limits else ()
-    return Scene(vertex, k, at, "none", kind, preload=preload, limits=limits), creases
+    laws = tuple(pattern.laws[c] for c in creases) if pattern.laws else ()
+    return Scene(vertex, k, at, "none", kind, preload=preload, limits=limits, laws=laws), creases
 
 
 def of_vertex(
@@ -57,7 +58,12 @@ def of_vertex(
 
 
 def lowest_on(problem: PatternProblem, phi: np.ndarray, basis: np.ndarray) -> np.ndarray | None:
-    """Return the state of lowest energy on a plane of closed states phi + basis y, within the fold limits."""
+    """Return the state of lowest energy on a plane of closed states phi + basis y within limits; None with laws.
+
+    Where the energy is no square of a distance descents find what is lowest.
+    """
+    if problem.pattern.laws:
+        return None
     root = np.sqrt(problem.stiffness)[:, None]
     _, r = np.linalg.qr(root * basis)  # energy = |r y - r y0|^2 / 2 and what stays
     y0 = np.linalg.lstsq(root * basis, root[:, 0] * (problem.pattern.rest - phi), rcond=None)[0]

@@ -178,6 +178,12 @@ def stationary(problem: PatternProblem, curve: Interpolant) -> list[tuple[int, f
         Step, share of it, and whether the slope rises there: a well, else a top.
     """
     found = []
+    if problem.pattern.laws:
+        slopes = _sampled_slopes(problem, curve)
+        for step, k in zip(*np.nonzero(slopes[:, :-1] * slopes[:, 1:] < 0), strict=True):
+            a, b = slopes[step, k], slopes[step, k + 1]
+            found.append((int(step), float((k + a / (a - b)) / (slopes.shape[1] - 1)), bool(b > a)))
+        return found
     for step, s in enumerate(_slopes(problem, curve)):
         # u <= 1: no root where the constant is larger than the sum of all other coefficients, as in most steps
         if (np.abs(s[1:]).sum() < abs(s[0])) or not np.abs(s).max():
@@ -205,6 +211,16 @@ def _slopes(problem: PatternProblem, curve: Interpolant) -> np.ndarray:
     return slope
 
 
+def _sampled_slopes(problem: PatternProblem, curve: Interpolant) -> np.ndarray:
+    """Slopes of the energy over u at even shares of each step, [S - 1, `CUTS`]: laws are no polynomials along it."""
+    u = np.linspace(0.0, 1.0, CUTS)[:, None]
+    c = POWERS @ curve.control
+    x = np.einsum("uk,skn->sun", u ** np.arange(6.0), c)
+    speed = np.einsum("uk,skn->sun", u ** np.arange(5.0), c[:, 1:] * np.arange(1.0, 6.0)[:, None])
+    slopes: np.ndarray = (problem.springs.torque(x) * speed).sum(axis=2)
+    return slopes
+
+
 def wells(problem: PatternProblem, curve: Interpolant) -> list[np.ndarray]:
     """Return where the energy has its minima along a curve: inside, and at ends that it falls towards.
 
@@ -221,8 +237,12 @@ def wells(problem: PatternProblem, curve: Interpolant) -> list[np.ndarray]:
         Fold angles [n], to the accuracy of the polynomials.
     """
     found = [curve.at(step, u) for step, u, rises in stationary(problem, curve) if rises]
-    slope = _slopes(problem, curve)
-    first, last = slope[0, 0], float(slope[-1].sum())
+    if problem.pattern.laws:
+        sampled = _sampled_slopes(problem, curve)
+        first, last = sampled[0, 0], float(sampled[-1, -1])
+    else:
+        slope = _slopes(problem, curve)
+        first, last = slope[0, 0], float(slope[-1].sum())
     if curve.ends[0] == "limit" and first >= 0:
         found.append(curve.states[0])
     if curve.ends[1] == "limit" and last <= 0:

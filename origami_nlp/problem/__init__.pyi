@@ -1,6 +1,10 @@
 from . import compiled as compiled
 from .closure import fold_piece as fold_piece
-from .compiled import Structure as Structure, compile_structure as compile_structure
+from .compiled import (
+    Structure as Structure,
+    compile_structure as compile_structure,
+    law_energy as law_energy,
+)
 from .completion import (
     CreaseChain as CreaseChain,
     close_by as close_by,
@@ -14,6 +18,7 @@ from .contact import (
     held as held,
 )
 from .gaps import Gap as Gap, separation_rows as separation_rows
+from .hinge_laws import HingeLaws as HingeLaws
 from .kinematics import OPEN as OPEN, FoldedRays as FoldedRays, Kinematics as Kinematics
 from .model import Local as Local, Model as Model
 from .moment_map import MomentChain as MomentChain, MomentMap as MomentMap

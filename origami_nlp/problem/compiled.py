@@ -16,7 +16,7 @@ import casadi as ca
 import numpy as np
 
 from origami_nlp.numerics import quaternion as quat
-from origami_nlp.pattern import flat_points, followed
+from origami_nlp.pattern import HingeLaw, flat_points, followed
 from origami_nlp.problem.closure import FoldedExpressions, fold_piece
 from origami_nlp.problem.gaps import Gap, gap_expression
 
@@ -82,6 +82,7 @@ class Structure:
     gaps: mirror, axis and facet-pair contacts (fold limits are bounds, not listed here).
     pairs: facet pairs that may cross, each as positions of their first rays.
     flat_sheet: whether the sector angles of the vertex sum to 2 pi.
+    laws: hinge laws of the variables, None where a linear spring is; empty where all are.
     dead: facets of the points at which forces pull, and first the one that is held, 0-based; empty without forces.
     """
 
@@ -94,6 +95,7 @@ class Structure:
     flat_sheet: bool = True
     dead: tuple[int, ...] = ()
     winding: int = 1
+    laws: tuple[HingeLaw | None, ...] = ()
 
     @property
     def turn(self) -> Fraction:
@@ -162,6 +164,16 @@ class Functions:
         )
 
 
+def law_energy(law: HingeLaw, phi: ca.SX) -> ca.SX:
+    """Return the energy of a law as symbols: its own pieces, chosen by the fold angle."""
+    breaks, coefficients = law.energy_pieces
+    at = ca.pw_const(phi, breaks[1:-1], breaks[:-1])
+    energy: ca.SX = ca.SX(0)
+    for c in coefficients:
+        energy = energy * (phi - at) + ca.pw_const(phi, breaks[1:-1], c)
+    return energy
+
+
 @lru_cache(maxsize=64)
 def compile_structure(structure: Structure) -> Functions:
     """Build the symbols and functions of `structure` (cached: one build per structure)."""
@@ -173,11 +185,16 @@ def compile_structure(structure: Structure) -> Functions:
     stiffness, rest, load = ca.SX.sym("k", n), ca.SX.sym("phi0", n), ca.SX.sym("m", n)
     held, *facets = s.dead or (0,)
     forces = ca.SX.sym("f", 5, len(facets))  # points and forces
-    p = ca.vertcat(sectors, stiffness, rest, load, ca.vec(forces))
+    weight_of_law = ca.SX.sym("w", len(s.laws))
+    p = ca.vertcat(sectors, stiffness, rest, load, ca.vec(forces), weight_of_law)
     piece = fold_piece(s.kind, s.turn, s.has_crease, x, sectors, s.flat_piece)
     sines = [ca.sin(sectors[i]) for i in range(sector_count)]
     # paper, eq. 3.1; a variable stands for all creases of its orbit, whose stiffness is summed in k
-    energy = 0.5 * ca.sum1(stiffness * (x - rest) ** 2) - ca.dot(load, x)
+    springs = ca.DM([float(law is None) for law in s.laws]) if s.laws else 1.0
+    energy = 0.5 * ca.sum1(springs * stiffness * (x - rest) ** 2) - ca.dot(load, x)
+    for v, law in enumerate(s.laws):
+        if law is not None:
+            energy += weight_of_law[v] * law_energy(law, x[v])
     for i, facet in enumerate(facets):
         energy -= quat.dot(
             _carried(held, facet, x, sectors, forces[:2, i]), ca.vertsplit(forces[2:, i])

@@ -10,6 +10,7 @@ import numpy as np
 
 from origami_nlp.numerics import EPS, STEP_NOISE
 from origami_nlp.pattern import DeadLoads
+from origami_nlp.problem.hinge_laws import HingeLaws
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,6 +30,8 @@ class Parameters:
     dead
         Forces in space, over `Model.scale`, where there are any; they ask for a model of all N fold angles.  Of a
         pattern what has the same methods: a load on what is not linear in the fold angles (`pattern_problem.Worked`).
+    laws
+        Of hinges that are no linear springs; their `stiffness` is a measure for metrics, their `rest` a lowest angle.
     """
 
     sectors: np.ndarray
@@ -36,12 +39,24 @@ class Parameters:
     rest: np.ndarray
     load: np.ndarray
     dead: DeadLoads | Any = None
+    laws: HingeLaws | None = None
 
     @cached_property
     def vector(self) -> np.ndarray:
-        """All of them in the order in which compiled functions take them, shape [s + 3 n + 5 l]."""
+        """All of them in the order in which compiled functions take them, shape [s + 3 n + 5 l]; laws add n."""
         dead = [] if self.dead is None else [self.dead.vector]
-        return np.concatenate([self.sectors, self.stiffness, self.rest, self.load, *dead])
+        laws = [] if self.laws is None else [self.laws.weight]
+        return np.concatenate([self.sectors, self.stiffness, self.rest, self.load, *dead, *laws])
+
+    @property
+    def plain(self) -> bool:
+        """Whether all energy is that of linear springs and of torques."""
+        return self.dead is None and self.laws is None
+
+    @cached_property
+    def _linear(self) -> np.ndarray:
+        """Stiffness of the linear springs."""
+        return self.stiffness if self.laws is None else self.laws.linear(self.stiffness)
 
     def scaled(self, share: float) -> Parameters:
         """Return the same springs and loads over another scale: `share` times the numbers."""
@@ -50,6 +65,7 @@ class Parameters:
             stiffness=share * self.stiffness,
             load=share * self.load,
             dead=None if self.dead is None else self.dead.times(share),
+            laws=None if self.laws is None else self.laws.times(share),
         )
 
     @property
@@ -65,16 +81,20 @@ class Parameters:
     def energy(self, x: np.ndarray) -> np.ndarray:
         """Energy of states [..., n] over `Model.scale`, the work of the load included, shape [...]."""
         # paper, eq. 3.1
-        energy = 0.5 * np.sum(self.stiffness * (x - self.rest) ** 2, axis=-1)
+        energy = 0.5 * np.sum(self._linear * (x - self.rest) ** 2, axis=-1)
         energy = energy - np.einsum("...i,...i", x, self.load)
+        if self.laws is not None:
+            energy = energy + self.laws.energy(x)
         return energy if self.dead is None else energy + self.dead.energy(self.sectors, x)
 
     def energy_change(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
         """Energy of y less that of x, without cancellation for nearby states [..., n], shape [...]."""
         step = y - x
         # (y - r)^2 - (x - r)^2 = (y - x) ((x - r) + (y - r)): the small difference is a factor, not a remainder
-        torque = self.stiffness * ((x - self.rest) + 0.5 * step) - self.load
+        torque = self._linear * ((x - self.rest) + 0.5 * step) - self.load
         change = np.sum(step * torque, axis=-1)
+        if self.laws is not None:
+            change = change + self.laws.change(*np.broadcast_arrays(x, y))
         if self.dead is None:
             return change
         return change + self.dead.energy_change(self.sectors, *np.broadcast_arrays(x, y))
@@ -82,21 +102,30 @@ class Parameters:
     def excess(self, x: np.ndarray) -> np.ndarray:
         """Energy of states [..., n] above that of springs at rest under the load, over `Model.scale`, shape [...].
 
-        inf under forces in space: no state is known to have the least energy.
+        inf under forces in space and with laws: no state is known to have the least energy.
         """
-        if self.dead is not None:
+        if not self.plain:
             return np.full(x.shape[:-1], np.inf)
         # U - load . phi is least at phi0 + load / k, where the torque is 0
         return 0.5 * np.sum(self.torque(x) ** 2 / self.stiffness, axis=-1)
 
     def torque(self, x: np.ndarray) -> np.ndarray:
         """Gradient of the energy over `Model.scale` at states [..., n], same shape."""
-        torque = self.stiffness * (x - self.rest) - self.load
+        torque = self._linear * (x - self.rest) - self.load
+        if self.laws is not None:
+            torque = torque + self.laws.torque(x)
         return torque if self.dead is None else torque + self.dead.gradient(self.sectors, x)
+
+    def curvature(self, x: np.ndarray) -> np.ndarray:
+        """Stiffness of the hinges at states [..., n] over `Model.scale`, same shape or [n]."""
+        return self._linear if self.laws is None else self._linear + self.laws.slope(x)
 
     def hessian(self, x: np.ndarray) -> np.ndarray:
         """Hessian of the energy over `Model.scale` at states [..., n], shape [..., n, n]."""
-        springs = np.diag(self.stiffness)
+        springs = np.diag(self._linear)
+        if self.laws is not None:
+            springs = springs + self.laws.slope(x)[..., None] * np.eye(len(self.rest))
+            return springs if self.dead is None else springs + self.dead.hessian(self.sectors, x)
         if self.dead is None:
             return np.broadcast_to(springs, (*x.shape[:-1], *springs.shape))
         return springs + self.dead.hessian(self.sectors, x)

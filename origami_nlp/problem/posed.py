@@ -18,6 +18,7 @@ from origami_nlp.pattern import Scene, dead_loads, limit_words
 from origami_nlp.problem.compiled import Structure
 from origami_nlp.problem.contact import Contact, FoldLimits, gap_weights
 from origami_nlp.problem.gaps import Gap, first_of_each
+from origami_nlp.problem.hinge_laws import HingeLaws
 from origami_nlp.problem.model_reduction import enumerate_gaps, facet_of_ray
 from origami_nlp.problem.parameters import Parameters
 
@@ -107,6 +108,7 @@ class PosedProblem(Energies, PrettyRepr):
         check_type("scene", scene, Scene)
         self.scene = scene
         group = scene.group
+        creases = [ray.crease for ray in group.rays if ray.crease is not None]
         gaps, pairs, self.left_out = enumerate_gaps(scene)
         self.structure = Structure(
             kind=group.kind,
@@ -120,6 +122,7 @@ class PosedProblem(Energies, PrettyRepr):
             dead=()
             if (dead := dead_loads(scene.loads, scene.fixed_facet)) is None
             else (dead.held, *dead.facets),
+            laws=tuple(scene.laws[c] for c in creases) if scene.laws else (),
         )
         crease_rays = [r for r, ray in enumerate(group.rays) if ray.crease is not None]
         position = {r: v for v, r in enumerate(crease_rays)}
@@ -135,7 +138,11 @@ class PosedProblem(Energies, PrettyRepr):
         sectors = [ray.sector for ray in group.rays]
         if group.kind == "D":
             sectors = sectors[:-1]
-        springs = Parameters(np.array(sectors), k, rest, np.zeros(self.size), dead)
+        laws = None
+        if scene.laws:
+            has = np.array([law is not None for law in self.structure.laws])
+            laws = HingeLaws(self.structure.laws, has * self.multiplicity)
+        springs = Parameters(np.array(sectors), k, rest, np.zeros(self.size), dead, laws)
         self.parameters = springs.scaled(1 / self.scale)
 
     def varied(self, parameters: Parameters, sector_angles: np.ndarray | None = None) -> Self:
@@ -219,7 +226,7 @@ class PosedProblem(Energies, PrettyRepr):
         n, i = self.size, np.arange(self.size)
         p = self.parameters
         found = [(i, 1)]
-        if not self.scene.group.is_trivial or p.dead is not None:
+        if not self.scene.group.is_trivial or not p.plain:
             return tuple(found)
         a = p.sectors
         for shift, mirrored, sign in itertools.product(range(n), (False, True), (1, -1)):

@@ -160,7 +160,7 @@ def pose(model: Model) -> tuple[BoxProblem, Flat]:
     """
     scene = model.scene
     scene.check_no_forces("a proof")
-    scene.check_no_stops("a proof")
+    scene.check_plain_hinges("a proof")
     if scene.contact != "fold-limits":
         raise OptionError(f"contact = {scene.contact!r}: proofs are for contact = 'fold-limits'")
     if not scene.vertex.flat:

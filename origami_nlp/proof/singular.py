@@ -96,7 +96,7 @@ def isolated(model: Model, x: Sequence[float], stratum: Stratum) -> Isolation:
     0.01
     """
     model.scene.check_no_forces("a singular state")
-    model.scene.check_no_stops("a singular state")
+    model.scene.check_plain_hinges("a singular state")
     if model.scene.contact != "fold-limits" or not model.scene.vertex.flat:
         raise OptionError(
             "singular states are looked at for contact = 'fold-limits' and flat sheets"

@@ -107,7 +107,7 @@ def prove_strip(
     >>> proof.curves, len(proof.minima), proof.undecided
     (2, 2, ())
     """
-    pattern.check_no_stops("a proof")
+    pattern.check_plain_hinges("a proof")
     strip, why = as_strip(pattern)
     if strip is None:
         raise OptionError(f"pattern = {pattern.title}: no strip that can be proved: {why}")

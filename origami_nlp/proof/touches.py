@@ -124,7 +124,7 @@ def prove(
     """
     check_type("model", model, Model)
     model.scene.check_no_forces("a proof")
-    model.scene.check_no_stops("a proof")
+    model.scene.check_plain_hinges("a proof")
     asked: dict[str, Any] = {"seconds": seconds, "until": until, "options": options}
     if model.scene.contact != "full":
         return prove_within_limits(model, record=record, **asked)

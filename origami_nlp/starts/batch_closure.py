@@ -137,6 +137,10 @@ class Closing:
             curved += self.kinematics.gaps_hessian(p.at, s.slots[:, :used], forces)
         # in y = sqrt(k) phi the springs have the unit matrix: H = 1 - sum lam_i Hess c_i / (root root')
         own, dead = np.eye(s.x.shape[1]), self.model.parameters.dead
+        if (laws := self.model.parameters.laws) is not None:
+            # where a law is in place of the spring its stiffness is, not the measure of it
+            k, n = self.model.parameters.stiffness, np.arange(s.x.shape[1])
+            curved[:, n, n] += k - laws.linear(k) - laws.slope(s.x)
         if dead is not None:
             curved = curved - dead.hessian(self.model.parameters.sectors, s.x)
         root = self.root(s)

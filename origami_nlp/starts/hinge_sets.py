@@ -122,7 +122,7 @@ def _lowest_of(
     p = model.parameters
     weight, free = p.stiffness[moving], p.rest[moving]
     x: np.ndarray | None = None
-    for _ in range(1 if p.dead is None else MOST_STEPS):
+    for _ in range(1 if p.plain else MOST_STEPS):
         limits = model.fold_limits.low[moving], model.fold_limits.high[moving]
         lowest = _lowest(weight, free, turn, c, limits)
         if lowest is None:
@@ -136,9 +136,7 @@ def _lowest_of(
         else:
             x = y
         free = x[moving] - p.torque(x)[moving] / weight
-    return (
-        x if p.dead is None else None
-    )  # a state that is nearly lowest would stand for the one that is
+    return x if p.plain else None  # a state that is nearly lowest would stand for the one that is
 
 
 def _lowest(

@@ -31,7 +31,7 @@ class RestState(Listed):
     def states(self) -> list[np.ndarray]:
         """Return it, or nothing."""
         model = self._model
-        if model.parameters.dead is not None:
+        if not model.parameters.plain:
             return []
         x = model.parameters.rest.copy()
         value, jacobian = model.closure(x)

@@ -196,7 +196,9 @@ class Sweep:
             arguments = {k: v for k, v in data.items() if k != "example"}
             return _EXAMPLES[data["example"]](**arguments)
         _give_way(data, {place for axis in self.axes for place in axis.places})
-        return scene_from_dict(data)
+        made = scene_from_dict(data)
+        made.check_plain_hinges("a sweep", stops=True)
+        return made
 
     @property
     def normalized(self) -> float:

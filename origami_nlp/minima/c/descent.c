@@ -117,7 +117,7 @@ static int try_state(const Vertex *v, const Samples *s, int64_t k, double slope,
   for (int64_t i = 0; i < v->n; i++) good = good && !beyond(v, t->x, i) && fabs(t->x[i] - x[i]) < 2 * REACH;
   double now = energy(v, g, t->x), e = energy(v, g, x);
   /* sufficient decrease (Nocedal and Wright, eq. 3.4), with slack for the rounding of energies */
-  int lower = now <= e + DECREASE * fmin(slope, 0.0) + EXPLORED * (1 + e);
+  int lower = now <= e + DECREASE * fmin(slope, 0.0) + EXPLORED * (1 + fabs(e));
   good = good && (lower || (escaped && now <= e + SAME_ENERGY));
   *gap = crossing(v, &q->at, t->x, t->at_limit, w->depth, side);
   return good && *gap == OPEN;

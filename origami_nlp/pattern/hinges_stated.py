@@ -1,0 +1,163 @@
+"""Hinge laws of the creases of a vertex or a pattern: read, checked, and what they are worth at states."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from origami_nlp.arguments import shown
+from origami_nlp.errors import FoldFileError, OptionError, SceneError
+from origami_nlp.numerics import OUTSIDE
+from origami_nlp.pattern.fold_limits import Limits, limit_words
+from origami_nlp.pattern.hinge_law import HingeLaw, law_to_dict
+
+Laws = tuple[HingeLaw | None, ...]
+
+
+def read_laws(given: object, degree: int) -> Laws:
+    """Read a law, or None, for each crease; () where all are None.
+
+    Raises
+    ------
+    SceneError
+        If there are not as many, or one is no law.
+    """
+    laws = tuple(given) if isinstance(given, Iterable) else ()
+    if not laws and given == ():
+        return ()
+    if len(laws) != degree or not all(law is None or isinstance(law, HingeLaw) for law in laws):
+        raise SceneError(
+            f"laws = {shown(given)} must be a HingeLaw or None for each of {degree} creases"
+        )
+    known: dict[HingeLaw, HingeLaw] = {}  # equal laws are one
+    return tuple(law and known.setdefault(law, law) for law in laws) if any(laws) else ()
+
+
+def with_laws(values: Sequence[float], laws: Laws, what: str) -> tuple[float, ...]:
+    """Return stiffnesses, or rest angles, of creases, those of laws in place of what is stated."""
+    if not laws:
+        return tuple(values)
+    return tuple(
+        v if law is None else getattr(law, what) for v, law in zip(values, laws, strict=True)
+    )
+
+
+def check_laws(laws: Laws, limits: np.ndarray, contact: str, preload: Sequence[float]) -> None:
+    """Raise an error unless laws are known between the fold limits [2, N], and no preload is added to them.
+
+    Raises
+    ------
+    SceneError
+        The message names the crease, and two ways out.
+    """
+    if laws and contact == "none":
+        raise SceneError(
+            "laws are known between fold limits: contact = 'none' has none; use 'fold-limits' or 'full'"
+        )
+    wound = list(preload) or [0.0] * len(laws)
+    for i, (law, low, high, m) in enumerate(
+        zip(laws, *limits, wound, strict=True) if laws else (), start=1
+    ):
+        if law is None:
+            continue
+        if m:
+            raise SceneError(f"preload[{i}]: crease {i} has a hinge law; add the torque to the law")
+        if law.breaks[0] > low + OUTSIDE or law.breaks[-1] < high - OUTSIDE:
+            known, asked = (
+                "[" + ", ".join(f"{math.degrees(a):.4g}" for a in pair) + "]"
+                for pair in ((law.breaks[0], law.breaks[-1]), (low, high))
+            )
+            raise SceneError(
+                f"hinge law {law.name!r} of crease {i} is known on {known} degrees only, its fold limits are {asked}: "
+                f"give limits_deg within, or extrapolate = 'linear' in the law"
+            )
+
+
+def check_plain_hinges(laws: Laws, limits: Limits, what: str) -> None:
+    """Raise an error where there are laws, or limits, which `what` does not know.
+
+    Raises
+    ------
+    OptionError
+        With the first law, or the limits.
+    """
+    if laws:
+        law = next(law for law in laws if law is not None)
+        raise OptionError(
+            f"{what}: known for linear springs only, and crease {laws.index(law) + 1} has the hinge law {law.name!r}; "
+            "minima are searched for with laws"
+        )
+    if limits:
+        raise OptionError(
+            f"{what}: not decided with fold limits of their own ({limit_words(limits)}); minima are known there"
+        )
+
+
+LAW_KEY = "edges_origaminlp:law"
+"""Key of FOLD: the number of each edge's law (from 0), null for a linear spring."""
+
+
+def laws_to_fold(laws: Laws, others: int) -> dict[str, Any]:
+    """Return laws as keys of FOLD, for creases and then `others` edges without; nothing where there are no laws.
+
+    Parameters
+    ----------
+    laws
+        Of the creases.
+    others
+        Edges that follow.
+
+    Returns
+    -------
+    dict
+        Number of the law of each edge, and the laws.
+    """
+    if not laws:
+        return {}
+    every = list(dict.fromkeys(filter(None, laws)))
+    return {
+        LAW_KEY: [*(None if law is None else every.index(law) for law in laws), *[None] * others],
+        "origaminlp:laws": [{"name": law.name, **law_to_dict(law)} for law in every],
+    }
+
+
+def refuse_laws(frame: Mapping[str, Any]) -> None:
+    """Raise an error where a frame of FOLD states laws, which would be lost.
+
+    Raises
+    ------
+    FoldFileError
+        With the key.
+    """
+    if LAW_KEY in frame:
+        raise FoldFileError(
+            f"{LAW_KEY}: hinge laws are not read from FOLD: state them in a scene file, keep results as JSON, or leave "
+            "the key out"
+        )
+
+
+def law_numbers(laws: Laws) -> list[list[float]]:
+    """Return numbers that are equal where laws are, a row of them; none where there are no laws."""
+    every = list(dict.fromkeys(laws))
+    return [[float(every.index(law)) for law in laws]] if laws else []
+
+
+def energy_with_laws(phi: np.ndarray, k: np.ndarray, rest: np.ndarray, laws: Laws) -> np.ndarray:
+    """Elastic energy of states [..., N], springs and laws, [...]."""
+    energy = 0.5 * k * (phi - rest) ** 2
+    for i, law in enumerate(laws):
+        if law is not None:
+            energy[..., i] = law.energy(phi[..., i])
+    return np.asarray(energy.sum(axis=-1))
+
+
+def torque_with_laws(phi: np.ndarray, k: np.ndarray, rest: np.ndarray, laws: Laws) -> np.ndarray:
+    """Torques of states [..., N], springs and laws, same shape."""
+    torque = k * (phi - rest)
+    for i, law in enumerate(laws):
+        if law is not None:
+            torque[..., i] = law.torque(phi[..., i])
+    return np.asarray(torque)

@@ -1,0 +1,298 @@
+"""Hinge laws: pieces against formulas, minima against scans that share no code, no false state at the top of a well."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.interpolate import PchipInterpolator
+
+import origami_nlp as o
+from origami_nlp import Scene, State, Vertex
+from origami_nlp.errors import FoldFileError, OptionError, SceneError
+from origami_nlp.pattern import make_pattern, read_law
+from origami_nlp.pattern.hinge_law import (
+    HingeLaw,
+    detent,
+    double_well,
+    linear,
+    one_sided,
+    polynomial,
+    sum_of,
+    table,
+    well,
+)
+from origami_nlp.problem import compile_structure
+from tests.independent import scan_four
+
+FORMULAS = [
+    (linear(2.0, 0.5), lambda x: (x - 0.5) ** 2),
+    (polynomial([1.0, 0.0, 0.3], 0.2), lambda x: 0.5 * (x - 0.2) ** 2 + 0.075 * (x - 0.2) ** 4),
+    (well(1.5, 1.0, 0.4), lambda x: -1.5 * np.exp(-0.5 * ((x - 1.0) / 0.4) ** 2)),
+    (double_well(2.0, 1.2, 0.1), lambda x: 2.0 * (((x - 0.1) / 1.2) ** 2 - 1) ** 2),
+    (detent(0.4, 5, 0.3), lambda x: 0.2 * (1 - np.cos(5 * (x - 0.3)))),
+]
+
+
+@pytest.mark.parametrize(("law", "energy"), FORMULAS, ids=[law.name for law, _ in FORMULAS])
+def test_pieces_are_the_formula(law, energy):
+    x = np.linspace(-math.pi, math.pi, 1_001)
+    exact = energy(x) - energy(np.linspace(-math.pi, math.pi, 200_001)).min()
+    assert np.abs(law.energy(x) - exact).max() <= 2e-6 * exact.max()
+    step = 1e-5
+    assert np.allclose(
+        law.torque(x[1:-1]),
+        (energy(x[1:-1] + step) - energy(x[1:-1] - step)) / (2 * step),
+        atol=1e-4,
+    )
+    # what is computed with them agrees to rounding: change, derivative, the other side of the paper
+    assert np.allclose(law.change(x[:-1], x[1:]), np.diff(law.energy(x)), atol=1e-13 * exact.max())
+    assert np.allclose(law.turned().energy(-x), law.energy(x), atol=1e-13 * exact.max())
+    assert law.monotone == bool((np.diff(law.torque(x)) > -1e-9).all())
+
+
+def test_casadi_has_the_same_pieces():
+    v = Vertex.from_degrees((70, 80, 120, 90))
+    laws = (double_well(1.0, 1.0), None, detent(0.3, 6), one_sided(4.0, 1.0))
+    model = o.Model(Scene(v, (1,) * 4, (0.2,) * 4, "none", laws=laws))
+    functions = compile_structure(model.structure)
+    rng = np.random.default_rng(0)
+    for x in rng.uniform(-math.pi, math.pi, (50, 4)):
+        local = functions.evaluators["local"](x, model.parameters.vector)
+        assert np.allclose(local[0].ravel(), model.parameters.torque(x), atol=1e-12)
+        bent = functions.evaluators["hessian"](
+            x, model.parameters.vector, 1.0, np.zeros(3), np.zeros(len(model.structure.gaps))
+        )
+        assert np.allclose(bent[0], model.parameters.hessian(x), atol=1e-11)
+        assert model.energy(x) == pytest.approx(model.scene.energy(x), rel=1e-13)
+
+
+def test_a_linear_law_is_a_linear_spring():
+    for name, dof in (
+        (Vertex.from_degrees((70, 80, 120, 90)), 4),
+        (Vertex.from_degrees((60, 75, 85, 70, 70)), 5),
+    ):
+        rng = np.random.default_rng(dof)
+        k, rest = np.exp(rng.normal(size=dof)), rng.uniform(-2, 2, dof)
+        plain = Scene(name, tuple(k), tuple(rest), "none")
+        laws = replace(plain, laws=tuple(map(linear, k, rest)))
+        assert laws.stiffness == pytest.approx(plain.stiffness)
+        one, two = o.find_minima(plain), o.find_minima(laws)
+        assert [m.energy for m in two.minima] == pytest.approx(
+            [m.energy for m in one.minima], rel=1e-9
+        )
+        assert np.allclose(
+            [m.fold_angles for m in two.minima], [m.fold_angles for m in one.minima], atol=1e-7
+        )
+
+
+def drawn(rng):
+    """A law of a random type, with its energy as a formula."""
+    k, r = rng.uniform(0.3, 2), rng.uniform(-1, 1)
+    kind = rng.integers(4)
+    if kind == 0:
+        e, w, c = rng.uniform(0.3, 2), rng.uniform(0.5, 2), rng.uniform(-0.8, 0.8)
+        return double_well(e, w, c), lambda x: e * (((x - c) / w) ** 2 - 1) ** 2
+    if kind == 1:
+        a, n = rng.uniform(0.1, 0.6), int(rng.integers(3, 8))
+        energy = lambda x: 0.5 * k * (x - r) ** 2 + a / 2 * (1 - np.cos(n * (x - r / 2)))  # noqa: E731
+        return sum_of([linear(k, r), detent(a, n, r / 2)]), energy
+    if kind == 2:
+        a, at, w = rng.uniform(0.2, 1.5), rng.uniform(-2, 2), rng.uniform(0.2, 0.5)
+        energy = lambda x: 0.5 * k * (x - r) ** 2 - a * np.exp(-0.5 * ((x - at) / w) ** 2)  # noqa: E731
+        return sum_of([linear(k, r), well(a, at, w)]), energy
+    x = np.linspace(-math.pi, math.pi, 15)
+    y = x - r + 0.6 * rng.normal(size=15)
+    return table(x, y), PchipInterpolator(x, y).antiderivative()
+
+
+def compared(rng, contact, samples=6_001):
+    """States that a search finds and those that a scan finds, of a random vertex of degree four."""
+    a = rng.dirichlet([4] * 4) * 2 * math.pi
+    while a.max() > 3.0:
+        a = rng.dirichlet([4] * 4) * 2 * math.pi
+    laws, energies = zip(*(drawn(rng) for _ in range(4)), strict=True)
+    limits = rng.uniform(0.5, 3, (4, 2)) * (-1, 1) if rng.random() < 0.5 else ()
+    scene = Scene(Vertex(tuple(a)), (1,) * 4, (0,) * 4, "none", contact, limits=limits, laws=laws)
+    _, theirs = scan_four.minima(
+        lambda x: sum(f(x[..., i]) for i, f in enumerate(energies)),
+        np.array(scene.vertex.sector_angles),
+        scene.limit_angles,
+        contact,
+        samples,
+    )
+    ours = np.array([m.fold_angles for m in o.find_minima(scene).minima])
+    return ours.reshape(-1, 4), theirs
+
+
+def agree(ours, theirs):
+    apart = np.abs(ours[:, None] - theirs[None]).max(axis=2)
+    return len(ours) == len(theirs) and (apart.min(axis=0) <= 2e-2).all()
+
+
+@pytest.mark.parametrize(("seed", "contact"), [(1, "full"), (2, "fold-limits")])
+def test_minima_are_those_of_a_scan(seed, contact):
+    rng = np.random.default_rng(seed)
+    assert all(agree(*compared(rng, contact)) for _ in range(2))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("contact", ["full", "fold-limits"])
+def test_minima_of_many_are_those_of_scans(contact):
+    rng = np.random.default_rng(3)
+    assert sum(agree(*compared(rng, contact)) for _ in range(50)) == 50
+
+
+def strip(creases):
+    """Facets in a row: every crease folds by itself."""
+    row = creases + 2
+    corners = np.array([(i, j) for j in (0, 1) for i in range(row)], float)
+    return make_pattern(corners, [(i, i + 1, row + i + 1, row + i) for i in range(row - 1)])
+
+
+@pytest.mark.parametrize("creases", [2, 3, 4])
+def test_a_strip_of_wells_has_all_their_combinations_and_no_other(creases):
+    result = o.find_minima(strip(creases).with_laws(double_well(1.0, 0.7)))
+    found = {tuple(np.round(m.fold_angles, 6)) for m in result.minima}
+    assert len(found) == len(result.minima) == 2**creases
+    assert all(set(map(abs, state)) == {0.7} for state in found)
+
+
+def test_no_top_of_wells_is_a_minimum():
+    """Balanced at the flat state by the top of a well: 60 random laws, vertices and strips."""
+    rng = np.random.default_rng(9)
+    four, two = Vertex.from_degrees((70, 80, 120, 90)), strip(2)
+    for _ in range(30):
+        law = double_well(rng.uniform(0.1, 5), rng.uniform(0.3, 2.5))
+        scene = Scene(four, (1,) * 4, (0,) * 4, "none", laws=(law,) * 4)
+        at_flat = o.classify(State(o.Model(scene), np.zeros(4)))
+        assert at_flat.verdict != "minimum"
+        sheet = two.with_laws([law, linear(1.0)])
+        assert o.classify(sheet, [0.0, 0.0]).verdict != "minimum"
+        inside = sheet.with_laws([law, linear(1.0, 0.4)])
+        assert o.classify(inside, [0.0, 0.4]).verdict != "minimum"
+
+
+def test_one_sided_springs_become_stops():
+    """States and moments differ by the inverse of the stiffness: slope -1 over three decades."""
+    v = Vertex.from_degrees((70, 80, 120, 90))
+    scene = Scene(v, (1, 2, 3, 2), (1.0, -0.5, 2.9, 0.8), "none", "fold-limits")
+    stop = o.find_minima(
+        replace(scene, limits=[(-math.pi, math.pi)] * 2 + [(-math.pi, 2.0), (-math.pi, math.pi)])
+    )
+    held = np.array(stop.minima[0].fold_angles)
+    assert held[2] == 2.0
+    off, moments = [], []
+    for stiffness in (1e2, 1e3, 1e4):
+        soft = sum_of([linear(3.0, 2.9), one_sided(stiffness, 2.0, 1e-6)])
+        result = o.find_minima(replace(scene, laws=(None, None, soft, None)))
+        found = np.array([m.fold_angles for m in result.minima])
+        near = found[np.abs(found - held).max(axis=1).argmin()]
+        off.append(np.abs(near - held).max())
+        moments.append(stiffness * (near[2] - 2.0))
+    assert np.allclose(np.diff(np.log10(off)), -1, atol=0.1)
+    nearer = np.diff(moments)
+    assert nearer[0] / nearer[1] == pytest.approx(10, rel=0.1)
+    assert moments[-1] == pytest.approx(stop.minima[0].contacts[0].multiplier, rel=1e-3)
+
+
+def test_files_keep_laws(tmp_path):
+    v = Vertex.from_degrees((70, 80, 120, 90))
+    laws = (
+        double_well(1.0, 1.0),
+        None,
+        table(np.linspace(-3, 3, 9), np.linspace(-3, 3, 9) ** 3),
+        detent(0.2, 4),
+    )
+    scene = Scene(v, (1,) * 4, (0.5,) * 4, "none", limits=(-2.5, 2.5), laws=laws)
+    assert o.parse_scene(o.format_scene(scene)) == scene
+    sheet = strip(2).with_laws([laws[0], None])
+    result = o.find_minima(sheet)
+    o.save(result, tmp_path / "result.json")
+    again = o.load(tmp_path / "result.json")
+    assert again.pattern.laws == sheet.laws
+    o.write_fold(result, tmp_path / "states.fold")
+    with pytest.raises(FoldFileError, match="hinge laws"):
+        o.read_pattern(tmp_path / "states.fold")
+
+
+TEXT = """
+[vertex]
+sector_angles_deg = [70, 80, 120, 90]
+[creases]
+stiffness = [1, 1, 1, 1]
+rest_angles_deg = [10, 0, 0, 0]
+limits_deg = [-150, 150]
+law = ["", "snap", "tape", "snap"]
+[laws.snap]
+sum = [{type = "linear", stiffness = 0.1}, {type = "double-well", energy = 0.5, at_deg = 60}]
+[laws.tape]
+type = "table"
+angle_deg = [-160, -80, -20, 0, 20, 80, 160]
+torque = [-0.4, -0.3, -0.5, 0, 0.5, 0.3, 0.4]
+"""
+
+
+def test_laws_are_stated_in_scene_files():
+    scene = o.parse_scene(TEXT)
+    assert scene.laws[0] is None and scene.laws[1] is scene.laws[3]
+    assert not scene.laws[2].monotone
+    assert scene.torque(np.radians([10, 0, 80, 0]))[[0, 2]] == pytest.approx([0.0, 0.3])
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "why"),
+    [
+        ('"snap"]', '"snip"]', r"no table \[laws.snip\]"),
+        ("-160, -80", "-140, -80", "known on .* only"),
+        ("-20, 0, 20", "-20, 0, -20", "must increase"),
+        ('type = "table"', 'type = "tabel"', "must be one of"),
+        ("energy = 0.5, ", "", "missing energy"),
+        ("-0.4, -0.3", '"a", -0.3', "numbers"),
+    ],
+)
+def test_wrong_laws_are_named(old, new, why):
+    with pytest.raises((SceneError, o.OrigamiError), match=why):
+        o.parse_scene(TEXT.replace(old, new))
+
+
+def test_what_does_not_know_laws_says_so():
+    scene = replace(o.examples.degree6("pi/3"), laws=(double_well(1.0, 1.0),) * 6)
+    assert scene.group.name == "C6" or scene.group.name.startswith("D")
+    for asked in (
+        o.find_barriers,
+        o.find_critical_points,
+        o.find_space,
+        lambda s: o.follow(s, "stiffness[1]=1:2"),
+        lambda s: o.load_path(s, 1),
+    ):
+        with pytest.raises(OptionError, match="linear springs only"):
+            asked(scene)
+    with pytest.raises(SceneError, match="preload"):
+        replace(scene, symmetry="none", preload=(0.1,) * 6)
+
+
+def test_symmetric_minima_with_laws():
+    """Each crease has the law of its images; what stays a minimum without the symmetry is one there."""
+    law = double_well(0.2, 0.8)
+    scene = replace(
+        o.examples.degree6("pi/3"), contact="fold-limits", laws=(law, *(linear(1.0, 0.3),) * 2) * 2
+    )
+    assert scene.group.name != "none"
+    kept = o.find_minima(scene, escape=False)
+    whole = o.Model(replace(scene, symmetry="none"))
+    again = [o.classify(State(whole, np.array(m.fold_angles))).verdict for m in kept.minima]
+    assert "minimum" in again and "undecided" not in again
+    with pytest.raises(o.OrigamiError, match="not shared"):
+        replace(scene, symmetry=scene.group.name, laws=(None, law, *(None,) * 4))
+
+
+def test_a_law_is_refused_that_is_none():
+    with pytest.raises(SceneError, match="jumps"):
+        HingeLaw((-1.0, 0.0, 1.0), ((0, 0, 0, 0.0), (0, 0, 1, 1.0)))
+    with pytest.raises(SceneError, match="preload"):
+        HingeLaw((-1.0, 1.0), ((0, 0, 0, 1.0),))
+    with pytest.raises(SceneError, match="must be one of"):
+        read_law({"type": "lambda x: x"}, "bad")
