@@ -319,6 +319,16 @@ PerLength = Annotated[
         show_default=False,
     ),
 ]
+Bend = Annotated[
+    float | None,
+    typer.Option(
+        "--bend",
+        metavar="K",
+        **_OF_FOLD,
+        help="Facets with more than three corners bend: their short diagonals are creases of stiffness K per length "
+        "[N/rad].",
+    ),
+]
 FoldStiffness = Annotated[
     str | None,
     typer.Option(

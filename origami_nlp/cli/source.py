@@ -32,7 +32,7 @@ SPRINGS = {
     "rest_from": o.FoldRestFrom,
 }
 """Springs that a FOLD file leaves open: for the commands that come first, and `inspect`, which writes them down."""
-PER_LENGTH = {"per_length": o.PerLength}
+PER_LENGTH = {"per_length": o.PerLength, "bend": o.Bend}
 """What a command that takes springs and whole patterns has besides."""
 
 
@@ -126,8 +126,9 @@ class Source:
             if (symmetry := self.given.get("symmetry")) is None:
                 return scene
             return replace(scene, symmetry=symmetry, mirror=None, winding=None)
-        if "per_length" in self.given:
-            raise OptionError("--per-length is for whole patterns, not for a vertex of one")
+        for option in PER_LENGTH.keys() & self.given.keys():
+            named = option.replace("_", "-")
+            raise OptionError(f"--{named} is for whole patterns, not for a vertex of one")
         self._refuse_material()
         if self.vertex is not None:
             check_whole("--vertex", self.vertex, 0)
@@ -152,7 +153,7 @@ class Source:
 
     def read_pattern(self, contact: bool = False) -> Pattern:
         """Return the whole pattern of a FOLD file or an example; contact: what is asked of it takes ``--contact``."""
-        from origami_nlp.pattern import frame_pattern
+        from origami_nlp.pattern import frame_pattern, with_bending
 
         if not self.is_fold:
             raise OptionError(
@@ -167,7 +168,9 @@ class Source:
         if "per_length" in self.given and isinstance(options.get("stiffness"), str):
             raise OptionError("--per-length: a material is per length already, leave it out")
         whole = frame_pattern(self._frame(), **options)
-        return whole.with_springs(per_length=True) if self.given.get("per_length") else whole
+        whole = whole.with_springs(per_length=True) if self.given.get("per_length") else whole
+        bend = self.given.get("bend")
+        return whole if bend is None else with_bending(whole, bend)
 
     def read_all(self) -> dict[int, Scene]:
         """Return the scene of every vertex of a FOLD file that can be analysed, by its number."""
@@ -198,7 +201,7 @@ class Source:
 
     def _spring_options(self) -> dict[str, Any]:
         return spring_options(
-            **{k: v for k, v in self.given.items() if k not in ("vertex", "frame", "per_length")}
+            **{k: v for k, v in self.given.items() if k not in ("vertex", "frame", *PER_LENGTH)}
         )
 
 

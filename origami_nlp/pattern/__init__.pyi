@@ -4,6 +4,7 @@ from .angles import (
     parse_angle as parse_angle,
     parse_angles as parse_angles,
 )
+from .bending import with_bending as with_bending
 from .coercion import (
     as_origami as as_origami,
     as_pattern as as_pattern,
@@ -50,7 +51,9 @@ from .hinge_law import (
     detent as detent,
     double_well as double_well,
     law_to_dict as law_to_dict,
+    linear as linear,
     one_sided as one_sided,
+    polynomial as polynomial,
     read_law as read_law,
     sum_of as sum_of,
     table as table,

@@ -12,14 +12,15 @@ from scipy.interpolate import PchipInterpolator
 import origami_nlp as o
 from origami_nlp import Scene, State, Vertex
 from origami_nlp.errors import FoldFileError, OptionError, SceneError
-from origami_nlp.pattern import make_pattern, read_law
-from origami_nlp.pattern.hinge_law import (
+from origami_nlp.pattern import (
     HingeLaw,
     detent,
     double_well,
     linear,
+    make_pattern,
     one_sided,
     polynomial,
+    read_law,
     sum_of,
     table,
     well,
@@ -191,7 +192,7 @@ def test_one_sided_springs_become_stops():
         found = np.array([m.fold_angles for m in result.minima])
         near = found[np.abs(found - held).max(axis=1).argmin()]
         off.append(np.abs(near - held).max())
-        moments.append(stiffness * (near[2] - 2.0))
+        moments.append(stiffness * (near[2] - 2.0 - 0.5e-6))  # rounded over 1e-6
     assert np.allclose(np.diff(np.log10(off)), -1, atol=0.1)
     nearer = np.diff(moments)
     assert nearer[0] / nearer[1] == pytest.approx(10, rel=0.1)
