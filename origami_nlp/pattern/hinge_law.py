@@ -21,6 +21,7 @@ import numpy as np
 from origami_nlp.arguments import check_number, shown
 from origami_nlp.errors import SceneError
 from origami_nlp.io import ShortRepr
+from origami_nlp.numerics import INPUT_TOL, RESOLVED
 
 PIECES = 256
 """Of a law that is stated by a formula: its torque is met with its slope at their ends."""
@@ -76,7 +77,7 @@ class HingeLaw(ShortRepr):
         steps = np.diff(x)[:-1]
         ends = np.array([np.polyval(p, h) for p, h in zip(c[:-1], steps, strict=True)])
         jump = np.abs(ends - c[1:, 3]).max(initial=0.0)
-        if jump > JUMP * max(np.abs(c[:, 3]).max(), np.finfo(float).tiny):
+        if jump > INPUT_TOL * max(np.abs(c[:, 3]).max(), np.finfo(float).tiny):
             raise SceneError(
                 f"hinge law {self.name!r}: the torque jumps by {jump:.3g} N m between two pieces"
             )
@@ -152,7 +153,7 @@ class HingeLaw(ShortRepr):
         roots = np.concatenate([self._torque.roots(extrapolate=False), self.breaks])
         x = roots[np.isfinite(roots) & (roots >= self.breaks[0]) & (roots <= self.breaks[-1])]
         energy = self.energy(x)
-        low = x[energy <= energy.min() + LOWEST * max(float(energy.max()), np.finfo(float).tiny)]
+        low = x[energy <= energy.min() + INPUT_TOL * max(float(energy.max()), np.finfo(float).tiny)]
         return float(low[np.lexsort((-low, np.round(np.abs(low), 9)))[0]])
 
     @cached_property
@@ -162,7 +163,7 @@ class HingeLaw(ShortRepr):
         x = np.concatenate([bent[np.isfinite(bent)], np.array(self.breaks)])
         x = x[(x >= self.breaks[0]) & (x <= self.breaks[-1])]
         low = np.nextafter(x, -np.inf)  # where the slope jumps both sides count
-        return bool(min(self.slope(x).min(), self.slope(low).min()) >= -LOWEST * self.stiffness)
+        return bool(min(self.slope(x).min(), self.slope(low).min()) >= -INPUT_TOL * self.stiffness)
 
     def times(self, factor: float) -> HingeLaw:
         """Return the law with `factor` times the torque: of a longer crease, or in other units."""
@@ -187,10 +188,6 @@ class HingeLaw(ShortRepr):
 
 FAR = 4.0
 """Length [rad] of the straight pieces beyond the ends."""
-JUMP = 1e-9
-"""Largest jump of the torque between two pieces, over the largest torque."""
-LOWEST = 1e-9
-"""Energies, and stiffnesses below 0, that differ by less relatively are rounding."""
 
 
 def _moved(p: np.ndarray, by: float) -> np.ndarray:
@@ -212,19 +209,75 @@ def _sampled(torque: Any, slope: Any, name: str, more: Sequence[float] = ()) -> 
 
 
 def linear(stiffness: float, rest: float = 0.0) -> HingeLaw:
-    """A linear spring as a law: torque stiffness (phi - rest)."""
+    """A linear spring as a law: torque stiffness (phi - rest).
+
+    Parameters
+    ----------
+    stiffness
+        Positive [N m/rad].
+    rest
+        Angle without torque [rad].
+
+    Returns
+    -------
+    HingeLaw
+        Known from -180 to 180 degrees.
+
+    Raises
+    ------
+    SceneError, OptionError
+        If a number does not fit.
+    """
     k = check_number("stiffness", stiffness, 0.0)
     return _sampled(lambda x: k * (x - rest), lambda x: np.full_like(x, k), "linear")
 
 
 def polynomial(coefficients: Sequence[float], rest: float = 0.0) -> HingeLaw:
-    """Torque k1 d + k2 d^2 + k3 d^3 + ..., d = phi - rest; coefficients k1, k2, ... [N m/rad, ...]."""
+    """Torque k1 d + k2 d^2 + k3 d^3 + ..., d = phi - rest.
+
+    Parameters
+    ----------
+    coefficients
+        k1, k2, ... [N m/rad, N m/rad^2, ...].
+    rest
+        Angle without torque [rad].
+
+    Returns
+    -------
+    HingeLaw
+        Known from -180 to 180 degrees.
+
+    Raises
+    ------
+    SceneError, OptionError
+        If a number does not fit.
+    """
     p = np.polynomial.Polynomial([0.0, *map(float, coefficients)])
     return _sampled(lambda x: p(x - rest), lambda x: p.deriv()(x - rest), "polynomial")
 
 
 def well(energy: float, at: float, width: float) -> HingeLaw:
-    """A Gaussian well of depth `energy` [J]: U = -energy exp(-(phi - at)^2 / (2 width^2)) [rad]."""
+    """A Gaussian well: U = -energy exp(-(phi - at)^2 / (2 width^2)).
+
+    Parameters
+    ----------
+    energy
+        Depth [J]; negative for a hill.
+    at
+        Its middle [rad].
+    width
+        Its standard deviation [rad].
+
+    Returns
+    -------
+    HingeLaw
+        Known from -180 to 180 degrees.
+
+    Raises
+    ------
+    SceneError, OptionError
+        If a number does not fit.
+    """
     e, w = check_number("energy", energy), check_number("width", width, WIDTHS[0], WIDTHS[1])
 
     def torque(x: np.ndarray) -> np.ndarray:
@@ -239,7 +292,27 @@ def well(energy: float, at: float, width: float) -> HingeLaw:
 
 
 def double_well(energy: float, at: float, centre: float = 0.0) -> HingeLaw:
-    """Two wells at centre +- at, a hill of `energy` [J] between: U = energy (((phi - centre)/at)^2 - 1)^2."""
+    """Two wells with a hill between: U = energy (((phi - centre)/at)^2 - 1)^2.
+
+    Parameters
+    ----------
+    energy
+        Of the hill over the wells [J].
+    at
+        How far the wells are from the hill [rad].
+    centre
+        Where the hill is [rad].
+
+    Returns
+    -------
+    HingeLaw
+        Known from -180 to 180 degrees.
+
+    Raises
+    ------
+    SceneError, OptionError
+        If a number does not fit.
+    """
     e, w = check_number("energy", energy, 0.0), check_number("at", at, WIDTHS[0], math.pi)
 
     def torque(x: np.ndarray) -> np.ndarray:
@@ -254,7 +327,27 @@ def double_well(energy: float, at: float, centre: float = 0.0) -> HingeLaw:
 
 
 def detent(energy: float, wells: int, centre: float = 0.0) -> HingeLaw:
-    """Detents: `wells` a turn, hills of `energy` [J]: U = energy (1 - cos(wells (phi - centre))) / 2."""
+    """Detents all round: U = energy (1 - cos(wells (phi - centre))) / 2.
+
+    Parameters
+    ----------
+    energy
+        Of the hills over the wells [J].
+    wells
+        Wells a turn.
+    centre
+        Where one of them is [rad].
+
+    Returns
+    -------
+    HingeLaw
+        Known from -180 to 180 degrees.
+
+    Raises
+    ------
+    SceneError, OptionError
+        If a number does not fit.
+    """
     e, w = check_number("energy", energy, 0.0), int(wells)
     return _sampled(
         lambda x: 0.5 * e * w * np.sin(w * (x - centre)),
@@ -264,12 +357,29 @@ def detent(energy: float, wells: int, centre: float = 0.0) -> HingeLaw:
 
 
 def one_sided(stiffness: float, start: float, width: float = math.radians(2.0)) -> HingeLaw:
-    """A soft stop: no torque before `start` [rad], then stiffness (phi - start), rounded over `width` [rad].
+    """A soft stop: no torque before `start`, then stiffness (phi - start), rounded.
 
-    Towards valley where `start` is positive, towards mountain where it is negative.
+    Parameters
+    ----------
+    stiffness
+        Positive [N m/rad].
+    start
+        Where it begins [rad]: towards valley if positive, towards mountain if negative.
+    width
+        Over which the torque bends [rad].
+
+    Returns
+    -------
+    HingeLaw
+        Known from -180 to 180 degrees.
+
+    Raises
+    ------
+    SceneError, OptionError
+        If a number does not fit.
     """
     k, side = check_number("stiffness", stiffness, 0.0), math.copysign(1.0, start)
-    w = check_number("width", width, ROUNDED_OVER, 1.0)
+    w = check_number("width", width, RESOLVED, 1.0)
 
     def inside(x: np.ndarray) -> np.ndarray:
         return np.clip(side * x - abs(start), 0.0, None)
@@ -287,7 +397,27 @@ def one_sided(stiffness: float, start: float, width: float = math.radians(2.0)) 
 
 
 def table(angle: Sequence[float], torque: Sequence[float], name: str = "table") -> HingeLaw:
-    """A law through points, monotone between them where they are (PCHIP): angles [rad] increase, torques [N m]."""
+    """A law through points, monotone between them where they are (PCHIP).
+
+    Parameters
+    ----------
+    angle
+        Fold angles, which increase, six at least [rad].
+    torque
+        Torques dU/dphi there [N m].
+    name
+        What reports call it.
+
+    Returns
+    -------
+    HingeLaw
+        Known between the first and the last angle.
+
+    Raises
+    ------
+    SceneError
+        If there are too few points, or they are not in order.
+    """
     from scipy.interpolate import PchipInterpolator
 
     x, y = np.array(angle, float), np.array(torque, float)
@@ -300,14 +430,32 @@ def table(angle: Sequence[float], torque: Sequence[float], name: str = "table") 
     if not (np.diff(x) > 0).all():
         row = int(np.argmin(np.diff(x) > 0)) + 2
         raise SceneError(f"hinge law {name!r}: angles must increase: row {row} does not")
-    if np.abs(x).max() > math.pi * (1 + JUMP):
+    if np.abs(x).max() > math.pi * (1 + INPUT_TOL):
         raise SceneError(f"hinge law {name!r}: angles are beyond +-180 degrees")
     c = PchipInterpolator(x, y).c.T
     return HingeLaw(tuple(x.tolist()), tuple(map(tuple, c.tolist())), name)
 
 
 def sum_of(laws: Sequence[HingeLaw], name: str = "sum") -> HingeLaw:
-    """Return springs side by side on one hinge: torques add, where all are known."""
+    """Springs side by side on one hinge: their torques add.
+
+    Parameters
+    ----------
+    laws
+        One or more.
+    name
+        What reports call it.
+
+    Returns
+    -------
+    HingeLaw
+        Known where all are.
+
+    Raises
+    ------
+    SceneError, OptionError
+        If a number does not fit.
+    """
     low, high = max(law.breaks[0] for law in laws), min(law.breaks[-1] for law in laws)
     every = np.unique(np.concatenate([law.breaks for law in laws]))
     x = every[(every >= low) & (every <= high)]
@@ -322,8 +470,6 @@ def sum_of(laws: Sequence[HingeLaw], name: str = "sum") -> HingeLaw:
     return HingeLaw(tuple(x.tolist()), tuple(map(tuple, c.tolist())), name)
 
 
-ROUNDED_OVER = 1e-7
-"""Least width [rad] over which a soft stop is rounded."""
 WIDTHS = 0.02, 10.0
 """Of wells [rad]: narrower ones are below the pieces."""
 TYPES: dict[str, tuple[Any, dict[str, tuple[str, bool]]]] = {
@@ -421,7 +567,18 @@ def read_law(given: object, name: str) -> HingeLaw:
 
 
 def law_to_dict(law: HingeLaw) -> dict[str, Any]:
-    """Return a law as plain data: its pieces, which `read_law` reads."""
+    """Return a law as plain data: its pieces, which `read_law` reads.
+
+    Parameters
+    ----------
+    law
+        The law.
+
+    Returns
+    -------
+    dict
+        ``type``, ``breaks`` and ``coefficients``.
+    """
     return {
         "type": "pieces",
         "breaks": list(law.breaks),

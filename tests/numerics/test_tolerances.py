@@ -77,7 +77,7 @@ BESIDE_THE_TABLE = {
         paper/cone/phase_curves.RATIO_LIMITS pattern/coordinate_repair.COARSE
         pattern/example_patterns.QUAD_STIFFNESS
         pattern/examples.RATIOS pattern/materials.METRES pattern/numbers_read.SMALLEST
-        pattern/example_vertices.STIFFNESS
+        pattern/example_vertices.STIFFNESS pattern/hinge_law.WIDTHS
         inverse_design/convex.LEAST_MARGIN inverse_design/finding.PRICES
     """,
     "options of IPOPT and of a conic solver": """
