@@ -276,7 +276,11 @@ def _spread(state: State, pieces: Pieces) -> dict[Contact, tuple[float, float]]:
     pieces: of another state of the same arc; they are looked for again where they are not closed here.
     """
     rows = tuple(dict.fromkeys(c for piece in pieces for c in piece))
-    if np.abs(state.local.openings(rows)[0]).max(initial=0.0) > CONTACT_TOL:
+    try:
+        open_ = np.abs(state.local.openings(rows)[0]).max(initial=0.0) > CONTACT_TOL
+    except ArithmeticError:  # sides that run along each other have no gap here
+        open_ = True
+    if open_:
         pieces = tuple(state.pieces)
     out: dict[Contact, tuple[float, float]] = {}
     for piece in pieces:
