@@ -194,7 +194,8 @@ class _Sectors:
             return None
         u, v, _ = self.frames(x)
         # both ends of a side off by a last place turn it by twice that over its length
-        blur = 2 * unit * (1 / np.linalg.norm(u, axis=1) + 1 / np.linalg.norm(v, axis=1))
+        with np.errstate(divide="ignore"):  # two corners in one place: nothing is stated there
+            blur = 2 * unit * (1 / np.linalg.norm(u, axis=1) + 1 / np.linalg.norm(v, axis=1))
         by_digits = RESOLVED < float(blur[self.inside].max()) <= COARSE
         angles, sides = len(u), len(self.start)
         if not by_digits:

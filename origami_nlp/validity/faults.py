@@ -77,7 +77,7 @@ class Test:
 
 @dataclass
 class Findings:
-    """Tests and faults of a frame, as they are found.
+    """Tests, faults and oddities of a frame, as they are found.
 
     Attributes
     ----------
@@ -91,6 +91,7 @@ class Findings:
     tolerance: float | None = None
     posed: bool = False
     """Whether what is looked at is folded from the crease pattern, elsewhere than the coordinates of the frame."""
+    notes: list[str] = field(default_factory=list)
     tests: list[Test] = field(default_factory=list)
     faults: list[Fault] = field(default_factory=list)
 

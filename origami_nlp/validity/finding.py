@@ -116,7 +116,7 @@ def check(
             _check_pattern(f, beside_folded=folded)
         seen.append(f)
     kinds = tuple((one.number, "folded form" if one.folded else "crease pattern") for one in chosen)
-    notes = dict.fromkeys(note for f in seen for note in f.frame.notes)
+    notes = dict.fromkeys(note for f in seen for note in (*f.frame.notes, *f.notes))
     others = () if frame is None or not folded else tuple(one for one in flat if one not in chosen)
     return Validity(
         name,

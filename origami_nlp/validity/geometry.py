@@ -24,6 +24,8 @@ from origami_nlp.pattern import (
 from origami_nlp.validity.faults import MILLI, Fault, Findings
 
 PLANES = "plane faces"
+ODD = ("border", "cuts", "turned over", "in points", "few digits")
+"""Words of the notes of a pattern that are about the sheet, not its springs."""
 MOST_SIDES = 40
 """Of a face up to which all its diagonals are measured; of larger ones those from every vertex to the next but one."""
 
@@ -66,7 +68,9 @@ def check_sheet(f: Findings) -> Pattern | None:
         bad += _bent(f, known, off * f.size)
         f.settle(PLANES, bad, f"{len(frame.faces)} faces, to {off:.0e} of the sheet")
     try:
-        return frame_pattern(frame)
+        pattern = frame_pattern(frame)
+        f.notes += [n for n in pattern.notes if any(word in n for word in ODD)]
+        return pattern
     except OrigamiError as error:
         if not f.faults:
             f.settle("sheet", [f.fault("sheet", str(error))])
@@ -113,6 +117,7 @@ def check_isometry(f: Findings, flat: Frame | None, others: bool) -> bool:
         else:
             _check_developable(f)
         return True
+    _check_cuts(f, flat)
     most = f.lengths(flat)
     ends = f.frame.edges
     was, now = (
@@ -155,6 +160,35 @@ def check_isometry(f: Findings, flat: Frame | None, others: bool) -> bool:
         at = f", as where vert{'ices' if len(moved) > 1 else 'ex'} {listed(moved)} moved"
     f.settle(name, faults, f"{len(ends)} edges, to {most / f.size:.0e} of the sheet{at}")
     return even or not faults
+
+
+def _check_cuts(f: Findings, flat: Frame) -> None:
+    """Check that paper is cut where the crease pattern is: by edges B or C with faces on both sides."""
+    sides = Counter(
+        (min(a, b), max(a, b))
+        for face in f.frame.faces
+        for a, b in zip(face, (*face[1:], face[0]), strict=True)
+    )
+
+    def cuts(frame: Frame) -> set[tuple[int, int]]:
+        lines = zip(frame.edges.tolist(), frame.assignment, strict=True)
+        return {(min(a, b), max(a, b)) for (a, b), letter in lines if letter in "BC"}
+
+    name, one, other = "cuts as in the crease pattern", cuts(f.frame), cuts(flat)
+    number = dict(zip(map(tuple, np.sort(f.frame.edges).tolist()), f.frame.numbers, strict=True))
+    faults = [
+        f.fault(
+            name,
+            f"edge {number[s]} is {'a cut' if s in one else 'no cut'}, in the crease pattern it is "
+            f"{'one' if s in other else 'none'}",
+            vertices=s,
+            edges=[number[s]],
+        )
+        for s in sorted(one ^ other)
+        if sides[s] > 1
+    ]
+    if faults:
+        f.settle(name, faults)
 
 
 def moved_vertices(faults: Sequence[Fault]) -> list[int]:

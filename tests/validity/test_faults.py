@@ -317,6 +317,14 @@ def test_the_rule_that_is_broken_is_named(kind, widths):
     assert kind in said
 
 
+def test_a_cut_that_the_crease_pattern_has_not(flat):
+    letters = flat["file_frames"][0]["edges_assignment"]
+    edge = letters.index("M")
+    found = faults(planted(flat, lambda _, frame: frame["edges_assignment"].__setitem__(edge, "B")))
+    (one,) = found["cuts as in the crease pattern"]
+    assert one.edges == (edge,)
+
+
 def test_all_faults_are_listed_and_not_the_first_only(space):
     def spoil(whole, frame):
         frame["vertices_coords"][0][2] += 0.02
