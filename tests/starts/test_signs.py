@@ -51,11 +51,7 @@ def test_what_was_enumerated_is_not_started_from():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    ("name", "energies"), [("yoshimura:3x3", (0.441604, 0.458340)), ("resch:1x2", (0.086425,))]
-)
-def test_states_that_only_pops_had_found_are_in_the_default_list(name, energies):
-    """By their energies; random starts of six seeds had missed each of them before vertices were popped."""
-    found = find_states(name, escape=False, seconds=1800)
-    listed = np.array([m.energy for m in found.minima])
-    assert all(np.abs(listed - e).min() < 1e-5 for e in energies)
+def test_a_state_that_only_pops_had_found_is_in_the_default_list():
+    """By its energy; random starts of six seeds had missed it before vertices were popped."""
+    found = find_states("yoshimura:3x3", escape=False, seconds=1800)
+    assert min(abs(m.energy - 0.441604) for m in found.minima) < 1e-5
