@@ -33,7 +33,7 @@ REASONS = (
     "curves: creases are straight",
     "in colours that say what it is",
     "has no lines",
-    "in types that say",
+    "not valid XML",
 )
 """Why one is refused."""
 LARGEST = 400_000
