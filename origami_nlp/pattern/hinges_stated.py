@@ -51,7 +51,7 @@ def check_laws(laws: Laws, limits: np.ndarray, contact: str, preload: Sequence[f
     Raises
     ------
     SceneError
-        The message names the crease, and two ways out.
+        The message names the crease, and two cures.
     """
     if laws and contact == "none":
         raise SceneError(
