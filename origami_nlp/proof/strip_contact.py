@@ -37,7 +37,7 @@ NEAR = 2.0**-6
 """Width of theta above which no first touch is looked for [rad]: such boxes are cut first."""
 
 
-class Touch(NamedTuple):
+class FacetTouch(NamedTuple):
     """Two polygons that meet over a box: g = sign det(x1 - x0, x2 - x0, x3 - x0) > 0 where they are apart.
 
     Corners x0..x3 as polygon and place in it; g grows with theta or falls: `slope`, +-1.
@@ -159,7 +159,7 @@ class StripContact:
 
     def over(
         self, facets: Facets, angles: dict[int, Ball], width: np.ndarray
-    ) -> tuple[np.ndarray, dict[int, tuple[Touch, ...]]]:
+    ) -> tuple[np.ndarray, dict[int, tuple[FacetTouch, ...]]]:
         """Return what is known of all facets over boxes, [K], and where pairs of them meet."""
         known = self._of_pairs(facets, _sides_of_folds(angles))
         status = np.full(len(width), APART)
@@ -168,7 +168,7 @@ class StripContact:
         touches = {}
         for k in np.flatnonzero((status == UNKNOWN) & (width <= NEAR)).tolist():
             one = facets.take([k])
-            found: list[Touch] = []
+            found: list[FacetTouch] = []
             for pair in np.flatnonzero(known[:, k] == UNKNOWN).tolist():
                 touch = _find_touch(one, *self.pairs[pair])
                 if touch is None or touch.slope != (found or [touch])[0].slope:
@@ -244,7 +244,7 @@ class StripContact:
             sides += beyond
         return sides[0] * sides[1] < 0
 
-    def gap(self, touches: tuple[Touch, ...], states: StripStates) -> np.ndarray:
+    def gap(self, touches: tuple[FacetTouch, ...], states: StripStates) -> np.ndarray:
         """Return the least sign of all g at single states, 0 where it is not certain, [K]."""
         x = self.corners(states, states.angles)
         signs = [t.sign * _gap([corner(x[p].value, i) for p, i in t.corners]).sign for t in touches]
@@ -254,7 +254,7 @@ class StripContact:
         """Return APART where a plane separates two polygons over the boxes, else UNKNOWN, [K]."""
         x, y = facets.middle[a].centre, facets.middle[b].centre
         axes = np.concatenate(list(_axes(x, y)), axis=1)  # [3, C, K]
-        axes = axes / np.maximum(np.linalg.norm(axes, axis=0), 1e-300)
+        axes = axes / np.maximum(np.linalg.norm(axes, axis=0), np.finfo(float).tiny)
         u, v = (np.einsum("ick,iqk->cqk", axes, z) for z in (x, y))
         ahead = v.min(axis=1) - u.max(axis=1), u.min(axis=1) - v.max(axis=1)
         best = np.nan_to_num(np.stack(ahead), nan=-np.inf).reshape(-1, x.shape[2]).argmax(axis=0)
@@ -288,7 +288,7 @@ def _reaches_over(facets: Facets, pattern: Pattern, a: int, c: int, ends: list[i
     n = y.centre.shape[1]
     normal = _determinant_normal(y, n)
     one, two = (corner(y, pattern.polygons[c].index(v)) for v in ends)
-    for share in np.linspace(0.05, 0.95, 19).tolist():
+    for share in (np.arange(1, 20) / 20).tolist():
         point = one + exact(share) * (two - one)
         side = rolled(x) - x
         turn = determinant(normal, side, part(point, np.s_[:, None]) - x).sign[:, 0]
@@ -348,7 +348,7 @@ def _orientations(x: Ball, y: Ball) -> Ball:
     return determinant(q - p, r - p, s - p)
 
 
-def _find_touch(facets: Facets, a: int, b: int) -> Touch | None:
+def _find_touch(facets: Facets, a: int, b: int) -> FacetTouch | None:
     """Return the corners with which two polygons meet over a single box, if they are certain."""
     x, y = (facets.middle[p].centre[:, :, 0].T for p in (a, b))
     far, i, j = min(_nearest(x, y))
@@ -372,13 +372,13 @@ def _nearest(x: np.ndarray, y: np.ndarray) -> Iterator[tuple[float, int, int]]:
     e, f = (np.roll(z, -1, axis=0) - z for z in (x, y))
     for i, j in itertools.product(range(len(x)), range(len(y))):
         normal, apart = np.cross(e[i], f[j]), y[j] - x[i]
-        square = max(float(normal @ normal), 1e-300)
+        square = max(float(normal @ normal), np.finfo(float).tiny)
         s, t = (float(np.cross(apart, z) @ normal) / square for z in (f[j], e[i]))
         if 0 < s < 1 and 0 < t < 1:
             yield abs(float(apart @ normal)) / square**0.5, i, j
 
 
-def _corner_on_facet(facets: Facets, a: int, b: int, i: int) -> Touch | None:
+def _corner_on_facet(facets: Facets, a: int, b: int, i: int) -> FacetTouch | None:
     """Return how corner i of polygon a meets polygon b, if its others are on one side and a side at it goes through."""
     x, y = facets.over[a].value, facets.over[b].value
     side = _sides(x, y).sign[:, 0]
@@ -392,7 +392,7 @@ def _corner_on_facet(facets: Facets, a: int, b: int, i: int) -> Touch | None:
     return _touch(facets, (a, b), ((b, 0), (b, n // 3), (b, 2 * n // 3), (a, i)), others[0])
 
 
-def _edge_on_edge(facets: Facets, a: int, b: int, i: int, j: int) -> Touch | None:
+def _edge_on_edge(facets: Facets, a: int, b: int, i: int, j: int) -> FacetTouch | None:
     """Return how side i of polygon a meets side j of polygon b, if both lie beyond and one goes through beside it."""
     x, y = facets.over[a].value, facets.over[b].value
     i2, j2 = (i + 1) % x.centre.shape[1], (j + 1) % y.centre.shape[1]
@@ -417,11 +417,11 @@ def _edge_on_edge(facets: Facets, a: int, b: int, i: int, j: int) -> Touch | Non
 
 def _touch(
     facets: Facets, polygons: tuple[int, int], corners: tuple[tuple[int, int], ...], sign: float
-) -> Touch | None:
+) -> FacetTouch | None:
     x = [jet_part(facets.over[p], np.s_[:, k]) for p, k in corners]
     first = -x[0]
     slope = sign * determinant(x[1] + first, x[2] + first, x[3] + first).slope.sign[0]
-    return Touch(polygons, corners, float(sign), float(slope)) if slope else None
+    return FacetTouch(polygons, corners, float(sign), float(slope)) if slope else None
 
 
 def _gap(x: list[Ball]) -> Ball:

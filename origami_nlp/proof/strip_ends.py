@@ -9,7 +9,14 @@ import numpy as np
 
 from origami_nlp.proof.affine import UNIT, variables
 from origami_nlp.proof.balls import Ball
-from origami_nlp.proof.strip_contact import APART, CROSSING, TOUCHING, UNKNOWN, StripContact, Touch
+from origami_nlp.proof.strip_contact import (
+    APART,
+    CROSSING,
+    TOUCHING,
+    UNKNOWN,
+    FacetTouch,
+    StripContact,
+)
 from origami_nlp.proof.strip_energy import (
     FALLING,
     LIMIT,
@@ -58,7 +65,7 @@ class CurveEnds:
         self,
         energy: StripEnergy,
         contact: StripContact | None,
-        touches: dict[tuple[float, float, float], tuple[Touch, ...]],
+        touches: dict[tuple[float, float, float], tuple[FacetTouch, ...]],
     ) -> None:
         self.energy, self.maxima = energy, 0
         self.contact, self.touches = contact, touches
@@ -156,7 +163,7 @@ class CurveEnds:
         held = {self.energy.across[i]: side for i, side in piece.at_limits(toward).items()}
         return self.contact.at_limits(facets, boxes.angles, held)
 
-    def _gap(self, piece: ThetaStretch, touch: tuple[Touch, ...], theta: float) -> float:
+    def _gap(self, piece: ThetaStretch, touch: tuple[FacetTouch, ...], theta: float) -> float:
         """Return the sign of the gap of two facets at one state, 0 where it is not certain."""
         at = self.energy.over(np.array([int(piece.curve)]), *np.array([[theta], [theta]])).at
         assert self.contact is not None

@@ -14,7 +14,14 @@ import numpy as np
 from origami_nlp.pattern import Pattern
 from origami_nlp.proof.affine import UNIT, variables
 from origami_nlp.proof.balls import Ball, exact
-from origami_nlp.proof.strip_contact import APART, CROSSING, TOUCHING, UNKNOWN, StripContact, Touch
+from origami_nlp.proof.strip_contact import (
+    APART,
+    CROSSING,
+    TOUCHING,
+    UNKNOWN,
+    FacetTouch,
+    StripContact,
+)
 from origami_nlp.proof.strip_states import Strip, StripStates
 
 HALF_TURN = math.nextafter(math.pi, 0.0)
@@ -168,7 +175,7 @@ def kinds_of_boxes(
     lower: np.ndarray,
     upper: np.ndarray,
     contact: StripContact | None,
-    touches: dict[tuple[float, float, float], tuple[Touch, ...]],
+    touches: dict[tuple[float, float, float], tuple[FacetTouch, ...]],
 ) -> tuple[np.ndarray, ...]:
     """Return what a `ThetaStretch` says of each box; where facets meet is added to the touches."""
     boxes = energy.over(curve, lower, upper)

@@ -18,8 +18,8 @@ from origami_nlp.pattern import Pattern
 from origami_nlp.proof.strip_contact import (
     TOUCHING,
     UNKNOWN,
+    FacetTouch,
     StripContact,
-    Touch,
     why_no_strip_contact,
 )
 from origami_nlp.proof.strip_ends import CurveEnds, StripMinimum
@@ -118,7 +118,7 @@ def prove_strip(
     signs = np.array([(1, *rest) for rest in itertools.product((1, -1), repeat=k)], float).T
     energy = StripEnergy(strip, pattern, signs)
     facets = StripContact(pattern) if contact else None
-    touches: dict[tuple[float, float, float], tuple[Touch, ...]] = {}
+    touches: dict[tuple[float, float, float], tuple[FacetTouch, ...]] = {}
     curve = np.repeat(np.arange(signs.shape[1]), len(FIRST) - 1)
     lower, upper = (np.tile(ends, signs.shape[1]) for ends in (FIRST[:-1], FIRST[1:]))
     cover: list[np.ndarray] = []

@@ -362,8 +362,6 @@ def test_handles_of_the_full_space_are_left_where_the_symmetric_ones_are(handle_
 
 
 def test_wrong_scenes_are_named(saddle_scene):
-    with pytest.raises(OptionError, match="degrees of freedom"):
-        find_barriers(examples.degree6("pi/4", 1, symmetry="none"))
     with pytest.raises(OptionError, match="spacing"):
         find_barriers(saddle_scene, spacing=3.0)
     with pytest.raises(OptionError, match="odd"):
