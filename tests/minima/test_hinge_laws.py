@@ -271,6 +271,10 @@ def test_what_does_not_know_laws_says_so():
     ):
         with pytest.raises(OptionError, match="linear springs only"):
             asked(scene)
+    sheet = o.examples.pattern("miura", 2, 2).with_laws([double_well(1.0, 1.0)] * 4)
+    for asked in (o.find_barriers, lambda p: o.find_minima(p, noise=0.01)):
+        with pytest.raises(OptionError, match="linear springs only"):
+            asked(sheet)
     with pytest.raises(SceneError, match="preload"):
         replace(scene, symmetry="none", preload=(0.1,) * 6)
 
