@@ -98,12 +98,16 @@ def _frames(source: str, drawing: DrawingOptions | None) -> tuple[Frame, ...]:
 
 
 def _lost(frame: Frame) -> tuple[str, ...]:
-    stated = [frame.stiffness, frame.rest_angles, frame.preload]
-    if all(np.isnan(values).all() for values in stated):
+    stated = {
+        "stiffness": frame.stiffness,
+        "rest angles": frame.rest_angles,
+        "preload": frame.preload,
+        "fold limits": frame.limits,
+    }
+    given = [k for k, v in stated.items() if v is not None and not np.isnan(v).all()]
+    if not given:
         return ()
-    return (
-        "stiffness, rest angles and preload of the file are left out: inspect -o FILE.fold keeps them",
-    )
+    return (f"{', '.join(given)} of the file: left out; inspect -o FILE.fold keeps them",)
 
 
 def _chosen(frames: tuple[Frame, ...], number: int | None) -> Frame:

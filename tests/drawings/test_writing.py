@@ -296,3 +296,13 @@ def test_dxf_states_millimetres_and_its_extents(tmp_path):
     before = path.read_bytes()
     o.convert("waterbomb:3x3", path, write=WriteOptions("laser", size=150.0, holes=2.0))
     assert before == path.read_bytes()
+
+
+def test_what_fold_to_fold_leaves_out_is_named(tmp_path):
+    data = examples.crease_pattern("miura:2x2")
+    edges = len(data["edges_vertices"])
+    data["edges_origaminlp:stiffness"] = [1.0] * edges
+    data["edges_origaminlp:limits"] = [[-90.0, 90.0]] * edges
+    (tmp_path / "stated.fold").write_text(json.dumps(data))
+    notes = o.convert(tmp_path / "stated.fold", tmp_path / "drawn.fold").notes
+    assert any("rest angles, fold limits of the file: left out" in n for n in notes)
