@@ -1,11 +1,13 @@
 """Which facets of a strip cross along its curves, over boxes of theta, with proved rounding.
 
-Facets that share an interior vertex do not cross before a crease between two of them reaches +-pi: each is convex and
-so within the cone of its sector.  Where two cones that are not neighbours meet first, a crease lies in the sector
-opposite; so does the crease between them, and that sector lies on its neighbour.  Two other facets are apart where a
-plane separates all their corners, and cross where an edge of one passes through the other inside.  Where they meet
-first, a corner reaches a facet or an edge an edge: a determinant g of three vectors between corners is 0, and where g'
-has a sign over a box, they are apart on one side of its zero and cross on the other.
+Facets that share an interior vertex do not cross where it closes turned by no full turn and no crease is beyond +-pi:
+each is convex and so within the cone of its sector.  The four sectors are a closed curve of length 2 pi on the sphere,
+so within a hemisphere; seen from its centre that is a quadrangle in the plane, of whose two pairs of opposite sides one
+crosses at most.  A crossing would be a full turn more, and such states are none of the strip's.
+
+Two other facets are apart where a plane separates all their corners, and cross where an edge of one passes through the
+other inside.  Where they meet first, a corner reaches a facet or an edge an edge: a determinant g of three vectors
+between corners is 0, and where g' has a sign over a box, they are apart on one side of its zero and cross on the other.
 """
 
 from __future__ import annotations
@@ -206,7 +208,8 @@ class StripContact:
         left, right = (
             np.array([piece[int(f)] for f in x]) for x in (self.pattern.left, self.pattern.right)
         )
-        for k in np.flatnonzero(known == UNKNOWN).tolist():
+        # of several that reach their limits all but together, which is first is not known
+        for k in np.flatnonzero(known == UNKNOWN).tolist() * (len(limits) == 1):
             for flat, fold in limits.items():
                 beside = int(left[flat]), int(right[flat])
                 if self._plane_between(facets, self.pairs[k], beside, fold):

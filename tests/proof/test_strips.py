@@ -1,5 +1,6 @@
 """All minima of strips of vertices of degree four, against a scan in closed form and against searches."""
 
+import itertools
 import math
 from dataclasses import replace
 from fractions import Fraction
@@ -15,6 +16,7 @@ from origami_nlp.pattern_problem import PatternProblem
 from origami_nlp.pattern_states import hold_against, judge
 from origami_nlp.proof import prove_strip, why_no_strip, why_no_strip_contact
 from origami_nlp.proof.balls import Ball, Jet, argument, exact, rational
+from tests.independent.rigid import Rigid
 from tests.independent.strips import Strip, StripInContact
 from tests.patterns import miura, strip, wheel
 
@@ -131,6 +133,52 @@ def test_a_list_is_held_against_the_proof():
     assert not done.proved and "is none of the proof" in done.reason
     done, _ = held([replace(states[0], verdict="saddle"), *states[1:]])
     assert not done.proved and "is judged: saddle" in done.reason
+
+
+def _turns(directions: np.ndarray, phi: np.ndarray) -> float:
+    """Real part of the product of rotations round a vertex: 1 if by no full turn, -1 if by one."""
+    product = np.eye(2, dtype=complex)
+    for (x, y, _), angle in zip(directions, phi, strict=True):
+        axis = np.array([[0, x - 1j * y], [x + 1j * y, 0]])
+        product = product @ (math.cos(angle / 2) * np.eye(2) - 1j * math.sin(angle / 2) * axis)
+    return float(product[0, 0].real)
+
+
+def _arcs_cross(a, b, c, d) -> bool:
+    """Whether the arc from a to b crosses that from c to d, all vectors."""
+    one, two = np.cross(a, b), np.cross(c, d)
+    line = np.cross(one, two)
+    beyond = [np.cross(one, a), -np.cross(one, b), np.cross(two, c), -np.cross(two, d)]
+    sides = np.array(beyond) @ line
+    return bool(sides.min() > 1e-9 or sides.max() < -1e-9)
+
+
+def test_facets_round_a_vertex_do_not_cross():
+    """Opposite sectors cross in no state within fold limits that is turned by no full turn; in others some do."""
+    crossing = {1.0: 0, -1.0: 0}
+    for seed in range(30):
+        pattern = strip(4000 + seed, 3, 2)
+        scan, rigid = Strip(pattern), Rigid(pattern)
+        rounds = [ring for _, ring in scan.around]
+        for signs, theta in itertools.product(
+            ((1, 1), (1, -1)), np.linspace(-1.57, 1.57, 41).tolist()
+        ):
+            phi, _ = scan.at(signs, theta)
+            polygons = rigid.polygons(phi)
+            for ring in rounds:
+                (vertex,) = set.intersection(*(set(pattern.ends[c].tolist()) for c in ring))
+                away = [int(pattern.ends[c].sum()) - vertex for c in ring]
+                u = pattern.corners[away] - pattern.corners[vertex]
+                turned = _turns(u / np.linalg.norm(u, axis=1)[:, None], phi[ring])
+                assert abs(abs(turned) - 1) < 1e-9
+                w = {}
+                for p, x in zip(pattern.polygons, polygons, strict=True):
+                    if vertex in p:
+                        w |= {v: y - x[p.index(vertex)] for v, y in zip(p, x, strict=True)}
+                w = [w[v] for v in away]
+                crosses = _arcs_cross(*w) or _arcs_cross(*w[1:], w[0])
+                crossing[float(np.sign(turned))] += crosses
+    assert crossing[1.0] == 0 < crossing[-1.0]
 
 
 def _against_scan_in_contact(seed: int, vertices: int) -> None:
