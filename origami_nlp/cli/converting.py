@@ -29,7 +29,7 @@ def convert(
     tolerance: Annotated[
         float | None,
         typer.Option(
-            metavar="T",
+            metavar="SHARE",
             help="Share of the sheet within which ends are joined (default: the smallest at which it is whole).",
         ),
     ] = None,
@@ -62,7 +62,8 @@ def convert(
         float | None, typer.Option(metavar="MM", help="Millimetres for one unit of the file.")
     ] = None,
     size: Annotated[
-        float | None, typer.Option(metavar="MM", help="Millimetres of the longest side.")
+        float | None,
+        typer.Option("--longest", metavar="MM", help="Millimetres of the longest side."),
     ] = None,
     dash: Annotated[
         str | None,

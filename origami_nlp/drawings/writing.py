@@ -173,7 +173,7 @@ def scaled(drawing: Drawing, options: WriteOptions, style: str, notes: list[str]
         notes.append(f"no size is known: drawn {BENCH_SIZE:g} mm long, 1 unit is {factor:.6g} mm")
     else:
         raise DrawingError(
-            "no unit of length is stated: --scale says how many mm one unit is, or --size how many the longest side"
+            "no unit of length is stated: --scale says how many mm one unit is, or --longest how many the longest side"
         )
     return replace(
         drawing, points=factor * drawing.points, error=factor * drawing.error, length_unit="mm"

@@ -12,7 +12,6 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-from scipy import sparse
 
 from origami_nlp.arguments import require
 from origami_nlp.numerics.tolerances import BALANCED, DEPENDENT, NONZERO
@@ -146,6 +145,8 @@ class ConicProgram:
         OptionError
             If Clarabel is not installed.
         """
+        from scipy import sparse  # heavy: where a program is solved alone
+
         clarabel = solver()
         cones = {
             POSITIVE: clarabel.NonnegativeConeT,

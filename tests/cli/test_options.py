@@ -19,6 +19,8 @@ IN_THEIR_OWN_WORDS = {
     "--symmetry": "of a FOLD file, or of an example",
     "--workers": "sweep uses all processors by default",
     "--crease": "of a sheet there may be several, and no symmetry",
+    "--tolerance": "of ends that a drawing joins, or of places that are checked",
+    "--frame": "check asks of all frames by default",
     "--prove": "follow proves at its checks, and only if asked",
 }
 """Options of one name, form and meaning whose help differs between commands, and why."""
