@@ -313,6 +313,7 @@ def _of_itself(thing: Any) -> Iterator[str]:
     from origami_nlp.inverse_design import Design
     from origami_nlp.minima import JudgedState, SearchReport
     from origami_nlp.pattern import Pattern, Scene
+    from origami_nlp.pattern_problem import SignVector
     from origami_nlp.proof import Check
 
     match thing:
@@ -328,5 +329,7 @@ def _of_itself(thing: Any) -> Iterator[str]:
             yield from ("casadi", "ipopt")
         case Design() if thing.iterations:
             yield from ("clarabel", "scipy")
+        case SignVector():
+            yield "clarabel"
         case Check():
             yield "arb"

@@ -29,8 +29,8 @@ SHORTEST = 0.5
 """A step whose chord is shorter than this share of it has run into the edge of what closes."""
 
 
-@dataclass(frozen=True)
-class Reach:
+@dataclass(frozen=True, repr=False)
+class Reach(ShortRepr):
     """One end of a geodesic.
 
     Attributes

@@ -50,15 +50,14 @@ from .hinge_law import (
     HingeLaw as HingeLaw,
     detent as detent,
     double_well as double_well,
-    law_to_dict as law_to_dict,
     linear as linear,
     one_sided as one_sided,
     polynomial as polynomial,
-    read_law as read_law,
     sum_of as sum_of,
     table as table,
     well as well,
 )
+from .hinge_tables import law_to_dict as law_to_dict, read_law as read_law
 from .hinges_stated import laws_to_fold as laws_to_fold
 from .kept_symmetry import with_symmetry_of as with_symmetry_of
 from .labels import (

@@ -435,11 +435,8 @@ def _edges(
         return np.array(sorted(sides))
     pairs = _list(value, "edges_vertices")
     for e, pair in enumerate(pairs):
-        if (
-            not isinstance(pair, list)
-            or len(pair) != 2
-            or not all(_is_index(v, count) for v in pair)
-        ):
+        whole = isinstance(pair, list) and len(pair) == 2
+        if not whole or not all(_is_index(v, count) for v in pair):
             raise FoldFileError(
                 f"edges_vertices[{e}] = {_short(pair)} must be two vertices, 0 to {count - 1}"
             )
@@ -478,5 +475,6 @@ def _numbers(value: object, name: str, count: int) -> np.ndarray:
 
 def _same_length(values: list[Any], name: str, count: int) -> None:
     if len(values) != count:
-        why = f"{name} has {len(values)} entries, but there are {count} edges: give one each"
-        raise FoldFileError(why)
+        raise FoldFileError(
+            f"{name} has {len(values)} entries, but there are {count} edges: give one each"
+        )

@@ -11,14 +11,14 @@ Signs: torque is dU/dphi, positive where energy grows towards valley; the hinge 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 
-from origami_nlp.arguments import check_number, shown
+from origami_nlp.arguments import check_number
 from origami_nlp.errors import SceneError
 from origami_nlp.io import ShortRepr
 from origami_nlp.numerics import INPUT_TOL, RESOLVED
@@ -29,6 +29,8 @@ MOST_PIECES = 2_000
 """Of one law."""
 FEWEST_ROWS = 6
 """Of a table."""
+WIDTHS = 0.02, 10.0
+"""Of wells [rad]: narrower ones are below the pieces."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -468,119 +470,3 @@ def sum_of(laws: Sequence[HingeLaw], name: str = "sum") -> HingeLaw:
         pieces = np.array(law.coefficients)[own]
         c += np.array([_moved(p, by) for p, by in zip(pieces, x[:-1] - starts, strict=True)])
     return HingeLaw(tuple(x.tolist()), tuple(map(tuple, c.tolist())), name)
-
-
-WIDTHS = 0.02, 10.0
-"""Of wells [rad]: narrower ones are below the pieces."""
-TYPES: dict[str, tuple[Any, dict[str, tuple[str, bool]]]] = {
-    "linear": (linear, {"stiffness": ("stiffness", True), "rest_deg": ("rest", False)}),
-    "polynomial": (
-        polynomial,
-        {"coefficients": ("coefficients", True), "rest_deg": ("rest", False)},
-    ),
-    "well": (
-        well,
-        {"energy": ("energy", True), "at_deg": ("at", True), "width_deg": ("width", True)},
-    ),
-    "double-well": (
-        double_well,
-        {"energy": ("energy", True), "at_deg": ("at", True), "centre_deg": ("centre", False)},
-    ),
-    "detent": (
-        detent,
-        {"energy": ("energy", True), "wells": ("wells", True), "centre_deg": ("centre", False)},
-    ),
-    "one-sided": (
-        one_sided,
-        {
-            "stiffness": ("stiffness", True),
-            "from_deg": ("start", True),
-            "width_deg": ("width", False),
-        },
-    ),
-    "table": (table, {"angle_deg": ("angle", True), "torque": ("torque", True)}),
-    "pieces": (HingeLaw, {"breaks": ("breaks", True), "coefficients": ("coefficients", True)}),
-}
-
-
-def read_law(given: object, name: str) -> HingeLaw:
-    """Read a law from a table of a scene file: ``type`` and its numbers, or ``sum = [...]`` of such tables.
-
-    Parameters
-    ----------
-    given
-        The table.
-    name
-        Of the law.
-
-    Returns
-    -------
-    HingeLaw
-        The law.
-
-    Raises
-    ------
-    SceneError
-        If the type is unknown, or a number is missing or does not fit.
-    """
-    if isinstance(given, HingeLaw):
-        return given
-    if not isinstance(given, Mapping):
-        raise SceneError(
-            f"laws.{name} = {shown(given)} must be a table with a type: {', '.join(TYPES)}"
-        )
-    if "sum" in given:
-        parts = given["sum"]
-        if set(given) != {"sum"} or not isinstance(parts, list) or not parts:
-            raise SceneError(f"laws.{name}: sum = [...] of tables stands alone")
-        return sum_of([read_law(part, name) for part in parts], name)
-    kind = given.get("type")
-    if not isinstance(kind, str) or kind not in TYPES:
-        raise SceneError(f"laws.{name}: type = {shown(kind)} must be one of {', '.join(TYPES)}")
-    make, keys = TYPES[kind]
-    wrong = sorted(set(given) - set(keys) - {"type"})
-    missing = [key for key, (_, needed) in keys.items() if needed and key not in given]
-    if wrong or missing:
-        what = f"unknown {', '.join(wrong)}" if wrong else f"missing {', '.join(missing)}"
-        raise SceneError(f"laws.{name} of type {kind!r}: {what}; it has {', '.join(keys)}")
-    try:
-        numbers = {
-            argument: np.radians(np.array(given[key], float)).tolist()
-            if key.endswith("_deg")
-            else given[key]
-            for key, (argument, _) in keys.items()
-            if key in given
-        }
-        if kind == "pieces":
-            numbers = {
-                "breaks": tuple(numbers["breaks"]),
-                "coefficients": tuple(map(tuple, numbers["coefficients"])),
-            }
-        made = make(**numbers)
-    except (TypeError, ValueError) as error:
-        if isinstance(error, SceneError):
-            raise
-        raise SceneError(
-            f"laws.{name} of type {kind!r}: its entries must be numbers ({error})"
-        ) from None
-    return HingeLaw(made.breaks, made.coefficients, name)
-
-
-def law_to_dict(law: HingeLaw) -> dict[str, Any]:
-    """Return a law as plain data: its pieces, which `read_law` reads.
-
-    Parameters
-    ----------
-    law
-        The law.
-
-    Returns
-    -------
-    dict
-        ``type``, ``breaks`` and ``coefficients``.
-    """
-    return {
-        "type": "pieces",
-        "breaks": list(law.breaks),
-        "coefficients": [list(c) for c in law.coefficients],
-    }

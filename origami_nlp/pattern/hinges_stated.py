@@ -12,7 +12,8 @@ from origami_nlp.arguments import shown
 from origami_nlp.errors import FoldFileError, OptionError, SceneError
 from origami_nlp.numerics import OUTSIDE
 from origami_nlp.pattern.fold_limits import Limits, limit_words
-from origami_nlp.pattern.hinge_law import HingeLaw, law_to_dict
+from origami_nlp.pattern.hinge_law import HingeLaw
+from origami_nlp.pattern.hinge_tables import law_to_dict
 
 Laws = tuple[HingeLaw | None, ...]
 

@@ -428,7 +428,18 @@ class Scene(PrettyRepr):
         return float(energy) if energy.ndim == 0 else energy
 
     def torque(self, fold_angles: np.ndarray) -> np.ndarray:
-        """Torques dU/dphi of the hinges at states [..., N], without forces, same shape [N m]."""
+        """Torques dU/dphi of the hinges, without forces.
+
+        Parameters
+        ----------
+        fold_angles
+            States [..., N] [rad].
+
+        Returns
+        -------
+        numpy.ndarray
+            [..., N] [N m].
+        """
         k, rest = np.array(self.stiffness), np.array(self.wound_angles)
         return torque_with_laws(np.asarray(fold_angles, float), k, rest, self.laws)
 

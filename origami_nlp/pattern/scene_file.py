@@ -16,7 +16,8 @@ from origami_nlp.io import as_text, check_tables, one_of, parse_toml, read_limit
 from origami_nlp.numerics import INPUT_TOL
 from origami_nlp.pattern.angles import format_angle, parse_angles
 from origami_nlp.pattern.fold_limits import read_limits
-from origami_nlp.pattern.hinge_law import HingeLaw, law_to_dict, read_law
+from origami_nlp.pattern.hinge_law import HingeLaw
+from origami_nlp.pattern.hinge_tables import law_to_dict, read_law
 from origami_nlp.pattern.scene import Scene
 from origami_nlp.pattern.vertex import Vertex
 

@@ -6,7 +6,7 @@ are for exchange (`pattern_states.pattern_to_fold`).
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any, TypeVar
 
@@ -14,7 +14,7 @@ import numpy as np
 
 from origami_nlp.errors import FoldFileError
 from origami_nlp.io import from_plain, to_plain
-from origami_nlp.pattern.hinge_law import law_to_dict, read_law
+from origami_nlp.pattern.hinge_tables import law_to_dict, read_law
 from origami_nlp.pattern.sheet import Pattern, make_pattern
 
 T = TypeVar("T")
@@ -105,8 +105,9 @@ def pattern_from_dict(data: Any) -> Pattern:
     FoldFileError
         If an entry is missing or wrong, or the facets are no sheet.
     """
-    data, laws, which = dict(data), [], []
-    if "laws" in data:
+    laws, which = [], []
+    if isinstance(data, Mapping) and "laws" in data:
+        data = dict(data)
         laws, which = data.pop("laws"), data.pop("law", [])
     said = from_plain(_Stated, data, "pattern", FoldFileError)
 

@@ -53,7 +53,9 @@ def test_help_loses_nothing(path, command):
         assert bare(stated.replace("\b", "")) in shown, (path, stated)
     for inner in getattr(command, "commands", {}).values():  # whole sentences, not their beginning
         assert bare(inner.help.splitlines()[0]) in shown
-    assert "..." not in done.output.replace("[ARGS]...", "").replace("[OPTIONS]...", "")
+    assert "..." not in done.output.replace("[ARGS]...", "").replace("[OPTIONS]...", "").replace(
+        "ORIGAMI...", ""
+    )
 
 
 def test_units_are_in_the_help():
@@ -172,7 +174,7 @@ def test_vertices_in_a_pipe_and_a_narrow_terminal(tmp_path, monkeypatch, width):
     out = RUN.invoke(app, ["inspect", str(file)]).output
     turned = [("MMV" * n)[k : k + n] for k in range(3)]
     assert any(t in out for t in turned), out  # on one line, that who copies it has it whole
-    assert ("\u2502" in out) == (width is None)
+    assert ("\u2500" in out) == (width is None)
     assert "\u2026" not in out
 
 

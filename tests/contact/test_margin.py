@@ -141,7 +141,7 @@ def test_panel_margins_are_confirmed_beside_the_critical_load(name: str) -> None
 @pytest.mark.parametrize(("n", "symmetry", "seed"), RANDOM)
 def test_random_pinned_scenes_are_confirmed(n: int, symmetry: str, seed: int) -> None:
     result = o.find_minima(
-        random_scene(n, symmetry, seed), max_starts=24, prove=False, escape=False
+        random_scene(n, symmetry, seed), max_starts=96, prove=False, escape=False
     )
     states = pinned(result)
     assert states

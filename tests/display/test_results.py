@@ -156,7 +156,7 @@ def test_options_are_named():
         "target",
         "fold_angles",
     }
-    beside |= {"event", "load"}
+    beside |= {"event", "load", "out"}
     for name in o.__all__:
         thing = getattr(o, name)
         if not inspect.isfunction(thing):

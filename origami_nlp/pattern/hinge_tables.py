@@ -1,0 +1,135 @@
+"""Hinge laws as tables of files: read with a type and its numbers, written as pieces."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from origami_nlp.arguments import shown
+from origami_nlp.errors import SceneError
+from origami_nlp.pattern.hinge_law import (
+    HingeLaw,
+    detent,
+    double_well,
+    linear,
+    one_sided,
+    polynomial,
+    sum_of,
+    table,
+    well,
+)
+
+TYPES: dict[str, tuple[Any, dict[str, tuple[str, bool]]]] = {
+    "linear": (linear, {"stiffness": ("stiffness", True), "rest_deg": ("rest", False)}),
+    "polynomial": (
+        polynomial,
+        {"coefficients": ("coefficients", True), "rest_deg": ("rest", False)},
+    ),
+    "well": (
+        well,
+        {"energy": ("energy", True), "at_deg": ("at", True), "width_deg": ("width", True)},
+    ),
+    "double-well": (
+        double_well,
+        {"energy": ("energy", True), "at_deg": ("at", True), "centre_deg": ("centre", False)},
+    ),
+    "detent": (
+        detent,
+        {"energy": ("energy", True), "wells": ("wells", True), "centre_deg": ("centre", False)},
+    ),
+    "one-sided": (
+        one_sided,
+        {
+            "stiffness": ("stiffness", True),
+            "from_deg": ("start", True),
+            "width_deg": ("width", False),
+        },
+    ),
+    "table": (table, {"angle_deg": ("angle", True), "torque": ("torque", True)}),
+    "pieces": (HingeLaw, {"breaks": ("breaks", True), "coefficients": ("coefficients", True)}),
+}
+
+
+def read_law(given: object, name: str) -> HingeLaw:
+    """Read a law from a table of a scene file: ``type`` and its numbers, or ``sum = [...]`` of such tables.
+
+    Parameters
+    ----------
+    given
+        The table.
+    name
+        Of the law.
+
+    Returns
+    -------
+    HingeLaw
+        The law.
+
+    Raises
+    ------
+    SceneError
+        If the type is unknown, or a number is missing or does not fit.
+    """
+    if isinstance(given, HingeLaw):
+        return given
+    if not isinstance(given, Mapping):
+        raise SceneError(
+            f"laws.{name} = {shown(given)} must be a table with a type: {', '.join(TYPES)}"
+        )
+    if "sum" in given:
+        parts = given["sum"]
+        if set(given) != {"sum"} or not isinstance(parts, list) or not parts:
+            raise SceneError(f"laws.{name}: sum = [...] of tables stands alone")
+        return sum_of([read_law(part, name) for part in parts], name)
+    kind = given.get("type")
+    if not isinstance(kind, str) or kind not in TYPES:
+        raise SceneError(f"laws.{name}: type = {shown(kind)} must be one of {', '.join(TYPES)}")
+    make, keys = TYPES[kind]
+    wrong = sorted(set(given) - set(keys) - {"type"})
+    missing = [key for key, (_, needed) in keys.items() if needed and key not in given]
+    if wrong or missing:
+        what = f"unknown {', '.join(wrong)}" if wrong else f"missing {', '.join(missing)}"
+        raise SceneError(f"laws.{name} of type {kind!r}: {what}; it has {', '.join(keys)}")
+    try:
+        numbers = {
+            argument: np.radians(np.array(given[key], float)).tolist()
+            if key.endswith("_deg")
+            else given[key]
+            for key, (argument, _) in keys.items()
+            if key in given
+        }
+        if kind == "pieces":
+            numbers = {
+                "breaks": tuple(numbers["breaks"]),
+                "coefficients": tuple(map(tuple, numbers["coefficients"])),
+            }
+        made = make(**numbers)
+    except (TypeError, ValueError) as error:
+        if isinstance(error, SceneError):
+            raise
+        raise SceneError(
+            f"laws.{name} of type {kind!r}: its entries must be numbers ({error})"
+        ) from None
+    return HingeLaw(made.breaks, made.coefficients, name)
+
+
+def law_to_dict(law: HingeLaw) -> dict[str, Any]:
+    """Return a law as plain data: its pieces, which `read_law` reads.
+
+    Parameters
+    ----------
+    law
+        The law.
+
+    Returns
+    -------
+    dict
+        ``type``, ``breaks`` and ``coefficients``.
+    """
+    return {
+        "type": "pieces",
+        "breaks": list(law.breaks),
+        "coefficients": [list(c) for c in law.coefficients],
+    }
