@@ -43,7 +43,7 @@ def _named(name):
 def _agree(found, other, creases, sign):
     a, b = asdict(found.search), asdict(other.search)
     for search in (a, b):
-        # signs are in the order of the vertices, and turn with the sheet; states beside the flat one are compared with those that are found
+        # signs are in the order of the vertices, and turn with the sheet
         search["sign_vectors"] = sorted(
             (*sorted((v["signs"].count("+"), v["signs"].count("-"))), v["verdict"])
             for v in search["sign_vectors"]
