@@ -15,7 +15,15 @@ from dataclasses import replace
 import numpy as np
 
 from origami_nlp.barriers.flaps import flap_exit
-from origami_nlp.barriers.passes import LEFT, NEVER, PROVED, Pass, both_sides, critical_near
+from origami_nlp.barriers.passes import (
+    LEFT,
+    NEVER,
+    OPPOSITE,
+    PROVED,
+    Pass,
+    both_sides,
+    critical_near,
+)
 from origami_nlp.barriers.paths import PathDown, passes_over_paths
 from origami_nlp.barriers.result import Barriers
 from origami_nlp.kkt import (
@@ -34,8 +42,6 @@ from origami_nlp.problem import Model
 
 SHOWN = "the lowest path that descents show: lower ones are not excluded"
 NONE = "no admissible path is known"
-OPPOSITE = {("+", "-"), ("-", "+")}
-"""Signs of a vertex on either side of its flat state."""
 FIRST = 0.02, 0.1, 0.3
 """Of the way from a state that paths pass towards a minimum: where a descent begins [rad]."""
 TARGETS = 6

@@ -29,6 +29,8 @@ from origami_nlp.numerics import (
 )
 from origami_nlp.problem import Contact, Problem
 
+OPPOSITE = {("+", "-"), ("-", "+")}
+"""Signs of a vertex on either side of its flat state."""
 PROVED = "proved: admissible states above and below the flat state meet there only"
 EVERY = "no lower path: all curves of the one degree of freedom are known"
 FOLLOWED = (

@@ -14,7 +14,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from origami_nlp.barriers.passes import LISTED, SIGNED, Pass
+from origami_nlp.barriers.passes import LISTED, OPPOSITE, SIGNED, Pass
 from origami_nlp.barriers.paths import PathDown, passes_over_paths
 from origami_nlp.barriers.result import Barriers, FlatVertexBound
 from origami_nlp.barriers.traced import EXPLICIT, pattern_passes
@@ -22,9 +22,6 @@ from origami_nlp.errors import OptionError, OutOfTime
 from origami_nlp.kkt import energy_scale, level_of
 from origami_nlp.minima import MinimaResult, TracedPasses
 from origami_nlp.pattern_states import FlatVertex, list_flat_vertices, ways_down
-
-OPPOSITE = {("+", "-"), ("-", "+")}
-
 
 MINIMA, FLAT_STATES, WAYS_DOWN, ON_CURVES = (
     "the search for minima",

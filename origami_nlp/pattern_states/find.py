@@ -109,7 +109,7 @@ def find_states(
         Wall time for the search, give or take a second: what was left out is named.  None: 300 s.
     escape, noise, effort, options, max_starts, prove
         As for `minima.find_minima`; errors are those of springs and of the positions of vertices, proofs are for strips
-        of vertices of degree four (`proof.prove_strip`), unasked of up to three.
+        of vertices of degree four (`proof.prove_strip`), unasked of up to two, or three within fold limits.
     progress
         Called as progress(starts, minima, what the search is at), after each start and each minimum.
     found

@@ -97,22 +97,16 @@ def _far_pairs(pattern: Pattern) -> list[tuple[int, int]]:
     return [(a, b) for a, b in itertools.combinations(range(len(at)), 2) if not at[a] & at[b]]
 
 
-class Facets:
+class Facets(NamedTuple):
     """All corners of the polygons of a strip over boxes, [3, q, K] each: in the middle, and over the boxes."""
 
-    def __init__(self, middle: list[Jet], box: list[Jet], half: np.ndarray) -> None:
-        self.middle = [x.value for x in middle]
-        self.over = [
-            Jet(m.value.widened(b.slope.magnitude * half), b.slope)
-            for m, b in zip(middle, box, strict=True)
-        ]
+    middle: list[Ball]
+    over: list[Jet]
 
     def take(self, boxes: Any) -> Facets:
         """Return some of the boxes."""
-        some = object.__new__(Facets)
-        some.middle = [part(x, np.s_[..., boxes]) for x in self.middle]
-        some.over = [jet_part(x, np.s_[..., boxes]) for x in self.over]
-        return some
+        some = np.s_[..., boxes]
+        return Facets([part(x, some) for x in self.middle], [jet_part(x, some) for x in self.over])
 
 
 class StripContact:
@@ -133,7 +127,11 @@ class StripContact:
         self, at: StripStates, box: StripStates, angles: dict[int, Ball], half: np.ndarray
     ) -> Facets:
         """Return the facets in the middle of boxes and over them; fold angles over the boxes are given."""
-        return Facets(self.corners(at, at.angles), self.corners(box, angles), half)
+        middle = [x.value for x in self.corners(at, at.angles)]
+        slopes = [x.slope for x in self.corners(box, angles)]
+        # x = x(middle) + x' (theta - middle)
+        over = [Jet(m.widened(s.magnitude * half), s) for m, s in zip(middle, slopes, strict=True)]
+        return Facets(middle, over)
 
     def corners(self, states: StripStates, angles: dict[int, Ball]) -> list[Jet]:
         """Return the corners of each polygon in space, [3, q, K]; one facet stays where it is."""
@@ -228,24 +226,26 @@ class StripContact:
     def _plane_between(
         self, facets: Facets, pair: tuple[int, int], flat: tuple[int, int], fold: float
     ) -> bool:
-        """Return whether the plane of two facets, folded flat on each other, is certainly between two polygons.
+        """Return whether one of two facets that come to lie on each other is between two polygons, until they do.
 
-        One of the two itself is, of the other, on the side to which it is folded: a valley's is that of its normal.
+        Its own corners are in its plane, those of the other facet on the side to which that is folded, or in it: of a
+        valley that of the normal.  A polygon on the far side may have none of the latter.
         """
-        within = {v for p in flat for v in self.pattern.polygons[p]}
-        base = flat[0] if flat[0] not in pair else flat[1]
-        sides: list[float] = []
-        for p in pair:
-            far = _sides(facets.over[p].value, facets.over[base].value).sign[:, 0].tolist()
-            beyond = {
-                s for s, v in zip(far, self.pattern.polygons[p], strict=True) if v not in within
-            }
-            if p in flat and p != base:
-                beyond = {fold}
-            if len(beyond) != 1:
-                return False
-            sides += beyond
-        return sides[0] * sides[1] < 0
+        for base, over in (flat, flat[::-1]):
+            own, folded = (set(self.pattern.polygons[p]) for p in (base, over))
+            sides = []
+            for p in pair:
+                polygon = self.pattern.polygons[p]
+                far = _sides(facets.over[p].value, facets.over[base].value).sign[:, 0].tolist()
+                beyond = {s for s, v in zip(far, polygon, strict=True) if v not in own | folded}
+                if p == over:
+                    beyond = {fold}
+                elif beyond == {-fold} and set(polygon) & (folded - own):
+                    beyond = set()
+                sides.append(sum(beyond) if len(beyond) == 1 and p != base else 0.0)
+            if sides[0] * sides[1] < 0:
+                return True
+        return False
 
     def gap(self, touches: tuple[FacetTouch, ...], states: StripStates) -> np.ndarray:
         """Return the least sign of all g at single states, 0 where it is not certain, [K]."""

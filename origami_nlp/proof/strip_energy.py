@@ -200,7 +200,8 @@ def kinds_of_boxes(
     status = np.full(len(curve), APART)
     asked = np.flatnonzero((kind != OPEN) & (kind != OUTSIDE))
     if contact is not None and len(asked):
-        some = energy.over(curve[asked], lower[asked], upper[asked])
+        few = len(asked) < len(curve)
+        some = energy.over(curve[asked], lower[asked], upper[asked]) if few else boxes
         facets = contact.facets(some.at, some.box, some.angles, some.half)
         status[asked], found = contact.over(facets, some.angles, (upper - lower)[asked])
         for k, touch in found.items():

@@ -94,7 +94,8 @@ def prove_strip(
     Raises
     ------
     OptionError
-        If the pattern is no such strip, or its contact cannot be proved: `why_no_strip` says why.
+        If the pattern is no such strip, or its contact cannot be proved: `why_no_strip` and
+        `why_no_strip_contact` say why.
 
     Examples
     --------
