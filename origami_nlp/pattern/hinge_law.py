@@ -18,19 +18,21 @@ from typing import Any
 
 import numpy as np
 
-from origami_nlp.arguments import check_number
+from origami_nlp.arguments import check_number, check_whole
 from origami_nlp.errors import SceneError
 from origami_nlp.io import ShortRepr
 from origami_nlp.numerics import INPUT_TOL, RESOLVED
 
-PIECES = 256
-"""Of a law that is stated by a formula: its torque is met with its slope at their ends."""
 MOST_PIECES = 2_000
 """Of one law."""
+AS_STATED = 1e-6
+"""Of the largest torque: what the pieces of a law that is stated by a formula may differ by."""
 FEWEST_ROWS = 6
 """Of a table."""
 WIDTHS = 0.02, 10.0
-"""Of wells [rad]: narrower ones are below the pieces."""
+"""Of wells [rad]."""
+MOST_WELLS = 32
+"""Of a detent, a turn."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -79,7 +81,8 @@ class HingeLaw(ShortRepr):
         steps = np.diff(x)[:-1]
         ends = np.array([np.polyval(p, h) for p, h in zip(c[:-1], steps, strict=True)])
         jump = np.abs(ends - c[1:, 3]).max(initial=0.0)
-        if jump > INPUT_TOL * max(np.abs(c[:, 3]).max(), np.finfo(float).tiny):
+        largest = np.abs(c[:, 2:] * np.stack([np.diff(x), np.ones(len(c))], axis=1)).max()
+        if jump > INPUT_TOL * max(largest, np.finfo(float).tiny):
             raise SceneError(
                 f"hinge law {self.name!r}: the torque jumps by {jump:.3g} N m between two pieces"
             )
@@ -205,9 +208,23 @@ def _hermite(x: np.ndarray, torque: np.ndarray, slope: np.ndarray, name: str) ->
     return HingeLaw(tuple(x.tolist()), tuple(map(tuple, c.tolist())), name)
 
 
-def _sampled(torque: Any, slope: Any, name: str, more: Sequence[float] = ()) -> HingeLaw:
-    x = np.unique(np.concatenate([np.linspace(-math.pi, math.pi, PIECES + 1), list(more)]))
-    return _hermite(x, torque(x), slope(x), name)
+def _sampled(
+    torque: Any, slope: Any, name: str, width: float = math.tau, more: Sequence[float] = ()
+) -> HingeLaw:
+    """Return the law of a formula that bends over `width`: pieces are halved that are not within `AS_STATED` of it."""
+    x = np.linspace(-math.pi, math.pi, 2 ** max(1, math.ceil(math.log2(math.tau / width))) + 1)
+    x = np.unique(np.concatenate([x, [a for a in more if abs(a) < math.pi]]))
+    while len(x) <= MOST_PIECES:
+        law = _hermite(x, torque(x), slope(x), name)
+        between = x[:-1, None] + np.array([0.2, 0.5, 0.7]) * np.diff(x)[:, None]
+        exact = torque(between)
+        if not np.isfinite(exact).all():
+            raise SceneError(f"hinge law {name!r}: its torque is not finite everywhere")
+        off = np.abs(law.torque(between) - exact).max(axis=1) > AS_STATED * np.abs(exact).max()
+        if not off.any():
+            return law
+        x = np.unique(np.concatenate([x, 0.5 * (x[:-1] + x[1:])[off]]))
+    raise SceneError(f"hinge law {name!r} bends too sharply for {MOST_PIECES} pieces")
 
 
 def linear(stiffness: float, rest: float = 0.0) -> HingeLaw:
@@ -230,7 +247,7 @@ def linear(stiffness: float, rest: float = 0.0) -> HingeLaw:
     SceneError, OptionError
         If a number does not fit.
     """
-    k = check_number("stiffness", stiffness, 0.0)
+    k, rest = check_number("stiffness", stiffness, 0.0), check_number("rest", rest)
     return _sampled(lambda x: k * (x - rest), lambda x: np.full_like(x, k), "linear")
 
 
@@ -254,7 +271,8 @@ def polynomial(coefficients: Sequence[float], rest: float = 0.0) -> HingeLaw:
     SceneError, OptionError
         If a number does not fit.
     """
-    p = np.polynomial.Polynomial([0.0, *map(float, coefficients)])
+    given = [check_number(f"coefficients[{i}]", c) for i, c in enumerate(coefficients, start=1)]
+    p, rest = np.polynomial.Polynomial([0.0, *given]), check_number("rest", rest)
     return _sampled(lambda x: p(x - rest), lambda x: p.deriv()(x - rest), "polynomial")
 
 
@@ -281,6 +299,7 @@ def well(energy: float, at: float, width: float) -> HingeLaw:
         If a number does not fit.
     """
     e, w = check_number("energy", energy), check_number("width", width, WIDTHS[0], WIDTHS[1])
+    at = check_number("at", at, -math.pi, math.pi)
 
     def torque(x: np.ndarray) -> np.ndarray:
         d = (x - at) / w
@@ -290,7 +309,7 @@ def well(energy: float, at: float, width: float) -> HingeLaw:
         d = (x - at) / w
         return e / w**2 * (1 - d**2) * np.exp(-0.5 * d**2)
 
-    return _sampled(torque, slope, "well")
+    return _sampled(torque, slope, "well", w)
 
 
 def double_well(energy: float, at: float, centre: float = 0.0) -> HingeLaw:
@@ -316,6 +335,7 @@ def double_well(energy: float, at: float, centre: float = 0.0) -> HingeLaw:
         If a number does not fit.
     """
     e, w = check_number("energy", energy, 0.0), check_number("at", at, WIDTHS[0], math.pi)
+    centre = check_number("centre", centre)
 
     def torque(x: np.ndarray) -> np.ndarray:
         d = (x - centre) / w
@@ -336,7 +356,7 @@ def detent(energy: float, wells: int, centre: float = 0.0) -> HingeLaw:
     energy
         Of the hills over the wells [J].
     wells
-        Wells a turn.
+        Wells a turn, at most 32.
     centre
         Where one of them is [rad].
 
@@ -350,11 +370,13 @@ def detent(energy: float, wells: int, centre: float = 0.0) -> HingeLaw:
     SceneError, OptionError
         If a number does not fit.
     """
-    e, w = check_number("energy", energy, 0.0), int(wells)
+    e, w = check_number("energy", energy, 0.0), check_whole("wells", wells, 1, MOST_WELLS)
+    check_number("centre", centre)
     return _sampled(
         lambda x: 0.5 * e * w * np.sin(w * (x - centre)),
         lambda x: 0.5 * e * w**2 * np.cos(w * (x - centre)),
         "detent",
+        math.pi / w,
     )
 
 
@@ -380,7 +402,11 @@ def one_sided(stiffness: float, start: float, width: float = math.radians(2.0)) 
     SceneError, OptionError
         If a number does not fit.
     """
-    k, side = check_number("stiffness", stiffness, 0.0), math.copysign(1.0, start)
+    k, start = (
+        check_number("stiffness", stiffness, 0.0),
+        check_number("start", start, -math.pi, math.pi),
+    )
+    side = math.copysign(1.0, start)
     w = check_number("width", width, RESOLVED, 1.0)
 
     def inside(x: np.ndarray) -> np.ndarray:
@@ -394,7 +420,7 @@ def one_sided(stiffness: float, start: float, width: float = math.radians(2.0)) 
         torque,
         lambda x: k * np.clip(inside(x) / w, 0.0, 1.0),
         "one-sided",
-        (start, start + side * w),
+        more=(start, start + side * w),
     )
 
 

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 
-from origami_nlp.arguments import shown
-from origami_nlp.errors import SceneError
+from origami_nlp.arguments import check_number, shown
+from origami_nlp.errors import OptionError, SceneError
 from origami_nlp.pattern.hinge_law import (
     HingeLaw,
     detent,
@@ -94,9 +95,7 @@ def read_law(given: object, name: str) -> HingeLaw:
         raise SceneError(f"laws.{name} of type {kind!r}: {what}; it has {', '.join(keys)}")
     try:
         numbers = {
-            argument: np.radians(np.array(given[key], float)).tolist()
-            if key.endswith("_deg")
-            else given[key]
+            argument: _radians(key, given[key]) if key.endswith("_deg") else given[key]
             for key, (argument, _) in keys.items()
             if key in given
         }
@@ -106,13 +105,23 @@ def read_law(given: object, name: str) -> HingeLaw:
                 "coefficients": tuple(map(tuple, numbers["coefficients"])),
             }
         made = make(**numbers)
+    except SceneError:
+        raise
+    except OptionError as error:
+        raise SceneError(f"laws.{name} of type {kind!r}: {error}") from None
     except (TypeError, ValueError) as error:
-        if isinstance(error, SceneError):
-            raise
         raise SceneError(
             f"laws.{name} of type {kind!r}: its entries must be numbers ({error})"
         ) from None
     return HingeLaw(made.breaks, made.coefficients, name)
+
+
+def _radians(key: str, degrees: Any) -> Any:
+    """Return an angle of a file in radians, checked in degrees, or the column of a table."""
+    if isinstance(degrees, list):
+        return np.radians(np.array(degrees, float)).tolist()
+    low, high = (1.2, 570.0) if key == "width_deg" else (-180.0, 180.0)
+    return math.radians(check_number(key, degrees, low, high))
 
 
 def law_to_dict(law: HingeLaw) -> dict[str, Any]:

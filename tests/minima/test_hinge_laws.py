@@ -34,23 +34,22 @@ FORMULAS = [
     (well(1.5, 1.0, 0.4), lambda x: -1.5 * np.exp(-0.5 * ((x - 1.0) / 0.4) ** 2)),
     (double_well(2.0, 1.2, 0.1), lambda x: 2.0 * (((x - 0.1) / 1.2) ** 2 - 1) ** 2),
     (detent(0.4, 5, 0.3), lambda x: 0.2 * (1 - np.cos(5 * (x - 0.3)))),
+    (well(1.0, 0.3071, 0.02), lambda x: -np.exp(-0.5 * ((x - 0.3071) / 0.02) ** 2)),
+    (detent(1.0, 32), lambda x: 0.5 * (1 - np.cos(32 * x))),
 ]
 
 
-@pytest.mark.parametrize(("law", "energy"), FORMULAS, ids=[law.name for law, _ in FORMULAS])
+@pytest.mark.parametrize(("law", "energy"), FORMULAS, ids=lambda one: getattr(one, "name", ""))
 def test_pieces_are_the_formula(law, energy):
     x = np.linspace(-math.pi, math.pi, 1_001)
     exact = energy(x) - energy(np.linspace(-math.pi, math.pi, 200_001)).min()
     assert np.abs(law.energy(x) - exact).max() <= 2e-6 * exact.max()
     step = 1e-5
-    assert np.allclose(
-        law.torque(x[1:-1]),
-        (energy(x[1:-1] + step) - energy(x[1:-1] - step)) / (2 * step),
-        atol=1e-4,
-    )
+    slope = (energy(x[1:-1] + step) - energy(x[1:-1] - step)) / (2 * step)
+    assert np.abs(law.torque(x[1:-1]) - slope).max() <= 1e-4 * np.abs(slope).max()
     # what is computed with them agrees to rounding: change, derivative, the other side of the paper
     assert np.allclose(law.change(x[:-1], x[1:]), np.diff(law.energy(x)), atol=1e-13 * exact.max())
-    assert np.allclose(law.turned().energy(-x), law.energy(x), atol=1e-13 * exact.max())
+    assert np.allclose(law.turned().energy(-x), law.energy(x), atol=1e-12 * exact.max())
     assert law.monotone == bool((np.diff(law.torque(x)) > -1e-9).all())
 
 
@@ -252,6 +251,7 @@ def test_laws_are_stated_in_scene_files():
         ('type = "table"', 'type = "tabel"', "must be one of"),
         ("energy = 0.5, ", "", "missing energy"),
         ("-0.4, -0.3", '"a", -0.3', "numbers"),
+        ("at_deg = 60", "at_deg = 600", "at_deg = 600 must be a finite number from -180 to 180"),
     ],
 )
 def test_wrong_laws_are_named(old, new, why):
@@ -295,6 +295,15 @@ def test_symmetric_minima_with_laws():
 
 
 def test_a_law_is_refused_that_is_none():
+    for make in (
+        lambda: detent(1.0, 3.5),
+        lambda: detent(1.0, -3),
+        lambda: detent(1.0, 400),
+        lambda: well(1.0, math.nan, 0.2),
+        lambda: polynomial([1.0, "a"]),
+    ):
+        with pytest.raises(OptionError, match="must be"):
+            make()
     with pytest.raises(SceneError, match="jumps"):
         HingeLaw((-1.0, 0.0, 1.0), ((0, 0, 0, 0.0), (0, 0, 1, 1.0)))
     with pytest.raises(SceneError, match="preload"):
