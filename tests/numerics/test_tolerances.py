@@ -56,6 +56,9 @@ BESIDE_THE_TABLE = {
     "nodes at which a series is checked": """
         minima/curve.CHECKS
     """,
+    "what a formula is resolved to by its pieces": """
+        pattern/hinge_law.AS_STATED
+    """,
     "what is shown, or said in words": """
         bifurcation/regions.LEAST chart/boundary_lines.SHORT chart/chart.TIE chart/region.SLIVER
         critical/result.ROUNDING paper/cone/table.SMALL pattern/fold_notes.LOOKS_LIKE_PI
