@@ -1,7 +1,7 @@
 """A line of parameters: which problem belongs to each value of one number s.
 
-Sector angles, rest angles and loads are linear in s, stiffnesses log-linear, so that a ratio of stiffnesses r is
-followed in s = ln r.  Several lines can be added: two parameters, or several creases at once.
+Sector angles, rest angles, loads and shifts of hinge laws are linear in s, stiffnesses and factors of laws log-linear,
+so that a ratio of stiffnesses r is followed in s = ln r.  Several lines can be added: two parameters, or several creases at once.
 """
 
 from __future__ import annotations
@@ -50,6 +50,7 @@ class ParameterLine:
             a.rest + s * d.rest,
             a.load + s * d.load,
             a.dead if a.dead is None or d.dead is None else a.dead.moved(d.dead, s),
+            a.laws if a.laws is None or d.laws is None else a.laws.along(d.laws, s),
         )
         sectors = None
         if self.sector_angles is not None and self.sector_change is not None:
@@ -63,6 +64,9 @@ class ParameterLine:
         out, first = self._slope.copy(), len(self.start.sectors)
         # d(a e^(s d))/ds
         out[first : first + len(d)] = a * np.exp(s * d) * d
+        if self.start.laws is not None and (change := self.direction.laws) is not None:
+            at = self.start.laws.along(change, s).weight * change.weight
+            out[-2 * len(at) : -len(at)] = at
         return out
 
     @cached_property
@@ -70,7 +74,8 @@ class ParameterLine:
         """Derivative of `Parameters.vector` by s, that of the logarithm for stiffness."""
         a, d = self.start, self.direction
         still = None if a.dead is None else a.dead.divided(math.inf)
-        return replace(d, dead=d.dead or still).vector
+        laws = a.laws if a.laws is None else d.laws or a.laws.towards(a.laws, 1.0)
+        return replace(d, dead=d.dead or still, laws=laws).vector
 
     def from_here(self, s: float) -> ParameterLine:
         """Return the same line with s = 0 where it is s now."""
@@ -93,6 +98,7 @@ def line_between(a: Problem, b: Problem, length: float, weight: float = 0.3) -> 
         (q.rest - p.rest) / length,
         (q.load - p.load) / length,
         None if p.dead is None or q.dead is None else q.dead.moved(p.dead, -1.0).divided(length),
+        None if p.laws is None or q.laws is None else p.laws.towards(q.laws, length),
     )
     return ParameterLine(a, p, direction, weight=weight)
 

@@ -100,7 +100,6 @@ def load_path(
     """
     driver: VertexDriver | PatternDriver
     stated = as_origami(origami)
-    stated.check_plain_hinges("a load path")
     if isinstance(stated, Scene):
         refuse("scene", _OF_A_PATTERN, starts=starts)
         driver = VertexDriver(stated, load)  # type: ignore[arg-type]

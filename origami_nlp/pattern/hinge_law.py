@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
@@ -47,13 +47,15 @@ class HingeLaw(ShortRepr):
         Of the torque on each piece, of (phi - break)^3 to (phi - break)^0, [B, 4] [N m/rad^3, ..., N m].
     name
         What reports call it.
+    made_from
+        The law, the factor and the angle [rad] that `times` and `shifted` made it with.
 
     Attributes
     ----------
     stiffness
         Mean |dtorque/dphi| [N m/rad]: what scales and metrics are made with, no value is.
     rest
-        Angle of least energy [rad].
+        Angle of least energy [rad]; of a law that is shifted that of the law, shifted.
     monotone
         Whether the torque nowhere falls: the energy is convex.
 
@@ -67,6 +69,7 @@ class HingeLaw(ShortRepr):
     breaks: tuple[float, ...]
     coefficients: tuple[tuple[float, ...], ...]
     name: str = "law"
+    made_from: tuple[HingeLaw, float, float] | None = field(default=None, compare=False)
 
     def __post_init__(self) -> None:
         x, c = np.array(self.breaks, float), np.array(self.coefficients, float)
@@ -79,7 +82,7 @@ class HingeLaw(ShortRepr):
                 f"hinge law {self.name!r}: breaks must increase, and all numbers be finite"
             )
         steps = np.diff(x)[:-1]
-        ends = np.array([np.polyval(p, h) for p, h in zip(c[:-1], steps, strict=True)])
+        ends = np.polyval(c[:-1].T, steps)
         jump = np.abs(ends - c[1:, 3]).max(initial=0.0)
         largest = np.abs(c[:, 2:] * np.stack([np.diff(x), np.ones(len(c))], axis=1)).max()
         if jump > INPUT_TOL * max(largest, np.finfo(float).tiny):
@@ -116,6 +119,11 @@ class HingeLaw(ShortRepr):
         return energy
 
     @property
+    def origin(self) -> tuple[HingeLaw, float, float]:
+        """The law U, the factor s and the angle d [rad] of which this is s U(phi - d); itself, 1 and 0 at first."""
+        return self.made_from or (self, 1.0, 0.0)
+
+    @property
     def energy_pieces(self) -> tuple[np.ndarray, np.ndarray]:
         """Breaks [B + 1], and coefficients of the energy, of (phi - break)^4 to 1, [5, B]; both ends go straight on."""
         return self._energy.x, self._energy.c
@@ -145,6 +153,8 @@ class HingeLaw(ShortRepr):
     @cached_property
     def stiffness(self) -> float:
         """Mean |dtorque/dphi| [N m/rad]."""
+        if self.made_from:
+            return self.made_from[0].stiffness * self.made_from[1]
         x = np.array(self.breaks)
         inside = np.concatenate(
             [x[:-1] + share * np.diff(x) for share in (0.1, 0.3, 0.5, 0.7, 0.9)]
@@ -155,6 +165,9 @@ class HingeLaw(ShortRepr):
     @cached_property
     def rest(self) -> float:
         """Angle of least energy [rad]; of several the one nearest to 0, a valley before a mountain."""
+        if self.made_from:
+            law, _, by = self.made_from
+            return float(np.clip(law.rest + by, -math.pi, math.pi))
         roots = np.concatenate([self._torque.roots(extrapolate=False), self.breaks])
         x = roots[np.isfinite(roots) & (roots >= self.breaks[0]) & (roots <= self.breaks[-1])]
         energy = self.energy(x)
@@ -172,7 +185,21 @@ class HingeLaw(ShortRepr):
 
     def times(self, factor: float) -> HingeLaw:
         """Return the law with `factor` times the torque: of a longer crease, or in other units."""
+        law, so_far, by = self.origin
+        check_number("factor", factor, 0.0)
         c = factor * np.array(self.coefficients)
+        made = law, factor * so_far, by
+        return replace(self, coefficients=tuple(map(tuple, c.tolist())), made_from=made)
+
+    def shifted(self, by: float) -> HingeLaw:
+        """Return the law whose wells are `by` [rad] further towards valley: U(phi - by)."""
+        law, factor, so_far = self.origin
+        moved = tuple((np.array(self.breaks) + by).tolist())
+        return replace(self, breaks=moved, made_from=(law, factor, so_far + by))
+
+    def plus(self, torque: float) -> HingeLaw:
+        """Return the law with a constant torque [N m] added, of whatever else acts on the hinge."""
+        c = np.array(self.coefficients) + [0.0, 0.0, 0.0, torque]
         return HingeLaw(self.breaks, tuple(map(tuple, c.tolist())), self.name)
 
     def turned(self) -> HingeLaw:

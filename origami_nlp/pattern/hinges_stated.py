@@ -46,8 +46,8 @@ def with_laws(values: Sequence[float], laws: Laws, what: str) -> tuple[float, ..
     )
 
 
-def check_laws(laws: Laws, limits: np.ndarray, contact: str, preload: Sequence[float]) -> None:
-    """Raise an error unless laws are known between the fold limits [2, N], and no preload is added to them.
+def check_laws(laws: Laws, limits: np.ndarray, contact: str) -> None:
+    """Raise an error unless laws are known between the fold limits [2, N].
 
     Raises
     ------
@@ -58,14 +58,11 @@ def check_laws(laws: Laws, limits: np.ndarray, contact: str, preload: Sequence[f
         raise SceneError(
             "laws are known between fold limits: contact = 'none' has none; use 'fold-limits' or 'full'"
         )
-    wound = list(preload) or [0.0] * len(laws)
-    for i, (law, low, high, m) in enumerate(
-        zip(laws, *limits, wound, strict=True) if laws else (), start=1
+    for i, (law, low, high) in enumerate(
+        zip(laws, *limits, strict=True) if laws else (), start=1
     ):
         if law is None:
             continue
-        if m:
-            raise SceneError(f"preload[{i}]: crease {i} has a hinge law; add the torque to the law")
         if law.breaks[0] > low + OUTSIDE or law.breaks[-1] < high - OUTSIDE:
             known, asked = (
                 "[" + ", ".join(f"{math.degrees(a):.4g}" for a in pair) + "]"
@@ -146,19 +143,23 @@ def law_numbers(laws: Laws) -> list[list[float]]:
     return [[float(every.index(law)) for law in laws]] if laws else []
 
 
-def energy_with_laws(phi: np.ndarray, k: np.ndarray, rest: np.ndarray, laws: Laws) -> np.ndarray:
-    """Elastic energy of states [..., N], springs and laws, [...]."""
+def energy_with_laws(
+    phi: np.ndarray, k: np.ndarray, rest: np.ndarray, laws: Laws, preload: Sequence[float] = ()
+) -> np.ndarray:
+    """Elastic energy of states [..., N], springs and laws, these less preload . phi, [...]."""
     energy = 0.5 * k * (phi - rest) ** 2
     for i, law in enumerate(laws):
         if law is not None:
-            energy[..., i] = law.energy(phi[..., i])
+            energy[..., i] = law.energy(phi[..., i]) - (preload[i] if preload else 0.0) * phi[..., i]
     return np.asarray(energy.sum(axis=-1))
 
 
-def torque_with_laws(phi: np.ndarray, k: np.ndarray, rest: np.ndarray, laws: Laws) -> np.ndarray:
-    """Torques of states [..., N], springs and laws, same shape."""
+def torque_with_laws(
+    phi: np.ndarray, k: np.ndarray, rest: np.ndarray, laws: Laws, preload: Sequence[float] = ()
+) -> np.ndarray:
+    """Torques of states [..., N], springs and laws, these less preload, same shape."""
     torque = k * (phi - rest)
     for i, law in enumerate(laws):
         if law is not None:
-            torque[..., i] = law.torque(phi[..., i])
+            torque[..., i] = law.torque(phi[..., i]) - (preload[i] if preload else 0.0)
     return np.asarray(torque)

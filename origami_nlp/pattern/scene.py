@@ -78,7 +78,7 @@ class Scene(PrettyRepr):
         A title for tables and figures.
     preload
         Torque m_i that each crease has beside k_i (phi0_i - phi_i), shape [N] [N m], towards valley > 0; default: none.
-        The spring is wound to `wound_angles`, at most 1,000 rad.
+        The spring is wound to `wound_angles`, at most 1,000 rad; a hinge law keeps its energy, less m_i phi_i.
     loads
         Dead loads: each a `Load`, or a table that states one.  Torques on creases are added to `preload`; forces ask
         for `fixed_facet`, and for states without symmetry.
@@ -195,7 +195,7 @@ class Scene(PrettyRepr):
         object.__setattr__(self, "panels", read_panels(self.panels))
         limits = thick_limits(read_limits(self.limits, n), n, self.panels)
         object.__setattr__(self, "limits", limits)
-        check_laws(self.laws, self.limit_angles, self.contact, self.preload)
+        check_laws(self.laws, self.limit_angles, self.contact)
         if self.limits and self.contact == "none":
             raise SceneError(
                 "limits are fold limits: contact = 'none' has none; use contact = 'fold-limits' or 'full'"
@@ -384,8 +384,13 @@ class Scene(PrettyRepr):
         """What acts on the creases beside springs from rest angles, in words; nothing where nothing does."""
         lines = []
         if self.preload:
-            wound = enumerate(zip(self.preload, self.wound_angles, strict=True), start=1)
-            at = [f"crease {i} {m:g} N m ({w:.6g} rad)" for i, (m, w) in wound if m]
+            laws = self.laws or (None,) * self.degree
+            wound = enumerate(zip(self.preload, self.wound_angles, laws, strict=True), start=1)
+            at = [
+                f"crease {i} {m:g} N m ({f'beside {law.name}' if law else f'{w:.6g} rad'})"
+                for i, (m, w, law) in wound
+                if m
+            ]
             lines = [
                 "preload (and the angle to which it winds the spring): " + ", ".join(at),
                 "energies count what it takes to wind the springs: U = sum k/2 (phi - phi0 - preload/k)^2",
@@ -422,7 +427,7 @@ class Scene(PrettyRepr):
         """
         phi = check_angles("fold_angles", fold_angles, self.degree, finite=False)
         k, rest = np.array(self.stiffness), np.array(self.wound_angles)
-        energy = energy_or_zero(energy_with_laws(phi, k, rest, self.laws), k)
+        energy = energy_or_zero(energy_with_laws(phi, k, rest, self.laws, self.preload), k)
         if (dead := dead_loads(self.loads, self.fixed_facet)) is not None:
             energy = energy + dead.energy(np.array(self.vertex.sector_angles), phi)
         return float(energy) if energy.ndim == 0 else energy
@@ -441,7 +446,9 @@ class Scene(PrettyRepr):
             [..., N] [N m].
         """
         k, rest = np.array(self.stiffness), np.array(self.wound_angles)
-        return torque_with_laws(np.asarray(fold_angles, float), k, rest, self.laws)
+        return torque_with_laws(
+            np.asarray(fold_angles, float), k, rest, self.laws, self.preload
+        )
 
     def __repr__(self) -> str:
         who = self.label or f"{self.vertex!r}"

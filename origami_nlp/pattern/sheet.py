@@ -243,7 +243,7 @@ class Pattern:
             If they do not fit.
         """
         made = replace(self, limits=read_limits(limits, self.creases, degrees=degrees))
-        check_laws(made.laws, made.limit_angles, "full", ())
+        check_laws(made.laws, made.limit_angles, "full")
         return made
 
     def with_laws(
@@ -273,7 +273,7 @@ class Pattern:
             each = zip(given, self.lengths.tolist(), strict=True)
             given = [law and law.times(length) for law, length in each]
         read = read_laws(tuple(given), self.creases)
-        check_laws(read, self.limit_angles, "full", ())
+        check_laws(read, self.limit_angles, "full")
         k = np.array(with_laws(self.stiffness.tolist(), read, "stiffness"))
         check_range(k.tolist())
         rest = np.array(with_laws(self.rest.tolist(), read, "rest"))

@@ -137,10 +137,7 @@ class PatternEquations:
     @cached_property
     def springs(self) -> Parameters:
         """Springs and laws over `scale`, without load."""
-        laws = None
-        if self.pattern.laws:
-            has = np.array([law is not None for law in self.pattern.laws], float)
-            laws = HingeLaws(self.pattern.laws, has / self.scale)
+        laws = HingeLaws.of(self.pattern.laws, 1 / self.scale) if self.pattern.laws else None
         none = np.zeros(self.size)
         return Parameters(none[:0], self.stiffness, self.pattern.rest, none, None, laws)
 

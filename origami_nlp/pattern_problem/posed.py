@@ -60,13 +60,13 @@ def pose(problem: PatternProblem, rows: np.ndarray, touches: Sequence[ContactPai
     """
     n = problem.size
     x, k, rest, load = (ca.SX.sym(name, n) for name in ("x", "k", "rest", "load"))
-    laws = problem.pattern.laws
+    laws = [law and law.origin[0] for law in problem.pattern.laws]
     springs = ca.DM([float(law is None) for law in laws]) if laws else ca.DM.ones(n)
-    weight = ca.SX.sym("w", len(laws))
+    weight, shift = ca.SX.sym("w", len(laws)), ca.SX.sym("d", len(laws))
     energy = 0.5 * ca.dot(springs * k, (x - rest) ** 2) - ca.dot(load, x)
     for v, law in enumerate(laws):
         if law is not None:
-            energy += weight[v] * law_energy(law, x[v])
+            energy += weight[v] * law_energy(law, x[v] - shift[v])
     turns = x - ca.DM(problem.pattern.reference)
     away = problem.pattern.corners - problem.pattern.corners.mean(axis=0)
     size = float(np.abs(away).max(initial=0.0)) or 1.0
@@ -79,7 +79,7 @@ def pose(problem: PatternProblem, rows: np.ndarray, touches: Sequence[ContactPai
     free = np.full(len(gaps), math.inf)
     lower, upper = (np.append(np.zeros(len(rows)), s * free) for s in (-1.0, 1.0))
     g = ca.vertcat(closure[rows.tolist()], *gaps)
-    return Nlp(x, ca.vertcat(k, rest, load, weight), energy, g, lower, upper)
+    return Nlp(x, ca.vertcat(k, rest, load, weight, shift), energy, g, lower, upper)
 
 
 def _loop(problem: PatternProblem, turns: ca.SX, loop: Loop) -> ca.SX:

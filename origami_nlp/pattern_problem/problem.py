@@ -312,12 +312,23 @@ class PatternProblem(PatternContacts, Energies):
         if sector_angles is not None:
             raise NotImplementedError("sector angles of a pattern are not varied")
         other, p = self._other(), self.parameters
+        same = p.laws is parameters.laws or (
+            p.laws is not None
+            and parameters.laws is not None
+            and np.array_equal(p.laws.vector, parameters.laws.vector)
+        )
         if not (
-            np.array_equal(p.rest, parameters.rest)
+            same
+            and np.array_equal(p.rest, parameters.rest)
             and np.array_equal(p.stiffness, parameters.stiffness)
         ):
             stiffness = parameters.stiffness * self.scale
-            other.pattern = replace(self.pattern, stiffness=stiffness, rest=parameters.rest)
+            other.pattern = replace(
+                self.pattern,
+                stiffness=stiffness,
+                rest=parameters.rest,
+                laws=() if parameters.laws is None else parameters.laws.made(self.scale),
+            )
             vars(other).pop("stiffness", None)
             vars(other).pop("springs", None)
         other._load, other._dead = parameters.load, parameters.dead  # type: ignore[assignment]
@@ -334,7 +345,10 @@ class PatternProblem(PatternContacts, Energies):
         stiffness, rest, load = change[: 3 * self.size].reshape(3, -1)
         p = self.parameters
         # d(k (phi - phi0) - load); closure and gaps do not depend on springs and loads
-        torque = stiffness * (x - p.rest) - p.stiffness * rest - load
+        torque = stiffness * (x - p.rest) - p.stiffness * rest
+        if p.laws is not None:
+            torque = p.laws.linear(torque) + p.laws.drift(x, change[-2 * self.size :])
+        torque = torque - load
         if self._dead is not None:
-            torque = torque - change[-1] * self._dead.work.gradient(x)
+            torque = torque - change[3 * self.size] * self._dead.work.gradient(x)
         return torque, np.zeros(len(multipliers))

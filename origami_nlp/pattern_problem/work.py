@@ -10,6 +10,7 @@ At closed states all walks lead to the same place.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import ClassVar, TypeAlias
@@ -191,16 +192,26 @@ class Torque(_OfPattern):
     def room(self, t: float) -> float:
         """Return what makes U - t w positive: it completes the square."""
         # k/2 (phi - phi0)^2 - t phi = k/2 (phi - phi0 - t/k)^2 - t phi0 - t^2 / (2 k)
-        i = np.array(self.creases) - 1
         p = self.pattern
-        return float(np.sum(t * p.rest[i] + t * t / (2 * p.stiffness[i])))
+        of_laws = [i - 1 for i in self.creases if p.laws and p.laws[i - 1]]
+        i = np.setdiff1d(np.array(self.creases) - 1, of_laws)
+        room = np.sum(t * p.rest[i] + t * t / (2 * p.stiffness[i]))
+        # laws are 0 at least, and fold angles within +-pi
+        return float(room + abs(t) * math.pi * len(of_laws))
 
     def loaded(self, t: float) -> Pattern:
-        """Return the pattern whose springs are wound by the torque, their rest angles where that puts them."""
+        """Return the pattern whose springs are wound by the torque, their rest angles where that puts them; laws get it."""
+        p = self.pattern
+        if p.laws:
+            laws = [
+                law and law.plus(-t * by)
+                for law, by in zip(p.laws, self._share.tolist(), strict=True)
+            ]
+            linear = np.array([law is None for law in laws])
+            moved = replace(p, rest=p.rest + np.where(linear, t * self._share / p.stiffness, 0.0))
+            return moved.with_laws(laws)
         # U - t phi has the torque k (phi - phi0) - t: the rest angle moves by t / k
-        return replace(
-            self.pattern, rest=self.pattern.rest + t * self._share / self.pattern.stiffness
-        )
+        return replace(p, rest=p.rest + t * self._share / p.stiffness)
 
 
 @dataclass(frozen=True, eq=False)

@@ -82,7 +82,7 @@ class Structure:
     gaps: mirror, axis and facet-pair contacts (fold limits are bounds, not listed here).
     pairs: facet pairs that may cross, each as positions of their first rays.
     flat_sheet: whether the sector angles of the vertex sum to 2 pi.
-    laws: hinge laws of the variables, None where a linear spring is; empty where all are.
+    laws: hinge laws of the variables (`HingeLaw.origin`), None where a linear spring is; empty where all are.
     dead: facets of the points at which forces pull, and first the one that is held, 0-based; empty without forces.
     """
 
@@ -185,8 +185,8 @@ def compile_structure(structure: Structure) -> Functions:
     stiffness, rest, load = ca.SX.sym("k", n), ca.SX.sym("phi0", n), ca.SX.sym("m", n)
     held, *facets = s.dead or (0,)
     forces = ca.SX.sym("f", 5, len(facets))  # points and forces
-    weight_of_law = ca.SX.sym("w", len(s.laws))
-    p = ca.vertcat(sectors, stiffness, rest, load, ca.vec(forces), weight_of_law)
+    weight_of_law, shift = ca.SX.sym("w", len(s.laws)), ca.SX.sym("d", len(s.laws))
+    p = ca.vertcat(sectors, stiffness, rest, load, ca.vec(forces), weight_of_law, shift)
     piece = fold_piece(s.kind, s.turn, s.has_crease, x, sectors, s.flat_piece)
     sines = [ca.sin(sectors[i]) for i in range(sector_count)]
     # paper, eq. 3.1; a variable stands for all creases of its orbit, whose stiffness is summed in k
@@ -194,7 +194,7 @@ def compile_structure(structure: Structure) -> Functions:
     energy = 0.5 * ca.sum1(springs * stiffness * (x - rest) ** 2) - ca.dot(load, x)
     for v, law in enumerate(s.laws):
         if law is not None:
-            energy += weight_of_law[v] * law_energy(law, x[v])
+            energy += weight_of_law[v] * law_energy(law, x[v] - shift[v])
     for i, facet in enumerate(facets):
         energy -= quat.dot(
             _carried(held, facet, x, sectors, forces[:2, i]), ca.vertsplit(forces[2:, i])

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -19,11 +19,60 @@ class HingeLaws:
     laws
         Of the n variables; None where a linear spring is.
     weight
-        How often each counts: creases that a variable stands for, over `Model.scale`; 0 where there is none, [n].
+        How often each counts: creases that a variable stands for, times the factor of `HingeLaw.origin`, over
+        `Model.scale`; 0 where there is none, [n].
+    shift
+        By which each is shifted, [n] [rad].
     """
 
     laws: tuple[HingeLaw | None, ...]
     weight: np.ndarray
+    shift: np.ndarray
+
+    @staticmethod
+    def of(laws: Sequence[HingeLaw | None], counts: np.ndarray | float) -> HingeLaws:
+        """Return laws of variables; counts: creases that each variable stands for, over a scale, [n] or one number."""
+        origins = [(None, 0.0, 0.0) if law is None else law.origin for law in laws]
+        base, factor, shift = zip(*origins, strict=True)
+        return HingeLaws(base, counts * np.array(factor), np.array(shift))
+
+    @property
+    def vector(self) -> np.ndarray:
+        """Weights and shifts, [2 n]."""
+        return np.concatenate([self.weight, self.shift])
+
+    def along(self, change: HingeLaws, s: float) -> HingeLaws:
+        """Return laws with s times a change: of the logarithm of weights, and of shifts."""
+        return replace(
+            self,
+            weight=self.weight * np.exp(s * change.weight),
+            shift=self.shift + s * change.shift,
+        )
+
+    def towards(self, other: HingeLaws, length: float) -> HingeLaws:
+        """Return the change (`along`) that makes laws another one's over a length; 0 where no law is."""
+        none = self.weight == 0
+        ratio = np.where(none, 1.0, other.weight) / np.where(none, 1.0, self.weight)
+        return replace(
+            self, weight=np.log(ratio) / length, shift=(other.shift - self.shift) / length
+        )
+
+    def made(self, scale: float) -> tuple[HingeLaw | None, ...]:
+        """Return the laws with their weights times a scale, shifted."""
+        known: dict[tuple[int, float, float], HingeLaw] = {}
+        out: list[HingeLaw | None] = []
+        for law, w, by in zip(self.laws, self.weight.tolist(), self.shift.tolist(), strict=True):
+            key = id(law), w, by
+            if law is not None and key not in known:
+                known[key] = law.times(w * scale).shifted(by)
+            out.append(known.get(key))
+        return tuple(out)
+
+    def drift(self, x: np.ndarray, change: np.ndarray) -> np.ndarray:
+        """Return how torques [n] change with a change of weights and shifts, [2 n] (`vector`)."""
+        weight, shift = change.reshape(2, -1)
+        unit = replace(self, weight=(self.weight != 0).astype(float))
+        return weight * unit.torque(x) - shift * self.slope(x)
 
     def times(self, share: float) -> HingeLaws:
         """Return the same laws over another scale."""
@@ -44,24 +93,26 @@ class HingeLaws:
 
     def energy(self, x: np.ndarray) -> np.ndarray:
         """Energy of states [..., n], [...]."""
+        x = x - self.shift
         return np.sum([law.energy(x[..., v]) @ self.weight[v] for law, v in self._each()], axis=0)
 
     def change(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
         """Energy of y less that of x, [...]."""
+        x, y = x - self.shift, y - self.shift
         return np.sum(
             [law.change(x[..., v], y[..., v]) @ self.weight[v] for law, v in self._each()], axis=0
         )
 
     def torque(self, x: np.ndarray) -> np.ndarray:
         """Torques [..., n]; 0 where there is no law."""
-        out = np.zeros(x.shape)
+        out, x = np.zeros(x.shape), x - self.shift
         for law, v in self._each():
             out[..., v] = self.weight[v] * law.torque(x[..., v])
         return out
 
     def slope(self, x: np.ndarray) -> np.ndarray:
         """Derivatives of the torques [..., n]; 0 where there is no law."""
-        out = np.zeros(x.shape)
+        out, x = np.zeros(x.shape), x - self.shift
         for law, v in self._each():
             out[..., v] = self.weight[v] * law.slope(x[..., v])
         return out

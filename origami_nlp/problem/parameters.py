@@ -43,9 +43,9 @@ class Parameters:
 
     @cached_property
     def vector(self) -> np.ndarray:
-        """All of them in the order in which compiled functions take them, shape [s + 3 n + 5 l]; laws add n."""
+        """All of them in the order in which compiled functions take them, shape [s + 3 n + 5 l]; laws add 2 n."""
         dead = [] if self.dead is None else [self.dead.vector]
-        laws = [] if self.laws is None else [self.laws.weight]
+        laws = [] if self.laws is None else [self.laws.vector]
         return np.concatenate([self.sectors, self.stiffness, self.rest, self.load, *dead, *laws])
 
     @property

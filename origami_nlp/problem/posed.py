@@ -110,6 +110,7 @@ class PosedProblem(Energies, PrettyRepr):
         group = scene.group
         creases = [ray.crease for ray in group.rays if ray.crease is not None]
         gaps, pairs, self.left_out = enumerate_gaps(scene)
+        of_creases = [scene.laws[c] for c in creases] if scene.laws else []
         self.structure = Structure(
             kind=group.kind,
             order=group.order,
@@ -122,7 +123,7 @@ class PosedProblem(Energies, PrettyRepr):
             dead=()
             if (dead := dead_loads(scene.loads, scene.fixed_facet)) is None
             else (dead.held, *dead.facets),
-            laws=tuple(scene.laws[c] for c in creases) if scene.laws else (),
+            laws=tuple(law and law.origin[0] for law in of_creases),
         )
         crease_rays = [r for r, ray in enumerate(group.rays) if ray.crease is not None]
         position = {r: v for v, r in enumerate(crease_rays)}
@@ -134,15 +135,15 @@ class PosedProblem(Energies, PrettyRepr):
         # creases of one orbit agree to a tolerance: the mean keeps the energy of symmetric states right
         k = np.bincount(self.variable_of_crease, scene.stiffness)
         rest = np.bincount(self.variable_of_crease, scene.wound_angles) / self.multiplicity
+        # preload winds linear springs (`wound_angles`); beside laws it is a load
+        beside = [m if law else 0.0 for m, law in zip(scene.preload, scene.laws, strict=False)]
+        load = np.bincount(self.variable_of_crease, beside or np.zeros(scene.degree))
         self.scale = 2.0 ** round(math.log2(k.mean()))
         sectors = [ray.sector for ray in group.rays]
         if group.kind == "D":
             sectors = sectors[:-1]
-        laws = None
-        if scene.laws:
-            has = np.array([law is not None for law in self.structure.laws])
-            laws = HingeLaws(self.structure.laws, has * self.multiplicity)
-        springs = Parameters(np.array(sectors), k, rest, np.zeros(self.size), dead, laws)
+        laws = HingeLaws.of(of_creases, self.multiplicity) if of_creases else None
+        springs = Parameters(np.array(sectors), k, rest, load, dead, laws)
         self.parameters = springs.scaled(1 / self.scale)
 
     def varied(self, parameters: Parameters, sector_angles: np.ndarray | None = None) -> Self:
