@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 
 from origami_nlp.io import ShortRepr, Unbounded
 from origami_nlp.kkt import ContactForce, Kind
+from origami_nlp.problem import STOP
 
 EVENT_WORDS = {
     "fold": "limit point",
@@ -201,6 +202,32 @@ class PathEvent(ShortRepr):
     located: bool
     note: str
     branches: tuple[int, ...]
+
+    def words(self, *, growing: bool = True) -> str:
+        """Return what happens as the parameter grows, or falls: what closes the one way opens the other.
+
+        Parameters
+        ----------
+        growing
+            Whether it grows.
+
+        Returns
+        -------
+        str
+            With the contact, or the crease that reaches or leaves its stop.
+        """
+        other = {"closes": "leaves", "leaves": "closes"}
+        kind = self.type if growing else other.get(self.type, self.type)
+        said = EVENT_WORDS.get(kind, kind)
+        angle, stop, who = self.contact.partition(f" {STOP} at ")
+        if stop and kind in other:
+            does, they = {"closes": ("reaches", "reach"), "leaves": ("leaves", "leave")}[kind]
+            return (
+                f"{who} {they} their stops: {angle}"
+                if "," in who
+                else f"{who} {does} its stop: {angle}"
+            )
+        return f"{said}: {self.contact}" if self.contact else said
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,6 @@ from origami_nlp.bifurcation.judging import states_at
 from origami_nlp.bifurcation.parameter_range import ParameterRange
 from origami_nlp.bifurcation.patterns import pattern_family
 from origami_nlp.bifurcation.records import (
-    EVENT_WORDS,
     Cost,
     Interval,
     PathBranch,
@@ -200,9 +199,7 @@ class Atlas(Report, Viewable):
         yield self.table()
         rows = []
         for e in self.events:
-            words = EVENT_WORDS.get(e.type, e.type)
-            said = f"{words}: {e.contact}" if e.contact else words
-            rows.append((str(e.id), over.shown(e.t), said, ", ".join(map(str, e.branches))))
+            rows.append((str(e.id), over.shown(e.t), e.words(), ", ".join(map(str, e.branches))))
         if rows:
             heads = ("event", over.name, "what happens", "branches")
             yield Table(heads, rows, "Events", "rrLr", framed=False, narrow=True)

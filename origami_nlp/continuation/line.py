@@ -1,7 +1,8 @@
 """A line of parameters: which problem belongs to each value of one number s.
 
 Sector angles, rest angles, loads and shifts of hinge laws are linear in s, stiffnesses and factors of laws log-linear,
-so that a ratio of stiffnesses r is followed in s = ln r.  Several lines can be added: two parameters, or several creases at once.
+so that a ratio of stiffnesses r is followed in s = ln r.  Several lines can be added: two parameters, or several
+creases at once.
 """
 
 from __future__ import annotations

@@ -12,7 +12,6 @@ from matplotlib.lines import Line2D
 
 from origami_nlp.arguments import check_type
 from origami_nlp.bifurcation import (
-    EVENT_WORDS,
     PathBranch,
     PathPoint,
     draw_ranges,
@@ -110,10 +109,7 @@ def carried_at(problem: Any, phi: np.ndarray) -> tuple[ContactForce, ...]:
 def _lines(path: LoadPath) -> tuple[list[str], float]:
     """Return what is said of each event, and how tall it is [inches]."""
     shown = _shown_events(path)
-    lines = [
-        f"{e.id}  {EVENT_WORDS.get(e.type, e.type)}, {e.t:.9g}{f': {e.contact}' * bool(e.contact)}"
-        for e in shown
-    ]
+    lines = [f"{e.id}  {e.words()}, {e.t:.9g}" for e in shown]
     lines = ["\n    ".join(textwrap.wrap(line, 58)) for line in lines]
     rows = math.ceil(len(lines) / 2)
     tall = sum(max(line.count("\n") + 1 for line in lines[2 * k : 2 * k + 2]) for k in range(rows))

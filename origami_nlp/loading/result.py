@@ -234,8 +234,7 @@ class LoadPath(Report, Viewable):
             for point, event in self._on(leg):
                 if leg.why == PITCHFORK and point is last:
                     continue
-                words = EVENT_WORDS.get(event.type, event.type)
-                said = f"{words}: {event.contact}" if event.contact else words
+                said = event.words(growing=last.t >= first.t)
                 yield f"{event.t:.6g}", said, self._place(point.angle), ""
             if leg.why == PITCHFORK:
                 onward = self.legs[number].symmetry

@@ -46,8 +46,9 @@ from .fold_scene import (
     vertex_scenes as vertex_scenes,
 )
 from .fold_source import is_drawing as is_drawing
-from .hinge_law import (
-    HingeLaw as HingeLaw,
+from .hinge_law import HingeLaw as HingeLaw
+from .hinge_tables import law_to_dict as law_to_dict, read_law as read_law
+from .hinge_types import (
     detent as detent,
     double_well as double_well,
     linear as linear,
@@ -57,7 +58,6 @@ from .hinge_law import (
     table as table,
     well as well,
 )
-from .hinge_tables import law_to_dict as law_to_dict, read_law as read_law
 from .hinges_stated import laws_to_fold as laws_to_fold
 from .kept_symmetry import with_symmetry_of as with_symmetry_of
 from .labels import (

@@ -10,8 +10,8 @@ import numpy as np
 
 from origami_nlp.arguments import check_number, shown
 from origami_nlp.errors import OptionError, SceneError
-from origami_nlp.pattern.hinge_law import (
-    HingeLaw,
+from origami_nlp.pattern.hinge_law import HingeLaw
+from origami_nlp.pattern.hinge_types import (
     detent,
     double_well,
     linear,

@@ -58,9 +58,7 @@ def check_laws(laws: Laws, limits: np.ndarray, contact: str) -> None:
         raise SceneError(
             "laws are known between fold limits: contact = 'none' has none; use 'fold-limits' or 'full'"
         )
-    for i, (law, low, high) in enumerate(
-        zip(laws, *limits, strict=True) if laws else (), start=1
-    ):
+    for i, (law, low, high) in enumerate(zip(laws, *limits, strict=True) if laws else (), start=1):
         if law is None:
             continue
         if law.breaks[0] > low + OUTSIDE or law.breaks[-1] < high - OUTSIDE:
@@ -150,7 +148,9 @@ def energy_with_laws(
     energy = 0.5 * k * (phi - rest) ** 2
     for i, law in enumerate(laws):
         if law is not None:
-            energy[..., i] = law.energy(phi[..., i]) - (preload[i] if preload else 0.0) * phi[..., i]
+            energy[..., i] = (
+                law.energy(phi[..., i]) - (preload[i] if preload else 0.0) * phi[..., i]
+            )
     return np.asarray(energy.sum(axis=-1))
 
 

@@ -446,9 +446,7 @@ class Scene(PrettyRepr):
             [..., N] [N m].
         """
         k, rest = np.array(self.stiffness), np.array(self.wound_angles)
-        return torque_with_laws(
-            np.asarray(fold_angles, float), k, rest, self.laws, self.preload
-        )
+        return torque_with_laws(np.asarray(fold_angles, float), k, rest, self.laws, self.preload)
 
     def __repr__(self) -> str:
         who = self.label or f"{self.vertex!r}"

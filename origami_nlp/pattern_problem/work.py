@@ -200,7 +200,7 @@ class Torque(_OfPattern):
         return float(room + abs(t) * math.pi * len(of_laws))
 
     def loaded(self, t: float) -> Pattern:
-        """Return the pattern whose springs are wound by the torque, their rest angles where that puts them; laws get it."""
+        """Return the pattern whose springs are wound by the torque; to laws it is added."""
         p = self.pattern
         if p.laws:
             laws = [

@@ -12,6 +12,7 @@ from .completion import (
     complete as complete,
 )
 from .contact import (
+    STOP as STOP,
     Contact as Contact,
     FoldLimits as FoldLimits,
     LoopClosure as LoopClosure,

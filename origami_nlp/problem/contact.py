@@ -14,6 +14,9 @@ from typing import Any
 
 import numpy as np
 
+STOP = "(stop)"
+"""Behind the fold angle of a limit before facets meet."""
+
 
 @dataclass(frozen=True, order=True)
 class Contact:
@@ -44,7 +47,7 @@ class Contact:
         return (
             f"{sign}pi"
             if self.at == math.pi
-            else f"{math.degrees(self.side * self.at):.6g} degrees (stop)"
+            else f"{math.degrees(self.side * self.at):.6g} degrees {STOP}"
         )
 
     def hold(self, x: np.ndarray) -> None:

@@ -267,7 +267,6 @@ def test_what_does_not_know_laws_says_so():
         o.find_critical_points,
         o.find_space,
         lambda s: o.follow(s, "stiffness[1]=1:2"),
-        lambda s: o.load_path(s, 1),
     ):
         with pytest.raises(OptionError, match="linear springs only"):
             asked(scene)
@@ -275,8 +274,11 @@ def test_what_does_not_know_laws_says_so():
     for asked in (o.find_barriers, lambda p: o.find_minima(p, noise=0.01)):
         with pytest.raises(OptionError, match="linear springs only"):
             asked(sheet)
-    with pytest.raises(SceneError, match="preload"):
-        replace(scene, symmetry="none", preload=(0.1,) * 6)
+    # preload beside a law is a load, not the angle to which a spring is wound
+    loaded = replace(scene, symmetry="none", preload=(0.1,) * 6)
+    x = np.linspace(-0.5, 0.6, 6)
+    assert loaded.energy(x) == pytest.approx(scene.energy(x) - 0.1 * x.sum())
+    assert o.Model(loaded).energy(x) == pytest.approx(loaded.energy(x))
 
 
 def test_symmetric_minima_with_laws():

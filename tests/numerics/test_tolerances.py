@@ -57,7 +57,7 @@ BESIDE_THE_TABLE = {
         minima/curve.CHECKS
     """,
     "what a formula is resolved to by its pieces": """
-        pattern/hinge_law.AS_STATED
+        pattern/hinge_types.AS_STATED
     """,
     "what is shown, or said in words": """
         bifurcation/regions.LEAST chart/boundary_lines.SHORT chart/chart.TIE chart/region.SLIVER
@@ -80,7 +80,7 @@ BESIDE_THE_TABLE = {
         paper/cone/phase_curves.RATIO_LIMITS pattern/coordinate_repair.COARSE
         pattern/example_patterns.QUAD_STIFFNESS
         pattern/examples.RATIOS pattern/materials.METRES pattern/numbers_read.SMALLEST
-        pattern/example_vertices.STIFFNESS pattern/hinge_law.WIDTHS
+        pattern/example_vertices.STIFFNESS pattern/hinge_types.WIDTHS
         inverse_design/convex.LEAST_MARGIN inverse_design/finding.PRICES
     """,
     "options of IPOPT and of a conic solver": """
