@@ -3,19 +3,10 @@
 from __future__ import annotations
 
 import ctypes
-import hashlib
 import math
-import os
-import platform
-import shlex
-import shutil
-import subprocess
-import sys
-import tempfile
 import time
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
-from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -27,12 +18,8 @@ from origami_nlp.minima.descent_rules import FIRST_REACH
 from origami_nlp.problem import OPEN
 from origami_nlp.starts import SLOTS, Closing, Ends, Samples, VertexCrossings, joined, put
 
-SWITCH = "ORIGAMI_NLP_COMPILED"
-"""Environment variable: 0 makes descents in NumPy."""
 AT_ONCE = 512
 """Creases of the descents between two looks at the time, and at Ctrl-C."""
-FLAGS = ("-O1", "-std=c99", "-shared", "-fPIC", "-ffp-contract=off")
-"""No fused products, and sums in no other order: the same bits by each compiler (-O2: twice as long to compile)."""
 INTS = "n m rays creases period first entries pairs walls stacks plane shifted limits many chain steps".split()
 FLOATS = ["level"]
 FLOAT_ARRAYS = (
@@ -97,48 +84,11 @@ def compiled(say: Callable[[str], object] = lambda line: None) -> Any:
     say
         Called with a line before something is compiled.
     """
-    stated = os.environ.get("CC") or _compiler()
-    if os.environ.get(SWITCH) == "0" or not stated:
+    line = "descents are compiled, once on this machine (a second)"
+    library = numerics.compiled("descent", source, lambda: say(line))
+    if library is None:
         return None
-    home = os.environ.get("XDG_CACHE_HOME") or os.path.expanduser("~/.cache")
-    if (stated, home) not in _LOADED:
-        try:
-            _LOADED[stated, home] = _library(stated, Path(home) / "origami_nlp", say)
-        except (OSError, AttributeError, ValueError, subprocess.SubprocessError):
-            _LOADED[stated, home] = None  # it is not tried again
-    return _LOADED[stated, home]
-
-
-@lru_cache(maxsize=1)
-def _compiler() -> str | None:
-    """Return the C compiler of the machine."""
-    if sys.platform == "darwin":  # without these tools `cc` only opens a window that offers them
-        asked = subprocess.run(["xcode-select", "-p"], check=False, capture_output=True)
-        if asked.returncode:
-            return None
-    return next(filter(shutil.which, ("cc", "gcc", "clang")), None)
-
-
-_LOADED: dict[tuple[str, str], Any] = {}
-
-
-def _library(compiler: str, cache: Path, say: Callable[[str], object]) -> Any:
-    """Return `descend` of the library in a folder, which is made where it is not there."""
-    text, command = source(), [*shlex.split(compiler), *FLAGS]
-    key = repr((command, text, sys.platform, platform.machine())).encode()
-    made = cache / f"descent-{hashlib.sha256(key).hexdigest()[:16]}.so"
-    if not made.exists():
-        say("descents are compiled, once on this machine (a second)")
-        cache.mkdir(parents=True, exist_ok=True, mode=0o700)
-        # beside, then moved: another process sees all of it or nothing
-        with tempfile.TemporaryDirectory(dir=cache) as folder:
-            out = Path(folder) / "descent.so"
-            command += ["-x", "c", "-", "-o", str(out), "-lm"]
-            subprocess.run(
-                command, input=text.encode(), check=True, capture_output=True, timeout=60
-            )
-            os.replace(out, made)
-    descend = ctypes.CDLL(str(made)).descend
+    descend = library.descend
     descend.argtypes = [ctypes.c_void_p, ctypes.c_void_p, ctypes.c_int64, ctypes.c_int64]
     descend.restype = ctypes.c_int64
     return descend

@@ -64,6 +64,7 @@ class VertexTerrain(Terrain):
         self._descents = Descents(model, steps=LONG)
         self._closed: dict[bytes, tuple[Contact, ...]] = {}
         self._landed: dict[bytes, np.ndarray] = {}
+        self._down: dict[bytes, np.ndarray] = {}
 
     def _held(self, a: np.ndarray, b: np.ndarray) -> tuple[Contact, ...]:
         """Contacts that two states both hold."""
@@ -214,11 +215,18 @@ class VertexTerrain(Terrain):
         out[some[known]] = ends.samples.x[known]
 
     def path_down(self, state: np.ndarray, until: Callable[[np.ndarray], bool]) -> np.ndarray:
-        """Go down step by step, see `kkt.follow`."""
+        """Go down step by step, see `kkt.follow`; paths to their ends are kept, as other states ask for them again."""
+        key = state.tobytes()
+        if (known := self._down.get(key)) is not None:
+            stops = (i for i, x in enumerate(known) if until(x))
+            return known[: next(stops, len(known)) + 1]
         try:
-            return follow(self.model, state, most_rescues=2, until=until).states
+            down = follow(self.model, state, most_rescues=2, until=until).states
         except ValueError:
-            return state[None]
+            down = state[None]
+        if not until(down[-1]):
+            self._down[key] = down
+        return down
 
     def passes(self, a: np.ndarray, b: np.ndarray) -> list[np.ndarray]:
         """Stationary states that Newton finds between two, with the contacts held that both hold, or none."""

@@ -1,4 +1,5 @@
 from . import quaternion as quaternion
+from .compiling import SWITCH as SWITCH, compiled as compiled
 from .conic import (
     BALL as BALL,
     DEFINITE as DEFINITE,

@@ -94,7 +94,7 @@ class Model(PosedProblem):
         return compile_structure(self.structure)
 
     def __getstate__(self) -> dict[str, Any]:
-        return {k: v for k, v in self.__dict__.items() if k != "functions"}
+        return {k: v for k, v in self.__dict__.items() if k not in ("functions", "_kept")}
 
     def loaded(self, load: np.ndarray) -> Model:
         """Return the same problem with energy U - load . phi; it shares the compiled functions.
@@ -200,6 +200,17 @@ class Model(PosedProblem):
         Local
             Energy gradient, closure and gaps with their Jacobians; energies over `scale`.
         """
+        # of the state that was asked for last it is kept: contacts, admissibility and steps ask one after the other
+        key = x.tobytes() if x.ndim == 1 else None
+        kept = self.__dict__.get("_kept")
+        if key is not None and kept and kept[0] == key and kept[1] is self.parameters:
+            return kept[2]  # type: ignore[no-any-return]
+        found = self._local(x if key is None else x.copy())
+        if key is not None:
+            self.__dict__["_kept"] = key, self.parameters, found
+        return found
+
+    def _local(self, x: np.ndarray) -> Local:
         grad, g, jac, gaps, jac_gaps = self._call("local", x)
         lead, n, m, c = x.shape[:-1], self.size, self.equation_count, len(self.structure.gaps)
         return Local(

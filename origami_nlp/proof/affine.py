@@ -94,7 +94,8 @@ class Affine:
     def on(self, count: int, places: slice | Sequence[int] | None = None) -> Affine:
         """Return the same forms in `count` variables: theirs are those at `places`, by default the first."""
         own = slice(self.variables) if places is None else places
-        slopes = np.zeros((*self.slopes.shape[:-2], count, self.slopes.shape[-1]))
+        shape = (*self.slopes.shape[:-2], count, self.slopes.shape[-1])
+        slopes = np.zeros(shape, dtype=self.slopes.dtype)
         slopes[..., own, :] = self.slopes
         return Affine(self.centre, slopes, self.error)
 
@@ -106,10 +107,16 @@ class Affine:
     def __getitem__(self, index: object) -> Affine:
         """Select along the axes before the batch (and before the variables)."""
         i = index if isinstance(index, tuple) else (index,)
-        return Affine(self.centre[i], self.slopes[i], self.error[i])
+        part = Affine(self.centre[i], self.slopes[i], self.error[i])
+        for name in self.__dict__.keys() & {"_spread", "_magnitude"}:
+            part.__dict__[name] = self.__dict__[name][i]
+        return part
 
     def __neg__(self) -> Affine:
-        return Affine(-self.centre, -self.slopes, self.error)
+        out = Affine(-self.centre, -self.slopes, self.error)
+        for name in self.__dict__.keys() & {"_spread", "_magnitude"}:
+            out.__dict__[name] = self.__dict__[name]
+        return out
 
     def __add__(self, other: Affine) -> Affine:
         total = self.magnitude() + other.magnitude()
@@ -242,6 +249,8 @@ class Turn:
     slope, miss
         sin r, that of the chord, and the largest distance of the sine from it: sin t* - s t*, cos t* = s = sin r / r,
         which is at most r^3 / (9 sqrt 3), since |sin''(t)| <= t.
+    most
+        Bound of |sin t|: sin r for r <= pi / 2, where the mean is at least 1/2.
     """
 
     cosine: np.ndarray
@@ -250,6 +259,7 @@ class Turn:
     spread: np.ndarray
     slope: np.ndarray
     miss: np.ndarray
+    most: np.ndarray
 
 
 def with_centre(cosine: np.ndarray, sine: np.ndarray, half: np.ndarray) -> Turn:
@@ -261,7 +271,9 @@ def with_centre(cosine: np.ndarray, sine: np.ndarray, half: np.ndarray) -> Turn:
     # near its largest value the distance does not depend on `at` to first order
     # 9 sqrt 3 = 15.5884...: rounded down, so that the bound is rounded up
     miss = np.minimum(half**3 * (1 / 15.588), np.sin(at) - ratio * at + 16 * TRIGONOMETRIC)
-    return Turn(cosine, sine, 1.0 - spread, spread, slope, np.maximum(miss, 0.0))
+    mean = 1.0 - spread
+    most = np.where(mean < 0.5, 1.0, np.abs(slope))
+    return Turn(cosine, sine, mean, spread, slope, np.maximum(miss, 0.0), most)
 
 
 def turned(x: Affine, y: Affine, by: Turn) -> Affine:
@@ -284,9 +296,7 @@ def turned(x: Affine, y: Affine, by: Turn) -> Affine:
     new = by.slope * y.centre
     cross = (by.slope[..., None, :] * y.slopes) if y.slopes.shape[-2] else y.slopes
     error = np.abs(cross).sum(axis=-2) + by.spread * mx + by.miss * my
-    # |cos t| <= 1, and |sin t| <= sin r for r <= pi / 2, where the mean is at least 1/2
-    most = np.where(by.mean < 0.5, 1.0, np.abs(by.slope))
-    error = error + x.error + most * y.error
+    error = error + x.error + by.most * y.error  # |cos t| <= 1
     slopes = np.concatenate([by.mean[..., None, :] * x.slopes, new[..., None, :]], axis=-2)
     total = mx + np.abs(by.slope) * my
     raw = padded(by.mean * x.centre, slopes, error, total, x.slopes.shape[-2] + 8)

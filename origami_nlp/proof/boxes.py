@@ -27,6 +27,7 @@ import numpy as np
 from origami_nlp.numerics import DEPENDENT, NONZERO, RANK, first_largest
 from origami_nlp.proof.affine import TINY, UNIT, Affine, variables
 from origami_nlp.proof.chains import VanishingRows
+from origami_nlp.proof.compiled_boxes import EXACT, library
 from origami_nlp.proof.options import DEFAULT, ProofOptions
 from origami_nlp.proof.tree import NodeKind, Recorder
 
@@ -36,9 +37,6 @@ GRID = 2.0**-12
 """Width of the grid of bounds, over half a side of the box: wide beside what processors differ by, hardly a loss."""
 OFF = 0.3
 """Bounds are moved by this share of it at least: those that common numbers (0, 1/2, 1) give lie between its lines."""
-EXACT = 1e-3
-"""Least squares take no row to be more accurate than this, relative to its slopes: its square is what they miss by, and
-one over that their condition."""
 KEPT = 0.9
 """A contraction that leaves more than this share of every side is not carried out."""
 BEYOND = math.nextafter(math.pi, 4.0)
@@ -229,8 +227,8 @@ def _shrunk(
     """Exclude, contract, bisect what did not shrink by half: boxes that were small and are left, and all others."""
     rows = posed.rows(batch.lower, batch.upper, batch.pins)
     # a row that differs from zero all over a box: no state there, or no critical one on this stratum
-    closed = rows.closure.nonzero()
-    critical = rows.critical.nonzero() & rows.asked
+    closed = _nonzero(rows.closure)
+    critical = _nonzero(rows.critical) & rows.asked
     out, no = closed.any(axis=0), critical.any(axis=0)
     if recorder:
         _record_rows(posed, batch, closed, critical, recorder)
@@ -294,6 +292,58 @@ def _contracted(
 ) -> tuple[Boxes, np.ndarray, np.ndarray, np.ndarray]:
     """Contract boxes: the batch, new bounds [n, K], and which are empty [K]."""
     middle, half = variables(batch.lower, batch.upper)
+    low, high = (_bounds_in_c if library() else _bounds_in_numpy)(posed, rows, keep)
+    # outward: down for lower bounds, up for upper ones
+    low = np.fmax(np.floor(low / GRID - OFF) * GRID, -1.0)
+    high = np.fmin(np.ceil(high / GRID + OFF) * GRID, 1.0)
+    empty = np.asarray((low > high).any(axis=0))
+    free = batch.pins == 0
+    # by `WIDER`, and at least to the next double: more than what rounding does to the sum
+    lower = np.nextafter(middle + half * (low - WIDER), -np.inf)
+    upper = np.nextafter(middle + half * (high + WIDER), np.inf)
+    lower = np.where(free & (low > -1.0), np.maximum(batch.lower, lower), batch.lower)
+    upper = np.where(free & (high < 1.0), np.minimum(batch.upper, upper), batch.upper)
+    return batch, lower, upper, empty
+
+
+def _nonzero(rows: Affine) -> np.ndarray:
+    """Return where rows certainly differ from zero, as `Affine.nonzero`."""
+    c = library()
+    if c is None:
+        return rows.nonzero()
+    count, n, boxes = rows.slopes.shape
+    parts = [np.ascontiguousarray(v) for v in (rows.centre, rows.slopes, rows.error)]
+    out = np.empty((count, boxes), dtype=bool)
+    room = 1 + 4 * (n + 4) * UNIT  # as `Affine.radius`
+    c.nonzero(count, n, boxes, *(v.ctypes.data for v in parts), room, out.ctypes.data)
+    return out
+
+
+def _bounds_in_c(
+    posed: BoxProblem, rows: VanishingRows, keep: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Bounds of xi in some boxes, [n, K]."""
+    forms = (rows.closure, rows.critical)
+    given = [np.ascontiguousarray(v) for f in forms for v in (f.centre, f.slopes, f.error)]
+    asked, keep = np.ascontiguousarray(rows.asked), np.ascontiguousarray(keep, dtype=np.int64)
+    (own, n, boxes), more, count = rows.closure.slopes.shape, len(asked), len(keep)
+    size = np.array([n, boxes, count, own, more, posed.linear.start, posed.pivots])
+    low, high = np.empty((2, n, count))
+    poor = np.empty(count, dtype=bool)
+    arrays = (size, keep, *given, asked, low, high, poor)
+    library().contract(*(v.ctypes.data for v in arrays))
+    if poor.any():
+        a, c, e = _batch_first(rows.closure, keep[poor])
+        lower, upper = _bounds(a, c, e, _inverse_of_pivots(a, posed))
+        low[:, poor] = np.fmax(low[:, poor], lower.T)
+        high[:, poor] = np.fmin(high[:, poor], upper.T)
+    return low, high
+
+
+def _bounds_in_numpy(
+    posed: BoxProblem, rows: VanishingRows, keep: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Bounds of xi in some boxes, [n, K]."""
     a, c, e = _batch_first(rows.closure, keep)
     low, high = _bounds(a, c, e, _inverse_of_pivots(a, posed))
     if len(rows.asked):
@@ -304,18 +354,7 @@ def _contracted(
         e = np.concatenate([e, np.where(asked, more[2], 1.0)], axis=1)
     low2, high2 = _bounds(a, c, e, _least_squares(a, e))
     # a matrix that came out as NaN bounds nothing
-    low, high = np.fmax(low, low2).T, np.fmin(high, high2).T
-    # outward: down for lower bounds, up for upper ones
-    low = np.fmax(np.floor(low / GRID - OFF) * GRID, -1.0)
-    high = np.fmin(np.ceil(high / GRID + OFF) * GRID, 1.0)
-    empty = (low > high).any(axis=0)
-    free = batch.pins == 0
-    # by `WIDER`, and at least to the next double: more than what rounding does to the sum
-    lower = np.nextafter(middle + half * (low - WIDER), -np.inf)
-    upper = np.nextafter(middle + half * (high + WIDER), np.inf)
-    lower = np.where(free & (low > -1.0), np.maximum(batch.lower, lower), batch.lower)
-    upper = np.where(free & (high < 1.0), np.minimum(batch.upper, upper), batch.upper)
-    return batch, lower, upper, empty
+    return np.fmax(low, low2).T, np.fmin(high, high2).T
 
 
 def _batch_first(rows: Affine, keep: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -20,7 +20,9 @@ from __future__ import annotations
 
 import itertools
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any, Protocol
 
 import numpy as np
@@ -37,15 +39,15 @@ from origami_nlp.proof.affine import (
     padded,
     stacked,
     turned,
-    variables,
-    with_centre,
 )
+from origami_nlp.proof.angles import Angles
 from origami_nlp.proof.collinear_creases import (
     CollinearPair,
     collinear_creases_of_loop,
     collinear_rows,
     twins_asked,
 )
+from origami_nlp.proof.straight_line import straight_line
 
 SECTORS = 2
 """Ulp of pi by which a sector angle may differ from the double in the scene."""
@@ -70,6 +72,42 @@ class VanishingRows:
     asked: np.ndarray
 
 
+class Enclosed:
+    """Rows that are computed of angles by sums and products alone: by NumPy, or compiled (`straight_line`)."""
+
+    size: int
+
+    def enclosed(self, angles: Angles) -> tuple[Affine, Affine]:
+        """Enclose closure, and minors and twins, over boxes."""
+        raise NotImplementedError
+
+    def asked(self, pins: np.ndarray) -> np.ndarray:
+        """Return which minors and twins hold on the strata of boxes, [R, K]; pins [n, K]."""
+        raise NotImplementedError
+
+    @cached_property
+    def _program(self) -> Callable[[Angles], tuple[Affine, Affine]] | None:
+        return straight_line(self)
+
+    def rows(self, lower: np.ndarray, upper: np.ndarray, pins: np.ndarray) -> VanishingRows:
+        """Enclose the rows over boxes.
+
+        Parameters
+        ----------
+        lower, upper
+            Shape [n, K] [rad]; pinned angles are +-pi whatever stands there.
+        pins
+            -1, 0 or +1, shape [n, K].
+
+        Returns
+        -------
+        VanishingRows
+        """
+        angles = Angles.over(lower, upper, pins)
+        closure, critical = (self._program or self.enclosed)(angles)
+        return VanishingRows(closure, critical, self.asked(pins))
+
+
 class Sprung(Protocol):
     """Springs and twins of a piece."""
 
@@ -78,7 +116,7 @@ class Sprung(Protocol):
     twin_rule: tuple[CollinearPair, ...]
 
 
-class VertexForms:
+class VertexForms(Enclosed):
     """The forms of a vertex without symmetry.
 
     Parameters
@@ -162,39 +200,26 @@ class VertexForms:
             dtype=int,
         ).reshape(-1, 4)
 
-    def rows(self, lower: np.ndarray, upper: np.ndarray, pins: np.ndarray) -> VanishingRows:
-        """Enclose the rows over boxes.
+    def enclosed(self, angles: Angles) -> tuple[Affine, Affine]:
+        """Enclose closure, and minors and twins, over boxes."""
+        return self.closure(angles), with_twins(self, self.minors(angles), angles)
 
-        Parameters
-        ----------
-        lower, upper
-            Shape [n, K] [rad]; pinned angles are +-pi whatever stands there.
-        pins
-            -1, 0 or +1, shape [n, K].
+    def asked(self, pins: np.ndarray) -> np.ndarray:
+        """Return which minors and twins hold on the strata of boxes, [R, K]."""
+        return with_twins_asked(self, ~(pins != 0)[self.fours].any(axis=1), pins)
 
-        Returns
-        -------
-        VanishingRows
-        """
-        middle, half = variables(lower, upper)
-        closure = self.closure(middle, half, pins)
-        fours = ~(pins != 0)[self.fours].any(axis=1)
-        minors = self.minors(middle, half, pins)
-        return VanishingRows(closure, *with_twins(self, minors, fours, middle, half, pins))
-
-    def closure(self, middle: np.ndarray, half: np.ndarray, pins: np.ndarray) -> Affine:
+    def closure(self, angles: Angles) -> Affine:
         """Enclose (L - R) R_0^-1, R_0 = R at the middle: four rows."""
-        turn = half_turns(middle, half, pins)
-        unit = np.eye(4)[:, :1] + np.zeros((4, middle.shape[1]))
+        turn = angles.halves
+        unit = np.eye(4)[:, :1] + np.zeros((4, turn.mean.shape[1]))
         left, right = (self._middle(turn, side, unit)[0] for side in (0, 1))
         # two folds by phi about creases that differ by d differ by |sin (phi / 2)| d
-        sines = np.where(pins != 0, 1.0, np.minimum(1.0, 0.5 * (np.abs(middle) + half))).sum(axis=0)
         # c (1 + e) + s (1 + f) b = (1 + e) (c + s b) + (f - e) s b: a vector misses no more than the sines allow
-        doubt = np.full_like(unit, self.doubt_middle)
-        doubt[1:] *= np.minimum(1.0, sines)
+        sines, most = angles.sines
+        doubt = self.doubt_middle * np.stack([np.ones_like(most), most, most, most])
         if self.onward is not None:
             left = quaternion.multiply(left, self.onward)
-            doubt += 4 * self.doubt
+            doubt = doubt + 4 * self.doubt
         start = np.array(quaternion.multiply(left, (right[0], *(-v for v in right[1:]))))
         left, right = (self._folded(turn, *at) for at in ((0, start, doubt), (1, unit, 0.0 * unit)))
         back = right.slopes[:, ::-1]  # creases h+1 .. N in order
@@ -227,16 +252,16 @@ class VertexForms:
             q = turned(q, times_vector(q, axis, self.doubt_middle), taken(turn, crease, sign))
         return q
 
-    def triple_products(self, middle: np.ndarray, half: np.ndarray, pins: np.ndarray) -> Affine:
+    def triple_products(self, angles: Angles) -> Affine:
         """Enclose the triple products of axes, in the order of `triples`: [T, K] in n variables."""
-        n, boxes = middle.shape
-        turn = angle_turns(middle, half, pins)
+        n, boxes = angles.middle.shape
+        turn = angles.whole
         on, back = self._next_axes(turn, boxes), self._next_axes(turn, boxes, -1)
         # a triple product is zero for any sectors where all is flat; its mixed derivatives are at most 2
-        share = np.minimum(1.0, 2.0 * (np.abs(middle) + half).sum(axis=0))
+        share, kind = angles.share, angles.share.dtype
         count = len(self.triples)
-        centre, error = np.empty((count, boxes)), np.empty((count, boxes))
-        slopes = np.zeros((count, n, boxes))
+        centre, error = np.empty((count, boxes), kind), np.empty((count, boxes), kind)
+        slopes = np.zeros((count, n, boxes), kind)
         for (p, q), members in self.kinds.items():
             number, j = (np.array(v) for v in zip(*members, strict=True))
             z, w = back[p - 1][:, j], on[q - 1][:, j]
@@ -282,16 +307,14 @@ class VertexForms:
             found.append(axis[1:])
         return found
 
-    def minors(self, middle: np.ndarray, half: np.ndarray, pins: np.ndarray) -> Affine:
+    def minors(self, angles: Angles) -> Affine:
         """Enclose det [G_S | C_S] for every four creases, stiffness over its largest: [M, K] in n variables."""
-        n, boxes = middle.shape
-        t = self.triple_products(middle, half, pins)
-        k, torque, lean = torques(self, middle, half)
-        count = len(self.fours)
-        centre = np.zeros((count, boxes))
-        slopes = np.zeros((count, n, boxes))
-        error = np.zeros((count, boxes))
-        total = np.zeros((count, boxes))
+        n, boxes = angles.middle.shape
+        t = self.triple_products(angles)
+        k, torque, lean = torques(self, angles)
+        count, kind = len(self.fours), angles.share.dtype
+        centre, error, total = (np.zeros((count, boxes), kind) for _ in range(3))
+        slopes = np.zeros((count, n, boxes), kind)
         rows = np.arange(count)
         magnitude = t.magnitude()
         own = t.slopes[self.without, self.fours]  # [M, 4, K]: of T_a in the variable of G_a
@@ -312,58 +335,39 @@ class VertexForms:
         return padded(centre, slopes, error, total, n + 16)
 
 
-def torques(
-    piece: Sprung, middle: np.ndarray, half: np.ndarray
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def torques(piece: Sprung, angles: Angles) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return stiffness over its largest [n, 1], torque at the middle of boxes and its slope, [n, K]."""
     k = (piece.stiffness / piece.stiffness.max())[:, None]
-    return k, k * (middle - piece.rest[:, None]), k * half
+    return k, k * (angles.middle - piece.rest[:, None]), k * angles.half
 
 
-def with_twins(
-    piece: Sprung,
-    minors: Affine,
-    asked: np.ndarray,
-    middle: np.ndarray,
-    half: np.ndarray,
-    pins: np.ndarray,
-) -> tuple[Affine, np.ndarray]:
-    """Add the twin rows to the minors: all rows, and which are asked for."""
+def with_twins_asked(piece: Sprung, asked: np.ndarray, pins: np.ndarray) -> np.ndarray:
+    """Add to which minors are asked for which twin rows are, [R, K]."""
+    rule = piece.twin_rule
+    return np.concatenate([asked, twins_asked(rule, pins)]) if rule else asked
+
+
+def with_twins(piece: Sprung, minors: Affine, angles: Angles) -> Affine:
+    """Add the twin rows to the minors."""
     rule = piece.twin_rule
     if not rule:
-        return minors, asked
-    _, torque, lean = torques(piece, middle, half)
+        return minors
+    _, torque, lean = torques(piece, angles)
     centre, slopes = collinear_rows(rule, torque, lean)
     size = np.full(centre.shape, 2 * 8.0)  # |torque| <= 2 pi k, k <= 1
     twins = padded(centre, slopes, np.zeros(centre.shape), size, 4)
-    return concatenated([minors, twins]), np.concatenate([asked, twins_asked(rule, pins)])
+    return concatenated([minors, twins])
 
 
 def _last_first(x: Affine) -> Affine:
     return Affine(x.centre, np.roll(x.slopes, 1, axis=-2), x.error)
 
 
-def angle_turns(middle: np.ndarray, half: np.ndarray, pins: np.ndarray) -> Turn:
-    """Turns by angles [n, K], by +-pi exactly where these are pinned."""
-    pinned = pins != 0
-    c, s = np.where(pinned, -1.0, np.cos(middle)), np.where(pinned, 0.0, np.sin(middle))
-    return with_centre(c, s, np.where(pinned, 0.0, half))
-
-
-def half_turns(middle: np.ndarray, half: np.ndarray, pins: np.ndarray) -> Turn:
-    """Turns by half of angles [n, K], by +-pi/2 exactly where these are pinned."""
-    pinned = pins != 0
-    c = np.where(pinned, 0.0, np.cos(0.5 * middle))
-    s = np.where(pinned, pins, np.sin(0.5 * middle))
-    return with_centre(c, s, np.where(pinned, 0.0, 0.5 * half))
-
-
 def taken(turn: Turn, which: Any, sign: float = 1.0) -> Turn:
     """Select turns, or the turns the other way."""
     c, s = turn.cosine[which], sign * turn.sine[which]
-    return Turn(
-        c, s, turn.mean[which], turn.spread[which], sign * turn.slope[which], turn.miss[which]
-    )
+    rest = turn.mean[which], turn.spread[which], sign * turn.slope[which]
+    return Turn(c, s, *rest, turn.miss[which], turn.most[which])
 
 
 def _units(azimuths: list[float]) -> list[tuple[float, float]]:

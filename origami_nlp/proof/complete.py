@@ -10,7 +10,7 @@ import numpy as np
 
 from origami_nlp.arguments import check_type
 from origami_nlp.errors import OptionError
-from origami_nlp.numerics import groups, pairs_within
+from origami_nlp.numerics import CURVED, groups, pairs_within
 from origami_nlp.problem import Model
 from origami_nlp.proof.boxes import Boxes, BoxProblem, joined, prune, strata
 from origami_nlp.proof.chains import VertexForms
@@ -26,6 +26,7 @@ from origami_nlp.proof.roots import (
     holds,
     joined_roots,
     newton,
+    none_certified,
 )
 from origami_nlp.proof.system import BoxKkt
 from origami_nlp.proof.tree import NodeKind, Recorder
@@ -208,7 +209,8 @@ def certified(
     more : int
         Boxes treated.
     """
-    found, more = certify(system, *_none(system))[0], 0
+    found, more = none_certified(system), 0
+    fresh = boxes
     held, numbers = [boxes[:0]], [np.zeros(0, dtype=int)]
     for small in (0.0, *options.smaller):
         if small:
@@ -222,8 +224,11 @@ def certified(
                 most=options.smaller_boxes,
                 recorder=recorder,
             )
-            boxes, more = joined([boxes[~which], again.candidates, again.open]), more + again.boxes
-        roots = different(joined_roots([found, _roots_of(system, boxes)]), len(found))
+            if not which.any():
+                continue  # the same boxes would give the same roots
+            fresh = joined([again.candidates, again.open])
+            boxes, more = joined([boxes[~which], fresh]), more + again.boxes
+        roots = different(joined_roots([found, _roots_of(system, fresh)]), len(found))
         number = holds(system, roots, boxes)
         used = np.union1d(np.arange(len(found)), number[number >= 0])
         place = np.full(len(roots), -1)
@@ -237,16 +242,15 @@ def certified(
     return found, joined(held), np.concatenate(numbers), boxes, more
 
 
-def _none(system: BoxKkt) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    return np.zeros((0, system.n)), np.zeros((0, system.m)), np.zeros((0, system.n), dtype=np.int8)
-
-
 def _roots_of(system: BoxKkt, boxes: Boxes) -> Roots:
     """Newton from the middle of every box, and certificates of what converged."""
     pins = boxes.pins.T
     x = np.where(pins == 0, 0.5 * (boxes.lower + boxes.upper).T, math.pi * pins)
     x, lam, converged = newton(system, x, pins)
     some = np.flatnonzero(converged)
+    # most boxes lead to the same few states
+    cells = np.concatenate([pins[some], np.rint(x[some] / CURVED)], axis=1)
+    some = some[np.sort(np.unique(cells, axis=0, return_index=True)[1])]
     return certify(system, x[some], lam[some], pins[some])[0]
 
 

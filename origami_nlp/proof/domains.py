@@ -27,9 +27,9 @@ from origami_nlp.proof.affine import (
     dot,
     mixed,
     turned,
-    variables,
 )
-from origami_nlp.proof.chains import SECTORS, with_centre
+from origami_nlp.proof.angles import Angles
+from origami_nlp.proof.chains import SECTORS, taken
 
 AXES = np.eye(3)
 
@@ -161,8 +161,13 @@ class FundamentalDomain:
 
     def fold(self, lower: np.ndarray, upper: np.ndarray, pins: np.ndarray) -> FoldedDomain:
         """Fold over boxes lower, upper [n, K] [rad]; where pins [n, K] is not 0 the angle is pins pi exactly."""
-        n, boxes = lower.shape
-        turns = [self._turn(v, lower, upper, pins) for v in range(n)]
+        return self.folded(Angles.over(lower, upper, pins))
+
+    def folded(self, angles: Angles) -> FoldedDomain:
+        """Fold by angles over boxes."""
+        n, boxes = angles.middle.shape
+        kinds = [angles.whole if self.share[v] == 1.0 else angles.halves for v in range(n)]
+        turns = [taken(kind, v) for v, kind in enumerate(kinds)]
         frame = [constant(e, 0.0, 0, boxes) for e in AXES]
         e1, e2, e3 = (TargetTolerance(constant(e, 0.0, n, boxes), 0) for e in AXES)
         rays, used, count = [], 0, len(self.has_crease)
@@ -188,20 +193,12 @@ class FundamentalDomain:
         level = {2: 0.0, 3: -0.5}.get(self.order, -math.cos(math.pi / self.order))
         return FoldedDomain(tuple(rays), (Product((e2, end), level),), (), e2, end)
 
-    def _turn(self, v: int, lower: np.ndarray, upper: np.ndarray, pins: np.ndarray) -> Turn:
-        middle, half = (self.share[v] * a for a in variables(lower[v], upper[v]))
-        pin = pins[v]
-        c0, s0 = (-1.0, 0.0) if self.share[v] == 1.0 else (0.0, 1.0)
-        c = np.where(pin != 0, c0, np.cos(middle))
-        s = np.where(pin != 0, s0 * pin, np.sin(middle))
-        return with_centre(c, s, np.where(pin != 0, 0.0, half))
-
-    def torques(self, lower: np.ndarray, upper: np.ndarray) -> Affine:
+    def torques(self, angles: Angles) -> Affine:
         """Enclose stiffness_l (x_l - rest_l), [n, K]."""
-        n, boxes = lower.shape
-        middle, half = variables(lower, upper)
+        middle, half = angles.middle, angles.half
+        n, boxes = middle.shape
         k = self.stiffness[:, None]
-        slopes = np.zeros((n, n, boxes))
+        slopes = np.zeros((n, n, boxes), half.dtype)
         slopes[np.arange(n), np.arange(n)] = k * half
         centre = k * (middle - self.rest[:, None])
         error = 16 * UNIT * k * (np.abs(middle) + np.abs(self.rest[:, None]) + half)
@@ -210,6 +207,8 @@ class FundamentalDomain:
 
 def cross(x: Affine, y: Affine) -> Affine:
     """Multiply vectors [3, K]."""
+    for v in (x, y):
+        v.magnitude()  # of all entries at once
     return x[[1, 2, 0],] * y[[2, 0, 1],] - x[[2, 0, 1],] * y[[1, 2, 0],]
 
 

@@ -34,25 +34,25 @@ from origami_nlp.proof.affine import (
     padded,
     stacked,
     turned,
-    variables,
 )
+from origami_nlp.proof.angles import Angles
 from origami_nlp.proof.chains import (
     SECTORS,
+    Enclosed,
     Sprung,
-    VanishingRows,
-    angle_turns,
-    half_turns,
     taken,
     torques,
     with_twins,
+    with_twins_asked,
 )
 from origami_nlp.proof.collinear_creases import collinear_creases_of_wedge
+from origami_nlp.proof.straight_line import at_most, length
 
 SHORTEST = 1e-3
 """Vectors that are taken for frames are longer; a shorter one gives a frame that bounds nothing well."""
 
 
-class WedgeForms:
+class WedgeForms(Enclosed):
     """The forms of a wedge of D_n between two mirrors.
 
     Parameters
@@ -92,31 +92,31 @@ class WedgeForms:
         self.twins = tuple(t.creases for t in self.twin_rule)
         self.ray_of = [r for r, c in enumerate(crease) if c is not None]
 
-    def turns(self, middle: np.ndarray, half: np.ndarray, pins: np.ndarray) -> Turn:
+    def turns(self, angles: Angles) -> Turn:
         """Turns of the creases, half as far on a mirror, [n, K]."""
-        whole = angle_turns(middle, half, pins)
-        halves = half_turns(middle, half, pins)
         on_mirror = np.isin(self.ray_of, (0, self.rays - 1))[:, None]
+        both = angles.halves, angles.whole
         names = Turn.__dataclass_fields__
-        return Turn(*(np.where(on_mirror, getattr(halves, v), getattr(whole, v)) for v in names))
+        return Turn(*(np.where(on_mirror, *(getattr(t, v) for t in both)) for v in names))
 
-    def rows(self, lower: np.ndarray, upper: np.ndarray, pins: np.ndarray) -> VanishingRows:
-        """Enclose the rows over boxes, as `Vertex.rows` does."""
-        middle, half = variables(lower, upper)
-        turn = self.turns(middle, half, pins)
+    def enclosed(self, angles: Angles) -> tuple[Affine, Affine]:
+        """Enclose closure, and minors and twins, over boxes."""
+        turn = self.turns(angles)
         on = _Views(self, turn, 1)
         back = _Views(self, turn, -1)
         if self.order == 1:
-            minors = self._three(on, back, turn, middle, half)
+            minors = self._three(on, back, turn, angles)
         else:
-            minors = self._two(on, back, turn, middle, half)
-        asked = all_free(self.minor_creases, pins)
-        closure = self._closure(on, back)
-        return VanishingRows(closure, *with_twins(self, minors, asked, middle, half, pins))
+            minors = self._two(on, back, turn, angles)
+        return self._closure(on, back), with_twins(self, minors, angles)
 
-    def seen_first(self, middle: np.ndarray, half: np.ndarray, pins: np.ndarray) -> np.ndarray:
+    def asked(self, pins: np.ndarray) -> np.ndarray:
+        """Return which minors and twins hold on the strata of boxes, [R, K]."""
+        return with_twins_asked(self, all_free(self.minor_creases, pins), pins)
+
+    def seen_first(self, angles: Angles) -> np.ndarray:
         """Return the first mirror's normal as the middle ray sees it before its fold, in the middle of boxes [3, K]."""
-        back = _Views(self, self.turns(middle, half, pins), -1)
+        back = _Views(self, self.turns(angles), -1)
         return _mirrored(back.after[self.middle_ray][:, 0]).centre
 
     def _closure(self, on: _Views, back: _Views) -> Affine:
@@ -155,9 +155,7 @@ class WedgeForms:
         t = _placed(turned(ay, ax, by), variable)
         return Affine(t.centre, t.slopes, t.error + 4 * self.doubt)
 
-    def _three(
-        self, on: _Views, back: _Views, turn: Turn, middle: np.ndarray, half: np.ndarray
-    ) -> Affine:
+    def _three(self, on: _Views, back: _Views, turn: Turn, angles: Angles) -> Affine:
         """Minors of three creases, D_1."""
         pairs = {}
         n = self.size
@@ -175,17 +173,15 @@ class WedgeForms:
             [(i, pairs[j, k], 1.0), (j, pairs[i, k], -1.0), (k, pairs[i, j], 1.0)]
             for i, j, k in self.minor_creases
         ]
-        return sums_of_torques(self, terms, middle, half)
+        return sums_of_torques(self, terms, angles)
 
-    def _two(
-        self, on: _Views, back: _Views, turn: Turn, middle: np.ndarray, half: np.ndarray
-    ) -> Affine:
+    def _two(self, on: _Views, back: _Views, turn: Turn, angles: Angles) -> Affine:
         """Minors of two creases, D_n."""
         slopes = [
             self._triple(r, back.after[r][:, 0], on.after[r][:, 0], turn) for r in self.ray_of
         ]
         terms = [[(a, slopes[b], 1.0), (b, slopes[a], -1.0)] for a, b in self.minor_creases]
-        return sums_of_torques(self, terms, middle, half)
+        return sums_of_torques(self, terms, angles)
 
 
 class _Views:
@@ -251,10 +247,13 @@ def _placed(form: Affine, variable: int) -> Affine:
 
 def frame_of(normal: np.ndarray) -> np.ndarray:
     """Return frames [3, 3, K] whose first axis is along vectors [3, K] that are not small."""
-    normal = normal / np.maximum(np.sqrt((normal**2).sum(axis=0)), SHORTEST)
-    least = np.eye(3)[np.abs(normal).argmin(axis=0)].T
-    second = np.cross(normal, least, axis=0)
-    second = second / np.maximum(np.sqrt((second**2).sum(axis=0)), SHORTEST)
+    normal = normal / length(normal, SHORTEST)
+    a, b, c = np.abs(normal)
+    # the axis of the smallest entry, of equal ones the first
+    one = at_most(a, b) * at_most(a, c)
+    two = (1.0 - one) * at_most(b, c)
+    second = np.cross(normal, np.stack([one, two, 1.0 - one - two]), axis=0)
+    second = second / length(second, SHORTEST)
     return np.stack([normal, second, np.cross(normal, second, axis=0)])
 
 
@@ -283,12 +282,11 @@ def all_free(creases: tuple[tuple[int, ...], ...], pins: np.ndarray) -> np.ndarr
 def sums_of_torques(
     piece: Sprung,
     terms: list[list[tuple[int, Affine, float]]],
-    middle: np.ndarray,
-    half: np.ndarray,
+    angles: Angles,
 ) -> Affine:
     """Enclose sums of sign G_i t, [M, K], the stiffness over its largest."""
-    n, boxes = middle.shape
-    k, torque, lean = torques(piece, middle, half)
+    n, boxes = angles.middle.shape
+    k, torque, lean = torques(piece, angles)
     unit = lean[:, None] * np.eye(n)[:, :, None]
     # (phi - rest) k is rounded twice
     g = padded(torque, unit, np.zeros((n, boxes)), np.full((n, boxes), 8.0) * k, 4)

@@ -22,14 +22,20 @@ from origami_nlp.proof.affine import (
     mixed,
     padded,
     turned,
-    variables,
 )
-from origami_nlp.proof.chains import SECTORS, VanishingRows, half_turns, taken, with_twins
+from origami_nlp.proof.angles import Angles
+from origami_nlp.proof.chains import (
+    SECTORS,
+    Enclosed,
+    taken,
+    with_twins,
+    with_twins_asked,
+)
 from origami_nlp.proof.collinear_creases import CollinearPair, collinear_creases_of_loop
 from origami_nlp.proof.mirror_domains import all_free, sums_of_torques
 
 
-class PeriodForms:
+class PeriodForms(Enclosed):
     """The forms of a period of C_n.
 
     Parameters
@@ -73,19 +79,20 @@ class PeriodForms:
         self.twin_rule = tuple(CollinearPair((a, b), sign, c) for (a, b, c), sign in found.items())
         self.twins = tuple(t.creases for t in self.twin_rule)
 
-    def rows(self, lower: np.ndarray, upper: np.ndarray, pins: np.ndarray) -> VanishingRows:
-        """Enclose the rows over boxes, as `Vertex.rows` does."""
-        middle, half = variables(lower, upper)
-        scalar, slopes = self._products(half_turns(middle, half, pins))
+    def enclosed(self, angles: Angles) -> tuple[Affine, Affine]:
+        """Enclose closure, and minors and twins, over boxes."""
+        scalar, slopes = self._products(angles.halves)
         first = scalar[:1]
         closure = padded(
             first.centre - self.level, first.slopes, first.error, 2.0 + 0 * first.centre, 4
         )
         # one equation: rank [G | t] <= 1, its minors are G_a t_b - G_b t_a
         terms = [[(a, slopes[b], 1.0), (b, slopes[a], -1.0)] for a, b in self.minor_creases]
-        minors = sums_of_torques(self, terms, middle, half)
-        asked = all_free(self.minor_creases, pins)
-        return VanishingRows(closure, *with_twins(self, minors, asked, middle, half, pins))
+        return closure, with_twins(self, sums_of_torques(self, terms, angles), angles)
+
+    def asked(self, pins: np.ndarray) -> np.ndarray:
+        """Return which minors and twins hold on the strata of boxes, [R, K]."""
+        return with_twins_asked(self, all_free(self.minor_creases, pins), pins)
 
     def _products(self, turn: Turn) -> tuple[Affine, Affine]:
         """Enclose scalar and x of the product read from every crease on, [n, K]."""

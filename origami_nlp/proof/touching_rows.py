@@ -17,9 +17,9 @@ from origami_nlp.proof.affine import (
     mixed,
     stacked,
     turned,
-    variables,
 )
-from origami_nlp.proof.chains import VanishingRows, VertexForms, angle_turns, half_turns, taken
+from origami_nlp.proof.angles import Angles
+from origami_nlp.proof.chains import Enclosed, VertexForms, taken
 from origami_nlp.proof.domains import (
     AXES,
     FoldedDomain,
@@ -28,6 +28,7 @@ from origami_nlp.proof.domains import (
     folded_frame,
     next_frame,
 )
+from origami_nlp.proof.straight_line import at_most
 
 COSINE = 1e-15
 """Error of the cosine of a sector angle, in the proof's forms."""
@@ -81,10 +82,9 @@ class Kite:
     def __init__(self, sector: float, crease: int, size: int) -> None:
         self.cosine, self.crease, self.size = math.cos(sector), crease, size
 
-    def at(self, middle: np.ndarray, half: np.ndarray, pins: np.ndarray) -> None:
-        """Enclose cosines and sines of the half angles over boxes [n, K]."""
-        turn = half_turns(middle, half, pins)
-        boxes = middle.shape[1]
+    def at(self, angles: Angles) -> None:
+        """Enclose cosines and sines of the half angles over boxes."""
+        turn, boxes = angles.halves, angles.middle.shape[1]
         one, none = constant(np.ones(1), 0.0, 0, boxes)[0], constant(np.zeros(1), 0.0, 0, boxes)[0]
         self.c, self.s = [], []
         for v in range(self.size):
@@ -108,7 +108,7 @@ class Kite:
         return out
 
 
-class TouchedWedge:
+class TouchedWedge(Enclosed):
     """Rows of a wedge of D_n with some gaps closed.
 
     Parameters
@@ -133,12 +133,16 @@ class TouchedWedge:
         if axis and len(a) == 2 and piece.size == 3 and abs(a[0] - a[1]) <= SUMMED:
             self.kite = Kite(a[0], 0 if touches[0].kind == "start" else 2, 3)
 
-    def rows(self, lower: np.ndarray, upper: np.ndarray, pins: np.ndarray) -> VanishingRows:
-        """Enclose the rows over boxes [n, K] on strata pins [n, K]."""
-        f = self.piece.fold(lower, upper, pins)
+    def asked(self, pins: np.ndarray) -> np.ndarray:
+        """Return whether the minor holds on the strata of boxes, [R, K]."""
+        return np.tile((pins == 0).all(axis=0), (self.minor_count, 1))
+
+    def enclosed(self, angles: Angles) -> tuple[Affine, Affine]:
+        """Enclose the rows over boxes."""
+        f = self.piece.folded(angles)
         gaps = [t.product(f) for t in self.touches]
         if self.kite:
-            self.kite.at(*variables(lower, upper), pins)
+            self.kite.at(angles)
         rows = [self.kite.value()] if self.kite else [g.value() for g in gaps]
         closure = [p.value() for p in f.closure] + rows
         for p in f.lift:
@@ -153,10 +157,9 @@ class TouchedWedge:
             columns = [[p.slope(f.rays, i) for i in range(self.size)] for p in (*f.closure, *gaps)]
             if self.kite:
                 columns[-1] = self.kite.slopes()
-            critical = [determinant(self.piece.torques(lower, upper), columns)]
-        boxes = lower.shape[1]
-        asked = np.tile((pins == 0).all(axis=0), (len(critical), 1))
-        return VanishingRows(stacked(closure, boxes), stacked(critical, boxes, self.size), asked)
+            critical = [determinant(self.piece.torques(angles), columns)]
+        boxes = angles.middle.shape[1]
+        return stacked(closure, boxes), stacked(critical, boxes, self.size)
 
 
 class TouchedVertex(VertexForms):
@@ -188,32 +191,32 @@ class TouchedVertex(VertexForms):
         self.minor_creases = ()
         self.minor_count = 1 if 3 + len(touches) < self.size else 0
 
-    def rows(self, lower: np.ndarray, upper: np.ndarray, pins: np.ndarray) -> VanishingRows:
-        """Enclose the rows over boxes [n, K] on strata pins [n, K]."""
-        n, boxes = lower.shape
-        middle, half = variables(lower, upper)
-        closure = [self.closure(middle, half, pins)]
+    def asked(self, pins: np.ndarray) -> np.ndarray:
+        """Return whether the minor holds on the strata of boxes, [R, K]."""
+        return np.tile((pins == 0).all(axis=0), (self.minor_count, 1))
+
+    def enclosed(self, angles: Angles) -> tuple[Affine, Affine]:
+        """Enclose the rows over boxes."""
+        n, boxes = angles.middle.shape
+        closure = [self.closure(angles)]
         slopes = []
         for k, j in self.touches:
             # the same ray by two walks: both depend on fewer folds than the whole loop
-            ahead = self._chain(middle, half, pins, j, k, 1)
-            behind = self._chain(middle, half, pins, j, k, -1)
+            ahead = self._chain(angles, j, k, 1)
+            behind = self._chain(angles, j, k, -1)
             closure.append(self._same_point(ahead[-1], behind[-1], j))
             closure.append(_refused([ahead[-1][1], behind[-1][1]]))
             slopes.append(ahead)
         critical: list[Affine] = []
         if self.minor_count:
-            critical = [self._minor(middle, half, pins, slopes[0])]
-        asked = np.tile((pins == 0).all(axis=0), (len(critical), 1))
-        return VanishingRows(concatenated(closure), stacked(critical, boxes, n), asked)
+            critical = [self._minor(angles, slopes[0])]
+        return concatenated(closure), stacked(critical, boxes, n)
 
-    def _chain(
-        self, middle: np.ndarray, half: np.ndarray, pins: np.ndarray, j: int, k: int, way: int
-    ) -> list[Affine]:
+    def _chain(self, angles: Angles, j: int, k: int, way: int) -> list[Affine]:
         """Enclose the rays j+1 .. k, or j .. k backwards, seen from the first: [3, K] each in n variables."""
-        n, boxes = middle.shape
+        n, boxes = angles.middle.shape
         first = (j + 1) % n if way > 0 else j
-        frame, turn = [constant(e, 0.0, 0, boxes) for e in AXES], angle_turns(middle, half, pins)
+        frame, turn = [constant(e, 0.0, 0, boxes) for e in AXES], angles.whole
         used: list[int] = []
         crease = first
         found = [frame[0].on(n, used)]
@@ -240,12 +243,10 @@ class TouchedVertex(VertexForms):
         ]
         return stacked(back)
 
-    def _minor(
-        self, middle: np.ndarray, half: np.ndarray, pins: np.ndarray, rays: Sequence[Affine]
-    ) -> Affine:
+    def _minor(self, angles: Angles, rays: Sequence[Affine]) -> Affine:
         """Enclose det [G | C | w] of five creases, w_i = z . (c_i x c_k) for those between: expanded along w."""
         (k, j), n = self.touches[0], self.size
-        fours = self.minors(middle, half, pins)
+        fours = self.minors(angles)
         total = None
         for step in range(1, (k - j) % n):
             i = (j + step) % n
@@ -261,9 +262,9 @@ class TouchedVertex(VertexForms):
 
 def _refused(forms: Sequence[Affine]) -> Affine:
     """A row that excludes boxes where one of these is certainly positive, and says nothing elsewhere, [1, K]."""
-    out = np.stack([f.bounds()[0] > 0 for f in forms]).any(axis=0)
+    out = 1.0 - np.stack([at_most(f.centre, f.radius()) for f in forms]).prod(axis=0)
     slopes = np.zeros((1, *forms[0].slopes.shape))
-    return Affine(np.where(out, 1.0, 0.0)[None], slopes, np.where(out, 0.5, 2.0)[None])
+    return Affine(out[None], slopes, 2.0 - 1.5 * out[None])
 
 
 def determinant(first: Affine, columns: Sequence[Sequence[Affine | None]]) -> Affine:

@@ -13,8 +13,8 @@ import pytest
 
 from origami_nlp import Model, Scene, Vertex, examples, find_minima
 from origami_nlp.minima import compiled
-from origami_nlp.minima.compiled_descents import SWITCH
 from origami_nlp.minima.descents import Descents
+from origami_nlp.numerics import SWITCH
 from origami_nlp.problem import OPEN
 from origami_nlp.starts import EFFORTS, Rounds, Samples, joined
 

@@ -5,6 +5,7 @@ import pytest
 from mpmath import mp, mpf
 
 from origami_nlp.proof.affine import variables
+from origami_nlp.proof.angles import Angles
 from tests.computed_once import thinned
 from tests.proof.fifty_digits import (
     WIDTHS,
@@ -36,7 +37,7 @@ def test_triple_products_hold_their_values(n, width):
     vertex = random_vertex(rng, n)
     lower, upper, pins = boxes(rng, n, width, 6)
     middle, half = variables(lower, upper)
-    form = vertex.triple_products(middle, half, pins)
+    form = vertex.triple_products(Angles.over(lower, upper, pins))
     sectors = exact_sectors(vertex)
     for k, angles, xi in points(rng, lower, upper, pins, middle, half):
         for (back, on), members in vertex.kinds.items():
@@ -60,7 +61,7 @@ def test_closure_holds_its_values(n, width):
     vertex = random_vertex(rng, n)
     lower, upper, pins = boxes(rng, n, width, 6)
     middle, half = variables(lower, upper)
-    form = vertex.closure(middle, half, pins)
+    form = vertex.closure(Angles.over(lower, upper, pins))
     sectors = exact_sectors(vertex)
     azimuth = [sum(sectors[:i], mpf(0)) for i in range(n)]
 
@@ -102,7 +103,7 @@ def test_minors_hold_their_values_on_closed_states(n, width):
         lower, upper = np.nextafter(lower, -9), np.nextafter(upper, 9)
         pins = np.zeros((n, 1), dtype=int)
         middle, half = variables(lower, upper)
-        form = vertex.minors(middle, half, pins)
+        form = vertex.minors(Angles.over(lower, upper, pins))
         xi = [(a - mpf(m[0])) / mpf(h[0]) for a, m, h in zip(angles, middle, half, strict=True)]
         assert max(map(abs, xi)) <= 1
         frame, axes = mp.eye(3), []

@@ -12,6 +12,7 @@ from origami_nlp import Model, Scene, State, classify, find_minima
 from origami_nlp.pattern import Vertex, examples
 from origami_nlp.proof import prove
 from origami_nlp.proof.affine import variables
+from origami_nlp.proof.angles import Angles
 from origami_nlp.proof.domains import FundamentalDomain
 from origami_nlp.proof.facet_separation import APART, CROSSED, Signs
 from origami_nlp.proof.result import Proof
@@ -329,7 +330,7 @@ def test_the_axis_row_of_equal_sectors():
     x = np.random.default_rng(1).uniform(-3, 3, (3, 50))
     none = np.zeros((3, 50), dtype=int)
     kite = Kite(a, 0, 3)
-    kite.at(*variables(x, x), none)
+    kite.at(Angles.over(x, x, none))
     gap = Row("start", (2,), 1).product(FundamentalDomain(model).fold(x, x, none)).value()
     row = kite.value()
     factor = 2 * math.sin(a) * np.cos(x[1] / 2)
@@ -341,9 +342,9 @@ def test_the_axis_row_of_equal_sectors():
         for s in (step, -step):
             y = x.copy()
             y[i] += s
-            kite.at(*variables(y, y), none)
+            kite.at(Angles.over(y, y, none))
             beside.append(kite.value().centre)
-        kite.at(*variables(x, x), none)
+        kite.at(Angles.over(x, x, none))
         slope = kite.slopes()[i].centre * part
         assert np.abs((beside[0] - beside[1]) / (2 * step) - slope).max() < 1e-8
 

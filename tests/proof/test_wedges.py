@@ -11,6 +11,7 @@ from origami_nlp import Model, Scene
 from origami_nlp.pattern import Vertex, examples
 from origami_nlp.problem import Kinematics, random_strata
 from origami_nlp.proof.affine import variables
+from origami_nlp.proof.angles import Angles
 from origami_nlp.proof.complete import pose
 from tests.proof.fifty_digits import boxes, multiply, points, turn_x, turn_z, value_of
 
@@ -74,7 +75,7 @@ def test_wedges_hold_their_values(name, width):
     rows = posed.rows(lower, upper, pins)
     e2 = mp.matrix([0, 1, 0])
     k = [mpf(v) / mpf(posed.stiffness.max()) for v in posed.stiffness]
-    first_view = posed.seen_first(middle, half, pins)
+    first_view = posed.seen_first(Angles.over(lower, upper, pins))
     for b, angles, xi in points(rng, lower, upper, pins, middle, half):
         frames, axes, normal = exact_piece(posed, angles)
         torque = [k[i] * (angles[i] - mpf(posed.rest[i])) for i in range(n)]

@@ -1,0 +1,81 @@
+"""C beside the package, compiled once a machine by its compiler; without one NumPy does the same."""
+
+from __future__ import annotations
+
+import ctypes
+import hashlib
+import os
+import platform
+import shlex
+import shutil
+import subprocess
+import sys
+import tempfile
+from collections.abc import Callable
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+SWITCH = "ORIGAMI_NLP_COMPILED"
+"""Environment variable: 0 compiles nothing."""
+FLAGS = ("-O1", "-std=c99", "-shared", "-fPIC", "-ffp-contract=off", "-ftree-vectorize")
+"""No fused products, and sums in no other order: the same bits by each compiler (-O2: twice as long to compile)."""
+_LOADED: dict[tuple[str, ...], Any] = {}
+
+
+def compiled(
+    name: str, source: Callable[[], str], says: Callable[[], object] = lambda: None
+) -> Any:
+    """Return the library of C source; None where there is no compiler, or it fails.
+
+    Parameters
+    ----------
+    name
+        What it is called.
+    source
+        Makes the whole source, with everything that it includes but what every C compiler has.
+    says
+        Called before something is compiled.
+    """
+    stated = os.environ.get("CC") or _compiler()
+    if os.environ.get(SWITCH) == "0" or not stated:
+        return None
+    home = os.environ.get("XDG_CACHE_HOME") or os.path.expanduser("~/.cache")
+    key = stated, home, name
+    if key not in _LOADED:
+        try:
+            _LOADED[key] = _library(name, source(), stated, Path(home) / "origami_nlp", says)
+        except (OSError, AttributeError, ValueError, subprocess.SubprocessError):
+            _LOADED[key] = None  # it is not tried again
+    return _LOADED[key]
+
+
+@lru_cache(maxsize=1)
+def _compiler() -> str | None:
+    """Return the C compiler of the machine."""
+    if sys.platform == "darwin":  # without these tools `cc` only opens a window that offers them
+        asked = subprocess.run(["xcode-select", "-p"], check=False, capture_output=True)
+        if asked.returncode:
+            return None
+    return next(filter(shutil.which, ("cc", "gcc", "clang")), None)
+
+
+def _library(
+    name: str, text: str, compiler: str, cache: Path, says: Callable[[], object]
+) -> ctypes.CDLL:
+    """Return the library from a folder, in which it is made where it is not there."""
+    command = [*shlex.split(compiler), *FLAGS]
+    key = repr((command, text, sys.platform, platform.machine())).encode()
+    made = cache / f"{name}-{hashlib.sha256(key).hexdigest()[:16]}.so"
+    if not made.exists():
+        says()
+        cache.mkdir(parents=True, exist_ok=True, mode=0o700)
+        # beside, then moved: another process sees all of it or nothing
+        with tempfile.TemporaryDirectory(dir=cache) as folder:
+            out = Path(folder) / "made.so"
+            command += ["-x", "c", "-", "-o", str(out), "-lm"]
+            subprocess.run(
+                command, input=text.encode(), check=True, capture_output=True, timeout=60
+            )
+            os.replace(out, made)
+    return ctypes.CDLL(str(made))
