@@ -23,7 +23,7 @@ LOAD, STORE, KEEP, ADD, SUB, MUL, NEG, ABS, DIV, ROOT, MOST, AT_MOST = range(len
 UNARY = frozenset((NEG, ABS, ROOT))
 
 
-class Forms(Protocol):
+class EnclosedRows(Protocol):
     """Rows of so many variables."""
 
     size: int
@@ -155,7 +155,7 @@ class StraightLine:
         The rows.
     """
 
-    def __init__(self, run: Any, forms: Forms) -> None:
+    def __init__(self, run: Any, forms: EnclosedRows) -> None:
         self._run = run
         angles, tape = _traced_angles(forms.size)
         self._shapes: list[tuple[int, ...]] = []
@@ -243,7 +243,7 @@ def _allocated(
     return np.array(ops, dtype=np.int32).reshape(-1, 4), slots
 
 
-def straight_line(forms: Forms) -> Callable[[Angles], tuple[Affine, Affine]] | None:
+def straight_line(forms: EnclosedRows) -> Callable[[Angles], tuple[Affine, Affine]] | None:
     """Return rows as a compiled program; None where nothing can be compiled.
 
     Parameters
