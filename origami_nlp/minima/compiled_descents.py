@@ -20,12 +20,15 @@ from origami_nlp.starts import SLOTS, Closing, Ends, Samples, VertexCrossings, j
 
 AT_ONCE = 512
 """Creases of the descents between two looks at the time, and at Ctrl-C."""
-INTS = "n m rays creases period first entries pairs walls stacks plane shifted limits many chain steps".split()
+INTS = "n m rays creases period first entries pairs walls stacks plane shifted laws limits many chain steps".split()
 FLOATS = ["level"]
 FLOAT_ARRAYS = (
-    "flat factor onward mirror lever over stiffness rest load root metric low high".split()
+    "flat factor onward mirror lever over stiffness rest load root metric low high"
+    " law_weight law_shift law_piece law_grid".split()
 )
-INT_ARRAYS = "crease variable entry three before pair real gap wall stack".split()
+INT_ARRAYS = (
+    "crease variable entry three before pair real gap wall stack law law_at law_cell".split()
+)
 OF_FLOATS = ["x", "kept_x", "reach"]
 HELD = ("at_limit", "slots", "sides")
 FLAGGED = ("escapes", "idle", "converged", "settled", "broken")
@@ -70,7 +73,7 @@ def source() -> str:
     for struct, parts in (("Vertex", fields), ("Samples", of_samples)):
         lines += ["typedef struct {", *(f"{c}{name};" for c, names in parts for name in names)]
         lines.append(f"}} {struct};")
-    files = ("linear.h", "kinematics.h", "closing.h", "newton.h", "descent.c")
+    files = ("linear.h", "kinematics.h", "laws.h", "closing.h", "newton.h", "descent.c")
     return "\n".join(
         [*lines, *((Path(__file__).parent / "c" / f).read_text("utf-8") for f in files)]
     )

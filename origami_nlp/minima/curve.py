@@ -243,7 +243,7 @@ class ConfigurationCurves:
             if not len(open_.low):
                 break
             x, t, size, odd = self.evaluate(open_)
-            error = _error(x) + _error(t)
+            error = series_error(x) + series_error(t)
             speed = np.abs(
                 np.take_along_axis(t, np.repeat(open_.driver, 2)[:, None, None], 2)[..., 0]
             )
@@ -296,7 +296,7 @@ def _joined(parts: list[Branches]) -> Branches:
     return Branches(sections, *own)
 
 
-def _error(values: np.ndarray) -> np.ndarray:
+def series_error(values: np.ndarray) -> np.ndarray:
     """How far series of values [B, NODES + checks, n] are from having converged, [B]."""
     # a small tail alone can be aliasing: values between the nodes have to agree as well
     series = np.einsum("kj,bjn->bkn", TO_SERIES, values[:, :NODES])

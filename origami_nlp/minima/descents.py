@@ -133,10 +133,10 @@ class Descents:
         self.model, self.closing = model, Closing(model, springs)
         self.crossings, self._m = VertexCrossings(model), model.equation_count
         plain = model.equation_count == 3 and not model.structure.gaps
-        self._chain = plain and model.size >= LONG_CHAIN and model.parameters.laws is None
+        self._chain = plain and model.size >= LONG_CHAIN
         self._many = plain and model.size > MOST_ONE_BY_ONE
         self.compiled = None
-        if model.parameters.plain and (descend := compiled()) is not None:
+        if model.parameters.dead is None and (descend := compiled()) is not None:
             rules: dict[str, Any] = {
                 "limits": model.has_limits,
                 "many": self._many,
@@ -224,7 +224,7 @@ class Descents:
         # what rounding leaves of a balance has no direction
         down = np.where(free & (np.abs(p.left) > NO_SLOPE * size[:, None]), p.left, 0.0)
         root = self.closing.root(s)
-        swept = sweep(s, p, root) if self._chain else None
+        swept = sweep(s, p, root, self.closing.soft(s)) if self._chain else None
         h = np.zeros((len(s), 0, 0)) if swept else self._on_stratum(s, p)
         d = swept.direction if swept else _direction(h, down)
         # a contact that is let go must open: the steepest way down does that

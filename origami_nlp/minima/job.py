@@ -164,7 +164,7 @@ class Job:
     def search(self, guesses: list[np.ndarray], workers: int) -> Work:
         """Start from guesses, then round after round until the stopping rule says that it is enough."""
         # how finely curves are cut suits the torque of springs: under forces in space a search goes on from there
-        if self.model.dof == 1 and self._traced() and self.model.parameters.plain:
+        if self.model.dof == 1 and self._traced() and self.model.parameters.dead is None:
             self.stopped_by = "complete"
             self._tell()
             return
@@ -245,13 +245,13 @@ class Job:
                 if new:
                     judge(self.model, answer)
         whole = traced.complete and self.record.failed.total() == broken
-        self.complete = traced.reason if whole and self.model.parameters.plain else ""
+        self.complete = traced.reason if whole and self.model.parameters.dead is None else ""
         return whole
 
     def _under(self) -> tuple[Model, Relabelling] | None:
         """Pose the scene under labels that do not depend on how it was labelled; None where it is as well as is."""
         scene = self.model.scene
-        if not scene.group.is_trivial or scene.loads or scene.laws:
+        if not scene.group.is_trivial or scene.loads:
             return None
         labels = canonical_labels(scene)
         return Model(labels.relabelled(scene)), labels

@@ -11,6 +11,7 @@ import numpy as np
 from origami_nlp.errors import OptionError
 from origami_nlp.kkt import project
 from origami_nlp.minima.curve import NODES, SLOW, TO_SERIES, Branches, ConfigurationCurves
+from origami_nlp.minima.law_sections import slopes_with_laws
 from origami_nlp.numerics import (
     ANSWERED,
     CLOSURE_TOL,
@@ -109,7 +110,7 @@ def trace(model: Model) -> CandidateMinima:
         found.add(x, (), "crossing")
     if model.gaps:
         _add_contacts(curves, branches, found)
-    return found.result(curves, branches, failures)
+    return found.result(curves, branches, failures + found.failures)
 
 
 class _CandidateList:
@@ -119,6 +120,7 @@ class _CandidateList:
         self.states: list[np.ndarray] = []
         self.contacts: list[tuple[Contact, ...]] = []
         self.origins: list[str] = []
+        self.failures: list[str] = []
 
     def add(self, x: np.ndarray, contacts: tuple[Contact, ...], origin: str) -> None:
         self.states.append(x)
@@ -180,6 +182,13 @@ def _add_stationary(
 ) -> None:
     """Add all states where the slope of the energy rises through zero, or touches it."""
     model = curves.model
+    if model.parameters.laws is not None:
+        for turns in lift:
+            some, series, size, left = slopes_with_laws(model, b, turns)
+            _add_roots(curves, some, turns[None], series[:, None], size[:, None], found)
+            if left:
+                found.failures.append(f"the energy's slope with hinge laws in {left} sections")
+        return
     # dE/ds = sum_i G_i t_i along the unit tangent; springs are linear, so that a turn adds stiffness * turn
     torque = model.parameters.torque(b.x) * b.tangents
     more = model.parameters.stiffness * b.tangents
@@ -189,6 +198,19 @@ def _add_stationary(
     scale = (
         np.abs(torque).sum(axis=2).max(axis=1)[:, None] + LEVEL * model.parameters.stiffness.max()
     )
+    _add_roots(curves, b, lift, series, scale, found)
+
+
+def _add_roots(
+    curves: ConfigurationCurves,
+    b: Branches,
+    lift: np.ndarray,
+    series: np.ndarray,
+    scale: np.ndarray,
+    found: _CandidateList,
+) -> None:
+    """Add roots of slopes [B, L, NODES] at which the energy does not fall; lift: [L, n]; scale: sizes [B, 1]."""
+    model = curves.model
     # |T_k| <= 1: no root where the constant is larger than the sum of all other coefficients
     may = np.abs(series[..., 0]) <= np.abs(series[..., 1:]).sum(axis=2) + LEVEL * scale
     which, lifts = np.nonzero(may)

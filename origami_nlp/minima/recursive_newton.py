@@ -48,7 +48,7 @@ class NewtonSweep:
     curvature: np.ndarray
 
 
-def sweep(s: Samples, p: ClosurePoint, root: np.ndarray) -> NewtonSweep:
+def sweep(s: Samples, p: ClosurePoint, root: np.ndarray, soft: np.ndarray) -> NewtonSweep:
     """Sweep over the creases of samples that hold nothing but fold limits.
 
     Parameters
@@ -57,6 +57,8 @@ def sweep(s: Samples, p: ClosurePoint, root: np.ndarray) -> NewtonSweep:
         Samples of a model without symmetry, and what they are at their states.
     root
         Square roots of the stiffness, shape [n].
+    soft
+        Stiffness of hinges over that of the metric: 1 for springs; of laws it may be negative, shape [n] or [K, n].
 
     Returns
     -------
@@ -68,7 +70,8 @@ def sweep(s: Samples, p: ClosurePoint, root: np.ndarray) -> NewtonSweep:
     lam = p.multipliers[:, :3]
     bend = -0.25 * cross(a, lam[:, None])
     down = np.where(free, p.left, 0.0)
-    back = _Backward(a, bend, down, lam)
+    soft = np.where(free, soft, 1.0)
+    back = _Backward(a, bend, down, lam, soft)
     d = back.forward(np.zeros(len(a), dtype=int), down=True)
     bent = back.forward(back.first, down=False)
     # what does not close is taken off, by the shortest way
@@ -78,8 +81,9 @@ def sweep(s: Samples, p: ClosurePoint, root: np.ndarray) -> NewtonSweep:
     size = np.linalg.norm(bent, axis=1)
     bent /= np.maximum(size, NONZERO)[:, None]
     turn = np.cumsum(a * bent[..., None], axis=1) - a * bent[..., None]
-    # bent' H bent: H is the unit matrix and twice its part above the diagonal
+    # bent' H bent: H is the unit matrix, what laws change of it, and twice its part above the diagonal
     curvature = 1 + 2 * np.einsum("kj,kjx,kjx->k", bent, turn, bend)
+    curvature += ((soft - 1) * bent**2).sum(axis=1)
     none = (back.first < 0) | (size <= EPS)
     bent[none], curvature[none] = 0.0, 1.0
     return NewtonSweep(d, bent, curvature)
@@ -91,11 +95,14 @@ class _Backward:
     first: the last crease whose pivot is not positive, -1 where all are, [K].
     """
 
-    def __init__(self, a: np.ndarray, bend: np.ndarray, down: np.ndarray, lam: np.ndarray) -> None:
+    def __init__(
+        self, a: np.ndarray, bend: np.ndarray, down: np.ndarray, lam: np.ndarray, soft: np.ndarray
+    ) -> None:
         self._a, bend = (np.ascontiguousarray(v.transpose(1, 2, 0)) for v in (a, bend))
         n, _, count = self._a.shape
         largest = (self._a**2).sum(axis=1).max(axis=0)
-        stiff = STIFF * (1 / np.maximum(largest, NONZERO) + np.abs(lam).max(axis=1))
+        stiff = 1 / np.maximum(largest, NONZERO) + np.abs(lam).max(axis=1)
+        stiff *= STIFF * np.maximum(1.0, np.abs(soft).max(axis=1))
         # value: half a quadratic form of (theta, multipliers), and its linear part in the last column
         v = np.zeros((6, 7, count))
         # at the end: stiff |theta|^2 / 2 + multipliers . theta
@@ -106,7 +113,7 @@ class _Backward:
         for j in range(n - 1, -1, -1):
             # theta_(j+1) = theta_j + a_j d_j put into the value: `row` is what multiplies d_j, `pivot` what d_j^2 / 2
             row = (v[:3] * self._a[j][:, None]).sum(axis=0)
-            pivot = 1 + (row[:3] * self._a[j]).sum(axis=0)
+            pivot = soft[:, j] + (row[:3] * self._a[j]).sum(axis=0)
             row[:3] += bend[j]
             row[6] += down[:, j]
             self.first = np.where((self.first < 0) & (pivot <= 0), j, self.first)

@@ -20,10 +20,10 @@ import numpy as np
 from origami_nlp.arguments import check_number
 from origami_nlp.errors import SceneError
 from origami_nlp.io import ShortRepr
-from origami_nlp.numerics import INPUT_TOL
+from origami_nlp.numerics import INPUT_TOL, LEVEL
 
-MOST_PIECES = 2_000
-"""Of one law."""
+MOST_PIECES, MOST_KNOTS = 2_000, 32
+"""Of one law; and at so many of its knots curves are cut, more or less."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -175,6 +175,17 @@ class HingeLaw(ShortRepr):
         low = np.nextafter(x, -np.inf)  # where the slope jumps both sides count
         return bool(min(self.slope(x).min(), self.slope(low).min()) >= -INPUT_TOL * self.stiffness)
 
+    @cached_property
+    def knots(self) -> np.ndarray:
+        """Breaks [rad] at which one cubic does not go on as the next; of many each second, fourth, ... one."""
+        x, c = np.array(self.breaks), np.array(self.coefficients)
+        steps = np.diff(x)
+        off = np.abs(moved_cubic(c[:-1].T, steps[:-1]).T - c[1:])
+        off *= steps[1:, None] ** np.arange(3, -1, -1)
+        # by how much the torque on the next piece would be another
+        inside = x[1:-1][off.sum(axis=1) > LEVEL * np.abs(c[:, 3]).max()]
+        return np.concatenate([x[:1], inside[:: 1 + len(inside) // MOST_KNOTS], x[-1:]])
+
     def times(self, factor: float) -> HingeLaw:
         """Return the law with `factor` times the torque: of a longer crease, or in other units."""
         law, so_far, by = self.origin
@@ -197,8 +208,7 @@ class HingeLaw(ShortRepr):
     def turned(self) -> HingeLaw:
         """Return the law seen from the other side of the paper: U(-phi)."""
         x, c = np.array(self.breaks), np.array(self.coefficients)
-        about = np.array([moved_cubic(p, h) for p, h in zip(c, np.diff(x), strict=True)])
-        turned = about[::-1] * np.array([1.0, -1.0, 1.0, -1.0])
+        turned = moved_cubic(c.T, np.diff(x)).T[::-1] * np.array([1.0, -1.0, 1.0, -1.0])
         return HingeLaw(tuple((-x[::-1]).tolist()), tuple(map(tuple, turned.tolist())), self.name)
 
     def __str__(self) -> str:
@@ -214,7 +224,7 @@ FAR = 4.0
 """Length [rad] of the straight pieces beyond the ends."""
 
 
-def moved_cubic(p: np.ndarray, by: float) -> np.ndarray:
-    """Coefficients of p(x + by)."""
+def moved_cubic(p: np.ndarray, by: np.ndarray) -> np.ndarray:
+    """Coefficients of p(x + by), of cubics [4, B] and lengths [B]."""
     a, b, c, _ = p
     return np.array([a, 3 * a * by + b, (3 * a * by + 2 * b) * by + c, np.polyval(p, by)])

@@ -316,5 +316,5 @@ def sum_of(laws: Sequence[HingeLaw], name: str = "sum") -> HingeLaw:
         own = np.clip(own, 0, len(law.coefficients) - 1)
         starts = np.array(law.breaks)[own]
         pieces = np.array(law.coefficients)[own]
-        c += np.array([moved_cubic(p, by) for p, by in zip(pieces, x[:-1] - starts, strict=True)])
+        c += moved_cubic(pieces.T, x[:-1] - starts).T
     return HingeLaw(tuple(x.tolist()), tuple(map(tuple, c.tolist())), name)

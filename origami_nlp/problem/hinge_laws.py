@@ -9,6 +9,9 @@ import numpy as np
 
 from origami_nlp.pattern import HingeLaw
 
+FEWEST_CELLS = 64
+"""Of a law, in which its pieces are found."""
+
 
 @dataclass(frozen=True, eq=False)
 class HingeLaws:
@@ -90,6 +93,33 @@ class HingeLaws:
                 of.setdefault(id(law), (law, []))[1].append(v)
         for law, variables in of.values():
             yield law, np.array(variables)
+
+    def tables(self) -> dict[str, np.ndarray]:
+        """Return what compiled descents read: of each variable its law, -1 for none; of each law its pieces, and cells
+        of equal width that say on which piece a fold angle is."""
+        law, at = np.full(len(self.laws), -1), []
+        pieces, grids, cells = [np.zeros((0, 6))], [np.zeros((0, 3))], [np.zeros(0, dtype=int)]
+        for number, (own, variables) in enumerate(self._each()):
+            law[variables] = number
+            breaks, c = own.energy_pieces
+            low, high, many = breaks[1], breaks[-2], max(FEWEST_CELLS, 2 * c.shape[1])
+            cell = (
+                np.searchsorted(breaks, np.linspace(low, high, many, endpoint=False), "right") - 1
+            )
+            at.append([sum(map(len, pieces)), c.shape[1], sum(map(len, cells)), many])
+            pieces.append(np.concatenate([breaks[None, :-1], c]).T)
+            grids.append(np.array([[low, high, many / (high - low)]]))
+            cells.append(cell)
+        return {
+            "laws": np.array(bool(at)),
+            "law": law,
+            "law_weight": self.weight,
+            "law_shift": self.shift,
+            "law_at": np.array(at, dtype=int),
+            "law_piece": np.concatenate(pieces),
+            "law_grid": np.concatenate(grids),
+            "law_cell": np.concatenate(cells),
+        }
 
     def energy(self, x: np.ndarray) -> np.ndarray:
         """Energy of states [..., n], [...]."""

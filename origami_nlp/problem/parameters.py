@@ -54,8 +54,8 @@ class Parameters:
         return self.dead is None and self.laws is None
 
     @cached_property
-    def _linear(self) -> np.ndarray:
-        """Stiffness of the linear springs."""
+    def linear(self) -> np.ndarray:
+        """Stiffness of the linear springs, 0 where a law is, as `stiffness`."""
         return self.stiffness if self.laws is None else self.laws.linear(self.stiffness)
 
     def scaled(self, share: float) -> Parameters:
@@ -81,7 +81,7 @@ class Parameters:
     def energy(self, x: np.ndarray) -> np.ndarray:
         """Energy of states [..., n] over `Model.scale`, the work of the load included, shape [...]."""
         # paper, eq. 3.1
-        energy = 0.5 * np.sum(self._linear * (x - self.rest) ** 2, axis=-1)
+        energy = 0.5 * np.sum(self.linear * (x - self.rest) ** 2, axis=-1)
         energy = energy - np.einsum("...i,...i", x, self.load)
         if self.laws is not None:
             energy = energy + self.laws.energy(x)
@@ -91,7 +91,7 @@ class Parameters:
         """Energy of y less that of x, without cancellation for nearby states [..., n], shape [...]."""
         step = y - x
         # (y - r)^2 - (x - r)^2 = (y - x) ((x - r) + (y - r)): the small difference is a factor, not a remainder
-        torque = self._linear * ((x - self.rest) + 0.5 * step) - self.load
+        torque = self.linear * ((x - self.rest) + 0.5 * step) - self.load
         change = np.sum(step * torque, axis=-1)
         if self.laws is not None:
             change = change + self.laws.change(*np.broadcast_arrays(x, y))
@@ -111,18 +111,18 @@ class Parameters:
 
     def torque(self, x: np.ndarray) -> np.ndarray:
         """Gradient of the energy over `Model.scale` at states [..., n], same shape."""
-        torque = self._linear * (x - self.rest) - self.load
+        torque = self.linear * (x - self.rest) - self.load
         if self.laws is not None:
             torque = torque + self.laws.torque(x)
         return torque if self.dead is None else torque + self.dead.gradient(self.sectors, x)
 
     def curvature(self, x: np.ndarray) -> np.ndarray:
         """Stiffness of the hinges at states [..., n] over `Model.scale`, same shape or [n]."""
-        return self._linear if self.laws is None else self._linear + self.laws.slope(x)
+        return self.linear if self.laws is None else self.linear + self.laws.slope(x)
 
     def hessian(self, x: np.ndarray) -> np.ndarray:
         """Hessian of the energy over `Model.scale` at states [..., n], shape [..., n, n]."""
-        springs = np.diag(self._linear)
+        springs = np.diag(self.linear)
         if self.laws is not None:
             springs = springs + self.laws.slope(x)[..., None] * np.eye(len(self.rest))
             return springs if self.dead is None else springs + self.dead.hessian(self.sectors, x)

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from origami_nlp.numerics import EPS, OUTSIDE, RANK, ROUNDED
-from origami_nlp.problem import OPEN, FoldedRays, Kinematics, Model, Parameters
+from origami_nlp.problem import OPEN, FoldedRays, HingeLaws, Kinematics, Model, Parameters
 from origami_nlp.starts.batch_states import Samples
 
 CLOSED = 0.1 * OUTSIDE
@@ -94,16 +94,22 @@ class Closing:
         """Return what compiled descents read of all springs, [S, n] each."""
         p = self._all
         return {
-            "stiffness": p.stiffness,
+            "stiffness": p.linear,
             "rest": p.rest,
             "load": p.load,
             "root": self._roots,
             "metric": self._unequal,
+            **(p.laws or HingeLaws((), np.zeros(0), np.zeros(0))).tables(),
         }
 
     def root(self, s: Samples) -> np.ndarray:
         """Return the metric of samples, sqrt(k), [n] or [K, n] as `springs`."""
         return self._roots[s.springs] if self._several else self._roots
+
+    def soft(self, s: Samples) -> np.ndarray:
+        """Return the stiffness of hinges of samples over that of the metric: 1 for springs, [n] or [K, n]."""
+        p = self.model.parameters
+        return p.curvature(s.x) / p.stiffness
 
     def rows(self, s: Samples) -> tuple[FoldedRays, np.ndarray, np.ndarray]:
         """Fold samples; return the folded states, closure and held gaps [K, r], and their Jacobian [K, r, n].
@@ -136,12 +142,8 @@ class Closing:
             forces = s.sides[:, :used] * p.multipliers[:, m:]
             curved += self.kinematics.gaps_hessian(p.at, s.slots[:, :used], forces)
         # in y = sqrt(k) phi the springs have the unit matrix: H = 1 - sum lam_i Hess c_i / (root root')
-        own, dead = np.eye(s.x.shape[1]), self.model.parameters.dead
-        if (laws := self.model.parameters.laws) is not None:
-            # where a law is in place of the spring its stiffness is, not the measure of it
-            k, n = self.model.parameters.stiffness, np.arange(s.x.shape[1])
-            curved[:, n, n] += k - laws.linear(k) - laws.slope(s.x)
-        if dead is not None:
+        own = np.eye(s.x.shape[1]) * np.asarray(self.soft(s))[..., None, :]
+        if (dead := self.model.parameters.dead) is not None:
             curved = curved - dead.hessian(self.model.parameters.sectors, s.x)
         root = self.root(s)
         return own - curved / (root[..., :, None] * root[..., None, :])

@@ -7,6 +7,7 @@ import os
 import subprocess
 import sys
 import time
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -15,6 +16,7 @@ from origami_nlp import Model, Scene, Vertex, examples, find_minima
 from origami_nlp.minima import compiled
 from origami_nlp.minima.descents import Descents
 from origami_nlp.numerics import SWITCH
+from origami_nlp.pattern import detent, double_well, linear, one_sided, sum_of, table
 from origami_nlp.problem import OPEN
 from origami_nlp.starts import EFFORTS, Rounds, Samples, joined
 
@@ -53,6 +55,19 @@ def assert_same(one, other, to=SAME):
     assert np.abs(one.samples.x - other.samples.x)[done].max(initial=0.0) <= to
 
 
+def with_laws(scene, every=2):
+    """Laws of all kinds on each second crease: falling torques, table data, pieces of all lengths."""
+    rng = np.random.default_rng(scene.degree)
+    x = np.sort(np.concatenate([[-math.pi, math.pi], rng.uniform(-3, 3, 13)]))
+    kinds = (
+        double_well(1.0, 0.9, 0.1),
+        sum_of([linear(0.5, 0.3), detent(0.2, 6), one_sided(30.0, 1.0)]),
+        table(x, x + 0.7 * rng.normal(size=15)),
+    )
+    laws = [kinds[i % 3] if i % every == 0 else None for i in range(scene.degree)]
+    return replace(scene, laws=tuple(laws))
+
+
 CASES = {
     "a cell of degree 6, symmetric": (examples.degree6("pi/3", 1), 100),
     "degree 8, symmetric": (examples.degree8("pi/8", 0.1), 60),
@@ -66,6 +81,15 @@ CASES = {
     "degree 7 with contact": (vertex(7, 3, "full"), 120),
     "stiffness ratios of 1e8": (vertex(5, 3, decades=7.9), 120),
     "the same with contact": (vertex(6, 3, "full", decades=7.9), 120),
+    "degree 4 with laws": (with_laws(vertex(4, 2), 1), 100),
+    "degree 6 with laws": (with_laws(vertex(6, 2), 1), 120),
+    "degree 6 with laws and contact": (with_laws(vertex(6, 2, "full")), 120),
+    "a symmetric cell with laws": (
+        replace(examples.degree6("pi/3", 1), laws=(double_well(1.0, 1.0),) * 6),
+        100,
+    ),
+    "degree 9 with laws, swept": (with_laws(vertex(9, 2)), 100),
+    "degree 20 with laws, swept": (with_laws(vertex(20, 3)), 40),
 }
 
 

@@ -35,7 +35,7 @@ def test_directions_and_curvatures_are_those_of_dense_matrices(n):
     h = descents._on_stratum(s, p)
     down = np.where(s.at_limit == 0, p.left, 0.0)
     lowest = np.linalg.eigvalsh(h)[:, 0]
-    got = sweep(s, p, descents.closing.root(s))
+    got = sweep(s, p, descents.closing.root(s), descents.closing.soft(s))
     assert (got.direction[s.at_limit != 0] == 0).all()
     assert (got.bent[s.at_limit != 0] == 0).all()
     closes = np.abs(p.free_rows @ got.direction[..., None]).max(axis=(1, 2))

@@ -14,7 +14,7 @@ static double energy(const Vertex *v, int64_t g, const double *x) {
     springs += v->stiffness[g * v->n + i] * (turn * turn);
     work += x[i] * v->load[g * v->n + i];
   }
-  return 0.5 * springs - work;
+  return 0.5 * springs - work + (v->laws ? law_energy(v, x) : 0.0);
 }
 
 /* Let go the contact that pulls most, where it pulls enough, and write the gradient of its opening. */
@@ -56,7 +56,7 @@ static void project_hessian(const Vertex *v, const Samples *s, int64_t k, int64_
     if (slots[e] != OPEN && force != 0.0) add_gap_hessian(v, &p->at, slots[e], force, h);
   }
   for (int64_t i = 0; i < n; i++)
-    for (int64_t j = 0; j < n; j++) h[i * n + j] = (i == j) - h[i * n + j] / (root[i] * root[j]);
+    for (int64_t j = 0; j < n; j++) h[i * n + j] = (i == j ? w->soft[i] : 0.0) - h[i * n + j] / (root[i] * root[j]);
   /* projector on the null space of the rows on free creases, 1 - A'(A A')^-1 A (Nocedal and Wright, section 16.3) */
   for (int64_t e = 0; e < rows; e++)
     for (int64_t i = 0; i < n; i++) {
@@ -205,9 +205,11 @@ static int make_step(const Vertex *v, const Samples *s, int64_t k, Point *p, Poi
   double *d = w->d, moved = 0.0, tiny = 0.0;
   int64_t rows = rows_at(v, x, s->slots + k * SLOTS, s->sides + k * SLOTS, p);
   for (int64_t i = 0; i < n; i++) {
-    p->torque[i] = (v->stiffness[g * n + i] * (x[i] - v->rest[g * n + i]) - v->load[g * n + i]) / root[i];
+    p->torque[i] = v->stiffness[g * n + i] * (x[i] - v->rest[g * n + i]) - v->load[g * n + i];
     for (int64_t e = 0; e < rows; e++) p->rows[e * n + i] /= root[i];
   }
+  add_laws(v, x, root, p->torque, w->soft);
+  for (int64_t i = 0; i < n; i++) p->torque[i] /= root[i];
   if (!balance(v, at_limit, rows, p)) return 0;
   for (int64_t i = 0; i < n; i++) w->down[i] = at_limit[i] ? 0.0 : p->left[i];
   double left = largest_of(w->down, n), top = largest_of(p->torque, n);
@@ -220,6 +222,7 @@ static int make_step(const Vertex *v, const Samples *s, int64_t k, Point *p, Poi
   for (int64_t i = 0; i < n; i++) /* what rounding leaves of a balance has no direction */
     w->down[i] = !at_limit[i] && fabs(p->left[i]) > NO_SLOPE * size ? p->left[i] : 0.0;
   if (v->chain) {
+    for (int64_t i = 0; i < n; i++) w->soft[i] = at_limit[i] ? 1.0 : w->soft[i];
     for (int64_t i = 0; i < 3 * n; i++) w->axes[i] = at_limit[i / 3] ? 0.0 : p->at.axes[i] / root[i / 3];
     sweep(n, w, p->multipliers);
   } else {
@@ -273,7 +276,7 @@ int64_t descend(const Vertex *v, const Samples *s, int64_t first, int64_t last) 
   int64_t n = v->n, most = v->pairs > v->walls ? v->pairs : v->walls, wide = n > ROWS ? n : ROWS;
   if (most < n) most = n;
   int64_t point = 3 * (v->rays + 4) + 3 * v->creases + 2 * ROWS * n + 2 * n;
-  int64_t whole = 2 * point + 7 * n + SLOTS + most + 3 * n * n + wide * n + 11 * n;
+  int64_t whole = 2 * point + 7 * n + SLOTS + most + 3 * n * n + wide * n + 12 * n;
   double *memory = malloc(whole * sizeof(double)), *m = memory;
   int64_t *ints = malloc(n * sizeof(int64_t));
   Point at[2];
@@ -293,6 +296,7 @@ int64_t descend(const Vertex *v, const Samples *s, int64_t first, int64_t last) 
     w.down = m, m += n;
     w.opens = m, m += n;
     w.bent = m, m += n;
+    w.soft = m, m += n;
     w.pull = m, m += n + SLOTS;
     w.depth = m, m += most;
     w.h = m, m += n * n;

@@ -2,7 +2,8 @@
 
 typedef struct {
   Trial trial;
-  double *d, *dx, *down, *opens, *bent, *pull, *depth; /* [n] each; pull [n + SLOTS], depth [all that may cross] */
+  double *d, *dx, *down, *opens, *bent, *soft;         /* [n] each */
+  double *pull, *depth;                                /* [n + SLOTS], [all that may cross] */
   double *h, *projector, *product, *vectors;           /* [n, n]; product [max(n, ROWS), n] */
   double *axes, *row, *pivot, value[6][7], theta[7];   /* of the sweep: [n, 3], [n, 7], [n] */
   int64_t bent_at;
@@ -76,11 +77,11 @@ static void forward(int64_t n, Scratch *s, int64_t start, double *d) {
 
 /* Newton's direction by the backward recursion, which stays for `bent`. */
 static void sweep(int64_t n, Scratch *s, const double *lam) {
-  double largest = 0.0, size = 0.0, b[3], w[9], inverse[9];
+  double largest = 0.0, stiff = fmax(1.0, largest_of(s->soft, n)), size = 0.0, b[3], w[9], inverse[9];
   for (int64_t j = 0; j < n; j++) largest = fmax(largest, dot3(s->axes + 3 * j, s->axes + 3 * j));
   memset(s->value, 0, sizeof s->value);
   for (int i = 0; i < 3; i++) {
-    s->value[i][i] = STIFF * (1 / fmax(largest, NONZERO) + largest_of(lam, 3));
+    s->value[i][i] = (1 / fmax(largest, NONZERO) + largest_of(lam, 3)) * (STIFF * stiff);
     s->value[i][i + 3] = s->value[i + 3][i] = 1.0;
   }
   s->bent_at = -1;
@@ -88,7 +89,7 @@ static void sweep(int64_t n, Scratch *s, const double *lam) {
     const double *a = s->axes + 3 * j;
     double *row = s->row + 7 * j;
     for (int e = 0; e < 7; e++) row[e] = s->value[0][e] * a[0] + s->value[1][e] * a[1] + s->value[2][e] * a[2];
-    double pivot = 1 + dot3(row, a);
+    double pivot = s->soft[j] + dot3(row, a);
     bend(s, lam, j, b);
     for (int i = 0; i < 3; i++) row[i] += b[i];
     row[6] += s->down[j];
@@ -125,7 +126,7 @@ static double bent(int64_t n, Scratch *s, const Point *p, int64_t rows) {
   for (int64_t j = 0; j < n; j++) {
     v[j] /= fmax(size, NONZERO);
     bend(s, p->multipliers, j, b);
-    curvature += 2 * v[j] * dot3(s->theta, b);
+    curvature += 2 * v[j] * dot3(s->theta, b) + (s->soft[j] - 1) * v[j] * v[j];
     for (int i = 0; i < 3; i++) s->theta[i] += s->axes[3 * j + i] * v[j];
   }
   return curvature;
