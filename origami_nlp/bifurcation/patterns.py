@@ -165,7 +165,8 @@ class PatternFamily(Family):
     ) -> list[MinimaResult]:
         """Search for the stable states of some of its patterns, one after the other, in so many seconds together."""
         share = None if seconds is None else seconds / len(made)
-        return [find_states(one, escape=False, seconds=share, **options) for one in made]
+        options = {"escape": False, "seconds": share, "prove": False, **options}
+        return [find_states(one, **options) for one in made]
 
     def problem(self, made: Any) -> PatternProblem:
         """Pose one of its patterns."""

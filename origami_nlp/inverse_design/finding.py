@@ -193,7 +193,12 @@ class _Work:
         if not isinstance(scene, Scene):
             contact = self.targets.contact == "full"
             listed = find_states(
-                scene, seed=self.seed, effort=self.effort, contact=contact, escape=False
+                scene,
+                seed=self.seed,
+                effort=self.effort,
+                contact=contact,
+                escape=False,
+                prove=None if prove else False,
             )
             return check(self.targets, self.ask, posed, scene, listed, {}, self.seed, self.say)
         full = self.targets.full_space and self.targets.symmetric

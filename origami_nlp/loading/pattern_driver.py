@@ -151,7 +151,7 @@ class PatternDriver:
     @staticmethod
     def _states(pattern: Pattern, search: LoadSearch) -> tuple[JudgedState, ...]:
         limit: dict[str, Any] = {} if search.left is None else {"seconds": search.left}
-        found = find_states(pattern, **search.options, **limit, escape=False)
+        found = find_states(pattern, **search.options, **limit, escape=False, prove=False)
         search.cut = bool(found.search.left_out)
         return found.minima
 

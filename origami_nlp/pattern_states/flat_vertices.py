@@ -136,7 +136,9 @@ def _states(pattern: Pattern, flat: np.ndarray, seconds: float) -> np.ndarray:
     """Return stable states of a flat sheet with some creases flat, [S, n]."""
     if flat.all():
         return np.zeros((1, len(flat)))
-    found = find_states(pattern.joined(flat), starts=STARTS, escape=False, seconds=seconds)
+    found = find_states(
+        pattern.joined(flat), starts=STARTS, escape=False, seconds=seconds, prove=False
+    )
     states = np.zeros((len(found.minima), len(flat)))
     states[:, ~flat] = np.array([m.phi for m in found.minima]).reshape(len(found.minima), -1)
     return states

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -22,7 +23,9 @@ from origami_nlp.proof import (
 )
 
 FEW = 3
-"""Vertices in a row up to which a proof is tried unasked, one fewer with contact: it costs no more than the search."""
+"""Vertices in a row up to which a proof is tried unasked, one fewer with contact."""
+UNASKED = 20_000
+"""Boxes of a proof that nobody asked for: it costs about as much as the search."""
 
 
 def is_tried(pattern: Pattern, wanted: bool | float | ProofOptions | None, contact: bool) -> bool:
@@ -64,6 +67,8 @@ def prove_list(
     if why := why_no_strip(pattern):
         return Completeness("not-proved", f"no strip: {why}"), []
     options = wanted if isinstance(wanted, ProofOptions) else ProofOptions()
+    if wanted is None:
+        options = replace(options, boxes=UNASKED)
     seconds = math.inf
     if isinstance(wanted, float | int) and not isinstance(wanted, bool):
         seconds = float(wanted)
