@@ -25,7 +25,7 @@ class ResultFlags(Flags):
         effort="thorough".
     may_miss_minima
         No proof says that the list is complete; there may be minima that no start reached. Cure: prove=True, or
-        seconds for it (within fold limits up to three degrees of freedom, with contact where `completeness.reason` does
+        seconds for it (within fold limits up to four degrees of freedom, with contact where `completeness.reason` does
         not say no); else another `seed`, effort="thorough", and compare.
     singular_states_open
         The list is proved complete but for regions around singular states, where creases lose rank

@@ -17,8 +17,8 @@ class ProofOptions:
     Attributes
     ----------
     boxes
-        Boxes within fold limits after which a proof gives up: 2 million take about a minute, over ten times what degree
-        6 needs.
+        Boxes within fold limits after which a proof gives up: 10 million take about two minutes, five times what
+        degree 7 needs.
     touching_boxes
         Boxes for all sets of touches together, some 50,000 a second.
     isolated_boxes
@@ -49,7 +49,7 @@ class ProofOptions:
     'not-proved'
     """
 
-    boxes: int = 2_000_000
+    boxes: int = 10_000_000
     touching_boxes: int = 1_000_000
     isolated_boxes: int = 5_000
     batch: int = 2_000

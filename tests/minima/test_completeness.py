@@ -152,7 +152,7 @@ def test_where_it_is_not_asked_for_and_dear_it_is_not_tried():
 @pytest.mark.parametrize(
     ("scene", "why"),
     [
-        (generic(1, 7), "4 degrees of freedom (at most 3)"),
+        (generic(1, 8), "5 degrees of freedom (at most 4)"),
         (generic(1, 4, "none"), "without fold limits"),
     ],
 )
