@@ -137,8 +137,8 @@ def search(
     import tempfile
 
     from benchmarks import coverage_markdown, draw_coverage, measure_coverage, scenes_for
+    from benchmarks.checkout import stamp
     from benchmarks.fixed_costs import measure_costs
-    from benchmarks.speed_page import stamp
 
     with progress.progress("search") as report:
         data = measure_coverage(
@@ -158,6 +158,25 @@ def search(
     out.write("json", lambda: data)
     out.save("figure", draw_coverage, data)
     out.write("markdown", coverage_markdown, data)
+
+
+def costs(
+    before: Annotated[
+        Path | None, typer.Option(metavar="DIR", help="Another checkout to compare with.")
+    ] = None,
+) -> None:
+    """Measure anew what a call costs beside its search, into the record that the page is written from."""
+    import json
+
+    from benchmarks import speed_page
+    from benchmarks.checkout import stamp
+    from benchmarks.fixed_costs import measure_costs
+
+    data = json.loads(speed_page.DATA.read_text())
+    with progress.progress("costs") as report:
+        found = measure_costs(lambda text: report(text=text), before)
+    data["costs"] = {"stamp": stamp(), **found}
+    speed_page.DATA.write_text(json.dumps(data, separators=(",", ":")) + "\n")
 
 
 def page() -> None:
@@ -246,7 +265,7 @@ def cones(
 
 
 app = Group("Speed against error of this package and of others, measured on this machine.")
-app.add(speed, search, page, profile, hard, patterns, proved, design, cones)
+app.add(speed, search, costs, page, profile, hard, patterns, proved, design, cones)
 
 if __name__ == "__main__":
     main(app)

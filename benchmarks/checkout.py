@@ -27,12 +27,14 @@ class Job:
     """One run of the main job.
 
     seconds: of processor time.  minima: what it lists.  curve: (seconds, minima known), whenever that changes, and at
-    the end.
+    the end.  residual: the largest of closure and stationarity of these.  status: of a proof, if one was made.
     """
 
     seconds: float
     minima: tuple[Member, ...]
     curve: tuple[tuple[float, int], ...]
+    residual: float = 0.0
+    status: str = ""
 
 
 class Checkout:
@@ -88,7 +90,8 @@ class Checkout:
         minima = tuple(
             Member(tuple(m["fold_angles"]), m["energy"], m["kind"], []) for m in said["minima"]
         )
-        return Job(said["seconds"], minima, tuple((t, int(n)) for t, n in said["curve"]))
+        curve = tuple((t, int(n)) for t, n in said["curve"])
+        return Job(said["seconds"], minima, curve, said["residual"], said["status"])
 
     def __enter__(self) -> Self:
         return self
@@ -105,3 +108,17 @@ class Checkout:
             self._process.stdin.close()
         self._process.wait()
         self._process.stdout.close()
+
+
+def stamp(folder: Path = HERE) -> str:
+    """Return the commit of a checkout that is measured, with "+" where files differ from it."""
+    words = ["git", "-C", str(folder)]
+    commit = subprocess.run(
+        [*words, "rev-parse", "--short=10", "HEAD"], capture_output=True, text=True, check=True
+    )
+    changed = subprocess.run(
+        [*words, "status", "--porcelain", "origami_nlp", "benchmarks"],
+        capture_output=True,
+        check=True,
+    )
+    return commit.stdout.strip() + "+" * bool(changed.stdout.strip())

@@ -16,7 +16,7 @@ from statistics import median
 from typing import Any
 
 from benchmarks.by_scip import is_installed, solve
-from benchmarks.checkout import HERE
+from benchmarks.checkout import HERE, Checkout, stamp
 from benchmarks.families import family_scene
 from benchmarks.judging import Judge
 from origami_nlp.io import to_plain
@@ -61,7 +61,11 @@ def processes(rounds: int = 3) -> dict[str, float]:
     """Return processor seconds of whole processes, the median of some rounds."""
     threads = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"), "1")
     out: dict[str, list[float]] = {name: [] for name in PROCESSES}
+    environment = {**os.environ, **threads}
+    environment.pop("PYTHONDONTWRITEBYTECODE", None)
     with tempfile.TemporaryDirectory() as folder:
+        # as where the package is installed: modules are compiled once, in the round that is not counted
+        environment["PYTHONPYCACHEPREFIX"] = folder
         file = Path(folder) / "panel.toml"
         said = subprocess.run(
             [sys.executable, "-m", "origami_nlp", "example", "degree6", "-o", str(file)],
@@ -78,7 +82,7 @@ def processes(rounds: int = 3) -> dict[str, float]:
                 subprocess.run(
                     [sys.executable, *words],
                     cwd=HERE,
-                    env={**os.environ, **threads, "PYTHONPATH": str(HERE)},
+                    env=environment | {"PYTHONPATH": str(HERE)},
                     capture_output=True,
                     check=True,
                 )
@@ -131,18 +135,62 @@ def stages(scenes: Sequence[Scene]) -> list[dict[str, Any]]:
     return out
 
 
+CALLS: dict[str, dict[str, Any]] = {
+    "as called": {"prove": None, "escape": True},
+    "with its proof": {"prove": None, "escape": False},
+    "search alone": {},
+}
+"""What is asked of two checkouts in turn, and how."""
+
+
+def before_and_after(
+    before: Path, scenes: Sequence[Scene], progress: Callable[[str], None]
+) -> dict[str, list[dict[str, Any]]]:
+    """Ask two checkouts for the minima of scenes in turn, after a first round that is not counted.
+
+    Returns
+    -------
+    dict
+        For each way of asking a row a scene: seconds before and after, minima, largest residual of either, status.
+    """
+    out: dict[str, list[dict[str, Any]]] = {}
+    with Checkout(before) as old, Checkout() as new:
+        for name, options in CALLS.items():
+            for number, scene in enumerate((scenes[0], *scenes)):
+                progress(f"before and after: {name}, {scene.label}")
+                one, two = (c.search(scene, 0, **options) for c in (old, new))
+                if number:
+                    row = {
+                        "scene": scene.label,
+                        "before": one.seconds,
+                        "after": two.seconds,
+                        "minima": [len(one.minima), len(two.minima)],
+                        "residual": [one.residual, two.residual],
+                        "says": [one.status, two.status],
+                    }
+                    out.setdefault(name, []).append(row)
+    return out
+
+
 def errors(scenes: Sequence[Scene]) -> list[float]:
     """Return the largest error of a fold angle [rad] of each listed minimum that has a solution to 50 digits."""
     known = (k for scene in scenes for k in Judge.of(scene, 0).known)
     return [k.reference.angle_error(k.x) for k in known if k.reference is not None]
 
 
-def measure_costs(progress: Callable[[str], None] = lambda text: None) -> dict[str, Any]:
-    """Measure processes, stages of the main job, and SCIP where it is installed; returns plain data."""
+def measure_costs(
+    progress: Callable[[str], None] = lambda text: None, before: Path | None = None
+) -> dict[str, Any]:
+    """Measure processes, stages of the main job, and SCIP where it is installed; returns plain data.
+
+    With another checkout, `before`, the panels are searched by both as well.
+    """
     progress("whole processes")
     found: dict[str, Any] = {"processes": processes()}
     progress("stages of the main job")
     panels = examples.panels()
+    if before is not None:
+        found["before"] = {"stamp": stamp(before)} | before_and_after(before, panels, progress)
     found["stages"] = stages(
         [*(panels[k] for k in PANELS), *(family_scene("fold-limits", k) for k in range(5))]
     )

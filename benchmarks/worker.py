@@ -42,6 +42,10 @@ def answer(asked: dict[str, Any]) -> dict[str, Any]:
             {"fold_angles": m.fold_angles, "energy": m.energy, "kind": m.kind}
             for m in result.minima
         ],
+        "residual": max(
+            r for m in result.minima for r in (0.0, m.closure_residual, m.kkt_residual) if r == r
+        ),
+        "status": getattr(result.completeness, "status", ""),
     }
 
 

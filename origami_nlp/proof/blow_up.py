@@ -42,6 +42,7 @@ import itertools
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -57,6 +58,12 @@ Stratum = tuple[int, ...]
 
 class NotShown(Exception):
     """Why nothing is shown."""
+
+
+@lru_cache(maxsize=4)
+def kinematics_of(model: Model) -> Kinematics:
+    """Return the closed forms of a model, made once for all its singular states."""
+    return Kinematics(model)
 
 
 def shares(model: Model) -> np.ndarray:
@@ -89,7 +96,7 @@ class Site:
     def __init__(
         self, model: Model, point: np.ndarray, lines: list[list[int]], stratum: Stratum
     ) -> None:
-        kinematics, n, m = Kinematics(model), model.size, model.equation_count
+        kinematics, n, m = kinematics_of(model), model.size, model.equation_count
         self.model, self.lines, self.point = model, lines, point
         self.turned = [i for line in lines for i in line]
         at = kinematics.fold(np.repeat(point[None], m, axis=0))

@@ -28,8 +28,8 @@ import numpy as np
 
 from origami_nlp.errors import OptionError
 from origami_nlp.numerics import CLOSURE_TOL, DUPLICATE_TOL, NEAR_SINGULAR_TOL
-from origami_nlp.problem import Kinematics, Model
-from origami_nlp.proof.blow_up import SLACK, NotShown, Site, Stratum, shares
+from origami_nlp.problem import Model
+from origami_nlp.proof.blow_up import SLACK, NotShown, Site, Stratum, kinematics_of, shares
 from origami_nlp.proof.forms import left_over, none_beside
 
 RADII = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6)
@@ -130,7 +130,7 @@ def _state_at(model: Model, x: np.ndarray, stratum: Stratum) -> tuple[np.ndarray
     if not turned:
         _check_closes(model, point)
         return point, []
-    at = Kinematics(model).fold(point[None])
+    at = kinematics_of(model).fold(point[None])
     # turned creases by the line that they share
     lines: list[list[int]] = []
     for i in turned:
@@ -157,7 +157,7 @@ def _check_closes(model: Model, point: np.ndarray) -> None:
     """Raise `NotShown` unless a state closes; each is looked at once, however many strata it is on."""
     known, key = _CLOSES.setdefault(model, {}), point.tobytes()
     if key not in known:
-        kinematics = Kinematics(model)
+        kinematics = kinematics_of(model)
         at = kinematics.fold(point[None])
         closes = np.abs(kinematics.closure(at)[0]).max() <= CLOSURE_TOL and at.lift[0] > 0
         known[key] = bool(closes)
