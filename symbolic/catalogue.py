@@ -32,6 +32,8 @@ MODULES = (
     "appendix_a",
     "appendix_b",
     "derivations",
+    "degree4",
+    "flat_foldable4",
 )
 """Modules of `origami_nlp.symbolic.claims`, in the order of the paper; our own derivations come last."""
 

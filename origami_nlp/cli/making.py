@@ -30,8 +30,8 @@ def design(
         str,
         typer.Argument(
             metavar="TARGETS",
-            help="What is asked for (TOML), - for stdin, or an example by name: waitukaitis-five, three-equal, "
-            "switch, flat-and-one or monostable8 (example NAME prints its file).",
+            help="What is asked for (TOML), - for stdin, or an example by name: waitukaitis-five, six-states, "
+            "three-equal, switch, flat-and-one or monostable8 (example NAME prints its file).",
         ),
     ],
     seed: o.Seed = 0,

@@ -136,7 +136,8 @@ ExampleName = Annotated[
     typer.Argument(
         metavar="NAME",
         help="miura, waterbomb, waterbombbase, birdbase, squaretwist, yoshimura, resch, degree6 or degree8; metasheet "
-        "with -o FILE.fold; targets of a design: waitukaitis-five, three-equal, switch, flat-and-one, monostable8.",
+        "with -o FILE.fold; targets of a design: waitukaitis-five, six-states, three-equal, switch, "
+        "flat-and-one, monostable8.",
     ),
 ]
 

@@ -7,7 +7,7 @@ from importlib.resources import files
 from origami_nlp.arguments import did_you_mean, shown
 from origami_nlp.errors import OptionError
 
-NAMES = ("waitukaitis-five", "switch", "flat-and-one", "three-equal", "monostable8")
+NAMES = ("waitukaitis-five", "six-states", "switch", "flat-and-one", "three-equal", "monostable8")
 _FOLDER = files("origami_nlp.inverse_design") / "example_files"
 EXAMPLES = {name: (_FOLDER / f"{name}.toml").read_text("utf-8") for name in NAMES}
 """TOML by name."""

@@ -38,6 +38,13 @@ def test_a_design_is_written_and_read_again(tmp_path):
     assert read_scene(scene).degree == 4 and found["scene"]
 
 
+def test_six_states_on_four_creases_have_springs():
+    code, out, err = run("design", "six-states")
+    assert code == 0, err
+    assert "springs hold all 6 states" in out and "no other minimum" in out
+    assert "list proved complete" in out
+
+
 def test_normalized_sector_angles_are_told(tmp_path):
     targets = tmp_path / "t.toml"
     targets.write_text(TWO.replace("103.0]", "102.98]\nnormalize = true"))
