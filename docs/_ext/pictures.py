@@ -101,7 +101,7 @@ def own(name: str) -> None:
     path = FOLDER / f"{name}.png"
     if name == "states":
         draw_row(o.find_minima(o.examples.degree6("pi/3", ratio=1, symmetry="none")), path)
-    elif name == "results/six_states":
+    elif name == "six_states":
         vertex = o.Vertex.from_degrees((62, 100, 119, 79))
         rest = tuple(np.radians((-180, -141, 180, 180)))
         draw_row(o.find_minima(o.Scene(vertex, (0.02, 0.0186, 0.0129, 0.0135), rest)), path)
@@ -183,7 +183,7 @@ def recorded(name: str) -> None:
 PICTURES: dict[str, Callable[[str], None]] = {
     "states": own,
     "degree6_pi3": own,
-    "results/six_states": own,
+    "six_states": own,
     **{
         f"space_{end}": own
         for end in (

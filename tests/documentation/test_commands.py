@@ -27,6 +27,7 @@ DEAR = {
     "design",
     "loads",
     "many_scenes",
+    "most_states",
     "pattern",
     "sheets",
     "slow",
