@@ -133,7 +133,7 @@ def find_barriers(
     check_whole("seed", seed, 0)
     if not isinstance(scene, Scene):
         refuse("pattern", _OF_TWO, full=full, spacing=spacing)
-        scene.check_plain_hinges("barriers", stops=True)
+        scene.check_plain_hinges("barriers", stops=True, cells=True)
         if result is None:
             left = None if seconds is None else SEARCHING * max(until - time.monotonic(), 0.0)
             result = find_states(

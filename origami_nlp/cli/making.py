@@ -110,6 +110,7 @@ def example(
         str | None,
         typer.Option(metavar="full|fold-limits|none", help="full, fold-limits or none."),
     ] = None,
+    cell: o.Cell = None,
 ) -> None:
     """Print the scene file of a known vertex, or of a design its targets; -o FILE.fold writes the crease pattern.
 
@@ -140,8 +141,11 @@ def example(
         out.refuse("targets are written as TOML: end the name in .toml", "fold")
         made: Callable[[], str] = partial(EXAMPLES.__getitem__, name)
     elif out.files("fold") and not out.files("scene"):
-        out.write("fold", lambda: examples.crease_pattern(word, *cells, **given))
+        repeats = bool(cell)
+        out.write("fold", lambda: examples.crease_pattern(word, *cells, cell=repeats, **given))
         return
+    elif cell:
+        raise OptionError("--cell: a cell that repeats is a crease pattern: give -o FILE.fold")
     else:
         if ":" in name and not out.files("fold"):
             raise OptionError(

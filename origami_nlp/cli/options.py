@@ -320,6 +320,15 @@ PerLength = Annotated[
         show_default=False,
     ),
 ]
+Cell = Annotated[
+    bool | None,
+    typer.Option(
+        "--cell",
+        **_OF_FOLD,
+        help="Of an example such as miura:1x1, so many rows and columns of what repeats in it: a cell that repeats.",
+        show_default=False,
+    ),
+]
 Bend = Annotated[
     float | None,
     typer.Option(

@@ -32,7 +32,7 @@ SPRINGS = {
     "rest_from": o.FoldRestFrom,
 }
 """Springs that a FOLD file leaves open: for the commands that come first, and `inspect`, which writes them down."""
-PER_LENGTH = {"per_length": o.PerLength, "bend": o.Bend}
+PER_LENGTH = {"per_length": o.PerLength, "bend": o.Bend, "cell": o.Cell}
 """What a command that takes springs and whole patterns has besides."""
 
 
@@ -77,7 +77,8 @@ class Source:
         from origami_nlp.pattern import LARGEST, examples, is_drawing
 
         if self.is_example:
-            return json.dumps(examples.crease_pattern(self.name)).encode()
+            cell = bool(self.given.get("cell"))
+            return json.dumps(examples.crease_pattern(self.name, cell=cell)).encode()
         if self.name != "-" and not Path(self.name).suffix and not Path(self.name).exists():
             known = examples.names()
             meant = did_you_mean(self.name.partition(":")[0], known)
@@ -163,6 +164,10 @@ class Source:
             if option in self.given:
                 more = "leave it out" if option == "vertex" else "name it with --vertex"
                 raise OptionError(f"--{option} is for one vertex, not for a pattern: {more}")
+        if self.given.get("cell") and not self.is_example:
+            raise OptionError(
+                f"--cell: {self.name!r} is no example; the lattice vectors of a FOLD file are its origaminlp:lattice"
+            )
         options = self._spring_options()
         options.pop("contact", None)
         if "per_length" in self.given and isinstance(options.get("stiffness"), str):

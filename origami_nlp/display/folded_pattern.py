@@ -27,13 +27,16 @@ def pattern_poser(
     Parameters
     ----------
     pattern
-        The sheet.
+        The sheet; of a cell that repeats two by two copies.
 
     Returns
     -------
     tuple
         The body; functions of fold angles [n] [rad], the first of energies as well.
     """
+    crease_of = np.arange(pattern.creases)
+    if pattern.cell:
+        pattern, crease_of = pattern.cell.tiles
     crossings = PatternCrossings(pattern)
     parts = [tuple(dict.fromkeys(piece)) for piece in crossings.pieces.tolist()]
     left = {(q[i - 1], v): k for k, q in enumerate(parts) for i, v in enumerate(q)}
@@ -41,13 +44,14 @@ def pattern_poser(
     scale = LONG / float(pattern.lengths.mean() if pattern.creases else crossings.size)
 
     def folded(phi: np.ndarray, energy: float) -> FoldedBody:
+        phi = phi[crease_of]
         x = np.nan_to_num(crossings.poses.corners(phi))
         middle = x[crossings.pieces.ravel()].mean(axis=0)
         shifts = np.zeros((len(parts), 3))
         return FoldedBody((x - middle) * scale, phi, energy, shifts)
 
     def view(phi: np.ndarray) -> np.ndarray:
-        return pattern_view(crossings.poses.polygons(phi))
+        return pattern_view(crossings.poses.polygons(phi[crease_of]))
 
     return Body(tuple(parts), creases), folded, view
 

@@ -63,7 +63,7 @@ def draw_pattern_state(
     axes
         Of matplotlib.
     pattern
-        The sheet.
+        The sheet; of a cell that repeats two by two copies are drawn.
     fold_angles
         Of a closed state, [n] [rad].
     named
@@ -71,8 +71,11 @@ def draw_pattern_state(
     contacts
         Of the state: places where facets touch are marked with their numbers, and these facets are tinted.
     """
-    touching = touching_facets(contacts)
     phi = np.asarray(fold_angles, float)
+    if pattern.cell:  # contacts are those of the cell with copies that need not be drawn
+        pattern, crease_of = pattern.cell.tiles
+        phi, contacts = phi[crease_of], ()
+    touching = touching_facets(contacts)
     crossings = PatternCrossings(pattern)
     pieces = crossings.placed(phi)
     corners = crossings.poses.polygons(phi)

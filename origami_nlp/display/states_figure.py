@@ -171,7 +171,8 @@ class StatesDrawn:
         shown = self.fold_angles[: len(self.titles)]
         if isinstance(self.origami, Scene):
             return crease_legend([(self.origami.vertex, phi) for phi in shown])
-        return [*crease_legend(), *contact_legend(chain(*self.contacts[: len(self.titles)]))]
+        touches = () if self.origami.cell else self.contacts[: len(self.titles)]
+        return [*crease_legend(), *contact_legend(chain(*touches))]
 
 
 def draw_states(

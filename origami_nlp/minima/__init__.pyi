@@ -81,6 +81,7 @@ from .pattern_account import (
 )
 from .proved import check_prove as check_prove
 from .record import FoundState as FoundState, Record as Record
+from .report_lines import lattice_table as lattice_table
 from .result import (
     MinimaResult as MinimaResult,
 )

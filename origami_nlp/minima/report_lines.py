@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 
 import numpy as np
@@ -12,11 +13,12 @@ from origami_nlp.minima.account import SearchReport
 from origami_nlp.minima.flags import ResultFlags
 from origami_nlp.minima.full_space import FullSpace
 from origami_nlp.minima.minimum import JudgedState
+from origami_nlp.minima.noise import survival_words
 from origami_nlp.minima.stability import isolated_foldings, number_words
 from origami_nlp.minima.summary import energy_words
 from origami_nlp.numerics import BALANCED, STATIONARY, residual_words
 from origami_nlp.pattern import Scene, listed
-from origami_nlp.pattern_problem import PopSigns, SignVector
+from origami_nlp.pattern_problem import FoldedLattice, PopSigns, SignVector
 
 MOST_ANGLES = 24
 """Fold angles of a state up to which they are written out; those of larger ones are in the JSON."""
@@ -97,6 +99,44 @@ def angle_lines(minima: Sequence[JudgedState], numbers: Sequence[int]) -> Iterat
         angles = " ".join(f"{a:{digits + 5}.{digits}f}" for a in shown)
         winds = f"   winds {m.winding} times round the axis" * (m.winding > 1)
         yield f"{f'#{k}':>5} {angles}{winds}"
+
+
+def survival_lines(minima: Sequence[JudgedState], is_pattern: bool, lies: bool) -> Iterator[str]:
+    """Say what the column of survivals counts; lies: whether the pattern lies flat."""
+    found = [m.survival for m in minima if m.survival]
+    if not found:
+        return
+    errors = "rest and sector angles"
+    if is_pattern:
+        errors = "rest angles, of sector angles (vertices moved in the flat sheet)"
+        if not lies:
+            errors = "rest angles (not of sector angles: the pattern does not lie flat)"
+    yield survival_words(max(s.degrees for s in found), errors)
+    if any(s.springs is not None for s in found):
+        yield (
+            "closure has as many equations as there are creases, and with errors of positions rigid facets do not "
+            'fold: "springs" counts draws that are survived with errors of rest angles and stiffnesses alone'
+        )
+
+
+def lattice_table(
+    lattices: Sequence[FoldedLattice], numbers: Sequence[int] = (), first: str = "#"
+) -> Table:
+    """Return the folded lattice of states of a cell and how each gives way, a row each; numbers: theirs."""
+    heads = [first, "a", "b", "angle\n[deg]", "Poisson\nalong a", "along b"]
+    heads += ["stiffness\nalong a", "along b\n[N m/length^2]"]
+    rows: list[list[Cell]] = []
+    for number, one in zip(numbers or range(1, len(lattices) + 1), lattices, strict=False):
+        row: list[Cell] = [str(number), *(energy_words(x, max(one.lengths)) for x in one.lengths)]
+        row.append("-" if math.isnan(one.angle) else f"{math.degrees(one.angle):.6g}")
+        row += ["-" if math.isnan(x) else f"{x:.6g}" for x in one.poisson]
+        row += [
+            "rigid" if math.isinf(x) else "-" if math.isnan(x) else f"{x:.4g}"
+            for x in one.stiffness
+        ]
+        rows.append(row)
+    title = "lattice vectors a and b of a cell; a force along one of them, the other free"
+    return Table(heads, rows, title, "rrrrrrrr", framed=False, narrow=True)
 
 
 def sign_lines(pops: PopSigns, signs: Sequence[str], search: SearchReport) -> Iterator[str]:

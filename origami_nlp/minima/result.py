@@ -32,17 +32,18 @@ from origami_nlp.minima.completeness import Completeness
 from origami_nlp.minima.flags import ResultFlags
 from origami_nlp.minima.fold_out import Part, minima_to_fold, state_parts
 from origami_nlp.minima.minimum import JudgedState
-from origami_nlp.minima.noise import survival_words
 from origami_nlp.minima.pattern_account import PatternSearchReport
 from origami_nlp.minima.report_lines import (
     angle_lines,
     flag_lines,
     kinds_table,
+    lattice_table,
     residual_cells,
     scene_lines,
     sign_lines,
     sign_tables,
     state_lines,
+    survival_lines,
     touching_cells,
     undecided_lines,
 )
@@ -62,7 +63,13 @@ from origami_nlp.minima.summary import (
 )
 from origami_nlp.numerics import STATIONARY, rank
 from origami_nlp.pattern import Pattern, Relations, Scene
-from origami_nlp.pattern_problem import MOST_DENSE, PatternProblem, PopSigns
+from origami_nlp.pattern_problem import (
+    MOST_DENSE,
+    FoldedLattice,
+    Lattice,
+    PatternProblem,
+    PopSigns,
+)
 from origami_nlp.problem import Model
 
 if TYPE_CHECKING:
@@ -121,7 +128,7 @@ class MinimaResult(Report, Viewable):
     model: Any = field(default=None, compare=False, metadata={"plain": False})
 
     PICTURE, SCHEMA = "draw_minima", "origami-nlp/minima/2"
-    ALSO = ("model", "flags", "closure_stress", "signs", "sign_vertices")
+    ALSO = ("model", "flags", "closure_stress", "signs", "sign_vertices", "lattices")
 
     def __post_init__(self) -> None:
         stated = self.origami
@@ -242,6 +249,14 @@ class MinimaResult(Report, Viewable):
         """`signs` of a pattern of few vertices, whose tables and pictures name them; else nothing."""
         return self.signs if self.is_pattern and len(self.sign_vertices) <= MOST_SIGNS else ()
 
+    @cached_property
+    def lattices(self) -> tuple[FoldedLattice, ...]:
+        """Of a cell that repeats its folded lattice in each minimum, and how it gives way; else nothing."""
+        if not isinstance(self.origami, Pattern) or self.origami.cell is None:
+            return ()
+        lattice = Lattice(self.origami)
+        return tuple(lattice.at(self.state_of(m)) for m in self.minima)
+
     @property
     def closure_stress(self) -> tuple[dict[str, Any], ...]:
         """What closure of a pattern carries, a minimum each; nothing of a vertex, which says its `moment`.
@@ -341,13 +356,16 @@ class MinimaResult(Report, Viewable):
         yield replace(table, rows=table.rows[:MOST_LINES]) if self.minima else self.verdict
         if rest:
             yield f"... {len(rest)} more states: --verbose, or -o FILE.json"
+        if self.lattices:
+            yield lattice_table(self.lattices[:MOST_LINES])
         shown = self._shown
         yield from angle_lines(self.minima, shown)
         if isinstance(self.origami, Scene):
             yield from scene_lines(self.origami)
         elif self.minima and self._pop_signs:
             yield from sign_lines(self._pop_signs, self.signs, self.search)
-        yield from self._survivals()
+        lies = not self.is_pattern or self.model.flattened is not None
+        yield from survival_lines(self.minima, self.is_pattern, lies)
         said = not_asked_words(self.origami, self.minima), imposed_words(self.origami)
         yield from filter(None, said)
         yield from undecided_lines(self.search)
@@ -392,24 +410,6 @@ class MinimaResult(Report, Viewable):
         yield from (Words(line, "dim") for line in self.search.words() if line not in known)
         if self.is_pattern:
             yield from self._modelled()
-
-    def _survivals(self) -> Iterator[str]:
-        """Say what the column of survivals counts."""
-        found = [m.survival for m in self.minima if m.survival]
-        if not found:
-            return
-        errors = "rest and sector angles"
-        if self.is_pattern:
-            lies = self.model.flattened is not None
-            errors = "rest angles, of sector angles (vertices moved in the flat sheet)"
-            if not lies:
-                errors = "rest angles (not of sector angles: the pattern does not lie flat)"
-        yield survival_words(max(s.degrees for s in found), errors)
-        if any(s.springs is not None for s in found):
-            yield (
-                "closure has as many equations as there are creases, and with errors of positions rigid facets do not "
-                'fold: "springs" counts draws that are survived with errors of rest angles and stiffnesses alone'
-            )
 
     def _modelled(self) -> Iterator[str]:
         """Say what closure of a pattern leaves open, and what is not modelled."""

@@ -5,6 +5,7 @@ from .angles import (
     parse_angles as parse_angles,
 )
 from .bending import with_bending as with_bending
+from .cells import Cell as Cell, make_cell as make_cell
 from .coercion import (
     as_origami as as_origami,
     as_pattern as as_pattern,
@@ -67,6 +68,7 @@ from .labels import (
     group_equivalent_vertices as group_equivalent_vertices,
     symmetries as symmetries,
 )
+from .lattice_stated import LATTICE_KEY as LATTICE_KEY
 from .loads import (
     DeadLoads as DeadLoads,
     Load as Load,

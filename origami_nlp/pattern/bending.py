@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -10,6 +11,7 @@ import numpy as np
 from origami_nlp.arguments import check_number
 from origami_nlp.errors import SceneError
 from origami_nlp.numerics import INPUT_TOL, cross
+from origami_nlp.pattern.cells import make_cell
 from origami_nlp.pattern.sheet import Pattern, make_pattern
 
 DIAGONALS = ("short", "long")
@@ -77,7 +79,8 @@ def with_bending(pattern: Pattern, stiffness: float, diagonal: str = "short") ->
     def of(values: np.ndarray, new: Any) -> dict[tuple[int, int], Any]:
         return dict(zip(sides, values.tolist(), strict=True)) | dict.fromkeys(cuts, new)
 
-    made = make_pattern(
+    make = partial(make_cell, lattice=pattern.cell.lattice) if pattern.cell else make_pattern
+    made = make(
         pattern.corners,
         polygons,
         assignment=dict(zip(sides, pattern.assignment, strict=True)) | dict.fromkeys(cuts, "F"),

@@ -96,7 +96,7 @@ def as_scene(
 def _equal_scene(pattern: Pattern) -> Scene | None:
     """Return the scene that a pattern equals; None where there is none."""
     n = pattern.creases
-    if len(pattern.vertices) != 1 or pattern.holes:
+    if len(pattern.vertices) != 1 or pattern.holes or pattern.cell:
         return None
     loop = pattern.vertices[0]
     first = loop.creases.index(0) if 0 in loop.creases else 0

@@ -103,6 +103,7 @@ def _lost(frame: Frame) -> tuple[str, ...]:
         "rest angles": frame.rest_angles,
         "preload": frame.preload,
         "fold limits": frame.limits,
+        "lattice vectors": frame.lattice,
     }
     given = [k for k, v in stated.items() if v is not None and not np.isnan(v).all()]
     if not given:

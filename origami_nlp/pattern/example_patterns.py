@@ -7,13 +7,14 @@ Unit of length: the short side of a cell.  Flat sheets seen from the side to whi
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from typing import Any
 
 import numpy as np
 
 from origami_nlp.numerics import PLACES
 from origami_nlp.pattern.fold_file import REST_KEY, STIFFNESS_KEY
+from origami_nlp.pattern.lattice_stated import LATTICE_KEY
 from origami_nlp.pattern.scene import Scene
 
 Point = tuple[float, float]
@@ -22,10 +23,16 @@ Letter = Callable[[complex, complex], str]
 """Letter of the crease between two points x + iy."""
 Spring = Callable[[complex, complex], tuple[float, float]]
 """Rest angle [rad] and stiffness [N m/rad] of the crease between two points."""
+SprungPattern = Callable[[int, int], tuple[list[Face], Letter, Spring]]
+"""A pattern of so many rows and columns that has springs of its own."""
 
 
 def to_fold(
-    faces: Iterable[Face], letter: Letter, springs: Scene | Spring, title: str
+    faces: Iterable[Face],
+    letter: Letter,
+    springs: Scene | Spring,
+    title: str,
+    lattice: Sequence[complex] = (),
 ) -> dict[str, Any]:
     """Return the FOLD data of a pattern.
 
@@ -40,6 +47,8 @@ def to_fold(
         Or a rule for rest angle [rad] and stiffness [N m/rad] of the crease between two points.
     title
         Of the file.
+    lattice
+        Both vectors by which the faces, a cell, repeat: the border is creases as well.
 
     Returns
     -------
@@ -63,7 +72,7 @@ def to_fold(
             edge = (min(a, b), max(a, b))
             sides[edge] = sides.get(edge, 0) + 1
     ends = [(complex(*coords[a]), complex(*coords[b])) for a, b in sides]
-    inner = [count == 2 for count in sides.values()]
+    inner = [count == 2 or bool(lattice) for count in sides.values()]
     letters = [letter(*pq) if crease else "B" for pq, crease in zip(ends, inner, strict=True)]
     sprung: list[tuple[float | None, float | None]] = [(None, None)] * len(ends)
     of = _spring_of_letter(springs) if isinstance(springs, Scene) else {}
@@ -84,6 +93,7 @@ def to_fold(
         "faces_vertices": rings,
         STIFFNESS_KEY: [k for _, k in sprung],
         REST_KEY: [None if rest is None else math.degrees(rest) for rest, _ in sprung],
+        **({LATTICE_KEY: [[z.real, z.imag] for z in lattice]} if lattice else {}),
     }
 
 
@@ -254,8 +264,26 @@ def resch(rows: int, columns: int) -> tuple[list[Face], Letter]:
     return faces, letter
 
 
+def resch_cell(rows: int, columns: int) -> tuple[list[Face], Letter]:
+    """The same as a cell that repeats: each triangle of side 2 with two tucks of side 1."""
+    e, f = complex(1.0, 0.0), complex(0.5, math.sqrt(0.75))
+    one, letter = resch(1, 1)
+    one = one[:6]  # without a tuck that happens to lie between its corners
+    for z in (e, f):
+        corners = (z + e, z + e + f, z + f)
+        one.append(tuple((p.real, p.imag) for p in corners))
+    faces = []
+    for i in range(rows):
+        for j in range(columns):
+            z = i * (2 * f - e) + j * (e + f)
+            faces += [tuple((x + z.real, y + z.imag) for x, y in face) for face in one]
+    return faces, letter
+
+
 QUAD = (0.0, 1.0, 1.25 + 0.9j, -0.1 + 0.75j)
 """Corners of the facets of a metasheet; any convex quadrilateral tiles the plane by half-turns about its sides."""
+QUAD_LATTICE = QUAD[2] + QUAD[3] - QUAD[0] - QUAD[1], QUAD[1] + QUAD[2] - QUAD[0] - QUAD[3]
+"""Up and along: what repeats is two rows and two columns of them."""
 QUAD_REST = (-2.163, 1.77, 2.755, 0.121)
 QUAD_STIFFNESS = (0.005, 0.4627, 0.1299, 0.0321)
 """Of creases along each side of it: with them a single vertex has three stable states."""
@@ -267,7 +295,7 @@ def metasheet(rows: int, columns: int) -> tuple[list[Face], Letter, Spring]:
     After Waitukaitis, Menaut, Chen and van Hecke, "Origami multistability", Physical Review Letters 114 (2015) 055503.
     """
     a, b, c, d = QUAD
-    along, up = b + c - a - d, c + d - a - b
+    up, along = QUAD_LATTICE
     side: dict[tuple[int, int], int] = {}
 
     def at(i: int, j: int) -> complex:
@@ -297,3 +325,57 @@ def metasheet(rows: int, columns: int) -> tuple[list[Face], Letter, Spring]:
         return "M" if spring(p, q)[0] < 0 else "V"
 
     return faces, letter, spring
+
+
+UNITS: dict[str, Callable[[float], tuple[tuple[int, int], tuple[complex, complex]]]] = {
+    "miura": lambda a: ((2, 2), (2j, 2 + 0j)),
+    "waterbomb": lambda a: ((1, 2), (2j, 4 + 0j)),
+    "yoshimura": lambda a: ((2, 1), (2j * math.tan(a), 2 + 0j)),
+    "resch": lambda a: ((1, 1), (math.sqrt(3) * 1j, 1.5 + math.sqrt(0.75) * 1j)),
+    "metasheet": lambda a: ((2, 2), QUAD_LATTICE),
+}
+"""What repeats in a pattern: rows and columns as its function counts them; vectors up and along, by an angle."""
+
+
+def sheet_to_fold(
+    name: str, scene: Scene | SprungPattern, rows: int, columns: int, *, cell: bool
+) -> dict[str, Any]:
+    """Return the FOLD data of an example.
+
+    Parameters
+    ----------
+    name
+        Of the example.
+    scene
+        Its springs and angles, or what makes it with its springs.
+    rows, columns
+        Its size.
+    cell
+        Whether the size is that of a cell that repeats, in rows and columns of what repeats.
+
+    Returns
+    -------
+    dict
+        As `to_fold`.
+    """
+    lattice: tuple[complex, ...] = ()
+    size = rows, columns
+    if cell:
+        unit, (up, along) = UNITS[name](
+            scene.vertex.sector_angles[0] if isinstance(scene, Scene) else 0.0
+        )
+        lattice = columns * along, rows * up
+        size = rows * unit[0], columns * unit[1]
+    if not isinstance(scene, Scene):
+        faces, letter, spring = scene(*size)
+        return to_fold(faces, letter, spring, name, lattice)
+    sectors = scene.vertex.sector_angles
+    faces, letter = {
+        "miura": lambda: miura(sectors[0], *size),
+        "waterbomb": lambda: waterbomb(*size),
+        "birdbase": bird_base,
+        "squaretwist": lambda: square_twist(sectors[3]),
+        "yoshimura": lambda: yoshimura(sectors[0], *size),
+        "resch": lambda: (resch_cell if cell else resch)(*size),
+    }.get(name, lambda: disc(scene))()
+    return to_fold(faces, letter, scene, scene.label, lattice)

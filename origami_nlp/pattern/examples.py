@@ -358,13 +358,18 @@ def split_size(name: str) -> tuple[str, tuple[int, int] | tuple[None, None]]:
 
 
 def pattern(
-    name: str, rows: int | None = None, columns: int | None = None, **options: Any
+    name: str,
+    rows: int | None = None,
+    columns: int | None = None,
+    *,
+    cell: bool = False,
+    **options: Any,
 ) -> Pattern:
     """Make the crease pattern of an example as a sheet of rigid facets, all its vertices coupled.
 
     Parameters
     ----------
-    name, rows, columns, options
+    name, rows, columns, cell, options
         As for `crease_pattern`.
 
     Returns
@@ -384,13 +389,18 @@ def pattern(
     Pattern('metasheet': 16 facets, 24 creases, 9 interior vertices)
     """
     typed = name if ":" in name else ""
-    drawn = crease_pattern(name, rows, columns, **options)
+    drawn = crease_pattern(name, rows, columns, cell=cell, **options)
     (frame,) = parse_fold(json.dumps(drawn), source=typed)
     return frame_pattern(frame)
 
 
 def crease_pattern(
-    name: str, rows: int | None = None, columns: int | None = None, **options: Any
+    name: str,
+    rows: int | None = None,
+    columns: int | None = None,
+    *,
+    cell: bool = False,
+    **options: Any,
 ) -> dict[str, Any]:
     """Draw the crease pattern of an example, with the springs of its scene on every mountain and valley.
 
@@ -401,6 +411,8 @@ def crease_pattern(
         the waterbomb base, the vertex alone.
     rows, columns
         Cells of a pattern in `SIZES`, 1 to 100.
+    cell
+        A cell that repeats, of so many rows and columns of what repeats in the pattern; of one if no size is given.
     options
         Of its function, as for `by_name`.
 
@@ -426,6 +438,10 @@ def crease_pattern(
         if (rows, columns) != (None, None):
             raise OptionError(f"name = {shown(name)} has a size: leave out rows and columns")
         name, (rows, columns) = split_size(name)
+    if cell and name not in example_patterns.UNITS:
+        raise OptionError(
+            f"{name} does not repeat: cells of {', '.join(example_patterns.UNITS)} do"
+        )
     if name in WITH_SPRINGS and options:
         raise OptionError(f"{name} has no option {next(iter(options))}: it has rows and columns")
     if name not in BY_NAME and name not in WITH_SPRINGS:  # a plug-in draws its own pattern
@@ -441,21 +457,11 @@ def crease_pattern(
     scene = None if name in WITH_SPRINGS else by_name(name, **options)
     if name not in SIZES and (rows, columns) != (None, None):
         raise OptionError(f"{name} has no rows and columns: those of {', '.join(SIZES)} do")
-    default = SIZES.get(name, (1, 1))
+    default = (1, 1) if cell else SIZES.get(name, (1, 1))
     size = [
         check_whole(label, least if value is None else value, 1, MOST_CELLS)
         for label, value, least in zip(("rows", "columns"), (rows, columns), default, strict=True)
     ]
     if scene is None:
-        faces, letter, spring = WITH_SPRINGS[name](*size)
-        return example_patterns.to_fold(faces, letter, spring, name)
-    sectors = scene.vertex.sector_angles
-    faces, letter = {
-        "miura": lambda: example_patterns.miura(sectors[0], *size),
-        "waterbomb": lambda: example_patterns.waterbomb(*size),
-        "birdbase": example_patterns.bird_base,
-        "squaretwist": lambda: example_patterns.square_twist(sectors[3]),
-        "yoshimura": lambda: example_patterns.yoshimura(sectors[0], *size),
-        "resch": lambda: example_patterns.resch(*size),
-    }.get(name, lambda: example_patterns.disc(scene))()
-    return example_patterns.to_fold(faces, letter, scene, scene.label)
+        return example_patterns.sheet_to_fold(name, WITH_SPRINGS[name], *size, cell=cell)
+    return example_patterns.sheet_to_fold(name, scene, *size, cell=cell)

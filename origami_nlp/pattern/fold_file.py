@@ -22,13 +22,12 @@ from origami_nlp.io import printable, read_limited
 from origami_nlp.numerics import INPUT_TOL, last_place
 from origami_nlp.pattern.fold_limits import edge_limits
 from origami_nlp.pattern.fold_notes import compare_signs, flattened, in_radians, once
-from origami_nlp.pattern.fold_source import STDIN, decode_source
+from origami_nlp.pattern.fold_source import STDIN, check_total, decode_source
 from origami_nlp.pattern.hinges_stated import LAW_KEY, refuse_laws
+from origami_nlp.pattern.lattice_stated import LATTICE_KEY, read_lattice
 
 LARGEST = 50_000_000
 """Bytes; the largest published crease patterns are a few MB."""
-MOST_ELEMENTS = 2_000_000
-"""Vertices and edges of all frames together, those that they inherit included, where all are read."""
 STIFFNESS_KEY = "edges_origaminlp:stiffness"
 REST_KEY, LIMITS_KEY = "edges_origaminlp:restAngle", "edges_origaminlp:limits"
 PRELOAD_KEY = "edges_origaminlp:preload"
@@ -39,7 +38,7 @@ _LEGACY = {"edges_foldAngles": "edges_foldAngle", "edges_assignments": "edges_as
 _READ = (
     *"vertices_coords edges_vertices faces_vertices faceOrders edges_assignment edges_foldAngle".split(),
     *(*_LEGACY, STIFFNESS_KEY, REST_KEY, PRELOAD_KEY, LIMITS_KEY, LOADS_KEY, FIXED_KEY, ERROR_KEY),
-    *f"{LAW_KEY} frame_classes frame_unit frame_title file_title".split(),
+    *f"{LAW_KEY} {LATTICE_KEY} frame_classes frame_unit frame_title file_title".split(),
 )
 
 
@@ -90,6 +89,8 @@ class Frame:
         Whether the file's own y points down: places are named as they are in the file.
     error
         ``origaminlp:coordinateError``: how far vertices may be off; 0 where the file does not say.
+    lattice
+        ``origaminlp:lattice``: vectors by which the frame, a cell, repeats, [2, 2] or [2, 3]; None where it does not.
     limits
         Fold limits (low, high), [E, 2] [rad], +-pi where not given; None where the file gives none.
     """
@@ -117,6 +118,7 @@ class Frame:
     y_down: bool = False
     limits: np.ndarray | None = field(default=None, repr=False)
     error: float = 0.0
+    lattice: np.ndarray | None = None
 
     def place(self, vertex: int) -> str:
         """Return where a vertex is, as the file has it."""
@@ -221,7 +223,7 @@ def parse_fold(
             raise FoldFileError(f"--frame {frame} is no frame with geometry: there is {some}")
     else:
         wanted = there
-        _check_total([full[number] for number in there])
+        check_total([full[number] for number in there])
     frames = [_frame(full[number], number) for number in wanted]
     frames = [
         replace(one, source=source, notes=(*found.notes, *one.notes), y_down=found.y_down)
@@ -256,21 +258,6 @@ def _inherited(raw: list[Any]) -> list[dict[str, Any]]:
             own = {key: raw[one][key] for key in _READ if key in raw[one]}
             full[one] = {**(full[parent] or {}), **own} if parent is not None else own
     return [keys or {} for keys in full]
-
-
-def _check_total(frames: list[dict[str, Any]]) -> None:
-    """Refuse frames that inherit so much that a small file becomes a day of work."""
-    total = sum(
-        len(keys[key])
-        for keys in frames
-        for key in ("vertices_coords", "edges_vertices")
-        if isinstance(keys.get(key), list)
-    )
-    if len(frames) > 1 and total > MOST_ELEMENTS:
-        raise FoldFileError(
-            f"file_frames: {len(frames)} frames with geometry have {total} vertices and edges in all, more than "
-            f"{MOST_ELEMENTS}: choose one with --frame"
-        )
 
 
 def _frame(data: dict[str, Any], number: int) -> Frame:
@@ -343,6 +330,7 @@ def _frame(data: dict[str, Any], number: int) -> Frame:
         length_unit=str(data.get("frame_unit", "")),
         error=error,
         limits=edge_limits(data.get(LIMITS_KEY), m, LIMITS_KEY, keep),
+        lattice=read_lattice(data.get(LATTICE_KEY)),
     )
 
 

@@ -10,6 +10,8 @@ from typing import Any
 from origami_nlp.drawings import DrawingOptions, drawing_kind, drawing_to_fold, read_drawing
 from origami_nlp.errors import FoldFileError
 
+MOST_ELEMENTS = 2_000_000
+"""Vertices and edges of all frames together, those that they inherit included, where all are read."""
 STDIN = "standard input"
 
 
@@ -118,3 +120,18 @@ def _json(text: str | bytes, name: str) -> Mapping[str, Any]:
     if not isinstance(data, Mapping):
         raise FoldFileError(f"{name} must be a JSON object: vertices_coords, edges_vertices, ...")
     return data
+
+
+def check_total(frames: list[dict[str, Any]]) -> None:
+    """Refuse frames that inherit so much that a small file becomes a day of work."""
+    total = sum(
+        len(keys[key])
+        for keys in frames
+        for key in ("vertices_coords", "edges_vertices")
+        if isinstance(keys.get(key), list)
+    )
+    if len(frames) > 1 and total > MOST_ELEMENTS:
+        raise FoldFileError(
+            f"file_frames: {len(frames)} frames with geometry have {total} vertices and edges in all, more than "
+            f"{MOST_ELEMENTS}: choose one with --frame"
+        )

@@ -24,11 +24,14 @@ class Loop:
         +1 where a crease is crossed from its right to its left facet, [d].
     vertex
         The interior vertex, or -1 for a hole.
+    shifts
+        Of a walk to a copy of a cell that repeats: lattice vectors by which each crease is moved, [d]; else empty.
     """
 
     creases: tuple[int, ...]
     signs: tuple[int, ...]
     vertex: int
+    shifts: tuple[tuple[int, int], ...] = ()
 
 
 class Loops:

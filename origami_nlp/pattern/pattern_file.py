@@ -6,6 +6,7 @@ import math
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Literal
 
@@ -14,6 +15,7 @@ import numpy as np
 from origami_nlp.arguments import check_type
 from origami_nlp.errors import FoldFileError
 from origami_nlp.numerics import INPUT_TOL, PLACES, groups, unit_normals
+from origami_nlp.pattern.cells import make_cell
 from origami_nlp.pattern.coordinate_repair import made_exact
 from origami_nlp.pattern.crease_pattern import APART
 from origami_nlp.pattern.fold_file import LOADS_KEY, PRELOAD_KEY, Frame, read_fold
@@ -166,7 +168,8 @@ def frame_pattern(
     drawn = {frame.assignment[e] for e in at} & set("MV")
     if drawn and are_silent(frame, at) and not frame.folded and rest_angle == math.pi:
         sheet.notes.append(LETTERS_ONLY)
-    made = make_pattern(
+    make = make_pattern if frame.lattice is None else partial(make_cell, lattice=frame.lattice)
+    made = make(
         sheet.corners,
         sheet.polygons,
         assignment={s: frame.assignment[e].replace("?", "U") for s, e in edges},
@@ -208,14 +211,16 @@ class _Sheet:
         self._cut()
         sides = sides_of(self.polygons)
         shared = [s for s, polygons in sorted(sides.items()) if len(polygons) > 1]
-        found = {s: self._edge(s) for s in shared}
+        # of a cell that repeats sides of the outline are creases too
+        found = {s: self._edge(s) for s in (shared if frame.lattice is None else sorted(sides))}
         self.edge = {s: known for s, known in found.items() if known is not None}
         bare = [s for s in shared if s not in self.edge]
         if bare:
             self.notes.append(f"{len(bare)} sides between faces are no edges: joined to one facet")
         self.joins = [*bare, *(s for s, e in self.edge.items() if self._is_joined(e))]
-        self._note_borders(sides)
-        self._make_exact()
+        if frame.lattice is None:
+            self._note_borders(sides)
+            self._make_exact()
 
     def _edge(self, ends: Side) -> int | None:
         return self.number.get(side(*(self.origin[v] for v in ends)))

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from origami_nlp.arguments import check_number, shown
-from origami_nlp.errors import FoldFileError, SceneError
+from origami_nlp.errors import FoldFileError, OptionError, SceneError
 from origami_nlp.io import printable
 from origami_nlp.numerics import energy_or_zero, groups
 from origami_nlp.pattern.fold_limits import Limits, limit_angles, read_limits
@@ -68,7 +68,7 @@ class Pattern:
     vertices
         A `Loop` for each interior vertex.
     holes
-        A `Loop` for each hole.
+        A `Loop` for each hole; a cell that repeats has none.
     joined
         Pairs of pieces that an edge joins to one facet.
     name
@@ -85,6 +85,9 @@ class Pattern:
     laws
         A `HingeLaw` for each crease, or None for its linear spring, [n]; () where all are linear.  Where there is a law
         `stiffness` is its mean size and `rest` its lowest angle.
+    generators, cell
+        Of a cell that repeats, a `Loop` from a facet to its copy along either lattice vector, and its `Cell`; else
+        empty, and None.
 
     Examples
     --------
@@ -115,6 +118,14 @@ class Pattern:
     source: str = ""
     limits: Limits = ()
     laws: Laws = ()
+    generators: tuple[Loop, ...] = ()
+    cell: Any = None
+
+    @property
+    def spread(self) -> Pattern:
+        """The sheet in space: of a cell that repeats with its neighbours, else itself."""
+        whole: Pattern = self.cell.sheet if self.cell else self
+        return whole
 
     @property
     def title(self) -> str:
@@ -206,8 +217,7 @@ class Pattern:
         if rest_angles is None:
             phi = self.rest
         elif np.ndim(rest_angles) == 0:
-            size = check_number("rest_angles", rest_angles, 0.0, math.pi)
-            phi = size * self.signs
+            phi = check_number("rest_angles", rest_angles, 0.0, math.pi) * self.signs
         else:
             phi = np.array(rest_angles, float)
             if phi.shape != (self.creases,) or not (np.abs(phi) <= math.pi).all():
@@ -279,56 +289,43 @@ class Pattern:
         rest = np.array(with_laws(self.rest.tolist(), read, "rest"))
         return replace(self, stiffness=k, rest=rest, laws=read)
 
-    def check_plain_hinges(self, what: str, *, stops: bool = False) -> None:
-        """Raise an error where hinge laws are stated, or fold limits, which `what` does not know.
+    def check_plain_hinges(self, what: str, *, stops: bool = False, cells: bool = False) -> None:
+        """Raise an error where hinge laws are stated, fold limits or a lattice, which `what` does not know.
 
         Parameters
         ----------
         what
             Of the pattern, in words.
-        stops
-            Whether it knows fold limits.
+        stops, cells
+            Whether it knows fold limits, and cells that repeat.
 
         Raises
         ------
         OptionError
-            If the pattern has them.
+            If the pattern has them, or it is a cell that repeats, which `what` does not know.
         """
+        if not cells:
+            self.check_alone(what)
         check_plain_hinges(self.laws, () if stops else self.limits, what)
 
-    def joined(self, flat: np.ndarray) -> Pattern:
-        """Return the pattern with some creases of a flat sheet that do not fold: facets beside them are one.
+    def check_alone(self, what: str) -> None:
+        """Raise an error if the pattern is a cell that repeats.
 
         Parameters
         ----------
-        flat
-            Which, of bool [n]; all those that facets of one piece lie on both sides of.
+        what
+            Is not modelled of one, in words.
 
-        Returns
-        -------
-        Pattern
-            With the other creases in the same order.
+        Raises
+        ------
+        OptionError
+            If it is.
         """
-        sides = [(a, b) for a, b in self.ends.tolist()]
-        kept = [k for k, gone in enumerate(flat) if not gone]
-
-        def of(values: np.ndarray) -> dict[tuple[int, int], Any]:
-            return {sides[k]: values[k].tolist() for k in kept}
-
-        return make_pattern(
-            self.corners,
-            self.polygons,
-            assignment={sides[k]: self.assignment[k] for k in kept},
-            joins=[
-                *(side for side, many in self.other_sides.items() if many > 1),
-                *(sides[k] for k in np.flatnonzero(flat)),
-            ],
-            numbers=of(self.numbers),
-            stiffness=of(self.stiffness),
-            rest=of(self.rest),
-            limits=of(self.limit_angles.T) if self.limits else None,
-            name=self.name,
-        ).with_laws([self.laws[k] for k in kept] if self.laws else [None] * len(kept))
+        if self.cell:
+            raise OptionError(
+                f"pattern = {self.title} is a cell that repeats: {what} is for sheets by themselves, such as some "
+                "cells beside each other"
+            )
 
     @cached_property
     def signs(self) -> np.ndarray:
@@ -348,17 +345,17 @@ class Pattern:
         ndarray
             Shape [...].
         """
-        phi = np.asarray(fold_angles, float)
-        energy = energy_with_laws(phi, self.stiffness, self.rest, self.laws)
+        energy = energy_with_laws(
+            np.asarray(fold_angles, float), self.stiffness, self.rest, self.laws
+        )
         return energy_or_zero(energy, self.stiffness)
 
     def __repr__(self) -> str:
-        many = len(self.holes)
+        many, cell = len(self.holes), self.cell is not None
         holes = f", {many} hole{'s' * (many > 1)}" if many else ""
-        return (
-            f"Pattern({self.name!r}: {self.facets} facets, {self.creases} creases, "
-            f"{len(self.vertices)} interior vertices{holes})"
-        )
+        facets = f"{'cell of ' * cell}{self.facets} facets, {self.creases} creases"
+        inside = f"{len(self.vertices)} {'interior ' * (not cell)}vertices"
+        return f"Pattern({self.name!r}: {facets}, {inside}{holes})"
 
 
 def make_pattern(

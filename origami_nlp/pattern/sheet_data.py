@@ -8,12 +8,14 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from functools import partial
 from typing import Any, TypeVar
 
 import numpy as np
 
 from origami_nlp.errors import FoldFileError
 from origami_nlp.io import from_plain, to_plain
+from origami_nlp.pattern.cells import make_cell
 from origami_nlp.pattern.hinge_tables import law_to_dict, read_law
 from origami_nlp.pattern.sheet import Pattern, make_pattern
 
@@ -38,6 +40,7 @@ class _Stated:
     notes: tuple[str, ...]
     orders: tuple[tuple[int, int, int], ...]
     limits: tuple[tuple[float, float], ...] = ()
+    lattice: tuple[tuple[float, ...], ...] = ()
 
 
 def pattern_to_dict(pattern: Pattern) -> dict[str, Any]:
@@ -76,10 +79,12 @@ def pattern_to_dict(pattern: Pattern) -> dict[str, Any]:
         notes=p.notes,
         orders=p.orders,
         limits=p.limits,
+        lattice=tuple(map(tuple, p.cell.lattice.tolist())) if p.cell else (),
     )
     data: dict[str, Any] = to_plain(stated)
-    if not p.limits:
-        del data["limits"]
+    for key in ("limits", "lattice"):
+        if not data[key]:
+            del data[key]
     if p.laws:
         every = list(dict.fromkeys(filter(None, p.laws)))
         data["laws"] = [{"name": law.name, **law_to_dict(law)} for law in every]
@@ -115,7 +120,8 @@ def pattern_from_dict(data: Any) -> Pattern:
         return dict(zip(said.creases, values, strict=True))
 
     try:
-        made = make_pattern(
+        make = partial(make_cell, lattice=said.lattice) if said.lattice else make_pattern
+        made = make(
             said.corners,
             list(said.polygons),
             assignment=of(said.assignment),

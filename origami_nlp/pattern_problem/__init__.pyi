@@ -32,6 +32,11 @@ from .labels import (
     find_labels as find_labels,
     image as image,
 )
+from .lattice import (
+    FoldedLattice as FoldedLattice,
+    Lattice as Lattice,
+    folded_lattice as folded_lattice,
+)
 from .layers import (
     Layers as Layers,
     check_orders as check_orders,

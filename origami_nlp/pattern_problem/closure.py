@@ -17,7 +17,7 @@ from functools import cached_property
 import numpy as np
 import scipy as sp
 
-from origami_nlp.numerics import Matrix, cross
+from origami_nlp.numerics import CLOSURE_TOL, Matrix, cross
 from origami_nlp.pattern import Loop, Pattern
 from origami_nlp.problem import LoopClosure
 
@@ -107,15 +107,18 @@ class Closure:
     Attributes
     ----------
     count
-        Number of equations m: three for each interior vertex, six for each hole.
+        Number of equations m: three for each interior vertex and each lattice vector of a cell, six for each hole.
+    size
+        Largest coordinate from the middle, over which translations are.
     """
 
     def __init__(self, pattern: Pattern) -> None:
         self.pattern = pattern
-        self.count = 3 * len(pattern.vertices) + 6 * len(pattern.holes)
+        turning = (*pattern.vertices, *pattern.generators)
+        self.count = 3 * len(turning) + 6 * len(pattern.holes)
         self._groups = []
         row = 0
-        for loops, rows in ((pattern.vertices, 3), (pattern.holes, 6)):
+        for loops, rows in ((turning, 3), (pattern.holes, 6)):
             by_length: dict[int, list[tuple[int, Loop]]] = {}
             for loop in loops:
                 by_length.setdefault(len(loop.creases), []).append((row, loop))
@@ -124,7 +127,7 @@ class Closure:
                 self._groups.append(self._group(members, rows == 6))
         self._last: tuple[bytes, list[_Turned]] | None = None
         away = pattern.corners - pattern.corners.mean(axis=0)
-        self._size = float(np.abs(away).max(initial=0.0)) or 1.0
+        self.size = float(np.abs(away).max(initial=0.0)) or 1.0
 
     def _group(self, members: list[tuple[int, Loop]], hole: bool) -> _Group:
         p = self.pattern
@@ -133,6 +136,8 @@ class Closure:
         # a turn from left to right about d is one from right to left about -d: the sign goes into the axis
         axes = signs[..., None] * p.directions[creases]
         points = p.corners[p.ends[creases, 0]] if hole else None
+        if points is not None and p.cell:
+            points = points + np.array([loop.shifts for _, loop in members]) @ p.cell.lattice
         return _Group(
             creases,
             signs,
@@ -176,8 +181,14 @@ class Closure:
             out[g.rows[:, None] + np.arange(3)] = s.q[:, 1:]
             if s.t is not None:
                 # over the sheet's size, so that rows of translation are angles like those of rotation
-                out[g.rows[:, None] + np.arange(3, 6)] = s.t / self._size
+                out[g.rows[:, None] + np.arange(3, 6)] = s.t / self.size
         return out
+
+    def closes(self, phi: np.ndarray) -> bool:
+        """Return whether every loop closes with q = +1."""
+        return bool(np.abs(self.values(phi)).max(initial=0.0) <= CLOSURE_TOL) and self.lifts_to_one(
+            phi
+        )
 
     def lifts_to_one(self, phi: np.ndarray) -> bool:
         """Return whether every loop closes with q = +1, as the reference state does (q = -1 is no sheet of paper)."""
@@ -190,7 +201,7 @@ class Closure:
         return self.values(phi, at), j if isinstance(j, np.ndarray) else j.toarray()
 
     def loops(self, phi: np.ndarray) -> list[LoopClosure]:
-        """Return closure to second order at a closed state [n], of each vertex; of each hole to first order."""
+        """Return closure to second order at a closed state [n], of each loop; of each hole to first order."""
         found: dict[int, LoopClosure] = {}
         for g, s in zip(self._groups, self.turned(phi), strict=True):
             slopes = self._derivatives(s).swapaxes(1, 2)
@@ -221,7 +232,7 @@ class Closure:
         out = 0.5 * (q0[:, None, None] * s.c + cross(s.c, qv))
         if s.t is None or s.o is None:
             return out
-        return np.concatenate([out, cross(s.c, s.t[:, None] - s.o) / self._size], axis=2)
+        return np.concatenate([out, cross(s.c, s.t[:, None] - s.o) / self.size], axis=2)
 
     def jacobian(self, phi: np.ndarray, at: list[_Turned] | None = None) -> Matrix:
         """Evaluate the Jacobian at a state [n], [m, n]; sparse beyond `MOST_DENSE` creases."""
@@ -276,7 +287,7 @@ class Closure:
             h -= dots * np.einsum("ka,ka->k", lam, qv)[:, None, None]
             h *= 0.25
             if s.t is not None and s.o is not None:
-                push = multipliers[g.rows[:, None] + np.arange(3, 6)] / self._size
+                push = multipliers[g.rows[:, None] + np.arange(3, 6)] / self.size
                 arm = cross(s.c, s.t[:, None] - s.o)
                 h += np.einsum("ka,kija->kij", push, cross(s.c[:, :, None], arm[:, None]))
             d = h.shape[1]

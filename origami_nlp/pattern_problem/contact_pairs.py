@@ -142,7 +142,7 @@ class ContactPair:
 
     def slopes(self, at: FoldedGeometry) -> tuple[np.ndarray, np.ndarray]:
         """Return the creases of the walk and the derivative of the gap by each, [k] and [k]."""
-        creases = np.array([c for c, _ in at.poses.path(*self.facets)], int)
+        creases = at.poses.own([c for c, _ in at.poses.path(*self.facets)])
         return creases, self.row(at)[creases]
 
     def bends(self, at: FoldedGeometry) -> np.ndarray:
@@ -208,7 +208,7 @@ def gaps_and_rows(
         [at.poses.senses(a, b) for a, b in zip(first.tolist(), second.tolist(), strict=True)]
     )
     rows = sign[:, None] * senses * (turned @ at.axes.T - normal @ at.moments.T)
-    return sign * gap, rows
+    return sign * gap, at.poses.gathered(rows)
 
 
 def _across(u: np.ndarray, v: np.ndarray) -> np.ndarray:

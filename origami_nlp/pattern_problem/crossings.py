@@ -7,9 +7,12 @@ from functools import cached_property
 
 import numpy as np
 
-from origami_nlp.numerics import DEEP, NONZERO, OUTSIDE, cross, unit_normals
+from origami_nlp.numerics import DEEP, INSIDE, NONZERO, OUTSIDE, cross, unit_normals
 from origami_nlp.pattern import Pattern
 from origami_nlp.pattern_problem.poses import Poses
+
+MOST_COPIES = 10_000
+"""Of a cell, within reach of it, that are asked whether they come near."""
 
 
 class PatternCrossings:
@@ -18,11 +21,19 @@ class PatternCrossings:
     Parameters
     ----------
     pattern
-        The pattern; non-convex pieces are cut into convex ones.
+        The pattern; non-convex pieces are cut into convex ones.  Of a cell that repeats each of its facets is compared
+        with the others and with those of its neighbours, each pair once.
+
+    Attributes
+    ----------
+    pattern
+        The facets that are looked at: of a cell those of its neighbours as well.
     """
 
     def __init__(self, pattern: Pattern) -> None:
-        self.pattern, self.poses = pattern, Poses(pattern)
+        self.cell, self.poses = pattern.cell, Poses(pattern)
+        own, pattern = pattern, self.poses.pattern
+        self.pattern = pattern
         pieces, inner, polygons = [], [], []
         convex = _convex(pattern.corners, pattern.polygons)
         for k, polygon in enumerate(pattern.polygons):
@@ -37,7 +48,7 @@ class PatternCrossings:
         # padded by repeating the first corner: a side of no length
         self.pieces = np.array([[*p, *[p[0]] * (most - len(p))] for p in pieces], int)
         self.inner = np.array([[*c, *[True] * (most - len(c))] for c in inner], bool)
-        self.size = float(np.ptp(pattern.corners, axis=0).max())
+        self.size = float(np.ptp(own.corners, axis=0).max())
 
     @cached_property
     def joined(self) -> np.ndarray:
@@ -72,12 +83,69 @@ class PatternCrossings:
     def candidates(self, corners: np.ndarray, margin: float = 0.0) -> np.ndarray:
         """Return pairs of pieces whose boxes overlap, of different facets that can cross, [K, 2]."""
         a, b = boxes_that_meet(corners.min(axis=1) - margin, corners.max(axis=1) + margin)
-        near = self.facet[a] != self.facet[b]
+        near = (self.facet[a] != self.facet[b]) & self.counts(a, b)
         a, b = a[near], b[near]
         f = np.sort(np.column_stack([self.facet[a], self.facet[b]]), axis=1)
         code = f[:, 0] * self.pattern.facets + f[:, 1]
         keep = ~np.isin(code, self.joined)
         return np.column_stack([a[keep], b[keep]])
+
+    def counts(self, a: np.ndarray, b: np.ndarray) -> np.ndarray:
+        """Return which pairs of pieces are asked for: of pairs that are lattice vectors apart one, of bool [K]."""
+        if self.cell is None:
+            return np.ones(len(a), bool)
+        ahead = np.array([copy >= (0, 0) for copy in self.cell.copies])
+        one, other = (self.cell.copy_of[self.polygon[x]] for x in (a, b))
+        return (np.minimum(one, other) == 0) & ahead[np.maximum(one, other)]
+
+    def lattice(self, phi: np.ndarray) -> np.ndarray:
+        """Return both lattice vectors of a closed state of a cell, in space, [2, 3]."""
+        assert self.cell is not None
+        turn, shift = self.poses.motions(phi)
+        ways = [self.cell.copies.index(way) for way in ((1, 0), (0, 1))]
+        of = [int(self.pattern.facet_of[k * len(self.cell.polygons)]) for k in (0, *ways)]
+        x = self.cell.corners[self.cell.polygons[0][0]]
+        at = [
+            turn[f] @ (x + s) + shift[f] for f, s in zip(of, (0.0, *self.cell.lattice), strict=True)
+        ]
+        return np.array([at[1] - at[0], at[2] - at[0]])
+
+    def unseen(self, phi: np.ndarray) -> str:
+        """Return why facets of a cell might touch copies that are not looked at; "" where none is within reach."""
+        far = self._beyond(phi)
+        if far is not None and not len(far[0]):
+            return ""
+        return "not decided: facets may reach copies of the cell that are not looked at"
+
+    def _beyond(self, phi: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray] | None:
+        """Return pieces whose boxes meet those of copies that are not placed; None where these are too many.
+
+        Pairs [K, 2], the translations of the second of each [K, 3], and the pieces of the cell [P, q, 3].
+        """
+        assert self.cell is not None
+        a, b = self.lattice(phi)
+        normal = np.cross(a, b)
+        area = float(np.linalg.norm(normal))
+        if area <= INSIDE * self.size**2:
+            return None
+        along = a / np.linalg.norm(a)
+        frame = np.array([along, np.cross(normal / area, along), normal / area])
+        x = self.placed(phi)[self.cell.copy_of[self.polygon] == 0] @ frame.T
+        low, high = x.min(axis=1) - self.size * DEEP, x.max(axis=1) + self.size * DEEP
+        size = high.max(axis=0) - low.min(axis=0)
+        a, b = frame @ a, frame @ b
+        most = int(size[1] / b[1]) + 1
+        wide = int((size[0] + most * abs(b[0])) / a[0]) + 1
+        if most * wide > MOST_COPIES:
+            return None
+        known, pairs, moves = set(self.cell.copies), [np.zeros((0, 2), int)], [np.zeros((0, 3))]
+        for copy in ((i, j) for i in range(-wide, wide + 1) for j in range(most + 1)):
+            if copy not in known:
+                moved = copy[0] * a + copy[1] * b
+                over = (low[:, None] <= high + moved) & (low + moved <= high[:, None])
+                pairs.append(np.argwhere(over.all(axis=2)))
+                moves.append(np.tile(moved, (len(pairs[-1]), 1)))
+        return np.concatenate(pairs), np.concatenate(moves), x
 
     def placed(self, phi: np.ndarray) -> np.ndarray:
         """Return the corners of the convex pieces in space, [P, q, 3]."""
@@ -102,6 +170,11 @@ class PatternCrossings:
             Pairs of facets, sorted; facets that merely touch, or lie on each other, are not among them.
         """
         pairs, _ = self._crossing(phi)
+        if self.cell and (far := self._beyond(phi)) is not None and len(far[0]):
+            (a, b), x = far[0].T, far[2]
+            hit = cross_each_other(x[a], x[b] + far[1][:, None], DEEP * self.size)
+            # such copies have no number: the facets of the cell stand for them
+            pairs = np.vstack([pairs, far[0][hit]])
         low, high = np.sort(self.facet[pairs], axis=1).T
         codes = np.unique(low * self.pattern.facets + high)
         return [divmod(code, self.pattern.facets) for code in codes.tolist()]

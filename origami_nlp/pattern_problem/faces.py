@@ -130,8 +130,8 @@ class Faces:
             self.reason = "which layer is above is not known"
             return
         self._orders = posed
-        pattern = problem.pattern
-        at_limit = np.abs(phi) > 0.5 * np.pi
+        pattern = problem.crossings.pattern
+        at_limit = np.abs(problem.crossings.poses.copied(phi)) > 0.5 * np.pi
         beside = zip(pattern.left[at_limit].tolist(), pattern.right[at_limit].tolist(), strict=True)
         joined = {frozenset(pair) for pair in beside}
         facets = problem.crossings.facet[self._stack.pairs].tolist()

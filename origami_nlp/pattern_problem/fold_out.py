@@ -14,7 +14,15 @@ from typing import Any
 import numpy as np
 
 from origami_nlp.folding import folded_frame, frames_to_fold
-from origami_nlp.pattern import LIMITS_KEY, REST_KEY, STIFFNESS_KEY, Pattern, Scene, laws_to_fold
+from origami_nlp.pattern import (
+    LATTICE_KEY,
+    LIMITS_KEY,
+    REST_KEY,
+    STIFFNESS_KEY,
+    Pattern,
+    Scene,
+    laws_to_fold,
+)
 from origami_nlp.pattern_problem.crossings import PatternCrossings
 from origami_nlp.pattern_problem.layers import order_layers
 from origami_nlp.pattern_problem.poses import Poses
@@ -118,6 +126,7 @@ def pattern_to_fold(pattern: Pattern, frames: Iterable[dict[str, Any]] = ()) -> 
         REST_KEY: [*np.degrees(p.rest).tolist(), *none],
         **laws_to_fold(p.laws, len(others)),
         **({LIMITS_KEY: [*np.degrees(p.limits).tolist(), *none]} if p.limits else {}),
+        **({LATTICE_KEY: p.cell.lattice[:, :2].tolist()} if p.cell else {}),
         "file_frames": list(frames),
     }
 
@@ -147,7 +156,7 @@ def pattern_frame(
     """
     phi = np.asarray(fold_angles, float)
     letters = ["M" if a < 0 else "V" if a > 0 else "F" for a in phi]
-    x = Poses(pattern).corners(phi)
+    x = Poses(pattern).corners(phi)[: len(pattern.corners)]  # of a cell without its neighbours
     x = np.where(np.isnan(x), pattern.corners, x)  # vertices of no facet stay
     layers = order_layers(PatternProblem(pattern), phi)
     return {
@@ -160,6 +169,7 @@ def pattern_frame(
         "edges_assignment": [*letters, *_letters(pattern)],
         "edges_foldAngle": _degrees(phi, len(pattern.other_sides)),
         "faceOrders": [list(order) for order in layers.orders],
+        **({LATTICE_KEY: PatternCrossings(pattern).lattice(phi).tolist()} if pattern.cell else {}),
         **{f"origaminlp:{name}": value for name, value in more.items()},
     }
 
@@ -181,6 +191,9 @@ def pattern_parts(
     list of tuple
         Points [v, 3] and triangles [f, 3]; what pads convex pieces to one length is triangles without area.
     """
+    if pattern.cell:
+        pattern, crease_of = pattern.cell.tiles
+        states = [np.asarray(phi, float)[crease_of] for phi in states]
     crossings = PatternCrossings(pattern)
     pieces, q = crossings.pieces.shape
     fan = np.array([(0, i, i + 1) for i in range(1, q - 1)])

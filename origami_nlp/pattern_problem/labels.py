@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 from itertools import product
 
 import numpy as np
+import scipy as sp
 
 from origami_nlp.numerics import DUPLICATE_TOL, PLACES, area_vectors, cross
 from origami_nlp.pattern import HingeLaw, Loop, Pattern
@@ -77,9 +78,11 @@ class CanonicalLabelling:
             creases, signs = (tuple(x[i] for i in turn) for x in (loop.creases, loop.signs))
             return Loop(creases, signs, loop.vertex)
 
+        middle = pattern.corners.mean(axis=0)
         return replace(
             pattern,
-            corners=pattern.corners - pattern.corners.mean(axis=0),
+            # of a cell its neighbours would have to move as well
+            corners=pattern.corners if pattern.cell else pattern.corners - middle,
             vertices=tuple(map(begun, pattern.vertices)),
             holes=tuple(map(begun, pattern.holes)),
         )
@@ -135,6 +138,10 @@ def find_labels(pattern: Pattern) -> CanonicalLabelling:
     # the sheet as seen from each crease that is rarest, turned over or in a mirror too: the least view gives the order
     best = min(views, key=lambda v: v[:2])
     order, sign = best[2], best[3][2]
+    if pattern.cell:
+        return CanonicalLabelling(
+            order, sign, best[3][0] * best[3][1] < 0, _lattice_images(pattern, axes, middle)
+        )
     images = {}
     for places, _, other, (_, _, side) in views:
         if places == best[0] and not (side == sign and (other == order).all()):
@@ -142,6 +149,44 @@ def find_labels(pattern: Pattern) -> CanonicalLabelling:
             to[order] = other
             images[(*to.tolist(), side)] = to, sign * side
     return CanonicalLabelling(order, sign, best[3][0] * best[3][1] < 0, tuple(images.values()))
+
+
+def _lattice_images(
+    pattern: Pattern, axes: np.ndarray, middle: np.ndarray
+) -> tuple[tuple[np.ndarray, float], ...]:
+    """Return the symmetries of a sheet that repeats, which take creases to copies of creases, translations included.
+
+    axes: of each crease its direction, the one across it and the normal, [n, 3, 3]; middle: of each, [n, 3].
+    """
+    assert pattern.cell is not None
+    lattice, n = pattern.cell.lattice, pattern.creases
+    back = np.linalg.pinv(lattice)
+    tree = sp.spatial.cKDTree(_inside(middle @ back), boxsize=1.0)
+    near = PLACES * float(np.linalg.norm(lattice, axis=1).max())
+    bars = pattern.directions * pattern.lengths[:, None]
+    images = {}
+    for c, signs in product(range(min(n, MOST_VIEWS // 8)), product((1.0, -1.0), repeat=3)):
+        turn = axes[c].T @ np.diag(signs) @ axes[0]
+        moved = lattice @ turn.T @ back
+        if np.abs(moved - np.round(moved)).max() > PLACES:
+            continue
+        places = (middle - middle[0]) @ turn.T + middle[c]
+        off, to = tree.query(_inside(places @ back))
+        along = bars @ turn.T
+        apart = np.minimum(
+            np.abs(along - bars[to]).max(axis=1), np.abs(along + bars[to]).max(axis=1)
+        )
+        one_to_one = len(np.unique(to)) == n
+        trivial = signs[2] > 0 and (to == np.arange(n)).all()
+        if off.max() <= PLACES and apart.max() <= near and one_to_one and not trivial:
+            images[(*to.tolist(), signs[2])] = to, signs[2]
+    return tuple(images.values())
+
+
+def _inside(share: np.ndarray) -> np.ndarray:
+    """Return places in shares of lattice vectors as those of copies within one cell."""
+    out = np.mod(share, 1.0)
+    return np.where(out >= 1.0, 0.0, out)
 
 
 def _keep_laws(laws: tuple[HingeLaw | None, ...], to: np.ndarray, sign: float) -> bool:

@@ -76,6 +76,9 @@ def order_layers(problem: PatternEquations, phi: np.ndarray) -> Layers:
         return Layers("ordered")
     stack = problem.stack(phi)
     many = len(stack.pairs)
+    if pattern.cell and many:
+        why = "layer order not decided: facets of a cell that repeats lie on each other"
+        return Layers("not decided", why, len(stack.facets))
     if many > MOST_PAIRS:
         return _too_many(pattern, phi, many)
     stated = pattern.orders if _is_stated(pattern, phi) else ()
@@ -297,11 +300,8 @@ def _too_many(pattern: Pattern, phi: np.ndarray, many: int) -> Layers:
 
 def round_vertex(pattern: Pattern, loop: Loop) -> Vertex | None:
     """Return an interior vertex with its creases in the order of its loop; None where no `Vertex` describes it."""
-    ends = pattern.corners[pattern.ends[list(loop.creases)]]
-    here = pattern.corners[loop.vertex]
-    # whichever end of the crease is the vertex, the sum of both less twice the vertex is the other one
-    out = ends.sum(axis=1) - 2 * here
-    out /= np.linalg.norm(out, axis=1, keepdims=True)
+    # a walk counter-clockwise crosses from its right to its left what runs out of the vertex
+    out = np.array(loop.signs)[:, None] * pattern.directions[list(loop.creases)]
     after = np.roll(out, -1, axis=0)
     angles = np.arctan2(
         np.linalg.norm(np.cross(out, after), axis=1), np.einsum("ki,ki->k", out, after)

@@ -23,7 +23,7 @@ from origami_nlp.numerics import (
     groups,
     unit_normals,
 )
-from origami_nlp.pattern import Pattern, Scene
+from origami_nlp.pattern import Loop, Pattern, Scene
 
 
 def angle_sums(pattern: Pattern) -> dict[int, float]:
@@ -40,8 +40,8 @@ def angle_sums(pattern: Pattern) -> dict[int, float]:
         A sum a vertex.
     """
     inside = {loop.vertex: 0.0 for loop in pattern.vertices}
-    for polygon in pattern.polygons:
-        x = pattern.corners[list(polygon)]
+    for polygon in pattern.spread.polygons:
+        x = pattern.spread.corners[list(polygon)]
         normal = unit_normals(x)
         for i, v in enumerate(polygon):
             if v in inside:
@@ -108,7 +108,7 @@ class PopSigns:
         many = self.origami.degree if isinstance(self.origami, Scene) else self.origami.creases
         rows = np.zeros((len(self.around), many))
         for row, creases in zip(rows, self.around, strict=True):
-            row[list(creases)] = 1.0
+            np.add.at(row, list(creases), 1.0)
         return rows
 
     def of(self, phi: np.ndarray) -> str:
@@ -196,7 +196,7 @@ def flat_with(
     if not pattern.is_flat:
         return flat
     memo, before = {} if memo is None else memo, -1
-    rings = {at.vertex: at.creases for at in pattern.vertices}
+    rings = {at.vertex: at for at in pattern.vertices}
     if () not in memo:
         sums = angle_sums(pattern)
         memo[()] = [at for at in rings if abs(sums[at] - 2 * math.pi) <= INPUT_TOL]
@@ -204,16 +204,18 @@ def flat_with(
         part = groups(pattern.facets, np.column_stack([pattern.left, pattern.right])[flat])
         flat |= part[pattern.left] == part[pattern.right]
         for at in memo[()]:
-            folds = at, *(k for k in rings[at] if not flat[k])
+            folds = at, *(k for k in rings[at].creases if not flat[k])
             if folds not in memo:
-                memo[folds] = _flat_round(pattern, at, [*folds[1:]])
+                memo[folds] = _flat_round(pattern, rings[at], [*folds[1:]])
             flat[memo[folds]] = True
     return flat
 
 
-def _flat_round(pattern: Pattern, vertex: int, folds: list[int]) -> list[int]:
+def _flat_round(pattern: Pattern, loop: Loop, folds: list[int]) -> list[int]:
     """Return which creases round a vertex are flat, as all but some are: in a flat sheet, with 360 degrees of paper."""
-    signs = np.where(pattern.ends[folds, 0] == vertex, 1.0, -1.0)
+    # counter-clockwise, creases that run out of the vertex are crossed from their right to their left
+    some = zip(loop.creases, loop.signs, strict=True)
+    signs = np.array([float(s) for k, s in some if k in folds])
     away = signs[:, None] * pattern.directions[folds]
     normal = unit_normals(pattern.corners[list(pattern.polygons[0])])
     turns = np.arctan2(np.cross(away[0], away) @ normal, away @ away[0]) if folds else np.zeros(0)

@@ -15,7 +15,7 @@ import numpy as np
 from scipy.linalg import qr
 
 from origami_nlp.numerics import RANK, dense, quaternion as quat
-from origami_nlp.pattern import Loop
+from origami_nlp.pattern import Loop, Pattern
 from origami_nlp.pattern_problem.contact_pairs import ContactPair
 from origami_nlp.pattern_problem.faces import CoplanarContact
 from origami_nlp.problem import Nlp, law_energy
@@ -70,7 +70,8 @@ def pose(problem: PatternProblem, rows: np.ndarray, touches: Sequence[ContactPai
     turns = x - ca.DM(problem.pattern.reference)
     away = problem.pattern.corners - problem.pattern.corners.mean(axis=0)
     size = float(np.abs(away).max(initial=0.0)) or 1.0
-    loops = [_loop(problem, turns, loop)[:3] for loop in problem.pattern.vertices]
+    turning = (*problem.pattern.vertices, *problem.pattern.generators)
+    loops = [_loop(problem, turns, loop)[:3] for loop in turning]
     for loop in problem.pattern.holes:
         whole = _loop(problem, turns, loop)
         loops.append(ca.vertcat(whole[:3], whole[3:] / size))
@@ -86,7 +87,7 @@ def _loop(problem: PatternProblem, turns: ca.SX, loop: Loop) -> ca.SX:
     """Return where the folds round a loop lead: vector part of the turn, and shift, [6]."""
     q, shift = quat.IDENTITY, ca.SX.zeros(3)
     for crease, sign in zip(loop.creases, loop.signs, strict=True):
-        fold, point = _fold(problem, turns, crease, sign)
+        fold, point = _fold(problem.pattern, turns[crease], crease, sign)
         after = quat.multiply(q, fold)
         # as in `closure`: the axis passes through `point`
         shift += ca.vertcat(*quat.rotate(q, point)) - ca.vertcat(*quat.rotate(after, point))
@@ -94,25 +95,24 @@ def _loop(problem: PatternProblem, turns: ca.SX, loop: Loop) -> ca.SX:
     return ca.vertcat(*q[1:], shift)
 
 
-def _fold(
-    problem: PatternProblem, turns: ca.SX, crease: int, sign: float
-) -> tuple[Any, list[float]]:
+def _fold(p: Pattern, turn: ca.SX, crease: int, sign: float) -> tuple[Any, list[float]]:
     """Return the fold of a crease as a quaternion, and a point on its axis."""
-    p, half = problem.pattern, 0.5 * turns[crease]
+    half = 0.5 * turn
     axis = (sign * p.directions[crease]).tolist()
     return quat.fold(ca.cos(half), ca.sin(half), axis), p.corners[p.ends[crease, 0]].tolist()
 
 
 def _gap(problem: PatternProblem, turns: ca.SX, touch: ContactPair) -> ca.SX:
     """Return the gap of two features, seen from the first facet."""
-    p = problem.pattern
+    poses = problem.crossings.poses
+    p = poses.pattern
     first, second = touch.facets
 
     def seen(x: np.ndarray) -> ca.SX:
         """Move a point of the second facet as the folds between the two do."""
         here: ca.SX = ca.SX(ca.DM(x))
-        for crease, sign in reversed(problem.crossings.poses.path(first, second)):
-            fold, point = _fold(problem, turns, crease, sign)
+        for crease, sign in reversed(poses.path(first, second)):
+            fold, point = _fold(p, turns[int(poses.own([crease])[0])], crease, sign)
             turned = quat.rotate(fold, ca.vertsplit(here - ca.DM(point)))
             here = ca.SX(ca.vertcat(*turned) + ca.DM(point))
         return here

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import cached_property
 
 import numpy as np
@@ -19,20 +20,26 @@ class Poses:
     Parameters
     ----------
     pattern
-        The pattern.
+        The pattern; of a cell that repeats its neighbours are placed as well.
 
     Attributes
     ----------
+    pattern
+        What is placed: the pattern, or the cell amid its neighbours, whose creases are copies of the cell's.
     root
         The facet that stays.
     """
 
     def __init__(self, pattern: Pattern) -> None:
-        self.pattern = pattern
+        self.cell = pattern.cell
+        pattern = self.pattern = pattern.spread
         n, f = pattern.creases, pattern.facets
         both = np.r_[pattern.left, pattern.right], np.r_[pattern.right, pattern.left]
         self._graph = sp.sparse.csr_array((np.ones(2 * n), both), shape=(f, f))
-        middle = self.centres.mean(axis=0)
+        own = len(self.centres) // (
+            len(self.cell.copies) if self.cell else 1
+        )  # the cell itself comes first
+        middle = self.centres[:own].mean(axis=0)
         self.root = int(np.linalg.norm(self.centres - middle, axis=1).argmin())
         # shortest walks from the middle: errors grow with the number of turns
         order, before = sp.sparse.csgraph.breadth_first_order(
@@ -68,6 +75,23 @@ class Poses:
         np.add.at(total, facet, p.corners[np.concatenate([*p.polygons]).astype(int)])
         return total / np.bincount(facet, minlength=p.facets)[:, None]
 
+    def copied(self, phi: np.ndarray) -> np.ndarray:
+        """Return the fold angles of all that is placed, of those of the pattern, [..., n]."""
+        return phi[..., self.cell.crease_of] if self.cell else phi
+
+    def own(self, creases: Sequence[int]) -> np.ndarray:
+        """Return which creases of the pattern some of those that are placed are, [k]."""
+        placed = np.array(creases, int)
+        return self.cell.crease_of[placed] if self.cell else placed
+
+    def gathered(self, rows: np.ndarray) -> np.ndarray:
+        """Return derivatives by the fold angles of the pattern, of those by all that are placed, [..., n]."""
+        if self.cell is None:
+            return rows
+        out = np.zeros((len(self.cell.letters), *rows.shape[:-1]))
+        np.add.at(out, self.cell.crease_of, np.moveaxis(rows, -1, 0))
+        return np.moveaxis(out, 0, -1)
+
     def motions(self, phi: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return rotations [F, 3, 3] and translations [F, 3] of the facets from the reference state, read only."""
         key = phi.tobytes()
@@ -80,7 +104,9 @@ class Poses:
         p, crossed = self.pattern, self._crossed
         turn, shift = np.zeros((p.facets, 3, 3)), np.zeros((p.facets, 3))
         turn[self.root] = np.eye(3)
-        r = rotations(self._senses[:, None] * p.directions[crossed], (phi - p.reference)[crossed])
+        r = rotations(
+            self._senses[:, None] * p.directions[crossed], (self.copied(phi) - p.reference)[crossed]
+        )
         o = p.corners[p.ends[crossed, 0]]
         # x -> R_parent (o + r (x - o)) + t_parent
         inner = o - np.einsum("kij,kj->ki", r, o)

@@ -182,8 +182,9 @@ class PatternProblem(PatternContacts, Energies):
             if force and not contact.is_limit:
                 touch, place = self.touch(contact), self.placed(x)
                 creases, _ = touch.slopes(place)
-                # openings are gaps over the sheet's size
-                h[np.ix_(creases, creases)] += force / self.crossings.size * touch.bends(place)
+                # openings are gaps over the sheet's size; a walk may cross copies of one crease
+                bent = force / self.crossings.size * touch.bends(place)
+                np.add.at(h, np.ix_(creases, creases), bent)
         return h
 
     def loops(self, x: np.ndarray) -> list[LoopClosure]:
@@ -236,6 +237,8 @@ class PatternProblem(PatternContacts, Energies):
         """Return why it is not known whether a closed state is admissible; "" where it is."""
         if not self.contact or self.crossed(x):
             return ""
+        if self.pattern.cell and (why := self.crossings.unseen(x)):
+            return why
         if self._layers(x).verdict == "not decided":
             return self._layers(x).reason
         if not self.touching:

@@ -102,7 +102,7 @@ class Stack:
         check: Callable[[], None] = lambda: None,
         near: float = INSIDE,
     ) -> None:
-        self.crossings, self.phi, self._check = crossings, phi, check
+        self.crossings, self.phi, self._check = crossings, crossings.poses.copied(phi), check
         self.near = near * crossings.size
         self.x = crossings.placed(phi)
         self.normal = unit_normals(self.x)

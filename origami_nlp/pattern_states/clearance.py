@@ -72,7 +72,8 @@ class Clearance:
             np.maximum(c.facet[first], c.facet[second]),
         )
         # not pieces of one facet, nor convex facets that a crease joins: their planes meet in its line alone
-        keep = (low != high) & ~np.isin(low * problem.pattern.facets + high, c.joined)
+        keep = (low != high) & ~np.isin(low * c.pattern.facets + high, c.joined)
+        keep &= c.counts(first, second)
         self.first, self.second = first[keep], second[keep]
 
     @cached_property
@@ -314,7 +315,7 @@ class Clearance:
         turn, shift = (np.array(x) for x in zip(*motions, strict=True))
         crosses = self._crosses(np.array([c.carried(*motion) for motion in motions]))
         many = len(curve.control)
-        if len(c.pieces) > MOST_PIECES or not len(self.first):
+        if len(c.pieces) > MOST_PIECES or c.cell or not len(self.first):
             return Stretches(curve.states, crosses, many if len(self.first) else 0)
         # folded flat at an end of the curve, facets lie on each other
         steps = np.flatnonzero(~crosses[1:-2] & ~crosses[2:-1]) + 1

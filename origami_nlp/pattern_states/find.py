@@ -155,7 +155,7 @@ def find_states(
         search.part(Given.name, search.explore, start, Given.name)
     if pattern.is_flat:
         search.part("branch directions of the flat state", search.from_crossroads)
-    if len(pattern.vertices) == 1 and not pattern.holes:
+    if len(pattern.vertices) == 1 and not (pattern.holes or pattern.cell):
         search.part("the search for single vertices", search.round_the_vertex, seed)
     for k in range(min(asked.most_drawn * starts, most)):
         if not search.part("random starts", search.draw, rng, k) or search.tally.quiet == starts:
@@ -186,7 +186,7 @@ class _Search(FromMinima):
         self.labels, self.contact = find_labels(pattern), contact
         self.problem = PatternProblem(self.labels.arranged(pattern))
         self.problem.until = until
-        self.problem.origin = pattern.corners.mean(axis=0)
+        self.problem.origin = pattern.corners.mean(axis=0) * (pattern.cell is None)
         self._symmetries = self.labels.symmetries(pattern)
         self.curves = TracedCurves(self.problem, self.labels, contact)
         self.tally = PatternSearchReport(contact="full" if contact else "fold-limits")

@@ -48,9 +48,10 @@ def list_branches(
     cone = tangent_cone(Closure(pattern).loops(phi), n, check)
     if not cone.split:
         degree = max(len(loop.creases) for loop in pattern.vertices)
-        return TangentCone(
-            nothing, (), f"vertices of degree {degree} have no modes to be enumerated"
-        )
+        why = f"vertices of degree {degree} have no modes to be enumerated"
+        if degree <= 4:
+            why = "walks along the lattice have no modes to be enumerated"
+        return TangentCone(nothing, (), why)
     return cone
 
 
@@ -121,6 +122,10 @@ def list_flat_folded(
         level = level[state]
         level[:, creases] = tables[v][folding].astype(np.int8)
         known[creases] = True
+    if pattern.cell:  # its copies must come to lie parallel
+        closure = Closure(pattern)
+        level = np.unique(level, axis=0)
+        level = level[[closure.closes(math.pi * x) for x in level]]
     if len(level) > MOST_STATES:
         return FlatFolded(none, f"there are more than {MOST_STATES:,}")
     return FlatFolded(math.pi * level[np.argsort(np.abs(level).sum(axis=1), kind="stable")])

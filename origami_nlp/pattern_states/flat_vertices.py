@@ -10,12 +10,13 @@ import math
 import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from origami_nlp.io import ShortRepr
 from origami_nlp.numerics import NEAR_SINGULAR_TOL
-from origami_nlp.pattern import Pattern
+from origami_nlp.pattern import Pattern, make_pattern
 from origami_nlp.pattern_problem import (
     PatternProblem,
     PopSigns,
@@ -136,12 +137,38 @@ def _states(pattern: Pattern, flat: np.ndarray, seconds: float) -> np.ndarray:
     """Return stable states of a flat sheet with some creases flat, [S, n]."""
     if flat.all():
         return np.zeros((1, len(flat)))
+    if pattern.cell:  # what is joined might reach over its outline
+        return np.zeros((0, len(flat)))
     found = find_states(
-        pattern.joined(flat), starts=STARTS, escape=False, seconds=seconds, prove=False
+        _joined(pattern, flat), starts=STARTS, escape=False, seconds=seconds, prove=False
     )
     states = np.zeros((len(found.minima), len(flat)))
     states[:, ~flat] = np.array([m.phi for m in found.minima]).reshape(len(found.minima), -1)
     return states
+
+
+def _joined(pattern: Pattern, flat: np.ndarray) -> Pattern:
+    """Return a pattern whose creases that are flat, of bool [n], do not fold: facets beside them are one."""
+    sides = [(a, b) for a, b in pattern.ends.tolist()]
+    kept = [k for k, gone in enumerate(flat) if not gone]
+
+    def of(values: np.ndarray) -> dict[tuple[int, int], Any]:
+        return {sides[k]: values[k].tolist() for k in kept}
+
+    return make_pattern(
+        pattern.corners,
+        pattern.polygons,
+        assignment={sides[k]: pattern.assignment[k] for k in kept},
+        joins=[
+            *(side for side, many in pattern.other_sides.items() if many > 1),
+            *(sides[k] for k in np.flatnonzero(flat)),
+        ],
+        numbers=of(pattern.numbers),
+        stiffness=of(pattern.stiffness),
+        rest=of(pattern.rest),
+        limits=of(pattern.limit_angles.T) if pattern.limits else None,
+        name=pattern.name,
+    ).with_laws([pattern.laws[k] for k in kept] if pattern.laws else [None] * len(kept))
 
 
 def ways_down(

@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 
 import numpy as np
@@ -16,9 +17,17 @@ import numpy as np
 from origami_nlp.display import Content, Report, Section, Table, Viewable, angle_columns
 from origami_nlp.errors import OptionError
 from origami_nlp.io import OneBased
+from origami_nlp.kkt import State
+from origami_nlp.minima import lattice_table
 from origami_nlp.numerics import CLOSURE_TOL, NEAR_SINGULAR_TOL
 from origami_nlp.pattern import Pattern, as_pattern, listed
-from origami_nlp.pattern_problem import PatternProblem, PopSigns, order_layers
+from origami_nlp.pattern_problem import (
+    FoldedLattice,
+    Lattice,
+    PatternProblem,
+    PopSigns,
+    order_layers,
+)
 from origami_nlp.pattern_states.curve import ClosureCurve, follow_curve
 from origami_nlp.pattern_states.mobility import Mobility, analyze_mobility
 
@@ -65,6 +74,7 @@ class Motion(Report, Viewable):
 
     PICTURE = "draw_motion"
     SCHEMA = "origami-nlp/pattern/2"
+    ALSO = ("lattices",)
     pattern: Pattern
     dof: int
     fold_angles: np.ndarray
@@ -73,6 +83,14 @@ class Motion(Report, Viewable):
     end: str
     touching: tuple[OneBased, OneBased] | None
     layers: str = ""
+
+    @cached_property
+    def lattices(self) -> tuple[FoldedLattice, ...]:
+        """Of a cell that repeats the lattice at each state, and with one degree of freedom how it gives way there."""
+        if self.pattern.cell is None:
+            return ()
+        lattice, problem = Lattice(self.pattern), PatternProblem(self.pattern, contact=False)
+        return tuple(lattice.at(State(problem, phi)) for phi in self.fold_angles)
 
     def view_content(self) -> Content:
         """Return the motion as plain data, see `view`."""
@@ -89,6 +107,9 @@ class Motion(Report, Viewable):
         ]
         heads = "state", "along [rad]", "largest fold angle [deg]", "energy [J]"
         yield Table(heads, rows, self.verdict, "rrrr", framed=False)
+        if self.lattices:
+            numbers = [k + 1 for k in shown]
+            yield lattice_table([self.lattices[k] for k in shown], numbers, "state")
         for vertex, k in PopSigns(self.pattern).crossed(self.fold_angles):
             yield (
                 f"alarm: after state {k + 1} facets cross round vertex {vertex}: its fold angles sum to 0 though it "

@@ -88,6 +88,8 @@ def as_strip(pattern: Pattern) -> tuple[Strip | None, str]:
     """
     if not pattern.is_flat or pattern.corners[:, 2].any():
         return None, "the reference state is not flat"
+    if pattern.cell:
+        return None, "it is a cell that repeats"
     if pattern.holes or not pattern.vertices:
         return None, "the pattern has a hole" if pattern.holes else "no vertex is inside"
     if any(len(v.creases) != 4 for v in pattern.vertices):

@@ -66,7 +66,8 @@ class Signed(Listed):
         pattern: Pattern | None = None,
     ) -> None:
         self.size, self._problem, self._labels = problem.size, problem, labels
-        self._cones = VertexCones(pattern or problem.pattern) if find_spec(SOLVER) else None
+        pattern = pattern or problem.pattern
+        self._cones = VertexCones(pattern) if find_spec(SOLVER) and not pattern.cell else None
         signs = PopSigns(problem.pattern)
         turn = [frozenset(creases) for creases in creases_around(problem.pattern, labels)]
         places = [turn.index(frozenset(creases)) for creases in signs.around]

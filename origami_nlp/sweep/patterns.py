@@ -114,7 +114,7 @@ class PatternSweep(Sweep):
                 if own[key] != int(own[key]):
                     raise SweepError(f"{key} = {own[key]:g} must be a whole number")
                 shape[key] = int(own.pop(key))
-        return examples.pattern(name, **shape, **own)
+        return examples.pattern(name, shape["rows"], shape["columns"], **own)
 
 
 def parse_pattern_sweep(data: Mapping[str, Any], folder: Path | None) -> PatternSweep:

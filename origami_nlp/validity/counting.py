@@ -220,6 +220,7 @@ def layer_orders(
     1
     """
     sheet = as_pattern(pattern)
+    sheet.check_alone("counting layer orders")
     check_whole("most", most, 0)
     check_whole("guesses", guesses, 1)
     problem, free = PatternProblem(sheet), set[int]()

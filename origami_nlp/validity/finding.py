@@ -15,7 +15,15 @@ import numpy as np
 from origami_nlp.arguments import check_number, check_whole
 from origami_nlp.errors import OptionError, OrigamiError
 from origami_nlp.numerics import CLOSURE_TOL
-from origami_nlp.pattern import Frame, Pattern, examples, frame_pattern, parse_fold, read_fold
+from origami_nlp.pattern import (
+    LATTICE_KEY,
+    Frame,
+    Pattern,
+    examples,
+    frame_pattern,
+    parse_fold,
+    read_fold,
+)
 from origami_nlp.pattern_problem import PatternProblem, pattern_to_fold
 from origami_nlp.validity.closing import CROSSINGS, check_closure, check_crossings
 from origami_nlp.validity.faults import Findings
@@ -95,6 +103,10 @@ def check(
         if number is not None:
             check_whole(name, number, 0)
     name, frames = _read(source)
+    if any(one.lattice is not None for one in frames):
+        raise OptionError(
+            f"{LATTICE_KEY}: a cell that repeats is not checked; leave the key out to check the cell as a sheet"
+        )
     by_number = {one.number: one for one in frames}
     for option, number in (("frame", frame), ("flat_frame", flat_frame)):
         if number is not None and number not in by_number:
@@ -131,6 +143,7 @@ def check(
 def _read(source: str | PathLike[str] | Pattern | Mapping[str, Any]) -> tuple[str, list[Frame]]:
     """Return what it is called, and its frames."""
     if isinstance(source, Pattern):
+        source.check_alone("a check")
         return source.title, list(parse_fold(json.dumps(pattern_to_fold(source))))
     if isinstance(source, Mapping):
         title = source.get("file_title")

@@ -12,7 +12,7 @@ from origami_nlp.cli import app
 from origami_nlp.errors import SceneFileError
 from origami_nlp.folding import folds_flat
 from origami_nlp.io import parse_toml
-from origami_nlp.pattern import fold_file, fold_vertices, parse_fold, parse_scene
+from origami_nlp.pattern import fold_source, fold_vertices, parse_fold, parse_scene
 from tests.fold_files import disc, miura
 
 RUN = CliRunner()
@@ -121,7 +121,7 @@ def test_three_thousand_frames_that_inherit():
 
 
 def test_frames_that_inherit_too_much_are_refused_and_one_can_be_chosen(tmp_path, monkeypatch):
-    monkeypatch.setattr(fold_file, "MOST_ELEMENTS", 500)
+    monkeypatch.setattr(fold_source, "MOST_ELEMENTS", 500)
     file = tmp_path / "a.fold"
     file.write_text(chain(100))
     done = RUN.invoke(app, ["inspect", str(file)])

@@ -1,0 +1,418 @@
+"""A crease pattern that repeats: one cell, and two lattice vectors by which its copies are moved.
+
+Corners and sides of the cell that are a lattice vector apart are one: corners on its outline become interior vertices,
+opposite sides one crease.  Two more closed walks generate all others, from a facet to its copy along either lattice
+vector: of a folded sheet that is flat on the large scale they turn nothing (the product of the folds is the identity),
+and their translations are the lattice vectors of the folded state.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+import scipy as sp
+
+from origami_nlp.errors import FoldFileError
+from origami_nlp.numerics import INPUT_TOL, PLACES, groups
+from origami_nlp.pattern.lattice_stated import LATTICE_KEY
+from origami_nlp.pattern.loops import Loop
+from origami_nlp.pattern.polygons import Side, side
+from origami_nlp.pattern.sheet import Pattern, make_pattern
+
+MOST_RINGS = 3
+"""Of copies round a cell, within which every corner of it has facets all around."""
+SMALL = 12
+"""Polygons of a cell up to which two rings of copies are looked at; one of larger cells."""
+Copy = tuple[int, int]
+"""Of a cell: how often either lattice vector is added."""
+Key = tuple[int, int, int, int]
+"""Of a side with its sense: classes of both corners, and the lattice vectors between them."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Cell:
+    """How a cell repeats.
+
+    Attributes
+    ----------
+    lattice
+        Both vectors in the reference state, [2, 3].
+    corners
+        Of the cell, [V, 3].
+    polygons
+        Of the cell.
+    class_of
+        Corners that are lattice vectors apart have one number, [V].
+    offset
+        Lattice vectors from the first corner of its class to each, [V, 2].
+    joins
+        Sides across which two polygons are one facet.
+    crease
+        Number of the crease of each side with its sense, by its key.
+    letters
+        One a crease.
+
+    Examples
+    --------
+    >>> import origami_nlp as o
+    >>> cell = o.examples.pattern("miura", 1, 1, cell=True).cell
+    >>> cell.lattice.round(3).tolist(), cell.lay([(0, 0), (0, 1)])[0].facets
+    ([[2.0, 0.0, 0.0], [0.0, 2.0, 0.0]], 8)
+    """
+
+    lattice: np.ndarray
+    corners: np.ndarray
+    polygons: tuple[tuple[int, ...], ...]
+    class_of: np.ndarray
+    offset: np.ndarray
+    joins: tuple[Side, ...]
+    crease: dict[Key, int] = field(default_factory=dict)
+    letters: str = ""
+
+    def key(self, a: int, b: int) -> Key:
+        """Return the key of the side of the cell from corner a to corner b."""
+        i, j = (self.offset[b] - self.offset[a]).tolist()
+        return int(self.class_of[a]), int(self.class_of[b]), i, j
+
+    def lay(self, copies: Iterable[Copy]) -> tuple[Pattern, np.ndarray]:
+        """Lay copies of the cell beside each other, as an open sheet.
+
+        Parameters
+        ----------
+        copies
+            Which; the corners of the first one keep their numbers if that is (0, 0).
+
+        Returns
+        -------
+        sheet : Pattern
+            The copies one after the other, without springs.
+        crease_of : numpy.ndarray
+            Which crease of the cell each of its creases is a copy of, [creases of the sheet].
+        """
+        number: dict[tuple[int, int, int], int] = {}
+        corners, polygons, joins = list[np.ndarray](), list[tuple[int, ...]](), list[Side]()
+        for copy in copies:
+            here = []
+            for v, x in enumerate(self.corners):
+                at = (int(self.class_of[v]), *(self.offset[v] + copy).tolist())
+                if at not in number:
+                    number[at] = len(corners)
+                    corners.append(x + np.array(copy) @ self.lattice)
+                here.append(number[at])
+            polygons += [tuple(here[v] for v in polygon) for polygon in self.polygons]
+            joins += [side(here[a], here[b]) for a, b in self.joins]
+        places = list(number)
+        letters, crease_of = {}, {}
+        for polygon in polygons:
+            for a, b in zip(polygon, polygon[1:] + polygon[:1], strict=True):
+                (p, i, j), (q, k, m) = places[a], places[b]
+                if (crease := self.crease.get((p, q, k - i, m - j))) is not None:
+                    crease_of[side(a, b)] = crease
+                    letters[side(a, b)] = self.letters[crease]
+        sheet = make_pattern(
+            np.array(corners), polygons, assignment=letters, joins=joins, numbers=crease_of
+        )
+        return sheet, np.array([crease_of[a, b] for a, b in sheet.ends.tolist()], int)
+
+    @property
+    def _rings(self) -> int:
+        return 2 if len(self.polygons) <= SMALL else 1
+
+    @cached_property
+    def copies(self) -> tuple[Copy, ...]:
+        """Those of `sheet`, the cell itself first."""
+        return _around(self._rings)
+
+    @cached_property
+    def _laid(self) -> tuple[Pattern, np.ndarray]:
+        return self.lay(self.copies)
+
+    @cached_property
+    def tiles(self) -> tuple[Pattern, np.ndarray]:
+        """Two by two copies as an open sheet for pictures, and which crease of the cell each of its creases is."""
+        return self.lay([(0, 0), (1, 0), (0, 1), (1, 1)])
+
+    @property
+    def sheet(self) -> Pattern:
+        """The cell amid its neighbours, as an open sheet whose first facets are those of the cell."""
+        return self._laid[0]
+
+    @property
+    def crease_of(self) -> np.ndarray:
+        """Which crease of the cell each crease of `sheet` is."""
+        return self._laid[1]
+
+    @cached_property
+    def copy_of(self) -> np.ndarray:
+        """Number in `copies` of each polygon of `sheet`, [P]."""
+        return np.repeat(np.arange(len(self.copies)), len(self.polygons))
+
+
+def _around(rings: int) -> tuple[Copy, ...]:
+    """Return the copies within so many rings, from the middle on."""
+    every = [(i, j) for i in range(-rings, rings + 1) for j in range(-rings, rings + 1)]
+    return tuple(sorted(every, key=lambda c: (max(abs(c[0]), abs(c[1])), c)))
+
+
+def make_cell(
+    corners: np.ndarray,
+    polygons: Sequence[Sequence[int]],
+    lattice: Sequence[Sequence[float]] | np.ndarray,
+    *,
+    joins: Sequence[Side] = (),
+    numbers: dict[Side, int] | None = None,
+    name: str = "",
+    notes: Sequence[str] = (),
+    orders: Sequence[tuple[int, int, int]] = (),
+    **of_sides: Any,
+) -> Pattern:
+    """Build the pattern of a cell that repeats from polygons that share sides, those of its copies among them.
+
+    Parameters
+    ----------
+    corners
+        Points of the flat sheet, [V, 2] or [V, 3].
+    polygons
+        Corners of each, all counter-clockwise; together they fill a cell of the lattice.
+    lattice
+        Both lattice vectors, [2, 2] or [2, 3].
+    joins, numbers, name, notes, orders, of_sides
+        As for `make_pattern`; of two sides that are one crease one may be left out.
+
+    Returns
+    -------
+    Pattern
+        Its creases are those of a cell, each once, and it has `generators`.
+
+    Raises
+    ------
+    FoldFileError
+        If the sheet is not flat, the lattice vectors span nothing, sides have no counterpart, or two that are one
+        crease are stated differently; and as `make_pattern`.
+
+    Examples
+    --------
+    >>> from origami_nlp.pattern import make_cell
+    >>> square = [[0, 0], [1, 0], [1, 1], [0, 1]]
+    >>> make_cell(square, [(0, 1, 2, 3)], [[1, 0], [0, 1]])
+    Pattern('': cell of 1 facets, 2 creases, 1 vertices)
+    """
+    alone = make_pattern(corners, polygons, joins=joins, numbers=numbers, **of_sides)
+    if not alone.is_flat or np.ptp(alone.corners[:, 2]):
+        raise FoldFileError(
+            f"{LATTICE_KEY}: a cell that repeats is stated as a flat crease pattern, not as a folded form"
+        )
+    if alone.holes:
+        raise FoldFileError(f"{LATTICE_KEY}: a cell with holes is not modelled")
+    if orders:
+        raise FoldFileError(f"{LATTICE_KEY}: faceOrders of a cell are not modelled: leave them out")
+    rules = _lattice(lattice, alone)
+    cell = _identified(alone, rules, joins)
+    facing = _facing(cell)
+    given = numbers or {}
+    stated = {name: dict(values) for name, values in of_sides.items() if isinstance(values, dict)}
+    together = {side(*s) for s in joins}
+    drawn: dict[Key, list[Side]] = {}
+    for polygon in cell.polygons:
+        for a, b in zip(polygon, polygon[1:] + polygon[:1], strict=True):
+            key = min(cell.key(a, b), _back(cell.key(a, b)))
+            if (ends := side(a, b)) not in (known := drawn.setdefault(key, [])):
+                known.append(ends)
+    for ends in (s for some in drawn.values() if len(some) > 1 for s in some):
+        if ends in together:
+            raise FoldFileError(
+                f"the side between vertices {ends[0]} and {ends[1]} joins a facet to one of the next cell: draw the "
+                "cell along creases"
+            )
+    first = {
+        key: min(some, key=lambda s: (given.get(s, math.inf), s))
+        for key, some in drawn.items()
+        if some[0] not in together
+    }
+    order = sorted(first, key=lambda key: (given.get(first[key], -1), first[key]))
+    values = {what: _agreed(what, of, drawn, first) for what, of in stated.items()}
+    crease = {}
+    for k, key in enumerate(order):
+        crease[key] = crease[_back(key)] = k
+    sides = [first[key] for key in order]
+    letters = "".join(values.get("assignment", {}).get(s, "U") for s in sides)
+    cell = replace(cell, crease=crease, letters=letters.replace("B", "U"))
+    # springs of a pattern with these creases, checked and completed as any other's
+    both = np.array(sides, int).reshape(-1, 2)
+    facet = alone.facet_of
+    left = np.array([facet[facing[cell.key(a, b)]] for a, b in sides], int)
+    right = np.array([facet[facing[cell.key(b, a)]] for a, b in sides], int)
+
+    def of(what: str, default: float) -> np.ndarray:
+        scalar = of_sides.get(what)
+        usual = default if scalar is None or isinstance(scalar, dict) else float(scalar)
+        return np.array([values.get(what, {}).get(s, usual) for s in sides], float)
+
+    whole = replace(
+        alone,
+        corners=cell.corners,
+        ends=both,
+        left=left,
+        right=right,
+        reference=np.zeros(len(both)),
+        assignment=cell.letters,
+        stiffness=of("stiffness", 1.0),
+        rest=of("rest", 0.0),
+        file_angles=of("file_angles", math.nan),
+        numbers=np.array([given.get(s, k) for k, s in enumerate(sides)], int),
+        name=name,
+        notes=tuple(notes),
+        limits=(),
+        cell=cell,
+    )
+    vertices, generators = _walks(whole, cell)
+    whole = replace(whole, vertices=vertices, generators=generators)
+    whole = whole.with_springs(whole.stiffness.tolist())
+    stops = values.get("limits")
+    return whole.with_limits([stops[s] for s in sides]) if stops else whole
+
+
+def _back(key: Key) -> Key:
+    """Return the key of the same side in the other sense."""
+    a, b, i, j = key
+    return b, a, -i, -j
+
+
+def _lattice(lattice: Sequence[Sequence[float]] | np.ndarray, alone: Pattern) -> np.ndarray:
+    """Return the lattice vectors [2, 3] that fit the area of the facets."""
+    rules = np.zeros((2, 3))
+    given = np.asarray(lattice, float)
+    rules[:, : given.shape[1]] = given
+    if rules[:, 2].any():
+        raise FoldFileError(f"{LATTICE_KEY}: vectors of a flat sheet have no third component")
+    span = abs(float(np.linalg.det(rules[:, :2])))
+    if not span > INPUT_TOL * float((rules**2).sum()):
+        raise FoldFileError(
+            f"{LATTICE_KEY}: the two vectors are on one line: give two that span a cell"
+        )
+    covered = 0.0
+    for polygon in alone.polygons:
+        x = alone.corners[list(polygon), :2]
+        x, y = (x - x[0]), np.roll(x - x[0], -1, axis=0)
+        covered += 0.5 * float((x[:, 0] * y[:, 1] - x[:, 1] * y[:, 0]).sum())
+    if abs(covered - span) > PLACES * span:
+        raise FoldFileError(
+            f"{LATTICE_KEY}: the vectors span an area of {span:.6g}, the facets have {covered:.6g}: give the facets of "
+            "one cell, each once"
+        )
+    return rules
+
+
+def _identified(alone: Pattern, rules: np.ndarray, joins: Sequence[Side]) -> Cell:
+    """Find corners that are lattice vectors apart, and move them until they are so exactly."""
+    x = alone.corners
+    share = np.linalg.solve(rules[:, :2].T, (x[:, :2] - x[0, :2]).T).T
+    near = PLACES * float(np.ptp(x, axis=0).max()) / float(np.linalg.norm(rules, axis=1).min())
+    inside = np.mod(share, 1.0)
+    inside[inside >= 1.0] = 0.0
+    pairs = sp.spatial.cKDTree(inside, boxsize=1.0).query_pairs(near, output_type="ndarray")
+    class_of = groups(len(x), pairs)
+    _, first = np.unique(class_of, return_index=True)
+    offset = np.round(share - share[first[class_of]]).astype(int)
+    exact = x[first[class_of]] + offset @ rules
+    return Cell(rules, exact, alone.polygons, class_of, offset, tuple(side(*s) for s in joins))
+
+
+def _facing(cell: Cell) -> dict[Key, int]:
+    """Return the polygon to the left of each side, of the cell or of a copy, each by its class."""
+    facing: dict[Key, int] = {}
+    for p, polygon in enumerate(cell.polygons):
+        for a, b in zip(polygon, polygon[1:] + polygon[:1], strict=True):
+            if cell.key(a, b) in facing:
+                raise FoldFileError(
+                    f"{LATTICE_KEY}: the side between vertices {a} and {b} has facets of two copies on the same side: "
+                    "facets overlap"
+                )
+            facing[cell.key(a, b)] = p
+    for polygon in cell.polygons:
+        for a, b in zip(polygon, polygon[1:] + polygon[:1], strict=True):
+            if _back(cell.key(a, b)) not in facing:
+                raise FoldFileError(
+                    f"{LATTICE_KEY}: the side between vertices {a} and {b} has no counterpart a lattice vector away: "
+                    "give opposite sides of the outline the same vertices"
+                )
+    return facing
+
+
+def _agreed(
+    what: str, of: dict[Side, Any], drawn: dict[Key, list[Side]], first: dict[Key, Side]
+) -> dict[Side, Any]:
+    """Return the value of each crease, by its first side, of sides that must not differ."""
+    found = {}
+    for key, ends in first.items():
+        stated = [(s, of[s]) for s in drawn[key] if s in of and of[s] != "B"]
+        stated = [(s, v) for s, v in stated if v == v]  # nan: not given
+        if not stated:
+            continue
+        (one, value), *more = stated
+        for other, also in more:
+            same = (
+                also == value if isinstance(value, str) else np.allclose(also, value, atol=PLACES)
+            )
+            if not same:
+                raise FoldFileError(
+                    f"the sides between vertices {one[0]} and {one[1]} and between {other[0]} and {other[1]} are one "
+                    f"crease, a lattice vector apart: {what.replace('_', ' ')} {value} and {also} differ, state one"
+                )
+        found[ends] = value
+    return found
+
+
+def _walks(whole: Pattern, cell: Cell) -> tuple[tuple[Loop, ...], tuple[Loop, ...]]:
+    """Return the loops round the vertices of a cell, and the walks from a facet to its copies."""
+    sheet, crease_of = cell.sheet, cell.crease_of
+    with_sense = np.einsum("ki,ki->k", sheet.directions, whole.directions[crease_of])
+    sense = np.sign(with_sense).astype(int)
+
+    def walk(creases: Iterable[int], signs: Iterable[int], vertex: int) -> Loop:
+        both = list(zip(creases, signs, strict=True))
+        shifts = tuple(_shift(whole, cell, c) for c, _ in both) if vertex < 0 else ()
+        of = tuple(int(crease_of[c]) for c, _ in both)
+        return Loop(of, tuple(int(s * sense[c]) for c, s in both), vertex, shifts)
+
+    _, first = np.unique(cell.class_of, return_index=True)
+    around = {loop.vertex: loop for loop in sheet.vertices}
+    if not set(first.tolist()) <= around.keys():
+        raise FoldFileError(
+            f"{LATTICE_KEY}: the cell reaches round copies of itself: cut it into a more compact one"
+        )
+    vertices = [walk(around[v].creases, around[v].signs, v) for v in first.tolist()]
+    many = len(cell.polygons)
+    generators = []
+    for way in ((1, 0), (0, 1)):
+        end = int(sheet.facet_of[many * cell.copies.index(way)])
+        steps = _path(sheet, int(sheet.facet_of[0]), end)
+        generators.append(walk([c for c, _ in steps], [s for _, s in steps], -1))
+    return tuple(vertices), tuple(generators)
+
+
+def _path(sheet: Pattern, start: int, end: int) -> list[tuple[int, int]]:
+    """Return the creases of a shortest walk between facets, +1 where it crosses from the right to the left."""
+    across = {(a, b): (c, -1) for c, (a, b) in enumerate(zip(sheet.left, sheet.right, strict=True))}
+    across |= {(b, a): (c, 1) for (a, b), (c, _) in across.items()}
+    rows, columns = np.array(list(across)).T
+    graph = sp.sparse.csr_array((np.ones(len(rows)), (rows, columns)), shape=(sheet.facets,) * 2)
+    _, before = sp.sparse.csgraph.breadth_first_order(graph, start, directed=False)
+    steps = []
+    while end != start:
+        steps.append(across[int(before[end]), end])
+        end = int(before[end])
+    return steps[::-1]
+
+
+def _shift(whole: Pattern, cell: Cell, crease: int) -> Copy:
+    """Return by how many lattice vectors a crease of the sheet is moved from the cell's own."""
+    sheet, k = cell.sheet, int(cell.crease_of[crease])
+    away = sheet.corners[sheet.ends[crease]].sum(axis=0) - whole.corners[whole.ends[k]].sum(axis=0)
+    i, j = np.round(np.linalg.solve(cell.lattice[:, :2].T, 0.5 * away[:2])).astype(int).tolist()
+    return i, j
