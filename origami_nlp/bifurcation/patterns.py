@@ -207,6 +207,7 @@ def pattern_family(stated: Any, parameter: ParameterRange) -> PatternFamily:
             example=stated,
         )
     problem = as_pattern(stated, "origami")
+    problem.check_alone("following states over a parameter")
     if parameter.name == "ratio":
         k = stiffness_over_ratio(problem.stiffness, problem.rest)
         return PatternFamily(parameter, lambda t: problem.with_springs(k(t)))  # type: ignore[arg-type, return-value]

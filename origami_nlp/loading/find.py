@@ -100,6 +100,8 @@ def load_path(
     """
     driver: VertexDriver | PatternDriver
     stated = as_origami(origami)
+    if isinstance(stated, Pattern):
+        stated.check_alone("a load")
     if isinstance(stated, Scene):
         refuse("scene", _OF_A_PATTERN, starts=starts)
         driver = VertexDriver(stated, load)  # type: ignore[arg-type]
