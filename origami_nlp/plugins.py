@@ -8,13 +8,15 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from importlib.metadata import EntryPoint, entry_points
 from itertools import groupby
 from os import PathLike
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from origami_nlp.errors import OptionError, OrigamiError
+
+if TYPE_CHECKING:
+    from importlib.metadata import EntryPoint
 
 GROUPS = {kind: f"origami_nlp.{kind}s" for kind in ("example", "material", "exporter")}
 """The group of entry points of each kind."""
@@ -110,6 +112,8 @@ def plugins(kind: str) -> Mapping[str, Plugin]:
     >>> "nobody made this" in plugins("material")
     False
     """
+    from importlib.metadata import entry_points  # 30 ms: where plug-ins are asked for
+
     entries = sorted(entry_points(group=GROUPS[kind]), key=lambda entry: entry.name)
     return {
         name: Plugin(kind, name, tuple(same))

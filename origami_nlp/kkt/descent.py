@@ -286,7 +286,7 @@ def _ways_down(
         yield from map(way, state.pieces)
         return
     choices = Choices(state)
-    pending, asked, seen = [way(state.contacts.base)], 1, set[frozenset[int]]()
+    pending, asked, seen = [way(state.contacts.base)], 1, set[int]()
     while pending and asked < MOST_WAYS:
         rows, d, held = pending.pop()
         still = _length(d, curved) < ROUNDED

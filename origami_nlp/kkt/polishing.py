@@ -278,7 +278,7 @@ class _System:
         rank = int((singular > DEPENDENT).sum())
         move = -vt[:rank].T @ ((u[:, :rank].T @ values[:count]) / singular[:rank])
         z = vt[rank:].T
-        if large:
+        if large and rank < self.jacobian.shape[1]:
             basis = KernelBasis(vt[:rank])
             cost = basis.coordinates((left + self.hessian @ move)[:, None])
             move = move - basis.spread(solve_symmetric(basis.within(self.hessian), cost))[:, 0]
@@ -332,7 +332,7 @@ def _uncertainty(system: _System) -> float:
     along = vt[rank:].T
     torque = 1.0 + float(np.abs(multipliers).max(initial=0.0))
     error = SUMMED * float(np.abs(across).sum(axis=1).max(initial=0.0))
-    if large or along.shape[1]:
+    if rank < jacobian.shape[1]:
         if large:
             basis = KernelBasis(vt[:rank])
             inside, beside = basis.within(hessian), basis.coordinates(hessian @ across)

@@ -77,30 +77,40 @@ class Choices:
         every = dict.fromkeys(
             (*contacts.base, *(c for branch in branches for option in branch for c in option))
         )
-        self._number = {c: k for k, c in enumerate(every)}
         slopes = state.on(tuple(every)).slopes
         along = slopes @ state.kernel
         lever = np.linalg.norm(along, axis=1)
         size = np.maximum(lever, INDEPENDENT)
         known = dict(zip(every, lever.round(9).tolist(), strict=True))
         self._slopes, self._root = slopes / size[:, None], state.problem.root
-        self._half_spaces = dict(zip(every, _half_spaces(along / size[:, None]), strict=True))
+        half_spaces = _half_spaces(along / size[:, None])
+        self._bit = {c: 1 << k for c, k in zip(every, half_spaces, strict=True)}
         ordered = branches if contacts.complete else _by_levers(branches, known)
         self.branches = ordered if contacts.complete else self._independent(ordered)
+        self._said = [[self.said(option) for option in branch] for branch in self.branches]
+        number = {c: k for k, c in enumerate(every)}
+        self._places = [
+            [[number[c] for c in option] for option in branch] for branch in self.branches
+        ]
 
-    def said(self, rows: Iterable[Contact]) -> frozenset[int]:
-        """Return the half-spaces of contacts, by number."""
-        return frozenset(self._half_spaces[c] for c in rows if c in self._half_spaces)
+    def said(self, rows: Iterable[Contact]) -> int:
+        """Return the half-spaces of contacts, a bit for each."""
+        out = 0
+        for c in rows:
+            out |= self._bit.get(c, 0)
+        return out
 
     def _independent(self, branches: Branches) -> Branches:
         """Leave out choices that follow from others to first order."""
         # options stay as they are: of two that agree to first order either may allow more to second order
-        kept: dict[frozenset[frozenset[int]], tuple[tuple[Contact, ...], ...]] = {}
+        kept: dict[frozenset[int], tuple[tuple[Contact, ...], ...]] = {}
         for branch in branches:
             kept.setdefault(frozenset(self.said(option) for option in branch), branch)
         for said in reversed(list(kept)):
             others = (other for other in kept if other != said)
-            if any(all(any(o >= option for option in said) for o in other) for other in others):
+            if any(
+                all(any(_holds(o, option) for option in said) for o in other) for other in others
+            ):
                 del kept[said]
         return tuple(kept.values())
 
@@ -108,9 +118,7 @@ class Choices:
         """Return the choices of which no option holds with these contacts."""
         held = self.said(rows)
         return [
-            k
-            for k, branch in enumerate(self.branches)
-            if not any(held >= self.said(o) for o in branch)
+            k for k, options in enumerate(self._said) if not any(_holds(held, o) for o in options)
         ]
 
     def open_along(self, free: list[int], direction: np.ndarray) -> bool:
@@ -120,15 +128,17 @@ class Choices:
     def passed(self, free: list[int], direction: np.ndarray) -> list[int]:
         """Return the choice that a direction [n] passes most, if it passes any: none of its options stays open."""
         d = self._root * direction
-        rate = self._slopes @ (d / max(float(np.linalg.norm(d)), NONZERO))
-        best = [
-            max(min(rate[self._number[c]] for c in option) for option in self.branches[k])
-            for k in free
-        ]
+        rate = (self._slopes @ (d / max(float(np.linalg.norm(d)), NONZERO))).tolist()
+        best = [max(min(rate[i] for i in option) for option in self._places[k]) for k in free]
         least = min(best, default=0.0)
         if least >= -INDEPENDENT:
             return []
         return [next(k for k, b in zip(free, best, strict=True) if b < 0.999 * least)]
+
+
+def _holds(held: int, said: int) -> bool:
+    """Return whether half-spaces, as bits, are among others."""
+    return held & said == said
 
 
 def _half_spaces(normals: np.ndarray) -> list[int]:

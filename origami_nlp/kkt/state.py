@@ -7,7 +7,7 @@ same within its symmetry and without; energies are divided by `Model.scale`.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from functools import cached_property
 from typing import Any, cast
 
@@ -96,13 +96,16 @@ class State:
     @cached_property
     def second_order(self) -> list[np.ndarray]:
         """Forms Q [t, t] on `kernel` where closure loses rank: d' Q d = 0 in every direction that states follow."""
-        p = self.problem
+        p: Any = self.problem
         u, values, _ = self._factors
         # w with w' J = 0: rank C < 3, the singular states that the paper's appendix A does not classify
         lost = u.T[int((values > RANK).sum()) :]
-        unit = np.outer(p.root, p.root)
-        z = self.kernel
-        forms = (z.T @ (p.lagrangian_hessian(self.x, -w, (), 0.0) / unit) @ z for w in lost)
+        z = self.kernel / p.root[:, None]
+        forms: Iterable[np.ndarray]
+        if p.redundant and len(lost):  # of which there are many
+            forms = np.einsum("lm,mtu->ltu", lost, p.closure.second(self.x, z))
+        else:
+            forms = (z.T @ p.lagrangian_hessian(self.x, -w, (), 0.0) @ z for w in lost)
         return [q for q in forms if float(np.abs(q).max(initial=0.0)) > RANK]
 
     @cached_property

@@ -254,7 +254,7 @@ class VertexDriver:
                 starts = [phi + aside, phi - aside]
         for start in starts:
             try:
-                end = follow(problem, start, curved=len(starts) > 1)
+                end = follow(problem, start, curved=True)
             except ValueError as refused:
                 why = str(refused)
                 continue

@@ -125,7 +125,8 @@ class ConicProgram:
 
     def matrix(self, rows: ConeRows) -> np.ndarray:
         """Return a of some rows with a column for each unknown, [r, V]."""
-        return np.pad(rows.a, ((0, 0), (0, self.size - rows.a.shape[1])))
+        missing = self.size - rows.a.shape[1]
+        return np.pad(rows.a, ((0, 0), (0, missing))) if missing else rows.a
 
     def maximise(self, c: np.ndarray) -> ConicSolution:
         """Solve for the largest c . v.

@@ -8,7 +8,7 @@ there, singular vectors decide, with the bound on singular values that kernels h
 from __future__ import annotations
 
 import math
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -65,10 +65,9 @@ class Factor:
             lu, pivots, _ = sp.linalg.lapack.dgetrf(whole, overwrite_a=True)
             self._solve = lambda b: sp.linalg.lapack.dgetrs(lu, pivots, b)[0]
         else:
-            damping = -WEIGHT * sp.sparse.eye_array(m)
             blocks = [
                 [sp.sparse.csr_array(matrix), sp.sparse.csr_array(across)],
-                [jacobian, damping],
+                [jacobian, -_damping(m)],
             ]
             self._solve = sp.sparse.linalg.splu(sp.sparse.block_array(blocks, format="csc")).solve
 
@@ -107,7 +106,7 @@ class Normal:
                 raise np.linalg.LinAlgError("J J' is not positive definite")
             self._solve = lambda b: sp.linalg.lapack.dpotrs(lower, b / size, lower=True)[0] / size
         else:
-            square = (jacobian @ jacobian.T + WEIGHT * sp.sparse.eye_array(m)).tocsc()
+            square = (jacobian @ jacobian.T + _damping(m)).tocsc()
             self._solve = sp.sparse.linalg.splu(square, **SYMMETRIC).solve
 
     def step(self, c: np.ndarray) -> np.ndarray:
@@ -172,6 +171,11 @@ class Normal:
         u, values, vt = np.linalg.svd(dense(self.jacobian), full_matrices=False)
         rank = int((values > RANK).sum())
         return u[:, :rank], values[:rank], vt[:rank]
+
+
+@lru_cache(maxsize=4)
+def _damping(m: int) -> sp.sparse.csr_array:
+    return sp.sparse.csr_array(WEIGHT * sp.sparse.eye_array(m))
 
 
 def dense(matrix: Matrix) -> np.ndarray:

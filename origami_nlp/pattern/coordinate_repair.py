@@ -124,7 +124,12 @@ class _Sectors:
             for i, v in enumerate(p)
         ]
         self.before, self.here, self.after, self.polygon = np.array(flat).T
-        self.lists = [np.array(p) for p in polygons]
+        self.many = len(polygons)
+        by_length: dict[int, list[int]] = {}
+        for k, p in enumerate(polygons):
+            by_length.setdefault(len(p), []).append(k)
+        # polygons with as many corners at once: which, and the corners of each
+        self.alike = [(ks, np.array([polygons[k] for k in ks])) for ks in by_length.values()]
         starts = {(v, w): i for i, (_, v, w, _) in enumerate(flat)}
         joined = {side(*s) for s in joins}
         self.inside = np.zeros(len(flat), bool)
@@ -157,7 +162,9 @@ class _Sectors:
 
     def frames(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Return both sides at each corner and the normal of its polygon, [C, 3] each."""
-        normals = np.array([unit_normals(x[q]) for q in self.lists])
+        normals = np.empty((self.many, 3))
+        for which, corners in self.alike:
+            normals[which] = unit_normals(x[corners])
         return x[self.before] - x[self.here], x[self.after] - x[self.here], normals[self.polygon]
 
     def measures(self, x: np.ndarray) -> np.ndarray:
@@ -190,7 +197,7 @@ class _Sectors:
 
     def relations(self, x: np.ndarray, unit: float) -> _Relations | None:
         """Find what holds within the digits; None where there is nothing to hold."""
-        if not self.rings or len(self.lists) > MOST_POLYGONS:
+        if not self.rings or self.many > MOST_POLYGONS:
             return None
         u, v, _ = self.frames(x)
         # both ends of a side off by a last place turn it by twice that over its length
@@ -240,8 +247,10 @@ class _RelationList:
 
     def group(self, sectors: Sequence[Sequence[int]], middle: float) -> None:
         """Ask that sectors be equal that are as far from `middle`, on either side, within the digits."""
-        off = np.array([self.values[s].sum() for s in sectors]) - middle
-        noise = np.array([self.blur[s].sum() for s in sectors])
+        first = np.cumsum([0, *(len(s) for s in sectors[:-1])])
+        row = [c for s in sectors for c in s]
+        off = np.add.reduceat(self.values[row], first) - middle
+        noise = np.add.reduceat(self.blur[row], first)
         order = np.argsort(np.abs(off), kind="stable")
         # cut where neighbours are farther apart than the digits of both
         step = np.diff(np.abs(off)[order]) > noise[order][1:] + noise[order][:-1]

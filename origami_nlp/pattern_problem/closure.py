@@ -277,26 +277,35 @@ class Closure:
         """Evaluate the Hessian of multipliers . closure at a state [n], [n, n]; multipliers [m]."""
         data = []
         for g, s in zip(self._groups, at or self.turned(phi), strict=True):
-            lam = multipliers[g.rows[:, None] + np.arange(3)]
-            q0, qv = s.q[:, 0], s.q[:, 1:]
-            # lam . vec(c_i c_j q), c_i c_j = (-c_i . c_j, c_i x c_j)
-            dots = np.einsum("kia,kja->kij", s.c, s.c)
-            crosses = cross(s.c[:, :, None], s.c[:, None])
-            turn = q0[:, None] * lam + cross(qv, lam)  # lam . (q0 v + v x q) = v . turn
-            h = np.einsum("kija,ka->kij", crosses, turn)
-            h -= dots * np.einsum("ka,ka->k", lam, qv)[:, None, None]
-            h *= 0.25
-            if s.t is not None and s.o is not None:
-                push = multipliers[g.rows[:, None] + np.arange(3, 6)] / self.size
-                arm = cross(s.c, s.t[:, None] - s.o)
-                h += np.einsum("ka,kija->kij", push, cross(s.c[:, :, None], arm[:, None]))
-            d = h.shape[1]
-            # formulas hold for i before j in the walk: the upper triangle, mirrored
-            upper = np.triu(np.ones((d, d), bool))
-            h = np.where(upper, h, 0.0)
-            h = h + h.swapaxes(1, 2) * ~np.eye(d, dtype=bool)
-            data.append(h.ravel())
+            bent = self._bent(s)
+            lam = multipliers[g.rows[:, None] + np.arange(bent.shape[3])]
+            data.append((bent @ lam[:, None, :, None]).ravel())
         return self._matrix(data, self._pairs)
+
+    def second(self, phi: np.ndarray, z: np.ndarray) -> np.ndarray:
+        """Evaluate the second derivatives of the equations along directions z [n, t] at a state [n], [m, t, t]."""
+        out = np.zeros((self.count, z.shape[1], z.shape[1]))
+        for g, s in zip(self._groups, self.turned(phi), strict=True):
+            bent, here = self._bent(s), z[g.creases]
+            forms = np.einsum("kijr,kit,kju->krtu", bent, here, here, optimize=True)
+            out[g.rows[:, None] + np.arange(bent.shape[3])] = forms
+        return out
+
+    def _bent(self, s: _Turned) -> np.ndarray:
+        """Second derivatives of a group's equations by its turns, [K, d, d, 3 or 6]."""
+        q0, qv = s.q[:, 0, None, None, None], s.q[:, None, None, 1:]
+        # vec(c_i c_j q), c_i c_j = (-c_i . c_j, c_i x c_j)
+        dots = np.einsum("kia,kja->kij", s.c, s.c)[..., None]
+        crosses = cross(s.c[:, :, None], s.c[:, None])
+        h = 0.25 * (q0 * crosses + cross(crosses, qv) - dots * qv)
+        if s.t is not None and s.o is not None:
+            arm = cross(s.c, s.t[:, None] - s.o) / self.size
+            h = np.concatenate([h, cross(s.c[:, :, None], arm[:, None])], axis=3)
+        # formulas hold for i before j in the walk: the upper triangle, mirrored
+        d = h.shape[1]
+        i, j = np.tril_indices(d, -1)
+        h[:, i, j] = h[:, j, i]
+        return h
 
 
 def _rotate(q: np.ndarray, v: np.ndarray) -> np.ndarray:

@@ -256,25 +256,26 @@ class VertexCones:
         towards
             What is preferred, [n]; None: vertices far from flat.
         """
-        n = self.pattern.creases
-        some = range(len(self.cones)) if some is None else some
+        if some is None or towards is not None:
+            used = np.arange(self.pattern.creases)
+        else:  # what a crease between others does is as good as any
+            used = np.unique([k for v in some for k in self.cones[v].creases])
+        n, some = len(used), range(len(self.cones)) if some is None else some
         if not some or not self.decidable:
             return None
         problem = ConicProgram(n + 1)
-        problem.add(POSITIVE, np.hstack([-np.eye(n), np.zeros((n, 1))]), np.ones(n), "size")
-        problem.add(POSITIVE, np.hstack([np.eye(n), np.zeros((n, 1))]), np.ones(n), "size")
+        unit = np.eye(n + 1)
+        problem.add(POSITIVE, np.vstack([-unit[:n], unit[:n]]), np.ones(2 * n), "size")
         for v in some:
             cone, sign = self.cones[v], float(f"{signs[v]}1")
-            at = np.zeros((len(cone.creases), n + 1))
-            at[np.arange(len(cone.creases)), list(cone.creases)] = sign
-            unit = cone._edges / np.linalg.norm(cone._edges, axis=1)[:, None]
+            at = sign * unit[np.searchsorted(used, cone.creases)]
+            edges = cone._edges / np.linalg.norm(cone._edges, axis=1)[:, None]
             assert cone.axes is not None
-            problem.add(EQUAL, unit.T @ at, np.zeros(2), "closes")
+            problem.add(EQUAL, edges.T @ at, np.zeros(2), "closes")
             rows = cone.axes @ at
             problem.add(BALL, rows, np.zeros(len(rows)), "Q >= 0")
-            problem.add(POSITIVE, rows[:1] - np.eye(n + 1)[n], np.zeros(1), "sign")
-        aim = np.zeros(n + 1)
-        aim[n] = 1.0
+            problem.add(POSITIVE, rows[:1] - unit[n], np.zeros(1), "sign")
+        aim = unit[n]
         found = problem.maximise(aim)
         if not found.solved or found.v[n] <= MARGIN:
             return None
@@ -282,7 +283,9 @@ class VertexCones:
             problem.add(POSITIVE, aim[None], -found.v[n : n + 1] / 4, "far enough")
             aside = problem.maximise(np.append(towards, 0.0))
             found = aside if aside.solved else found
-        return np.asarray(found.v[:n])
+        out = np.zeros(self.pattern.creases)
+        out[used] = found.v[:n]
+        return out
 
     def conflict(self, signs: str) -> SignConflict | None:
         """Return vertices that cannot have their signs together beside the flat state; None: there may be none.
@@ -300,10 +303,19 @@ class VertexCones:
         some = list(range(len(self.cones)))
         if not self.decidable or self.direction(signs) is not None:
             return None
-        for v in tuple(some):
-            fewer = [w for w in some if w != v]
-            if fewer and self.direction(signs, fewer) is None:
-                some = fewer
+        kept: list[int] = []
+        # leave out one after the other, by bisection: with fewer vertices no more is impossible
+        while some and (not kept or self.direction(signs, kept) is not None):
+            low, high = (
+                0,
+                len(some),
+            )  # how many of the last are to be kept: more than low, high at most
+            while high - low > 1:
+                many = (low + high) // 2
+                possible = self.direction(signs, [*kept, *some[-many:]]) is not None
+                low, high = (many, high) if possible else (low, many)
+            kept, some = [*kept, some[-high]], some[len(some) - high + 1 :]
+        some = kept
         vertices = tuple(self.vertices[v] for v in some)
         weights = self._weights(signs, some)
         word, creases = "".join(signs[v] for v in some), tuple(k + 1 for k in weights)

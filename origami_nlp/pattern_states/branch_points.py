@@ -14,7 +14,6 @@ import numpy as np
 from origami_nlp.kkt import TangentCone
 from origami_nlp.numerics import CLOSURE_TOL, NONZERO, RESOLVED, SETTLED, dense
 from origami_nlp.pattern_problem import PatternProblem
-from origami_nlp.pattern_states.curve import second
 from origami_nlp.pattern_states.flat_folded import list_branches
 from origami_nlp.pattern_states.interpolant import Interpolant
 from origami_nlp.problem import FoldLimits
@@ -141,8 +140,8 @@ def split(problem: PatternProblem, phi: np.ndarray, ways: TangentCone) -> Tangen
         if basis.shape[1] != 2:
             families.append(basis)
             continue
-        x, y = basis.T
-        forms = np.array([second(problem, phi, a, b) @ stress for a, b in ((x, x), (x, y), (y, y))])
+        bent = problem.closure.second(phi, basis)  # by xx, xy, yy
+        forms = bent[:, [0, 0, 1], [0, 1, 1]].T @ stress
         if np.abs(forms).max(initial=0.0) < FORMS:
             families.append(basis)
             continue

@@ -8,11 +8,12 @@ crossing.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from origami_nlp.continuation import CLOSED_CURVE, ContinuationOptions, End, trace
+from origami_nlp.continuation import CLOSED_CURVE, ContinuationOptions, End, trace, trace_ahead
 from origami_nlp.numerics import CLOSURE_TOL, EXPLORED, NONZERO, dense, null_space
 from origami_nlp.pattern_problem import PatternProblem
 
@@ -24,8 +25,8 @@ BENT = 0.95
 SHARPEST = math.sqrt(2 - 2 * BENT)
 """Length of the difference of unit tangents with that cosine."""
 MOST_STEPS = 5_000
-DIFFERENCE = 1e-5
-"""Step of differences of the Jacobian [rad]: an error of some 1e-11."""
+BESIDE = 4.0
+"""Steps within which a state is beside the flat one."""
 LOST = "lost: no closed state ahead"
 """Why a curve ends where even the shortest step fails."""
 
@@ -44,6 +45,8 @@ class ClosureCurve:
         Why it ends at either side: ``"limit"``, ``"closed"`` (it returns to its start), or the reason that it was lost.
     tangents, bends
         Unit tangent phi' and curvature phi'' over the length in the norm over creases, [S, n].
+    odd
+        Whether its first half is the negative of the second: through the flat state, in whose plane space is mirrored.
     """
 
     phi: np.ndarray
@@ -51,6 +54,7 @@ class ClosureCurve:
     ends: tuple[str, str]
     tangents: np.ndarray
     bends: np.ndarray
+    odd: bool = False
 
     @property
     def complete(self) -> bool:
@@ -61,15 +65,6 @@ class ClosureCurve:
 def tangents(problem: PatternProblem, phi: np.ndarray) -> np.ndarray:
     """Return an orthonormal basis of the kernel of the Jacobian, [n, t]."""
     return null_space(dense(problem.closure.jacobian(phi)))
-
-
-def second(
-    problem: PatternProblem, phi: np.ndarray, one: np.ndarray, other: np.ndarray
-) -> np.ndarray:
-    """Return the second derivative of closure along two directions [n], [m], by differences of the Jacobian."""
-    ahead = problem.closure.jacobian(phi + DIFFERENCE * other) @ one
-    behind = problem.closure.jacobian(phi - DIFFERENCE * other) @ one
-    return (ahead - behind) / (2 * DIFFERENCE)
 
 
 @dataclass(frozen=True, eq=False)
@@ -109,7 +104,8 @@ class ClosedStates:
         tangent = normal.along(along)
         tangent /= max(float(np.linalg.norm(tangent)), NONZERO)
         # phi'' = -J^+ c''(phi', phi'), as J phi'' + c''(phi', phi') = 0 all along the curve
-        return Sample(x, tangent, -normal.step(second(self.problem, x, tangent, tangent)))
+        bend = self.problem.closure.second(x, tangent[:, None])[:, 0, 0]
+        return Sample(x, tangent, -normal.step(bend))
 
     def limit(self, here: Sample, beyond: Sample) -> Sample | None:
         """Return the state inside a step at which creases reach fold limits: all that do together, or the first."""
@@ -157,9 +153,69 @@ def follow_curve(
     ClosureCurve
         From the end against `along` to the other.
     """
-    curve, root = ClosedStates(problem), math.sqrt(problem.size)
+    curve = ClosedStates(problem)
     first = curve.frame(phi, along / np.linalg.norm(along))
-    steps = ContinuationOptions(
+    found = first and trace(curve, first, _steps(problem, step), [_limit(curve)])
+    if not found:
+        none = np.zeros((1, problem.size))
+        return ClosureCurve(phi[None], np.zeros(1), (LOST, LOST), none, none)
+    ends = (
+        _end(problem, found.start, found.frames[0]),
+        _end(problem, found.end, found.frames[-1]),
+    )
+    bends = np.array([s.bend for s in found.frames])
+    turned = found.signs[:, None] * np.array([s.tangent for s in found.frames])
+    return _curve(problem, found.states, ends, turned, bends)
+
+
+def follow_from_flat(
+    problem: PatternProblem, phi: np.ndarray, step: float = STEP
+) -> ClosureCurve | None:
+    """Trace the curve through a state beside the flat one away from that, and take its mirror image for the rest.
+
+    Space mirrored in the plane of the flat sheet takes states to their negatives, and curves through it to themselves.
+
+    Parameters
+    ----------
+    problem
+        Of a flat pattern; fold limits on both sides alike.
+    phi
+        A closed state beside the flat one, [n] [rad].
+    step
+        Largest step [rad].
+
+    Returns
+    -------
+    ClosureCurve or None
+        None where there is no such curve, or the flat state is too far.
+    """
+    size, limits = float(np.linalg.norm(phi)), problem.fold_limits
+    flat = problem.pattern.is_flat and bool((limits.low == -limits.high).all())
+    if not flat or not 0 < size <= BESIDE * step * math.sqrt(problem.size):
+        return None
+    curve = ClosedStates(problem)
+    x, residual = problem.project(phi * (0.5 * step * math.sqrt(problem.size) / size))
+    first = curve.frame(x, x / np.linalg.norm(x)) if residual <= CLOSURE_TOL else None
+    if first is None:
+        return None
+    frames, _, why = trace_ahead(curve, first, _steps(problem, step), [_limit(curve)])
+    if not frames or why == CLOSED_CURVE:
+        return None
+    frames, end = [first, *frames], _end(problem, why, frames[-1])
+    x, tangents_, bends = (
+        np.array([getattr(s, what) for s in frames]) for what in ("x", "tangent", "bend")
+    )
+    whole = (
+        np.concatenate([turned * of[::-1], of])
+        for of, turned in ((x, -1.0), (tangents_, 1.0), (bends, -1.0))
+    )
+    states, tangents_, bends = whole
+    return _curve(problem, states, (end, end), tangents_, bends, odd=True)
+
+
+def _steps(problem: PatternProblem, step: float) -> ContinuationOptions:
+    root = math.sqrt(problem.size)
+    return ContinuationOptions(
         first=step * root,
         longest=step * root,
         shortest=SHORTEST * root,
@@ -169,27 +225,35 @@ def follow_curve(
         most=MOST_STEPS,
     )
 
-    limits = problem.fold_limits
 
-    def inside(samples: object) -> int:
-        beyond = [not limits.inside(s.x, EXPLORED).all() for s in samples]  # type: ignore[attr-defined]
+def _limit(curve: ClosedStates) -> End[Sample]:
+    """The end of a curve at a fold limit."""
+    limits = curve.problem.fold_limits
+
+    def inside(samples: Sequence[Sample]) -> int:
+        beyond = [not limits.inside(s.x, EXPLORED).all() for s in samples]
         return beyond.index(True) if True in beyond else len(beyond)
 
-    found = first and trace(curve, first, steps, [End(inside, "limit", curve.limit)])
-    if not found:
-        none = np.zeros((1, problem.size))
-        return ClosureCurve(phi[None], np.zeros(1), (LOST, LOST), none, none)
-    ends = []
-    for why, last in ((found.start, found.frames[0]), (found.end, found.frames[-1])):
-        at_limit = bool((limits.room(last.x) <= EXPLORED).any())
-        known = {CLOSED_CURVE: "closed", "limit": "limit" if at_limit else "lost at a fold limit"}
-        ends.append(known.get(why, f"lost: {why}" if why.startswith("more") else LOST))
-    states = limits.clip(found.states)
-    chords = np.linalg.norm(np.diff(states, axis=0), axis=1) / root
+    return End(inside, "limit", curve.limit)
+
+
+def _end(problem: PatternProblem, why: str, last: Sample) -> str:
+    """Say why a curve ends."""
+    at_limit = bool((problem.fold_limits.room(last.x) <= EXPLORED).any())
+    known = {CLOSED_CURVE: "closed", "limit": "limit" if at_limit else "lost at a fold limit"}
+    return known.get(why, f"lost: {why}" if why.startswith("more") else LOST)
+
+
+def _curve(
+    problem: PatternProblem,
+    x: np.ndarray,
+    ends: tuple[str, str],
+    tangents: np.ndarray,
+    bends: np.ndarray,
+    odd: bool = False,
+) -> ClosureCurve:
+    states = problem.fold_limits.clip(x)
+    chords = np.linalg.norm(np.diff(states, axis=0), axis=1) / math.sqrt(problem.size)
     return ClosureCurve(
-        states,
-        np.concatenate([[0.0], np.cumsum(chords)]),
-        (ends[0], ends[1]),
-        found.signs[:, None] * np.array([s.tangent for s in found.frames]),
-        np.array([s.bend for s in found.frames]),
+        states, np.concatenate([[0.0], np.cumsum(chords)]), ends, tangents, bends, odd
     )

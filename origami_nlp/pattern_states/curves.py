@@ -13,7 +13,7 @@ from origami_nlp.numerics import CLOSURE_TOL, SETTLED
 from origami_nlp.pattern_problem import CanonicalLabelling, PatternProblem, image
 from origami_nlp.pattern_states.branch_points import dips
 from origami_nlp.pattern_states.clearance import Clearance, Stretches
-from origami_nlp.pattern_states.curve import follow_curve
+from origami_nlp.pattern_states.curve import follow_curve, follow_from_flat
 from origami_nlp.pattern_states.interpolant import Interpolant, interpolate
 
 LONG = 0.08
@@ -101,7 +101,7 @@ class TracedCurves:
         list of TracedCurve
             The curve, and its images that are not known yet.
         """
-        curve = interpolate(self.problem, follow_curve(self.problem, phi, along, LONG))
+        curve = self._followed(phi, along)
         seen = self._clearance.along(curve) if self._contact else None
         meets = tuple(dips(self.problem, curve))
         meet = [x for x in meets if np.abs(np.sin(x)).max() > SETTLED]
@@ -114,6 +114,15 @@ class TracedCurves:
                 new.append(copy)
                 self.found.append(copy)
         return new
+
+    def _followed(self, phi: np.ndarray, along: np.ndarray) -> Interpolant:
+        """Return the curve through a closed state: of one through the flat state beside it half is followed."""
+        half = follow_from_flat(self.problem, phi, LONG)
+        if half is not None:
+            curve = interpolate(self.problem, half)
+            if curve.fits and self._on(curve, phi):
+                return curve
+        return interpolate(self.problem, follow_curve(self.problem, phi, along, LONG))
 
     def _on(self, curve: Interpolant, phi: np.ndarray) -> bool:
         """Return whether a closed state is on a curve: by its polynomials, as steps of Newton may go over to others."""

@@ -199,13 +199,16 @@ def _of_first(ways: Mapping[int, EscapePath], images: Sequence[_Image]) -> dict[
 def _images(at: np.ndarray, symmetries: Sequence[tuple[np.ndarray, float]]) -> list[_Image]:
     """Return for each state [M, n] the first one of which it is an image: escape paths are sought of that alone."""
     found: dict[int, _Image] = {}
+    listed = []
+    for symmetry in symmetries:
+        apart = np.array([np.abs(x - at).max(axis=1) for x in image(symmetry, at)])
+        to = np.where(apart.min(axis=1) <= NEAR_SINGULAR_TOL, apart.argmin(axis=1), -1)
+        listed.append((symmetry, to.tolist()))
     for k in range(len(at)):
         if k in found:
             continue
         found[k] = _Image(k, None, ())
-        for symmetry in symmetries:
-            apart = np.abs(image(symmetry, at)[:, None] - at).max(axis=2)
-            to = np.where(apart.min(axis=1) <= NEAR_SINGULAR_TOL, apart.argmin(axis=1), -1).tolist()
+        for symmetry, to in listed:
             if to[k] >= 0:
                 found.setdefault(to[k], _Image(k, symmetry, to))
     return [found[k] for k in range(len(at))]

@@ -373,11 +373,20 @@ class _Search(FromMinima):
         elif phi not in self.curves:
             if self._traced == self.options.most_curves:
                 tally.not_traced += 1
-                self.settle(phi)
+                if not self._leads_through_flat(phi):
+                    self.settle(phi)
                 return
             self._traced += 1
             for traced in self.curves.trace(phi, z[:, 0]):
                 self._along(traced)
+
+    def _leads_through_flat(self, phi: np.ndarray) -> bool:
+        """Return whether energy falls from a state to the flat one and on to its mirror image, another start."""
+        problem = self.problem
+        if not problem.pattern.is_flat or np.abs(phi).max() > 2 * OUT:
+            return False
+        slopes = (problem.torque(x) @ problem.along(x, phi) for x in (phi, -phi))
+        return all(slope > 0 for slope in slopes)
 
     def _along(self, traced: TracedCurve) -> None:
         """Polish and judge the wells of a curve, and states of it that touching facets hold."""

@@ -63,12 +63,15 @@ class Interpolant(ShortRepr):
         As of the `ClosureCurve`.
     off
         Largest distance of the middle of a step from closed states [rad].
+    odd
+        As of the `ClosureCurve`.
     """
 
     states: np.ndarray
     control: np.ndarray
     ends: tuple[str, str]
     off: float
+    odd: bool = False
 
     @property
     def fits(self) -> bool:
@@ -115,15 +118,20 @@ def interpolate(problem: PatternProblem, curve: ClosureCurve) -> Interpolant:
     """
     phi, closed = list(curve.phi), ClosedStates(problem)
     data = list(zip(curve.tangents, curve.bends, strict=True))
-    states, pieces, off = [phi[0]], [], 0.0
-    stack = [(phi[i], data[i], phi[i + 1], data[i + 1], 0) for i in range(len(phi) - 1)][::-1]
+    begin = (
+        len(phi) // 2 - 1 if curve.odd else 0
+    )  # of an odd curve the step through the flat state, and what follows
+    states, pieces, off = [phi[begin]], [], 0.0
+    stack = [(phi[i], data[i], phi[i + 1], data[i + 1], 0) for i in range(begin, len(phi) - 1)]
+    stack.reverse()
     while stack:
         a, of_a, b, of_b, depth = stack.pop()
         control = _step(a, of_a, b, of_b)
-        guess = halves(control)[0][-1]
+        through = curve.odd and not pieces  # its middle is flat
+        guess = halves(halves(control)[1])[0][-1] if through else halves(control)[0][-1]
         middle, residual = problem.project(guess)
         apart = float(np.abs(middle - guess).max()) if residual <= CLOSURE_TOL else np.inf
-        if apart > FITS and depth < MOST_HALVINGS and np.isfinite(apart):
+        if apart > FITS and depth < MOST_HALVINGS and np.isfinite(apart) and not through:
             at = closed.at(middle, b - a)
             of_middle = at.tangent, at.bend
             stack.append((middle, of_middle, b, of_b, depth + 1))
@@ -132,9 +140,11 @@ def interpolate(problem: PatternProblem, curve: ClosureCurve) -> Interpolant:
         states.append(b)
         pieces.append(control)
         off = max(off, apart)
-    return Interpolant(
-        np.array(states), np.array(pieces).reshape(-1, 6, problem.size), curve.ends, off
-    )
+    if curve.odd:
+        states = [*(-x for x in states[:1:-1]), *states]
+        pieces = [*(-x[::-1] for x in pieces[:0:-1]), *pieces]
+    control = np.array(pieces).reshape(-1, 6, problem.size)
+    return Interpolant(np.array(states), control, curve.ends, off, curve.odd)
 
 
 def halves(control: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

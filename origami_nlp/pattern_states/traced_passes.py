@@ -132,10 +132,13 @@ class _Network:
         self.edges: list[tuple[int, int]] = []
         self.clear: list[bool] = []
         self.open: set[int] = set()
+        self._asked: dict[
+            tuple[float, float], bool
+        ] = {}  # stretches of the curve that is added, see `_passes`
 
     def add(self, traced: TracedCurve) -> None:
         """Add a curve, cut into stretches."""
-        curve = traced.curve
+        curve, self._asked = traced.curve, {}
         cuts: list[tuple[float, int]] = []
         for k in range(self.known):
             cuts += [(at, k) for at in places(self.problem, curve, self.states[k])]
@@ -179,15 +182,18 @@ class _Network:
 
     def _passes(self, curve: Interpolant, flags: list[list[bool]], p: float, q: float) -> bool:
         """Return whether facets do not cross on a stretch inside one step: known between samples apart, else asked."""
-        step = min(int((p + q) / 2), len(curve.control) - 1)
+        many = len(curve.control)
+        step = min(int((p + q) / 2), many - 1)
         if all(flags[step]):
             return False
-        if 0 < step < len(curve.control) - 1 and not any(flags[step]):
+        if 0 < step < many - 1 and not any(flags[step]):
             return True
-        return not any(
-            self.problem.crossings.find(self._closed(curve, p + (q - p) * share))
-            for share in SHARES
-        )
+        if curve.odd and step == many - 1:  # mirrored it crosses as well
+            p, q = many - q, many - p
+        if (p, q) not in self._asked:
+            shares = (self._closed(curve, p + (q - p) * share) for share in SHARES)
+            self._asked[p, q] = not any(map(self.problem.crossings.find, shares))
+        return self._asked[p, q]
 
 
 def _flags(curve: Interpolant, seen: Stretches) -> Iterator[list[bool]]:

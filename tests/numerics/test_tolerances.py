@@ -38,7 +38,7 @@ BESIDE_THE_TABLE = {
         paper/transitions.BRACKET paper/transitions.MARGIN paper/transitions.SIDE
         continuation/curve.STEPS continuation/flat.ARRIVED continuation/flat.BESIDE_FLAT
         continuation/one_sided_branches.TRIALS continuation/diagram.STEPS pattern_states/curve.SHORTEST
-        pattern_states/curve.STEP pattern_states/curves.LONG pattern_states/curve.DIFFERENCE
+        pattern_states/curve.STEP pattern_states/curves.LONG
         pattern_problem/pop_signs.JUMPS pattern_states/contact_descents.REACH
          pattern_states/contact_descents.SMALLER pattern_states/terrain.FIRST space/cells.RADIUS
          space/mesh.DIFFERENCE

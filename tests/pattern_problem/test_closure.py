@@ -20,6 +20,9 @@ def test_derivatives_against_differences(pattern):
     phi = rng.uniform(-1, 1, pattern.creases)
     multipliers = rng.normal(size=closure.count)
     hessian = closure.hessian(phi, multipliers)
+    z = rng.normal(size=(pattern.creases, 2))
+    forms = np.einsum("m,mtu->tu", multipliers, closure.second(phi, z))
+    assert forms == pytest.approx(z.T @ (hessian @ z), abs=1e-11)
     j = closure.jacobian(phi)
     step = 1e-6
     for i in rng.integers(0, pattern.creases, 6):
