@@ -25,7 +25,7 @@ BENT = 0.95
 SHARPEST = math.sqrt(2 - 2 * BENT)
 """Length of the difference of unit tangents with that cosine."""
 MOST_STEPS = 5_000
-BESIDE = 4.0
+NEAR_FLAT = 4.0
 """Steps within which a state is beside the flat one."""
 LOST = "lost: no closed state ahead"
 """Why a curve ends where even the shortest step fails."""
@@ -191,7 +191,7 @@ def follow_from_flat(
     """
     size, limits = float(np.linalg.norm(phi)), problem.fold_limits
     flat = problem.pattern.is_flat and bool((limits.low == -limits.high).all())
-    if not flat or not 0 < size <= BESIDE * step * math.sqrt(problem.size):
+    if not flat or not 0 < size <= NEAR_FLAT * step * math.sqrt(problem.size):
         return None
     curve = ClosedStates(problem)
     x, residual = problem.project(phi * (0.5 * step * math.sqrt(problem.size) / size))

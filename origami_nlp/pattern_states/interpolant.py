@@ -121,7 +121,7 @@ def interpolate(problem: PatternProblem, curve: ClosureCurve) -> Interpolant:
     begin = (
         len(phi) // 2 - 1 if curve.odd else 0
     )  # of an odd curve the step through the flat state, and what follows
-    states, pieces, off = [phi[begin]], [], 0.0
+    states, pieces, off = [phi[begin]], list[np.ndarray](), 0.0
     stack = [(phi[i], data[i], phi[i + 1], data[i + 1], 0) for i in range(begin, len(phi) - 1)]
     stack.reverse()
     while stack:
