@@ -17,7 +17,7 @@ from origami_nlp.kkt import Solve, exact_beside, polish, project
 from origami_nlp.minima.completeness import Added, Completeness, Open
 from origami_nlp.minima.record import BREAKDOWNS, FoundState, Record, closes, judge, listed
 from origami_nlp.numerics import CLOSURE_TOL, DUPLICATE_TOL, NEAR_SINGULAR_TOL
-from origami_nlp.pattern import Scene, limit_words
+from origami_nlp.pattern import Scene
 from origami_nlp.problem import Model
 from origami_nlp.proof import (
     Cluster,
@@ -107,8 +107,6 @@ def why_not(model: Model) -> str:
         return "without fold limits fold angles are not bounded by +-pi"
     if model.scene.laws:
         return "hinge laws: proofs know linear springs only"
-    if model.scene.limits:
-        return f"stops ({limit_words(model.scene.limits)}): proofs know fold limits of +-180 degrees only"
     if not model.scene.vertex.flat:
         return "the paper does not lie flat: proofs are for flat sheets"
     if model.dof <= 0 and model.structure.winding == 1:

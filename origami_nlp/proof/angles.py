@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from origami_nlp.numerics import EPS
 from origami_nlp.proof.affine import Turn, variables, with_centre
 
 
@@ -34,8 +35,9 @@ class Angles:
 
     @classmethod
     def over(cls, lower: np.ndarray, upper: np.ndarray, pins: np.ndarray) -> Angles:
-        """Return those of boxes lower, upper [n, K] [rad]; where pins [n, K] is not 0 it is pins pi exactly."""
+        """Return those of boxes lower, upper [n, K] [rad]; pinned (pins not 0) beside +-pi they are that exactly."""
         middle, half = variables(lower, upper)
+        pins = folded_flat(middle, pins)
         size = np.abs(middle) + half
         sines = np.where(pins != 0, 1.0, np.minimum(1.0, 0.5 * size)).sum(axis=0)
         return cls(
@@ -46,6 +48,11 @@ class Angles:
             np.stack([sines, np.minimum(1.0, sines)]),
             np.minimum(1.0, 2.0 * size.sum(axis=0)),
         )
+
+
+def folded_flat(angle: np.ndarray, pins: np.ndarray) -> np.ndarray:
+    """Return the pins [n, K] of angles at +-pi, where facets lie on each other; 0 at other stops."""
+    return np.where(np.abs(angle) >= np.pi * (1 - 2 * EPS), pins, 0)
 
 
 def angle_turns(middle: np.ndarray, half: np.ndarray, pins: np.ndarray) -> Turn:

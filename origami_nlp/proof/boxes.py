@@ -25,6 +25,7 @@ from typing import Protocol
 import numpy as np
 
 from origami_nlp.numerics import DEPENDENT, NONZERO, RANK, first_largest
+from origami_nlp.problem import FoldLimits
 from origami_nlp.proof.affine import TINY, UNIT, Affine, variables
 from origami_nlp.proof.chains import VanishingRows
 from origami_nlp.proof.compiled_boxes import EXACT, library
@@ -104,11 +105,26 @@ def joined(parts: list[Boxes]) -> Boxes:
     )
 
 
-def strata(n: int) -> Boxes:
-    """Return the whole space: one box for each pin pattern, in the order of itertools.product((0, 1, -1), repeat=n)."""
+def strata(n: int, limits: FoldLimits | None = None) -> Boxes:
+    """Return the whole space: one box for each pin pattern, in the order of itertools.product((0, 1, -1), repeat=n).
+
+    Parameters
+    ----------
+    n
+        Number of variables.
+    limits
+        Their fold limits; +-pi by default.
+
+    Returns
+    -------
+    Boxes
+        Free variables range to the doubles beyond their limits.
+    """
     pins = np.array(list(itertools.product((0, 1, -1), repeat=n)), dtype=np.int8).T
-    lower = np.where(pins == 0, -BEYOND, pins * math.pi)
-    upper = np.where(pins == 0, BEYOND, pins * math.pi)
+    every = limits or FoldLimits(np.full(n, -math.pi), np.full(n, math.pi))
+    low, high = every.low[:, None], every.high[:, None]
+    lower = np.where(pins == 0, np.nextafter(low, -BEYOND), np.where(pins > 0, high, low))
+    upper = np.where(pins == 0, np.nextafter(high, BEYOND), np.where(pins > 0, high, low))
     return Boxes(lower, upper, pins, np.arange(3**n))
 
 
@@ -187,7 +203,7 @@ def prune(
         )
         boxes += len(batch)
         done, again = _shrunk(posed, batch, small, recorder)
-        near = _reach(again) <= flat
+        near = (_reach(again) <= flat) & (again.pins == 0).all(axis=0)
         flats += int(near.sum())
         if recorder:
             recorder.leaves(again.node[near], NodeKind.FLAT)

@@ -291,6 +291,8 @@ def _exact(scene: Scene) -> dict[str, tuple[str, ...]]:
         "stiffness": scene.stiffness,
         "rest_angles": scene.wound_angles,
     }
+    if scene.limits:
+        numbers["limits"] = tuple(float(a) for a in scene.limit_angles.T.ravel())
     return {name: tuple(v.hex() for v in values) for name, values in numbers.items()}
 
 

@@ -40,7 +40,7 @@ from origami_nlp.proof.affine import (
     stacked,
     turned,
 )
-from origami_nlp.proof.angles import Angles
+from origami_nlp.proof.angles import Angles, folded_flat
 from origami_nlp.proof.collinear_creases import (
     CollinearPair,
     collinear_creases_of_loop,
@@ -81,8 +81,8 @@ class Enclosed:
         """Enclose closure, and minors and twins, over boxes."""
         raise NotImplementedError
 
-    def asked(self, pins: np.ndarray) -> np.ndarray:
-        """Return which minors and twins hold on the strata of boxes, [R, K]; pins [n, K]."""
+    def asked(self, pins: np.ndarray, flat: np.ndarray) -> np.ndarray:
+        """Return which minors and twins hold on the strata of boxes, [R, K]; pins, and those at +-pi, [n, K]."""
         raise NotImplementedError
 
     @cached_property
@@ -95,7 +95,7 @@ class Enclosed:
         Parameters
         ----------
         lower, upper
-            Shape [n, K] [rad]; pinned angles are +-pi whatever stands there.
+            Shape [n, K] [rad]; angles pinned at what rounds to +-pi are +-pi exactly.
         pins
             -1, 0 or +1, shape [n, K].
 
@@ -105,7 +105,7 @@ class Enclosed:
         """
         angles = Angles.over(lower, upper, pins)
         closure, critical = (self._program or self.enclosed)(angles)
-        return VanishingRows(closure, critical, self.asked(pins))
+        return VanishingRows(closure, critical, self.asked(pins, folded_flat(lower, pins)))
 
 
 class Sprung(Protocol):
@@ -204,9 +204,9 @@ class VertexForms(Enclosed):
         """Enclose closure, and minors and twins, over boxes."""
         return self.closure(angles), with_twins(self, self.minors(angles), angles)
 
-    def asked(self, pins: np.ndarray) -> np.ndarray:
+    def asked(self, pins: np.ndarray, flat: np.ndarray) -> np.ndarray:
         """Return which minors and twins hold on the strata of boxes, [R, K]."""
-        return with_twins_asked(self, ~(pins != 0)[self.fours].any(axis=1), pins)
+        return with_twins_asked(self, ~(pins != 0)[self.fours].any(axis=1), pins, flat)
 
     def closure(self, angles: Angles) -> Affine:
         """Enclose (L - R) R_0^-1, R_0 = R at the middle: four rows."""
@@ -341,10 +341,12 @@ def torques(piece: Sprung, angles: Angles) -> tuple[np.ndarray, np.ndarray, np.n
     return k, k * (angles.middle - piece.rest[:, None]), k * angles.half
 
 
-def with_twins_asked(piece: Sprung, asked: np.ndarray, pins: np.ndarray) -> np.ndarray:
+def with_twins_asked(
+    piece: Sprung, asked: np.ndarray, pins: np.ndarray, flat: np.ndarray
+) -> np.ndarray:
     """Add to which minors are asked for which twin rows are, [R, K]."""
     rule = piece.twin_rule
-    return np.concatenate([asked, twins_asked(rule, pins)]) if rule else asked
+    return np.concatenate([asked, twins_asked(rule, pins, flat)]) if rule else asked
 
 
 def with_twins(piece: Sprung, minors: Affine, angles: Angles) -> Affine:

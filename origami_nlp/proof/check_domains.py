@@ -64,6 +64,8 @@ class BallChain(ABC):
         Number m of closure equations.
     spare
         How many of the rows of `closure`, the first ones, are of second order.
+    limits
+        Fold limits of each crease; the doubles +-pi stand for +-pi.
     """
 
     rank, spare = 3, 1
@@ -80,6 +82,7 @@ class BallChain(ABC):
         self.stiffness = [arb(k) for k in stiffness]
         self.rest = [arb(a) for a in rest_angles]
         self.over, self.weights = tuple(over), tuple(weights)
+        self.limits: list[tuple[float, float]] = [(-math.pi, math.pi)] * self.count
         self._half_turns = lru_cache(10_000)(self._half_turns_)
         self._turns = lru_cache(10_000)(self._turns_)
         one = diagonal(3, 1)
@@ -110,18 +113,36 @@ class BallChain(ABC):
         (along, across), cross = self._planes[i], self._crosses[i] * sign
         return along + across * c0 + cross * s0, across * c1 + cross * s1
 
+    def stop(self, i: int, side: int) -> float:
+        """Fold limit of a crease on a side."""
+        return self.limits[i][side > 0]
+
+    def closed(self, i: int, side: int) -> bool:
+        """Whether a crease that is pinned on a side (0: free) is folded flat there."""
+        return bool(side) and abs(self.stop(i, side)) == math.pi
+
+    def limit(self, i: int, side: int) -> Any:
+        """Fold limit of a crease on a side, a ball."""
+        return side * arb.pi() if self.closed(i, side) else arb(self.stop(i, side))
+
     def half_turn(self, i: int, box: Box, pins: Sequence[int], sign: int) -> tuple[Any, Any]:
-        """`_half_turns_` of a box; a pinned crease turns by +-pi exactly."""
+        """`_half_turns_` of a box; a pinned crease turns by its limit exactly."""
         if not pins[i]:
             return self._half_turns(i, *box[i], sign)
+        if not self.closed(i, pins[i]):
+            s, c = (arb(self.stop(i, pins[i])) / (2 * self.over[i])).sin_cos()
+            return diagonal(4, c) + self._spins[i] * (s * sign), None
         way, half = sign * pins[i], arb(0.5) / self.over[i]
         return diagonal(4, half.cos_pi()) + self._spins[i] * (half.sin_pi() * way), None
 
     def turn(self, i: int, box: Box, pins: Sequence[int], sign: int) -> tuple[Any, Any]:
-        """`_turns_` of a box; a pinned crease turns by +-pi exactly."""
+        """`_turns_` of a box; a pinned crease turns by its limit exactly."""
         if not pins[i]:
             return self._turns(i, *box[i], sign)
         (along, across), part = self._planes[i], arb(1) / self.over[i]
+        if not self.closed(i, pins[i]):
+            s, c = (arb(self.stop(i, pins[i])) * part).sin_cos()
+            return along + across * c + self._crosses[i] * (s * sign), None
         sine = part.sin_pi() * (sign * pins[i])
         return along + across * part.cos_pi() + self._crosses[i] * sine, None
 
@@ -284,7 +305,7 @@ class VertexChain(BallChain):
         """
         for first, last in ((a, b), (b, a)) if a != b else ():
             total, sign, i = self.sectors[first], 1, (first + 1) % self.count
-            while i != last and pins[i]:
+            while i != last and self.closed(i, pins[i]):
                 sign = -sign
                 total += sign * self.sectors[i]
                 i = (i + 1) % self.count

@@ -47,7 +47,7 @@ class Located:
     Attributes
     ----------
     x, moment
-        Balls that hold the true fold angles (+-pi where pinned), shape [N], and the true moment, shape [3].
+        Balls that hold the true fold angles (the limit where pinned), shape [N], and the true moment, shape [3].
     index
         Negative directions of the Hessian on the stratum; None where unclear.
     signs
@@ -84,8 +84,8 @@ class CheckedStratum:
 
     def angles(self, free: Balls) -> Balls:
         """All fold angles, of the free ones."""
-        pi, given = arb.pi(), iter(free)
-        return [s * pi if s else next(given) for s in self.pins]
+        given = iter(free)
+        return [self.piece.limit(i, s) if s else next(given) for i, s in enumerate(self.pins)]
 
     def torque(self, i: int, x: Balls, moment: Balls, columns: list[Balls]) -> Any:
         """K_i (x_i - rest_i) - m . C_i."""
@@ -134,7 +134,8 @@ class CheckedStratum:
         _, slopes, columns, bends, lift = self.piece.at(angles)
         if not lift > 0:
             raise Refused("closes with q = -1")
-        if not all(abs(angles[i]) < arb.pi() for i in self.free):
+        ends = self.piece.limit
+        if not all(ends(i, -1) < angles[i] < ends(i, 1) for i in self.free):
             raise Refused("a free crease is at its limit, or beyond it")
         signs = tuple(
             _sign(s * self.torque(i, angles, m, columns)) if s else 0

@@ -100,7 +100,12 @@ class Replay:
             self._tree()
             # the flat state closes with the first number alone
             winds = (scene.winding or 1) > 1
-            self.flat_falls = winds or (isinstance(self.piece, VertexChain) and falls(self.piece))
+            # beyond a stop it is no state; at one, what is beside it is not on both sides
+            ends = self.piece.limits
+            outside = any(low > 0 or high < 0 for low, high in ends)
+            inside = all(low < 0 < high for low, high in ends)
+            falling = inside and isinstance(self.piece, VertexChain) and falls(self.piece)
+            self.flat_falls = winds or outside or falling
 
     def _covers_the_vertex(self) -> None:
         """Check that the whole vertex closes where the piece does, and nowhere that no tree covers."""
@@ -218,11 +223,14 @@ class Replay:
         nodes, n = self.certificate.nodes, self.piece.count
         kinds, numbers = nodes.kind.tolist(), nodes.number.tolist()
         boxes = iter(nodes.boxes)
-        up = math.nextafter(math.pi, 4)
-        place = 0
+        up, place = math.inf, 0
+        limits = self.piece.limits
+        beyond = [(math.nextafter(low, -up), math.nextafter(high, up)) for low, high in limits]
         # preorder: the stack holds what is still to be covered of this stratum, and must be empty at its end
         for pins in itertools.product((0, 1, -1), repeat=n):
-            stack: list[Box] = [tuple((s * math.pi,) * 2 if s else (-up, up) for s in pins)]
+            stack: list[Box] = [
+                tuple((limits[i][s > 0],) * 2 if s else beyond[i] for i, s in enumerate(pins))
+            ]
             while stack:
                 if place == len(kinds):
                     raise Refused(f"the tree ends within {_stratum(pins)}: space is left uncovered")

@@ -39,7 +39,10 @@ def piece_of(scene: Scene) -> BallChain:
         In balls of the precision that is set.
     """
     if scene.group.is_trivial:
-        return VertexChain(scene.vertex.sector_angles, scene.stiffness, scene.wound_angles)
+        chain = VertexChain(scene.vertex.sector_angles, scene.stiffness, scene.wound_angles)
+        low, high = scene.limit_angles.tolist()
+        chain.limits = list(zip(low, high, strict=True))
+        return chain
     if scene.group.kind == "D":
         return WedgeChain(scene)
     return (
@@ -79,6 +82,8 @@ class SymmetricPiece(BallChain):
             [orbit.count(r) for r in places],
         )
         self.places = places
+        low, high = scene.limit_angles.tolist()
+        self.limits = [(low[c], high[c]) for c in creases if c is not None]
         share = fmpq(1, self.order)
         self.cosine, self.sine = arb.cos_pi_fmpq(share), arb.sin_pi_fmpq(share)
 
@@ -106,7 +111,8 @@ class SymmetricPiece(BallChain):
             if r:
                 ray = (first + r) % len(self.gaps)
                 if ray in self.places:
-                    if not pins[self.places.index(ray)]:
+                    place = self.places.index(ray)
+                    if not self.closed(place, pins[place]):
                         return None
                     sign = -sign
             total += sign * self.gaps[gap]

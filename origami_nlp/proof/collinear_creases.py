@@ -139,10 +139,10 @@ def collinear_rows(
     return centre, slopes
 
 
-def twins_asked(twins: tuple[CollinearPair, ...], pins: np.ndarray) -> np.ndarray:
-    """Return on which strata twins lie on one line, [T, K]; pins [n, K]."""
+def twins_asked(twins: tuple[CollinearPair, ...], pins: np.ndarray, flat: np.ndarray) -> np.ndarray:
+    """Return on which strata twins lie on one line, [T, K]; pins, and those at +-pi, [n, K]."""
     out = np.zeros((len(twins), pins.shape[1]), dtype=bool)
     for t, twin in enumerate(twins):
         free = (pins[list(twin.creases)] == 0).all(axis=0)
-        out[t] = free & (pins[list(twin.closed)] != 0).all(axis=0)
+        out[t] = free & (flat[list(twin.closed)] != 0).all(axis=0)
     return out

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 
@@ -45,7 +46,7 @@ def prove(
     until: float = math.inf,
     options: ProofOptions = DEFAULT,
 ) -> Proof:
-    """Find every critical point of a scene within fold limits, by branch and prune and certificates of all roots.
+    """Find every critical point of a scene within its fold limits, by branch and prune and certificates of all roots.
 
     Parameters
     ----------
@@ -81,9 +82,10 @@ def prove(
     check_type("model", model, Model)
     started = time.process_time()
     posed, flat = pose(model)
-    start = strata(posed.size)
+    start = strata(posed.size, model.fold_limits)
     recorder = Recorder(len(start)) if record else None
     near = flat.radius or (RADII[0] if model.scene.group.is_trivial else 0.0)
+    within = model.fold_limits
     limits = {"most": options.boxes, "seconds": seconds, "until": until}
     left = prune(posed, start, flat=near, options=options, recorder=recorder, **limits)  # type: ignore[arg-type]
     system = BoxKkt(model)
@@ -91,8 +93,8 @@ def prove(
         system, posed, left.candidates, near, recorder, options
     )
     # a root with a free angle at its limit is none of the open stratum: the state belongs to others
-    # |phi| < pi for certain on the open stratum
-    inside = (np.abs(roots.x) + roots.radius[:, None] < math.pi) | (roots.pins != 0)
+    # between the limits for certain on the open stratum
+    inside = (within.room(roots.x) > roots.radius[:, None]) | (roots.pins != 0)
     ends = np.flatnonzero(~inside.all(axis=1))
     order = np.argsort([model.energy(x) for x in roots.x], kind="stable")
     order = order[inside.all(axis=1)[order]]
@@ -161,7 +163,7 @@ def pose(model: Model) -> tuple[BoxProblem, Flat]:
     """
     scene = model.scene
     scene.check_no_forces("a proof")
-    scene.check_plain_hinges("a proof")
+    scene.check_plain_hinges("a proof", stops=True)
     if scene.contact != "fold-limits":
         raise OptionError(f"contact = {scene.contact!r}: proofs are for contact = 'fold-limits'")
     if not scene.vertex.flat:
@@ -172,7 +174,7 @@ def pose(model: Model) -> tuple[BoxProblem, Flat]:
     group, turn = scene.group, model.structure.turn
     if group.is_trivial:
         vertex = VertexForms(p.sectors, p.stiffness, p.rest)
-        return vertex, flat_lemma(vertex)
+        return vertex, _within_stops(flat_lemma(vertex), model)
     # torques per crease: variables stand for several, the model sums their springs
     # the piece's closure is moved by one crease of each orbit
     k = p.stiffness / model.multiplicity
@@ -185,6 +187,14 @@ def pose(model: Model) -> tuple[BoxProblem, Flat]:
     for ray in group.rays:
         crease.append(None if ray.crease is None else len([c for c in crease if c is not None]))
     return WedgeForms(turn, p.sectors, crease, k, p.rest), flat
+
+
+def _within_stops(flat: Flat, model: Model) -> Flat:
+    """Return what is shown of the flat state where it may be at stops, or beyond one: its neighbours are others."""
+    low, high = model.fold_limits.low, model.fold_limits.high
+    if ((low < 0) & (high > 0)).all():
+        return flat
+    return replace(flat, minimum=False if (low > 0).any() or (high < 0).any() else None)
 
 
 def certified(
@@ -245,7 +255,7 @@ def certified(
 def _roots_of(system: BoxKkt, boxes: Boxes) -> Roots:
     """Newton from the middle of every box, and certificates of what converged."""
     pins = boxes.pins.T
-    x = np.where(pins == 0, 0.5 * (boxes.lower + boxes.upper).T, math.pi * pins)
+    x = 0.5 * (boxes.lower + boxes.upper).T
     x, lam, converged = newton(system, x, pins)
     some = np.flatnonzero(converged)
     # most boxes lead to the same few states
@@ -257,7 +267,7 @@ def _roots_of(system: BoxKkt, boxes: Boxes) -> Roots:
 def _regular(system: BoxKkt, boxes: Boxes, flat: float, size: float) -> np.ndarray:
     """Return at which boxes closure has full rank, on the free variables and for their size, [K]."""
     pins = boxes.pins.T
-    x = np.where(pins == 0, 0.5 * (boxes.lower + boxes.upper).T, math.pi * pins)
+    x = 0.5 * (boxes.lower + boxes.upper).T
     near = (np.abs(x).max(axis=1) < NEAR) & (flat > 0)  # beyond the flat state's lemma
     return near | (system.least_slope(x, pins) > 3 * size)
 
@@ -329,7 +339,7 @@ def reason_of(system: BoxKkt, boxes: Boxes) -> tuple[str, bool]:
     if free.sum() < system.m:
         return f"{int(free.sum())} free variables, {system.m} closure equations", True
     x = 0.5 * (boxes.lower.min(axis=1) + boxes.upper.max(axis=1))
-    least = system.least_slope(np.where(free, x, np.pi * pins)[None], pins[None])[0]
+    least = system.least_slope(x[None], pins[None])[0]
     if least < LOW:
         return f"closure loses rank (singular value {least:.1e})", True
     return "no root was certified", False

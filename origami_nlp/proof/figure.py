@@ -10,8 +10,8 @@ import numpy as np
 
 from origami_nlp.display import angle_ticks, minimum_look, pass_look
 from origami_nlp.errors import OptionError
-from origami_nlp.problem import Model, complete
-from origami_nlp.proof.boxes import BEYOND
+from origami_nlp.problem import FoldLimits, Model, complete
+from origami_nlp.proof.boxes import strata
 from origami_nlp.proof.result import Proof
 from origami_nlp.proof.tree import NodeKind, Tree
 
@@ -48,7 +48,9 @@ MEANING = {
 """Other leaves leave a closed state open."""
 
 
-def locate(tree: Tree, stratum: tuple[int, ...], x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def locate(
+    tree: Tree, stratum: tuple[int, ...], x: np.ndarray, limits: FoldLimits | None = None
+) -> tuple[np.ndarray, np.ndarray]:
     """Find where the tree of a proof deals with states.
 
     Parameters
@@ -59,6 +61,8 @@ def locate(tree: Tree, stratum: tuple[int, ...], x: np.ndarray) -> tuple[np.ndar
         +1 or -1 for a pinned variable, 0 for a free one, [n].
     x
         States of it, shape [K, n] [rad].
+    limits
+        Fold limits of the scene; +-pi by default.
 
     Returns
     -------
@@ -71,9 +75,8 @@ def locate(tree: Tree, stratum: tuple[int, ...], x: np.ndarray) -> tuple[np.ndar
     wanted = list(itertools.product((0, 1, -1), repeat=n)).index(tuple(stratum))
     where = np.full(len(x), -1)
     everything, none = np.arange(len(x)), np.arange(0)
-    pins = np.array(stratum)
-    low = np.where(pins == 0, -BEYOND, pins * math.pi)
-    high = np.where(pins == 0, BEYOND, pins * math.pi)
+    whole = strata(n, limits)[wanted : wanted + 1]
+    low, high = whole.lower[:, 0], whole.upper[:, 0]
     waiting: list[tuple[np.ndarray, np.ndarray, np.ndarray]] = []
     number = -1
     for node, (kind, data) in enumerate(zip(tree.kind.tolist(), tree.data.tolist(), strict=True)):
@@ -138,7 +141,7 @@ def draw_proof(
     for ax, x, exists, title in zip(
         axes, branches, there, ("one way to close", "the other way to close"), strict=True
     ):
-        shown |= _draw(ax, proof.tree, x, exists, size)
+        shown |= _draw(ax, proof.tree, x, exists, model.fold_limits, size)
         ax.set(title=title, aspect="equal", xlabel=rf"fold angle $\phi_{{{pair[0] + 1}}}$")
         angle_ticks(ax.xaxis, -math.pi, math.pi)
         angle_ticks(ax.yaxis, -math.pi, math.pi)
@@ -162,6 +165,7 @@ def _closed(model: Model, pair: tuple[int, int], size: int) -> tuple[np.ndarray,
     x[:, pair[0]], x[:, pair[1]] = np.tile(step, size), np.repeat(step, size)
     solve = np.array([v for v in range(model.size) if v not in pair])
     states, exists = complete(model, x, np.tile(solve, (len(x), 1)))
+    exists &= model.fold_limits.inside(states).all(axis=2)
     return states.swapaxes(0, 1), exists.T
 
 
@@ -175,12 +179,14 @@ def _distance(
     return float(np.abs(branch[near] - x).max(axis=1).min()) if near.any() else math.inf
 
 
-def _draw(ax: Any, tree: Tree, x: np.ndarray, exists: np.ndarray, size: int) -> set[int]:
+def _draw(
+    ax: Any, tree: Tree, x: np.ndarray, exists: np.ndarray, limits: FoldLimits, size: int
+) -> set[int]:
     """Colour the states of one branch, with lines where boxes meet; return which meanings there are."""
     from matplotlib.colors import ListedColormap
 
     meaning, node = np.zeros(len(x), dtype=int), np.full(len(x), -1)
-    where, kinds = locate(tree, (0,) * x.shape[1], x[exists])
+    where, kinds = locate(tree, (0,) * x.shape[1], x[exists], limits)
     node[exists] = where
     meaning[exists] = [MEANING.get(NodeKind(k), OPEN) for k in kinds]
     picture, nodes = meaning.reshape(size, size), node.reshape(size, size)

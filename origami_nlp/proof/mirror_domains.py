@@ -110,9 +110,9 @@ class WedgeForms(Enclosed):
             minors = self._two(on, back, turn, angles)
         return self._closure(on, back), with_twins(self, minors, angles)
 
-    def asked(self, pins: np.ndarray) -> np.ndarray:
+    def asked(self, pins: np.ndarray, flat: np.ndarray) -> np.ndarray:
         """Return which minors and twins hold on the strata of boxes, [R, K]."""
-        return with_twins_asked(self, all_free(self.minor_creases, pins), pins)
+        return with_twins_asked(self, all_free(self.minor_creases, pins), pins, flat)
 
     def seen_first(self, angles: Angles) -> np.ndarray:
         """Return the first mirror's normal as the middle ray sees it before its fold, in the middle of boxes [3, K]."""

@@ -90,9 +90,9 @@ class PeriodForms(Enclosed):
         terms = [[(a, slopes[b], 1.0), (b, slopes[a], -1.0)] for a, b in self.minor_creases]
         return closure, with_twins(self, sums_of_torques(self, terms, angles), angles)
 
-    def asked(self, pins: np.ndarray) -> np.ndarray:
+    def asked(self, pins: np.ndarray, flat: np.ndarray) -> np.ndarray:
         """Return which minors and twins hold on the strata of boxes, [R, K]."""
-        return with_twins_asked(self, all_free(self.minor_creases, pins), pins)
+        return with_twins_asked(self, all_free(self.minor_creases, pins), pins, flat)
 
     def _products(self, turn: Turn) -> tuple[Affine, Affine]:
         """Enclose scalar and x of the product read from every crease on, [n, K]."""

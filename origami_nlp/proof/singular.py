@@ -96,7 +96,7 @@ def isolated(model: Model, x: Sequence[float], stratum: Stratum) -> Isolation:
     0.01
     """
     model.scene.check_no_forces("a singular state")
-    model.scene.check_plain_hinges("a singular state")
+    model.scene.check_plain_hinges("a singular state", stops=True)
     if model.scene.contact != "fold-limits" or not model.scene.vertex.flat:
         raise OptionError(
             "singular states are looked at for contact = 'fold-limits' and flat sheets"
@@ -104,6 +104,9 @@ def isolated(model: Model, x: Sequence[float], stratum: Stratum) -> Isolation:
     near, stratum = np.asarray(x, dtype=float), tuple(int(s) for s in stratum)
     try:
         point, lines = _state_at(model, near, stratum)
+        room = model.fold_limits.room(point)
+        if (room[np.abs(point) != math.pi] <= RADII[0]).any():
+            raise NotShown("a crease is at a stop there, or next to one")
         known = _KNOWN.setdefault(model, {})
         key = (*point.tolist(), *(stratum if lines else ()))
         if key not in known:

@@ -124,7 +124,7 @@ def prove(
     """
     check_type("model", model, Model)
     model.scene.check_no_forces("a proof")
-    model.scene.check_plain_hinges("a proof")
+    model.scene.check_plain_hinges("a proof", stops=True)
     asked: dict[str, Any] = {"seconds": seconds, "until": until, "options": options}
     if model.scene.contact != "full":
         return prove_within_limits(model, record=record, **asked)
@@ -151,6 +151,8 @@ def why_not(model: Model) -> str:
         return f"{dof} degrees of freedom: touches are proved for at most 2"
     if s.kind == "C":
         return ""
+    if model.scene.limits:
+        return f"touches with stops of a {model.symmetry} wedge are not proved"
     fits = rays <= 3 if s.order > 1 else rays == 4 and all(s.has_crease)
     return "" if fits else f"touches of a {model.symmetry} wedge of {rays} rays are not proved"
 
@@ -158,7 +160,8 @@ def why_not(model: Model) -> str:
 def contact_strata(model: Model) -> Iterator[ContactStratum]:
     """List the strata with touches of a model that `why_not` has nothing against."""
     dof = model.dof
-    patterns = strata(model.size)
+    patterns = strata(model.size, model.fold_limits)
+    flat = model.fold_limits.folded_flat(patterns.pins.T).T
     at_limit = (patterns.pins != 0).sum(axis=0)
     for touches in _sets(model):
         # |P| + |T| <= f
@@ -175,7 +178,7 @@ def contact_strata(model: Model) -> Iterator[ContactStratum]:
             allowed &= on == (touches[0].rays == (0, 3))
         for crease in range(model.size if model.structure.kind == "C" else 0):
             if any(_says_nothing(model, t, crease) for t in touches):
-                allowed &= patterns.pins[crease] == 0
+                allowed &= flat[crease] == 0
         if allowed.any():
             yield ContactStratum(touches, posed, patterns[allowed])
 
@@ -261,7 +264,7 @@ def with_touches(
     singular, undecided = list(limits.singular), list(limits.undecided)
     points = _judged(model, _as_roots(limits.points, model.size), limits.points, ())
     if why := why_not(model):
-        undecided.append(cluster_of(model, strata(model.size)[:1], why))
+        undecided.append(cluster_of(model, strata(model.size, model.fold_limits)[:1], why))
     # gaps closed as equations, creases pinned: boxes are pruned until small, and the roots of the KKT system certified
     for stratum in () if why else contact_strata(model):
         touches, names = stratum.touches, _names(model, stratum.touches)
@@ -353,7 +356,8 @@ def _again(
 def _kept_closed(model: Model, touch: Row, stratum: tuple[int, ...]) -> bool:
     """Whether all creases between a ray and what it touches are fully folded, one way round."""
     has = model.structure.has_crease
-    at_limit = [bool(stratum[sum(has[:r])]) if h else True for r, h in enumerate(has)]
+    flat = model.fold_limits.folded_flat(np.array(stratum))
+    at_limit = [bool(flat[sum(has[:r])]) if h else True for r, h in enumerate(has)]
     k, n = touch.rays[0], len(has)
     if touch.kind == "start":
         return all(at_limit[:k])
@@ -397,7 +401,8 @@ def _judged(
     """Give points that are admissible a verdict; None for those that cross, or have layers without an order."""
     if not points:
         return []
-    signs = Signs(model, roots.x, roots.radius, roots.pins)
+    # at a stop facets do not touch: its crease is as a free one
+    signs = Signs(model, roots.x, roots.radius, model.fold_limits.folded_flat(roots.pins))
     return [_verdict(model, signs, i, point, touches) for i, point in enumerate(points)]
 
 
@@ -408,7 +413,7 @@ def _verdict(
     if contacts.verdict == CROSSED:
         return None
     if contacts.verdict == APART:
-        point = _decided(point, contacts.sides)
+        point = _decided(model, point, contacts.sides)
     elif model.refuses(np.array(point.x)):
         return None
     elif point.is_minimum:
@@ -424,7 +429,9 @@ def _verdict(
     return replace(point, judged=f"{what.verdict}: {what.reason}")
 
 
-def _decided(point: ProvedCriticalPoint, sides: tuple[int, ...]) -> ProvedCriticalPoint:
+def _decided(
+    model: Model, point: ProvedCriticalPoint, sides: tuple[int, ...]
+) -> ProvedCriticalPoint:
     """Decide by signs of all multipliers and the index."""
     if not point.touches:
         return point
@@ -434,9 +441,8 @@ def _decided(point: ProvedCriticalPoint, sides: tuple[int, ...]) -> ProvedCritic
     # side times multiplier: below 0 the energy falls as the contact opens
     leaves = any(push < -doubt for push in pushes)
     holds = all(push > doubt for push in pushes)
-    inside = all(
-        s or abs(v) + point.radius < math.pi for v, s in zip(point.x, point.stratum, strict=True)
-    )
+    room = model.fold_limits.room(np.array(point.x))
+    inside = all(s or r > point.radius for r, s in zip(room, point.stratum, strict=True))
     decided: bool | None = None
     if leaves or 1 in point.pinned_signs or point.index:
         decided = False

@@ -133,7 +133,7 @@ class TouchedWedge(Enclosed):
         if axis and len(a) == 2 and piece.size == 3 and abs(a[0] - a[1]) <= SUMMED:
             self.kite = Kite(a[0], 0 if touches[0].kind == "start" else 2, 3)
 
-    def asked(self, pins: np.ndarray) -> np.ndarray:
+    def asked(self, pins: np.ndarray, flat: np.ndarray) -> np.ndarray:
         """Return whether the minor holds on the strata of boxes, [R, K]."""
         return np.tile((pins == 0).all(axis=0), (self.minor_count, 1))
 
@@ -191,7 +191,7 @@ class TouchedVertex(VertexForms):
         self.minor_creases = ()
         self.minor_count = 1 if 3 + len(touches) < self.size else 0
 
-    def asked(self, pins: np.ndarray) -> np.ndarray:
+    def asked(self, pins: np.ndarray, flat: np.ndarray) -> np.ndarray:
         """Return whether the minor holds on the strata of boxes, [R, K]."""
         return np.tile((pins == 0).all(axis=0), (self.minor_count, 1))
 

@@ -133,5 +133,3 @@ def test_what_does_not_know_stops_says_so():
     for asked in (o.find_barriers, o.find_critical_points, o.find_space):
         with pytest.raises(OptionError, match="fold limits of their own"):
             asked(scene)
-    four = drawn(np.random.default_rng(0), "fold-limits")
-    assert "stops" in o.find_minima(four, prove=True).completeness.reason

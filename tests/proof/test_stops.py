@@ -1,0 +1,120 @@
+"""Proofs with stops: every minimum of a scan is there, other arithmetic confirms them, wrong ones are refused."""
+
+from __future__ import annotations
+
+import json
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import origami_nlp as o
+from origami_nlp import Model, Scene, Vertex, examples
+from origami_nlp.proof import (
+    certificate_from_dict,
+    certificate_of,
+    certificate_to_dict,
+    check_proof,
+    prove,
+)
+from tests.independent import scan_four
+from tests.minima.test_stops import drawn
+
+
+def scanned(scene, samples=6_001):
+    """Energies of the minima of a scan."""
+    k, rest = np.array(scene.stiffness), np.array(scene.rest_angles)
+    energy, _ = scan_four.minima(
+        lambda x: 0.5 * (x - rest) ** 2 @ k,
+        np.array(scene.vertex.sector_angles),
+        scene.limit_angles,
+        scene.contact,
+        samples,
+    )
+    return sorted(energy)
+
+
+@pytest.mark.parametrize("contact", ["full", "fold-limits"])
+def test_minima_are_proved_to_be_all(contact):
+    """The flat state is between the stops, beyond one, or at one."""
+    rng = np.random.default_rng(3)
+    for at_flat in (False, False, True):
+        for flat in (True, False):
+            scene = drawn(rng, contact, flat)
+            if at_flat:
+                limits = list(scene.limits)
+                limits[0] = (0.0, 2.0)
+                scene = replace(scene, limits=limits)
+            result = o.find_minima(scene, prove=True)
+            assert result.completeness.status in ("proved", "proved-except-singular")
+            assert at_flat or result.completeness.status == "proved"
+            ours = [m.energy for m in result.minima]
+            assert np.allclose(ours, scanned(scene), atol=1e-2, rtol=2e-3)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("contact", ["full", "fold-limits"])
+def test_minima_of_many_are_proved_to_be_all(contact):
+    rng = np.random.default_rng(8)
+    for k in range(50):
+        scene = drawn(rng, contact, k % 3 != 0)
+        result = o.find_minima(scene, prove=True)
+        assert result.completeness.status == "proved"
+        ours = [m.energy for m in result.minima]
+        assert np.allclose(ours, scanned(scene), atol=1e-2, rtol=2e-3)
+
+
+def five(seed):
+    rng = np.random.default_rng(seed)
+    s = rng.uniform(0.7, 1.3, 5)
+    return Scene(
+        Vertex(tuple(s * 2 * math.pi / s.sum())),
+        tuple(np.exp(rng.normal(size=5))),
+        tuple(rng.uniform(-math.pi, math.pi, 5)),
+        "none",
+        "fold-limits",
+        limits=np.radians(rng.uniform(30, 150, (5, 2))) * (-1, 1),
+    )
+
+
+def test_two_degrees_of_freedom():
+    for seed in range(2):
+        assert o.find_minima(five(seed), prove=True).completeness.status == "proved"
+
+
+def test_symmetric_scenes():
+    scene = replace(examples.degree6("pi/3", ratio=0.3), limits=(-1.2, 1.2), contact="fold-limits")
+    assert scene.group.name == "D1"
+    assert o.find_minima(scene, prove=True).completeness.status.startswith("proved")
+
+
+def confirmed(scene):
+    """The certificate of a scene, written and read, that other arithmetic has confirmed."""
+    pytest.importorskip("flint")
+    made = certificate_of(scene, prove(Model(scene), record=True))
+    certificate = certificate_from_dict(json.loads(json.dumps(certificate_to_dict(made))))
+    check = check_proof(certificate)
+    assert not check.refused
+    assert not [line for line in check.open if "singular" not in line and "flat state" not in line]
+    return certificate
+
+
+def test_other_arithmetic_confirms_it():
+    scene = drawn(np.random.default_rng(1), "fold-limits", flat=False)
+    certificate = confirmed(scene)
+    # the same tree under other stops leaves some of the space out, or has a point elsewhere
+    wider = [(low, min(high + 0.1, 3.0)) for low, high in scene.limit_angles.T]
+    assert check_proof(replace(certificate, scene=replace(scene, limits=wider))).refused
+
+
+@pytest.mark.slow
+def test_other_arithmetic_confirms_many():
+    four = [drawn(np.random.default_rng(k), "fold-limits", k % 2 == 0) for k in range(10)]
+    six = replace(examples.degree6("pi/3", ratio=0.3), limits=(-1.2, 1.2), contact="fold-limits")
+    for scene in (*four, six):
+        certificate = confirmed(scene)
+        held = [p for p in certificate.points if any(p.stratum) and p.is_minimum]
+        for point in held[:1]:
+            kept = tuple(p for p in certificate.points if p is not point)
+            assert check_proof(replace(certificate, points=kept)).refused
