@@ -132,7 +132,7 @@ def _energies(targets: Targets, energy: dict[str, float]) -> list[str]:
                 f"not within [{gap.least:g}, {gap.most:g}]"
             )
     for name, most in targets.highest.items():
-        if energy[name] > most + SAME_ENERGY * energy[name]:
+        if energy[name] > most + SAME_ENERGY * abs(energy[name]):
             out.append(f"energy of {name!r} is {energy[name]:.9g} J, above {most:g}")
     return out
 

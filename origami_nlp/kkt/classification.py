@@ -362,7 +362,7 @@ def _by_search(state: State, judged: list[BranchJudgement]) -> Classification:
         return _not_decided(judged)
     rows = tuple(dict.fromkeys(row for b in judged for row in b.rows))
     found = sample_neighbourhood(state, rows)
-    noise = LEVEL * max(state.energy, model.scale)
+    noise = LEVEL * max(abs(state.energy), model.scale)
     where = f"small spheres, radii {min(RADII):g} to {max(RADII):g}, {found.tried} closed states"
     if found.state is not None and found.lowest < -noise:
         return Classification(

@@ -165,7 +165,7 @@ def _strictly_decreasing(model: Problem, states: list[np.ndarray], end: np.ndarr
 def _lower_neighbour(at: State, direction: np.ndarray | None) -> np.ndarray | None:
     """Return an admissible state near by with lower energy: along `direction` if that works, else by search."""
     model, x = at.problem, at.x
-    noise = LEVEL * max(at.energy, model.scale)
+    noise = LEVEL * max(abs(at.energy), model.scale)
     for step, sign in itertools.product(TRIED, (1.0, -1.0)):
         y = None if direction is None else _closed(model, x + sign * step * direction)
         if y is not None and model.energy_change(x, y) < -noise and not model.refuses(y):

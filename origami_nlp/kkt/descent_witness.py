@@ -83,7 +83,7 @@ def follow_descent(
 def _lower_along(state: State, d: np.ndarray, branch: BranchJudgement) -> DescentWitness | None:
     """Go along a unit direction [n] until facets cross; contacts of the piece that a step passes are closed."""
     model, x = state.problem, state.x
-    noise = LEVEL * max(model.energy(x), model.scale)
+    noise = LEVEL * max(abs(model.energy(x)), model.scale)
     for step in FAR:
         model.check_time()
         try:

@@ -90,7 +90,7 @@ def _slopes(state: State, limits: tuple[Contact, ...]) -> np.ndarray:
 def lower_beside(state: State, branch: BranchJudgement) -> DescentWitness | None:
     """Look for a lower admissible state along the directions that were found, and some that are drawn."""
     p, x = cast(Sparse, state.problem), state.x
-    noise = LEVEL * max(p.energy(x), p.scale)
+    noise = LEVEL * max(abs(p.energy(x)), p.scale)
     for d in _directions(state, branch):
         for step in FAR:
             start = p.fold_limits.clip(x + step * d)

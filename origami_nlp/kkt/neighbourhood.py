@@ -69,7 +69,7 @@ def sample_neighbourhood(
     """
     model, x = at.problem, at.x
     energy = model.energy(x)
-    noise = LEVEL * max(energy, model.scale)
+    noise = LEVEL * max(abs(energy), model.scale)
     lowest, state, tried, dimension = math.inf, None, 0, 0
     seen: set[tuple[Contact, ...]] = set()
     for y, held in _neighbours(at, rows, np.random.default_rng(seed), radii):

@@ -60,7 +60,7 @@ class Terrain(ABC):
     def __init__(self, problem: Problem, minima: np.ndarray, scale: float) -> None:
         self.problem, self.minima = problem, minima
         self.floor, self.worth = FLOOR * scale, SHALLOW * scale
-        self.noise = LEVEL * np.maximum(problem.energies(minima), problem.scale)
+        self.noise = LEVEL * np.maximum(np.abs(problem.energies(minima)), problem.scale)
 
     @abstractmethod
     def rays(self, which: Sequence[int]) -> Sequence[tuple[int, np.ndarray]]:

@@ -127,7 +127,7 @@ def descend(
             share = float(np.linalg.norm(trial)) / max(float(np.linalg.norm(d)), NONZERO)
             lower = problem.scaled_energy(new) < energy - DECREASE * abs(slope) * share
             tiny = np.abs(trial).max() < TINY and problem.scaled_energy(new) <= energy + ROUNDED * (
-                1 + energy
+                1 + abs(energy)
             )
             if closes and (lower or tiny) and np.abs(new - phi).max() <= 3 * radius + OUTSIDE:
                 phi, energy, moved, crept = new, problem.scaled_energy(new), True, not lower
