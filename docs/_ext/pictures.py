@@ -105,6 +105,12 @@ def own(name: str) -> None:
         vertex = o.Vertex.from_degrees((62, 100, 119, 79))
         rest = tuple(np.radians((-180, -141, 180, 180)))
         draw_row(o.find_minima(o.Scene(vertex, (0.02, 0.0186, 0.0129, 0.0135), rest)), path)
+    elif name == "birds_foot":
+        a, k, p = np.pi / 3, 0.025, np.pi / 2
+        psi, error = 2 * np.arctan(np.cos(a) * np.tan(p / 2)), np.radians(10)
+        vertex = o.Vertex((a, np.pi - a, np.pi - a, a))
+        scene = o.Scene(vertex, (k,) * 4, (-psi + error, p, psi + error, p), symmetry="none")
+        draw_row(o.find_minima(scene), path)
     elif name == "degree6_pi3":
         o.draw(o.find_minima(panel("pi/3 1"), full=True), path)
     elif name == "metastable_degree8":
@@ -119,6 +125,25 @@ def own(name: str) -> None:
         family, alpha = re.fullmatch(r"space_(degree\d)_(\w+)", name).groups()
         vertex = getattr(o.examples, family)(alpha.replace("5pi", "5*pi").replace("_", "/"))
         o.draw(o.find_space(vertex), path)
+
+
+def drawn_waterbombs(name: str) -> None:
+    """Draw the energy of waterbomb bases along both curves of their symmetric states."""
+    figure = Figure(figsize=(6, 3.4), layout="constrained")
+    axes = figure.subplots()
+    for n, colour in ((3, "C0"), (4, "C1"), (6, "C2")):
+        a = np.pi / n
+        for sign, line in ((1, "-"), (-1, "--")):
+            ratio = -(1 + sign * np.sin(a)) / np.cos(a)
+            end = min(np.pi, abs(4 * np.arctan(1 / ratio)))
+            m = np.linspace(-end, end, 601)
+            v = 4 * np.arctan(ratio * np.tan(m / 4))
+            u = n * 0.025 / 2 * ((m + np.pi / 3) ** 2 + (v - np.pi / 2) ** 2)
+            label = f"{2 * n} creases" if sign > 0 else None
+            axes.plot(np.degrees(m), u, line, color=colour, label=label)
+    axes.set(xlabel="fold of mountains [deg]", ylabel="energy [J]", xlim=(-185, 100), ylim=(0, 0.6))
+    axes.legend(frameon=False, title="dashed: the second curve", loc="upper left")
+    figure.savefig(FOLDER / f"{name}.png", dpi=150)
 
 
 def by_command(*words: str) -> None:
@@ -184,6 +209,8 @@ PICTURES: dict[str, Callable[[str], None]] = {
     "states": own,
     "degree6_pi3": own,
     "six_states": own,
+    "birds_foot": own,
+    "waterbomb_curves": drawn_waterbombs,
     **{
         f"space_{end}": own
         for end in (

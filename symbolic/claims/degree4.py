@@ -124,7 +124,7 @@ def _check_closed(statement: tuple[Any, ...]) -> Verdict:
     one = [sp.expand((-(a + b) / E + E * (b - a)) / 2) for a, b in zip(two, four, strict=True)]
     three = [sp.expand((-(a + b) / E - E * (b - a)) / 2) for a, b in zip(two, four, strict=True)]
     factors = [
-        Quaternion(value, *vector, sp.Integer(0))
+        Quaternion(value, vector[0], vector[1], sp.Integer(0))
         for value, vector in zip(statement, (one, two, three, four), strict=True)
     ]
     unit = x**2 + y**2 - z**2 - 1

@@ -31,6 +31,7 @@ DEAR = {
     "pattern",
     "sheets",
     "slow",
+    "vertices4",
 }
 """Pages of several seconds: other tests run such commands; what they print waits for the long studies."""
 SLOW = [page for page in PAGES if any(b.run.startswith("slow") for b in blocks(page))]
