@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from origami_nlp.arguments import refuse
 from origami_nlp.cli import options as o
 from origami_nlp.cli.group import FOLD_FILES
 from origami_nlp.cli.output import Output, writes
@@ -85,8 +84,6 @@ def minima(
         out.turn(*found.results)
         out.others(found)
         return
-    if scene.is_whole:
-        refuse("pattern", {"certificate": "its list is not proved"}, certificate=certificate)
     stated = scene.read_whole(contact=True)
     if not isinstance(stated, Scene):
         options["contact"] = scene.whole_contact
@@ -112,12 +109,20 @@ def minima(
 def _write_certificate(result: MinimaResult, file: str) -> None:
     """Prove again, with the tree of boxes on record, and write it down."""
     from origami_nlp.problem import Model
-    from origami_nlp.proof import ProofOptions, certificate_of, prove, write_certificate
+    from origami_nlp.proof import (
+        ProofOptions,
+        certificate_of,
+        prove,
+        write_certificate,
+    )
 
     found = result.completeness
     if found is None or not found.boxes:
         why = found.reason if found else "it was not asked for (--prove)"
         raise OptionError(f"--certificate: there is no proof to write: {why}")
+    if result.is_pattern:
+        _write_strip_certificate(result, found.boxes, file)
+        return
     models = [Model(one) for one in result.scene.of_each_winding]
     proofs = [
         prove(model, record=True, options=ProofOptions(boxes=found.boxes)) for model in models
@@ -130,16 +135,37 @@ def _write_certificate(result: MinimaResult, file: str) -> None:
     write_certificate(certificate_of(result.scene, *proofs), file)
 
 
+def _write_strip_certificate(result: MinimaResult, boxes: int, file: str) -> None:
+    from origami_nlp.proof import (
+        certificate_of_strip,
+        prove_strip,
+        why_no_strip_contact,
+        write_certificate,
+    )
+
+    contact = getattr(result.search, "contact", "full") == "full"
+    proof = prove_strip(
+        result.pattern,
+        contact=contact and not why_no_strip_contact(result.pattern),
+        boxes=boxes,
+    )
+    write_certificate(certificate_of_strip(result.pattern, proof), file)
+
+
 @writes("json", "bibtex")
 def check_proof(out: Output, proof: o.ProofFile) -> None:
     """Check a proof that a list of minima is complete, claim by claim, in ball arithmetic.
 
     Exit code 1 if a claim is not confirmed: the first one is named.
     """
-    from origami_nlp.proof import check_proof as check, read_certificate
+    from origami_nlp.proof import StripCertificate, check_proof as check, read_certificate
 
     certificate = read_certificate(proof)
-    with progress(f"check of {proof}", len(certificate.nodes.kind)) as report:
+    if isinstance(certificate, StripCertificate):
+        size = sum(len(curve.claims) for curve in certificate.curves)
+    else:
+        size = len(certificate.nodes.kind)
+    with progress(f"check of {proof}", size) as report:
         found = check(certificate, lambda done, total: report(done, total))
     out.say("\n".join(found.lines), highlight=False, soft_wrap=True)
     out.write("json", found.to_dict)

@@ -10,10 +10,10 @@ from dataclasses import replace
 import numpy as np
 
 from origami_nlp.minima import Added, Completeness, JudgedState, Open
-from origami_nlp.numerics import DUPLICATE_TOL
+from origami_nlp.numerics import BESIDE_SINGULAR, DUPLICATE_TOL
 from origami_nlp.pattern import Pattern
 from origami_nlp.pattern_problem import PatternProblem
-from origami_nlp.pattern_states.judgement import judge_end
+from origami_nlp.pattern_states.judgement import judge, judge_end, singular_beside
 from origami_nlp.proof import (
     ProofOptions,
     StripProof,
@@ -99,19 +99,23 @@ def hold_against(
     """
     against: list[str] = []
     judged: list[JudgedState] = []
+    shown = [m.fold_angles for m in proof.minima]
     for minimum in proof.minima:
         within = minimum.radius + DUPLICATE_TOL
         near = [s for s in known if np.abs(s.phi - minimum.fold_angles).max() <= within]
         if not near:
             judged.append(judge_end(problem, minimum.fold_angles, contact))
             near = judged[-1:]
-        if not any(
-            s.verdict == "minimum" or (contact and s.verdict == "not admissible") for s in near
-        ):
+        if all(s.verdict == "undecided" for s in near):
+            found = _where_rank_is_lost(proof, problem, minimum.fold_angles, contact)
+            shown += [s.phi for s in found]
+            near, judged = [*near, *found], [*judged, *found]
+        # facets of a proof within fold limits may cross
+        confirmed = ("minimum", "not admissible") if contact and not proof.contact else ("minimum",)
+        if not any(s.verdict in confirmed for s in near):
             against.append(
                 f"a proved minimum ({near[0].energy:.9g} J) is judged: {near[0].verdict}"
             )
-    shown = [m.fold_angles for m in proof.minima]
     listed = [s for s in (*known, *judged) if s.verdict == "minimum"]
     for state in listed:
         if min((np.abs(state.phi - x).max() for x in shown), default=math.inf) > DUPLICATE_TOL:
@@ -123,7 +127,7 @@ def hold_against(
         reasons.append(f"{many} interval{'s' * (many != 1)} of the curves not decided")
     if contact and not proof.contact:
         reasons.append(
-            f"all minima within fold limits are proved, {len(shown)} on {proof.curves} curves; "
+            f"all minima within fold limits are proved, {len(proof.minima)} on {proof.curves} curves; "
             f"{why_no_strip_contact(problem.pattern)}: states that touching facets hold are not enumerated"
         )
     added = [s for s in judged if s.verdict == "minimum"]
@@ -132,7 +136,7 @@ def hold_against(
         "; ".join(reasons),
         proof.boxes,
         proof.seconds,
-        {"0": len(shown), "1": proof.maxima} if proof.maxima else {"0": len(shown)},
+        {"0": len(proof.minima)} | ({"1": proof.maxima} if proof.maxima else {}),
         0,
         len(listed),
         tuple(_region(problem.pattern, *interval) for interval in proof.undecided),
@@ -142,6 +146,21 @@ def hold_against(
         + ", and facets are apart, touch or cross over intervals of them" * proof.contact,
     )
     return completeness, judged
+
+
+def _where_rank_is_lost(
+    proof: StripProof, problem: PatternProblem, phi: np.ndarray, contact: bool
+) -> list[JudgedState]:
+    """Judge the state beside a proved minimum at which closure loses rank, if it is beside no other one.
+
+    The sectors of the file are such that creases come to rest all but at their limits; of the two the kernel decides
+    on the one that is at them, which closes to rounding as well.
+    """
+    there = singular_beside(problem.with_contact(contact), phi)
+    if there is None:
+        return []
+    beside = [m for m in proof.minima if np.abs(m.fold_angles - there).max() <= BESIDE_SINGULAR]
+    return [judge(problem, there, contact)] if len(beside) == 1 else []
 
 
 def _region(pattern: Pattern, lower: np.ndarray, upper: np.ndarray, why: str) -> Open:

@@ -24,11 +24,17 @@ from .flat import Flat as Flat, flat_lemma as flat_lemma
 from .options import ProofOptions as ProofOptions
 from .result import Cluster as Cluster, Proof as Proof, ProvedCriticalPoint as ProvedCriticalPoint
 from .singular import Isolation as Isolation, isolated as isolated
+from .strip_certificate import (
+    StripCertificate as StripCertificate,
+    strip_from_dict as strip_from_dict,
+    strip_to_dict as strip_to_dict,
+)
 from .strip_contact import why_no_strip_contact as why_no_strip_contact
 from .strip_states import why_no_strip as why_no_strip
 from .strips import (
     StripMinimum as StripMinimum,
     StripProof as StripProof,
+    certificate_of_strip as certificate_of_strip,
     prove_strip as prove_strip,
 )
 from .touches import prove as prove, why_not as why_not

@@ -20,6 +20,12 @@ import numpy as np
 from origami_nlp.errors import CertificateError
 from origami_nlp.io import Finite, check_schema, from_plain, read_json, to_plain, write_json
 from origami_nlp.pattern import Scene
+from origami_nlp.proof.strip_certificate import (
+    STRIP_SCHEMA,
+    StripCertificate,
+    strip_from_dict,
+    strip_to_dict,
+)
 
 SCHEMA = "origami-nlp/proof/1"
 LARGEST = 1_000_000_000
@@ -205,13 +211,13 @@ def _document(certificate: Certificate) -> _Document:
     )
 
 
-def write_certificate(certificate: Certificate, target: str | Path) -> None:
+def write_certificate(certificate: Certificate | StripCertificate, target: str | Path) -> None:
     """Write a certificate to a file, whole or not at all.
 
     Parameters
     ----------
     certificate
-        The certificate.
+        Of a vertex or of a strip.
     target
         The file, or ``"-"`` for standard output.
 
@@ -220,10 +226,13 @@ def write_certificate(certificate: Certificate, target: str | Path) -> None:
     OptionError
         If it cannot be written.
     """
-    write_json(certificate_to_dict(certificate), target)
+    if isinstance(certificate, StripCertificate):
+        write_json(strip_to_dict(certificate), target)
+    else:
+        write_json(certificate_to_dict(certificate), target)
 
 
-def read_certificate(source: str | Path) -> Certificate:
+def read_certificate(source: str | Path) -> Certificate | StripCertificate:
     """Read a certificate from a file.
 
     Parameters
@@ -233,15 +242,18 @@ def read_certificate(source: str | Path) -> Certificate:
 
     Returns
     -------
-    Certificate
-        The certificate: well formed, nothing in it is checked.
+    Certificate or StripCertificate
+        Of a vertex or of a strip: well formed, nothing in it is checked.
 
     Raises
     ------
     CertificateError
         If it cannot be read or is not one.
     """
-    return certificate_from_dict(read_json(source, LARGEST, "proof", CertificateError))
+    data = read_json(source, LARGEST, "proof", CertificateError)
+    if isinstance(data, dict) and data.get("schema") == STRIP_SCHEMA:
+        return strip_from_dict(data)
+    return certificate_from_dict(data)
 
 
 def certificate_from_dict(data: Any) -> Certificate:

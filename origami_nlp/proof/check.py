@@ -13,6 +13,8 @@ claimed; leaves that rest on it lie within that radius.  (c) Leaves at the flat 
 anew.  (d) What the proof leaves open is reported.  (e) The minima claimed are those of (b).  (f) With symmetry there is
 a tree for every way in which the whole vertex closes, from the product of all its folds (`check_whole`).
 
+Proofs of strips have a statement of their own: `check_strips`.
+
 What is trusted.  This file, `certificate` and `check_*`, which share no code with the search; the reading of a scene,
 with its symmetry; python-flint and FLINT (`arb`: midpoint and radius, rounded outwards); Python, and NumPy where it
 suggests numbers that are then tested; the machine.  Sectors stand for all within two units in the last place that close
@@ -31,6 +33,7 @@ from typing import TYPE_CHECKING
 
 from origami_nlp.errors import OptionError
 from origami_nlp.proof.certificate import KINDS, Certificate, read_certificate
+from origami_nlp.proof.strip_certificate import StripCertificate
 
 if TYPE_CHECKING:
     from origami_nlp.proof.check_points import Located
@@ -72,7 +75,7 @@ class Check:
         if self.refused:
             return [f"refused: {self.refused}"]
         count = f"{len(self.minima)} {'minimum' if len(self.minima) == 1 else 'minima'}"
-        boxes = f"{len(self.points)} critical points, {sum(self.nodes.values()):,} nodes"
+        boxes = f"{sum(self.indices.values())} critical points, {sum(self.nodes.values()):,} nodes"
         head = "checked: complete" if not self.open else "checked, but not all is decided"
         about = [f"{head} - {count}, {boxes}"]
         kinds = sorted(self.indices.items(), key=lambda item: (item[0] is None, item[0]))
@@ -102,7 +105,8 @@ class Check:
 
 
 def check_proof(
-    proof: str | Path | Certificate, progress: Callable[[int, int], object] | None = None
+    proof: str | Path | Certificate | StripCertificate,
+    progress: Callable[[int, int], object] | None = None,
 ) -> Check:
     """Check a proof from its file: every claim, by ball arithmetic of its own.
 
@@ -125,13 +129,15 @@ def check_proof(
     OptionError
         If python-flint is not there.
     """
-    certificate = proof if isinstance(proof, Certificate) else read_certificate(proof)
+    certificate = read_certificate(proof) if isinstance(proof, str | Path) else proof
     try:  # by itself: the check shares no code with the search
         import flint
     except ImportError:
         raise OptionError(
             'checking a proof needs python-flint: pip install "origami_nlp[proof]"'
         ) from None
+    if isinstance(certificate, StripCertificate):
+        return _check_strip(certificate, progress or (lambda done, total: None))
     from origami_nlp.proof.check_replay import COARSE, FINE, Refused, Replay
 
     every = (certificate, *certificate.others)
@@ -165,6 +171,34 @@ def check_proof(
         tuple(left),
         {KINDS[k]: c for k, c in sorted(sum((r.counts for r in replays), Counter[int]()).items())},
         trusted,
+    )
+
+
+def _check_strip(said: StripCertificate, progress: Callable[[int, int], object]) -> Check:
+    import flint
+
+    from origami_nlp.proof.check_points import Refused
+    from origami_nlp.proof.check_strips import BITS, StripCheck
+
+    check, refused = StripCheck(said, progress), ""
+    try:
+        check.run()
+    except Refused as problem:
+        refused = str(problem)
+    many = len(said.minima)
+    contact = "facets round a vertex that closes with q = +1 do not cross, being convex (shown in `docs`, not here)"
+    return Check(
+        refused,
+        () if refused else tuple(range(1, many + 1)),
+        tuple(m.fold_angles for m in said.minima),
+        {0: many, 1: check.maxima},
+        () if refused else tuple(check.open),
+        dict(sorted(check.counts.items())),
+        (
+            f"python-flint {flint.__version__} ({BITS} bits), Python, NumPy for suggestions",
+            "the statement: round a flat vertex of degree four 1 - cos of opposite folds have one ratio (Rodrigues)",
+            *([contact] if said.contact else []),
+        ),
     )
 
 

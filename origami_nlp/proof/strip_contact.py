@@ -247,11 +247,13 @@ class StripContact:
                 return True
         return False
 
-    def gap(self, touches: tuple[FacetTouch, ...], states: StripStates) -> np.ndarray:
-        """Return the least sign of all g at single states, 0 where it is not certain, [K]."""
+    def gaps(self, touches: tuple[FacetTouch, ...], states: StripStates) -> Ball:
+        """Return all g at single states, [touches, K]."""
         x = self.corners(states, states.angles)
-        signs = [t.sign * _gap([corner(x[p].value, i) for p, i in t.corners]).sign for t in touches]
-        return np.min(signs, axis=0)
+        found = [
+            exact(t.sign) * _gap([corner(x[p].value, i) for p, i in t.corners]) for t in touches
+        ]
+        return stacked(found)
 
     def _apart(self, facets: Facets, a: int, b: int) -> np.ndarray:
         """Return APART where a plane separates two polygons over the boxes, else UNKNOWN, [K]."""

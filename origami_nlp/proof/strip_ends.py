@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from origami_nlp.proof.affine import UNIT, variables
+from origami_nlp.proof.ball_vectors import part
 from origami_nlp.proof.balls import Ball
 from origami_nlp.proof.strip_contact import (
     APART,
@@ -122,9 +123,9 @@ class CurveEnds:
                     continue
                 toward = 1.0 if sides[0] is before else -1.0
                 contact = self._limit_contact(piece, toward) if piece.contact == TOUCHING else APART
-                if contact == CROSSING:
+                if contact == CROSSING and sides[0].contact == CROSSING:
                     continue
-                if contact == UNKNOWN:
+                if contact != APART:
                     self._leave(
                         piece, "whether facets cross where a crease is at +-pi is not decided"
                     )
@@ -163,11 +164,15 @@ class CurveEnds:
         held = {self.energy.across[i]: side for i, side in piece.at_limits(toward).items()}
         return self.contact.at_limits(facets, boxes.angles, held)
 
-    def _gap(self, piece: ThetaStretch, touch: tuple[FacetTouch, ...], theta: float) -> float:
-        """Return the sign of the gap of two facets at one state, 0 where it is not certain."""
+    def _gaps(self, piece: ThetaStretch, touch: tuple[FacetTouch, ...], theta: float) -> Ball:
+        """Return the gaps of facets that meet at one state of a piece."""
         at = self.energy.over(np.array([int(piece.curve)]), *np.array([[theta], [theta]])).at
         assert self.contact is not None
-        return float(self.contact.gap(touch, at)[0])
+        return part(self.contact.gaps(touch, at), np.s_[:, 0])
+
+    def _gap(self, piece: ThetaStretch, touch: tuple[FacetTouch, ...], theta: float) -> float:
+        """Return the least sign of their gaps at one state, 0 where it is not certain."""
+        return float(self._gaps(piece, touch, theta).sign.min())
 
     def _leave(self, piece: ThetaStretch, why: str) -> None:
         ends = np.array([piece.lower]), np.array([piece.upper])
@@ -189,7 +194,10 @@ class CurveEnds:
         if piece.kind == NONE:
             return piece.slope
         x = np.array([theta])
-        return float(self.energy.over(np.array([int(piece.curve)]), x, x).slope()[0].sign[0])
+        # an end of the curve is between two doubles
+        inner = np.where(np.abs(x) > 0.5 * math.pi, np.nextafter(x, 0.0), x)
+        low, high = np.fmin(x, inner), np.fmax(x, inner)
+        return float(self.energy.over(np.array([int(piece.curve)]), low, high).slope()[0].sign[0])
 
     def _closing(self, piece: ThetaStretch, theta: float) -> np.ndarray:
         """Return which vertices may close at one state of a piece, [k]."""
@@ -231,8 +239,21 @@ class CurveEnds:
             if side == 0:
                 break
             low, high = (low, middle) if side > 0 else (middle, high)
-        state = self._state(int(piece.curve), low, high, {})
-        return replace(state, touching=tuple(t.polygons for t in touch))
+        # which of them meet there, and where to rounding: the middle may be off by more than a touch is judged by
+        gaps = [self._gaps(piece, touch, x) for x in (low, high)]
+        first, last = (g.centre for g in gaps)
+        meet = (gaps[0].sign <= 0) | (gaps[1].sign <= 0)
+        zeros = (low + (high - low) * np.clip(first / (first - last), 0, 1))[meet]
+        zero = float(zeros.max() if touch[0].slope > 0 else zeros.min())
+        box = self._state(int(piece.curve), low, high, {})
+        at = self._state(int(piece.curve), zero, zero, {})
+        far = float(np.abs(at.fold_angles - box.fold_angles).max())
+        return replace(
+            at,
+            theta=box.theta,
+            radius=box.radius + far,
+            touching=tuple(t.polygons for t, m in zip(touch, meet, strict=True) if m),
+        )
 
     def _narrowed(
         self, curve: np.ndarray, pieces: list[ThetaStretch], first: list[tuple[int, float]] | None

@@ -14,6 +14,7 @@ import numpy as np
 from origami_nlp.pattern import Pattern
 from origami_nlp.proof.affine import UNIT, variables
 from origami_nlp.proof.balls import Ball, exact
+from origami_nlp.proof.strip_certificate import Claim
 from origami_nlp.proof.strip_contact import (
     APART,
     CROSSING,
@@ -30,6 +31,13 @@ TOGETHER = 2.0**-30
 """Width of theta within which folds of several vertices pass their limits at once [rad]."""
 NONE, RISING, FALLING, OUTSIDE, LIMIT, OPEN = range(6)
 """Kinds of boxes: U' is not 0; U'' > 0; U'' < 0; no state within fold limits; a crease reaches +-pi; undecided."""
+CLAIMS: dict[int, Claim] = {
+    RISING: "convex",
+    FALLING: "concave",
+    OUTSIDE: "outside",
+    LIMIT: "limit",
+}
+"""What certificates call them."""
 
 
 class StripEnergy:
@@ -110,6 +118,20 @@ class ThetaBoxes:
         """Return which folds across the row may be at +-pi, [creases across, K]; where nothing is known, too."""
         return np.array([~(self.angles[c].magnitude < HALF_TURN) for c in self.energy.across])
 
+    def leaving(self, moving: np.ndarray) -> np.ndarray:
+        """Return which folds across the row, moving up or down, certainly come from a limit or do not get to theirs,
+        [across, K].
+        """
+        found = []
+        for c, sign in zip(self.energy.across, moving, strict=True):
+            a, rate = self.at.angles[c], self.box.slopes[c].value
+            ends = [a + exact(s * self.half) * rate for s in (-1.0, 1.0)]
+            within = [e.magnitude < HALF_TURN for e in ends]
+            found.append(
+                (within[0] & (ends[0].sign == -sign)) | (within[1] & (ends[1].sign == sign))
+            )
+        return np.array(found)
+
     def lifted(self, signs: np.ndarray, passing: np.ndarray) -> dict[int, Ball]:
         """Return folds across the row in the middle, those that pass a limit continued to signs pi, [across, K]."""
         found = {}
@@ -158,6 +180,19 @@ class ThetaStretch(NamedTuple):
         """Whether all its states close within fold limits."""
         return self.kind in (NONE, RISING, FALLING)
 
+    @property
+    def claim(self) -> Claim:
+        """What a certificate says of it."""
+        if self.kind == OPEN or (self.contact == UNKNOWN and self.kind != OUTSIDE):
+            return "open"
+        if self.contact == CROSSING and self.kind != OUTSIDE:
+            return "crossing"
+        if self.kind == NONE and self.contact == TOUCHING:
+            return "touching"
+        if self.kind == NONE:
+            return "rising" if self.slope > 0 else "falling"
+        return CLAIMS[int(self.kind)]
+
     def joins(self, other: ThetaStretch) -> bool:
         """Return whether both are of one kind, and say the same."""
         if self.contact != other.contact or self.contact == TOUCHING:
@@ -194,7 +229,9 @@ def kinds_of_boxes(
     once = np.array([(r.sign != 0) & (r.magnitude * boxes.half < 1) for r in rates])
     known = (once | ~passing).all(axis=0) & ~(passing[::2] & passing[1::2]).any(axis=0)
     ahead, behind = (boxes.slope(boxes.lifted(s * moving, passing))[0].sign for s in (1.0, -1.0))
-    known &= (passing.sum(axis=0) == 1) | (upper - lower <= TOGETHER)
+    # several at once: each reaches its limit or is past it, none leaves one or is still to come to it
+    together = ~(passing & boxes.leaving(moving)).any(axis=0) & (upper - lower <= TOGETHER)
+    known &= (passing.sum(axis=0) == 1) | together
     kind[narrow & passing.any(axis=0) & known & (ahead != 0) & (behind != 0)] = LIMIT
     bits = 2.0 ** np.arange(len(energy.across))
     status = np.full(len(curve), APART)

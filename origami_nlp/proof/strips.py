@@ -9,12 +9,20 @@ from __future__ import annotations
 import itertools
 import math
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from origami_nlp.errors import OptionError
 from origami_nlp.pattern import Pattern
+from origami_nlp.proof.strip_certificate import (
+    CertifiedCurve,
+    CertifiedMinimum,
+    CertifiedTouch,
+    OpenInterval,
+    StripCertificate,
+    TouchingBox,
+)
 from origami_nlp.proof.strip_contact import (
     TOUCHING,
     UNKNOWN,
@@ -31,7 +39,7 @@ from origami_nlp.proof.strip_energy import (
     ThetaStretch,
     kinds_of_boxes,
 )
-from origami_nlp.proof.strip_states import as_strip
+from origami_nlp.proof.strip_states import as_strip, why_no_strip
 
 NARROWEST = 2.0**-44
 """Width of theta below which a box is left open [rad]."""
@@ -59,6 +67,10 @@ class StripProof:
         Boxes of theta, and the processor time that they took.
     contact
         Whether states in which facets cross are left out, and minima that touching facets hold are listed.
+    row
+        Creases along the row, from 0.
+    claims
+        What is claimed of each curve, box by box, for a certificate.
     """
 
     curves: int
@@ -68,6 +80,8 @@ class StripProof:
     boxes: int
     seconds: float
     contact: bool = False
+    row: tuple[int, ...] = ()
+    claims: tuple[CertifiedCurve, ...] = field(default=(), repr=False)
 
 
 def prove_strip(
@@ -110,7 +124,7 @@ def prove_strip(
     """
     pattern.check_plain_hinges("a proof")
     strip, why = as_strip(pattern)
-    if strip is None:
+    if strip is None or (why := why_no_strip(pattern)):
         raise OptionError(f"pattern = {pattern.title}: no strip that can be proved: {why}")
     if contact and (why := why_no_strip_contact(pattern)):
         raise OptionError(f"pattern = {pattern.title}: no strip whose contact can be proved: {why}")
@@ -145,10 +159,82 @@ def prove_strip(
         boxes_of = np.concatenate(cover, axis=1)
         order = np.lexsort((boxes_of[1], boxes_of[0]))
         ends = CurveEnds(energy, facets, touches)
+        curves = []
         for number in range(signs.shape[1]):
-            ends.along([ThetaStretch(*b) for b in boxes_of[:, order].T.tolist() if b[0] == number])
+            own = [ThetaStretch(*b) for b in boxes_of[:, order].T.tolist() if b[0] == number]
+            ends.along(own)
+            curves.append(_claims(signs[:, number], own, touches))
         minima = ends.minima()
     seconds = time.process_time() - started
     return StripProof(
-        signs.shape[1], tuple(minima), ends.maxima, tuple(ends.open), examined, seconds, contact
+        signs.shape[1],
+        tuple(minima),
+        ends.maxima,
+        tuple(ends.open),
+        examined,
+        seconds,
+        contact,
+        tuple(strip.row),
+        tuple(curves),
+    )
+
+
+def _claims(
+    signs: np.ndarray,
+    boxes: list[ThetaStretch],
+    touches: dict[tuple[float, float, float], tuple[FacetTouch, ...]],
+) -> CertifiedCurve:
+    """Return what is claimed of the boxes of a curve."""
+    claims = tuple(box.claim for box in boxes)
+    return CertifiedCurve(
+        tuple(signs.astype(int).tolist()),
+        (*(box.lower for box in boxes), boxes[-1].upper),
+        claims,
+        tuple(
+            TouchingBox(k, tuple(CertifiedTouch(*t[:2]) for t in touches[box[:3]]))
+            for k, (box, claim) in enumerate(zip(boxes, claims, strict=True))
+            if claim == "touching"
+        ),
+    )
+
+
+def certificate_of_strip(pattern: Pattern, proof: StripProof) -> StripCertificate:
+    """Return the proof of a strip in the form that is written to a file and checked.
+
+    Parameters
+    ----------
+    pattern
+        The strip.
+    proof
+        Of it.
+
+    Returns
+    -------
+    StripCertificate
+        All that is claimed.
+    """
+    return StripCertificate(
+        tuple((x, y) for x, y, _ in pattern.corners.tolist()),
+        tuple(tuple(map(int, p)) for p in pattern.polygons),
+        tuple((a, b) for a, b in pattern.ends.tolist()),
+        tuple(pattern.stiffness.tolist()),
+        tuple(pattern.rest.tolist()),
+        proof.contact,
+        proof.row,
+        proof.claims,
+        tuple(
+            CertifiedMinimum(
+                m.signs,  # type: ignore[arg-type]
+                m.theta,
+                tuple(m.fold_angles.tolist()),
+                m.radius,
+                m.touching,
+            )
+            for m in proof.minima
+        ),
+        proof.maxima,
+        tuple(
+            OpenInterval(tuple(low.tolist()), tuple(high.tolist()), why)
+            for low, high, why in proof.undecided
+        ),
     )
