@@ -9,20 +9,18 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Iterator, Sequence
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 from flint import arb, arb_series
 
 from origami_nlp.proof.check_points import Refused
+from origami_nlp.proof.check_strip_boxes import ThetaBall
 from origami_nlp.proof.check_strip_sheet import FlatSheet
 from origami_nlp.proof.strip_certificate import CertifiedTouch
 
-if TYPE_CHECKING:
-    from origami_nlp.proof.check_strips import Over
-
 Point: TypeAlias = Any
-Placed: TypeAlias = tuple[list[list[Any]], list[list[Any]], list[Any]]
+CornersOver: TypeAlias = tuple[list[list[Any]], list[list[Any]], list[Any]]
 """Corners of all facets over a box, as balls and as series, and in its middle."""
 
 
@@ -101,7 +99,7 @@ class CheckedContact:
             out.append([tuple(r[i][0] * x + r[i][1] * y + t[i] for i in range(3)) for x, y in flat])
         return out
 
-    def _over(self, over: Over) -> Placed:
+    def _over(self, over: ThetaBall) -> CornersOver:
         """Return corners over a box, as balls and as series, and in its middle."""
         kept = over.corners
         if kept is None:
@@ -121,7 +119,7 @@ class CheckedContact:
         return kept
 
     def apart(
-        self, over: Over, weakly: bool = False, but: frozenset[tuple[int, int]] = frozenset()
+        self, over: ThetaBall, weakly: bool = False, but: frozenset[tuple[int, int]] = frozenset()
     ) -> bool:
         """Return whether a plane certainly is between the two facets of each pair, over a box.
 
@@ -136,7 +134,7 @@ class CheckedContact:
             if (a, b) not in but
         )
 
-    def _beside(self, over: Over, a: int, b: int, weakly: bool) -> bool:
+    def _beside(self, over: ThetaBall, a: int, b: int, weakly: bool) -> bool:
         """Return whether the plane of some facet is between two, corners of it in it."""
         balls, _, _ = self._over(over)
         for c in range(len(balls)):
@@ -145,7 +143,7 @@ class CheckedContact:
                 return True
         return False
 
-    def _side(self, over: Over, balls: list[list[Point]], c: int, f: int, weakly: bool) -> int:
+    def _side(self, over: ThetaBall, balls: list[list[Point]], c: int, f: int, weakly: bool) -> int:
         """Return on which side of the plane of facet c facet f is, but for corners in c; 0: not certain."""
         if f == c:
             return 0
@@ -158,7 +156,7 @@ class CheckedContact:
         sides = set()
         for y, v in zip(balls[f], ring, strict=True):
             if v not in own:
-                value = _alike([_volume(*_corners_of_plane(balls[c]), y)])
+                value = _common_sign([_volume(*_corners_of_plane(balls[c]), y)])
                 # what lies at a corner of a facet beside c goes where that is folded
                 sides.add(
                     value or next((s for g, s in folded.items() if v in self.sheet.facets[g]), 0)
@@ -170,9 +168,9 @@ class CheckedContact:
 
         A convex facet is all beyond its crease.
         """
-        return _alike([fold]) if weakly or abs(fold) < arb.pi() else 0
+        return _common_sign([fold]) if weakly or abs(fold) < arb.pi() else 0
 
-    def crosses(self, over: Over) -> bool:
+    def crosses(self, over: ThetaBall) -> bool:
         """Return whether an edge of a facet certainly passes through another inside, all over a box."""
         balls, _, middle = self._over(over)
         for a, b in self.pairs:
@@ -185,7 +183,7 @@ class CheckedContact:
                         return True
         return False
 
-    def touches(self, over: Over, touches: Sequence[CertifiedTouch]) -> int:
+    def touches(self, over: ThetaBall, touches: Sequence[CertifiedTouch]) -> int:
         """Return the sign of the slope of all gaps, if each pair is apart or crosses by the sign of its own; else 0."""
         pairs = frozenset((min(t.facets), max(t.facets)) for t in touches)
         if not touches or not pairs <= set(self.pairs):
@@ -195,7 +193,7 @@ class CheckedContact:
         slopes = {self._meets(over, t) for t in touches}
         return slopes.pop() if len(slopes) == 1 else 0
 
-    def _meets(self, over: Over, touch: CertifiedTouch) -> int:
+    def _meets(self, over: ThetaBall, touch: CertifiedTouch) -> int:
         balls, series, _ = self._over(over)
         sign = self._apart_sign(balls, touch)
         if not sign:
@@ -227,8 +225,8 @@ class CheckedContact:
             return 0
         x, y, z = (b[k] for k in plane)
         sides = [_volume(x, y, z, a[k]) for k in range(len(a)) if k != i]
-        sign = _alike(sides)
-        through = any(_alike(_turns(a[i], a[(i + step) % len(a)], b)) for step in (1, -1))
+        sign = _common_sign(sides)
+        through = any(_common_sign(_turns(a[i], a[(i + step) % len(a)], b)) for step in (1, -1))
         return sign if through else 0
 
     def _edge_on_edge(self, a: list[Point], i: list[int], b: list[Point], j: list[int]) -> int:
@@ -241,8 +239,8 @@ class CheckedContact:
         if (i[1] - i[0]) % n not in (1, n - 1) or (j[1] - j[0]) % m not in (1, m - 1):
             return 0
         normal = _product(_minus(a[i[1]], a[i[0]]), _minus(b[j[1]], b[j[0]]))
-        below = _alike([_dot(normal, _minus(a[k], a[i[0]])) for k in range(n) if k not in i])
-        above = _alike([_dot(normal, _minus(b[k], b[j[0]])) for k in range(m) if k not in j])
+        below = _common_sign([_dot(normal, _minus(a[k], a[i[0]])) for k in range(n) if k not in i])
+        above = _common_sign([_dot(normal, _minus(b[k], b[j[0]])) for k in range(m) if k not in j])
         if not above or below != -above:
             return 0
         ends = [_volume(*_corners_of_plane(a), y) for y in (b[j[0]], b[j[1]])]
@@ -250,17 +248,17 @@ class CheckedContact:
             return 0
         ahead = (i[0] + 1) % n == i[1]
         turns = _turns(b[j[0]], b[j[1]], a)
-        others = _alike([t for k, t in enumerate(turns) if k != (i[0] if ahead else i[1])])
+        others = _common_sign([t for k, t in enumerate(turns) if k != (i[0] if ahead else i[1])])
         return -above if others == (above if ahead else -above) else 0
 
-    def gaps(self, over: Over, touches: Sequence[CertifiedTouch]) -> list[int]:
+    def gaps(self, over: ThetaBall, touches: Sequence[CertifiedTouch]) -> list[int]:
         """Return the signs of all gaps at one state, 0 where that is not certain."""
         balls, _, _ = self._over(over)
         values = [
             self._apart_sign(balls, t) * _volume(*(balls[f][i] for f, i in t.corners))
             for t in touches
         ]
-        return [_alike([value]) for value in values]
+        return [_common_sign([value]) for value in values]
 
 
 def _minus(x: Any, y: Any) -> Point:
@@ -284,7 +282,7 @@ def _corners_of_plane(x: Sequence[Any]) -> tuple[Any, Any, Any]:
     return x[0], x[n // 3], x[2 * n // 3]
 
 
-def _alike(values: Sequence[Any]) -> int:
+def _common_sign(values: Sequence[Any]) -> int:
     """Return the sign that all values certainly have; 0 where there is none."""
     if values and all(v > 0 for v in values):
         return 1
@@ -300,14 +298,16 @@ def _passes(p: Any, q: Any, x: Sequence[Any]) -> bool:
     """Return whether the edge from p to q passes through a convex polygon inside."""
     plane = _corners_of_plane(x)
     one, two = _volume(*plane, p), _volume(*plane, q)
-    return bool((one > 0 and two < 0) or (one < 0 and two > 0)) and bool(_alike(_turns(p, q, x)))
+    return bool((one > 0 and two < 0) or (one < 0 and two > 0)) and bool(
+        _common_sign(_turns(p, q, x))
+    )
 
 
 def _plane_between(x: list[Point], y: list[Point], u: np.ndarray, v: np.ndarray) -> bool:
     """Return whether a plane is certainly between two polygons: chosen in their middle u, v, shown for balls x, y."""
     axes = np.concatenate(list(_candidates(u, v)))
     size = np.linalg.norm(axes, axis=1)
-    axes = axes[size > 1e-12] / size[size > 1e-12, None]
+    axes = axes[size > 0] / size[size > 0, None]
     along, beyond = u @ axes.T, v @ axes.T
     room = np.stack([beyond.min(0) - along.max(0), along.min(0) - beyond.max(0)])
     way, k = np.unravel_index(int(room.argmax()), room.shape)

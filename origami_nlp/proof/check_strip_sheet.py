@@ -54,6 +54,8 @@ class FlatSheet:
 
     def __init__(self, said: StripCertificate) -> None:
         self.said = said
+        self.stiffness = [arb(k) for k in said.stiffness]
+        self.rest = [arb(r) for r in said.rest]
         self.points = [tuple(map(Fraction, p)) for p in said.corners]
         self.facets = [self._counter_clockwise(f) for f in said.facets]
         beside: dict[tuple[int, int], int] = {}
@@ -196,7 +198,7 @@ class FlatSheet:
                     yield g, f, c, -1 if self.said.creases[c] == (a, b) else 1
 
 
-class States:
+class CurveStates:
     """Closed states over a ball of theta on a curve: each fold angle, its first and half its second derivative.
 
     `finite`: whether they are known at all.

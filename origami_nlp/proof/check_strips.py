@@ -17,8 +17,9 @@ from typing import Any, NamedTuple
 from flint import arb, ctx
 
 from origami_nlp.proof.check_points import Refused
-from origami_nlp.proof.check_strip_contact import CheckedContact, Placed
-from origami_nlp.proof.check_strip_sheet import FlatSheet, States, lifted, turned
+from origami_nlp.proof.check_strip_boxes import ThetaBall
+from origami_nlp.proof.check_strip_contact import CheckedContact
+from origami_nlp.proof.check_strip_sheet import FlatSheet, turned
 from origami_nlp.proof.strip_certificate import (
     CertifiedCurve,
     CertifiedMinimum,
@@ -31,7 +32,7 @@ BITS = 128
 CUTS = 12
 """How often a box is halved at most, where a claim is not clear at once."""
 STATED = 1e-12
-"""How far fold angles may be beyond their stated radius [rad]: they are told, and nothing rests on them."""
+"""How far fold angles may be beyond their stated radius [rad]: they are printed, and nothing rests on them."""
 CLOSED = ("rising", "falling", "convex", "concave", "touching")
 """Claims of boxes in which all states close within fold limits."""
 
@@ -43,63 +44,6 @@ class Found(NamedTuple):
     low: float
     high: float
     kind: str
-
-
-class Over:
-    """The states of a box of a curve: folds in the middle, over it, and U' and U''."""
-
-    def __init__(self, check: StripCheck, curve: int, low: Any, high: Any) -> None:
-        self.check = check
-        low, high = arb(low), arb(high)
-        self.middle = ((low + high) / 2).mid()
-        self.theta = low.union(high)
-        self.away = self.theta - self.middle
-        signs = check.said.curves[curve].signs
-        self.at, self.box = (States(check.sheet, signs, t) for t in (self.middle, self.theta))
-        self.known = self.at.finite and self.box.finite
-        # phi = phi(middle) + phi' (theta - middle)
-        self.folds = [
-            a[0] + b[1] * self.away for a, b in zip(self.at.folds, self.box.folds, strict=True)
-        ]
-        self.turns: dict[int, Any] = {}
-        self.corners: Placed | None = None
-
-    def slope(self) -> tuple[Any, Any]:
-        """Return U' and U'' over the box."""
-        first, second = arb(0), arb(0)
-        for c, (k, rest, a, b) in enumerate(
-            zip(self.check.stiffness, self.check.rest, self.at.folds, self.box.folds, strict=True)
-        ):
-            turn = self.turns.get(c, 0)
-            first += k * (a[0] + turn - rest) * a[1]
-            second += k * (b[1] * b[1] + 2 * (self.folds[c] - rest) * b[2])
-        return first + second * self.away, second
-
-    def follow(self, before: Sequence[float]) -> None:
-        """Continue folds across the row without a jump from those of a state of the box."""
-        for c in self.check.sheet.across:
-            moved = lifted(self.at.folds[c][0], before[c])
-            self.turns[c] = moved - self.at.folds[c][0]
-            self.folds[c] = self.folds[c] + self.turns[c]
-            if not abs(self.box.folds[c][1] * self.away) < 1:
-                self.known = False
-
-    def inside(self) -> bool:
-        """Return whether all states close as paper and no fold is beyond +-180 degrees, certainly."""
-        across = [self.folds[c] for c in self.check.sheet.across]
-        if not self.known or not all(abs(a) < arb.pi() for a in across):
-            return False
-        return all(turned(v, self.folds) > 0 for v in self.check.sheet.vertices)
-
-    def outside(self) -> bool:
-        """Return whether no state closes as paper, certainly: principal values of folds within a half-turn."""
-        if not self.known:
-            return False
-        return any(
-            all(abs(self.folds[c]) < arb.pi() for c in (v.creases[1], v.creases[3]))
-            and bool(turned(v, self.folds) < 0)
-            for v in self.check.sheet.vertices
-        )
 
 
 class StripCheck:
@@ -128,8 +72,6 @@ class StripCheck:
         self.maxima = 0
         self.open: list[str] = []
         self.counts: Counter[str] = Counter()
-        self.stiffness = [arb(k) for k in said.stiffness]
-        self.rest = [arb(r) for r in said.rest]
 
     def run(self) -> None:
         """Check every claim.
@@ -167,9 +109,9 @@ class StripCheck:
             self._follows(number, curve)
         self._lists()
 
-    def over(self, curve: int, low: Any, high: Any) -> Over:
+    def over(self, curve: int, low: Any, high: Any) -> ThetaBall:
         """Return the states of a box."""
-        return Over(self, curve, low, high)
+        return ThetaBall(self.sheet, self.said.curves[curve].signs, low, high)
 
     def _name(self, number: int, low: Any, high: Any) -> str:
         return f"curve {number + 1}, theta in [{float(low):.9g}, {float(high):.9g}]"
@@ -209,7 +151,7 @@ class StripCheck:
             middle = ((a + b) / 2).mid()
             front += [(a, middle, depth + 1), (middle, b, depth + 1)]
 
-    def _shows(self, over: Over, claim: str, touches: Sequence[CertifiedTouch]) -> int:
+    def _shows(self, over: ThetaBall, claim: str, touches: Sequence[CertifiedTouch]) -> int:
         """Return +-1 if a claim certainly holds over a box, for touches the sign of their gaps' slope; else 0."""
         if claim == "outside":
             return int(over.outside())
@@ -375,7 +317,7 @@ class StripCheck:
             )
         )
 
-    def _stays_open(self, number: int, over: Over, low: float, high: float) -> bool:
+    def _stays_open(self, number: int, over: ThetaBall, low: float, high: float) -> bool:
         at = [self.over(number, x, x) for x in (low, high)]
         if not over.known:
             return False
