@@ -55,6 +55,7 @@ def minima(
     """
     from origami_nlp.minima import find_vertexwise
     from origami_nlp.pattern import Scene
+    from origami_nlp.proof import why_no_strip
     from origami_nlp.results import draw
     from origami_nlp.verbs import write_fold, write_mesh
 
@@ -87,6 +88,10 @@ def minima(
     stated = scene.read_whole(contact=True)
     if not isinstance(stated, Scene):
         options["contact"] = scene.whole_contact
+        if certificate is not None and (why := why_no_strip(stated)):
+            raise OptionError(
+                f"--certificate = {certificate!r}: the list of a pattern is proved of strips: {why}"
+            )
     stopped = False
     try:
         result = search(stated, scene.name, verbose=verbose, **options)

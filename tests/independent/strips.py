@@ -30,7 +30,7 @@ class Strip:
         count = np.bincount(pattern.ends.ravel(), minlength=len(pattern.corners))
         inside = np.flatnonzero(count == 4).tolist()
         shared = {v: [e for e in ends if v in e and set(e) <= set(inside)] for v in inside}
-        at = next(v for v in inside if len(shared[v]) == 1)  # an end of the row
+        at = next(v for v in inside if len(shared[v]) <= 1)  # an end of the row
         self.around = []  # of each vertex: sectors from the crease towards the one before, and creases
         before = None
         while at is not None:
@@ -38,7 +38,9 @@ class Strip:
             away = pattern.corners[others] - pattern.corners[at]
             azimuth = dict(zip(others, np.arctan2(away[:, 1], away[:, 0]), strict=True))
             following = next((x for e in shared[at] for x in e if x not in (at, before)), None)
-            if before is None:  # opposite the next one
+            if before is None and following is None:  # one vertex: any two opposite creases
+                start = others[0]
+            elif before is None:  # opposite the next one
                 ring = sorted(others, key=lambda x: (azimuth[x] - azimuth[following]) % math.tau)
                 start = ring[2]
             else:
