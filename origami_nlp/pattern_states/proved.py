@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 import time
 from collections.abc import Sequence
@@ -116,6 +117,9 @@ def hold_against(
             against.append(
                 f"a proved minimum ({near[0].energy:.9g} J) is judged: {near[0].verdict}"
             )
+    for one, other in itertools.combinations(proof.minima, 2):
+        if np.abs(one.fold_angles - other.fold_angles).max() <= 2 * DUPLICATE_TOL:
+            against.append("two proved minima are not distinguished by the list")
     listed = [s for s in (*known, *judged) if s.verdict == "minimum"]
     for state in listed:
         if min((np.abs(state.phi - x).max() for x in shown), default=math.inf) > DUPLICATE_TOL:

@@ -212,7 +212,16 @@ def certificate_of_strip(pattern: Pattern, proof: StripProof) -> StripCertificat
     -------
     StripCertificate
         All that is claimed.
+
+    Raises
+    ------
+    OptionError
+        If a facet is of several pieces: the check knows none.
     """
+    if len(pattern.polygons) != pattern.facets:
+        raise OptionError(
+            f"pattern = {pattern.title}: no certificate is written where a facet is of several pieces (F or J edges)"
+        )
     return StripCertificate(
         tuple((x, y) for x, y, _ in pattern.corners.tolist()),
         tuple(tuple(map(int, p)) for p in pattern.polygons),

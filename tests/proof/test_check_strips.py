@@ -10,7 +10,7 @@ import pytest
 
 import origami_nlp as o
 import origami_nlp.proof.check_strips as check_strips
-from origami_nlp.errors import CertificateError
+from origami_nlp.errors import CertificateError, OptionError
 from origami_nlp.pattern import make_pattern
 from origami_nlp.proof import (
     certificate_of_strip,
@@ -255,6 +255,17 @@ def test_facets_that_are_not_convex_are_refused_with_contact():
     said = certificate_of_strip(pattern, prove_strip(pattern))
     assert check_proof(said).refused == ""
     assert "not convex" in check_proof(replace(said, contact=True)).refused
+
+
+def test_a_facet_of_two_pieces_has_no_certificate():
+    corners = [[0, 0], [1, 0.1], [0.2, 1], [-1, 0.3], [-0.3, -1], [0.9, 0.8]]
+    faces = [(0, 1, 5), (0, 5, 2), (0, 2, 3), (0, 3, 4), (0, 4, 1)]
+    pattern = make_pattern(np.array(corners), faces, joins=[(0, 5)])
+    pattern = pattern.with_springs(stiffness=0.01, rest_angles=0.5)
+    proof = prove_strip(pattern)
+    assert proof.minima
+    with pytest.raises(OptionError, match="several pieces"):
+        certificate_of_strip(pattern, proof)
 
 
 def test_files_are_read_with_care():

@@ -16,6 +16,8 @@ from origami_nlp.pattern_problem import PatternProblem
 from origami_nlp.pattern_states import hold_against, judge
 from origami_nlp.proof import prove_strip, why_no_strip, why_no_strip_contact
 from origami_nlp.proof.balls import Ball, Jet, argument, exact, rational
+from origami_nlp.proof.strip_energy import StripEnergy
+from origami_nlp.proof.strip_states import as_strip
 from tests.independent.rigid import Rigid
 from tests.independent.strips import Strip, StripInContact
 from tests.patterns import miura, strip, wheel
@@ -133,6 +135,9 @@ def test_a_list_is_held_against_the_proof():
     assert not done.proved and "is none of the proof" in done.reason
     done, _ = held([replace(states[0], verdict="saddle"), *states[1:]])
     assert not done.proved and "is judged: saddle" in done.reason
+    twice = replace(proof, minima=(*proof.minima, proof.minima[0]))
+    done, _ = hold_against(twice, problem, states, False)
+    assert not done.proved and "not distinguished" in done.reason
 
 
 def _turns(directions: np.ndarray, phi: np.ndarray) -> float:
@@ -266,6 +271,25 @@ def test_facets_that_are_not_convex_may_touch(middle, proved):
     states = [judge(problem, m.fold_angles, True) for m in proof.minima]
     assert (why_no_strip_contact(pattern) == "") is proved
     assert hold_against(proof, problem, states, True)[0].proved is proved
+
+
+def test_folds_that_leave_a_limit_do_not_pass_it():
+    """Beside a fold that passes its limit, others of that box may be past theirs by a turn, and not to be continued."""
+    pattern = strip(3009, 2, 2)
+    (minimum,) = [m for m in prove_strip(pattern).minima if m.at_limit]
+    strip_, _ = as_strip(pattern)
+    energy = StripEnergy(strip_, pattern, np.array([minimum.signs], float).T)
+    crease = int(np.flatnonzero(np.abs(minimum.fold_angles) == math.pi)[0])
+    row = energy.across.index(crease)
+
+    def leaving(low, high):
+        boxes = energy.over(np.array([0]), np.array([low]), np.array([high]))
+        rates = np.array([boxes.box.slopes[c].value.sign for c in energy.across])
+        return bool(boxes.leaving(rates)[row, 0])
+
+    at = sum(minimum.theta) / 2
+    assert not leaving(at - 1e-9, at + 1e-9)
+    assert leaving(at - 3e-9, at - 1e-9) and leaving(at + 1e-9, at + 3e-9)
 
 
 def test_balls_hold_what_they_should():
