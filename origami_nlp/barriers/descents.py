@@ -20,6 +20,7 @@ from origami_nlp.barriers.passes import (
     NEVER,
     OPPOSITE,
     PROVED,
+    STOPPED,
     Pass,
     both_sides,
     critical_near,
@@ -213,6 +214,9 @@ def _flat_bound(scene: Scene, result: MinimaResult) -> float:
         return math.nan
     if sum(scene.vertex.sector_angles) < 2 * math.pi - INPUT_TOL:
         return math.inf
+    low, high = scene.limit_angles
+    if (low > 0).any() or (high < 0).any():
+        return math.inf
     return float(scene.energy(np.zeros(scene.degree)))
 
 
@@ -229,7 +233,8 @@ def _bounded(p: Pass, result: MinimaResult, flat: float, leave: list[float], lev
     pair = p.from_state - 1, p.to_state - 1
     bounds = [(leave[k], LEFT) for k in pair if leave[k] > -math.inf]
     if tuple(result.signs[k] for k in pair) in OPPOSITE and not math.isnan(flat):
-        bounds.append((flat, NEVER if math.isinf(flat) else PROVED))
+        less = sum(result.scene.vertex.sector_angles) < 2 * math.pi - INPUT_TOL
+        bounds.append((flat, PROVED if math.isfinite(flat) else NEVER if less else STOPPED))
     if not bounds:
         return p if len(p.path) else replace(p, why=NONE)
     least, why = max(bounds, key=lambda bound: bound[0])

@@ -63,6 +63,8 @@ _OF_A_PATTERN = dict.fromkeys(
 """What a pattern alone takes, and why."""
 SEARCHING = 0.5
 """Share of a time limit that the search for minima gets."""
+PER_WELL = 4
+"""States of a graph between two extremes of a law's torque, as far as its least spacing allows."""
 SPACING = 0.12
 """Lattice of the graph [rad]."""
 
@@ -133,7 +135,6 @@ def find_barriers(
     check_whole("seed", seed, 0)
     if not isinstance(scene, Scene):
         refuse("pattern", _OF_TWO, full=full, spacing=spacing)
-        scene.check_plain_hinges("barriers", stops=True, cells=True)
         if result is None:
             left = None if seconds is None else SEARCHING * max(until - time.monotonic(), 0.0)
             result = find_states(
@@ -143,7 +144,6 @@ def find_barriers(
         return pattern_barriers(result, until, progress)
     refuse("vertex", _OF_A_PATTERN, seconds=seconds, progress=progress)
     scene.check_no_forces("barriers")
-    scene.check_plain_hinges("barriers")
     if result is not None:
         check_type("result", result, MinimaResult)
     check_dof(scene)
@@ -158,7 +158,13 @@ def find_barriers(
         found = find_minima(
             scene.of_one_winding, seed=seed, full=bool(full), prove=False, escape=False
         )
-    return _of_vertex(scene, model, found, bool(full), spacing or SPACING, seed)
+    return _of_vertex(scene, model, found, bool(full), spacing or _spacing(scene), seed)
+
+
+def _spacing(scene: Scene) -> float:
+    """Return a spacing in which no well of a hinge law is lost."""
+    finest = min((law.finest for law in scene.laws if law is not None), default=math.inf)
+    return min(SPACING, max(SPACINGS[0], finest / PER_WELL))
 
 
 def _in_words(

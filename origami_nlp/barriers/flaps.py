@@ -60,6 +60,8 @@ def flap_exit(scene: Scene, fold_angles: np.ndarray) -> FlapExit | None:
     sectors = np.array(scene.vertex.sector_angles)
     if scene.degree != 6 or not scene.vertex.flat or scene.contact == "none":
         return None
+    if scene.limits or scene.laws:  # stops cut the segment, and laws need not be convex on it
+        return None
     for first in (0, 1):
         at_limit = np.arange(first, 6, 2)
         hinges = (at_limit + 1) % 6

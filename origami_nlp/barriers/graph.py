@@ -134,7 +134,8 @@ def grow(
 def close(model: Problem, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Pull states [K, n] onto loop closure; return them and which of them close."""
     x, residual = project(model, x, steps=12)
-    x = np.where(np.abs(np.abs(x) - math.pi) <= CLOSURE_TOL, np.copysign(math.pi, x), x)
+    limits = model.fold_limits
+    x = limits.hold(x, limits.near(x, CLOSURE_TOL))
     return x, residual <= CLOSURE_TOL
 
 

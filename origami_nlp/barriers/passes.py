@@ -43,7 +43,8 @@ LISTED = (
 )
 LEFT = "proved: a minimum lies on a thin set, of three closed flaps about one edge, left at this energy at least"
 NEVER = "no path: with less than 360 degrees of paper a vertex keeps its sign (proved)"
-LOWEST = (PROVED, EVERY, FOLLOWED, SIGNED, LEFT, NEVER)
+STOPPED = "no path: each makes a vertex flat, which a stop forbids (proved)"
+LOWEST = (PROVED, EVERY, FOLLOWED, SIGNED, LEFT, NEVER, STOPPED)
 """What bounds a barrier from below by its own height."""
 FOLLOWS = (EVERY, FOLLOWED)
 """Of these, what says that all paths are known up to that height, not only those between the two."""

@@ -14,7 +14,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from origami_nlp.barriers.passes import LISTED, OPPOSITE, SIGNED, Pass
+from origami_nlp.barriers.passes import LISTED, OPPOSITE, SIGNED, STOPPED, Pass
 from origami_nlp.barriers.paths import PathDown, passes_over_paths
 from origami_nlp.barriers.result import Barriers, FlatVertexBound
 from origami_nlp.barriers.traced import EXPLICIT, pattern_passes
@@ -128,6 +128,8 @@ def _bounded(p: Pass, result: MinimaResult, bounds: Sequence[FlatVertex], level:
     least = max((b.least for b in differ), default=math.nan)
     listed = max((b.listed for b in differ), default=math.nan)
     p = replace(p, least=least, listed=listed)
+    if math.isinf(least):
+        return replace(p, why=STOPPED)
     if p.is_lowest or math.isnan(least):
         return p
     if p.energy <= least + level:

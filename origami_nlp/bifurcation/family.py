@@ -19,7 +19,14 @@ from origami_nlp.continuation import STEPS, ContinuationOptions, ParameterLine, 
 from origami_nlp.errors import OptionError
 from origami_nlp.minima import MinimaResult, find_minima_of_each
 from origami_nlp.numerics import RESOLVED
-from origami_nlp.pattern import Scene, Vertex, with_symmetry_of
+from origami_nlp.pattern import (
+    LAW_PLACES,
+    Scene,
+    Vertex,
+    check_law_place,
+    law_at,
+    with_symmetry_of,
+)
 from origami_nlp.pattern_problem import state_frame, states_to_fold
 from origami_nlp.problem import Model, Parameters
 
@@ -97,7 +104,9 @@ class Family:
         """Return the energy that it took to wind preloaded springs at s, which states on the line do not count."""
         p, scale = self.line.at(s).parameters, self.line.problem.scale
         # k/2 (phi - phi0 - l/k)^2 = k/2 (phi - phi0)^2 - l phi + l phi0 + l^2 / (2 k)
-        return scale * float(np.sum(p.load * (p.rest + 0.5 * p.load / p.stiffness)))
+        # of laws it does not count
+        load = p.load if p.laws is None else p.laws.linear(p.load)
+        return scale * float(np.sum(load * (p.rest + 0.5 * load / p.stiffness)))
 
     @property
     def symmetric(self) -> bool:
@@ -162,13 +171,23 @@ def same_problem(models: list[Model], name: str, names: list[str]) -> list[Model
                 f"{where}: symmetry {group} or the facets that may touch are not those of other scenes over {name}: "
                 "state the symmetry, or follow a shorter range"
             )
+        if model.structure.laws != whole.structure.laws:
+            raise OptionError(
+                f"{where}: hinge laws are others than elsewhere over {name}: law_scale[1] and law_shift[1] are "
+                "followed over, numbers within a law are for sweeps"
+            )
     return [_posed_as(whole, model) for model in models]
 
 
 def linear_numbers(p: Parameters) -> np.ndarray:
     """Return the numbers that are linear along a line: in the order of `Parameters`, stiffness as its logarithm."""
-    dead = [] if p.dead is None else [p.dead.vector]
-    return np.concatenate([p.sectors, np.log(p.stiffness), p.rest, p.load, *dead])
+    more = [] if p.dead is None else [p.dead.vector]
+    k, rest = p.stiffness, p.rest
+    if p.laws is not None:
+        # a law has a factor and a shift
+        none = p.laws.weight == 0
+        k, rest = np.where(none, k, p.laws.weight + none), np.where(none, rest, p.laws.shift)
+    return np.concatenate([p.sectors, np.log(k), rest, p.load, *more])
 
 
 def _posed_as(whole: Model, model: Model) -> Model:
@@ -219,11 +238,13 @@ def family_of(scene: Scene, parameter: ParameterRange) -> Family:
         if match is None or not 1 <= int(match[4]) <= most:
             raise OptionError(
                 f"parameter = {parameter.name!r} is no parameter of the scene: write ratio, alpha, stiffness[1], "
-                f"rest_angles[1], preload[1], torque[1] or sector_angles[1], with entries 1 to {base.degree}"
+                f"rest_angles[1], preload[1], torque[1], sector_angles[1], law_scale[1] or law_shift[1], with "
+                f"entries 1 to {base.degree}"
                 + (f", or loads, loads[1] to loads[{len(base.loads)}]" if base.loads else "")
                 + meant_by(name)
             )
         places.append((kind_of(name), int(match[4]) - 1))
+        check_law_place(base.laws, *places[-1])
     return Family(parameter, _over_places(base, places))
 
 
@@ -263,6 +284,7 @@ def with_generic_symmetry(scene: Scene, parameters: Sequence[ParameterRange]) ->
 
 def _over_ratio(scene: Scene) -> Callable[[float], Scene]:
     """Set the ratio of stiffnesses of a scene."""
+    check_law_place(scene.laws, "ratio")
     k = stiffness_over_ratio(np.array(scene.stiffness), np.array(scene.rest_angles))
     return lambda ratio: replace(scene, stiffness=tuple(k(ratio)))
 
@@ -318,6 +340,7 @@ def _over_places(scene: Scene, places: list[tuple[str, int]]) -> Callable[[float
             "preload": list(scene.preload or (0.0,) * scene.degree),
         }
         sectors, loads = scene.vertex.sector_angles, list(scene.loads)
+        laws = list(scene.laws)
         for what, entry in places:
             if what == "sector_angles":
                 sectors = _with_sector(scene, sectors, entry, t)
@@ -326,6 +349,9 @@ def _over_places(scene: Scene, places: list[tuple[str, int]]) -> Callable[[float
                 loads[entry] = replace(loads[entry], force=(t * x, t * y, t * z))
             else:
                 for i in _images(scene, entry, False):
+                    if what in LAW_PLACES:
+                        laws[i] = law_at(laws[i], what, t)
+                        continue
                     given = scene.preload[i] if what == "torque" and scene.preload else 0.0
                     values["preload" if what == "torque" else what][i] = given + t
         vertex = scene.vertex
@@ -333,8 +359,9 @@ def _over_places(scene: Scene, places: list[tuple[str, int]]) -> Callable[[float
             vertex = Vertex(sectors, vertex.flat)
         k, rest, preload = (tuple(v) for v in values.values())
         return replace(
-            scene, vertex=vertex, stiffness=k, rest_angles=rest, preload=preload, loads=tuple(loads)
-        )
+            scene, vertex=vertex, stiffness=k, rest_angles=rest, preload=preload, loads=tuple(loads),
+            laws=tuple(laws),
+        )  # fmt: skip
 
     return at
 

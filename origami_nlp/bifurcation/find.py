@@ -130,7 +130,6 @@ def follow(
     """
     stated = parse_parameter_range(parameter) if isinstance(parameter, str) else parameter
     check_type("parameter", stated, ParameterRange)
-    as_origami(origami).check_plain_hinges("following states over a parameter")
     until = check_until(seconds)
     check_callback("progress", progress)
     given = {

@@ -4,7 +4,9 @@ Names are those of sweep files: ``ratio``, ``alpha``, ``creases.stiffness[1]``, 
 ``creases.preload[1]``, ``vertex.sector_angles[1]``, where ``creases.`` and ``vertex.`` may be left out; several joined
 by ``+`` take the same value.  ``rest_angles_deg[1]`` and ``sector_angles_deg[1]`` are the
 same in degrees.  ``torque[1]`` is added to the preload of a crease; ``loads`` is the factor of all forces
-that the scene states, ``loads[1]`` that of one.  Of patterns they are those of `pattern.with_places`.
+that the scene states, ``loads[1]`` that of one.  ``law_scale[1]`` multiplies the hinge law of a crease as it is stated
+(of wells and detents that is their depth), ``law_shift[1]`` moves it towards valley.  Of patterns they are those of
+`pattern.with_places`.
 """
 
 from __future__ import annotations
@@ -29,16 +31,18 @@ UNITS = {
     "torque": "N m",
     "sector_angles": "rad",
     "loads": "",
+    "law_scale": "",
+    "law_shift": "rad",
 }
 """Of what can be followed over."""
 PLACE = re.compile(
-    r"(?:(?:creases\.)?(stiffness|rest_angles|preload|torque)|(?:vertex\.)?(sector_angles)|(loads))\[(\d{1,4})\]"
+    r"(?:(?:creases\.)?(stiffness|rest_angles|preload|torque|law_scale|law_shift)|(?:vertex\.)?(sector_angles)|(loads))\[(\d{1,4})\]"
 )
 _OF_A_PATTERN = re.compile(
-    r"(?:creases|mountains|valleys)\.(stiffness|rest_angles)|(?:vertices\.)?([xy])\[\d{1,6}\]"
+    r"(?:creases|mountains|valleys)\.(stiffness|rest_angles|law_scale|law_shift)|(?:vertices\.)?([xy])\[\d{1,6}\]"
 )
 _DEGREES = re.compile(r"(.*?)\s*deg")
-_IN_DEGREES = re.compile(r"(rest_angles|sector_angles)_deg\[")
+_IN_DEGREES = re.compile(r"(rest_angles|sector_angles|law_shift)_deg\[")
 
 
 @dataclass(frozen=True)
@@ -128,7 +132,7 @@ def parse_parameter_range(text: str) -> ParameterRange:
     if len(kinds) > 1:
         raise OptionError(f"parameter = {text!r}: what takes the same value must be of one kind")
     (kind,) = kinds
-    log, unit = kind in ("ratio", "stiffness"), UNITS.get(kind, "rad")
+    log, unit = kind in ("ratio", "stiffness", "law_scale"), UNITS.get(kind, "rad")
     a, b = values
     if not a < b:
         raise OptionError(

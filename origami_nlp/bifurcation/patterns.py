@@ -21,7 +21,7 @@ from origami_nlp.bifurcation.parameter_range import ParameterRange, meant_by
 from origami_nlp.continuation import STEPS, ContinuationOptions, ParameterLine, line_between
 from origami_nlp.errors import OptionError
 from origami_nlp.minima import MinimaResult
-from origami_nlp.pattern import Pattern, as_pattern, examples, with_places
+from origami_nlp.pattern import Pattern, as_pattern, check_law_place, examples, with_places
 from origami_nlp.pattern_problem import PatternProblem
 from origami_nlp.pattern_states import find_states
 from origami_nlp.problem import Contact
@@ -209,6 +209,7 @@ def pattern_family(stated: Any, parameter: ParameterRange) -> PatternFamily:
     problem = as_pattern(stated, "origami")
     problem.check_alone("following states over a parameter")
     if parameter.name == "ratio":
+        check_law_place(problem.laws, "ratio")
         k = stiffness_over_ratio(problem.stiffness, problem.rest)
         return PatternFamily(parameter, lambda t: problem.with_springs(k(t)))  # type: ignore[arg-type, return-value]
     try:

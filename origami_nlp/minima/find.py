@@ -164,8 +164,6 @@ def find_minima(
     until = check_until(seconds)
     check_flag("escape", escape)
     check_noise(noise)
-    if noise is not None:
-        scene.check_plain_hinges("the survival of states under errors", stops=True)
     check_whole("workers", workers, 1)
     check_callback("progress", progress)
     check_callback("found", found)

@@ -165,6 +165,7 @@ def _noisy(exact: Model, size: float, trial: int) -> list[Model]:
                 p.rest + t * rest,
                 p.load,
                 p.dead,
+                p.laws and p.laws.along(replace(p.laws, weight=stiffness, shift=rest), t),
             ),
             at + t * sectors,
         )

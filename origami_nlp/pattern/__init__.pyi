@@ -59,7 +59,15 @@ from .hinge_types import (
     table as table,
     well as well,
 )
-from .hinges_stated import laws_to_fold as laws_to_fold
+from .hinges_stated import (
+    LAW_PLACES as LAW_PLACES,
+    check_law_place as check_law_place,
+    law_at as law_at,
+    law_probes as law_probes,
+    laws_to_fold as laws_to_fold,
+    same_laws as same_laws,
+    seen_laws as seen_laws,
+)
 from .kept_symmetry import with_symmetry_of as with_symmetry_of
 from .labels import (
     EquivalentVertices as EquivalentVertices,

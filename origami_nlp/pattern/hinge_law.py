@@ -20,7 +20,7 @@ import numpy as np
 from origami_nlp.arguments import check_number
 from origami_nlp.errors import SceneError
 from origami_nlp.io import ShortRepr
-from origami_nlp.numerics import INPUT_TOL, LEVEL
+from origami_nlp.numerics import INPUT_TOL, LEVEL, RESOLVED
 
 MOST_PIECES, MOST_KNOTS = 2_000, 32
 """Of one law; and at so many of its knots curves are cut, more or less."""
@@ -64,6 +64,8 @@ class HingeLaw(ShortRepr):
     made_from: tuple[HingeLaw, float, float] | None = field(default=None, compare=False)
 
     def __post_init__(self) -> None:
+        if self.made_from:  # of one that was checked
+            return
         x, c = np.array(self.breaks, float), np.array(self.coefficients, float)
         if x.ndim != 1 or len(x) < 2 or c.shape != (len(x) - 1, 4) or len(x) > MOST_PIECES:
             raise SceneError(
@@ -167,6 +169,22 @@ class HingeLaw(ShortRepr):
         return float(low[np.lexsort((-low, np.round(np.abs(low), 9)))[0]])
 
     @cached_property
+    def finest(self) -> float:
+        """Least distance between neighbouring extremes of the torque [rad]; inf where there are fewer than two."""
+        x = self._slope.roots(extrapolate=False)
+        x = np.unique(x[np.isfinite(x) & (x >= self.breaks[0]) & (x <= self.breaks[-1])])
+        if len(x) < 2:
+            return math.inf
+        # ripples of rounding are none
+        swing = np.abs(np.diff(self.torque(x))) > RESOLVED * np.abs(self.torque(x)).max()
+        return float(np.diff(x)[swing].min(initial=math.inf))
+
+    def least(self, low: float, high: float) -> float:
+        """Return the least energy between two angles [rad], [J]."""
+        x = np.concatenate([self._torque.roots(extrapolate=False), self.breaks, [low, high]])
+        return float(self.energy(x[np.isfinite(x) & (x >= low) & (x <= high)]).min())
+
+    @cached_property
     def monotone(self) -> bool:
         """Whether the torque nowhere falls."""
         bent = self._slope.derivative().roots(extrapolate=False)
@@ -199,6 +217,17 @@ class HingeLaw(ShortRepr):
         law, factor, so_far = self.origin
         moved = tuple((np.array(self.breaks) + by).tolist())
         return replace(self, breaks=moved, made_from=(law, factor, so_far + by))
+
+    def equals(self, other: HingeLaw) -> bool:
+        """Return whether another law has the same pieces up to rounding."""
+        if len(self.breaks) != len(other.breaks):
+            return False
+        size = INPUT_TOL * max(np.abs(self.torque(np.array(self.breaks))).max(), self.stiffness)
+        apart = np.abs(np.array(self.coefficients) - other.coefficients)
+        return bool(
+            np.allclose(self.breaks, other.breaks, rtol=0, atol=INPUT_TOL)
+            and (apart <= size / np.diff(self.breaks)[:, None] ** [3, 2, 1, 0]).all()
+        )
 
     def plus(self, torque: float) -> HingeLaw:
         """Return the law with a constant torque [N m] added, of whatever else acts on the hinge."""

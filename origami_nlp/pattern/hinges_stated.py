@@ -16,6 +16,8 @@ from origami_nlp.pattern.hinge_law import HingeLaw
 from origami_nlp.pattern.hinge_tables import law_to_dict
 
 Laws = tuple[HingeLaw | None, ...]
+PROBES = np.array([-2.9, -1.7, -0.6, 0.3, 1.1, 2.3])
+"""Angles [rad] at which torques tell laws apart."""
 
 
 def read_laws(given: object, degree: int) -> Laws:
@@ -92,6 +94,61 @@ def check_plain_hinges(laws: Laws, limits: Limits, what: str) -> None:
         )
 
 
+LAW_PLACES = ("law_scale", "law_shift")
+"""Numbers of a crease that change its law: a factor, and an angle by which it is moved towards valley."""
+
+
+def law_at(law: HingeLaw | None, what: str, value: float) -> HingeLaw:
+    """Return a law with one of `LAW_PLACES` set.
+
+    Parameters
+    ----------
+    law
+        As stated.
+    what
+        Which.
+    value
+        Factor, or angle [rad].
+
+    Returns
+    -------
+    HingeLaw
+        The law.
+    """
+    assert law is not None
+    return law.times(value) if what == "law_scale" else law.shifted(value)
+
+
+def check_law_place(laws: Laws, what: str, entry: int | None = None) -> None:
+    """Raise an error where a number of a crease is none of its hinge: of a law where there is none, or of a spring.
+
+    Parameters
+    ----------
+    laws
+        Of all creases.
+    what
+        Name of the number, without the crease.
+    entry
+        Crease (0-based); None: all.
+
+    Raises
+    ------
+    OptionError
+        With the crease.
+    """
+    which = range(len(laws)) if entry is None else [entry]
+    has = [i for i in which if laws and laws[i] is not None]
+    if what in LAW_PLACES and len(has) < len(which):
+        missing = min(set(which) - set(has))
+        raise OptionError(f"{what}: crease {missing + 1} has no hinge law")
+    if what in ("ratio", "stiffness", "rest_angles") and has:
+        law = laws[has[0]]
+        raise OptionError(
+            f"{what}: crease {has[0] + 1} has the hinge law {law.name if law else ''!r} in place of a spring: its "
+            "numbers are law_scale[1] and law_shift[1]"
+        )
+
+
 LAW_KEY = "edges_origaminlp:law"
 """Key of FOLD: the number of each edge's law (from 0), null for a linear spring."""
 
@@ -133,6 +190,30 @@ def refuse_laws(frame: Mapping[str, Any]) -> None:
             f"{LAW_KEY}: hinge laws are not read from FOLD: state them in a scene file, keep results as JSON, or leave "
             "the key out"
         )
+
+
+def seen_laws(laws: Laws, over: bool, share: float = 1.0) -> Laws:
+    """Return laws times a share, as they are seen from the other side of the paper where `over`."""
+    return tuple(law and (law.turned() if over else law).times(share) for law in laws)
+
+
+def same_laws(one: Laws, two: Laws) -> bool:
+    """Return whether laws are equal up to rounding: pieces and torques."""
+    return len(one) == len(two) and all(
+        a is b or (a is not None and b is not None and a.equals(b))
+        for a, b in zip(one, two, strict=True)
+    )
+
+
+def law_probes(laws: Laws, over: bool, scale: float) -> np.ndarray:
+    """Return numbers of each crease [n, P] by which laws are told apart, whatever creases are called; none without."""
+    if not laws:
+        return np.zeros((0, 0))
+    side = -1.0 if over else 1.0
+    rows = [
+        np.zeros(len(PROBES)) if law is None else side * law.torque(side * PROBES) for law in laws
+    ]
+    return np.array(rows) / scale
 
 
 def law_numbers(laws: Laws) -> list[list[float]]:

@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from origami_nlp.numerics import DUPLICATE_TOL
-from origami_nlp.pattern.hinges_stated import Laws
+from origami_nlp.pattern.hinges_stated import Laws, same_laws
 from origami_nlp.pattern.scene import Scene
 from origami_nlp.pattern.vertex import Vertex
 
@@ -121,7 +121,8 @@ def canonical_labels(scene: Scene) -> Relabelling:
         Of all 4 N.
     """
     n = scene.degree
-    k = np.array(scene.stiffness) / np.mean(scene.stiffness)
+    mean = float(np.mean(scene.stiffness))
+    k = np.array(scene.stiffness) / mean
     columns = np.stack([scene.vertex.sector_angles, k, scene.wound_angles])
     numbers = np.round(columns, 12) + 0.0
     at = np.linspace(-math.pi, math.pi, LAW_SAMPLES) if scene.laws else np.zeros(0)
@@ -196,7 +197,7 @@ def _match(first: Scene, other: Scene) -> tuple[Relabelling, float] | None:
     """Return the labels under which `other` comes nearest to `first`, and how near, if near enough."""
     n = first.degree
     kinds = [(s.contact, s.vertex.flat, s.group.name, s.winding) for s in (first, other)]
-    if first.laws or other.laws:
+    if bool(first.laws) != bool(other.laws):
         return None
     if first.loads or other.loads:  # forces are counted from a facet that has a number
         return None
@@ -219,6 +220,8 @@ def _match(first: Scene, other: Scene) -> tuple[Relabelling, float] | None:
             float(np.abs(labels.sign * theirs[2:, i] - rest).max()),
             float(np.abs(labels.limit_angles(other) - first.limit_angles).max()),
         )
+        if first.laws and apart <= noise and not same_laws(labels.laws(other), first.laws):
+            continue
         if apart <= noise and (best is None or apart < best[1]) and _keeps(first, other, i):
             best = labels, apart
     return best
@@ -244,7 +247,7 @@ def symmetries(scene: Scene) -> list[Relabelling]:
     list of Relabelling
         ``labels.back(x)`` are the states into which a symmetry takes states x; empty under loads.
     """
-    if scene.loads or scene.laws:
+    if scene.loads:
         return []
     sectors, k = np.array(scene.vertex.sector_angles), np.array(scene.stiffness)
     signed = np.array(
@@ -260,6 +263,7 @@ def symmetries(scene: Scene) -> list[Relabelling]:
             labels.limit_angles(scene) - scene.limit_angles,
         )
         same = max(float(np.abs(d).max()) for d in differ) <= DUPLICATE_TOL
+        same = same and (not scene.laws or same_laws(labels.laws(scene), scene.laws))
         return same and _keeps(scene, scene, i)
 
     return [labels for labels in every_label(scene.degree)[1:] if keeps(labels)]

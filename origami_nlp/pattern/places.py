@@ -2,7 +2,8 @@
 
 ``creases.stiffness[3]`` is that of one crease (from 1), ``mountains.stiffness``, ``valleys.stiffness`` and
 ``creases.stiffness`` those of all of a kind; the same for ``rest_angles``, where ``creases.rest_angles`` is the size
-for mountains and valleys and the others are angles.  ``vertices.x[5]`` and ``vertices.y[5]`` are coordinates of a
+for mountains and valleys and the others are angles.  ``law_scale`` multiplies a hinge law, ``law_shift`` moves it by an
+angle, both from what is stated.  ``vertices.x[5]`` and ``vertices.y[5]`` are coordinates of a
 vertex of flat paper, numbered from 0 as in the file.  ``creases.`` before an entry and ``vertices.`` may be left out.
 """
 
@@ -15,10 +16,11 @@ from dataclasses import replace
 import numpy as np
 
 from origami_nlp.errors import OptionError
+from origami_nlp.pattern.hinges_stated import LAW_PLACES, check_law_place, law_at
 from origami_nlp.pattern.sheet import Pattern
 
 PLACE = re.compile(
-    r"(?:(?:(?P<which>creases|mountains|valleys)\.)?(?P<what>stiffness|rest_angles)(?:\[(?P<crease>\d{1,5})\])?"
+    r"(?:(?:(?P<which>creases|mountains|valleys)\.)?(?P<what>stiffness|rest_angles|law_scale|law_shift)(?:\[(?P<crease>\d{1,5})\])?"
     r"|(?:vertices\.)?(?P<axis>[xy])\[(?P<vertex>\d{1,6})\])"
 )
 """What such a name looks like."""
@@ -72,6 +74,7 @@ def with_places(pattern: Pattern, values: Mapping[str, float]) -> Pattern:
     [0.025, 0.5]
     """
     k, rest, corners = pattern.stiffness.copy(), pattern.rest.copy(), pattern.corners
+    laws = list(pattern.laws)
     for name, value in values.items():
         match = PLACE.fullmatch(name) if is_place(name) else None
         if match is None:
@@ -83,12 +86,19 @@ def with_places(pattern: Pattern, values: Mapping[str, float]) -> Pattern:
             corners = _moved(pattern, corners, match, value)
             continue
         which = _creases(pattern, match)
+        for i in which.tolist():
+            check_law_place(pattern.laws, match["what"], i)
+            if match["what"] in LAW_PLACES:
+                laws[i] = law_at(laws[i], match["what"], value)
+        if match["what"] in LAW_PLACES:
+            continue
         if match["what"] == "stiffness":
             k[which] = value
         else:
             sized = match["which"] == "creases" and match["crease"] is None
             rest[which] = value * pattern.signs[which] if sized else value
     sprung = pattern.with_springs(k.tolist(), rest.tolist())
+    sprung = sprung.with_laws(laws) if laws else sprung
     return sprung if corners is pattern.corners else replace(sprung, corners=corners)
 
 

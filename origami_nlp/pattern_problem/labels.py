@@ -15,7 +15,7 @@ import numpy as np
 import scipy as sp
 
 from origami_nlp.numerics import DUPLICATE_TOL, PLACES, area_vectors, cross
-from origami_nlp.pattern import HingeLaw, Loop, Pattern
+from origami_nlp.pattern import HingeLaw, Loop, Pattern, law_probes, same_laws, seen_laws
 
 OFFSET = 0.37614159
 """Of the grid, so that places that are simple fractions lie in the middle of its cells."""
@@ -118,7 +118,8 @@ def find_labels(pattern: Pattern) -> CanonicalLabelling:
     normal = np.where(long > PLACES, normal / np.maximum(long, PLACES), normals[pattern.left])
     axes = np.stack([e1, cross(normal, e1), normal], axis=1)  # [n, 3, 3]
     middle = ends.mean(axis=1)
-    k, rest = pattern.stiffness / pattern.stiffness.mean(), pattern.rest
+    mean = float(pattern.stiffness.mean())
+    k, rest = pattern.stiffness / mean, pattern.rest
     springs = np.column_stack([k, rest]) / PLACES
     limits = pattern.limit_angles if pattern.limits else np.zeros((2, n))
     reference = pattern.reference[:, None] / PLACES
@@ -130,7 +131,9 @@ def find_labels(pattern: Pattern) -> CanonicalLabelling:
         for signs in product((1.0, -1.0), repeat=3):
             places = _cells(np.hstack([seen * signs / size, bars / size, reference * signs[2]]))
             stops = _turned(limits, signs[2]).T / PLACES
-            of_springs = _cells(np.hstack([springs * (1.0, signs[2]), stops]))
+            probes = law_probes(pattern.laws, signs[2] < 0, mean) / PLACES
+            laws = [probes] if pattern.laws else []
+            of_springs = _cells(np.hstack([springs * (1.0, signs[2]), stops, *laws]))
             order = np.lexsort(places.T[::-1])
             views.append((places[order].tolist(), of_springs[order].tolist(), order, signs))
         if len(views) >= MOST_VIEWS:
@@ -190,8 +193,8 @@ def _inside(share: np.ndarray) -> np.ndarray:
 
 
 def _keep_laws(laws: tuple[HingeLaw | None, ...], to: np.ndarray, sign: float) -> bool:
-    """Return whether a symmetry of the paper takes each law to an equal one; turned over, few laws are known to be."""
-    return sign > 0 and all(laws[k] == laws[v] for v, k in enumerate(to.tolist()))
+    """Return whether a symmetry of the paper takes each law to an equal one."""
+    return same_laws(seen_laws(tuple(laws[k] for k in to.tolist()), sign < 0), laws)
 
 
 def _turned(limits: np.ndarray, sign: float) -> np.ndarray:

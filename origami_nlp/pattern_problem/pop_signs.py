@@ -234,12 +234,19 @@ def _flat_round(pattern: Pattern, loop: Loop, folds: list[int]) -> list[int]:
 def least_flat_energy(pattern: Pattern, flat: np.ndarray) -> float:
     """Return what a pattern's energy is not below while some creases are flat, of bool [n].
 
-    That of the others is 0 at best, or what a rest angle beyond the fold limit leaves.
+    That of the others is 0 at best, or what a rest angle beyond the fold limit leaves; of a hinge law its least energy
+    within the limits.  inf where a stop keeps one of them from being flat.
     """
-    if pattern.laws:
-        return 0.0  # their energies are not negative
-    size = np.where(flat, np.abs(pattern.rest), np.maximum(np.abs(pattern.rest) - math.pi, 0.0))
-    return float(0.5 * pattern.stiffness @ size**2)
+    low, high = pattern.limit_angles
+    if (low[flat] > 0).any() or (high[flat] < 0).any():
+        return math.inf
+    size = np.where(flat, pattern.rest, pattern.rest - np.clip(pattern.rest, low, high))
+    energy = 0.5 * pattern.stiffness * size**2
+    for i, law in enumerate(pattern.laws):
+        if law is not None:
+            at = (0.0, 0.0) if flat[i] else (float(low[i]), float(high[i]))
+            energy[i] = law.least(*at)
+    return float(energy.sum())
 
 
 def _pops(angle_sum: float) -> bool:

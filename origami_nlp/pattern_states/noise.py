@@ -183,6 +183,12 @@ def _noisy(
                 corners=exact.corners + t * size * moved,
                 stiffness=exact.stiffness * np.exp(t * size * stiffness),
                 rest=exact.rest + t * size * rest,
+                laws=tuple(
+                    law and law.times(math.exp(t * size * k)).shifted(t * size * by)
+                    for law, k, by in zip(
+                        exact.laws, stiffness.tolist(), rest.tolist(), strict=bool(exact.laws)
+                    )
+                ),
             )
         )
         made.until = problem.until

@@ -1,0 +1,177 @@
+"""Barriers and survival with stops and hinge laws: linear laws are springs, passes against scans and flood fills."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.spatial import cKDTree
+
+import origami_nlp as o
+from origami_nlp import Scene, Vertex
+from origami_nlp.barriers.descents import STOPPED
+from origami_nlp.pattern import HingeLaw, double_well, linear, sum_of, well
+from origami_nlp.pattern_problem import flat_with, least_flat_energy
+from tests.independent import scan_four
+from tests.independent.admissible import admissible
+from tests.independent.flood import ChartGrid
+
+
+def quadrilateral(**more):
+    vertex = Vertex.from_degrees([70, 110, 80, 100])
+    return Scene(vertex, (1.0, 0.6, 1.4, 0.8), (2.2, -0.7, 0.9, 1.6), symmetry="none", **more)
+
+
+def of_laws(plain):
+    return replace(plain, laws=tuple(map(linear, plain.stiffness, plain.rest_angles)))
+
+
+@pytest.mark.parametrize(
+    "scene",
+    [
+        quadrilateral(),
+        quadrilateral(limits=((-1.6, 1.6),) * 4),
+        o.examples.degree6("5*pi/12", 100),
+        replace(o.examples.degree6("5*pi/12", 100), limits=((-2.0, 2.0),) * 6),
+    ],
+    ids=["degree 4", "degree 4, stops", "panel", "panel, stops"],
+)
+def test_linear_laws_have_the_barriers_of_springs(scene):
+    spacing = {"spacing": 0.25} if scene.degree == 6 else {}
+    one, two = (
+        o.find_barriers(s, o.find_minima(s, prove=False, escape=False, max_starts=64), **spacing)
+        for s in (scene, of_laws(scene))
+    )
+    assert len(one.passes) and np.allclose(one.matrix(), two.matrix(), rtol=1e-9, atol=1e-9)
+    assert [p.pass_kind for p in one.passes] == [p.pass_kind for p in two.passes]
+    assert [p.why for p in one.passes] == [p.why for p in two.passes]
+    low, high = scene.limit_angles
+    for p in two.passes:
+        assert (p.path >= low - 1e-9).all() and (p.path <= high + 1e-9).all()
+
+
+def flooded(x, energy, ends):
+    """Least largest energy over ways along samples, between all of some states, by union and find."""
+    pairs = cKDTree(x).query_pairs(3e-3, output_type="ndarray")
+    height = np.maximum(energy[pairs[:, 0]], energy[pairs[:, 1]])
+    parent = np.arange(len(x))
+
+    def root(k):
+        while parent[k] != k:
+            parent[k] = parent[parent[k]]
+            k = parent[k]
+        return k
+
+    out = np.full((len(ends),) * 2, math.inf)
+    for k in np.argsort(height, kind="stable").tolist():
+        a, b = root(pairs[k, 0]), root(pairs[k, 1])
+        if a == b:
+            continue
+        here = [[i for i, e in enumerate(ends) if root(e) == side] for side in (a, b)]
+        for i in here[0]:
+            for j in here[1]:
+                out[i, j] = out[j, i] = height[k]
+        parent[a] = b
+    return out
+
+
+@pytest.mark.parametrize("seed", [0, 1, 2])
+def test_passes_of_a_vertex_are_those_of_a_scan(seed):
+    rng = np.random.default_rng(seed)
+    scene = quadrilateral(limits=tuple((-a, b) for a, b in rng.uniform(1.5, 3.0, (4, 2))))
+    laws = (
+        double_well(1.0, rng.uniform(0.6, 1.2)),
+        None,
+        sum_of([linear(0.5, 0.3), well(0.4, 1.0, 0.3)]),
+        double_well(0.6, 0.9, 0.2),
+    )
+    scene = replace(scene, laws=laws)
+    result = o.find_minima(scene, escape=False)
+    found = o.find_barriers(scene, result)
+    sectors = np.array(scene.vertex.sector_angles)
+    x = scan_four.closed_states(sectors, 12_001)
+    low, high = scene.limit_angles
+    x = x[((x >= low) & (x <= high)).all(axis=1)]
+    x = np.vstack([x[admissible(sectors, x, "full")], [m.fold_angles for m in result.minima]])
+    many = len(result.minima)
+    energy = scene.energy(x)
+    heights = flooded(x, energy, list(range(len(x) - many, len(x))))
+    assert many > 2
+    for p in found.passes:
+        theirs = heights[p.from_state - 1, p.to_state - 1]
+        if math.isinf(p.energy):
+            assert math.isinf(theirs)
+        else:
+            assert theirs == pytest.approx(p.energy, abs=2e-3 * energy.max())
+
+
+@pytest.mark.slow
+def test_passes_of_a_panel_with_laws_against_a_flood_of_its_chart():
+    """Two degrees of freedom: a flood fill of the paper's chart is never lower, and comes near as it gets finer."""
+    plain = o.examples.degree6("5*pi/12", 100)
+    k, rest = plain.stiffness, plain.rest_angles
+    laws = [sum_of([linear(*s), well(0.05, 0.8, 0.4)]) for s in zip(k, rest, strict=True)]
+    scene = replace(plain, laws=(laws[0], None, None) * 2)
+    result = o.find_minima(scene, escape=False, max_starts=64)
+    found = o.find_barriers(scene, result, spacing=0.15)
+    assert len(found.merges) >= 1
+    over = []
+    for size in (65, 129, 257):
+        grid = ChartGrid(scene, size)
+        for join in found.merges:
+            sides = (result.minima[side[0] - 1] for side in (join.first, join.second))
+            flood = grid.flood(scene, *(np.array(m.fold_angles) for m in sides))
+            over.append(flood.height - join.energy)
+    over = np.reshape(over, (3, -1))
+    assert over.min() > -1e-9 and (over[-1] <= 0.6 * over[0] + 1e-9).all()
+
+
+def test_closed_form_bounds_count_laws_and_stops():
+    """No closed state with the vertex flat is below the bound; a stop that forbids it closes the way."""
+    sheet = o.examples.pattern("yoshimura:2x2")
+    laws = sheet.with_laws(double_well(1.0, 0.8))
+    flat = flat_with(sheet, sheet.vertices[0].vertex)
+    bound = least_flat_energy(laws, flat)
+    assert bound == pytest.approx(flat.sum() * 1.0, rel=1e-6)
+    states = np.random.default_rng(0).uniform(-3, 3, (200, sheet.creases)) * ~flat
+    assert (laws.energy(states) >= bound - 1e-9).all()
+    # linear springs as laws have the bound of springs, with stops as well
+    for limits in ((), (-0.4, 0.5)):
+        plain = sheet.with_limits(limits)
+        pairs = zip(plain.stiffness.tolist(), plain.rest.tolist(), strict=True)
+        linear_laws = plain.with_laws([linear(k, r) for k, r in pairs])
+        assert least_flat_energy(linear_laws, flat) == pytest.approx(
+            least_flat_energy(plain, flat), rel=1e-9
+        )
+    one = int(np.flatnonzero(flat)[0])
+    stops = [(0.1, 3.0) if i == one else (-math.pi, math.pi) for i in range(sheet.creases)]
+    assert least_flat_energy(sheet.with_limits(stops), flat) == math.inf
+
+
+def test_a_stop_before_flat_parts_the_two_sides_of_a_vertex():
+    sides = ((0.2, 3.1), *((-3.1, 3.1),) * 5)
+    rng = np.random.default_rng(3)
+    scene = Scene(
+        Vertex.from_degrees([50, 70, 60, 65, 55, 60]), tuple(rng.uniform(0.5, 2, 6)),
+        tuple(rng.uniform(-1.5, 1.5, 6)), "none", limits=sides, laws=(double_well(0.3, 1.0), *(None,) * 5),
+    )  # fmt: skip
+    result = o.find_minima(scene, escape=False, max_starts=64)
+    found = o.find_barriers(scene, result)
+    signs = [result.signs[p.from_state - 1] + result.signs[p.to_state - 1] for p in found.passes]
+    across = [p for p, s in zip(found.passes, signs, strict=True) if s in ("+-", "-+")]
+    assert across and all(p.energy == math.inf and p.why == STOPPED for p in across)
+
+
+def test_what_survives_errors_is_the_same_with_linear_laws():
+    wide = lambda k, r: HingeLaw((-6.0, 6.0), ((0.0, 0.0, k, -k * (6.0 + r)),))  # noqa: E731
+    plain = quadrilateral()
+    laws = replace(plain, laws=tuple(map(wide, plain.stiffness, plain.rest_angles)))
+    for noise in (1.0, 8.0):
+        one, two = (o.find_minima(s, noise=noise, escape=False).minima for s in (plain, laws))
+        assert [m.survival for m in one] == [m.survival for m in two]
+    sheet = o.examples.pattern("miura", 2, 2).with_springs(1.0, 0.8)
+    laws = sheet.with_laws([wide(1.0, r) for r in sheet.rest])
+    one, two = (o.find_minima(p, noise=6.0, escape=False, starts=4).minima for p in (sheet, laws))
+    assert [m.survival for m in one] == [m.survival for m in two]
