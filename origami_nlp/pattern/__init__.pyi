@@ -48,7 +48,7 @@ from .fold_scene import (
 )
 from .fold_source import is_drawing as is_drawing
 from .hinge_law import HingeLaw as HingeLaw
-from .hinge_tables import law_to_dict as law_to_dict, read_law as read_law
+from .hinge_tables import CHANGED as CHANGED, law_to_dict as law_to_dict, read_law as read_law
 from .hinge_types import (
     detent as detent,
     double_well as double_well,

@@ -106,6 +106,7 @@ def _lost(frame: Frame) -> tuple[str, ...]:
         "lattice vectors": frame.lattice,
     }
     given = [k for k, v in stated.items() if v is not None and not np.isnan(v).all()]
+    given += ["hinge laws"] * bool(frame.laws)
     if not given:
         return ()
     return (f"{', '.join(given)} of the file: left out; inspect -o FILE.fold keeps them",)

@@ -23,7 +23,7 @@ from origami_nlp.numerics import INPUT_TOL, last_place
 from origami_nlp.pattern.fold_limits import edge_limits
 from origami_nlp.pattern.fold_notes import compare_signs, flattened, in_radians, once
 from origami_nlp.pattern.fold_source import STDIN, check_total, decode_source
-from origami_nlp.pattern.hinges_stated import LAW_KEY, refuse_laws
+from origami_nlp.pattern.hinges_stated import LAW_KEY, LAWS_KEY, Laws, edge_laws
 from origami_nlp.pattern.lattice_stated import LATTICE_KEY, read_lattice
 
 LARGEST = 50_000_000
@@ -38,7 +38,7 @@ _LEGACY = {"edges_foldAngles": "edges_foldAngle", "edges_assignments": "edges_as
 _READ = (
     *"vertices_coords edges_vertices faces_vertices faceOrders edges_assignment edges_foldAngle".split(),
     *(*_LEGACY, STIFFNESS_KEY, REST_KEY, PRELOAD_KEY, LIMITS_KEY, LOADS_KEY, FIXED_KEY, ERROR_KEY),
-    *f"{LAW_KEY} {LATTICE_KEY} frame_classes frame_unit frame_title file_title".split(),
+    *f"{LAW_KEY} {LAWS_KEY} {LATTICE_KEY} frame_classes frame_unit frame_title file_title".split(),
 )
 
 
@@ -93,6 +93,8 @@ class Frame:
         ``origaminlp:lattice``: vectors by which the frame, a cell, repeats, [2, 2] or [2, 3]; None where it does not.
     limits
         Fold limits (low, high), [E, 2] [rad], +-pi where not given; None where the file gives none.
+    laws
+        Hinge law of each edge, None for a linear spring; () where the file gives none.
     """
 
     number: int
@@ -117,6 +119,7 @@ class Frame:
     length_unit: str = ""
     y_down: bool = False
     limits: np.ndarray | None = field(default=None, repr=False)
+    laws: Laws = field(default=(), repr=False)
     error: float = 0.0
     lattice: np.ndarray | None = None
 
@@ -280,7 +283,6 @@ def _frame(data: dict[str, Any], number: int) -> Frame:
     angles = _numbers(data.get("edges_foldAngle"), "edges_foldAngle", m)
     if not in_radians(angles, "edges_foldAngles" in legacy, notes):
         angles = np.radians(angles)
-    refuse_laws(data)
     rest = np.radians(_numbers(data.get(REST_KEY), REST_KEY, m))
     stiffness = _numbers(data.get(STIFFNESS_KEY), STIFFNESS_KEY, m)
     preload = _numbers(data.get(PRELOAD_KEY), PRELOAD_KEY, m)
@@ -331,6 +333,7 @@ def _frame(data: dict[str, Any], number: int) -> Frame:
         error=error,
         limits=edge_limits(data.get(LIMITS_KEY), m, LIMITS_KEY, keep),
         lattice=read_lattice(data.get(LATTICE_KEY)),
+        laws=edge_laws(data, m, keep),
     )
 
 

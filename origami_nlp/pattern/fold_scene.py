@@ -190,6 +190,7 @@ def scene_at(
         source=f"{frame.source}, vertex {v.number}" if frame.source else "",
         preload=tuple(np.nan_to_num(frame.preload[at]).tolist()),
         limits=() if frame.limits is None else tuple(map(tuple, frame.limits[at].tolist())),
+        laws=tuple(frame.laws[e] for e in at) if frame.laws else (),
         **loads,
     )
 

@@ -53,8 +53,15 @@ TYPES: dict[str, tuple[Any, dict[str, tuple[str, bool]]]] = {
 }
 
 
+CHANGED = {"scale": 1.0, "shift_deg": 0.0}
+"""Keys of every law, and what they are where they are not stated: a factor of its torque, and how far it is moved."""
+
+
 def read_law(given: object, name: str) -> HingeLaw:
     """Read a law from a table of a scene file: ``type`` and its numbers, or ``sum = [...]`` of such tables.
+
+    ``scale`` multiplies its torque, ``shift_deg`` moves it towards valley, as `follow` does over ``law_scale[1]`` and
+    ``law_shift[1]``.
 
     Parameters
     ----------
@@ -79,6 +86,14 @@ def read_law(given: object, name: str) -> HingeLaw:
         raise SceneError(
             f"laws.{name} = {shown(given)} must be a table with a type: {', '.join(TYPES)}"
         )
+    if changed := [key for key in CHANGED if key in given]:
+        law = read_law({k: v for k, v in given.items() if k not in CHANGED}, name)
+        bounds = {"scale": (0.0, math.inf), "shift_deg": (-180.0, 180.0)}
+        scale, shift = (
+            check_number(f"laws.{name}.{key}", given[key], *bounds[key]) if key in changed else none
+            for key, none in CHANGED.items()
+        )
+        return law.times(scale).shifted(math.radians(shift))
     if "sum" in given:
         parts = given["sum"]
         if set(given) != {"sum"} or not isinstance(parts, list) or not parts:

@@ -9,11 +9,12 @@ from typing import Any
 import numpy as np
 
 from origami_nlp.arguments import shown
-from origami_nlp.errors import FoldFileError, OptionError, SceneError
+from origami_nlp.errors import FoldFileError, OptionError, OrigamiError, SceneError
+from origami_nlp.io import printable
 from origami_nlp.numerics import OUTSIDE
 from origami_nlp.pattern.fold_limits import Limits, limit_words
 from origami_nlp.pattern.hinge_law import HingeLaw
-from origami_nlp.pattern.hinge_tables import law_to_dict
+from origami_nlp.pattern.hinge_tables import law_to_dict, read_law
 
 Laws = tuple[HingeLaw | None, ...]
 PROBES = np.array([-2.9, -1.7, -0.6, 0.3, 1.1, 2.3])
@@ -151,6 +152,8 @@ def check_law_place(laws: Laws, what: str, entry: int | None = None) -> None:
 
 LAW_KEY = "edges_origaminlp:law"
 """Key of FOLD: the number of each edge's law (from 0), null for a linear spring."""
+LAWS_KEY = "origaminlp:laws"
+"""Key of a frame of FOLD: its laws, each a name and what `read_law` reads."""
 
 
 def laws_to_fold(laws: Laws, others: int) -> dict[str, Any]:
@@ -173,23 +176,56 @@ def laws_to_fold(laws: Laws, others: int) -> dict[str, Any]:
     every = list(dict.fromkeys(filter(None, laws)))
     return {
         LAW_KEY: [*(None if law is None else every.index(law) for law in laws), *[None] * others],
-        "origaminlp:laws": [{"name": law.name, **law_to_dict(law)} for law in every],
+        LAWS_KEY: [{"name": law.name, **law_to_dict(law)} for law in every],
     }
 
 
-def refuse_laws(frame: Mapping[str, Any]) -> None:
-    """Raise an error where a frame of FOLD states laws, which would be lost.
+def edge_laws(frame: Mapping[str, Any], edges: int, keep: np.ndarray) -> Laws:
+    """Read the laws of some edges of a frame of FOLD; () where it states none.
+
+    Parameters
+    ----------
+    frame
+        As in the file.
+    edges
+        How many there are.
+    keep
+        Edges wanted.
+
+    Returns
+    -------
+    tuple
+        A law, or None, for each.
 
     Raises
     ------
     FoldFileError
-        With the key.
+        If they do not fit.
     """
-    if LAW_KEY in frame:
+    if LAW_KEY not in frame:
+        return ()
+    numbers, stated = frame[LAW_KEY], frame.get(LAWS_KEY)
+    if not isinstance(numbers, list) or len(numbers) != edges or not isinstance(stated, list):
         raise FoldFileError(
-            f"{LAW_KEY}: hinge laws are not read from FOLD: state them in a scene file, keep results as JSON, or leave "
-            "the key out"
+            f"{LAW_KEY} must be a list of {edges} numbers of laws, or null, and {LAWS_KEY} a list of the laws"
         )
+    laws = []
+    for k, table in enumerate(stated):
+        if not isinstance(table, Mapping):
+            raise FoldFileError(f"{LAWS_KEY}[{k}] must be an object with a type and its numbers")
+        name = table.get("name", f"law {k}")
+        try:
+            law = {key: value for key, value in table.items() if key != "name"}
+            laws.append(read_law(law, printable(str(name))))
+        except OrigamiError as error:
+            raise FoldFileError(f"{LAWS_KEY}[{k}]: {error}") from None
+    for e, number in enumerate(numbers):
+        whole = isinstance(number, int) and not isinstance(number, bool)
+        if number is not None and not (whole and 0 <= number < len(laws)):
+            raise FoldFileError(
+                f"{LAW_KEY}[{e}] = {shown(number)} must be null or the number of a law, 0 to {len(laws) - 1}"
+            )
+    return tuple(None if numbers[e] is None else laws[numbers[e]] for e in keep.tolist())
 
 
 def seen_laws(laws: Laws, over: bool, share: float = 1.0) -> Laws:

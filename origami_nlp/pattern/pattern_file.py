@@ -186,6 +186,9 @@ def frame_pattern(
         notes=[*frame.notes, *sheet.notes, *([FORCES] if frame.loads else [])],
         orders=sheet.orders,
     )
+    if frame.laws:
+        laws = {frozenset(s): frame.laws[e] for s, e in zip(creases, at, strict=True)}
+        made = made.with_laws([laws[frozenset(pair)] for pair in made.ends.tolist()])
     return replace(made, source=frame.source)
 
 

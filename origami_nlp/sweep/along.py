@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import time
 
 import numpy as np
@@ -46,7 +47,10 @@ def follow_chain(sweep: Sweep, chain: range) -> list[Outcome]:
 
 
 def _over(axis: Axis, low: float, high: float) -> ParameterRange:
-    log = all(place == "ratio" or ".stiffness" in place for place in axis.places)
+    log = all(
+        place == "ratio" or ".stiffness" in place or re.fullmatch(r"laws\..*\.scale", place)
+        for place in axis.places
+    )
     if not low < high:
         raise OptionError(f"{axis.name} takes one value: there is nothing to follow")
     return ParameterRange(axis.name, low, high, "", log)

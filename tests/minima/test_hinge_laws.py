@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 from dataclasses import replace
 
@@ -19,6 +20,7 @@ from origami_nlp.pattern import (
     linear,
     make_pattern,
     one_sided,
+    parse_fold,
     polynomial,
     read_law,
     sum_of,
@@ -214,8 +216,48 @@ def test_files_keep_laws(tmp_path):
     again = o.load(tmp_path / "result.json")
     assert again.pattern.laws == sheet.laws
     o.write_fold(result, tmp_path / "states.fold")
-    with pytest.raises(FoldFileError, match="hinge laws"):
-        o.read_pattern(tmp_path / "states.fold")
+    read = o.read_pattern(tmp_path / "states.fold")
+    assert [law and law.name for law in read.laws] == [law and law.name for law in sheet.laws]
+    # of a vertex, and of a pattern with vertices, both as FOLD says where creases are
+    found = o.find_minima(scene, escape=False)
+    o.write_fold(found, tmp_path / "vertex.fold")
+    back = o.read_fold_scene(tmp_path / "vertex.fold", on_note=lambda note: None)
+    phi = np.array(found.minima[0].fold_angles)
+    assert back.laws == scene.laws and back.limits == pytest.approx(scene.limits)
+    assert back.energy(phi) == pytest.approx(scene.energy(phi))
+    miura = o.examples.pattern("miura", 2, 3)
+    miura = miura.with_laws([laws[0], None, detent(0.2, 4)] + [None] * (miura.creases - 3))
+    many = o.find_minima(miura, escape=False, starts=2)
+    o.write_fold(many, tmp_path / "miura.fold")
+    read = o.read_pattern(tmp_path / "miura.fold")
+
+    def placed(sheet):
+        middles = sheet.corners[sheet.ends].mean(axis=1)[:, :2]
+        return {
+            tuple(np.round(m - middles.mean(axis=0), 6) + 0.0): law
+            for m, law in zip(middles, sheet.laws, strict=True)
+        }
+
+    assert placed(read) == placed(miura)
+
+
+@pytest.mark.parametrize(
+    ("numbers", "laws", "why"),
+    [
+        ([0, 1], [], "must be a list of .* numbers"),
+        ([5], [], r"law\[0\] = 5 must be null or the number of a law"),
+        ([None], [3], r"laws\[0\] must be an object"),
+        ([None], [{"type": "tabel"}], r"laws\[0\]: .* must be one of"),
+        ([None], None, "and origaminlp:laws a list"),
+    ],
+)
+def test_wrong_laws_in_fold_are_named(numbers, laws, why):
+    data = o.examples.crease_pattern("miura:2x2")
+    edges = len(data["edges_vertices"])
+    numbers = numbers * edges if len(numbers) == 1 else numbers
+    data = {**data, "edges_origaminlp:law": numbers, "origaminlp:laws": laws}
+    with pytest.raises(FoldFileError, match=why):
+        parse_fold(json.dumps(data))
 
 
 TEXT = """
