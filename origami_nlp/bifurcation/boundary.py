@@ -249,7 +249,6 @@ def find_bifurcation_set(
     BifurcationSet(1 curves of events over ratio and alpha)
     """
     scene = as_scene(scene, "a search for boundaries", "follow takes a pattern, over one parameter")
-    scene.check_plain_hinges("a search for boundaries")
     check_whole("lines", lines, 1, MOST_LINES)
     check_whole("across", across, 0, MOST_LINES)
     begin, until = time.perf_counter(), check_until(seconds)

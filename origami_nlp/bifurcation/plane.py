@@ -91,12 +91,19 @@ class Plane:
         cut = np.cumsum(lengths)
         # logarithms of stiffness among them: log-linear along every line
         at = origin + (point - self.corner) @ slopes
-        sectors, k, rest, load, dead, angles = np.split(at, cut)
+        sectors, log_k, rest, load, dead, angles = np.split(at, cut)
         d_sectors, d_k, d_rest, d_load, d_dead, change = np.split(direction @ slopes, cut)
+        k, laws, d_laws = np.exp(log_k), m.laws, m.laws
+        if m.laws is not None:  # in the places of their springs, see `linear_numbers`
+            has = m.laws.weight != 0
+            laws = replace(m.laws, weight=np.where(has, k, 0.0), shift=np.where(has, rest, 0.0))
+            d_laws = replace(m.laws, weight=has * d_k, shift=has * d_rest)
+            k, rest = np.where(has, m.stiffness, k), np.where(has, m.rest, rest)
+            d_k, d_rest = np.where(has, 0.0, d_k), np.where(has, 0.0, d_rest)
         return ParameterLine(
             whole,
-            Parameters(sectors, np.exp(k), rest, load, _forces(m.dead, dead)),
-            Parameters(d_sectors, d_k, d_rest, d_load, _forces(m.dead, d_dead)),
+            Parameters(sectors, k, rest, load, _forces(m.dead, dead), laws),
+            Parameters(d_sectors, d_k, d_rest, d_load, _forces(m.dead, d_dead), d_laws),
             angles if change.any() or (angles != whole.scene.vertex.sector_angles).any() else None,
             change,
             weight,

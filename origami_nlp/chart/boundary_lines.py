@@ -110,7 +110,7 @@ def trace_boundary(scene: Scene, size: int = 161) -> Boundary:
         If the scene has no chart of two coordinates, or full contact is not asked for: other boundaries of a
         chart are no contacts.
     """
-    scene.check_plain_hinges("the boundary of the admissible set")
+    scene.check_plain_hinges("the boundary of the admissible set", laws=True)
     chart = chart_of(scene)
     if chart is None or scene.contact != "full":
         raise OptionError(

@@ -110,14 +110,15 @@ def crease_number(scene: Scene, ray: int) -> int:
 def admissible(scene: Scene, fold_angles: np.ndarray) -> np.ndarray:
     """Return which closed states [K, N] keep the contact that the scene asks for, shape [K].
 
-    Adjacent facets by |phi| <= pi; non-adjacent ones by crossing of their arcs (pairs that the
+    Adjacent facets by |phi| <= pi, or stops; non-adjacent ones by crossing of their arcs (pairs that the
     symmetry maps to one another are looked at once).  Layers of touching facets are not ordered.
     """
     phi = np.asarray(fold_angles, dtype=float)
     good = np.isfinite(phi).all(axis=-1)
     if scene.contact == "none":
         return good
-    good &= (np.abs(phi) <= math.pi + OUTSIDE).all(axis=-1)
+    low, high = scene.limit_angles
+    good &= ((phi >= low - OUTSIDE) & (phi <= high + OUTSIDE)).all(axis=-1)
     if scene.contact != "full":
         return good
     alive = np.flatnonzero(good)

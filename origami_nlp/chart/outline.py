@@ -75,6 +75,7 @@ def outline_of(scene: Scene) -> Outline:
         "stiffness": (1.0,) * scene.degree,
         "rest_angles": (0.0,) * scene.degree,
         "preload": (),
+        "laws": (),
     }
     return _outline(replace(scene, **springs, symmetry=scene.group.name, name=None))
 

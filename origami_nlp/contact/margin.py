@@ -49,6 +49,7 @@ from origami_nlp.numerics import (
     ROUNDED,
     null_space,
 )
+from origami_nlp.pattern import most_torque
 from origami_nlp.problem import Problem
 
 LEAST_DAMPING, SOFT = 1e-2, 1e-2
@@ -223,7 +224,10 @@ def _nothing(model: Problem, status: Status, reason: str, opens: str = "") -> Lo
 
 
 def _cap(model: Problem) -> float:
-    return 2 * math.pi * model.scale * float(model.parameters.stiffness.sum())
+    p = model.parameters
+    if p.laws is None:
+        return 2 * math.pi * model.scale * float(p.stiffness.sum())
+    return most_torque((model.scale * p.stiffness).tolist(), p.laws.made(model.scale))
 
 
 def under_load(model: Problem, load: np.ndarray) -> Any:

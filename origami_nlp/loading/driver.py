@@ -19,7 +19,7 @@ from origami_nlp.errors import OptionError
 from origami_nlp.kkt import Classification, State, follow
 from origami_nlp.minima import JudgedState, find_minima, full_scene
 from origami_nlp.numerics import SETTLED, first_largest
-from origami_nlp.pattern import Scene, dead_loads
+from origami_nlp.pattern import Scene, dead_loads, most_torque
 from origami_nlp.problem import Model, Parameters
 
 STEPS = ContinuationOptions()
@@ -123,7 +123,7 @@ class VertexDriver:
     @property
     def farthest(self) -> float:
         """A t beyond which springs no longer matter: what would turn all of them once round."""
-        total = 2 * math.pi * sum(self.scene.stiffness)
+        total = most_torque(self.scene.stiffness, self.scene.laws)
         arms = [
             float(np.linalg.norm(load.force or 0.0)) * load.place[0] for load in self.scene.loads
         ]

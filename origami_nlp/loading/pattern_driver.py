@@ -16,7 +16,7 @@ from origami_nlp.kkt import Classification, State, classify
 from origami_nlp.loading.driver import CUT, SIDE, STEPS, LoadSearch
 from origami_nlp.minima import JudgedState
 from origami_nlp.numerics import DUPLICATE_TOL, NEARLY
-from origami_nlp.pattern import Pattern
+from origami_nlp.pattern import Pattern, most_torque
 from origami_nlp.pattern_problem import (
     DeadForce,
     PatternProblem,
@@ -96,7 +96,7 @@ class PatternDriver:
     @property
     def farthest(self) -> float:
         """A t beyond which springs no longer matter: what would turn all of them once round."""
-        return 2 * math.pi * float(self.pattern.stiffness.sum()) / self.arm
+        return most_torque(self.pattern.stiffness.tolist(), self.pattern.laws) / self.arm
 
     def conjugate(self, fold_angles: np.ndarray) -> np.ndarray:
         """Return what the load works on at states [..., n]."""

@@ -65,6 +65,7 @@ from .hinges_stated import (
     law_at as law_at,
     law_probes as law_probes,
     laws_to_fold as laws_to_fold,
+    most_torque as most_torque,
     same_laws as same_laws,
     seen_laws as seen_laws,
 )

@@ -169,6 +169,15 @@ class HingeLaw(ShortRepr):
         return float(low[np.lexsort((-low, np.round(np.abs(low), 9)))[0]])
 
     @cached_property
+    def most(self) -> float:
+        """Largest |torque| [N m], or more: what turns a spring as stiff once round."""
+        bends = self._slope.roots(extrapolate=False)
+        x = np.concatenate([bends[np.isfinite(bends)], self.breaks]).clip(
+            *self.breaks[:: len(self.breaks) - 1]
+        )
+        return max(2 * math.pi * self.stiffness, float(np.abs(self.torque(x)).max()))
+
+    @cached_property
     def finest(self) -> float:
         """Least distance between neighbouring extremes of the torque [rad]; inf where there are fewer than two."""
         x = self._slope.roots(extrapolate=False)

@@ -241,6 +241,14 @@ def same_laws(one: Laws, two: Laws) -> bool:
     )
 
 
+def most_torque(stiffness: Sequence[float], laws: Laws) -> float:
+    """Return a torque [N m] beyond which springs and laws no longer matter: what would turn all of them once round."""
+    if not laws:
+        return 2 * math.pi * sum(stiffness)
+    each = zip(stiffness, laws, strict=True)
+    return float(sum(2 * math.pi * k if law is None else law.most for k, law in each))
+
+
 def law_probes(laws: Laws, over: bool, scale: float) -> np.ndarray:
     """Return numbers of each crease [n, P] by which laws are told apart, whatever creases are called; none without."""
     if not laws:

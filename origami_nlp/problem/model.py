@@ -97,7 +97,7 @@ class Model(PosedProblem):
         return {k: v for k, v in self.__dict__.items() if k not in ("functions", "_kept")}
 
     def loaded(self, load: np.ndarray) -> Model:
-        """Return the same problem with energy U - load . phi; it shares the compiled functions.
+        """Return the same problem with load . phi less of energy; it shares the compiled functions.
 
         Parameters
         ----------
@@ -106,7 +106,8 @@ class Model(PosedProblem):
         """
         other = copy.copy(self)
         vars(other).pop("own_symmetries", None)
-        other.parameters = replace(self.parameters, load=np.asarray(load, dtype=float))
+        p = self.parameters
+        other.parameters = replace(p, load=p.load + np.asarray(load, dtype=float))
         return other
 
     def drift(

@@ -55,7 +55,7 @@ def find_space(scene: Scene, *, rings: int = SIZE) -> Space:
     scene = as_scene(
         scene, "the admissible space", "find_motion follows a pattern of one degree of freedom"
     )
-    scene.check_plain_hinges("the admissible space")
+    scene.check_plain_hinges("the admissible space", laws=True)
     size = check_whole("rings", rings, *SIZES)
     chain = chain_of(scene)
     # walls may pass a mesh of one size so closely that another one is needed
