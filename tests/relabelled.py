@@ -41,8 +41,14 @@ def relabelled(pattern: Pattern, seed: int, mirror: bool = False, over: bool = F
         stiffness=of(pattern.stiffness),
         rest=of(sign * pattern.rest),
         file_angles=of(sign * pattern.file_angles),
+        limits=of(pattern.limit_angles.T if sign > 0 else -pattern.limit_angles[::-1].T)
+        if pattern.limits
+        else None,
         name=pattern.name,
     )
     place = {s: i for i, s in enumerate(sides)}
     creases = np.array([place[tuple(sorted(map(int, e)))] for e in copy.ends])
+    if pattern.laws:
+        laws = (pattern.laws[k] for k in creases)
+        copy = copy.with_laws([law and (law.turned() if over else law) for law in laws])
     return copy, creases, sign

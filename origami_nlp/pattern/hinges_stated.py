@@ -18,7 +18,7 @@ from origami_nlp.pattern.hinge_tables import law_to_dict, read_law
 
 Laws = tuple[HingeLaw | None, ...]
 PROBES = np.array([-2.9, -1.7, -0.6, 0.3, 1.1, 2.3])
-"""Angles [rad] at which torques tell laws apart."""
+"""Angles [rad] at whose torques laws are compared."""
 
 
 def read_laws(given: object, degree: int) -> Laws:
@@ -229,12 +229,38 @@ def edge_laws(frame: Mapping[str, Any], edges: int, keep: np.ndarray) -> Laws:
 
 
 def seen_laws(laws: Laws, over: bool, share: float = 1.0) -> Laws:
-    """Return laws times a share, as they are seen from the other side of the paper where `over`."""
+    """Return laws as they are seen from the other side of the paper, times a share.
+
+    Parameters
+    ----------
+    laws
+        Of creases.
+    over
+        Whether the paper is turned over.
+    share
+        Factor of their torques.
+
+    Returns
+    -------
+    tuple
+        In the same order.
+    """
     return tuple(law and (law.turned() if over else law).times(share) for law in laws)
 
 
 def same_laws(one: Laws, two: Laws) -> bool:
-    """Return whether laws are equal up to rounding: pieces and torques."""
+    """Return whether laws are equal up to rounding: pieces and torques.
+
+    Parameters
+    ----------
+    one, two
+        Laws of creases.
+
+    Returns
+    -------
+    bool
+        Whether each has its like in the same place.
+    """
     return len(one) == len(two) and all(
         a is b or (a is not None and b is not None and a.equals(b))
         for a, b in zip(one, two, strict=True)
@@ -242,7 +268,20 @@ def same_laws(one: Laws, two: Laws) -> bool:
 
 
 def most_torque(stiffness: Sequence[float], laws: Laws) -> float:
-    """Return a torque [N m] beyond which springs and laws no longer matter: what would turn all of them once round."""
+    """Return a torque beyond which springs and laws no longer matter: what would turn all of them once round.
+
+    Parameters
+    ----------
+    stiffness
+        Of all creases [N m/rad].
+    laws
+        Of all creases, or none.
+
+    Returns
+    -------
+    float
+        Torque [N m].
+    """
     if not laws:
         return 2 * math.pi * sum(stiffness)
     each = zip(stiffness, laws, strict=True)
@@ -250,7 +289,22 @@ def most_torque(stiffness: Sequence[float], laws: Laws) -> float:
 
 
 def law_probes(laws: Laws, over: bool, scale: float) -> np.ndarray:
-    """Return numbers of each crease [n, P] by which laws are told apart, whatever creases are called; none without."""
+    """Return numbers by which laws are distinguished whatever creases are called: torques at some angles.
+
+    Parameters
+    ----------
+    laws
+        Of creases.
+    over
+        Whether the paper is turned over.
+    scale
+        What torques are divided by [N m].
+
+    Returns
+    -------
+    numpy.ndarray
+        Shape [n, P]; empty without laws.
+    """
     if not laws:
         return np.zeros((0, 0))
     side = -1.0 if over else 1.0

@@ -123,7 +123,7 @@ def canonical_labels(scene: Scene) -> Relabelling:
     n = scene.degree
     mean = float(np.mean(scene.stiffness))
     k = np.array(scene.stiffness) / mean
-    columns = np.stack([scene.vertex.sector_angles, k, scene.wound_angles])
+    columns = np.stack([scene.vertex.sector_angles, k, _angles(scene)[1]])
     numbers = np.round(columns, 12) + 0.0
     at = np.linspace(-math.pi, math.pi, LAW_SAMPLES) if scene.laws else np.zeros(0)
     seen_laws = np.array([law.torque(at) if law else 0 * at for law in scene.laws or [None] * n]).T
@@ -136,6 +136,13 @@ def canonical_labels(scene: Scene) -> Relabelling:
         return [*numbers[0, labels.facets], *numbers[1, labels.creases], *rest, *limits, *torques]
 
     return min(every_label(n), key=seen)
+
+
+def _angles(scene: Scene) -> np.ndarray:
+    """Rest and wound angles [2, N]; a law has no rest angle: which of two equal wells is named turns with the paper."""
+    angles = np.array([scene.rest_angles, scene.wound_angles])
+    has = np.array([law is not None for law in scene.laws] or [False] * scene.degree)
+    return angles - np.where(has, scene.rest_angles, 0.0)
 
 
 def every_label(degree: int) -> list[Relabelling]:
@@ -205,8 +212,7 @@ def _match(first: Scene, other: Scene) -> tuple[Relabelling, float] | None:
         return None
     noise = min(first.symmetry_tolerance, other.symmetry_tolerance)
     (sectors, k, *rest), theirs = (
-        np.array([s.vertex.sector_angles, s.stiffness, s.rest_angles, s.wound_angles])
-        for s in (first, other)
+        np.array([s.vertex.sector_angles, s.stiffness, *_angles(s)]) for s in (first, other)
     )
     if np.abs(np.sort(sectors) - np.sort(theirs[0])).max() > noise:
         return None
@@ -250,9 +256,7 @@ def symmetries(scene: Scene) -> list[Relabelling]:
     if scene.loads:
         return []
     sectors, k = np.array(scene.vertex.sector_angles), np.array(scene.stiffness)
-    signed = np.array(
-        [scene.rest_angles, scene.wound_angles, scene.preload or (0.0,) * scene.degree]
-    )
+    signed = np.array([*_angles(scene), scene.preload or (0.0,) * scene.degree])
 
     def keeps(labels: Relabelling) -> bool:
         i = labels.creases

@@ -53,7 +53,7 @@ class CanonicalLabelling:
 
     def symmetries(self, pattern: Pattern) -> list[tuple[np.ndarray, float]]:
         """Return those of the images that keep the springs as well."""
-        k, rest = pattern.stiffness / pattern.stiffness.mean(), pattern.rest
+        k, rest = pattern.stiffness / pattern.stiffness.mean(), _rest(pattern)
         return [
             (to, sign)
             for to, sign in self.images
@@ -119,7 +119,7 @@ def find_labels(pattern: Pattern) -> CanonicalLabelling:
     axes = np.stack([e1, cross(normal, e1), normal], axis=1)  # [n, 3, 3]
     middle = ends.mean(axis=1)
     mean = float(pattern.stiffness.mean())
-    k, rest = pattern.stiffness / mean, pattern.rest
+    k, rest = pattern.stiffness / mean, _rest(pattern)
     springs = np.column_stack([k, rest]) / PLACES
     limits = pattern.limit_angles if pattern.limits else np.zeros((2, n))
     reference = pattern.reference[:, None] / PLACES
@@ -190,6 +190,11 @@ def _inside(share: np.ndarray) -> np.ndarray:
     """Return places in shares of lattice vectors as those of copies within one cell."""
     out = np.mod(share, 1.0)
     return np.where(out >= 1.0, 0.0, out)
+def _rest(pattern: Pattern) -> np.ndarray:
+    """Rest angles [n]; 0 for laws, which have none: which of two equal wells is named turns with the paper."""
+    if not pattern.laws:
+        return pattern.rest
+    return np.where([law is None for law in pattern.laws], pattern.rest, 0.0)
 
 
 def _keep_laws(laws: tuple[HingeLaw | None, ...], to: np.ndarray, sign: float) -> bool:
