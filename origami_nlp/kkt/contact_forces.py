@@ -13,7 +13,7 @@ from origami_nlp.kkt.certificates import BranchJudgement
 from origami_nlp.kkt.multipliers import Multipliers
 from origami_nlp.kkt.state import State
 from origami_nlp.numerics import BALANCED, INPUT_TOL, NONZERO
-from origami_nlp.problem import Contact
+from origami_nlp.problem import STOP, Contact
 
 OMIT = {"omit": True}
 """Of a field that is written to files only where it is not its default."""
@@ -83,6 +83,11 @@ class ContactForce(ShortRepr):
     def is_limit(self) -> bool:
         """Whether it is a fold limit, and not facets that touch."""
         return self.type == "fold-limit"
+
+    @property
+    def is_stop(self) -> bool:
+        """Whether it is a stop before facets meet: a fold limit at which no facets lie on each other."""
+        return self.is_limit and STOP in self.text.partition(" at crease")[0]
 
     @property
     def is_force(self) -> bool:

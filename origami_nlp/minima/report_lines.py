@@ -284,10 +284,12 @@ def residual_cells(m: JudgedState) -> list[str]:
 
 def touching_cells(m: JudgedState) -> list[str]:
     """Return which facets touch, and which creases are at their fold limit."""
-    limits = [str(k) for c in m.contacts for k in c.creases]
+    limits = [str(k) for c in m.contacts if not c.is_stop for k in c.creases]
+    stops = [str(k) for c in m.contacts if c.is_stop for k in c.creases]
     touched = dict.fromkeys(c.facets for c in m.contacts if not c.is_limit)
     words = [f"facets {_few([f'{a}|{b}' for a, b in touched])} touch"] * bool(touched)
     words += [f"fold limit of {_few(limits)}"] * bool(limits)
+    words += [f"stop of {_few(stops)}"] * bool(stops)
     return ["; ".join(words)]
 
 

@@ -178,8 +178,9 @@ def held_words(m: JudgedState) -> str:
         if rest := [c for c in open_ if c not in least[:MOST_NAMES]]:
             some.append(_who(rest))
         parts.append(f"{'; '.join(some)} (statically indeterminate)")
-    for limit, word in ((True, "fully folded"), (False, "touching")):
-        if same := [c for c in idle if c.is_limit == limit]:
+    kinds = (("fully folded", True, False), ("at a stop", True, True), ("touching", False, False))
+    for word, limit, stop in kinds:
+        if same := [c for c in idle if (c.is_limit, c.is_stop) == (limit, stop)]:
             parts.append(f"{_who(same, named=False)} {word}, no load")
     return "; ".join(parts)
 
@@ -189,17 +190,17 @@ def _unit(c: ContactForce) -> str:
 
 
 def _who(contacts: Sequence[ContactForce], named: bool = True) -> str:
-    """Name creases at fold limits, and facets that touch, 1-based."""
-    limits = sorted({k for c in contacts if c.is_limit for k in c.creases})
+    """Name creases at fold limits and at stops, and facets that touch, 1-based."""
     facets = [
         f"facets {c.facets[0]}|{c.facets[1]}" if c.corners else c.text.partition(" (")[0]
         for c in contacts
         if not c.is_limit
     ]
     parts = []
-    if limits:
-        plural = "s" * (len(limits) > 1)
-        parts.append(f"{f'fold limit{plural} ' if named else f'crease{plural} '}{_few(limits)}")
+    for word, stop in (("fold limit", False), ("stop", True)):
+        at = sorted({k for c in contacts if c.is_limit and c.is_stop == stop for k in c.creases})
+        if at:
+            parts.append(f"{word if named else 'crease'}{'s' * (len(at) > 1)} {_few(at)}")
     if facets:
         parts.append(_few(list(dict.fromkeys(facets))))
     return ", ".join(parts)

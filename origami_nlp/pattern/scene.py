@@ -393,7 +393,8 @@ class Scene(PrettyRepr):
             ]
             lines = [
                 "preload (and the angle to which it winds the spring): " + ", ".join(at),
-                "energies count what it takes to wind the springs: U = sum k/2 (phi - phi0 - preload/k)^2",
+                "energies count what it takes to wind the springs: U = sum k/2 (phi - phi0 - preload/k)^2"
+                + ", of a law U - preload phi" * any(self.laws),
             ]
         if self.loads:
             lines += [load.words for load in self.loads]

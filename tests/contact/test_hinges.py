@@ -45,7 +45,9 @@ def test_a_margin_at_a_stop_is_where_the_state_leaves_it():
         Vertex.from_degrees((70, 80, 120, 90)), (1.0, 0.5, 2.0, 1.0), (2.0, -1.0, 1.5, 0.5), "none",
         limits=(-1.0, 1.0), laws=(double_well(0.5, 2.0), None, linear(2.0, 1.5), None),
     )  # fmt: skip
-    report = o.find_contacts(o.find_minima(scene, escape=False), check=True)
+    found = o.find_minima(scene, escape=False)
+    assert "stop 3: " in str(found) and "fold limit" not in str(found)
+    report = o.find_contacts(found, check=True)
     words = str(report) + report.report(verbose=True)
     assert "(stop)" in words and "folded flat" not in words
     state = next(s for s in report.states if s.margin.norm > 0)
