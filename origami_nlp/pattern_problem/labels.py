@@ -190,6 +190,8 @@ def _inside(share: np.ndarray) -> np.ndarray:
     """Return places in shares of lattice vectors as those of copies within one cell."""
     out = np.mod(share, 1.0)
     return np.where(out >= 1.0, 0.0, out)
+
+
 def _rest(pattern: Pattern) -> np.ndarray:
     """Rest angles [n]; 0 for laws, which have none: which of two equal wells is named turns with the paper."""
     if not pattern.laws:

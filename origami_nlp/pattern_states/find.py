@@ -141,6 +141,8 @@ def find_states(
     rng = np.random.default_rng(check_whole("seed", seed, 0))
     check_flag("escape", escape)
     check_noise(noise)
+    if noise is not None:
+        pattern.check_alone("the survival of states under errors")
     check_prove("prove", prove)
     check_callback("progress", progress)
     check_callback("found", found)
