@@ -172,9 +172,8 @@ class HingeLaw(ShortRepr):
     def most(self) -> float:
         """Largest |torque| [N m], or more: what turns a spring as stiff once round."""
         bends = self._slope.roots(extrapolate=False)
-        x = np.concatenate([bends[np.isfinite(bends)], self.breaks]).clip(
-            *self.breaks[:: len(self.breaks) - 1]
-        )
+        x = np.concatenate([bends[np.isfinite(bends)], self.breaks])
+        x = np.clip(x, self.breaks[0], self.breaks[-1])
         return max(2 * math.pi * self.stiffness, float(np.abs(self.torque(x)).max()))
 
     @cached_property
