@@ -350,7 +350,8 @@ def _over_places(scene: Scene, places: list[tuple[str, int]]) -> Callable[[float
             else:
                 for i in _images(scene, entry, False):
                     if what in LAW_PLACES:
-                        laws[i] = law_at(laws[i], what, t)
+                        # of what is stated: an image may be named as well
+                        laws[i] = law_at(scene.laws[i], what, t)
                         continue
                     given = scene.preload[i] if what == "torque" and scene.preload else 0.0
                     values["preload" if what == "torque" else what][i] = given + t

@@ -74,7 +74,7 @@ def with_places(pattern: Pattern, values: Mapping[str, float]) -> Pattern:
     [0.025, 0.5]
     """
     k, rest, corners = pattern.stiffness.copy(), pattern.rest.copy(), pattern.corners
-    laws = list(pattern.laws)
+    laws, of_laws = list(pattern.laws), dict[tuple[int, str], float]()
     for name, value in values.items():
         match = PLACE.fullmatch(name) if is_place(name) else None
         if match is None:
@@ -88,8 +88,7 @@ def with_places(pattern: Pattern, values: Mapping[str, float]) -> Pattern:
         which = _creases(pattern, match)
         for i in which.tolist():
             check_law_place(pattern.laws, match["what"], i)
-            if match["what"] in LAW_PLACES:
-                laws[i] = law_at(laws[i], match["what"], value)
+            of_laws[i, match["what"]] = value
         if match["what"] in LAW_PLACES:
             continue
         if match["what"] == "stiffness":
@@ -97,6 +96,9 @@ def with_places(pattern: Pattern, values: Mapping[str, float]) -> Pattern:
         else:
             sized = match["which"] == "creases" and match["crease"] is None
             rest[which] = value * pattern.signs[which] if sized else value
+    for (i, what), value in of_laws.items():
+        if what in LAW_PLACES:
+            laws[i] = law_at(laws[i], what, value)
     sprung = pattern.with_springs(k.tolist(), rest.tolist())
     sprung = sprung.with_laws(laws) if laws else sprung
     return sprung if corners is pattern.corners else replace(sprung, corners=corners)

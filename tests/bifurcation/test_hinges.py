@@ -97,6 +97,14 @@ def test_linear_laws_are_springs_on_a_pattern():
     same_atlas(one, two)
 
 
+def test_a_crease_that_is_named_twice_is_changed_once():
+    law = double_well(1.0, 1.0)
+    sheet = o.examples.pattern("miura", 2, 2).with_laws(law)
+    made = with_places(sheet, {"creases.law_scale": 3.0, "law_scale[1]": 3.0, "law_shift[1]": 0.0})
+    x = np.array([0.3, 0.7, -0.4, 0.2])
+    assert made.energy(x) == pytest.approx(3.0 * sheet.energy(x))
+
+
 def test_the_depth_of_wells_against_scans():
     """How many minima there are over the depth of a double well beside springs, and where that changes."""
     law = double_well(1.0, 1.0)
