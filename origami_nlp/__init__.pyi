@@ -16,6 +16,7 @@ from .critical import CriticalPoints as CriticalPoints, find_critical_points as 
 from .drawings import DrawingOptions as DrawingOptions, WriteOptions as WriteOptions
 from .errors import OrigamiError as OrigamiError
 from .folding import check_admissible as check_admissible
+from .hinges import MeasuredHinge as MeasuredHinge, fit_hinge as fit_hinge
 from .inverse_design import Design as Design, design as design
 from .kkt import State as State, Stratum as Stratum
 from .landscape import ExactLandscape as ExactLandscape, find_landscape as find_landscape
@@ -28,6 +29,7 @@ from .minima import (
 )
 from .modes import Modes as Modes, find_modes as find_modes
 from .pattern import (
+    HingeData as HingeData,
     Load as Load,
     Pattern as Pattern,
     Scene as Scene,

@@ -25,7 +25,7 @@ PACKAGE = Path(origami_nlp.__file__).parent
 ROOT = PACKAGE.parent
 ORDER = (
     "version errors arguments workers io plugins numerics closed_forms symbolic drawings pattern folding problem kkt "
-    "pattern_problem starts continuation display chart proof "
+    "pattern_problem starts continuation display hinges chart proof "
     "minima pattern_states contact modes critical barriers space landscape bifurcation inverse_design "
     "loading sweep validity results verbs references paper cli __main__"
 ).split()

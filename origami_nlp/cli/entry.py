@@ -14,7 +14,7 @@ from origami_nlp.cli.converting import convert
 from origami_nlp.cli.fault import report_fault
 from origami_nlp.cli.finding import check_proof, landscape, minima
 from origami_nlp.cli.group import Group
-from origami_nlp.cli.inspecting import inspect
+from origami_nlp.cli.inspecting import hinge, inspect
 from origami_nlp.cli.making import design, example
 from origami_nlp.cli.many import boundary, follow, pattern, sweep
 from origami_nlp.cli.paper import paper
@@ -37,7 +37,7 @@ app = Group(
     },
 )
 app.add(minima, pattern, load, follow, design, under=FIRST)
-app.add(inspect, example, check, convert, under=FIRST)
+app.add(inspect, example, hinge, check, convert, under=FIRST)
 app.add(landscape, barriers, modes, contacts, critical, space, under=ANALYSIS)
 app.add(layers, boundary, sweep, check_proof, under=ANALYSIS)
 app.add_group("paper", paper, under="The source paper")

@@ -1,13 +1,15 @@
-"""The command `inspect`: what a file says, whatever kind of file it is."""
+"""Commands that say what a file holds: `inspect` of origami, `hinge` of a measured hinge."""
 
 from __future__ import annotations
 
 import json
 import math
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
 
 from origami_nlp.cli import options as o
-from origami_nlp.cli.output import Output, writes
+from origami_nlp.cli.output import Output, answers, writes
 from origami_nlp.cli.source import Source, takes_scene
 from origami_nlp.errors import OptionError
 
@@ -87,3 +89,30 @@ def _pattern(scene: Source, out: Output) -> None:
     out.write("json", vertices_to_dict, lists)
     out.write("figure", lambda: draw_pattern(flat[0]))
     out.write("fold", lambda: json.dumps(pattern_to_fold(sheet), indent=1) + "\n")
+
+
+@answers("json", "figure", "markdown")
+def hinge(
+    data: Annotated[
+        str,
+        typer.Argument(
+            metavar="DATA",
+            help="Table of text, - for stdin: columns angle_deg (or angle_rad), torque_Nm (or torque_Nmm) and, if "
+            "wanted, weight, in the order of the measurement; # begins a remark.",
+        ),
+    ],
+    fit: Annotated[
+        str,
+        typer.Option(
+            metavar="spline|pchip",
+            help="Least squares, with knots by BIC; or through the points, averaged where there are many.",
+        ),
+    ] = "spline",
+) -> Any:
+    """Fit a hinge law to measured torques: its band, wells, where the stiffness is negative, loop, and what to look at.
+
+    Torque is dU/dphi, positive towards valley.  A scene has the law by [laws.NAME] data = "DATA".
+    """
+    from origami_nlp.hinges import fit_hinge
+
+    return fit_hinge(data, fit=fit)

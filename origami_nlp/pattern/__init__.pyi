@@ -47,6 +47,14 @@ from .fold_scene import (
     vertex_scenes as vertex_scenes,
 )
 from .fold_source import is_drawing as is_drawing
+from .hinge_data import HingeData as HingeData, read_hinge_data as read_hinge_data
+from .hinge_fit import (
+    LawFit as LawFit,
+    balanced as balanced,
+    fit_data as fit_data,
+    runs as runs,
+    straight_on as straight_on,
+)
 from .hinge_law import HingeLaw as HingeLaw
 from .hinge_tables import CHANGED as CHANGED, law_to_dict as law_to_dict, read_law as read_law
 from .hinge_types import (

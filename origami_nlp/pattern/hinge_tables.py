@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from origami_nlp.arguments import check_number, shown
 from origami_nlp.errors import OptionError, SceneError
+from origami_nlp.pattern.hinge_data import read_hinge_data
+from origami_nlp.pattern.hinge_fit import FITS, fit_data, straight_on
 from origami_nlp.pattern.hinge_law import HingeLaw
 from origami_nlp.pattern.hinge_types import (
     detent,
@@ -57,8 +60,12 @@ CHANGED = {"scale": 1.0, "shift_deg": 0.0}
 """Keys of every law, and what they are where they are not stated: a factor of its torque, and how far it is moved."""
 
 
-def read_law(given: object, name: str) -> HingeLaw:
-    """Read a law from a table of a scene file: ``type`` and its numbers, or ``sum = [...]`` of such tables.
+EXTRAPOLATE = "extrapolate"
+"""Key of a measured law: ``"linear"`` where it goes straight on to +-180 degrees."""
+
+
+def read_law(given: object, name: str, folder: Path | None = None) -> HingeLaw:
+    """Read a law from a table of a scene file: ``type`` and its numbers, ``data``, or ``sum = [...]`` of such tables.
 
     ``scale`` multiplies its torque, ``shift_deg`` moves it towards valley, as `follow` does over ``law_scale[1]`` and
     ``law_shift[1]``.
@@ -69,6 +76,8 @@ def read_law(given: object, name: str) -> HingeLaw:
         The table.
     name
         Of the law.
+    folder
+        Where files of measured data are looked for; the working directory by default.
 
     Returns
     -------
@@ -77,17 +86,24 @@ def read_law(given: object, name: str) -> HingeLaw:
 
     Raises
     ------
-    SceneError
-        If the type is unknown, or a number is missing or does not fit.
+    SceneError, SceneFileError
+        If the type is unknown, a number is missing or does not fit, or data cannot be read.
     """
     if isinstance(given, HingeLaw):
         return given
     if not isinstance(given, Mapping):
         raise SceneError(
-            f"laws.{name} = {shown(given)} must be a table with a type: {', '.join(TYPES)}"
+            f"laws.{name} = {shown(given)} must be a table with data, or a type: {', '.join(TYPES)}"
         )
+    if EXTRAPOLATE in given:
+        if given[EXTRAPOLATE] != "linear":
+            raise SceneError(
+                f"laws.{name}: extrapolate = {shown(given[EXTRAPOLATE])} must be 'linear': straight on from both ends"
+            )
+        rest = {key: value for key, value in given.items() if key != EXTRAPOLATE}
+        return straight_on(read_law(rest, name, folder), -math.pi, math.pi)
     if changed := [key for key in CHANGED if key in given]:
-        law = read_law({k: v for k, v in given.items() if k not in CHANGED}, name)
+        law = read_law({k: v for k, v in given.items() if k not in CHANGED}, name, folder)
         bounds = {"scale": (0.0, math.inf), "shift_deg": (-180.0, 180.0)}
         scale, shift = (
             check_number(f"laws.{name}.{key}", given[key], *bounds[key]) if key in changed else none
@@ -98,10 +114,14 @@ def read_law(given: object, name: str) -> HingeLaw:
         parts = given["sum"]
         if set(given) != {"sum"} or not isinstance(parts, list) or not parts:
             raise SceneError(f"laws.{name}: sum = [...] of tables stands alone")
-        return sum_of([read_law(part, name) for part in parts], name)
+        return sum_of([read_law(part, name, folder) for part in parts], name)
+    if "data" in given:
+        return _measured(given, name, folder)
     kind = given.get("type")
     if not isinstance(kind, str) or kind not in TYPES:
-        raise SceneError(f"laws.{name}: type = {shown(kind)} must be one of {', '.join(TYPES)}")
+        raise SceneError(
+            f"laws.{name}: type = {shown(kind)} must be one of {', '.join(TYPES)}; or give data"
+        )
     make, keys = TYPES[kind]
     wrong = sorted(set(given) - set(keys) - {"type"})
     missing = [key for key, (_, needed) in keys.items() if needed and key not in given]
@@ -129,6 +149,20 @@ def read_law(given: object, name: str) -> HingeLaw:
             f"laws.{name} of type {kind!r}: its entries must be numbers ({error})"
         ) from None
     return HingeLaw(made.breaks, made.coefficients, name)
+
+
+def _measured(given: Mapping[str, Any], name: str, folder: Path | None) -> HingeLaw:
+    """Fit the law to a table of measured torques."""
+    if wrong := sorted(set(given) - {"data", "fit"}):
+        raise SceneError(
+            f"laws.{name} of data: unknown {', '.join(map(str, wrong))}; it has data, fit, extrapolate"
+        )
+    file, fit = given["data"], given.get("fit", FITS[0])
+    if not isinstance(file, str) or not file or file == "-":
+        raise SceneError(f"laws.{name}: data = {shown(file)} must be the name of a file")
+    if fit not in FITS:
+        raise SceneError(f"laws.{name}: fit = {shown(fit)} must be one of {', '.join(FITS)}")
+    return fit_data(read_hinge_data((folder or Path()) / file), fit, name).law
 
 
 def _radians(key: str, degrees: Any) -> Any:

@@ -215,7 +215,7 @@ def scene_from_dict(data: Mapping[str, Any], source: str = "") -> Scene:
     if "thickness_mm" in creases or "taper_mm" in creases:
         more["panels"] = creases.get("thickness_mm"), creases.get("taper_mm")
     if "law" in creases:
-        more["laws"] = _laws(creases["law"], of_laws, vertex.degree)
+        more["laws"] = _laws(creases["law"], of_laws, vertex.degree, source)
     elif of_laws:
         raise SceneFileError(
             '[laws] is not used: name one for each crease in [creases], law = [...], "" for a spring'
@@ -225,7 +225,7 @@ def scene_from_dict(data: Mapping[str, Any], source: str = "") -> Scene:
     return Scene(vertex, creases["stiffness"], rest, source=source, **more)
 
 
-def _laws(named: object, stated: object, degree: int) -> tuple[HingeLaw | None, ...]:
+def _laws(named: object, stated: object, degree: int, source: str) -> tuple[HingeLaw | None, ...]:
     """Read the laws of the creases by their names."""
     names = [named] * degree if isinstance(named, str) else named
     if not isinstance(names, list) or len(names) != degree or not isinstance(stated, Mapping):
@@ -233,7 +233,7 @@ def _laws(named: object, stated: object, degree: int) -> tuple[HingeLaw | None, 
             f"[creases] law = {shown(named)} must be the name of a table [laws.NAME], or one for each of {degree} "
             'creases, "" for a linear spring'
         )
-    laws = {name: read_law(table, str(name)) for name, table in stated.items()}
+    laws = {name: read_law(table, str(name), Path(source).parent) for name, table in stated.items()}
     if unknown := [name for name in names if name and name not in laws]:
         raise SceneFileError(f"[creases] law: there is no table [laws.{unknown[0]}]")
     return tuple(laws[name] if name else None for name in names)

@@ -36,7 +36,7 @@ def test_the_help_lists_what_people_want_under_headings():
     assert len(headings) == 3 and all(line.endswith(":") for line in headings)
     listed = [line.split()[0] for line in shown if re.match("  [a-z]", line)]
     assert listed == top.list_commands(None) and set(listed) == set(top.commands)
-    assert listed[:7] == "minima pattern load follow design inspect example".split()
+    assert listed[:8] == "minima pattern load follow design inspect example hinge".split()
     code, out, err = run("nothing")
     assert code == 2 and not out and "no such command 'nothing'" in err
 

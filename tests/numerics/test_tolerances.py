@@ -63,7 +63,7 @@ BESIDE_THE_TABLE = {
         bifurcation/regions.LEAST chart/boundary_lines.SHORT chart/chart.TIE chart/region.SLIVER
         critical/result.ROUNDING paper/cone/table.SMALL pattern/fold_notes.LOOKS_LIKE_PI
         pattern/fold_notes.SMALLEST_FOLD pattern/fold_notes.UP pattern/relations.NEAR
-        pattern_problem/poses.MOVES space/result.EXTENDED
+        pattern_problem/poses.MOVES space/result.EXTENDED pattern/hinge_data.TURNED
     """,
     "shares of a drawing: what is joined, what is straight, what is rounding": """
         drawings/sheet.RUNGS drawings/sheet.COARSE drawings/svg_path.STRAIGHT
@@ -80,7 +80,7 @@ BESIDE_THE_TABLE = {
         paper/cone/phase_curves.RATIO_LIMITS pattern/coordinate_repair.COARSE
         pattern/example_patterns.QUAD_STIFFNESS
         pattern/examples.RATIOS pattern/materials.METRES pattern/numbers_read.SMALLEST
-        pattern/example_vertices.STIFFNESS pattern/hinge_types.WIDTHS
+        pattern/example_vertices.STIFFNESS pattern/hinge_types.WIDTHS pattern/hinge_data.UNITS
         inverse_design/convex.LEAST_MARGIN inverse_design/finding.PRICES
     """,
     "options of IPOPT and of a conic solver": """

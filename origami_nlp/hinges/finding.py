@@ -1,0 +1,166 @@
+"""Fit a law to a measured hinge, and say what it is worth."""
+
+from __future__ import annotations
+
+import math
+from os import PathLike
+
+import numpy as np
+
+from origami_nlp.hinges.result import MUCH, MeasuredHinge, Rest
+from origami_nlp.pattern import HingeData, LawFit, balanced, fit_data, read_hinge_data, runs
+
+NOISY = 0.1
+"""Share of the largest torque, from which residuals are noted; of the half-gap, from which a crossing is."""
+EMPTY = 0.25
+"""Share of the range without a row that is noted."""
+
+
+def fit_hinge(data: str | PathLike[str] | HingeData, *, fit: str = "spline") -> MeasuredHinge:
+    """Fit a hinge law to measured torques.
+
+    Parameters
+    ----------
+    data
+        A table of text with the columns angle_deg (or angle_rad), torque_Nm (or torque_Nmm) and, if wanted, weight, in
+        the order of the measurement, so that loading and unloading are told apart; or `HingeData`.
+    fit
+        ``"spline"``: least squares by a cubic spline whose number of knots has the least BIC (Schwarz 1978);
+        ``"pchip"``: through the rows, or their averages, monotone between them (Fritsch and Carlson 1980).
+
+    Returns
+    -------
+    MeasuredHinge
+        The law, its band, wells, where its stiffness is negative, the loop, and what to look at.
+
+    Raises
+    ------
+    SceneFileError
+        If the data cannot be read, or are no torques over fold angles.
+    OptionError
+        If `fit` is neither.
+
+    Examples
+    --------
+    >>> import numpy as np, origami_nlp as o
+    >>> phi = np.linspace(-1.5, 1.5, 61)
+    >>> hinge = o.fit_hinge(o.HingeData(phi, phi * (phi**2 - 1)))
+    >>> [round(rest.angle, 6) for rest in hinge.rests]
+    [-1.0, 1.0]
+    """
+    measured = data if isinstance(data, HingeData) else read_hinge_data(data)
+    found = fit_data(measured, fit)
+    slope, width = found.law.slope(found.angle), found.slope_band
+    rests, energy = _rests(found), found.law.energy(found.angle)
+    known = np.isfinite(width).all()
+    return MeasuredHinge(
+        measured,
+        fit,
+        found.law,
+        found.knots,
+        found.angle,
+        found.torque,
+        found.band,
+        found.slope_band,
+        found.gap,
+        float(np.sqrt(np.mean(found.residuals**2))),
+        float(np.abs(found.residuals).max()),
+        found.noise,
+        found.correlation,
+        tuple(runs(slope + width < 0, found.angle)) if known else (),
+        float(np.mean(np.abs(slope) <= width)) if known else 1.0,
+        *found.loop,
+        float(np.ptp(energy)),
+        rests,
+        tuple(_notes(found, rests, measured)),
+    )
+
+
+def _rests(found: LawFit) -> tuple[Rest, ...]:
+    """Return wells, and ends that the hinge is pushed to."""
+    law, x = found.law, found.angle
+    low, high = law.breaks[0], law.breaks[-1]
+    roots = balanced(law)
+    inside = roots[(roots > low) & (roots < high)]
+    wells = [(a, "well") for a in inside.tolist() if float(law.slope(np.array(a))) > 0]
+    ends = [(low, 1.0), (high, -1.0)]
+    wells += [(a, "end of the data") for a, s in ends if s * float(law.torque(np.array(a))) > 0]
+    wells.sort()
+    out = []
+    for number, (angle, kind) in enumerate(wells):
+        here = max(0.0, float(law.energy(np.array(angle))))
+        tops = []
+        for side in (-1, 1):  # the hill to the next well, or all the way to the end
+            other = number + side
+            stop = wells[other][0] if 0 <= other < len(wells) else (low if side < 0 else high)
+            between = np.array(
+                [angle, stop, *(r for r in inside if min(angle, stop) < r < max(angle, stop))]
+            )
+            if stop != angle:
+                tops.append(float(law.energy(between).max()) - here)
+        stiffness = float(law.slope(np.array(angle)))
+        band = float(np.interp(angle, x, found.band))
+        held = np.abs(found.torque) <= np.abs(found.gap)
+        span = [
+            run
+            for run in runs(held, x)
+            if run[0] <= angle + np.diff(x)[0] and run[1] >= angle - np.diff(x)[0]
+        ]
+        out.append(
+            Rest(
+                float(angle),
+                band / stiffness if kind == "well" else math.nan,
+                kind,
+                here,
+                min(tops),
+                stiffness,
+                span[0] if span else (float(angle), float(angle)),
+            )
+        )
+    return tuple(out)
+
+
+def _notes(found: LawFit, rests: tuple[Rest, ...], data: HingeData) -> list[str]:
+    """Say what may be wrong with the data, and what a law cannot have."""
+    notes = []
+    torque, x = found.torque, found.angle
+    wells = [rest for rest in rests if rest.kind == "well"]
+    if (torque > 0).all() or (torque < 0).all():
+        end = math.degrees(x[0] if torque[0] > 0 else x[-1])
+        notes.append(
+            f"the torque has one sign: there is no rest angle, the hinge is pushed to {end:.4g} degrees; fine with a "
+            "stop there (limits_deg), else look whether the rig's zero was taken off"
+        )
+    elif not wells:
+        notes.append(
+            "the energy is greatest inside and the hinge is pushed to both ends: is the sign swapped?  torque is "
+            "dU/dphi, what holds the hinge at the angle; the hinge's own moment on its panels is the opposite"
+        )
+    area, error = found.loop
+    stored = float(np.ptp(found.law.energy(x)))
+    if area < 0 and not abs(area) <= error:
+        notes.append(
+            "torques on unloading are above those on loading, so that a cycle would give energy: is the sign swapped, "
+            "or are the rows not in the order of the measurement?"
+        )
+    elif area > MUCH * stored:
+        notes.append(
+            f"a cycle takes {100 * area / stored:.3g} % of the energy that the law stores: states of the mean law may "
+            "be held elsewhere, by friction or yield, which no energy has"
+        )
+    if area > 0 and found.gap.min() < -NOISY * found.gap.max():
+        notes.append("loading and unloading cross: their half-gap is not of one sign")
+    rms = float(np.sqrt(np.mean(found.residuals**2)))
+    size = float(np.abs(torque).max())
+    if rms > NOISY * size:
+        notes.append(
+            f"residuals are {100 * rms / size:.2g} % of the largest torque: the law is that of a noisy rig"
+        )
+    steps = np.diff(np.unique(data.angle))
+    if steps.max() > EMPTY * np.ptp(x):
+        at = int(np.argmax(steps))
+        a, b = np.degrees(np.unique(data.angle)[[at, at + 1]])
+        notes.append(
+            f"nothing was measured from {a:.4g} to {b:.4g} degrees: there the law is only drawn through"
+        )
+    return notes

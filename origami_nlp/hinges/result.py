@@ -1,0 +1,214 @@
+"""A hinge as measured: its law, how well it is known, where it rests, what a cycle takes; the table."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from origami_nlp.display import Report, Section, Table, Words
+from origami_nlp.pattern import HingeData, HingeLaw
+
+MUCH = 0.2
+"""Share of the energy that the law stores, from which the area of the loop is a warning."""
+
+
+@dataclass(frozen=True)
+class Rest:
+    """A well of a measured law, or an end of the data that the hinge is pushed to.
+
+    Attributes
+    ----------
+    angle
+        Of least energy nearby [rad].
+    known
+        95 % half-width of it [rad]; nan where it is not known.
+    kind
+        ``"well"`` or ``"end of the data"``.
+    energy
+        Above the least of the law [J].
+    barrier
+        Least energy to leave to another well, or to the end of the data [J].
+    stiffness
+        dtorque/dphi there [N m/rad].
+    held
+        Between which angles the loop's half-gap holds the hinge without load [rad]; equal without a loop.
+    """
+
+    angle: float
+    known: float
+    kind: str
+    energy: float
+    barrier: float
+    stiffness: float
+    held: tuple[float, float]
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class MeasuredHinge(Report):
+    """A hinge law fitted to measured torques, and what is known of it.
+
+    Attributes
+    ----------
+    data
+        As measured.
+    fit
+        How the law was fitted: ``"spline"`` or ``"pchip"``.
+    law
+        The mean law, for `Scene(laws=)` and `Pattern.with_laws`.
+    knots
+        Inner knots of the spline, or angles of the averages that the law goes through [rad].
+    angle
+        Where the next four are stated, [g] [rad].
+    torque, band
+        Of the mean law, with the 95 % half-width at each angle, [g] [N m]; nan if the noise is not known.
+    slope_band
+        95 % half-width of the stiffness, [g] [N m/rad].
+    gap
+        Half of what torques on loading are above those on unloading, [g] [N m].
+    residual_rms, residual_max
+        Of torques less the law and the half-gap [N m].
+    noise
+        Standard deviation of a row [N m]; nan if not known.
+    correlation
+        Of residuals that follow each other, for which the band is wider.
+    falling
+        Intervals of angles in which the stiffness is negative for certain (95 % at each angle) [rad].
+    unsure
+        Share of the range in which the sign of the stiffness is not known.
+    loop_area, loop_error
+        Energy that a cycle takes, with its 95 % half-width [J]; nan without loading and unloading.
+    stored
+        Largest less least energy of the mean law [J].
+    rests
+        Wells and ends that the hinge is pushed to, in order of angles.
+    notes
+        What to look at before the law is used.
+    """
+
+    PICTURE = "draw_hinge"
+    SCHEMA = "origami-nlp/hinge/1"
+    data: HingeData
+    fit: str
+    law: HingeLaw
+    knots: np.ndarray
+    angle: np.ndarray
+    torque: np.ndarray
+    band: np.ndarray
+    slope_band: np.ndarray
+    gap: np.ndarray
+    residual_rms: float
+    residual_max: float
+    noise: float
+    correlation: float
+    falling: tuple[tuple[float, float], ...]
+    unsure: float
+    loop_area: float
+    loop_error: float
+    stored: float
+    rests: tuple[Rest, ...]
+    notes: tuple[str, ...] = field(default=())
+
+    @property
+    def name(self) -> str:
+        """Of the law."""
+        return self.law.name
+
+    @property
+    def verdict(self) -> str:
+        """What the law is, in a sentence."""
+        wells = sum(rest.kind == "well" for rest in self.rests)
+        many = {0: "no well", 1: "one well"}.get(wells, f"{wells} wells")
+        falls = f"stiffness {'' if self.falling else 'nowhere '}negative for certain"
+        falls += " on a part" if self.falling else ""
+        low, high = np.degrees([self.law.breaks[0], self.law.breaks[-1]])
+        return f"{self.name}: known from {low:.4g} to {high:.4g} degrees, {many}, {falls}"
+
+    def report_sections(self) -> Iterable[Section]:
+        """Return the verdict, the wells, how well the law is known, and the notes."""
+        yield Words(self.verdict, "bold")
+        yield (
+            "Torque is dU/dphi: what holds the hinge at the angle, positive towards valley (phi > 0); the hinge's own "
+            "moment on its panels is the opposite."
+        )
+        heads: tuple[str, ...] = (
+            "rest",
+            "phi [deg]",
+            "energy [J]",
+            "to leave [J]",
+            "stiffness [N m/rad]",
+        )
+        rows: list[tuple[str, ...]] = [
+            (
+                rest.kind,
+                f"{math.degrees(rest.angle):.4g}"
+                + (f" +-{math.degrees(rest.known):.2g}" if math.isfinite(rest.known) else ""),
+                f"{rest.energy:.4g}",
+                f"{rest.barrier:.4g}",
+                f"{rest.stiffness:.4g}",
+            )
+            for rest in self.rests
+        ]
+        if any(rest.held[1] > rest.held[0] for rest in self.rests):
+            heads += ("held by the loop [deg]",)
+            rows = [
+                (*row, " to ".join(f"{math.degrees(a):.4g}" for a in rest.held))
+                for row, rest in zip(rows, self.rests, strict=True)
+            ]
+        if rows:
+            yield Table(heads, rows, framed=False)
+        yield from self._known()
+        yield from (Words(f"Note: {note}", "bold") for note in self.notes)
+
+    def _known(self) -> Iterator[str]:
+        rows, pieces = len(self.data.angle), len(self.law.coefficients)
+        how = (
+            f"cubic spline by least squares, {pieces} intervals by BIC"
+            if self.fit == "spline"
+            else f"through {len(self.knots)} points (PCHIP)"
+        )
+        yield (
+            f"{rows:,} rows, {how}: residual {self.residual_rms:.3g} N m rms, {self.residual_max:.3g} at most; largest "
+            f"torque {np.abs(self.torque).max():.4g} N m, stored {self.stored:.4g} J"
+        )
+        if np.isfinite(self.band).all():
+            yield (
+                f"95 % band of the law, at each angle: half-width {np.median(self.band):.2g} N m (median), "
+                f"{self.band.max():.2g} at most; noise {self.noise:.3g} N m a row"
+                + (
+                    f", residuals in a row hang together ({self.correlation:.2f}): the band is wider for it"
+                    if self.correlation
+                    else ""
+                )
+            )
+        else:
+            yield "Band: not known, each angle was measured once; fit = spline estimates it from the residuals"
+        falls = ", ".join(
+            f"[{math.degrees(a):.4g}, {math.degrees(b):.4g}]" for a, b in self.falling
+        )
+        yield (
+            f"Stiffness negative for certain: {falls + ' degrees' if falls else 'nowhere'}; its sign is not known on "
+            f"{100 * self.unsure:.2g} % of the range"
+        )
+        if math.isnan(self.loop_area):
+            yield "Loading and unloading: not both measured, what a cycle takes is not known"
+        else:
+            error = f" +-{self.loop_error:.2g}" if math.isfinite(self.loop_error) else ""
+            yield (
+                f"Loop of loading and unloading: {self.loop_area:.4g}{error} J a cycle, half-gap "
+                f"{np.abs(self.gap).max():.3g} N m at most.  The law is the mean of both: states found with it are "
+                "those of the mean law"
+            )
+
+    def _rows(self) -> Iterator[dict[str, object]]:
+        slope = self.law.slope(self.angle)
+        for k, phi in enumerate(self.angle):
+            yield {
+                "phi_rad": float(phi),
+                "torque_N_m": float(self.torque[k]),
+                "band_N_m": float(self.band[k]),
+                "half_gap_N_m": float(self.gap[k]),
+                "stiffness_N_m_per_rad": float(slope[k]),
+            }

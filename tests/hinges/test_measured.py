@@ -1,0 +1,243 @@
+"""Measured hinges: laws found again from noise, bands that cover, loops by the shoelace, bad files by a line each."""
+
+from __future__ import annotations
+
+import json
+import math
+
+import numpy as np
+import pytest
+
+import origami_nlp as o
+from origami_nlp.errors import OrigamiError, SceneError, SceneFileError
+from origami_nlp.pattern import read_law
+from tests.command_line import run
+
+GAP, NOISE = 1.5e-3, 2e-3
+
+
+def true(x):
+    return 0.05 * (x - 0.5) + 0.03 * np.sin(3 * x)
+
+
+def slope(x):
+    return 0.05 + 0.09 * np.cos(3 * x)
+
+
+def cycle(rng, noise=NOISE, gap=GAP, rows=301):
+    up = np.linspace(-1.5, 2.0, rows)
+    x = np.concatenate([up, up[::-1]])
+    y = true(x) + gap * np.repeat([1, -1], rows) + noise * rng.normal(size=x.size)
+    return o.HingeData(x, y, name="tape")
+
+
+def written(folder, data, name="tape.csv"):
+    path = folder / name
+    rows = [
+        f"{math.degrees(a):.9f}, {t:.12g}" for a, t in zip(data.angle, data.torque, strict=True)
+    ]
+    path.write_text("# a test rig\nangle_deg, torque_Nm\n" + "\n".join(rows) + "\n")
+    return path
+
+
+@pytest.mark.parametrize(("fit", "least"), [("spline", 0.93), ("pchip", 0.93)])
+def test_the_band_covers_the_law_and_its_slope(fit, least):
+    """At the share of angles and measurements that it states, 95 %, over 30 measurements of one law."""
+    rng = np.random.default_rng(1)
+    value, steep, area, exact = [], [], [], []
+    for _ in range(30):
+        data = cycle(rng)
+        found = o.fit_hinge(data, fit=fit)
+        value.append(np.mean(np.abs(found.torque - true(found.angle)) <= found.band))
+        steep.append(
+            np.mean(np.abs(found.law.slope(found.angle) - slope(found.angle)) <= found.slope_band)
+        )
+        area.append(found.loop_area)
+        # the loop by the shoelace over the rows themselves
+        exact.append(
+            0.5
+            * np.sum(data.angle * np.roll(data.torque, -1) - np.roll(data.angle, -1) * data.torque)
+        )
+        assert 0.82 * NOISE < found.residual_rms < 1.1 * NOISE  # 128 of 602 rows are fitted (pchip)
+    assert np.mean(value) >= least and np.mean(steep) >= least
+    assert np.mean(value) <= 0.995
+    assert np.mean(area) == pytest.approx(2 * GAP * 3.5, rel=0.03)
+    assert np.corrcoef(area, np.abs(exact))[0, 1] > 0.9
+    assert np.abs(np.array(area) - np.abs(exact)).max() < 0.06 * 2 * GAP * 3.5
+
+
+def test_what_is_said_of_a_cycle_is_true():
+    found = o.fit_hinge(cycle(np.random.default_rng(2)))
+    assert abs(found.loop_area - 2 * GAP * 3.5) <= found.loop_error < 0.3 * found.loop_area
+    for low, high in found.falling:
+        assert (slope(np.linspace(low, high, 99)) < 0).all()
+    assert found.falling and found.unsure < 0.35
+    wells = [rest for rest in found.rests if rest.kind == "well"]
+    x = np.linspace(-1.5, 2.0, 200_001)
+    crossings = x[:-1][(true(x[:-1]) < 0) & (true(x[1:]) >= 0)]
+    assert len(wells) == len(crossings)
+    for rest, angle in zip(wells, crossings, strict=True):
+        assert abs(rest.angle - angle) <= 1.5 * rest.known
+        held = np.abs(true(x)) <= GAP
+        near = x[held & (np.abs(x - angle) < 0.2)]
+        assert np.allclose(rest.held, (near.min(), near.max()), atol=0.03)
+
+
+def test_data_without_noise_is_the_law():
+    x = np.radians(np.linspace(-120, 150, 91))
+    # of a cubic spline 5/384 h^4 max |fourth derivative| at most (Hall and Meyer 1976), here of 22 intervals
+    of_spline = 5 / 384 * (np.ptp(x) / 22) ** 4 * 0.03 * 3**4
+    for fit, off in (("spline", of_spline), ("pchip", 3e-4)):
+        found = o.fit_hinge(o.HingeData(x, true(x)), fit=fit)
+        assert np.abs(found.torque - true(found.angle)).max() <= off
+        assert math.isnan(found.loop_area) and "not both measured" in str(found)
+    assert "measured once" in str(found)
+    # few points are gone through
+    few = o.HingeData(x[::10], true(x[::10]))
+    assert np.allclose(o.fit_hinge(few, fit="pchip").law.torque(few.angle), few.torque, atol=1e-15)
+
+
+def test_a_loop_is_found_where_there_is_one():
+    rng = np.random.default_rng(3)
+    found = o.fit_hinge(cycle(rng, gap=0.0))
+    assert abs(found.loop_area) <= max(2e-3, found.loop_error if found.loop_error > 0 else 0)
+    swapped = cycle(rng)
+    swapped = o.HingeData(swapped.angle[::-1], swapped.torque[::-1])
+    assert any("would give energy" in note for note in o.fit_hinge(swapped).notes)
+
+
+def test_noise_that_hangs_together_widens_the_band():
+    rng = np.random.default_rng(4)
+    x = np.linspace(-1.5, 2.0, 600)
+    noise = np.zeros(600)
+    for i in range(1, 600):
+        noise[i] = 0.8 * noise[i - 1] + 0.6 * NOISE * rng.normal()
+    found = o.fit_hinge(o.HingeData(x, true(x) + noise))
+    assert found.correlation > 0.4 and "hang together" in str(found)
+
+
+def test_a_scene_has_the_law_of_a_file(tmp_path):
+    data = cycle(np.random.default_rng(5))
+    written(tmp_path, data)
+    text = """
+[vertex]
+sector_angles_deg = [70, 80, 120, 90]
+[creases]
+stiffness = [1, 1, 1, 1]
+rest_angles_deg = [0, 0, 0, 0]
+limits_deg = [-80, 110]
+law = "tape"
+[model]
+symmetry = "none"
+contact = "fold-limits"
+[laws.tape]
+data = "tape.csv"
+"""
+    path = tmp_path / "scene.toml"
+    path.write_text(text)
+    scene = o.read_scene(path)
+    assert scene.laws[0].coefficients == o.fit_hinge(tmp_path / "tape.csv").law.coefficients
+    assert o.parse_scene(o.format_scene(scene)) == scene
+    x = np.array([-1.0, 0.3, 1.5])
+    assert np.abs(scene.laws[0].torque(x) - true(x)).max() < 3 * NOISE
+    # beyond the data only on request, and then straight
+    path.write_text(text.replace("limits_deg = [-80, 110]\n", ""))
+    with pytest.raises(
+        SceneError, match=r"known on \[-85.94, 114.6\].*limits_deg within, or extrapolate"
+    ):
+        o.read_scene(path)
+    path.write_text(text.replace("limits_deg = [-80, 110]\n", "") + 'extrapolate = "linear"\n')
+    law = o.read_scene(path).laws[0]
+    beyond = np.linspace(2.1, 3.0, 5)
+    assert np.ptp(law.slope(beyond)) < 1e-12 and law.breaks[-1] == math.pi
+    ends = law.torque(np.array([2.0 - 1e-9, 2.0 + 1e-9]))
+    assert abs(ends[1] - ends[0]) < 1e-9
+    with pytest.raises(SceneError, match="extrapolate = 'cubic' must be 'linear'"):
+        read_law({"data": "tape.csv", "extrapolate": "cubic"}, "a", tmp_path)
+    with pytest.raises(SceneError, match="unknown knots"):
+        read_law({"data": "tape.csv", "knots": 3}, "a", tmp_path)
+    with pytest.raises(SceneError, match="fit = 'cubic' must be one of spline, pchip"):
+        read_law({"data": "tape.csv", "fit": "cubic"}, "a", tmp_path)
+    with pytest.raises(SceneFileError, match=r"nowhere\.csv"):
+        read_law({"data": "nowhere.csv"}, "a", tmp_path)
+
+
+ROWS = "\n".join(f"{a}, {0.01 * a}" for a in range(-30, 31, 5))
+BAD = {
+    "few": ("0,0\n10,1\n20,2\n", "3 rows of numbers: a law needs 6"),
+    "same": ("10,0\n" * 9, "1 different angles: a law needs 6"),
+    "nan": (ROWS + "\n35, nan", "torque of measurement 14 is not finite"),
+    "beyond": (ROWS + "\n190, 1", "measurement 14 is 190 degrees: fold angles are within"),
+    "radians": (
+        "\n".join(f"{a / 10}, {a}" for a in range(-30, 31)),
+        "end at 3 degrees: radians\\? name the column angle_rad",
+    ),
+    "comma": (ROWS.replace(",", ";") + "\n35;0,35", "line 14: '0,35' is not a number"),
+    "columns": (ROWS + "\n35, 1, 2, 3", "line 14: 4 columns, where 2"),
+    "names": ("angle, moment\n" + ROWS, "columns angle, moment: name them angle_deg"),
+    "twice": ("angle_deg, angle_rad, torque_Nm\n0,0,0", "name them"),
+    "same torque": (
+        "\n".join(f"{a}, 1" for a in range(-30, 31)),
+        "same everywhere: that is a preload",
+    ),
+    "weights": (
+        "angle_deg,torque_Nm,weight\n" + "\n".join(f"{a},{a},{a}" for a in range(-30, 31)),
+        "weight of measurement 1 must be positive",
+    ),
+    "empty": ("# nothing\n", "0 rows"),
+}
+
+
+@pytest.mark.parametrize("case", BAD)
+def test_bad_files_are_one_clear_line(tmp_path, case):
+    text, why = BAD[case]
+    path = tmp_path / "bad.csv"
+    path.write_text(text)
+    with pytest.raises(SceneFileError, match=why):
+        o.fit_hinge(path)
+    done = run("hinge", path)
+    assert done.code == 2 and done.err.count("\n") == 1 and "bad.csv" in done.err
+
+
+def test_odd_data_is_noted():
+    x = np.linspace(-1.5, 1.5, 61)
+    swapped = o.fit_hinge(o.HingeData(x, -0.1 * (x - 0.2)))
+    assert "sign swapped" in swapped.notes[0]
+    one = o.fit_hinge(o.HingeData(x, 0.1 * (x + 3)))
+    assert "one sign" in one.notes[0] and "pushed to -85.94 degrees" in one.notes[0]
+    assert [rest.kind for rest in one.rests] == ["end of the data"]
+    hole = np.concatenate([x[:10], x[50:]])
+    assert any(
+        "nothing was measured" in note for note in o.fit_hinge(o.HingeData(hole, hole)).notes
+    )
+    assert not o.fit_hinge(o.HingeData(x, 0.1 * x)).notes
+
+
+def test_units_and_separators_are_the_same_law(tmp_path):
+    x = np.arange(-30, 31, 2)
+    y = 0.01 * x + 1e-5 * x**3
+    first = tmp_path / "a.csv"
+    first.write_text("\n".join(f"{a},{float(t)!r}" for a, t in zip(x, y, strict=True)))
+    second = tmp_path / "b.txt"
+    second.write_text(
+        "torque_Nmm\tangle_rad\tweight # mm\n"
+        + "\n".join(
+            f"{float(1e3 * t)!r}\t{math.radians(a)!r}\t2" for a, t in zip(x, y, strict=True)
+        )
+    )
+    a, b = o.fit_hinge(first), o.fit_hinge(second)
+    assert np.allclose(a.torque, b.torque, atol=1e-14) and np.allclose(a.angle, b.angle)
+
+
+def test_the_command_prints_and_writes(tmp_path):
+    path = written(tmp_path, cycle(np.random.default_rng(6)))
+    files = [tmp_path / f"law.{ending}" for ending in ("json", "png", "md")]
+    done = run("hinge", path, *(word for file in files for word in ("-o", file)))
+    assert done.code == 0 and "dU/dphi" in done.out and all(file.exists() for file in files)
+    again = o.load(files[0])
+    assert (
+        str(again) == str(o.fit_hinge(path)) and json.loads(files[0].read_text())["fit"] == "spline"
+    )
+    assert len(again.to_frame()) == len(again.angle)
+    with pytest.raises(OrigamiError, match="fit = 'cubic' must be one of"):
+        o.fit_hinge(path, fit="cubic")
