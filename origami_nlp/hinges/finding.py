@@ -7,7 +7,7 @@ from os import PathLike
 
 import numpy as np
 
-from origami_nlp.hinges.result import MUCH, MeasuredHinge, Rest
+from origami_nlp.hinges.result import MUCH, HingeRest, MeasuredHinge
 from origami_nlp.pattern import HingeData, LawFit, balanced, fit_data, read_hinge_data, runs
 
 NOISY = 0.1
@@ -23,7 +23,7 @@ def fit_hinge(data: str | PathLike[str] | HingeData, *, fit: str = "spline") -> 
     ----------
     data
         A table of text with the columns angle_deg (or angle_rad), torque_Nm (or torque_Nmm) and, if wanted, weight, in
-        the order of the measurement, so that loading and unloading are told apart; or `HingeData`.
+        the order of the measurement, so that loading and unloading are distinguished; or `HingeData`.
     fit
         ``"spline"``: least squares by a cubic spline whose number of knots has the least BIC (Schwarz 1978);
         ``"pchip"``: through the rows, or their averages, monotone between them (Fritsch and Carlson 1980).
@@ -76,7 +76,7 @@ def fit_hinge(data: str | PathLike[str] | HingeData, *, fit: str = "spline") -> 
     )
 
 
-def _rests(found: LawFit) -> tuple[Rest, ...]:
+def _rests(found: LawFit) -> tuple[HingeRest, ...]:
     """Return wells, and ends that the hinge is pushed to."""
     law, x = found.law, found.angle
     low, high = law.breaks[0], law.breaks[-1]
@@ -107,7 +107,7 @@ def _rests(found: LawFit) -> tuple[Rest, ...]:
             if run[0] <= angle + np.diff(x)[0] and run[1] >= angle - np.diff(x)[0]
         ]
         out.append(
-            Rest(
+            HingeRest(
                 float(angle),
                 band / stiffness if kind == "well" else math.nan,
                 kind,
@@ -120,7 +120,7 @@ def _rests(found: LawFit) -> tuple[Rest, ...]:
     return tuple(out)
 
 
-def _notes(found: LawFit, rests: tuple[Rest, ...], data: HingeData) -> list[str]:
+def _notes(found: LawFit, rests: tuple[HingeRest, ...], data: HingeData) -> list[str]:
     """Say what may be wrong with the data, and what a law cannot have."""
     notes = []
     torque, x = found.torque, found.angle

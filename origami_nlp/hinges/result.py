@@ -16,7 +16,7 @@ MUCH = 0.2
 
 
 @dataclass(frozen=True)
-class Rest:
+class HingeRest:
     """A well of a measured law, or an end of the data that the hinge is pushed to.
 
     Attributes
@@ -108,7 +108,7 @@ class MeasuredHinge(Report):
     loop_area: float
     loop_error: float
     stored: float
-    rests: tuple[Rest, ...]
+    rests: tuple[HingeRest, ...]
     notes: tuple[str, ...] = field(default=())
 
     @property
@@ -165,7 +165,7 @@ class MeasuredHinge(Report):
     def _known(self) -> Iterator[str]:
         rows, pieces = len(self.data.angle), len(self.law.coefficients)
         how = (
-            f"cubic spline by least squares, {pieces} intervals by BIC"
+            f"cubic spline by least squares, {pieces} interval{'s'[: pieces > 1]} by BIC"
             if self.fit == "spline"
             else f"through {len(self.knots)} points (PCHIP)"
         )

@@ -53,6 +53,19 @@ class Springs:
         """Number of unknowns that belong to the springs."""
         return self.margin + 1
 
+    def torques(self, x: np.ndarray, kind: np.ndarray, columns: int) -> np.ndarray:
+        """Torques k x - tau of variables [n] of these kinds, linear in the unknowns, [n, columns]."""
+        out, rows = np.zeros((len(x), columns)), np.arange(len(x))
+        out[rows, self.stiffness.start + kind] = x
+        out[rows, self.torque.start + kind] = -1.0
+        return out
+
+    def slopes(self, x: np.ndarray, kind: np.ndarray, columns: int) -> np.ndarray:
+        """Derivatives k of these torques, [n, columns]."""
+        out = np.zeros((len(x), columns))
+        out[np.arange(len(x)), self.stiffness.start + kind] = 1.0
+        return out
+
 
 class Balance:
     """The conditions of one state on one smooth piece of the feasible set.
@@ -145,13 +158,9 @@ class Balance:
 
     def gradient(self, places: Springs, columns: int) -> np.ndarray:
         """Gradient of the energy in the metric, linear in the unknowns, [n, columns]."""
-        x, n = self.stratum.state.x, len(self.kind)
-        out = np.zeros((n, columns))
-        rows = np.arange(n)
-        out[rows, places.stiffness.start + self.kind] = self.root * x
-        # grad U = k x - tau per crease; a variable stands for root^2 of them, and the metric divides by root
-        out[rows, places.torque.start + self.kind] = -self.root
-        return out
+        # a variable stands for root^2 creases, and the metric divides by root
+        torques = places.torques(self.stratum.state.x, self.kind, columns)
+        return np.asarray(self.root[:, None] * torques)
 
     def pose(self, problem: ConicProgram, places: Springs, share: float, name: str) -> slice:
         """Add the conditions to a problem.
@@ -203,8 +212,7 @@ class Balance:
             along = np.einsum("pi,kpq,qj->kij", z, self.curvatures, z)
             # Z' H Z as a matrix-valued linear function of the unknowns: lam is linear in them where x is fixed
             matrix = -np.einsum("kv,kij->vij", np.vstack([lam, pull]), along)
-            for v, kind in enumerate(self.kind):
-                matrix[places.stiffness.start + kind] += np.outer(z[v], z[v])
+            matrix += np.einsum("pv,pi,pj->vij", places.slopes(x, self.kind, problem.size), z, z)
             matrix[places.margin] -= share * np.eye(z.shape[1])
             packed = svector(matrix).T
             problem.add(DEFINITE, packed, np.zeros(len(packed)), f"{name} is stiff")

@@ -1,4 +1,4 @@
-"""Measured torques over fold angles: read from a table of text, checked, and told apart into loading and unloading."""
+"""Measured torques over fold angles: read from a table of text, checked, and divided into loading and unloading."""
 
 from __future__ import annotations
 

@@ -27,7 +27,7 @@ ROWS_AN_INTERVAL = 4
 """Different angles that there are at least for each interval of a spline."""
 AVERAGES = 64
 """Points at most that a law goes through."""
-ROWS_AN_AVERAGE = 8
+ROWS_AN_AVERAGE = 2
 LEAST_OVERLAP = 0.2
 """Share of the range that was loaded and unloaded, for there to be a loop."""
 GRID = 721

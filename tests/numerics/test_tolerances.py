@@ -63,6 +63,7 @@ BESIDE_THE_TABLE = {
         bifurcation/regions.LEAST chart/boundary_lines.SHORT chart/chart.TIE chart/region.SLIVER
         critical/result.ROUNDING paper/cone/table.SMALL pattern/fold_notes.LOOKS_LIKE_PI
         pattern/fold_notes.SMALLEST_FOLD pattern/fold_notes.UP pattern/relations.NEAR
+        inverse_design/library_design.FOUND inverse_design/library.USED
         pattern_problem/poses.MOVES space/result.EXTENDED pattern/hinge_data.TURNED
     """,
     "shares of a drawing: what is joined, what is straight, what is rounding": """
@@ -81,7 +82,7 @@ BESIDE_THE_TABLE = {
         pattern/example_patterns.QUAD_STIFFNESS
         pattern/examples.RATIOS pattern/materials.METRES pattern/numbers_read.SMALLEST
         pattern/example_vertices.STIFFNESS pattern/hinge_types.WIDTHS pattern/hinge_data.UNITS
-        inverse_design/convex.LEAST_MARGIN inverse_design/finding.PRICES
+        inverse_design/convex.LEAST_MARGIN inverse_design/library.LEAST_SHARE inverse_design/finding.PRICES
     """,
     "options of IPOPT and of a conic solver": """
         minima/ipopt.OPTIONS minima/ipopt.TOLERANCE minima/ipopt.WARM numerics/conic.ACCURACIES
