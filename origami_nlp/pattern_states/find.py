@@ -26,7 +26,7 @@ from origami_nlp.minima import (
     check_noise,
     check_prove,
 )
-from origami_nlp.numerics import DUPLICATE_TOL, RESOLVED
+from origami_nlp.numerics import BESIDE_SINGULAR, DUPLICATE_TOL, RESOLVED
 from origami_nlp.pattern import Pattern, as_pattern
 from origami_nlp.pattern_problem import PatternProblem, find_labels
 from origami_nlp.pattern_states.branch_points import (
@@ -233,8 +233,24 @@ class _Search(FromMinima):
         """Try to prove that the minima are all; what is missing is added."""
         known = self.problem, self.judged, self.contact
         self.completeness, new = prove_list(pattern, *known, wanted)
+        minima = [s for s in new if s.verdict == "minimum"]
+
+        def is_beside(one: JudgedState, other: JudgedState) -> bool:
+            """Whether one of two states is undecided, as it was not distinguished from the other."""
+            far = np.abs(one.phi - other.phi).max()
+            return one.verdict == "undecided" and bool(far <= BESIDE_SINGULAR)
+
         for state in new:
-            self.add(state)
+            if not any(is_beside(state, m) for m in minima):
+                beside = [k for k, s in enumerate(self.judged) if is_beside(s, state)]
+                if state.verdict == "minimum" and beside:
+                    self.judged[beside[0]] = state
+                self.add(state)
+        listed = [s.phi for s in self.judged if s.verdict == "minimum"]
+        for m in minima:
+            if min((np.abs(m.phi - x).max() for x in listed), default=np.inf) > DUPLICATE_TOL:
+                why = "a proved minimum is not distinguished from a state that is listed otherwise"
+                self.completeness = replace(self.completeness, status="not-proved", reason=why)
 
     def add_escapes(self) -> None:
         """Add what it takes to leave each minimum."""

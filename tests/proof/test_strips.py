@@ -339,6 +339,15 @@ def test_creases_of_several_vertices_reach_their_limits_at_once():
     pattern = o.examples.pattern("metasheet", 2, 3)
     found = o.find_minima(pattern, contact="fold-limits", prove=True, escape=False, starts=1)
     assert found.completeness.proved and len(found.minima) == 5
+    # all that is proved is listed: what a search left undecided beside a state that the kernel decides, is that state
+    found = o.find_minima(
+        o.examples.pattern("metasheet", 2, 4),
+        contact="fold-limits",
+        prove=True,
+        escape=False,
+        starts=1,
+    )
+    assert found.completeness.proved and len(found.minima) == 9 and not found.search.undecided
     # a minimum at the end of a curve, beside which closure loses rank: there the kernel decides
     pattern = o.examples.pattern("metasheet", 2, 4)
     proof = prove_strip(pattern)
