@@ -70,13 +70,15 @@ def test_sheets_put_down_otherwise(mirror, over):
     sheet = o.examples.pattern("miura", 2, 2).with_limits([(-2.5, 2.0)] * 4)
     sheet = sheet.with_laws([LAW, None, double_well(0.8, 1.0, 0.2), None])
     copy, creases, sign = relabelled(sheet, 3, mirror, over)
-    one, two = (o.find_minima(s, escape=False, noise=4.0, starts=2).minima for s in (sheet, copy))
+    # errors are drawn in an order that labels do not change
+    drawn = np.random.default_rng(0).normal(size=4)
+    one, two = (find_labels(p).drawn(drawn) for p in (sheet, copy))
+    assert np.allclose(two, sign * one[creases], atol=1e-12)
+    one, two = (o.find_minima(p, escape=False, starts=1).minima for p in (sheet, copy))
     assert [m.energy for m in two] == pytest.approx([m.energy for m in one], rel=1e-8)
     for a, b in zip(one, two, strict=True):
         theirs = sign * np.array(a.fold_angles)[creases]
         assert np.abs(theirs - b.fold_angles).max() < 1e-6
-        # errors are drawn in an order that labels do not change
-        assert a.survival == b.survival
 
 
 def test_symmetries_of_a_sheet_with_laws():
