@@ -21,6 +21,7 @@ from heapq import heapify, heappop, heappush
 import numpy as np
 
 from origami_nlp.numerics import (
+    LEVEL,
     NONZERO,
     RANK,
     RISES,
@@ -95,7 +96,8 @@ class TangentCone:
         if self.reason:
             return False, [], 0
         lengths = np.linalg.norm(rows, axis=1)
-        steep = RISES * float(np.abs(gradient).max(initial=0.0))
+        # where laws balance each hinge what is left of the torque is rounding, and rises nowhere
+        steep = max(RISES * float(np.abs(gradient).max(initial=0.0)), LEVEL)
         rises, falling, dimension = True, [], 0
         # to second order a motion and its opposite are alike; contacts and the energy distinguish them
         for d in (s * line for line in self.lines for s in (1.0, -1.0)):
