@@ -1,0 +1,82 @@
+"""Hinge laws with two degrees of freedom, in strips and on sheets, against searches that share no code."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import origami_nlp as o
+from origami_nlp import Scene, Vertex, examples
+from origami_nlp.pattern import double_well, linear
+from tests.independent import search_slsqp
+from tests.minima.test_hinge_laws import drawn, strip
+
+
+def compared(scene, energies, tie, starts, rng):
+    """Minima of a search, and those of another one that are none of them, with their energies."""
+    ours = np.array([m.fold_angles for m in o.find_minima(scene).minima])
+
+    def energy(phi):
+        return sum(f(phi[i]) for i, f in enumerate(energies))
+
+    theirs = search_slsqp.minima(
+        energy, np.array(scene.vertex.sector_angles), scene.limit_angles, tie, starts, rng
+    )
+    apart = np.abs(ours[:, None] - theirs[None]).max(axis=2)
+    return ours, theirs[apart.min(axis=0, initial=9.0) > 2e-2], energy
+
+
+def five(rng):
+    a = rng.uniform(0.7, 1.3, 5)
+    laws, energies = zip(*(drawn(rng) for _ in range(5)), strict=True)
+    vertex = Vertex(tuple(a * 2 * math.pi / a.sum()))
+    scene = Scene(vertex, (1,) * 5, (0,) * 5, "none", "fold-limits", laws=laws)
+    return scene, energies, np.arange(5)
+
+
+def six(rng):
+    """Symmetric about creases 1 and 4."""
+    some, energies = zip(*(drawn(rng) for _ in range(4)), strict=True)
+    tie = np.array([0, 1, 2, 3, 2, 1])
+    a, b = rng.uniform(0.7, 1.3, 2)
+    vertex = Vertex((a, b, math.pi - a - b, math.pi - a - b, b, a))
+    laws = tuple(some[v] for v in tie)
+    scene = Scene(vertex, (1,) * 6, (0,) * 6, "D1", "fold-limits", laws=laws)
+    return scene, tuple(energies[v] for v in tie), tie
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("make", "count"), [(five, 20), (six, 10)])
+def test_another_search_finds_no_other_minimum(make, count):
+    rng = np.random.default_rng(4)
+    for _ in range(count):
+        ours, others, _ = compared(*make(rng), starts=60, rng=rng)
+        assert len(ours) and not len(others)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("creases", [5, 6, 7, 8])
+def test_long_strips_of_wells_have_all_their_combinations(creases):
+    result = o.find_minima(strip(creases).with_laws(double_well(1.0, 0.7)))
+    found = {tuple(np.round(m.fold_angles, 6)) for m in result.minima}
+    assert len(found) == len(result.minima) == 2**creases
+    assert all(set(map(abs, state)) == {0.7} for state in found)
+
+
+@pytest.mark.slow
+def test_linear_laws_give_the_lists_of_linear_springs():
+    """Vertices of the gallery and of families, with every contact that knows laws."""
+    count = 0
+    for scene in (
+        *(examples.degree6(a, r) for a in ("pi/3", "pi/4") for r in (0.1, 1.0)),
+        *(examples.degree8(a, r) for a in ("pi/4", "pi/8") for r in (0.1, 1.0)),
+    ):
+        laws = tuple(map(linear, scene.stiffness, scene.rest_angles))
+        plain, law = o.find_minima(scene), o.find_minima(replace(scene, laws=laws))
+        one, two = (sorted(m.energy for m in r.minima) for r in (plain, law))
+        assert one == pytest.approx(two, rel=1e-9, abs=1e-12)
+        count += len(one)
+    assert count > 10
