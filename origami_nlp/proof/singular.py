@@ -104,8 +104,9 @@ def isolated(model: Model, x: Sequence[float], stratum: Stratum) -> Isolation:
     near, stratum = np.asarray(x, dtype=float), tuple(int(s) for s in stratum)
     try:
         point, lines = _state_at(model, near, stratum)
-        room = model.fold_limits.room(point)
-        if (room[np.abs(point) != math.pi] <= RADII[0]).any():
+        limits = model.fold_limits
+        stop = np.abs(limits.hold(point, limits.side(point))) != math.pi
+        if (stop & (limits.room(point) <= RADII[0])).any():
             raise NotShown("a crease is at a stop there, or next to one")
         known = _KNOWN.setdefault(model, {})
         key = (*point.tolist(), *(stratum if lines else ()))
