@@ -30,6 +30,7 @@ from .orders import (
     Rule as Rule,
     Rules as Rules,
     not_interleaved as not_interleaved,
+    tied as tied,
 )
 from .vertex_list import (
     VertexList as VertexList,

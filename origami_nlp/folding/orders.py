@@ -352,3 +352,13 @@ def not_interleaved(
         if sum(low < p < high for p in place[2:]) != 1:
             allowed.add(values)
     return frozenset(allowed)
+
+
+def tied(unknowns: tuple[int, ...], allowed: Allowed) -> Rule:
+    """Return a rule in which an unknown may occur several times as one in which each occurs once."""
+    once = tuple(dict.fromkeys(unknowns))
+    if len(once) == len(unknowns):
+        return unknowns, allowed
+    values = (dict(zip(unknowns, v, strict=True)) for v in allowed)
+    agree = (d for d, v in zip(values, allowed, strict=True) if v == tuple(d[u] for u in unknowns))
+    return once, frozenset(tuple(d[u] for u in once) for d in agree)

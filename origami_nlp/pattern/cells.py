@@ -85,7 +85,7 @@ class Cell:
         Parameters
         ----------
         copies
-            Which; the corners of the first one keep their numbers if that is (0, 0).
+            Which; the corners of (0, 0) keep their numbers.
 
         Returns
         -------
@@ -96,21 +96,26 @@ class Cell:
         """
         number: dict[tuple[int, int, int], int] = {}
         corners, polygons, joins = list[np.ndarray](), list[tuple[int, ...]](), list[Side]()
-        for copy in copies:
-            here = []
+        every = list(copies)
+        # corners of the cell itself come first, and facets by copies
+        places = {}
+        for copy in sorted(every, key=lambda c: c != (0, 0)):
+            here = places[copy] = list[int]()
             for v, x in enumerate(self.corners):
                 at = (int(self.class_of[v]), *(self.offset[v] + copy).tolist())
                 if at not in number:
                     number[at] = len(corners)
                     corners.append(x + np.array(copy) @ self.lattice)
                 here.append(number[at])
+        for copy in every:
+            here = places[copy]
             polygons += [tuple(here[v] for v in polygon) for polygon in self.polygons]
             joins += [side(here[a], here[b]) for a, b in self.joins]
-        places = list(number)
+        found = list(number)
         letters, crease_of = {}, {}
         for polygon in polygons:
             for a, b in zip(polygon, polygon[1:] + polygon[:1], strict=True):
-                (p, i, j), (q, k, m) = places[a], places[b]
+                (p, i, j), (q, k, m) = found[a], found[b]
                 if (crease := self.crease.get((p, q, k - i, m - j))) is not None:
                     crease_of[side(a, b)] = crease
                     letters[side(a, b)] = self.letters[crease]
@@ -125,8 +130,14 @@ class Cell:
 
     @cached_property
     def copies(self) -> tuple[Copy, ...]:
-        """Those of `sheet`, the cell itself first."""
-        return _around(self._rings)
+        """Those of `sheet`, in order: one that is ahead of another is so by the same lattice vectors anywhere."""
+        rings = range(-self._rings, self._rings + 1)
+        return tuple((i, j) for i in rings for j in rings)
+
+    @property
+    def home(self) -> int:
+        """Number in `copies` of the cell itself."""
+        return self.copies.index((0, 0))
 
     @cached_property
     def _laid(self) -> tuple[Pattern, np.ndarray]:
@@ -139,7 +150,7 @@ class Cell:
 
     @property
     def sheet(self) -> Pattern:
-        """The cell amid its neighbours, as an open sheet whose first facets are those of the cell."""
+        """The cell amid its neighbours, as an open sheet."""
         return self._laid[0]
 
     @property
@@ -151,12 +162,6 @@ class Cell:
     def copy_of(self) -> np.ndarray:
         """Number in `copies` of each polygon of `sheet`, [P]."""
         return np.repeat(np.arange(len(self.copies)), len(self.polygons))
-
-
-def _around(rings: int) -> tuple[Copy, ...]:
-    """Return the copies within so many rings, from the middle on."""
-    every = [(i, j) for i in range(-rings, rings + 1) for j in range(-rings, rings + 1)]
-    return tuple(sorted(every, key=lambda c: (max(abs(c[0]), abs(c[1])), c)))
 
 
 def make_cell(
@@ -391,7 +396,7 @@ def _walks(whole: Pattern, cell: Cell) -> tuple[tuple[Loop, ...], tuple[Loop, ..
     generators = []
     for way in ((1, 0), (0, 1)):
         end = int(sheet.facet_of[many * cell.copies.index(way)])
-        steps = _path(sheet, int(sheet.facet_of[0]), end)
+        steps = _path(sheet, int(sheet.facet_of[many * cell.home]), end)
         generators.append(walk([c for c, _ in steps], [s for _, s in steps], -1))
     return tuple(vertices), tuple(generators)
 

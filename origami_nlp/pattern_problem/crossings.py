@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from functools import cached_property
 
 import numpy as np
@@ -94,16 +94,39 @@ class PatternCrossings:
         """Return which pairs of pieces are asked for: of pairs that are lattice vectors apart one, of bool [K]."""
         if self.cell is None:
             return np.ones(len(a), bool)
-        ahead = np.array([copy >= (0, 0) for copy in self.cell.copies])
         one, other = (self.cell.copy_of[self.polygon[x]] for x in (a, b))
-        return (np.minimum(one, other) == 0) & ahead[np.maximum(one, other)]
+        return np.asarray(np.minimum(one, other) == self.cell.home)
+
+    def copied_pairs(self, i: int, j: int) -> Iterator[tuple[int, int]]:
+        """Go through the copies of a pair of pieces, itself among them."""
+        if self.cell is None:
+            yield i, j
+            return
+        copies = self.cell.copies
+        own = len(self.pieces) // len(copies)
+        (a, p), (b, q) = divmod(i, own), divmod(j, own)
+        number = {copy: k for k, copy in enumerate(copies)}
+        way = copies[b][0] - copies[a][0], copies[b][1] - copies[a][1]
+        for k, copy in enumerate(copies):
+            there = number.get((copy[0] + way[0], copy[1] + way[1]))
+            if there is not None:
+                yield k * own + p, there * own + q
+
+    @property
+    def own_pieces(self) -> int:
+        """Number of the first piece of a cell itself."""
+        return (
+            0 if self.cell is None else self.cell.home * len(self.pieces) // len(self.cell.copies)
+        )
 
     def lattice(self, phi: np.ndarray) -> np.ndarray:
         """Return both lattice vectors of a closed state of a cell, in space, [2, 3]."""
         assert self.cell is not None
         turn, shift = self.poses.motions(phi)
         ways = [self.cell.copies.index(way) for way in ((1, 0), (0, 1))]
-        of = [int(self.pattern.facet_of[k * len(self.cell.polygons)]) for k in (0, *ways)]
+        of = [
+            int(self.pattern.facet_of[k * len(self.cell.polygons)]) for k in (self.cell.home, *ways)
+        ]
         x = self.cell.corners[self.cell.polygons[0][0]]
         at = [
             turn[f] @ (x + s) + shift[f] for f, s in zip(of, (0.0, *self.cell.lattice), strict=True)
@@ -130,7 +153,7 @@ class PatternCrossings:
             return None
         along = a / np.linalg.norm(a)
         frame = np.array([along, np.cross(normal / area, along), normal / area])
-        x = self.placed(phi)[self.cell.copy_of[self.polygon] == 0] @ frame.T
+        x = self.placed(phi)[self.cell.copy_of[self.polygon] == self.cell.home] @ frame.T
         low, high = x.min(axis=1) - self.size * DEEP, x.max(axis=1) + self.size * DEEP
         size = high.max(axis=0) - low.min(axis=0)
         a, b = frame @ a, frame @ b
@@ -174,7 +197,7 @@ class PatternCrossings:
             (a, b), x = far[0].T, far[2]
             hit = cross_each_other(x[a], x[b] + far[1][:, None], DEEP * self.size)
             # such copies have no number: the facets of the cell stand for them
-            pairs = np.vstack([pairs, far[0][hit]])
+            pairs = np.vstack([pairs, far[0][hit] + self.own_pieces])
         low, high = np.sort(self.facet[pairs], axis=1).T
         codes = np.unique(low * self.pattern.facets + high)
         return [divmod(code, self.pattern.facets) for code in codes.tolist()]

@@ -16,6 +16,7 @@ from origami_nlp.pattern import Loop, Pattern, Vertex
 from origami_nlp.pattern_problem.equations import PatternEquations
 from origami_nlp.pattern_problem.stacks import Stack, Unclear
 
+ALONG = "intersect along a crease"
 MOST_PAIRS = 10_000
 """Overlapping pairs of pieces that are ordered: a millisecond each."""
 
@@ -76,14 +77,16 @@ def order_layers(problem: PatternEquations, phi: np.ndarray) -> Layers:
         return Layers("ordered")
     stack = problem.stack(phi)
     many = len(stack.pairs)
-    if pattern.cell and many:
-        why = "layer order not decided: facets of a cell that repeats lie on each other"
-        return Layers("not decided", why, len(stack.facets))
     if many > MOST_PAIRS:
         return _too_many(pattern, phi, many)
     stated = pattern.orders if _is_stated(pattern, phi) else ()
     try:
-        return _ordered(stack, stated)
+        found = _ordered(stack, stated)
+        if pattern.cell and found.verdict == "crosses" and not found.reason.endswith(ALONG):
+            # orders that do not repeat are not looked for
+            why = "layer order not decided: none that repeats with the cell was found"
+            return Layers("not decided", why, found.pairs)
+        return found
     except Unclear:
         why = (
             "layer order not decided: facets are closer than can be resolved, but not on each other"
@@ -189,7 +192,7 @@ def pose_stack(
         rules.append(rule)
         about.append(pieces)
         if not rule[0]:
-            why = f"{_facets(stack, pieces)} intersect along a crease"
+            why = f"{_facets(stack, pieces)} {ALONG}"
             return Layers("crosses", why, many)
     orders = Orders(Rules(len(stack.pairs), rules), most)
     for unknown, value, crease in stack.known():

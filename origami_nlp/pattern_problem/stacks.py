@@ -25,7 +25,7 @@ from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
-from origami_nlp.folding import TRANSITIVE, Rule, not_interleaved
+from origami_nlp.folding import TRANSITIVE, Rule, not_interleaved, tied
 from origami_nlp.numerics import (
     ANSWERED,
     DEEP,
@@ -107,8 +107,13 @@ class Stack:
         self.x = crossings.placed(phi)
         self.normal = unit_normals(self.x)
         self.low, self.high = self.x.min(axis=1) - self.near, self.x.max(axis=1) + self.near
+        # of a cell that repeats pairs that are lattice vectors apart have one order: they are one unknown
+        self._copies = len(crossings.cell.copies) if crossings.cell else 1
+        self._own = len(self.x) // self._copies
         self.pairs = self._overlapping()
-        self.unknown: dict[Pair, int] = {(i, j): k for k, (i, j) in enumerate(self.pairs.tolist())}
+        self.unknown: dict[Pair, int] = {}
+        for k, (i, j) in enumerate(self.pairs.tolist()):
+            self.unknown |= dict.fromkeys(crossings.copied_pairs(i, j), k)
 
     @property
     def facets(self) -> list[Pair]:
@@ -122,6 +127,7 @@ class Stack:
         a, b = np.minimum(a, b), np.maximum(a, b)
         away = np.maximum(self._off(a, b), self._off(b, a))
         keep = (away <= self.near) & (self.crossings.facet[a] != self.crossings.facet[b])
+        keep &= self.crossings.counts(a, b)
         pairs = np.column_stack([a[keep], b[keep]])
         pairs = pairs[np.lexsort(pairs.T[::-1])]
         return pairs[self._is_area(self._common(pairs))] if len(pairs) else pairs
@@ -175,11 +181,14 @@ class Stack:
     @cached_property
     def up(self) -> np.ndarray:
         """Of each piece the normal of its plane, from below to above: one for all that lie on each other."""
-        label = groups(len(self.x), self.pairs)
+        # copies of a piece have its direction
+        own = self._own
+        label = groups(own, self.pairs % own)
         _, first = np.unique(label, return_index=True)
         # the first piece of each stack gives the direction; the others are turned to agree with it
-        way = np.einsum("pi,pi->p", self.normal, self.normal[first[label]])
-        return np.asarray(self.normal * np.where(way < 0, -1.0, 1.0)[:, None])
+        way = np.einsum("pi,pi->p", self.normal[:own], self.normal[first[label]])
+        turned = np.tile(np.where(way < 0, -1.0, 1.0), self._copies)
+        return np.asarray(self.normal * turned[:, None])
 
     @cached_property
     def bends(self) -> Bends:
@@ -239,7 +248,7 @@ class Stack:
         if not len(self.pairs):
             return
         beside: dict[int, set[int]] = {}
-        for i, j in self.pairs.tolist():
+        for i, j in self.unknown:
             beside.setdefault(i, set()).add(j)
         third = [
             (n, k)
@@ -257,7 +266,7 @@ class Stack:
         common[rest] = self._is_area(self._shared(both[n[rest]], drawn))
         for (i, j), m in zip(self.pairs[n[common]].tolist(), k[common].tolist(), strict=True):
             unknowns = self.unknown[i, j], self.unknown[j, m], self.unknown[i, m]
-            yield (unknowns, TRANSITIVE), (i, j, m)
+            yield tied(unknowns, TRANSITIVE), (i, j, m)
 
     def _share_a_disc(
         self, both: NDArray[np.object_], n: np.ndarray, k: np.ndarray
@@ -323,6 +332,9 @@ class Stack:
         off = [np.einsum("ki,ki->k", e[edge] - first, self.normal[piece]) for e in (b.start, b.end)]
         # edges that lie in the plane of a piece they do not belong to: there its passage can be interleaved with theirs
         keep = ~own & (np.abs(off).max(axis=0, initial=0.0) <= self.near)
+        # of a cell its own edges, whatever they meet
+        begin = self.crossings.own_pieces
+        keep &= (begin <= b.left[edge]) & (b.left[edge] < begin + self._own)
         edge, piece = edge[keep], piece[keep]
         side = cross(self.normal[piece], along[edge])
         seen = set()
@@ -442,7 +454,7 @@ class Stack:
             # the line may be as far off the piece as features that lie on each other: what leaves it at so small an
             # angle may end before it comes to the other side
             raise Unclear
-        return tuple(self.unknown[pair] for pair in pairs), allowed
+        return tied(tuple(self.unknown[pair] for pair in pairs), allowed)
 
     def polygons(self, values: Iterable[bool]) -> tuple[tuple[int, int, int], ...]:
         """Return the order as FOLD does: polygons f, g and s = 1 where f lies on the side of g's normal, else -1."""
@@ -451,6 +463,12 @@ class Stack:
         for (i, j), value in zip(self.pairs.tolist(), values, strict=True):
             s = 1 if value == (self.normal[j] @ self.up[j] > 0) else -1
             f, g = int(number[i]), int(number[j])
+            if self._copies > 1:  # orders within the cell, by its own numbers
+                f, g = (
+                    x - self.crossings.cell.home * len(self.crossings.cell.polygons) for x in (f, g)
+                )
+                if max(f, g) >= len(self.crossings.cell.polygons):
+                    continue
             found.setdefault((f, g), set()).add(s)
         # polygons that are not convex can be above each other here and below there
         return tuple((f, g, s.pop()) for (f, g), s in sorted(found.items()) if len(s) == 1)
