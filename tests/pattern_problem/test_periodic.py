@@ -246,3 +246,77 @@ def test_what_a_cell_has_not_is_refused():
         with pytest.raises(OrigamiError) as error:
             ask()
         assert "\n" not in str(error.value)
+
+
+def test_larger_cells_have_the_states_of_smaller_ones_and_more():
+    energies = {}
+    for columns in (1, 2):
+        cell = o.examples.pattern("miura", 1, columns, cell=True)
+        found = o.find_minima(cell, effort="quick", escape=False)
+        energies[columns] = {round(m.energy / columns, 9) for m in found.minima}
+        for m in found.minima:
+            # a sheet by itself of 2 x 2 cells: it closes, and no facets cross
+            sheet, crease_of = cell.cell.lay([(i, j) for i in range(2) for j in range(2)])
+            problem = PatternProblem(sheet)
+            assert problem.refuses(m.phi[crease_of]) == ""
+        apart = [
+            np.abs(image(s, m.phi) - n.phi).max()
+            for s in find_labels(cell).symmetries(cell)
+            for m in found.minima
+            for n in found.minima
+            if abs(m.energy - n.energy) < 1e-9
+        ]
+        assert min(apart) < 1e-9
+    assert energies[1] < energies[2]
+
+
+@pytest.mark.slow
+def test_layers_of_pleats_repeat():
+    """States folded flat along pleats: ordered as sheets of 3 x 3 cells too, whose order need not repeat."""
+    cell = o.examples.pattern("miura", 2, 1, cell=True)
+    found = o.find_minima(cell, effort="quick", escape=False)
+    pleated = [m for m in found.minima if m.kind == "degenerate"]
+    assert len(pleated) == 8
+    sheet, crease_of = cell.cell.lay([(i, j) for i in range(3) for j in range(3)])
+    for m in pleated[:2]:
+        assert PatternProblem(sheet).refuses(m.phi[crease_of]) == ""
+
+
+def test_a_roll_of_copies_is_refused():
+    """Two folds of 180 degrees the same way in a cell, as a belt: copies turn by 360 degrees, no plane lattice."""
+    belt = make_cell(
+        [[0, 0], [1, 0], [2, 0], [2, 1], [1, 1], [0, 1]],
+        [(0, 1, 4, 5), (1, 2, 3, 4)],
+        [[2, 0], [0, 1]],
+    )
+    problem = PatternProblem(belt)
+    across = np.abs(belt.directions[:, 1]) > 0.5
+    for signs in ((1.0, 1.0), (1.0, -1.0)):
+        phi = np.zeros(belt.creases)
+        phi[across] = math.pi * np.array(signs)
+        assert problem.residual(phi) < 1e-15
+        assert problem.closure.lifts_to_one(phi) == (signs[0] != signs[1])
+    # to and fro, copies lie on each other without end
+    assert "copies" in problem.doubt(phi)
+
+
+def test_copies_that_cross_are_found():
+    """A pleat wider than its cell, leaning over: it crosses its copies, though not itself."""
+    wide = make_cell(
+        [[0, 0], [0.2, 0], [1.2, 0], [2.2, 0], [2.2, 1], [1.2, 1], [0.2, 1], [0, 1]],
+        [(0, 1, 6, 7), (1, 2, 5, 6), (2, 3, 4, 5)],
+        [[2.2, 0], [0, 1]],
+    )
+    problem = PatternProblem(wide)
+    x = wide.corners[wide.ends].mean(axis=1)[:, 0]
+    for lean, crosses in ((1.5, False), (2.2, True)):
+        # a parallelogram's two sides of length 1, folded up by `lean`, back by pi, and down again
+        phi = np.zeros(wide.creases)
+        phi[np.abs(x - 0.2) < 1e-9], phi[np.abs(x - 1.2) < 1e-9] = lean, -2 * lean
+        phi[(np.abs(x) < 1e-9) | (np.abs(x - 2.2) < 1e-9)] = lean
+        across = np.abs(wide.directions[:, 1]) < 0.5
+        phi[across] = 0.0
+        assert problem.residual(phi) < 1e-12
+        found = problem.crossings.find(phi)
+        sheet, crease_of = wide.cell.lay([(i, 0) for i in range(5)])
+        assert bool(found) == bool(PatternProblem(sheet).crossings.find(phi[crease_of])) == crosses
