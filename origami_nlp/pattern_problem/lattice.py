@@ -50,7 +50,7 @@ class FoldedLattice(ShortRepr):
     >>> import origami_nlp as o
     >>> result = o.find_minima(o.examples.pattern("miura", 1, 1, cell=True), effort="quick", escape=False)
     >>> result.lattices[0]
-    FoldedLattice(1.72684 x 1.89125 at 90 deg, Poisson's ratios -0.36 and -2.76, stiffnesses 0.283 and 1.81)
+    FoldedLattice(1.64219 x 1.83185 at 90 deg, Poisson's ratios -0.589 and -1.7, stiffnesses 0.686 and 1.59)
     """
 
     vectors: tuple[tuple[float, ...], ...]
