@@ -12,6 +12,7 @@ from .contact_forces import (
     contact_forces as contact_forces,
 )
 from .descent import (
+    KNOWN as KNOWN,
     LONGEST as LONGEST,
     STOPPED as STOPPED,
     Followed as Followed,

@@ -61,6 +61,7 @@ SHORTEST = 1e-6
 
 
 STOPPED = Classification("undecided", None, "the descent was stopped on its way", 0)
+KNOWN = Classification("minimum", None, "judged before", 0)
 DescentDirection: TypeAlias = tuple[tuple[Contact, ...], np.ndarray, tuple[Contact, ...]]
 RISE = 1e-7
 """Relative rise of the energy that is allowed to the end of a path when it is polished."""
@@ -90,12 +91,13 @@ def follow(
     most_rescues: int = 12,
     until: Callable[[np.ndarray], bool] | None = None,
     leads: Callable[[np.ndarray, np.ndarray], bool] | None = None,
+    known: Callable[[np.ndarray], bool] | None = None,
 ) -> Followed:
     """Follow the state `start` [n] downhill, `until` a state on the way is far enough: that one is not judged.
 
     Steps are downhill in the metric of the springs or, `curved`, Newton's: fewer, and from farther.  Their length is at
     most `longest` [rad], of Newton's their largest entry; those that `leads`, of a state and the next, refuses are made
-    shorter.
+    shorter.  An end of which `known` says that it is a minimum is not judged again: it is `KNOWN`.
 
     Where no step along the linearised cone is possible but the state is no minimum (several contacts meet), a lower
     admissible neighbour is searched on small spheres, at most `most_rescues` times.
@@ -125,7 +127,7 @@ def follow(
             length = min(longest, 2 * taken)
             continue
         end = _level_with(model, x)
-        what = classify(State(model, x if end is None else end), polished=end is not None)
+        what = _judged(model, x, end, known)
         if what.verdict == "minimum" or rescues == most_rescues:
             break
         rescues += 1
@@ -140,10 +142,22 @@ def follow(
         states.append(x)
     else:
         end = _level_with(model, x)
-        what = classify(State(model, x if end is None else end), polished=end is not None)
+        what = _judged(model, x, end, known)
     path = _strictly_decreasing(model, states, x if end is None else end)
     energies = model.energy(path[0]) + np.array([model.energy_change(path[0], y) for y in path])
     return Followed(path, energies, path[-1], what)
+
+
+def _judged(
+    model: Problem,
+    x: np.ndarray,
+    end: np.ndarray | None,
+    known: Callable[[np.ndarray], bool] | None,
+) -> Classification:
+    """Judge the end of a path, polished or (None) not."""
+    if end is not None and known is not None and known(end):
+        return KNOWN
+    return classify(State(model, x if end is None else end), polished=end is not None)
 
 
 def _strictly_decreasing(model: Problem, states: list[np.ndarray], end: np.ndarray) -> np.ndarray:

@@ -106,7 +106,7 @@ def find_multipliers(b: np.ndarray, c: np.ndarray, tolerance: float = STATIONARY
     if r == 0:
         return Multipliers(float(np.abs(c).max(initial=0.0)), True, np.zeros(0))
     # full column rank of B is linear independence of closure and contacts (LICQ; Nocedal & Wright, definition 12.4)
-    u, singular, vt = np.linalg.svd(b)
+    u, singular, vt = np.linalg.svd(b, full_matrices=False)
     rank = int((singular > INDEPENDENT).sum())
     if rank == r:
         mu = np.linalg.lstsq(b, c, rcond=None)[0]

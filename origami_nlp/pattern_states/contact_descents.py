@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
 
-from origami_nlp.kkt import STOPPED, follow
+from origami_nlp.kkt import KNOWN, STOPPED, follow
 from origami_nlp.numerics import CLOSURE_TOL
 from origami_nlp.pattern_problem import MOST_DENSE, PatternProblem, is_jump, pop_rows
 from origami_nlp.pattern_states.clearance import Stretches
@@ -27,7 +27,12 @@ SMALLER = 0.8, 0.6, 0.45, 0.3, 0.2, 0.1, 0.05
 """Shares of a start's fold angles, from the reference state on, at which it is asked whether facets cross."""
 
 
-def contact_descent(problem: PatternProblem, phi: np.ndarray, keep: bool = False) -> Descended:
+def contact_descent(
+    problem: PatternProblem,
+    phi: np.ndarray,
+    keep: bool = False,
+    known: Callable[[np.ndarray], bool] | None = None,
+) -> Descended:
     """Follow the energy downhill from a closed state in which no facets cross, along states of the same kind.
 
     Parameters
@@ -38,6 +43,8 @@ def contact_descent(problem: PatternProblem, phi: np.ndarray, keep: bool = False
         The start, within the fold limits, [n] [rad].
     keep
         Whether steps that take a vertex past its flat state are refused, see `pops`: motions of paper do not.
+    known
+        Says of the end [n] whether it is a minimum that was judged before.
 
     Returns
     -------
@@ -62,13 +69,14 @@ def contact_descent(problem: PatternProblem, phi: np.ndarray, keep: bool = False
             most_steps=MOST_STEPS,
             until=crowded if math.comb(problem.pattern.facets, 2) > MOST_PAIRS else None,
             leads=(lambda x, y: not is_jump(pops, x, y)) if keep else None,
+            known=known,
         )
     except np.linalg.LinAlgError:  # a ValueError as well
         raise
     except ValueError as refused:
         return Descended(phi, False, 0, str(refused))
     arrived, why = found.what.verdict == "minimum", UNTOLD
-    if arrived:
+    if arrived and found.what is not KNOWN:
         problem.kept("classified", found.end, lambda: found.what)
     elif found.what is STOPPED:
         why = f"more than {MOST_PAIRS} pairs of facets come close to each other"
@@ -76,7 +84,11 @@ def contact_descent(problem: PatternProblem, phi: np.ndarray, keep: bool = False
     return Descended(found.end, arrived, len(path) - 1, "still" if arrived else why, path=path)
 
 
-def contact_descents_along(problem: PatternProblem, stretches: Stretches) -> Iterator[Descended]:
+def contact_descents_along(
+    problem: PatternProblem,
+    stretches: Stretches,
+    known: Callable[[np.ndarray], bool] | None = None,
+) -> Iterator[Descended]:
     """Go down from every state of a curve whose neighbour crosses and is lower, or from where their facets touch.
 
     Parameters
@@ -85,6 +97,8 @@ def contact_descents_along(problem: PatternProblem, stretches: Stretches) -> Ite
         The problem.
     stretches
         Of `Clearance.along`.
+    known
+        As of `contact_descent`.
 
     Yields
     ------
@@ -98,7 +112,7 @@ def contact_descents_along(problem: PatternProblem, stretches: Stretches) -> Ite
         if not _falls(problem, start, beyond):  # energy may fall again before facets touch
             start = _last_free(problem, start, beyond)
         if _falls(problem, start, beyond):
-            yield contact_descent(problem, start)
+            yield contact_descent(problem, start, known=known)
 
 
 def _falls(problem: PatternProblem, phi: np.ndarray, ahead: np.ndarray) -> bool:
@@ -119,7 +133,11 @@ def _last_free(problem: PatternProblem, free: np.ndarray, crossed: np.ndarray) -
     return free
 
 
-def contact_descent_off(problem: PatternProblem, path: Sequence[np.ndarray]) -> Descended | None:
+def contact_descent_off(
+    problem: PatternProblem,
+    path: Sequence[np.ndarray],
+    known: Callable[[np.ndarray], bool] | None = None,
+) -> Descended | None:
     """Go down where a descent that let facets cross would have had to stop.
 
     Parameters
@@ -128,6 +146,8 @@ def contact_descent_off(problem: PatternProblem, path: Sequence[np.ndarray]) -> 
         The problem.
     path
         Closed states of the descent, [n] [rad] each.
+    known
+        As of `contact_descent`.
 
     Returns
     -------
@@ -143,7 +163,7 @@ def contact_descent_off(problem: PatternProblem, path: Sequence[np.ndarray]) -> 
     if crossed is None:
         return None
     if crossed:
-        return contact_descent(problem, path[crossed - 1])
+        return contact_descent(problem, path[crossed - 1], known=known)
     reference = problem.pattern.reference
     for share in SMALLER:
         start, residual = problem.project(reference + share * (path[0] - reference))
@@ -154,5 +174,5 @@ def contact_descent_off(problem: PatternProblem, path: Sequence[np.ndarray]) -> 
         ):
             continue
         if not problem.crossings.find(start):
-            return contact_descent(problem, start)
+            return contact_descent(problem, start, known=known)
     return Descended(path[0], False, 0, "no start was found at which facets do not cross")

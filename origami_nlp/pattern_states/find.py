@@ -26,7 +26,7 @@ from origami_nlp.minima import (
     check_noise,
     check_prove,
 )
-from origami_nlp.numerics import BESIDE_SINGULAR, DUPLICATE_TOL, RESOLVED
+from origami_nlp.numerics import BESIDE_SINGULAR, DUPLICATE_TOL, RESOLVED, SETTLED
 from origami_nlp.pattern import Pattern, as_pattern
 from origami_nlp.pattern_problem import PatternProblem, find_labels
 from origami_nlp.pattern_states.branch_points import (
@@ -209,7 +209,11 @@ class _Search(FromMinima):
                 self.tally.stalled += 1
             elif not self.known(end.phi):
                 self.add(judge_end(self.problem, end.phi, self.contact))
-            if self.contact and (held := contact_descent_off(self.problem, end.path)) is not None:
+            if (
+                self.contact
+                and (held := contact_descent_off(self.problem, end.path, self.is_minimum))
+                is not None
+            ):
                 self.contact_descent(held)
             if not end.saddles:
                 return
@@ -219,6 +223,9 @@ class _Search(FromMinima):
         self.tally.pressed += 1
         if not end.arrived and end.why != UNTOLD:
             self.tally.gave_up[end.why] += 1
+            return
+        if end.arrived and self.is_minimum(end.phi):
+            self.known(end.phi)
             return
         state = judge(self.problem, end.phi)
         if not end.arrived or state.verdict == "undecided":
@@ -397,12 +404,15 @@ class _Search(FromMinima):
                 self._along(traced)
 
     def _leads_through_flat(self, phi: np.ndarray) -> bool:
-        """Return whether energy falls from a state to the flat one and on to its mirror image, another start."""
+        """Return whether energy falls from a state to the flat one, and on to its mirror image or no further.
+
+        The mirror image is another start, and the flat state, where it is the well of its curve, was judged.
+        """
         problem = self.problem
         if not problem.pattern.is_flat or np.abs(phi).max() > 2 * OUT:
             return False
-        slopes = (problem.torque(x) @ problem.along(x, phi) for x in (phi, -phi))
-        return all(slope > 0 for slope in slopes)
+        here, there = (float(problem.torque(x) @ problem.along(x, phi)) for x in (phi, -phi))
+        return here > 0 and (there > 0 or abs(here + there) <= SETTLED * here)
 
     def _along(self, traced: TracedCurve) -> None:
         """Polish and judge the wells of a curve, and states of it that touching facets hold."""
@@ -411,7 +421,7 @@ class _Search(FromMinima):
             self.attempt(self._settle_well, well)
         if traced.stretches is None:
             return
-        for end in contact_descents_along(self.problem, traced.stretches):
+        for end in contact_descents_along(self.problem, traced.stretches, self.is_minimum):
             self.attempt(self.contact_descent, end)
 
     def _settle_well(self, well: np.ndarray) -> None:

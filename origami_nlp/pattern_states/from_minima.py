@@ -14,7 +14,7 @@ from origami_nlp.pattern_problem import MOST_DENSE, PopSigns, SignVector, image
 from origami_nlp.pattern_states.contact_descents import contact_descent
 from origami_nlp.pattern_states.descent import Descended
 from origami_nlp.pattern_states.parts import Parts
-from origami_nlp.starts import FoldedVertices, Popped, Signed
+from origami_nlp.starts import POPPED, FoldedVertices, Popped, Signed
 
 
 class FromMinima(Parts):
@@ -37,6 +37,13 @@ class FromMinima(Parts):
     @abstractmethod
     def _enter(self, phi: np.ndarray) -> None: ...
 
+    def is_minimum(self, phi: np.ndarray) -> bool:
+        """Return whether a state is a minimum that is known."""
+        return any(
+            s.verdict == "minimum" and np.abs(phi - s.phi).max() <= 10 * DUPLICATE_TOL
+            for s in self.judged
+        )
+
     @property
     def minima(self) -> list[JudgedState]:
         """Those that are known, by energy."""
@@ -52,7 +59,7 @@ class FromMinima(Parts):
             and self.problem.size <= MOST_DENSE
             and not self.problem.crossings.find(phi)
         ):
-            self.contact_descent(contact_descent(self.problem, phi, keep=True))
+            self.contact_descent(contact_descent(self.problem, phi, True, self.is_minimum))
         else:
             self._enter(phi)
 
@@ -101,22 +108,24 @@ class FromMinima(Parts):
         """Start from each minimum with one vertex popped, the lowest first, what that leads to among them.
 
         There are states on either side of a vertex (`pops`); those that touching facets hold are seldom met by descents
-        that let facets cross.  Where the sheet has symmetries, one of a minimum and its images is enough.
+        that let facets cross.  Each minimum is popped in one way before any is in another: the next way seldom leads
+        elsewhere from there.  Where the sheet has symmetries, one of a minimum and its images is enough.
         """
-        popped: list[np.ndarray] = []
+        popped: dict[tuple[float, float], list[np.ndarray]] = {shares: [] for shares in POPPED}
         while True:
             self.problem.check_time()
-            waiting = [
-                s.phi
-                for s in self.minima
-                if s.phi.any()
-                and not any(np.abs(s.phi - x).max() <= 10 * DUPLICATE_TOL for x in popped)
-            ]
-            if not waiting:
+            states = [s.phi for s in self.minima if s.phi.any()]
+            waiting = (
+                (shares, phi)
+                for shares, done in popped.items()
+                for phi in states
+                if not any(np.abs(phi - x).max() <= 10 * DUPLICATE_TOL for x in done)
+            )
+            if (first := next(waiting, None)) is None:
                 return
-            phi = waiting[0]
-            popped += [phi, *(image(symmetry, phi) for symmetry in self._symmetries)]
-            for start in Popped(self.problem.pattern, self.labels, phi).states():
+            shares, phi = first
+            popped[shares] += [phi, *(image(symmetry, phi) for symmetry in self._symmetries)]
+            for start in Popped(self.problem.pattern, self.labels, phi, [shares]).states():
                 if self.tally.by_source.get(Popped.name, 0) == most:
                     return
                 self._start_apart(Popped.name, start)

@@ -33,6 +33,7 @@ from .hinge_sets import HingeSets as HingeSets
 from .moments import Moments as Moments, is_chain as is_chain
 from .near_flat import NearFlat as NearFlat, NearFolded as NearFolded
 from .of_patterns import (
+    POPPED as POPPED,
     Given as Given,
     Grown as Grown,
     Popped as Popped,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from itertools import product
 
 import numpy as np
@@ -155,18 +155,26 @@ class Popped(Listed):
         The pattern, and the order of its creases.
     phi
         The state, [n] [rad].
+    shares
+        Some of `POPPED`.
     """
 
     name = "minima with a vertex popped"
     sentence = "a minimum with one vertex on its other side"
 
-    def __init__(self, pattern: Pattern, labels: CanonicalLabelling, phi: np.ndarray) -> None:
-        self.size = pattern.creases
+    def __init__(
+        self,
+        pattern: Pattern,
+        labels: CanonicalLabelling,
+        phi: np.ndarray,
+        shares: Sequence[tuple[float, float]] = POPPED,
+    ) -> None:
+        self.size, self._shares = pattern.creases, shares
         self._around, self._phi = creases_around(pattern, labels), phi
 
     def states(self) -> Iterator[np.ndarray]:
         """Yield them, none closed yet."""
-        for creases, (size, share) in product(self._around, POPPED):
+        for creases, (size, share) in product(self._around, self._shares):
             if self._phi[creases].any():
                 start = size * self._phi
                 start[creases] *= share
