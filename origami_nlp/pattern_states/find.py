@@ -409,7 +409,8 @@ class _Search(FromMinima):
         The mirror image is another start, and the flat state, where it is the well of its curve, was judged.
         """
         problem = self.problem
-        if not problem.pattern.is_flat or np.abs(phi).max() > 2 * OUT:
+        flat = problem.pattern.is_flat and not problem.pattern.laws  # whose wells may be beside it
+        if not flat or np.abs(phi).max() > 2 * OUT:
             return False
         here, there = (float(problem.torque(x) @ problem.along(x, phi)) for x in (phi, -phi))
         return here > 0 and (there > 0 or abs(here + there) <= SETTLED * here)
