@@ -34,10 +34,11 @@ def three_states(rng):
     vertex = o.Vertex.from_degrees(tuple(sectors))
     model = o.Model(o.Scene(vertex, (1,) * 4, (0,) * 4, "none", "fold-limits"))
     states: list[Target] = []
-    while len(states) < 3:
+    while len(states) < 3:  # (closed the other way round is no sheet)
         x, residual = project(model, rng.uniform(-2.5, 2.5, model.size))
         far = [np.abs(model.expand(x) - np.array(s.fold_angles)).max() for s in states]
-        if residual < 1e-9 and 0.3 < np.abs(x).max() < 2.8 and min(far, default=1) > 0.35:
+        admissible = residual < 1e-9 and not o.State(model, x).refused
+        if admissible and 0.3 < np.abs(x).max() < 2.8 and min(far, default=1) > 0.35:
             states.append(Target(f"s{len(states)}", tuple(model.expand(x))))
     return Targets(vertex, tuple(states), contact="fold-limits")
 
