@@ -16,7 +16,7 @@ from __future__ import annotations
 import heapq
 import itertools
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -252,20 +252,34 @@ class ChartGrid:
                 return self.good.size + int(extra.argmin())
         return best
 
-    def flood(self, scene: Scene, start: np.ndarray, end: np.ndarray) -> Flood | None:
-        """Find the min-max way between two states [N] with the springs of `scene`; None if there is none."""
+    def flood(
+        self,
+        scene: Scene,
+        start: np.ndarray,
+        end: np.ndarray,
+        more: Callable[[np.ndarray], np.ndarray] | None = None,
+    ) -> Flood | None:
+        """Find the min-max way between two states [N] with the springs of `scene`; None if there is none.
+
+        more: energy of wedge fold angles [..., k] beside that of the springs.
+        """
         k = np.bincount(scene.group.orbit, scene.stiffness)
         rest = np.array(scene.rest_angles)[self.wedge]
+
+        def of(x: np.ndarray) -> np.ndarray:
+            springs = 0.5 * (k * (x - rest) ** 2).sum(axis=-1)
+            return np.asarray(springs if more is None else springs + more(x))
+
         energy = np.full(self.good.shape, np.inf)
-        energy[self.good] = 0.5 * (k * (self.states[self.good] - rest) ** 2).sum(axis=-1)
-        extra = 0.5 * (k * (self.extra - rest) ** 2).sum(axis=-1)
+        energy[self.good] = of(self.states[self.good])
+        extra = of(self.extra)
         levels = np.concatenate([energy.ravel(), extra])
         a, b = self.nearest(start), self.nearest(end)
         for _ in range(MOST_REPLAYS):
             way = self._way(levels, a, b)
             if way is None:
                 return None
-            height, broken = self._replay(way, k, rest)
+            height, broken = self._replay(way, of)
             if not broken:
                 states = np.array([self._state(v) for v in way])
                 return Flood(float(levels[way].max()), height, states, self.size, self.spacing)
@@ -322,24 +336,24 @@ class ChartGrid:
         return way[::-1]
 
     def _replay(
-        self, way: list[int], k: np.ndarray, rest: np.ndarray
+        self, way: list[int], of: Callable[[np.ndarray], np.ndarray]
     ) -> tuple[float, list[tuple[int, int]]]:
         """Sample the way between its cells; return its height and the edges that do not hold."""
         n, cells = self.size, self.good.size
         height, broken = -math.inf, []
         t = np.linspace(0, 1, REPLAY + 1)[:, None]
         tops = [self._state(v) for v in way]
-        height = float((0.5 * (k * (np.array(tops) - rest) ** 2).sum(axis=1)).max())
+        height = float(of(np.array(tops)).max())
         by_branch: dict[int, list[int]] = {}
         flat = self.size // 2 * (n + 1)
         for m, (u, v) in enumerate(itertools.pairwise(way)):
             linked = u >= cells or v >= cells or v in self.links.get(u, ())
             if (u, v) in self.bridges:
                 over = self.bridges[u, v]
-                height = max(height, float((0.5 * (k * (over - rest) ** 2).sum(axis=1)).max()))
+                height = max(height, float(of(over).max()))
             elif linked or flat in (u, v):  # straight in the fold angles
                 chord = tops[m] + t * (tops[m + 1] - tops[m])
-                height = max(height, float((0.5 * (k * (chord - rest) ** 2).sum(axis=1)).max()))
+                height = max(height, float(of(chord).max()))
             else:
                 by_branch.setdefault(u // (n * n), []).append(m)
         for b, edges in by_branch.items():
@@ -351,7 +365,7 @@ class ChartGrid:
             states, fine = self._at(self.chart, b, x.ravel(), y.ravel())
             holds = np.asarray(fine.reshape(x.shape).all(axis=0))
             broken += [(way[v], way[v + 1]) for v in e[~holds].tolist()]
-            energy = 0.5 * (k * (states - rest) ** 2).sum(axis=1).reshape(x.shape)
+            energy = of(states).reshape(x.shape)
             if holds.any():
                 height = max(height, float(energy[:, holds].max()))
         return height, broken
