@@ -25,7 +25,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Circle
 
 import origami_nlp as o
-from origami_nlp.display import draw_state
+from origami_nlp.display import draw_state, draw_states
 from origami_nlp.display.drawing import UPPER
 from origami_nlp.proof import draw_proof, prove
 
@@ -111,6 +111,8 @@ def own(name: str) -> None:
         vertex = o.Vertex((a, np.pi - a, np.pi - a, a))
         scene = o.Scene(vertex, (k,) * 4, (-psi + error, p, psi + error, p), symmetry="none")
         draw_row(o.find_minima(scene), path)
+    elif name == "measured_hinge":
+        o.draw(o.fit_hinge(FOLDER.parent / "files" / "tape.csv"), path)
     elif name == "degree6_pi3":
         o.draw(o.find_minima(panel("pi/3 1"), full=True), path)
     elif name == "metastable_degree8":
@@ -125,6 +127,27 @@ def own(name: str) -> None:
         family, alpha = re.fullmatch(r"space_(degree\d)_(\w+)", name).groups()
         vertex = getattr(o.examples, family)(alpha.replace("5pi", "5*pi").replace("_", "/"))
         o.draw(o.find_space(vertex), path)
+
+
+def drawn_periods(name: str) -> None:
+    """Draw a state of each energy of a Miura cell of one by three units."""
+    units = 3
+    found = o.find_minima(
+        o.examples.pattern("miura", 1, units, cell=True), effort="quick", escape=False
+    )
+    of = {round(m.energy, 9): k for k, m in reversed(list(enumerate(found.minima)))}
+    shown = [of[energy] for energy in sorted(of)]
+    states = [
+        (
+            f"{found.minima[k].energy / units:.4f} J a unit, Poisson's ratio {found.lattices[k].poisson[1]:.2f}",
+            found.minima[k].phi,
+        )
+        for k in shown
+    ]
+    head = f"miura:1x{units} --cell: states of period {units}, 2 x 2 copies"
+    contacts = [found.minima[k].contacts for k in shown]
+    figure = draw_states(found.pattern, states, head, contacts=contacts)
+    figure.savefig(FOLDER / f"{name}.png", dpi=100)
 
 
 def drawn_waterbombs(name: str) -> None:
@@ -210,6 +233,8 @@ PICTURES: dict[str, Callable[[str], None]] = {
     "degree6_pi3": own,
     "six_states": own,
     "birds_foot": own,
+    "measured_hinge": own,
+    "periodic_miura": drawn_periods,
     "waterbomb_curves": drawn_waterbombs,
     **{
         f"space_{end}": own

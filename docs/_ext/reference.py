@@ -29,6 +29,7 @@ TASKS = {
         "examples read_scene read_pattern read_fold_scene read_fold_scenes parse_scene format_scene "
         "Scene Vertex Pattern Load"
     ),
+    "Measured hinges": "fit_hinge HingeData MeasuredHinge",
     "How a sheet moves": "analyze_mobility find_motion Mobility Motion",
     "Is a folded state real, in how many layer orders": "check layer_orders Validity LayerOrders",
     "Loads, snaps, barriers": (

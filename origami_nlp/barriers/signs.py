@@ -14,7 +14,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from origami_nlp.barriers.passes import LISTED, OPPOSITE, SIGNED, STOPPED, Pass
+from origami_nlp.barriers.passes import FOLLOWED, LISTED, OPPOSITE, SIGNED, STOPPED, Pass
 from origami_nlp.barriers.paths import PathDown, passes_over_paths
 from origami_nlp.barriers.result import Barriers, FlatVertexBound
 from origami_nlp.barriers.traced import EXPLICIT, pattern_passes
@@ -130,8 +130,10 @@ def _bounded(p: Pass, result: MinimaResult, bounds: Sequence[FlatVertex], level:
     p = replace(p, least=least, listed=listed)
     if math.isinf(least):
         return replace(p, why=STOPPED)
-    if p.is_lowest or math.isnan(least):
+    if math.isnan(least) or (p.is_lowest and p.why != FOLLOWED):
         return p
-    if p.energy <= least + level:
+    if p.energy <= least + level:  # a closed form: more than curves that were followed
         return replace(p, why=SIGNED)
+    if p.is_lowest:
+        return p
     return replace(p, why=LISTED) if p.energy <= listed + level else p

@@ -355,7 +355,20 @@ def not_interleaved(
 
 
 def tied(unknowns: tuple[int, ...], allowed: Allowed) -> Rule:
-    """Return a rule in which an unknown may occur several times as one in which each occurs once."""
+    """Return a rule in which an unknown may occur several times as one in which each occurs once.
+
+    Parameters
+    ----------
+    unknowns
+        Of the rule, some of them equal.
+    allowed
+        Values that they may have together.
+
+    Returns
+    -------
+    Rule
+        On each unknown once; values that give an unknown two values are left out.
+    """
     once = tuple(dict.fromkeys(unknowns))
     if len(once) == len(unknowns):
         return unknowns, allowed

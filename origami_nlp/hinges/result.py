@@ -86,6 +86,14 @@ class MeasuredHinge(Report):
         Wells and ends that the hinge is pushed to, in order of angles.
     notes
         What to look at before the law is used.
+
+    Examples
+    --------
+    >>> import numpy as np, origami_nlp as o
+    >>> angle = np.radians(np.linspace(-90, 90, 61))
+    >>> found = o.fit_hinge(o.HingeData(angle, 0.01 * (angle - 0.2)), fit="pchip")
+    >>> round(found.law.rest, 4), [round(rest.angle, 4) for rest in found.rests]
+    (0.2, [0.2])
     """
 
     PICTURE = "draw_hinge"

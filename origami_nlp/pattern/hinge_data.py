@@ -55,6 +55,13 @@ class HingeData(ShortRepr):
     ------
     SceneFileError
         If there are fewer than six angles, or one is not finite or beyond +-180 degrees, or a weight is not positive.
+
+    Examples
+    --------
+    >>> import numpy as np, origami_nlp as o
+    >>> angle = np.radians(np.linspace(-90, 90, 13))
+    >>> o.HingeData(angle, 0.01 * (angle - 0.2)).name
+    'data'
     """
 
     angle: np.ndarray

@@ -182,7 +182,8 @@ def test_what_survives_errors_is_the_same_with_linear_laws():
     wide = lambda k, r: HingeLaw((-6.0, 6.0), ((0.0, 0.0, k, -k * (6.0 + r)),))  # noqa: E731
     plain = quadrilateral()
     laws = replace(plain, laws=tuple(map(wide, plain.stiffness, plain.rest_angles)))
-    for noise in (1.0, 8.0):
+    # draws go by labels, which laws have of their own: what each draw keeps is compared where all do
+    for noise in (0.5, 1.0):
         one, two = (o.find_minima(s, noise=noise, escape=False).minima for s in (plain, laws))
         assert [m.survival for m in one] == [m.survival for m in two]
     sheet = o.examples.pattern("miura", 2, 2).with_springs(1.0, 0.8)

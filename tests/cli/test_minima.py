@@ -50,7 +50,9 @@ def test_minima_writes_the_contract(scene, tmp_path):
         "closure_stress",
         "signs",
         "sign_vertices",
+        "lattices",
     }
+    assert data["lattices"] == []
     assert len(data["signs"]) == len(data["minima"]) and data["sign_vertices"] == [0]
     for sign, m in zip(data["signs"], data["minima"], strict=True):
         total = sum(m["fold_angles"])

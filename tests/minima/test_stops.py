@@ -130,6 +130,6 @@ def test_wrong_limits_are_named(limits, why):
 
 def test_what_does_not_know_stops_says_so():
     scene = replace(o.examples.degree6("pi/3"), limits=(-2, 2))
-    for asked in (o.find_barriers, o.find_critical_points, o.find_space):
+    for asked in (o.find_critical_points, o.find_space):
         with pytest.raises(OptionError, match="fold limits of their own"):
             asked(scene)
