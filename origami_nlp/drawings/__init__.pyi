@@ -1,6 +1,5 @@
-from .lines import DrawingOptions as DrawingOptions, Lines as Lines
+from .lines import ERROR_KEY as ERROR_KEY, DrawingOptions as DrawingOptions, Lines as Lines
 from .reading import (
-    ERROR_KEY as ERROR_KEY,
     READERS as READERS,
     drawing_kind as drawing_kind,
     drawing_to_fold as drawing_to_fold,

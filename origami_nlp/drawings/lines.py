@@ -17,6 +17,9 @@ LETTERS = "BCMVUF"
 MOST_LINES = 200_000
 """Of one drawing; the largest published ones have some ten thousand."""
 
+ERROR_KEY = "origaminlp:coordinateError"
+"""How far the vertices of a frame may be off, in the unit of the file: what a tolerance joined."""
+
 
 @dataclass(frozen=True)
 class DrawingOptions:

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from origami_nlp.drawings.dxf import read_dxf
-from origami_nlp.drawings.lines import DrawingOptions, Lines
+from origami_nlp.drawings.lines import ERROR_KEY, DrawingOptions, Lines
 from origami_nlp.drawings.oripa_files import read_cp, read_opx
 from origami_nlp.drawings.sheet import Drawing, make_drawing
 from origami_nlp.drawings.svg import read_svg
@@ -16,8 +16,6 @@ from origami_nlp.numerics import last_place
 
 READERS = {".svg": read_svg, ".cp": read_cp, ".opx": read_opx, ".dxf": read_dxf}
 """By the ending of the file's name."""
-ERROR_KEY = "origaminlp:coordinateError"
-"""How far the vertices of a frame may be off, in the unit of the file: what a tolerance joined."""
 
 
 def drawing_kind(name: str, raw: bytes) -> str | None:

@@ -10,10 +10,9 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from functools import partial
-from typing import cast
+from typing import TYPE_CHECKING, cast
 
 import numpy as np
-import scipy as sp
 
 from origami_nlp.kkt.certificates import BY_CLOSURE, BranchJudgement
 from origami_nlp.kkt.descent_witness import FAR, DescentWitness
@@ -27,6 +26,9 @@ from origami_nlp.numerics import (
     nonnegative_least_squares,
 )
 from origami_nlp.problem import Contact, Sparse
+
+if TYPE_CHECKING:
+    import scipy as sp
 
 PENALTY = 1e4
 """Weight rho."""
@@ -132,6 +134,8 @@ def smallest_curvature(h: sp.sparse.sparray, j: sp.sparse.sparray) -> tuple[floa
     way : numpy.ndarray
         Its vector, [n].
     """
+    import scipy as sp
+
     # Finsler: on the kernel of J the penalty adds nothing, so that what is positive with it is positive there
     whole = (
         sp.sparse.csc_array(h) + PENALTY * sp.sparse.csc_array(j).T @ sp.sparse.csc_array(j)

@@ -15,7 +15,6 @@ from origami_nlp.folding import fold_vertex, path_frames
 from origami_nlp.io import write_whole
 from origami_nlp.minima.minimum import JudgedState
 from origami_nlp.pattern import Pattern, Scene
-from origami_nlp.pattern_problem import pattern_parts, state_frame, states_to_fold
 
 if TYPE_CHECKING:
     from trimesh import Trimesh
@@ -30,6 +29,8 @@ def minima_to_fold(origami: Scene | Pattern, minima: Sequence[JudgedState]) -> d
 
     States that are unstable in the full space are followed, after all states, by the frames of their descents.
     """
+    from origami_nlp.pattern_problem import state_frame, states_to_fold
+
     frame = partial(state_frame, origami)
     frames = [frame(m.phi, m.title(k), **m.frame_entries()) for k, m in enumerate(minima, start=1)]
     if not frames and isinstance(origami, Scene) and not origami.vertex.flat:
@@ -59,6 +60,8 @@ def state_parts(origami: Scene | Pattern, states: Sequence[np.ndarray]) -> list[
         Points [v, 3] and triangles [f, 3] of each.
     """
     if isinstance(origami, Pattern):
+        from origami_nlp.pattern_problem import pattern_parts
+
         return pattern_parts(origami, states)
     n = origami.degree
     faces = np.array([[0, i, i % n + 1] for i in range(1, n + 1)])

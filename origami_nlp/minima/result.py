@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from origami_nlp import pattern_problem
 from origami_nlp.display import (
     Content,
     Details,
@@ -63,17 +64,12 @@ from origami_nlp.minima.summary import (
 )
 from origami_nlp.numerics import STATIONARY, rank
 from origami_nlp.pattern import Pattern, Relations, Scene
-from origami_nlp.pattern_problem import (
-    MOST_DENSE,
-    FoldedLattice,
-    Lattice,
-    PatternProblem,
-    PopSigns,
-)
+from origami_nlp.pattern_problem import PopSigns
 from origami_nlp.problem import Model
 
 if TYPE_CHECKING:
     from origami_nlp.chart import Landscape
+    from origami_nlp.pattern_problem import FoldedLattice
 
 SUCCESS = "Solve_Succeeded"
 """What IPOPT says where it converged."""
@@ -138,8 +134,10 @@ class MinimaResult(Report, Viewable):
                 object.__setattr__(self, "origami", stated)
             object.__setattr__(self, "relations", stated.relations)
         if self.model is None:
-            posed = Model(stated) if isinstance(stated, Scene) else PatternProblem(stated)
-            object.__setattr__(self, "model", posed)
+            if isinstance(stated, Scene):
+                object.__setattr__(self, "model", Model(stated))
+            else:
+                object.__setattr__(self, "model", pattern_problem.PatternProblem(stated))
 
     # ------------------------------------------------------------ what is folded
 
@@ -254,7 +252,7 @@ class MinimaResult(Report, Viewable):
         """Of a cell that repeats its folded lattice in each minimum, and how it gives way; else nothing."""
         if not isinstance(self.origami, Pattern) or self.origami.cell is None:
             return ()
-        lattice = Lattice(self.origami)
+        lattice = pattern_problem.Lattice(self.origami)
         return tuple(lattice.at(self.state_of(m)) for m in self.minima)
 
     @property
@@ -270,7 +268,7 @@ class MinimaResult(Report, Viewable):
         for m in self.minima:
             held = [c.creases[0] - 1 for c in m.contacts if c.is_limit]
             said: dict[str, Any] = {"self_stress": self._self_stress(m)}
-            if self.pattern.creases <= MOST_DENSE and len(held) == len(m.contacts):
+            if self.pattern.creases <= pattern_problem.MOST_DENSE and len(held) == len(m.contacts):
                 stress = find_stress(self.state_of(m), held)
                 said |= {"multipliers": stress.multipliers, "closure_torques": stress.torque}
                 said["closure_torques_unique"] = stress.unique

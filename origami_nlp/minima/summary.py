@@ -23,7 +23,6 @@ from origami_nlp.minima.stability import (
 )
 from origami_nlp.numerics import DUPLICATE_TOL, ROUNDED
 from origami_nlp.pattern import Pattern, Scene, symmetries
-from origami_nlp.pattern_problem import find_labels, image
 
 MOST_LINES = 30
 """States of which the report has a line; the others are in its details."""
@@ -93,6 +92,8 @@ def _symmetries(
     origami: Scene | Pattern,
 ) -> Iterator[tuple[Callable[[np.ndarray], np.ndarray], str]]:
     if isinstance(origami, Pattern):
+        from origami_nlp.pattern_problem import find_labels, image
+
         for to in find_labels(origami).symmetries(origami):
             yield lambda phi, to=to: image(to, phi), "image"  # type: ignore[misc]
         return

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-import scipy as sp
 
 from origami_nlp.numerics.tolerances import ROUNDED
 
@@ -28,12 +27,16 @@ class KernelBasis:
     """
 
     def __init__(self, rows: np.ndarray) -> None:
+        import scipy as sp
+
         self._rank = len(rows)
         self._factors, self._scales, _, _ = sp.linalg.lapack.dgeqrf(rows.T)
 
     def _turned(self, x: np.ndarray, transposed: str) -> np.ndarray:
         if not self._rank:
             return x
+        import scipy as sp
+
         work = max(1, 64 * x.shape[1])
         out: np.ndarray = sp.linalg.lapack.dormqr(
             "L", transposed, self._factors, self._scales, x, work
@@ -58,6 +61,8 @@ def solve_symmetric(matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
 
     Directions of singular values below `ROUNDED` over the largest are left out.
     """
+    import scipy as sp
+
     lower, failed = sp.linalg.lapack.dpotrf(matrix, lower=True)
     if not failed:
         inverse, _ = sp.linalg.lapack.dpocon(lower, np.abs(matrix).sum(axis=0).max(), uplo="L")

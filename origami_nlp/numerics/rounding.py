@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from origami_nlp.numerics.tolerances import CHOSEN, ROUNDED, STATIONARY
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
 
 
 def rank(energy: float, fold_angles: Sequence[float]) -> tuple[float, ...]:

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from origami_nlp.drawings import DrawingOptions, drawing_kind, drawing_to_fold, read_drawing
+from origami_nlp.drawings import DrawingOptions
 from origami_nlp.errors import FoldFileError
 
 MOST_ELEMENTS = 2_000_000
@@ -65,6 +65,8 @@ def decode_source(
     >>> len(decode_source("1 0 0 1 0", "line.cp").data["edges_vertices"])
     1
     """
+    from origami_nlp.drawings import drawing_kind, drawing_to_fold, read_drawing
+
     raw = text.encode("utf-8", "surrogatepass") if isinstance(text, str) else text
     kind = drawing_kind("-" if source in ("", STDIN) else source, raw)
     if kind is None:
@@ -97,6 +99,8 @@ def is_drawing(source: str, raw: bytes = b"") -> bool:
     >>> is_drawing("crane.opx"), is_drawing("crane.fold")
     (True, False)
     """
+    from origami_nlp.drawings import drawing_kind
+
     return drawing_kind("-" if source in ("", STDIN) else source, raw) is not None
 
 
