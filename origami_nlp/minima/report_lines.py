@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -18,7 +19,9 @@ from origami_nlp.minima.stability import isolated_foldings, number_words
 from origami_nlp.minima.summary import energy_words
 from origami_nlp.numerics import BALANCED, STATIONARY, residual_words
 from origami_nlp.pattern import Scene, listed
-from origami_nlp.pattern_problem import FoldedLattice, PopSigns, SignVector
+
+if TYPE_CHECKING:
+    from origami_nlp.pattern_problem import FoldedLattice, PopSigns, SignVector
 
 MOST_ANGLES = 24
 """Fold angles of a state up to which they are written out; those of larger ones are in the JSON."""
