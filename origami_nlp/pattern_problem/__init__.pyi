@@ -50,9 +50,7 @@ from .pop_signs import (
     PopSigns as PopSigns,
     angle_sums as angle_sums,
     flat_with as flat_with,
-    is_jump as is_jump,
     least_flat_energy as least_flat_energy,
-    pop_rows as pop_rows,
 )
 from .posed import independent_rows as independent_rows, pose as pose
 from .poses import MOVES as MOVES, Poses as Poses

@@ -12,6 +12,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import chain
 
 import numpy as np
 
@@ -20,6 +21,7 @@ from origami_nlp.numerics import (
     DUPLICATE_TOL,
     INPUT_TOL,
     NOISE,
+    cross,
     groups,
     unit_normals,
 )
@@ -39,16 +41,15 @@ def angle_sums(pattern: Pattern) -> dict[int, float]:
     dict
         A sum a vertex.
     """
-    inside = {loop.vertex: 0.0 for loop in pattern.vertices}
-    for polygon in pattern.spread.polygons:
-        x = pattern.spread.corners[list(polygon)]
-        normal = unit_normals(x)
-        for i, v in enumerate(polygon):
-            if v in inside:
-                a, b = x[(i + 1) % len(x)] - x[i], x[i - 1] - x[i]
-                angle = math.atan2(float(normal @ np.cross(a, b)), float(a @ b))
-                inside[v] += angle % (2 * math.pi)
-    return inside
+    spread = pattern.spread
+    sums = np.zeros(len(spread.corners))
+    for size in {len(polygon) for polygon in spread.polygons}:
+        at = np.array([polygon for polygon in spread.polygons if len(polygon) == size])
+        x = spread.corners[at]
+        a, b = np.roll(x, -1, axis=1) - x, np.roll(x, 1, axis=1) - x
+        up = (unit_normals(x)[:, None] * cross(a, b)).sum(axis=-1)
+        np.add.at(sums, at, np.arctan2(up, (a * b).sum(axis=-1)) % (2 * math.pi))
+    return {loop.vertex: float(sums[loop.vertex]) for loop in pattern.vertices}
 
 
 JUMPS = 1e-3
@@ -127,6 +128,29 @@ class PopSigns:
         """
         return "".join(self._sign(phi[list(creases)]) for creases in self.around)
 
+    @cached_property
+    def _round(self) -> tuple[np.ndarray, np.ndarray]:
+        """Creases round `vertices`, one vertex after the other, and where each begins."""
+        many = np.array([len(creases) for creases in self.around], dtype=int)
+        return np.array([*chain(*self.around)], dtype=int), np.cumsum(many) - many
+
+    def sums(self, states: np.ndarray) -> np.ndarray:
+        """Return the sum of the fold angles round each of `vertices` [rad], [..., v], of states [..., n]."""
+        creases, first = self._round
+        return np.add.reduceat(states[..., creases], first, axis=-1)
+
+    def flat(self, phi: np.ndarray) -> np.ndarray:
+        """Return which of `vertices` are exactly flat in a state [n], of bool [v]."""
+        creases, first = self._round
+        return ~np.logical_or.reduceat(phi[creases] != 0, first)
+
+    def is_jump(self, before: np.ndarray, after: np.ndarray) -> bool:
+        """Return whether a step between two states [n] takes a vertex past its flat state, by more than `JUMPS`."""
+        creases, first = self._round
+        passed = self.sums(before) * self.sums(after) < 0
+        far = np.maximum.reduceat(np.abs(after - before)[creases], first) > JUMPS
+        return bool((passed & far).any())
+
     def crossed(self, states: np.ndarray) -> tuple[tuple[int, int], ...]:
         """Return where a path takes a vertex from one side to the other though it is not flat between: facets cross.
 
@@ -142,7 +166,7 @@ class PopSigns:
         tuple of tuple
             Vertex, and number of the state after which it happens (from 0).
         """
-        sums, found = states @ self.rows.T, []
+        sums, found = self.sums(states), []
         for step, v in np.argwhere(sums[:-1] * sums[1:] < 0).tolist():
             a, b = (states[k][list(self.around[v])] for k in (step, step + 1))
             share = sums[step, v] / (sums[step, v] - sums[step + 1, v])
@@ -191,12 +215,13 @@ def flat_with(
     >>> bool(flat_with(sheet, sheet.vertices[0].vertex).all())
     True
     """
+    rings = {at.vertex: at for at in pattern.vertices}
     flat = np.zeros(pattern.creases, bool)
-    flat[list(next(at.creases for at in pattern.vertices if at.vertex == vertex))] = True
+    flat[list(rings[vertex].creases)] = True
     if not pattern.is_flat:
         return flat
     memo, before = {} if memo is None else memo, -1
-    rings = {at.vertex: at for at in pattern.vertices}
+    up = unit_normals(pattern.corners[list(pattern.polygons[0])])
     if () not in memo:
         sums = angle_sums(pattern)
         memo[()] = [at for at in rings if abs(sums[at] - 2 * math.pi) <= INPUT_TOL]
@@ -206,19 +231,21 @@ def flat_with(
         for at in memo[()]:
             folds = at, *(k for k in rings[at].creases if not flat[k])
             if folds not in memo:
-                memo[folds] = _flat_round(pattern, rings[at], [*folds[1:]])
+                memo[folds] = _flat_round(pattern, rings[at], [*folds[1:]], up)
             flat[memo[folds]] = True
     return flat
 
 
-def _flat_round(pattern: Pattern, loop: Loop, folds: list[int]) -> list[int]:
-    """Return which creases round a vertex are flat, as all but some are: in a flat sheet, with 360 degrees of paper."""
+def _flat_round(pattern: Pattern, loop: Loop, folds: list[int], up: np.ndarray) -> list[int]:
+    """Return which creases round a vertex are flat, as all but some are: in a flat sheet, with 360 degrees of paper.
+
+    Its normal is `up`.
+    """
     # counter-clockwise, creases that run out of the vertex are crossed from their right to their left
     some = zip(loop.creases, loop.signs, strict=True)
     signs = np.array([float(s) for k, s in some if k in folds])
     away = signs[:, None] * pattern.directions[folds]
-    normal = unit_normals(pattern.corners[list(pattern.polygons[0])])
-    turns = np.arctan2(np.cross(away[0], away) @ normal, away @ away[0]) if folds else np.zeros(0)
+    turns = np.arctan2(cross(away[0], away) @ up, away @ away[0]) if folds else np.zeros(0)
     order = np.argsort(turns % (2 * math.pi), kind="stable")
     gaps = np.diff(turns[order] % (2 * math.pi), append=2 * math.pi)
     straight = [
@@ -251,33 +278,3 @@ def least_flat_energy(pattern: Pattern, flat: np.ndarray) -> float:
 
 def _pops(angle_sum: float) -> bool:
     return angle_sum <= 2 * math.pi + INPUT_TOL
-
-
-def pop_rows(pattern: Pattern) -> np.ndarray:
-    """Return rows that sum the fold angles round each vertex that can pop through its flat state only.
-
-    Parameters
-    ----------
-    pattern
-        The pattern.
-
-    Returns
-    -------
-    numpy.ndarray
-        Of 0 and 1, [v, n]; vertices with an angle sum beyond 360 degrees have none.
-
-    Examples
-    --------
-    >>> import origami_nlp as o
-    >>> from origami_nlp.pattern_problem import pop_rows
-    >>> pop_rows(o.examples.pattern("miura", 2, 2)).tolist()
-    [[1.0, 1.0, 1.0, 1.0]]
-    """
-    return PopSigns(pattern).rows
-
-
-def is_jump(rows: np.ndarray, before: np.ndarray, after: np.ndarray) -> bool:
-    """Return whether a step from one state to another [n] takes a vertex past its flat state, by more than `JUMPS`."""
-    passed = (rows @ before) * (rows @ after) < 0
-    far = (rows * np.abs(after - before)).max(axis=1, initial=0.0) > JUMPS
-    return bool((passed & far).any())

@@ -9,7 +9,7 @@ import numpy as np
 
 from origami_nlp.kkt import KNOWN, STOPPED, follow
 from origami_nlp.numerics import CLOSURE_TOL
-from origami_nlp.pattern_problem import MOST_DENSE, PatternProblem, is_jump, pop_rows
+from origami_nlp.pattern_problem import MOST_DENSE, PatternProblem, PopSigns
 from origami_nlp.pattern_states.clearance import Stretches
 from origami_nlp.pattern_states.descent import TRUST, Descended
 
@@ -54,7 +54,7 @@ def contact_descent(
     if problem.size > MOST_DENSE:
         many = f"the pattern has {problem.size:,} creases, contact is solved up to {MOST_DENSE}"
         return Descended(phi, False, 0, many)
-    pops = pop_rows(problem.pattern)
+    pops = PopSigns(problem.pattern)
 
     def crowded(x: np.ndarray) -> bool:
         facing = problem.features.facing(problem.placed(x), REACH)
@@ -68,7 +68,7 @@ def contact_descent(
             longest=TRUST,
             most_steps=MOST_STEPS,
             until=crowded if math.comb(problem.pattern.facets, 2) > MOST_PAIRS else None,
-            leads=(lambda x, y: not is_jump(pops, x, y)) if keep else None,
+            leads=(lambda x, y: not pops.is_jump(x, y)) if keep else None,
             known=known,
         )
     except np.linalg.LinAlgError:  # a ValueError as well

@@ -107,9 +107,13 @@ def list_flat_vertices(
     terrain = PatternTerrain(problem, np.zeros((0, pattern.creases)), True, {}, {}, 0)
     found: dict[bytes, FlatVertex] = {}
     out, memo = [], dict[tuple[int, ...], list[int]]()
-    for vertex in PopSigns(pattern).vertices:
-        late = time.monotonic() > until
-        flat = _round(pattern, vertex) if late else flat_with(pattern, vertex, memo)
+    signs = PopSigns(pattern)
+    for vertex, creases in zip(signs.vertices, signs.around, strict=True):
+        if time.monotonic() <= until:
+            flat = flat_with(pattern, vertex, memo)
+        else:  # those round it, and perhaps others
+            flat = np.zeros(pattern.creases, bool)
+            flat[list(creases)] = True
         known = found.get(flat.tobytes())
         if known is None:
             left = min(SECONDS, until - time.monotonic())
@@ -127,12 +131,6 @@ def list_flat_vertices(
     return tuple(out)
 
 
-def _round(pattern: Pattern, vertex: int) -> np.ndarray:
-    """Return the creases round a vertex, of bool [n]: flat where it is, and perhaps others."""
-    at = next(at for at in pattern.vertices if at.vertex == vertex)
-    return np.isin(np.arange(pattern.creases), at.creases)
-
-
 def _states(pattern: Pattern, flat: np.ndarray, seconds: float) -> np.ndarray:
     """Return stable states of a flat sheet with some creases flat, [S, n]."""
     if flat.all():
@@ -143,7 +141,8 @@ def _states(pattern: Pattern, flat: np.ndarray, seconds: float) -> np.ndarray:
         _joined(pattern, flat), starts=STARTS, escape=False, seconds=seconds, prove=False
     )
     states = np.zeros((len(found.minima), len(flat)))
-    states[:, ~flat] = np.array([m.phi for m in found.minima]).reshape(len(found.minima), -1)
+    for row, m in zip(states, found.minima, strict=True):
+        row[~flat] = m.phi
     return states
 
 
@@ -192,7 +191,7 @@ def ways_down(
     """
     terrain = PatternTerrain(problem, minima, True, {}, {}, 0)
     signs = PopSigns(problem.pattern)
-    sides = np.sign(minima @ signs.rows.T)
+    sides = np.sign(signs.sums(minima))
     tops: list[
         tuple[np.ndarray, list[int]]
     ] = []  # each once, with the vertices that are flat there
@@ -210,7 +209,7 @@ def ways_down(
         if any(np.abs(top - x).max() <= NEAR_SINGULAR_TOL for x in gone):
             continue
         gone += [top, *(image(symmetry, top) for symmetry in symmetries)]
-        here = np.sign(signs.rows @ top)
+        here = np.sign(signs.sums(top))
         here[vertices] = 0.0
         others = ((sides != here) & (here != 0)).sum(axis=1)
         far = others * 10 * math.pi + np.linalg.norm(minima - top, axis=1)

@@ -10,7 +10,7 @@ import numpy as np
 
 from origami_nlp.kkt import FARTHEST, GOES, Terrain, energy_scale, over_flat
 from origami_nlp.numerics import CLOSURE_TOL, NEAR_SINGULAR_TOL, OUTSIDE, coarse
-from origami_nlp.pattern_problem import PatternProblem, is_jump, pop_rows
+from origami_nlp.pattern_problem import PatternProblem, PopSigns
 from origami_nlp.pattern_states.contact_descents import contact_descent
 from origami_nlp.pattern_states.descent import Descended, descend
 
@@ -45,7 +45,7 @@ class PatternTerrain(Terrain):
         super().__init__(pattern_problem, minima, energy_scale(pattern_problem.pattern.stiffness))
         self._around, self._left, self._half = around, most, most / 2
         self.pattern_problem, self.contact, self._leaving = pattern_problem, contact, leaving
-        self._pops = pop_rows(pattern_problem.pattern)
+        self._pops = PopSigns(pattern_problem.pattern)
         self._landed: dict[bytes, np.ndarray] = {}
         self._gone: dict[bytes, Descended | None] = {}
 
@@ -71,7 +71,7 @@ class PatternTerrain(Terrain):
         x = limits.clip(x)
         if not self.is_admissible(x):
             return None
-        return None if self.contact and not jumps and is_jump(self._pops, a, x) else x
+        return None if self.contact and not jumps and self._pops.is_jump(a, x) else x
 
     def beside(self, a: np.ndarray, start: np.ndarray) -> np.ndarray | None:
         """Close a start beside a state [n], on either side of vertices; None where that is no admissible state."""
@@ -86,7 +86,7 @@ class PatternTerrain(Terrain):
             start = a + share * (b - a)
             x = self._step(a, start, at_limit | flat)
             x = self._step(a, start) if x is None else x
-            if x is None or (self.contact and is_jump(self._pops, x, b)):
+            if x is None or (self.contact and self._pops.is_jump(x, b)):
                 return None
             if np.abs(x - start).max() > np.abs(b - a).max() + CLOSURE_TOL:
                 return None
@@ -152,10 +152,8 @@ class PatternTerrain(Terrain):
     def passes(self, a: np.ndarray, b: np.ndarray) -> list[np.ndarray]:
         """States of least energy with a vertex flat that pops between two states: motions of paper pass it there."""
         found = []
-        for row in self._pops:
-            if (row @ a) * (row @ b) >= 0:
-                continue
-            kept = row > 0
+        for v in np.flatnonzero(self._pops.sums(a) * self._pops.sums(b) < 0):
+            kept = np.isin(np.arange(len(a)), self._pops.around[v])
             if (x := self._lowest_flat((a + b) / 2, kept)) is not None:
                 found.append(x)
         return found
@@ -215,7 +213,7 @@ class PatternTerrain(Terrain):
             return path
         tops = np.argsort(self.rise(k, path), kind="stable")[-1:]
         some = np.linspace(0, len(path) - 1, LANDED).round().astype(int)
-        flat = [i for i, x in enumerate(path) if any(not x[row > 0].any() for row in self._pops)]
+        flat = [i for i, x in enumerate(path) if self._pops.flat(x).any()]
         return path[np.unique(np.r_[some, tops, flat].astype(int))]
 
     def _lowest_flat(self, x: np.ndarray, kept: np.ndarray) -> np.ndarray | None:

@@ -2,6 +2,7 @@
 
 import itertools
 import math
+import time
 
 import numpy as np
 import pytest
@@ -14,6 +15,7 @@ from origami_nlp.barriers.traced import pattern_passes
 from origami_nlp.errors import OptionError
 from origami_nlp.pattern import as_pattern
 from origami_nlp.pattern_problem import PatternProblem, PopSigns, flat_with, least_flat_energy
+from origami_nlp.pattern_states import list_flat_vertices
 from tests.command_line import run
 
 
@@ -177,3 +179,16 @@ def test_traced_passes_are_not_below_bounds_in_closed_form():
                 exact += p.energy <= max(least) * (1 + 1e-9)
                 assert p.energy >= max(least) * (1 - 1e-9)
     assert exact > 0.5 * pairs
+
+
+@pytest.mark.parametrize("seconds", np.geomspace(3e-3, 0.3, 8).round(4))
+def test_searches_that_end_before_the_first_state(seconds):
+    """With a vertex flat, on a sheet where other creases still fold: nothing is listed, the bounds stand."""
+    pattern = as_pattern("miura:4x4")
+    for known, whole in zip(
+        list_flat_vertices(pattern, until=time.monotonic() + seconds),
+        list_flat_vertices(pattern, search=False),
+        strict=True,
+    ):
+        assert not known.flat.all() and known.least <= whole.least
+        assert known.states.shape[1] == pattern.creases

@@ -20,7 +20,7 @@ from origami_nlp.pattern_problem import (
     FoldedGeometry,
     Parallel,
     PatternProblem,
-    pop_rows,
+    PopSigns,
 )
 from origami_nlp.pattern_states import find_states
 from origami_nlp.starts import Popped
@@ -171,7 +171,7 @@ def test_a_minimum_on_the_other_side_of_a_vertex(labels):
     found = find_states(pattern, starts=starts, seed=labels or 0, escape=False)
     energies = [round(s.energy, 3) for s in found.minima]
     assert {4.372, 4.450, 24.599, 32.343} <= set(energies)
-    signs = [tuple(np.sign(pop_rows(found.pattern) @ s.phi)) for s in found.minima]
+    signs = [tuple(np.sign(PopSigns(found.pattern).sums(s.phi))) for s in found.minima]
     assert len(set(signs)) == 4
     assert found.search.by_source[Popped.name] > 0
     assert any(Popped.name in words for words in found.search.words())

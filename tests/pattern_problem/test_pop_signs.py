@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import origami_nlp as o
-from origami_nlp.pattern_problem import PopSigns, is_jump
+from origami_nlp.pattern_problem import PopSigns
 from origami_nlp.pattern_states import find_states
 from tests.patterns import make_pattern
 from tests.relabelled import relabelled
@@ -36,7 +36,7 @@ def test_a_vertex_that_is_flat():
     phi[around[0]] = 1.0, -1.0, 0.5, -0.5
     assert signs.of(phi)[0] == "?"
     phi[around[0]] = 1.0, -1.0, 0.5, -0.5 + 1e-6
-    assert signs.of(phi)[0] == "+" and is_jump(signs.rows, phi, -phi)
+    assert signs.of(phi)[0] == "+" and signs.is_jump(phi, -phi)
 
 
 def test_where_signs_say_nothing():
