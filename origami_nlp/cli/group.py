@@ -13,6 +13,7 @@ from typer.core import TyperCommand, TyperGroup
 
 from origami_nlp.cli.interruption import interruptible
 from origami_nlp.errors import OptionError
+from origami_nlp.io import is_number
 
 WITHOUT_VALUE = "asked"
 """What an option whose value may be left out gets then."""
@@ -77,9 +78,7 @@ def _one_line(args: list[str]) -> Iterator[None]:
             for arg, following in zip(args, [*args[1:], ""], strict=True):
                 name, has, value = arg.partition("=")
                 value = value if has else following
-                if name == option and not (
-                    _is_number(value) and (must != WHOLE or value.isdigit())
-                ):
+                if name == option and not (is_number(value) and (must != WHOLE or value.isdigit())):
                     raise OptionError(f"{option} = {value!r} must be {must}") from None
         where = f"; {ctx.command_path} --help lists what there is" if ctx else ""
         raise OptionError(f"{said[:1].lower()}{said[1:]}{where}") from None
@@ -97,7 +96,7 @@ class _Command(_Helped, TyperCommand):
         filled = []
         for arg, following in zip(args, [*args, ""][1:], strict=True):
             filled.append(arg)
-            if arg in MAY_LACK_VALUE and not _is_number(following):
+            if arg in MAY_LACK_VALUE and not is_number(following):
                 filled.append(WITHOUT_VALUE)
         given = {arg.partition("=")[0] for arg in args}
         own = {p.name for p in self.params}
@@ -179,14 +178,6 @@ def _tell_files(options: list[str]) -> None:
         one = len(options) == 1
         words = "writes this to a file" if one else "write this to files"
         screen.print(f"{', '.join(options)} {words}", style="dim", highlight=False)
-
-
-def _is_number(text: str) -> bool:
-    try:
-        float(text)
-    except ValueError:
-        return False
-    return True
 
 
 class _Listed(_Helped, TyperGroup):

@@ -266,7 +266,7 @@ class ConvexDesign:
         if not all(balance.regular for _, balance, _ in self.balances):
             return False
         a = self.answer
-        if not a.infeasible and not a.solved:
+        if self.feasible or not (a.infeasible or a.solved):
             return False
         # for every point 0 <= y . (A v + b): t <= y . b + (c + A' y) . v, where c = 0 if there is to be no point
         aim = np.zeros_like(self.aim) if a.infeasible else self.aim
@@ -288,15 +288,34 @@ class ConvexDesign:
         out[places.margin] = LARGEST_MARGIN
         for _, balance, where in self.balances:
             torque = (np.abs(balance.stratum.state.x).max() * n + wound) * math.sqrt(n)
-            if balance.lost.shape[1]:  # one w, with H - w C >= 0 and C of both signs
-                lam = np.linalg.norm(balance.to_closure, 2) * torque
-                bent = n + lam * sum(np.linalg.norm(c, 2) for c in balance.curvatures)
-                values = balance.lost_modes[0]
-                out[where] = ROOM * bent / min(values[-1], -values[0])
-            elif balance.free:
-                along = balance.stratum.slopes @ balance.kernel
-                out[where] = ROOM * torque / np.linalg.svd(along, compute_uv=False)[-1]
+            out[where] = reach_of_multipliers(balance, torque, n)
         return out
+
+
+def reach_of_multipliers(balance: Balance, torque: float, slope: float) -> float:
+    """Return how large the multipliers that a balance leaves free can be: 0 where there are none.
+
+    Parameters
+    ----------
+    balance
+        Of a state.
+    torque, slope
+        Largest norms of the torques [N m] and of their slopes [N m/rad] of all creases, in the unit of the problem.
+
+    Returns
+    -------
+    float
+        A bound of each.
+    """
+    if balance.lost.shape[1]:  # one w, with H - w C >= 0 and C of both signs
+        lam = np.linalg.norm(balance.to_closure, 2) * torque
+        bent = slope + lam * sum(np.linalg.norm(c, 2) for c in balance.curvatures)
+        values = balance.lost_modes[0]
+        return float(ROOM * bent / min(values[-1], -values[0]))
+    if balance.free:
+        along = balance.stratum.slopes @ balance.kernel
+        return float(ROOM * torque / np.linalg.svd(along, compute_uv=False)[-1])
+    return 0.0
 
 
 def _row(size: int, *entries: tuple[int | slice, Any]) -> np.ndarray:

@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from origami_nlp.errors import OptionError
-from origami_nlp.inverse_design.convex import LARGEST_MARGIN, ROOM, ConvexDesign
+from origami_nlp.inverse_design.convex import LARGEST_MARGIN, ConvexDesign, reach_of_multipliers
 from origami_nlp.inverse_design.targets import Targets
 from origami_nlp.io import read_toml
 from origami_nlp.numerics import (
@@ -209,14 +209,7 @@ class LibraryProgram(ConvexDesign):
             torques = np.abs([law.torque(x) for law in places.laws])
             slopes = np.abs([law.slope(x) for law in places.laws])
             torque, slope = (n * math.sqrt(n) * float(v.max()) for v in (torques, slopes))
-            if balance.lost.shape[1]:
-                lam = np.linalg.norm(balance.to_closure, 2) * torque
-                bent = slope + lam * sum(np.linalg.norm(c, 2) for c in balance.curvatures)
-                values = balance.lost_modes[0]
-                out[where] = ROOM * bent / min(values[-1], -values[0])
-            elif balance.free:
-                along = balance.stratum.slopes @ balance.kernel
-                out[where] = ROOM * torque / np.linalg.svd(along, compute_uv=False)[-1]
+            out[where] = reach_of_multipliers(balance, torque, slope)
         return out
 
     def weights(self) -> np.ndarray:

@@ -24,7 +24,7 @@ from .reprs import (
     cut as cut,
     short_repr as short_repr,
 )
-from .text import is_unicode as is_unicode, printable as printable
+from .text import is_number as is_number, is_unicode as is_unicode, printable as printable
 from .writing import (
     check_outputs as check_outputs,
     check_writable as check_writable,

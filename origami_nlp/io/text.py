@@ -65,6 +65,26 @@ def is_unicode(text: str) -> bool:
     return not any(0xD800 <= ord(c) < 0xE000 for c in text)
 
 
+def is_number(text: str) -> bool:
+    """Return whether a text is a number, as Python reads it.
+
+    Parameters
+    ----------
+    text
+        The text.
+
+    Returns
+    -------
+    bool
+        Whether it is.
+    """
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True
+
+
 INDENT = 4
 """Columns by which the rest of a line stands in from its beginning."""
 _LABEL = re.compile(r" *\S+ {2,}")

@@ -12,7 +12,7 @@ import numpy as np
 
 from origami_nlp.arguments import shown
 from origami_nlp.errors import SceneFileError
-from origami_nlp.io import ShortRepr, as_text, read_limited
+from origami_nlp.io import ShortRepr, as_text, is_number, read_limited
 from origami_nlp.numerics import INPUT_TOL
 from origami_nlp.pattern.hinge_types import FEWEST_ROWS
 
@@ -162,7 +162,7 @@ def read_hinge_data(source: str | PathLike[str]) -> HingeData:
         cells = _cells(line.partition("#")[0])
         if not cells:
             continue
-        if first and not _is_number(cells[0]):
+        if first and not is_number(cells[0]):
             columns, first = [cell.lower() for cell in cells], False
             _check_columns(columns, cells, name)
             continue
@@ -174,7 +174,7 @@ def read_hinge_data(source: str | PathLike[str]) -> HingeData:
                 f"{', '.join(columns)}"
             )
         for cell in cells:
-            if not _is_number(cell):
+            if not is_number(cell):
                 raise SceneFileError(
                     f"hinge data {name!r}, line {number}: {shown(cell)} is not a number (decimal point, no unit)"
                 )
@@ -211,11 +211,3 @@ def _cells(line: str) -> list[str]:
         if separator in line:
             return [cell.strip().strip('"') for cell in line.split(separator)]
     return line.split()
-
-
-def _is_number(text: str) -> bool:
-    try:
-        float(text)
-    except ValueError:
-        return False
-    return True

@@ -7,19 +7,15 @@ that all of these agree on, and one search serves all vertices that are one unde
 from __future__ import annotations
 
 import itertools
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from origami_nlp.numerics import DUPLICATE_TOL
-from origami_nlp.pattern.hinges_stated import Laws, same_laws
+from origami_nlp.pattern.hinges_stated import Laws, law_probes, same_laws, seen_laws
 from origami_nlp.pattern.scene import Scene
 from origami_nlp.pattern.vertex import Vertex
-
-LAW_SAMPLES = 25
-"""Torques by which laws are put in order."""
 
 
 @dataclass(frozen=True)
@@ -75,8 +71,7 @@ class Relabelling:
 
     def laws(self, scene: Scene, share: float = 1.0) -> Laws:
         """Hinge laws of the creases under the new labels, `share` times their torques."""
-        made = {law: (law.turned() if self.over else law).times(share) for law in scene.laws if law}
-        return tuple(made[law] if (law := scene.laws[i]) else None for i in self.creases if made)
+        return seen_laws(tuple(scene.laws[i] for i in self.creases if scene.laws), self.over, share)
 
     def relabelled(self, scene: Scene) -> Scene:
         """Return a scene without symmetry under the new labels, its mean stiffness 1."""
@@ -125,14 +120,12 @@ def canonical_labels(scene: Scene) -> Relabelling:
     k = np.array(scene.stiffness) / mean
     columns = np.stack([scene.vertex.sector_angles, k, _angles(scene)[1]])
     numbers = np.round(columns, 12) + 0.0
-    at = np.linspace(-math.pi, math.pi, LAW_SAMPLES) if scene.laws else np.zeros(0)
-    seen_laws = np.array([law.torque(at) if law else 0 * at for law in scene.laws or [None] * n]).T
-    seen_laws = np.round(seen_laws / np.mean(scene.stiffness), 12) + 0.0
+    probes = {over: np.round(law_probes(scene.laws, over, mean), 12) for over in (False, True)}
 
     def seen(labels: Relabelling) -> list[float]:
         rest = labels.sign * numbers[2, labels.creases] + 0.0
         limits = np.round(labels.limit_angles(scene), 12).ravel() + 0.0 if scene.limits else ()
-        torques = labels.sign * seen_laws[:: labels.sign, labels.creases].ravel() + 0.0
+        torques = probes[labels.over][labels.creases].ravel() + 0.0 if scene.laws else ()
         return [*numbers[0, labels.facets], *numbers[1, labels.creases], *rest, *limits, *torques]
 
     return min(every_label(n), key=seen)
