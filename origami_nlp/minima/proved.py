@@ -105,8 +105,6 @@ def why_not(model: Model) -> str:
         return "dead loads: proofs know springs and torques on creases only"
     if not model.has_limits:
         return "without fold limits fold angles are not bounded by +-pi"
-    if model.scene.laws:
-        return "hinge laws: proofs know linear springs only"
     if not model.scene.vertex.flat:
         return "the paper does not lie flat: proofs are for flat sheets"
     if model.dof <= 0 and model.structure.winding == 1:

@@ -189,8 +189,12 @@ class HingeLaw(ShortRepr):
 
     def least(self, low: float, high: float) -> float:
         """Return the least energy between two angles [rad], [J]."""
+        return float(self.extremes(low, high).min())
+
+    def extremes(self, low: float, high: float) -> np.ndarray:
+        """Return energies [J] between two angles [rad], the least and the largest among them."""
         x = np.concatenate([self._torque.roots(extrapolate=False), self.breaks, [low, high]])
-        return float(self.energy(x[np.isfinite(x) & (x >= low) & (x <= high)]).min())
+        return self.energy(x[np.isfinite(x) & (x >= low) & (x <= high)])
 
     @cached_property
     def monotone(self) -> bool:

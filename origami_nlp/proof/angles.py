@@ -24,6 +24,8 @@ class Angles:
         Bounds of |sin (phi / 2)|, added up, and that or 1, if that is less, [2, K].
     share
         Bound of the sum of twice the angles, or 1, [K].
+    torque
+        Of hinge laws: centre, slope and error, [3, n, K]; None for linear springs, whose torques are sums and products.
     """
 
     middle: np.ndarray
@@ -32,6 +34,7 @@ class Angles:
     halves: Turn
     sines: np.ndarray
     share: np.ndarray
+    torque: np.ndarray | None = None
 
     @classmethod
     def over(cls, lower: np.ndarray, upper: np.ndarray, pins: np.ndarray) -> Angles:

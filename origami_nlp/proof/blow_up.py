@@ -33,6 +33,9 @@ none.
 No common zero on |u|_inf = 1 for 0 < r <= r0 means no other critical point within r0 of x*, on a stratum and its
 limits.  A crease that is closed at x* and free on the stratum can only open: its u_i has one sign.
 
+*Hinge laws.*  G_i = G*_i + r k_i u_i +- r^2 w_i, k_i the slope of the torque at x*, w_i by how it changes within r0
+(`LawTorques.linear_about`): of order r^2 in the column of G, of order r where that is divided by r.
+
 *Rounding.*  Coefficients are computed in doubles, to `CLOSURE_TOL`.
 """
 
@@ -49,6 +52,7 @@ import numpy as np
 from origami_nlp.numerics import CLOSURE_TOL, DUPLICATE_TOL, EPS, RANK
 from origami_nlp.problem import Kinematics, Model
 from origami_nlp.proof.forms import Forms
+from origami_nlp.proof.law_torques import torques_of
 
 SLACK = 64 * EPS
 """Torques over the stiffness [rad] that differ by less are meant to be equal: rounding of pi and of rest angles."""
@@ -116,11 +120,25 @@ class Site:
         self.hessian = np.einsum("ab,aij->bij", left, hessian)
         self.order = 1 if lines else 2
         self.lever = 1.0 if model.structure.kind == "D" and model.structure.turn > 1 else 0.5
-        torque, stiffness = model.parameters.torque(point), model.parameters.stiffness
+        stiffness = model.parameters.stiffness
+        self.laws = torques_of(model, model.multiplicity, 1.0)
+        if self.laws is None:
+            torque, slope = model.parameters.torque(point), stiffness
+        else:
+            torque, slope, _, known = self.laws.linear_about(point, 0.0)
+            stiffness = np.maximum(stiffness, known / SLACK)
         largest = float(np.abs(torque).max())
         self.scale = largest if largest > SLACK * stiffness.max() else float(stiffness.max())
         self.torque, self.stiffness = torque / self.scale, stiffness / self.scale
+        self.slope = slope / self.scale
         self.minors = list(self._minors(seen))
+
+    def bow(self, radius: float) -> np.ndarray:
+        """By how much torques miss being linear within a radius, over its square, [n]; 0 of linear springs."""
+        if self.laws is None:
+            return np.zeros(len(self.point))
+        _, _, miss, known = self.laws.linear_about(self.point, radius)
+        return (miss - known) / radius**2 / self.scale
 
     def _in_one_plane(self, seen: list[int]) -> bool:
         """Return whether the axes of the free creases lie in one plane, or on one line, by what the state is.
@@ -173,6 +191,7 @@ class Site:
             yield _Minor(
                 rows,
                 self.torque[rows],
+                self.slope[rows],
                 self.stiffness[rows],
                 self.jacobian[:rank, rows].T,
                 self.hessian[:, rows],
@@ -186,7 +205,7 @@ class Site:
         rows += [
             (minor.row(self, radius), free[:, minor.creases].all(axis=1)) for minor in self.minors
         ]
-        rows += list(self._twins(free))
+        rows += list(self._twins(free, radius))
         holds = np.array([which for _, which in rows]).T
         loose = np.asarray(holds[:, [row.loose for row, _ in rows]].any(axis=1))
         turns = np.where(
@@ -215,19 +234,23 @@ class Site:
                 error = s**4 / 12 if even else s**3 / 3
                 yield _Row(n, quadratic=h, base=CLOSURE_TOL * n * n, error=error)
 
-    def _balance(self, i: int, t: float, k: int) -> _Row:
+    def _balance(self, i: int, t: float, k: int, radius: float) -> _Row:
         """G_i - t G_k = 0 for all states of a stratum."""
         n, ki, kk = len(self.point), self.stiffness[i], t * self.stiffness[k]
         slope = np.zeros(n)
-        slope[k], slope[i] = -kk, ki
+        slope[k], slope[i] = -t * self.slope[k], self.slope[i]
+        bow = self.bow(radius)
+        off = float(bow[i] + abs(t) * bow[k])  # times r^2
         # 0 at x* but for rounding: then the row holds divided by r, and for r >= DUPLICATE_TOL only
         miss = self.torque[i] - t * self.torque[k]
         rounding = SLACK * (ki + abs(kk))
         if abs(miss) <= rounding:
-            return _Row(n, linear=slope, base=2 * rounding / DUPLICATE_TOL, loose=True)
-        return _Row(n, constant=miss, tilt_linear=slope, base=rounding)
+            base = 2 * rounding / DUPLICATE_TOL + off * radius
+            return _Row(n, linear=slope, base=base, loose=True)
+        error = off * radius ** (2 - self.order)
+        return _Row(n, constant=miss, tilt_linear=slope, base=rounding, error=error)
 
-    def _twins(self, free: np.ndarray) -> Iterator[tuple[_Row, np.ndarray]]:
+    def _twins(self, free: np.ndarray, radius: float) -> Iterator[tuple[_Row, np.ndarray]]:
         """Rows of creases on one line that only closed ones part, and where they hold."""
         s = self.model.structure
         for a, b in itertools.combinations(range(len(self.point)), 2):
@@ -236,7 +259,7 @@ class Site:
                 at_limit = ~free[:, a + 1 : b].any(axis=1)
                 if s.kind == "C" and s.turn == 1:
                     at_limit |= ~(free[:, :a].any(axis=1) | free[:, b + 1 :].any(axis=1))
-                yield self._balance(a, t, b), at_limit & free[:, a] & free[:, b]
+                yield self._balance(a, t, b, radius), at_limit & free[:, a] & free[:, b]
 
 
 class _Row:
@@ -273,8 +296,8 @@ class _Minor:
     ----------
     creases
         The set S.
-    torque, stiffness
-        G*, k, shape [m + 1].
+    torque, slope, stiffness
+        G*, k, and what rounding of G* is a share of, shape [m + 1].
     planar
         J, shape [m + 1, rank].
     bends
@@ -285,6 +308,7 @@ class _Minor:
 
     creases: list[int]
     torque: np.ndarray
+    slope: np.ndarray
     stiffness: np.ndarray
     planar: np.ndarray
     bends: np.ndarray
@@ -305,8 +329,10 @@ class _Minor:
             d = sign * float(np.linalg.det(np.delete(self.planar, (a, b), axis=0)) if rank else 1.0)
             # det [G | J | H u] with G = G* + r K u: G* makes the part linear in u, K u the next one
             linear += d * self.torque[a] * h[b]
-            quadratic[self.creases[a]] += d * self.stiffness[a] * h[b]
+            quadratic[self.creases[a]] += d * self.slope[a] * h[b]
         root, stiff = math.sqrt(count), float(np.linalg.norm(self.stiffness))
+        slope = float(np.linalg.norm(self.slope))
+        bow = float(np.linalg.norm(site.bow(radius)[self.creases]))
         planar = np.linalg.norm(self.planar, axis=0)
         bend = float(np.linalg.norm(np.abs(h).sum(axis=1)))
         lever = site.lever * root
@@ -315,12 +341,14 @@ class _Minor:
         more_planar = lever * (s * s * radius**2 / 2 if even else s * radius)
         more_bend = lever * (s**3 * radius**2 / 6 if even else s * s * radius / 2)
         rests = np.abs(self.torque).max() <= SLACK * self.stiffness.max()
-        g = stiff if rests else float(np.linalg.norm(self.torque)) + stiff * radius
+        g = slope if rests else float(np.linalg.norm(self.torque)) + slope * radius
         sizes = np.array([g, *planar, bend])
-        more = np.array([0.0, *([more_planar] * rank), more_bend])
+        # where torques rest at x* their column is divided by r: what laws add to it is of order r only, and goes to
+        # the base
+        more = np.array([0.0 if rests else bow * radius**2, *([more_planar] * rank), more_bend])
         wrong = np.array([SLACK * stiff, *([CLOSURE_TOL * root] * rank), CLOSURE_TOL * root * n])
         if rests:
-            wrong[0] = 2 * SLACK * stiff / DUPLICATE_TOL
+            wrong[0] = 2 * SLACK * stiff / DUPLICATE_TOL + bow * radius
         error = float(np.prod(sizes + more) - np.prod(sizes)) / radius**site.order
         base = float(np.prod(sizes + more + wrong) - np.prod(sizes + more))
         base += 128 * EPS * float(np.prod(sizes + more))
@@ -340,10 +368,16 @@ class _Minor:
         # det [G* | J], and its change along u by cofactors (Jacobi): sum_ic cof_ic dA_ic
         constant = float(cofactors[:, 0] @ self.torque)
         slope = np.einsum("ic,cij->j", cofactors[:, 1:], self.bends)
-        slope[self.creases] += cofactors[:, 0] * self.stiffness
+        slope[self.creases] += cofactors[:, 0] * self.slope
         root, stiff = math.sqrt(count), float(np.linalg.norm(self.stiffness))
-        first = np.array([stiff, *np.linalg.norm(np.abs(self.bends).sum(axis=2), axis=1)])
-        second = np.array([0.0, *([site.lever * s * s / 2 * root] * (count - 1))])
+        bow = float(np.linalg.norm(site.bow(radius)[self.creases]))
+        first = np.array(
+            [
+                float(np.linalg.norm(self.slope)),
+                *np.linalg.norm(np.abs(self.bends).sum(axis=2), axis=1),
+            ]
+        )
+        second = np.array([bow, *([site.lever * s * s / 2 * root] * (count - 1))])
         sizes = np.linalg.norm(whole, axis=0)
         wrong = CLOSURE_TOL * root * np.array([stiff, *([1.0] * (count - 1))])
         most = float(np.prod(sizes + radius * first + radius**2 * second + wrong))

@@ -305,6 +305,13 @@ def _exact(scene: Scene) -> dict[str, tuple[str, ...]]:
     }
     if scene.limits:
         numbers["limits"] = tuple(float(a) for a in scene.limit_angles.T.ravel())
+    for i, law in enumerate(scene.laws, start=1):
+        if law is not None:
+            numbers[f"laws[{i}]"] = tuple(
+                float(v) for v in (*law.breaks, *sum(law.coefficients, ()))
+            )
+    if scene.laws and scene.preload:
+        numbers["preload"] = scene.preload
     return {name: tuple(v.hex() for v in values) for name, values in numbers.items()}
 
 

@@ -21,7 +21,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, Protocol
 
@@ -47,6 +47,7 @@ from origami_nlp.proof.collinear_creases import (
     collinear_rows,
     twins_asked,
 )
+from origami_nlp.proof.law_torques import LawTorques
 from origami_nlp.proof.straight_line import straight_line
 
 SECTORS = 2
@@ -76,6 +77,7 @@ class Enclosed:
     """Rows that are computed of angles by sums and products alone: by NumPy, or compiled (`straight_line`)."""
 
     size: int
+    laws: LawTorques | None = None
 
     def enclosed(self, angles: Angles) -> tuple[Affine, Affine]:
         """Enclose closure, and minors and twins, over boxes."""
@@ -104,15 +106,18 @@ class Enclosed:
         VanishingRows
         """
         angles = Angles.over(lower, upper, pins)
+        if self.laws is not None:
+            angles = replace(angles, torque=self.laws.over(angles.middle, angles.half))
         closure, critical = (self._program or self.enclosed)(angles)
         return VanishingRows(closure, critical, self.asked(pins, folded_flat(lower, pins)))
 
 
 class Sprung(Protocol):
-    """Springs and twins of a piece."""
+    """Springs, laws and twins of a piece."""
 
     stiffness: np.ndarray
     rest: np.ndarray
+    laws: LawTorques | None
     twin_rule: tuple[CollinearPair, ...]
 
 
@@ -129,6 +134,8 @@ class VertexForms(Enclosed):
         Shape [N] [rad].
     whole
         What the sectors add up to [rad]: less where every period of a symmetric state closes by itself.
+    laws
+        Of hinges that are no linear springs, over the largest stiffness.
     """
 
     linear = slice(1, 4)
@@ -141,8 +148,10 @@ class VertexForms(Enclosed):
         stiffness: np.ndarray,
         rest: np.ndarray,
         whole: float = 2 * math.pi,
+        laws: LawTorques | None = None,
     ) -> None:
         n = self.size = len(sectors)
+        self.laws = laws
         self.stiffness = np.asarray(stiffness, dtype=float)
         self.rest = np.asarray(rest, dtype=float)
         self.sectors = np.asarray(sectors, dtype=float)
@@ -311,7 +320,8 @@ class VertexForms(Enclosed):
         """Enclose det [G_S | C_S] for every four creases, stiffness over its largest: [M, K] in n variables."""
         n, boxes = angles.middle.shape
         t = self.triple_products(angles)
-        k, torque, lean = torques(self, angles)
+        torque, lean, error_of, room = torques(self, angles)
+        steep = lean if error_of is None else np.abs(lean)
         count, kind = len(self.fours), angles.share.dtype
         centre, error, total = (np.zeros((count, boxes), kind) for _ in range(3))
         slopes = np.zeros((count, n, boxes), kind)
@@ -327,18 +337,28 @@ class VertexForms(Enclosed):
             slopes += sign * (g[:, None] * t.slopes[w])
             slopes[rows, i] += sign * r * t.centre[w]
             # cofactor expansion of det [G | C] along G: signs alternate, T_a is the triple product without row a
-            size = np.abs(g) + r
-            error += size * t.error[w] + r * (
+            size = np.abs(g) + steep[i]
+            error += size * t.error[w] + steep[i] * (
                 np.abs(t.slopes[w]).sum(axis=1) - 0.5 * np.abs(own[:, a])
             )
-            total += (size + 8 * k[i]) * magnitude[w]
+            if error_of is not None:
+                error += error_of[i] * magnitude[w]
+            total += (size + room[i]) * magnitude[w]
         return padded(centre, slopes, error, total, n + 16)
 
 
-def torques(piece: Sprung, angles: Angles) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return stiffness over its largest [n, 1], torque at the middle of boxes and its slope, [n, K]."""
+def torques(
+    piece: Sprung, angles: Angles
+) -> tuple[np.ndarray, np.ndarray, np.ndarray | None, np.ndarray]:
+    """Return torques at the middle of boxes, slopes and errors (None: exact) [n, K], and what rounding counts beside.
+
+    Torques are over the largest stiffness.
+    """
+    if angles.torque is not None:
+        centre, lean, error = angles.torque
+        return centre, lean, error, error
     k = (piece.stiffness / piece.stiffness.max())[:, None]
-    return k, k * (angles.middle - piece.rest[:, None]), k * angles.half
+    return k * (angles.middle - piece.rest[:, None]), k * angles.half, None, 8 * k
 
 
 def with_twins_asked(
@@ -354,10 +374,16 @@ def with_twins(piece: Sprung, minors: Affine, angles: Angles) -> Affine:
     rule = piece.twin_rule
     if not rule:
         return minors
-    _, torque, lean = torques(piece, angles)
+    torque, lean, error_of, _ = torques(piece, angles)
     centre, slopes = collinear_rows(rule, torque, lean)
     size = np.full(centre.shape, 2 * 8.0)  # |torque| <= 2 pi k, k <= 1
-    twins = padded(centre, slopes, np.zeros(centre.shape), size, 4)
+    error = np.zeros(centre.shape)
+    if error_of is not None:
+        most = np.abs(torque) + np.abs(lean) + error_of
+        error, size = (
+            np.stack([sum(v[c] for c in twin.creases) for twin in rule]) for v in (error_of, most)
+        )
+    twins = padded(centre, slopes, error, size, 4)
     return concatenated([minors, twins])
 
 

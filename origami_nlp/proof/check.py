@@ -2,10 +2,11 @@
 
 The statement.  A flat vertex within fold limits |x_i| <= pi, or stops before, as it is, or among all states that keep a
 symmetry, however often they wind round its axis (then x are the angles of its piece).  Every local minimum of U = sum
-k_i/2 (x_i - rest_i)^2 among the closed states lies on the stratum of its pinned creases s_i = +-1 (x_i = s_i pi, or its
-stop), where Fritz John's condition holds on the free ones: the piece closes (the whole vertex with q = +1), and all
-minors of m + 1 rows of [G | C] vanish, G_i = k_i (x_i - rest_i), C_i the slopes of the m closure equations; creases
-whose axes coincide all over a stratum have torques that agree up to the same sign.  No regularity is assumed.
+k_i/2 (x_i - rest_i)^2, or of hinge laws, among the closed states lies on the stratum of its pinned creases s_i = +-1
+(x_i = s_i pi, or its stop), where Fritz John's condition holds on the free ones: the piece closes (the whole vertex
+with q = +1), and all minors of m + 1 rows of [G | C] vanish, G_i = k_i (x_i - rest_i), or the torque of a law, C_i the
+slopes of the m closure equations; creases whose axes coincide all over a stratum have torques that agree up to the same
+sign.  No regularity is assumed.
 
 What is checked.  (a) The tree covers all 3^n strata; every box that is dropped, and every part that a contraction
 removes, holds no such state.  (b) Each point claimed exists, is the only one within its radius, and is of the kind
@@ -19,7 +20,8 @@ What is trusted.  This file, `certificate` and `check_*`, which share no code wi
 with its symmetry; python-flint and FLINT (`arb`: midpoint and radius, rounded outwards); Python, and NumPy where it
 suggests numbers that are then tested; the machine.  Sectors stand for all within two units in the last place that close
 flat, symmetrically where a symmetry is kept; sums of sectors that are multiples of pi (or pi/2, across a mirror) to
-within that are such.  Stiffness and rest angles are the doubles of the file.
+within that are such.  Stiffness and rest angles are the doubles of the file; of a hinge law slopes are those of its
+pieces, and the torque goes on from piece to piece (`check_laws`).
 """
 
 from __future__ import annotations

@@ -33,6 +33,7 @@ from origami_nlp.proof.check_forms import (
     minor,
     parts,
 )
+from origami_nlp.proof.check_laws import ExactLaw
 
 ULPS = 2
 """Sectors are any reals within so many units in the last place of the scene's doubles."""
@@ -66,6 +67,8 @@ class BallChain(ABC):
         How many of the rows of `closure`, the first ones, are of second order.
     limits
         Fold limits of each crease; the doubles +-pi stand for +-pi.
+    laws
+        In place of linear springs; None where there is one.
     """
 
     rank, spare = 3, 1
@@ -83,6 +86,7 @@ class BallChain(ABC):
         self.rest = [arb(a) for a in rest_angles]
         self.over, self.weights = tuple(over), tuple(weights)
         self.limits: list[tuple[float, float]] = [(-math.pi, math.pi)] * self.count
+        self.laws: list[ExactLaw | None] = [None] * self.count
         self._half_turns = lru_cache(10_000)(self._half_turns_)
         self._turns = lru_cache(10_000)(self._turns_)
         one = diagonal(3, 1)
@@ -168,10 +172,27 @@ class BallChain(ABC):
         return linear({low | high: u * v for (low, u), (high, v) in pairs})[0]
 
     def torque(self, i: int, box: Box) -> Form:
-        """G_i = k_i (x_i - rest_i) of a free crease over a box."""
+        """G_i = k_i (x_i - rest_i), or its law's torque, of a free crease over a box."""
+        if (law := self.laws[i]) is not None:
+            return law.form(i, *box[i])
         middle, radius = parts(*box[i])
         k = self.stiffness[i]
         return k * (middle - self.rest[i]), {i: k * radius}
+
+    def pull(self, i: int, x: Any) -> Any:
+        """Torque of one crease at a ball of its fold angle."""
+        law = self.laws[i]
+        return self.stiffness[i] * (x - self.rest[i]) if law is None else law.at(x)
+
+    def stiff(self, i: int, x: Any) -> Any:
+        """How its torque changes with the angle, over the ball."""
+        law = self.laws[i]
+        return self.stiffness[i] if law is None else law.slope(x)
+
+    def stored(self, i: int, x: Any) -> Any:
+        """Energy of one crease."""
+        law = self.laws[i]
+        return self.stiffness[i] * (x - self.rest[i]) ** 2 / 2 if law is None else law.energy(x)
 
     def minors(
         self, sets: Iterable[Sequence[int]], box: Box, pins: Sequence[int]

@@ -8,7 +8,7 @@ Q(b, r u) = C + r s b, s = sin(r u/2)/r, J b = (-b_y, b_x), exactly
 
 The axis c = q b q* has in the plane the part P = b (1 - 2 r^2 |omega|^2 - 2 r^4 zeta^2) + 2 r^2 (w zeta J b +
 (omega . b) omega), and r h out of it, h = 2 w (omega x b)_z + 2 r^2 zeta (omega . b).  Closure is omega = 0 and zeta =
-0; for r != 0, det [G | C]_S = 0 is det [G | P | h]_S = 0, G_i = k_i (r u_i - rest_i).  All this is enclosed over r in
+0; for r != 0, det [G | C]_S = 0 is det [G | P | h]_S = 0, G_i the torque at r u_i.  All this is enclosed over r in
 [-r0, r0] and boxes of u; where it has no common zero, nothing else is critical within r0.
 
 The flat state is no minimum where a direction u has sum u_i b_i = 0, Q(u) = zeta(u) = 0 and a torque G . u != 0, and Q
@@ -112,9 +112,9 @@ def rows(sheet: VertexChain, box: Box, r0: Any) -> list[Form]:
             ]
         )
         middle, radius = parts(*box[i])
-        k, u = sheet.stiffness[i], (middle, {i: radius} if radius > 0 else {})
+        u = middle, {i: radius} if radius > 0 else {}
         # r u_i is no linear form of the box: it goes into the ball
-        torques.append((k * (AROUND * r0 - sheet.rest[i]), {}))  # |u_i| <= 1
+        torques.append((sheet.pull(i, AROUND * r0), {}))  # |u_i| <= 1
         s, lifted = scaled(u, slope), scaled(zeta, square)
         w, zeta, across, up = (
             add(scaled(w, even), scaled(times(s, along), square), -1),
@@ -186,9 +186,7 @@ def _falls(
     # the root of c + 2 b t + a t^2 without cancellation: c > 0 > c + 2 b + a
     t = c / (-b + (b * b - a * c).sqrt())
     way = [x + t * (y - x) for x, y in zip(u, v, strict=True)]
-    torque = sum(
-        (-k * r * x for k, r, x in zip(sheet.stiffness, sheet.rest, way, strict=True)), arb(0)
-    )
+    torque = sum((sheet.pull(i, arb(0)) * x for i, x in enumerate(way)), arb(0))
     return bool(abs(torque) > 0)
 
 

@@ -4,7 +4,8 @@ On the stratum of a pin pattern s the unknowns are the free angles x and the mom
 
     k_i (x_i - rest_i) - m . c_i(x) = 0  for each free crease i,     vec q(x) = 0,
 
-with q = prod (cos x_i/2, b_i sin x_i/2), c_i = b_i turned by q_1 .. q_(i-1).  Derivatives: d c_i/d x_j = c_j x c_i
+(a hinge law has its torque for k_i (x_i - rest_i) and its slopes, over a box, for k_i) with
+q = prod (cos x_i/2, b_i sin x_i/2), c_i = b_i turned by q_1 .. q_(i-1).  Derivatives: d c_i/d x_j = c_j x c_i
 for j < i and 0 otherwise; d q/d x_j = (0, c_j) q / 2.
 
 Existence: Krawczyk's operator z0 - Y F(z0) + (1 - Y J(Z)) (Z - z0) maps a box Z into its interior, with q_0 > 0.
@@ -32,6 +33,8 @@ from origami_nlp.proof.check_forms import AROUND
 Balls = list[Any]
 NEWTON, GROWTHS = 30, 8
 """Newton steps at most, and how often the box tried for existence is made four times as large."""
+ROUGHLY = 2.0**-30
+"""Of the largest energy of a hinge law: how well the least one is looked for."""
 TINY = 2.0**-100
 """Least size of a box, and of a Newton step that matters."""
 
@@ -80,7 +83,6 @@ class CheckedStratum:
     def __init__(self, piece: BallChain, pins: Sequence[int]) -> None:
         self.piece, self.pins, self.rank = piece, tuple(pins), piece.rank
         self.free = [i for i, s in enumerate(pins) if not s]
-        self.stiffness = [w * k for w, k in zip(piece.weights, piece.stiffness, strict=True)]
 
     def angles(self, free: Balls) -> Balls:
         """All fold angles, of the free ones."""
@@ -88,8 +90,12 @@ class CheckedStratum:
         return [self.piece.limit(i, s) if s else next(given) for i, s in enumerate(self.pins)]
 
     def torque(self, i: int, x: Balls, moment: Balls, columns: list[Balls]) -> Any:
-        """K_i (x_i - rest_i) - m . C_i."""
-        return self.stiffness[i] * (x[i] - self.piece.rest[i]) - _dot(moment, columns[i])
+        """K_i (x_i - rest_i) - m . C_i, or with the torque of a law."""
+        return self.piece.weights[i] * self.piece.pull(i, x[i]) - _dot(moment, columns[i])
+
+    def stiff(self, i: int, x: Balls) -> Any:
+        """K_i, or the slope of a law."""
+        return self.piece.weights[i] * self.piece.stiff(i, x[i])
 
     def residual(self, z: Balls) -> Any:
         """F at (x_free, m), as a column."""
@@ -99,12 +105,12 @@ class CheckedStratum:
 
     def jacobian(self, z: Balls) -> Any:
         """Derivatives of F over a box of (x_free, m)."""
-        moment = z[-self.rank :]
-        _, slopes, columns, bends, _ = self.piece.at(self.angles(z[: -self.rank]))
+        moment, x = z[-self.rank :], self.angles(z[: -self.rank])
+        _, slopes, columns, bends, _ = self.piece.at(x)
         rows = []
         for i in self.free:
             row = [
-                (self.stiffness[i] if i == j else arb(0)) - _dot(moment, bends[i][j])
+                (self.stiff(i, x) if i == j else arb(0)) - _dot(moment, bends[i][j])
                 for j in self.free
             ]
             rows.append(row + [-c for c in columns[i]])
@@ -141,19 +147,21 @@ class CheckedStratum:
             _sign(s * self.torque(i, angles, m, columns)) if s else 0
             for i, s in enumerate(self.pins)
         )
-        index = self._index(m, slopes, bends)
+        index = self._index(angles, m, slopes, bends)
         unclear = index is None or any(s and not t for s, t in zip(self.pins, signs, strict=True))
         no = bool(index) or 1 in signs
-        springs = zip(self.stiffness, angles, self.piece.rest, strict=True)
-        energy = sum((k * (a - rest) ** 2 / 2 for k, a, rest in springs), arb(0))
+        of = enumerate(zip(self.piece.weights, angles, strict=True))
+        energy = sum((w * self.piece.stored(i, a) for i, (w, a) in of), arb(0))
         return Located(angles, m, index, signs, False if no else None if unclear else True, energy)
 
     def reach(self, point: Located, radius: float) -> Any:
         """Bound the change of energy within `radius` of a point."""
-        springs = zip(self.stiffness, point.x, self.piece.rest, strict=True)
-        return sum(
-            (k * (abs(x - rest) + radius) * radius for k, x, rest in springs), arb(0)
-        ).upper()
+        total = arb(0)
+        for i, (w, x) in enumerate(zip(self.piece.weights, point.x, strict=True)):
+            total += w * self.piece.pull(i, x + AROUND * arb(radius)).abs_upper() * radius
+            if (law := self.piece.laws[i]) is not None:
+                total += w * ROUGHLY * law.size
+        return total.upper()
 
     def _held(self, z: Balls) -> Balls:
         """Krawczyk's operator around z: balls that hold a zero of F."""
@@ -237,7 +245,9 @@ class CheckedStratum:
         pairs = list(zip(weights.entries(), image, strict=True))
         return all(a > 0 and b < a for a, b in pairs)
 
-    def _index(self, moment: Balls, slopes: list[Balls], bends: list[list[Balls]]) -> int | None:
+    def _index(
+        self, x: Balls, moment: Balls, slopes: list[Balls], bends: list[list[Balls]]
+    ) -> int | None:
         """Negative eigenvalues of the Hessian on the tangent space of closure."""
         free, rank = self.free, range(self.rank)
         if len(free) == self.rank:
@@ -263,7 +273,7 @@ class CheckedStratum:
         for a, i in enumerate(free):
             for b, j in enumerate(free[: a + 1]):
                 bent = -_dot(moment, self.piece.curvature(i, j, bends))
-                hessian[a][b] = hessian[b][a] = bent + (self.stiffness[i] if i == j else 0)
+                hessian[a][b] = hessian[b][a] = bent + (self.stiff(i, x) if i == j else 0)
         return negative(tangent.transpose() * arb_mat(hessian) * tangent)
 
 

@@ -22,6 +22,7 @@ from flint import arb, arb_mat, fmpq
 from origami_nlp.pattern import Scene
 from origami_nlp.proof.check_domains import BallChain, Balls, VertexChain, cross, near
 from origami_nlp.proof.check_forms import Box, Form, Terms, carry, linear
+from origami_nlp.proof.check_laws import laws_of
 from origami_nlp.proof.check_whole import closing_numbers, whole_vertex
 
 
@@ -42,6 +43,7 @@ def piece_of(scene: Scene) -> BallChain:
         chain = VertexChain(scene.vertex.sector_angles, scene.stiffness, scene.wound_angles)
         low, high = scene.limit_angles.tolist()
         chain.limits = list(zip(low, high, strict=True))
+        chain.laws = laws_of(scene, range(scene.degree))
         return chain
     if scene.group.kind == "D":
         return WedgeChain(scene)
@@ -84,6 +86,7 @@ class SymmetricPiece(BallChain):
         self.places = places
         low, high = scene.limit_angles.tolist()
         self.limits = [(low[c], high[c]) for c in creases if c is not None]
+        self.laws = laws_of(scene, [c for c in creases if c is not None])
         share = fmpq(1, self.order)
         self.cosine, self.sine = arb.cos_pi_fmpq(share), arb.sin_pi_fmpq(share)
 

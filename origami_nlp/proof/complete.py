@@ -16,6 +16,7 @@ from origami_nlp.problem import Model
 from origami_nlp.proof.boxes import Boxes, BoxProblem, joined, prune, strata
 from origami_nlp.proof.chains import VertexForms
 from origami_nlp.proof.flat import RADII, Flat, flat_lemma
+from origami_nlp.proof.law_torques import energy_bounds, torques_of
 from origami_nlp.proof.mirror_domains import WedgeForms
 from origami_nlp.proof.options import DEFAULT, ProofOptions
 from origami_nlp.proof.periods import PeriodForms
@@ -163,7 +164,6 @@ def pose(model: Model) -> tuple[BoxProblem, Flat]:
     """
     scene = model.scene
     scene.check_no_forces("a proof")
-    scene.check_plain_hinges("a proof", stops=True)
     if scene.contact != "fold-limits":
         raise OptionError(f"contact = {scene.contact!r}: proofs are for contact = 'fold-limits'")
     if not scene.vertex.flat:
@@ -173,20 +173,23 @@ def pose(model: Model) -> tuple[BoxProblem, Flat]:
         raise OptionError("the scene has no degree of freedom: its closed states are finitely many")
     group, turn = scene.group, model.structure.turn
     if group.is_trivial:
-        vertex = VertexForms(p.sectors, p.stiffness, p.rest)
+        laws = torques_of(model, 1.0, p.stiffness.max())
+        vertex = VertexForms(p.sectors, p.stiffness, p.rest, laws=laws)
         return vertex, _within_stops(flat_lemma(vertex), model)
     # torques per crease: variables stand for several, the model sums their springs
     # the piece's closure is moved by one crease of each orbit
     k = p.stiffness / model.multiplicity
+    laws = torques_of(model, 1.0, k.max())
     flat = Flat(0.0, 0, None)
     if group.kind == "C" and turn == 1:  # every period closes by itself
-        return VertexForms(p.sectors, k, p.rest, 2 * math.pi / group.order), flat
+        return VertexForms(p.sectors, k, p.rest, 2 * math.pi / group.order, laws), flat
     if group.kind == "C":
-        return PeriodForms(group.order, p.sectors, k, p.rest, model.structure.winding), flat
+        winding = model.structure.winding
+        return PeriodForms(group.order, p.sectors, k, p.rest, winding, laws), flat
     crease: list[int | None] = []
     for ray in group.rays:
         crease.append(None if ray.crease is None else len([c for c in crease if c is not None]))
-    return WedgeForms(turn, p.sectors, crease, k, p.rest), flat
+    return WedgeForms(turn, p.sectors, crease, k, p.rest, laws), flat
 
 
 def _within_stops(flat: Flat, model: Model) -> Flat:
@@ -353,14 +356,16 @@ def cluster_of(model: Model, boxes: Boxes, reason: str) -> Cluster:
     far = np.maximum(np.abs(boxes.lower - rest), np.abs(boxes.upper - rest))
     near = np.maximum(np.maximum(boxes.lower - rest, rest - boxes.upper), 0.0)
     low, high = (0.5 * model.scale * (k * v**2).sum(axis=0) for v in (near, far))
+    lower, upper = (tuple(v.tolist()) for v in (boxes.lower.min(axis=1), boxes.upper.max(axis=1)))
+    energies = float(low.min()), float(high.max())
     return Cluster(
-        tuple(boxes.lower.min(axis=1).tolist()),
-        tuple(boxes.upper.max(axis=1).tolist()),
+        lower,
+        upper,
         tuple(boxes.pins[:, 0].tolist()),
         reason,
         len(boxes),
         float(sides.prod(axis=0).sum()) if free.any() else 1.0,
-        (float(low.min()), float(high.max())),
+        energies if model.parameters.laws is None else energy_bounds(model, lower, upper),
     )
 
 

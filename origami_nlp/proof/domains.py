@@ -30,6 +30,7 @@ from origami_nlp.proof.affine import (
 )
 from origami_nlp.proof.angles import Angles
 from origami_nlp.proof.chains import SECTORS, taken
+from origami_nlp.proof.law_torques import torques_of
 
 AXES = np.eye(3)
 
@@ -136,6 +137,8 @@ class FundamentalDomain:
         Turn of the variable's fold over its fold angle, [n]: 1/2 for creases on mirrors.
     stiffness
         K_l / share_l over the largest of them, [n].
+    laws
+        Of hinges that are no linear springs, times the same; or None.
     """
 
     def __init__(self, model: Model) -> None:
@@ -157,6 +160,7 @@ class FundamentalDomain:
         self.share = np.array(share)
         stiffness = np.asarray(p.stiffness) / self.share
         self.stiffness = stiffness / stiffness.max()
+        self.laws = torques_of(model, model.multiplicity / self.share, stiffness.max())
         self.doubt = SECTORS * 4 * UNIT + 2 * TRIGONOMETRIC
 
     def fold(self, lower: np.ndarray, upper: np.ndarray, pins: np.ndarray) -> FoldedDomain:
@@ -194,11 +198,14 @@ class FundamentalDomain:
         return FoldedDomain(tuple(rays), (Product((e2, end), level),), (), e2, end)
 
     def torques(self, angles: Angles) -> Affine:
-        """Enclose stiffness_l (x_l - rest_l), [n, K]."""
+        """Enclose stiffness_l (x_l - rest_l), or what laws are in its place, [n, K]."""
         middle, half = angles.middle, angles.half
         n, boxes = middle.shape
         k = self.stiffness[:, None]
         slopes = np.zeros((n, n, boxes), half.dtype)
+        if angles.torque is not None:
+            slopes[np.arange(n), np.arange(n)] = angles.torque[1]
+            return Affine(angles.torque[0], slopes, angles.torque[2])
         slopes[np.arange(n), np.arange(n)] = k * half
         centre = k * (middle - self.rest[:, None])
         error = 16 * UNIT * k * (np.abs(middle) + np.abs(self.rest[:, None]) + half)

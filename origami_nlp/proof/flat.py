@@ -13,10 +13,11 @@ and (b_j x b_i) = (b_j x b_i)_z e_z:
 
 The variables are u on a face u_i = 1 and r in [-r0, r0], which stands for the faces u_i = -1 too.  If no (u, r)
 satisfies all, there is no other critical point within r0.  A determinant with errors E of its entries A is off by at
-most per(|A| + E) - per(|A|).
+most per(|A| + E) - per(|A|).  A hinge law has G_i = its torque, and its slope there in place of k_i, with an error of
+its own (`LawTorques.linear_about`).
 
 The flat state is no minimum if u, v with sum u_i b_i = 0 have Q(u) > 0 > Q(v) and both lower the energy to first order,
-sum_i -k_i rest_i u_i < 0: so does a w between them with Q(w) = 0 and a simple sign change, along which closed states
+sum_i G_i u_i < 0 at r = 0: so does a w between them with Q(w) = 0 and a simple sign change, along which closed states
 leave.
 """
 
@@ -118,14 +119,20 @@ class ClosedDirections:
             sign = _sign((i, p, q, j))
             lever = self.before[fours[:, p], fours[:, q]]
             levers[rows, fours[:, i], fours[:, j]] = sign * lever
-        self.first = np.einsum("sij,i,aj->sa", levers, -k * vertex.rest, self.before)
+        laws = vertex.laws
+        torque, miss = -k * vertex.rest, 0 * k
+        g = k * (np.abs(vertex.rest) + radius)
+        if laws is not None:
+            # G_i = torque_i + k_i r u_i +- miss_i
+            torque, k, miss, _ = laws.linear_about(np.zeros(n), radius)
+            g = np.abs(torque) + np.abs(k) * radius
+        self.first = np.einsum("sij,i,aj->sa", levers, torque, self.before)
         second = np.einsum("sij,i,aj->sia", levers, k, self.before) * radius
         self.second = 0.5 * (second + second.transpose(0, 2, 1))
         many = np.arange(n)
-        g = k * (np.abs(vertex.rest) + radius)
         size = np.stack([g, *np.abs(self.b.T), np.abs(self.before).sum(axis=0)])  # [4, n]
         planar = radius**2 * many**2 / 2 + self.doubt
-        error = np.stack([0 * k, planar, planar, radius**2 * many**3 / 6 + 3 * n * self.doubt])
+        error = np.stack([miss, planar, planar, radius**2 * many**3 / 6 + 3 * n * self.doubt])
         with_error = _permanents(size + error, fours)
         # a coefficient is a sum of at most n^2 products of these entries
         # |det(A + E) - det A| <= per(|A| + E) - per(|A|): every product of the expansion taken with its absolute value
@@ -221,7 +228,7 @@ def no_minimum(vertex: VertexForms) -> bool | None:
     """Return False where closed states leave the flat one downhill, None where that is not shown."""
     b = vertex.creases
     k = vertex.stiffness / vertex.stiffness.max()
-    slope = -k * vertex.rest
+    slope = -k * vertex.rest if vertex.laws is None else vertex.laws.at(0.0 * k[None])[0][0]
     cross = np.triu(b[:, None, 0] * b[None, :, 1] - b[:, None, 1] * b[None, :, 0], 1)
     kernel = np.linalg.svd(b.T)[2][2:]  # [n - 2, n]
     _, vectors = np.linalg.eigh(0.5 * kernel @ (cross + cross.T) @ kernel.T)

@@ -46,6 +46,7 @@ from origami_nlp.proof.chains import (
     with_twins_asked,
 )
 from origami_nlp.proof.collinear_creases import collinear_creases_of_wedge
+from origami_nlp.proof.law_torques import LawTorques
 from origami_nlp.proof.straight_line import at_most, length
 
 SHORTEST = 1e-3
@@ -65,6 +66,8 @@ class WedgeForms(Enclosed):
         Number of the crease on each ray, None for a mirror through a facet, [R].
     stiffness, rest
         Of each crease of the wedge, one of its images, [n].
+    laws
+        Of hinges that are no linear springs, over the largest stiffness.
     """
 
     def __init__(
@@ -74,9 +77,10 @@ class WedgeForms(Enclosed):
         crease: list[int | None],
         stiffness: np.ndarray,
         rest: np.ndarray,
+        laws: LawTorques | None = None,
     ) -> None:
         n = self.size = len(stiffness)
-        self.order, self.crease = order, crease
+        self.order, self.crease, self.laws = order, crease, laws
         self.sectors = np.asarray(sectors, dtype=float)
         self.stiffness, self.rest = np.asarray(stiffness, float), np.asarray(rest, float)
         self.rays = len(crease)
@@ -286,10 +290,13 @@ def sums_of_torques(
 ) -> Affine:
     """Enclose sums of sign G_i t, [M, K], the stiffness over its largest."""
     n, boxes = angles.middle.shape
-    k, torque, lean = torques(piece, angles)
+    torque, lean, error, room = torques(piece, angles)
     unit = lean[:, None] * np.eye(n)[:, :, None]
-    # (phi - rest) k is rounded twice
-    g = padded(torque, unit, np.zeros((n, boxes)), np.full((n, boxes), 8.0) * k, 4)
+    if error is None:
+        # (phi - rest) k is rounded twice
+        g = padded(torque, unit, np.zeros((n, boxes)), np.full((n, boxes), 1.0) * room, 4)
+    else:
+        g = Affine(torque, unit, error)
     sums = []
     for row in terms:
         i, t, sign = zip(*row, strict=True)

@@ -32,6 +32,7 @@ from origami_nlp.proof.chains import (
     with_twins_asked,
 )
 from origami_nlp.proof.collinear_creases import CollinearPair, collinear_creases_of_loop
+from origami_nlp.proof.law_torques import LawTorques
 from origami_nlp.proof.mirror_domains import all_free, sums_of_torques
 
 
@@ -48,6 +49,8 @@ class PeriodForms(Enclosed):
         Of each crease of the period, [n].
     winding
         How often states wind round the axis, less than n: the scalar is cos(winding pi / n).
+    laws
+        Of hinges that are no linear springs, over the largest stiffness.
     """
 
     pivots = 1
@@ -60,8 +63,10 @@ class PeriodForms(Enclosed):
         stiffness: np.ndarray,
         rest: np.ndarray,
         winding: int = 1,
+        laws: LawTorques | None = None,
     ) -> None:
         n = self.size = len(sectors)
+        self.laws = laws
         self.order, self.level = order, math.cos(winding * math.pi / order)
         self.sectors = np.asarray(sectors, float)
         self.stiffness, self.rest = np.asarray(stiffness, float), np.asarray(rest, float)

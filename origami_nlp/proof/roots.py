@@ -223,6 +223,8 @@ def _levers(at: BoxDerivatives, within: np.ndarray) -> tuple[np.ndarray, np.ndar
     bent = at.bent.copy()
     # the diagonal of J holds k - lam . g''; their difference is what matters
     bent[:, i, i] = np.abs(springs) + 4 * at.noise * (1.0 + at.size[:, None])
+    if at.law is not None:
+        bent[:, i, i] += at.law.within(within) * within[:, None] + at.law.ripple
     return p, bent.sum(axis=2) + later[:, None] * turned, turned
 
 

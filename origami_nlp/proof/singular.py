@@ -35,6 +35,9 @@ from origami_nlp.proof.forms import left_over, none_beside
 RADII = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6)
 """Radii [rad] that are tried, largest first; boxes of the search end at some 1e-5."""
 
+STEPS = 8
+"""Of Newton's method, from `NEAR_SINGULAR_TOL` on."""
+
 
 @dataclass(frozen=True)
 class Isolation:
@@ -96,7 +99,6 @@ def isolated(model: Model, x: Sequence[float], stratum: Stratum) -> Isolation:
     0.01
     """
     model.scene.check_no_forces("a singular state")
-    model.scene.check_plain_hinges("a singular state", stops=True)
     if model.scene.contact != "fold-limits" or not model.scene.vertex.flat:
         raise OptionError(
             "singular states are looked at for contact = 'fold-limits' and flat sheets"
@@ -147,7 +149,7 @@ def _state_at(model: Model, x: np.ndarray, stratum: Stratum) -> tuple[np.ndarray
     for line in lines:
         if len(line) < 2 and not mirrored:
             raise NotShown("a crease is turned that has no twin")
-        point[line] = _balanced(model, point[line], line, at.axes[0, line])
+        point[line] = _balanced(model, point, line, at.axes[0, line])
     quarters = 0.5 * math.pi * np.rint(2 * x[turned] / math.pi)
     if mirrored and np.abs(x[turned] - quarters).max() <= NEAR_SINGULAR_TOL:
         point[turned] = quarters
@@ -173,15 +175,32 @@ _CLOSES: WeakKeyDictionary[Model, dict[bytes, bool]] = WeakKeyDictionary()
 
 
 def _balanced(model: Model, x: np.ndarray, line: list[int], axes: np.ndarray) -> np.ndarray:
-    """Fold angles [k] near x of turned creases with axes [k, 3] on one line, where the moments along it are equal."""
+    """Fold angles [k] near x [n] of turned creases with axes [k, 3] on one line whose moments along it are equal."""
     p = model.parameters
     stiffness, rest = p.stiffness[line], p.rest[line] + p.load[line] / p.stiffness[line]
     t = np.sign(axes @ axes[0]) * shares(model)[line] / shares(model)[line[0]]
     # t . x is a multiple of pi/2 where the facets beyond the line are in one plane with, or square to, those before it
     quarter = 0.5 * math.pi
-    total = quarter * np.rint(t @ x / quarter)
+    total = quarter * np.rint(t @ x[line] / quarter)
+    if p.laws is not None:
+        return _balanced_laws(model, x, line, t, total)
     # least sum k (x - rest)^2 / 2 with t . x = total: k (x - rest) = mu t, the same moment mu along the line
     return rest + t / stiffness * (total - t @ rest) / (t @ (t / stiffness))
+
+
+def _balanced_laws(
+    model: Model, x: np.ndarray, line: list[int], t: np.ndarray, total: float
+) -> np.ndarray:
+    """As `_balanced`, by Newton's method."""
+    at, p = x.copy(), model.parameters
+    for _ in range(STEPS):
+        rows = np.block([[np.diag(p.curvature(at)[line]), -t[:, None]], [t, 0.0]])
+        try:
+            step = np.linalg.solve(rows, -np.append(p.torque(at)[line], t @ at[line] - total))
+        except np.linalg.LinAlgError:
+            break
+        at[line] += step[:-1]
+    return at[line]
 
 
 def _decide(

@@ -18,6 +18,7 @@ import numpy as np
 from origami_nlp.proof.affine import Affine, Turn
 from origami_nlp.proof.angles import Angles
 from origami_nlp.proof.compiled_boxes import CODES, LANES, library
+from origami_nlp.proof.law_torques import LawTorques
 
 LOAD, STORE, KEEP, ADD, SUB, MUL, NEG, ABS, DIV, ROOT, MOST, AT_MOST = range(len(CODES))
 UNARY = frozenset((NEG, ABS, ROOT))
@@ -27,6 +28,7 @@ class EnclosedRows(Protocol):
     """Rows of so many variables."""
 
     size: int
+    laws: LawTorques | None
 
     def enclosed(self, angles: Angles) -> tuple[Affine, Affine]: ...  # noqa: D102
 
@@ -128,10 +130,11 @@ def at_most(a: np.ndarray, b: np.ndarray) -> np.ndarray:
 def _arguments(angles: Angles) -> list[np.ndarray]:
     """Return what rows are computed of, [rows, K] each."""
     turns = [getattr(t, f.name) for t in (angles.whole, angles.halves) for f in fields(Turn)]
-    return [angles.middle, angles.half, angles.sines, angles.share[None], *turns]
+    torques = () if angles.torque is None else angles.torque
+    return [angles.middle, angles.half, angles.sines, angles.share[None], *turns, *torques]
 
 
-def _traced_angles(n: int) -> tuple[Angles, dict[tuple[Any, ...], Traced]]:
+def _traced_angles(n: int, laws: bool) -> tuple[Angles, dict[tuple[Any, ...], Traced]]:
     """Return the angles of one box as numbers that note, and what they note to."""
     tape: dict[tuple[Any, ...], Traced] = {}
     nothing = Traced(tape, 0)
@@ -141,7 +144,8 @@ def _traced_angles(n: int) -> tuple[Angles, dict[tuple[Any, ...], Traced]]:
 
     middle, half, sines, share = (rows(k) for k in (n, n, 2, 1))
     whole, halves = (Turn(*(rows(n) for _ in fields(Turn))) for _ in range(2))
-    return Angles(middle, half, whole, halves, sines, share[0]), tape
+    torque = np.stack([rows(n) for _ in range(3)]) if laws else None
+    return Angles(middle, half, whole, halves, sines, share[0], torque), tape
 
 
 class StraightLine:
@@ -157,7 +161,7 @@ class StraightLine:
 
     def __init__(self, run: Any, forms: EnclosedRows) -> None:
         self._run = run
-        angles, tape = _traced_angles(forms.size)
+        angles, tape = _traced_angles(forms.size, forms.laws is not None)
         self._shapes: list[tuple[int, ...]] = []
         results: list[Any] = []
         for form in forms.enclosed(angles):

@@ -1,7 +1,8 @@
 """The KKT system of a stratum at states in doubles, and bounds of how it changes beside them.
 
 F = [k (x - rest) - A' lam ; g] in (x, lam), g the closure of the model, A its Jacobian; J = [[K - lam . g'', -A'], [A,
-0]].
+0]].  Hinge laws have their torque in place of k (x - rest), and its slope in K: between states it is one of the slopes
+between, so that a torque with kinks is treated like one without.
 
 Derivatives.  With q the product of all folds, half the axes c_i / 2 (a quarter on a mirror) stand for derivatives: d q
 / dx_i dx_j dx_k = (c_i / 2) (c_j / 2) (c_k / 2) q, i <= j <= k; where closure is that a rotated normal N keeps an
@@ -23,9 +24,37 @@ from origami_nlp.numerics import INDEPENDENT, cross
 from origami_nlp.problem import FoldedRays, Kinematics, Model
 from origami_nlp.proof.affine import UNIT
 from origami_nlp.proof.chains import SECTORS
+from origami_nlp.proof.law_torques import LawTorques, torques_of
 
 FOLD = 40
 """Rounding units of a fold in doubles: sines to 8, creases to 8, a 4 x 4 product and a rotated vector."""
+
+
+@dataclass(frozen=True, eq=False)
+class LawBends:
+    """How the stiffness of hinge laws changes beside R states.
+
+    Attributes
+    ----------
+    laws
+        Of the variables.
+    x, free
+        The states, and which variables are free, [R, n].
+    """
+
+    laws: LawTorques
+    x: np.ndarray
+    free: np.ndarray
+
+    def within(self, reach: np.ndarray | float) -> np.ndarray:
+        """Bound |change of stiffness| / t beside the states, t <= reach [R]: [R, n]."""
+        reach = np.zeros(len(self.x)) + reach
+        return np.where(self.free, self.laws.bends(self.x, reach), 0.0)
+
+    @property
+    def ripple(self) -> np.ndarray:
+        """What is not known of stiffness, [R, n]."""
+        return np.where(self.free, self.laws.ripple, 0.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,6 +79,8 @@ class BoxDerivatives:
         beta of free variables, [R, n].
     size
         sum |lam|, [R].
+    law
+        How the stiffness of hinge laws changes; None for linear springs.
     noise
         What rounding and doubt leave in entries of A, g'' and g''', of size 1.
     """
@@ -64,6 +95,7 @@ class BoxDerivatives:
     beta: np.ndarray
     size: np.ndarray
     noise: float
+    law: LawBends | None = None
 
     def change(self, mu: np.ndarray, within: np.ndarray | float) -> np.ndarray:
         """Bound |J(Z) - J(z0)| / t on Z = z0 +- t (1, ..., mu, ...), t <= `within` (shape [R]): [R, n + m, n + m]."""
@@ -75,6 +107,9 @@ class BoxDerivatives:
         later = within * (0.5 * self.size * s**2 + m * mu * s)
         corner = self.third + mu[:, None, None] * self.second.sum(axis=1)
         corner = corner + bb * later[:, None, None]
+        if self.law is not None:
+            i = np.arange(corner.shape[1])
+            corner[:, i, i] += self.law.within(within)
         side = self.second.sum(axis=3) + (0.5 * within * s**2)[:, None, None] * b[:, None]
         return _bordered(corner, side)
 
@@ -82,6 +117,9 @@ class BoxDerivatives:
         """Bound what rounding and doubt leave in J, [R, n + m, n + m]."""
         b = self.beta
         corner = b[:, :, None] * b[:, None, :] * (4 * self.noise * (1 + self.size))[:, None, None]
+        if self.law is not None:
+            i = np.arange(corner.shape[1])
+            corner[:, i, i] += self.law.ripple
         side = 4 * self.noise * b[:, None] + np.zeros((1, self.a.shape[1], 1))
         return _bordered(corner, side)
 
@@ -109,6 +147,7 @@ class BoxKkt:
         self.n, self.m = model.size, model.equation_count
         self.flat = model.structure.flat_piece
         self.k, self.rest = model.parameters.stiffness, model.parameters.rest
+        self.laws = torques_of(model, model.multiplicity, 1.0)
         rays = [r for r, has in enumerate(model.structure.has_crease) if has]
         dihedral = model.structure.kind == "D"
         last = len(model.structure.has_crease) - 1
@@ -119,6 +158,18 @@ class BoxKkt:
         # creases are off by their azimuths: a sector's doubt for each sector before them
         n = len(rays)
         self.noise = UNIT * (FOLD * (n + 4) + 2 * SECTORS * n**2)
+        # what torques are sums of, and what is not known of a law, as a share of `noise`
+        self.most = 7.0 * self.k
+        if self.laws is not None:
+            self.most = self.laws.most + self.laws.drift / self.noise
+
+    def torque(self, x: np.ndarray) -> np.ndarray:
+        """Return k (x - rest), or the torques of laws, at states [R, n]."""
+        return self.k * (x - self.rest) if self.laws is None else self.laws.at(x)[0]
+
+    def stiffness(self, x: np.ndarray) -> np.ndarray:
+        """Return how torques change with fold angles at states [R, n], [R, n] or [n]."""
+        return self.k if self.laws is None else self.laws.at(x)[1]
 
     def closure(self, x: np.ndarray) -> np.ndarray:
         """Return the Jacobian of closure, [R, m, n]."""
@@ -141,8 +192,8 @@ class BoxKkt:
         g, a = self.vanishing(folded)
         h = -self.curvature(folded, lam)
         i = np.arange(n)
-        h[:, i, i] += self.k
-        force = self.k * (x - self.rest) - np.einsum("rm,rmn->rn", lam, a)
+        h[:, i, i] += self.stiffness(x)
+        force = self.torque(x) - np.einsum("rm,rmn->rn", lam, a)
         free = pins == 0
         jacobian = np.zeros((len(x), n + m, n + m))
         jacobian[:, :n, :n] = h
@@ -175,11 +226,14 @@ class BoxKkt:
         second = np.abs(second) + 4 * self.noise * bb[:, None]
         a = jacobian[:, self.n :, : self.n] * free[:, None]
         fuzz = self._fuzz(x, lam)
-        return BoxDerivatives(f, jacobian, fuzz, a, second, bent, third, beta, size, self.noise)
+        law = None if self.laws is None else LawBends(self.laws, x, free)
+        return BoxDerivatives(
+            f, jacobian, fuzz, a, second, bent, third, beta, size, self.noise, law
+        )
 
     def force(self, x: np.ndarray, lam: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return k (x - rest) - A' lam of all variables, and what rounding and doubt leave in it, [R, n]."""
-        value = self.k * (x - self.rest) - np.einsum("rm,rmn->rn", lam, self.closure(x))
+        value = self.torque(x) - np.einsum("rm,rmn->rn", lam, self.closure(x))
         return value, self._fuzz(x, lam)[:, : self.n]
 
     def _fuzz(self, x: np.ndarray, lam: np.ndarray) -> np.ndarray:
@@ -190,13 +244,13 @@ class BoxKkt:
             near = np.minimum(1.0, np.abs(x).sum(axis=1))
             # the rows of closure are x, y, z or x, z of q; A's row z is of the size of the folds
             size = np.concatenate([size[:, :-1], near[:, None] * size[:, -1:]], axis=1)
-        torque = 7.0 * self.k + 4.0 * self.beta * size.sum(axis=1)[:, None]
+        torque = self.most + 4.0 * self.beta * size.sum(axis=1)[:, None]
         return self.noise * np.concatenate([torque, near[:, None] + np.zeros((1, self.m))], axis=1)
 
     def start(self, x: np.ndarray, pins: np.ndarray) -> np.ndarray:
         """Return the multipliers [R, m] that balance the free variables best."""
         a = self.closure(x) * (pins == 0)[:, None]
-        torque = np.where(pins == 0, self.k * (x - self.rest), 0.0)
+        torque = np.where(pins == 0, self.torque(x), 0.0)
         return (np.linalg.pinv(a.transpose(0, 2, 1), rcond=INDEPENDENT) @ torque[:, :, None])[
             :, :, 0
         ]

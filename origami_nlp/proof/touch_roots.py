@@ -51,7 +51,7 @@ class ContactSystem(BoxKkt):
         return np.tile(np.array(self.gaps, dtype=int), (len(of), 1))
 
     def _fuzz(self, x: np.ndarray, lam: np.ndarray) -> np.ndarray:
-        torque = 7.0 * self.k + 4.0 * self.beta * np.abs(lam).sum(axis=1)[:, None]
+        torque = self.most + 4.0 * self.beta * np.abs(lam).sum(axis=1)[:, None]
         return self.noise * np.concatenate([torque, np.ones((len(x), self.m))], axis=1)
 
     def _derivatives(self, x: np.ndarray, lam: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -56,6 +56,7 @@ from origami_nlp.proof.complete import (
 )
 from origami_nlp.proof.domains import FundamentalDomain
 from origami_nlp.proof.facet_separation import APART, CROSSED, Signs
+from origami_nlp.proof.law_torques import torques_of
 from origami_nlp.proof.options import DEFAULT, ProofOptions
 from origami_nlp.proof.result import Cluster, Proof, ProvedCriticalPoint
 from origami_nlp.proof.roots import Roots
@@ -124,7 +125,6 @@ def prove(
     """
     check_type("model", model, Model)
     model.scene.check_no_forces("a proof")
-    model.scene.check_plain_hinges("a proof", stops=True)
     asked: dict[str, Any] = {"seconds": seconds, "until": until, "options": options}
     if model.scene.contact != "full":
         return prove_within_limits(model, record=record, **asked)
@@ -168,9 +168,9 @@ def contact_strata(model: Model) -> Iterator[ContactStratum]:
         allowed = at_limit <= dof - len(touches)
         if model.structure.kind == "C":
             p = model.parameters
-            posed: BoxProblem = TouchedVertex(
-                p.sectors, p.stiffness, p.rest, tuple((t.rays[0], t.rays[1]) for t in touches)
-            )
+            where = tuple((t.rays[0], t.rays[1]) for t in touches)
+            laws = torques_of(model, 1.0, p.stiffness.max())
+            posed: BoxProblem = TouchedVertex(p.sectors, p.stiffness, p.rest, where, laws)
         else:
             posed = TouchedWedge(FundamentalDomain(model), touches)
         if touches[0].kind == "meet":  # the gap off facet 0 is none where that lies on the mirror

@@ -28,6 +28,7 @@ from origami_nlp.proof.domains import (
     folded_frame,
     next_frame,
 )
+from origami_nlp.proof.law_torques import LawTorques
 from origami_nlp.proof.straight_line import at_most
 
 COSINE = 1e-15
@@ -120,7 +121,7 @@ class TouchedWedge(Enclosed):
     """
 
     def __init__(self, piece: FundamentalDomain, touches: tuple[Row, ...]) -> None:
-        self.piece, self.touches = piece, touches
+        self.piece, self.touches, self.laws = piece, touches, piece.laws
         self.size = piece.size
         self.pivots = min(piece.equations + len(touches), self.size)
         self.linear = slice(0, self.pivots)
@@ -172,7 +173,7 @@ class TouchedVertex(VertexForms):
 
     Parameters
     ----------
-    sectors, stiffness, rest
+    sectors, stiffness, rest, laws
         As for `VertexForms`.
     touches
         (k, j), 0-based.
@@ -184,8 +185,9 @@ class TouchedVertex(VertexForms):
         stiffness: np.ndarray,
         rest: np.ndarray,
         touches: tuple[tuple[int, int], ...],
+        laws: LawTorques | None = None,
     ) -> None:
-        super().__init__(sectors, stiffness, rest)
+        super().__init__(sectors, stiffness, rest, laws=laws)
         self.touches = touches
         self.number = {f: i for i, f in enumerate(self.minor_creases)}
         self.minor_creases = ()
