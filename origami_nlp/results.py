@@ -25,6 +25,7 @@ _READ = (
     ("landscape/2", "points", "critical", "CriticalPoints"),
     ("load/2", "legs", "loading", "LoadPath"),
     ("modes/2", "states", "modes", "Modes"),
+    ("friction/1", "regions", "friction", "Friction"),
     ("landscape/2", "passes", "barriers", "Barriers"),
     ("follow/3", "branches", "bifurcation", "Atlas"),
     ("follow/3", "curves", "bifurcation", "BifurcationSet"),

@@ -16,6 +16,8 @@ EVENT_WORDS = {
     "leaves": "contact opens",
     "breaks-symmetry": "loses stability without its symmetry",
     "singular": "closure loses rank",
+    "yields": "hinge yields, its rest angle moves",
+    "unloads": "hinge turns back, elastic about its moved rest angle",
 }
 """Types of events as reports say them."""
 COUNTED = ("interior", "contact-pinned", "contact-touching", "degenerate")
@@ -176,13 +178,14 @@ class PathEvent(ShortRepr):
     id
         From 1.
     type
-        ``fold``, ``nonsmooth-fold``, ``closes``, ``leaves``, ``branching``, ``breaks-symmetry`` or ``singular``.
+        ``fold``, ``nonsmooth-fold``, ``closes``, ``leaves``, ``branching``, ``breaks-symmetry`` or ``singular``; of
+        load paths also ``yields`` and ``unloads``.
     t
         The parameter in its unit.
     fold_angles
         All N [rad].
     contact
-        That closes or leaves as t grows, in words; "" elsewhere.
+        That closes or leaves as t grows, or the creases that yield or turn back, in words; "" elsewhere.
     residuals
         How exactly it is located.
     located

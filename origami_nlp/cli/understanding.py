@@ -1,4 +1,4 @@
-"""Commands that say more of states: `contacts`, `modes`, `load`, `barriers`, `critical` and `space`."""
+"""Commands that say more of states: `contacts`, `modes`, `friction`, `load`, `barriers`, `critical` and `space`."""
 
 from __future__ import annotations
 
@@ -56,6 +56,30 @@ FixedFacet: TypeAlias = Annotated[
         help="With --force: the facet that is fixed in space, from 1 (default 1).",
     ),
 ]
+YieldAt: TypeAlias = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--yield",
+        metavar="T|K=T",
+        help="Torque [N m] at which creases yield, elastic below and perfectly plastic at it: T all, K=T "
+        "crease K alone; repeated.",
+    ),
+]
+
+
+def torque_bounds(option: str, given: list[str] | None, creases: int) -> dict[int, float] | None:
+    """Return the torques that an option says, by crease from 1; later ones count."""
+    out: dict[int, float] = {}
+    for text in given or ():
+        crease, some, torque = text.rpartition("=")
+        try:
+            which = [int(crease)] if some else range(1, creases + 1)
+            out |= dict.fromkeys(which, float(torque))
+        except ValueError:
+            raise OptionError(
+                f"{option} = {text!r} must be a torque, or CREASE=TORQUE as in 2=0.01"
+            ) from None
+    return out or None
 
 
 def load_number(text: str) -> float:
@@ -145,6 +169,35 @@ def modes(scene: Source, state: o.StateNumber = None, **options: Any) -> Any:
     return find_modes(search(stated, scene.name, escape=False, **options), state=state)
 
 
+FrictionAt: TypeAlias = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--torque",
+        metavar="T|K=T",
+        help="Largest dry friction torque [N m] at hinges: T at all, K=T at crease K alone; repeated.",
+    ),
+]
+
+
+@bounded
+@takes_scene(o.OrigamiFile, whole=True)
+@answers("json", "figure", "markdown", search=SEARCHES)
+def friction(
+    scene: Source, torque: FrictionAt = None, state: o.StateNumber = None, **options: Any
+) -> Any:
+    """Report the states around each minimum of ORIGAMI that dry friction at its hinges holds."""
+    from origami_nlp.friction import find_friction
+    from origami_nlp.pattern import Scene
+
+    options |= {"prove": None if scene.is_whole else False, "contact": scene.whole_contact}
+    stated = scene.read_whole(contact=True)
+    creases = stated.degree if isinstance(stated, Scene) else stated.creases
+    bounds = torque_bounds("--torque", torque, creases)
+    if bounds is None:
+        raise OptionError("--torque T is missing: the largest friction torque of hinges [N m]")
+    return find_friction(search(stated, scene.name, escape=False, **options), bounds, state=state)
+
+
 @takes_scene(o.OrigamiFile, whole=True)
 @answers(
     "json",
@@ -179,6 +232,7 @@ def load(
         bool, typer.Option(help="Search for the minima on both sides of each snap.")
     ] = True,
     starts: o.Starts = None,
+    yields: YieldAt = None,
     **search: Any,
 ) -> Any:
     """Load a stable state of ORIGAMI until it snaps, or to a given load: load against angle, snaps, hysteresis.
@@ -186,7 +240,8 @@ def load(
     A pattern is loaded by one of --crease, --edge, --pull and --force, a vertex by --crease, else by the scene's own
     forces.  Images of the crease under the symmetry of a vertex bear the same torque; where the state breaks the
     symmetry (a pitchfork) the path goes on along stable states that branch off, or snaps.  --no-full keeps the
-    symmetry; --symmetry none loads the one crease alone.
+    symmetry; --symmetry none loads the one crease alone.  With --yield creases yield: their rest angles move, and stay
+    moved as the load falls; the path ends where it first snaps.
     """
     from origami_nlp.loading import load_path
     from origami_nlp.pattern import Scene
@@ -210,10 +265,10 @@ def load(
         work = crease[0] if crease else None
     else:
         work = work_of(what, creases_of(what, edge) or crease, pulled, forced, fixed_facet or 1)
+    count = what.degree if isinstance(what, Scene) else what.creases
+    search |= {"yield_torque": torque_bounds("--yield", yields, count), "starts": starts}
     with progress(f"{scene.name} under load"):
-        return load_path(
-            what, work, to=end, state=state, unload=unload, confirm=confirm, starts=starts, **search
-        )
+        return load_path(what, work, to=end, state=state, unload=unload, confirm=confirm, **search)
 
 
 @bounded

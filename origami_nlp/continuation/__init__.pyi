@@ -2,6 +2,7 @@ from .branch_segments import (
     AGAIN as AGAIN,
     LATE as LATE,
     RANGE as RANGE,
+    START as START,
     BranchSegment as BranchSegment,
     SpecialPoint as SpecialPoint,
 )

@@ -7,7 +7,6 @@ held and the number of unstable directions stay the same.
 
 from __future__ import annotations
 
-import itertools
 import math
 import time
 from collections.abc import Callable, Sequence
@@ -78,6 +77,8 @@ class BifurcationDiagram:
         Whether unstable states beyond a fold are followed.
     functions
         Further functions of a state whose zeros are events, by type.
+    stops
+        Types of those beyond which nothing is followed.
     lazy
         Whether stable states beyond unstable ones, and what branches off, wait until they are asked for (`resume`).
     until
@@ -104,11 +105,12 @@ class BifurcationDiagram:
         steps: ContinuationOptions = STEPS,
         through_folds: bool = True,
         functions: Sequence[tuple[str, Functions]] = (),
+        stops: Sequence[str] = (),
         lazy: bool = False,
         until: float = math.inf,
         progress: Callable[[int, float], object] | None = None,
     ) -> None:
-        self.lazy, self.progress = lazy, progress
+        self.lazy, self.progress, self.stops = lazy, progress, stops
         self.line, self.low, self.high = line, low, high
         self.steps = replace(steps, until=min(steps.until, until))
         self.interrupted = False
@@ -222,7 +224,7 @@ class BifurcationDiagram:
                 number, known = self._node(event)
                 begun.append(event.frame)
                 self._arc(begun, here, number, half.signed)
-                if known or event.type == "singular":
+                if known or event.type in ("singular", *self.stops):
                     self._arrive(number, event.frame)
                     return todo
                 begun, here = [event.frame], number
@@ -297,11 +299,14 @@ class BifurcationDiagram:
         # where no multiplier judges, each step is classified: such states mostly stand still
         steps = self.steps if half.signed else replace(self.steps, longest=4 * self.steps.longest)
 
+        last_kept = [half.frame]
+
         def before_flat(frames: Sequence[Equilibrium]) -> int:
-            flat = (
-                passes(lambda: self.flat, *c) for c in itertools.pairwise((half.frame, *frames))
-            )
-            return next((k for k, root in enumerate(flat) if root), len(frames))
+            for k, f in enumerate(frames):
+                if passes(lambda: self.flat, last_kept[0], f):
+                    return k
+                last_kept[0] = f
+            return len(frames)
 
         def meet_flat(a: Equilibrium, b: Equilibrium) -> Equilibrium:
             root = passes(lambda: self.flat, a, b)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from os import PathLike
 
 from origami_nlp.arguments import (
@@ -18,13 +18,15 @@ from origami_nlp.continuation import (
     ContinuationOptions,
 )
 from origami_nlp.errors import OUT_OF_TIME, OptionError, OutOfTime
-from origami_nlp.loading.driver import LoadSearch, VertexDriver
+from origami_nlp.loading.driver import IDENTITY, LoadSearch, VertexDriver
 from origami_nlp.loading.job import FollowedLoad
 from origami_nlp.loading.pattern_driver import PatternDriver, work_on
 from origami_nlp.loading.result import LoadPath
+from origami_nlp.loading.yield_path import follow_yielding
 from origami_nlp.minima import JudgedState
 from origami_nlp.pattern import Pattern, Scene, as_origami
 from origami_nlp.pattern_problem import Work
+from origami_nlp.problem import Model
 
 _OF_A_PATTERN = {"starts": "the effort says how many starts a vertex gets"}
 _OF_A_SCENE = {"full": "states of a pattern keep no symmetry"}
@@ -40,6 +42,7 @@ def load_path(
     unload: bool = False,
     confirm: bool = True,
     full: bool | None = None,
+    yield_torque: float | Sequence[float | None] | Mapping[int, float] | None = None,
     effort: str = "normal",
     seed: int = 0,
     max_starts: int | None = None,
@@ -71,6 +74,11 @@ def load_path(
     full
         Whether states may break the symmetry; of scenes, where None is True.  Where a symmetric state loses stability
         without its symmetry the path goes on along what branches off there, or snaps.
+    yield_torque
+        Torque [N m] at which hinges yield: of all creases, of each (None: it does not), or of some by their numbers
+        (1-based).  Hinges are elastic below it and perfectly plastic at it: their rest angles move, and stay moved.
+        Such a path keeps no symmetry and ends at its first snap (how far hinges yield in it is decided by its speed);
+        snaps are not confirmed by searches.
     effort, seed, max_starts
         Of the searches, see `find_minima`.
     starts
@@ -124,6 +132,12 @@ def load_path(
     ends = [-far, far] if to == "snap" else [check_number("to", to)]
     search = LoadSearch(asked, check_until(seconds))
     driver, number, x = driver.begin(state, search)
+    if yield_torque is not None:
+        whole = Model(driver.scene).expand(x) if isinstance(driver, VertexDriver) else x
+        alone = driver.keeping(IDENTITY) if isinstance(driver, VertexDriver) else driver
+        return follow_yielding(
+            alone, whole, number, ends, yield_torque, unload, options, search.until
+        )
     job = FollowedLoad(driver, min(0.0, *ends), max(0.0, *ends), full, options, search.until)
     try:
         for end in ends:

@@ -49,6 +49,7 @@ from origami_nlp.loading.stable_path import (
     stiffness_at,
     walk,
 )
+from origami_nlp.loading.yielding import YieldingHinges
 from origami_nlp.modes import breaking_stiffness
 from origami_nlp.numerics import NEAR_SINGULAR_TOL, SETTLED, coarse
 
@@ -92,24 +93,23 @@ class FollowedLoad:
         steps: ContinuationOptions | None,
         until: float,
         home: FollowedLoad | None = None,
+        hinges: YieldingHinges | None = None,
     ) -> None:
         self.driver, self.low, self.high = driver, low, high
         self.parameter = ParameterRange(driver.name, low, high, driver.unit, False)
         self._given, self.home = (full, steps, until), home
-        self.lazy = driver.lazy or home is not None
+        self.lazy = driver.lazy or home is not None or hinges is not None
         self._full = driver.full_line() if full else None
         self._known: dict[int, tuple[Equilibrium, float]] = {}
         functions = [("breaks-symmetry", self.across)] if self._full else []
+        yields, line = (hinges.events, hinges.line(driver)) if hinges else ([], driver.line())
         self.spaces: dict[tuple[tuple[int, bool], ...], FollowedLoad] = {}
         self.web = BifurcationDiagram(
-            driver.line(),
-            low,
-            high,
-            steps=driver.steps(steps),
-            functions=functions,
+            line, low, high, steps=driver.steps(steps), functions=functions + yields,
+            stops=[type for type, _ in yields],
             lazy=self.lazy,
             until=until,
-        )
+        )  # fmt: skip
         self.ways: list[Run] = [] if home is None else home.ways
         self.falls: list[Fall] = [] if home is None else home.falls
         self.alarms: list[str] = [] if home is None else home.alarms

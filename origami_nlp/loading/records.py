@@ -9,6 +9,8 @@ from origami_nlp.io import ShortRepr, Unbounded
 
 PITCHFORK = "pitchfork"
 """Why a leg ends where stable states branch off, along which the load goes on."""
+COLLAPSE = "collapses"
+"""Why a leg ends where hinges yield and nothing stable goes on."""
 
 
 @dataclass(frozen=True)
@@ -107,7 +109,8 @@ class Leg(ShortRepr):
         States in order.
     why
         ``range``, ``snap``, ``pitchfork`` (stable states branch off, of which the next leg is one branch),
-        ``breaks-symmetry``, or what stopped it.
+        ``breaks-symmetry``, ``yields`` and ``unloads`` (the next leg goes on with other hinges yielding), ``collapses``
+        (hinges yield, and nothing stable goes on), or what stopped it.
     snap
         Number (1-based) of the snap that ends it, or None.
     full_space
@@ -120,6 +123,8 @@ class Leg(ShortRepr):
     stiffness
         Derivative of the load by what it works on where the leg begins [N m/rad, N/m, or 1/m of a factor]; inf where
         that stays, nan at a bifurcation, and where no state goes on.
+    moved
+        Of hinges that may yield: by how much the rest angles of all N have moved where the leg ends [rad]; else empty.
     """
 
     toward: int
@@ -130,3 +135,4 @@ class Leg(ShortRepr):
     full_space_from: float | None
     symmetry: str = ""
     stiffness: Unbounded = math.nan
+    moved: tuple[float, ...] = ()

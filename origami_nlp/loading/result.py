@@ -5,6 +5,7 @@ Angles in radians, torques in N m, energies in J (the units of springs).
 
 from __future__ import annotations
 
+import itertools
 import math
 import re
 from collections.abc import Iterator, Sequence
@@ -28,17 +29,28 @@ from origami_nlp.display import (
 from origami_nlp.errors import OUT_OF_TIME
 from origami_nlp.loading.driver import VertexDriver
 from origami_nlp.loading.pattern_driver import PatternDriver
-from origami_nlp.loading.records import PITCHFORK, ConfirmedSnap, Leg, LoadPoint, Snap
+from origami_nlp.loading.records import (
+    COLLAPSE,
+    PITCHFORK,
+    ConfirmedSnap,
+    Leg,
+    LoadPoint,
+    Snap,
+)
+from origami_nlp.loading.yielding import HOLDS, YIELDS
 from origami_nlp.minima import Part, state_parts
-from origami_nlp.numerics import INPUT_TOL
+from origami_nlp.numerics import INPUT_TOL, SETTLED
 from origami_nlp.pattern import Pattern, Scene
 from origami_nlp.pattern_problem import state_frame, states_to_fold
 
 WHY = {
     "range": "stable; end of the range",
     "breaks-symmetry": "stopped: beyond, the state is stable only while its symmetry is kept",
+    COLLAPSE: "collapses: hinges yield, and nothing stable goes on",
 }
 """Why a leg ends, in words, where the name alone does not say it."""
+GOES_ON = (YIELDS, HOLDS)
+"""Ends of legs at which another one begins."""
 SNAP_WORDS = {"breaks-symmetry": "its symmetry breaks", "branching": "pitchfork"}
 """Where a state snaps, in words, where those of the event say less."""
 
@@ -70,6 +82,8 @@ class LoadPath(Report, Viewable):
         What does not fit together, in words; empty where everything does.
     steps, evaluations
         What following cost.
+    plastic_work
+        What hinges that yield have taken [J].
 
     Examples
     --------
@@ -94,6 +108,7 @@ class LoadPath(Report, Viewable):
     alarms: tuple[str, ...]
     steps: int
     evaluations: int
+    plastic_work: float = 0.0
 
     PICTURE, TURNED, SCHEMA = "draw_load", "view_path", "origami-nlp/load/2"
     ALSO = ("dissipated", "interrupted", "start_stiffness", "stiffness_unit")
@@ -120,8 +135,8 @@ class LoadPath(Report, Viewable):
 
     @property
     def dissipated(self) -> float:
-        """Energy lost in all snaps [J]; over a closed cycle the area of the hysteresis loop."""
-        return sum(snap.released for snap in self.snaps)
+        """Energy lost in all snaps and to yielding [J]; over a closed cycle the area of the hysteresis loop."""
+        return sum(snap.released for snap in self.snaps) + self.plastic_work
 
     def view_content(self) -> Content:
         """Return legs and snaps as plain data, see `view`."""
@@ -174,6 +189,7 @@ class LoadPath(Report, Viewable):
             yield f"after snap {number}, {snap.kind} [deg]: {after}"
         yield from self._symmetry()
         yield from self._idle()
+        yield from self._moved()
         for number, snap in enumerate(self.snaps, start=1):
             if snap.confirmed is not None and not all(snap.confirmed.found):
                 yield Words(_searches(number, snap.confirmed, self.driver.unit), "bold")
@@ -188,9 +204,13 @@ class LoadPath(Report, Viewable):
         unit = f" {self.driver.unit}" if self.driver.unit else ""
         state = f"state #{self.state}" if self.state else "a state"
         words = f"{self.label}: {state} under {self.driver.name}"
+        fallen = next((leg for leg in self.legs if leg.why == COLLAPSE), None)
+        if fallen:
+            return f"{words} collapses at {fallen.points[-1].t:.6g}{unit}: hinges yield"
         if not self.snaps:
-            ends = " and to ".join(f"{leg.points[-1].t:.6g}" for leg in self.legs) or "0"
-            stops = any(leg.why != "range" for leg in self.legs)
+            last = [leg for leg in self.legs if leg.why not in GOES_ON]
+            ends = " and to ".join(f"{leg.points[-1].t:.6g}" for leg in last) or "0"
+            stops = any(leg.why not in ("range", *GOES_ON) for leg in self.legs)
             return f"{words} does not snap, loaded to {ends}{unit}{', where it is left' * stops}"
         at = [f"{snap.t:.6g}" for snap in self.snaps[:MOST_NAMED]]
         more = len(self.snaps) - len(at)
@@ -241,9 +261,9 @@ class LoadPath(Report, Viewable):
                 words = f"pitchfork: symmetry {leg.symmetry} breaks to {onward}"
                 said = words if onward != leg.symmetry else "pitchfork: stable states branch off"
                 yield f"{last.t:.6g}", said, self._place(last.angle), ""
-            elif leg.snap is None:
+            elif leg.snap is None and leg.why not in GOES_ON:
                 yield f"{last.t:.6g}", WHY.get(leg.why, leg.why), self._place(last.angle), ""
-            else:
+            elif leg.snap is not None:
                 snap = self.snaps[leg.snap - 1]
                 words = SNAP_WORDS.get(snap.type) or EVENT_WORDS.get(snap.type, snap.type)
                 bold = Words(f"snap {leg.snap}: {words}", "bold")
@@ -257,8 +277,10 @@ class LoadPath(Report, Viewable):
             event = self.snaps[leg.snap - 1].event
             left = {phi: e for phi, e in left.items() if e.id != event}
         for point in leg.points:
-            if point.fold_angles in left:
-                yield point, left.pop(point.fold_angles)
+            passed = left.pop(point.fold_angles, None)
+            # a leg that begins where a hinge yields does not pass that
+            if passed and (passed.type not in GOES_ON or point is not leg.points[0]):
+                yield point, passed
 
     def _symmetry(self) -> Iterator[str]:
         """Say what symmetry states keep, and whether they are stable without it."""
@@ -276,6 +298,21 @@ class LoadPath(Report, Viewable):
         kept = list(dict.fromkeys(leg.symmetry for leg in self.legs))
         words = f"states keep the symmetry {' and then '.join(kept)}"
         yield f"{words}; --symmetry none follows those that break it as well"
+
+    def _moved(self) -> Iterator[str]:
+        """Say by how much rest angles have moved for good, where the path ends each way."""
+        for leg, after in itertools.zip_longest(self.legs, self.legs[1:]):
+            goes_on = after is not None and after.points[0].t == leg.points[-1].t
+            if leg.moved and not goes_on:
+                moved = {i: m for i, m in enumerate(leg.moved, start=1) if abs(m) > SETTLED}
+                each = ", ".join(
+                    f"{i}: {math.degrees(m):+.4g}" for i, m in [*moved.items()][:MOST_ANGLES]
+                )
+                more = f" and {len(moved) - MOST_ANGLES} more" if len(moved) > MOST_ANGLES else ""
+                words = f"have moved, of crease {each}{more} [deg]" if moved else "have not moved"
+                yield f"rest angles at load {leg.points[-1].t:.6g} {words}"
+        if self.plastic_work:
+            yield f"plastic work {self.plastic_work:.6g} J"
 
     def _idle(self) -> Iterator[str]:
         for leg in self.legs:

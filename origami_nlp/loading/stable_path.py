@@ -35,8 +35,8 @@ WALL = ("refused", "singular", "touches")
 class StableSegment:
     """Stable states that a load passes, one way.
 
-    frames: in order.  node: position of the node at its end.  why: ``range``, ``snap``, ``breaks-symmetry``, or what
-    stopped it.
+    frames: in order.  node: position of the node at its end.  why: ``range``, ``snap``, ``breaks-symmetry``, a type of
+    event beyond which nothing is followed, or what stopped it.
     """
 
     frames: tuple[Equilibrium, ...]
@@ -101,7 +101,9 @@ def walk(
         onward = _onward(web, node, k, toward)
         if not onward and why != "range" and web.resume(node, toward):
             onward = _onward(web, node, k, toward)
-        if why == "range" or not onward:
+        # at the flat state, where branches cross, the energy falls along another one
+        flat = web.nodes[node].type == "singular" and not web.nodes[node].point[:-1].any()
+        if why == "range" or not onward or flat:
             return StableSegment(tuple(frames), node, why)
         k = onward[0]
         beyond = web.arcs[k].frames
@@ -137,8 +139,8 @@ def _why(web: BifurcationDiagram, node: int, end: float) -> str:
     found = web.nodes[node]
     if abs(found.s - end) <= SETTLED * (1 + abs(end)):
         return "range"
-    if found.type == LATE:
-        return LATE
+    if found.type in (LATE, *web.stops):
+        return found.type
     if (
         found.type in WALL
         or (found.type == "slides" and not found.located)

@@ -76,7 +76,7 @@ def modes_of(state: State, scene: Scene | None, number: int, minimum: JudgedStat
     if state.problem.sparse:
         why = f"a pattern of more than {MOST_DENSE} creases is too large for eigenvectors"
         return StateModes(number, minimum, (), (), 0.0, why)
-    held, why = _loaded(state)
+    held, why = loaded_stratum(state)
     if held is None:
         return StateModes(number, minimum, (), (), 0.0, why)
     problem = state.problem
@@ -121,7 +121,7 @@ def breaking_stiffness(
         Smallest eigenvalue of the block that `find_modes` calls breaking [N m/rad]; inf where nothing breaks it and
         keeps the loaded contacts closed, nan where the state has no one Hessian.
     """
-    held, _ = _loaded(state, contacts)
+    held, _ = loaded_stratum(state, contacts)
     if held is None:
         return math.nan
     z = held.tangent
@@ -132,10 +132,25 @@ def breaking_stiffness(
     return math.inf
 
 
-def _loaded(
+def loaded_stratum(
     state: State, contacts: tuple[Contact, ...] | None = None
 ) -> tuple[Stratum | None, str]:
-    """Return a state with its loaded contacts held, or None and why it has no one Hessian."""
+    """Return a state with its loaded contacts held, or None and why it has no one Hessian.
+
+    Parameters
+    ----------
+    state
+        In equilibrium.
+    contacts
+        Those closed at the state, where they are known; the state looks for them otherwise.
+
+    Returns
+    -------
+    held : Stratum or None
+        The state on the contacts that push.
+    why : str
+        In words, where there is none.
+    """
     if not state.regular:
         return None, "closure loses rank here: states leave in no linear space of directions"
     if contacts is None and len(state.pieces) > 1:

@@ -69,13 +69,17 @@ from .hinge_types import (
 )
 from .hinges_stated import (
     LAW_PLACES as LAW_PLACES,
+    Laws as Laws,
     check_law_place as check_law_place,
+    energy_with_laws as energy_with_laws,
     law_at as law_at,
     law_probes as law_probes,
     laws_to_fold as laws_to_fold,
     most_torque as most_torque,
+    read_torque_bounds as read_torque_bounds,
     same_laws as same_laws,
     seen_laws as seen_laws,
+    torque_with_laws as torque_with_laws,
 )
 from .kept_symmetry import with_symmetry_of as with_symmetry_of
 from .labels import (

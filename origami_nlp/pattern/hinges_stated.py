@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from origami_nlp.arguments import shown
+from origami_nlp.arguments import check_number, check_whole, shown
 from origami_nlp.errors import FoldFileError, OptionError, OrigamiError, SceneError
 from origami_nlp.io import printable
 from origami_nlp.numerics import OUTSIDE
@@ -267,6 +267,44 @@ def same_laws(one: Laws, two: Laws) -> bool:
     )
 
 
+def read_torque_bounds(given: Any, creases: int, what: str) -> np.ndarray:
+    """Return a bound of the torque of each crease, of friction or yielding.
+
+    Parameters
+    ----------
+    given
+        One for all creases [N m], a list with None for those that have none, or a mapping from numbers (1-based).
+    creases
+        How many there are.
+    what
+        Name of the argument.
+
+    Returns
+    -------
+    numpy.ndarray
+        Bounds [N m], inf where there is none, [N].
+
+    Raises
+    ------
+    OptionError
+        If it is none of these, or a bound is not positive.
+    """
+    out = np.full(creases, np.inf)
+    if isinstance(given, Mapping):
+        pairs = [(check_whole(f"{what}: crease", i, 1, creases) - 1, t) for i, t in given.items()]
+    elif isinstance(given, Sequence | np.ndarray) and not isinstance(given, str):
+        if len(given) != creases:
+            raise OptionError(
+                f"{what} = {shown(given)} must be one number [N m], or one or None for each of {creases} creases"
+            )
+        pairs = [(i, t) for i, t in enumerate(given) if t is not None]
+    else:
+        pairs = [(i, given) for i in range(creases)]
+    for i, t in pairs:
+        out[i] = check_number(f"{what} of crease {i + 1}", t, 0.0)
+    return out
+
+
 def most_torque(stiffness: Sequence[float], laws: Laws) -> float:
     """Return a torque beyond which springs and laws no longer matter: what would turn all of them once round.
 
@@ -323,7 +361,24 @@ def law_numbers(laws: Laws) -> list[list[float]]:
 def energy_with_laws(
     phi: np.ndarray, k: np.ndarray, rest: np.ndarray, laws: Laws, preload: Sequence[float] = ()
 ) -> np.ndarray:
-    """Elastic energy of states [..., N], springs and laws, these less preload . phi, [...]."""
+    """Return the elastic energy of states, springs and laws, these less preload . phi.
+
+    Parameters
+    ----------
+    phi
+        Fold angles of states [..., N] [rad].
+    k, rest
+        Of linear springs [N] [N m/rad, rad].
+    laws
+        In their place; none: ().
+    preload
+        Torques that act beside laws [N m], or ().
+
+    Returns
+    -------
+    numpy.ndarray
+        Energies [...] [J].
+    """
     energy = 0.5 * k * (phi - rest) ** 2
     for i, law in enumerate(laws):
         if law is not None:
@@ -336,7 +391,24 @@ def energy_with_laws(
 def torque_with_laws(
     phi: np.ndarray, k: np.ndarray, rest: np.ndarray, laws: Laws, preload: Sequence[float] = ()
 ) -> np.ndarray:
-    """Torques of states [..., N], springs and laws, these less preload, same shape."""
+    """Return the torques of states, springs and laws, these less preload.
+
+    Parameters
+    ----------
+    phi
+        Fold angles of states [..., N] [rad].
+    k, rest
+        Of linear springs [N] [N m/rad, rad].
+    laws
+        In their place; none: ().
+    preload
+        Torques that act beside laws [N m], or ().
+
+    Returns
+    -------
+    numpy.ndarray
+        Torques [..., N] [N m].
+    """
     torque = k * (phi - rest)
     for i, law in enumerate(laws):
         if law is not None:

@@ -190,6 +190,11 @@ def scene_from_dict(data: Mapping[str, Any], source: str = "") -> Scene:
     """
     data = dict(data)
     of_laws = data.pop("laws", {})
+    if "yield_torque" in (data.get("creases") or ()):
+        raise SceneFileError(
+            "[creases] yield_torque: what has yielded hangs on the path of loads, not on a state; give it to "
+            "a load path: load --yield"
+        )
     check_tables(data, _KEYS, "a scene has", SceneFileError, ("loads",))
     vertex, creases = vertex_from_dict(data.get("vertex", {})), data.get("creases", {})
     rest_key = one_of(creases, "[creases]", ("rest_angles", "rest_angles_deg"), SceneFileError)

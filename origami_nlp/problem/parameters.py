@@ -70,8 +70,9 @@ class Parameters:
 
     @property
     def softness(self) -> float:
-        """Softest spring over the mean one: how small a torque still matters."""
-        return float(self.stiffness.min() / self.stiffness.mean())
+        """Softest spring over the mean one, but for hinges that yield: how small a torque still matters."""
+        springs = self.stiffness[self.stiffness > 0]
+        return float(springs.min() / springs.mean()) if len(springs) else 1.0
 
     @property
     def step_noise(self) -> float:
@@ -102,9 +103,9 @@ class Parameters:
     def excess(self, x: np.ndarray) -> np.ndarray:
         """Energy of states [..., n] above that of springs at rest under the load, over `Model.scale`, shape [...].
 
-        inf under forces in space and with laws: no state is known to have the least energy.
+        inf under forces in space, with laws and with hinges that yield: no state is known to have the least energy.
         """
-        if not self.plain:
+        if not self.plain or not self.stiffness.all():
             return np.full(x.shape[:-1], np.inf)
         # U - load . phi is least at phi0 + load / k, where the torque is 0
         return 0.5 * np.sum(self.torque(x) ** 2 / self.stiffness, axis=-1)

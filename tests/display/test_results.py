@@ -159,7 +159,7 @@ def test_options_are_named():
         "target",
         "fold_angles",
     }
-    beside |= {"event", "load", "out"}
+    beside |= {"event", "load", "out", "torque"}
     for name in o.__all__:
         thing = getattr(o, name)
         if not inspect.isfunction(thing):

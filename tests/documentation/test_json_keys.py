@@ -20,7 +20,7 @@ CLASSES = {
     one.__name__: one
     for one in (
         *(o.MinimaResult, o.LoadPath, Atlas, BifurcationSet, o.Motion, o.Modes, o.ContactReport),
-        *(o.Barriers, o.CriticalPoints, o.Space, Design, o.Validity, o.LayerOrders),
+        *(o.Friction, o.Barriers, o.CriticalPoints, o.Space, Design, o.Validity, o.LayerOrders),
     )
 }
 

@@ -1,0 +1,156 @@
+"""Hinges that yield along a load path: elastic up to a torque, perfectly plastic at it.
+
+A hinge with the elastic law U_i and the yield torque T_i bears tau = U_i'(phi - p), |tau| <= T_i.  Where |tau| comes to
+T_i it yields: the torque stays, and the plastic angle p follows phi; where phi turns back it is elastic again about the
+rest angle that has moved by p.  Both are problems like any other: moved rest angles, or a constant torque in place of a
+spring.  Which of the hinges at their yield torque go on yielding is decided by the rates there (the rate problem of
+plasticity: a hinge yields forwards or its torque falls, not both).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from origami_nlp.continuation import Equilibrium, ParameterLine
+from origami_nlp.loading.driver import VertexDriver
+from origami_nlp.loading.pattern_driver import PatternDriver
+from origami_nlp.numerics import SETTLED
+from origami_nlp.pattern import Laws, energy_with_laws, read_torque_bounds, torque_with_laws
+
+YIELDS, HOLDS = "yields", "unloads"
+"""Types of events: a hinge comes to its yield torque; one that yields turns back, and is elastic again."""
+
+
+@dataclass(frozen=True, eq=False)
+class YieldingHinges:
+    """Elastic and perfectly plastic hinges at one stage of a path: some yield, the others are elastic.
+
+    Attributes
+    ----------
+    most
+        Yield torques [N m], inf where a hinge has none, [N].
+    stiffness, rest, laws
+        The elastic hinges, as stated.
+    preload
+        Torques that act beside the hinges [N m], [N].
+    moved
+        By how much rest angles had moved when the stage began, [N] [rad].
+    since
+        Fold angles at which hinges that yield began to, nan of the others, [N] [rad].
+    """
+
+    most: np.ndarray
+    stiffness: np.ndarray
+    rest: np.ndarray
+    laws: Laws
+    preload: np.ndarray
+    moved: np.ndarray
+    since: np.ndarray
+
+    @staticmethod
+    def of(driver: VertexDriver | PatternDriver, given: Any) -> YieldingHinges:
+        """Return the hinges of what is loaded before anything has yielded."""
+        stated: Any = driver.unloaded
+        k = np.array(stated.stiffness, float)
+        vertex = isinstance(driver, VertexDriver)
+        rest = np.array(stated.rest_angles if vertex else stated.rest, float)
+        preload = np.array((vertex and stated.preload) or np.zeros(len(k)), float)
+        none = np.zeros(len(k))
+        most = read_torque_bounds(given, len(k), "yield_torque")
+        return YieldingHinges(most, k, rest, stated.laws, preload, none, none + np.nan)
+
+    @property
+    def yielding(self) -> np.ndarray:
+        """Which hinges yield, [N]."""
+        return np.isfinite(self.since)
+
+    def _elastic(self, phi: np.ndarray) -> np.ndarray:
+        """Return fold angles of states [..., N] less the plastic angle of each hinge."""
+        return np.where(self.yielding, self.since, phi) - self.moved
+
+    def torque(self, phi: np.ndarray) -> np.ndarray:
+        """Torques of hinges at states [..., N], without preload, same shape."""
+        return torque_with_laws(self._elastic(phi), self.stiffness, self.rest, self.laws)
+
+    def moved_at(self, phi: np.ndarray) -> np.ndarray:
+        """Return by how much rest angles have moved at states [..., N]."""
+        return self.moved + np.where(self.yielding, phi - self.since, 0.0)
+
+    def stored(self, phi: np.ndarray) -> np.ndarray:
+        """Energy that hinges store at states [..., N] above what they would without having yielded, [...]."""
+        now, before = (
+            energy_with_laws(x, self.stiffness, self.rest, self.laws)
+            for x in (self._elastic(phi), np.asarray(phi))
+        )
+        return now - before
+
+    def work(self, phi: np.ndarray) -> float:
+        """Plastic work since the stage began, at a state [N]."""
+        return float(self.torque(phi) @ (self.moved_at(phi) - self.moved))
+
+    def at(self, phi: np.ndarray) -> YieldingHinges:
+        """Return the hinges at a state where a stage ends, all elastic."""
+        return replace(self, moved=self.moved_at(phi), since=np.full(len(phi), np.nan))
+
+    def full(self, phi: np.ndarray) -> np.ndarray:
+        """Return which hinges are at their yield torque at a state: 1 towards valley, -1 towards mountain, [N]."""
+        share = self.torque(phi) / self.most
+        return np.where(np.abs(share) >= 1 - SETTLED, np.sign(share), 0.0)
+
+    @property
+    def events(self) -> list[tuple[str, Callable[[Equilibrium], float]]]:
+        """Functions of a state that are zero where a hinge begins to yield, or turns back."""
+
+        def room(i: int) -> Callable[[Equilibrium], float]:
+            return lambda f: 1.0 - float((self.torque(f.state)[i] / self.most[i]) ** 2)
+
+        def rate(i: int) -> Callable[[Equilibrium], float]:
+            return lambda f: float(f.tangent[i])
+
+        elastic = np.isfinite(self.most) & ~self.yielding
+        return [(YIELDS, room(i)) for i in np.flatnonzero(elastic).tolist()] + [
+            (HOLDS, rate(i)) for i in np.flatnonzero(self.yielding).tolist()
+        ]
+
+    def line(self, driver: VertexDriver | PatternDriver) -> ParameterLine:
+        """Return the problems over the load in this stage; every crease is a variable."""
+        line = driver.line()
+        p, on = line.start, self.yielding
+        held = self.torque(np.zeros(len(on)))
+        # of springs preload is part of the rest angle, beside laws it is a load
+        linear = (
+            np.array([law is None for law in self.laws]) if self.laws else np.ones(len(on), bool)
+        )
+        torque = np.where(on, np.where(linear, self.preload, 0.0) - held, 0.0) / line.problem.scale
+        laws = p.laws
+        if laws is not None:
+            left = tuple(None if y else law for law, y in zip(laws.laws, on, strict=True))
+            laws = replace(
+                laws,
+                laws=left,
+                weight=np.where(on, 0.0, laws.weight),
+                shift=np.where(on | (laws.weight == 0), laws.shift, laws.shift + self.moved),
+            )
+        start = replace(
+            p,
+            stiffness=np.where(on, 0.0, p.stiffness),
+            rest=p.rest + self.moved,
+            load=p.load + torque,
+            laws=laws,
+        )
+        return replace(line, problem=line.problem.varied(start), start=start)
+
+    def beyond_law(self, phi: np.ndarray) -> int | None:
+        """Return the first crease (1-based) whose law, moved with its rest angle, is not known at a state, or None."""
+        angle = self._elastic(phi)
+        for i, law in enumerate(self.laws):
+            if (
+                law is not None
+                and not law.breaks[0] - SETTLED <= angle[i] <= law.breaks[-1] + SETTLED
+            ):
+                return i + 1
+        return None
