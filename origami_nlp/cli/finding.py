@@ -55,7 +55,7 @@ def minima(
     """
     from origami_nlp.minima import find_vertexwise
     from origami_nlp.pattern import Scene
-    from origami_nlp.proof import why_no_strip
+    from origami_nlp.proof import why_no_mesh, why_no_strip
     from origami_nlp.results import draw
     from origami_nlp.verbs import write_fold, write_mesh
 
@@ -88,9 +88,11 @@ def minima(
     stated = scene.read_whole(contact=True)
     if not isinstance(stated, Scene):
         options["contact"] = scene.whole_contact
-        if certificate is not None and (why := why_no_strip(stated)):
+        why = why_no_strip(stated) if certificate is not None else ""
+        if why and (other := why_no_mesh(stated)):
             raise OptionError(
-                f"--certificate = {certificate!r}: the list of a pattern is proved of strips: {why}"
+                f"--certificate = {certificate!r}: the list of a pattern is proved of strips ({why}) and of meshes "
+                f"whose vertices fold flat ({other})"
             )
     stopped = False
     try:
@@ -126,7 +128,7 @@ def _write_certificate(result: MinimaResult, file: str) -> None:
         why = found.reason if found else "it was not asked for (--prove)"
         raise OptionError(f"--certificate: there is no proof to write: {why}")
     if result.is_pattern:
-        _write_strip_certificate(result, found.boxes, file)
+        _write_pattern_certificate(result, found.boxes, file)
         return
     models = [Model(one) for one in result.scene.of_each_winding]
     proofs = [
@@ -140,14 +142,21 @@ def _write_certificate(result: MinimaResult, file: str) -> None:
     write_certificate(certificate_of(result.scene, *proofs), file)
 
 
-def _write_strip_certificate(result: MinimaResult, boxes: int, file: str) -> None:
+def _write_pattern_certificate(result: MinimaResult, boxes: int, file: str) -> None:
     from origami_nlp.proof import (
+        certificate_of_mesh,
         certificate_of_strip,
+        prove_mesh,
         prove_strip,
+        why_no_strip,
         why_no_strip_contact,
         write_certificate,
     )
 
+    if why_no_strip(result.pattern):
+        mesh = prove_mesh(result.pattern, boxes=boxes)
+        write_certificate(certificate_of_mesh(result.pattern, mesh), file)
+        return
     contact = getattr(result.search, "contact", "full") == "full"
     proof = prove_strip(
         result.pattern,
@@ -163,11 +172,18 @@ def check_proof(out: Output, proof: o.ProofFile) -> None:
 
     Exit code 1 if a claim is not confirmed: the first one is named.
     """
-    from origami_nlp.proof import StripCertificate, check_proof as check, read_certificate
+    from origami_nlp.proof import (
+        MeshCertificate,
+        StripCertificate,
+        check_proof as check,
+        read_certificate,
+    )
 
     certificate = read_certificate(proof)
     if isinstance(certificate, StripCertificate):
         size = sum(len(curve.claims) for curve in certificate.curves)
+    elif isinstance(certificate, MeshCertificate):
+        size = len(certificate.minima)
     else:
         size = len(certificate.nodes.kind)
     with progress(f"check of {proof}", size) as report:

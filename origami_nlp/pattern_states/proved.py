@@ -1,4 +1,4 @@
-"""A proof of all minima of a strip, held against what a search found."""
+"""A proof of all minima of a strip, or of a mesh whose vertices fold flat, held against what a search found."""
 
 from __future__ import annotations
 
@@ -16,24 +16,30 @@ from origami_nlp.pattern import Pattern
 from origami_nlp.pattern_problem import PatternProblem
 from origami_nlp.pattern_states.judgement import judge, judge_end, singular_beside
 from origami_nlp.proof import (
+    MeshProof,
     ProofOptions,
     StripProof,
+    prove_mesh,
     prove_strip,
+    why_no_mesh,
     why_no_strip,
     why_no_strip_contact,
 )
 
 FEW = 3
-"""Vertices in a row up to which a proof is tried unasked, one fewer with contact."""
+"""Vertices in a row up to which a proof is tried unasked, one fewer with contact; of a mesh, fewer than that."""
 UNASKED = 20_000
 """Boxes of a proof that nobody asked for: it costs about as much as the search."""
 
 
 def is_tried(pattern: Pattern, wanted: bool | float | ProofOptions | None, contact: bool) -> bool:
-    """Return whether a proof is tried: where it is asked for, or of a short strip."""
-    if wanted is None:
-        return len(pattern.vertices) <= FEW - contact and not why_no_strip(pattern)
-    return wanted is not False
+    """Return whether a proof is tried: where it is asked for, or of a short strip or a small mesh."""
+    if wanted is not None:
+        return wanted is not False
+    many = len(pattern.vertices)
+    if not why_no_strip(pattern):
+        return many <= FEW - contact
+    return many < FEW and not contact and not why_no_mesh(pattern)
 
 
 def prove_list(
@@ -65,8 +71,9 @@ def prove_list(
     added : list of JudgedState
         What the proof found, and was judged.
     """
-    if why := why_no_strip(pattern):
-        return Completeness("not-proved", f"no strip: {why}"), []
+    why, other = why_no_strip(pattern), why_no_mesh(pattern)
+    if why and other:
+        return Completeness("not-proved", f"no strip: {why}; no mesh that folds flat: {other}"), []
     options = wanted if isinstance(wanted, ProofOptions) else ProofOptions()
     if wanted is None:
         options = replace(options, boxes=UNASKED)
@@ -74,13 +81,19 @@ def prove_list(
     if isinstance(wanted, float | int) and not isinstance(wanted, bool):
         seconds = float(wanted)
     until = min(problem.until, time.monotonic() + seconds)
+    if why:
+        mesh = prove_mesh(pattern, boxes=options.boxes, until=until)
+        return hold_against(mesh, problem, known, contact)
     facets = contact and not why_no_strip_contact(pattern)
     proof = prove_strip(pattern, contact=facets, boxes=options.boxes, until=until)
     return hold_against(proof, problem, known, contact)
 
 
 def hold_against(
-    proof: StripProof, problem: PatternProblem, known: Sequence[JudgedState], contact: bool
+    proof: StripProof | MeshProof,
+    problem: PatternProblem,
+    known: Sequence[JudgedState],
+    contact: bool,
 ) -> tuple[Completeness, list[JudgedState]]:
     """Compare minima that are known with those that are proved; what is missing is judged.
 
@@ -117,8 +130,8 @@ def hold_against(
             against.append(
                 f"a proved minimum ({near[0].energy:.9g} J) is judged: {near[0].verdict}"
             )
-    for one, other in itertools.combinations(proof.minima, 2):
-        if np.abs(one.fold_angles - other.fold_angles).max() <= 2 * DUPLICATE_TOL:
+    for one, other in itertools.combinations([m.fold_angles for m in proof.minima], 2):
+        if np.abs(one - other).max() <= 2 * DUPLICATE_TOL:
             against.append("two proved minima are not distinguished by the list")
     listed = [s for s in (*known, *judged) if s.verdict == "minimum"]
     for state in listed:
@@ -130,9 +143,10 @@ def hold_against(
         many = len(proof.undecided)
         reasons.append(f"{many} interval{'s' * (many != 1)} of the curves not decided")
     if contact and not proof.contact:
+        why = why_no_strip_contact(problem.pattern) if isinstance(proof, StripProof) else "a mesh"
         reasons.append(
             f"all minima within fold limits are proved, {len(proof.minima)} on {proof.curves} curves; "
-            f"{why_no_strip_contact(problem.pattern)}: states that touching facets hold are not enumerated"
+            f"{why}: states that touching facets hold are not enumerated"
         )
     added = [s for s in judged if s.verdict == "minimum"]
     completeness = Completeness(
@@ -146,14 +160,13 @@ def hold_against(
         tuple(_region(problem.pattern, *interval) for interval in proof.undecided),
         (),
         tuple(Added(s.energy, s.fold_angles) for s in added),
-        f"all closed states within fold limits lie on {proof.curves} curves through the flat state"
-        + ", and facets are apart, touch or cross over intervals of them" * proof.contact,
+        proof.over,
     )
     return completeness, judged
 
 
 def _where_rank_is_lost(
-    proof: StripProof, problem: PatternProblem, phi: np.ndarray, contact: bool
+    proof: StripProof | MeshProof, problem: PatternProblem, phi: np.ndarray, contact: bool
 ) -> list[JudgedState]:
     """Judge the state beside a proved minimum at which closure loses rank, if it is beside no other one.
 

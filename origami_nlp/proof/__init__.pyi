@@ -21,6 +21,18 @@ from .complete import pose as pose
 from .document import certificate_of as certificate_of
 from .figure import draw_proof as draw_proof, locate as locate
 from .flat import Flat as Flat, flat_lemma as flat_lemma
+from .mesh_certificate import (
+    MeshCertificate as MeshCertificate,
+    mesh_from_dict as mesh_from_dict,
+    mesh_to_dict as mesh_to_dict,
+)
+from .mesh_states import why_no_mesh as why_no_mesh
+from .meshes import (
+    MeshMinimum as MeshMinimum,
+    MeshProof as MeshProof,
+    certificate_of_mesh as certificate_of_mesh,
+    prove_mesh as prove_mesh,
+)
 from .options import ProofOptions as ProofOptions
 from .result import Cluster as Cluster, Proof as Proof, ProvedCriticalPoint as ProvedCriticalPoint
 from .singular import Isolation as Isolation, isolated as isolated

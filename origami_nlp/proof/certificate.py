@@ -20,6 +20,12 @@ import numpy as np
 from origami_nlp.errors import CertificateError
 from origami_nlp.io import Finite, check_schema, from_plain, read_json, to_plain, write_json
 from origami_nlp.pattern import Scene
+from origami_nlp.proof.mesh_certificate import (
+    MESH_SCHEMA,
+    MeshCertificate,
+    mesh_from_dict,
+    mesh_to_dict,
+)
 from origami_nlp.proof.strip_certificate import (
     STRIP_SCHEMA,
     StripCertificate,
@@ -211,13 +217,15 @@ def _document(certificate: Certificate) -> _Document:
     )
 
 
-def write_certificate(certificate: Certificate | StripCertificate, target: str | Path) -> None:
+def write_certificate(
+    certificate: Certificate | StripCertificate | MeshCertificate, target: str | Path
+) -> None:
     """Write a certificate to a file, whole or not at all.
 
     Parameters
     ----------
     certificate
-        Of a vertex or of a strip.
+        Of a vertex, of a strip or of a mesh.
     target
         The file, or ``"-"`` for standard output.
 
@@ -228,11 +236,13 @@ def write_certificate(certificate: Certificate | StripCertificate, target: str |
     """
     if isinstance(certificate, StripCertificate):
         write_json(strip_to_dict(certificate), target)
+    elif isinstance(certificate, MeshCertificate):
+        write_json(mesh_to_dict(certificate), target)
     else:
         write_json(certificate_to_dict(certificate), target)
 
 
-def read_certificate(source: str | Path) -> Certificate | StripCertificate:
+def read_certificate(source: str | Path) -> Certificate | StripCertificate | MeshCertificate:
     """Read a certificate from a file.
 
     Parameters
@@ -242,8 +252,8 @@ def read_certificate(source: str | Path) -> Certificate | StripCertificate:
 
     Returns
     -------
-    Certificate or StripCertificate
-        Of a vertex or of a strip: well formed, nothing in it is checked.
+    Certificate, StripCertificate or MeshCertificate
+        Of a vertex, of a strip or of a mesh: well formed, nothing in it is checked.
 
     Raises
     ------
@@ -253,6 +263,8 @@ def read_certificate(source: str | Path) -> Certificate | StripCertificate:
     data = read_json(source, LARGEST, "proof", CertificateError)
     if isinstance(data, dict) and data.get("schema") == STRIP_SCHEMA:
         return strip_from_dict(data)
+    if isinstance(data, dict) and data.get("schema") == MESH_SCHEMA:
+        return mesh_from_dict(data)
     return certificate_from_dict(data)
 
 

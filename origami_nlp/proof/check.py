@@ -14,7 +14,7 @@ claimed; leaves that rest on it lie within that radius.  (c) Leaves at the flat 
 anew.  (d) What the proof leaves open is reported.  (e) The minima claimed are those of (b).  (f) With symmetry there is
 a tree for every way in which the whole vertex closes, from the product of all its folds (`check_whole`).
 
-Proofs of strips have a statement of their own: `check_strips`.
+Proofs of strips and of meshes have statements of their own: `check_strips`, `check_mesh`.
 
 What is trusted.  This file, `certificate` and `check_*`, which share no code with the search; the reading of a scene,
 with its symmetry; python-flint and FLINT (`arb`: midpoint and radius, rounded outwards); Python, and NumPy where it
@@ -35,6 +35,7 @@ from typing import TYPE_CHECKING
 
 from origami_nlp.errors import OptionError
 from origami_nlp.proof.certificate import KINDS, Certificate, read_certificate
+from origami_nlp.proof.mesh_certificate import MeshCertificate
 from origami_nlp.proof.strip_certificate import StripCertificate
 
 if TYPE_CHECKING:
@@ -107,7 +108,7 @@ class Check:
 
 
 def check_proof(
-    proof: str | Path | Certificate | StripCertificate,
+    proof: str | Path | Certificate | StripCertificate | MeshCertificate,
     progress: Callable[[int, int], object] | None = None,
 ) -> Check:
     """Check a proof from its file: every claim, by ball arithmetic of its own.
@@ -140,6 +141,8 @@ def check_proof(
         ) from None
     if isinstance(certificate, StripCertificate):
         return _check_strip(certificate, progress or (lambda done, total: None))
+    if isinstance(certificate, MeshCertificate):
+        return _check_mesh(certificate, progress or (lambda done, total: None))
     from origami_nlp.proof.check_replay import COARSE, FINE, Refused, Replay
 
     every = (certificate, *certificate.others)
@@ -200,6 +203,34 @@ def _check_strip(said: StripCertificate, progress: Callable[[int, int], object])
             f"python-flint {flint.__version__} ({BITS} bits), Python, NumPy for suggestions",
             "the statement: round a flat vertex of degree four 1 - cos of opposite folds have one ratio (Rodrigues)",
             *([contact] if said.contact else []),
+        ),
+    )
+
+
+def _check_mesh(said: MeshCertificate, progress: Callable[[int, int], object]) -> Check:
+    import flint
+
+    from origami_nlp.proof.check_mesh import BITS, MeshCheck
+    from origami_nlp.proof.check_points import Refused
+
+    check, refused = MeshCheck(said, progress), ""
+    try:
+        check.run()
+    except Refused as problem:
+        refused = str(problem)
+    many = len(said.minima)
+    return Check(
+        refused,
+        () if refused else tuple(range(1, many + 1)),
+        tuple(m.fold_angles for m in said.minima),
+        {0: many, 1: check.maxima},
+        () if refused else tuple(check.open),
+        dict(check.counts),
+        (
+            f"python-flint {flint.__version__} ({BITS} bits), Python",
+            f"the sheet: vertices fold flat and equal sectors are equal, exactly (the file: {said.deviation:.2g} rad)",
+            "the statement: round such a vertex opposite folds are equal up to sign, and tangents of half the others "
+            "proportional, or creases in one line are at +-180 degrees, or those across are 0",
         ),
     )
 

@@ -24,6 +24,7 @@ from typing import Any, NamedTuple
 from flint import arb, arb_series, fmpq
 
 from origami_nlp.proof.check_points import Refused
+from origami_nlp.proof.sheet_certificate import StatedSheet
 from origami_nlp.proof.strip_certificate import StripCertificate
 
 CHANGE = 0.8
@@ -43,17 +44,16 @@ class Round(NamedTuple):
     directions: list[tuple[Any, Any]]
 
 
-class FlatSheet:
-    """The sheet that a certificate states.
+class FlatDisk:
+    """The sheet that a certificate states: one flat piece of paper without holes, and its interior vertices.
 
     Raises
     ------
     Refused
-        If it is not flat vertices of degree four in a row, as stated, on one piece of paper without holes.
+        If it is none.
     """
 
-    def __init__(self, said: StripCertificate) -> None:
-        self.said = said
+    def __init__(self, said: StatedSheet) -> None:
         self.stiffness = [arb(k) for k in said.stiffness]
         self.rest = [arb(r) for r in said.rest]
         self.points = [tuple(map(Fraction, p)) for p in said.corners]
@@ -70,9 +70,7 @@ class FlatSheet:
             raise Refused("the creases are not the sides that two facets share, each once")
         self.crease = {frozenset(c): i for i, c in enumerate(said.creases)}
         self._is_disk(inner)
-        self.inside = {v for v in range(len(self.points)) if self._round(v) is not None}
-        self.vertices, self.squares = self._row()
-        self.across = [c for v in self.vertices for c in (v.creases[1], v.creases[3])]
+        self.inside = {v for v in range(len(self.points)) if self.round(v) is not None}
 
     def _cross(self, o: int, a: int, b: int) -> Fraction:
         (x, y), (u, v), (w, z) = (self.points[i] for i in (o, a, b))
@@ -103,7 +101,7 @@ class FlatSheet:
             if starts > 1:
                 raise Refused(f"corner {v} joins parts of the sheet alone")
 
-    def _round(self, v: int) -> list[int] | None:
+    def round(self, v: int) -> list[int] | None:
         """Return the neighbours of an interior vertex counter-clockwise; None on the border."""
         first = next((e for e in self.beside if e[0] == v), None)
         if first is None:
@@ -119,8 +117,24 @@ class FlatSheet:
             if edge not in self.beside:
                 return None
 
+
+class FlatSheet(FlatDisk):
+    """The sheet of a strip.
+
+    Raises
+    ------
+    Refused
+        If it is not flat vertices of degree four in a row, as stated, on one piece of paper without holes.
+    """
+
+    def __init__(self, said: StripCertificate) -> None:
+        super().__init__(said)
+        self.said = said
+        self.vertices, self.squares = self._row()
+        self.across = [c for v in self.vertices for c in (v.creases[1], v.creases[3])]
+
     def _row(self) -> tuple[list[Round], list[Fraction]]:
-        said, at = self.said, {v: self._round(v) for v in self.inside}
+        said, at = self.said, {v: self.round(v) for v in self.inside}
         ends = [set(said.creases[c]) for c in said.row]
         squares, rounds = [Fraction(1)], []
         met: set[int] = set()

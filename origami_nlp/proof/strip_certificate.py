@@ -7,11 +7,18 @@ of a curve has one of `CLAIMS`.  Nothing in a file is evaluated.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, Literal, TypeAlias
 
 from origami_nlp.errors import CertificateError
 from origami_nlp.io import Finite, from_plain, to_plain
+from origami_nlp.proof.sheet_certificate import (
+    CertifiedState,
+    OpenInterval,
+    StatedSheet,
+    check_sheet,
+)
 
 STRIP_SCHEMA = "origami-nlp/strip-proof/1"
 Claim: TypeAlias = Literal[
@@ -52,35 +59,20 @@ class CertifiedCurve:
 
 
 @dataclass(frozen=True)
-class CertifiedMinimum:
-    """A minimum: the signs of its curve, theta between two numbers, fold angles [rad] to within a radius."""
+class CertifiedMinimum(CertifiedState):
+    """A minimum: the signs of its curve, and theta between two numbers."""
 
     signs: tuple[Literal[-1, 1], ...]
     theta: tuple[Finite, Finite]
-    fold_angles: tuple[Finite, ...]
-    radius: Finite
     touching: tuple[tuple[int, int], ...]
 
 
 @dataclass(frozen=True)
-class OpenInterval:
-    """What is left open: fold angles [rad] between two states, and why."""
-
-    lower: tuple[Finite, ...]
-    upper: tuple[Finite, ...]
-    reason: str
-
-
-@dataclass(frozen=True)
-class StripCertificate:
-    """What the proof of a strip claims.
+class StripCertificate(StatedSheet):
+    """What the proof of a strip claims of a sheet.
 
     Attributes
     ----------
-    corners, facets, creases
-        The flat sheet: points [V], corners of each facet, corners that each crease joins [n].
-    stiffness, rest
-        Of the creases, [n] [N m/rad] and [rad].
     contact
         Whether states in which facets cross are left out.
     row
@@ -95,11 +87,6 @@ class StripCertificate:
         What is left open.
     """
 
-    corners: tuple[tuple[Finite, Finite], ...]
-    facets: tuple[tuple[int, ...], ...]
-    creases: tuple[tuple[int, int], ...]
-    stiffness: tuple[Finite, ...]
-    rest: tuple[Finite, ...]
     contact: bool
     row: tuple[int, ...]
     curves: tuple[CertifiedCurve, ...]
@@ -118,20 +105,11 @@ def strip_from_dict(data: dict[str, Any]) -> StripCertificate:
     own = {key: value for key, value in data.items() if key != "schema"}
     said = from_plain(StripCertificate, own, "proof", CertificateError)
     n = len(said.creases)
-    sizes = [("stiffness", said.stiffness, n), ("rest", said.rest, n)]
+    sizes: list[tuple[str, Sequence[object], int]] = []
     for i, curve in enumerate(said.curves, start=1):
         sizes.append((f"curves[{i}].signs", curve.signs, len(said.row)))
         sizes.append((f"curves[{i}].ends", curve.ends, len(curve.claims) + 1))
-    for i, minimum in enumerate(said.minima, start=1):
-        sizes.append((f"minima[{i}].fold_angles", minimum.fold_angles, n))
-    for name, values, many in sizes:
-        if len(values) != many:
-            raise CertificateError(f"{name} of the proof must be {many} numbers")
-    numbers = [c for row in (*said.facets, *said.creases) for c in row]
-    if not numbers or not 0 <= min(numbers) <= max(numbers) < len(said.corners):
-        raise CertificateError("facets and creases of the proof must be numbers of its corners")
+    check_sheet(said, said.minima, sizes)
     if not all(0 <= c < n for c in said.row):
         raise CertificateError("row of the proof must be numbers of its creases")
-    if any(len(set(f)) < max(3, len(f)) for f in said.facets):
-        raise CertificateError("facets of the proof must have three corners or more, each once")
     return said

@@ -15,11 +15,11 @@ import numpy as np
 
 from origami_nlp.errors import OptionError
 from origami_nlp.pattern import Pattern
+from origami_nlp.proof.sheet_certificate import OpenInterval, stated_sheet
 from origami_nlp.proof.strip_certificate import (
     CertifiedCurve,
     CertifiedMinimum,
     CertifiedTouch,
-    OpenInterval,
     StripCertificate,
     TouchingBox,
 )
@@ -82,6 +82,12 @@ class StripProof:
     contact: bool = False
     row: tuple[int, ...] = ()
     claims: tuple[CertifiedCurve, ...] = field(default=(), repr=False)
+
+    @property
+    def over(self) -> str:
+        """Over which states the statement ranges, in words."""
+        facets = ", and facets are apart, touch or cross over intervals of them" * self.contact
+        return f"all closed states within fold limits lie on {self.curves} curves through the flat state{facets}"
 
 
 def prove_strip(
@@ -218,31 +224,23 @@ def certificate_of_strip(pattern: Pattern, proof: StripProof) -> StripCertificat
     OptionError
         If a facet is of several pieces: the check knows none.
     """
-    if len(pattern.polygons) != pattern.facets:
-        raise OptionError(
-            f"pattern = {pattern.title}: no certificate is written where a facet is of several pieces (F or J edges)"
-        )
     return StripCertificate(
-        tuple((x, y) for x, y, _ in pattern.corners.tolist()),
-        tuple(tuple(map(int, p)) for p in pattern.polygons),
-        tuple((a, b) for a, b in pattern.ends.tolist()),
-        tuple(pattern.stiffness.tolist()),
-        tuple(pattern.rest.tolist()),
-        proof.contact,
-        proof.row,
-        proof.claims,
-        tuple(
+        **stated_sheet(pattern),
+        contact=proof.contact,
+        row=proof.row,
+        curves=proof.claims,
+        minima=tuple(
             CertifiedMinimum(
-                m.signs,  # type: ignore[arg-type]
-                m.theta,
                 tuple(m.fold_angles.tolist()),
                 m.radius,
+                m.signs,  # type: ignore[arg-type]
+                m.theta,
                 m.touching,
             )
             for m in proof.minima
         ),
-        proof.maxima,
-        tuple(
+        maxima=proof.maxima,
+        undecided=tuple(
             OpenInterval(tuple(low.tolist()), tuple(high.tolist()), why)
             for low, high, why in proof.undecided
         ),

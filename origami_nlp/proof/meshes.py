@@ -1,0 +1,363 @@
+"""All minima of a mesh whose vertices fold flat, with cycles or without, within fold limits (`mesh_states`).
+
+The closed states are finitely many products of curves, and the energy is a sum over curves: a state is a minimum if it
+is one along every curve of every product that it lies in.  Those products are known from which creases are 0, at +-180
+degrees or neither, vertex by vertex.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+import time
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from origami_nlp.errors import OptionError
+from origami_nlp.pattern import Pattern
+from origami_nlp.proof.affine import UNIT
+from origami_nlp.proof.balls import Ball
+from origami_nlp.proof.mesh_certificate import MeshCertificate
+from origami_nlp.proof.mesh_curves import CurveEnergy, CurveMinima, fold
+from origami_nlp.proof.mesh_states import (
+    Crossing,
+    Curve,
+    FoldingMesh,
+    StateProduct,
+    VertexMode,
+    as_folding_mesh,
+    why_no_mesh,
+)
+from origami_nlp.proof.sheet_certificate import CertifiedState, OpenInterval, stated_sheet
+
+FLAT, HALF_TURN = 0, 1
+Place = int | tuple[Curve, int]
+"""Where a crease is: 0; 1 or -1, at +-180 degrees; or on a curve, at its minimum of some number."""
+
+
+@dataclass(frozen=True)
+class MeshMinimum:
+    """A minimum of the energy of a mesh.
+
+    Attributes
+    ----------
+    fold_angles
+        [n] [rad]; those that are 0 or +-pi are so exactly.
+    radius
+        None of the fold angles differs by more [rad].
+    """
+
+    fold_angles: np.ndarray
+    radius: float
+
+
+@dataclass(frozen=True)
+class MeshProof:
+    """What is proved of a mesh within fold limits.
+
+    Attributes
+    ----------
+    curves
+        Curves of which all closed states are products.
+    products
+        Those products: which curves, with all other creases at 0 or +-180 degrees.
+    isolated
+        How many of these products are of states alone: no curve is in them.
+    together
+        Curves of one product, at most.
+    minima
+        Each once.
+    maxima
+        How many maxima of the energy lie inside the curves.
+    undecided
+        What is left open: between which fold angles [n], [n], and why.
+    deviation
+        By how much the sectors of the file differ from the relations that are taken as exact [rad].
+    boxes, seconds
+        Boxes of theta, and the processor time that they took.
+    """
+
+    curves: int
+    products: int
+    isolated: int
+    together: int
+    minima: tuple[MeshMinimum, ...]
+    maxima: int
+    undecided: tuple[tuple[np.ndarray, np.ndarray, str], ...]
+    deviation: float
+    boxes: int
+    seconds: float
+
+    contact = False
+    """Facets may cross."""
+
+    @property
+    def over(self) -> str:
+        """Over which states the statement ranges, in words."""
+        return (
+            f"all closed states within fold limits are {self.products} products of {self.curves} curves, along which "
+            f"tangents of half the fold angles are proportional ({self.together} of a product at most; "
+            f"{self.isolated} products are of flat and flat-folded states alone); of the sheet whose vertices fold "
+            f"flat and whose equal sectors are equal exactly, as the file's are to {self.deviation:.2g} rad"
+        )
+
+
+def prove_mesh(pattern: Pattern, *, boxes: int = 1_000_000, until: float = math.inf) -> MeshProof:
+    """Find every minimum of the energy of a mesh of vertices that fold flat, within fold limits, with a proof.
+
+    Parameters
+    ----------
+    pattern
+        Flat vertices of degree four, opposite sectors of each summing to 180 degrees; in any order, with cycles.
+    boxes
+        At most so many boxes of theta; what is left is undecided.
+    until
+        Stop then (`time.monotonic`).
+
+    Returns
+    -------
+    MeshProof
+        All minima, but for what is undecided.
+
+    Raises
+    ------
+    OptionError
+        If the pattern is no such mesh: `why_no_mesh` says why.
+
+    Examples
+    --------
+    >>> import origami_nlp as o
+    >>> from origami_nlp.proof import prove_mesh
+    >>> proof = prove_mesh(o.examples.pattern("miura", 2, 3))
+    >>> proof.curves, len(proof.minima), proof.undecided
+    (6, 14, ())
+    """
+    pattern.check_plain_hinges("a proof")
+    mesh, why = as_folding_mesh(pattern)
+    if mesh is None:
+        raise OptionError(
+            f"pattern = {pattern.title}: no mesh that can be proved: {why or why_no_mesh(pattern)}"
+        )
+    started = time.process_time()
+    search = _Enumeration(mesh, pattern, boxes, until)
+    search.run()
+    return MeshProof(
+        len(search.known),
+        len(search.products),
+        sum(not f.curves for f in search.products),
+        max((len(f.curves) for f in search.products), default=0),
+        tuple(search.minima),
+        sum(known.maxima for known in search.known.values()),
+        tuple(search.open),
+        mesh.deviation + 4 * UNIT,
+        search.boxes,
+        time.process_time() - started,
+    )
+
+
+def certificate_of_mesh(pattern: Pattern, proof: MeshProof) -> MeshCertificate:
+    """Return the proof of a mesh in the form that is written to a file and checked.
+
+    Parameters
+    ----------
+    pattern
+        The mesh.
+    proof
+        Of it.
+
+    Returns
+    -------
+    MeshCertificate
+        All that is claimed.
+
+    Raises
+    ------
+    OptionError
+        If a facet is of several pieces: the check knows none.
+    """
+    return MeshCertificate(
+        **stated_sheet(pattern),
+        deviation=proof.deviation,
+        minima=tuple(CertifiedState(tuple(m.fold_angles.tolist()), m.radius) for m in proof.minima),
+        undecided=tuple(
+            OpenInterval(tuple(low.tolist()), tuple(high.tolist()), why)
+            for low, high, why in proof.undecided
+        ),
+    )
+
+
+class _Enumeration:
+    """All products, their curves, and which of their states are minima."""
+
+    def __init__(self, mesh: FoldingMesh, pattern: Pattern, boxes: int, until: float) -> None:
+        self.mesh, self.pattern, self.most, self.until = mesh, pattern, boxes, until
+        self.known: dict[Curve, CurveMinima] = {}
+        self.products: set[StateProduct] = set()
+        self.open: list[tuple[np.ndarray, np.ndarray, str]] = []
+        self.minima: list[MeshMinimum] = []
+        self.boxes = 0
+        self._local: dict[tuple[tuple[VertexMode, ...], ...], list[StateProduct] | None] = {}
+
+    def run(self) -> None:
+        """Go through all products, and ask of each state that may be a minimum whether it is."""
+        for modes in itertools.product(*(c.modes for c in self.mesh.crossings)):
+            for product in self.mesh.products(modes):
+                if product is None:
+                    self._leave(None, "whether a loop of vertices moves is not certain")
+                else:
+                    self.products.add(product)
+        places: dict[tuple[Place, ...], None] = {}
+        for product in sorted(self.products, key=_order):
+            if time.monotonic() > self.until:
+                self._leave(None, "time was over")
+                return
+            for found in self._candidates(product):
+                places.setdefault(found)
+        for curve, known in self.known.items():
+            for low, high in known.open:
+                self._leave((curve, low, high), "where the energy is least along a curve")
+        for one in places:
+            self._judge(one)
+
+    def curve(self, curve: Curve) -> CurveMinima:
+        """Return what is known of a curve."""
+        if curve not in self.known:
+            energy = CurveEnergy(self.mesh, curve, self.pattern.stiffness, self.pattern.rest)
+            self.known[curve] = energy.minima(max(0, self.most - self.boxes))
+            self.boxes += self.known[curve].boxes
+        return self.known[curve]
+
+    def _candidates(self, product: StateProduct) -> Iterator[tuple[Place, ...]]:
+        """Yield states of a product that are minima along its curves, or at +-180 degrees in any way."""
+        ways: list[list[dict[int, Place]]] = [
+            [{c: side * sign for c, sign in row} for side in (1, -1)] for row in product.folded
+        ]
+        for curve in product.curves:
+            own: list[dict[int, Place]] = []
+            for number, (low, high) in enumerate(self.curve(curve).inside):
+                flat = low == 0 == high
+                own.append(
+                    {c: FLAT if flat else (curve, number) for m in curve for c, _ in m.creases}
+                )
+            for sides in itertools.product((1, -1), repeat=len(curve)):
+                own.append(
+                    {
+                        c: side * s
+                        for m, side in zip(curve, sides, strict=True)
+                        for c, s in m.creases
+                    }
+                )
+            ways.append(own)
+        for parts in itertools.product(*ways):
+            at: dict[int, Place] = dict.fromkeys(product.flat, FLAT)
+            for part in parts:
+                at |= part
+            yield tuple(at[c] for c in range(self.mesh.creases))
+
+    def _judge(self, places: tuple[Place, ...]) -> None:
+        """Add a state to the minima if it is one along all curves through it."""
+        low, high = self._angles(places)
+        moving = [c for c, place in enumerate(places) if isinstance(place, tuple)]
+        if (low[moving] * high[moving] <= 0).any() or time.monotonic() > self.until:
+            self.open.append((low, high, "a state beside the flat one, or time was over"))
+            return
+        options = tuple(
+            tuple(o for o in crossing.modes if _holds(o, crossing, places, low))
+            for crossing in self.mesh.crossings
+        )
+        if options not in self._local:
+            found = [f for modes in itertools.product(*options) for f in self.mesh.products(modes)]
+            self._local[options] = None if None in found else [f for f in found if f is not None]
+        products = self._local[options]
+        if products is None:
+            return  # it is left open for all
+        certain = True
+        for curve in {c for product in products for c in product.curves}:
+            slope = self._way_down(curve, places)
+            if slope is None:
+                certain = False
+            elif slope < 0:
+                return
+        if certain:
+            self.minima.append(MeshMinimum(0.5 * (low + high), float(0.5 * (high - low).max())))
+        else:
+            self.open.append((low, high, "whether the energy falls from a state along a curve"))
+
+    def _way_down(self, curve: Curve, places: tuple[Place, ...]) -> int | None:
+        """Return -1 where the energy falls from a state along a curve, 1 where not, None where that is not certain."""
+        sides = set()
+        for member in curve:
+            for c, sign in member.creases:
+                place = places[c]
+                if isinstance(place, tuple):
+                    return 1  # its minimum
+                sides.add(place * sign * member.sign)
+        known = self.curve(curve)
+        if sides == {FLAT}:
+            slope, bend = known.flat
+            if slope:
+                return -1
+            return bend if slope == 0 and bend else None
+        if len(sides) > 1:
+            return 1  # another end than those of the curve
+        (side,) = sides
+        slope = known.ends[side > 0]
+        return -side * slope or None
+
+    def _angles(self, places: tuple[Place, ...]) -> tuple[np.ndarray, np.ndarray]:
+        low, high = np.zeros(len(places)), np.zeros(len(places))
+        for c, place in enumerate(places):
+            if isinstance(place, tuple):
+                curve, number = place
+                low[c], high[c] = self._within(curve, *self.curve(curve).inside[number])[c]
+            else:
+                low[c] = high[c] = place * math.pi
+        return low, high
+
+    def _within(self, curve: Curve, low: float, high: float) -> dict[int, tuple[float, float]]:
+        """Return the fold angles of the creases of a curve over a box of theta."""
+        found = {}
+        for member in curve:
+            kappa = self.mesh.multiplier(member.key)
+            ends = [fold(kappa, Ball(np.array(x), np.array(0.0)))[0] for x in (low, high)]
+            one, two = (
+                float(ends[0].centre - ends[0].radius),
+                float(ends[1].centre + ends[1].radius),
+            )
+            for c, sign in member.creases:
+                s = sign * member.sign
+                found[c] = (
+                    max(min(s * one, s * two), -math.pi),
+                    min(max(s * one, s * two), math.pi),
+                )
+        return found
+
+    def _leave(self, where: tuple[Curve, float, float] | None, why: str) -> None:
+        low, high = (np.full(self.mesh.creases, s * math.pi) for s in (-1, 1))
+        for c, ends in (self._within(*where) if where else {}).items():
+            low[c], high[c] = ends
+        self.open.append((low, high, why))
+
+
+def _order(product: StateProduct) -> tuple[object, ...]:
+    return (len(product.curves), sorted(product.flat), product.folded, product.curves)
+
+
+def _holds(
+    option: VertexMode, crossing: Crossing, places: Sequence[Place], angles: np.ndarray
+) -> bool:
+    """Return whether a vertex is in a state that it reaches by one of its modes."""
+    s = np.sign(angles[list(crossing.creases)])
+    if s[2] != option.sign * s[0] or s[3] != -option.sign * s[1]:
+        return False
+    kinds = [_kind(places[c]) for c in crossing.creases[:2]]
+    if option.held is None:
+        return kinds[0] == kinds[1]
+    pair, what = option.held
+    return kinds[pair] == what
+
+
+def _kind(place: Place) -> str:
+    return "moves" if isinstance(place, tuple) else "folded" if place else "flat"

@@ -1,0 +1,255 @@
+"""All minima of meshes whose vertices fold flat: against closures, proofs and searches that know no closed form."""
+
+import itertools
+import json
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import origami_nlp as o
+from origami_nlp.errors import CertificateError, OptionError
+from origami_nlp.pattern import make_pattern
+from origami_nlp.proof import (
+    certificate_of_mesh,
+    check_proof,
+    mesh_from_dict,
+    mesh_to_dict,
+    prove_mesh,
+    read_certificate,
+    why_no_mesh,
+    write_certificate,
+)
+from origami_nlp.proof.mesh_states import as_folding_mesh
+from tests.independent.rigid import Rigid
+from tests.patterns import wheel
+
+
+def sprung(pattern, seed):
+    """A pattern with springs over two decades that rest anywhere."""
+    rng = np.random.default_rng(seed)
+    n = pattern.creases
+    return pattern.with_springs(
+        stiffness=(0.02 * 10 ** rng.uniform(-1, 1, n)).tolist(),
+        rest_angles=rng.uniform(-3, 3, n).tolist(),
+    )
+
+
+def round_one_facet(seed):
+    """Four vertices that fold flat round a quadrangle, with sectors that close no loop but by chance."""
+    rng = np.random.default_rng(seed)
+    corners = np.array([0, 1, 1 + 1j, 1j]) + 0.2 * (rng.uniform(-1, 1, (4, 2)) @ [1, 1j])
+    points, faces = list(corners), [(0, 1, 2, 3)]
+    for k in range(4):
+        here, after, before = (corners[(k + i) % 4] for i in (0, 1, -1))
+        inside = np.angle((before - here) / (after - here))
+        # sectors inside, s, 180 - inside, 180 - s
+        s = rng.uniform(0.35, 0.65) * math.pi
+        away = (before - here) / abs(before - here) * np.exp(1j * s)
+        points += [here + 0.4 * away, here + 0.4 * away * np.exp(1j * (math.pi - inside))]
+        faces.append((k, 4 + 2 * k, 5 + 2 * k))
+    for k in range(4):
+        n = (k + 1) % 4
+        faces.append((n, k, 5 + 2 * k, 4 + 2 * n))
+    return make_pattern(np.array([[z.real, z.imag] for z in points]), faces)
+
+
+MESHES = {
+    "miura:2x3": lambda: o.examples.pattern("miura", 2, 3),
+    "miura:3x3": lambda: o.examples.pattern("miura", 3, 3),
+    "squaretwist": lambda: o.examples.pattern("squaretwist"),
+    "a quadrangle": lambda: round_one_facet(3),
+}
+
+
+@pytest.mark.parametrize("name", list(MESHES)[:3])
+def test_closed_states_are_those_of_the_products(name):
+    pattern = MESHES[name]()
+    mesh, _ = as_folding_mesh(pattern)
+    assert mesh is not None
+    products = {
+        f
+        for way in itertools.product(*(c.modes for c in mesh.crossings))
+        for f in mesh.products(way)
+    }
+    rigid, rng, closed = Rigid(pattern), np.random.default_rng(0), 0
+    for _ in range(30):
+        phi = _closed(rigid, rng.uniform(-2, 2, pattern.creases))
+        if phi is None or np.abs(phi).max() > math.pi or not _is_paper(pattern, phi):
+            continue
+        closed += 1
+        assert min(_distance(mesh, f, phi) for f in products) < 1e-5
+    assert closed > 5
+
+
+def _closed(rigid, phi):
+    """Close fold angles by Newton steps."""
+    for _ in range(60):
+        miss = rigid.open(phi)
+        if np.abs(miss).max() < 1e-12:
+            return phi
+        phi = phi - np.clip(np.linalg.pinv(rigid.differences(phi), rcond=1e-5) @ miss, -0.5, 0.5)
+    return None
+
+
+def _is_paper(pattern, phi):
+    """Whether each vertex comes back turned by no full turn."""
+    for v in pattern.vertices:
+        ends = pattern.ends[list(v.creases)].sum(axis=1) - v.vertex
+        turn = np.eye(2, dtype=complex)
+        for c, u in zip(v.creases, pattern.corners[ends] - pattern.corners[v.vertex], strict=True):
+            x, y, _ = u / np.linalg.norm(u) * math.sin(phi[c] / 2)
+            turn = turn @ (
+                math.cos(phi[c] / 2) * np.eye(2) - 1j * np.array([[0, x - 1j * y], [x + 1j * y, 0]])
+            )
+        if turn[0, 0].real < 0:
+            return False
+    return True
+
+
+def _distance(mesh, product, phi):
+    """How far fold angles are from a product."""
+    far = [abs(phi[c]) for c in product.flat]
+    far += [abs(abs(phi[c]) - math.pi) for row in product.folded for c, _ in row]
+    for curve in product.curves:
+        c0, s0 = curve[0].creases[0]
+        t = math.tan(s0 * phi[c0] / 2)
+        for m in curve:
+            x = 2 * math.atan(m.sign * float(mesh.multiplier(m.key).centre) * t)
+            far += [abs(math.remainder(phi[c] - s * x, 2 * math.pi)) for c, s in m.creases]
+    for row in product.folded:
+        (c0, s0) = row[0]
+        far += [abs(s * np.sign(phi[c]) - s0 * np.sign(phi[c0])) for c, s in row]
+    return max(far)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_one_vertex_as_the_proof_of_vertices_has_it(seed):
+    rng = np.random.default_rng(seed)
+    a, b = rng.uniform(0.3, 0.7, 2) * math.pi
+    pattern = sprung(wheel([a, b, math.pi - a, math.pi - b]), seed)
+    proof = prove_mesh(pattern)
+    scene = o.Scene(
+        o.Vertex([a, b, math.pi - a, math.pi - b]),
+        rest_angles=pattern.rest.tolist(),
+        stiffness=pattern.stiffness.tolist(),
+        contact="fold-limits",
+    )
+    found = o.find_minima(scene, prove=True)
+    assert found.completeness.proved and not proof.undecided
+    ours = sorted(pattern.energy(m.fold_angles) for m in proof.minima)
+    assert ours == pytest.approx(sorted(m.energy for m in found.minima), abs=1e-9)
+
+
+@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("name", MESHES)
+def test_minima_are_found_again_by_the_check(name, seed):
+    pattern = sprung(MESHES[name](), seed)
+    proof = prove_mesh(pattern)
+    assert proof.minima and not proof.undecided
+    assert proof.deviation < 1e-14
+    found = check_proof(certificate_of_mesh(pattern, proof))
+    assert not found.refused and not found.open
+    assert found.indices[1] == proof.maxima
+
+
+def test_loops_that_do_not_close_are_rigid():
+    proof = prove_mesh(sprung(round_one_facet(3), 0))
+    assert proof.together == 0 and proof.isolated == proof.products
+    assert all(np.isin(np.abs(m.fold_angles), (0.0, math.pi)).all() for m in proof.minima)
+
+
+def test_a_search_has_the_same_list():
+    found = o.find_minima(o.examples.pattern("miura", 2, 3), contact="fold-limits", escape=False)
+    assert found.completeness.proved and len(found.minima) == 14
+    assert not found.completeness.added
+    assert "proportional" in found.completeness.over
+
+
+@pytest.mark.slow
+def test_a_search_has_the_same_list_where_there_is_a_cycle():
+    pattern = o.examples.pattern("miura", 3, 3)
+    found = o.find_minima(pattern, contact="fold-limits", escape=False, prove=True)
+    assert found.completeness.proved and len(found.minima) == 202
+
+
+@pytest.mark.slow
+def test_random_springs_on_a_mesh():
+    for seed in range(100):
+        pattern = sprung(o.examples.pattern("miura", *((3, 3) if seed % 2 else (2, 4))), seed)
+        found = check_proof(certificate_of_mesh(pattern, prove_mesh(pattern)))
+        assert not found.refused and not found.open
+
+
+def good():
+    pattern = sprung(o.examples.pattern("miura", 3, 3), 0)
+    return certificate_of_mesh(pattern, prove_mesh(pattern))
+
+
+def test_omissions_are_refused():
+    said = good()
+    for k in range(0, len(said.minima), 40):
+        few = replace(said, minima=said.minima[:k] + said.minima[k + 1 :])
+        assert "is not listed" in check_proof(few).refused
+    twice = replace(said, minima=(*said.minima, said.minima[0]))
+    assert "does not follow" in check_proof(twice).refused
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        lambda s: replace(s, stiffness=(2 * s.stiffness[0], *s.stiffness[1:])),
+        lambda s: replace(s, rest=(*s.rest[:-1], -s.rest[-1])),
+        lambda s: replace(s, deviation=1e-17),
+        lambda s: replace(
+            s, corners=tuple((x + 0.01 * (x > 1) * (y == 1), y) for x, y in s.corners)
+        ),
+        lambda s: replace(s, creases=s.creases[1:], stiffness=s.stiffness[1:], rest=s.rest[1:]),
+        lambda s: replace(
+            s,
+            minima=(
+                replace(s.minima[0], fold_angles=tuple(1e-6 + x for x in s.minima[0].fold_angles)),
+                *s.minima[1:],
+            ),
+        ),
+    ],
+)
+def test_other_sheets_springs_and_states_are_refused(wrong):
+    said = wrong(good())
+    if len(said.creases) < 12:
+        said = replace(
+            said,
+            minima=tuple(replace(m, fold_angles=m.fold_angles[1:]) for m in said.minima),
+        )
+    assert check_proof(said).refused
+
+
+def test_a_certificate_survives_its_file(tmp_path):
+    said = good()
+    write_certificate(said, tmp_path / "mesh.json")
+    assert read_certificate(tmp_path / "mesh.json") == said
+    data = json.loads(json.dumps(mesh_to_dict(said)))
+    with pytest.raises(CertificateError, match="stiffness"):
+        mesh_from_dict(data | {"stiffness": [1.0]})
+
+
+def test_flat_at_rest():
+    """Springs that rest flat: the flat state, on all curves, and what stands alone at +-180 degrees."""
+    pattern = o.examples.pattern("miura", 2, 3).with_springs(stiffness=1.0, rest_angles=[0.0] * 7)
+    proof = prove_mesh(pattern)
+    assert not proof.undecided
+    (flat,) = [m for m in proof.minima if not m.fold_angles.any()]
+    found = check_proof(certificate_of_mesh(pattern, proof))
+    assert not found.refused and not found.open
+    assert all((np.abs(m.fold_angles) == math.pi).any() for m in proof.minima if m is not flat)
+
+
+def test_what_is_no_such_mesh_is_named():
+    assert "four creases" in why_no_mesh(o.examples.pattern("waterbomb", 2, 2))
+    why = why_no_mesh(o.examples.pattern("metasheet", 3, 3))
+    assert "does not fold flat" in why
+    with pytest.raises(OptionError, match="does not fold flat"):
+        prove_mesh(o.examples.pattern("metasheet", 3, 3))
+    found = prove_mesh(sprung(o.examples.pattern("squaretwist"), 0), boxes=20)
+    assert found.undecided
