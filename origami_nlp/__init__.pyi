@@ -1,4 +1,5 @@
 from . import inverse_design as inverse_design, paper as paper, sweep as sweep
+from .actuation import Actuation as Actuation, actuate as actuate
 from .barriers import Barriers as Barriers, find_barriers as find_barriers
 from .bifurcation import (
     Atlas as Atlas,

@@ -33,6 +33,7 @@ _READ = (
     ("pattern/2", "arc", "pattern_states", "Motion"),
     ("pattern/2", "facets", "pattern_states", "Mobility"),
     ("hinge/1", "law", "hinges", "MeasuredHinge"),
+    ("actuation/1", "loads", "actuation", "Actuation"),
     ("layers/1", "components", "validity", "LayerOrders"),
     ("validity/1", "tests", "validity", "Validity"),
 )

@@ -135,10 +135,21 @@ class Torque(_OfPattern):
         The sheet.
     creases
         Numbers (1-based).
+    shares
+        What each of them gets of t; none: all of it.
+
+    Examples
+    --------
+    >>> import numpy as np, origami_nlp as o
+    >>> from origami_nlp.pattern_problem import Torque
+    >>> torque = Torque(o.examples.pattern("miura", 2, 2), (1, 3), (1.0, -0.5))
+    >>> torque.name, float(torque.conjugate(np.array([0.2, 0.0, 0.4, 0.0])))
+    ('torque on creases 1, 3 (shares 1, -0.5)', 0.0)
     """
 
     pattern: Pattern
     creases: tuple[int, ...]
+    shares: tuple[float, ...] = ()
     unit: ClassVar[str] = "N m"
 
     def __post_init__(self) -> None:
@@ -148,17 +159,26 @@ class Torque(_OfPattern):
             check_whole("crease", c, 1, self.pattern.creases)
         if len(set(self.creases)) < len(self.creases):
             raise OptionError(f"creases = {shown(self.creases)} names a crease twice")
+        if self.shares and len(self.shares) != len(self.creases):
+            raise OptionError(f"shares = {shown(self.shares)} must be one for each crease, or none")
+        if self.shares and not (np.isfinite(self.shares).all() and any(self.shares)):
+            raise OptionError(f"shares = {shown(self.shares)} must be numbers, not all of them 0")
 
     @property
     def name(self) -> str:
         """What t is."""
         numbers = ", ".join(map(str, self.creases))
+        if self.shares:
+            shares = ", ".join(f"{share:.6g}" for share in self.shares)
+            return f"torque on creases {numbers} (shares {shares})"
         one = len(self.creases) == 1
         return f"torque on crease {numbers}" if one else f"torque on each of creases {numbers}"
 
     @property
     def coordinate(self) -> str:
         """What it works on, with its unit."""
+        if self.shares:
+            return "fold angles of creases, times their shares of the torque [rad]"
         one = len(self.creases) == 1
         return (
             f"fold angle of crease {self.creases[0]} [rad]"
@@ -174,11 +194,11 @@ class Torque(_OfPattern):
     @cached_property
     def _share(self) -> np.ndarray:
         out = np.zeros(self.pattern.creases)
-        out[np.array(self.creases) - 1] = 1.0
+        out[np.array(self.creases) - 1] = self.shares or 1.0
         return out
 
     def conjugate(self, phi: np.ndarray) -> np.ndarray:
-        """Return the sum of the fold angles, of states [..., n]."""
+        """Return the sum of the fold angles, each times its share, of states [..., n]."""
         return np.asarray(phi) @ self._share
 
     def gradient(self, phi: np.ndarray) -> np.ndarray:
@@ -195,9 +215,10 @@ class Torque(_OfPattern):
         p = self.pattern
         of_laws = [i - 1 for i in self.creases if p.laws and p.laws[i - 1]]
         i = np.setdiff1d(np.array(self.creases) - 1, of_laws)
-        room = np.sum(t * p.rest[i] + t * t / (2 * p.stiffness[i]))
+        each = t * self._share
+        room = np.sum(each[i] * p.rest[i] + each[i] ** 2 / (2 * p.stiffness[i]))
         # laws are 0 at least, and fold angles within +-pi
-        return float(room + abs(t) * math.pi * len(of_laws))
+        return float(room + math.pi * np.abs(each[of_laws]).sum())
 
     def loaded(self, t: float) -> Pattern:
         """Return the pattern whose springs are wound by the torque; to laws it is added."""

@@ -1,3 +1,4 @@
+from .branch_points import split as split
 from .clearance import Clearance as Clearance, Stretches as Stretches
 from .confirming import IpoptConfirmation as IpoptConfirmation, confirm_minimum as confirm_minimum
 from .contact_descents import (
@@ -8,6 +9,7 @@ from .contact_descents import (
 from .curve import (
     ClosureCurve as ClosureCurve,
     follow_curve as follow_curve,
+    follow_from_flat as follow_from_flat,
     tangents as tangents,
 )
 from .descent import Descended as Descended, descend as descend
@@ -32,12 +34,14 @@ from .interactive import (
 )
 from .interpolant import (
     Interpolant as Interpolant,
+    halves as halves,
     interpolate as interpolate,
     wells as wells,
 )
 from .judgement import (
     classified as classified,
     judge as judge,
+    judge_end as judge_end,
     singular_beside as singular_beside,
 )
 from .mobility import (

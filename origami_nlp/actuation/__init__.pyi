@@ -1,0 +1,8 @@
+from .driving import DrivenSet as DrivenSet, driven_set as driven_set
+from .figure import draw_actuation as draw_actuation
+from .find import actuate as actuate
+from .result import (
+    Actuation as Actuation,
+    FlatBranch as FlatBranch,
+    Transition as Transition,
+)

@@ -1,0 +1,278 @@
+"""Actuate a vertex or a pattern: torques on creases, from the flat state or from another, one load after the other."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Mapping, Sequence
+from os import PathLike
+from typing import Any
+
+import numpy as np
+
+from origami_nlp.actuation.driving import DrivenSet, driven_set
+from origami_nlp.actuation.release import follows, release_along
+from origami_nlp.actuation.result import Actuation, FlatBranch
+from origami_nlp.actuation.transitions import Transitions, torque_of
+from origami_nlp.arguments import check_number, check_until, check_whole, shown
+from origami_nlp.errors import OptionError, OutOfTime
+from origami_nlp.minima import JudgedState
+from origami_nlp.numerics import DUPLICATE_TOL, SAME_DIRECTION, coarse, first_largest
+from origami_nlp.pattern import Pattern, Scene, as_origami, scene_pattern
+from origami_nlp.pattern_problem import PatternProblem
+from origami_nlp.pattern_states import find_states, list_branches, split
+
+Torques = Mapping[int, float]
+MOST_DRIVEN = 12
+"""Branches for which the fewest driven creases are looked for."""
+GENERIC = 2.0
+"""Step of the angles whose cosines make a direction of a family that nothing distinguishes [rad]."""
+
+
+def actuate(
+    origami: Scene | Pattern | str | PathLike[str],
+    torques: Torques | Sequence[Torques] | None = None,
+    *,
+    start: str | int | JudgedState = "flat",
+    effort: str = "normal",
+    seed: int = 0,
+    seconds: float | None = None,
+) -> Actuation:
+    """Put torques on creases: which states are reached, is the fold unique, and which few creases would make it so.
+
+    From the flat state a sheet goes along a branch if torques and springs work on it to first order.  The fold is
+    unique if they do so on exactly one branch, of one degree of freedom (Tachi and Hull, 2017).  What is reached is the
+    first minimum along each branch that is started, the torques constant.
+
+    Parameters
+    ----------
+    origami
+        A scene or a pattern, as `find_minima` takes it; facets may not cross, and no symmetry is imposed.
+    torques
+        On creases by their numbers (1-based) [N m], towards valley > 0; several of these: loads that are put on and
+        taken off one after the other.  None: branches of the flat state, and the fewest creases that start one alone.
+    start
+        ``"flat"``; a stable state without torques: its number (1-based), by energy, or itself; ``"all"``: all of them,
+        with the graph of where each load leads from each.
+    effort, seed
+        Of the search for stable states, see `find_minima`.
+    seconds
+        Wall time, to a second or two; what was left out is named.  None: no limit.
+
+    Returns
+    -------
+    Actuation
+        Branches, states and transitions.
+
+    Raises
+    ------
+    OptionError
+        If an argument is not what it must be, or there is no such stable state.
+
+    Examples
+    --------
+    One Miura vertex is folded uniquely by torques on creases 2 and 3; no torques do so with a sheet of four:
+
+    >>> import origami_nlp as o
+    >>> o.actuate("miura:2x2", {2: 0.01, 3: 0.01}).unique, o.actuate("miura:3x3").can_be_unique
+    (True, False)
+    """
+    until, pattern = check_until(seconds), _sheet(origami)
+    loads = tuple(
+        _load(pattern, t) for t in ([torques] if isinstance(torques, Mapping) else torques or ())
+    )
+    if not loads and start != "flat":
+        raise OptionError("torques is missing: say what is to act on that state, {crease: torque}")
+    if isinstance(start, str) and start not in ("flat", "all"):
+        raise OptionError(f"start = {shown(start)} must be 'flat', 'all', or a stable state")
+    left_out: list[str] = []
+    branches, reached, driven, reason = [], list[JudgedState](), list[DrivenSet](), ""
+    if start == "flat" or start == "all":
+        if not pattern.is_flat and start == "flat":
+            raise OptionError(
+                "start = 'flat': the sheet cannot lie flat; give the number of a stable state"
+            )
+        if pattern.is_flat:
+            try:
+                found, reason = flat_branches(pattern, until)
+                load = loads[0] if loads and start == "flat" else np.zeros(pattern.creases)
+                branches, reached = released(
+                    pattern, load, found, until, release=bool(loads) and start == "flat"
+                )
+                driven = _driven_sets(found, branches)
+            except OutOfTime:
+                left_out.append(
+                    "seconds: the time was over before branches of the flat state were followed"
+                )
+                reason = reason or "the time was over"
+    graph = Transitions(pattern, loads, until)
+    if start != "flat" or len(loads) > 1:
+        _go(graph, start, {"effort": effort, "seed": seed})
+    return Actuation(
+        pattern, loads, tuple(branches), tuple(reached), tuple(driven),
+        tuple(graph.states), tuple(graph.found), tuple(graph.walk), reason, (*left_out, *graph.left_out),
+    )  # fmt: skip
+
+
+def _go(graph: Transitions, start: Any, asked: dict[str, Any]) -> None:
+    """Apply loads: one after the other from one state, or each from all."""
+    if start == "flat":
+        graph.go(0)
+        return
+    number = 1
+    if isinstance(start, JudgedState):
+        graph.states = [start]
+    else:
+        limit = (
+            {} if graph.until == math.inf else {"seconds": max(graph.until - time.monotonic(), 0.0)}
+        )
+        found = find_states(graph.pattern, escape=False, prove=False, **asked, **limit).minima
+        graph.states = [m for m in found if np.any(m.phi)]
+        if start == "all":
+            graph.all(len(graph.states) < len(found))
+            return
+        if not found:
+            raise OptionError("no stable state was found without torques")
+        chosen = found[check_whole("start", start, 1, len(found)) - 1]
+        number = 1 + graph.states.index(chosen) if np.any(chosen.phi) else 0
+    graph.go(number)
+
+
+def _sheet(origami: Any) -> Pattern:
+    stated = as_origami(origami)
+    if isinstance(stated, Scene):
+        if stated.contact != "full":
+            raise OptionError(
+                f"contact = {stated.contact!r} of the scene must be 'full': facets are not to cross"
+            )
+        stated = scene_pattern(stated)
+    stated.check_alone("actuation")
+    return stated
+
+
+def _load(pattern: Pattern, torques: Any) -> np.ndarray:
+    if not isinstance(torques, Mapping) or not torques:
+        raise OptionError(
+            f"torques = {shown(torques)} must be {{crease: torque}}, or several of these"
+        )
+    out = np.zeros(pattern.creases)
+    for crease, torque in torques.items():
+        out[check_whole("crease", crease, 1, pattern.creases) - 1] = check_number(
+            f"torque on crease {crease}", torque
+        )
+    if not out.any():
+        raise OptionError("torques: all of them are 0")
+    return out
+
+
+def flat_branches(pattern: Pattern, until: float = math.inf) -> tuple[list[np.ndarray], str]:
+    """Enumerate the branches of the flat state: flat velocities that closed states follow.
+
+    Parameters
+    ----------
+    pattern
+        Flat.
+    until
+        Value of `time.monotonic` at which the time is over.
+
+    Returns
+    -------
+    branches : list of numpy.ndarray
+        An orthonormal basis of each, [n, k]: lines (k = 1) first.
+    reason : str
+        Why they were not enumerated; "" where they were.
+    """
+    problem = PatternProblem(pattern)
+    problem.until = until
+    cone = list_branches(pattern, None, problem.check_time)
+    if cone.reason:
+        return [], cone.reason
+    cone = split(problem, np.zeros(pattern.creases), cone)
+    lines = []
+    for line in cone.lines:
+        problem.check_time()
+        if follows(problem, line):
+            tidy = coarse(line)
+            lines.append(line * np.sign(tidy[first_largest(np.abs(tidy))]))
+    lines.sort(key=lambda line: tuple((-coarse(line)).tolist()))
+    for basis in cone.families:
+        generic = basis @ (basis.T @ np.cos(GENERIC * np.arange(len(basis))))
+        if not follows(problem, generic):
+            return (
+                [],
+                f"motions of {basis.shape[1]} degrees of freedom are not closed to higher order",
+            )
+    return [*(line[:, None] for line in lines), *cone.families], ""
+
+
+def released(
+    pattern: Pattern,
+    load: np.ndarray,
+    found: Sequence[np.ndarray],
+    until: float,
+    *,
+    release: bool = True,
+) -> tuple[list[FlatBranch], list[JudgedState]]:
+    """Go from the flat state along each branch on which a load and the springs work.
+
+    Parameters
+    ----------
+    pattern
+        Flat.
+    load
+        Torques, [n] [N m].
+    found
+        Of `flat_branches`.
+    until
+        Value of `time.monotonic` at which the time is over.
+    release
+        Whether to go; without, branches are compared alone.
+
+    Returns
+    -------
+    branches : list of FlatBranch
+        In the same order.
+    reached : list of JudgedState
+        Each state once, of the pattern with springs wound by the torques.
+    """
+    work = torque_of(pattern, load)
+    wound = pattern if work is None else work[0].loaded(work[1])
+    problem = PatternProblem(wound)
+    problem.until = until
+    force = -problem.torque(np.zeros(pattern.creases)) * problem.scale
+    least = SAME_DIRECTION * float(np.linalg.norm(force))
+    limit = problem.fold_limits.near(np.zeros(pattern.creases), SAME_DIRECTION)
+    branches, reached = [], list[JudgedState]()
+    for k, basis in enumerate(found):
+        others = [b for j, b in enumerate(found) if j != k]
+        drivable = driven_set(
+            k + 1, basis, np.column_stack([np.zeros((pattern.creases, 1)), *others]), 0
+        )
+        along = basis @ (basis.T @ force)
+        size = float(np.linalg.norm(along))
+        kind: Any = "line" if basis.shape[1] == 1 else "family"
+        if size <= least or (along * limit > SAME_DIRECTION * size).any() or not release:
+            worth = size if size > least and release else 0.0
+            blocked = "a stop holds it" if worth else ""
+            branches.append(FlatBranch(kind, basis, 0.0, drivable is not None, 0, blocked))
+            continue
+        problem.check_time()
+        state, why = release_along(problem, along / size, kind == "line")
+        number = 0
+        if state is not None:
+            near = [np.abs(state.phi - r.phi).max() <= DUPLICATE_TOL for r in reached]
+            number = 1 + (near.index(True) if True in near else len(reached))
+            reached += [state] * (number > len(reached))
+        branches.append(FlatBranch(kind, basis, size, drivable is not None, number, why))
+    return branches, reached
+
+
+def _driven_sets(found: Sequence[np.ndarray], branches: Sequence[FlatBranch]) -> list[DrivenSet]:
+    """Find the fewest creases that start a branch alone, of those that are started first."""
+    order = sorted(range(len(found)), key=lambda k: branches[k].work <= 0)
+    out = []
+    for k in [k for k in order if branches[k].drivable][:MOST_DRIVEN]:
+        others = [b for j, b in enumerate(found) if j != k]
+        none = np.zeros((len(found[k]), 1))
+        out.append(driven_set(k + 1, found[k], np.column_stack([none, *others])))
+    return sorted((d for d in out if d is not None), key=lambda d: d.branch)
