@@ -111,6 +111,11 @@ def own(name: str) -> None:
         vertex = o.Vertex((a, np.pi - a, np.pi - a, a))
         scene = o.Scene(vertex, (k,) * 4, (-psi + error, p, psi + error, p), symmetry="none")
         draw_row(o.find_minima(scene), path)
+    elif name == "actuated":
+        sheet = o.examples.pattern("metasheet:3x3").with_springs(0.02, 0.0)
+        driven = o.actuate(sheet).driven[1]
+        torques = zip(driven.creases, (0.02 * t for t in driven.torques), strict=True)
+        o.draw(o.actuate(sheet, dict(torques)), path)
     elif name == "measured_hinge":
         o.draw(o.fit_hinge(FOLDER.parent / "files" / "tape.csv"), path)
     elif name == "degree6_pi3":
@@ -233,6 +238,7 @@ PICTURES: dict[str, Callable[[str], None]] = {
     "degree6_pi3": own,
     "six_states": own,
     "birds_foot": own,
+    "actuated": own,
     "measured_hinge": own,
     "periodic_miura": drawn_periods,
     "waterbomb_curves": drawn_waterbombs,

@@ -16,8 +16,8 @@ from origami_nlp.cli import app as command_line
 from origami_nlp.references import REFERENCES
 
 ROOMS = (
-    "drawings pattern problem kkt minima loading modes friction bifurcation inverse_design proof contact critical "
-    "barriers continuation space chart landscape pattern_problem pattern_states validity sweep folding paper paper.cone"
+    "drawings pattern problem kkt minima loading actuation modes friction bifurcation inverse_design proof contact "
+    "critical barriers continuation space chart landscape pattern_problem pattern_states validity sweep folding paper paper.cone"
 ).split()
 """Rooms whose faces users of Python need, in the order of the pages."""
 
@@ -33,8 +33,8 @@ TASKS = {
     "How a sheet moves": "analyze_mobility find_motion Mobility Motion",
     "Is a folded state real, in how many layer orders": "check layer_orders Validity LayerOrders",
     "Loads, snaps, barriers": (
-        "load_path find_barriers find_modes find_contacts find_friction LoadPath Barriers Modes ContactReport "
-        "Friction"
+        "load_path actuate find_barriers find_modes find_contacts find_friction LoadPath Barriers Modes ContactReport "
+        "Friction Actuation"
     ),
     "Over a parameter": (
         "follow find_bifurcation_set sweep Atlas BifurcationSet ContinuationOptions"

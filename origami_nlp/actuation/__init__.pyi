@@ -4,5 +4,5 @@ from .find import actuate as actuate
 from .result import (
     Actuation as Actuation,
     FlatBranch as FlatBranch,
-    Transition as Transition,
+    StateTransition as StateTransition,
 )

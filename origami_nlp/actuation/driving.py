@@ -22,6 +22,8 @@ MOST_SETS = 20_000
 """Sets of creases that are gone through."""
 TOGETHER = 2_000
 """Of them at a time."""
+DIGITS = 12
+"""Decimals of torques over the largest: more are rounding."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -86,7 +88,7 @@ def driven_set(
         return None
     if not most:
         whole = np.arange(n)
-        return _found(branch, whole, _torques(target, base, whole[None])[0], False)
+        return _found(branch, target, whole, _torques(target, base, whole[None])[0], False)
     left = most
     for size in range(1, n + 1):
         sets, best = combinations(range(n), size), None
@@ -95,13 +97,13 @@ def driven_set(
         left -= math.comb(n, size)
         for some in _some(sets):
             torques = _torques(target, base, some)
-            worth = np.round(np.linalg.norm(torques, axis=1) / _largest(torques), 9)
+            worth = np.round((torques**2).sum(axis=1) / _largest(torques), DIGITS // 2)
             worth[~_works(torques)] = 0.0
             k = int(worth.argmax())
             if worth[k] > (0.0 if best is None else best[0]):
                 best = worth[k], some[k], torques[k]
         if best is not None:
-            return _found(branch, best[1], best[2], True)
+            return _found(branch, target, best[1], best[2], True)
     return _irreducible(branch, target, base)
 
 
@@ -116,15 +118,17 @@ def _irreducible(branch: int, target: np.ndarray, base: np.ndarray) -> DrivenSet
                 kept = fewer
                 break
         else:
-            return _found(branch, kept, _torques(target, base, kept[None])[0], False)
+            return _found(branch, target, kept, _torques(target, base, kept[None])[0], False)
 
 
-def _found(branch: int, creases: np.ndarray, torques: np.ndarray, fewest: bool) -> DrivenSet:
-    size = np.abs(torques).max()
-    torques = coarse(torques / size)
-    torques = torques * np.sign(torques[first_largest(np.abs(torques))])
+def _found(
+    branch: int, target: np.ndarray, creases: np.ndarray, torques: np.ndarray, fewest: bool
+) -> DrivenSet:
+    largest = torques[first_largest(np.abs(torques))]
+    torques = np.round(torques / largest, DIGITS)
     which = tuple((creases + 1).tolist())
-    return DrivenSet(branch, which, tuple(torques.tolist()), float(np.linalg.norm(torques)), fewest)
+    work = float(np.linalg.norm(target[creases].T @ torques))
+    return DrivenSet(branch, which, tuple(torques.tolist()), work, fewest)
 
 
 def _span(vectors: np.ndarray) -> np.ndarray:

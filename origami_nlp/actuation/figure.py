@@ -27,7 +27,9 @@ MOST_DRAWN = 8
 """States."""
 COLUMNS, CELL = 4, 3.0
 """Of the picture, and the width of each [in]."""
-ARROW = "#444444"
+ARROW, BEND = "#444444", 0.2
+"""Of transitions: colour, and how far they leave the straight line, over its length."""
+PAPER: Any = {"boxstyle": "round,pad=0.1", "fc": "white", "ec": "none", "alpha": 0.85}
 
 
 def draw_actuation(seen: Actuation) -> Figure:
@@ -42,8 +44,8 @@ def draw_actuation(seen: Actuation) -> Figure:
     -------
     matplotlib.figure.Figure
         First the sheet: driven creases in the colour of their torque, the fewest that start a branch alone dotted where
-        no load is stated.  Then the graph of transitions, where there are any: nodes are stable states (0: flat), the
-        numbers of arrows those of loads, with the shares at which it snaps.  Then states.
+        no load is stated.  Then the graph of transitions, where there are any: nodes are stable states, the numbers at
+        arrows those of loads.  Then states.
 
     Raises
     ------
@@ -84,11 +86,9 @@ def _draw_torques(axes: Axes, seen: Actuation) -> None:
         ring = x[[*polygon, polygon[0]]]
         axes.plot(*ring.T, color=BORDER, lw=0.8, zorder=1)
     load = seen.loads[0] if seen.loads else np.zeros(p.creases)
-    few = (
-        {}
-        if seen.loads or not seen.driven
-        else dict(zip(seen.driven[0].creases, seen.driven[0].torques, strict=True))
-    )
+    few: dict[int, float] = {}
+    if seen.driven and not seen.loads:
+        few = dict(zip(seen.driven[0].creases, seen.driven[0].torques, strict=True))
     for k, (a, b) in enumerate(p.ends.tolist()):
         torque = float(load[k]) or few.get(k + 1, 0.0)
         colour = FLAT if not torque else VALLEY if torque > 0 else MOUNTAIN
@@ -99,11 +99,10 @@ def _draw_torques(axes: Axes, seen: Actuation) -> None:
         }
         axes.plot(*x[[a, b]].T, solid_capstyle="round", zorder=2 + bool(torque), **look)
         place: Any = {"ha": "center", "va": "center", "fontsize": 7, "zorder": 4}
-        paper = {"boxstyle": "round,pad=0.1", "fc": "white", "ec": "none", "alpha": 0.85}
         words = f"{k + 1}" + (f": {torque:.3g}" if torque else "")
-        axes.text(
-            *x[[a, b]].mean(axis=0), words, bbox=paper, color=colour if torque else "black", **place
-        )
+        middle = x[[a, b]].mean(axis=0)
+        colour = colour if torque else "black"
+        axes.text(middle[0], middle[1], words, bbox=PAPER, color=colour, **place)
     axes.set_aspect("equal")
     axes.axis("off")
     axes.set_title("torques [N m]" if seen.loads else "fewest driven creases", fontsize=9)
@@ -116,25 +115,31 @@ def _draw_graph(axes: Axes, seen: Actuation) -> None:
     )
     turn = {n: math.pi / 2 - 2 * math.pi * k / len(nodes) for k, n in enumerate(nodes)}
     at = {n: np.array([math.cos(a), math.sin(a)]) for n, a in turn.items()}
+    led: dict[tuple[int, int], list[int]] = {}
     for t in seen.transitions:
-        if t.end < 0:
+        if t.end >= 0 and t.load not in led.setdefault((t.start, t.end), []):
+            led[t.start, t.end].append(t.load)
+    text: Any = {"fontsize": 7, "ha": "center", "va": "center", "color": ARROW}
+    arrow: Any = {"arrowstyle": "-|>", "color": ARROW, "shrinkA": 11, "shrinkB": 11, "lw": 1.0}
+    for (start, end), loads in led.items():
+        words, a, b = ", ".join(map(str, loads)), at[start], at[end]
+        if start == end:
+            axes.text(1.3 * a[0], 1.3 * a[1], f"{words}: stays", **text)
             continue
-        snaps = f" ({', '.join(f'{s:.2g}' for s in t.snaps)})" if t.snaps else ""
-        text: Any = {"fontsize": 7, "ha": "center", "va": "center", "color": ARROW}
-        if t.start == t.end:
-            some = [u.load for u in seen.transitions if u.start == u.end == t.start]
-            if t.load == min(some):
-                axes.text(*(1.28 * at[t.start]), f"{', '.join(map(str, some))} stays", **text)
-            continue
-        a, b = at[t.start], at[t.end]
-        bend = 0.18 + 0.12 * (t.load - 1)
-        arrow: Any = {"arrowstyle": "-|>", "color": ARROW, "shrinkA": 11, "shrinkB": 11, "lw": 1.0}
-        axes.annotate("", b, a, arrowprops={**arrow, "connectionstyle": f"arc3,rad={bend}"})
+        axes.annotate(
+            "",
+            (b[0], b[1]),
+            (a[0], a[1]),
+            arrowprops={**arrow, "connectionstyle": f"arc3,rad={BEND}"},
+        )
         across = np.array([b[1] - a[1], a[0] - b[0]])
-        axes.text(*((a + b) / 2 + 0.5 * bend * across), f"{t.load}{snaps}", **text)
+        middle = (a + b) / 2 + 0.5 * BEND * across
+        axes.text(middle[0], middle[1], words, bbox=PAPER, **text)
     for n, place in at.items():
         axes.plot(*place, "o", ms=17, mfc="white", mec="black")
-        axes.text(*place, "flat" if n == 0 else f"#{n}", ha="center", va="center", fontsize=7)
+        axes.text(
+            place[0], place[1], "flat" if n == 0 else f"#{n}", ha="center", va="center", fontsize=7
+        )
     axes.set(xlim=(-1.6, 1.6), ylim=(-1.6, 1.6), aspect="equal")
     axes.axis("off")
     axes.set_title("loads, put on and taken off", fontsize=9)

@@ -5,28 +5,25 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from os import PathLike
 from typing import Any
 
 import numpy as np
 
+from origami_nlp.actuation.branches import flat_branches, released
 from origami_nlp.actuation.driving import DrivenSet, driven_set
-from origami_nlp.actuation.release import follows, release_along
 from origami_nlp.actuation.result import Actuation, FlatBranch
-from origami_nlp.actuation.transitions import Transitions, torque_of
-from origami_nlp.arguments import check_number, check_until, check_whole, shown
+from origami_nlp.actuation.transitions import TransitionGraph
+from origami_nlp.arguments import check_flag, check_number, check_until, check_whole, shown
 from origami_nlp.errors import OptionError, OutOfTime
 from origami_nlp.minima import JudgedState
-from origami_nlp.numerics import DUPLICATE_TOL, SAME_DIRECTION, coarse, first_largest
 from origami_nlp.pattern import Pattern, Scene, as_origami, scene_pattern
-from origami_nlp.pattern_problem import PatternProblem
-from origami_nlp.pattern_states import find_states, list_branches, split
+from origami_nlp.pattern_states import find_states
 
 Torques = Mapping[int, float]
 MOST_DRIVEN = 12
 """Branches for which the fewest driven creases are looked for."""
-GENERIC = 2.0
-"""Step of the angles whose cosines make a direction of a family that nothing distinguishes [rad]."""
 
 
 def actuate(
@@ -34,6 +31,7 @@ def actuate(
     torques: Torques | Sequence[Torques] | None = None,
     *,
     start: str | int | JudgedState = "flat",
+    relaxed: bool = False,
     effort: str = "normal",
     seed: int = 0,
     seconds: float | None = None,
@@ -54,6 +52,8 @@ def actuate(
     start
         ``"flat"``; a stable state without torques: its number (1-based), by energy, or itself; ``"all"``: all of them,
         with the graph of where each load leads from each.
+    relaxed
+        Whether springs are at rest in the flat state, whatever rest angles are stated: what torques do by themselves.
     effort, seed
         Of the search for stable states, see `find_minima`.
     seconds
@@ -74,10 +74,13 @@ def actuate(
     One Miura vertex is folded uniquely by torques on creases 2 and 3; no torques do so with a sheet of four:
 
     >>> import origami_nlp as o
-    >>> o.actuate("miura:2x2", {2: 0.01, 3: 0.01}).unique, o.actuate("miura:3x3").can_be_unique
+    >>> o.actuate("miura:2x2", {2: 0.01, 3: 0.01}, relaxed=True).unique, o.actuate("miura:3x3").can_be_unique
     (True, False)
     """
     until, pattern = check_until(seconds), _sheet(origami)
+    check_flag("relaxed", relaxed)
+    if relaxed:
+        pattern = pattern.with_springs(pattern.stiffness.tolist(), 0.0)
     loads = tuple(
         _load(pattern, t) for t in ([torques] if isinstance(torques, Mapping) else torques or ())
     )
@@ -86,7 +89,12 @@ def actuate(
     if isinstance(start, str) and start not in ("flat", "all"):
         raise OptionError(f"start = {shown(start)} must be 'flat', 'all', or a stable state")
     left_out: list[str] = []
-    branches, reached, driven, reason = [], list[JudgedState](), list[DrivenSet](), ""
+    branches, reached, driven, reason = (
+        list[FlatBranch](),
+        list[JudgedState](),
+        list[DrivenSet](),
+        "",
+    )
     if start == "flat" or start == "all":
         if not pattern.is_flat and start == "flat":
             raise OptionError(
@@ -105,7 +113,7 @@ def actuate(
                     "seconds: the time was over before branches of the flat state were followed"
                 )
                 reason = reason or "the time was over"
-    graph = Transitions(pattern, loads, until)
+    graph = TransitionGraph(pattern, loads, until)
     if start != "flat" or len(loads) > 1:
         _go(graph, start, {"effort": effort, "seed": seed})
     return Actuation(
@@ -114,7 +122,7 @@ def actuate(
     )  # fmt: skip
 
 
-def _go(graph: Transitions, start: Any, asked: dict[str, Any]) -> None:
+def _go(graph: TransitionGraph, start: Any, asked: dict[str, Any]) -> None:
     """Apply loads: one after the other from one state, or each from all."""
     if start == "flat":
         graph.go(0)
@@ -123,7 +131,7 @@ def _go(graph: Transitions, start: Any, asked: dict[str, Any]) -> None:
     if isinstance(start, JudgedState):
         graph.states = [start]
     else:
-        limit = (
+        limit: dict[str, Any] = (
             {} if graph.until == math.inf else {"seconds": max(graph.until - time.monotonic(), 0.0)}
         )
         found = find_states(graph.pattern, escape=False, prove=False, **asked, **limit).minima
@@ -145,7 +153,7 @@ def _sheet(origami: Any) -> Pattern:
             raise OptionError(
                 f"contact = {stated.contact!r} of the scene must be 'full': facets are not to cross"
             )
-        stated = scene_pattern(stated)
+        stated = replace(scene_pattern(stated), name=stated.title)
     stated.check_alone("actuation")
     return stated
 
@@ -163,108 +171,6 @@ def _load(pattern: Pattern, torques: Any) -> np.ndarray:
     if not out.any():
         raise OptionError("torques: all of them are 0")
     return out
-
-
-def flat_branches(pattern: Pattern, until: float = math.inf) -> tuple[list[np.ndarray], str]:
-    """Enumerate the branches of the flat state: flat velocities that closed states follow.
-
-    Parameters
-    ----------
-    pattern
-        Flat.
-    until
-        Value of `time.monotonic` at which the time is over.
-
-    Returns
-    -------
-    branches : list of numpy.ndarray
-        An orthonormal basis of each, [n, k]: lines (k = 1) first.
-    reason : str
-        Why they were not enumerated; "" where they were.
-    """
-    problem = PatternProblem(pattern)
-    problem.until = until
-    cone = list_branches(pattern, None, problem.check_time)
-    if cone.reason:
-        return [], cone.reason
-    cone = split(problem, np.zeros(pattern.creases), cone)
-    lines = []
-    for line in cone.lines:
-        problem.check_time()
-        if follows(problem, line):
-            tidy = coarse(line)
-            lines.append(line * np.sign(tidy[first_largest(np.abs(tidy))]))
-    lines.sort(key=lambda line: tuple((-coarse(line)).tolist()))
-    for basis in cone.families:
-        generic = basis @ (basis.T @ np.cos(GENERIC * np.arange(len(basis))))
-        if not follows(problem, generic):
-            return (
-                [],
-                f"motions of {basis.shape[1]} degrees of freedom are not closed to higher order",
-            )
-    return [*(line[:, None] for line in lines), *cone.families], ""
-
-
-def released(
-    pattern: Pattern,
-    load: np.ndarray,
-    found: Sequence[np.ndarray],
-    until: float,
-    *,
-    release: bool = True,
-) -> tuple[list[FlatBranch], list[JudgedState]]:
-    """Go from the flat state along each branch on which a load and the springs work.
-
-    Parameters
-    ----------
-    pattern
-        Flat.
-    load
-        Torques, [n] [N m].
-    found
-        Of `flat_branches`.
-    until
-        Value of `time.monotonic` at which the time is over.
-    release
-        Whether to go; without, branches are compared alone.
-
-    Returns
-    -------
-    branches : list of FlatBranch
-        In the same order.
-    reached : list of JudgedState
-        Each state once, of the pattern with springs wound by the torques.
-    """
-    work = torque_of(pattern, load)
-    wound = pattern if work is None else work[0].loaded(work[1])
-    problem = PatternProblem(wound)
-    problem.until = until
-    force = -problem.torque(np.zeros(pattern.creases)) * problem.scale
-    least = SAME_DIRECTION * float(np.linalg.norm(force))
-    limit = problem.fold_limits.near(np.zeros(pattern.creases), SAME_DIRECTION)
-    branches, reached = [], list[JudgedState]()
-    for k, basis in enumerate(found):
-        others = [b for j, b in enumerate(found) if j != k]
-        drivable = driven_set(
-            k + 1, basis, np.column_stack([np.zeros((pattern.creases, 1)), *others]), 0
-        )
-        along = basis @ (basis.T @ force)
-        size = float(np.linalg.norm(along))
-        kind: Any = "line" if basis.shape[1] == 1 else "family"
-        if size <= least or (along * limit > SAME_DIRECTION * size).any() or not release:
-            worth = size if size > least and release else 0.0
-            blocked = "a stop holds it" if worth else ""
-            branches.append(FlatBranch(kind, basis, 0.0, drivable is not None, 0, blocked))
-            continue
-        problem.check_time()
-        state, why = release_along(problem, along / size, kind == "line")
-        number = 0
-        if state is not None:
-            near = [np.abs(state.phi - r.phi).max() <= DUPLICATE_TOL for r in reached]
-            number = 1 + (near.index(True) if True in near else len(reached))
-            reached += [state] * (number > len(reached))
-        branches.append(FlatBranch(kind, basis, size, drivable is not None, number, why))
-    return branches, reached
 
 
 def _driven_sets(found: Sequence[np.ndarray], branches: Sequence[FlatBranch]) -> list[DrivenSet]:

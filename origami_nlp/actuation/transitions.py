@@ -6,7 +6,8 @@ import time
 
 import numpy as np
 
-from origami_nlp.actuation.result import Transition
+from origami_nlp.actuation.branches import flat_branches, released, torque_of
+from origami_nlp.actuation.result import StateTransition
 from origami_nlp.errors import OptionError, OutOfTime
 from origami_nlp.loading import LoadPath, load_path
 from origami_nlp.minima import JudgedState
@@ -21,30 +22,7 @@ MOST_SECONDS = 600.0
 """For one transition, of wall time."""
 
 
-def torque_of(pattern: Pattern, load: np.ndarray) -> tuple[Torque, float] | None:
-    """Return a load [n] as a torque in shares and its size; None where it is 0.
-
-    Parameters
-    ----------
-    pattern
-        The sheet.
-    load
-        Torques, [n] [N m].
-
-    Returns
-    -------
-    tuple or None
-        What is worked on, and the largest torque.
-    """
-    size = float(np.abs(load).max())
-    if not size:
-        return None
-    creases = np.flatnonzero(load)
-    shares = tuple((load[creases] / size).tolist())
-    return Torque(pattern, tuple((creases + 1).tolist()), shares), size
-
-
-class Transitions:
+class TransitionGraph:
     """Stable states without loads, and where loads lead from them.
 
     Parameters
@@ -61,7 +39,7 @@ class Transitions:
         self.pattern, self.loads, self.until = pattern, loads, until
         self.problem = PatternProblem(pattern)
         self.states: list[JudgedState] = []
-        self.found: list[Transition] = []
+        self.found: list[StateTransition] = []
         self.walk: list[int] = []
         self.left_out: list[str] = []
 
@@ -84,7 +62,7 @@ class Transitions:
             for load in range(1, len(self.loads) + 1):
                 todo += [t.end for t in self.apply(number, load) if t.end > max(todo)]
 
-    def apply(self, number: int, load: int) -> list[Transition]:
+    def apply(self, number: int, load: int) -> list[StateTransition]:
         """Put a load on a state (0: the flat one) and take it off again; both by their numbers (1-based)."""
         known = [t for t in self.found if (t.start, t.load) == (number, load)]
         if known:
@@ -99,19 +77,19 @@ class Transitions:
                 some = self._from_flat(torque, size, load)
         except OutOfTime:
             some = [(-1, (), "seconds: the time was over")]
-        self.found += [Transition(number, end, load, snaps, why) for end, snaps, why in some]
+        self.found += [StateTransition(number, end, load, snaps, why) for end, snaps, why in some]
         return [t for t in self.found if (t.start, t.load) == (number, load)]
 
     def _from_flat(
         self, torque: Torque, size: float, load: int
     ) -> list[tuple[int, tuple[float, ...], str]]:
-        from origami_nlp.actuation.find import flat_branches, released
-
         found, reason = flat_branches(self.pattern, self.until)
         if reason:
             return [(-1, (), reason)]
         branches, reached = released(self.pattern, self.loads[load - 1], found, self.until)
-        out = [(-1, (), b.why) for b in branches if b.work > 0 and not b.reached]
+        out: list[tuple[int, tuple[float, ...], str]] = [
+            (-1, (), b.why) for b in branches if b.work > 0 and not b.reached
+        ]
         back = Torque(torque.loaded(size), torque.creases, tuple(-s for s in torque.shares))
         out += [self._path(back, size, state, unload=False) for state in reached]
         return out or [(0, (), "")]

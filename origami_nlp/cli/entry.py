@@ -18,7 +18,16 @@ from origami_nlp.cli.inspecting import hinge, inspect
 from origami_nlp.cli.making import design, example
 from origami_nlp.cli.many import boundary, follow, pattern, sweep
 from origami_nlp.cli.paper import paper
-from origami_nlp.cli.understanding import barriers, contacts, critical, friction, load, modes, space
+from origami_nlp.cli.understanding import (
+    actuate,
+    barriers,
+    contacts,
+    critical,
+    friction,
+    load,
+    modes,
+    space,
+)
 from origami_nlp.errors import OrigamiError
 from origami_nlp.io import inputs_kept, printable
 from origami_nlp.version import __version__
@@ -38,7 +47,7 @@ app = Group(
 )
 app.add(minima, pattern, load, follow, design, under=FIRST)
 app.add(inspect, example, hinge, check, convert, under=FIRST)
-app.add(landscape, barriers, modes, contacts, friction, critical, space, under=ANALYSIS)
+app.add(actuate, landscape, barriers, modes, contacts, friction, critical, space, under=ANALYSIS)
 app.add(layers, boundary, sweep, check_proof, under=ANALYSIS)
 app.add_group("paper", paper, under="The source paper")
 

@@ -1,4 +1,4 @@
-"""Commands that say more of states: `contacts`, `modes`, `friction`, `load`, `barriers`, `critical` and `space`."""
+"""Commands that say more of states: `contacts`, `modes`, `friction`, `load`, `actuate`, `barriers`, `critical`, `space`."""
 
 from __future__ import annotations
 
@@ -269,6 +269,61 @@ def load(
     search |= {"yield_torque": torque_bounds("--yield", yields, count), "starts": starts}
     with progress(f"{scene.name} under load"):
         return load_path(what, work, to=end, state=state, unload=unload, confirm=confirm, **search)
+
+
+def torques_of(text: str) -> dict[int, float]:
+    """Return what ``--torques`` says, crease by crease."""
+    try:
+        pairs = [part.split("=") for part in text.split(",")]
+        found = {int(crease): float(torque) for crease, torque in pairs}
+    except ValueError:
+        found = {}
+    if not found or len(found) < text.count("=") or not all(map(math.isfinite, found.values())):
+        raise OptionError(
+            f"--torques = {text!r} must name each crease once, with its torque: 1=0.02,3=-0.01"
+        )
+    return found
+
+
+@takes_scene(o.OrigamiFile, whole=True)
+@answers("json", "figure", "fold", "markdown", search=("effort", "seed", "seconds"), details=True)
+def actuate(
+    scene: Source,
+    torques: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="K=T,...",
+            help="Torque T [N m] on crease K, from 1, towards valley > 0; repeated: loads one after the other.",
+        ),
+    ] = None,
+    start: Annotated[
+        str,
+        typer.Option(
+            metavar="flat|K|all",
+            help="State from which loads begin: flat, stable state K without torques, or all of them.",
+        ),
+    ] = "flat",
+    relaxed: Annotated[
+        bool,
+        typer.Option("--relaxed", help="Springs at rest in the flat state: what torques do alone."),
+    ] = False,
+    **search: Any,
+) -> Any:
+    """Put torques on creases of ORIGAMI: which states are reached, is the fold unique, which few creases would do.
+
+    Without --torques: the branches of the flat state, and the fewest creases on which torques start one alone.  With
+    several --torques each is put on and taken off before the next; with --start all the graph of where each leads from
+    each stable state.
+    """
+    from origami_nlp.actuation import actuate as find
+
+    if start not in ("flat", "all") and not start.isdecimal():
+        raise OptionError(f"--start = {start!r} must be flat, all, or the number of a stable state")
+    begin = int(start) if start.isdecimal() else start
+    loads = [torques_of(text) for text in torques or ()]
+    what = scene.read_whole()
+    with progress(f"{scene.name} actuated"):
+        return find(what, loads or None, start=begin, relaxed=relaxed, **search)
 
 
 @bounded

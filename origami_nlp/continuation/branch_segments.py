@@ -97,6 +97,18 @@ class BranchSegment:
         share = 0.0 if a.s == b.s else (s - a.s) / (b.s - a.s)
         middle = self.frames[len(self.frames) // 2]
         curve = EquilibriumCurve(middle.system.line, middle.hold, tally)
-        found = curve.at(a.x + share * (b.x - a.x), s, middle.tangent)
-        # where Newton at s fails, bisection along the curve finds the state
-        return found if found is not None or a is b else curve.between(a, b, s)
+        guess = a.x + share * (b.x - a.x)
+        found = curve.at(guess, s, middle.tangent)
+        j = min(max(k, 1), len(values) - 1)
+        step = float(np.linalg.norm(curve.root * (self.frames[j].x - self.frames[j - 1].x)))
+
+        def on_arc(frame: Equilibrium | None) -> bool:
+            """Whether Newton did not go over to another branch, as it may beside states where branches cross."""
+            if frame is None:
+                return False
+            return float(np.linalg.norm(curve.root * (frame.x - guess))) <= max(step, SETTLED)
+
+        if not on_arc(found) and a is not b:
+            # where Newton at s fails, bisection along the curve finds the state
+            found = curve.between(a, b, s)
+        return found if on_arc(found) else None

@@ -15,7 +15,7 @@ from origami_nlp.continuation import (
     ParameterLine,
     SpecialPoint,
 )
-from origami_nlp.kkt import Classification
+from origami_nlp.kkt import Classification, State, classify
 from origami_nlp.loading.driver import BRANCHES, VertexDriver
 from origami_nlp.loading.pattern_driver import PatternDriver
 from origami_nlp.numerics import EPS, INPUT_TOL, SETTLED
@@ -101,15 +101,22 @@ def walk(
         onward = _onward(web, node, k, toward)
         if not onward and why != "range" and web.resume(node, toward):
             onward = _onward(web, node, k, toward)
-        # at the flat state, where branches cross, the energy falls along another one
-        flat = web.nodes[node].type == "singular" and not web.nodes[node].point[:-1].any()
-        if why == "range" or not onward or flat:
+        if why == "range" or not onward or leaves_flat(web, node):
             return StableSegment(tuple(frames), node, why)
         k = onward[0]
         beyond = web.arcs[k].frames
         # the event alone says that the eigenvalue changes sign, not which
         if why == "breaks-symmetry" and across(beyond[len(beyond) // 2]) < 0:
             return StableSegment(tuple(frames), node, why)
+
+
+def leaves_flat(web: BifurcationDiagram, node: int) -> bool:
+    """Return whether a node is the flat state, and the load pulls from there along another branch than the one that
+    comes there: stable states that lead on beyond are not reached."""
+    found = web.nodes[node]
+    if found.type != "singular" or found.point[:-1].any():
+        return False
+    return classify(State(web.line.at(found.s), found.point[:-1])).verdict != "minimum"
 
 
 def _ahead(web: BifurcationDiagram, start: np.ndarray, s: float, toward: float) -> list[int]:

@@ -20,7 +20,16 @@ CLASSES = {
     one.__name__: one
     for one in (
         *(o.MinimaResult, o.LoadPath, Atlas, BifurcationSet, o.Motion, o.Modes, o.ContactReport),
-        *(o.Friction, o.Barriers, o.CriticalPoints, o.Space, Design, o.Validity, o.LayerOrders),
+        *(
+            o.Actuation,
+            o.Friction,
+            o.Barriers,
+            o.CriticalPoints,
+            o.Space,
+            Design,
+            o.Validity,
+            o.LayerOrders,
+        ),
     )
 }
 
