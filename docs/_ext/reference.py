@@ -17,7 +17,8 @@ from origami_nlp.references import REFERENCES
 
 ROOMS = (
     "drawings pattern problem kkt minima loading actuation modes friction bifurcation inverse_design proof contact "
-    "critical barriers continuation space chart landscape pattern_problem pattern_states validity sweep folding paper paper.cone"
+    "critical barriers continuation space chart landscape pattern_problem pattern_states validity sweep folding paper "
+    "paper.cone"
 ).split()
 """Rooms whose faces users of Python need, in the order of the pages."""
 

@@ -1,4 +1,4 @@
-"""Commands that say more of states: `contacts`, `modes`, `friction`, `load`, `actuate`, `barriers`, `critical`, `space`."""
+"""Commands that say more of states: `contacts`, `modes`, `load`, `actuate`, `friction`, `barriers`, `critical`, ..."""
 
 from __future__ import annotations
 

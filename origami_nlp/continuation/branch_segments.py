@@ -10,7 +10,7 @@ from origami_nlp.continuation.equilibrium import Equilibrium, EquilibriumCurve
 from origami_nlp.continuation.one_sided_branches import OneSidedBranch
 from origami_nlp.continuation.system import Tally
 from origami_nlp.errors import OUT_OF_TIME
-from origami_nlp.numerics import SETTLED
+from origami_nlp.numerics import NEAR_SINGULAR_TOL, SETTLED
 from origami_nlp.problem import Contact
 
 START, RANGE, EVENT, LATE, AGAIN = "start", "range", "event", OUT_OF_TIME, "stable again"
@@ -99,14 +99,15 @@ class BranchSegment:
         curve = EquilibriumCurve(middle.system.line, middle.hold, tally)
         guess = a.x + share * (b.x - a.x)
         found = curve.at(guess, s, middle.tangent)
-        j = min(max(k, 1), len(values) - 1)
-        step = float(np.linalg.norm(curve.root * (self.frames[j].x - self.frames[j - 1].x)))
+        # just outside it is beside the end: at a fold at the square root of how far outside
+        step = float(np.linalg.norm(curve.root * (b.x - a.x)))
+        far = NEAR_SINGULAR_TOL if a is b else max(step, SETTLED)
 
         def on_arc(frame: Equilibrium | None) -> bool:
             """Whether Newton did not go over to another branch, as it may beside states where branches cross."""
-            if frame is None:
-                return False
-            return float(np.linalg.norm(curve.root * (frame.x - guess))) <= max(step, SETTLED)
+            return (
+                frame is not None and float(np.linalg.norm(curve.root * (frame.x - guess))) <= far
+            )
 
         if not on_arc(found) and a is not b:
             # where Newton at s fails, bisection along the curve finds the state
