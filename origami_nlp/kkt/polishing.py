@@ -239,7 +239,7 @@ def newton(
         merit = max(kkt, closure, length)
         if best is None or merit < best[0]:
             u = _uncertainty(system) if reached else math.inf
-            resolved = bool(reached) and u <= RESOLVED * _distance_to_singular(system.jacobian)
+            resolved = bool(reached) and u <= RESOLVED * _distance_to_singular(system)
             y = _closed_exactly(model, x)
             if (y != x).any():
                 closure = float(np.abs(model.closure(y)[0]).max(initial=0.0))
@@ -259,12 +259,16 @@ def newton(
 
 @dataclass(frozen=True, eq=False)
 class _System:
-    """The KKT system of a state: multipliers [m + r], what they leave [n], and matrices over the variables `free`."""
+    """The KKT system of a state: multipliers [m + r], what they leave [n], and matrices over the variables `free`.
+
+    `factors` are singular vectors and values of the Jacobian.
+    """
 
     multipliers: np.ndarray
     stationarity: np.ndarray
     hessian: np.ndarray
     jacobian: np.ndarray
+    factors: tuple[np.ndarray, np.ndarray, np.ndarray]
     free: np.ndarray | None = None
 
     def step(self, values: np.ndarray) -> np.ndarray:
@@ -274,7 +278,7 @@ class _System:
         # null-space method for the Newton-KKT system (Nocedal & Wright, 16.2 and 18.1): a small singular value s of the
         # Jacobian is one of s^2 over the Hessian in the whole system, beside singular states below rounding
         large = self.jacobian.shape[1] > LARGE
-        u, singular, vt = np.linalg.svd(self.jacobian, full_matrices=not large)
+        u, singular, vt = self.factors
         rank = int((singular > DEPENDENT).sum())
         move = -vt[:rank].T @ ((u[:, :rank].T @ values[:count]) / singular[:rank])
         z = vt[rank:].T
@@ -299,7 +303,8 @@ def _with_rows(
     # least-squares multipliers: a function of x alone, right to first order off the KKT point
     multipliers = np.linalg.lstsq(jacobian.T, local.gradient, rcond=DEPENDENT)[0]
     hessian = model.lagrangian_hessian(local.x, multipliers, rows)
-    return _System(multipliers, local.gradient - jacobian.T @ multipliers, hessian, jacobian)
+    left = local.gradient - jacobian.T @ multipliers
+    return _System(multipliers, left, hessian, jacobian, _factors(jacobian))
 
 
 def _limits_out(
@@ -309,11 +314,18 @@ def _limits_out(
     free = np.ones(len(local.x), dtype=bool)
     free[[c.index for c in rows]] = False
     jacobian = local.closure_jacobian[:, free]
-    lam = np.linalg.lstsq(jacobian.T, local.gradient[free], rcond=DEPENDENT)[0]
+    u, singular, vt = factors = _factors(jacobian)
+    rank = int((singular > DEPENDENT * singular.max(initial=0.0)).sum())
+    lam = u[:, :rank] @ ((vt[:rank] @ local.gradient[free]) / singular[:rank])
     left = local.gradient - local.closure_jacobian.T @ lam
     multipliers = np.concatenate([lam, gradients @ left])  # gradients are unit rows, -1 or 1
     hessian = model.lagrangian_hessian(local.x, multipliers, rows)[np.ix_(free, free)]
-    return _System(multipliers, np.where(free, left, 0.0), hessian, jacobian, free)
+    return _System(multipliers, np.where(free, left, 0.0), hessian, jacobian, factors, free)
+
+
+def _factors(jacobian: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Singular vectors and values, of large matrices without vectors of the null space."""
+    return np.linalg.svd(jacobian, full_matrices=jacobian.shape[1] <= LARGE)
 
 
 def _uncertainty(system: _System) -> float:
@@ -326,7 +338,7 @@ def _uncertainty(system: _System) -> float:
     """
     hessian, jacobian, multipliers = system.hessian, system.jacobian, system.multipliers
     large = jacobian.shape[1] > LARGE
-    _, singular, vt = np.linalg.svd(jacobian, full_matrices=not large)
+    _, singular, vt = system.factors
     rank = int((singular > DEPENDENT).sum())
     across = vt[:rank].T / singular[:rank]  # moves by one unit of each independent constraint
     along = vt[rank:].T
@@ -344,13 +356,13 @@ def _uncertainty(system: _System) -> float:
     return error
 
 
-def _distance_to_singular(jacobian: np.ndarray) -> float:
+def _distance_to_singular(system: _System) -> float:
     """Estimate the distance [rad] to a state where closure and contacts lose (more) rank.
 
     Singular values change by at most about the distance; those within rounding of 0 belong to contacts that
     are dependent all along the set.
     """
-    singular = np.linalg.svd(jacobian, compute_uv=False)
+    singular = system.factors[1]
     return float(singular[singular > DEPENDENT].min(initial=math.inf))
 
 

@@ -12,7 +12,10 @@ from .conic import (
     svector as svector,
 )
 from .factors import (
+    MOST_TIMES as MOST_TIMES,
+    STALLS as STALLS,
     SYMMETRIC as SYMMETRIC,
+    WEIGHT as WEIGHT,
     Factor as Factor,
     Matrix as Matrix,
     Normal as Normal,

@@ -4,6 +4,7 @@ from .borders import (
     without_passing as without_passing,
 )
 from .closure import Closure as Closure
+from .compiled_facets import crossings_among as crossings_among
 from .contact_pairs import (
     ContactPair as ContactPair,
     FoldedGeometry as FoldedGeometry,

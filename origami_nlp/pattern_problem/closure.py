@@ -19,6 +19,7 @@ import scipy as sp
 
 from origami_nlp.numerics import CLOSURE_TOL, Matrix, cross
 from origami_nlp.pattern import Loop, Pattern
+from origami_nlp.pattern_problem.compiled_closure import CompiledClosure
 from origami_nlp.problem import LoopClosure
 
 MOST_DENSE = 150
@@ -110,6 +111,8 @@ class Closure:
         Number of equations m: three for each interior vertex and each lattice vector of a cell, six for each hole.
     size
         Largest coordinate from the middle, over which translations are.
+    lifted
+        The state that was last projected, as bytes, and whether loops lift to one there.
     """
 
     def __init__(self, pattern: Pattern) -> None:
@@ -126,6 +129,7 @@ class Closure:
             for members in by_length.values():
                 self._groups.append(self._group(members, rows == 6))
         self._last: tuple[bytes, list[_Turned]] | None = None
+        self.lifted: tuple[bytes, bool] | None = None
         away = pattern.corners - pattern.corners.mean(axis=0)
         self.size = float(np.abs(away).max(initial=0.0)) or 1.0
 
@@ -146,6 +150,34 @@ class Closure:
             points,
             np.array([row for row, _ in members], int),
         )
+
+    @cached_property
+    def compiled(self) -> CompiledClosure:
+        """Steps onto it in C."""
+        return CompiledClosure(self)
+
+    def tables(self) -> dict[str, np.ndarray]:
+        """Return the loops, one after the other, as arrays.
+
+        Of each turn, [E]: `crease`, the loop that it is `of`, signed `axis` and `point` [E, 3]; of each loop, [L]: the
+        `first` turn, the end of all in addition, and how many `rows`.  `reference` angles are [n].
+        """
+        every = [(g, k) for g in self._groups for k in range(len(g.creases))]
+        long = np.array([g.creases.shape[1] for g, _ in every], int)
+        points = (np.zeros_like(g.axes) if g.points is None else g.points for g in self._groups)
+        return {
+            "crease": np.concatenate(
+                [g.creases.ravel() for g in self._groups] or [np.zeros(0, int)]
+            ),
+            "of": np.repeat(np.arange(len(every)), long),
+            "axis": np.concatenate(
+                [*(g.axes.reshape(-1, 3) for g in self._groups), np.zeros((0, 3))]
+            ),
+            "point": np.concatenate([*(x.reshape(-1, 3) for x in points), np.zeros((0, 3))]),
+            "first": np.cumsum([0, *long]),
+            "rows": np.array([3 if g.points is None else 6 for g, _ in every], int),
+            "reference": self.pattern.reference,
+        }
 
     def _turn(self, g: _Group, phi: np.ndarray) -> _Turned:
         half = 0.5 * (phi - self.pattern.reference)[g.creases]
@@ -192,6 +224,8 @@ class Closure:
 
     def lifts_to_one(self, phi: np.ndarray) -> bool:
         """Return whether every loop closes with q = +1, as the reference state does (q = -1 is no sheet of paper)."""
+        if self.lifted is not None and self.lifted[0] == phi.tobytes():
+            return self.lifted[1]
         return all((s.q[:, 0] > 0).all() for s in self.turned(phi))
 
     def __call__(self, phi: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -9,8 +9,11 @@ import numpy as np
 
 from origami_nlp.numerics import DEEP, INSIDE, NONZERO, OUTSIDE, cross, unit_normals
 from origami_nlp.pattern import Pattern
+from origami_nlp.pattern_problem.compiled_facets import crossings_among
 from origami_nlp.pattern_problem.poses import Poses
 
+MOST_LISTED = 300
+"""Convex pieces up to which each pair is looked at in C: beyond, pairs are found by sorting and sweeping."""
 MOST_COPIES = 10_000
 """Of a cell, within reach of it, that are asked whether they come near."""
 
@@ -89,6 +92,12 @@ class PatternCrossings:
         code = f[:, 0] * self.pattern.facets + f[:, 1]
         keep = ~np.isin(code, self.joined)
         return np.column_stack([a[keep], b[keep]])
+
+    @cached_property
+    def _listed(self) -> np.ndarray:
+        """All pairs of pieces that `candidates` may return, [K, 2]."""
+        meet = np.zeros((len(self.pieces), 1, 3))
+        return self.candidates(meet)
 
     def counts(self, a: np.ndarray, b: np.ndarray) -> np.ndarray:
         """Return which pairs of pieces are asked for: of pairs that are lattice vectors apart one, of bool [K]."""
@@ -204,9 +213,12 @@ class PatternCrossings:
 
     def _crossing(self, phi: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return the pairs of pieces that cross, [K, 2], and all pieces in space."""
-        x = self.placed(phi)
+        x, deep = self.placed(phi), DEEP * self.size
+        if len(x) <= MOST_LISTED:
+            found = crossings_among(x[None], self._listed[:, 0], self._listed[:, 1], deep)
+            if found is not None:
+                return self._listed[found[0]], x
         pairs = self.candidates(x)
-        deep = DEEP * self.size
         hit = np.zeros(len(pairs), bool)
         for start in range(0, len(pairs), 20_000):
             a, b = pairs[start : start + 20_000].T

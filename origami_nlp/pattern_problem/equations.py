@@ -36,6 +36,7 @@ from origami_nlp.numerics import (
 )
 from origami_nlp.pattern import Pattern
 from origami_nlp.pattern_problem.closure import Closure
+from origami_nlp.pattern_problem.compiled_closure import FALLS, LONGEST
 from origami_nlp.pattern_problem.contact_pairs import FoldedGeometry
 from origami_nlp.pattern_problem.crossings import PatternCrossings
 from origami_nlp.pattern_problem.features import Features
@@ -44,10 +45,6 @@ from origami_nlp.problem import FoldLimits, HingeLaws, Parameters
 
 MOST_DENSE = 400
 """Creases up to which kernels are formed by a singular value decomposition; sparse factors beyond."""
-FALLS = 0.05
-"""A residual that falls by less a step asks for new factors: they cost as much as three to ten steps with old ones."""
-LONGEST = 0.5
-"""Steps of a projection are cut to this largest change of a fold angle [rad]."""
 
 
 class PatternEquations:
@@ -187,6 +184,10 @@ class PatternEquations:
         Where a factorization breaks down the steps end: this one state is not closed, whatever goes on beside it.
         """
         self.check_time()
+        if near is None and self.closure.compiled.usable:
+            phi, residual, lifts = self.closure.compiled.project(phi, held, steps)
+            self.closure.lifted = phi.tobytes(), lifts
+            return phi, residual
         phi = phi.copy()
         free = slice(None) if held is None or not held.any() else np.flatnonzero(~held)
         before = math.inf

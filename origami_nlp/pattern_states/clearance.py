@@ -18,16 +18,16 @@ import numpy as np
 import scipy as sp
 
 from origami_nlp.io import ShortRepr
-from origami_nlp.numerics import CLOSURE_TOL, CURVED, DEEP, NONZERO, area_vectors, cross
-from origami_nlp.pattern_problem import PatternProblem, cross_each_other
+from origami_nlp.numerics import CLOSURE_TOL, DEEP
+from origami_nlp.pattern_problem import PatternProblem, cross_each_other, crossings_among
+from origami_nlp.pattern_states.compiled_clearance import CompiledClearance
 from origami_nlp.pattern_states.interpolant import Interpolant, halves
+from origami_nlp.pattern_states.parting import axes_across, planes, sectors_apart, shadows_apart
 
 MOST_HALVINGS = 3
 """Of a step in which a pair might touch."""
 FAR = 1e200
 """Longer than any distance, and finite."""
-TILTS = 0.0, 0.1, 0.3, 1.0
-"""By which planes of sectors are turned, in search of one between two sectors: tangents."""
 MOST_STEPS = 64
 """Of a curve at once: some 10 MB."""
 MOST_PIECES = 64
@@ -159,6 +159,9 @@ class Clearance:
 
     def _crosses(self, placed: np.ndarray) -> np.ndarray:
         """Return at which states facets cross, from corners of pieces in space [S, P, q, 3]."""
+        deep = DEEP * self.problem.crossings.size
+        if (hit := crossings_among(placed, self.first, self.second, deep)) is not None:
+            return np.asarray(hit.any(axis=1))
         low, high = placed.min(axis=2), placed.max(axis=2)
         near = np.ones((len(placed), len(self.first)), bool)
         for i in range(3):
@@ -167,7 +170,7 @@ class Clearance:
         s, k = np.nonzero(near)
         a, b = placed[s, self.first[k]], placed[s, self.second[k]]
         out = np.zeros(len(placed), bool)
-        out[s[cross_each_other(a, b, DEEP * self.problem.crossings.size)]] = True
+        out[s[cross_each_other(a, b, deep)]] = True
         return out
 
     @cached_property
@@ -184,6 +187,24 @@ class Clearance:
                 rays[which, k] = sides / np.linalg.norm(sides, axis=1, keepdims=True)
         return rays
 
+    @cached_property
+    def _compiled(self) -> CompiledClearance:
+        """The same in C."""
+        return CompiledClearance(self)
+
+    def tables(self) -> dict[str, np.ndarray]:
+        """Return pieces, pairs, and the creases between both of each from `first` on, with the ways from these."""
+        corners, middles, radii = self._pieces
+        (still, moving), on, arms = self._between
+        pair, crease = np.nonzero(on)
+        return {
+            **{"corners": corners, "middles": middles, "radii": radii, "apex": self._apex},
+            **{"facet": self.problem.crossings.facet, "still": still, "moving": moving},
+            **{"rays_still": self._rays[0], "rays_moving": self._rays[1]},
+            **{"first": np.searchsorted(pair, np.arange(len(still) + 1))},
+            **{"crease": crease, "arm": arms[pair, crease]},
+        }
+
     def remainders(self, control: np.ndarray) -> np.ndarray:
         """Bound how far corners, or rays, of one facet of each pair are off their chords over steps, as the other sees.
 
@@ -198,9 +219,7 @@ class Clearance:
             Over the sheet's size, [T, K].
         """
         _, on, arms = self._between
-        # derivatives of Bezier polynomials are within those of their control points
-        speed = 5 * np.abs(np.diff(control, axis=1)).max(axis=1)
-        bend = 20 * np.abs(np.diff(control, 2, axis=1)).max(axis=1)
+        speed, bend = _bounds(control)
         # |x''| <= sum_k |phi_k''| a_k + sum_kl |phi_k' phi_l'| a_l, l the crease nearer to what moves;
         # from a chord a curve is no further than |x''| / 8
         out: np.ndarray = (bend @ arms.T + 2 * (speed @ on.T) * (speed @ arms.T)) / 8
@@ -231,6 +250,8 @@ class Clearance:
         lying : numpy.ndarray
             Which of them touch at both ends, of bool [N].
         """
+        if self._compiled.library is not None:
+            return self._compiled.touching(before, after, *_bounds(control), pairs)
         still, moving = self._between[0][:, pairs]
         off = self.remainders(control)[:, pairs]
         c, (corners, _, radii) = self.problem.crossings, self._pieces
@@ -256,18 +277,18 @@ class Clearance:
         a, b = corners[still[k]], corners[moving[k]] @ turn.swapaxes(2, 3) + shift[:, :, None]
         lying = np.zeros(len(k), bool)
         left = np.arange(len(k))
-        for axes in (lambda a, b: (b - a).mean(axis=1)[:, None], _planes, _axes):
+        for axes in (lambda a, b: (b - a).mean(axis=1)[:, None], planes, axes_across):
             if not len(left):
                 break
             middle = 0.5 * (b[0, left] + b[1, left])
-            gap, at_ends = _apart(a[left], b[:, left], axes(a[left], middle))
+            gap, at_ends = shadows_apart(a[left], b[:, left], axes(a[left], middle))
             lying[left] = at_ends < DEEP
             left = left[gap <= off[step[left], k[left]]]
         at = np.repeat(np.arange(len(control)), (apex >= 0).sum())
         corner = np.tile(np.flatnonzero(apex >= 0), len(control))
         first, second = (x[pairs[corner]] for x in self._rays)
         turn, _ = seen(at, corner)
-        gap, at_ends = _sectors_apart(first, second @ turn.swapaxes(2, 3))
+        gap, at_ends = sectors_apart(first, second @ turn.swapaxes(2, 3))
         touch = gap <= off[at, corner]
         # several corners in common: never shown to be apart where anything moves
         more = np.tile(np.flatnonzero(apex == -2), len(control))
@@ -382,93 +403,7 @@ class Clearance:
                 yield phi, crosses
 
 
-def _least(x: np.ndarray) -> np.ndarray:
-    """Return the least along the last axis, which is short: entry by entry that is several times as fast."""
-    out: np.ndarray = np.minimum.reduce([x[..., i] for i in range(x.shape[-1])])
-    return out
-
-
-def _largest(x: np.ndarray) -> np.ndarray:
-    """Return the largest along the last axis, as `_least`."""
-    out: np.ndarray = np.maximum.reduce([x[..., i] for i in range(x.shape[-1])])
-    return out
-
-
-def _planes(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """Normals of polygons [K, q, 3], [K, 2, 3]."""
-    return np.stack([area_vectors(a), area_vectors(b)], axis=1)
-
-
-def _axes(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """Directions across which convex polygons [K, q, 3] may be apart: of sides, planes, and both, [K, A, 3]."""
-    sides = [np.roll(x, -1, axis=1) - x for x in (a, b)]
-    normals = [area_vectors(x)[:, None] for x in (a, b)]
-    across = cross(sides[0][:, :, None], sides[1][:, None]).reshape(len(a), -1, 3)
-    inside = [cross(s, n) for s, n in zip(sides, normals, strict=True)]
-    corners = (b[:, None] - a[:, :, None]).reshape(len(a), -1, 3)
-    return np.concatenate([*normals, across, *inside, corners], axis=1)
-
-
-def _apart(a: np.ndarray, b: np.ndarray, axes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return the largest gap that shadows of polygons along one of some axes have at both ends of a step.
-
-    Parameters
-    ----------
-    a, b
-        Corners of the one that stays [K, q, 3], and of the other at both ends [2, K, q, 3].
-    axes
-        Directions, [K, A, 3].
-
-    Returns
-    -------
-    apart : numpy.ndarray
-        Least gap of all that lies on the chords between, [K]: negative where no axis parts them.
-    at_ends : numpy.ndarray
-        Sum of the largest gaps at either end, [K].
-    """
-    size = np.linalg.norm(axes, axis=2)
-    unit = axes / np.maximum(size, NONZERO)[..., None]
-    of_a, of_b = unit @ a.swapaxes(1, 2), unit @ b.swapaxes(2, 3)
-    ahead = _least(of_b) - _largest(of_a)
-    behind = _least(of_a) - _largest(of_b)
-    for gap in (ahead, behind):
-        gap[:, size < CURVED * size.max(axis=1, keepdims=True)] = -1.0
-    apart = np.maximum(ahead.min(axis=0), behind.min(axis=0)).max(axis=1)
-    at_ends = np.maximum(np.maximum(ahead, behind).max(axis=2), 0.0).sum(axis=0)
-    return apart, at_ends
-
-
-def _sectors_apart(a: np.ndarray, b: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return the same for sectors with a common apex, from unit rays [K, 2, 3] and [2, K, 2, 3]: sines of angles."""
-    middle = 0.5 * (b[0] + b[1])
-    between = (middle[:, None] - a[:, :, None]).reshape(len(a), 4, 3)
-    # the plane of a, turned about a line at right angles to its middle, away from it
-    of_a = cross(a[:, 0], a[:, 1])[:, None]
-    of_a = of_a / np.maximum(np.linalg.norm(of_a, axis=2, keepdims=True), NONZERO)
-    away = a.sum(axis=1, keepdims=True)
-    of_a = np.concatenate([of_a, -of_a], axis=1)
-    # until both sides of b are as far in front
-    (high, fall) = (np.diff(n @ middle.swapaxes(1, 2), axis=2)[..., 0] for n in (of_a, away))
-    even = high / np.where(np.abs(fall) > NONZERO, fall, np.inf)
-    tilts = [np.clip(even, 0.0, 1.0), *(np.full_like(even, t) for t in TILTS)]
-    of_a = np.concatenate([of_a - t[..., None] * away for t in tilts], axis=1)
-    # the plane of b, turned about a line at right angles to its middle until it meets a
-    of_b = cross(middle[:, 0], middle[:, 1])[:, None]
-    of_b = of_b / np.maximum(np.linalg.norm(of_b, axis=2, keepdims=True), NONZERO)
-    of_b = np.concatenate([of_b, -of_b], axis=1)
-    inward = middle.sum(axis=1, keepdims=True)
-    low = -_largest(of_b @ a.swapaxes(1, 2))
-    ahead = _largest(inward @ a.swapaxes(1, 2))
-    turned = (
-        of_b + (np.maximum(low, 0.0) / np.maximum(ahead, np.abs(low) + NONZERO))[..., None] * inward
-    )
-    # at right angles to a side of a: towards each side of b
-    across = middle[:, None] - np.einsum("kai,kbi->kab", a, middle)[..., None] * a[:, :, None]
-    across = across.reshape(len(a), 4, 3)
-    both = (middle.sum(axis=1) - a.sum(axis=1))[:, None]
-    n = np.concatenate([between, of_a, turned, across, both], axis=1)
-    n = n / np.maximum(np.linalg.norm(n, axis=2, keepdims=True), NONZERO)
-    # rays of the one behind a plane through the apex, those of the other in front of it
-    behind = _largest(n @ a.swapaxes(1, 2)) <= CLOSURE_TOL
-    high = np.where(behind, _least(n @ b.swapaxes(2, 3)), -1.0)
-    return high.min(axis=0).max(axis=1), np.maximum(high.max(axis=2), 0.0).sum(axis=0)
+def _bounds(control: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Bound first and second derivatives of steps: those of Bezier polynomials are within those of control points."""
+    speed = 5 * np.abs(np.diff(control, axis=1)).max(axis=1)
+    return speed, 20 * np.abs(np.diff(control, 2, axis=1)).max(axis=1)

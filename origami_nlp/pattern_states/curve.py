@@ -95,11 +95,20 @@ class ClosedStates:
 
     def frame(self, x: np.ndarray, along: np.ndarray) -> Sample | None:
         """Return where the curve goes at x: where branches cross, the kernel is larger, and it goes straight on."""
+        if self.problem.closure.compiled.usable:
+            self.problem.check_time()
+            went = self.problem.closure.compiled.follow(x, along)
+            if went is not None:
+                return None if went[0] < BENT else Sample(x, *went[1:])
         size = float(np.linalg.norm(self.problem.along(x, along)))
         return None if size < BENT else self.at(x, along)
 
     def at(self, x: np.ndarray, along: np.ndarray) -> Sample:
         """Return the sample at x with its tangent on the side of `along` [n]."""
+        if self.problem.closure.compiled.usable:
+            went = self.problem.closure.compiled.follow(x, along)
+            if went is not None:
+                return Sample(x, *went[1:])
         normal = self.problem.normal(x)
         tangent = normal.along(along)
         tangent /= max(float(np.linalg.norm(tangent)), NONZERO)

@@ -14,12 +14,12 @@ from origami_nlp.pattern_problem import CanonicalLabelling, PatternProblem, imag
 from origami_nlp.pattern_states.branch_points import dips
 from origami_nlp.pattern_states.clearance import Clearance, Stretches
 from origami_nlp.pattern_states.curve import follow_curve, follow_from_flat
-from origami_nlp.pattern_states.interpolant import Interpolant, interpolate
+from origami_nlp.pattern_states.interpolant import ON_CURVE, Interpolant, interpolate
 
+FIRST = 8
+"""Fold angles that are compared before all are."""
 LONG = 0.08
 """Largest step along curves that polynomials fill in [rad]."""
-ON_CURVE = 2e-5
-"""A state this close to a curve is on it [rad]: what its polynomials are off, with room."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -76,6 +76,7 @@ class TracedCurves:
         self.problem, self.labels = problem, labels
         self.found: list[TracedCurve] = []
         self._contact = contact
+        self._boxes = list[np.ndarray]()
 
     @cached_property
     def _clearance(self) -> Clearance:
@@ -84,7 +85,18 @@ class TracedCurves:
 
     def __contains__(self, phi: np.ndarray) -> bool:
         """Return whether a closed state is on one of the curves."""
-        return any(self._on(traced.curve, phi) for traced in self.found)
+        if len(self._boxes) < len(self.found):
+            self._boxes += [traced.curve.boxes for traced in self.found[len(self._boxes) :]]
+            self._of = np.repeat(np.arange(len(self._boxes)), [len(box) for box in self._boxes])
+            self._all = np.concatenate(self._boxes)
+        if not self._boxes:
+            return False
+        # of all steps at once: most are far
+        near = np.arange(len(self._all))
+        for few in (slice(FIRST), slice(None)):
+            low, high = self._all[near, :, few].swapaxes(0, 1)
+            near = near[((low <= phi[few]) & (phi[few] <= high)).all(axis=1)]
+        return any(self._on(self.found[k].curve, phi) for k in np.unique(self._of[near]).tolist())
 
     def trace(self, phi: np.ndarray, along: np.ndarray) -> list[TracedCurve]:
         """Trace the curve through a closed state that is on none yet.
@@ -131,9 +143,8 @@ class TracedCurves:
         if distance[i] > 2 * LONG * math.sqrt(self.problem.size):
             return False
         steps = [step for step in (i - 1, i) if 0 <= step < len(curve.control)]
-        # no state of a step is outside the box of its control points
-        low, high = (end(curve.control[steps], axis=1) for end in (np.min, np.max))
-        inside = ((phi >= low - ON_CURVE) & (phi <= high + ON_CURVE)).all(axis=1)
+        low, high = curve.boxes[steps].swapaxes(0, 1)
+        inside = ((phi >= low) & (phi <= high)).all(axis=1)
         return any(
             near and curve.nearest(step, phi)[1] < ON_CURVE
             for step, near in zip(steps, inside, strict=True)

@@ -43,12 +43,12 @@ from origami_nlp.pattern_states.contact_descents import (
     contact_descents_along,
 )
 from origami_nlp.pattern_states.curve import tangents
-from origami_nlp.pattern_states.curves import ON_CURVE, TracedCurve, TracedCurves
+from origami_nlp.pattern_states.curves import TracedCurve, TracedCurves
 from origami_nlp.pattern_states.descent import Descended, descend
 from origami_nlp.pattern_states.escape import with_escapes
 from origami_nlp.pattern_states.flat_folded import escape_paths, list_branches, list_flat_folded
 from origami_nlp.pattern_states.from_minima import FromMinima
-from origami_nlp.pattern_states.interpolant import wells
+from origami_nlp.pattern_states.interpolant import ON_CURVE, wells
 from origami_nlp.pattern_states.judgement import (
     judge,
     judge_end,

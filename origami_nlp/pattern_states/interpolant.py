@@ -8,6 +8,7 @@ The energy along a step is then a polynomial of degree ten, and its wells are ro
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -20,6 +21,8 @@ FITS = 1e-6
 """Distance of the middle of a step from closed states, at most [rad]."""
 MOST_HALVINGS = 6
 """Of a step."""
+ON_CURVE = 2e-5
+"""A state this close to a curve is on it [rad]: what its polynomials are off, with room."""
 REAL = 1e-6
 """Imaginary part, and excess over the ends, of roots in units of a step that count as real and inside."""
 
@@ -83,6 +86,20 @@ class Interpolant(ShortRepr):
         return replace(
             self, states=image(symmetry, self.states), control=image(symmetry, self.control)
         )
+
+    @cached_property
+    def boxes(self) -> np.ndarray:
+        """Least and largest fold angles of the control points of each step, with room: no state of it is outside,
+        [S - 1, 2, n]."""
+        low, high = self.control.min(axis=1) - ON_CURVE, self.control.max(axis=1) + ON_CURVE
+        return np.stack([low, high], axis=1)
+
+    def may_hold(self, states: np.ndarray) -> np.ndarray:
+        """Return which states are in the box of some step, of bool [K]."""
+        out = np.zeros(len(states), bool)
+        for low, high in self.boxes:
+            out |= ((states >= low) & (states <= high)).all(axis=1)
+        return out
 
     def at(self, step: int, u: float) -> np.ndarray:
         """Return the state at a share u of a step, [n]."""

@@ -18,8 +18,8 @@ from origami_nlp.minima import TracedPasses
 from origami_nlp.numerics import CLOSURE_TOL, NEAR_SINGULAR_TOL, groups, merge_tree
 from origami_nlp.pattern_problem import PatternProblem
 from origami_nlp.pattern_states.clearance import Stretches
-from origami_nlp.pattern_states.curves import LONG, ON_CURVE, TracedCurve
-from origami_nlp.pattern_states.interpolant import Interpolant, stationary
+from origami_nlp.pattern_states.curves import LONG, TracedCurve
+from origami_nlp.pattern_states.interpolant import ON_CURVE, Interpolant, stationary
 
 SHARES = np.linspace(0.0, 1.0, 7)
 """Of a stretch beside touching facets, at which it is asked whether facets cross."""
@@ -140,7 +140,7 @@ class _Network:
         """Add a curve, cut into stretches."""
         curve, self._asked = traced.curve, {}
         cuts: list[tuple[float, int]] = []
-        for k in range(self.known):
+        for k in np.flatnonzero(curve.may_hold(np.array(self.states[: self.known]))).tolist():
             cuts += [(at, k) for at in places(self.problem, curve, self.states[k])]
         for i, x in enumerate(curve.states):
             cuts.append((float(i), self._new(x)))

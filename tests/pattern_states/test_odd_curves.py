@@ -10,8 +10,8 @@ from origami_nlp.pattern_problem import PatternProblem
 from origami_nlp.pattern_states import list_branches
 from origami_nlp.pattern_states.clearance import Clearance
 from origami_nlp.pattern_states.curve import follow_curve, follow_from_flat, tangents
-from origami_nlp.pattern_states.curves import LONG, ON_CURVE
-from origami_nlp.pattern_states.interpolant import interpolate, wells
+from origami_nlp.pattern_states.curves import LONG
+from origami_nlp.pattern_states.interpolant import ON_CURVE, interpolate, wells
 
 
 def distance(curve, x):

@@ -1,0 +1,80 @@
+/* Which convex polygons pass through each other (`crossings.cross_each_other`), for states one after the other. */
+
+static void cross(const double *a, const double *b, double *out) {
+  out[0] = a[1] * b[2] - a[2] * b[1];
+  out[1] = a[2] * b[0] - a[0] * b[2];
+  out[2] = a[0] * b[1] - a[1] * b[0];
+}
+
+static double dot(const double *a, const double *b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+
+/* Unit normal, and the box, of a polygon [q, 3]: [9]. */
+static void look(const double *x, int64_t q, double *out) {
+  double *normal = out, *low = out + 3, *high = out + 6, u[3], v[3], w[3];
+  for (int i = 0; i < 3; i++) normal[i] = 0.0, low[i] = high[i] = x[i];
+  for (int64_t k = 0; k < q; k++) {
+    const double *here = x + 3 * k, *next = x + 3 * ((k + 1) % q);
+    for (int i = 0; i < 3; i++) {
+      u[i] = here[i] - x[i], v[i] = next[i] - x[i];
+      if (here[i] < low[i]) low[i] = here[i];
+      if (here[i] > high[i]) high[i] = here[i];
+    }
+    cross(u, v, w);
+    for (int i = 0; i < 3; i++) normal[i] += w[i];
+  }
+  double size = sqrt(dot(normal, normal));
+  for (int i = 0; i < 3; i++) normal[i] /= size;
+}
+
+/* How far a polygon reaches through a plane, and from where to where along a line: [3]. */
+static void chord(const double *x, int64_t q, const double *normal, const double *origin, const double *line,
+                  double *out) {
+  double most = -INFINITY, least = INFINITY, d[3], first_h = 0.0, first_t = 0.0, h = 0.0, t = 0.0;
+  out[1] = INFINITY, out[2] = -INFINITY;
+  for (int64_t k = 0; k <= q; k++) {
+    double h2 = first_h, t2 = first_t;
+    if (k < q) {
+      for (int i = 0; i < 3; i++) d[i] = x[3 * k + i] - origin[i];
+      h2 = dot(d, normal), t2 = dot(d, line);
+      if (h2 > most) most = h2;
+      if (h2 < least) least = h2;
+    }
+    if (!k)
+      first_h = h2, first_t = t2;
+    else if ((h > 0 && h2 <= 0) || (h <= 0 && h2 > 0)) { /* half open, see `_chord` */
+      double at = t + h / (h - h2) * (t2 - t);
+      if (at < out[1]) out[1] = at;
+      if (at > out[2]) out[2] = at;
+    }
+    h = h2, t = t2;
+  }
+  out[0] = most < -least ? most : -least;
+}
+
+/* Which pairs of polygons x [S, P, q, 3] pass through each other by more than `deep`: hit [S, K]. */
+void find_crossings(int64_t states, int64_t polygons, int64_t q, const double *x, int64_t pairs, const int64_t *first,
+                    const int64_t *second, double deep, double *seen, unsigned char *hit) {
+  for (int64_t s = 0; s < states; s++, x += 3 * q * polygons, hit += pairs) {
+    for (int64_t p = 0; p < polygons; p++) look(x + 3 * q * p, q, seen + 9 * p);
+    for (int64_t k = 0; k < pairs; k++) {
+      const double *one = seen + 9 * first[k], *other = seen + 9 * second[k];
+      const double *a = x + 3 * q * first[k], *b = x + 3 * q * second[k];
+      double line[3], of_a[3], of_b[3], d[3];
+      hit[k] = 0;
+      for (int i = 3; i < 6; i++)
+        if (!(one[i] <= other[i + 3] && other[i] <= one[i + 3])) goto apart;
+      cross(one, other, line);
+      double size = sqrt(dot(line, line));
+      for (int i = 0; i < 3; i++) line[i] /= size > NONZERO ? size : NONZERO, d[i] = a[i] - b[i];
+      chord(a, q, other, b, line, of_a);
+      if (!(of_a[0] > deep)) continue;
+      chord(b, q, one, a, line, of_b);
+      if (!(of_b[0] > deep)) continue;
+      double shift = dot(d, line), low = of_b[1] + shift, high = of_b[2] + shift;
+      if (of_a[1] > low) low = of_a[1];
+      if (of_a[2] < high) high = of_a[2];
+      hit[k] = high - low > deep;
+    apart:;
+    }
+  }
+}
