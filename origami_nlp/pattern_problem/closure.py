@@ -154,7 +154,7 @@ class Closure:
     @cached_property
     def compiled(self) -> CompiledClosure:
         """Steps onto it in C."""
-        return CompiledClosure(self)
+        return CompiledClosure(self.tables(), self.size)
 
     def tables(self) -> dict[str, np.ndarray]:
         """Return the loops, one after the other, as arrays.

@@ -4,15 +4,12 @@ from __future__ import annotations
 
 import ctypes
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import scipy as sp
 
 from origami_nlp import numerics
-
-if TYPE_CHECKING:
-    from origami_nlp.pattern_problem.closure import Closure
 
 FALLS = 0.05
 """A residual that falls by less a step asks for new factors: they cost as much as three to ten steps with old ones."""
@@ -26,7 +23,7 @@ INTS = "first crease of rows place one other".split()
 WORK = "c o q t value j l d".split()
 
 
-class _Loops(ctypes.Structure):
+class _LoopsInC(ctypes.Structure):
     """Loops of a pattern, and where their rows go."""
 
     _fields_ = [
@@ -36,7 +33,7 @@ class _Loops(ctypes.Structure):
     ]
 
 
-class _Place(ctypes.Structure):
+class _PlaceInC(ctypes.Structure):
     """What is computed at a state."""
 
     _fields_ = [(name, ctypes.c_void_p) for name in (*WORK, "none")]
@@ -65,15 +62,18 @@ class CompiledClosure:
 
     Parameters
     ----------
-    closure
-        The equations.
+    tables
+        Of `Closure.tables`.
+    size
+        Length over which translations are.
     """
 
-    def __init__(self, closure: Closure) -> None:
+    def __init__(self, tables: dict[str, np.ndarray], size: float) -> None:
         self._library: Any = None
-        tables = closure.tables()
         of, rows, crease = tables["of"], tables["rows"], tables["crease"]
-        loops, n = len(rows), len(closure.pattern.reference)
+        loops, n, m = len(rows), len(tables["reference"]), int(rows.sum())
+        if not loops:
+            return
         shared = _sharing(crease)
         # loops that share creases are numbered near each other
         graph = sp.sparse.csr_array(
@@ -84,8 +84,8 @@ class CompiledClosure:
         place[order] = np.cumsum(rows[order]) - rows[order]
         shared = shared[place[of[shared[:, 0]]] >= place[of[shared[:, 1]]]]
         low, high = place[of[shared[:, 1]]], place[of[shared[:, 0]]] + rows[of[shared[:, 0]]] - 1
-        m, band = closure.count, int((high - low).max(initial=0))
-        if not m or m * (band + 1.0) ** 2 > MOST_WORK:
+        band = int((high - low).max(initial=0))
+        if m * (band + 1.0) ** 2 > MOST_WORK:
             return
         self._library = library = numerics.compiled("closure", _source)
         if library is None:
@@ -98,10 +98,10 @@ class CompiledClosure:
         self._kept |= {name: np.zeros(k) for name, k in zip(WORK, sizes, strict=True)}
         self._kept["none"] = np.zeros(n, np.int64)
         at = {name: a.ctypes.data for name, a in self._kept.items()}
-        self._loops = _Loops(
-            n, m, loops, len(shared), band, closure.size, *map(at.get, (*FLOATS, *INTS))
+        self._loops = _LoopsInC(
+            n, m, loops, len(shared), band, size, *map(at.get, (*FLOATS, *INTS))
         )
-        self._place = _Place(*map(at.get, (*WORK, "none")))
+        self._place = _PlaceInC(*map(at.get, (*WORK, "none")))
         self._given = ctypes.addressof(self._loops), ctypes.addressof(self._place)
         self._ends = np.zeros(2)
         if not library.project.argtypes:

@@ -190,7 +190,8 @@ class Clearance:
     @cached_property
     def _compiled(self) -> CompiledClearance:
         """The same in C."""
-        return CompiledClearance(self)
+        p = self.problem.pattern
+        return CompiledClearance(self.tables, (p.creases, p.facets), self.problem.crossings.size)
 
     def tables(self) -> dict[str, np.ndarray]:
         """Return pieces, pairs, and the creases between both of each from `first` on, with the ways from these."""

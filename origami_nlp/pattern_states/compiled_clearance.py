@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 import ctypes
+from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from origami_nlp.numerics import CLOSURE_TOL, CURVED, DEEP, NONZERO, compiled
-
-if TYPE_CHECKING:
-    from origami_nlp.pattern_states.clearance import Clearance
 
 TILTS = 0.0, 0.1, 0.3, 1.0
 """By which planes of sectors are turned, in search of one between two sectors: tangents."""
@@ -20,7 +18,7 @@ FLOATS = "corners middles radii rays_still rays_moving arm".split()
 INTS = "facet still moving apex first crease".split()
 
 
-class _Sheet(ctypes.Structure):
+class _PairsInC(ctypes.Structure):
     """Pieces of facets, and pairs of them."""
 
     _fields_ = [
@@ -48,22 +46,26 @@ class CompiledClearance:
 
     Parameters
     ----------
-    clearance
-        The pairs of facets.
+    tables
+        Of `Clearance.tables`, made where there is a compiler.
+    sizes
+        Of creases and of facets.
+    size
+        Of the sheet.
     """
 
-    def __init__(self, clearance: Clearance) -> None:
+    def __init__(
+        self, tables: Callable[[], dict[str, np.ndarray]], sizes: tuple[int, int], size: float
+    ) -> None:
         self.library: Any = compiled("clearance", _source)
         if self.library is None:
             return
-        tables = clearance.tables()
-        self._kept = {name: np.ascontiguousarray(tables[name], np.float64) for name in FLOATS}
-        self._kept |= {name: np.ascontiguousarray(tables[name], np.int64) for name in INTS}
-        c = clearance.problem.crossings
-        q, n = c.pieces.shape[1], clearance.problem.pattern.creases
+        made = tables()
+        self._kept = {name: np.ascontiguousarray(made[name], np.float64) for name in FLOATS}
+        self._kept |= {name: np.ascontiguousarray(made[name], np.int64) for name in INTS}
+        q = made["corners"].shape[1]
         at = {name: a.ctypes.data for name, a in self._kept.items()}
-        facets = clearance.problem.pattern.facets
-        self._sheet = _Sheet(q, n, facets, c.size, *map(at.get, (*FLOATS, *INTS)))
+        self._sheet = _PairsInC(q, *sizes, size, *map(at.get, (*FLOATS, *INTS)))
         self._work = np.empty(3 * (3 * q + 2 + 2 * q + 2 * q * q))
         if not self.library.find_touching.argtypes:
             whole, address = ctypes.c_int64, ctypes.c_void_p

@@ -1,6 +1,4 @@
-"""What is compiled for patterns says what NumPy says: steps onto closure, curves of states, facets that cross."""
-
-from dataclasses import replace
+"""What is compiled for patterns says what NumPy says: steps onto closure, facets that cross."""
 
 import numpy as np
 import pytest
@@ -8,9 +6,6 @@ import pytest
 from origami_nlp import examples
 from origami_nlp.numerics import CLOSURE_TOL, DEEP, SWITCH
 from origami_nlp.pattern_problem import PatternProblem, cross_each_other, crossings_among
-from origami_nlp.pattern_states.clearance import Clearance
-from origami_nlp.pattern_states.curve import ClosedStates, follow_curve
-from origami_nlp.pattern_states.interpolant import interpolate
 from tests.patterns import miura, strip
 
 HOLE = ((1, 2), (1, 3), (2, 2), (2, 3))
@@ -37,7 +32,7 @@ def both(request, monkeypatch):
     return one, other
 
 
-def test_projections_and_curves(both):
+def test_projections(both):
     one, other = both
     rng = np.random.default_rng(1)
     start, residual = other.project(0.6 * one.pattern.signs)
@@ -57,17 +52,6 @@ def test_projections_and_curves(both):
             assert one.closure.lifts_to_one(x) == other.closure.lifts_to_one(y)
     x, residual = one.project(start + 0.02 * rng.uniform(-1, 1, one.size))
     assert other.residual(x) == pytest.approx(residual, abs=1e-15) and residual <= CLOSURE_TOL
-    along = rng.normal(size=one.size)
-    along /= np.linalg.norm(along)
-    here, there = (ClosedStates(p).at(x, along) for p in both)
-    assert np.abs(here.tangent - there.tangent).max() <= 1e-10
-    assert np.abs(here.bend - there.bend).max() <= 1e-8 * (1 + np.abs(there.bend).max())
-    # a closed curve to second order: what is left falls as the cube of the step
-    assert np.abs(one.closure.jacobian(x) @ here.tangent).max() <= 1e-12
-    bent = one.closure.second(x, here.tangent[:, None])[:, 0, 0]
-    assert np.abs(one.closure.jacobian(x) @ here.bend + bent).max() <= 1e-6 * (
-        1 + np.abs(bent).max()
-    )
 
 
 def test_facets_that_cross(both):
@@ -79,34 +63,3 @@ def test_facets_that_cross(both):
     reference = np.array([cross_each_other(p[first], p[second], DEEP) for p in x])
     assert reference.any() and not reference.all()
     assert (compiled == reference).all()
-
-
-def test_facets_that_might_touch(both, monkeypatch):
-    one, other = both
-    if one.pattern.cell:
-        return  # gaps of copies are not asked for
-    x, _ = other.project(0.3 * one.pattern.signs)
-    whole = interpolate(other, follow_curve(other, x, other.kernel(x)[:, 0]))
-    curve = replace(whole, states=whole.states[-13:], control=whole.control[-12:], odd=False)
-    clearance, plain = Clearance(one), Clearance(other)
-    motions = [one.crossings.poses.motions(phi) for phi in curve.states]
-    turn, shift = (np.array(m) for m in zip(*motions, strict=True))
-    ends = (turn[:-1], shift[:-1]), (turn[1:], shift[1:])
-    every = np.arange(len(clearance.first))
-    # of long steps more might touch
-    for longer in (1.0, 30.0):
-        middle = curve.control.mean(axis=1, keepdims=True)
-        control = middle + longer * (curve.control - middle)
-        found = clearance.touching(*ends, control, every)
-        with monkeypatch.context() as patched:
-            patched.setenv(SWITCH, "0")
-            expected = plain.touching(*ends, control, every)
-        assert plain._compiled.library is None and clearance._compiled.library is not None
-        one_by_one, those = (sorted(zip(*x, strict=True)) for x in (found, expected))
-        assert one_by_one == those
-    seen = clearance.along(curve)
-    with monkeypatch.context() as patched:
-        patched.setenv(SWITCH, "0")
-        told = plain.along(curve)
-    assert (seen.crosses == told.crosses).all() and seen.unclear == told.unclear
-    assert np.abs(seen.states - told.states).max() <= 1e-9
