@@ -72,6 +72,9 @@ class State:
     @cached_property
     def _factors(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Singular values and vectors of `jacobian`."""
+        p: Any = self.problem
+        if p.redundant and not p.sparse:  # whose metric is that of all fold angles
+            return cast(tuple[np.ndarray, np.ndarray, np.ndarray], p.singular(self.x))
         u, values, vt = np.linalg.svd(self.jacobian)
         return u, values, vt
 
@@ -79,7 +82,7 @@ class State:
     def kernel(self) -> np.ndarray:
         """Orthonormal basis of the null space of closure, the infinitesimal motions, in the metric, [n, t]."""
         p: Any = self.problem
-        if p.redundant and not p.sparse:  # whose metric is that of all fold angles
+        if p.redundant and not p.sparse:
             return cast(np.ndarray, p.kernel(self.x))
         _, values, vt = self._factors
         # paper, eq. A6: C dphi = 0, of dimension N - 3 at a regular state of a vertex without symmetry

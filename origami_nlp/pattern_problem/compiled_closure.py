@@ -106,7 +106,7 @@ class CompiledClosure:
         self._ends = np.zeros(2)
         if not library.project.argtypes:
             address, whole = ctypes.c_void_p, ctypes.c_int64
-            library.project.argtypes = [address] * 3 + [whole] + [address] * 2
+            library.project.argtypes = [address] * 3 + [whole] + [address] * 3
             library.project.restype = None
             library.follow.argtypes = [address] * 6
             library.follow.restype = whole
@@ -117,9 +117,9 @@ class CompiledClosure:
         return self._library is not None
 
     def project(
-        self, phi: np.ndarray, held: np.ndarray | None, steps: int
+        self, phi: np.ndarray, held: np.ndarray | None, steps: int, near: np.ndarray | None = None
     ) -> tuple[np.ndarray, float, bool]:
-        """Move fold angles [n] onto closure, those held staying, as `PatternEquations.project` does.
+        """Move fold angles [n] onto closure as `PatternEquations.project` does, by factors at `near` to begin with.
 
         Returns
         -------
@@ -133,8 +133,10 @@ class CompiledClosure:
         phi = np.array(phi, np.float64)
         stays = self._kept["none"] if held is None else held.astype(np.int64)
         loops, place = self._given
+        begin = None if near is None else np.ascontiguousarray(near, np.float64)
         self._library.project(
-            loops, phi.ctypes.data, stays.ctypes.data, steps, place, self._ends.ctypes.data
+            *(loops, phi.ctypes.data, stays.ctypes.data, steps),
+            *(None if begin is None else begin.ctypes.data, place, self._ends.ctypes.data),
         )
         residual, least = self._ends.tolist()
         return phi, residual, least > 0

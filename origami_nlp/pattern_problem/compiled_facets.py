@@ -1,4 +1,4 @@
-"""Which facets cross, in C (`c/facets.c`), compiled once by the compiler of the machine; without one NumPy says it."""
+"""Where facets are and which cross, in C (`c/facets.c`), compiled by the compiler of the machine; else by NumPy."""
 
 from __future__ import annotations
 
@@ -23,7 +23,8 @@ def library() -> Any:
     made = compiled("facets", _source)
     if made is not None and not made.find_crossings.argtypes:
         whole, at = ctypes.c_int64, ctypes.c_void_p
-        made.find_crossings.restype = None
+        made.find_crossings.restype = made.place.restype = None
+        made.place.argtypes = [whole, *[at] * 8]
         made.find_crossings.argtypes = [*[whole] * 3, at, whole, at, at, ctypes.c_double, at, at]
     return made
 

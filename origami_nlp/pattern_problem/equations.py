@@ -79,7 +79,7 @@ class PatternEquations:
         self._last: tuple[bytes, list[int], Normal] | None = None
         self._seen: dict[str, tuple[bytes, Any]] = {}
         # of closure alone: shared with the same pattern under other loads
-        self._decomposed: dict[bytes, tuple[np.ndarray, np.ndarray]] = {}
+        self._decomposed: dict[bytes, tuple[np.ndarray, np.ndarray, np.ndarray]] = {}
 
     @property
     def until(self) -> float:
@@ -155,7 +155,7 @@ class PatternEquations:
         phi: np.ndarray,
         held: np.ndarray | None = None,
         steps: int = 40,
-        near: Normal | None = None,
+        near: np.ndarray | None = None,
     ) -> tuple[np.ndarray, float]:
         """Move fold angles onto closure by steps of least length.
 
@@ -170,7 +170,7 @@ class PatternEquations:
         steps
             Of Gauss-Newton at most.
         near
-            Factors at a closed state nearby with the same creases free, to begin with.
+            A closed state nearby [n], whose factors are used to begin with.
 
         Returns
         -------
@@ -184,26 +184,28 @@ class PatternEquations:
         Where a factorization breaks down the steps end: this one state is not closed, whatever goes on beside it.
         """
         self.check_time()
-        if near is None and self.closure.compiled.usable:
-            phi, residual, lifts = self.closure.compiled.project(phi, held, steps)
+        if self.closure.compiled.usable:
+            phi, residual, lifts = self.closure.compiled.project(phi, held, steps, near)
             self.closure.lifted = phi.tobytes(), lifts
             return phi, residual
         phi = phi.copy()
         free = slice(None) if held is None or not held.any() else np.flatnonzero(~held)
-        before = math.inf
+        before, normal = math.inf, None
+        if near is not None:
+            normal = self.normal(near, () if held is None else np.flatnonzero(held))
         for _ in range(steps):
             at = self.closure.turned(phi)
             c = self.closure.values(phi, at)
             if np.abs(c).max(initial=0.0) <= ROUNDED:
                 break
             size = float(np.linalg.norm(c))  # the same in every frame
-            if near is None or not size <= FALLS * before:
+            if normal is None or not size <= FALLS * before:
                 try:
-                    near = Normal(self.closure.jacobian(phi, at)[:, free])
+                    normal = Normal(self.closure.jacobian(phi, at)[:, free])
                 except (np.linalg.LinAlgError, RuntimeError):  # the latter is what SuperLU says
                     break
             before = size
-            d = near.step(-c)
+            d = normal.step(-c)
             phi[free] += d * min(1.0, LONGEST / max(float(np.abs(d).max(initial=0.0)), NONZERO))
         return phi, self.residual(phi)
 
@@ -270,7 +272,7 @@ class PatternEquations:
         self.check_time()
         held = list(held)
         if not held:
-            values, vt = self._singular(phi)
+            _, values, vt = self.singular(phi)
             return np.array(vt[int((values > RANK).sum()) :].T, order="C")
         free = np.setdiff1d(np.arange(self.size), held)
         inside = null_space(dense(self.closure.jacobian(phi))[:, free])
@@ -286,18 +288,19 @@ class PatternEquations:
         """
         if self.size > MOST_DENSE:
             return False
-        values = self._singular(phi)[0]
+        values = self.singular(phi)[1]
         return bool((values[values > RANK] ** 2 < ROUNDED / DUPLICATE_TOL).any())
 
-    def _singular(self, phi: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Singular values of the Jacobian and all right vectors [n, n], in rows; the last ones are kept."""
+    def singular(self, phi: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Return singular values of the Jacobian of closure, and all vectors: [m, m], [min(m, n)], [n, n]; dense.
+
+        The last ones are kept: rank, kernel and curvature of a state are asked for in turn.
+        """
         key = phi.tobytes()
         if key not in self._decomposed:
-            # rank, kernel and curvature of a state are asked for in turn
-            j = dense(self.closure.jacobian(phi))
-            _, values, vt = np.linalg.svd(j, full_matrices=j.shape[0] < j.shape[1])
+            found = np.linalg.svd(dense(self.closure.jacobian(phi)))
             self._decomposed.clear()
-            self._decomposed[key] = values, vt
+            self._decomposed[key] = found
         return self._decomposed[key]
 
     def rank(self, phi: np.ndarray, below: float = RANK) -> int:
@@ -308,7 +311,7 @@ class PatternEquations:
         if not self.closure.count:
             return 0
         if self.size <= MOST_DENSE:
-            return int((self._singular(phi)[0] > below).sum())
+            return int((self.singular(phi)[1] > below).sum())
         j = self.closure.jacobian(phi)
         # on the side with fewer rows; eliminated without exchange, a symmetric matrix has as many positive pivots as
         # eigenvalues (Sylvester).  Lanczos' method would miss copies of zeros where there are many.

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 import scipy as sp
 
 from origami_nlp.pattern import Pattern
+from origami_nlp.pattern_problem.compiled_facets import library
 
 MOVES = 1e-3
 """A crease folded by more moves [rad]."""
@@ -104,6 +106,8 @@ class Poses:
         p, crossed = self.pattern, self._crossed
         turn, shift = np.zeros((p.facets, 3, 3)), np.zeros((p.facets, 3))
         turn[self.root] = np.eye(3)
+        if self._placed_in_c(phi, turn, shift):
+            return turn, shift
         r = rotations(
             self._senses[:, None] * p.directions[crossed], (self.copied(phi) - p.reference)[crossed]
         )
@@ -115,6 +119,32 @@ class Poses:
             shift[here] = np.einsum("kij,kj->ki", turn[parent], inner[level]) + shift[parent]
         turn.flags.writeable = shift.flags.writeable = False
         return turn, shift
+
+    @cached_property
+    def compiled(self) -> Any:
+        """Compiled functions; None where nothing can be compiled."""
+        return library()
+
+    def _placed_in_c(self, phi: np.ndarray, turn: np.ndarray, shift: np.ndarray) -> bool:
+        """Place all facets but the root by a compiled function; whether there is one."""
+        if self.compiled is None:
+            return False
+        angles = np.ascontiguousarray(self.copied(phi) - self.pattern.reference, np.float64)
+        at = (x.ctypes.data for x in (*self._walks, angles, turn, shift))
+        self.compiled.place(len(self._crossed), *at)
+        turn.flags.writeable = shift.flags.writeable = False
+        return True
+
+    @cached_property
+    def _walks(self) -> tuple[np.ndarray, ...]:
+        """Of each step of the walks: facet reached, the one before, crease; the directed axis and a point of it."""
+        p, crossed = self.pattern, self._crossed
+        none = [np.zeros(0, int)]
+        here = np.concatenate([*(here for here, _, _ in self._levels), *none]).astype(np.int64)
+        before = np.concatenate([*(parent for _, parent, _ in self._levels), *none])
+        axes = np.ascontiguousarray(self._senses[:, None] * p.directions[crossed])
+        points = np.ascontiguousarray(p.corners[p.ends[crossed, 0]])
+        return here, before.astype(np.int64), crossed.astype(np.int64), axes, points
 
     def polygons(self, phi: np.ndarray) -> list[np.ndarray]:
         """Return the corners of every piece of paper in space, [P] arrays [q, 3]."""

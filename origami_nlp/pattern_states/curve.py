@@ -15,7 +15,7 @@ import numpy as np
 
 from origami_nlp.continuation import CLOSED_CURVE, ContinuationOptions, End, trace, trace_ahead
 from origami_nlp.numerics import CLOSURE_TOL, EXPLORED, NONZERO, dense, null_space
-from origami_nlp.pattern_problem import PatternProblem
+from origami_nlp.pattern_problem import MOST_DENSE, PatternProblem
 
 STEP = 0.05
 """Largest step of a walk [rad], in the norm over creases divided by the square root of their number."""
@@ -64,6 +64,8 @@ class ClosureCurve:
 
 def tangents(problem: PatternProblem, phi: np.ndarray) -> np.ndarray:
     """Return an orthonormal basis of the kernel of the Jacobian, [n, t]."""
+    if problem.size <= MOST_DENSE:  # it is asked for again where a descent begins
+        return problem.kernel(phi)
     return null_space(dense(problem.closure.jacobian(phi)))
 
 

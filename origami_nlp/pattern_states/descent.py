@@ -123,7 +123,7 @@ def descend(
         moved = False
         while radius > ROUNDED:
             trial = _capped(d, radius)
-            new, closes = _retract(problem, phi + trial, held, normal)
+            new, closes = _retract(problem, phi + trial, held, phi)
             share = float(np.linalg.norm(trial)) / max(float(np.linalg.norm(d)), NONZERO)
             lower = problem.scaled_energy(new) < energy - DECREASE * abs(slope) * share
             tiny = np.abs(trial).max() < TINY and problem.scaled_energy(new) <= energy + ROUNDED * (
@@ -191,7 +191,7 @@ def _capped(d: np.ndarray, radius: float) -> np.ndarray:
 
 
 def _retract(
-    problem: PatternProblem, phi: np.ndarray, held: np.ndarray, near: Normal
+    problem: PatternProblem, phi: np.ndarray, held: np.ndarray, near: np.ndarray
 ) -> tuple[np.ndarray, bool]:
     """Project back; creases that would pass a limit stop there."""
     held = held.copy()

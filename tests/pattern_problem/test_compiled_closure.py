@@ -28,7 +28,7 @@ def both(request, monkeypatch):
         pytest.skip("no C compiler, or it is switched off")
     with monkeypatch.context() as patched:
         patched.setenv(SWITCH, "0")
-        assert not other.closure.compiled.usable
+        assert not other.closure.compiled.usable and other.crossings.poses.compiled is None
     return one, other
 
 
@@ -43,8 +43,9 @@ def test_projections(both):
         for _ in range(3):
             near = start + 0.02 * rng.uniform(-1, 1, one.size) * (held is None)
             near[~stays] += 1e-3
-            x, residual = one.project(near, held)
-            y, expected = other.project(near, held)
+            begin = None if held is None else start
+            x, residual = one.project(near, held, near=begin)
+            y, expected = other.project(near, held, near=begin)
             # where steps of Newton end they differ by rounding over squares of small singular values
             assert (residual <= CLOSURE_TOL) == (expected <= CLOSURE_TOL)
             assert np.abs(x - y).max() <= 1e-7
@@ -52,6 +53,14 @@ def test_projections(both):
             assert one.closure.lifts_to_one(x) == other.closure.lifts_to_one(y)
     x, residual = one.project(start + 0.02 * rng.uniform(-1, 1, one.size))
     assert other.residual(x) == pytest.approx(residual, abs=1e-15) and residual <= CLOSURE_TOL
+
+
+def test_where_facets_are(both):
+    one, other = (p.crossings.poses for p in both)
+    for phi in np.random.default_rng(3).uniform(-3, 3, (5, both[0].size)):
+        for x, y in zip(one.motions(phi), other.motions(phi), strict=True):
+            assert np.abs(x - y).max() <= 1e-13
+            assert not x.flags.writeable
 
 
 def test_facets_that_cross(both):

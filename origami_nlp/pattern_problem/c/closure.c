@@ -137,11 +137,17 @@ static void moved(const Loops *p, const double *j, const double *d, double *out)
   }
 }
 
-/* Move fold angles onto closure by steps of least length (`PatternEquations.project`), and say where loops end:
+/* Move fold angles onto closure by steps of least length (`PatternEquations.project`), by factors at `near` to begin with, and say where loops end:
    the largest entry of closure, and the least real part of q. */
-void project(const Loops *p, double *phi, const int64_t *stays, int64_t steps, Place *at, double *ends) {
+void project(const Loops *p, double *phi, const int64_t *stays, int64_t steps, const double *near, Place *at,
+             double *ends) {
   double before = INFINITY, *j = at->j, *l = at->l;
   int known = 0;
+  if (near) {
+    turn(p, near, at);
+    slopes(p, at, j);
+    known = factorise(p, j, stays, l);
+  }
   for (int64_t step = 0;; step++) {
     turn(p, phi, at);
     ends[0] = largest(at->value, p->m);

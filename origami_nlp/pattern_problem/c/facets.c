@@ -1,4 +1,4 @@
-/* Which convex polygons pass through each other (`crossings.cross_each_other`), for states one after the other. */
+/* Where facets are (`poses.Poses`), and which convex polygons pass through each other (`crossings.cross_each_other`), for states one after the other. */
 
 static void cross(const double *a, const double *b, double *out) {
   out[0] = a[1] * b[2] - a[2] * b[1];
@@ -75,6 +75,29 @@ void find_crossings(int64_t states, int64_t polygons, int64_t q, const double *x
       if (of_a[2] < high) high = of_a[2];
       hit[k] = high - low > deep;
     apart:;
+    }
+  }
+}
+
+/* Motions of facets, each from the one before it across a crease: turn [F, 9] and shift [F, 3], of the root given. */
+void place(int64_t steps, const int64_t *here, const int64_t *before, const int64_t *crease, const double *axis,
+           const double *point, const double *angle, double *turn, double *shift) {
+  for (int64_t k = 0; k < steps; k++, axis += 3, point += 3) {
+    const double *q = turn + 9 * before[k];
+    double *to = turn + 9 * here[k], r[9], inner[3], a = angle[crease[k]], half = sin(a / 2), s = sin(a);
+    double c = 2 * half * half, x = axis[0], y = axis[1], z = axis[2];
+    /* 1 + sin a K + (1 - cos a) K^2 (Rodrigues) */
+    double k1[9] = {0, -z, y, z, 0, -x, -y, x, 0};
+    for (int i = 0; i < 3; i++)
+      for (int j = 0; j < 3; j++) {
+        double square = k1[3 * i] * k1[j] + k1[3 * i + 1] * k1[3 + j] + k1[3 * i + 2] * k1[6 + j];
+        r[3 * i + j] = (i == j) + s * k1[3 * i + j] + c * square;
+      }
+    for (int i = 0; i < 3; i++) inner[i] = point[i] - dot(r + 3 * i, point);
+    for (int i = 0; i < 3; i++) {
+      for (int j = 0; j < 3; j++)
+        to[3 * i + j] = q[3 * i] * r[j] + q[3 * i + 1] * r[3 + j] + q[3 * i + 2] * r[6 + j];
+      shift[3 * here[k] + i] = dot(q + 3 * i, inner) + shift[3 * before[k] + i];
     }
   }
 }
