@@ -15,7 +15,7 @@ FALLS = 0.05
 """A residual that falls by less a step asks for new factors: they cost as much as three to ten steps with old ones."""
 LONGEST = 0.5
 """Steps of a projection are cut to this largest change of a fold angle [rad]."""
-MOST_WORK = 4e6
+MOST_WORK = 4e7
 """Rows times the square of the band up to which its factors are formed in C: beyond, sparse ones take less."""
 SIZES = "n m loops pairs band".split()
 FLOATS = "axis point reference".split()
