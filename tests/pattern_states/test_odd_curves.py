@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 
+import origami_nlp as o
 from origami_nlp.pattern import as_pattern
 from origami_nlp.pattern_problem import PatternProblem
 from origami_nlp.pattern_states import list_branches
@@ -60,3 +61,44 @@ def test_far_from_flat_or_with_limits_on_one_side_curves_are_followed_in_whole()
     limits = [(-2.0, math.pi), *[(-math.pi, math.pi)] * (pattern.creases - 1)]
     limited = PatternProblem(pattern.with_limits(limits))
     assert follow_from_flat(limited, phi, LONG) is None
+
+
+@pytest.mark.parametrize("name", ["miura:2x3", pytest.param("squaretwist", marks=pytest.mark.slow)])
+def test_barriers_over_the_flat_state_are_those_of_walks_that_share_no_code(name):
+    """By own closure and the Flexible Collision Library, from each minimum to both ends of its curve."""
+    pytest.importorskip("fcl", reason="python-fcl, of the extra test")
+    from tests.independent.rigid import Rigid
+
+    found = o.find_minima(name)
+    rigid, asked = Rigid(found.pattern), 0
+    for m in found.minima:
+        if m.kind != "interior" or m.dof != 1:
+            continue
+        ways = [_climb(rigid, m.phi, sense) for sense in (1.0, -1.0)]
+        (flat,) = (x for x in ways if np.abs(x[-1]).max() < NEAR)
+        (other,) = (x for x in ways if x is not flat)
+        over_flat = found.pattern.energy(np.array([*flat, 0 * m.phi])).max() - m.energy
+        assert found.pattern.energy(np.array(other)).max() - m.energy > over_flat
+        assert m.escape.barrier == pytest.approx(over_flat, rel=1e-9)
+        asked += 1
+    assert asked > 3
+
+
+NEAR = 0.05
+"""So near the flat state a sheet is a graph over its plane: facets do not cross."""
+
+
+def _climb(rigid, x, sense, step=0.05):
+    """Closed states along the one free direction: to the flat state, a limit, where facets collide or a chord fails."""
+    out, before = [x], None
+    while np.abs(out[-1]).max() >= NEAR:
+        slopes = rigid.differences(out[-1])
+        d = np.linalg.svd(slopes)[2][-1]
+        d = sense * d if before is None else d * np.sign(d @ before)
+        new = rigid.closed(out[-1] + step * d, np.linalg.pinv(slopes, rcond=1e-6))
+        if new is None or np.abs(new).max() > math.pi or rigid.collide(new):
+            assert np.abs(out[-1]).max() > 2.5  # nearly folded
+            break
+        out.append(new)
+        before = d
+    return out
