@@ -144,7 +144,7 @@ def _holds(held: int, said: int) -> bool:
 def _half_spaces(normals: np.ndarray) -> list[int]:
     """Return for each unit normal [r, t] the first one that agrees with it."""
     same = np.abs(normals[:, None] - normals[None]).max(axis=2, initial=0.0) <= INDEPENDENT
-    return same.argmax(axis=1).tolist()
+    return same.argmax(axis=1).tolist() if len(normals) else []
 
 
 def _by_levers(branches: Branches, lever: dict[Contact, float]) -> Branches:

@@ -83,7 +83,7 @@ def undecided_lines(search: SearchReport) -> list[str]:
 def _where(state: JudgedState) -> str:
     if len(state.fold_angles) > MOST_ANGLES:
         return ""
-    angles = " ".join(f"{a:.6g}" for a in np.degrees(state.fold_angles))
+    angles = " ".join(f"{a:.6g}" for a in np.round(np.degrees(state.fold_angles), 9) + 0.0)
     return f", hits {state.hits}, fold angles [deg] {angles}"
 
 

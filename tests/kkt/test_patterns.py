@@ -1,5 +1,6 @@
 """A pattern as a problem of the kernel: derivatives by differences, dependent rows, one answer with single vertices."""
 
+import math
 from collections import Counter
 from itertools import product
 
@@ -11,6 +12,7 @@ import origami_nlp as o
 from origami_nlp import State, classify
 from origami_nlp.kkt import judge_branch, loop_modes, tangent_cone
 from origami_nlp.kkt.descent_witness import follow_descent
+from origami_nlp.pattern import as_pattern
 from origami_nlp.pattern_problem import PatternProblem
 from tests.computed_once import states
 from tests.patterns import miura, miura_angles, strip
@@ -184,3 +186,11 @@ def test_a_state_of_a_large_pattern_that_is_not_stationary_is_refuted_along_its_
     found = classify(State(problem, flat.lower))
     assert problem.sparse and found.verdict == "not stationary"
     assert problem.energy_change(flat.lower, found.lower) < 0 and not problem.refuses(found.lower)
+
+
+def test_beside_a_folded_state_where_nothing_touches_yet():
+    """Within rounding of contact there are no rows to choose between: not decided, by name."""
+    problem, e = PatternProblem(as_pattern("degree6")), 9.4e-9
+    phi, residual = problem.project(np.array([e - math.pi, -e, -e, e - math.pi, e, e]))
+    what = classify(State(problem, phi))
+    assert residual < 1e-15 and what.verdict == "undecided" and "not decided" in what.reason
