@@ -116,6 +116,10 @@ def own(name: str) -> None:
         driven = o.actuate(sheet).driven[1]
         torques = zip(driven.creases, (0.02 * t for t in driven.torques), strict=True)
         o.draw(o.actuate(sheet, dict(torques)), path)
+    elif name == "square_twist":
+        sheet = o.examples.pattern("squaretwist", alpha=np.radians(50)).with_springs(0.001, 0.0)
+        load = 0.05 * o.actuate(sheet).branches[0].velocities[:, 0]
+        o.draw(o.actuate(sheet, {k + 1: float(t) for k, t in enumerate(load)}), path)
     elif name == "measured_hinge":
         o.draw(o.fit_hinge(FOLDER.parent / "files" / "tape.csv"), path)
     elif name == "degree6_pi3":
@@ -239,6 +243,7 @@ PICTURES: dict[str, Callable[[str], None]] = {
     "six_states": own,
     "birds_foot": own,
     "actuated": own,
+    "square_twist": own,
     "measured_hinge": own,
     "periodic_miura": drawn_periods,
     "waterbomb_curves": drawn_waterbombs,
