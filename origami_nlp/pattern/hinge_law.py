@@ -135,14 +135,20 @@ class HingeLaw(ShortRepr):
         return np.asarray(self._slope(phi))
 
     def change(self, a: np.ndarray, b: np.ndarray) -> np.ndarray:
-        """Energy at b less that at a, [...] [J], without cancellation where both are on one piece."""
-        here, there = (np.searchsorted(self.breaks, v, side="right") for v in (a, b))
+        """Energy at b less that at a, [...] [J], without cancellation where at most one break is between them."""
+        x = np.array(self.breaks)
+        here, there = (np.searchsorted(x, v, side="right") for v in (a, b))
+        # where a break is between them the work is that to the break and that from there on
+        knot = np.clip(x[np.clip(np.maximum(here, there) - 1, 0, len(x) - 1)], *np.sort([a, b], 0))
+        near = self._work(a, np.where(here == there, b, knot))
+        near = near + np.where(here == there, 0.0, self._work(knot, b))
+        return np.where(abs(here - there) <= 1, near, self.energy(b) - self.energy(a))
+
+    def _work(self, a: np.ndarray, b: np.ndarray) -> np.ndarray:
+        """Integral of the torque between angles on one piece: Gauss with two points integrates cubics exactly."""
         middle, half = 0.5 * (a + b), 0.5 * (b - a)
-        # Gauss with two points integrates cubics exactly
-        near = half * (
-            self.torque(middle - half / math.sqrt(3)) + self.torque(middle + half / math.sqrt(3))
-        )
-        return np.where(here == there, near, self.energy(b) - self.energy(a))
+        away = half / math.sqrt(3)
+        return half * (self.torque(middle - away) + self.torque(middle + away))
 
     @cached_property
     def stiffness(self) -> float:

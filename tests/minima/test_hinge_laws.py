@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 from dataclasses import replace
+from fractions import Fraction
 
 import numpy as np
 import pytest
@@ -27,8 +28,11 @@ from origami_nlp.pattern import (
     table,
     well,
 )
+from origami_nlp.pattern.hinge_law import moved_cubic
 from origami_nlp.problem import compile_structure
 from tests.independent import scan_four
+
+EPS = np.finfo(float).eps
 
 FORMULAS = [
     (linear(2.0, 0.5), lambda x: (x - 0.5) ** 2),
@@ -50,9 +54,68 @@ def test_pieces_are_the_formula(law, energy):
     slope = (energy(x[1:-1] + step) - energy(x[1:-1] - step)) / (2 * step)
     assert np.abs(law.torque(x[1:-1]) - slope).max() <= 1e-4 * np.abs(slope).max()
     # what is computed with them agrees to rounding: change, derivative, the other side of the paper
-    assert np.allclose(law.change(x[:-1], x[1:]), np.diff(law.energy(x)), atol=1e-13 * exact.max())
+    # (the energy is a sum over pieces, each rounded)
+    rounding = (1e-13 + EPS * len(law.breaks)) * exact.max()
+    assert np.allclose(law.change(x[:-1], x[1:]), np.diff(law.energy(x)), rtol=0, atol=rounding)
     assert np.allclose(law.turned().energy(-x), law.energy(x), atol=1e-12 * exact.max())
     assert law.monotone == bool((np.diff(law.torque(x)) > -1e-9).all())
+
+
+def with_knots(law, knots):
+    """The same law in more pieces."""
+    x = np.unique(np.concatenate([law.breaks, knots]))
+    own = np.clip(np.searchsorted(law.breaks, x[:-1], "right") - 1, 0, len(law.coefficients) - 1)
+    c = moved_cubic(np.array(law.coefficients)[own].T, x[:-1] - np.array(law.breaks)[own]).T
+    return HingeLaw(tuple(x.tolist()), tuple(map(tuple, c.tolist())), law.name)
+
+
+def work(law, a, b):
+    """Energy at b less that at a in rational numbers."""
+
+    def energy(x):
+        piece, total = int(np.searchsorted(law.breaks[1:-1], x, "right")), Fraction(0)
+        for k in range(piece + 1):
+            p, q, r, s = (Fraction(v) for v in law.coefficients[k])
+            h = Fraction(x if k == piece else law.breaks[k + 1]) - Fraction(law.breaks[k])
+            total += (((p / 4 * h + q / 3) * h + r / 2) * h + s) * h
+        return total
+
+    return float(energy(b) - energy(a))
+
+
+@pytest.mark.parametrize("step", [1e-3, 1e-6, 1e-9])
+def test_small_changes_of_large_energies_keep_their_digits(step):
+    """A stiff hinge far from where its law rests, and steps over its knots: energies are 1e10 times the change."""
+    law = with_knots(polynomial([1e8, 0, 1e7], 3.0), np.linspace(-math.pi, math.pi, 301))
+    rng = np.random.default_rng(1)
+    a = rng.choice(law.breaks[1:-1], 20) - step * rng.uniform(0, 1, 20)
+    b = a + step
+    exact = [work(law, *pair) for pair in zip(a.tolist(), b.tolist(), strict=True)]
+    assert np.allclose(law.change(a, b), exact, rtol=1e-13)
+    assert np.allclose(law.change(b, a), np.negative(exact), rtol=1e-13)
+
+
+def test_far_origins_and_stiff_hinges_change_no_list():
+    """Laws that rest 50 rad away, held back by preload; wells 4e5 J above others, with a knot where they rest."""
+    rng = np.random.default_rng(2)
+    vertex = Vertex.from_degrees((70, 80, 120, 90))
+    stiffness, rest = 10.0 ** rng.choice([-4, 4], 4), rng.uniform(-1.5, 1.5, 4)
+    springs = Scene(vertex, tuple(stiffness), tuple(rest), "none", "fold-limits")
+    laws = tuple(map(linear, stiffness, rest + 50))
+    far = replace(springs, laws=laws, preload=tuple(-50 * stiffness))
+    steep = sum_of([double_well(1e6, 1.0), polynomial([2e5, 0, 0], 1.0)])
+    torque = steep.torque(np.linspace(-1.4, -0.6, 801))
+    bottom = -1.4 + 1e-3 * np.flatnonzero(np.diff(np.sign(torque)) > 0)
+    soft = tuple(linear(1.0, a) for a in (0.4, -0.2, 0.7))
+    two = [replace(springs, laws=(law, *soft)) for law in (steep, with_knots(steep, bottom))]
+    for one, other in ((springs, far), two):
+        a, b = (o.find_minima(s, escape=False, prove=False) for s in (one, other))
+        assert len(a.minima) == len(b.minima) >= 2 and not b.search.undecided
+        apart = [
+            [np.abs(np.subtract(x.fold_angles, y.fold_angles)).max() for y in b.minima]
+            for x in a.minima
+        ]
+        assert np.min(apart, axis=1).max() < 1e-6
 
 
 def test_casadi_has_the_same_pieces():
