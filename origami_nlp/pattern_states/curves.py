@@ -76,7 +76,9 @@ class TracedCurves:
         self.problem, self.labels = problem, labels
         self.found: list[TracedCurve] = []
         self._contact = contact
-        self._boxes = list[np.ndarray]()
+        # of all steps of these: the curve that each is of, and its box
+        self._of, self._low = list[np.ndarray](), np.zeros((0, problem.size))
+        self._high = self._low
 
     @cached_property
     def _clearance(self) -> Clearance:
@@ -85,18 +87,18 @@ class TracedCurves:
 
     def __contains__(self, phi: np.ndarray) -> bool:
         """Return whether a closed state is on one of the curves."""
-        if len(self._boxes) < len(self.found):
-            self._boxes += [traced.curve.boxes for traced in self.found[len(self._boxes) :]]
-            self._of = np.repeat(np.arange(len(self._boxes)), [len(box) for box in self._boxes])
-            self._all = np.concatenate(self._boxes)
-        if not self._boxes:
-            return False
-        # of all steps at once: most are far
-        near = np.arange(len(self._all))
-        for few in (slice(FIRST), slice(None)):
-            low, high = self._all[near, :, few].swapaxes(0, 1)
-            near = near[((low <= phi[few]) & (phi[few] <= high)).all(axis=1)]
-        return any(self._on(self.found[k].curve, phi) for k in np.unique(self._of[near]).tolist())
+        if len(self._of) < len(self.found):
+            self._of += [np.full(len(t.curve.boxes), k) for k, t in enumerate(self.found)][
+                len(self._of) :
+            ]
+            boxes = np.concatenate([traced.curve.boxes for traced in self.found])
+            self._low, self._high = boxes[:, 0].copy(), boxes[:, 1].copy()
+        # of all steps at once: most are far, as few angles say
+        low, high, few = self._low[:, :FIRST], self._high[:, :FIRST], phi[:FIRST]
+        near = np.flatnonzero(((low <= few) & (few <= high)).all(axis=1))
+        near = near[((self._low[near] <= phi) & (phi <= self._high[near])).all(axis=1)]
+        which = np.unique(np.concatenate([*self._of, np.zeros(0, int)])[near])
+        return any(self._on(self.found[k].curve, phi) for k in which.tolist())
 
     def trace(self, phi: np.ndarray, along: np.ndarray) -> list[TracedCurve]:
         """Trace the curve through a closed state that is on none yet.

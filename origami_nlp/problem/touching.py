@@ -196,13 +196,16 @@ def closed_contacts(
     for index, gap in enumerate(model.structure.gaps):
         if gap.type != "facet-pair" and gaps[index] <= tolerance:
             base.append(Contact("gap", index, 1))
-    if not model.structure.pairs:
-        return ClosedContacts(tuple(base), (), ())
-    at = rays()
     of_pair: dict[tuple[int, int], list[int]] = {}
     for index, gap in enumerate(model.structure.gaps):
         if gap.pair is not None:
             of_pair.setdefault(gap.pair, []).append(index)
+    # where no gap of a pair is closed nothing touches
+    near = np.abs(gaps) <= tolerance
+    of_pair = {pair: indices for pair, indices in of_pair.items() if near[indices].any()}
+    if not of_pair:
+        return ClosedContacts(tuple(base), (), ())
+    at = rays()
     branches: list[tuple[tuple[Contact, ...], ...]] = []
     implied: list[tuple[Contact, Contact]] = []
     layers = _Layers(model, x, tolerance)
