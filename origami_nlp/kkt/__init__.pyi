@@ -51,7 +51,7 @@ from .polishing import (
     newton as newton,
     polish as polish,
 )
-from .projection import project as project
+from .projection import LONGEST_MOVE as LONGEST_MOVE, PROJECTED as PROJECTED, project as project
 from .state import State as State, Stratum as Stratum
 from .stress import Stress as Stress, find_stress as find_stress
 from .tangent_cone import (

@@ -10,7 +10,7 @@ import itertools
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Final, Literal, NamedTuple
+from typing import Final, Literal, NamedTuple, TypeAlias
 
 import numpy as np
 
@@ -18,6 +18,7 @@ from origami_nlp.io import ShortRepr
 from origami_nlp.kkt.terrain import FLOOR, Terrain
 from origami_nlp.numerics import LEVEL, NEAR_SINGULAR_TOL, SETTLED, SHALLOW, coarse
 
+DescentPath: TypeAlias = Callable[[np.ndarray, Callable[[np.ndarray], bool]], np.ndarray]
 Method = Literal[
     "exact (traced)", "merge tree", "upper bound (descents)", "not determined", "isolated"
 ]
@@ -290,9 +291,18 @@ ASIDE = 0.75
 
 
 def _way(terrain: Terrain, part: _Parting) -> EscapePath | None:
-    """Follow the way over a parting, state by state; None where it does not lead elsewhere."""
+    """Follow the way over a parting, state by state; None where it does not lead elsewhere.
+
+    Long steps pass shallow states, and ways out of these along contacts: only where they lead elsewhere they count.
+    """
+    descents = (terrain.quick_path_down, terrain.path_down)
+    return next(filter(None, (_way_by(terrain, part, down) for down in descents)), None)
+
+
+def _way_by(terrain: Terrain, part: _Parting, path_down: DescentPath) -> EscapePath | None:
+    """Follow the way over a parting by one kind of descent."""
     k = part.k
-    down = terrain.path_down(part.high, lambda x: terrain.is_lower(k, x))
+    down = path_down(part.high, lambda x: terrain.is_lower(k, x))
     lower = terrain.is_lower(k, down[-1])
     # it went on until it was lower: where that leads is what descents in batches say
     # lower than the state: any state that this descends to has been reached without climbing
@@ -300,11 +310,14 @@ def _way(terrain: Terrain, part: _Parting) -> EscapePath | None:
     to = _listed(terrain, last) if np.isfinite(last).all() else -1
     if any(terrain.distance(a, b) > JUMP for a, b in itertools.pairwise(down)):
         return None
-    if not lower and (to in (k, -1) or not terrain.is_way(k, down[-1])):
+    # beside the state itself what closure and contacts leave open to rounding may be lower: that is nowhere else
+    if k in (to, _listed(terrain, down[-1])):
+        return None
+    if not lower and (to == -1 or not terrain.is_way(k, down[-1])):
         return None
     best, after = highest(terrain, k, np.array([*part.before, part.low, part.high])), 0
     if best is None or best[0] > terrain.worth:
-        back = terrain.path_down(part.low, lambda x: False)
+        back = path_down(part.low, lambda x: False)
         if _listed(terrain, back[-1]) == k:
             for states, meets in _over_passes(terrain, back, down):
                 over = highest(terrain, k, states)
@@ -314,7 +327,7 @@ def _way(terrain: Terrain, part: _Parting) -> EscapePath | None:
         return None
     height, top, states = best
     way = np.concatenate([states, down[after + 1 :]])
-    return EscapePath(height, top, -1 if to == k else to, way)
+    return EscapePath(height, top, to, way)
 
 
 def down_to(terrain: Terrain, state: np.ndarray) -> tuple[np.ndarray, int] | None:

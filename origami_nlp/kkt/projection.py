@@ -13,8 +13,10 @@ from origami_nlp.problem import Contact, Problem, held
 UNRESOLVED = CONTACT_TOL
 """Singular values below this share of the largest are left out, those that closure has this far [rad] from a singular
 state: what it does not resolve does not move."""
-LONGEST = 1.0
+LONGEST_MOVE = 1.0
 """Steps are cut to this length [rad], within which a product of folds is nearly linear."""
+PROJECTED = 30
+"""Steps of a projection."""
 
 
 def project(
@@ -23,7 +25,7 @@ def project(
     contacts: Sequence[Contact] = (),
     *,
     frozen: np.ndarray | None = None,
-    steps: int = 30,
+    steps: int = PROJECTED,
     dependent: float = UNRESOLVED,
     stalls: float = math.inf,
 ) -> tuple[np.ndarray, np.ndarray]:
@@ -69,7 +71,9 @@ def project(
             # columns of what is frozen are zero, so that the step of smallest norm does not move it
             jac = jac / root if still is None else jac / root * still
             move = np.linalg.lstsq(jac, f, rcond=dependent)[0]
-            x = x - move * (min(1.0, LONGEST / max(float(np.linalg.norm(move)), NONZERO)) / root)
+            x = x - move * (
+                min(1.0, LONGEST_MOVE / max(float(np.linalg.norm(move)), NONZERO)) / root
+            )
             for contact in contacts:
                 contact.hold(x)
         return x, residual
@@ -86,7 +90,7 @@ def project(
             jac = np.where(frozen[todo][:, None, :], 0.0, jac)
         move = np.einsum("kij,kj->ki", np.linalg.pinv(jac, rcond=dependent), f)
         length = np.linalg.norm(move, axis=1, keepdims=True)
-        x[todo] -= move * np.minimum(1.0, LONGEST / np.maximum(length, NONZERO)) / root
+        x[todo] -= move * np.minimum(1.0, LONGEST_MOVE / np.maximum(length, NONZERO)) / root
         for contact in contacts:
             contact.hold(x)
     return x, residual

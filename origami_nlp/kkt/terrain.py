@@ -78,6 +78,10 @@ class Terrain(ABC):
     def path_down(self, state: np.ndarray, until: Callable[[np.ndarray], bool]) -> np.ndarray:
         """A descent that cannot jump: its states [S, n] from `state` to where it ends, or `until` says so."""
 
+    def quick_path_down(self, state: np.ndarray, until: Callable[[np.ndarray], bool]) -> np.ndarray:
+        """The same by fewer, longer steps, tried first: no state but `state` where there is none such."""
+        return state[None]
+
     @abstractmethod
     def passes(self, a: np.ndarray, b: np.ndarray) -> list[np.ndarray]:
         """Stationary states near two states that go down to different sides."""

@@ -12,32 +12,36 @@ from typing import Any
 
 import numpy as np
 
-from origami_nlp import numerics, starts as starting
+from origami_nlp import kkt, numerics, starts as starting
 from origami_nlp.minima import descent_rules, recursive_newton
 from origami_nlp.minima.descent_rules import FIRST_REACH
 from origami_nlp.problem import OPEN
-from origami_nlp.starts import SLOTS, Closing, Ends, Samples, VertexCrossings, joined, put
+from origami_nlp.starts import SLOTS, Closing, Ends, Samples, VertexCrossings, put
 
 AT_ONCE = 512
 """Creases of the descents between two looks at the time, and at Ctrl-C."""
-INTS = "n m rays creases period first entries pairs walls stacks plane shifted laws limits many chain steps".split()
-FLOATS = ["level"]
+INTS = (
+    "n m rays creases period first entries pairs walls stacks plane shifted laws limits many chain steps"
+    " projects"
+).split()
+FLOATS = ["level", "longest"]
 FLOAT_ARRAYS = (
-    "flat factor onward mirror lever over stiffness rest load root metric low high"
+    "flat factor onward mirror lever over stiffness rest load root metric low high across"
     " law_weight law_shift law_piece law_grid".split()
 )
 INT_ARRAYS = (
     "crease variable entry three before pair real gap wall stack law law_at law_cell".split()
 )
-OF_FLOATS = ["x", "kept_x", "reach"]
+OF_FLOATS = ["x", "kept_x", "reach", "path"]
 HELD = ("at_limit", "slots", "sides")
 FLAGGED = ("escapes", "idle", "converged", "settled", "broken")
-OF_INTS = [*HELD, *(f"kept_{name}" for name in HELD), "hold", "scene", *FLAGGED]
+OF_INTS = [*HELD, *(f"kept_{name}" for name in HELD), "hold", "scene", "went", *FLAGGED]
 NAMES = {
     numerics: "CHOSEN CONTACT_TOL DECREASE EPS EXPLORED NONZERO OUTSIDE RANK ROUNDED SAME_ENERGY SINGULAR TINY",
     descent_rules: "CUT EARLY ESCAPE ESCAPES FLAT_SLOPE GROWTH NEAR NEXT NO_SLOPE REACH SADDLE SHORTEST"
     " STALLED",
     recursive_newton: "LEAST_PIVOT STIFF",
+    kkt: "LONGEST_MOVE",
     starting: "CLOSED NAMELESS POOR QUADRATIC SETTLING SLOTS STEPS",
 }
 """Numbers that C takes from here."""
@@ -123,7 +127,13 @@ class CompiledDescents:
         numbers |= {name: int(values[name]) for name in INTS}
         self._vertex = VertexInC(**numbers, **{k: a.ctypes.data for k, a in self._kept.items()})
 
-    def run(self, starts: Samples, until: float = math.inf, threads: int = 1) -> Ends:
+    def run(
+        self,
+        starts: Samples,
+        until: float = math.inf,
+        threads: int = 1,
+        paths: list[np.ndarray] | None = None,
+    ) -> Ends:
         """Descend from closed samples; see `Descents.run`.
 
         Parameters
@@ -134,23 +144,67 @@ class CompiledDescents:
             Time of `time.monotonic` after which none is begun.
         threads
             That share the samples; each has its own end, whoever makes it.
+        paths
+            Filled with the states after each step, closed, [S, n] of each sample.
         """
-        s, k = joined(starts), len(starts)
-        held = {
-            name: np.ascontiguousarray(getattr(s, name), dtype=np.int64) for name in (*HELD, "hold")
-        }
-        x, reach = np.ascontiguousarray(s.x), np.full(k, FIRST_REACH)
+        arrays = self._in_c(starts, self._vertex, until, threads, paths is not None)
+        if paths is not None:
+            paths += (
+                path[:went] for path, went in zip(arrays["path"], arrays["went"], strict=True)
+            )
+        at_limit, slots, sides, hold = (arrays[name] for name in (*HELD, "hold"))
+        s = Samples(arrays["x"], at_limit, slots, sides, hold != 0, starts.source, starts.springs)
+        converged, settled, broken = (arrays[name] != 0 for name in FLAGGED[2:])
+        put(s, np.flatnonzero(broken), starts[broken])
+        return Ends(s, converged & ~broken, settled & ~broken, broken)
+
+    def project(self, starts: Samples, steps: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Project samples onto closure as `kkt.project` does, what they hold staying so.
+
+        Parameters
+        ----------
+        starts
+            States; creases at which `at_limit` is not 0 stay where they are.
+        steps
+            Most steps.
+
+        Returns
+        -------
+        x, residual
+            As `kkt.project`.
+        known : numpy.ndarray
+            Shape [K]: where closure is well enough conditioned for that to be the same.
+        """
+        vertex = VertexInC.from_buffer_copy(self._vertex)
+        vertex.projects, vertex.steps = 1, steps
+        arrays = self._in_c(starts, vertex)
+        return arrays["x"], arrays["reach"], arrays["broken"] == 0
+
+    def _in_c(
+        self,
+        starts: Samples,
+        vertex: VertexInC,
+        until: float = math.inf,
+        threads: int = 1,
+        keeps: bool = False,
+    ) -> dict[str, np.ndarray]:
+        """Run C on copies of samples, which are returned."""
+        k, x = len(starts), np.array(starts.x)
+        held = {name: np.array(getattr(starts, name), dtype=np.int64) for name in (*HELD, "hold")}
+        reach = np.full(k, min(FIRST_REACH, vertex.longest))
         arrays = {"x": x, "kept_x": np.empty_like(x), "reach": reach, **held}
+        if keeps:
+            arrays["path"] = np.empty((k, vertex.steps, x.shape[1]))
         arrays |= {f"kept_{name}": np.empty_like(held[name]) for name in HELD}
-        arrays["scene"] = np.ascontiguousarray(self._closing.numbered(s), dtype=np.int64)
-        arrays |= {name: np.zeros(k, dtype=np.int64) for name in FLAGGED}
+        arrays["scene"] = np.ascontiguousarray(self._closing.numbered(starts), dtype=np.int64)
+        arrays |= {name: np.zeros(k, dtype=np.int64) for name in (*FLAGGED, "went")}
         state = SamplesInC(**{name: a.ctypes.data for name, a in arrays.items()})
         part = max(1, AT_ONCE // x.shape[1])
 
         def descend(first: int) -> bool:
             late = time.monotonic() > until
             return late or self._descend(
-                ctypes.byref(self._vertex), ctypes.byref(state), first, min(first + part, k)
+                ctypes.byref(vertex), ctypes.byref(state), first, min(first + part, k)
             )
 
         if threads == 1 or k <= part:
@@ -160,8 +214,4 @@ class CompiledDescents:
                 made = all(pool.map(descend, range(0, k, part)))
         if not made:
             raise MemoryError("descents")
-        at_limit, slots, sides, hold = held.values()
-        s = Samples(x, at_limit, slots, sides, hold != 0, s.source, s.springs)
-        converged, settled, broken = (arrays[name] != 0 for name in FLAGGED[2:])
-        put(s, np.flatnonzero(broken), starts[broken])
-        return Ends(s, converged & ~broken, settled & ~broken, broken)
+        return arrays

@@ -24,6 +24,7 @@ from typing import Any
 
 import numpy as np
 
+from origami_nlp.kkt import PROJECTED, project
 from origami_nlp.minima.compiled_descents import CompiledDescents, compiled
 from origami_nlp.minima.descent_rules import (
     CUT,
@@ -58,8 +59,9 @@ from origami_nlp.numerics import (
     coarse,
     first_largest,
 )
-from origami_nlp.problem import OPEN, Model, Parameters
+from origami_nlp.problem import OPEN, Contact, Model, Parameters, held
 from origami_nlp.starts import (
+    SLOTS,
     Closing,
     ClosurePoint,
     Ends,
@@ -112,6 +114,8 @@ class Descents:
         That share the descents where these are compiled.
     steps
         Of a descent, at most.
+    longest
+        Step of a fold angle [rad].
 
     Attributes
     ----------
@@ -128,8 +132,10 @@ class Descents:
         until: float = math.inf,
         threads: int = 1,
         steps: int = MOST_STEPS,
+        longest: float = REACH,
     ) -> None:
         self.until, self._threads, self._steps = until, threads, steps
+        self._longest = longest
         self.model, self.closing = model, Closing(model, springs)
         self.crossings, self._m = VertexCrossings(model), model.equation_count
         plain = model.equation_count == 3 and not model.structure.gaps
@@ -142,6 +148,9 @@ class Descents:
                 "many": self._many,
                 "chain": self._chain,
                 "steps": steps,
+                "longest": longest,
+                "projects": False,
+                "across": model.root,
             }
             rules |= {"low": model.fold_limits.low, "high": model.fold_limits.high}
             self.compiled = CompiledDescents(descend, self.closing, self.crossings, rules)
@@ -160,29 +169,56 @@ class Descents:
         )
         return cls(first, [m.parameters for m in models]) if same else None
 
-    def run(self, starts: Samples) -> Ends:
+    def run(self, starts: Samples, paths: list[np.ndarray] | None = None) -> Ends:
         """Descend from closed samples.
 
         The hold of a sample ends once its stratum is reached: contacts that pull are let go then.  A sample at which
         linear algebra breaks down is found by halving, and ends where it started, as one that went nowhere; the others
-        go on.
+        go on.  paths: filled with the states after each step, closed, [S, n] of each sample.
         """
         if self.compiled is not None:
-            return self.compiled.run(starts, self.until, self._threads)
+            return self.compiled.run(starts, self.until, self._threads, paths)
         try:
-            return self.run_in_numpy(starts)
+            return self.run_in_numpy(starts, paths)
         except np.linalg.LinAlgError:
             if len(starts) <= 1:
                 none = np.zeros(len(starts), dtype=bool)
+                if paths is not None:
+                    paths += np.zeros((len(starts), 0, starts.x.shape[1]))
                 return Ends(starts, none, none, ~none)
             halves = np.array_split(np.arange(len(starts)), 2)
-            return Ends.of([self.run(starts[half]) for half in halves])
+            return Ends.of([self.run(starts[half], paths) for half in halves])
 
-    def run_in_numpy(self, starts: Samples) -> Ends:
+    def project(
+        self,
+        x: np.ndarray,
+        contacts: Sequence[Contact] = (),
+        frozen: np.ndarray | None = None,
+        steps: int = PROJECTED,
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Move states [K, n] onto closure, see `kkt.project`, compiled where that is well conditioned."""
+        gaps = [c for c in contacts if not c.is_limit]
+        if self.compiled is None or len(gaps) > SLOTS:
+            return project(self.model, x, contacts, frozen=frozen, steps=steps)
+        s = Samples.on(held(x, contacts), None if frozen is None else frozen.astype(int))
+        s.at_limit[:, [c.index for c in contacts if c.is_limit]] = 1
+        for k, gap in enumerate(gaps):
+            s.slots[:, k], s.sides[:, k] = gap.index, gap.side
+        y, residual, known = self.compiled.project(s, steps)
+        if not known.all():
+            left = ~known
+            still = None if frozen is None else frozen[left]
+            y[left], residual[left] = project(
+                self.model, x[left], contacts, frozen=still, steps=steps
+            )
+        return y, residual
+
+    def run_in_numpy(self, starts: Samples, paths: list[np.ndarray] | None = None) -> Ends:
         """Descend in NumPy: what the compiled descents are compared with, and all there is of forces in space."""
         k, live = len(starts), np.arange(len(starts))
         s, kept = joined(starts), joined(starts)  # copies
-        reach, escapes = np.full(k, FIRST_REACH), np.zeros(k, dtype=int)
+        reach = np.full(k, min(FIRST_REACH, self._longest))
+        escapes, went = np.zeros(k, dtype=int), [list[np.ndarray]() for _ in range(k)]
         idle = np.zeros(k, dtype=int)
         converged, settled = np.zeros(k, dtype=bool), np.zeros(k, dtype=bool)
         for _ in range(self._steps):
@@ -202,11 +238,16 @@ class Descents:
                 reach[who], converged[who] = now.reach, now.converged
                 escapes[who] += now.escaped
                 idle[who] = np.where(now.moved, 0, idle[who] + 1)
+            if paths is not None:
+                for i, x in zip(live, self.closing.close(s[live], to=ROUNDED).x, strict=True):
+                    went[i].append(x)
             live = live[~converged[live] & (reach[live] >= SHORTEST) & (idle[live] < STALLED)]
         # what its contacts did not let go of is an end of its own: of a set that exists only while they are closed
         back = np.flatnonzero(settled & ~converged)
         put(s, back, kept[back])
         broken = np.zeros(k, dtype=bool)
+        if paths is not None:
+            paths += (np.reshape(path, (len(path), s.x.shape[1])) for path in went)
         return Ends(self.closing.close(s, to=ROUNDED), converged, settled, broken)
 
     def _step(
@@ -339,7 +380,9 @@ class Descents:
         out, taken = joined(s), np.flatnonzero(good)
         put(out, taken, trial[taken])
         step = np.minimum(longest, reach)
-        reach = np.where(good, np.minimum(REACH, GROWTH * np.maximum(reach, step)), CUT * step)
+        reach = np.where(
+            good, np.minimum(self._longest, GROWTH * np.maximum(reach, step)), CUT * step
+        )
         return out, good, reach
 
     def _moved(self, s: Samples, dx: np.ndarray, share: np.ndarray) -> tuple[Samples, np.ndarray]:

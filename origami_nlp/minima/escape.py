@@ -12,6 +12,7 @@ from origami_nlp.kkt import (
     ALONE,
     FARTHEST,
     GOES,
+    LONGEST,
     TRACED,
     TREE,
     Escape,
@@ -51,6 +52,8 @@ PASS_NEAR = 0.5
 NOTHING_NEAR = "no other admissible state is near"
 
 
+MOST_SHORT = 200
+"""Steps of a descent in short ones."""
 LONG = 20
 """Steps of a descent that says where a state belongs: one that takes longer has gone too far to say."""
 
@@ -62,9 +65,11 @@ class VertexTerrain(Terrain):
         super().__init__(model, minima, energy_scale(np.array(model.scene.stiffness)))
         self.model, self._modes = model, modes
         self._descents = Descents(model, steps=LONG)
+        self._short_descents = Descents(model, steps=MOST_SHORT, longest=LONGEST)
         self._closed: dict[bytes, tuple[Contact, ...]] = {}
         self._landed: dict[bytes, np.ndarray] = {}
         self._down: dict[bytes, np.ndarray] = {}
+        self._short: dict[bytes, np.ndarray] = {}
 
     def _held(self, a: np.ndarray, b: np.ndarray) -> tuple[Contact, ...]:
         """Contacts that two states both hold."""
@@ -118,7 +123,7 @@ class VertexTerrain(Terrain):
             # nothing beside it: at the flat state closure has no rank, and rounding would choose a side
             want[arrives] = goal[live][arrives]
             still = (goal[live] != 0) & driven[live, None]
-            y, residual = project(model, want, held, frozen=still, steps=MOST_STEPS)
+            y, residual = self._descents.project(want, held, still, MOST_STEPS)
             y = model.fold_limits.clip(y)
             moved = np.linalg.norm(y - at[live], axis=1)
             good = (
@@ -167,7 +172,7 @@ class VertexTerrain(Terrain):
     ) -> np.ndarray | None:
         """Close states [S, n] with contacts held, moved by `longest` [S] at most; None where one is no state."""
         model = self.model
-        x, residual = project(model, want, held)
+        x, residual = self._descents.project(want, held)
         x = model.fold_limits.clip(x)
         long = (np.abs(x - want).max(axis=1) > longest + CLOSURE_TOL).any()
         if long or (residual > FOLLOWED).any() or (np.abs(model.closure(x)[0]) > CLOSURE_TOL).any():
@@ -205,7 +210,7 @@ class VertexTerrain(Terrain):
             return
         try:
             with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-                ends = self._descents.run(Samples.on(states[some], at_limit[some]))
+                ends = self._short_descents.run(Samples.on(states[some], at_limit[some]))
         except np.linalg.LinAlgError:
             if len(some) > 1:
                 for half in np.array_split(some, 2):
@@ -218,8 +223,7 @@ class VertexTerrain(Terrain):
         """Go down step by step, see `kkt.follow`; paths to their ends are kept, as other states ask for them again."""
         key = state.tobytes()
         if (known := self._down.get(key)) is not None:
-            stops = (i for i, x in enumerate(known) if until(x))
-            return known[: next(stops, len(known)) + 1]
+            return _cut(known, until)
         try:
             down = follow(self.model, state, most_rescues=2, until=until).states
         except ValueError:
@@ -227,6 +231,24 @@ class VertexTerrain(Terrain):
         if not until(down[-1]):
             self._down[key] = down
         return down
+
+    def quick_path_down(self, state: np.ndarray, until: Callable[[np.ndarray], bool]) -> np.ndarray:
+        """Go down by Newton's steps as descents in batches do, made short; as far as they are admissible and lower."""
+        key = state.tobytes()
+        if key not in self._short:
+            self._short[key] = self._short_steps(state)
+        return _cut(self._short[key], until)
+
+    def _short_steps(self, state: np.ndarray) -> np.ndarray:
+        model, paths = self.model, list[np.ndarray]()
+        at_limit = model.fold_limits.near(state[None], 0.0) * model.has_limits
+        with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+            self._short_descents.run(Samples.on(state[None], at_limit), paths)
+        x = np.array([state, *paths[0]])
+        x = x[np.append(True, np.abs(np.diff(x, axis=0)).max(axis=1) > 0)]
+        good = model.admissible(x) & (np.abs(model.closure(x)[0]).max(axis=1) <= CLOSURE_TOL)
+        good[1:] &= np.diff(self.over(state, x)) < 0
+        return x[: len(x) if good.all() else max(int(np.argmin(good)), 1)]
 
     def passes(self, a: np.ndarray, b: np.ndarray) -> list[np.ndarray]:
         """Stationary states that Newton finds between two, with the contacts held that both hold, or none."""
@@ -241,6 +263,12 @@ class VertexTerrain(Terrain):
             if not model.refuses(done.x):
                 found.append(done.x)
         return found
+
+
+def _cut(path: np.ndarray, until: Callable[[np.ndarray], bool]) -> np.ndarray:
+    """Return a path [S, n] up to the first state of which `until` says so."""
+    stops = (i for i, x in enumerate(path) if until(x))
+    return path[: next(stops, len(path)) + 1]
 
 
 def with_escapes(

@@ -13,11 +13,12 @@ import numpy as np
 import pytest
 
 from origami_nlp import Model, Scene, Vertex, examples, find_minima
+from origami_nlp.kkt import project
 from origami_nlp.minima import compiled
 from origami_nlp.minima.descents import Descents
-from origami_nlp.numerics import SWITCH
+from origami_nlp.numerics import CLOSURE_TOL, ROUNDED, SWITCH
 from origami_nlp.pattern import detent, double_well, linear, one_sided, sum_of, table
-from origami_nlp.problem import OPEN
+from origami_nlp.problem import OPEN, Contact
 from origami_nlp.starts import EFFORTS, Rounds, Samples, joined
 
 pytestmark = pytest.mark.skipif(compiled() is None, reason="no C compiler, or it is switched off")
@@ -100,6 +101,42 @@ def test_every_start_ends_as_in_numpy(scene, most):
     starts = starts_of(model, descents, most)
     assert len(starts) > 20
     assert_same(descents.run(starts), descents.run_in_numpy(starts))
+
+
+@pytest.mark.parametrize(
+    "name", ["mirrored, full contact", "degree 6 with contact", "degree 6 with laws"]
+)
+def test_short_steps_go_the_same_way_as_in_numpy(name):
+    scene, most = CASES[name]
+    model = Model(scene)
+    descents = Descents(model, steps=120, longest=0.1)
+    starts = starts_of(model, descents, most // 2)
+    in_c, in_numpy = list[np.ndarray](), list[np.ndarray]()
+    ends = descents.run(starts, in_c)
+    assert_same(ends, descents.run_in_numpy(starts, in_numpy))
+    moved = [np.abs(np.diff(path, axis=0)).max(initial=0.0) for path in in_c]
+    assert sum(len(path) > 10 for path in in_c) > 10 and 0.05 < max(moved) < 0.2
+    for one, other, done in zip(in_c, in_numpy, ends.converged, strict=True):
+        if done:
+            assert one.shape == other.shape and np.abs(one - other).max(initial=0.0) < SAME
+    assert np.abs(model.closure(np.concatenate(in_c))[0]).max() < CLOSURE_TOL
+
+
+@pytest.mark.parametrize("scene", [CASES["mirrored, full contact"][0], vertex(7, 3, "full")])
+def test_projections_are_those_of_numpy(scene):
+    model = Model(scene)
+    descents, rng = Descents(model), np.random.default_rng(2)
+    held = (model.fold_limits.contact(1, 3.0), *[Contact("gap", 0, 1)] * bool(model.structure.gaps))
+    for contacts, frozen in (((), None), (held, None), ((), 0)):
+        x = rng.uniform(-1.5, 1.5, (60, model.size))
+        x[:3] = 0.0  # closure has no rank there
+        x[1:3] += 1e-9 * rng.normal(size=(2, model.size))
+        still = None if frozen is None else np.arange(model.size) == np.full((60, 1), frozen)
+        y, residual = descents.project(x, contacts, still)
+        z, expected = project(model, x, contacts, frozen=still)
+        done = expected <= ROUNDED
+        assert done.sum() > 20 and (residual[done] <= 2 * ROUNDED).all()
+        assert np.abs(y - z)[done].max() < SAME
 
 
 def test_several_scenes_of_one_vertex_and_threads():

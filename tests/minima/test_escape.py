@@ -12,9 +12,9 @@ import numpy as np
 import pytest
 
 from origami_nlp import Scene, Vertex, examples, find_barriers, find_minima, load
-from origami_nlp.kkt import ALONE, BOUND, TRACED, TREE, energy_scale
+from origami_nlp.kkt import ALONE, BOUND, TRACED, TREE, State, energy_scale, project
 from origami_nlp.minima.escape import VertexTerrain, with_escapes
-from origami_nlp.numerics import SHALLOW
+from origami_nlp.numerics import CLOSURE_TOL, SHALLOW
 from tests.computed_once import panel_result
 from tests.kernels.answers import generic
 
@@ -258,13 +258,33 @@ def test_the_page_on_noise_is_made_by_this_code():
     assert PAGE.read_text() == page(), "run: python -m tests.minima.test_escape"
 
 
-def test_shallow_states_are_known_as_such():
-    """Descents from near them that keep to other contacts than these found no way out."""
-    panel = find_minima(examples.degree6("pi/3", ratio=100), prove=False)
-    assert [m.shallow for m in panel.minima] == [False, False, False, True]
-    assert 1e-6 < panel.minima[3].escape.barrier < 1e-5
-    vertex = find_minima(generic(6, 7, "fold-limits"), prove=False, full=False)
-    assert [m.energy for m in vertex.minima if m.shallow] == [pytest.approx(3.16964, abs=1e-5)]
+@pytest.mark.parametrize(
+    "scene, energy",
+    [
+        (examples.degree6("pi/3", ratio=100), 0.91321),
+        (generic(6, 7, "fold-limits"), 3.16964),
+        (generic(8, 4, "fold-limits"), 14.94409),
+    ],
+    ids=["panel", "degree 6", "degree 8"],
+)
+def test_what_rounding_leaves_lower_beside_a_state_is_no_way_out(scene, energy):
+    """Held by contacts, states 1e-9 to 1e-6 rad away are lower by what these leave open: that is not shallow."""
+    result = find_minima(scene, prove=False, full=False)
+    (m,) = (m for m in result.minima if abs(m.energy - energy) < 1e-5)
+    model = result.model
+    x = model.reduce(np.array(m.fold_angles))
+    # every way out passes the sphere, so that it climbs at least what the lowest state there is over this one
+    z = State(model, x).kernel
+    way = np.random.default_rng(1).normal(size=(4000, z.shape[1]))
+    way *= 0.2 / np.linalg.norm(way, axis=1, keepdims=True)
+    y, residual = project(model, x + way @ z.T / model.root)
+    y = y[residual <= CLOSURE_TOL]
+    y = y[model.admissible(y)]
+    apart = np.linalg.norm((y - x) * model.root, axis=1)
+    near = y[np.abs(apart - 0.2) < 0.05]
+    least = min(model.energy(other) for other in near) - m.energy
+    assert len(near) > 100 and least > SHALLOW * energy_scale(np.array(scene.stiffness))
+    assert not m.shallow and m.escape.barrier > least
 
 
 def test_noise_makes_shallow_states_of_a_waterbomb_and_they_are_told_apart(tmp_path):

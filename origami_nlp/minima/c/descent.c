@@ -168,7 +168,7 @@ static int advance(const Vertex *v, const Samples *s, int64_t k, int escaped, Po
     if (good < 0) return -1;
   }
   double step = fmin(longest, reach);
-  s->reach[k] = good ? fmin(REACH, GROWTH * fmax(reach, step)) : CUT * step;
+  s->reach[k] = good ? fmin(v->longest, GROWTH * fmax(reach, step)) : CUT * step;
   return good;
 }
 
@@ -252,26 +252,37 @@ static int make_step(const Vertex *v, const Samples *s, int64_t k, Point *p, Poi
   return 1;
 }
 
+/* Close the state of a sample, or the one that it kept, as trial state. */
+static int close_on(const Vertex *v, const Samples *s, int64_t k, int kept, Trial *t, Point *q) {
+  int64_t n = v->n;
+  copy((kept ? s->kept_x : s->x) + k * n, n, t->x);
+  copy_ints((kept ? s->kept_at_limit : s->at_limit) + k * n, n, t->at_limit);
+  copy_ints((kept ? s->kept_slots : s->slots) + k * SLOTS, SLOTS, t->slots);
+  copy_ints((kept ? s->kept_sides : s->sides) + k * SLOTS, SLOTS, t->sides);
+  return close_state(v, t, ROUNDED, NULL, q);
+}
+
 static void descend_one(const Vertex *v, const Samples *s, int64_t k, Point *p, Point *q, Scratch *w) {
   int64_t n = v->n;
   Trial *t = &w->trial;
   for (int64_t step = 0; step < v->steps; step++) {
     s->broken[k] = !make_step(v, s, k, p, q, w);
     if (s->broken[k]) return;
+    if (s->path) {
+      s->broken[k] = !close_on(v, s, k, 0, t, q);
+      if (s->broken[k]) return;
+      copy(t->x, n, s->path + (k * v->steps + s->went[k]++) * n);
+    }
     if (s->converged[k] || s->reach[k] < SHORTEST || s->idle[k] >= STALLED) break;
   }
   /* what its contacts did not let go of is an end of its own: of a set that exists only while they are closed */
   int back = s->settled[k] && !s->converged[k];
-  copy((back ? s->kept_x : s->x) + k * n, n, t->x);
-  copy_ints((back ? s->kept_at_limit : s->at_limit) + k * n, n, t->at_limit);
-  copy_ints((back ? s->kept_slots : s->slots) + k * SLOTS, SLOTS, t->slots);
-  copy_ints((back ? s->kept_sides : s->sides) + k * SLOTS, SLOTS, t->sides);
   s->hold[k] |= back;
-  s->broken[k] = !close_state(v, t, ROUNDED, NULL, q);
+  s->broken[k] = !close_on(v, s, k, back, t, q);
   accept(v, s, k, t);
 }
 
-/* Descend from samples `first` to `last` (not that one), in place.  Returns 0 where there is no memory. */
+/* Descend from samples `first` to `last` (not that one), or project them, in place.  Returns 0 where there is no memory. */
 int64_t descend(const Vertex *v, const Samples *s, int64_t first, int64_t last) {
   int64_t n = v->n, most = v->pairs > v->walls ? v->pairs : v->walls, wide = n > ROWS ? n : ROWS;
   if (most < n) most = n;
@@ -307,7 +318,11 @@ int64_t descend(const Vertex *v, const Samples *s, int64_t first, int64_t last) 
     w.row = m, m += 7 * n;
     w.pivot = m;
     w.trial.at_limit = ints;
-    for (int64_t k = first; k < last; k++) descend_one(v, s, k, &at[0], &at[1], &w);
+    for (int64_t k = first; k < last; k++)
+      if (v->projects)
+        s->broken[k] = !project_one(v, s, k, &at[0]);
+      else
+        descend_one(v, s, k, &at[0], &at[1], &w);
   }
   free(memory);
   free(ints);
