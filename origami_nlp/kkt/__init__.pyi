@@ -19,6 +19,7 @@ from .descent import (
     follow as follow,
     polished_nearby as polished_nearby,
 )
+from .elder_rule import barriers as barriers, bounds as bounds, level_of as level_of
 from .escape import (
     ALONE as ALONE,
     BOUND as BOUND,
@@ -28,13 +29,10 @@ from .escape import (
     Escape as Escape,
     EscapePath as EscapePath,
     Method as Method,
-    barriers as barriers,
-    bounds as bounds,
     down_to as down_to,
     escape_paths as escape_paths,
     escape_paths_of_each as escape_paths_of_each,
     highest as highest,
-    level_of as level_of,
     rounded_up as rounded_up,
 )
 from .large import smallest_curvature as smallest_curvature

@@ -24,7 +24,6 @@ from typing import Any
 
 import numpy as np
 
-from origami_nlp.kkt import PROJECTED, project
 from origami_nlp.minima.compiled_descents import CompiledDescents, compiled
 from origami_nlp.minima.descent_rules import (
     CUT,
@@ -59,9 +58,8 @@ from origami_nlp.numerics import (
     coarse,
     first_largest,
 )
-from origami_nlp.problem import OPEN, Contact, Model, Parameters, held
+from origami_nlp.problem import OPEN, Model, Parameters
 from origami_nlp.starts import (
-    SLOTS,
     Closing,
     ClosurePoint,
     Ends,
@@ -188,30 +186,6 @@ class Descents:
                 return Ends(starts, none, none, ~none)
             halves = np.array_split(np.arange(len(starts)), 2)
             return Ends.of([self.run(starts[half], paths) for half in halves])
-
-    def project(
-        self,
-        x: np.ndarray,
-        contacts: Sequence[Contact] = (),
-        frozen: np.ndarray | None = None,
-        steps: int = PROJECTED,
-    ) -> tuple[np.ndarray, np.ndarray]:
-        """Move states [K, n] onto closure, see `kkt.project`, compiled where that is well conditioned."""
-        gaps = [c for c in contacts if not c.is_limit]
-        if self.compiled is None or len(gaps) > SLOTS:
-            return project(self.model, x, contacts, frozen=frozen, steps=steps)
-        s = Samples.on(held(x, contacts), None if frozen is None else frozen.astype(int))
-        s.at_limit[:, [c.index for c in contacts if c.is_limit]] = 1
-        for k, gap in enumerate(gaps):
-            s.slots[:, k], s.sides[:, k] = gap.index, gap.side
-        y, residual, known = self.compiled.project(s, steps)
-        if not known.all():
-            left = ~known
-            still = None if frozen is None else frozen[left]
-            y[left], residual[left] = project(
-                self.model, x[left], contacts, frozen=still, steps=steps
-            )
-        return y, residual
 
     def run_in_numpy(self, starts: Samples, paths: list[np.ndarray] | None = None) -> Ends:
         """Descend in NumPy: what the compiled descents are compared with, and all there is of forces in space."""

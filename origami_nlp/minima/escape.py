@@ -29,6 +29,7 @@ from origami_nlp.kkt import (
     over_flat,
     project,
 )
+from origami_nlp.minima.compiled_projection import project_many
 from origami_nlp.minima.descents import Descents
 from origami_nlp.minima.minimum import JudgedState
 from origami_nlp.minima.one_dof import CandidateMinima
@@ -53,9 +54,7 @@ NOTHING_NEAR = "no other admissible state is near"
 
 
 MOST_SHORT = 200
-"""Steps of a descent in short ones."""
-LONG = 20
-"""Steps of a descent that says where a state belongs: one that takes longer has gone too far to say."""
+"""Steps of a descent; short ones, as long ones jump over what lies between."""
 
 
 class VertexTerrain(Terrain):
@@ -64,8 +63,7 @@ class VertexTerrain(Terrain):
     def __init__(self, model: Model, minima: np.ndarray, modes: Sequence[list[np.ndarray]]) -> None:
         super().__init__(model, minima, energy_scale(np.array(model.scene.stiffness)))
         self.model, self._modes = model, modes
-        self._descents = Descents(model, steps=LONG)
-        self._short_descents = Descents(model, steps=MOST_SHORT, longest=LONGEST)
+        self._descents = Descents(model, steps=MOST_SHORT, longest=LONGEST)
         self._closed: dict[bytes, tuple[Contact, ...]] = {}
         self._landed: dict[bytes, np.ndarray] = {}
         self._down: dict[bytes, np.ndarray] = {}
@@ -123,7 +121,7 @@ class VertexTerrain(Terrain):
             # nothing beside it: at the flat state closure has no rank, and rounding would choose a side
             want[arrives] = goal[live][arrives]
             still = (goal[live] != 0) & driven[live, None]
-            y, residual = self._descents.project(want, held, still, MOST_STEPS)
+            y, residual = project_many(self._descents, want, held, still, MOST_STEPS)
             y = model.fold_limits.clip(y)
             moved = np.linalg.norm(y - at[live], axis=1)
             good = (
@@ -172,7 +170,7 @@ class VertexTerrain(Terrain):
     ) -> np.ndarray | None:
         """Close states [S, n] with contacts held, moved by `longest` [S] at most; None where one is no state."""
         model = self.model
-        x, residual = self._descents.project(want, held)
+        x, residual = project_many(self._descents, want, held)
         x = model.fold_limits.clip(x)
         long = (np.abs(x - want).max(axis=1) > longest + CLOSURE_TOL).any()
         if long or (residual > FOLLOWED).any() or (np.abs(model.closure(x)[0]) > CLOSURE_TOL).any():
@@ -210,7 +208,7 @@ class VertexTerrain(Terrain):
             return
         try:
             with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-                ends = self._short_descents.run(Samples.on(states[some], at_limit[some]))
+                ends = self._descents.run(Samples.on(states[some], at_limit[some]))
         except np.linalg.LinAlgError:
             if len(some) > 1:
                 for half in np.array_split(some, 2):
@@ -243,7 +241,7 @@ class VertexTerrain(Terrain):
         model, paths = self.model, list[np.ndarray]()
         at_limit = model.fold_limits.near(state[None], 0.0) * model.has_limits
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-            self._short_descents.run(Samples.on(state[None], at_limit), paths)
+            self._descents.run(Samples.on(state[None], at_limit), paths)
         x = np.array([state, *paths[0]])
         x = x[np.append(True, np.abs(np.diff(x, axis=0)).max(axis=1) > 0)]
         good = model.admissible(x) & (np.abs(model.closure(x)[0]).max(axis=1) <= CLOSURE_TOL)

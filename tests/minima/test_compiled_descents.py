@@ -15,6 +15,7 @@ import pytest
 from origami_nlp import Model, Scene, Vertex, examples, find_minima
 from origami_nlp.kkt import project
 from origami_nlp.minima import compiled
+from origami_nlp.minima.compiled_projection import project_many
 from origami_nlp.minima.descents import Descents
 from origami_nlp.numerics import CLOSURE_TOL, ROUNDED, SWITCH
 from origami_nlp.pattern import detent, double_well, linear, one_sided, sum_of, table
@@ -132,7 +133,7 @@ def test_projections_are_those_of_numpy(scene):
         x[:3] = 0.0  # closure has no rank there
         x[1:3] += 1e-9 * rng.normal(size=(2, model.size))
         still = None if frozen is None else np.arange(model.size) == np.full((60, 1), frozen)
-        y, residual = descents.project(x, contacts, still)
+        y, residual = project_many(descents, x, contacts, still)
         z, expected = project(model, x, contacts, frozen=still)
         done = expected <= ROUNDED
         assert done.sum() > 20 and (residual[done] <= 2 * ROUNDED).all()
