@@ -242,21 +242,18 @@ def highest(
 ) -> tuple[float, np.ndarray, np.ndarray] | None:
     """Return an upper bound of the energy along a way over state k, the highest state that was looked at, and all.
 
-    Between two states that are d apart the energy is at most (u + v + L d) / 2, where L is the largest slope: steps
-    that may be higher than what was seen are cut until that is little.  None where a cut does not close,
+    Between two states that are d apart the energy is at most (u + v + L d) / 2, where L is the largest slope along what
+    moves: steps that may be higher than what was seen are cut until that is little.  None where a cut does not close,
     is not admissible, or lies aside: then it is no way.
     """
     # states in order along the way, their heights and slopes; each cut puts one more in
     x = list(states)
     u = terrain.rise(k, states).tolist()
-    slope = [terrain.slope(y) for y in x]
+    torque = [terrain.torque(y) for y in x]
     d = [terrain.distance(a, b) for a, b in itertools.pairwise(x)]
     cuts = 0
     while True:
-        most = [
-            (u[i] + u[i + 1] + LONGER * max(slope[i], slope[i + 1]) * d[i]) / 2
-            for i in range(len(d))
-        ]
+        most = [(u[i] + u[i + 1] + LONGER * _slope(x, torque, i) * d[i]) / 2 for i in range(len(d))]
         top = max(u)
         enough = max(top * (1 + CERTAIN), terrain.floor)
         cut = [i for i in range(len(d)) if d[i] > LONG]
@@ -279,7 +276,13 @@ def highest(
             d[i : i + 1] = parts
             x.insert(i + 1, y)
             u.insert(i + 1, rise)
-            slope.insert(i + 1, terrain.slope(y))
+            torque.insert(i + 1, terrain.torque(y))
+
+
+def _slope(x: Sequence[np.ndarray], torque: Sequence[np.ndarray], i: int) -> float:
+    """Return the larger slope at the ends of step i along the angles that it changes: what it holds stays."""
+    moves = x[i] != x[i + 1]
+    return math.sqrt(max(float(np.square(torque[i + e][moves]).sum()) for e in (0, 1)))
 
 
 LONGER = 2.0
@@ -350,11 +353,14 @@ def _over_passes(
 ) -> list[tuple[np.ndarray, int]]:
     """Return ways across to the other descent where these part, over passes as well, and where in `down` each ends."""
     apart = np.linalg.norm(back[:, None] - down[None], axis=2)
+    # across where both are still side by side, as low as that is
+    beside = np.argwhere(apart <= 2 * apart[0, 0])
+    i, j = (int(v[-1]) for v in beside[np.lexsort(beside.T)].T)
+    ways = [(np.array([*back[i:][::-1], down[j]]), j)] if j else []
     near = apart <= 2 * max(float(apart[0, 0]), TOGETHER)
     j = int(np.flatnonzero(near.any(axis=0))[-1])
     # the last state of `down` that is near the other descent, and the nearest one of that
     i = int(apart[:, j].argmin())
-    ways = []
     for middle in ([], *([x] for x in terrain.passes(back[i], down[j]))):
         ways.append((np.array([*back[i:][::-1], *middle, down[j]]), j))
     return ways

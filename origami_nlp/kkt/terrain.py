@@ -101,10 +101,14 @@ class Terrain(ABC):
         """Energies of states [..., n] over that of state k."""
         return self.over(self.minima[k], states)
 
-    def slope(self, x: np.ndarray) -> float:
-        """Norm of the energy's gradient at a state, in the metric of all fold angles."""
+    def torque(self, x: np.ndarray) -> np.ndarray:
+        """The energy's gradient at a state, in the metric of all fold angles, [n]."""
         p = self.problem
-        return p.scale * float(np.linalg.norm(p.parameters.torque(x) / p.root))
+        return np.asarray(p.scale * p.parameters.torque(x) / p.root)
+
+    def slope(self, x: np.ndarray) -> float:
+        """Norm of that."""
+        return float(np.linalg.norm(self.torque(x)))
 
     def distance(self, a: np.ndarray, b: np.ndarray) -> float:
         """Distance of two states, in the same metric."""
