@@ -314,9 +314,9 @@ def _way_by(terrain: Terrain, part: _Parting, path_down: DescentPath) -> EscapeP
     if any(terrain.distance(a, b) > JUMP for a, b in itertools.pairwise(down)):
         return None
     # beside the state itself what closure and contacts leave open to rounding may be lower: that is nowhere else
-    if k in (to, _listed(terrain, down[-1])):
+    if np.abs(down[-1] - terrain.minima[k]).max() <= SETTLED:
         return None
-    if not lower and (to == -1 or not terrain.is_way(k, down[-1])):
+    if not lower and (to in (k, -1) or not terrain.is_way(k, down[-1])):
         return None
     best, after = highest(terrain, k, np.array([*part.before, part.low, part.high])), 0
     if best is None or best[0] > terrain.worth:
@@ -330,7 +330,7 @@ def _way_by(terrain: Terrain, part: _Parting, path_down: DescentPath) -> EscapeP
         return None
     height, top, states = best
     way = np.concatenate([states, down[after + 1 :]])
-    return EscapePath(height, top, to, way)
+    return EscapePath(height, top, -1 if to == k else to, way)
 
 
 def down_to(terrain: Terrain, state: np.ndarray) -> tuple[np.ndarray, int] | None:
