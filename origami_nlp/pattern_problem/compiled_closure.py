@@ -70,6 +70,7 @@ class CompiledClosure:
 
     def __init__(self, tables: dict[str, np.ndarray], size: float) -> None:
         self._library: Any = None
+        self._made_of = dict(tables), size
         of, rows, crease = tables["of"], tables["rows"], tables["crease"]
         loops, n, m = len(rows), len(tables["reference"]), int(rows.sum())
         if not loops:
@@ -110,6 +111,9 @@ class CompiledClosure:
             library.project.restype = None
             library.follow.argtypes = [address] * 6
             library.follow.restype = whole
+
+    def __reduce__(self) -> Any:
+        return CompiledClosure, self._made_of  # addresses are of one process
 
     @property
     def usable(self) -> bool:

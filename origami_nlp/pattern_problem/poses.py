@@ -120,6 +120,9 @@ class Poses:
         turn.flags.writeable = shift.flags.writeable = False
         return turn, shift
 
+    def __getstate__(self) -> dict[str, Any]:
+        return {name: kept for name, kept in vars(self).items() if name != "compiled"}
+
     @cached_property
     def compiled(self) -> Any:
         """Compiled functions; None where nothing can be compiled."""

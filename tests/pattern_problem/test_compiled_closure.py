@@ -1,5 +1,8 @@
 """What is compiled for patterns says what NumPy says: steps onto closure, facets that cross."""
 
+import copy
+import pickle
+
 import numpy as np
 import pytest
 
@@ -53,6 +56,15 @@ def test_projections(both):
             assert one.closure.lifts_to_one(x) == other.closure.lifts_to_one(y)
     x, residual = one.project(start + 0.02 * rng.uniform(-1, 1, one.size))
     assert other.residual(x) == pytest.approx(residual, abs=1e-15) and residual <= CLOSURE_TOL
+
+
+def test_problems_are_copied_and_pickled(both):
+    one = both[0]
+    x, residual = one.project(0.6 * one.pattern.signs)
+    for copied in (pickle.loads(pickle.dumps(one)), copy.deepcopy(one)):
+        y, again = copied.project(0.6 * one.pattern.signs)
+        assert (x == y).all() and residual == again and copied.closure.compiled.usable
+        assert (copied.crossings.placed(x) == one.crossings.placed(x)).all()
 
 
 def test_where_facets_are(both):
