@@ -140,12 +140,13 @@ def example(
 
     NAME:ROWSxCOLUMNS, such as miura:4x6, is the size of the crease pattern.
     """
+    from origami_nlp.hinges import HINGE_EXAMPLES
     from origami_nlp.inverse_design import EXAMPLES
     from origami_nlp.pattern import examples, format_scene
 
     word, cells = examples.split_size(name)
-    if word not in EXAMPLES and not examples.is_example(word):
-        known = (*examples.names(), *EXAMPLES)
+    if word not in EXAMPLES and word not in HINGE_EXAMPLES and not examples.is_example(word):
+        known = (*examples.names(), *HINGE_EXAMPLES, *EXAMPLES)
         listed = ", ".join(dict.fromkeys(known))
         raise OptionError(
             f"NAME = {name!r} is no example: those are {listed}{did_you_mean(word, known)}"
@@ -159,11 +160,22 @@ def example(
         "contact": contact,
     }
     given: dict[str, Any] = {key: value for key, value in options.items() if value is not None}
+    made: Callable[[], str]
+    if name in HINGE_EXAMPLES:
+        if given or cell:
+            raise OptionError(f"{name!r} has no options: edit the file")
+        kind, other, ending = (
+            ("fold", "scene", ".fold") if name == "bistable-strip" else ("scene", "fold", ".toml")
+        )
+        out.refuse(f"{name} is written as {ending}: end the name so", other)
+        out = out if out.files(kind) else Output(["-"], [kind])
+        out.write(kind, HINGE_EXAMPLES[name])
+        return
     if name in EXAMPLES:
         if given:
             raise OptionError(f"--{next(iter(given))}: the targets of {name!r} have no options")
         out.refuse("targets are written as TOML: end the name in .toml", "fold")
-        made: Callable[[], str] = partial(EXAMPLES.__getitem__, name)
+        made = partial(EXAMPLES.__getitem__, name)
     elif out.files("fold") and not out.files("scene"):
         repeats = bool(cell)
         out.write("fold", lambda: examples.crease_pattern(word, *cells, cell=repeats, **given))

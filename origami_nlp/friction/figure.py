@@ -24,7 +24,7 @@ def draw_friction(found: Friction) -> Figure:
     Returns
     -------
     matplotlib.figure.Figure
-        Fold angle over crease; the minimum as a dot.
+        Change of the fold angle from the minimum, over creases.
 
     Raises
     ------
@@ -36,22 +36,25 @@ def draw_friction(found: Friction) -> Figure:
     figure = Figure(figsize=(7.0, 0.9 + 1.9 * max(len(shown), 1)), layout="constrained", dpi=110)
     rows = figure.subplots(max(len(shown), 1), 1, squeeze=False)[:, 0]
     for axes, region in zip(rows, shown, strict=False):
-        phi = np.degrees(region.minimum.fold_angles)[:MOST_CREASES]
-        low, high = (np.degrees(v)[:MOST_CREASES] for v in (region.low, region.high))
-        x = np.arange(1, len(phi) + 1)
-        axes.bar(x, high - low, bottom=low, width=0.5, color="#c8d5e8", label="first order")
-        if region.exact is not None:
-            ends = np.degrees([p for p, _ in region.exact])[:, :MOST_CREASES]
-            for k, end in enumerate(ends):
-                label = "exact" if not k else None
-                axes.hlines(end, x - 0.3, x + 0.3, color="#1f4e9c", lw=1.6, label=label)
-        axes.plot(x, phi, "o", ms=4, color="#222222", label="minimum")
-        axes.set_ylabel(f"state #{region.number}\nfold angle [deg]", fontsize=8)
-        axes.set_xticks(x)
+        phi = np.degrees(region.minimum.fold_angles)
+        low, high = (np.degrees(v) - phi for v in (region.low, region.high))
+        x = np.arange(1, min(len(phi), MOST_CREASES) + 1)
+        n = len(x)
+        axes.bar(
+            x, (high - low)[:n], bottom=low[:n], width=0.5, color="#c8d5e8", label="first order"
+        )
+        for k, (end, _) in enumerate(region.exact or ()):
+            y = (np.degrees(end) - phi)[:n]
+            axes.hlines(
+                y, x - 0.3, x + 0.3, color="#1f4e9c", lw=1.6, label="exact" if not k else None
+            )
+        axes.axhline(0.0, color="#222222", lw=0.8)
+        axes.set_ylabel(f"state #{region.number}\nchange [deg]", fontsize=8)
+        axes.set_xticks(x, [f"{i}\n{v:.1f}" for i, v in zip(x, phi.round(1) + 0.0, strict=False)])
         axes.tick_params(labelsize=8)
         axes.grid(True, axis="y", lw=0.3, color="#dddddd")
     rows[0].legend(fontsize=7.5, loc="best")
-    rows[-1].set_xlabel("crease")
+    rows[-1].set_xlabel("crease, and its fold angle at the minimum [deg]")
     most = max(found.torque)
     title = f"{found.label}: held by friction of {most:g} N m at most at each hinge"
     figure.suptitle(label_text(title), fontsize=10)

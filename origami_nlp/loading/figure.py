@@ -176,6 +176,8 @@ def _curve(axes: Any, path: LoadPath, shown: list[int]) -> None:
             np.array([p.t for p in leg.points]),
         )
         axes.plot(x, t, color=PATH, lw=6, alpha=0.13, solid_capstyle="round", zorder=1)
+        if leg.moved:  # of creases that may yield no other states are followed
+            axes.plot(x, t, color=PATH, lw=1.4, zorder=2)
     if math.isfinite(path.start_stiffness):
         _tangent(axes, path)
     for snap in path.snaps:

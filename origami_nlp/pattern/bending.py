@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import itertools
 import math
+from collections.abc import Iterator
 from functools import partial
 from typing import Any
 
@@ -12,6 +14,8 @@ from origami_nlp.arguments import check_number
 from origami_nlp.errors import SceneError
 from origami_nlp.numerics import INPUT_TOL, cross
 from origami_nlp.pattern.cells import make_cell
+from origami_nlp.pattern.hinges_stated import law_probes
+from origami_nlp.pattern.polygons import Side, side
 from origami_nlp.pattern.sheet import Pattern, make_pattern
 
 DIAGONALS = ("short", "long")
@@ -31,7 +35,8 @@ def with_bending(pattern: Pattern, stiffness: float, diagonal: str = "short") ->
     stiffness
         Of a diagonal, per length of it [N/rad].
     diagonal
-        ``"short"`` or ``"long"``: which one is cut first; of equal ones the one through the corner of lowest number.
+        ``"short"`` or ``"long"``: which one is cut first; of equal ones (squares, rectangles) one that is chosen by the
+        lengths, springs and facets around its ends, whatever corners and creases are called.
 
     Returns
     -------
@@ -62,12 +67,15 @@ def with_bending(pattern: Pattern, stiffness: float, diagonal: str = "short") ->
         raise SceneError(
             "faceOrders of a folded state are of whole facets: leave them out where facets bend"
         )
-    polygons: list[tuple[int, ...]] = []
-    cuts: list[tuple[int, int]] = []
     for number, polygon in enumerate(pattern.polygons, start=1):
-        pieces, cut = _cut(pattern.corners, polygon, diagonal == "long", number)
-        polygons += pieces
-        cuts += cut
+        _check_convex(pattern.corners, polygon, number)
+    cutting = _Cutting(pattern, diagonal == "long")
+    polygons = [
+        tuple(p)
+        for own, left in zip(cutting.pieces, cutting.left, strict=True)
+        for p in (*own, left)
+    ]
+    cuts = [cut for own in cutting.cuts for cut in own]
     if not cuts:
         raise SceneError("no facet has more than three corners: triangles do not bend")
     sides = [(a, b) for a, b in pattern.ends.tolist()]
@@ -100,28 +108,141 @@ def with_bending(pattern: Pattern, stiffness: float, diagonal: str = "short") ->
     return made.with_laws([*pattern.laws, *[None] * len(cuts)]) if pattern.laws else made
 
 
-def _cut(
-    corners: np.ndarray, polygon: tuple[int, ...], longest: bool, number: int
-) -> tuple[list[tuple[int, ...]], list[tuple[int, int]]]:
-    """Cut a convex polygon into triangles, ear by ear at the shortest diagonal; return them and the diagonals."""
-    p, cuts, pieces = list(polygon), list[tuple[int, int]](), list[tuple[int, ...]]()
-    x = corners[p]
+def _check_convex(corners: np.ndarray, polygon: tuple[int, ...], number: int) -> None:
+    x = corners[list(polygon)]
     turns = cross(np.roll(x, -1, axis=0) - x, np.roll(x, -2, axis=0) - np.roll(x, -1, axis=0))
-    if len(p) > 3 and (turns @ turns[0]).min() < -INPUT_TOL * float(turns[0] @ turns[0]):
+    if len(x) > 3 and (turns @ turns[0]).min() < -INPUT_TOL * float(turns[0] @ turns[0]):
         raise SceneError(
             f"facet {number} is not convex: where it bends is not decided; draw the creases"
         )
-    while len(p) > 3:
-        n = len(p)
-        size = [
-            float(np.linalg.norm(corners[p[i - 1]] - corners[p[(i + 1) % n]])) for i in range(n)
+
+
+class _Cutting:
+    """Polygons that are cut into triangles, ear by ear at the shortest diagonal, or the longest.
+
+    Of equal diagonals one is chosen by what the sheet looks like from its ends, not by their numbers: colours of
+    corners are refined by the rings of facets, lengths and creases around them until nothing new is seen (Weisfeiler
+    and Leman).  Where all look alike, diagonals are images of each other: one is cut, and the rest sees it.
+    """
+
+    def __init__(self, pattern: Pattern, longest: bool) -> None:
+        self.corners, self.longest = pattern.corners, longest
+        self.left = [list(p) for p in pattern.polygons]
+        self.pieces: list[list[tuple[int, ...]]] = [[] for _ in self.left]
+        self.cuts: list[list[Side]] = [[] for _ in self.left]
+        numbers = [
+            pattern.stiffness,
+            pattern.rest,
+            *pattern.limit_angles,
+            *law_probes(pattern.laws, False, 1.0).T,
         ]
-        best = max(size) if longest else min(size)
-        # of diagonals that are equal but for rounding the one through the corner of lowest number
-        equal = [i for i in range(n) if abs(size[i] - best) <= INPUT_TOL * best]
-        i = min(equal, key=lambda i: (min(p[i - 1], p[(i + 1) % n]), max(p[i - 1], p[(i + 1) % n])))
-        a, b = p[i - 1], p[(i + 1) % n]
-        cuts.append((min(a, b), max(a, b)))
-        pieces.append((a, p[i], b))
+        kinds = np.array([_classes(np.asarray(v, float)) for v in numbers]).T
+        self.kind: dict[Side, tuple[int, ...]] = {
+            side(a, b): tuple(k)
+            for (a, b), k in zip(pattern.ends.tolist(), kinds.tolist(), strict=True)
+        }
+        while self._some():
+            pass
+
+    def _some(self) -> bool:
+        """Cut every facet whose next diagonal is decided, else one of those that look alike; False where none is."""
+        open_now = [f for f, p in enumerate(self.left) if len(p) > 3]
+        ties = {f: self._shortest(f) for f in open_now}
+        alone = [f for f in open_now if len({self._ends(f, i) for i in ties[f]}) == 1]
+        if alone or not open_now:
+            for f in alone:
+                self._cut(f, ties[f][0])
+            return bool(open_now)
+        colour = self._colours()
+        seen = {}
+        for f in open_now:
+            keys = [self._seen(f, i, colour) for i in ties[f]]
+            best = min(keys)
+            seen[f] = best, ties[f][keys.index(best)]
+            if (
+                len({self._ends(f, i) for i, k in zip(ties[f], keys, strict=True) if k == best})
+                == 1
+            ):
+                self._cut(f, seen[f][1])
+                alone.append(f)
+        if not alone:
+            f = min(open_now, key=lambda f: seen[f][0])
+            self._cut(f, seen[f][1])
+        return True
+
+    def _ends(self, f: int, i: int) -> Side:
+        p = self.left[f]
+        return side(p[i - 1], p[(i + 1) % len(p)])
+
+    def _shortest(self, f: int) -> list[int]:
+        """Return the corners of a facet that its shortest diagonals cut off, or its longest."""
+        ends = [self._ends(f, i) for i in range(len(self.left[f]))]
+        size = np.array([np.linalg.norm(self.corners[a] - self.corners[b]) for a, b in ends])
+        best = size.max() if self.longest else size.min()
+        return np.flatnonzero(np.abs(size - best) <= INPUT_TOL * best).tolist()
+
+    def _cut(self, f: int, i: int) -> None:
+        p = self.left[f]
+        a, b = p[i - 1], p[(i + 1) % len(p)]
+        self.cuts[f].append(side(a, b))
+        self.kind[side(a, b)] = (-1,)
+        self.pieces[f].append((a, p[i], b))
         del p[i]
-    return [*pieces, tuple(p)], cuts
+
+    def _rings(self) -> Iterator[list[int]]:
+        for left, pieces in zip(self.left, self.pieces, strict=True):
+            yield left
+            yield from map(list, pieces)
+
+    def _colours(self) -> np.ndarray:
+        """Return a number of each corner, equal where the sheet looks alike from them."""
+        rings = [r for r in self._rings() if r]
+        flat = [
+            [float(np.linalg.norm(self.corners[a] - self.corners[b])) for b in r]
+            for r in rings
+            for a in r
+        ]
+        length = iter(_classes(np.concatenate([np.array(v) for v in flat])).tolist())
+        seen_from: list[list[tuple[tuple[int, ...], list[int], list[int]]]] = [
+            [] for _ in self.corners
+        ]
+        for r in rings:
+            for k, a in enumerate(r):
+                far = [next(length) for _ in r]
+                order = [*range(k, len(r)), *range(k)]
+                kinds = [self.kind.get(side(r[j], r[(j + 1) % len(r)]), ()) for j in order]
+                still = tuple(
+                    itertools.chain(
+                        *((far[j], *kind, -2) for j, kind in zip(order, kinds, strict=True))
+                    )
+                )
+                seen_from[a].append((still, [r[j] for j in order], order))
+        colour = np.zeros(len(self.corners), int)
+        while True:
+            keys = [
+                (
+                    int(colour[a]),
+                    sorted((still, tuple(colour[ring].tolist())) for still, ring, _ in seen),
+                )
+                for a, seen in enumerate(seen_from)
+            ]
+            ranks = {repr(k): n for n, k in enumerate(sorted(keys))}
+            new = np.unique([ranks[repr(k)] for k in keys], return_inverse=True)[1]
+            if new.max() == colour.max():
+                return new
+            colour = new
+
+    def _seen(self, f: int, i: int, colour: np.ndarray) -> tuple[Any, ...]:
+        """Return what a cut looks like: the colours of its ends, then those of the facet from there on."""
+        p, n = self.left[f], len(self.left[f])
+        a, b = (colour[v] for v in (p[i - 1], p[(i + 1) % n]))
+        return (*sorted((int(a), int(b))), *sorted(colour[p].tolist()))
+
+
+def _classes(values: np.ndarray) -> np.ndarray:
+    """Return numbers of values in their order, equal for those that rounding alone keeps apart."""
+    order = np.argsort(values, kind="stable")
+    apart = np.diff(values[order]) > INPUT_TOL * max(float(np.abs(values).max(initial=0.0)), 1.0)
+    out = np.zeros(len(values), int)
+    out[order] = np.concatenate([[0], np.cumsum(apart)]) if len(values) else []
+    return out

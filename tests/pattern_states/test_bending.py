@@ -8,6 +8,7 @@ import pytest
 import origami_nlp as o
 from origami_nlp.errors import SceneError
 from origami_nlp.pattern import double_well, make_pattern, with_bending
+from tests.relabelled import relabelled
 
 
 def test_quadrilaterals_get_their_short_diagonals():
@@ -52,3 +53,59 @@ def test_what_cannot_bend_says_so():
         with_bending(arrow, 1.0)
     with pytest.raises(SceneError, match="short or long"):
         with_bending(o.examples.pattern("miura", 2, 2), 1.0, "other")
+
+
+def squares(rows, columns, springs=None):
+    """A sheet of squares."""
+    corners = np.array([[x, y] for y in range(rows + 1) for x in range(columns + 1)], float)
+    at = lambda x, y: y * (columns + 1) + x  # noqa: E731
+    facets = [
+        (at(x, y), at(x + 1, y), at(x + 1, y + 1), at(x, y + 1))
+        for y in range(rows)
+        for x in range(columns)
+    ]
+    sheet = make_pattern(corners, facets)
+    return sheet if springs is None else sheet.with_springs(springs[: sheet.creases])
+
+
+def seen_from_cuts(sheet, soft):
+    """What does not change with numbers: from each end of each diagonal, distances to all corners and all ends."""
+    ends = soft.corners[soft.ends[sheet.creases :]]
+    others = np.concatenate([sheet.corners, ends.reshape(-1, 3)])
+    away = np.linalg.norm(ends[:, :, None] - others, axis=-1).round(6)
+    return sorted(sorted(tuple(sorted(d)) for d in pair) for pair in away.tolist())
+
+
+@pytest.mark.parametrize("mirror", [False, True])
+@pytest.mark.parametrize("seed", range(4))
+def test_equal_diagonals_are_chosen_whatever_corners_are_called(seed, mirror):
+    springs = np.exp(np.random.default_rng(3).normal(size=40))
+    for sheet in (squares(2, 3, springs), squares(2, 3), o.examples.pattern("squaretwist")):
+        one = with_bending(sheet, 1.0)
+        other_sheet = relabelled(sheet, seed, mirror)[0]
+        other = with_bending(other_sheet, 1.0)
+        assert seen_from_cuts(sheet, one) == seen_from_cuts(other_sheet, other)
+
+
+def test_diagonals_of_the_same_sheet_put_down_otherwise_are_the_same_lines():
+    springs = np.exp(np.random.default_rng(3).normal(size=40))
+    sheet = squares(3, 3, springs)
+    soft = with_bending(sheet, 1.0)
+    cuts = {
+        tuple(sorted(map(tuple, soft.corners[e].round(9).tolist())))
+        for e in soft.ends[sheet.creases :]
+    }
+    order = np.random.default_rng(1).permutation(len(sheet.corners))
+    back = np.argsort(order)
+    facets = [tuple(int(back[v]) for v in np.roll(p, k)) for k, p in enumerate(sheet.polygons)][
+        ::-1
+    ]
+    of = {
+        tuple(sorted(back[e].tolist())): k for e, k in zip(sheet.ends, sheet.stiffness, strict=True)
+    }
+    again = make_pattern(sheet.corners[order], facets, stiffness=of)
+    soft = with_bending(again, 1.0)
+    assert cuts == {
+        tuple(sorted(map(tuple, soft.corners[e].round(9).tolist())))
+        for e in soft.ends[again.creases :]
+    }
