@@ -8,7 +8,7 @@ from os import PathLike
 import numpy as np
 
 from origami_nlp.hinges.result import MUCH, HingeRest, MeasuredHinge
-from origami_nlp.pattern import HingeData, LawFit, balanced, fit_data, read_hinge_data, runs
+from origami_nlp.pattern import HingeData, LawFit, fit_data, read_hinge_data, runs
 
 NOISY = 0.1
 """Share of the largest torque, from which residuals are noted; of the half-gap, from which a crossing is."""
@@ -80,12 +80,9 @@ def _rests(found: LawFit) -> tuple[HingeRest, ...]:
     """Return wells, and ends that the hinge is pushed to."""
     law, x = found.law, found.angle
     low, high = law.breaks[0], law.breaks[-1]
-    roots = balanced(law)
-    inside = roots[(roots > low) & (roots < high)]
-    wells = [(a, "well") for a in inside.tolist() if float(law.slope(np.array(a))) > 0]
-    ends = [(low, 1.0), (high, -1.0)]
-    wells += [(a, "end of the data") for a, s in ends if s * float(law.torque(np.array(a))) > 0]
-    wells.sort()
+    inside = law.balanced[(law.balanced > low) & (law.balanced < high)]
+    rests = law.rests(low, high)
+    wells = [(a, "well" if low < a < high else "end of the data") for a in rests]
     out = []
     for number, (angle, kind) in enumerate(wells):
         here = max(0.0, float(law.energy(np.array(angle))))

@@ -126,7 +126,7 @@ def _neighbours(
     ):
         y = x.copy()
         y[[v, w]] += radius * np.array(signs)
-        closes = np.abs(model.closure(y)[0]).max() <= FOLLOWED
+        closes = np.abs(model.closure(y)[0]).max(initial=0.0) <= FOLLOWED
         if closes and not model.refuses(y):
             yield y, tuple(row for row in limits if row.index not in (v, w))
     samples = SAMPLES if len(strata) < 30 else SAMPLES // 3
@@ -140,7 +140,8 @@ def _on_one_line(jacobian: np.ndarray) -> list[tuple[int, int]]:
     found = []
     for v in range(jacobian.shape[1] - 1):
         own, others = jacobian[:, v : v + 1], jacobian[:, v + 1 :]
-        least = np.minimum(np.abs(own - others).max(axis=0), np.abs(own + others).max(axis=0))
+        apart = (np.abs(own + sign * others).max(axis=0, initial=0.0) for sign in (1.0, -1.0))
+        least = np.minimum(*apart)
         found += [(v, v + 1 + int(w)) for w in np.flatnonzero(least <= RANK)]
     return found
 

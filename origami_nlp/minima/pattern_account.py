@@ -53,6 +53,8 @@ class PatternSearchReport(SearchReport):
         Minima that the search for single vertices found, where there is but one.
     reached, alone
         Minima that the starts of each family of `by_source` led to, and those of them that no other family did.
+    cut
+        Families of starts from minima that ended before each minimum was gone on from.
     sign_vectors
         Which signs of vertices occur, as far as that was asked.
     wells, resolved
@@ -81,6 +83,7 @@ class PatternSearchReport(SearchReport):
     of_vertex: int = 0
     reached: dict[str, int] = field(default_factory=dict)
     alone: dict[str, int] = field(default_factory=dict)
+    cut: tuple[str, ...] = ()
     sign_vectors: tuple[SignVector, ...] = ()
     wells: int = 0
     resolved: int = 0
@@ -180,7 +183,8 @@ class PatternSearchReport(SearchReport):
             found, own = self.reached.get(family, 0), self.alone.get(family, 0)
             alone = f", {own} of them by no other family" if own else ""
             many = f"{found} minim{'um' if found == 1 else 'a'}"
-            yield f"{starts} start{'s' * (starts != 1)}, {family}: {many} reached{alone}"
+            more = ", of which more could be made" if family in self.cut else ""
+            yield f"{starts} start{'s' * (starts != 1)}, {family}: {many} reached{alone}{more}"
 
     def open_words(self) -> list[str]:
         """Say in a few lines what is not proved or not decided."""

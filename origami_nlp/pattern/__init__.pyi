@@ -50,7 +50,6 @@ from .fold_source import is_drawing as is_drawing
 from .hinge_data import HingeData as HingeData, read_hinge_data as read_hinge_data
 from .hinge_fit import (
     LawFit as LawFit,
-    balanced as balanced,
     fit_data as fit_data,
     runs as runs,
     straight_on as straight_on,

@@ -15,7 +15,6 @@ import numpy as np
 
 from origami_nlp.arguments import check_type
 from origami_nlp.errors import OptionError
-from origami_nlp.numerics import RESOLVED
 from origami_nlp.pattern.hinge_data import HingeData
 from origami_nlp.pattern.hinge_law import HingeLaw
 from origami_nlp.pattern.hinge_types import FEWEST_ROWS
@@ -287,26 +286,6 @@ def straight_on(law: HingeLaw, low: float, high: float) -> HingeLaw:
         c.append((0.0, 0.0, float(slope[1]), float(torque[1])))
         x.append(high)
     return HingeLaw(tuple(map(float, x)), tuple(c), law.name)
-
-
-def balanced(law: HingeLaw) -> np.ndarray:
-    """Return where the torque of a law is 0, tops and wells of its energy, increasing [rad].
-
-    Parameters
-    ----------
-    law
-        The law.
-
-    Returns
-    -------
-    ndarray
-        Angles between its first and its last break; where pieces meet, once.
-    """
-    from scipy.interpolate import PPoly
-
-    roots = PPoly(np.array(law.coefficients).T, np.array(law.breaks)).roots(extrapolate=False)
-    roots = np.sort(roots[np.isfinite(roots)])
-    return roots[np.diff(roots, prepend=-np.inf) > RESOLVED]
 
 
 def _rows(c: np.ndarray) -> tuple[tuple[float, ...], ...]:

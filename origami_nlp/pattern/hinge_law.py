@@ -212,6 +212,23 @@ class HingeLaw(ShortRepr):
         return bool(min(self.slope(x).min(), self.slope(low).min()) >= -INPUT_TOL * self.stiffness)
 
     @cached_property
+    def balanced(self) -> np.ndarray:
+        """Where the torque is 0, wells and tops of the energy, between the first and the last break, increasing [rad].
+
+        Where pieces meet, once.
+        """
+        x = self._torque.roots(extrapolate=False)
+        x = np.sort(x[(x >= self.breaks[0]) & (x <= self.breaks[-1])])  # of nan neither holds
+        return np.asarray(x[np.diff(x, prepend=-np.inf) > RESOLVED])
+
+    def rests(self, low: float, high: float) -> tuple[float, ...]:
+        """Return where the hinge rests between two fold limits: wells, and limits that it is pushed to, increasing."""
+        x = np.array([low, *self.balanced[(self.balanced > low) & (self.balanced < high)], high])
+        between = self.torque(0.5 * (x[1:] + x[:-1]))
+        falls, rises = np.array([True, *(between < 0)]), np.array([*(between > 0), True])
+        return tuple(x[falls & rises].tolist())
+
+    @cached_property
     def knots(self) -> np.ndarray:
         """Breaks [rad] at which one cubic does not go on as the next; of many each second, fourth, ... one."""
         x, c = np.array(self.breaks), np.array(self.coefficients)

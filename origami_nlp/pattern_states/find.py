@@ -62,7 +62,9 @@ from origami_nlp.starts import (
     OWN,
     FoldedVertices,
     Given,
+    OtherWells,
     Popped,
+    Pushed,
     SearchOptions,
     Signed,
     families_in_turn,
@@ -157,12 +159,18 @@ def find_states(
         search.part("branch directions of the flat state", search.from_crossroads)
     if len(pattern.vertices) == 1 and not (pattern.holes or pattern.cell):
         search.part("the search for single vertices", search.round_the_vertex, seed)
+    limits = asked.most_popped * starts, asked.most_on * starts
+    search.part(OtherWells.name, search.snap, *limits)
     for k in range(min(asked.most_drawn * starts, most)):
         if not search.part("random starts", search.draw, rng, k) or search.tally.quiet == starts:
             break
     search.part(Signed.name, search.sign, pattern)
     search.part(FoldedVertices.name, search.fold_vertices, asked.most_folded * starts)
-    search.part(Popped.name, search.pop, asked.most_popped * starts)
+    known = None
+    while known != (known := search.count()):  # what one leads to, the others go on from
+        search.part(OtherWells.name, search.snap, *limits)
+        search.part(Popped.name, search.pop, *limits)
+        search.part(Pushed.name, search.push, asked.most_pushed * starts, asked.most_on * starts)
     search.part("images of minima under symmetries", search.add_images)
     if is_tried(pattern, prove, contact):
         search.part("the proof that the list is complete", search.prove, pattern, prove)

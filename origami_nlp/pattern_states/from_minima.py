@@ -1,9 +1,13 @@
-"""Starts that follow from what was found: signs that no minimum has, vertices of minima popped, images of minima."""
+"""Starts that follow from what was found: signs that no minimum has, and of minima their images, vertices popped,
+hinges in other wells, creases pushed."""
 
 from __future__ import annotations
 
 from abc import abstractmethod
-from itertools import islice
+from collections import Counter, defaultdict
+from collections.abc import Callable, Sequence
+from functools import partial
+from itertools import islice, product
 
 import numpy as np
 
@@ -14,7 +18,17 @@ from origami_nlp.pattern_problem import MOST_DENSE, PopSigns, SignVector, image
 from origami_nlp.pattern_states.contact_descents import contact_descent
 from origami_nlp.pattern_states.descent import Descended
 from origami_nlp.pattern_states.parts import Parts
-from origami_nlp.starts import POPPED, FoldedVertices, Popped, Signed
+from origami_nlp.starts import (
+    POPPED,
+    PUSHED,
+    FoldedVertices,
+    Listed,
+    OtherWells,
+    Popped,
+    Pushed,
+    Signed,
+    hinge_rests,
+)
 
 
 class FromMinima(Parts):
@@ -22,6 +36,11 @@ class FromMinima(Parts):
 
     contact: bool
     _symmetries: list[tuple[np.ndarray, float]]
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._gone: dict[str, list[np.ndarray]] = {}
+        self._counts: dict[str, Counter[str]] = defaultdict(Counter)
 
     @abstractmethod
     def settle(self, phi: np.ndarray) -> None:
@@ -104,28 +123,77 @@ class FromMinima(Parts):
         self.begin(family)
         self.attempt(self._kept_apart, start)
 
-    def pop(self, most: int) -> None:
-        """Start from each minimum with one vertex popped, the lowest first, what that leads to among them.
+    def pop(self, most: int, longest: int) -> None:
+        """Start from each minimum with one vertex popped.
 
         There are states on either side of a vertex (`pops`); those that touching facets hold are seldom met by descents
         that let facets cross.  Each minimum is popped in one way before any is in another: the next way seldom leads
-        elsewhere from there.  Where the sheet has symmetries, one of a minimum and its images is enough.
+        elsewhere from there.
         """
-        popped: dict[tuple[float, float], list[np.ndarray]] = {shares: [] for shares in POPPED}
-        while True:
+        pattern, labels = self.problem.pattern, self.labels
+        ways = [partial(Popped, pattern, labels, shares=[shares]) for shares in POPPED]
+        self._go_on(Popped.name, ways, most, longest)
+
+    def snap(self, most: int, longest: int) -> None:
+        """Start from each minimum with one hinge in another well of its law."""
+        pattern, labels = self.problem.pattern, self.labels
+        if hinge_rests(pattern):
+            ways = [partial(OtherWells, pattern, labels)]
+            self._go_on(OtherWells.name, ways, most, longest)
+
+    def push(self, most: int, longest: int) -> None:
+        """Start from each minimum of several degrees of freedom with one crease pushed either way.
+
+        What facets hold has more minima than one between the same signs of vertices: no pop leads from one to another.
+        A single vertex has a search of its own.
+        """
+        problem = self.problem
+        if self.contact and problem.size <= MOST_DENSE and len(problem.pattern.vertices) > 1:
+            all_ = product(PUSHED, range(problem.size))
+            ways = [partial(Pushed, problem, self.labels, size=a, only=k) for a, k in all_]
+            self._go_on(Pushed.name, ways, most, longest, least=2)
+
+    def _go_on(
+        self,
+        name: str,
+        ways: Sequence[Callable[[np.ndarray], Listed]],
+        most: int,
+        longest: int,
+        least: int = 0,
+    ) -> None:
+        """Start from each minimum, the lowest first, in one way after the other, what that leads to among them.
+
+        Until `most` starts in all led to no other minimum, or after `longest`; minima with fewer degrees of freedom
+        than `least` are left out.  Where the sheet has symmetries, one of a minimum and its images is enough.  What was
+        gone on from is not gone on from again.
+        """
+        none = [np.empty((0, self.problem.size)) for _ in ways]
+        gone, counts = self._gone.setdefault(name, none), self._counts[name]
+        while name not in self.tally.cut:
             self.problem.check_time()
-            states = [s.phi for s in self.minima if s.phi.any()]
+            states = np.array([s.phi for s in self.minima if s.phi.any() and s.dof >= least])
+            states = states.reshape(-1, self.problem.size)
             waiting = (
-                (shares, phi)
-                for shares, done in popped.items()
-                for phi in states
-                if not any(np.abs(phi - x).max() <= 10 * DUPLICATE_TOL for x in done)
+                (k, phi) for k, done in enumerate(gone) for phi in states[~_are_among(states, done)]
             )
             if (first := next(waiting, None)) is None:
                 return
-            shares, phi = first
-            popped[shares] += [phi, *(image(symmetry, phi) for symmetry in self._symmetries)]
-            for start in Popped(self.problem.pattern, self.labels, phi, [shares]).states():
-                if self.tally.by_source.get(Popped.name, 0) == most:
-                    return
-                self._start_apart(Popped.name, start)
+            k, phi = first
+            images = [image(symmetry, phi) for symmetry in self._symmetries]
+            gone[k] = np.vstack([gone[k], phi, *images])
+            for start in ways[k](phi).states():
+                if _are_among(start[None], states).any():
+                    continue
+                if counts["idle"] == most or counts["made"] == longest:
+                    self.tally.cut = (*self.tally.cut, name)
+                    break
+                before = self.count()
+                self._start_apart(name, start)
+                counts["made"] += 1
+                counts["idle"] += self.count() == before
+
+
+def _are_among(states: np.ndarray, others: np.ndarray) -> np.ndarray:
+    """Return which of some states [s, n] are among others [o, n]."""
+    apart = np.abs(states[:, None] - others).max(axis=2, initial=0.0)
+    return (apart <= 10 * DUPLICATE_TOL).any(axis=1)

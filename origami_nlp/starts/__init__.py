@@ -21,6 +21,8 @@
 | `UniformFolded` | pattern | any fold angles, some creases fully folded |
 | `FoldedVertices` | pattern | one vertex almost folded flat, the others as flat as closure lets them be |
 | `Popped` | pattern | a minimum with one vertex on its other side |
+| `Pushed` | pattern | a minimum with one crease pushed towards valley or mountain |
+| `OtherWells` | pattern | a minimum with one hinge in another well of its law |
 | `Signed` | pattern | beside the flat state, with signs of the vertices that no minimum has yet |
 
 `samples` are states with the contacts that they hold, `closing` brings them onto closure and these contacts, and

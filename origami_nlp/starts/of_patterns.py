@@ -181,6 +181,94 @@ class Popped(Listed):
                 yield start
 
 
+PUSHED = 1.0, 1.8
+"""By how much the fold angle that moves the most is pushed [rad]."""
+ALIKE = 0.95
+"""Cosine from which directions lead the same way."""
+
+
+class Pushed(Listed):
+    """A state with each crease pushed towards valley and towards mountain, the others as closure takes them along.
+
+    Parameters
+    ----------
+    problem
+        Of the pattern.
+    labels
+        The order of its creases.
+    phi
+        The state, [n] [rad].
+    size
+        One of `PUSHED`.
+    only
+        Number of the direction (from 0) that is wanted alone; None: all.
+    """
+
+    name = "minima with a crease pushed"
+    sentence = "a minimum with one crease pushed towards valley or mountain"
+
+    def __init__(
+        self,
+        problem: PatternProblem,
+        labels: CanonicalLabelling,
+        phi: np.ndarray,
+        size: float,
+        only: int | None = None,
+    ) -> None:
+        self.size, self._problem, self._labels = problem.size, problem, labels
+        self._phi, self._far, self._only = phi, size, only
+
+    def states(self) -> Iterator[np.ndarray]:
+        """Yield them, none closed yet; of creases that move alike one."""
+        taken: list[np.ndarray] = []
+        for i in self._labels.order:
+            d = self._problem.along(self._phi, np.eye(self.size)[i])
+            size = float(np.linalg.norm(d))
+            if size < RESOLVED or any(abs(d @ x) > ALIKE * size for x in taken):
+                continue
+            taken.append(d / size)
+            if self._only is not None and len(taken) != self._only + 1:
+                continue
+            d = self._labels.sign * self._far * d / np.abs(d).max()
+            limits = self._problem.fold_limits
+            yield from (limits.clip(self._phi + d), limits.clip(self._phi - d))
+
+
+class OtherWells(Listed):
+    """A state with each crease moved to each other well of its law, as bistable hinges snap one by one.
+
+    Parameters
+    ----------
+    pattern, labels
+        The pattern with its laws, and the order of its creases.
+    phi
+        The state, [n] [rad].
+    """
+
+    name = "minima with a hinge in another well"
+    sentence = "a minimum with one hinge in another well of its law"
+
+    def __init__(self, pattern: Pattern, labels: CanonicalLabelling, phi: np.ndarray) -> None:
+        self.size, self._labels, self._phi = pattern.creases, labels, phi
+        self._rests = hinge_rests(pattern)
+
+    def states(self) -> Iterator[np.ndarray]:
+        """Yield them, none closed yet."""
+        for i in filter(self._rests.__contains__, self._labels.order.tolist()):
+            away = np.abs(self._rests[i] - self._phi[i])
+            for k in np.argsort(away)[1:]:
+                start = self._phi.copy()
+                start[i] = self._rests[i][k]
+                yield start
+
+
+def hinge_rests(pattern: Pattern) -> dict[int, np.ndarray]:
+    """Return where creases (from 0) would rest by their laws alone [rad], of each with more such angles than one."""
+    limits = pattern.limit_angles.T
+    rests = {i: law.rests(*limits[i]) for i, law in enumerate(pattern.laws) if law is not None}
+    return {i: np.array(angles) for i, angles in rests.items() if len(angles) > 1}
+
+
 def creases_around(pattern: Pattern, labels: CanonicalLabelling) -> list[list[int]]:
     """Return the creases round each vertex, in an order of vertices that labels do not change."""
     rank = np.argsort(labels.order)

@@ -12,7 +12,7 @@ from origami_nlp.errors import OptionError
 class SearchOptions:
     """How much a search does; `EFFORTS` holds those of ``effort="quick"``, ``"normal"`` and ``"thorough"``.
 
-    The first twelve are of a vertex, the last six of a pattern.
+    The first twelve are of a vertex, the last eight of a pattern.
 
     Attributes
     ----------
@@ -45,7 +45,12 @@ class SearchOptions:
     most_drawn
         Random starts in all, over `in_a_row`.
     most_popped
-        Starts with a vertex popped, over `in_a_row`.
+        Starts from minima with a vertex popped, or a hinge in another well of its law, that find nothing new, over
+        `in_a_row`; then that part ends.
+    most_pushed
+        The same of starts with a crease pushed.
+    most_on
+        Starts of one of these kinds in all, over `in_a_row`.
     most_folded
         Starts with a vertex almost folded flat, over `in_a_row`: these are slow, with much that touches.
     most_traced
@@ -81,6 +86,8 @@ class SearchOptions:
     in_a_row: int = 40
     most_drawn: int = 10
     most_popped: int = 2
+    most_pushed: int = 1
+    most_on: int = 50
     most_folded: int = 0
     most_traced: int = 250
     most_curves: int = 64
@@ -88,7 +95,8 @@ class SearchOptions:
     def __post_init__(self) -> None:
         from_zero = (
             *("interior", "most_with_corners", "fewest_for_moments", "most_batched"),
-            *("in_a_row", "most_popped", "most_folded", "most_traced", "most_curves"),
+            *("in_a_row", "most_popped", "most_pushed", "most_on", "most_folded"),
+            *("most_traced", "most_curves"),
         )
         for name, value in vars(self).items():
             if name == "judging":
@@ -136,6 +144,7 @@ EFFORTS = {
         quiet=4,
         in_a_row=160,
         most_popped=10,
+        most_pushed=10,
         most_folded=1,
     ),
 }

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import json
 import math
 from dataclasses import replace
@@ -30,6 +31,7 @@ from origami_nlp.pattern import (
 )
 from origami_nlp.pattern.hinge_law import moved_cubic
 from origami_nlp.problem import compile_structure
+from origami_nlp.starts import OtherWells
 from tests.independent import scan_four
 
 EPS = np.finfo(float).eps
@@ -217,12 +219,54 @@ def strip(creases):
     return make_pattern(corners, [(i, i + 1, row + i + 1, row + i) for i in range(row - 1)])
 
 
-@pytest.mark.parametrize("creases", [2, 3, 4])
-def test_a_strip_of_wells_has_all_their_combinations_and_no_other(creases):
-    result = o.find_minima(strip(creases).with_laws(double_well(1.0, 0.7)))
-    found = {tuple(np.round(m.fold_angles, 6)) for m in result.minima}
-    assert len(found) == len(result.minima) == 2**creases
-    assert all(set(map(abs, state)) == {0.7} for state in found)
+def crosses(folds):
+    """Whether facets of length 1 in a row, folded one after the other, intersect: by turns of triangles."""
+    heading = np.concatenate([[0.0], np.cumsum(folds)])
+    x = np.vstack(
+        [np.zeros(2), np.cumsum(np.stack([np.cos(heading), np.sin(heading)], axis=1), axis=0)]
+    )
+
+    def turn(a, b, c):
+        return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
+
+    return any(
+        turn(x[i], x[i + 1], x[j]) * turn(x[i], x[i + 1], x[j + 1]) < 0
+        and turn(x[j], x[j + 1], x[i]) * turn(x[j], x[j + 1], x[i + 1]) < 0
+        for i, j in itertools.combinations(range(len(x) - 1), 2)
+        if j > i + 1
+    )
+
+
+@pytest.mark.parametrize(
+    ("creases", "rolled"),
+    [
+        (2, 0),
+        (3, 0),
+        (4, 0),
+        (6, 0),
+        *(pytest.param(k, 2 * (k == 8), marks=pytest.mark.slow) for k in (5, 7, 8)),
+    ],
+)
+def test_a_strip_of_wells_has_all_their_combinations_that_do_not_cross(creases, rolled):
+    """Of the longest the two that roll up cross: nine facets are more than a turn."""
+    result = o.find_minima(strip(creases).with_laws(double_well(1.0, 0.7)), escape=False)
+    found = {tuple(np.round(m.fold_angles, 6).tolist()) for m in result.minima}
+    all_ = set(itertools.product((-0.7, 0.7), repeat=creases))
+    crossing = {folds for folds in all_ if crosses(folds)}
+    assert found == all_ - crossing and len(crossing) == rolled and len(result.minima) == len(found)
+    assert result.search.by_source[OtherWells.name] > 0
+
+
+@pytest.mark.slow
+def test_wells_of_vertices_in_a_row_are_found_whole():
+    """Closure ties the creases: what one seed finds is what all find."""
+    pattern = o.examples.pattern("miura", 2, 3).with_laws(double_well(0.1, 0.9))
+    found = [
+        np.array([m.fold_angles for m in o.find_minima(pattern, seed=k, escape=False).minima])
+        for k in range(4)
+    ]
+    for one, two in itertools.permutations(found, 2):
+        assert (np.abs(one[:, None] - two).max(axis=2).min(axis=1) < 1e-6).all()
 
 
 def test_no_top_of_wells_is_a_minimum():

@@ -10,9 +10,9 @@ import pytest
 
 import origami_nlp as o
 from origami_nlp import Scene, Vertex, examples
-from origami_nlp.pattern import double_well, linear
+from origami_nlp.pattern import linear
 from tests.independent import search_slsqp
-from tests.minima.test_hinge_laws import drawn, strip
+from tests.minima.test_hinge_laws import drawn
 
 
 def compared(scene, energies, tie, starts, rng):
@@ -55,17 +55,6 @@ def test_another_search_finds_no_other_minimum(make, count):
     for _ in range(count):
         ours, others, _ = compared(*make(rng), starts=60, rng=rng)
         assert len(ours) and not len(others)
-
-
-@pytest.mark.slow
-def test_strips_of_wells_have_their_combinations():
-    """All of 32; of 64 a search of this effort may miss some, and says that more are expected."""
-    for creases, fewest in ((5, 32), (6, 60)):
-        result = o.find_minima(strip(creases).with_laws(double_well(1.0, 0.7)))
-        found = {tuple(np.round(m.fold_angles, 6)) for m in result.minima}
-        assert fewest <= len(found) == len(result.minima) <= 2**creases
-        assert all(set(map(abs, state)) == {0.7} for state in found)
-        assert len(found) == 2**creases or result.search.expected_undiscovered >= 1
 
 
 @pytest.mark.slow

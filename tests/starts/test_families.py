@@ -9,6 +9,7 @@ import pytest
 
 from origami_nlp import Model, Scene, Vertex, examples, starts
 from origami_nlp.folding import fold_vertex
+from origami_nlp.pattern import double_well, linear, polynomial
 from origami_nlp.pattern_problem import PatternProblem, find_labels
 
 SECTORS = (50.0, 75.0, 40.0, 65.0, 80.0, 50.0)
@@ -57,6 +58,8 @@ def pattern_families():
         starts.Uniform(labels, problem.fold_limits),
         starts.UniformFolded(labels, problem.fold_limits),
         starts.Popped(pattern, labels, phi),
+        starts.Pushed(problem, labels, phi, 1.0),
+        starts.OtherWells(pattern.with_laws(double_well(1.0, 0.7)), labels, phi),
         starts.FoldedVertices(problem, labels, True),
         starts.Signed(problem, labels, np.zeros((0, pattern.creases))),
     ]
@@ -132,3 +135,29 @@ def test_starts_of_vertices_close_and_hold_what_they_say(name):
         _, q = fold_vertex(model.scene.vertex, model.expand(x))
         assert np.linalg.norm(q[1:]) <= 1e-9
     assert len(s) or name in ("RestState", "RigidStates")
+
+
+def test_creases_are_pushed_along_closed_states_whatever_their_numbers():
+    pattern = examples.pattern("yoshimura", 2, 2)
+    problem, labels = PatternProblem(pattern), find_labels(pattern)
+    phi = starts.Grown(problem, labels).draw(np.random.default_rng(1), 1).x[0]
+    pushed = np.array(list(starts.Pushed(problem, labels, phi, 0.01).states())) - phi
+    assert len(pushed) > 2 and np.abs(pushed).max(axis=1) == pytest.approx(0.01)
+    jacobian = np.asarray(problem.closure.jacobian(phi))
+    assert np.abs(jacobian @ pushed.T).max() < 1e-10  # no push opens a vertex to first order
+    # as many directions as degrees of freedom at least: nothing that closure leaves free is left out
+    assert np.linalg.matrix_rank(pushed, tol=1e-8) == pattern.creases - np.linalg.matrix_rank(
+        jacobian, tol=1e-8
+    )
+
+
+def test_a_hinge_goes_to_each_of_its_other_wells_and_to_a_limit_that_it_is_pushed_to():
+    pattern = examples.pattern("metasheet", 2, 2)
+    labels, phi = find_labels(pattern), np.array([0.7, -0.7, 0.1, 0.0])
+    laws = [double_well(1.0, 0.7), double_well(1.0, 0.7), linear(1.0, 0.0), polynomial([-0.5], 0.0)]
+    family = starts.OtherWells(pattern.with_laws(laws), labels, phi)
+    moved = {tuple(np.round(x, 9)) for x in family.states()}
+    pi = round(math.pi, 9)
+    wanted = {(-0.7, -0.7, 0.1, 0.0), (0.7, 0.7, 0.1, 0.0)}
+    # pushed off 0: it rests at either limit
+    assert moved == wanted | {(0.7, -0.7, 0.1, pi)} or moved == wanted | {(0.7, -0.7, 0.1, -pi)}

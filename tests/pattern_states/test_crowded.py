@@ -1,0 +1,24 @@
+"""Ends of descents at which facets crowd."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from origami_nlp.pattern import as_pattern
+from origami_nlp.pattern_problem import PatternProblem
+from origami_nlp.pattern_states.judgement import judge
+
+
+def test_a_state_beside_a_flat_folding_whose_contacts_are_not_known_is_not_decided():
+    """Three creases all but fully folded: contacts are incomplete there, and none has a row to choose by."""
+    phi = np.zeros(13)
+    phi[[0, 9]] = -0.5 * math.pi
+    phi[[2, 5, 7]] = math.pi
+    # what a descent ended at: 1e-7 beside, not to be rounded
+    off = [0, 155271, -321250, 367372, -161516, -495536, -184712, -197834, -255895]
+    phi += 1e-12 * np.array([*off, 0, 333395, -266748, 12832], float)
+    problem = PatternProblem(as_pattern("yoshimura:2x3"))
+    state = judge(problem, problem.project(phi)[0])
+    assert state.verdict in ("undecided", "not admissible") and state.certificate
