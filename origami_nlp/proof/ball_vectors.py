@@ -21,9 +21,9 @@ def corner(x: Ball, i: int) -> Ball:
     return part(x, np.s_[:, i])
 
 
-def rolled(x: Ball) -> Ball:
-    """Return the corner that follows each."""
-    return Ball(np.roll(x.centre, -1, axis=1), np.roll(x.radius, -1, axis=1))
+def rolled(x: Ball, steps: int = 1) -> Ball:
+    """Return the corner that follows each, or that so many steps on."""
+    return Ball(np.roll(x.centre, -steps, axis=1), np.roll(x.radius, -steps, axis=1))
 
 
 def part(x: Ball, index: Any) -> Ball:

@@ -171,14 +171,14 @@ class CheckedContact:
         return _common_sign([fold]) if weakly or abs(fold) < arb.pi() else 0
 
     def crosses(self, over: ThetaBall) -> bool:
-        """Return whether an edge of a facet certainly passes through another inside, all over a box."""
+        """Return whether a chord between corners of a facet certainly passes through another inside, all over a box."""
         balls, _, middle = self._over(over)
         for a, b in self.pairs:
             for one, other in ((a, b), (b, a)):
-                for i in range(len(balls[one])):
-                    p, q = middle[one][i], middle[one][(i + 1) % len(middle[one])]
+                for i, j in itertools.combinations(range(len(balls[one])), 2):
+                    p, q = middle[one][i], middle[one][j]
                     if _passes(p, q, middle[other]) and _passes(
-                        balls[one][i], balls[one][(i + 1) % len(balls[one])], balls[other]
+                        balls[one][i], balls[one][j], balls[other]
                     ):
                         return True
         return False

@@ -5,9 +5,10 @@ each is convex and so within the cone of its sector.  The four sectors are a clo
 so within a hemisphere; seen from its centre that is a quadrangle in the plane, of whose two pairs of opposite sides one
 crosses at most.  A crossing would be a full turn more, and such states are none of the strip's.
 
-Two other facets are apart where a plane separates all their corners, and cross where an edge of one passes through the
-other inside.  Where they meet first, a corner reaches a facet or an edge an edge: a determinant g of three vectors
-between corners is 0, and where g' has a sign over a box, they are apart on one side of its zero and cross on the other.
+Two other facets are apart where a plane separates all their corners, and cross where an edge, or a diagonal, of one
+passes through the other inside.  Where they meet first, a corner reaches a facet or an edge an edge: a determinant g of
+three vectors between corners is 0, and where g' has a sign over a box, they are apart on one side of its zero and cross
+on the other.
 """
 
 from __future__ import annotations
@@ -331,12 +332,18 @@ def _along(axis: np.ndarray, x: Ball) -> Ball:
 
 
 def _passes_through(facets: Facets, a: int, b: int) -> np.ndarray:
-    """Return whether an edge of polygon a certainly passes through polygon b inside, over the boxes, [K]."""
+    """Return whether an edge or diagonal of polygon a certainly passes through polygon b inside, over the boxes, [K].
+
+    Where edges pass edges at both ends of a crossing, as in sheets with half-turns, a diagonal alone does.
+    """
     x, y = facets.over[a].value, facets.over[b].value
     side = _sides(x, y).sign
-    turn = _orientations(x, y).sign
-    through = (turn[:, :1] != 0).all(axis=1) & (turn == turn[:, :1]).all(axis=1)
-    return np.asarray((through & (side * np.roll(side, -1, axis=0) < 0)).any(axis=0))
+    found = np.zeros(side.shape[1:], bool)
+    for steps in range(1, len(side) // 2 + 1):
+        turn = _orientations(x, y, steps).sign
+        through = (turn[:, :1] != 0).all(axis=1) & (turn == turn[:, :1]).all(axis=1)
+        found |= (through & (side * np.roll(side, -steps, axis=0) < 0)).any(axis=0)
+    return found
 
 
 def _sides(x: Ball, y: Ball) -> Ball:
@@ -346,9 +353,12 @@ def _sides(x: Ball, y: Ball) -> Ball:
     return determinant(q[1] - q[0], q[2] - q[0], x - q[0])
 
 
-def _orientations(x: Ball, y: Ball) -> Ball:
-    """Return how the lines of the sides of x pass those of y, [sides of x, sides of y, K]: all alike if through it."""
-    p, q = (part(z, np.s_[:, :, None]) for z in (x, rolled(x)))
+def _orientations(x: Ball, y: Ball, steps: int = 1) -> Ball:
+    """Return how the lines of the sides of x pass those of y, [sides of x, sides of y, K]: all alike if through it.
+
+    With more steps, lines from each corner of x to the one so many on.
+    """
+    p, q = (part(z, np.s_[:, :, None]) for z in (x, rolled(x, steps)))
     r, s = (part(z, np.s_[:, None]) for z in (y, rolled(y)))
     return determinant(q - p, r - p, s - p)
 

@@ -168,15 +168,8 @@ def test_a_search_has_the_same_list():
 
 
 @pytest.mark.slow
-def test_a_search_has_the_same_list_where_there_is_a_cycle():
-    pattern = o.examples.pattern("miura", 3, 3)
-    found = o.find_minima(pattern, contact="fold-limits", escape=False, prove=True)
-    assert found.completeness.proved and len(found.minima) == 202
-
-
-@pytest.mark.slow
 def test_random_springs_on_a_mesh():
-    for seed in range(100):
+    for seed in range(60):
         pattern = sprung(o.examples.pattern("miura", *((3, 3) if seed % 2 else (2, 4))), seed)
         found = check_proof(certificate_of_mesh(pattern, prove_mesh(pattern)))
         assert not found.refused and not found.open

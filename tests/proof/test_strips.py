@@ -14,7 +14,13 @@ from origami_nlp.errors import OptionError
 from origami_nlp.pattern import make_pattern
 from origami_nlp.pattern_problem import PatternProblem
 from origami_nlp.pattern_states import hold_against, judge
-from origami_nlp.proof import prove_strip, why_no_strip, why_no_strip_contact
+from origami_nlp.proof import (
+    certificate_of_strip,
+    check_proof,
+    prove_strip,
+    why_no_strip,
+    why_no_strip_contact,
+)
 from origami_nlp.proof.balls import Ball, Jet, argument, exact, rational
 from origami_nlp.proof.strip_energy import StripEnergy
 from origami_nlp.proof.strip_states import as_strip
@@ -361,3 +367,12 @@ def test_creases_of_several_vertices_reach_their_limits_at_once():
     held, judged = hold_against(proof, problem, states, False)
     assert held.proved and [s.verdict for s in judged] == ["minimum"]
     assert _closest([m.fold_angles for m in proof.minima], judged[0].phi) < 1e-7
+
+
+def test_facets_that_cross_with_edges_on_edges():
+    """By half-turns of the sheet edges pass edges at both ends of a crossing at once: a diagonal shows it."""
+    pattern = o.examples.pattern("metasheet", 2, 3)
+    proof = prove_strip(pattern, contact=True)
+    assert not proof.undecided and len(proof.minima) == 5
+    found = check_proof(certificate_of_strip(pattern, proof))
+    assert not found.refused and not found.open
