@@ -1,4 +1,5 @@
 from . import section5_table as section5_table
+from .archive import write_archive as write_archive
 from .audit import audit_candidates as audit_candidates
 from .audit_table import (
     as_markdown as as_markdown,
@@ -9,6 +10,11 @@ from .baseline import STEPS as STEPS, appendix_a as appendix_a
 from .chart_states import chart_distance as chart_distance
 from .cone_figures import draw_cone_figure as draw_cone_figure
 from .cone_limits import limits as limits
+from .counts import (
+    SheetCount as SheetCount,
+    count_all as count_all,
+    draw_counts as draw_counts,
+)
 from .figures import FIGURES as FIGURES, Drawn as Drawn
 from .grid_convergence import (
     GridCount as GridCount,

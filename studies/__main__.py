@@ -147,10 +147,48 @@ def limits(
     out.write("json", limits_to_dict, found)
 
 
+@writes("json", "figure")
+def counts(
+    out: Output,
+    largest: Annotated[
+        int, typer.Option(metavar="N", help="Sheets up to N x N, of facets or of square twists.")
+    ] = 3,
+    seconds: Annotated[float, typer.Option(metavar="S", help="Wall time for each search.")] = 60.0,
+) -> None:
+    """Count the stable states of sheets as they grow, with contact and without."""
+    from dataclasses import asdict
+
+    from studies import count_all, draw_counts
+
+    if not 1 <= largest <= 8:
+        raise OptionError(f"--largest = {largest} must lie between 1 and 8")
+    found = []
+    for one in count_all(largest, seconds):
+        out.say(
+            f"{one.family} {one.size} x {one.size}, contact {one.contact}: {one.states} states, {one.complete}"
+            f"{', cut by the time' * bool(one.left_out)}"
+        )
+        found.append(one)
+    out.write("json", lambda: {"seconds": seconds, "counts": [asdict(one) for one in found]})
+    out.write("figure", draw_counts, found)
+
+
+def archive(
+    folder: Annotated[Path, typer.Argument(metavar="DIR", help="Where to; made if it is missing.")],
+) -> None:
+    """Write states, counts, certificates and curves behind the published results: JSON, CSV, dictionary, checksums."""
+    from origami_nlp.io import make_folder
+    from studies import write_archive
+
+    out = Output()
+    written = write_archive(make_folder(folder, "DIR"))
+    out.say(f"{len(written)} files in {folder}; checksums: SHA256SUMS")
+
+
 app = Group(
     "What only readers of the source paper need: its figures, candidates, grids and numbers."
 )
-app.add(reproduce, audit, grid, fractions, limits)
+app.add(reproduce, audit, grid, fractions, limits, counts, archive)
 
 if __name__ == "__main__":
     main(app)
