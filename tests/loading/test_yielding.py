@@ -146,3 +146,21 @@ def test_a_law_that_is_not_known_so_far_ends_the_path():
     )
     path = o.load_path(scene, 1, to=6.0, yield_torque={1: 3.0})
     assert path.legs[0].moved
+
+
+def test_a_path_that_begins_far_away_snaps_at_the_flat_state():
+    """There the energy falls along the other curve that crosses: by samples of all closed states."""
+    scene = drawn(13)
+    path = o.load_path(scene, 1, to=12.0, confirm=False)
+    assert np.linalg.norm(path.legs[0].points[0].fold_angles) > 1.0
+    snap = path.snaps[0]
+    assert snap.type == "flat state" and not any(snap.before)
+    x = scan_four.closed_states(np.radians(SECTORS), 20_001)
+    away = np.linalg.norm(x, axis=1)
+    k, rest = np.array(scene.stiffness), np.array(scene.rest_angles)
+
+    def energy(x):
+        return (0.5 * k * (x - rest) ** 2).sum(axis=-1) - snap.t * x[..., 0]
+
+    near = x[(away > 0.02) & (away < 0.04)]
+    assert energy(near).min() < float(energy(np.zeros(4))) - 1e-3
