@@ -137,13 +137,13 @@ class Source:
 
     def read_whole(self, contact: bool = False) -> Scene | Pattern:
         """Return the scene of a scene file or of the vertex that is asked for, else as `read_pattern`."""
-        from origami_nlp.pattern import fold_vertices
+        from origami_nlp.pattern import Pattern, fold_vertices
 
         if not self.is_whole:
             return self.read()
         whole = self.read_pattern(contact)  # what is wrong comes before what is odd
         one = fold_vertices(self._frame())[0]
-        if len(one) == 1:
+        if len(one) == 1 and not (isinstance(whole, Pattern) and whole.cell is not None):
             number = one[0].number
             _note(
                 f"one vertex, taken as a pattern; --vertex {number} takes it as a vertex, with its symmetry"
@@ -229,9 +229,8 @@ def takes_scene(
     argument: of `options`, such as ``SceneFile``.  whole: it takes whole patterns as well.  springs: it takes
     springs for FOLD files that leave them open.
     """
-    options = (
-        FOLD_OPTIONS | (SPRINGS if springs else {}) | (PER_LENGTH if whole and springs else {})
-    )
+    of_patterns: dict[str, Any] = PER_LENGTH if springs else {"cell": o.Cell}
+    options = FOLD_OPTIONS | (SPRINGS if springs else {}) | (of_patterns if whole else {})
 
     def decorate(command: Callable[..., None]) -> Callable[..., None]:
         @wraps(command)

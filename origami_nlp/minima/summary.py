@@ -9,6 +9,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 import numpy as np
 
 from origami_nlp.display import Cell, Table, Words
+from origami_nlp.errors import OUT_OF_TIME
 from origami_nlp.kkt import OPEN, ContactForce
 from origami_nlp.minima.account import SearchReport
 from origami_nlp.minima.completeness import Completeness
@@ -117,7 +118,9 @@ def verdict_words(
     known = Counter(verdict(origami, m) for m in firm)
     parts = []
     if known["stable"] or not firm:
-        parts.append(f"{known['stable']} stable state{'s' * (known['stable'] != 1)}")
+        why = "" if minima else _why_none(completeness, search)
+        count = f"{known['stable']} stable state{'s' * (known['stable'] != 1)}"
+        parts.append(f"not decided whether there is a stable state: {why}" if why else count)
     if n := known["unstable"]:
         verb = "is" if n == 1 else "are"
         its = "its" if n == 1 else "their"
@@ -132,6 +135,18 @@ def verdict_words(
         parts.append(f"{n} minim{'um' if n == 1 else 'a'}")
     notes = [*_assumed(origami, search), _complete(completeness, search)]
     return f"{'; '.join(parts)}{shallow_words(len(minima) - len(firm))} ({', '.join(notes)})"
+
+
+def _why_none(completeness: Completeness | None, search: SearchReport) -> str:
+    """Say what kept a search of a pattern that found no minimum from deciding that there is none, if anything did."""
+    if completeness and completeness.proved:
+        return ""
+    crossed = any(s.crossings for s in search.rejected)
+    gave_up = getattr(search, "gave_up", {})
+    if not gave_up and not search.left_out:
+        return ""
+    found = "facets cross in all that was found" if crossed else "none was found"
+    return "; ".join((found, *gave_up, *[OUT_OF_TIME] * bool(search.left_out)))
 
 
 def _assumed(origami: Scene | Pattern, search: SearchReport) -> Iterator[str]:

@@ -8,6 +8,7 @@ import numpy as np
 
 from origami_nlp.pattern import as_pattern
 from origami_nlp.pattern_problem import PatternProblem
+from origami_nlp.pattern_states import find_states
 from origami_nlp.pattern_states.judgement import judge
 
 
@@ -22,3 +23,14 @@ def test_a_state_beside_a_flat_folding_whose_contacts_are_not_known_is_not_decid
     problem = PatternProblem(as_pattern("yoshimura:2x3"))
     state = judge(problem, problem.project(phi)[0])
     assert state.verdict in ("undecided", "not admissible") and state.certificate
+
+
+def test_a_sheet_in_which_facets_cross_wherever_it_was_looked_is_not_decided_and_the_reason_is_said():
+    """Contact is solved up to 400 creases; time ends the rest: nothing says that there is no stable state."""
+    found = find_states("waterbomb:8x8", seconds=3.0, escape=False)
+    assert not found.minima and found.search.gave_up
+    assert "not decided whether there is a stable state: facets cross in all" in found.verdict
+    assert (
+        "creases, contact is solved up to" in found.verdict
+        and "0 stable states" not in found.verdict
+    )
