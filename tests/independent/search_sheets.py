@@ -15,11 +15,16 @@ SMALL = 1e-6
 """Singular values of closure below this count as zero."""
 
 
+CLOSED = 1e-9
+"""Largest rotation that is left of what counts as closed."""
+
+
 class Sheet:
     """Closure of a pattern: corners [P, 2 or 3], creases as pairs of corners [n, 2], inner corners."""
 
     def __init__(self, corners: np.ndarray, ends: np.ndarray, inner: list[int]) -> None:
-        self.n, self.rings = len(ends), []
+        self.n = len(ends)
+        self.rings: list[tuple[list[int], np.ndarray]] = []
         for v in inner:
             creases = [i for i, e in enumerate(ends.tolist()) if v in e]
             away = [corners[ends[i].sum() - v][:2] - corners[v][:2] for i in creases]
@@ -42,14 +47,34 @@ class Sheet:
             slopes.append(slope)
         return np.concatenate(rows, axis=1), np.concatenate(slopes, axis=1)
 
-    def closed(self, x: np.ndarray, rounds: int) -> tuple[np.ndarray, np.ndarray]:
+    def paper(self, x: np.ndarray) -> np.ndarray:
+        """Whether round every inner corner half of all folds multiplies to 1, not -1, [K]."""
+        out = np.ones(len(x), bool)
+        for creases, axes in self.rings:
+            w, v = np.ones(len(x)), np.zeros((len(x), 3))
+            for crease, axis in zip(creases, axes, strict=True):
+                c, s = np.cos(0.5 * x[:, crease]), np.sin(0.5 * x[:, [crease]]) * axis
+                w, v = (
+                    w * c - (v * s).sum(axis=1),
+                    w[:, None] * s + c[:, None] * v + np.cross(v, s),
+                )
+            out &= w > 0
+        return out
+
+    def closed(
+        self, x: np.ndarray, rounds: int, within: float = CLOSED
+    ) -> tuple[np.ndarray, np.ndarray]:
         """States led to closure, and which are closed."""
-        for _ in range(rounds):
+        x = x.copy()
+        for k in range(rounds + 1):
             gap, slope = self.closure(x)
-            step = np.einsum("kij,kj->ki", np.linalg.pinv(slope, rcond=SMALL), gap)
+            away = np.flatnonzero(np.abs(gap).max(axis=1) >= within)
+            if not len(away) or k == rounds:
+                break
+            step = np.einsum("kij,kj->ki", np.linalg.pinv(slope[away], rcond=SMALL), gap[away])
             size = np.abs(step).max(axis=1, keepdims=True)
-            x = x - step * np.minimum(1.0, 0.5 / np.maximum(size, 1e-300))
-        return x, np.abs(self.closure(x)[0]).max(axis=1) < 1e-9
+            x[away] -= step * np.minimum(1.0, 0.5 / np.maximum(size, 1e-300))
+        return x, (np.abs(gap).max(axis=1) < within) & self.paper(x)
 
     def down(self, x: np.ndarray, torque: np.ndarray) -> np.ndarray:
         """Torque along the closed states, [K, n]."""
@@ -59,6 +84,12 @@ class Sheet:
         kept[:, : size.shape[1], 0] = size[:, : self.n] > SMALL
         along = np.einsum("kij,kj->ki", right, torque)
         return np.einsum("kji,kj->ki", right, along * (1 - kept[..., 0]))
+
+
+def sheet_of(pattern) -> Sheet:
+    """Return the closure of a pattern whose border has no corner with four creases."""
+    count = np.bincount(pattern.ends.ravel(), minlength=len(pattern.corners))
+    return Sheet(pattern.corners, pattern.ends, np.flatnonzero(count >= 4).tolist())
 
 
 def minima(sheet: Sheet, energy, torque, limits: np.ndarray, starts: int, rng) -> np.ndarray:

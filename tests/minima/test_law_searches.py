@@ -12,6 +12,7 @@ import origami_nlp as o
 from origami_nlp import Scene, Vertex, examples
 from origami_nlp.pattern import linear
 from tests.independent import search_slsqp
+from tests.kernels.answers import generic
 from tests.minima.test_hinge_laws import drawn
 
 
@@ -59,15 +60,20 @@ def test_another_search_finds_no_other_minimum(make, count):
 
 @pytest.mark.slow
 def test_linear_laws_give_the_lists_of_linear_springs():
-    """Vertices of the gallery and of families, with every contact that knows laws."""
+    """The panels of the paper, examples by name and random vertices, with every contact that knows laws."""
     count = 0
-    for scene in (
-        *(examples.degree6(a, r) for a in ("pi/3", "pi/4") for r in (0.1, 1.0)),
-        *(examples.degree8(a, r) for a in ("pi/4", "pi/8") for r in (0.1, 1.0)),
-    ):
-        laws = tuple(map(linear, scene.stiffness, scene.rest_angles))
-        plain, law = o.find_minima(scene), o.find_minima(replace(scene, laws=laws))
+    named = (
+        examples.by_name(n) for n in examples.BY_NAME if n not in ("resch", "degree6", "degree8")
+    )
+    drawn_ones = (generic(4 + k % 5, k, ("full", "fold-limits")[k % 2]) for k in range(8))
+    for scene in (*examples.panels(), *named, *drawn_ones):
+        if not isinstance(scene, Scene) or scene.contact == "none" or scene.laws:
+            continue
+        laws = tuple(map(linear, scene.stiffness, scene.wound_angles))
+        law = replace(scene, laws=laws, preload=())
+        plain, law = (o.find_minima(s, escape=False) for s in (scene, law))
         one, two = (sorted(m.energy for m in r.minima) for r in (plain, law))
-        assert one == pytest.approx(two, rel=1e-9, abs=1e-12)
+        assert one == pytest.approx(two, rel=1e-9, abs=1e-12), scene.label
+        assert getattr(plain.completeness, "status", "") == getattr(law.completeness, "status", "")
         count += len(one)
-    assert count > 10
+    assert count > 100

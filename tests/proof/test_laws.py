@@ -33,6 +33,7 @@ from origami_nlp.proof import (
     prove,
 )
 from origami_nlp.proof.law_torques import LawPieces
+from tests.independent import scan_four, search_slsqp
 from tests.minima.test_hinge_laws import agree, drawn
 from tests.minima.test_law_searches import five, six
 
@@ -196,8 +197,6 @@ def four(seed, contact="fold-limits"):
 
 
 def proved_and_scanned(seed, contact):
-    from tests.independent import scan_four
-
     scene, energies = four(seed, contact)
     result = o.find_minima(scene, prove=True)
     _, theirs = scan_four.minima(
@@ -222,13 +221,22 @@ def test_many_proved_lists_are_those_of_scans(contact):
     for seed in range(100, 150):
         result, ours, theirs = proved_and_scanned(seed, contact)
         assert result.completeness.status == "proved", seed
-        assert agree(ours, theirs), seed
+        # a scan does not part branches that meet at the flat state: beside it a finer one says whether a state is low
+        beside = np.abs(ours).max(axis=1) < scan_four.NEAR
+        assert agree(ours[~beside], theirs), seed
+        assert all(stands(*four(seed, contact), x) for x in ours[beside]), seed
+
+
+def stands(scene, energies, x):
+    """Whether no closed state nearer than the flat one is lower."""
+    states = scan_four.closed_states(np.array(scene.vertex.sector_angles), 200_001)
+    near = states[np.abs(states - x).max(axis=1) < 0.8 * np.abs(x).max()]
+    low, own = (sum(f(s[..., i]) for i, f in enumerate(energies)) for s in (near, x))
+    return len(near) > 10 and low.min() >= own - 1e-9
 
 
 def others_found(make, rng, starts=60):
     """Status of a proved list, and the minima of another search that are not in it."""
-    from tests.independent import search_slsqp
-
     scene, energies, tie = make(rng)
     result = o.find_minima(scene, prove=True)
     theirs = search_slsqp.minima(
