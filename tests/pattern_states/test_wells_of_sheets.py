@@ -1,4 +1,4 @@
-"""Sheets with hinge laws that fall: what is called a minimum has no lower closed state beside it."""
+"""Sheets with hinge laws that fall: states at tops of wells, and detents against a search that shares no code."""
 
 from __future__ import annotations
 
@@ -10,8 +10,9 @@ import pytest
 
 import origami_nlp as o
 from origami_nlp import examples
+from origami_nlp.pattern import detent, linear, sum_of
 from tests.independent.rigid import Rigid
-from tests.independent.search_sheets import sheet_of
+from tests.independent.search_sheets import minima, sheet_of
 from tests.independent.strips import Strip
 from tests.minima.test_tops_of_wells import balanced
 
@@ -75,3 +76,37 @@ def test_no_top_of_a_well_of_a_sheet_is_called_a_minimum(where):
 def test_no_top_of_many_wells_of_sheets_is_called_a_minimum(where):
     wrong, called = wrongly_called_minima(np.random.default_rng(2), where, 40, 300)
     assert not wrong and called < 40
+
+
+def compared(starts):
+    """A Miura sheet with detents: what is found, and minima of another search that are none of it.
+
+    Its descents also end where rank is nearly lost: what has lower closed states beside it is left out.
+    """
+    pattern = examples.pattern("miura", 3, 3)
+    law = sum_of([linear(1.0), detent(1.0, 5)])
+    sheet, limits = pattern.with_laws([law] * 12), np.array([[-math.pi] * 12, [math.pi] * 12])
+    closure, rng = sheet_of(pattern), np.random.default_rng(0)
+
+    def energy(x):
+        return (0.5 * x**2 + 0.5 * (1 - np.cos(5 * x))).sum(axis=-1)
+
+    theirs = minima(closure, energy, lambda x: x + 2.5 * np.sin(5 * x), limits, starts, rng)
+    result = o.find_minima(sheet, escape=False, prove=False)
+    ours = np.array([m.fold_angles for m in result.minima])
+    apart = np.abs(theirs[:, None] - ours[None]).max(axis=2)
+    assert sheet_of(pattern).closed(ours, 0)[1].all()
+    others = []
+    for x in theirs[apart.min(axis=1) > 1e-2]:
+        near, good = closure.closed(x + rng.uniform(-0.05, 0.05, (300, 12)), 60)
+        good &= (np.abs(near) <= math.pi).all(axis=1) & (np.abs(near - x).max(axis=1) < NEAR)
+        if energy(near[good]).min() > energy(x) - 1e-4 and not Rigid(pattern).collide(x):
+            others.append(x)
+    return theirs, others
+
+
+@pytest.mark.slow
+def test_a_sheet_with_detents_has_the_minima_of_another_search():
+    """Among them: both straight lines in their second wells, to opposite sides, which descents seldom reach."""
+    theirs, others = compared(4_000)
+    assert len(theirs) >= 20 and not others
