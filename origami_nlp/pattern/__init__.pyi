@@ -54,7 +54,7 @@ from .hinge_fit import (
     runs as runs,
     straight_on as straight_on,
 )
-from .hinge_law import HingeLaw as HingeLaw
+from .hinge_law import HingeLaw as HingeLaw, moved_cubic as moved_cubic
 from .hinge_tables import CHANGED as CHANGED, law_to_dict as law_to_dict, read_law as read_law
 from .hinge_types import (
     detent as detent,

@@ -144,7 +144,7 @@ class FromMinima(Parts):
     def push(self, most: int, longest: int) -> None:
         """Start from each minimum of several degrees of freedom with one crease pushed either way.
 
-        What facets hold has more minima than one between the same signs of vertices: no pop leads from one to another.
+        There may be more minima than one with the same signs of vertices: no pop leads from one to another.
         A single vertex has a search of its own.
         """
         problem = self.problem

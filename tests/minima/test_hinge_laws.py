@@ -21,6 +21,7 @@ from origami_nlp.pattern import (
     double_well,
     linear,
     make_pattern,
+    moved_cubic,
     one_sided,
     parse_fold,
     polynomial,
@@ -29,7 +30,6 @@ from origami_nlp.pattern import (
     table,
     well,
 )
-from origami_nlp.pattern.hinge_law import moved_cubic
 from origami_nlp.problem import compile_structure
 from origami_nlp.starts import OtherWells
 from tests.independent import scan_four
