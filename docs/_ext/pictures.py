@@ -225,6 +225,16 @@ def reproduce(figure: str, name: str) -> None:
         drawn.savefig(FOLDER / f"{name}{ending}", dpi=150)
 
 
+def counted(name: str) -> None:
+    """Draw the counts of a recorded run."""
+    from studies import SheetCount, draw_counts
+
+    data = json.loads((FOLDER.parent / "counts.json").read_text())
+    draw_counts([SheetCount(**one) for one in data["counts"]]).savefig(
+        FOLDER / f"{name}.png", dpi=150
+    )
+
+
 def recorded(name: str) -> None:
     """Draw the times of a recorded run."""
     from benchmarks import PatternBench, draw_coverage, draw_patterns
@@ -243,6 +253,7 @@ PICTURES: dict[str, Callable[[str], None]] = {
     "six_states": own,
     "birds_foot": own,
     "actuated": own,
+    "sheet_counts": counted,
     "square_twist": own,
     "measured_hinge": own,
     "periodic_miura": drawn_periods,
