@@ -6,8 +6,10 @@ Without names those that take seconds; ``all`` takes about half an hour.  Measur
 
 from __future__ import annotations
 
+import contextlib
 import json
 import re
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -27,6 +29,7 @@ from matplotlib.patches import Circle
 import origami_nlp as o
 from origami_nlp.display import draw_state, draw_states
 from origami_nlp.display.drawing import UPPER
+from origami_nlp.hinges import HINGE_EXAMPLES
 from origami_nlp.proof import draw_proof, prove
 
 if TYPE_CHECKING:
@@ -216,6 +219,29 @@ def drawn_laser(name: str) -> None:
     figure.savefig(FOLDER / f"{name}.png", dpi=150)
 
 
+def drawn_hinges(name: str) -> None:
+    """Draw the examples of hinges, a crease that yields, and what friction leaves open."""
+    folder = FOLDER / name
+    with tempfile.TemporaryDirectory() as there:
+        for word, text in HINGE_EXAMPLES.items():
+            file = Path(there) / (word + (".fold" if word == "bistable-strip" else ".toml"))
+            file.write_text(text())
+            read = o.read_pattern if file.suffix == ".fold" else o.read_scene
+            o.draw(o.find_minima(read(file)), folder / f"{word}.png")
+        page = (FOLDER.parent / "how_to" / "hinges.md").read_text()
+        tape = Path(there) / "tape.toml"
+        tape.write_text(page.split("<!-- file: tape.toml -->\n```toml\n")[1].split("```")[0])
+        shutil.copy(FOLDER.parent / "files" / "tape.csv", there)
+        with contextlib.chdir(there):
+            found = o.find_friction(o.find_minima(o.read_scene("tape.toml")), 0.0003)
+        o.draw(found, folder / "friction.png")
+    vertex = o.Vertex.from_degrees((70, 80, 120, 90))
+    rest = tuple(np.radians((-50, 20, -60, -15)))
+    creased = o.Scene(vertex, (1.0,) * 4, rest, symmetry="none")
+    path = o.load_path(creased, 1, to=0.6, yield_torque=0.3, unload=True)
+    o.draw(path, folder / "creased.png")
+
+
 def reproduce(figure: str, name: str) -> None:
     """Make one of the paper's figures anew; its landscapes as PDF too."""
     from studies import FIGURES
@@ -296,6 +322,8 @@ PICTURES: dict[str, Callable[[str], None]] = {
     },
     "bistable_waterbomb": drawn_load,
     "laser": drawn_laser,
+    "hinges": drawn_hinges,
+    "soft_facets": lambda _: by_command("studies.soft_facets"),
     "metastable_degree8": own,
     "proof_boxes": own,
     "barriers_merge_trees": lambda name: by_command(
@@ -311,6 +339,7 @@ PICTURES: dict[str, Callable[[str], None]] = {
 SLOW = (
     "examples",
     "sheets",
+    "soft_facets",
     "states_degree6",
     "states_degree8",
     "grid_convergence",

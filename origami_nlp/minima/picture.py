@@ -36,6 +36,7 @@ from origami_nlp.display import (
 from origami_nlp.minima.marks import Drawn, drawn_minima, mark_minima, marks_legend
 from origami_nlp.minima.minimum import JudgedState
 from origami_nlp.minima.stability import barrier_words, count_words, verdict
+from origami_nlp.minima.summary import energy_unit, energy_words
 from origami_nlp.pattern import Pattern, Scene
 
 STAR, FONT = 16.0, 11.0
@@ -78,11 +79,11 @@ def compose(
     places = (
         [chart.place(m.fold_angles, m.winding) for m in shown] if chart and panels.groups else []
     )
-    signs = signs or [""] * len(shown)
+    signs, unit = signs or [""] * len(shown), energy_unit(origami)
     states = StatesDrawn(
         origami,
         [
-            _state_title(k, m, m.dof if chart is None else dof, sign)
+            _state_title(k, m, m.dof if chart is None else dof, unit, sign)
             for k, (m, sign) in enumerate(zip(shown, signs, strict=False), start=1)
         ],
         [m.phi for m in shown],
@@ -158,7 +159,7 @@ def _title(origami: Scene | Pattern, minima: tuple[JudgedState, ...]) -> list[st
     return [label_text(f"{who}: {count}"), f"{symmetry}{contact[origami.contact]}"]
 
 
-def _state_title(number: int, minimum: JudgedState, dof: int, signs: str = "") -> str:
+def _state_title(number: int, minimum: JudgedState, dof: int, unit: float, signs: str = "") -> str:
     kind: str = minimum.kind
     if minimum.local_dimension < dof:
         kind += {0: ", isolated point", 1: ", on a 1-handle"}.get(
@@ -168,7 +169,8 @@ def _state_title(number: int, minimum: JudgedState, dof: int, signs: str = "") -
     if minimum.shallow:
         kind = f"{minimum.kind}, shallow"
     signed = f",  {signs.replace('-', '−')}" if signs else ""
-    head = f"{number}:  U = {minimum.energy:.4g} {UNIT}{known}{signed}\n{kind}"
+    energy = energy_words(minimum.energy, unit, 4)
+    head = f"{number}:  U = {energy} {UNIT}{known}{signed}\n{kind}"
     return f"{head}\n{barrier_words(minimum.escape, UNIT)}".rstrip()
 
 

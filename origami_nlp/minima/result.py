@@ -58,6 +58,7 @@ from origami_nlp.minima.stability import (
 from origami_nlp.minima.summary import (
     MOST_LINES,
     MOST_SIGNS,
+    energy_unit,
     find_images,
     summary_table,
     verdict_words,
@@ -345,8 +346,7 @@ class MinimaResult(Report, Viewable):
 
     def table(self) -> Table:
         """Return one row a minimum: energy, stability, what holds it, softest mode, escape barrier."""
-        scale = float(np.mean(self.origami.stiffness))
-        about = self.origami, self.minima, self._images, self.verdict, scale
+        about = self.origami, self.minima, self._images, self.verdict, energy_unit(self.origami)
         return summary_table(*about, self.shown_signs)
 
     def report_sections(self) -> Iterator[Section]:

@@ -42,6 +42,13 @@ def energy_words(energy: float, scale: float, digits: int = 6) -> str:
     return f"{energy if abs(energy) > ROUNDED * scale else 0.0:.{digits}g}"
 
 
+def energy_unit(origami: Scene | Pattern) -> float:
+    """Return the energy [J] whose rounding is not printed: of springs that turn by 1 rad, of laws within the limits."""
+    mean, laws = float(np.mean(origami.stiffness)), origami.laws
+    each = zip(laws, *origami.limit_angles, strict=True) if laws else ()
+    return max(mean, sum(float(law.extremes(*at).max()) for law, *at in each if law is not None))
+
+
 # ---------------------------------------------------------------- images
 
 

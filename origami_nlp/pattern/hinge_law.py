@@ -289,6 +289,19 @@ FAR = 4.0
 
 
 def moved_cubic(p: np.ndarray, by: np.ndarray) -> np.ndarray:
-    """Coefficients of p(x + by), of cubics [4, B] and lengths [B]."""
+    """Return the coefficients of p(x + by).
+
+    Parameters
+    ----------
+    p
+        Coefficients of cubics, the highest power first, [4, B].
+    by
+        Of each, [B].
+
+    Returns
+    -------
+    numpy.ndarray
+        Shape [4, B].
+    """
     a, b, c, _ = p
     return np.array([a, 3 * a * by + b, (3 * a * by + 2 * b) * by + c, np.polyval(p, by)])
