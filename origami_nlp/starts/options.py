@@ -48,7 +48,7 @@ class SearchOptions:
         Starts from minima with a vertex popped, or a hinge in another well of its law, that find nothing new, over
         `in_a_row`; then that part ends.
     most_pushed
-        The same of starts with a crease pushed.
+        The same of starts with a crease pushed: of thorough searches.
     most_on
         Starts of one of these kinds in all, over `in_a_row`.
     most_folded
@@ -86,7 +86,7 @@ class SearchOptions:
     in_a_row: int = 40
     most_drawn: int = 10
     most_popped: int = 2
-    most_pushed: int = 1
+    most_pushed: int = 0
     most_on: int = 50
     most_folded: int = 0
     most_traced: int = 250
