@@ -318,12 +318,16 @@ def test_a_law_that_is_changed_in_the_file_is_seen():
 @pytest.mark.slow
 def test_other_arithmetic_confirms_many():
     pytest.importorskip("flint")
-    scenes = [four(k)[0] for k in range(12)] + [laws_of(examples.degree6("pi/3", 0.3))]
-    scenes += [replace(VERTEX_OF_KINKS, laws=(law,) * 4) for law in LAWS[1:]]
+    scenes = [four(k)[0] for k in range(12)]
+    # a narrow well alone has no torque beside it: states there are level
+    some = [law for law in LAWS[1:] if law.name != "well"]
+    scenes += [replace(VERTEX_OF_KINKS, laws=(law,) * 4) for law in some]
     for scene in scenes:
         found = check_proof(certified(replace(scene, contact="fold-limits")))
-        assert not found.refused
-        assert all("singular" in line or "flat state" in line for line in found.open)
+        assert not found.refused and not found.open
+    panel = replace(examples.degree6("pi/3", 0.3), contact="fold-limits")
+    spring, law = (check_proof(certified(scene)) for scene in (panel, laws_of(panel)))
+    assert not law.refused and len(law.open) == len(spring.open)
 
 
 VERTEX_OF_KINKS = Scene(VERTEX, (1,) * 4, (0,) * 4, "none", "fold-limits")
