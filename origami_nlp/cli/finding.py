@@ -69,7 +69,8 @@ def minima(
         "seconds": seconds,
         "full": full,
         "noise": noise,
-        "prove": o.wanted_proof(prove),
+        # a certificate asks for a proof
+        "prove": o.wanted_proof(prove) if prove or certificate is None else True,
     }
     if each_vertex:
         scenes = scene.read_all()

@@ -292,7 +292,7 @@ def actuate(
     torques: Annotated[
         list[str] | None,
         typer.Option(
-            metavar="K=T,...",
+            metavar="K=T,K=T",
             help="Torque T [N m] on crease K, from 1, towards valley > 0; repeated: loads one after the other.",
         ),
     ] = None,

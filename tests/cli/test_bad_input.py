@@ -264,8 +264,8 @@ BAD_CALLS = {
         "name two parameters",
     ),
     "certificate of a pattern": (
-        ["minima", "miura:2x3", "--certificate", "a"],
-        "certificate = 'a': the list of a pattern is proved of strips: ",
+        ["minima", "metasheet:3x3", "--certificate", "a"],
+        "certificate = 'a': the list of a pattern is proved of strips (",
     ),
     "stiffness of a pattern": (["minima", "miura:2x2", "--stiffness", -1], "--stiffness = -1"),
     "rest state unknown": ([*PHASE, "--degree", 8, "--rest", "mine"], "rest"),

@@ -147,7 +147,8 @@ def test_a_step_where_closure_leaves_nothing_free(n):
     """Many creases, as many independent rows: what is solved for is closure alone (an error before)."""
     rng = np.random.default_rng(0)
     jacobian = np.eye(n) + 0.1 * rng.normal(size=(n, n)) / math.sqrt(n)
-    system = polishing._System(np.zeros(n), np.zeros(n), np.eye(n), jacobian)
+    factors = np.linalg.svd(jacobian, full_matrices=False)
+    system = polishing._System(np.zeros(n), np.zeros(n), np.eye(n), jacobian, factors)
     values = rng.normal(size=n)
     assert jacobian @ system.step(values) == pytest.approx(-values, abs=1e-12)
     assert math.isfinite(polishing._uncertainty(system))

@@ -245,10 +245,10 @@ def test_one_descent_that_breaks_down_leaves_the_others_as_they_are(monkeypatch)
     # a corner: searches of every effort start from it
     true, bad = Descents.run_in_numpy, samples.x[samples.source == CORNER][0]
 
-    def breaks(self, starts):
+    def breaks(self, starts, paths=None):
         if (starts.x == bad).all(axis=1).any():
             raise np.linalg.LinAlgError("Eigenvalues did not converge")
-        return true(self, starts)
+        return true(self, starts, paths)
 
     monkeypatch.setattr(Descents, "run_in_numpy", breaks)
     ends = Descents(model).run(samples)
