@@ -5,8 +5,10 @@ state is in equilibrium if closure, fold limits and these forces balance the tor
 
     grad U = J' lambda + L' mu + sum_c W_c' F_c,    N >= 0, mu >= 0, |T| <= m N,
 
-W_c the derivative of the point of one facet relative to the other.  For a coefficient m this is a second-order cone
-program (Clarabel); what one coefficient holds a larger one does, so that the least is found by bisection.
+W_c the derivative of the point of one facet relative to the other.  Where facets touch at corners and edges several
+pieces of the set of states meet; a state rests where these forces, of the contacts of a piece, balance on each.  For a
+coefficient m this is a second-order cone program (Clarabel); what one coefficient holds a larger one does, so that the
+least is found by bisection.
 """
 
 from __future__ import annotations
@@ -24,6 +26,7 @@ from origami_nlp.kkt import State
 from origami_nlp.numerics import BALL, CLOSURE_TOL, EQUAL, POSITIVE, ConicProgram, cross
 from origami_nlp.pattern import Pattern
 from origami_nlp.pattern_problem import ContactPair, FoldedGeometry, PatternProblem
+from origami_nlp.problem import Contact
 
 LARGEST, HALVINGS = 100.0, 40
 """Coefficient beyond which a state is called not held, and halvings of the interval."""
@@ -38,7 +41,8 @@ class CoulombHold(ShortRepr):
     coefficient
         Least Coulomb coefficient that holds it: 0 where none is needed, inf where none does.
     contacts
-        Names of the contacts between facets at the state.
+        Names of the contacts between facets at the state; where several pieces of the set of states meet, of the one
+        that needs most.
     forces
         Normal force and friction force of each at that coefficient, [N m over the unit of the corners].
     """
@@ -66,7 +70,7 @@ def least_coulomb(pattern: Pattern, fold_angles: Sequence[float]) -> CoulombHold
     Raises
     ------
     OptionError
-        If the state is not closed, or facets cross in it.
+        If the state is not closed, facets cross in it, or more pieces of the set of states meet there than are listed.
     """
     check_type("pattern", pattern, Pattern)
     problem = PatternProblem(pattern)
@@ -80,14 +84,22 @@ def least_coulomb(pattern: Pattern, fold_angles: Sequence[float]) -> CoulombHold
         raise OptionError(
             f"fold_angles: no state of this pattern: {state.refused or 'it does not close'}"
         )
-    closed = problem.closed(phi)
-    every = tuple(
-        dict.fromkeys((*closed.base, *(c for b in closed.branches for o in b for c in o)))
-    )
-    limits = tuple(c for c in every if c.is_limit)
-    touches = [c for c in every if not c.is_limit]
+    if (pieces := problem.closed(phi).combinations()) is None:
+        raise OptionError(
+            "fold_angles: what touches there leaves more pieces of the set of states than are listed: not decided"
+        )
+    # a state rests where it does on each of the pieces that meet there
+    return max((_hold(state, piece) for piece in pieces), key=lambda hold: hold.coefficient)
+
+
+def _hold(state: State, piece: tuple[Contact, ...]) -> CoulombHold:
+    """Return what friction a state needs on one piece of the set of states, on which these contacts push."""
+    problem = state.problem
+    assert isinstance(problem, PatternProblem)
+    limits = tuple(c for c in piece if c.is_limit)
+    touches = [c for c in piece if not c.is_limit]
     z = state.kernel
-    at = problem.placed(phi)
+    at = problem.placed(state.x)
     arms = [_arms(problem.touch(c), at, problem.size) for c in touches]
     columns = [frame @ w @ z for frame, w in arms]
     rows = state.on(limits).slopes @ z if limits else np.zeros((0, z.shape[1]))
@@ -110,7 +122,7 @@ def least_coulomb(pattern: Pattern, fold_angles: Sequence[float]) -> CoulombHold
         return found.v * size if found.solved else None
 
     names = tuple(problem.name(c) for c in touches)
-    if not every or not len(torque):
+    if not piece or not len(torque):
         rests = float(np.abs(torque).max(initial=0.0)) <= CLOSURE_TOL
         return CoulombHold(0.0 if rests else math.inf, names, ())
     low, high = 0.0, LARGEST

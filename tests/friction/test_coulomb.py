@@ -12,7 +12,7 @@ import origami_nlp as o
 from origami_nlp.errors import OptionError
 from origami_nlp.friction import least_coulomb
 from origami_nlp.kkt import State
-from origami_nlp.pattern import make_pattern
+from origami_nlp.pattern import as_pattern, make_pattern
 from origami_nlp.pattern_problem import PatternProblem
 
 SIDES = 96
@@ -57,8 +57,11 @@ def motion(corners, moved):
     return turn, b - turn @ a
 
 
-def by_lines(pattern, phi, touches, coefficient):
-    """Whether cones with `SIDES` sides hold a state: a linear program, arms by differences of places of facets."""
+def by_lines(pattern, phi, touches, coefficient, limits=()):
+    """Whether cones with `SIDES` sides hold a state: a linear program, arms by differences of places of facets.
+
+    limits: creases that are folded flat, and push back.
+    """
     problem = PatternProblem(pattern)
     z, h = State(problem, phi).kernel, 1e-6
     torque = z.T @ (pattern.stiffness * (phi - pattern.rest))
@@ -83,6 +86,7 @@ def by_lines(pattern, phi, touches, coefficient):
         for angle in np.linspace(0, 2 * np.pi, SIDES, endpoint=False):
             force = normal + coefficient * (math.cos(angle) * u[0] + math.sin(angle) * u[1])
             columns.append(arm @ force)
+    columns += [-np.sign(phi[i]) * z[i] for i in limits]
     a = np.array(columns).T
     return linprog(np.zeros(a.shape[1]), A_eq=a, b_eq=torque, method="highs").status == 0
 
@@ -137,3 +141,27 @@ def test_what_needs_no_friction_and_what_is_refused():
         least_coulomb(sheet, [0.5, 0.1, 0.1, 0.3])
     with pytest.raises(OptionError, match="each of 4"):
         least_coulomb(sheet, [0.5])
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_facets_that_may_lie_in_either_order_are_held_in_both(seed):
+    """The set of states is a union there: forces of one order do not hold the other, nor those of both at once."""
+    sheet, rng = as_pattern("miura:2x3"), np.random.default_rng(seed)
+    phi = np.radians([180.0, 180.0, -180.0, 180.0, -180.0, -180.0, -180.0])
+    rest = phi + 0.3 * rng.normal(size=7)
+    sheet = sheet.with_springs([1.0] * 7, np.clip(rest, -3.1, 3.1).tolist())
+    problem = PatternProblem(sheet)
+    pieces = [[c for c in one if not c.is_limit] for one in problem.closed(phi).combinations()]
+    assert len(pieces) == 4
+
+    def holds(piece, coefficient):
+        touches = [problem.touch(c) for c in piece]
+        return by_lines(sheet, phi, touches, coefficient, range(7))
+
+    found = least_coulomb(sheet, phi.tolist())
+    if found.coefficient == math.inf:
+        assert not all(holds(piece, 100.0) for piece in pieces)
+    else:
+        assert all(holds(piece, found.coefficient * (1 + 2e-3)) for piece in pieces)
+        less = found.coefficient * (1 - 2e-3)
+        assert not less or not all(holds(piece, less) for piece in pieces)
