@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from origami_nlp.actuation.branches import flat_branches, released
+from origami_nlp.actuation.branches import released
 from origami_nlp.actuation.driving import DrivenSet, driven_set
 from origami_nlp.actuation.result import Actuation, FlatBranch
 from origami_nlp.actuation.transitions import TransitionGraph
@@ -88,7 +88,7 @@ def actuate(
         raise OptionError("torques is missing: say what is to act on that state, {crease: torque}")
     if isinstance(start, str) and start not in ("flat", "all"):
         raise OptionError(f"start = {shown(start)} must be 'flat', 'all', or a stable state")
-    left_out: list[str] = []
+    graph, left_out = TransitionGraph(pattern, loads, until), list[str]()
     branches, reached, driven, reason = (
         list[FlatBranch](),
         list[JudgedState](),
@@ -102,18 +102,18 @@ def actuate(
             )
         if pattern.is_flat:
             try:
-                found, reason = flat_branches(pattern, until)
-                load = loads[0] if loads and start == "flat" else np.zeros(pattern.creases)
-                branches, reached = released(
-                    pattern, load, found, until, release=bool(loads) and start == "flat"
-                )
+                found, reason = graph.flat
+                if loads and start == "flat":
+                    branches, reached = graph.released(1)
+                else:
+                    none = np.zeros(pattern.creases)
+                    branches, reached = released(pattern, none, found, until, release=False)
                 driven = _driven_sets(found, branches)
             except OutOfTime:
                 left_out.append(
                     "seconds: the time was over before branches of the flat state were followed"
                 )
                 reason = reason or "the time was over"
-    graph = TransitionGraph(pattern, loads, until)
     if start != "flat" or len(loads) > 1:
         _go(graph, start, {"effort": effort, "seed": seed})
     return Actuation(

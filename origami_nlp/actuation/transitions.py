@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import time
+from functools import cached_property
 
 import numpy as np
 
 from origami_nlp.actuation.branches import flat_branches, released, torque_of
-from origami_nlp.actuation.result import StateTransition
+from origami_nlp.actuation.result import FlatBranch, StateTransition
 from origami_nlp.errors import OptionError, OutOfTime
 from origami_nlp.loading import LoadPath, load_path
 from origami_nlp.minima import JudgedState
@@ -20,6 +21,7 @@ MOST_STATES = 40
 """From which transitions are looked for."""
 MOST_SECONDS = 600.0
 """For one transition, of wall time."""
+Released = tuple[list[FlatBranch], list[JudgedState]]
 
 
 class TransitionGraph:
@@ -42,6 +44,20 @@ class TransitionGraph:
         self.found: list[StateTransition] = []
         self.walk: list[int] = []
         self.left_out: list[str] = []
+        self._released: dict[int, Released] = {}
+
+    @cached_property
+    def flat(self) -> tuple[list[np.ndarray], str]:
+        """Branches of the flat state, or why they were not enumerated: see `flat_branches`."""
+        return flat_branches(self.pattern, self.until)
+
+    def released(self, load: int) -> Released:
+        """Go from the flat state along each branch under a load (1-based): see `released`."""
+        if load not in self._released:
+            self._released[load] = released(
+                self.pattern, self.loads[load - 1], self.flat[0], self.until
+            )
+        return self._released[load]
 
     def go(self, number: int) -> None:
         """Apply the loads one after the other, from a state (0: the flat one)."""
@@ -83,10 +99,9 @@ class TransitionGraph:
     def _from_flat(
         self, torque: Torque, size: float, load: int
     ) -> list[tuple[int, tuple[float, ...], str]]:
-        found, reason = flat_branches(self.pattern, self.until)
-        if reason:
+        if reason := self.flat[1]:
             return [(-1, (), reason)]
-        branches, reached = released(self.pattern, self.loads[load - 1], found, self.until)
+        branches, reached = self.released(load)
         out: list[tuple[int, tuple[float, ...], str]] = [
             (-1, (), b.why) for b in branches if b.work > 0 and not b.reached
         ]

@@ -20,6 +20,7 @@ from origami_nlp.errors import Interrupted, OptionError
 if TYPE_CHECKING:
     from origami_nlp.landscape import ExactLandscape
     from origami_nlp.minima import MinimaResult
+    from origami_nlp.pattern import Pattern
 
 
 @takes_scene(o.OrigamiFile, whole=True)
@@ -55,7 +56,6 @@ def minima(
     """
     from origami_nlp.minima import find_vertexwise
     from origami_nlp.pattern import Scene
-    from origami_nlp.proof import why_no_mesh, why_no_strip
     from origami_nlp.results import draw
     from origami_nlp.verbs import write_fold, write_mesh
 
@@ -89,12 +89,8 @@ def minima(
     stated = scene.read_whole(contact=True)
     if not isinstance(stated, Scene):
         options["contact"] = scene.whole_contact
-        why = why_no_strip(stated) if certificate is not None else ""
-        if why and (other := why_no_mesh(stated)):
-            raise OptionError(
-                f"--certificate = {certificate!r}: the list of a pattern is proved of strips ({why}) and of meshes "
-                f"whose vertices fold flat ({other})"
-            )
+        if certificate is not None:
+            _check_provable(stated, certificate)
     stopped = False
     try:
         result = search(stated, scene.name, verbose=verbose, **options)
@@ -112,6 +108,16 @@ def minima(
     out.others(result)
     if stopped:
         raise KeyboardInterrupt
+
+
+def _check_provable(pattern: Pattern, file: str) -> None:
+    from origami_nlp.proof import why_no_mesh, why_no_strip
+
+    if (why := why_no_strip(pattern)) and (other := why_no_mesh(pattern)):
+        raise OptionError(
+            f"--certificate = {file!r}: the list of a pattern is proved of strips ({why}) and of meshes "
+            f"whose vertices fold flat ({other})"
+        )
 
 
 def _write_certificate(result: MinimaResult, file: str) -> None:

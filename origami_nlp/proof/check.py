@@ -139,10 +139,8 @@ def check_proof(
         raise OptionError(
             'checking a proof needs python-flint: pip install "origami_nlp[proof]"'
         ) from None
-    if isinstance(certificate, StripCertificate):
-        return _check_strip(certificate, progress or (lambda done, total: None))
-    if isinstance(certificate, MeshCertificate):
-        return _check_mesh(certificate, progress or (lambda done, total: None))
+    if isinstance(certificate, StripCertificate | MeshCertificate):
+        return _check_sheet(certificate, progress or (lambda done, total: None))
     from origami_nlp.proof.check_replay import COARSE, FINE, Refused, Replay
 
     every = (certificate, *certificate.others)
@@ -179,19 +177,38 @@ def check_proof(
     )
 
 
-def _check_strip(said: StripCertificate, progress: Callable[[int, int], object]) -> Check:
+def _check_sheet(
+    said: StripCertificate | MeshCertificate, progress: Callable[[int, int], object]
+) -> Check:
     import flint
 
+    from origami_nlp.proof.check_mesh import MeshCheck
     from origami_nlp.proof.check_points import Refused
     from origami_nlp.proof.check_strips import BITS, StripCheck
 
-    check, refused = StripCheck(said, progress), ""
+    check: StripCheck | MeshCheck
+    if isinstance(said, StripCertificate):
+        check = StripCheck(said, progress)
+        about = [
+            "the statement: round a flat vertex of degree four 1 - cos of opposite folds have one ratio (Rodrigues)"
+        ]
+        if said.contact:
+            about.append(
+                "facets round a vertex that closes with q = +1 do not cross, being convex (shown in `docs`, not here)"
+            )
+    else:
+        check = MeshCheck(said, progress)
+        about = [
+            f"the sheet: vertices fold flat and equal sectors are equal, exactly (the file: {said.deviation:.2g} rad)",
+            "the statement: round such a vertex opposite folds are equal up to sign, and tangents of half the others "
+            "proportional, or creases in one line are at +-180 degrees, or those across are 0",
+        ]
+    refused = ""
     try:
         check.run()
     except Refused as problem:
         refused = str(problem)
     many = len(said.minima)
-    contact = "facets round a vertex that closes with q = +1 do not cross, being convex (shown in `docs`, not here)"
     return Check(
         refused,
         () if refused else tuple(range(1, many + 1)),
@@ -199,39 +216,7 @@ def _check_strip(said: StripCertificate, progress: Callable[[int, int], object])
         {0: many, 1: check.maxima},
         () if refused else tuple(check.open),
         dict(sorted(check.counts.items())),
-        (
-            f"python-flint {flint.__version__} ({BITS} bits), Python, NumPy for suggestions",
-            "the statement: round a flat vertex of degree four 1 - cos of opposite folds have one ratio (Rodrigues)",
-            *([contact] if said.contact else []),
-        ),
-    )
-
-
-def _check_mesh(said: MeshCertificate, progress: Callable[[int, int], object]) -> Check:
-    import flint
-
-    from origami_nlp.proof.check_mesh import BITS, MeshCheck
-    from origami_nlp.proof.check_points import Refused
-
-    check, refused = MeshCheck(said, progress), ""
-    try:
-        check.run()
-    except Refused as problem:
-        refused = str(problem)
-    many = len(said.minima)
-    return Check(
-        refused,
-        () if refused else tuple(range(1, many + 1)),
-        tuple(m.fold_angles for m in said.minima),
-        {0: many, 1: check.maxima},
-        () if refused else tuple(check.open),
-        dict(check.counts),
-        (
-            f"python-flint {flint.__version__} ({BITS} bits), Python",
-            f"the sheet: vertices fold flat and equal sectors are equal, exactly (the file: {said.deviation:.2g} rad)",
-            "the statement: round such a vertex opposite folds are equal up to sign, and tangents of half the others "
-            "proportional, or creases in one line are at +-180 degrees, or those across are 0",
-        ),
+        (f"python-flint {flint.__version__} ({BITS} bits), Python, NumPy for suggestions", *about),
     )
 
 

@@ -24,10 +24,10 @@ from typing import Any, NamedTuple
 from flint import arb, arb_series, ctx
 
 from origami_nlp.proof.check_points import Refused
-from origami_nlp.proof.check_strip_sheet import FlatDisk
+from origami_nlp.proof.check_strip_sheet import FlatDisk, product_round
+from origami_nlp.proof.check_strips import BITS
 from origami_nlp.proof.mesh_certificate import MeshCertificate
 
-BITS = 128
 EXACT = 1e-12
 """Deviation from exact relations, beyond which a file is not of the sheet that is meant [rad]."""
 STATED = 1e-11
@@ -410,17 +410,8 @@ class MeshCheck:
     def _closes(self, folds: Sequence[Any]) -> None:
         """Refuse a state of the statement round a vertex of which facets do not come back."""
         for crossing in self.crossings:
-            a, b, c, d = arb(1), arb(0), arb(0), arb(0)
-            for crease, (x, y) in zip(crossing.creases, crossing.directions, strict=True):
-                r, s = (folds[crease] / 2).cos(), (folds[crease] / 2).sin()
-                i, j = s * x, s * y
-                a, b, c, d = (
-                    a * r - b * i - c * j,
-                    a * i + b * r - d * j,
-                    a * j + c * r + d * i,
-                    d * r + b * j - c * i,
-                )
-            if not all(abs(x) < STATED for x in (a - 1, b, c, d)):
+            a, *rest = product_round(crossing, folds)
+            if not all(abs(x) < STATED for x in (a - 1, *rest)):
                 raise Refused("states of the statement do not close")
 
     def _lists(self, found: list[list[Any]]) -> None:

@@ -19,7 +19,7 @@ import math
 from collections.abc import Iterator, Sequence
 from fractions import Fraction
 from functools import cached_property
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Protocol
 
 from flint import arb, arb_series, fmpq
 
@@ -33,6 +33,18 @@ CHANGE = 0.8
 
 def _ball(x: Fraction) -> Any:
     return arb(fmpq(x.numerator, x.denominator))
+
+
+class Crossing(Protocol):
+    """A vertex, for its product of rotations."""
+
+    @property
+    def creases(self) -> tuple[int, ...]:
+        """Counter-clockwise."""
+
+    @property
+    def directions(self) -> list[tuple[Any, Any]]:
+        """Unit vectors along them, as balls."""
 
 
 class Round(NamedTuple):
@@ -280,14 +292,8 @@ def _turn(vertex: Round, first: int, axis: int, second: int, before: Any, after:
     return arb_series([start, rate[0], rate[1] / 2], 3)
 
 
-def turned(vertex: Round, folds: Sequence[Any]) -> Any:
-    """Return the real part of the product of unit quaternions round a vertex, folds as balls.
-
-    Raises
-    ------
-    Refused
-        If the product is certainly no full turn or none.
-    """
+def product_round(vertex: Crossing, folds: Sequence[Any]) -> tuple[Any, Any, Any, Any]:
+    """Return the product of unit quaternions round a vertex, folds as balls, real part first."""
     a, b, c, d = arb(1), arb(0), arb(0), arb(0)
     for crease, (x, y) in zip(vertex.creases, vertex.directions, strict=True):
         r, s = (folds[crease] / 2).cos(), (folds[crease] / 2).sin()
@@ -298,6 +304,18 @@ def turned(vertex: Round, folds: Sequence[Any]) -> Any:
             a * j + c * r + d * i,
             d * r + b * j - c * i,
         )
+    return a, b, c, d
+
+
+def turned(vertex: Round, folds: Sequence[Any]) -> Any:
+    """Return the real part of the product of unit quaternions round a vertex, folds as balls.
+
+    Raises
+    ------
+    Refused
+        If the product is certainly no full turn or none.
+    """
+    a, b, c, d = product_round(vertex, folds)
     if any(part.is_finite() and not part.contains(0) for part in (b, c, d)):
         raise Refused("states of a curve do not close")
     return a

@@ -5,36 +5,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from origami_nlp import examples
 from origami_nlp.numerics import CLOSURE_TOL, RANK, SWITCH, dense
-from origami_nlp.pattern_problem import PatternProblem
 from origami_nlp.pattern_states.clearance import Clearance
 from origami_nlp.pattern_states.curve import ClosedStates, follow_curve
 from origami_nlp.pattern_states.interpolant import interpolate
-from tests.patterns import miura, strip
-
-HOLE = ((1, 2), (1, 3), (2, 2), (2, 3))
-PATTERNS = {
-    "miura": lambda: examples.pattern("miura", 6, 6),
-    "waterbomb": lambda: examples.pattern("waterbomb", 3, 3),
-    "hole": lambda: miura(5, 5, without=HOLE),
-    "strip": lambda: strip(1),
-    "cell": lambda: examples.pattern("miura", 2, 2, cell=True),
-}
-"""Vertices, a hole (translations close as well), a pattern without symmetry, and lattice vectors."""
+from tests.compiled_patterns import PATTERNS, with_and_without
 
 
 @pytest.fixture(params=PATTERNS)
 def both(request, monkeypatch):
-    """A problem with what is compiled, and the same without."""
-    pattern = PATTERNS[request.param]()
-    one, other = PatternProblem(pattern), PatternProblem(pattern)
-    if not one.closure.compiled.usable:
-        pytest.skip("no C compiler, or it is switched off")
-    with monkeypatch.context() as patched:
-        patched.setenv(SWITCH, "0")
-        assert not other.closure.compiled.usable
-    return one, other
+    return with_and_without(request.param, monkeypatch)
 
 
 def test_where_curves_go(both):
