@@ -35,7 +35,7 @@ def _ball(x: Fraction) -> Any:
     return arb(fmpq(x.numerator, x.denominator))
 
 
-class Crossing(Protocol):
+class CreasesRound(Protocol):
     """A vertex, for its product of rotations."""
 
     @property
@@ -292,7 +292,7 @@ def _turn(vertex: Round, first: int, axis: int, second: int, before: Any, after:
     return arb_series([start, rate[0], rate[1] / 2], 3)
 
 
-def product_round(vertex: Crossing, folds: Sequence[Any]) -> tuple[Any, Any, Any, Any]:
+def product_round(vertex: CreasesRound, folds: Sequence[Any]) -> tuple[Any, Any, Any, Any]:
     """Return the product of unit quaternions round a vertex, folds as balls, real part first."""
     a, b, c, d = arb(1), arb(0), arb(0), arb(0)
     for crease, (x, y) in zip(vertex.creases, vertex.directions, strict=True):
