@@ -335,8 +335,17 @@ Bend = Annotated[
         "--bend",
         metavar="K",
         **_OF_FOLD,
-        help="Facets with more than three corners bend: their short diagonals are creases of stiffness K per length "
+        help="Facets with more than three corners bend: their diagonals are creases of stiffness K per length "
         "[N/rad].",
+    ),
+]
+Diagonal = Annotated[
+    str | None,
+    typer.Option(
+        "--diagonal",
+        **_one_of("short", "long", "both"),
+        **_OF_FOLD,
+        help="Which diagonals --bend takes; both: each facet bends about either (default short).",
     ),
 ]
 FoldStiffness = Annotated[

@@ -32,7 +32,7 @@ SPRINGS = {
     "rest_from": o.FoldRestFrom,
 }
 """Springs that a FOLD file leaves open: for the commands that come first, and `inspect`, which writes them down."""
-PER_LENGTH = {"per_length": o.PerLength, "bend": o.Bend, "cell": o.Cell}
+PER_LENGTH = {"per_length": o.PerLength, "bend": o.Bend, "diagonal": o.Diagonal, "cell": o.Cell}
 """What a command that takes springs and whole patterns has besides."""
 
 
@@ -174,8 +174,10 @@ class Source:
             raise OptionError("--per-length: a material is per length already, leave it out")
         whole = frame_pattern(self._frame(), **options)
         whole = whole.with_springs(per_length=True) if self.given.get("per_length") else whole
-        bend = self.given.get("bend")
-        return whole if bend is None else with_bending(whole, bend)
+        bend, diagonal = self.given.get("bend"), self.given.get("diagonal")
+        if diagonal and bend is None:
+            raise OptionError("--diagonal is for facets that bend: give their stiffness, --bend K")
+        return whole if bend is None else with_bending(whole, bend, diagonal or "short")
 
     def read_all(self) -> dict[int, Scene]:
         """Return the scene of every vertex of a FOLD file that can be analysed, by its number."""

@@ -18,8 +18,11 @@ from origami_nlp.pattern.hinges_stated import law_probes
 from origami_nlp.pattern.polygons import Side, side
 from origami_nlp.pattern.sheet import Pattern, make_pattern
 
-DIAGONALS = ("short", "long")
+DIAGONALS = ("short", "long", "both")
 """Which diagonal of a facet with four corners bends."""
+HALVES = "halves of both diagonals"
+ABOUT_OTHERS = "about the other diagonals facets do not bend"
+ABOUT_BOTH = "a facet bends about one of its two, or is flat"
 
 
 def with_bending(pattern: Pattern, stiffness: float, diagonal: str = "short") -> Pattern:
@@ -36,7 +39,9 @@ def with_bending(pattern: Pattern, stiffness: float, diagonal: str = "short") ->
         Of a diagonal, per length of it [N/rad].
     diagonal
         ``"short"`` or ``"long"``: which one is cut first; of equal ones (squares, rectangles) one that is chosen by the
-        lengths, springs and facets around its ends, whatever corners and creases are called.
+        lengths, springs and facets around its ends, whatever corners and creases are called.  ``"both"``: four halves,
+        which meet in a new corner; as facets do not stretch one of the two lines bends, or the facet is flat, and
+        states choose which (facets with more corners are cut by short ones until four are left).
 
     Returns
     -------
@@ -58,7 +63,7 @@ def with_bending(pattern: Pattern, stiffness: float, diagonal: str = "short") ->
     """
     k = check_number("stiffness", stiffness, 0.0)
     if diagonal not in DIAGONALS:
-        raise SceneError(f"diagonal = {diagonal!r} must be short or long")
+        raise SceneError(f"diagonal = {diagonal!r} must be short, long or both")
     if pattern.facets < len(pattern.polygons):
         raise SceneError(
             "facets of several pieces do not bend: draw their inner edges as creases, or merge the pieces"
@@ -69,18 +74,23 @@ def with_bending(pattern: Pattern, stiffness: float, diagonal: str = "short") ->
         )
     for number, polygon in enumerate(pattern.polygons, start=1):
         _check_convex(pattern.corners, polygon, number)
-    cutting = _Cutting(pattern, diagonal == "long")
-    polygons = [
-        tuple(p)
-        for own, left in zip(cutting.pieces, cutting.left, strict=True)
-        for p in (*own, left)
-    ]
-    cuts = [cut for own in cutting.cuts for cut in own]
+    cutting = _Cutting(pattern, diagonal)
+    corners, polygons, cuts = list(pattern.corners), list[tuple[int, ...]](), list[Side]()
+    for own, left, cut in zip(cutting.pieces, cutting.left, cutting.cuts, strict=True):
+        polygons += own
+        cuts += cut
+        if len(left) < 4:
+            polygons.append(tuple(left))
+            continue
+        middle = len(corners)
+        corners.append(_where_diagonals_meet(pattern.corners[left]))
+        polygons += [(middle, a, b) for a, b in zip(left, left[1:] + left[:1], strict=True)]
+        cuts += [side(a, middle) for a in left]
     if not cuts:
         raise SceneError("no facet has more than three corners: triangles do not bend")
     sides = [(a, b) for a, b in pattern.ends.tolist()]
     springs = dict(zip(sides, pattern.stiffness.tolist(), strict=True))
-    long = [float(np.linalg.norm(pattern.corners[a] - pattern.corners[b])) for a, b in cuts]
+    long = [float(np.linalg.norm(corners[a] - corners[b])) for a, b in cuts]
     springs |= {side: k * length for side, length in zip(cuts, long, strict=True)}
     least = int(pattern.numbers.max(initial=-1)) + 1
 
@@ -88,8 +98,11 @@ def with_bending(pattern: Pattern, stiffness: float, diagonal: str = "short") ->
         return dict(zip(sides, values.tolist(), strict=True)) | dict.fromkeys(cuts, new)
 
     make = partial(make_cell, lattice=pattern.cell.lattice) if pattern.cell else make_pattern
+    which, others = (
+        (f"{diagonal} diagonals", ABOUT_OTHERS) if diagonal != "both" else (HALVES, ABOUT_BOTH)
+    )
     made = make(
-        pattern.corners,
+        np.array(corners),
         polygons,
         assignment=dict(zip(sides, pattern.assignment, strict=True)) | dict.fromkeys(cuts, "F"),
         fold_angles=of(pattern.reference, 0.0),
@@ -101,11 +114,18 @@ def with_bending(pattern: Pattern, stiffness: float, diagonal: str = "short") ->
         name=pattern.name,
         notes=[
             *pattern.notes,
-            f"facets bend: {len(cuts)} {diagonal} diagonals are creases of {k:g} N/rad per length, which rest flat; "
-            "about the other diagonals facets do not bend",
+            f"facets bend: {len(cuts)} {which} are creases of {k:g} N/rad per length, which rest flat; {others}",
         ],
     )
     return made.with_laws([*pattern.laws, *[None] * len(cuts)]) if pattern.laws else made
+
+
+def _where_diagonals_meet(x: np.ndarray) -> np.ndarray:
+    """Return the crossing of the diagonals of a quadrilateral, [4, 3]."""
+    one, other = x[2] - x[0], x[3] - x[1]
+    share = np.linalg.lstsq(np.column_stack([one, -other]), x[1] - x[0], rcond=None)[0]
+    out: np.ndarray = x[0] + share[0] * one
+    return out
 
 
 def _check_convex(corners: np.ndarray, polygon: tuple[int, ...], number: int) -> None:
@@ -125,8 +145,10 @@ class _Cutting:
     and Leman).  Where all look alike, diagonals are images of each other: one is cut, and the rest sees it.
     """
 
-    def __init__(self, pattern: Pattern, longest: bool) -> None:
-        self.corners, self.longest = pattern.corners, longest
+    def __init__(self, pattern: Pattern, diagonal: str) -> None:
+        self.corners, self.longest = pattern.corners, diagonal == "long"
+        # of both diagonals the last ones cross
+        self.corners_left = 4 if diagonal == "both" else 3
         self.left = [list(p) for p in pattern.polygons]
         self.pieces: list[list[tuple[int, ...]]] = [[] for _ in self.left]
         self.cuts: list[list[Side]] = [[] for _ in self.left]
@@ -146,7 +168,7 @@ class _Cutting:
 
     def _some(self) -> bool:
         """Cut every facet whose next diagonal is decided, else one of those that look alike; False where none is."""
-        open_now = [f for f, p in enumerate(self.left) if len(p) > 3]
+        open_now = [f for f, p in enumerate(self.left) if len(p) > self.corners_left]
         ties = {f: self._shortest(f) for f in open_now}
         alone = [f for f in open_now if len({self._ends(f, i) for i in ties[f]}) == 1]
         if alone or not open_now:

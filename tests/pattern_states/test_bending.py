@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+
 import numpy as np
 import pytest
 
@@ -43,6 +45,68 @@ def test_states_tend_to_those_of_rigid_facets_like_one_over_the_stiffness():
     assert min(energies) > 0 and np.allclose(np.diff(np.log10(energies)), -1, atol=0.1)
 
 
+def cut(sheet, choices, stiffness):
+    """Cut each quadrilateral along its first or second diagonal, by a choice each."""
+    creases = {tuple(e): i for i, e in enumerate(sheet.ends.tolist())}
+    springs = {e: float(sheet.stiffness[i]) for e, i in creases.items()}
+    rest = {e: float(sheet.rest[i]) for e, i in creases.items()}
+    triangles = []
+    for (a, b, c, d), second in zip(sheet.polygons, choices, strict=True):
+        triangles += [(b, c, d), (d, a, b)] if second else [(a, b, c), (c, d, a)]
+        ends = tuple(sorted((b, d) if second else (a, c)))
+        springs[ends] = stiffness * float(
+            np.linalg.norm(np.diff(sheet.corners[list(ends)], axis=0))
+        )
+        rest[ends] = 0.0
+    return make_pattern(sheet.corners, triangles, stiffness=springs, rest=rest)
+
+
+ASKED = {"starts": 4, "escape": False, "prove": False}
+
+
+def alone(sheet, choices):
+    return o.find_minima(cut(sheet, choices, 5.0), **ASKED).minima[0].energy
+
+
+@pytest.mark.slow
+def test_the_lowest_state_with_both_diagonals_is_that_of_the_best_choice_of_one_a_facet():
+    sheet = o.examples.pattern("miura", 2, 2).with_springs(1.0, 0.8)
+    lowest = o.find_minima(with_bending(sheet, 5.0, "both"), **ASKED).minima[0]
+    choices = itertools.product((False, True), repeat=sheet.facets)
+    assert lowest.energy == pytest.approx(min(alone(sheet, c) for c in choices), abs=1e-9)
+
+
+def test_with_both_diagonals_a_facet_bends_about_one():
+    sheet = o.examples.pattern("miura", 2, 2).with_springs(1.0, 0.8)
+    both = with_bending(sheet, 5.0, "both")
+    n = sheet.creases
+    assert both.facets == 4 * sheet.facets and both.creases == n + 4 * sheet.facets
+    assert np.allclose(both.stiffness[n:], 5.0 * both.lengths[n:])
+    assert "halves of both diagonals" in both.notes[-1]
+    lowest = o.find_minima(both, **ASKED).minima[0]
+    assert lowest.verdict == "minimum"
+    # of each facet the halves of one diagonal fold together, the others do not
+    folds = np.array(lowest.fold_angles[n:]).reshape(-1, 4)
+    middle = both.ends[n:].max(axis=1).reshape(-1, 4)
+    assert (middle == middle[:, :1]).all()
+    one, other = folds[:, ::2], folds[:, 1::2]
+    assert np.allclose(np.ptp(one, axis=1), 0, atol=1e-9)
+    assert np.allclose(np.ptp(other, axis=1), 0, atol=1e-9)
+    assert np.allclose(one[:, 0] * other[:, 0], 0, atol=1e-9)
+    # the same sheet with these diagonals alone, cut by the test
+    choices = np.abs(other[:, 0]) > np.abs(one[:, 0])
+    assert lowest.energy == pytest.approx(alone(sheet, choices), abs=1e-9)
+    assert lowest.energy < min(alone(sheet, [c] * sheet.facets) for c in (False, True))
+
+
+def test_facets_of_more_corners_are_cut_until_four_are_left():
+    ring = np.array([[np.cos(t), np.sin(t)] for t in np.arange(6) * np.pi / 3])
+    corners = np.vstack([ring, [[2.0, 0.0]]])
+    sheet = make_pattern(corners, [(0, 1, 2, 3, 4, 5), (0, 5, 6)])
+    soft = with_bending(sheet, 1.0, "both")
+    assert soft.facets == 2 + 4 + 1 and soft.creases == 1 + 2 + 4
+
+
 def test_what_cannot_bend_says_so():
     triangles = make_pattern(np.array([[0.0, 0], [1, 0], [1, 1], [0, 1]]), [(0, 1, 2), (0, 2, 3)])
     with pytest.raises(SceneError, match="three corners"):
@@ -51,7 +115,7 @@ def test_what_cannot_bend_says_so():
     arrow = make_pattern(dart, [(0, 1, 2, 3), (1, 4, 3, 2)])
     with pytest.raises(SceneError, match="not convex"):
         with_bending(arrow, 1.0)
-    with pytest.raises(SceneError, match="short or long"):
+    with pytest.raises(SceneError, match="short, long or both"):
         with_bending(o.examples.pattern("miura", 2, 2), 1.0, "other")
 
 
