@@ -295,7 +295,7 @@ def with_escapes(
     scale = energy_scale(np.array(model.scene.stiffness))
     # exact where every curve of states is known: barriers are then read off a finite graph
     found = None
-    if traced is not None and traced.complete and model.has_limits and model.parameters.plain:
+    if traced is not None and traced.complete and model.has_limits and not model.parameters.dead:
         passes = traced_passes(model, traced.curves, traced.branches, states, energies)
         found = passes and _exact(model, passes, energies, isolated, scale)
     if not found:

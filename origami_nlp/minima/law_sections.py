@@ -6,7 +6,7 @@ are cut at the knots of every law, and halved where the slope is not resolved ye
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -30,9 +30,32 @@ CLOSE = 2 * SETTLED
 """Length of a section, of 2, below which it is not halved."""
 
 
+@dataclass(frozen=True, eq=False)
+class SlopeSections:
+    """Sections of branches on each of which the slope of the energy is resolved.
+
+    parent: number of the branch [P].  low, high: ends of the section on it, within [-1, 1], [P].  x, tangents: at its
+    nodes, [P, NODES, n].  series: of dE/ds [P, NODES].  size: the sum of |torque| [P].  left: how many are unresolved.
+    """
+
+    parent: np.ndarray
+    low: np.ndarray
+    high: np.ndarray
+    x: np.ndarray
+    tangents: np.ndarray
+    series: np.ndarray
+    size: np.ndarray
+    left: int
+
+    def on_branch(self, which: np.ndarray, where: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return places [K] in [-1, 1] of sections as branches and places on them."""
+        low, high = self.low[which], self.high[which]
+        return self.parent[which], low + (high - low) * (1 + where) / 2
+
+
 def slopes_with_laws(
     model: Model, b: Branches, turns: np.ndarray
-) -> tuple[Branches, np.ndarray, np.ndarray, int]:
+) -> tuple[Branches, SlopeSections]:
     """Resolve the slope of the energy along branches of a model with hinge laws.
 
     Parameters
@@ -47,10 +70,19 @@ def slopes_with_laws(
     Returns
     -------
     tuple
-        Shorter branches [B], the Chebyshev series of dE/ds on each [B, NODES], the sum of |torque| there [B], and how
-        many are not resolved.
+        Shorter branches [P], and the sections that they are.
     """
-    at = np.einsum("kj,bjn->bkn", TO_SERIES, np.concatenate([b.x + turns, b.tangents], axis=2))
+    found = slope_sections(model, b.x + turns, b.tangents)
+    out = b.take(found.parent)
+    whole, part = out.sections.part, np.stack([found.low, found.high], axis=1)
+    ends = whole[:, :1] + np.diff(whole, axis=1) * (1 + part) / 2
+    sections = replace(out.sections, part=ends)
+    return replace(out, sections=sections, x=found.x - turns, tangents=found.tangents), found
+
+
+def slope_sections(model: Model, x: np.ndarray, tangents: np.ndarray) -> SlopeSections:
+    """Resolve the slope of the energy on pieces of curves, fold angles and tangents at nodes [B, NODES, n]."""
+    at = np.einsum("kj,bjn->bkn", TO_SERIES, np.concatenate([x, tangents], axis=2))
     parent, low, high = _cut(model, at)
     done: list[tuple[np.ndarray, ...]] = []
     place, n = np.concatenate([POINTS, CHECKS]), model.size
@@ -83,16 +115,8 @@ def slopes_with_laws(
     parent, low, high, both, value, size = (
         np.concatenate(part) for part in zip(*done, strict=True)
     )
-    out = b.take(parent)
-    whole = out.sections.part
-    ends = whole[:, :1] + np.diff(whole, axis=1) * (1 + np.stack([low, high], axis=1)) / 2
-    out = replace(
-        out,
-        sections=replace(out.sections, part=ends),
-        x=both[..., :n] - turns,
-        tangents=both[..., n:],
-    )
-    return out, value @ TO_SERIES.T, size, left
+    x, tangents = both[..., :n], both[..., n:]
+    return SlopeSections(parent, low, high, x, tangents, value @ TO_SERIES.T, size, left)
 
 
 def _chebyshev(where: np.ndarray) -> np.ndarray:

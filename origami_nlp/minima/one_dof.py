@@ -184,10 +184,10 @@ def _add_stationary(
     model = curves.model
     if model.parameters.laws is not None:
         for turns in lift:
-            some, series, size, left = slopes_with_laws(model, b, turns)
-            _add_roots(curves, some, turns[None], series[:, None], size[:, None], found)
-            if left:
-                found.failures.append(f"the energy's slope with hinge laws in {left} sections")
+            some, of = slopes_with_laws(model, b, turns)
+            _add_roots(curves, some, turns[None], of.series[:, None], of.size[:, None], found)
+            if of.left:
+                found.failures.append(f"the energy's slope with hinge laws in {of.left} sections")
         return
     # dE/ds = sum_i G_i t_i along the unit tangent; springs are linear, so that a turn adds stiffness * turn
     torque = model.parameters.torque(b.x) * b.tangents

@@ -14,6 +14,7 @@ import numpy as np
 
 from origami_nlp.kkt import project
 from origami_nlp.minima.curve import NODES, TO_SERIES, Branches, ConfigurationCurves
+from origami_nlp.minima.law_sections import slope_sections
 from origami_nlp.minima.one_dof import gaps_of, lifts, roots
 from origami_nlp.numerics import ANSWERED, SETTLED, MergeTree, merge_tree, pairs_within
 from origami_nlp.problem import Model
@@ -151,8 +152,15 @@ def _cuts(model: Model, p: _Pieces) -> tuple[np.ndarray, np.ndarray]:
         where.append(at)
 
     # dE/ds along the tangent
-    torque = model.parameters.torque(p.x) * p.tangents
-    add(np.einsum("kj,bj->bk", TO_SERIES, torque.sum(axis=2)), many)
+    if model.parameters.laws is None:
+        torque = model.parameters.torque(p.x) * p.tangents
+        add(np.einsum("kj,bj->bk", TO_SERIES, torque.sum(axis=2)), many)
+    else:
+        sections = slope_sections(model, p.x, p.tangents)
+        k, at, _ = roots(sections.series)
+        piece, at = sections.on_branch(k, at)
+        which.append(piece)
+        where.append(at)
     for v in range(model.size):
         turns = np.flatnonzero(~p.pinned[:, v])
         for limit in (model.fold_limits.low[v], model.fold_limits.high[v]):

@@ -229,6 +229,15 @@ class HingeLaw(ShortRepr):
         return tuple(x[falls & rises].tolist())
 
     @cached_property
+    def one_rest(self) -> float:
+        """Where alone the hinge rests between the ends of the law [rad]; 0 where that is at several angles, or a range.
+
+        Then which of them is named may turn with the paper.
+        """
+        rests = self.rests(self.breaks[0], self.breaks[-1])
+        return rests[0] if len(rests) == 1 else 0.0
+
+    @cached_property
     def knots(self) -> np.ndarray:
         """Breaks [rad] at which one cubic does not go on as the next; of many each second, fourth, ... one."""
         x, c = np.array(self.breaks), np.array(self.coefficients)

@@ -132,10 +132,12 @@ def canonical_labels(scene: Scene) -> Relabelling:
 
 
 def _angles(scene: Scene) -> np.ndarray:
-    """Rest and wound angles [2, N]; a law has no rest angle: which of two equal wells is named turns with the paper."""
+    """Rest and wound angles [2, N]; of a law with several wells less its rest angle, which turns with the paper."""
     angles = np.array([scene.rest_angles, scene.wound_angles])
-    has = np.array([law is not None for law in scene.laws] or [False] * scene.degree)
-    return angles - np.where(has, scene.rest_angles, 0.0)
+    rests = [
+        law.one_rest if law else r for law, r in zip(scene.laws, scene.rest_angles, strict=False)
+    ]
+    return angles - (np.array(scene.rest_angles) - rests if scene.laws else 0.0)
 
 
 def every_label(degree: int) -> list[Relabelling]:

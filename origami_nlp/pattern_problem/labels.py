@@ -193,10 +193,11 @@ def _inside(share: np.ndarray) -> np.ndarray:
 
 
 def _rest(pattern: Pattern) -> np.ndarray:
-    """Rest angles [n]; 0 for laws, which have none: which of two equal wells is named turns with the paper."""
+    """Rest angles [n]; 0 for laws with several wells: which of two equal ones is named turns with the paper."""
     if not pattern.laws:
         return pattern.rest
-    return np.where([law is None for law in pattern.laws], pattern.rest, 0.0)
+    each = zip(pattern.laws, pattern.rest.tolist(), strict=True)
+    return np.array([law.one_rest if law else rest for law, rest in each])
 
 
 def _keep_laws(laws: tuple[HingeLaw | None, ...], to: np.ndarray, sign: float) -> bool:

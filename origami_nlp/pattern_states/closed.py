@@ -7,9 +7,14 @@ import math
 import numpy as np
 
 from origami_nlp.minima import find_minima
-from origami_nlp.numerics import CLOSURE_TOL, DUPLICATE_TOL, EXPLORED, nearest
+from origami_nlp.numerics import CLOSURE_TOL, DUPLICATE_TOL, EXPLORED, LEVEL, ROUNDED, nearest
 from origami_nlp.pattern import Contact, Pattern, Scene
 from origami_nlp.pattern_problem import PatternProblem, round_vertex
+
+MOST_STEPS = 60
+"""Of the search for the lowest state of a plane with laws."""
+SOFT = 1e-3
+"""Slope of a law over its mean stiffness that counts as a spring at least: a step goes no further."""
 
 
 def close(problem: PatternProblem, start: np.ndarray) -> np.ndarray | None:
@@ -58,15 +63,38 @@ def of_vertex(
 
 
 def lowest_on(problem: PatternProblem, phi: np.ndarray, basis: np.ndarray) -> np.ndarray | None:
-    """Return the state of lowest energy on a plane of closed states phi + basis y within limits; None with laws.
+    """Return the state of lowest energy on a plane of closed states phi + basis y within limits.
 
-    Where the energy is no square of a distance descents find what is lowest.
+    Of springs in one step.  With laws that step is made again from where it led, by springs of their torque and slope
+    there, stiffer ones where it climbs; None where a torque falls, so that several states may be lowest near by.
     """
-    if problem.pattern.laws:
+    springs, weight, laws = problem.springs, problem.stiffness, problem.pattern.laws
+    if not all(law is None or law.monotone for law in laws):
         return None
-    root = np.sqrt(problem.stiffness)[:, None]
+    x, stiffer, rest = phi, 1.0, problem.pattern.rest
+    for _ in range(MOST_STEPS if laws else 1):
+        if laws:
+            weight = stiffer * np.maximum(springs.curvature(x), SOFT * problem.stiffness)
+            rest = x - springs.torque(x) / weight
+        state = _lowest_of_springs(problem, phi, basis, weight, rest)
+        if state is None or not laws or np.abs(state - x).max() <= ROUNDED:
+            return None if state is None else close(problem, state)
+        climbs = springs.energy_change(x, state) > LEVEL * problem.stiffness.sum()
+        x, stiffer = (x, 2 * stiffer) if climbs else (state, 1.0)
+    return None
+
+
+def _lowest_of_springs(
+    problem: PatternProblem,
+    phi: np.ndarray,
+    basis: np.ndarray,
+    stiffness: np.ndarray,
+    rest: np.ndarray,
+) -> np.ndarray | None:
+    """Return the state of lowest energy of springs on a plane phi + basis y within limits."""
+    root = np.sqrt(stiffness)[:, None]
     _, r = np.linalg.qr(root * basis)  # energy = |r y - r y0|^2 / 2 and what stays
-    y0 = np.linalg.lstsq(root * basis, root[:, 0] * (problem.pattern.rest - phi), rcond=None)[0]
+    y0 = np.linalg.lstsq(root * basis, root[:, 0] * (rest - phi), rcond=None)[0]
     # in coordinates r y the energy is half a squared distance: the state is the nearest point of a polytope
     limits = problem.fold_limits
     rows = np.linalg.solve(r.T, np.vstack([basis, -basis]).T).T
@@ -76,4 +104,4 @@ def lowest_on(problem: PatternProblem, phi: np.ndarray, basis: np.ndarray) -> np
     state = phi + basis @ np.linalg.solve(r, y)
     state = limits.hold(state, limits.near(state, 10 * DUPLICATE_TOL))
     state[np.abs(state) < 10 * DUPLICATE_TOL] = 0.0
-    return close(problem, state)
+    return state

@@ -417,8 +417,9 @@ class _Search(FromMinima):
         The mirror image is another start, and the flat state, where it is the well of its curve, was judged.
         """
         problem = self.problem
-        flat = problem.pattern.is_flat and not problem.pattern.laws  # whose wells may be beside it
-        if not flat or np.abs(phi).max() > 2 * OUT:
+        # of laws that fall wells may be beside it
+        convex = all(law is None or law.monotone for law in problem.pattern.laws)
+        if not (problem.pattern.is_flat and convex) or np.abs(phi).max() > 2 * OUT:
             return False
         here, there = (float(problem.torque(x) @ problem.along(x, phi)) for x in (phi, -phi))
         return here > 0 and (there > 0 or abs(here + there) <= SETTLED * here)

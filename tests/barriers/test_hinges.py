@@ -88,7 +88,7 @@ def test_passes_of_a_vertex_are_those_of_a_scan(seed):
         double_well(0.6, 0.9, 0.2),
     )
     scene = replace(scene, laws=laws)
-    result = o.find_minima(scene, escape=False)
+    result = o.find_minima(scene)
     found = o.find_barriers(scene, result)
     sectors = np.array(scene.vertex.sector_angles)
     x = scan_four.closed_states(sectors, 12_001)
@@ -105,6 +105,15 @@ def test_passes_of_a_vertex_are_those_of_a_scan(seed):
             assert math.isinf(theirs)
         else:
             assert theirs == pytest.approx(p.energy, abs=2e-3 * energy.max())
+    # what it takes to leave each minimum but the lowest for one that is no higher: exact as well
+    least = energy[-many:]
+    for k, minimum in enumerate(result.minima[1:], start=1):
+        climbs = heights[k][least <= least[k] + 1e-9].min() - least[k]
+        assert minimum.escape.method == "exact (traced)"
+        if math.isinf(climbs):
+            assert math.isinf(minimum.escape.barrier)
+        else:
+            assert climbs == pytest.approx(minimum.escape.barrier, abs=2e-3 * energy.max())
 
 
 @pytest.mark.slow
