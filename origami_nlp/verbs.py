@@ -144,9 +144,13 @@ def find_minima(
     """
     until = check_until(seconds)
     from origami_nlp import minima, pattern_states
-    from origami_nlp.pattern import Scene, as_origami
+    from origami_nlp.pattern import Scene
 
-    stated = origami if isinstance(origami, Mapping) else as_origami(origami)
+    stated: Any = origami
+    if not isinstance(origami, Scene | Mapping):
+        from origami_nlp.pattern import as_origami
+
+        stated = as_origami(origami)
     both: dict[str, Any] = {
         "options": options,
         "effort": effort,

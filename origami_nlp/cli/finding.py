@@ -54,7 +54,6 @@ def minima(
     as --full and --no-full say.  A FOLD file or an example is
     a pattern with all its vertices coupled; --vertex takes one of them, --each-vertex every one by itself.
     """
-    from origami_nlp.minima import find_vertexwise
     from origami_nlp.pattern import Scene
     from origami_nlp.results import draw
     from origami_nlp.verbs import write_fold, write_mesh
@@ -73,6 +72,8 @@ def minima(
         "prove": o.wanted_proof(prove) if prove or certificate is None else True,
     }
     if each_vertex:
+        from origami_nlp.minima import find_vertexwise
+
         scenes = scene.read_all()
         why = f"this is for one vertex: choose one of {len(scenes)} with --vertex"
         out.refuse(why, "figure", "fold", "mesh", "animate")

@@ -141,10 +141,10 @@ class Output:
 
     def turn(self, *results: Viewable) -> None:
         """Write a page on all `results`, and a film of the states of the first, where asked for."""
-        from origami_nlp.display import InteractivePage, write_animation
-
         if not self.files("html", "animate"):
             return
+        from origami_nlp.display import InteractivePage, write_animation
+
         contents = [result.view_content() for result in results]
         self.save("html", lambda file: InteractivePage(*contents).save(file))
         self.save("animate", lambda file: write_animation(contents[0], file))

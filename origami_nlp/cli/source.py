@@ -56,6 +56,8 @@ class Source:
         """Whether it is a FOLD file, a drawing or an example, by its name or, without one, by its first letters."""
         from origami_nlp.pattern import is_drawing, is_json
 
+        if _named_scene(self.name):  # readers of drawings are not loaded then
+            return is_json(self._content)
         if _named_fold(self.name) or is_drawing(self.name):
             return True
         return is_json(self._content) or is_drawing(self.name, self._content)
@@ -68,18 +70,24 @@ class Source:
     @cached_property
     def is_example(self) -> bool:
         """Whether it is an example by name."""
+        if Path(self.name).exists():
+            return False
         from origami_nlp.pattern import examples
 
-        return not Path(self.name).exists() and examples.is_example(self.name)
+        return examples.is_example(self.name)
 
     @cached_property
     def _content(self) -> bytes:
-        from origami_nlp.pattern import LARGEST, examples, is_drawing
+        from origami_nlp.pattern import LARGEST, is_drawing
 
         if self.is_example:
+            from origami_nlp.pattern import examples
+
             cell = bool(self.given.get("cell"))
             return json.dumps(examples.crease_pattern(self.name, cell=cell)).encode()
         if self.name != "-" and not Path(self.name).suffix and not Path(self.name).exists():
+            from origami_nlp.pattern import examples
+
             known = examples.names()
             meant = did_you_mean(self.name.partition(":")[0], known)
             raise OptionError(
@@ -87,7 +95,7 @@ class Source:
             )
         if _named_fold(self.name):
             return read_limited(self.name, LARGEST, "FOLD", FoldFileError)
-        if is_drawing(self.name):
+        if not _named_scene(self.name) and is_drawing(self.name):
             return read_limited(self.name, LARGEST, "drawing", FoldFileError)
         return read_limited(self.name, LARGEST, "scene", SceneFileError)
 
@@ -137,10 +145,10 @@ class Source:
 
     def read_whole(self, contact: bool = False) -> Scene | Pattern:
         """Return the scene of a scene file or of the vertex that is asked for, else as `read_pattern`."""
-        from origami_nlp.pattern import Pattern, fold_vertices
-
         if not self.is_whole:
             return self.read()
+        from origami_nlp.pattern import Pattern, fold_vertices
+
         whole = self.read_pattern(contact)  # what is wrong comes before what is odd
         one = fold_vertices(self._frame())[0]
         if len(one) == 1 and not (isinstance(whole, Pattern) and whole.cell is not None):
@@ -259,6 +267,10 @@ def note_normalized(change: float, most: str = "") -> None:
 
 def _named_fold(name: str) -> bool:
     return Path(name).suffix.lower() in (".fold", ".json")
+
+
+def _named_scene(name: str) -> bool:
+    return Path(name).suffix.lower() == ".toml"
 
 
 def _note(note: str) -> None:

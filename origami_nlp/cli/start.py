@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import os
 import sys
 from typing import TYPE_CHECKING
@@ -13,6 +14,8 @@ if TYPE_CHECKING:
 
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 """Settings by which users ask for a number of threads."""
+MANY = 50_000
+"""Objects after which Python looks for those that only each other refer to."""
 
 
 def main(commands: Group | None = None) -> None:
@@ -25,6 +28,8 @@ def main(commands: Group | None = None) -> None:
         # commands draw into files; matplotlib would end over a display that does not exist
         os.environ.pop("MPLBACKEND", None)
         _one_thread()
+        # most of what there is comes with imports and stays: looking through it again and again took 0.1 s
+        gc.set_threshold(MANY)
         from origami_nlp.cli.entry import run  # takes most of a second
 
         run(commands)

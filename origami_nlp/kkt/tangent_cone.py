@@ -227,7 +227,7 @@ def _inside(
             dimension[across] -= (s > RANK).sum(axis=1)
             # in the order of choices: of each, one mode after the other
             turn = (before + np.arange(len(wide))) * len(modes) + m
-            for t in np.unique(dimension).tolist():
+            for t in sorted(set(dimension.tolist())):
                 which = np.flatnonzero(dimension == t)
                 found = wide[which]
                 if t < wide.shape[2]:

@@ -377,12 +377,14 @@ def _is_open(region: Open) -> bool:
 def _merged(regions: list[Open]) -> list[Open]:
     """Name each state once: it is a cluster on several strata if they have it in common; what is not judged first."""
     kept: list[Open] = []
-    for r in sorted(regions, key=lambda r: (not _is_open(r), r.energy)):
-        middle = np.add(r.lower, r.upper) / 2
-        same = [
-            k for k in kept if np.abs(np.add(k.lower, k.upper) / 2 - middle).max() <= DUPLICATE_TOL
-        ]
+    middles = np.empty((len(regions), len(regions[0].lower) if regions else 0))
+    # regions of one state on several strata are often the same
+    for r in sorted(dict.fromkeys(regions), key=lambda r: (not _is_open(r), r.energy)):
+        count, middle = len(kept), np.add(r.lower, r.upper) / 2
+        near = np.abs(middles[:count] - middle).max(axis=1) <= DUPLICATE_TOL
+        same = [kept[i] for i in np.flatnonzero(near)]
         if not any((k.verdict, bool(k.isolated)) == (r.verdict, bool(r.isolated)) for k in same):
+            middles[count] = middle
             kept.append(r)
     return kept
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable, Generator, Iterable, Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -17,7 +17,9 @@ from origami_nlp.numerics import ALIKE, DUPLICATE_TOL, NEAR_CONTACT, OUTSIDE, RO
 from origami_nlp.pattern import Relabelling
 from origami_nlp.problem import OPEN, Contact, Model
 from origami_nlp.starts import DRAWN, GIVEN, SOURCES, Ends, Samples, joined
-from origami_nlp.workers import stop_workers, worker_pool
+
+if TYPE_CHECKING:
+    from concurrent.futures import ProcessPoolExecutor
 
 BREAKDOWN = "linear algebra broke down on the way"
 """Why a descent failed that has no end."""
@@ -74,6 +76,8 @@ class Search:
 
     def __exit__(self, kind: object, *_: object) -> None:
         if self._pool is not None and (kind or time.monotonic() > self._descents.until):
+            from origami_nlp.workers import stop_workers
+
             stop_workers(self._pool)
         elif self._pool is not None:
             self._pool.shutdown(cancel_futures=True)
@@ -136,6 +140,8 @@ class Search:
     def _made_by_workers(self, parts: list[Samples]) -> Iterator[Ends] | None:
         if self._workers == 1 or len(parts) <= 1 or self._descents.compiled:
             return None
+        from origami_nlp.workers import worker_pool  # processes: rarely wanted, slow to load
+
         self._pool = self._pool or worker_pool(self._workers)
         return self._pool.map(self._descents.run, parts)
 

@@ -49,7 +49,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from origami_nlp.numerics import CLOSURE_TOL, DUPLICATE_TOL, EPS, RANK
+from origami_nlp.numerics import CLOSURE_TOL, DUPLICATE_TOL, EPS, RANK, cross
 from origami_nlp.problem import Kinematics, Model
 from origami_nlp.proof.forms import Forms
 from origami_nlp.proof.law_torques import torques_of
@@ -148,7 +148,7 @@ class Site:
         the first facet, or one that a right angle parts from it, which is then at right angles to the mirror.
         """
         axes = self.axes[seen]
-        if np.linalg.norm(np.cross(axes, axes[0]), axis=1).max() <= CLOSURE_TOL:
+        if np.linalg.norm(cross(axes, axes[0]), axis=1).max() <= CLOSURE_TOL:
             return True
         planes = self._planes()
         shared = set.intersection(*(planes[i] for i in seen)) if planes else set()
@@ -176,7 +176,7 @@ class Site:
                 planes[i].add(plane)
         for line in self.lines:
             every = set.union(*(planes[i] for i in line))
-            beside = np.linalg.norm(np.cross(self.axes, self.axes[line[0]]), axis=1) <= CLOSURE_TOL
+            beside = np.linalg.norm(cross(self.axes, self.axes[line[0]]), axis=1) <= CLOSURE_TOL
             for k, other in enumerate(planes):
                 other |= every if beside[k] else set()
         return planes
@@ -253,13 +253,13 @@ class Site:
     def _twins(self, free: np.ndarray, radius: float) -> Iterator[tuple[_Row, np.ndarray]]:
         """Rows of creases on one line that only closed ones part, and where they hold."""
         s = self.model.structure
-        for a, b in itertools.combinations(range(len(self.point)), 2):
-            if np.linalg.norm(np.cross(self.axes[a], self.axes[b])) <= CLOSURE_TOL:
-                t = float(np.sign(self.axes[a] @ self.axes[b]) * self.shares[a] / self.shares[b])
-                at_limit = ~free[:, a + 1 : b].any(axis=1)
-                if s.kind == "C" and s.turn == 1:
-                    at_limit |= ~(free[:, :a].any(axis=1) | free[:, b + 1 :].any(axis=1))
-                yield self._balance(a, t, b, radius), at_limit & free[:, a] & free[:, b]
+        apart = np.linalg.norm(cross(self.axes[:, None], self.axes), axis=2)
+        for a, b in np.argwhere(np.triu(apart <= CLOSURE_TOL, 1)).tolist():
+            t = float(np.sign(self.axes[a] @ self.axes[b]) * self.shares[a] / self.shares[b])
+            at_limit = ~free[:, a + 1 : b].any(axis=1)
+            if s.kind == "C" and s.turn == 1:
+                at_limit |= ~(free[:, :a].any(axis=1) | free[:, b + 1 :].any(axis=1))
+            yield self._balance(a, t, b, radius), at_limit & free[:, a] & free[:, b]
 
 
 class _Row:
@@ -359,12 +359,8 @@ class _Minor:
     def _without(self, site: Site, radius: float) -> _Row:
         n, s, count = len(site.point), site.size, len(self.creases)
         whole = np.column_stack([self.torque, self.planar])
-        cofactors = np.array(
-            [
-                [(-1.0) ** (i + c) * np.linalg.det(_without(whole, i, c)) for c in range(count)]
-                for i in range(count)
-            ]
-        )
+        others, sign = _others(count)
+        cofactors = sign * np.linalg.det(whole[others[:, None, :, None], others[:, None]])
         # det [G* | J], and its change along u by cofactors (Jacobi): sum_ic cof_ic dA_ic
         constant = float(cofactors[:, 0] @ self.torque)
         slope = np.einsum("ic,cij->j", cofactors[:, 1:], self.bends)
@@ -392,5 +388,9 @@ class _Minor:
         return _Row(n, constant, tilt_linear=slope, base=base, error=rest / radius**site.order)
 
 
-def _without(square: np.ndarray, row: int, column: int) -> np.ndarray:
-    return np.delete(np.delete(square, row, axis=0), column, axis=1)
+@lru_cache
+def _others(count: int) -> tuple[np.ndarray, np.ndarray]:
+    """Return all numbers but each, [count, count - 1], and the signs of cofactors, [count, count]."""
+    each = np.arange(count)
+    rest = np.array([np.delete(each, i) for i in each])
+    return rest, (-1.0) ** (each[:, None] + each)

@@ -243,7 +243,7 @@ def certified(
             boxes, more = joined([boxes[~which], fresh]), more + again.boxes
         roots = different(joined_roots([found, _roots_of(system, fresh)]), len(found))
         number = holds(system, roots, boxes)
-        used = np.union1d(np.arange(len(found)), number[number >= 0])
+        used = np.array(sorted({*range(len(found)), *number[number >= 0].tolist()}), dtype=int)
         place = np.full(len(roots), -1)
         place[used] = np.arange(len(used))
         found = roots[used]

@@ -147,7 +147,7 @@ def none_beside(forms: Forms, boxes: DirectionBoxes, core: float, radius: float)
     """
     out = np.zeros(len(boxes.stratum), dtype=bool)
     forms = _with_rounding(forms)
-    for s in np.unique(boxes.stratum) if forms.order == 2 else ():
+    for s in sorted(set(boxes.stratum.tolist())) if forms.order == 2 else ():
         rows = _held(forms, s)
         for i in np.flatnonzero(boxes.stratum == s):
             out[i] = _tilted(rows, boxes.lower[i], boxes.upper[i], core, radius)
@@ -198,7 +198,7 @@ def _contracted(
     value = forms.constant + m @ forms.linear.T + np.einsum("kri,ki->kr", bent, m)
     slope = forms.linear + 2 * bent
     # |(u - m)' M (u - m)| <= d' |M| d
-    bow = np.einsum("rij,ki,kj->kr", np.abs(forms.quadratic), d, d, optimize=True)
+    bow = np.einsum("kri,ki->kr", np.einsum("rij,kj->kri", np.abs(forms.quadratic), d), d)
     error = error + bow
     spread = np.einsum("kri,ki->kr", np.abs(slope), d)
     keep = ~(holds & (np.abs(value) > (spread + error) * (1 + 4 * EPS))).any(axis=1)

@@ -104,13 +104,18 @@ def isolated(model: Model, x: Sequence[float], stratum: Stratum) -> Isolation:
             "singular states are looked at for contact = 'fold-limits' and flat sheets"
         )
     near, stratum = np.asarray(x, dtype=float), tuple(int(s) for s in stratum)
+    known = _KNOWN.setdefault(model, {})
+    # one flat folding is looked at once, on all the strata that it is on
+    flat = math.pi * np.rint(near / math.pi)
+    shown = known.get(tuple(flat.tolist()), {}).get(stratum)
+    if shown is not None and np.abs(near - flat).max() <= NEAR_SINGULAR_TOL:
+        return shown
     try:
         point, lines = _state_at(model, near, stratum)
         limits = model.fold_limits
         stop = np.abs(limits.hold(point, limits.side(point))) != math.pi
         if (stop & (limits.room(point) <= RADII[0])).any():
             raise NotShown("a crease is at a stop there, or next to one")
-        known = _KNOWN.setdefault(model, {})
         key = (*point.tolist(), *(stratum if lines else ()))
         if key not in known:
             known[key] = _decide(model, point, lines, stratum)
@@ -130,8 +135,7 @@ def _state_at(model: Model, x: np.ndarray, stratum: Stratum) -> tuple[np.ndarray
     point = turns * math.pi
     turned = np.flatnonzero(np.abs(x - point) > NEAR_SINGULAR_TOL).tolist()
     point[turned] = x[turned]
-    held = np.flatnonzero(stratum)
-    if (turns[held] != np.array(stratum)[held]).any() or np.isin(held, turned).any():
+    if any(s and (s != turns[i] or i in turned) for i, s in enumerate(stratum)):
         raise NotShown("it is not on the stratum")
     if not turned:
         _check_closes(model, point)
