@@ -124,10 +124,17 @@ def singular_beside(problem: PatternProblem, phi: np.ndarray) -> np.ndarray | No
 
 
 def judge_end(problem: PatternProblem, phi: np.ndarray, contact: bool = True) -> JudgedState:
-    """Judge the end of a descent, as `judge`; where torque is left, or closing leaves it loose, the state beside it."""
+    """Judge the end of a descent, as `judge`; where torque is left, or closing leaves it loose, the state beside it.
+
+    An end that is not decided gives way to a minimum beside it at which creases are flat or fully folded.
+    """
     state = judge(problem, phi, contact)
     better = beside(problem, state)
-    return state if better is None else judge(problem, better, contact)
+    state = state if better is None else judge(problem, better, contact)
+    if state.verdict == "undecided" and (near := singular_beside(problem, state.phi)) is not None:
+        exact = judge(problem, near, contact)
+        state = exact if exact.verdict == "minimum" else state
+    return state
 
 
 def beside(problem: PatternProblem, state: JudgedState) -> np.ndarray | None:

@@ -6,10 +6,11 @@ import math
 
 import numpy as np
 
+from origami_nlp.numerics import CLOSURE_TOL
 from origami_nlp.pattern import as_pattern
 from origami_nlp.pattern_problem import PatternProblem
 from origami_nlp.pattern_states import find_states
-from origami_nlp.pattern_states.judgement import judge
+from origami_nlp.pattern_states.judgement import judge, judge_end
 
 
 def test_a_state_beside_a_flat_folding_whose_contacts_are_not_known_is_not_decided():
@@ -34,3 +35,14 @@ def test_a_sheet_in_which_facets_cross_wherever_it_was_looked_is_not_decided_and
         "creases, contact is solved up to" in found.verdict
         and "0 stable states" not in found.verdict
     )
+
+
+def test_an_end_beside_a_flat_folded_minimum_gives_way_to_it():
+    """Within rounding of closure, creases that all but lie flat or on each other: a descent ends there or not."""
+    problem = PatternProblem(as_pattern("yoshimura:2x2"))
+    exact = np.array([-0.5, 0, 1, 0, 1, 0, -0.5, 0]) * np.pi
+    off = exact + 2.3e-10 * np.array([0, 1, -1.41421, 1, -1.41421, -1, 0, -1])
+    assert judge(problem, exact).verdict == "minimum"
+    assert judge(problem, off).verdict == "undecided"
+    end = judge_end(problem, off)
+    assert end.verdict == "minimum" and np.abs(end.phi - exact).max() <= CLOSURE_TOL
