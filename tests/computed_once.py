@@ -9,6 +9,7 @@ import hashlib
 import inspect
 import pickle
 import re
+import time
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any, TypeVar
@@ -20,6 +21,7 @@ from origami_nlp import MinimaResult, Scene, examples, minima
 from origami_nlp.barriers import Barriers, find_barriers
 from origami_nlp.chart import Boundary, trace_boundary
 from origami_nlp.minima import JudgedState
+from origami_nlp.pattern import Pattern
 from origami_nlp.problem import Model
 
 T = TypeVar("T")
@@ -27,6 +29,8 @@ PANELS = examples.panels()
 SEARCH = minima.find_minima
 """The true one: where this module imports it nothing stands in its place yet."""
 DEFAULTS = {name: p.default for name, p in inspect.signature(SEARCH).parameters.items()}
+FAR = 100.0
+"""Seconds to a limit of time that says nothing of what takes a few."""
 folder: Path | None = None
 """Where the processes of this run share results; set by `conftest.py` before the first test."""
 
@@ -89,6 +93,41 @@ def by_minima(compute: Callable[..., list[JudgedState]]) -> Callable[..., list[J
         return [dataclasses.replace(m, escape=e) for m, e in zip(minima, found, strict=True)]
 
     return ask
+
+
+def by_pattern(compute: Callable[..., T]) -> Callable[..., T]:
+    """Compute a proof of a pattern once per run for each, the same to the last bit, if its limit of time is far."""
+
+    @functools.wraps(compute)
+    def ask(pattern: Pattern, *, until: float, **options: Any) -> T:
+        if until < time.monotonic() + FAR:
+            return compute(pattern, until=until, **options)
+        name = f"{compute.__name__}-{_digest(pattern, options)}"
+        return once(name, lambda: compute(pattern, until=until, **options))
+
+    return ask
+
+
+def by_states(compute: Callable[..., list[JudgedState]]) -> Callable[..., list[JudgedState]]:
+    """Compute what it takes to leave states of a pattern once per run, likewise for the same curves and states."""
+
+    @functools.wraps(compute)
+    def ask(curves: Any, states: Sequence[JudgedState], *asked: Any) -> list[JudgedState]:
+        if curves.problem.until < time.monotonic() + FAR:
+            return compute(curves, states, *asked)
+        known = [(s.verdict, s.fold_angles) for s in states]
+        traced = [(t.curve.states, t.curve.ends) for t in curves.found]
+        name = f"leave-{_digest(curves.problem.pattern, known, traced, asked)}"
+        found = once(name, lambda: [s.escape for s in compute(curves, states, *asked)])
+        return [dataclasses.replace(s, escape=e) for s, e in zip(states, found, strict=True)]
+
+    return ask
+
+
+def _digest(pattern: Pattern, *what: Any) -> str:
+    """A name of a pattern, whatever it has computed of itself, and of plain data."""
+    fields = [getattr(pattern, field.name) for field in dataclasses.fields(pattern)]
+    return hashlib.sha256(pickle.dumps((fields, what))).hexdigest()
 
 
 def panel_result(scene: Scene, *, full: bool = False) -> MinimaResult:

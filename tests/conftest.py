@@ -4,6 +4,7 @@
 property test with random examples; what fails there is kept as an `@example` of its test.
 """
 
+import gc
 import importlib
 import os
 
@@ -29,6 +30,7 @@ def _long(config):
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_configure(config):
+    gc.disable()  # until all is collected: a fifth of the time of collection
     # what a file has computed serves its other tests; long studies are shared out one by one
     if getattr(config.option, "dist", "no") == "load" and not _long(config):
         config.option.dist = "loadfile"
@@ -50,7 +52,7 @@ SHARED = {
     "origami_nlp.contact.segments": "trace_boundary",
 }
 """What takes most of a search, the proof that nobody asked for, and most of a picture, the boundary of the chart;
-barriers out of minima as well."""
+barriers out of minima as well, and both of patterns."""
 
 
 @pytest.fixture(scope="session", autouse=True)
@@ -62,7 +64,17 @@ def _once_a_scene(_folder_of_the_run):
             patch.setattr(f"{module}.{name}", computed_once.by_scene(true))
         windings = importlib.import_module("origami_nlp.minima.windings")
         patch.setattr(windings, "with_escapes", computed_once.by_minima(windings.with_escapes))
+        proved = importlib.import_module("origami_nlp.pattern_states.proved")
+        for name in ("prove_strip", "prove_mesh"):
+            patch.setattr(proved, name, computed_once.by_pattern(getattr(proved, name)))
+        find = importlib.import_module("origami_nlp.pattern_states.find")
+        patch.setattr(find, "with_escapes", computed_once.by_states(find.with_escapes))
         yield
+
+
+def pytest_collection_finish():
+    gc.freeze()
+    gc.enable()
 
 
 @pytest.hookimpl(tryfirst=True)

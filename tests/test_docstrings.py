@@ -62,9 +62,12 @@ DEAR = {
         "critical.find",
         "results",
         "loading.result",
-        "springs.finding",
-        "springs.result",
         "barriers.find",
+        "minima.figure",
+        "minima.result",
+        "modes.find",
+        "pattern_states.find",
+        "verbs",
     )
 }
 """Modules whose examples take seconds: they run with the long studies."""

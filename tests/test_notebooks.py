@@ -14,8 +14,6 @@ from nbclient import NotebookClient
 import origami_nlp
 
 FOLDER = Path(__file__).parent.parent / "notebooks"
-NAMES = ("06_speed_error.ipynb",)
-# 02 is tested beside the equations
 LARGEST = 1_500_000  # bytes, outputs included
 VARIES = re.compile(r"\d\.?\d*e[-+]\d+|\d+\.\d\d s\b|\d+ starts.*|.*(Solve_Succeeded|hits|│).*")
 """Rounding errors, times and counts of the search: they may differ between machines."""
@@ -27,6 +25,7 @@ LONG = (
     "03_contact.ipynb",
     "04_landscapes.ipynb",
     "05_cones.ipynb",
+    "06_speed_error.ipynb",
     "07_from_a_fold_file.ipynb",
     "08_paths.ipynb",
     "09_design.ipynb",
@@ -34,7 +33,7 @@ LONG = (
     "11_patterns.ipynb",
     "12_from_measurements.ipynb",
 )
-"""Run with the long studies: what they call has tests of its own."""
+"""Run with the long studies: what they call has tests of its own, and 02 is run beside the equations."""
 
 
 @pytest.fixture
@@ -138,7 +137,7 @@ def test_the_primer_has_one_picture_a_word():
     assert len(count) >= 7 and set(count.values()) == {1}
 
 
-@pytest.mark.parametrize("stored", [*NAMES, *LONG], indirect=True)
+@pytest.mark.parametrize("stored", LONG, indirect=True)
 def test_notebook_is_stored_with_outputs(stored):
     nbformat.validate(stored)
     code = [cell for cell in stored.cells if cell.cell_type == "code"]
@@ -149,7 +148,7 @@ def test_notebook_is_stored_with_outputs(stored):
 
 @pytest.mark.parametrize(
     "stored",
-    [*NAMES, *(pytest.param(name, marks=pytest.mark.slow) for name in LONG)],
+    [pytest.param(name, marks=pytest.mark.slow) for name in LONG],
     indirect=True,
 )
 # the kernel says on stderr and as a warning that it talks over local TCP

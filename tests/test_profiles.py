@@ -4,6 +4,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
 from hypothesis import settings
 
 HERE = Path(__file__).parent
@@ -16,6 +17,7 @@ def test_the_profile_follows_the_marker(request):
         assert settings().derandomize is not random
 
 
+@pytest.mark.slow  # of whom it speaks: they say so themselves
 def test_long_studies_repeat_the_property_tests_with_random_examples():
     command = [sys.executable, "-m", "pytest", "-q", "--collect-only"]
     file = HERE / "kkt" / "test_multiplier_sets.py"

@@ -60,7 +60,7 @@ def by_hand(scene):
     [
         o.examples.waterbomb(symmetry="none"),
         drawn(6, 3, contact="full"),
-        drawn(7, 2, contact="full"),
+        pytest.param(drawn(7, 2, contact="full"), marks=pytest.mark.slow),
     ],
     ids=["waterbomb", "degree 6", "degree 7"],
 )
@@ -82,6 +82,7 @@ def test_between_the_sides_of_the_flat_state_barriers_are_exact(scene):
         assert not m.escape or m.escape.method == "upper bound (descents)"
 
 
+@pytest.mark.slow
 def test_paths_are_as_low_as_a_flood_of_a_lattice_finds():
     """Three fold angles on a lattice, the others by spherical trigonometry: 39,100 states, within fold limits."""
     scene = drawn(6, 0, contact="fold-limits")

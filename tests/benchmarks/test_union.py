@@ -53,7 +53,14 @@ def known():
     return out
 
 
-@pytest.mark.parametrize("name", METHODS)
+UNHURRIED = "trust-constr", "basin hopping"
+"""Need seconds for a first claim; SLSQP and IPOPT go through the same protocol."""
+
+
+@pytest.mark.parametrize(
+    "name",
+    [pytest.param(n, marks=[pytest.mark.slow] if n in UNHURRIED else []) for n in METHODS],
+)
 def test_foreign_searches_end_in_time_and_claim_closed_states(name, known):
     chains = name == "basin hopping"  # whose chains can stay on the wrong sheet
     for given in (0.3, 2.0, 8.0):  # seconds: a slow machine needs more for the first claim

@@ -25,7 +25,12 @@ QUAD = o.Scene(
     ("scene", "parameter", "types"),
     [
         (QUAD, "stiffness[1]=0.1:30", ["fold", "closes", "singular", "fold"]),
-        (replace(o.examples.degree6("5*pi/12"), symmetry="none"), "ratio=2:5", ["closes"]),
+        pytest.param(
+            replace(o.examples.degree6("5*pi/12"), symmetry="none"),
+            "ratio=2:5",
+            ["closes"],
+            marks=pytest.mark.slow,
+        ),
     ],
     ids=("one degree of freedom", "three"),
 )

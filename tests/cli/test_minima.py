@@ -8,6 +8,7 @@ import pytest
 import origami_nlp
 from origami_nlp import MinimaResult
 from tests.command_line import run, scene_file
+from tests.computed_once import panel_result
 
 
 @pytest.fixture
@@ -21,7 +22,7 @@ def test_the_symmetry_of_a_scene_file_is_set_aside(scene, tmp_path):
     code, table, _ = run("minima", scene, "--symmetry", "none", "-o", out)
     assert code == 0 and "21 stable states" in table and "not listed" not in table
     every = np.array([m["fold_angles"] for m in json.loads(out.read_text())["minima"]])
-    kept = origami_nlp.find_minima(origami_nlp.examples.degree6("pi/3", 1), escape=False)
+    kept = panel_result(origami_nlp.examples.degree6("pi/3", 1), full=True)
     assert [m.full_space.verdict for m in kept.minima].count("stable") == 3
     for m in kept.minima:
         near = np.abs(every - m.phi).max(axis=1).min() < 1e-6

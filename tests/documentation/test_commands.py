@@ -22,12 +22,14 @@ PAGES = [
     page for page in markdown() if any(b.language in (*TERMINAL, "python") for b in blocks(page))
 ]
 DEAR = {
+    "barriers",
     "bistable_waterbomb",
     "check_a_claim",
     "design",
     "loads",
     "many_scenes",
     "most_states",
+    "motifs",
     "pattern",
     "sheets",
     "slow",

@@ -20,7 +20,7 @@ def strip(many: int) -> dict:
     }
 
 
-@pytest.mark.parametrize("many", [1, 2])
+@pytest.mark.parametrize("many", [1, pytest.param(2, marks=pytest.mark.slow)])
 def test_a_strip_is_loaded_and_its_states_are_found(tmp_path, many):
     path = tmp_path / "strip.fold"
     path.write_text(json.dumps(strip(many)))

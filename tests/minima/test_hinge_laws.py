@@ -146,7 +146,7 @@ def test_a_linear_law_is_a_linear_spring():
         plain = Scene(name, tuple(k), tuple(rest), "none")
         laws = replace(plain, laws=tuple(map(linear, k, rest)))
         assert laws.stiffness == pytest.approx(plain.stiffness)
-        one, two = o.find_minima(plain), o.find_minima(laws)
+        one, two = (o.find_minima(s, prove=False, escape=False) for s in (plain, laws))
         assert [m.energy for m in two.minima] == pytest.approx(
             [m.energy for m in one.minima], rel=1e-9
         )
@@ -243,8 +243,7 @@ def crosses(folds):
         (2, 0),
         (3, 0),
         (4, 0),
-        (6, 0),
-        *(pytest.param(k, 2 * (k == 8), marks=pytest.mark.slow) for k in (5, 7, 8)),
+        *(pytest.param(k, 2 * (k == 8), marks=pytest.mark.slow) for k in (5, 6, 7, 8)),
     ],
 )
 def test_a_strip_of_wells_has_all_their_combinations_that_do_not_cross(creases, rolled):

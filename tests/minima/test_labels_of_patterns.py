@@ -8,6 +8,7 @@ import pytest
 from origami_nlp import examples
 from origami_nlp.pattern import read_pattern
 from origami_nlp.pattern_states import find_states
+from tests.computed_once import thinned
 from tests.fold_files import others
 from tests.patterns import metasheet, strip
 from tests.relabelled import relabelled
@@ -75,7 +76,7 @@ def _check(pattern, copies, starts, seed=0, contact=True):
         _agree(found, find_states(copy, starts, seed, contact, escape=False), creases, sign)
 
 
-@pytest.mark.parametrize("name", ["strip:3", "metasheet:2x3"])
+@pytest.mark.parametrize("name", thinned(["metasheet:2x3", "strip:3"], 2))
 def test_labels_change_nothing(name):
     _check(_named(name), [COPIES["renumbered"], COPIES["both"]], 3)
 

@@ -22,6 +22,7 @@ from origami_nlp.proof import (
     write_certificate,
 )
 from origami_nlp.proof.mesh_states import as_folding_mesh
+from tests.computed_once import thinned
 from tests.independent.rigid import Rigid
 from tests.patterns import wheel
 
@@ -63,7 +64,7 @@ MESHES = {
 }
 
 
-@pytest.mark.parametrize("name", list(MESHES)[:3])
+@pytest.mark.parametrize("name", thinned(list(MESHES)[:3], 2))
 def test_closed_states_are_those_of_the_products(name):
     pattern = MESHES[name]()
     mesh, _ = as_folding_mesh(pattern)
@@ -124,7 +125,7 @@ def _distance(mesh, product, phi):
     return max(far)
 
 
-@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("seed", thinned(range(4), 2))
 def test_one_vertex_as_the_proof_of_vertices_has_it(seed):
     rng = np.random.default_rng(seed)
     a, b = rng.uniform(0.3, 0.7, 2) * math.pi
@@ -142,7 +143,7 @@ def test_one_vertex_as_the_proof_of_vertices_has_it(seed):
     assert ours == pytest.approx(sorted(m.energy for m in found.minima), abs=1e-9)
 
 
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", thinned(range(3), 3))
 @pytest.mark.parametrize("name", MESHES)
 def test_minima_are_found_again_by_the_check(name, seed):
     pattern = sprung(MESHES[name](), seed)

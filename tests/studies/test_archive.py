@@ -105,7 +105,7 @@ def test_the_archive_by_its_command_is_complete_and_its_proof_is_confirmed(tmp_p
 
 
 def test_counts_and_twists():
-    found = [counts.count_states("twists", 1, c, 5.0) for c in counts.CONTACTS]
+    found = [counts.count_states("twists", 1, c, 1.0) for c in counts.CONTACTS]
     assert [(c.family, c.size, c.creases, c.vertices) for c in found] == [("twists", 1, 12, 4)] * 2
     assert all(c.certified == c.states for c in found)
     figure = counts.draw_counts(found)
