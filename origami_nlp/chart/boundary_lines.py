@@ -135,7 +135,7 @@ def trace_boundary(scene: Scene, size: int = 161) -> Boundary:
             line = _line_at(chart, model, branch, states[k])
             if line is not None:
                 lines.append(line)
-                left &= distance_from(at / cell, line.points / cell) > NEAR
+                left[left] = distance_from(at[left] / cell, line.points / cell) > NEAR
         missed.append(at[left])
     lines += _thin_lines(chart, model, lines, cell)
     lines += _hidden_lines(chart, model, lines)

@@ -18,11 +18,12 @@ from origami_nlp.continuation import (
     Point,
     closing,
     correct,
+    evaluate,
     trace_held,
 )
 from origami_nlp.kkt import Stratum
-from origami_nlp.numerics import NEAR_CONTACT
-from origami_nlp.problem import Problem
+from origami_nlp.numerics import NEAR_CONTACT, SETTLED
+from origami_nlp.problem import Contact, Problem
 
 STEPS = ContinuationOptions(
     first=1e-2,
@@ -35,6 +36,8 @@ STEPS = ContinuationOptions(
 )
 """Wider turns than where an energy is looked at; so many points that any boundary of a chart is done."""
 
+BESIDE = 0.01
+"""Share of the way from a corner to the points round it at which it is looked at."""
 REFUSED = "no state beyond is admissible"
 """Why a line ends, until the contact that closes there is known."""
 
@@ -55,7 +58,7 @@ def walk(held: Stratum) -> Walk | None:
     None where no motion, or more than one, keeps them closed, or where both ends come at once.
     """
     problem = held.state.problem
-    end = End[Point](lambda points: _admissible_run(problem, points), REFUSED)
+    end = End[Point](lambda points: _admissible_run(problem, points), REFUSED, _corner)
     found = trace_held(held, STEPS, [end], dimension=1)
     if found is None:
         return None
@@ -70,12 +73,57 @@ def walk(held: Stratum) -> Walk | None:
         corner = correct(point.stratum.state.on((*held.contacts, *new))) if new else None
         if corner is not None and np.abs(corner.x - point.x).max() < NEAR_CONTACT:
             away = float(np.linalg.norm(corner.x - point.x))
+            if away <= SETTLED:  # it was met
+                continue
             where = 0 if side == 0 else len(s)
             states.insert(where, corner.x)
             s.insert(where, s[side] + (away if side else -away))
     if len(s) < 3:
         return None
     return Walk(np.array(states), np.array(s) - s[0], why[0], why[1])
+
+
+def _corner(before: Point, after: Point) -> Point | None:
+    """Return the corner between two points of a line, where the contact closes that the second one violates.
+
+    It is the first point itself where states next to that are refused.  None where Newton finds none from which states
+    are refused on the one side, and on the other are not.
+    """
+    held, problem = before.stratum, before.stratum.state.problem
+    a, b = before.x, after.x
+    size = float(np.linalg.norm(b - a))
+    if size <= NEAR_CONTACT:
+        return None
+
+    def refused(x: np.ndarray) -> bool:
+        state = correct(held.state.at(x).on(held.contacts))
+        return state is None or bool(state.refused)
+
+    if refused(a + NEAR_CONTACT / size * (b - a)):
+        return before
+    limits, (u, v) = problem.fold_limits, (problem.local(x).gaps for x in (a, b))
+    shares = u / np.where(u == v, 1.0, u - v)
+    closes = [
+        (shares[i], Contact("gap", i, int(np.sign(u[i]))))
+        for i in np.flatnonzero(u * v < 0).tolist()
+    ]
+    if problem.has_limits:
+        u, v = limits.room(a), limits.room(b)
+        closes += [
+            (u[c.index] / (u - v)[c.index], c) for c in limits.contacts(b, (u > 0) & (v < 0))
+        ]
+    met = []
+    for share, contact in closes:
+        near = held.state.at(a + share * (b - a))
+        corner = correct(near.on((*held.contacts, contact)))
+        if corner is not None and max(np.linalg.norm(corner.x - x) for x in (a, b)) <= size:
+            met.append(corner.x)
+    if not met:
+        return None
+    x = min(met, key=lambda x: float(np.linalg.norm(x - a)))
+    if refused(x) or refused(x + BESIDE * (a - x)) or not refused(x + BESIDE * (b - x)):
+        return None
+    return evaluate(held.state.at(x).on(held.contacts), before.tangent)
 
 
 def _admissible_run(problem: Problem, points: Sequence[Point]) -> int:

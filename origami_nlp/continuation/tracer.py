@@ -135,8 +135,8 @@ class End(Generic[F]):
     """What ends a curve inside a step.
 
     before: how many of the given points, in order, come before it; all of them where it does not come.
-    why: in words.  meet: the end itself between the last point before it and the first one after, or None; then,
-    as without it, the step is bisected.
+    why: in words.  meet: the end itself between the last point before it and the first one after (that last point,
+    where it is at the end), or None; then, as without it, the step is bisected.
     """
 
     before: Callable[[Sequence[F]], int]
@@ -259,6 +259,8 @@ def trace_ahead(
         if end is not None:
             beyond = ahead[kept]
             last = None if end.meet is None else end.meet(here, beyond.frame)
+            if last is here:
+                return frames, s, end.why
             if last is not None:
                 chord = float(np.linalg.norm(curve.root * (last.x - here.x)))
                 return [*frames, last], [*s, at + _arc(here, last, chord)], end.why
