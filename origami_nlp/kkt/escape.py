@@ -246,43 +246,39 @@ def highest(
     moves: steps that may be higher than what was seen are cut until that is little.  None where a cut does not close,
     is not admissible, or lies aside: then it is no way.
     """
-    # states in order along the way, their heights and slopes; each cut puts one more in
-    x = list(states)
-    u = terrain.rise(k, states).tolist()
-    torque = [terrain.torque(y) for y in x]
-    d = [terrain.distance(a, b) for a, b in itertools.pairwise(x)]
+    # states in order along the way, their heights and torques; each cut puts one more in
+    x, u = states, terrain.rise(k, states)
+    torque, d = terrain.torque(x), terrain.distances(x[:-1], x[1:])
     cuts = 0
     while True:
-        most = [(u[i] + u[i + 1] + LONGER * _slope(x, torque, i) * d[i]) / 2 for i in range(len(d))]
-        top = max(u)
+        most = (u[:-1] + u[1:] + LONGER * _slopes(x, torque) * d) / 2
+        top = float(u.max())
         enough = max(top * (1 + CERTAIN), terrain.floor)
-        cut = [i for i in range(len(d)) if d[i] > LONG]
-        if not cut and cuts < MOST_CUTS:
-            high = (i for i in range(len(d)) if most[i] > enough)
-            reported = coarse(np.array(most))
-            cut = sorted(high, key=lambda i: -reported[i])[:A_ROUND]
-        if not cut:
-            return max(top, *most), x[int(np.argmax(u))], np.array(x)
+        cut = np.flatnonzero(d > LONG)
+        if not len(cut) and cuts < MOST_CUTS:
+            high = np.flatnonzero(most > enough)
+            cut = np.sort(high[np.argsort(-coarse(most)[high], kind="stable")[:A_ROUND]])
+        if not len(cut):
+            return float(most.max(initial=top)), x[int(np.argmax(u))], x
         cuts += len(cut)
-        cut.sort()
-        halves = terrain.middles(*(np.array([x[i + e] for i in cut]) for e in (0, 1)))
+        halves = terrain.middles(x[cut], x[cut + 1])
         if halves is None:
             return None
-        rises = terrain.rise(k, halves).tolist()
-        for i, y, rise in list(zip(cut, halves, rises, strict=True))[::-1]:
-            parts = [terrain.distance(x[i], y), terrain.distance(y, x[i + 1])]
-            if max(parts) > ASIDE * d[i]:
-                return None
-            d[i : i + 1] = parts
-            x.insert(i + 1, y)
-            u.insert(i + 1, rise)
-            torque.insert(i + 1, terrain.torque(y))
+        parts = np.array([terrain.distances(x[cut + e], halves) for e in (0, 1)])
+        if (parts > ASIDE * d[cut]).any():
+            return None
+        d[cut] = parts[0]
+        d = np.insert(d, cut + 1, parts[1])
+        u = np.insert(u, cut + 1, terrain.rise(k, halves))
+        torque = np.insert(torque, cut + 1, terrain.torque(halves), axis=0)
+        x = np.insert(x, cut + 1, halves, axis=0)
 
 
-def _slope(x: Sequence[np.ndarray], torque: Sequence[np.ndarray], i: int) -> float:
-    """Return the larger slope at the ends of step i along the angles that it changes: what it holds stays."""
-    moves = x[i] != x[i + 1]
-    return math.sqrt(max(float(np.square(torque[i + e][moves]).sum()) for e in (0, 1)))
+def _slopes(x: np.ndarray, torque: np.ndarray) -> np.ndarray:
+    """Return the larger slope at the ends of each step along the angles that it changes: what it holds stays."""
+    moves = x[:-1] != x[1:]
+    ends = [np.square(torque[e : len(moves) + e] * moves).sum(axis=1) for e in (0, 1)]
+    return np.asarray(np.sqrt(np.maximum(*ends)))
 
 
 LONGER = 2.0

@@ -102,7 +102,7 @@ class Terrain(ABC):
         return self.over(self.minima[k], states)
 
     def torque(self, x: np.ndarray) -> np.ndarray:
-        """The energy's gradient at a state, in the metric of all fold angles, [n]."""
+        """The energy's gradient at states [..., n], in the metric of all fold angles, same shape."""
         p = self.problem
         return np.asarray(p.scale * p.parameters.torque(x) / p.root)
 
@@ -113,6 +113,10 @@ class Terrain(ABC):
     def distance(self, a: np.ndarray, b: np.ndarray) -> float:
         """Distance of two states, in the same metric."""
         return float(np.linalg.norm(self.problem.root * (a - b)))
+
+    def distances(self, a: np.ndarray, b: np.ndarray) -> np.ndarray:
+        """Distances of states [S, n] from others, [S]."""
+        return np.asarray(np.linalg.norm(self.problem.root * (a - b), axis=1))
 
     def are_lower(self, k: int, x: np.ndarray) -> np.ndarray:
         """Which states [S, n] have less energy than state k, by more than rounding."""
