@@ -36,7 +36,7 @@ STEPS = ContinuationOptions(
 )
 """Wider turns than where an energy is looked at; so many points that any boundary of a chart is done."""
 
-BESIDE = 0.01
+PROBE = 0.01
 """Share of the way from a corner to the points round it at which it is looked at."""
 REFUSED = "no state beyond is admissible"
 """Why a line ends, until the contact that closes there is known."""
@@ -121,7 +121,7 @@ def _corner(before: Point, after: Point) -> Point | None:
     if not met:
         return None
     x = min(met, key=lambda x: float(np.linalg.norm(x - a)))
-    if refused(x) or refused(x + BESIDE * (a - x)) or not refused(x + BESIDE * (b - x)):
+    if refused(x) or refused(x + PROBE * (a - x)) or not refused(x + PROBE * (b - x)):
         return None
     return evaluate(held.state.at(x).on(held.contacts), before.tangent)
 

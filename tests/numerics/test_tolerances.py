@@ -25,7 +25,7 @@ BESIDE_THE_TABLE = {
         actuation/release.STEP bifurcation/boundary.AROUND bifurcation/patterns.SHARE bifurcation/event_curve.CUSP
         bifurcation/event_curve.FIRST bifurcation/event_curve.LONGEST bifurcation/event_curve.REACHES
         bifurcation/event_curve.SHORTEST barriers/descents.FIRST barriers/find.SPACINGS barriers/passes.OFF
-        chart/boundary_lines.ASIDE
+        chart/boundary_lines.ASIDE chart/boundary_walk.PROBE
         chart/boundary_walk.STEPS chart/chart.AROUND cli/timed.SHORTEST contact/margin.ASIDE
         critical/edges.KNOWN critical/edges.STEPS critical/link.RADII pattern_problem/faces.ASIDE
         kkt/descent.RESCUE kkt/descent.SHORTEST kkt/descent.TRIED kkt/level.BESIDE_FLAT
