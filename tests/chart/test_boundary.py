@@ -14,6 +14,7 @@ from origami_nlp.chart import (
     Boundary,
     admissible_region,
     allowed,
+    boundary_walk,
     chart_limits,
     chart_of,
     distance_from,
@@ -21,6 +22,7 @@ from origami_nlp.chart import (
     trace_boundary,
 )
 from origami_nlp.folding import check_admissible, fold_vertex
+from origami_nlp.kkt import State
 from tests.computed_once import PANELS, panel_boundary, thinned
 from tests.independent.arcs import nearest_touch
 
@@ -66,6 +68,19 @@ def test_lines_are_where_admissibility_ends(name):
         both, either = sides[0] & sides[1], sides[0] | sides[1]
         assert not both.any()
         assert not either.any() if line.thin else either.all()
+
+
+@pytest.mark.parametrize("name", ["pi/4", "octagon"])
+def test_corners_met_by_newton_are_where_bisection_ends(monkeypatch, name):
+    model, line = o.Model(SCENES[name]), max(boundary(name).lines, key=lambda line: line.length)
+    middle = model.reduce(line.fold_angles[len(line.s) // 2])
+    held = State(model, middle).on(line.rows)
+    met = boundary_walk.walk(held)
+    monkeypatch.setattr(boundary_walk, "_corner", lambda before, after: None)
+    bisected = boundary_walk.walk(held)
+    assert len(met.s) + 10 < len(bisected.s)  # halvings at either end
+    assert (met.start, met.end) == (bisected.start, bisected.end)
+    assert np.abs(met.states[[0, -1]] - bisected.states[[0, -1]]).max() < 1e-9
 
 
 @pytest.mark.slow
