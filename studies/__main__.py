@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from decimal import Decimal
 from pathlib import Path
 from typing import Annotated
 
@@ -173,6 +174,57 @@ def counts(
     out.write("figure", draw_counts, found)
 
 
+@writes("json")
+def maxima(
+    out: Output,
+    sectors: Annotated[
+        str,
+        typer.Argument(metavar="A,B,C,D", help="Sectors of a generic vertex of degree 4 [deg]."),
+    ],
+    seconds: Annotated[
+        float,
+        typer.Option(
+            metavar="S", help="Processor time for pairs of places, and for triples, of a branch."
+        ),
+    ] = 600.0,
+    depth: Annotated[
+        int, typer.Option(metavar="N", help="Places are told apart to 2/2^N of a branch.")
+    ] = 10,
+) -> None:
+    """Prove that no springs give the energy of a vertex three maxima on a branch, so that it has six states at most.
+
+    Rest angles within 180 degrees, states within fold limits. What the proof rests on goes to -o FILE.json, for
+    the check in tests/independent/at_most_six.
+    """
+    from studies import prove_branch
+
+    try:
+        values = [Decimal(part) for part in sectors.split(",")]
+    except ArithmeticError:
+        values = []
+    if len(values) != 4 or sum(values) != 360:
+        raise OptionError(f"A,B,C,D = {sectors} must be four numbers [deg] that add up to 360")
+    found = []
+    for mode in (1, 2):
+        one = prove_branch(sectors.split(","), mode, pair_depth=depth, depth=depth, seconds=seconds)
+        pairs, triples = one["open"]
+        verdict = (
+            "at most two maxima"
+            if not triples
+            else f"not decided, {100 * one['excluded']:.3f} % of the triples of places excluded"
+        )
+        out.say(
+            f"branch on which crease {one['leader']} reaches 180 degrees: {verdict}"
+            f" ({one['leaves'][0]} boxes of pairs, {pairs} open; {one['leaves'][1]} of triples, {triples} open)"
+        )
+        found.append(one)
+    if not any(one["open"][1] for one in found):
+        out.say(
+            "at most 6 stable states within fold limits, for all springs with rest angles within 180 degrees"
+        )
+    out.write("json", lambda: {"branches": found})
+
+
 def archive(
     folder: Annotated[Path, typer.Argument(metavar="DIR", help="Where to; made if it is missing.")],
 ) -> None:
@@ -188,7 +240,7 @@ def archive(
 app = Group(
     "What only readers of the source paper need: its figures, candidates, grids and numbers."
 )
-app.add(reproduce, audit, grid, fractions, limits, counts, archive)
+app.add(reproduce, audit, grid, fractions, limits, counts, maxima, archive)
 
 if __name__ == "__main__":
     main(app)
