@@ -12,6 +12,7 @@ import numpy as np
 
 from origami_nlp.kkt import Solve, Stratum
 from origami_nlp.numerics import CLOSURE_TOL, DEPENDENT, NEAR_SINGULAR_TOL
+from origami_nlp.pattern import HingeLaw
 from origami_nlp.problem import (
     PLANE_ROWS,
     Nlp,
@@ -92,9 +93,11 @@ class Confirmation:
 
 
 @lru_cache(maxsize=64)
-def build_solver(structure: Structure, pairs: Pairs, tolerance: float) -> Solver:
-    """Build IPOPT with separating planes for `pairs` (cached)."""
-    return _built(pose_apart(structure, pairs), OPTIONS, tolerance)
+def build_solver(
+    structure: Structure, pairs: Pairs, tolerance: float, laws: tuple[HingeLaw | None, ...] = ()
+) -> Solver:
+    """Build IPOPT with separating planes for `pairs`, and whole laws (cached)."""
+    return _built(pose_apart(structure, pairs, laws), OPTIONS, tolerance)
 
 
 @lru_cache(maxsize=256)
@@ -114,7 +117,8 @@ def confirm(model: Solvable, stratum: Stratum) -> Confirmation:
     """Solve once from a state with its own multipliers: only closed contacts are rows, each on its open side."""
     gaps = gaps_of(stratum)
     solver = build_warm(model.structure, gaps, tolerance_for(model))
-    return confirm_by(solver, stratum, np.arange(model.equation_count))[0]
+    p = model.parameters.at(stratum.state.x)
+    return confirm_by(solver, stratum, np.arange(model.equation_count), p)[0]
 
 
 def gaps_of(stratum: Stratum) -> tuple[int, ...]:
@@ -132,13 +136,15 @@ def confirm_posed(nlp: Nlp, stratum: Stratum, rows: np.ndarray) -> tuple[Confirm
     forces : numpy.ndarray
         Its multipliers of the contacts, over `scale`, [r].
     """
-    return confirm_by(_built(nlp, WARM, tolerance_for(stratum.state.problem)), stratum, rows)
+    problem = stratum.state.problem
+    solver = _built(nlp, WARM, tolerance_for(problem))
+    return confirm_by(solver, stratum, rows, problem.parameters.vector)
 
 
 def confirm_by(
-    problem: Solver, stratum: Stratum, rows: np.ndarray
+    problem: Solver, stratum: Stratum, rows: np.ndarray, p: np.ndarray
 ) -> tuple[Confirmation, np.ndarray]:
-    """Solve once from a state with its own multipliers, see `confirm_posed`."""
+    """Solve once from a state with its own multipliers, and parameters p, see `confirm_posed`."""
     model, gaps, m, x = stratum.state.problem, gaps_of(stratum), len(rows), stratum.state.x
     lower, upper = problem.lower.copy(), problem.upper.copy()
     pull, row_pull = np.zeros(model.size), np.zeros(len(lower))
@@ -156,7 +162,7 @@ def confirm_by(
     limits = model.fold_limits
     out = problem.solver(
         x0=x,
-        p=model.parameters.vector,
+        p=p,
         lbx=limits.low,
         ubx=limits.high,
         lbg=lower,
@@ -185,7 +191,9 @@ def tolerance_for(model: Problem) -> float:
 
 def solve(model: Solvable, start: np.ndarray, pairs: Pairs = ()) -> Solve:
     """Minimise the energy from `start` [n] with separating planes for `pairs`."""
-    problem = build_solver(model.structure, pairs, tolerance_for(model))
+    laws = model.parameters.laws
+    whole = () if laws is None else laws.laws
+    problem = build_solver(model.structure, pairs, tolerance_for(model), whole)
     n = model.size
     x0 = np.asarray(start, dtype=float)
     low, high = model.fold_limits.low, model.fold_limits.high

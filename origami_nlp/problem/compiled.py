@@ -19,6 +19,7 @@ from origami_nlp.numerics import quaternion as quat
 from origami_nlp.pattern import HingeLaw, flat_points, followed
 from origami_nlp.problem.closure import FoldedExpressions, fold_piece
 from origami_nlp.problem.gaps import Gap, gap_expression
+from origami_nlp.problem.hinge_laws import PIECE
 
 Evaluate = Callable[..., tuple[np.ndarray, ...]]
 
@@ -82,7 +83,7 @@ class Structure:
     gaps: mirror, axis and facet-pair contacts (fold limits are bounds, not listed here).
     pairs: facet pairs that may cross, each as positions of their first rays.
     flat_sheet: whether the sector angles of the vertex sum to 2 pi.
-    laws: hinge laws of the variables (`HingeLaw.origin`), None where a linear spring is; empty where all are.
+    laws: whether a variable has a hinge law in place of a linear spring; empty where none has.
     dead: facets of the points at which forces pull, and first the one that is held, 0-based; empty without forces.
     """
 
@@ -95,7 +96,7 @@ class Structure:
     flat_sheet: bool = True
     dead: tuple[int, ...] = ()
     winding: int = 1
-    laws: tuple[HingeLaw | None, ...] = ()
+    laws: tuple[bool, ...] = ()
 
     @property
     def turn(self) -> Fraction:
@@ -116,9 +117,10 @@ class Structure:
 class Functions:
     """Symbols and compiled CasADi functions of one structure.
 
-    Arguments: x fold angles [n]; p parameters: `Parameters.vector`.
+    Arguments: x fold angles [n]; p parameters: `Parameters.vector`, and with laws their pieces at x
+    (`HingeLaws.pieces_at`), so that the functions are those of every law.
 
-    x, p, energy, piece: the symbols.
+    x, p, energy, piece, shift, laws: the symbols; shift of laws, and their pieces.
     gaps: values of `Structure.gaps` (facet pairs without sign).
     closure(x, p): equations and their Jacobian.
     local(x, p): energy gradient, equations, Jacobian, gaps, Jacobian of gaps.
@@ -139,6 +141,21 @@ class Functions:
     hessian: ca.Function
     rays: ca.Function
     lift: ca.Function
+    shift: ca.SX
+    laws: ca.SX
+
+    def with_laws(self, laws: tuple[HingeLaw | None, ...]) -> tuple[ca.SX, ca.SX]:
+        """Return the parameters without pieces of laws, and the energy with all pieces of laws of their own."""
+        if not laws:
+            return self.p, self.energy
+        none = [ca.SX(0)] * PIECE
+        pieces = [
+            none if law is None else law_piece(law, self.x[v] - self.shift[v])
+            for v, law in enumerate(laws)
+        ]
+        whole = ca.vertcat(*(number for piece in pieces for number in piece))
+        energy = ca.substitute(self.energy, ca.vec(self.laws), whole)
+        return self.p[: self.p.shape[0] - whole.shape[0]], energy
 
     @cached_property
     def evaluators(self) -> dict[str, Evaluate]:
@@ -166,11 +183,20 @@ class Functions:
 
 def law_energy(law: HingeLaw, phi: ca.SX) -> ca.SX:
     """Return the energy of a law as symbols: its own pieces, chosen by the fold angle."""
+    return _piece_energy(law_piece(law, phi), phi)
+
+
+def law_piece(law: HingeLaw, phi: ca.SX) -> list[ca.SX]:
+    """Return the piece of a law at a fold angle as symbols: where it begins, and coefficients of its energy."""
     breaks, coefficients = law.energy_pieces
-    at = ca.pw_const(phi, breaks[1:-1], breaks[:-1])
+    return [ca.pw_const(phi, breaks[1:-1], c) for c in (breaks[:-1], *coefficients)]
+
+
+def _piece_energy(piece: list[ca.SX], phi: ca.SX) -> ca.SX:
+    at, *coefficients = piece
     energy: ca.SX = ca.SX(0)
     for c in coefficients:
-        energy = energy * (phi - at) + ca.pw_const(phi, breaks[1:-1], c)
+        energy = energy * (phi - at) + c
     return energy
 
 
@@ -186,15 +212,18 @@ def compile_structure(structure: Structure) -> Functions:
     held, *facets = s.dead or (0,)
     forces = ca.SX.sym("f", 5, len(facets))  # points and forces
     weight_of_law, shift = ca.SX.sym("w", len(s.laws)), ca.SX.sym("d", len(s.laws))
-    p = ca.vertcat(sectors, stiffness, rest, load, ca.vec(forces), weight_of_law, shift)
+    laws = ca.SX.sym("c", PIECE, len(s.laws))
+    p = ca.vertcat(
+        sectors, stiffness, rest, load, ca.vec(forces), weight_of_law, shift, ca.vec(laws)
+    )
     piece = fold_piece(s.kind, s.turn, s.has_crease, x, sectors, s.flat_piece)
     sines = [ca.sin(sectors[i]) for i in range(sector_count)]
     # paper, eq. 3.1; a variable stands for all creases of its orbit, whose stiffness is summed in k
-    springs = ca.DM([float(law is None) for law in s.laws]) if s.laws else 1.0
+    springs = ca.DM([float(not law) for law in s.laws]) if s.laws else 1.0
     energy = 0.5 * ca.sum1(springs * stiffness * (x - rest) ** 2) - ca.dot(load, x)
-    for v, law in enumerate(s.laws):
-        if law is not None:
-            energy += weight_of_law[v] * law_energy(law, x[v] - shift[v])
+    for v in np.flatnonzero(s.laws).tolist():
+        piece_of_law = ca.vertsplit(laws[:, v])
+        energy += weight_of_law[v] * _piece_energy(piece_of_law, x[v] - shift[v])
     for i, facet in enumerate(facets):
         energy -= quat.dot(
             _carried(held, facet, x, sectors, forces[:2, i]), ca.vertsplit(forces[2:, i])
@@ -218,6 +247,8 @@ def compile_structure(structure: Structure) -> Functions:
         hessian=ca.Function("hessian", [x, p, weight, lam, mu], [ca.hessian(lagrangian, x)[0]]),
         rays=ca.Function("rays", [x, p], [ca.horzcat(*(ca.vertcat(*c) for c in piece.rays))]),
         lift=ca.Function("lift", [x, p], [piece.lift]),
+        shift=shift,
+        laws=laws,
     )
 
 

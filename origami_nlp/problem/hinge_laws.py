@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -11,6 +12,8 @@ from origami_nlp.pattern import HingeLaw
 
 FEWEST_CELLS = 64
 """Of a law, in which its pieces are found."""
+PIECE = 6
+"""Numbers of a piece: where it begins, and coefficients of its energy from the fourth power down."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,21 +88,21 @@ class HingeLaws:
         """Return stiffnesses [..., n] with 0 where a law is in place of the spring."""
         return np.where(self.weight > 0, 0.0, stiffness)
 
-    def _each(self) -> Iterator[tuple[HingeLaw, np.ndarray]]:
-        """Go through different laws, with the variables that have them."""
+    @cached_property
+    def _each(self) -> list[tuple[HingeLaw, np.ndarray]]:
+        """Different laws, with the variables that have them."""
         of: dict[int, tuple[HingeLaw, list[int]]] = {}
         for v, law in enumerate(self.laws):
             if law is not None:
                 of.setdefault(id(law), (law, []))[1].append(v)
-        for law, variables in of.values():
-            yield law, np.array(variables)
+        return [(law, np.array(variables)) for law, variables in of.values()]
 
     def tables(self) -> dict[str, np.ndarray]:
         """Return what compiled descents read: of each variable its law, -1 for none; of each law its pieces, and cells
         of equal width that say on which piece a fold angle is."""
         law, at = np.full(len(self.laws), -1), []
         pieces, grids, cells = [np.zeros((0, 6))], [np.zeros((0, 3))], [np.zeros(0, dtype=int)]
-        for number, (own, variables) in enumerate(self._each()):
+        for number, (own, variables) in enumerate(self._each):
             law[variables] = number
             breaks, c = own.energy_pieces
             low, high, many = breaks[1], breaks[-2], max(FEWEST_CELLS, 2 * c.shape[1])
@@ -121,28 +124,37 @@ class HingeLaws:
             "law_cell": np.concatenate(cells),
         }
 
+    def pieces_at(self, x: np.ndarray) -> np.ndarray:
+        """Return the pieces on which the hinges of states [..., n] are, [..., 6 n]: what compiled functions take."""
+        out, x = np.zeros((*x.shape, PIECE)), x - self.shift
+        for law, variables in self._each:
+            breaks, c = law.energy_pieces
+            piece = np.searchsorted(breaks[1:-1], x[..., variables], "right")
+            out[..., variables, 0], out[..., variables, 1:] = breaks[piece], c.T[piece]
+        return out.reshape(*x.shape[:-1], -1)
+
     def energy(self, x: np.ndarray) -> np.ndarray:
         """Energy of states [..., n], [...]."""
         x = x - self.shift
-        return np.sum([law.energy(x[..., v]) @ self.weight[v] for law, v in self._each()], axis=0)
+        return np.sum([law.energy(x[..., v]) @ self.weight[v] for law, v in self._each], axis=0)
 
     def change(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
         """Energy of y less that of x, [...]."""
         x, y = x - self.shift, y - self.shift
         return np.sum(
-            [law.change(x[..., v], y[..., v]) @ self.weight[v] for law, v in self._each()], axis=0
+            [law.change(x[..., v], y[..., v]) @ self.weight[v] for law, v in self._each], axis=0
         )
 
     def torque(self, x: np.ndarray) -> np.ndarray:
         """Torques [..., n]; 0 where there is no law."""
         out, x = np.zeros(x.shape), x - self.shift
-        for law, v in self._each():
+        for law, v in self._each:
             out[..., v] = self.weight[v] * law.torque(x[..., v])
         return out
 
     def slope(self, x: np.ndarray) -> np.ndarray:
         """Derivatives of the torques [..., n]; 0 where there is no law."""
         out, x = np.zeros(x.shape), x - self.shift
-        for law, v in self._each():
+        for law, v in self._each:
             out[..., v] = self.weight[v] * law.slope(x[..., v])
         return out

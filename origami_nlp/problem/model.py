@@ -133,8 +133,10 @@ class Model(PosedProblem):
         """
         m = self.equation_count
         mu = self.weights(contacts, multipliers[m:])
+        p = self.parameters.at(x)
+        still = np.zeros(len(p) - len(change))  # of the pieces of laws
         torque, closure, gaps = self.functions.drift(
-            x, self.parameters.vector, multipliers[:m], mu, change
+            x, p, multipliers[:m], mu, np.append(change, still)
         )
         # fold limits stay where they are whatever the parameters are
         moved = [0.0 if c.is_limit else c.side * float(gaps[c.index, 0]) for c in contacts]
@@ -152,7 +154,7 @@ class Model(PosedProblem):
             values = self._of_chain(self._chain, name, np.atleast_2d(x), *more)
             return [v[0] for v in values] if x.ndim == 1 else values
         if x.ndim == 1:
-            return list(self.functions.evaluators[name](x, self.parameters.vector, *more))
+            return list(self.functions.evaluators[name](x, self.parameters.at(x), *more))
         k = len(x)
         if k == 0:  # CasADi maps over one state at least
             spare = [
@@ -160,7 +162,7 @@ class Model(PosedProblem):
                 for m in more
             ]
             return [out[:0] for out in self._call(name, np.zeros((1, self.size)), *spare)]
-        columns = (x, np.tile(self.parameters.vector, k), *more)
+        columns = (x, self.parameters.at(x), *more)
         full = mapped(self.structure, name, k)(*(np.reshape(c, -1) for c in columns))
         return [
             f.reshape(len(f), k, -1).transpose(1, 0, 2)

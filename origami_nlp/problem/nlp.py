@@ -9,6 +9,7 @@ import casadi as ca
 import numpy as np
 
 from origami_nlp.numerics import INDEPENDENT, cross
+from origami_nlp.pattern import HingeLaw
 from origami_nlp.problem.compiled import Structure, compile_structure
 from origami_nlp.problem.gaps import separation_rows
 
@@ -29,9 +30,13 @@ class Nlp:
     upper: np.ndarray
 
 
-def pose_apart(structure: Structure, pairs: Pairs) -> Nlp:
-    """Closure, mirrors, the axis, and for each of `pairs` a plane (three more unknowns) between two facets."""
+def pose_apart(structure: Structure, pairs: Pairs, laws: tuple[HingeLaw | None, ...] = ()) -> Nlp:
+    """Closure, mirrors, the axis, and for each of `pairs` a plane (three more unknowns) between two facets.
+
+    Parameters are `Parameters.vector`; laws: those of the variables (`HingeLaws.laws`), where there are any.
+    """
     f = compile_structure(structure)
+    p, energy = f.with_laws(laws)
     walls = [f.gaps[i] for i, gap in enumerate(structure.gaps) if gap.type != "facet-pair"]
     unknowns, rows = [f.x], [f.piece.equations, *walls]
     lower, upper = (
@@ -48,12 +53,15 @@ def pose_apart(structure: Structure, pairs: Pairs) -> Nlp:
         lower += [0.0] * PLANE_ROWS
         upper += [0.0] + [math.inf] * (PLANE_ROWS - 1)
     return Nlp(
-        ca.vertcat(*unknowns), f.p, f.energy, ca.vertcat(*rows), np.array(lower), np.array(upper)
+        ca.vertcat(*unknowns), p, energy, ca.vertcat(*rows), np.array(lower), np.array(upper)
     )
 
 
 def pose_with_gaps(structure: Structure, gaps: tuple[int, ...]) -> Nlp:
-    """Closure, then some gaps as rows (the last ones), each on either side: a caller says which."""
+    """Closure, then some gaps as rows (the last ones), each on either side: a caller says which.
+
+    Parameters are `Parameters.at` a state: of laws its pieces there.
+    """
     f = compile_structure(structure)
     m = f.piece.equations.shape[0]
     rows = ca.vertcat(f.piece.equations, *(f.gaps[i] for i in gaps))

@@ -48,6 +48,15 @@ class Parameters:
         laws = [] if self.laws is None else [self.laws.vector]
         return np.concatenate([self.sectors, self.stiffness, self.rest, self.load, *dead, *laws])
 
+    def at(self, x: np.ndarray) -> np.ndarray:
+        """What compiled functions of a vertex take at states [..., n]: all, and of laws the pieces there, [..., p]."""
+        vector = self.vector
+        if x.ndim > 1:
+            vector = np.broadcast_to(vector, (*x.shape[:-1], len(vector)))
+        if self.laws is None:
+            return vector
+        return np.concatenate([vector, self.laws.pieces_at(x)], axis=-1)
+
     @property
     def plain(self) -> bool:
         """Whether all energy is that of linear springs and of torques."""

@@ -123,7 +123,7 @@ class PosedProblem(Energies, PrettyRepr):
             dead=()
             if (dead := dead_loads(scene.loads, scene.fixed_facet)) is None
             else (dead.held, *dead.facets),
-            laws=tuple(law and law.origin[0] for law in of_creases),
+            laws=tuple(law is not None for law in of_creases),
         )
         crease_rays = [r for r, ray in enumerate(group.rays) if ray.crease is not None]
         position = {r: v for v, r in enumerate(crease_rays)}
