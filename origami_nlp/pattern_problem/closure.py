@@ -179,8 +179,8 @@ class Closure:
             "reference": self.pattern.reference,
         }
 
-    def _turn(self, g: _Group, phi: np.ndarray) -> _Turned:
-        half = 0.5 * (phi - self.pattern.reference)[g.creases]
+    def _turn(self, g: _Group, phi: np.ndarray, reference: np.ndarray) -> _Turned:
+        half = 0.5 * (phi - reference)[g.creases]
         cos, sin = np.cos(half)[..., None], np.sin(half)[..., None]
         count, d = g.creases.shape
         q, turned = np.empty((count, d + 1, 4)), np.empty((count, d, 4))  # q_i and q_i (0, axis)
@@ -203,7 +203,7 @@ class Closure:
         key = phi.tobytes()
         if self._last is None or self._last[0] != key:
             # values, derivatives and tests of one state ask for it in turn
-            self._last = key, [self._turn(g, phi) for g in self._groups]
+            self._last = key, [self._turn(g, phi, self.pattern.reference) for g in self._groups]
         return self._last[1]
 
     def values(self, phi: np.ndarray, at: list[_Turned] | None = None) -> np.ndarray:
@@ -215,6 +215,29 @@ class Closure:
                 # over the sheet's size, so that rows of translation are angles like those of rotation
                 out[g.rows[:, None] + np.arange(3, 6)] = s.t / self.size
         return out
+
+    def at_many(self, phi: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
+        """Evaluate the equations [K, m] and dense Jacobians [K, m, n] at states [K, n]; None round holes, and beyond
+        `MOST_DENSE` creases."""
+        many, n = phi.shape
+        if n > MOST_DENSE or any(g.points is not None for g in self._groups):
+            return None
+        values, entries = np.zeros((many, self.count)), [np.zeros((many, 0))]
+        for g in self._groups:
+            # states beside each other, as if there were so many more loops
+            flat = _Group(
+                (g.creases + n * np.arange(many)[:, None, None]).reshape(-1, g.creases.shape[1]),
+                *(np.concatenate([x] * many) for x in (g.signs, g.axes, g.products)),
+                None,
+                g.rows,
+            )
+            at = self._turn(flat, phi.ravel(), np.tile(self.pattern.reference, many))
+            values[:, (g.rows[:, None] + np.arange(3)).ravel()] = at.q[:, 1:].reshape(many, -1)
+            entries.append(self._derivatives(at).reshape(many, -1))
+        slots, size = self._places.slots, self.count * n
+        places = (slots + size * np.arange(many)[:, None]).ravel()
+        whole = np.bincount(places, np.concatenate(entries, axis=1).ravel(), size * many)
+        return values, whole.reshape(many, self.count, n)
 
     def closes(self, phi: np.ndarray) -> bool:
         """Return whether every loop closes with q = +1."""

@@ -17,6 +17,7 @@ from .contact import (
     FoldLimits as FoldLimits,
     LoopClosure as LoopClosure,
     held as held,
+    openings as openings,
 )
 from .gaps import Gap as Gap, separation_rows as separation_rows
 from .hinge_laws import HingeLaws as HingeLaws

@@ -208,12 +208,13 @@ def _check_sheet(
         check.run()
     except Refused as problem:
         refused = str(problem)
-    many = len(said.minima)
+    # of a strip all that are listed, or it is refused
+    found = check.confirmed if isinstance(check, MeshCheck) else range(1, len(said.minima) + 1)
     return Check(
         refused,
-        () if refused else tuple(range(1, many + 1)),
+        () if refused else tuple(found),
         tuple(m.fold_angles for m in said.minima),
-        {0: many, 1: check.maxima},
+        {0: len(found), 1: check.maxima},
         () if refused else tuple(check.open),
         dict(sorted(check.counts.items())),
         (f"python-flint {flint.__version__} ({BITS} bits), Python, NumPy for suggestions", *about),

@@ -23,6 +23,7 @@ from typing import Any, NamedTuple
 
 from flint import arb, arb_series, ctx
 
+from origami_nlp.proof.check_lists import STATED, is_listed, refuse_wide, within
 from origami_nlp.proof.check_points import Refused
 from origami_nlp.proof.check_strip_sheet import FlatDisk, product_round
 from origami_nlp.proof.check_strips import BITS
@@ -30,10 +31,10 @@ from origami_nlp.proof.mesh_certificate import MeshCertificate
 
 EXACT = 1e-12
 """Deviation from exact relations, beyond which a file is not of the sheet that is meant [rad]."""
-STATED = 1e-11
-"""Beyond its radius, by how much a fold angle may be listed off [rad]."""
 DEPTH = 50
 """Halvings of an interval of T, at most."""
+PIECES = 4_000
+"""Intervals of T of one curve that are looked at, at most: a file must not keep the check for ever."""
 ZERO, TURNED, FREE = range(3)
 
 
@@ -67,6 +68,7 @@ class MeshCheck:
     def __init__(self, said: MeshCertificate, progress: Callable[[int, int], object]) -> None:
         self.said, self.progress = said, progress
         self.open: list[str] = []
+        self.confirmed: list[int] = []
         self.maxima = 0
         self.counts = {"sets": 0, "curves": 0}
         self._zeros: dict[RowGroup, list[tuple[int, Any]]] = {}
@@ -94,6 +96,7 @@ class MeshCheck:
 
     def _sheet(self) -> None:
         self.disk = FlatDisk(self.said)
+        refuse_wide(self.said.minima)
         rings = {v: self.disk.round(v) or [] for v in sorted(self.disk.inside)}
         n = len(self.said.creases)
         row = list(range(n))
@@ -306,8 +309,10 @@ class MeshCheck:
         """Return intervals in which U'' has a sign, beyond which U' has one."""
         front = [(low, high, 0)]
         found: list[tuple[float, float, int]] = []
+        looked = 0
         while front:
             a, b, depth = front.pop()
+            looked += 1
             first, second = self._chart(group, side, arb(a).union(arb(b)))
             middle = 0.5 * (a + b)
             at = self._chart(group, side, arb(middle))[0] + second * arb(0, 0.5 * (b - a))
@@ -318,7 +323,7 @@ class MeshCheck:
                     found[-1] = (a, found[-1][1], bend)
                 else:
                     found.append((a, b, bend))
-            elif depth == DEPTH:
+            elif depth == DEPTH or looked > PIECES:
                 self.open.append(f"where the energy is least along a curve, near T = {a:.6g}")
             else:
                 front += [(a, middle, depth + 1), (middle, b, depth + 1)]
@@ -427,21 +432,20 @@ class MeshCheck:
             near = [
                 k
                 for k, (_, m) in enumerate(left)
-                if all(
-                    bool(abs(a - x) <= 2 * arb(m.radius) + STATED)
-                    for a, x in zip(folds, m.fold_angles, strict=True)
-                )
+                if all(is_listed(a, x, m.radius) for a, x in zip(folds, m.fold_angles, strict=True))
             ]
-            if not near and not self.said.undecided:
+            if near:
+                self.confirmed.append(left.pop(near[0])[0])
+            elif not any(within(folds, one) for one in self.said.undecided):
                 angles = ", ".join(f"{math.degrees(float(f.mid())):.6g}" for f in folds)
                 raise Refused(f"a minimum is not listed: fold angles ({angles}) deg")
-            if near:
-                del left[near[0]]
         if left and not self.open:
             raise Refused(f"minimum {left[0][0]} does not follow from the sheet and its springs")
         self.open = list(dict.fromkeys(self.open)) + [
             one.reason for one in self.said.undecided if not self.open
         ]
+        self.open += [f"minimum {number} of the list: not found again" for number, _ in left]
+        self.confirmed.sort()
 
 
 def _plus(one: Counter[int], two: Counter[int], times: int) -> Counter[int]:

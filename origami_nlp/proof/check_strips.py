@@ -16,6 +16,7 @@ from typing import Any, NamedTuple
 
 from flint import arb, ctx
 
+from origami_nlp.proof.check_lists import refuse_wide
 from origami_nlp.proof.check_points import Refused
 from origami_nlp.proof.check_strip_boxes import ThetaBall
 from origami_nlp.proof.check_strip_contact import CheckedContact
@@ -91,6 +92,7 @@ class StripCheck:
         said = self.said
         if any(not k >= 0 for k in said.stiffness):
             raise Refused("a stiffness is negative")
+        refuse_wide(said.minima)
         self.sheet = FlatSheet(said)
         self.contact = CheckedContact(self.sheet) if said.contact else None
         every = {(1, *rest) for rest in itertools.product((1, -1), repeat=len(said.row) - 1)}
@@ -392,7 +394,7 @@ class StripCheck:
             over = self.over(one.curve, *((-half, -half) if low < 0 else (half, half)))
         over.follow(minimum.fold_angles)
         for said, angle in zip(minimum.fold_angles, over.folds, strict=True):
-            if not abs(angle - said) <= 2 * arb(minimum.radius) + STATED:
+            if not abs(angle - said) <= arb(minimum.radius) + STATED:
                 raise Refused(f"{name}: its fold angles are not those of its theta")
 
     def _reached(self, one: Found, number: int, minimum: CertifiedMinimum) -> None:

@@ -1,0 +1,51 @@
+"""What listed states of a pattern say, for the check of a proof: which of those found again each of them is."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+from flint import arb
+
+from origami_nlp.proof.check_points import Refused
+from origami_nlp.proof.sheet_certificate import CertifiedState, OpenInterval
+
+STATED = 1e-11
+"""Beyond its radius, by how much a fold angle may be listed off [rad]."""
+WIDEST = 1e-6
+"""Radius within which a minimum is listed, at most [rad]: a wider one names no state."""
+
+
+def refuse_wide(minima: Sequence[CertifiedState]) -> None:
+    """Refuse a list in which a minimum is not told from others, by its radius.
+
+    Raises
+    ------
+    Refused
+        With the first.
+    """
+    for number, one in enumerate(minima, start=1):
+        if not 0 <= one.radius <= WIDEST:
+            raise Refused(
+                f"minimum {number} is listed to within {one.radius:.3g} rad: at most {WIDEST:g}"
+            )
+
+
+def is_listed(angle: Any, said: float, radius: float) -> bool:
+    """Return whether a fold angle is what is listed: 0 exactly, at +-180 degrees exactly, or to within a radius."""
+    if angle.is_zero() or abs(said) == math.pi or not said:
+        return bool(angle.is_zero() and not said) or bool(said * angle > 0 and _is_half_turn(angle))
+    return not _is_half_turn(angle) and bool(abs(angle - said) <= arb(radius) + STATED)
+
+
+def _is_half_turn(angle: Any) -> bool:
+    return bool((abs(angle) - arb.pi()).contains(0))
+
+
+def within(folds: Sequence[Any], one: OpenInterval) -> bool:
+    """Return whether a state may be in what is left open."""
+    return all(
+        bool(low - STATED <= a) and bool(a <= high + STATED)
+        for a, low, high in zip(folds, one.lower, one.upper, strict=True)
+    )
