@@ -227,7 +227,9 @@ class Closure:
             # states beside each other, as if there were so many more loops
             flat = _Group(
                 (g.creases + n * np.arange(many)[:, None, None]).reshape(-1, g.creases.shape[1]),
-                *(np.concatenate([x] * many) for x in (g.signs, g.axes, g.products)),
+                np.concatenate([g.signs] * many),
+                np.concatenate([g.axes] * many),
+                np.concatenate([g.products] * many),
                 None,
                 g.rows,
             )

@@ -56,7 +56,7 @@ from origami_nlp.pattern_states.judgement import (
     stationary_beside,
 )
 from origami_nlp.pattern_states.noise import NOISE, with_survival
-from origami_nlp.pattern_states.proved import is_tried, prove_list
+from origami_nlp.pattern_states.proved import covers, is_tried, prove_list
 from origami_nlp.proof import ProofOptions
 from origami_nlp.starts import (
     OWN,
@@ -75,6 +75,9 @@ BRANCHES = "branch directions"
 """Out of the flat state and of others where curves meet, as starts."""
 OUT = 0.2
 """First step out of a state where curves meet, of the longest fold angle [rad]."""
+PROOF = "the proof that the list is complete"
+OF_PROOF = 0.4
+"""Share of the time of a search that is kept for a proof that is asked for."""
 SECONDS = 300.0
 """For a search, of wall time."""
 
@@ -111,7 +114,9 @@ def find_states(
         Wall time for the search, give or take a second: what was left out is named.  None: 300 s.
     escape, noise, effort, options, max_starts, prove
         As for `minima.find_minima`; errors are those of springs and of the positions of vertices, proofs are for strips
-        of vertices of degree four (`proof.prove_strip`), unasked of up to two, or three within fold limits.
+        of vertices of degree four (`proof.prove_strip`), unasked of up to two, or three within fold limits, and for
+        meshes whose vertices fold flat (`proof.prove_mesh`).  A proof that is asked for has its share of the time; of
+        a mesh within fold limits it comes first, and where it is complete nothing else is searched for.
     progress
         Called as progress(starts, minima, what the search is at), after each start and each minimum.
     found
@@ -153,27 +158,17 @@ def find_states(
     search = _Search(pattern, contact, begin + seconds, asked)
     search.progress, search.found = progress, found
     search.tally.seed, search.tally.effort = seed, OWN if options else effort
-    for start in Given(search.problem.pattern).states():
-        search.part(Given.name, search.explore, start, Given.name)
-    if pattern.is_flat:
-        search.part("branch directions of the flat state", search.from_crossroads)
-    if len(pattern.vertices) == 1 and not (pattern.holes or pattern.cell):
-        search.part("the search for single vertices", search.round_the_vertex, seed)
-    limits = asked.most_popped * starts, asked.most_on * starts
-    search.part(OtherWells.name, search.snap, *limits)
-    for k in range(min(asked.most_drawn * starts, most)):
-        if not search.part("random starts", search.draw, rng, k) or search.tally.quiet == starts:
-            break
-    search.part(Signed.name, search.sign, pattern)
-    search.part(FoldedVertices.name, search.fold_vertices, asked.most_folded * starts)
-    known = None
-    while known != (known := search.count()):  # what one leads to, the others go on from
-        search.part(OtherWells.name, search.snap, *limits)
-        search.part(Popped.name, search.pop, *limits)
-        search.part(Pushed.name, search.push, asked.most_pushed * starts, asked.most_on * starts)
-    search.part("images of minima under symmetries", search.add_images)
-    if is_tried(pattern, prove, contact):
-        search.part("the proof that the list is complete", search.prove, pattern, prove)
+    wanted = prove is not None and prove is not False
+    if wanted and covers(pattern, contact):
+        search.part(PROOF, search.prove, pattern, prove)
+    if not search.proved:
+        until = search.problem.until
+        search.problem.until -= OF_PROOF * seconds * wanted
+        search.go(pattern, rng, seed, starts, most)
+        if not search.tally.interrupted:
+            search.problem.until = until
+        if is_tried(pattern, prove, contact):
+            search.part(PROOF, search.prove, pattern, prove)
     if escape:
         search.part("escape barriers", search.add_escapes)
     if noise is not None:
@@ -203,6 +198,40 @@ class _Search(FromMinima):
         self._planes: list[tuple[np.ndarray, np.ndarray]] = []
         self._families = families_in_turn(self.problem, self.labels)
         self._side = self.labels.drawn(np.random.default_rng(0).normal(size=pattern.creases))
+
+    @property
+    def proved(self) -> bool:
+        """Whether all that was found is proved to be all."""
+        return self.completeness is not None and self.completeness.proved
+
+    def go(
+        self, pattern: Pattern, rng: np.random.Generator, seed: int, starts: int, most: int
+    ) -> None:
+        """Search, with so many random starts in a row that find nothing new, and so many of them at most."""
+        for start in Given(self.problem.pattern).states():
+            self.part(Given.name, self.explore, start, Given.name)
+        if pattern.is_flat:
+            self.part("branch directions of the flat state", self.from_crossroads)
+        if len(pattern.vertices) == 1 and not (pattern.holes or pattern.cell):
+            self.part("the search for single vertices", self.round_the_vertex, seed)
+        limits = self.options.most_popped * starts, self.options.most_on * starts
+        self.part(OtherWells.name, self.snap, *limits)
+        for k in range(min(self.options.most_drawn * starts, most)):
+            if not self.part("random starts", self.draw, rng, k) or self.tally.quiet == starts:
+                break
+        self.part(Signed.name, self.sign, pattern)
+        self.part(FoldedVertices.name, self.fold_vertices, self.options.most_folded * starts)
+        known = None
+        while known != (known := self.count()):  # what one leads to, the others go on from
+            self.part(OtherWells.name, self.snap, *limits)
+            self.part(Popped.name, self.pop, *limits)
+            self.part(
+                Pushed.name,
+                self.push,
+                self.options.most_pushed * starts,
+                self.options.most_on * starts,
+            )
+        self.part("images of minima under symmetries", self.add_images)
 
     def settle(self, phi: np.ndarray) -> None:
         """Go downhill from a state that all but closes, on either side of saddles, and judge what is reached."""

@@ -42,6 +42,14 @@ def is_tried(pattern: Pattern, wanted: bool | float | ProofOptions | None, conta
     return many < FEW and not contact and not why_no_mesh(pattern)
 
 
+def covers(pattern: Pattern, contact: bool) -> bool:
+    """Return whether a proof of a pattern lists all that is asked by itself.
+
+    Strips are searched as well: that is quick, and their curves say what it takes to leave a state.
+    """
+    return not contact and bool(why_no_strip(pattern)) and not why_no_mesh(pattern)
+
+
 def prove_list(
     pattern: Pattern,
     problem: PatternProblem,
@@ -115,6 +123,7 @@ def hold_against(
     judged: list[JudgedState] = []
     shown = [m.fold_angles for m in proof.minima]
     for minimum in proof.minima:
+        problem.check_time()
         within = minimum.radius + DUPLICATE_TOL
         near = [s for s in known if np.abs(s.phi - minimum.fold_angles).max() <= within]
         if not near:

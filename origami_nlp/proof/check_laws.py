@@ -18,6 +18,7 @@ from flint import arb, fmpq
 
 from origami_nlp.pattern import HingeLaw, Scene
 from origami_nlp.proof.check_forms import AROUND, SQUARE, Form, parts
+from origami_nlp.proof.strip_certificate import StatedLaw
 
 
 def laws_of(scene: Scene, creases: Sequence[int]) -> list[ExactLaw | None]:
@@ -40,7 +41,7 @@ class ExactLaw:
         A torque that is taken off.
     """
 
-    def __init__(self, law: HingeLaw, preload: float) -> None:
+    def __init__(self, law: HingeLaw | StatedLaw, preload: float) -> None:
         breaks = [Fraction(b) for b in law.breaks]
         value, energy = Fraction(law.coefficients[0][3]) - Fraction(preload), Fraction(0)
         self.breaks, self.inner, self.preload = law.breaks, law.breaks[1:-1], arb(preload)

@@ -23,6 +23,7 @@ from typing import Any, NamedTuple, Protocol
 
 from flint import arb, arb_series, fmpq
 
+from origami_nlp.proof.check_laws import ExactLaw
 from origami_nlp.proof.check_points import Refused
 from origami_nlp.proof.sheet_certificate import StatedSheet
 from origami_nlp.proof.strip_certificate import StripCertificate
@@ -143,7 +144,39 @@ class FlatSheet(FlatDisk):
         super().__init__(said)
         self.said = said
         self.vertices, self.squares = self._row()
+        laws = said.laws or (None,) * len(self.rest)
+        self.laws = [None if law is None else ExactLaw(law, 0.0) for law in laws]
+        self.stops = dict(self._stops())
         self.across = [c for v in self.vertices for c in (v.creases[1], v.creases[3])]
+
+    def _stops(self) -> Iterator[tuple[tuple[int, int], float]]:
+        """Yield fold limits within +-180 degrees, by crease and side."""
+        for crease, pair in enumerate(self.said.limits):
+            if not -math.pi <= pair[0] < pair[1] <= math.pi or 0.0 in pair:
+                raise Refused(
+                    f"fold limits of crease {crease + 1} are none, or one is at 0 degrees"
+                )
+            yield from (
+                ((crease, s), x) for s, x in zip((-1, 1), pair, strict=True) if abs(x) < math.pi
+            )
+
+    def torque(self, crease: int, fold: Any) -> Any:
+        """Return the torque of a crease over a ball of fold angles."""
+        law = self.laws[crease]
+        if law is None:
+            return self.stiffness[crease] * (fold - self.rest[crease])
+        return law.at(fold) if fold.is_finite() else arb.nan()
+
+    def bend(self, crease: int, fold: Any) -> Any:
+        """Return all slopes of the torque over a ball of fold angles."""
+        law = self.laws[crease]
+        if law is None:
+            return self.stiffness[crease]
+        return law.slope(fold) if fold.is_finite() else arb.nan()
+
+    def room(self, stop: tuple[int, int], fold: Any) -> Any:
+        """Return how far a fold angle is from a stop, negative beyond."""
+        return stop[1] * (arb(self.stops[stop]) - fold)
 
     def _row(self) -> tuple[list[Round], list[Fraction]]:
         said, at = self.said, {v: self.round(v) for v in self.inside}

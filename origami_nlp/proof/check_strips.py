@@ -24,8 +24,8 @@ from origami_nlp.proof.check_strip_sheet import FlatSheet, turned
 from origami_nlp.proof.strip_certificate import (
     CertifiedCurve,
     CertifiedMinimum,
-    CertifiedTouch,
     StripCertificate,
+    TouchingBox,
 )
 
 BITS = 128
@@ -127,8 +127,35 @@ class StripCheck:
         if listed != [k for k, c in enumerate(curve.claims) if c == "touching"]:
             raise Refused(f"touches of curve {number + 1} are not those of its boxes")
 
-    def _touches(self, curve: CertifiedCurve, k: int) -> tuple[CertifiedTouch, ...]:
-        return next(t.touches for t in curve.touches if t.box == k)
+    def _touches(self, curve: CertifiedCurve, k: int) -> TouchingBox:
+        found = next(t for t in curve.touches if t.box == k)
+        if any((s.crease, s.side) not in self.sheet.stops for s in found.stops):
+            raise Refused("a stop of a box is none of the sheet's")
+        return found
+
+    def _meets(self, over: ThetaBall, met: TouchingBox) -> int:
+        """Return the sign of the slope of all gaps, and rooms of stops, of a box; 0: not certain, or they have two."""
+        slopes = set()
+        if met.touches:
+            assert self.contact is not None
+            slopes.add(self.contact.touches(over, met.touches))
+        elif self.contact is not None and not self.contact.apart(over):
+            return 0
+        for stop in met.stops:
+            rate = -stop.side * over.box.folds[stop.crease][1]
+            slopes.add(1 if rate > 0 else -1 if rate < 0 else 0)
+        return slopes.pop() if len(slopes) == 1 else 0
+
+    def _gaps(self, over: ThetaBall, met: TouchingBox) -> list[int]:
+        """Return the signs of gaps at one state, then of the rooms of stops; 0: not certain."""
+        found = []
+        if met.touches:
+            assert self.contact is not None
+            found += self.contact.gaps(over, met.touches)
+        for stop in met.stops:
+            room = self.sheet.room((stop.crease, stop.side), over.folds[stop.crease])
+            found.append(1 if room > 0 else -1 if room < 0 else 0)
+        return found
 
     def _confirm(self, number: int, curve: CertifiedCurve, k: int, claim: str) -> None:
         low, high = curve.ends[k : k + 2]
@@ -136,15 +163,15 @@ class StripCheck:
             if claim == "open":
                 self.open.append(f"{self._name(number, low, high)}: not decided")
             return
-        touches = self._touches(curve, k) if claim == "touching" else ()
-        if claim in ("crossing", "touching") and self.contact is None:
+        met = self._touches(curve, k) if claim == "touching" else TouchingBox(k, ())
+        if (claim == "crossing" or met.touches) and self.contact is None:
             raise Refused(f"{self._name(number, low, high)}: facets are not asked about")
         slope = 0
         front = [(arb(low), arb(high), 0)]
         while front:
             a, b, depth = front.pop()
             over = self.over(number, a, b)
-            sign = self._shows(over, claim, touches)
+            sign = self._shows(over, claim, met)
             if sign and slope in (0, sign):
                 slope = sign if claim == "touching" else 0
                 continue
@@ -153,19 +180,18 @@ class StripCheck:
             middle = ((a + b) / 2).mid()
             front += [(a, middle, depth + 1), (middle, b, depth + 1)]
 
-    def _shows(self, over: ThetaBall, claim: str, touches: Sequence[CertifiedTouch]) -> int:
+    def _shows(self, over: ThetaBall, claim: str, met: TouchingBox) -> int:
         """Return +-1 if a claim certainly holds over a box, for touches the sign of their gaps' slope; else 0."""
         if claim == "outside":
             return int(over.outside())
         if claim == "crossing":
             assert self.contact is not None
             return int(over.known and self.contact.crosses(over))
-        if not over.inside():
+        if not over.inside([(s.crease, s.side) for s in met.stops]):
             return 0
         first, second = over.slope()
         if claim == "touching":
-            assert self.contact is not None
-            return self.contact.touches(over, touches) if first > 0 or first < 0 else 0
+            return self._meets(over, met) if first > 0 or first < 0 else 0
         value = {"rising": first, "falling": -first, "convex": second, "concave": -second}[claim]
         if not value > 0:
             return 0
@@ -216,11 +242,10 @@ class StripCheck:
                             self.found.append(Found(number, theta, theta, "end"))
 
     def _touch(self, number: int, curve: CertifiedCurve, k: int, ends: tuple[bool, bool]) -> None:
-        """Add the state where facets meet within a box, if U falls towards it, and the end of a curve."""
-        assert self.contact is not None
+        """Add the state where facets meet, or a crease its stop, if U falls towards it, and the end of a curve."""
         low, high = curve.ends[k : k + 2]
-        touches = self._touches(curve, k)
-        gaps = [min(self.contact.gaps(self.over(number, x, x), touches)) for x in (low, high)]
+        met = self._touches(curve, k)
+        gaps = [min(self._gaps(self.over(number, x, x), met)) for x in (low, high)]
         slope = self._slope(number, ((arb(low) + arb(high)) / 2).mid())
         if 0 in (*gaps, slope):
             self.open.append(f"{self._name(number, low, high)}: the gap at an end")
@@ -280,6 +305,7 @@ class StripCheck:
                     sure = False
             first, _ = over.slope()
             sign = 1 if first > 0 else -1 if first < 0 else 0
+            sure = sure and over.within_stops()
             if sure and sign and self.contact is not None:
                 sure = self.contact.apart(over, weakly=True)
             if not (sure and sign):
@@ -346,7 +372,7 @@ class StripCheck:
         """
         signs = [curve.signs for curve in self.said.curves]
         left = list(enumerate(self.said.minima, start=1))
-        at_rest = not any(self.said.rest)
+        at_rest = self._rests_flat()
         flat = 0
         for one in self.found:
             matching = [
@@ -373,19 +399,22 @@ class StripCheck:
             raise Refused(f"{self.maxima} maxima lie inside the curves, not {self.said.maxima}")
         self.open += [f"{one.reason}" for one in self.said.undecided if not self.open]
 
+    def _rests_flat(self) -> bool:
+        return not any(self.said.rest) and not any(self.said.laws)
+
     def _agrees(self, one: Found, number: int, minimum: CertifiedMinimum) -> None:
         """Refuse a minimum that is listed where it is not, or with other fold angles."""
         low, high = minimum.theta
         over = self.over(one.curve, low, high)
         name = f"minimum {number}"
         if one.kind == "inside":
-            at_rest = not any(self.said.rest)
+            at_rest = self._rests_flat()
             if not (self._slope(one.curve, low) < 0 < self._slope(one.curve, high)):
                 if not (at_rest and low <= 0 <= high):
                     raise Refused(f"{name}: U' does not change its sign where it is listed")
             elif low <= 0 <= high and not at_rest:
                 raise Refused(f"{name} is not distinguished from the flat state")
-        if (one.kind == "held") != bool(minimum.touching):
+        if (one.kind == "held") != bool(minimum.touching or minimum.stops):
             raise Refused(f"{name}: what holds it is not what is listed")
         if one.kind in ("limit", "held"):
             self._reached(one, number, minimum)
@@ -401,19 +430,24 @@ class StripCheck:
         """Refuse a state at a limit, or where facets meet, that is not between the two numbers listed."""
         low, high = minimum.theta
         if one.kind == "held":
-            assert self.contact is not None
             curve = self.said.curves[one.curve]
             k = next(i for i, end in enumerate(curve.ends) if end == one.low)
-            touches = self._touches(curve, k)
-            at = [self.contact.gaps(self.over(one.curve, x, x), touches) for x in (low, high)]
+            met = self._touches(curve, k)
+            at = [self._gaps(self.over(one.curve, x, x), met) for x in (low, high)]
             both = list(zip(*at, strict=True))
             # those that are open at both ends are open between them
-            meet = [t for t, (p, q) in zip(touches, both, strict=True) if min(p, q) <= 0]
-            if not meet or any(max(p, q) < 0 for p, q in both):
+            meet = [min(p, q) <= 0 for p, q in both]
+            if not any(meet) or any(max(p, q) < 0 for p, q in both):
                 raise Refused(f"minimum {number}: facets do not meet where it is listed")
-            pairs = {(min(t.facets), max(t.facets)) for t in meet}
-            if {(min(p), max(p)) for p in minimum.touching} != pairs:
-                raise Refused(f"minimum {number}: other facets touch than those listed")
+            many = len(met.touches)
+            pairs = {
+                (min(t.facets), max(t.facets))
+                for t, m in zip(met.touches, meet[:many], strict=True)
+                if m
+            }
+            stops = {s for s, m in zip(met.stops, meet[many:], strict=True) if m}
+            if {(min(p), max(p)) for p in minimum.touching} != pairs or {*minimum.stops} != stops:
+                raise Refused(f"minimum {number}: other facets touch, or stops, than those listed")
             return
         ends = [self.over(one.curve, x, x) for x in (low, high)]
         if not (any(e.inside() for e in ends) and any(e.outside() for e in ends)):

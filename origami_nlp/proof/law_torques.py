@@ -195,6 +195,23 @@ class LawPieces:
         out[2] += ROUND * size
         return np.asarray(out)
 
+    def slopes(self, low: np.ndarray, high: np.ndarray) -> np.ndarray:
+        """Bound the slopes between angles: least and most, [2, K]."""
+        first, last = self.touched(low, high)
+        left = self._over(first, low, np.maximum(low, np.minimum(high, self._end(first))))[1]
+        right = self._over(last, np.minimum(high, np.maximum(low, self._begin(last))), high)[1]
+        most = np.maximum(left[1], right[1])
+        least = np.minimum(left[0], right[0])
+        most = np.maximum(most, self._stiffest.largest(first + 1, last - 1))
+        least = np.minimum(least, -self._softest.largest(first + 1, last - 1))
+        return np.array([least, most])
+
+    def _begin(self, piece: np.ndarray) -> np.ndarray:
+        return np.where(piece > 0, self.breaks[piece], -np.inf)
+
+    def _end(self, piece: np.ndarray) -> np.ndarray:
+        return np.where(piece < len(self.c) - 1, self.breaks[piece + 1], np.inf)
+
     def at(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Torque and slope at angles [...]."""
         piece = np.searchsorted(self.inner, x, side="right")

@@ -320,7 +320,9 @@ def why_no_mesh(pattern: Pattern) -> str:
     'vertex 0 has not four creases'
     """
     if pattern.limits:
-        return "creases have stops: proofs know fold limits of +-180 degrees only"
+        return "creases have stops: proofs of meshes know fold limits of +-180 degrees only"
+    if pattern.laws:
+        return "creases have hinge laws: proofs of meshes know linear springs only"
     return as_folding_mesh(pattern)[1]
 
 

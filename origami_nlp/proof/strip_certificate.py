@@ -2,13 +2,13 @@
 
 Schema ``origami-nlp/strip-proof/1``.  Corners, stiffness and rest angles are the doubles of the pattern.  Theta is half
 the fold angle of the crease along the row that folds most, times its sign on the curve.  Each box between two ``ends``
-of a curve has one of `CLAIMS`.  Nothing in a file is evaluated.
+of a curve has one of `CLAIMS`.  Nothing in a file is evaluated.  Stops and hinge laws stand there where there are any.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, Literal, TypeAlias
 
 from origami_nlp.errors import CertificateError
@@ -41,11 +41,28 @@ class CertifiedTouch:
 
 
 @dataclass(frozen=True)
+class CertifiedStop:
+    """A crease that reaches a stop of its own, the upper one (1) or the lower."""
+
+    crease: int
+    side: Literal[-1, 1]
+
+
+@dataclass(frozen=True)
+class StatedLaw:
+    """A hinge law: breaks [B + 1] [rad], and coefficients of the torque [B, 4], as `HingeLaw` has them."""
+
+    breaks: tuple[Finite, ...]
+    coefficients: tuple[tuple[Finite, ...], ...]
+
+
+@dataclass(frozen=True)
 class TouchingBox:
-    """The touches of a box of a curve, by its number."""
+    """The touches of a box of a curve, by its number, and creases that reach stops there."""
 
     box: int
     touches: tuple[CertifiedTouch, ...]
+    stops: tuple[CertifiedStop, ...] = field(default=(), metadata={"omit": True})
 
 
 @dataclass(frozen=True)
@@ -65,6 +82,7 @@ class CertifiedMinimum(CertifiedState):
     signs: tuple[Literal[-1, 1], ...]
     theta: tuple[Finite, Finite]
     touching: tuple[tuple[int, int], ...]
+    stops: tuple[CertifiedStop, ...] = field(default=(), metadata={"omit": True})
 
 
 @dataclass(frozen=True)
@@ -85,6 +103,10 @@ class StripCertificate(StatedSheet):
         How many lie inside the curves.
     undecided
         What is left open.
+    limits
+        Low and high fold limit of each crease [n, 2] [rad]; none where all are +-pi.
+    laws
+        Of each crease with a hinge law, [n]; none where all are springs.
     """
 
     contact: bool
@@ -93,6 +115,8 @@ class StripCertificate(StatedSheet):
     minima: tuple[CertifiedMinimum, ...]
     maxima: int
     undecided: tuple[OpenInterval, ...]
+    limits: tuple[tuple[Finite, Finite], ...] = field(default=(), metadata={"omit": True})
+    laws: tuple[StatedLaw | None, ...] = field(default=(), metadata={"omit": True})
 
 
 def strip_to_dict(certificate: StripCertificate) -> dict[str, Any]:
@@ -109,6 +133,13 @@ def strip_from_dict(data: dict[str, Any]) -> StripCertificate:
     for i, curve in enumerate(said.curves, start=1):
         sizes.append((f"curves[{i}].signs", curve.signs, len(said.row)))
         sizes.append((f"curves[{i}].ends", curve.ends, len(curve.claims) + 1))
+    for name in ("limits", "laws"):
+        if getattr(said, name):
+            sizes.append((name, getattr(said, name), n))
+    for i, law in enumerate(said.laws, start=1):
+        if law is not None:
+            sizes.append((f"laws[{i}].coefficients", law.coefficients, len(law.breaks) - 1))
+            sizes += [(f"laws[{i}].coefficients", row, 4) for row in law.coefficients]
     check_sheet(said, said.minima, sizes)
     if not all(0 <= c < n for c in said.row):
         raise CertificateError("row of the proof must be numbers of its creases")

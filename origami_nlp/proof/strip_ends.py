@@ -8,7 +8,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from origami_nlp.proof.affine import UNIT, variables
-from origami_nlp.proof.ball_vectors import part
 from origami_nlp.proof.balls import Ball
 from origami_nlp.proof.strip_contact import (
     APART,
@@ -25,10 +24,14 @@ from origami_nlp.proof.strip_energy import (
     OPEN,
     OUTSIDE,
     RISING,
+    Stop,
+    StopTouch,
     StripEnergy,
     ThetaStretch,
     kinds_of_boxes,
 )
+
+BALL = ("centre", "radius")
 
 
 @dataclass(frozen=True)
@@ -49,6 +52,8 @@ class StripMinimum:
         Whether a crease is at +-pi there.
     touching
         Pairs of facets (polygons of the pattern, from 0) that hold it; none but with contact.
+    stops
+        Creases (from 0) at stops within +-180 degrees that hold it, each with the side, +1 for the upper one.
     """
 
     signs: tuple[int, ...]
@@ -57,6 +62,7 @@ class StripMinimum:
     radius: float
     at_limit: bool
     touching: tuple[tuple[int, int], ...] = ()
+    stops: tuple[tuple[int, int], ...] = ()
 
 
 class CurveEnds:
@@ -66,7 +72,7 @@ class CurveEnds:
         self,
         energy: StripEnergy,
         contact: StripContact | None,
-        touches: dict[tuple[float, float, float], tuple[FacetTouch, ...]],
+        touches: dict[tuple[float, float, float], tuple[FacetTouch | StopTouch, ...]],
     ) -> None:
         self.energy, self.maxima = energy, 0
         self.contact, self.touches = contact, touches
@@ -90,7 +96,10 @@ class CurveEnds:
             elif piece.contact == CROSSING or piece.kind == OUTSIDE:
                 continue
             elif piece.contact == UNKNOWN:
-                self._leave(piece, "whether facets cross is not decided in the smallest boxes")
+                self._leave(
+                    piece,
+                    "whether facets cross, or creases are at stops, is not decided in the smallest boxes",
+                )
                 continue
             elif piece.contact == TOUCHING and piece.kind != LIMIT:
                 self._touch(piece, before is None, after is None)
@@ -164,13 +173,24 @@ class CurveEnds:
         held = {self.energy.across[i]: side for i, side in piece.at_limits(toward).items()}
         return self.contact.at_limits(facets, boxes.angles, held)
 
-    def _gaps(self, piece: ThetaStretch, touch: tuple[FacetTouch, ...], theta: float) -> Ball:
-        """Return the gaps of facets that meet at one state of a piece."""
-        at = self.energy.over(np.array([int(piece.curve)]), *np.array([[theta], [theta]])).at
-        assert self.contact is not None
-        return part(self.contact.gaps(touch, at), np.s_[:, 0])
+    def _gaps(
+        self, piece: ThetaStretch, touch: tuple[FacetTouch | StopTouch, ...], theta: float
+    ) -> Ball:
+        """Return the gaps of facets that meet at one state of a piece, then what is left of stops."""
+        at = self.energy.over(np.array([int(piece.curve)]), *np.array([[theta], [theta]]))
+        facets = tuple(t for t in touch if isinstance(t, FacetTouch))
+        found = [at.gap(self._stop(t)) for t in touch if isinstance(t, StopTouch)]
+        if facets:
+            assert self.contact is not None
+            found = [self.contact.gaps(facets, at.at), *found]
+        return Ball(*(np.concatenate([getattr(b, x).ravel() for b in found]) for x in BALL))
 
-    def _gap(self, piece: ThetaStretch, touch: tuple[FacetTouch, ...], theta: float) -> float:
+    def _stop(self, touch: StopTouch) -> Stop:
+        return next(s for s in self.energy.stops if s[:2] == touch[:2])
+
+    def _gap(
+        self, piece: ThetaStretch, touch: tuple[FacetTouch | StopTouch, ...], theta: float
+    ) -> float:
         """Return the least sign of their gaps at one state, 0 where it is not certain."""
         return float(self._gaps(piece, touch, theta).sign.min())
 
@@ -212,7 +232,7 @@ class CurveEnds:
         flat = 0
         for piece, low, high in zip(self._inside, *boxes, strict=True):
             if low <= 0 <= high:  # at the flat state, if U' is 0 there
-                if self.energy.rest.any():
+                if not self.energy.rests_flat:
                     self._leave(piece, "a minimum at the flat state, or beside it")
                 flat += 1
                 if flat != self.energy.signs.shape[1]:
@@ -232,7 +252,8 @@ class CurveEnds:
 
     def _held_state(self, piece: ThetaStretch) -> StripMinimum:
         """Return the state of a piece where two facets meet, in a narrow box."""
-        touch = self.touches[piece[:3]]
+        # facets first, as their gaps are
+        touch = tuple(sorted(self.touches[piece[:3]], key=lambda t: isinstance(t, StopTouch)))
         low, high = piece.lower, piece.upper
         while (middle := 0.5 * (low + high)) not in (low, high):
             side = self._gap(piece, touch, middle) * touch[0].slope
@@ -247,12 +268,18 @@ class CurveEnds:
         zero = float(zeros.max() if touch[0].slope > 0 else zeros.min())
         box = self._state(int(piece.curve), low, high, {})
         at = self._state(int(piece.curve), zero, zero, {})
-        far = float(np.abs(at.fold_angles - box.fold_angles).max())
+        held = [t for t, m in zip(touch, meet, strict=True) if m]
+        stops = [self._stop(t) for t in held if isinstance(t, StopTouch)]
+        phi = at.fold_angles.copy()
+        phi[[s.crease for s in stops]] = [s.at for s in stops]
+        far = float(np.abs(phi - box.fold_angles).max())
         return replace(
             at,
             theta=box.theta,
+            fold_angles=phi,
             radius=box.radius + far,
-            touching=tuple(t.polygons for t, m in zip(touch, meet, strict=True) if m),
+            touching=tuple(t.polygons for t in held if isinstance(t, FacetTouch)),
+            stops=tuple((s.crease, int(s.side)) for s in stops),
         )
 
     def _narrowed(

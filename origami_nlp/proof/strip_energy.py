@@ -12,8 +12,9 @@ from typing import NamedTuple
 import numpy as np
 
 from origami_nlp.pattern import Pattern
-from origami_nlp.proof.affine import UNIT, variables
+from origami_nlp.proof.affine import SLIGHTLY, UNIT, variables
 from origami_nlp.proof.balls import Ball, exact
+from origami_nlp.proof.law_torques import LawPieces
 from origami_nlp.proof.strip_certificate import Claim
 from origami_nlp.proof.strip_contact import (
     APART,
@@ -29,6 +30,8 @@ HALF_TURN = math.nextafter(math.pi, 0.0)
 """Not above pi, which is between two doubles."""
 TOGETHER = 2.0**-30
 """Width of theta within which folds of several vertices pass their limits at once [rad]."""
+FARTHEST = 8.0
+"""Radius of a fold angle of which nothing is known any more [rad]."""
 NONE, RISING, FALLING, OUTSIDE, LIMIT, OPEN = range(6)
 """Kinds of boxes: U' is not 0; U'' > 0; U'' < 0; no state within fold limits; a crease reaches +-pi; undecided."""
 CLAIMS: dict[int, Claim] = {
@@ -40,6 +43,22 @@ CLAIMS: dict[int, Claim] = {
 """What certificates call them."""
 
 
+class Stop(NamedTuple):
+    """A fold limit within +-180 degrees: of a crease, on a side, +1 for the upper one."""
+
+    crease: int
+    side: float
+    at: float
+
+
+class StopTouch(NamedTuple):
+    """A crease that reaches a stop within a box, on a side; how far it is from there grows with theta or falls."""
+
+    crease: int
+    side: float
+    slope: float
+
+
 class StripEnergy:
     """The energy's derivatives U' and U'' along curves with these signs, [k + 1, curves], over boxes of theta."""
 
@@ -47,6 +66,20 @@ class StripEnergy:
         self.strip, self.signs = strip, signs
         self.k, self.rest = pattern.stiffness, pattern.rest
         self.across = [c for v in strip.corners for c in (v.creases[1], v.creases[3])]
+        laws = pattern.laws or (None,) * pattern.creases
+        self.laws = [None if law is None else LawPieces(law, 0.0, 1.0) for law in laws]
+        self.stops = [
+            Stop(c, side, float(pattern.limit_angles[row, c]))
+            for c in range(pattern.creases)
+            for row, side in ((0, -1.0), (1, 1.0))
+            if abs(pattern.limit_angles[row, c]) < HALF_TURN
+        ]
+        self.limits = pattern.limit_angles
+
+    @property
+    def rests_flat(self) -> bool:
+        """Whether all torques are 0 in the flat state exactly."""
+        return not self.rest.any() and not any(self.laws)
 
     def over(self, curve: np.ndarray, lower: np.ndarray, upper: np.ndarray) -> ThetaBoxes:
         """Return what is known over boxes on curves of these numbers."""
@@ -60,21 +93,38 @@ class StripEnergy:
 
     def first(self, states: StripStates, angles: dict[int, Ball]) -> Ball:
         """Return U' = sum k (phi - rest) phi'."""
-        return total(
-            exact(self.k[c]) * (phi - exact(self.rest[c])) * states.slopes[c].value
-            for c, phi in angles.items()
-        )
+        return total(self.torque(c, phi) * states.slopes[c].value for c, phi in angles.items())
 
     def second(self, states: StripStates, angles: dict[int, Ball]) -> Ball:
         """Return U'' = sum k (phi'^2 + (phi - rest) phi'')."""
         return total(
-            exact(self.k[c])
-            * (
-                states.slopes[c].value * states.slopes[c].value
-                + (phi - exact(self.rest[c])) * states.slopes[c].slope
-            )
+            self._stiffness(c, phi) * states.slopes[c].value * states.slopes[c].value
+            + self.torque(c, phi) * states.slopes[c].slope
             for c, phi in angles.items()
         )
+
+    def torque(self, crease: int, phi: Ball) -> Ball:
+        """Return the torque at fold angles."""
+        law = self.laws[crease]
+        if law is None:
+            return exact(self.k[crease]) * (phi - exact(self.rest[crease]))
+        known = np.isfinite(phi.centre) & (phi.radius < FARTHEST)
+        at = np.where(known, phi.centre, 0.0), np.where(known, phi.radius, 0.0)
+        centre, slope, error = law.over(*(np.atleast_1d(x) for x in at))
+        return Ball(centre, np.where(known, (np.abs(slope) + error) * SLIGHTLY, np.nan))
+
+    def _stiffness(self, crease: int, phi: Ball) -> Ball:
+        """Return the slopes of the torque over fold angles, on both sides of what is a knot."""
+        law = self.laws[crease]
+        if law is None:
+            return exact(self.k[crease])
+        known = np.isfinite(phi.centre) & (phi.radius < FARTHEST)
+        centre, radius = np.where(known, phi.centre, 0.0), np.where(known, phi.radius, 0.0)
+        ends = np.nextafter(centre - radius, -np.inf), np.nextafter(centre + radius, np.inf)
+        least, most = law.slopes(*(np.atleast_1d(x) for x in ends))
+        middle = 0.5 * (least + most)
+        size = np.maximum(most - middle, middle - least) + law.ripple + 4 * UNIT * np.abs(middle)
+        return Ball(middle, np.where(known, size * SLIGHTLY, np.nan))
 
 
 def total(parts: Iterable[Ball]) -> Ball:
@@ -131,6 +181,29 @@ class ThetaBoxes:
                 (within[0] & (ends[0].sign == -sign)) | (within[1] & (ends[1].sign == sign))
             )
         return np.array(found)
+
+    def gap(self, stop: Stop) -> Ball:
+        """Return how far a fold is from a stop over the boxes, negative beyond it."""
+        return exact(stop.side) * (exact(stop.at) - self.angles[stop.crease])
+
+    def stops(self) -> tuple[np.ndarray, list[StopTouch], np.ndarray, np.ndarray]:
+        """Return where a fold is beyond a stop certainly, [K]; the stops, whether each may be reached, and how the room
+        there changes, [S, K].
+        """
+        energy, none = self.energy, np.zeros((0, len(self.half)))
+        beyond, met, slopes, touches = np.zeros(len(self.half), bool), [], [], []
+        for stop in energy.stops:
+            gap = self.gap(stop)
+            # seen once round, too: fold angles are known modulo a full turn
+            low, high = energy.limits[:, stop.crease]
+            other = exact(stop.side) * (
+                exact(low if stop.side > 0 else high) - self.angles[stop.crease]
+            )
+            beyond |= (gap.sign < 0) & ((other + exact(2 * math.pi)).sign > 0)
+            met.append(gap.sign <= 0)
+            slopes.append(-stop.side * self.box.slopes[stop.crease].value.sign)
+            touches.append(StopTouch(stop.crease, stop.side, 0.0))
+        return beyond, touches, np.array(met or none, bool), np.array(slopes or none)
 
     def lifted(self, signs: np.ndarray, passing: np.ndarray) -> dict[int, Ball]:
         """Return folds across the row in the middle, those that pass a limit continued to signs pi, [across, K]."""
@@ -210,7 +283,7 @@ def kinds_of_boxes(
     lower: np.ndarray,
     upper: np.ndarray,
     contact: StripContact | None,
-    touches: dict[tuple[float, float, float], tuple[FacetTouch, ...]],
+    touches: dict[tuple[float, float, float], tuple[FacetTouch | StopTouch, ...]],
 ) -> tuple[np.ndarray, ...]:
     """Return what a `ThetaStretch` says of each box; where facets meet is added to the touches."""
     boxes = energy.over(curve, lower, upper)
@@ -233,6 +306,10 @@ def kinds_of_boxes(
     together = ~(passing & boxes.leaving(moving)).any(axis=0) & (upper - lower <= TOGETHER)
     known &= (passing.sum(axis=0) == 1) | together
     kind[narrow & passing.any(axis=0) & known & (ahead != 0) & (behind != 0)] = LIMIT
+    beyond, stops, met, opening = boxes.stops()
+    reached = met.any(axis=0) & ~beyond
+    kind[reached & (kind == LIMIT)] = OPEN
+    kind[beyond] = OUTSIDE
     bits = 2.0 ** np.arange(len(energy.across))
     status = np.full(len(curve), APART)
     asked = np.flatnonzero((kind != OPEN) & (kind != OUTSIDE))
@@ -247,4 +324,19 @@ def kinds_of_boxes(
                 touches[float(curve[i]), float(lower[i]), float(upper[i])] = touch
             else:
                 status[i] = UNKNOWN
+    for i in np.flatnonzero(
+        reached & ((kind == RISING) | (kind == FALLING) | (kind == NONE))
+    ).tolist():
+        box = float(curve[i]), float(lower[i]), float(upper[i])
+        both = touches.pop(box, ()) + tuple(
+            s._replace(slope=float(o))
+            for s, m, o in zip(stops, met[:, i], opening[:, i], strict=True)
+            if m
+        )
+        ways = {t.slope for t in both}
+        if status[i] in (APART, TOUCHING):
+            one_way = kind[i] == NONE and len(ways) == 1 and 0.0 not in ways
+            status[i] = TOUCHING if one_way else UNKNOWN
+        if status[i] == TOUCHING:
+            touches[box] = both
     return kind, slope.sign, ahead, behind, bits @ passing, bits @ (moving > 0), status

@@ -141,8 +141,9 @@ def why_no_strip(pattern: Pattern) -> str:
     >>> why_no_strip(o.examples.pattern("miura", 2, 3))
     'vertex 2 is symmetric about the row'
     """
-    if pattern.limits:
-        return "creases have stops: proofs know fold limits of +-180 degrees only"
+    if any(0.0 in pair for pair in pattern.limits):
+        crease = next(i for i, pair in enumerate(pattern.limits, start=1) if 0.0 in pair)
+        return f"crease {crease} has a stop at 0 degrees, where all curves meet"
     return as_strip(pattern)[1]
 
 

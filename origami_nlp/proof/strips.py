@@ -19,7 +19,9 @@ from origami_nlp.proof.sheet_certificate import OpenInterval, stated_sheet
 from origami_nlp.proof.strip_certificate import (
     CertifiedCurve,
     CertifiedMinimum,
+    CertifiedStop,
     CertifiedTouch,
+    StatedLaw,
     StripCertificate,
     TouchingBox,
 )
@@ -35,6 +37,7 @@ from origami_nlp.proof.strip_energy import (
     LIMIT,
     OPEN,
     TOGETHER,
+    StopTouch,
     StripEnergy,
     ThetaStretch,
     kinds_of_boxes,
@@ -128,7 +131,6 @@ def prove_strip(
     >>> proof.curves, len(proof.minima), proof.undecided
     (2, 2, ())
     """
-    pattern.check_plain_hinges("a proof")
     strip, why = as_strip(pattern)
     if strip is None or (why := why_no_strip(pattern)):
         raise OptionError(f"pattern = {pattern.title}: no strip that can be proved: {why}")
@@ -139,7 +141,7 @@ def prove_strip(
     signs = np.array([(1, *rest) for rest in itertools.product((1, -1), repeat=k)], float).T
     energy = StripEnergy(strip, pattern, signs)
     facets = StripContact(pattern) if contact else None
-    touches: dict[tuple[float, float, float], tuple[FacetTouch, ...]] = {}
+    touches: dict[tuple[float, float, float], tuple[FacetTouch | StopTouch, ...]] = {}
     curve = np.repeat(np.arange(signs.shape[1]), len(FIRST) - 1)
     lower, upper = (np.tile(ends, signs.shape[1]) for ends in (FIRST[:-1], FIRST[1:]))
     cover: list[np.ndarray] = []
@@ -188,7 +190,7 @@ def prove_strip(
 def _claims(
     signs: np.ndarray,
     boxes: list[ThetaStretch],
-    touches: dict[tuple[float, float, float], tuple[FacetTouch, ...]],
+    touches: dict[tuple[float, float, float], tuple[FacetTouch | StopTouch, ...]],
 ) -> CertifiedCurve:
     """Return what is claimed of the boxes of a curve."""
     claims = tuple(box.claim for box in boxes)
@@ -197,7 +199,17 @@ def _claims(
         (*(box.lower for box in boxes), boxes[-1].upper),
         claims,
         tuple(
-            TouchingBox(k, tuple(CertifiedTouch(*t[:2]) for t in touches[box[:3]]))
+            TouchingBox(
+                k,
+                tuple(
+                    CertifiedTouch(*t[:2]) for t in touches[box[:3]] if isinstance(t, FacetTouch)
+                ),
+                tuple(
+                    CertifiedStop(t.crease, 1 if t.side > 0 else -1)
+                    for t in touches[box[:3]]
+                    if isinstance(t, StopTouch)
+                ),
+            )
             for k, (box, claim) in enumerate(zip(boxes, claims, strict=True))
             if claim == "touching"
         ),
@@ -226,6 +238,10 @@ def certificate_of_strip(pattern: Pattern, proof: StripProof) -> StripCertificat
     """
     return StripCertificate(
         **stated_sheet(pattern),
+        limits=pattern.limits,
+        laws=tuple(
+            None if law is None else StatedLaw(law.breaks, law.coefficients) for law in pattern.laws
+        ),
         contact=proof.contact,
         row=proof.row,
         curves=proof.claims,
@@ -236,6 +252,7 @@ def certificate_of_strip(pattern: Pattern, proof: StripProof) -> StripCertificat
                 m.signs,  # type: ignore[arg-type]
                 m.theta,
                 m.touching,
+                tuple(CertifiedStop(c, s) for c, s in m.stops),  # type: ignore[arg-type]
             )
             for m in proof.minima
         ),

@@ -178,3 +178,54 @@ def _pierces(p, q, a, b, c) -> np.ndarray:
     turns = [volume(p, q, *pair) for pair in ((a, b), (b, c), (c, a))]
     alike = np.all([t > 0 for t in turns], axis=0) | np.all([t < 0 for t in turns], axis=0)
     return (one * two < 0) & alike
+
+
+class StripOfHinges:
+    """Wells of a strip with stops and hinge laws within its curves, and at stops, by a scan; laws read from pieces."""
+
+    def __init__(self, pattern) -> None:
+        self.strip, self.pattern = Strip(pattern), pattern
+        self.low, self.high = np.array(pattern.limits or [(-math.pi, math.pi)] * pattern.creases).T
+
+    def torque(self, phi: np.ndarray) -> np.ndarray:
+        """Torques [n] at fold angles [n]."""
+        p = self.pattern
+        out = p.stiffness * (phi - p.rest)
+        for c, law in enumerate(p.laws):
+            if law is not None:
+                piece = sum(1 for b in law.breaks[1:-1] if phi[c] >= b)
+                t = phi[c] - law.breaks[piece]
+                out[c] = sum(
+                    a * t**k for a, k in zip(law.coefficients[piece], (3, 2, 1, 0), strict=True)
+                )
+        return out
+
+    def slope(self, signs: tuple[int, ...], theta: float) -> float:
+        """Derivative of the energy."""
+        phi, rate = self.strip.at(signs, theta)
+        return float(self.torque(phi) @ rate)
+
+    def room(self, signs: tuple[int, ...], theta: float) -> float:
+        """How far the fold nearest to its limit is from that, negative beyond."""
+        phi, _ = self.strip.at(signs, theta)
+        return float(np.minimum(self.high - phi, phi - self.low).min())
+
+    def wells(self, samples: int = 1500) -> Iterator[tuple[np.ndarray, bool]]:
+        """Minima, [n] each, and whether a stop holds them; up to where a crease across passes 180 degrees."""
+        half = math.pi / 2 - 1e-9
+        grid = np.unique(np.r_[np.geomspace(1e-9, 0.1, 60), np.linspace(0.1, half, samples)])
+        for signs in product((1, -1), repeat=len(self.strip.around)):
+            for side in (1.0, -1.0):
+                last, before, room, prior = np.zeros(self.strip.n), 0.0, 0.0, 0.0
+                for theta in (side * grid).tolist():
+                    phi, _ = self.strip.at(signs, theta)
+                    if np.abs(phi - last).max() > math.pi:
+                        break
+                    here, there = side * self.slope(signs, theta), self.room(signs, theta)
+                    if prior and before < 0 <= here and min(room, there) > 0:
+                        x = brentq(lambda t, s=signs: self.slope(s, t), prior, theta, xtol=1e-16)
+                        yield self.strip.at(signs, x)[0], False
+                    elif prior and room * there < 0 and here * (room - there) < 0:
+                        x = brentq(lambda t, s=signs: self.room(s, t), prior, theta, xtol=1e-16)
+                        yield self.strip.at(signs, x)[0], True
+                    last, before, room, prior = phi, here, there, theta

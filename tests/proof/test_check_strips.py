@@ -213,6 +213,7 @@ def test_minima_are_refused_where_they_are_not():
         replace(m, theta=(0.9 * m.theta[0], 0.9 * m.theta[0])),
         replace(m, fold_angles=(m.fold_angles[0] + 1e-6, *m.fold_angles[1:])),
         replace(m, touching=((0, 5),)),
+        replace(m, fold_angles=tuple(0.1 + x for x in m.fold_angles), radius=1.0),
     ):
         assert check_proof(replace(good, minima=(wrong, *good.minima[1:]))).refused
     twice = replace(good, minima=(*good.minima, m))

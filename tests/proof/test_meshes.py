@@ -22,6 +22,7 @@ from origami_nlp.proof import (
     write_certificate,
 )
 from origami_nlp.proof.mesh_states import as_folding_mesh
+from origami_nlp.proof.sheet_certificate import OpenInterval
 from tests.computed_once import thinned
 from tests.independent.rigid import Rigid
 from tests.patterns import wheel
@@ -188,6 +189,46 @@ def test_omissions_are_refused():
         assert "is not listed" in check_proof(few).refused
     twice = replace(said, minima=(*said.minima, said.minima[0]))
     assert "does not follow" in check_proof(twice).refused
+
+
+def test_a_list_names_each_state_alone():
+    """What a wide radius, or something left open, would let pass."""
+    said = good()
+    first, n = said.minima[0], len(said.creases)
+    off = replace(first, fold_angles=tuple(0.1 + x for x in first.fold_angles), radius=1.0)
+    assert "to within 1 rad" in check_proof(replace(said, minima=(off, *said.minima[1:]))).refused
+    wide = (replace(first, radius=7.0),) * len(said.minima)
+    assert "to within 7 rad" in check_proof(replace(said, minima=wide)).refused
+    moving = next(m for m in said.minima if any(0 < abs(x) < 3 for x in m.fold_angles))
+    others = tuple(m for m in said.minima if m is not moving)
+    moved = replace(
+        moving, fold_angles=tuple(x + 3e-10 * (0 < abs(x) < 3) for x in moving.fold_angles)
+    )
+    for radius, why in ((2e-10, "is not listed"), (3.1e-10, "")):
+        found = check_proof(replace(said, minima=(replace(moved, radius=radius), *others)))
+        assert why in found.refused and bool(found.refused) == bool(why)
+    flat = next(m for m in said.minima if 0.0 in m.fold_angles)
+    others = tuple(m for m in said.minima if m is not flat)
+    nearly = replace(flat, fold_angles=tuple(x or 5e-12 for x in flat.fold_angles))
+    assert "is not listed" in check_proof(replace(said, minima=(nearly, *others))).refused
+    # what is left open elsewhere is no reason for a minimum to be missing
+    elsewhere = (OpenInterval((0.0,) * n, (0.0,) * n, "elsewhere"),)
+    few = replace(said, minima=said.minima[1:], undecided=elsewhere)
+    assert "is not listed" in check_proof(few).refused
+    anywhere = (OpenInterval((-3.2,) * n, (3.2,) * n, "anywhere"),)
+    found = check_proof(replace(few, undecided=anywhere))
+    assert not found.refused and found.open and len(found.minima) == len(few.minima)
+
+
+def test_a_state_that_is_not_found_again_is_no_minimum():
+    """Where the check itself leaves something open, only what it finds again counts; and it comes to an end."""
+    pattern = MESHES["miura:2x3"]().with_springs(stiffness=1.0, rest_angles=[0.0] * 7)
+    said = certificate_of_mesh(pattern, prove_mesh(pattern))
+    flat = next(k for k, m in enumerate(said.minima, start=1) if not any(m.fold_angles))
+    # hinges that hold nothing: U' is 0 along all curves, and what stands alone is a minimum still
+    found = check_proof(replace(said, stiffness=(0.0,) * 7))
+    assert not found.refused and found.open
+    assert flat not in found.minima and f"minimum {flat} of the list: not found again" in found.open
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,214 @@
+"""Strips with stops and hinge laws: proved lists against a scan that shares no code, and false claims refused."""
+
+import functools
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import origami_nlp as o
+from origami_nlp.errors import OptionError
+from origami_nlp.pattern import HingeLaw, detent, double_well, linear, one_sided, sum_of, well
+from origami_nlp.pattern_problem import PatternProblem
+from origami_nlp.pattern_states import judge
+from origami_nlp.proof import (
+    certificate_of_strip,
+    check_proof,
+    prove_mesh,
+    prove_strip,
+    read_certificate,
+    why_no_mesh,
+    why_no_strip,
+    write_certificate,
+)
+from origami_nlp.proof.law_torques import LawPieces
+from origami_nlp.proof.strip_certificate import CertifiedStop
+from tests.independent.strips import StripOfHinges
+from tests.patterns import strip
+
+
+def drawn(seed, vertices):
+    """A strip with stops on some creases, laws on some."""
+    rng = np.random.default_rng(seed)
+    pattern = strip(seed, vertices + 1, 2)
+    stopped = rng.random(pattern.creases) < 0.5
+    limits = [
+        (-a, b) if s else (-math.pi, math.pi)
+        for s, (a, b) in zip(stopped, rng.uniform(0.3, 2.9, (pattern.creases, 2)), strict=True)
+    ]
+    k, rest = pattern.stiffness.tolist(), pattern.rest.tolist()
+    laws = [
+        [
+            None,
+            double_well(energy=a, at=1.2, centre=b / 3),
+            sum_of([linear(a, b), detent(0.4 * a, 5, 0.3)]),
+            sum_of([linear(a, b), well(a, b / 2, 0.2)]),
+            sum_of([linear(a, b), one_sided(20.0 * a, 1.0)]),
+        ][rng.integers(5)]
+        for a, b in zip(k, rest, strict=True)
+    ]
+    if seed % 3 != 1:
+        pattern = pattern.with_limits(limits)
+    return pattern.with_laws(laws) if seed % 3 and any(laws) else pattern
+
+
+@functools.cache
+def certified(seed, vertices, contact=False):
+    pattern = drawn(seed, vertices)
+    return certificate_of_strip(pattern, prove_strip(pattern, contact=contact))
+
+
+def _closest(states, x):
+    return min((float(np.abs(x - y).max()) for y in states), default=math.inf)
+
+
+def _against_scan(seed, vertices):
+    pattern = drawn(seed, vertices)
+    proof = prove_strip(pattern)
+    assert not proof.undecided
+    wells = list(StripOfHinges(pattern).wells())
+    held = [m.fold_angles for m in proof.minima if m.stops]
+    inside = [m.fold_angles for m in proof.minima if not (m.stops or m.at_limit)]
+    for phi, stop in wells:
+        assert _closest(held if stop else inside, phi) < 1e-7, (seed, stop)
+    problem, missing = PatternProblem(pattern), 0
+    for m in proof.minima:
+        verdict = judge(problem, m.fold_angles, False).verdict
+        near = np.abs(m.fold_angles).max() < 1e-3
+        assert verdict == "minimum" or (near and verdict == "undecided"), (seed, verdict)
+        if not m.at_limit:
+            missing += _closest([phi for phi, _ in wells], m.fold_angles) > 1e-7
+    return len(wells), len(held), missing
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_minima_are_those_of_a_scan(seed):
+    _against_scan(seed + 3, 1 + seed % 2)
+
+
+@pytest.mark.slow
+def test_minima_of_two_hundred_strips():
+    totals = np.sum([_against_scan(5000 + s, 1 + s % 4) for s in range(200)], axis=0)
+    print("of the scan, at stops, of the proof alone:", totals)
+    # the scan stops where a crease across has passed 180 degrees, the proof goes on
+    assert totals[2] <= 0.05 * totals[0]
+
+
+def test_a_linear_law_is_a_spring():
+    pattern = strip(2, 4, 2)
+    laws = [linear(k, r) for k, r in zip(pattern.stiffness, pattern.rest, strict=True)]
+    plain, law = prove_strip(pattern), prove_strip(pattern.with_laws(laws))
+    assert law.boxes == plain.boxes and len(law.minima) == len(plain.minima)
+    for one, other in zip(plain.minima, law.minima, strict=True):
+        assert np.abs(one.fold_angles - other.fold_angles).max() < 1e-12
+
+
+def test_slopes_of_a_law_are_enclosed():
+    rng = np.random.default_rng(0)
+    kinked = HingeLaw((-4.0, -0.4, 0.7, 4.0), ((0, 0, 1, -3.6), (0, 0, 0.2, 0), (0, 0, 3, 0.22)))
+    for law in (
+        kinked,
+        double_well(2.0, 1.2, 0.1),
+        sum_of([linear(1.0, 0.2), detent(0.4, 5, 0.3)]),
+    ):
+        pieces = LawPieces(law, 0.0, 1.0)
+        middle, half = rng.uniform(-3, 3, 500), 10.0 ** rng.uniform(-6, 0, 500)
+        least, most = pieces.slopes(middle - half, middle + half)
+        for share in np.linspace(-1, 1, 41):
+            slope = law.slope(np.clip(middle + share * half, law.breaks[0], law.breaks[-1]))
+            inside = np.abs(middle + share * half) < 3.1
+            room = 1e-9 * (1 + np.abs(slope))
+            assert ((least - room <= slope) & (slope <= most + room))[inside].all()
+        width = 6 * np.abs(law.coefficients).max() * half
+        assert (most - least >= -1e-12).all() and (
+            (most - least)[half < 1e-3] < 5 + width[half < 1e-3]
+        ).all()
+
+
+@pytest.mark.parametrize(("seed", "contact"), [(0, True), (2, False), (4, True), (5, False)])
+def test_proofs_are_confirmed(seed, contact, tmp_path):
+    said = certified(seed, 1 + seed % 2, contact)
+    write_certificate(said, tmp_path / "proof.json")
+    assert read_certificate(tmp_path / "proof.json") == said
+    found = check_proof(tmp_path / "proof.json")
+    assert found.refused == "" and found.open == ()
+    assert len(found.minima) == len(said.minima)
+
+
+def test_omissions_are_refused():
+    some = 0
+    for seed in (0, 2):
+        said = certified(seed, 1 + seed // 2)
+        for k in range(len(said.minima)):
+            less = (*said.minima[:k], *said.minima[k + 1 :])
+            assert "not listed" in check_proof(replace(said, minima=less)).refused
+        some += sum(bool(m.stops) for m in said.minima)
+    assert some
+
+
+def test_other_stops_and_laws_are_refused():
+    said = certified(2, 2)
+    assert said.limits and said.laws and any(m.stops for m in said.minima)
+    held = next(m for m in said.minima if m.stops)
+    others = tuple(m for m in said.minima if m is not held)
+    stop = held.stops[0]
+
+    def refused(**fields):
+        return check_proof(replace(said, **fields)).refused
+
+    assert "none are stated" not in refused(limits=())
+    assert refused(limits=())
+    low, high = said.limits[stop.crease]
+    for pair in ((0.0, high), (low, 0.9 * high), (0.9 * low, high), (1.0, -1.0), (-4.0, high)):
+        limits = (*said.limits[: stop.crease], pair, *said.limits[stop.crease + 1 :])
+        if pair != said.limits[stop.crease]:
+            assert refused(limits=limits), pair
+    assert refused(laws=())
+    c = next(c for c, law in enumerate(said.laws) if law is not None)
+    law = said.laws[c]
+    lifted = replace(law, coefficients=tuple((*r[:3], r[3] + 0.3) for r in law.coefficients))
+    assert refused(laws=(*said.laws[:c], lifted, *said.laws[c + 1 :]))
+    for stops in ((), (CertifiedStop(stop.crease, -stop.side),), (CertifiedStop(99, 1),)):
+        assert (
+            "holds" in (why := refused(minima=(*others, replace(held, stops=stops))))
+            or "stops" in why
+        )
+    # a box in which a stop is met without a word of it
+    curves = list(said.curves)
+    for number, curve in enumerate(curves):
+        for t in curve.touches:
+            claims = list(curve.claims)
+            for false in ("rising", "falling", "outside"):
+                claims[t.box] = false
+                wrong = replace(
+                    curve,
+                    claims=tuple(claims),
+                    touches=tuple(u for u in curve.touches if u is not t),
+                )
+                assert refused(curves=(*curves[:number], wrong, *curves[number + 1 :]))
+            none = replace(t, stops=())
+            wrong = replace(curve, touches=tuple(none if u is t else u for u in curve.touches))
+            assert refused(curves=(*curves[:number], wrong, *curves[number + 1 :]))
+            return
+
+
+def test_a_search_has_the_same_list():
+    pattern = drawn(2, 2)
+    found = o.find_minima(pattern, contact="fold-limits", prove=True, escape=False)
+    assert found.completeness.proved
+    assert len(found.minima) == len(prove_strip(pattern).minima)
+
+
+def test_what_is_not_proved_is_named():
+    pattern = strip(0, 3, 2)
+    limits = [(0.0, 2.0)] + [(-math.pi, math.pi)] * 6
+    assert "stop at 0 degrees" in why_no_strip(pattern.with_limits(limits))
+    sheet = o.examples.pattern("miura", 2, 3)
+    assert "stops" in why_no_mesh(sheet.with_limits((-2.0, 2.0)))
+    bent = sheet.with_laws([linear(1.0, 0.2)] * sheet.creases)
+    assert "hinge laws" in why_no_mesh(bent)
+    with pytest.raises(OptionError, match="hinge law"):
+        prove_mesh(bent)
+    found = o.find_minima(bent, contact="fold-limits", prove=True, starts=1, escape=False)
+    assert not found.completeness.proved and "hinge laws" in found.completeness.reason
