@@ -214,23 +214,19 @@ class _Search(FromMinima):
             self.part("branch directions of the flat state", self.from_crossroads)
         if len(pattern.vertices) == 1 and not (pattern.holes or pattern.cell):
             self.part("the search for single vertices", self.round_the_vertex, seed)
-        limits = self.options.most_popped * starts, self.options.most_on * starts
+        asked = self.options
+        limits = asked.most_popped * starts, asked.most_on * starts
         self.part(OtherWells.name, self.snap, *limits)
-        for k in range(min(self.options.most_drawn * starts, most)):
+        for k in range(min(asked.most_drawn * starts, most)):
             if not self.part("random starts", self.draw, rng, k) or self.tally.quiet == starts:
                 break
         self.part(Signed.name, self.sign, pattern)
-        self.part(FoldedVertices.name, self.fold_vertices, self.options.most_folded * starts)
+        self.part(FoldedVertices.name, self.fold_vertices, asked.most_folded * starts)
         known = None
         while known != (known := self.count()):  # what one leads to, the others go on from
             self.part(OtherWells.name, self.snap, *limits)
             self.part(Popped.name, self.pop, *limits)
-            self.part(
-                Pushed.name,
-                self.push,
-                self.options.most_pushed * starts,
-                self.options.most_on * starts,
-            )
+            self.part(Pushed.name, self.push, asked.most_pushed * starts, limits[1])
         self.part("images of minima under symmetries", self.add_images)
 
     def settle(self, phi: np.ndarray) -> None:

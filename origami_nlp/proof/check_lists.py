@@ -18,7 +18,7 @@ WIDEST = 1e-6
 
 
 def refuse_wide(minima: Sequence[CertifiedState]) -> None:
-    """Refuse a list in which a minimum is not told from others, by its radius.
+    """Refuse a list in which a radius does not distinguish a minimum from others.
 
     Raises
     ------
