@@ -64,6 +64,7 @@ DEAR = {
         "loading.result",
         "barriers.find",
         "minima.figure",
+        "minima.minimum",
         "minima.result",
         "modes.find",
         "pattern_states.find",

@@ -39,7 +39,7 @@ def test_results_and_programmes_of_patterns_are_refused_in_one_line():
         prove(found.pattern)
 
 
-@pytest.mark.parametrize("degree", [4, 5, 7])
+@pytest.mark.parametrize("degree", [4, 5, pytest.param(7, marks=pytest.mark.slow)])
 def test_a_pattern_of_one_vertex_is_taken_as_the_scene_that_it_equals(degree):
     rng = np.random.default_rng(degree)
     sectors = rng.uniform(0.5, 1.5, degree)

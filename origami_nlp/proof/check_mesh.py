@@ -26,7 +26,7 @@ from flint import arb, arb_series, ctx
 from origami_nlp.proof.check_lists import STATED, is_listed, refuse_wide, within
 from origami_nlp.proof.check_points import Refused
 from origami_nlp.proof.check_strip_sheet import FlatDisk, product_round
-from origami_nlp.proof.check_strips import BITS
+from origami_nlp.proof.check_strips import BITS, TERMS
 from origami_nlp.proof.mesh_certificate import MeshCertificate
 
 EXACT = 1e-12
@@ -81,8 +81,8 @@ class MeshCheck:
         Refused
             With the first that is wrong.
         """
-        before = ctx.prec
-        ctx.prec = BITS
+        before = ctx.prec, ctx.cap
+        ctx.prec, ctx.cap = BITS, TERMS
         try:
             self._sheet()
             found = []
@@ -92,7 +92,7 @@ class MeshCheck:
                 self.progress(done + 1, total)
             self._lists(found)
         finally:
-            ctx.prec = before
+            ctx.prec, ctx.cap = before
 
     def _sheet(self) -> None:
         self.disk = FlatDisk(self.said)

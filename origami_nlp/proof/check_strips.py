@@ -30,6 +30,8 @@ from origami_nlp.proof.strip_certificate import (
 
 BITS = 128
 """Of balls."""
+TERMS = 3
+"""Of power series: to second derivatives, whatever FLINT is set to keep."""
 CUTS = 12
 """How often a box is halved at most, where a claim is not clear at once."""
 STATED = 1e-12
@@ -82,11 +84,12 @@ class StripCheck:
         Refused
             At the first one that is not confirmed.
         """
-        before, ctx.prec = ctx.prec, BITS
+        before = ctx.prec, ctx.cap
+        ctx.prec, ctx.cap = BITS, TERMS
         try:
             self._run()
         finally:
-            ctx.prec = before
+            ctx.prec, ctx.cap = before
 
     def _run(self) -> None:
         said = self.said

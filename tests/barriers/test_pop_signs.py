@@ -44,7 +44,7 @@ def hull_area(points: np.ndarray) -> float:
     return angles - (len(ring) - 2) * math.pi
 
 
-@pytest.mark.parametrize("degree", [4, 6])
+@pytest.mark.parametrize("degree", [4, pytest.param(6, marks=pytest.mark.slow)])
 def test_the_sum_of_folds_is_bounded_by_the_hull_of_the_link(degree):
     """Random states that do not cross, and minima that touching facets hold: on both sides of the flat state."""
     rng = np.random.default_rng(degree)

@@ -101,6 +101,7 @@ def test_springs_for_two_given_states(folder):
         assert min(off) < 1.0
 
 
+@pytest.mark.slow  # the README draws the same
 def test_figures_for_a_paper(folder):
     (folder / "my.toml").write_text(asked("example", "degree6", "--alpha", "pi/3"))
     said = asked("minima", "my.toml", "--no-full", "-o", "states.pdf", "-o", "states.png")

@@ -53,7 +53,7 @@ def test_the_main_job_loads_what_it_computes_and_prints_with(scene):
     assert modules == {"numpy", "casadi", "rich.console"}
 
 
-@pytest.mark.parametrize("extra", [["--prove", 0], []])
+@pytest.mark.parametrize("extra", [[], pytest.param(["--prove", 0], marks=pytest.mark.slow)])
 def test_a_vertex_with_its_proof_needs_no_more(extra, tmp_path):
     path = tmp_path / "generic.toml"
     path.write_text(format_scene(examples.by_name("miura")))

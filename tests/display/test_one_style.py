@@ -90,7 +90,7 @@ def explained(figure):
             assert (text in words) == (colour in {mark.get_markerfacecolor() for mark in marks})
 
 
-@pytest.mark.parametrize("number", thinned(range(len(PANELS)), 6))
+@pytest.mark.parametrize("number", thinned(range(len(PANELS)), 12))
 def test_labels_of_the_panels_cover_nothing_and_marks_are_explained(number):
     figure = drawn(number)
     labels, marks = boxes(figure, "label"), boxes(figure, "mark")

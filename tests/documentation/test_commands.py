@@ -22,15 +22,19 @@ PAGES = [
     page for page in markdown() if any(b.language in (*TERMINAL, "python") for b in blocks(page))
 ]
 DEAR = {
+    "actuate",
     "barriers",
     "bistable_waterbomb",
+    "check",
     "check_a_claim",
     "design",
+    "files",
     "loads",
     "many_scenes",
     "most_states",
     "motifs",
     "pattern",
+    "periodic",
     "sheets",
     "slow",
     "vertices4",

@@ -5,6 +5,7 @@ import io
 import re
 import tokenize
 from collections.abc import Iterator
+from functools import cache
 from importlib import import_module
 from pathlib import Path
 
@@ -51,18 +52,25 @@ def sources() -> list[Path]:
     return sorted(PACKAGE.rglob("*.py"))
 
 
-def texts(path: Path) -> Iterator[tuple[int, str]]:
-    """Yield line and text of what people read in a file: pages whole, of modules strings and comments."""
-    if path.suffix == ".md":
-        yield 1, path.read_text()
-        return
+@cache
+def parts(path: Path) -> tuple[list[tuple[int, str]], frozenset[str]]:
+    """Strings and then comments of a file of Python, with their lines, and its names."""
+    strings: list[tuple[int, str]] = []
     comments: list[tuple[int, str]] = []
+    found: set[str] = set()
     for token in tokenize.generate_tokens(io.StringIO(path.read_text()).readline):
         if token.type == tokenize.STRING:
-            yield token.start[0], token.string
+            strings.append((token.start[0], token.string))
         elif token.type == tokenize.COMMENT:
             comments.append((token.start[0], token.string))
-    yield from comments
+        elif token.type == tokenize.NAME:
+            found.add(token.string)
+    return [*strings, *comments], frozenset(found)
+
+
+def texts(path: Path) -> list[tuple[int, str]]:
+    """Line and text of what people read in a file: pages whole, of modules strings and comments."""
+    return [(1, path.read_text())] if path.suffix == ".md" else parts(path)[0]
 
 
 def private(path: Path) -> Iterator[str]:
@@ -81,14 +89,8 @@ def test_texts_use_the_words_of_the_field():
     assert not {name: words for name, words in found.items() if words}
 
 
-def names(path: Path) -> set[str]:
-    """Names in a file of Python."""
-    tokens = tokenize.generate_tokens(io.StringIO(path.read_text()).readline)
-    return {token.string for token in tokens if token.type == tokenize.NAME}
-
-
 def test_names_use_the_words_of_the_field():
-    found = {name_of(path): names(path) & NAMES for path in sources()}
+    found = {name_of(path): parts(path)[1] & NAMES for path in sources()}
     assert not {name: words for name, words in found.items() if words}
 
 

@@ -40,7 +40,9 @@ def written(folder, data, name="tape.csv"):
     return path
 
 
-@pytest.mark.parametrize(("fit", "least"), [("spline", 0.93), ("pchip", 0.93)])
+@pytest.mark.parametrize(
+    ("fit", "least"), [("pchip", 0.93), pytest.param("spline", 0.93, marks=pytest.mark.slow)]
+)
 def test_the_band_covers_the_law_and_its_slope(fit, least):
     """At the share of angles and measurements that it states, 95 %, over 30 measurements of one law."""
     rng = np.random.default_rng(1)

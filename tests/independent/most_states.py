@@ -103,7 +103,14 @@ def lemma_holds(mu: tuple[Fraction, Fraction], parts: int, slope: int = 0, depth
 
     H = 3 psi' psi''^2/psi''' - psi'^2 with psi' = 1/(A + B c) is differentiated by power series in c = cos p.
     """
-    ctx.cap = 2
+    before, ctx.cap = ctx.cap, 2
+    try:
+        return _lemma(mu, parts, slope, depth)
+    finally:
+        ctx.cap = before
+
+
+def _lemma(mu: tuple[Fraction, Fraction], parts: int, slope: int, depth: int) -> bool:
     low, high = mu
     boxes = [
         (

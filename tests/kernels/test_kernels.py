@@ -16,8 +16,8 @@ from origami_nlp.numerics import CHOSEN, coarse, first_largest, rank
 from tests.kernels.answers import GROUPS
 from tests.kernels.compare import KERNELS, answers_on, compared, differences
 
-FAST = {"panels": "18:19", "vertices": "2:3", "capabilities": "2:5"}
-"""Of each group, as a slice: a panel within fold limits, a vertex of degree 6, a load path, a design, an atlas."""
+FAST = {"panels": "18:19", "vertices": "2:3", "capabilities": "2:3"}
+"""Of each group, as a slice: a panel within fold limits, a vertex of degree 6, a load path."""
 CORES = """
 import ctypes, numpy, scipy.linalg
 names = ("scipy_openblas_get_corename64_", "scipy_openblas_get_corename")

@@ -40,7 +40,7 @@ def same_path(one, two, atol=1e-9):
     assert [e.words() for e in one.events] == [e.words() for e in two.events]
 
 
-@pytest.mark.parametrize("seed", [4, 9])
+@pytest.mark.parametrize("seed", [9, pytest.param(4, marks=pytest.mark.slow)])
 def test_a_linear_law_has_the_path_of_the_spring(seed):
     plain = drawn(seed, limits=((-1.5, 1.5),) * 4)
     same_path(*(o.load_path(s, 1, confirm=False) for s in (plain, of_laws(plain))))

@@ -264,7 +264,7 @@ def test_the_page_on_noise_is_made_by_this_code():
     [
         (examples.degree6("pi/3", ratio=100), 0.91321),
         (generic(6, 7, "fold-limits"), 3.16964),
-        (generic(8, 4, "fold-limits"), 14.94409),
+        pytest.param(generic(8, 4, "fold-limits"), 14.94409, marks=pytest.mark.slow),
     ],
     ids=["panel", "degree 6", "degree 8"],
 )

@@ -69,7 +69,7 @@ def _same(found, expected):
     )
 
 
-@pytest.mark.parametrize("seed", [0, 12])
+@pytest.mark.parametrize("seed", [0, pytest.param(12, marks=pytest.mark.slow)])
 def test_two_vertices_have_the_minima_of_a_scan(seed):
     _compare_strip(seed)
 

@@ -113,7 +113,8 @@ def test_a_pattern_of_one_vertex_has_the_modes_of_the_vertex():
     scene = replace(SCENE, symmetry="none")
     one = find_modes(find_minima(scene, effort="quick", prove=False, escape=False))
     # its states are those of the vertex, judged as of a sheet: no start has to find them again
-    same = find_modes(find_minima(scene_pattern(scene), effort="quick", starts=0, escape=False))
+    only = {"effort": "quick", "starts": 0, "prove": False, "escape": False}
+    same = find_modes(find_minima(scene_pattern(scene), **only))
     known = {s.minimum.energy: s for s in one.states}
     assert [s.minimum.energy for s in same.states] == pytest.approx(sorted(known), rel=1e-12)
     reported = 0
@@ -147,7 +148,8 @@ def test_modes_of_a_miura_run_along_its_closed_form(tmp_path):
     """Every vertex has tan(x / 2) = cos(alpha) tan(y / 2) for its two pairs of creases."""
     pattern = examples.pattern("miura", 3, 3).with_springs(1.0, 0.0)
     rest = np.where(np.arange(12) % 3 == 0, 0.9, -0.4)
-    found = find_minima(pattern.with_springs(rest_angles=rest), effort="quick", escape=False)
+    sprung = pattern.with_springs(rest_angles=rest)
+    found = find_minima(sprung, effort="quick", prove=False, escape=False)
     # where it is folded in half along lines, or has more degrees of freedom, its motion is another one
     kept = [m for m in found.minima if m.dof == 1 and np.abs(m.fold_angles).min() >= 0.05]
     assert 0 < len(kept) < len(found.minima)

@@ -157,7 +157,9 @@ def users() -> dict[str, set[str]]:
     """Rooms by what they import of `numerics`."""
     rooms: dict[str, set[str]] = {}
     for path in PACKAGE.rglob("*.py"):
-        for node in ast.walk(ast.parse(path.read_text())):
+        if "origami_nlp.numerics" not in (text := path.read_text()):
+            continue
+        for node in ast.walk(ast.parse(text)):
             if isinstance(node, ast.ImportFrom) and "origami_nlp.numerics" in str(node.module):
                 for alias in node.names:
                     rooms.setdefault(alias.name, set()).add(path.relative_to(PACKAGE).parts[0])

@@ -13,8 +13,7 @@ from origami_nlp.pattern_states.clearance import Clearance
 from origami_nlp.pattern_states.curve import follow_curve, follow_from_flat, tangents
 from origami_nlp.pattern_states.curves import LONG
 from origami_nlp.pattern_states.interpolant import ON_CURVE, interpolate, wells
-
-SLOW_TWIST = pytest.param("squaretwist", marks=pytest.mark.slow)
+from tests.computed_once import thinned
 
 
 def distance(curve, x):
@@ -22,7 +21,7 @@ def distance(curve, x):
     return min(curve.nearest(step, x)[1] for step in range(len(curve.control)))
 
 
-@pytest.mark.parametrize("name", ["miura:2x3", "metasheet:3x3", SLOW_TWIST])
+@pytest.mark.parametrize("name", thinned(["metasheet:3x3", "miura:2x3", "squaretwist"], 3))
 def test_half_of_a_curve_says_what_the_whole_does(name):
     problem, asked = PatternProblem(as_pattern(name)), 0
     clearance = Clearance(problem)
@@ -65,7 +64,7 @@ def test_far_from_flat_or_with_limits_on_one_side_curves_are_followed_in_whole()
     assert follow_from_flat(limited, phi, LONG) is None
 
 
-@pytest.mark.parametrize("name", ["miura:2x3", SLOW_TWIST])
+@pytest.mark.parametrize("name", thinned(["miura:2x3", "squaretwist"], 2))
 def test_barriers_over_the_flat_state_are_those_of_walks_that_share_no_code(name):
     """By own closure and the Flexible Collision Library, from each minimum to both ends of its curve."""
     pytest.importorskip("fcl", reason="python-fcl, of the extra test")

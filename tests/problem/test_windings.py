@@ -10,6 +10,7 @@ from origami_nlp.kkt import project
 from origami_nlp.pattern import Scene, Vertex
 from origami_nlp.problem import Kinematics, Model
 from origami_nlp.problem.completion import complete
+from tests.computed_once import thinned
 
 
 def scenes(kind, order, flat):
@@ -33,7 +34,7 @@ def scenes(kind, order, flat):
 
 
 @pytest.mark.parametrize("flat", [True, False])
-@pytest.mark.parametrize("order", [3, 4, 5, 6, 7])
+@pytest.mark.parametrize("order", thinned([7, 5, 6, 3, 4], 2))
 @pytest.mark.parametrize("kind", ["C", "D"])
 def test_every_winding_closes_the_whole_vertex(kind, order, flat):
     rng, seen = np.random.default_rng(0), set()

@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from flint import ctx
 
 import origami_nlp as o
 import origami_nlp.proof.check_strips as check_strips
@@ -235,6 +236,13 @@ def test_what_is_left_open_stays_open():
     pattern = strip(3000, 3, 2)
     few = certificate_of_strip(pattern, prove_strip(pattern, boxes=100))
     assert check_proof(few).open
+
+
+def test_a_check_does_not_hang_on_the_settings_of_flint(monkeypatch):
+    """Where a user's program keeps two terms of a series, second derivatives are there all the same."""
+    monkeypatch.setattr(ctx, "cap", 2)
+    found = check_proof(at_limit())
+    assert found.refused == "" and found.open == () and ctx.cap == 2
 
 
 def test_the_flat_state_at_rest_is_confirmed():

@@ -13,6 +13,7 @@ from origami_nlp.folding import find_crossings, fold_vertex
 from origami_nlp.minima import count_strata
 from origami_nlp.problem import Model
 from origami_nlp.starts import close_pinched, contact_starts, list_strata, model_rows, model_strata
+from tests.computed_once import thinned
 from tests.independent.admissible import admissible
 from tests.independent.arcs import corner_determinants
 from tests.independent.neighbours import Problem
@@ -34,7 +35,11 @@ def model_of(rng, n, total=FLAT):
 CASES = [(n, total) for n in (5, 6, 7, 8, 9) for total in (FLAT, 5.0, 7.5)]
 
 
-@pytest.fixture(scope="module", params=CASES, ids=lambda case: f"{case[0]}-{case[1]:.3g}")
+@pytest.fixture(
+    scope="module",
+    params=thinned([(case,) for case in CASES], 4),
+    ids=lambda case: f"{case[0]}-{case[1]:.3g}",
+)
 def drawn(request):
     n, total = request.param
     rng = np.random.default_rng(int(100 * total) + n)

@@ -104,13 +104,16 @@ def test_the_archive_by_its_command_is_complete_and_its_proof_is_confirmed(tmp_p
     assert listed["six"] == listed["six-limits"] == ("6", "proved")
 
 
-def test_counts_and_twists():
+@pytest.mark.slow
+def test_counts_of_twists():
     found = [counts.count_states("twists", 1, c, 1.0) for c in counts.CONTACTS]
     assert [(c.family, c.size, c.creases, c.vertices) for c in found] == [("twists", 1, 12, 4)] * 2
     assert all(c.certified == c.states for c in found)
     figure = counts.draw_counts(found)
     assert len(figure.axes[0].lines) >= 2
-    # the square twist of the examples, as a grid
+
+
+def test_twists_are_the_square_twist_of_the_examples_as_a_grid():
     one, other = (Sheet(s.corners, s.ends) for s in (counts.twists(1), counts.twists(2)))
     angles = {tuple(np.round(np.degrees(np.sort(np.arccos(np.clip((u * np.roll(u, -1, 0)).sum(1), -1, 1)))), 6))
               for sheet in (one, other) for _, u in sheet.rings}  # fmt: skip

@@ -70,6 +70,7 @@ def relaxed(pattern, phi_start, x):
     return found.fun, angles(found.x.reshape(-1, 3)), np.abs(long(found.x)).max()
 
 
+@pytest.mark.slow
 def test_both_states_are_minima_of_bars_and_hinges():
     begun = settled(30, 1e-2, 1.0)
     for stiffness in np.geomspace(1e-2, 1e3, 26):

@@ -113,7 +113,9 @@ def _wedge_sample(n, near, count=120, seed=3):
     return alpha, v, fold
 
 
-@pytest.mark.parametrize("near", ["", "flat", "branches meet"])
+@pytest.mark.parametrize(
+    "near", ["flat", "branches meet", pytest.param("", marks=pytest.mark.slow)]
+)
 @pytest.mark.parametrize("n", [2, 3, 5])
 def test_wedge3_values(n, near):
     alpha, v, fold = _wedge_sample(n, near)
