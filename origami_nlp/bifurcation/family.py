@@ -21,6 +21,7 @@ from origami_nlp.minima import MinimaResult, find_minima_of_each
 from origami_nlp.numerics import RESOLVED
 from origami_nlp.pattern import (
     LAW_PLACES,
+    HingeLaw,
     Scene,
     Vertex,
     check_law_place,
@@ -171,12 +172,18 @@ def same_problem(models: list[Model], name: str, names: list[str]) -> list[Model
                 f"{where}: symmetry {group} or the facets that may touch are not those of other scenes over {name}: "
                 "state the symmetry, or follow a shorter range"
             )
-        if model.structure.laws != whole.structure.laws:
+        if _laws_of(model) != _laws_of(whole):
             raise OptionError(
                 f"{where}: hinge laws are others than elsewhere over {name}: law_scale[1] and law_shift[1] are "
                 "followed over, numbers within a law are for sweeps"
             )
     return [_posed_as(whole, model) for model in models]
+
+
+def _laws_of(model: Model) -> tuple[HingeLaw | None, ...]:
+    """Return the laws of the variables, but for their factors and shifts."""
+    laws = model.parameters.laws
+    return () if laws is None else laws.laws
 
 
 def linear_numbers(p: Parameters) -> np.ndarray:

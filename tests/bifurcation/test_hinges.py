@@ -10,6 +10,7 @@ import pytest
 
 import origami_nlp as o
 from origami_nlp import Model, Scene, Vertex
+from origami_nlp.bifurcation.family import same_problem
 from origami_nlp.continuation import line_between
 from origami_nlp.errors import OptionError
 from origami_nlp.pattern import HingeLaw, double_well, linear, with_places
@@ -159,3 +160,15 @@ def test_stops_along_a_path_and_what_is_refused():
             o.follow(scene((law, None, None, None)), what)
     with pytest.raises(OptionError, match="hinge law"):
         o.follow(o.examples.pattern("miura", 2, 2).with_laws(law), "stiffness[1]=1:2")
+
+
+def test_laws_of_other_shape_are_no_one_problem():
+    """Their functions are shared, their pieces are not: over a number within a law nothing is followed."""
+    law = double_well(1.0, 0.8)
+    one, twice, other = (
+        Model(scene(laws=(each,) * 4)) for each in (law, law.times(2.0), double_well(1.0, 0.9))
+    )
+    assert one.structure == other.structure
+    assert len(same_problem([one, twice], "law_scale", ["first", "second"])) == 2
+    with pytest.raises(OptionError, match="second: hinge laws are others"):
+        same_problem([one, other], "laws", ["first", "second"])
