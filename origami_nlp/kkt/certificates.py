@@ -31,6 +31,7 @@ from origami_nlp.numerics import (
     STATIONARY,
     nearest_in_cone,
     null_space,
+    shortest_solution,
 )
 from origami_nlp.problem import Contact
 
@@ -143,7 +144,7 @@ def _judge(piece: Stratum, stationary: float) -> BranchJudgement:
     # theorem 12.6 holds with any one multiplier that balances; each is tried, with each shift of closure's own
     for mu in multipliers.vertices:
         # mu fixes the multipliers of closure up to the left kernel of J
-        lam = np.linalg.lstsq(state.jacobian.T, state.gradient - a.T @ mu, rcond=INDEPENDENT)[0]
+        lam = shortest_solution(state.jacobian.T, state.gradient - a.T @ mu, INDEPENDENT)
         h = s.T @ piece.hessian_with(np.concatenate([lam, mu])) @ s
         values, vectors = np.linalg.eigh(h + shifted)
         k = int(values[:, 0].argmax())

@@ -37,6 +37,7 @@ from origami_nlp.numerics import (
     nearest,
     nonnegative_least_squares,
     null_space,
+    shortest_solution,
 )
 from origami_nlp.problem import Contact, Problem
 
@@ -365,7 +366,7 @@ def _pull(piece: Stratum, curved: bool) -> tuple[np.ndarray, tuple[Contact, ...]
         forces = np.zeros(len(gaps))
         forces[closed] = nonnegative_least_squares(rows[closed].T, cost)
         rest = state.gradient - slopes.T @ forces
-        multipliers = np.linalg.lstsq(state.jacobian.T, rest, rcond=DEPENDENT)[0]
+        multipliers = shortest_solution(state.jacobian.T, rest, DEPENDENT)
         h = piece.hessian_with(np.append(multipliers, forces))
         keeps &= forces > CARRIES
         free = null_space(rows[keeps])

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from origami_nlp.numerics import CONTACT_TOL, NONZERO, ROUNDED
+from origami_nlp.numerics import CONTACT_TOL, NONZERO, ROUNDED, shortest_solution
 from origami_nlp.problem import Contact, Problem, held
 
 UNRESOLVED = CONTACT_TOL
@@ -70,7 +70,7 @@ def project(
             before = residual
             # columns of what is frozen are zero, so that the step of smallest norm does not move it
             jac = jac / root if still is None else jac / root * still
-            move = np.linalg.lstsq(jac, f, rcond=dependent)[0]
+            move = shortest_solution(jac, f, dependent)
             x = x - move * (
                 min(1.0, LONGEST_MOVE / max(float(np.linalg.norm(move)), NONZERO)) / root
             )

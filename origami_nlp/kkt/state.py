@@ -9,13 +9,21 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Sequence
 from functools import cached_property
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 
 from origami_nlp.kkt.multipliers import Multipliers, find_multipliers
 from origami_nlp.kkt.tangent_cone import TangentCone, tangent_cone
-from origami_nlp.numerics import CONTACT_TOL, DEPENDENT, OUTSIDE, RANK, ROUNDED, null_space
+from origami_nlp.numerics import (
+    CONTACT_TOL,
+    DEPENDENT,
+    OUTSIDE,
+    RANK,
+    ROUNDED,
+    null_space,
+    shortest_solution,
+)
 from origami_nlp.problem import ClosedContacts, Contact, Local, Problem
 
 
@@ -72,9 +80,6 @@ class State:
     @cached_property
     def _factors(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Singular values and vectors of `jacobian`."""
-        p: Any = self.problem
-        if p.redundant and not p.sparse:  # whose metric is that of all fold angles
-            return cast(tuple[np.ndarray, np.ndarray, np.ndarray], p.singular(self.x))
         u, values, vt = np.linalg.svd(self.jacobian)
         return u, values, vt
 
@@ -82,11 +87,20 @@ class State:
     def kernel(self) -> np.ndarray:
         """Orthonormal basis of the null space of closure, the infinitesimal motions, in the metric, [n, t]."""
         p: Any = self.problem
-        if p.redundant and not p.sparse:
-            return cast(np.ndarray, p.kernel(self.x))
+        if p.redundant and not p.sparse:  # whose metric is that of all fold angles
+            return np.asarray(p.kernel(self.x))
         _, values, vt = self._factors
         # paper, eq. A6: C dphi = 0, of dimension N - 3 at a regular state of a vertex without symmetry
         return vt[int((values > RANK).sum()) :].T
+
+    @property
+    def _lost(self) -> np.ndarray:
+        """Orthonormal rows w with w' J = 0, [m - rank, m]."""
+        p: Any = self.problem
+        if p.redundant and not p.sparse:
+            return np.asarray(p.null_spaces(self.x).lost)
+        u, values, _ = self._factors
+        return u.T[int((values > RANK).sum()) :]
 
     @cached_property
     def regular(self) -> bool:
@@ -100,9 +114,8 @@ class State:
     def second_order(self) -> list[np.ndarray]:
         """Forms Q [t, t] on `kernel` where closure loses rank: d' Q d = 0 in every direction that states follow."""
         p: Any = self.problem
-        u, values, _ = self._factors
         # w with w' J = 0: rank C < 3, the singular states that the paper's appendix A does not classify
-        lost = u.T[int((values > RANK).sum()) :]
+        lost = self._lost
         z = self.kernel / p.root[:, None]
         forms: Iterable[np.ndarray]
         if p.redundant and len(lost):  # of which there are many
@@ -260,7 +273,7 @@ class Stratum:
     @cached_property
     def multipliers(self) -> np.ndarray:
         """Lagrange multipliers of closure and contacts that balance the springs best, of smallest norm, [m + r]."""
-        return np.linalg.lstsq(self.jacobian.T, self.state.gradient, rcond=DEPENDENT)[0]
+        return shortest_solution(self.jacobian.T, self.state.gradient, DEPENDENT)
 
     @property
     def forces(self) -> np.ndarray:

@@ -20,6 +20,7 @@ from .factors import (
     Matrix as Matrix,
     Normal as Normal,
     dense as dense,
+    shortest_solution as shortest_solution,
 )
 from .groups import groups as groups, pairs_within as pairs_within
 from .linear import (
@@ -32,6 +33,7 @@ from .linear import (
     unbounded as unbounded,
 )
 from .merge_tree import Merge as Merge, MergeTree as MergeTree, merge_tree as merge_tree
+from .null_spaces import NullSpaces as NullSpaces
 from .reflections import KernelBasis as KernelBasis, solve_symmetric as solve_symmetric
 from .roots import bracketed_roots as bracketed_roots, distinct as distinct
 from .rounding import (

@@ -31,6 +31,7 @@ from origami_nlp.numerics import (
     SYMMETRIC,
     Matrix,
     Normal,
+    NullSpaces,
     dense,
     null_space,
 )
@@ -79,7 +80,7 @@ class PatternEquations:
         self._last: tuple[bytes, list[int], Normal] | None = None
         self._seen: dict[str, tuple[bytes, Any]] = {}
         # of closure alone: shared with the same pattern under other loads
-        self._decomposed: dict[bytes, tuple[np.ndarray, np.ndarray, np.ndarray]] = {}
+        self._decomposed: dict[bytes, NullSpaces] = {}
 
     @property
     def until(self) -> float:
@@ -272,8 +273,7 @@ class PatternEquations:
         self.check_time()
         held = list(held)
         if not held:
-            _, values, vt = self.singular(phi)
-            return np.array(vt[int((values > RANK).sum()) :].T, order="C")
+            return self.null_spaces(phi).kernel
         free = np.setdiff1d(np.arange(self.size), held)
         inside = null_space(dense(self.closure.jacobian(phi))[:, free])
         z = np.zeros((self.size, inside.shape[1]))
@@ -288,17 +288,16 @@ class PatternEquations:
         """
         if self.size > MOST_DENSE:
             return False
-        values = self.singular(phi)[1]
-        return bool((values[values > RANK] ** 2 < ROUNDED / DUPLICATE_TOL).any())
+        return self.null_spaces(phi).any_between(RANK, math.sqrt(ROUNDED / DUPLICATE_TOL))
 
-    def singular(self, phi: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Return singular values of the Jacobian of closure, and all vectors: [m, m], [min(m, n)], [n, n]; dense.
+    def null_spaces(self, phi: np.ndarray) -> NullSpaces:
+        """Return rank and null spaces of the Jacobian of closure; dense.
 
         The last ones are kept: rank, kernel and curvature of a state are asked for in turn.
         """
         key = phi.tobytes()
         if key not in self._decomposed:
-            found = np.linalg.svd(dense(self.closure.jacobian(phi)))
+            found = NullSpaces(dense(self.closure.jacobian(phi)))
             self._decomposed.clear()
             self._decomposed[key] = found
         return self._decomposed[key]
@@ -311,7 +310,7 @@ class PatternEquations:
         if not self.closure.count:
             return 0
         if self.size <= MOST_DENSE:
-            return int((self.singular(phi)[1] > below).sum())
+            return self.null_spaces(phi).rank(below)
         j = self.closure.jacobian(phi)
         # on the side with fewer rows; eliminated without exchange, a symmetric matrix has as many positive pivots as
         # eigenvalues (Sylvester).  Lanczos' method would miss copies of zeros where there are many.

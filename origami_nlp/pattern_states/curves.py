@@ -77,7 +77,7 @@ class TracedCurves:
         self.found: list[TracedCurve] = []
         self._contact = contact
         # of all steps of these: the curve that each is of, and its box
-        self._of, self._low = list[np.ndarray](), np.zeros((0, problem.size))
+        self._of, self._low = list[np.ndarray](), np.zeros((problem.size, 0))
         self._high = self._low
 
     @cached_property
@@ -92,11 +92,12 @@ class TracedCurves:
                 len(self._of) :
             ]
             boxes = np.concatenate([traced.curve.boxes for traced in self.found])
-            self._low, self._high = boxes[:, 0].copy(), boxes[:, 1].copy()
+            self._low, self._high = (np.ascontiguousarray(boxes[:, k].T) for k in (0, 1))
         # of all steps at once: most are far, as few angles say
-        low, high, few = self._low[:, :FIRST], self._high[:, :FIRST], phi[:FIRST]
-        near = np.flatnonzero(((low <= few) & (few <= high)).all(axis=1))
-        near = near[((self._low[near] <= phi) & (phi <= self._high[near])).all(axis=1)]
+        low, high, few = self._low[:FIRST], self._high[:FIRST], phi[:FIRST, None]
+        near = np.flatnonzero(((low <= few) & (few <= high)).all(axis=0))
+        low, high = self._low[:, near], self._high[:, near]
+        near = near[((low <= phi[:, None]) & (phi[:, None] <= high)).all(axis=0)]
         which = np.unique(np.concatenate([*self._of, np.zeros(0, int)])[near])
         return any(self._on(self.found[k].curve, phi) for k in which.tolist())
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,12 +15,15 @@ from origami_nlp.numerics import (
     DECREASE,
     NONZERO,
     OUTSIDE,
+    RANK,
     ROUNDED,
     SETTLED,
     SINGULAR,
     TINY,
     Factor,
+    Matrix,
     Normal,
+    NullSpaces,
 )
 from origami_nlp.pattern_problem import PatternProblem
 
@@ -32,6 +36,8 @@ MOST_SPECTRAL = 60
 FALLS = 0.5
 """Steps that lower no energy go on while each leaves a smaller share of the torque: beside states where closure loses
 rank they end nowhere."""
+FAR_FROM_SINGULAR = 1e-4
+"""Of closure: smaller singular values are left to systems that do not decide on a rank."""
 NO_LOWER = "no lower state within reach"
 FAR = 4.0
 """A step that is cut by more than this goes along the softest ways alone: curvature is shifted instead."""
@@ -173,17 +179,43 @@ def _direction(
         return z @ (vectors @ y), saddle
     j = normal.jacobian
     h = h[free][:, free] if held.any() else h
-    unit = np.eye(len(free)) if isinstance(h, np.ndarray) else sp.sparse.eye_array(len(free))
+    steps = _steps(problem, phi, h, j, j.T @ lam - g[free])
     shift = 0.0
     for _ in range(8):
-        matrix = h + shift * unit
-        d, _ = Factor(matrix, j).solve(-g[free] + j.T @ lam, np.zeros(j.shape[0]))
-        bent = float(d @ (matrix @ d)) <= SINGULAR * float(d @ d) and d.any()
+        d = steps(shift)
+        bent = float(d @ (h @ d + shift * d)) <= SINGULAR * float(d @ d) and d.any()
         if not bent and np.abs(d).max() <= FAR * radius:
             break
         shift = max((10 if bent else 3) * shift, 0.1)
     out[free] = d
     return out, False
+
+
+def _steps(
+    problem: PatternProblem, phi: np.ndarray, h: Matrix, j: Matrix, left: np.ndarray
+) -> Callable[[float], np.ndarray]:
+    """Return Newton's step along closure for a torque that is left, by what is added to the curvature h.
+
+    By the spectrum on the null space of j where that is far from losing rank; beside such states by the system that
+    does not decide on it.
+    """
+    if isinstance(h, np.ndarray) and isinstance(j, np.ndarray):
+        whole = j.shape[1] == problem.size
+        spaces = problem.null_spaces(phi) if whole else NullSpaces(j)
+        if spaces.gap[0] < RANK and spaces.gap[1] > FAR_FROM_SINGULAR:
+            z = spaces.kernel
+            values, vectors = np.linalg.eigh(z.T @ h @ z)
+            z = z @ vectors
+            slope = z.T @ left
+
+            def spectral(shift: float) -> np.ndarray:
+                curvature = values + shift
+                tiny = np.abs(curvature) < NONZERO
+                return np.asarray(z @ (slope / np.where(tiny, NONZERO, curvature)))
+
+            return spectral
+    unit = np.eye(len(left)) if isinstance(h, np.ndarray) else sp.sparse.eye_array(len(left))
+    return lambda shift: Factor(h + shift * unit, j).solve(left, np.zeros(j.shape[0]))[0]
 
 
 def _capped(d: np.ndarray, radius: float) -> np.ndarray:

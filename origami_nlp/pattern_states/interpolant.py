@@ -96,9 +96,11 @@ class Interpolant(ShortRepr):
 
     def may_hold(self, states: np.ndarray) -> np.ndarray:
         """Return which states are in the box of some step, of bool [K]."""
-        out = np.zeros(len(states), bool)
-        for low, high in self.boxes:
-            out |= ((states >= low) & (states <= high)).all(axis=1)
+        low, high = self.boxes.swapaxes(0, 1)
+        inside = (states >= low.min(axis=0)) & (states <= high.max(axis=0))
+        out = inside.all(axis=1)
+        for k in np.flatnonzero(out).tolist():
+            out[k] = ((states[k] >= low) & (states[k] <= high)).all(axis=1).any()
         return out
 
     def at(self, step: int, u: float) -> np.ndarray:

@@ -10,7 +10,7 @@ import itertools
 import math
 from bisect import bisect_left
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -45,6 +45,7 @@ class CurvePasses:
     passes: TracedPasses
     heights: np.ndarray
     open: np.ndarray
+    _parts: dict[int, np.ndarray] = field(default_factory=dict, repr=False)
 
     def least(self, k: int, others: Sequence[int], level: float) -> float:
         """Return an energy that every motion from state k to a lower state, or to some others, passes.
@@ -61,7 +62,10 @@ class CurvePasses:
 
         def reaches(k: int) -> bool:
             """Whether a way that climbs no higher than a level leads to an end."""
-            part = groups(len(energies), self.passes.edges[self.heights <= levels[k]])
+            if k not in self._parts:
+                below = self.passes.edges[self.heights <= levels[k]]
+                self._parts[k] = groups(len(energies), below)
+            part = self._parts[k]
             return bool(ends[part == part[start]].any())
 
         # the higher the level, the more hangs together

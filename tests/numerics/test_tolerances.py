@@ -50,7 +50,8 @@ BESIDE_THE_TABLE = {
         critical/strata.LOOSE pattern_problem/compiled_closure.FALLS pattern_problem/stacks.GRID kkt/escape.CERTAIN
         kkt/neighbourhood.GOES kkt/descent_witness.DOWN minima/curve.ROUGH minima/one_dof.FALLS
         minima/recursive_newton.LEAST_PIVOT continuation/events.POLE pattern_states/branch_points.FORMS
-        pattern_states/interpolant.ON_CURVE inverse_design/infeasibility.WEIGHTY pattern_states/closed.SOFT
+        pattern_states/descent.FAR_FROM_SINGULAR pattern_states/interpolant.ON_CURVE
+        inverse_design/infeasibility.WEIGHTY pattern_states/closed.SOFT
         inverse_design/robustness.ENDED starts/moments.SHORTEST_SHARE pattern_problem/sign_vectors.MARGIN
     """,
     "nodes at which a series is checked": """
