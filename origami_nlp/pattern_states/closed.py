@@ -7,7 +7,15 @@ import math
 import numpy as np
 
 from origami_nlp.minima import find_minima
-from origami_nlp.numerics import CLOSURE_TOL, DUPLICATE_TOL, EXPLORED, LEVEL, ROUNDED, nearest
+from origami_nlp.numerics import (
+    CLOSURE_TOL,
+    DUPLICATE_TOL,
+    EXPLORED,
+    LEVEL,
+    RESOLVED,
+    ROUNDED,
+    nearest,
+)
 from origami_nlp.pattern import Contact, Pattern, Scene
 from origami_nlp.pattern_problem import PatternProblem, round_vertex
 
@@ -15,10 +23,16 @@ MOST_STEPS = 60
 """Of the search for the lowest state of a plane with laws."""
 SOFT = 1e-3
 """Slope of a law over its mean stiffness that counts as a spring at least: a step goes no further."""
+BESIDE_FLAT = math.sqrt(RESOLVED)
+"""Starts that end with all fold angles smaller [rad] lead back to the flat state."""
 
 
 def close(problem: PatternProblem, start: np.ndarray) -> np.ndarray | None:
-    """Close a start within the fold limits, fully folded creases left so if possible; None where it does not close."""
+    """Close a start within the fold limits, fully folded creases left so if possible; None where it does not close.
+
+    What comes as near to the flat state as `BESIDE_FLAT` without closing is that state: closure holds to the square of
+    the distance there and has singular values of its size, so that rounding says in which step, if ever, it closes.
+    """
     limits = problem.fold_limits
     start = limits.clip(start)
     at_limit = limits.room(start) == 0
@@ -28,7 +42,9 @@ def close(problem: PatternProblem, start: np.ndarray) -> np.ndarray | None:
         phi = limits.clip(phi)
         if residual <= CLOSURE_TOL and within and problem.closure.lifts_to_one(phi):
             return phi
-    return None
+    flat = np.zeros(problem.size)
+    beside = problem.pattern.is_flat and bool(np.abs(phi).max() < BESIDE_FLAT)
+    return flat if beside and limits.inside(flat).all() else None
 
 
 def scene_of(pattern: Pattern, contact: bool) -> tuple[Scene | None, list[int]]:

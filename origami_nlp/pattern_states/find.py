@@ -36,7 +36,7 @@ from origami_nlp.pattern_states.branch_points import (
     is_on_plane,
     split,
 )
-from origami_nlp.pattern_states.closed import close, lowest_on, of_vertex
+from origami_nlp.pattern_states.closed import BESIDE_FLAT, close, lowest_on, of_vertex
 from origami_nlp.pattern_states.contact_descents import (
     UNTOLD,
     contact_descent_off,
@@ -415,7 +415,7 @@ class _Search(FromMinima):
     def _begun(self, start: np.ndarray) -> np.ndarray | None:
         """Close a start; None, and counted, where that fails or leads back to the flat state."""
         phi = close(self.problem, start)
-        near = phi is not None and bool(np.abs(phi).max() < RESOLVED**0.5)
+        near = phi is not None and bool(np.abs(phi).max() < BESIDE_FLAT)
         flat = near and self.problem.pattern.is_flat
         self.tally.open += phi is None
         self.tally.flat += flat
