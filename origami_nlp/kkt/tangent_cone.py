@@ -34,8 +34,8 @@ from origami_nlp.problem import FoldLimits, LoopClosure
 
 MOST_CHOICES = 10_000
 """Choices of subspaces at some loops that are carried on to the others."""
-MOST_NUMBERS = 20_000_000
-"""Of the bases of these choices: 160 MB."""
+MOST_NUMBERS = 4_000_000
+"""Of the bases of these choices: 32 MB, and several times as much while they are chosen."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,0 +1,69 @@
+"""Stars: a hub of 400 creases, and sheets whose vertices have degree 8 and 4 in turn, up to 400 creases and beyond."""
+
+import itertools
+import tracemalloc
+
+import numpy as np
+import pytest
+
+from origami_nlp.kkt import State
+from origami_nlp.numerics import dense
+from origami_nlp.pattern import Pattern, make_pattern
+from origami_nlp.pattern_problem import PatternProblem
+from origami_nlp.pattern_states import find_states
+from tests.patterns import wheel
+
+
+def _stars(m: int, n: int) -> Pattern:
+    """Squares with both diagonals."""
+    at = np.arange((m + 1) * (n + 1)).reshape(m + 1, n + 1)
+    corners = [(float(i), float(j)) for i in range(m + 1) for j in range(n + 1)]
+    middles, triangles = [], []
+    for i, j in itertools.product(range(m), range(n)):
+        ring = [at[i, j], at[i + 1, j], at[i + 1, j + 1], at[i, j + 1]]
+        middle = len(corners) + len(middles)
+        middles.append((i + 0.5, j + 0.5))
+        triangles += [(middle, int(ring[k]), int(ring[(k + 1) % 4])) for k in range(4)]
+    return make_pattern(np.array(corners + middles), triangles)
+
+
+def _sprung(pattern: Pattern) -> Pattern:
+    rng = np.random.default_rng(0)
+    k, rest = 10 ** rng.uniform(-0.5, 0.5, pattern.creases), rng.uniform(-0.6, 0.6, pattern.creases)
+    return pattern.with_springs(list(k), list(rest))
+
+
+def _hub() -> Pattern:
+    sectors = np.random.default_rng(0).uniform(0.5, 1.5, 400)
+    return wheel(sectors * 2 * np.pi / sectors.sum())
+
+
+@pytest.mark.parametrize(("pattern", "creases"), [(_hub(), 400), (_stars(8, 8), 368)])
+def test_the_first_state_of_a_star_is_certified(pattern: Pattern, creases: int) -> None:
+    class Enough(Exception):
+        pass
+
+    def stop(energy: float, phi: np.ndarray) -> None:
+        first.append(phi)
+        raise Enough
+
+    first: list[np.ndarray] = []
+    with pytest.raises(Enough):
+        find_states(_sprung(pattern), contact=False, escape=False, found=stop)
+    problem = PatternProblem(_sprung(pattern))
+    (phi,) = first
+    assert pattern.creases == creases and problem.residual(phi) < 1e-13
+    # torque left along an orthonormal basis of the kernel from NumPy alone, and curvature there
+    _, values, vt = np.linalg.svd(dense(problem.closure.jacobian(phi)))
+    z = vt[(values > 1e-7).sum() :].T
+    assert np.abs(z.T @ problem.torque(phi)).max() < 1e-11
+
+
+def test_choices_of_modes_at_stars_are_given_up_in_little_memory() -> None:
+    problem = PatternProblem(_stars(8, 8))
+    tracemalloc.start()
+    cone = State(problem, np.zeros(problem.size)).tangent_cone
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert "choices of modes stay open" in cone.reason
+    assert peak < 300e6
