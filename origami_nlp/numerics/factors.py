@@ -181,10 +181,29 @@ def _damping(m: int) -> sp.sparse.csr_array:
 
 
 def shortest_solution(matrix: np.ndarray, right: np.ndarray, below: float) -> np.ndarray:
-    """Return the shortest x [n] that minimises the length of A x - b, for A [m, n] and b [m].
+    """Return the shortest x that minimises the length of A x - b.
 
-    Singular values below a share of the largest are left out: they are computed for small A only, a complete orthogonal
-    factorisation of larger ones takes a quarter of the time (Golub and Van Loan, Matrix Computations, section 5.5).
+    By singular values of small A; a complete orthogonal factorisation of larger ones takes a quarter of the time (Golub
+    and Van Loan, Matrix Computations, section 5.5).
+
+    Parameters
+    ----------
+    matrix, right
+        A, [m, n], and b, [m].
+    below
+        Singular values below this share of the largest are left out.
+
+    Returns
+    -------
+    numpy.ndarray
+        Shape [n].
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from origami_nlp.numerics import shortest_solution
+    >>> shortest_solution(np.array([[1.0, 1.0]]), np.array([2.0]), 1e-10).round(12).tolist()
+    [1.0, 1.0]
     """
     m, n = matrix.shape
     if min(m, n) <= SMALL:
