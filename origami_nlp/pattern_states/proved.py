@@ -123,7 +123,9 @@ def hold_against(
     judged: list[JudgedState] = []
     shown = [m.fold_angles for m in proof.minima]
     for minimum in proof.minima:
-        problem.check_time()
+        if time.monotonic() > problem.until:
+            against.append("time was over before all proved minima were judged")
+            break
         within = minimum.radius + DUPLICATE_TOL
         near = [s for s in known if np.abs(s.phi - minimum.fold_angles).max() <= within]
         if not near:
