@@ -10,6 +10,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from origami_nlp.errors import OutOfTime
 from origami_nlp.minima import Added, Completeness, JudgedState, Open
 from origami_nlp.numerics import BESIDE_SINGULAR, DUPLICATE_TOL
 from origami_nlp.pattern import Pattern
@@ -122,25 +123,28 @@ def hold_against(
     against: list[str] = []
     judged: list[JudgedState] = []
     shown = [m.fold_angles for m in proof.minima]
-    for minimum in proof.minima:
-        if time.monotonic() > problem.until:
-            against.append("time was over before all proved minima were judged")
-            break
-        within = minimum.radius + DUPLICATE_TOL
-        near = [s for s in known if np.abs(s.phi - minimum.fold_angles).max() <= within]
-        if not near:
-            judged.append(judge_end(problem, minimum.fold_angles, contact))
-            near = judged[-1:]
-        if all(s.verdict == "undecided" for s in near):
-            found = _where_rank_is_lost(proof, problem, minimum.fold_angles, contact)
-            shown += [s.phi for s in found]
-            near, judged = [*near, *found], [*judged, *found]
-        # facets of a proof within fold limits may cross
-        confirmed = ("minimum", "not admissible") if contact and not proof.contact else ("minimum",)
-        if not any(s.verdict in confirmed for s in near):
-            against.append(
-                f"a proved minimum ({near[0].energy:.9g} J) is judged: {near[0].verdict}"
+    try:
+        for minimum in proof.minima:
+            problem.check_time()
+            within = minimum.radius + DUPLICATE_TOL
+            near = [s for s in known if np.abs(s.phi - minimum.fold_angles).max() <= within]
+            if not near:
+                judged.append(judge_end(problem, minimum.fold_angles, contact))
+                near = judged[-1:]
+            if all(s.verdict == "undecided" for s in near):
+                found = _where_rank_is_lost(proof, problem, minimum.fold_angles, contact)
+                shown += [s.phi for s in found]
+                near, judged = [*near, *found], [*judged, *found]
+            # facets of a proof within fold limits may cross
+            confirmed = (
+                ("minimum", "not admissible") if contact and not proof.contact else ("minimum",)
             )
+            if not any(s.verdict in confirmed for s in near):
+                against.append(
+                    f"a proved minimum ({near[0].energy:.9g} J) is judged: {near[0].verdict}"
+                )
+    except OutOfTime:  # what was judged is listed
+        against.append("time was over before all proved minima were judged")
     for one, other in itertools.combinations([m.fold_angles for m in proof.minima], 2):
         if np.abs(one - other).max() <= 2 * DUPLICATE_TOL:
             against.append("two proved minima are not distinguished by the list")

@@ -11,6 +11,8 @@ import pytest
 import origami_nlp as o
 from origami_nlp.errors import CertificateError, OptionError
 from origami_nlp.pattern import make_pattern
+from origami_nlp.pattern_problem import PatternProblem
+from origami_nlp.pattern_states import hold_against
 from origami_nlp.proof import (
     certificate_of_mesh,
     check_proof,
@@ -167,6 +169,16 @@ def test_a_search_has_the_same_list():
     assert found.completeness.proved and len(found.minima) == 14
     assert not found.completeness.added
     assert "proportional" in found.completeness.over
+
+
+def test_what_was_judged_is_listed_where_time_ends():
+    pattern = o.examples.pattern("miura", 2, 3)
+    problem, proof = PatternProblem(pattern), prove_mesh(pattern)
+    done, judged = hold_against(proof, problem, [], False)
+    assert done.proved and len(judged) == 14
+    problem.until = -math.inf
+    done, again = hold_against(proof, problem, judged[:3], False)
+    assert not done.proved and "time was over" in done.reason and not again
 
 
 @pytest.mark.slow
