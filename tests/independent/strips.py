@@ -225,7 +225,8 @@ class StripOfHinges:
                     if prior and before < 0 <= here and min(room, there) > 0:
                         x = brentq(lambda t, s=signs: self.slope(s, t), prior, theta, xtol=1e-16)
                         yield self.strip.at(signs, x)[0], False
-                    elif prior and room * there < 0 and here * (room - there) < 0:
+                    elif prior and room * there < 0:
                         x = brentq(lambda t, s=signs: self.room(s, t), prior, theta, xtol=1e-16)
-                        yield self.strip.at(signs, x)[0], True
+                        if side * self.slope(signs, x) * (room - there) < 0:
+                            yield self.strip.at(signs, x)[0], True
                     last, before, room, prior = phi, here, there, theta

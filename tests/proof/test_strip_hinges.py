@@ -74,9 +74,10 @@ def _against_scan(seed, vertices):
         assert _closest(held if stop else inside, phi) < 1e-7, (seed, stop)
     problem, missing = PatternProblem(pattern), 0
     for m in proof.minima:
-        verdict = judge(problem, m.fold_angles, False).verdict
-        near = np.abs(m.fold_angles).max() < 1e-3
-        assert verdict == "minimum" or (near and verdict == "undecided"), (seed, verdict)
+        state = judge(problem, m.fold_angles, False)
+        # beside the flat state closure nearly loses rank: what the kernel does not confirm there no list calls proved
+        near = np.abs(m.theta).max() < 1e-4 and not state.kkt_residual > 1e-9
+        assert state.verdict == "minimum" or near, (seed, state.verdict)
         if not m.at_limit:
             missing += _closest([phi for phi, _ in wells], m.fold_angles) > 1e-7
     return len(wells), len(held), missing
