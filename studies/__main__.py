@@ -189,7 +189,7 @@ def maxima(
     ] = 600.0,
     depth: Annotated[
         int, typer.Option(metavar="N", help="Places are told apart to 2/2^N of a branch.")
-    ] = 10,
+    ] = 12,
 ) -> None:
     """Prove that no springs give the energy of a vertex three maxima on a branch, so that it has six states at most.
 

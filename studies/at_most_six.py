@@ -297,7 +297,7 @@ def prove_branch(
     *,
     tolerance: float = 0.0,
     pair_depth: int = 12,
-    depth: int = 10,
+    depth: int = 12,
     seconds: float = 600.0,
 ) -> dict[str, Any]:
     """Look for a proof that this branch has no three maxima; seconds of processor time for pairs, and for triples.

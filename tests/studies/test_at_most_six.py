@@ -167,7 +167,8 @@ def test_folds_close_the_vertex():
 
 
 @pytest.mark.slow
-def test_no_three_maxima_on_the_branch_on_which_crease_4_leads():
-    stated = prove_branch(SIX, 2)
-    assert stated["leader"] == 4
+@pytest.mark.parametrize(("mode", "leader"), [(1, 3), (2, 4)])
+def test_no_three_maxima_on_a_branch_of_the_vertex_of_six(mode, leader):
+    stated = prove_branch(SIX, mode)
+    assert stated["leader"] == leader
     assert Check(stated).most_maxima == 2
