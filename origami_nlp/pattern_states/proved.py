@@ -128,13 +128,13 @@ def hold_against(
             problem.check_time()
             within = minimum.radius + DUPLICATE_TOL
             near = [s for s in known if np.abs(s.phi - minimum.fold_angles).max() <= within]
-            if not near:
-                judged.append(judge_end(problem, minimum.fold_angles, contact))
-                near = judged[-1:]
             if all(s.verdict == "undecided" for s in near):
-                found = _where_rank_is_lost(proof, problem, minimum.fold_angles, contact)
+                found = _where_rank_is_lost(proof, problem, minimum.fold_angles, known, contact)
                 shown += [s.phi for s in found]
-                near, judged = [*near, *found], [*judged, *found]
+                new = [s for s in found if not any(s is k for k in known)]
+                if not near and not found:
+                    new = [judge_end(problem, minimum.fold_angles, contact)]
+                near, judged = [*near, *found, *new], [*judged, *new]
             # facets of a proof within fold limits may cross
             confirmed = (
                 ("minimum", "not admissible") if contact and not proof.contact else ("minimum",)
@@ -181,7 +181,11 @@ def hold_against(
 
 
 def _where_rank_is_lost(
-    proof: StripProof | MeshProof, problem: PatternProblem, phi: np.ndarray, contact: bool
+    proof: StripProof | MeshProof,
+    problem: PatternProblem,
+    phi: np.ndarray,
+    known: Sequence[JudgedState],
+    contact: bool,
 ) -> list[JudgedState]:
     """Judge the state beside a proved minimum at which closure loses rank, if it is beside no other one.
 
@@ -192,7 +196,11 @@ def _where_rank_is_lost(
     if there is None:
         return []
     beside = [m for m in proof.minima if np.abs(m.fold_angles - there).max() <= BESIDE_SINGULAR]
-    return [judge(problem, there, contact)] if len(beside) == 1 else []
+    if len(beside) != 1:
+        return []
+    listed = [s for s in known if np.abs(s.phi - there).max() <= DUPLICATE_TOL]
+    state = listed[0] if listed else judge(problem, there, contact)
+    return [] if state.verdict == "undecided" else [state]
 
 
 def _region(pattern: Pattern, lower: np.ndarray, upper: np.ndarray, why: str) -> Open:
