@@ -63,8 +63,6 @@ from origami_nlp.starts import (
     FoldedVertices,
     Given,
     OtherWells,
-    Popped,
-    Pushed,
     SearchOptions,
     Signed,
     families_in_turn,
@@ -215,18 +213,13 @@ class _Search(FromMinima):
         if len(pattern.vertices) == 1 and not (pattern.holes or pattern.cell):
             self.part("the search for single vertices", self.round_the_vertex, seed)
         asked = self.options
-        limits = asked.most_popped * starts, asked.most_on * starts
-        self.part(OtherWells.name, self.snap, *limits)
+        self.part(OtherWells.name, self.snap, asked.most_popped * starts, asked.most_on * starts)
         for k in range(min(asked.most_drawn * starts, most)):
             if not self.part("random starts", self.draw, rng, k) or self.tally.quiet == starts:
                 break
         self.part(Signed.name, self.sign, pattern)
         self.part(FoldedVertices.name, self.fold_vertices, asked.most_folded * starts)
-        known = None
-        while known != (known := self.count()):  # what one leads to, the others go on from
-            self.part(OtherWells.name, self.snap, *limits)
-            self.part(Popped.name, self.pop, *limits)
-            self.part(Pushed.name, self.push, asked.most_pushed * starts, limits[1])
+        self.go_on(asked, starts)
         self.part("images of minima under symmetries", self.add_images)
 
     def settle(self, phi: np.ndarray) -> None:

@@ -1,5 +1,5 @@
 """Starts that follow from what was found: signs that no minimum has, and of minima their images, vertices popped,
-hinges in other wells, creases pushed."""
+hinges in other wells, creases pushed, two combined."""
 
 from __future__ import annotations
 
@@ -21,14 +21,19 @@ from origami_nlp.pattern_states.parts import Parts
 from origami_nlp.starts import (
     POPPED,
     PUSHED,
+    Combined,
     FoldedVertices,
     Listed,
     OtherWells,
     Popped,
     Pushed,
+    SearchOptions,
     Signed,
     hinge_rests,
 )
+
+ONE_START = 0.1
+"""Two minima combined that are no further from another start of that kind [rad] are not started from."""
 
 
 class FromMinima(Parts):
@@ -118,6 +123,15 @@ class FromMinima(Parts):
                 problem.check_time()
                 self._start_apart(FoldedVertices.name, start)
 
+    def go_on(self, options: SearchOptions, starts: int) -> None:
+        """Start from minima, and from what that leads to, until nothing new comes; `starts` multiplies limits."""
+        longest, known = options.most_on * starts, None
+        while known != (known := self.count()):
+            self.part(OtherWells.name, self.snap, options.most_popped * starts, longest)
+            self.part(Popped.name, self.pop, options.most_popped * starts, longest)
+            self.part(Combined.name, self.combine, options.most_combined * starts, longest)
+            self.part(Pushed.name, self.push, options.most_pushed * starts, longest)
+
     def _start_apart(self, family: str, start: np.ndarray) -> None:
         """Go down from a start along states that do not cross."""
         self.begin(family)
@@ -152,6 +166,34 @@ class FromMinima(Parts):
             all_ = product(PUSHED, range(problem.size))
             ways = [partial(Pushed, problem, self.labels, size=a, only=k) for a, k in all_]
             self._go_on(Pushed.name, ways, most, longest, least=2)
+
+    def combine(self, most: int, longest: int) -> None:
+        """Start from minima with the folds round one vertex as others have them, what that leads to among them.
+
+        Until `most` starts in all led to no other minimum, or after `longest`.  Of starts beside each other, or beside
+        images of each other, one is enough.  Not where branches are enumerated: these lead to what the starts would.
+        """
+        problem, name, counts = self.problem, Combined.name, self._counts[Combined.name]
+        done = self.tally.lines or self.tally.families or not most
+        while not done and name not in self.tally.cut:
+            states = np.array([s.phi for s in self.minima if s.phi.any()])
+            before, done = self.count(), True
+            for start in Combined(problem.pattern, self.labels, states).states():
+                problem.check_time()
+                [made] = self._gone.setdefault(name, [np.empty((0, problem.size))])
+                if (np.abs(made - start).max(axis=1) < ONE_START).any():
+                    continue
+                if counts["idle"] == most or counts["made"] == longest:
+                    self.tally.cut = (*self.tally.cut, name)
+                    break
+                images = [image(symmetry, start) for symmetry in self._symmetries]
+                self._gone[name] = [np.vstack([made, start, *images])]
+                self._start_apart(name, start)
+                counts["made"] += 1
+                if self.count() != before:  # combined with the others as well
+                    done = False
+                    break
+                counts["idle"] += 1
 
     def _go_on(
         self,

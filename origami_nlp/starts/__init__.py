@@ -22,6 +22,7 @@
 | `FoldedVertices` | pattern | one vertex almost folded flat, the others as flat as closure lets them be |
 | `Popped` | pattern | a minimum with one vertex on its other side |
 | `Pushed` | pattern | a minimum with one crease pushed towards valley or mountain |
+| `Combined` | pattern | a minimum with the folds round one vertex as another minimum has them |
 | `OtherWells` | pattern | a minimum with one hinge in another well of its law |
 | `Signed` | pattern | beside the flat state, with signs of the vertices that no minimum has yet |
 

@@ -35,6 +35,7 @@ from .near_flat import NearFlat as NearFlat, NearFolded as NearFolded
 from .of_patterns import (
     POPPED as POPPED,
     PUSHED as PUSHED,
+    Combined as Combined,
     Given as Given,
     Grown as Grown,
     OtherWells as OtherWells,

@@ -234,6 +234,44 @@ class Pushed(Listed):
             yield from (limits.clip(self._phi + d), limits.clip(self._phi - d))
 
 
+COMBINED = 0.3
+"""Minima that are combined differ by at least as much round the vertex, and a start from every minimum [rad]."""
+
+
+class Combined(Listed):
+    """States of a list with the folds round one vertex as another of the list has them, the others kept.
+
+    Parameters
+    ----------
+    pattern, labels
+        The pattern, and the order of its creases.
+    states
+        The list, [m, n] [rad].
+    """
+
+    name = "minima combined"
+    sentence = "a minimum with the folds round one vertex as another minimum has them"
+
+    def __init__(self, pattern: Pattern, labels: CanonicalLabelling, states: np.ndarray) -> None:
+        self.size, self._states = pattern.creases, states
+        self._around = creases_around(pattern, labels)
+
+    def states(self) -> Iterator[np.ndarray]:
+        """Yield them, none closed yet: pairs in an order drawn once, each with another vertex in each round."""
+        states, around = self._states, self._around
+        pairs = np.random.default_rng(0).permutation(len(states) ** 2)
+        for first in range(len(around)):
+            for k, pair in enumerate(pairs):
+                creases = around[(first + k) % len(around)]
+                one, other = states[pair // len(states)], states[pair % len(states)]
+                if np.abs(other[creases] - one[creases]).max() < COMBINED:
+                    continue
+                start = one.copy()
+                start[creases] = other[creases]
+                if np.abs(states - start).max(axis=1).min() >= COMBINED:
+                    yield start
+
+
 class OtherWells(Listed):
     """A state with each crease moved to each other well of its law, as bistable hinges snap one by one.
 

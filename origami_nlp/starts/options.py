@@ -12,7 +12,7 @@ from origami_nlp.errors import OptionError
 class SearchOptions:
     """How much a search does; `EFFORTS` holds those of ``effort="quick"``, ``"normal"`` and ``"thorough"``.
 
-    The first twelve are of a vertex, the last eight of a pattern.
+    The first twelve are of a vertex, the last nine of a pattern.
 
     Attributes
     ----------
@@ -49,6 +49,8 @@ class SearchOptions:
         `in_a_row`; then that part ends.
     most_pushed
         The same of starts with a crease pushed: of thorough searches.
+    most_combined
+        The same of starts from a minimum with the folds round one vertex as another minimum has them.
     most_on
         Starts of one of these kinds in all, over `in_a_row`.
     most_folded
@@ -87,6 +89,7 @@ class SearchOptions:
     most_drawn: int = 10
     most_popped: int = 2
     most_pushed: int = 0
+    most_combined: int = 1
     most_on: int = 50
     most_folded: int = 0
     most_traced: int = 250
@@ -95,8 +98,8 @@ class SearchOptions:
     def __post_init__(self) -> None:
         from_zero = (
             *("interior", "most_with_corners", "fewest_for_moments", "most_batched"),
-            *("in_a_row", "most_popped", "most_pushed", "most_on", "most_folded"),
-            *("most_traced", "most_curves"),
+            *("in_a_row", "most_popped", "most_pushed", "most_combined", "most_on"),
+            *("most_folded", "most_traced", "most_curves"),
         )
         for name, value in vars(self).items():
             if name == "judging":
@@ -145,6 +148,7 @@ EFFORTS = {
         in_a_row=160,
         most_popped=10,
         most_pushed=10,
+        most_combined=5,
         most_folded=1,
     ),
 }

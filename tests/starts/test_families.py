@@ -59,6 +59,7 @@ def pattern_families():
         starts.UniformFolded(labels, problem.fold_limits),
         starts.Popped(pattern, labels, phi),
         starts.Pushed(problem, labels, phi, 1.0),
+        starts.Combined(pattern, labels, np.array([phi, -phi])),
         starts.OtherWells(pattern.with_laws(double_well(1.0, 0.7)), labels, phi),
         starts.FoldedVertices(problem, labels, True),
         starts.Signed(problem, labels, np.zeros((0, pattern.creases))),
@@ -149,6 +150,24 @@ def test_creases_are_pushed_along_closed_states_whatever_their_numbers():
     assert np.linalg.matrix_rank(pushed, tol=1e-8) == pattern.creases - np.linalg.matrix_rank(
         jacobian, tol=1e-8
     )
+
+
+def test_minima_are_combined_round_each_vertex_once_where_they_differ_there():
+    pattern = examples.pattern("yoshimura", 3, 3)
+    labels, n = find_labels(pattern), pattern.creases
+    states = np.array([np.full(n, 1.0), np.full(n, -1.0), np.full(n, 1.0)])
+    states[2, 0] = 1.2  # too near the first to be combined with it
+    around = starts.creases_around(pattern, labels)
+    wanted = set()
+    for one in states:
+        for other in states:
+            for creases in around:
+                new = one.copy()
+                new[creases] = other[creases]
+                if np.abs(new - one).max() > 0.3 and np.abs(states - new).max(axis=1).min() > 0.3:
+                    wanted.add(tuple(new))
+    made = [tuple(x) for x in starts.Combined(pattern, labels, states).states()]
+    assert set(made) == wanted and len(wanted) > 4
 
 
 def test_a_hinge_goes_to_each_of_its_other_wells_and_to_a_limit_that_it_is_pushed_to():

@@ -9,7 +9,7 @@ import origami_nlp as o
 from origami_nlp.continuation import ContinuationOptions
 from origami_nlp.errors import OptionError
 from origami_nlp.proof import ProofOptions
-from origami_nlp.starts import EFFORTS, FoldedVertices, Popped, Pushed, SearchOptions
+from origami_nlp.starts import EFFORTS, Combined, FoldedVertices, Popped, Pushed, SearchOptions
 
 TWO_DOF = o.examples.degree6("pi/3")
 QUARTIC = o.Scene(
@@ -74,6 +74,17 @@ def test_starts_from_minima_end_where_that_is_asked_for_and_it_is_said():
     few, more = search(most_pushed=3), search(most_pushed=9, most_on=5)
     assert few.by_source[name] >= 3 and more.by_source[name] == 5
     assert name in few.cut and any(f"{name}: " in s and "could be made" in s for s in few.words())
+
+
+def test_minima_are_combined_where_that_is_asked_for():
+    def search(**changed):
+        options = SearchOptions(in_a_row=4, most_drawn=1, most_popped=0, **changed)
+        return o.find_minima("yoshimura:2x3", options=options, escape=False).search
+
+    name = Combined.name
+    assert name not in search(most_combined=0).by_source
+    few, more = search(most_combined=1, most_on=1), search(most_combined=5)
+    assert few.by_source[name] <= 4 < more.by_source[name]
 
 
 def test_vertices_are_almost_folded_where_that_is_asked_for():
