@@ -168,9 +168,9 @@ def test_a_large_vertex_keeps_its_limit_of_time():
     model = Model(vertex(300, 1))
     some = next(iter(Rounds(model, 0, EFFORTS["quick"])))
     late = Descents(model, until=time.monotonic() + 0.1)
-    begin = time.monotonic()
+    begin = time.process_time()
     ends = late.run(joined(*[some] * 40))
-    assert time.monotonic() - begin < 5 and not ends.converged.all()
+    assert time.process_time() - begin < 5 and not ends.converged.all()
 
 
 SCENES = vertex(5, 5), vertex(5, 2, "full")

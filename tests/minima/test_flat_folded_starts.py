@@ -278,7 +278,7 @@ def test_an_interrupted_search_keeps_what_it_found(monkeypatch, tmp_path):
 
 
 def test_a_search_that_has_time_leaves_nothing_out():
-    found = find_states(strip(3), starts=1, contact=False, seconds=60.0)
+    found = find_states(strip(3), starts=1, contact=False, seconds=3600.0)
     assert not found.search.left_out and "time limit" not in found.report(verbose=True)
     nothing = find_states(strip(3), starts=1, contact=False, seconds=0.0)
     assert not nothing.states and "starts that the pattern gives" in nothing.search.left_out

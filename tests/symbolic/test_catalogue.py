@@ -39,7 +39,7 @@ def test_every_claim_is_decided(run):
     assert [r.claim.id for r in run.results if not r.verdict.decided] == []
 
 
-@pytest.mark.slow  # of wall time: a busy machine takes longer
+@pytest.mark.slow
 def test_the_whole_run_keeps_to_its_budget(run):
     assert run.seconds < BUDGET_SECONDS
 
