@@ -8,9 +8,10 @@ from typing import Any
 
 import numpy as np
 
-from origami_nlp.actuation.driving import driven_set
+from origami_nlp.actuation.cones import FlatMotion, cones, driven_nappe, subspace, ways
+from origami_nlp.actuation.driving import DrivenSet, driven_set
 from origami_nlp.actuation.release import follows, release_along
-from origami_nlp.actuation.result import FlatBranch
+from origami_nlp.actuation.result import BranchWay, FlatBranch
 from origami_nlp.minima import JudgedState
 from origami_nlp.numerics import DUPLICATE_TOL, SAME_DIRECTION, coarse, first_largest
 from origami_nlp.pattern import Pattern
@@ -44,7 +45,7 @@ def torque_of(pattern: Pattern, load: np.ndarray) -> tuple[Torque, float] | None
     return Torque(pattern, tuple((creases + 1).tolist()), shares), size
 
 
-def flat_branches(pattern: Pattern, until: float = math.inf) -> tuple[list[np.ndarray], str]:
+def flat_branches(pattern: Pattern, until: float = math.inf) -> tuple[list[FlatMotion], str]:
     """Enumerate the branches of the flat state: flat velocities that closed states follow.
 
     Parameters
@@ -56,8 +57,8 @@ def flat_branches(pattern: Pattern, until: float = math.inf) -> tuple[list[np.nd
 
     Returns
     -------
-    branches : list of numpy.ndarray
-        An orthonormal basis of each, [n, k]: lines (k = 1) first.
+    branches : list of FlatMotion
+        Lines first, then subspaces of several dimensions, or the two nappes of a cone.
     reason : str
         Why they were not enumerated; "" where they were.
     """
@@ -65,7 +66,14 @@ def flat_branches(pattern: Pattern, until: float = math.inf) -> tuple[list[np.nd
     problem.until = until
     cone = list_branches(pattern, None, problem.check_time)
     if cone.reason:
-        return [], cone.reason
+        if max((len(loop.creases) for loop in pattern.vertices), default=0) <= 4:
+            return [], cone.reason
+        found, reason = cones(pattern, problem.check_time)
+        for motion in found:
+            generic, _ = ways(motion, np.cos(GENERIC * np.arange(pattern.creases)))
+            if not all(follows(problem, way) for way in generic):
+                return [], "a cone of motions is not closed to higher order"
+        return found, reason
     cone = split(problem, np.zeros(pattern.creases), cone)
     lines = []
     for line in cone.lines:
@@ -81,13 +89,39 @@ def flat_branches(pattern: Pattern, until: float = math.inf) -> tuple[list[np.nd
                 [],
                 f"motions of {basis.shape[1]} degrees of freedom are not closed to higher order",
             )
-    return [*(line[:, None] for line in lines), *cone.families], ""
+    return [subspace(basis) for basis in (*(line[:, None] for line in lines), *cone.families)], ""
+
+
+def driven_alone(found: Sequence[FlatMotion], k: int, most: int | None = None) -> DrivenSet | None:
+    """Find few creases on which torques start one branch alone.
+
+    Parameters
+    ----------
+    found
+        Of `flat_branches`.
+    k
+        Index of the branch.
+    most
+        Sets of creases that are gone through; None: as many as `driven_set` does.
+
+    Returns
+    -------
+    DrivenSet or None
+        See `driven_set` and `driven_nappe`.
+    """
+    mine = found[k]
+    others = [m.basis for m in found if m.basis is not mine.basis]
+    rest = np.column_stack([np.zeros((len(mine.basis), 1)), *others])
+    more = {} if most is None else {"most": most}
+    if mine.side:
+        return driven_nappe(k + 1, mine, rest, **more)
+    return driven_set(k + 1, mine.basis, rest, **more)
 
 
 def released(
     pattern: Pattern,
     load: np.ndarray,
-    found: Sequence[np.ndarray],
+    found: Sequence[FlatMotion],
     until: float,
     *,
     release: bool = True,
@@ -122,25 +156,38 @@ def released(
     least = SAME_DIRECTION * float(np.linalg.norm(force))
     limit = problem.fold_limits.near(np.zeros(pattern.creases), SAME_DIRECTION)
     branches, reached = [], list[JudgedState]()
-    for k, basis in enumerate(found):
-        others = [b for j, b in enumerate(found) if j != k]
-        drivable = driven_set(
-            k + 1, basis, np.column_stack([np.zeros((pattern.creases, 1)), *others]), 0
-        )
+    for k, motion in enumerate(found):
+        basis = motion.basis
+        kind: Any = "cone" if motion.side else "line" if basis.shape[1] == 1 else "family"
+        drivable = bool(motion.side) or driven_alone(found, k, 0) is not None
         along = basis @ (basis.T @ force)
         size = float(np.linalg.norm(along))
-        kind: Any = "line" if basis.shape[1] == 1 else "family"
-        if size <= least or (along * limit > SAME_DIRECTION * size).any() or not release:
-            worth = size if size > least and release else 0.0
-            blocked = "a stop holds it" if worth else ""
-            branches.append(FlatBranch(kind, basis, 0.0, drivable is not None, 0, blocked))
+        some, alone = [along / size] if size > least else [], True
+        if motion.side:
+            some, alone = ways(motion, force)
+        if not some or not release:
+            branches.append(FlatBranch(kind, basis, 0.0, drivable, side=motion.side))
             continue
-        problem.check_time()
-        state, why = release_along(problem, along / size, kind == "line")
-        number = 0
-        if state is not None:
-            near = [np.abs(state.phi - r.phi).max() <= DUPLICATE_TOL for r in reached]
-            number = 1 + (near.index(True) if True in near else len(reached))
-            reached += [state] * (number > len(reached))
-        branches.append(FlatBranch(kind, basis, size, drivable is not None, number, why))
+        worth, blocked = float(some[0] @ force), ""
+        if any((way * limit > SAME_DIRECTION).any() for way in some):
+            worth, blocked = 0.0, "a stop holds it"
+        elif motion.side and limit.any():
+            blocked = "not decided whether it is unique: a stop cuts the cone"
+        elif not alone:
+            blocked = "not decided whether it is unique: work is most in a continuum of directions"
+        gone = []
+        for way in () if blocked else some:
+            problem.check_time()
+            state, why = release_along(problem, way, kind == "line")
+            number = 0
+            if state is not None:
+                near = [np.abs(state.phi - r.phi).max() <= DUPLICATE_TOL for r in reached]
+                number = 1 + (near.index(True) if True in near else len(reached))
+                reached += [state] * (number > len(reached))
+            gone.append(BranchWay(way, float(way @ force), number, why))
+        first = gone[0] if gone else BranchWay(along, 0.0, 0, blocked)
+        several = tuple(gone) if motion.side else ()
+        branches.append(
+            FlatBranch(kind, basis, worth, drivable, first.reached, first.why, several, motion.side)
+        )
     return branches, reached

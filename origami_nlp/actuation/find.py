@@ -11,8 +11,9 @@ from typing import Any
 
 import numpy as np
 
-from origami_nlp.actuation.branches import released
-from origami_nlp.actuation.driving import DrivenSet, driven_set
+from origami_nlp.actuation.branches import driven_alone, released
+from origami_nlp.actuation.cones import FlatMotion
+from origami_nlp.actuation.driving import DrivenSet
 from origami_nlp.actuation.result import Actuation, FlatBranch
 from origami_nlp.actuation.transitions import TransitionGraph
 from origami_nlp.arguments import check_flag, check_number, check_until, check_whole, shown
@@ -173,12 +174,10 @@ def _load(pattern: Pattern, torques: Any) -> np.ndarray:
     return out
 
 
-def _driven_sets(found: Sequence[np.ndarray], branches: Sequence[FlatBranch]) -> list[DrivenSet]:
+def _driven_sets(found: Sequence[FlatMotion], branches: Sequence[FlatBranch]) -> list[DrivenSet]:
     """Find the fewest creases that start a branch alone, of those that are started first."""
     order = sorted(range(len(found)), key=lambda k: branches[k].work <= 0)
-    out = []
-    for k in [k for k in order if branches[k].drivable][:MOST_DRIVEN]:
-        others = [b for j, b in enumerate(found) if j != k]
-        none = np.zeros((len(found[k]), 1))
-        out.append(driven_set(k + 1, found[k], np.column_stack([none, *others])))
-    return sorted((d for d in out if d is not None), key=lambda d: d.branch)
+    some = [
+        driven_alone(found, k) for k in [k for k in order if branches[k].drivable][:MOST_DRIVEN]
+    ]
+    return sorted((d for d in some if d is not None), key=lambda d: d.branch)

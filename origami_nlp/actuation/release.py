@@ -25,6 +25,8 @@ STEP = 0.05
 """Of curves, and first step into a family of several dimensions [rad], root mean square over creases."""
 SHRINKS = 0.75
 """How much nearer, over its length, the half of a step must be to closed states than the whole."""
+HALVINGS = 0.5, 0.25
+"""Of that first step, where a descent does not arrive."""
 LOST = "no states follow from the flat one"
 
 
@@ -89,6 +91,11 @@ def release_along(
         path, end = [*half.states[1:upto], well], descend(problem, well)
     else:
         end = descend(problem, start)
+        for share in HALVINGS:  # a descent may stall in rounding beside its end
+            if end.arrived:
+                break
+            start, residual = problem.project(share * _step(problem, direction))
+            end = descend(problem, start) if residual <= CLOSURE_TOL else end
         path = [start, *end.path]
     held = contact_descent_off(problem, path)
     end = end if held is None else held

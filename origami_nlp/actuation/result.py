@@ -24,32 +24,69 @@ MOST_ROWS = 12
 
 
 @dataclass(frozen=True, eq=False, repr=False)
+class BranchWay(ShortRepr):
+    """A direction in which the steepest descent leaves the flat state along a cone of motions.
+
+    Attributes
+    ----------
+    velocity
+        Unit flat velocity, [n]: the work is a strict local maximum among those of the cone.
+    work
+        For it [N m].
+    reached
+        Number (1-based) of the state that is reached; 0 where none was.
+    why
+        Why none was reached.
+    """
+
+    velocity: np.ndarray
+    work: float
+    reached: int = 0
+    why: str = ""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
 class FlatBranch(ShortRepr):
     """A branch of closed states that leaves the flat one.
 
     Attributes
     ----------
     kind
-        ``line``: one degree of freedom; ``family``: several, all motions of a subspace.
+        ``line``: one degree of freedom; ``family``: several, all motions of a subspace; ``cone``: several, one of the
+        two nappes of a cone in a subspace, round a vertex of more than four creases.
     velocities
-        Orthonormal basis of its flat velocities, [n, k].
+        Orthonormal basis of its flat velocities, of a cone of the subspace that it lies in, [n, k].
     work
         Of the torques, springs included, for a unit motion along it [N m]: in the sense, and of a family in the
         direction, in which it is most; 0 where it is not started.
     drivable
         Whether torques exist that start this branch alone.
     reached
-        Number (1-based) of the state that is reached along it; 0 where it is not started, or none was reached.
+        Number (1-based) of the state that is reached along it, of a cone in the way of most work; 0 where it is not
+        started, or none was reached.
     why
         Why none was reached.
+    ways
+        Of a cone: all directions in which descents leave, that of most work first.
+    side
+        Of a cone: 1 where the sum of the fold angles is positive, -1 where it is negative; else 0.
     """
 
-    kind: Literal["line", "family"]
+    kind: Literal["line", "family", "cone"]
     velocities: np.ndarray
     work: float
     drivable: bool
     reached: int = 0
     why: str = ""
+    ways: tuple[BranchWay, ...] = ()
+    side: int = 0
+
+    @property
+    def is_unique(self) -> bool | None:
+        """Whether descents along it leave the flat state in one direction; None where that is not decided."""
+        if self.kind == "cone":
+            return len(self.ways) == 1 if self.ways else None
+        return self.kind == "line"
 
 
 @dataclass(frozen=True, repr=False)
@@ -132,20 +169,27 @@ class Actuation(Report):
 
     @property
     def unique(self) -> bool | None:
-        """Whether the first load starts exactly one branch of the flat state, and that has one degree of freedom.
+        """Whether the first load starts exactly one branch of the flat state, and leaves in one direction along it.
 
+        A branch of one degree of freedom, or a cone on which one direction has most work: see `FlatBranch.ways`.
         None where that is not known.
         """
         if self.reason or not self.branches or not self.loads:
             return None
-        return len(self.started) == 1 and self.branches[self.started[0] - 1].kind == "line"
+        if len(self.started) != 1:
+            return False
+        return self.branches[self.started[0] - 1].is_unique
 
     @property
     def can_be_unique(self) -> bool | None:
         """Whether torques exist for which the fold is unique; None where branches are not known."""
         if self.reason or not self.branches:
             return None
-        return any(branch.drivable and branch.kind == "line" for branch in self.branches)
+        if any(branch.drivable and branch.kind == "line" for branch in self.branches):
+            return True
+        if self.driven and any(self.branches[d.branch - 1].kind == "cone" for d in self.driven):
+            return True
+        return None if any(branch.kind == "cone" for branch in self.branches) else False
 
     @property
     def verdict(self) -> str:
@@ -160,12 +204,21 @@ class Actuation(Report):
             return f"{name}: {len(self.states)} states, {len(self.transitions)} transitions"
         if not self.loads:
             of = _many(len(self.branches), "branch")
+            if self.can_be_unique is None:
+                return f"{name}: {of}, torques for which the fold is unique were not found"
             if self.can_be_unique:
                 return f"{name}: {of}, torques exist for which the fold is unique"
             return f"{name}: {of}, the fold is not unique whatever the torques"
         many = len(self.started)
-        if many == 1 and not self.unique:
-            dof = self.branches[self.started[0] - 1].velocities.shape[1]
+        first = self.branches[self.started[0] - 1] if many else None
+        if many == 1 and first is not None and first.kind == "cone":
+            if self.unique is None:
+                return f"{name}: one side is started, {first.why}"
+            if self.unique:
+                return f"{name}: the torques fold it uniquely, along one direction of branch {self.started[0]}"
+            return f"{name}: no unique fold, descents leave along {len(first.ways)} directions of one side"
+        if many == 1 and first is not None and not self.unique:
+            dof = first.velocities.shape[1]
             return f"{name}: no unique fold, the torques start motions of {dof} degrees of freedom"
         if many == 1:
             return f"{name}: the torques fold it uniquely, along branch {self.started[0]}"
@@ -182,9 +235,9 @@ class Actuation(Report):
             rows = [
                 [
                     str(k),
-                    "line" if b.kind == "line" else f"family of {b.velocities.shape[1]}",
+                    _kind(b),
                     f"{b.work:.4g}",
-                    f"state {b.reached}" if b.reached else b.why or "-",
+                    _reached(b),
                     _driven(self.driven, k) if b.drivable else "no torques start it alone",
                 ]
                 for k, b in self._shown()
@@ -239,6 +292,21 @@ class Actuation(Report):
             yield row
         for k, state in enumerate(self.states, start=1):
             yield {"state": k, "energy_J": state.energy} | angle_columns(state.fold_angles)
+
+
+def _kind(branch: FlatBranch) -> str:
+    """Say what a branch is; of a cone on which side."""
+    dimension = branch.velocities.shape[1]
+    if branch.kind == "cone":
+        return f"cone of {dimension - 1}, sum of folds {'>' if branch.side > 0 else '<'} 0"
+    return "line" if branch.kind == "line" else f"family of {dimension}"
+
+
+def _reached(branch: FlatBranch) -> str:
+    """Say which states are reached along a branch."""
+    if len(branch.ways) > 1:
+        return "; ".join(f"state {w.reached}" if w.reached else w.why for w in branch.ways)
+    return f"state {branch.reached}" if branch.reached else branch.why or "-"
 
 
 def _driven(sets: tuple[DrivenSet, ...], branch: int) -> str:

@@ -8,6 +8,7 @@ from functools import cached_property
 import numpy as np
 
 from origami_nlp.actuation.branches import flat_branches, released, torque_of
+from origami_nlp.actuation.cones import FlatMotion
 from origami_nlp.actuation.result import FlatBranch, StateTransition
 from origami_nlp.errors import OptionError, OutOfTime
 from origami_nlp.loading import LoadPath, load_path
@@ -47,7 +48,7 @@ class TransitionGraph:
         self._released: dict[int, Released] = {}
 
     @cached_property
-    def flat(self) -> tuple[list[np.ndarray], str]:
+    def flat(self) -> tuple[list[FlatMotion], str]:
         """Branches of the flat state, or why they were not enumerated: see `flat_branches`."""
         return flat_branches(self.pattern, self.until)
 
