@@ -21,13 +21,12 @@ def links_of(state: State, doubts: list[str]) -> tuple[Link, ...]:
 
 
 def count_links(
-    springs: Parameters, links: tuple[Link, ...], doubts: list[str]
+    hinges: Parameters, links: tuple[Link, ...], doubts: list[str]
 ) -> tuple[None, int, Kind, str]:
-    """Return (no index, contribution, kind, how) from the links of a state at several radii, under other springs."""
+    """Return (no index, contribution, kind, how) from the links of a state at several radii, under other hinges."""
     if not links:
         return None, 0, "undecided", "link not known"
-    stiffness, rest = springs.stiffness, springs.rest
-    counts = [link.lower(stiffness, rest) for link in links]
+    counts = [link.lower(hinges) for link in links]
     chi, empty, whole = counts[-1]
     # 1 for a minimum (chi 0), -1 for a saddle (two lower arcs), 1 for a maximum (a whole circle has chi 0), 0 for
     # regular
@@ -38,7 +37,7 @@ def count_links(
         doubts.append(f"links of {in_degrees(links[0].center)} disagree between radii {radii}")
     elif links[-1].pieces == 0:
         how = "the link is empty"
-    elif _first_order(links, stiffness, rest):
+    elif _first_order(links, hinges):
         how = "first order: slopes of U along the link"
     if empty:
         return None, contribution, "minimum", how
@@ -49,16 +48,15 @@ def count_links(
     return None, contribution, "maximum" if whole else "pinch", how
 
 
-def _first_order(links: tuple[Link, ...], stiffness: np.ndarray, rest: np.ndarray) -> bool:
+def _first_order(links: tuple[Link, ...], hinges: Parameters) -> bool:
     """Return whether slopes of U alone decide: firm at the ends of every arc, and with the same lower link."""
     for link in links:
-        pull = stiffness * (link.center - rest)
+        pull = hinges.torque(link.center)
         firm = RISES * float(np.linalg.norm(pull))
         for circle in link.circles:
             # where the slope decides, the sign of U - U(p) on the link is that of its part of first order in the radius
             slope = (circle.x - link.center) @ pull / link.radius
-            step = circle.x - link.center
-            change = slope * link.radius + 0.5 * (step * step) @ stiffness
+            change = hinges.energy_change(link.center, circle.x)
             ends = circle.inside & ~(np.roll(circle.inside, 1) & np.roll(circle.inside, -1))
             if (np.abs(slope[ends]) <= firm).any() or np.abs(slope).max() <= firm:
                 return False

@@ -31,7 +31,7 @@ from origami_nlp.numerics import (
     bracketed_roots,
     null_space,
 )
-from origami_nlp.problem import Contact, Problem
+from origami_nlp.problem import Contact, Parameters, Problem
 
 RADII = (1e-3, 2e-4)
 """Radii [rad] of the small spheres, in the tangent plane of the model's variables."""
@@ -79,17 +79,12 @@ class Link:
         """Pieces that are single directions: ends of one-dimensional sets."""
         return sum(_lone(c.inside) for c in self.circles)
 
-    def lower(self, stiffness: np.ndarray, rest: np.ndarray) -> tuple[int, bool, bool]:
-        """Return chi of the lower link, whether the lower link is empty, and whether it is the whole link.
-
-        stiffness, rest: of the model's variables, [n].
-        """
+    def lower(self, hinges: Parameters) -> tuple[int, bool, bool]:
+        """Return chi of the lower link, whether the lower link is empty, and whether it is the whole link."""
         chi, empty, whole = 0, True, True
         for circle in self.circles:
-            step = circle.x - self.center
-            # U(x) - U(p) as a product, not as a difference: it goes as r^2, r = 2e-4
-            change = (step * ((self.center - rest) + 0.5 * step)) @ stiffness
-            low = circle.inside & (change < 0)
+            # not as a difference: U(x) - U(p) goes as r^2, r = 2e-4
+            low = circle.inside & (hinges.energy_change(self.center, circle.x) < 0)
             chi += count_arcs(low)
             empty &= not low.any()
             whole &= bool((low == circle.inside).all())

@@ -66,7 +66,7 @@ def strata_of(scene: Scene, *, samples: int = FACE_SAMPLES, seed: int = 0) -> St
         If the scene has not two symmetric degrees of freedom, or its contact is not ``"full"``: X is not compact
         without contact, and its boundary is another one with fold limits only.
     """
-    scene.check_plain_hinges("strata of the admissible set")
+    scene.check_plain_hinges("strata of the admissible set", laws=True)
     model = Model(scene)
     if model.dof != 2:
         raise OptionError(

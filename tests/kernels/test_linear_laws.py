@@ -39,8 +39,6 @@ REFUSED = {
     "degree 4, number 5, none": "laws are known between fold limits",
     "degree 6, alpha_1 = pi/3, r_k = 1, ratio=0.2:5": "its numbers are law_scale",
     "degree 5, number 1, creases.rest_angles[1]=-1:1": "its numbers are law_scale",
-    "critical points: degree 6, alpha_1 = pi/4, r_k = 0.01": "linear springs only",
-    "critical points: degree 8, alpha_1 = pi/4, r_k = 1": "linear springs only",
 }
 """Questions about springs that laws do not have, and what they are told."""
 NEAR = 1e-7

@@ -16,6 +16,7 @@ from scipy.interpolate import PchipInterpolator
 import origami_nlp as o
 from origami_nlp import Scene, State, Vertex
 from origami_nlp.errors import FoldFileError, OptionError, SceneError
+from origami_nlp.inverse_design import Target, Targets
 from origami_nlp.minima.ipopt import build_warm
 from origami_nlp.pattern import (
     HingeLaw,
@@ -428,10 +429,11 @@ def test_wrong_laws_are_named(old, new, why):
 
 
 def test_what_does_not_know_laws_says_so():
+    sheet = o.examples.pattern("metasheet", 2, 2).with_laws([double_well(1.0, 1.0)] * 4)
     scene = replace(o.examples.degree6("pi/3"), laws=(double_well(1.0, 1.0),) * 6)
     assert scene.group.name == "C6" or scene.group.name.startswith("D")
     with pytest.raises(OptionError, match="linear springs only"):
-        o.find_critical_points(scene)
+        o.design(Targets(sheet, (Target("flat", (0.0,) * 4),)))
     # preload beside a law is a load, not the angle to which a spring is wound
     loaded = replace(scene, symmetry="none", preload=(0.1,) * 6)
     x = np.linspace(-0.5, 0.6, 6)
