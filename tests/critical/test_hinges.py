@@ -10,7 +10,7 @@ import origami_nlp as o
 from origami_nlp import examples
 from origami_nlp.critical import compare_minima, find_critical_points
 from origami_nlp.kkt import project
-from origami_nlp.pattern.hinge_types import detent, double_well, linear, polynomial, table
+from origami_nlp.pattern import detent, double_well, linear, polynomial, table
 from origami_nlp.problem import Model
 
 PANELS = examples.panels()
