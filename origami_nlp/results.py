@@ -26,6 +26,7 @@ _READ = (
     ("load/2", "legs", "loading", "LoadPath"),
     ("modes/2", "states", "modes", "Modes"),
     ("friction/1", "regions", "friction", "Friction"),
+    ("coulomb/1", "coefficient", "friction", "CoulombHold"),
     ("landscape/2", "passes", "barriers", "Barriers"),
     ("follow/3", "branches", "bifurcation", "Atlas"),
     ("follow/3", "curves", "bifurcation", "BifurcationSet"),

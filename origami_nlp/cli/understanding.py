@@ -181,14 +181,35 @@ FrictionAt: TypeAlias = Annotated[
 
 @bounded
 @takes_scene(o.OrigamiFile, whole=True)
-@answers("json", "figure", "markdown", search=SEARCHES)
+@answers("json", "figure", "markdown", search=SEARCHES, details=True)
 def friction(
-    scene: Source, torque: FrictionAt = None, state: o.StateNumber = None, **options: Any
+    scene: Source,
+    torque: FrictionAt = None,
+    facets: Annotated[
+        bool,
+        typer.Option(
+            "--facets",
+            help="Instead, the least Coulomb coefficient between facets that holds the folded state in a FOLD file.",
+        ),
+    ] = False,
+    state: o.StateNumber = None,
+    **options: Any,
 ) -> Any:
     """Report the states around each minimum of ORIGAMI that dry friction at its hinges holds."""
-    from origami_nlp.friction import find_friction
+    from origami_nlp.friction import find_friction, least_coulomb
     from origami_nlp.pattern import Scene
 
+    if facets:
+        if torque is not None or state is not None:
+            raise OptionError(
+                "--facets asks about the state in the file: leave out --torque and --state"
+            )
+        sheet = scene.read_pattern(contact=True)
+        if sheet.stated is None:
+            raise OptionError(
+                f"--facets: {scene.name!r} describes no folded state: edges_foldAngle or coordinates do"
+            )
+        return least_coulomb(sheet, sheet.stated.tolist())
     options |= {"prove": None if scene.is_whole else False, "contact": scene.whole_contact}
     stated = scene.read_whole(contact=True)
     creases = stated.degree if isinstance(stated, Scene) else stated.creases

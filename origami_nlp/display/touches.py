@@ -133,7 +133,18 @@ def mark_touches(
 
 
 def contact_legend(contacts: Iterable[ContactForce]) -> list[Any]:
-    """Return what the marks of contacts mean, those that occur."""
+    """Return what the marks of contacts mean, those that occur.
+
+    Parameters
+    ----------
+    contacts
+        Of the states that are drawn.
+
+    Returns
+    -------
+    list of matplotlib artists
+        For a legend.
+    """
     met = {_how(c) for c in contacts if not c.is_limit}
     marks = [Line2D([], [], label=how, **look) for how, look in LOOKS.items() if how in met]
     return [*marks, patch(TOUCHING, "facets that touch")] if met else marks

@@ -14,16 +14,17 @@ least is found by bisection.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from origami_nlp.arguments import check_type
+from origami_nlp.display import Details, Report, Section, Table
 from origami_nlp.errors import OptionError
-from origami_nlp.io import ShortRepr, Unbounded
-from origami_nlp.kkt import State
-from origami_nlp.numerics import BALL, CLOSURE_TOL, EQUAL, POSITIVE, ConicProgram, cross
+from origami_nlp.io import Unbounded
+from origami_nlp.kkt import ContactForce, State
+from origami_nlp.numerics import BALANCED, BALL, CLOSURE_TOL, EQUAL, POSITIVE, ConicProgram, cross
 from origami_nlp.pattern import Pattern
 from origami_nlp.pattern_problem import ContactPair, FoldedGeometry, PatternProblem
 from origami_nlp.problem import Contact
@@ -33,23 +34,72 @@ LARGEST, HALVINGS = 100.0, 40
 
 
 @dataclass(frozen=True, repr=False)
-class CoulombHold(ShortRepr):
-    """What friction between facets a state needs.
+class CoulombHold(Report):
+    """What friction between facets a state of a pattern needs.
 
     Attributes
     ----------
+    pattern
+        With its springs.
+    fold_angles
+        The state, [n] [rad].
     coefficient
-        Least Coulomb coefficient that holds it: 0 where none is needed, inf where none does.
+        Least Coulomb coefficient that holds it: 0 where none is needed, inf where none up to 100 does.
     contacts
-        Names of the contacts between facets at the state; where several pieces of the set of states meet, of the one
-        that needs most.
-    forces
-        Normal force and friction force of each at that coefficient, [N m over the unit of the corners].
+        What is closed at the state, with normal forces that balance at that coefficient; where several pieces of the
+        set of states meet, on the one that needs most.
+    friction
+        Friction force of each, in the plane of contact [N m per unit of length].
+    residual
+        Largest torque that is not balanced, over the largest torque.
+
+    Examples
+    --------
+    >>> import origami_nlp as o
+    >>> from origami_nlp.friction import least_coulomb
+    >>> sheet = o.examples.pattern("miura", 2, 2).with_springs(1.0, 0.8)
+    >>> minimum = o.find_minima(sheet, escape=False).minima[0]
+    >>> least_coulomb(sheet, minimum.fold_angles).verdict
+    'in equilibrium without friction between facets'
     """
 
+    pattern: Pattern
+    fold_angles: tuple[float, ...]
     coefficient: Unbounded
-    contacts: tuple[str, ...]
-    forces: tuple[tuple[float, float], ...]
+    contacts: tuple[ContactForce, ...]
+    friction: tuple[float, ...]
+    residual: float
+
+    PICTURE, SCHEMA = "draw_coulomb", "origami-nlp/coulomb/1"
+
+    @property
+    def verdict(self) -> str:
+        """What holds the state, in words."""
+        if self.coefficient == 0:
+            return "in equilibrium without friction between facets"
+        if self.coefficient == math.inf:
+            more = "" if self.contacts else ": nothing touches"
+            return f"not held by friction between facets, whatever the coefficient up to {LARGEST:g}{more}"
+        return f"held by friction between facets from a Coulomb coefficient of {self.coefficient:.6g} on"
+
+    def report_sections(self) -> Iterator[Section]:
+        """Return the verdict, the forces that balance, and the state."""
+        yield f"{self.pattern.title}: {self.verdict}"
+        if self.contacts and self.coefficient < math.inf:
+            rows = [
+                [c.text, f"{c.force:.4g}", f"{t:.4g}" if c.is_force else ""]
+                for c, t in zip(self.contacts, self.friction, strict=True)
+            ]
+            heads = ["contact", "normal force", "friction"]
+            title = "Forces that balance [N m per unit of length], of fold limits moments [N m]"
+            yield Table(heads, rows, title, "Lrr")
+            yield f"Balanced to {self.residual:.1g} of the largest torque."
+        angles = ", ".join(f"{math.degrees(phi):.3f}" for phi in self.fold_angles)
+        yield Details((f"Fold angles [deg]: {angles}.",), "the fold angles of the state")
+
+    def _rows(self) -> Iterator[dict[str, object]]:
+        for c, t in zip(self.contacts, self.friction, strict=True):
+            yield {"contact": c.text, "normal": c.force, "friction": t}
 
 
 def least_coulomb(pattern: Pattern, fold_angles: Sequence[float]) -> CoulombHold:
@@ -82,7 +132,7 @@ def least_coulomb(pattern: Pattern, fold_angles: Sequence[float]) -> CoulombHold
     state = State(problem, phi)
     if state.residual > CLOSURE_TOL or state.refused:
         raise OptionError(
-            f"fold_angles: no state of this pattern: {state.refused or 'it does not close'}"
+            f"fold_angles: no state of this pattern: {state.refused or f'it does not close, by {state.residual:.1g}'}"
         )
     if (pieces := problem.closed(phi).combinations()) is None:
         raise OptionError(
@@ -104,32 +154,48 @@ def _hold(state: State, piece: tuple[Contact, ...]) -> CoulombHold:
     columns = [frame @ w @ z for frame, w in arms]
     rows = state.on(limits).slopes @ z if limits else np.zeros((0, z.shape[1]))
     torque = z.T @ state.gradient
+    largest = float(np.abs(state.gradient).max(initial=0.0)) or 1.0
     size = float(np.abs(torque).max(initial=0.0)) or 1.0
+    unknowns = 3 * len(touches) + len(limits)
 
     def held(coefficient: float) -> np.ndarray | None:
         """Return forces [3 contacts + limits] that balance with a coefficient, or None."""
         n = 3 * len(touches)
-        program = ConicProgram(n + len(limits))
-        stacked = np.vstack([*columns, rows]) if n + len(limits) else np.zeros((0, len(torque)))
-        program.add(EQUAL, stacked.T, -torque / size, "balance")
+        program = ConicProgram(unknowns)
+        program.add(EQUAL, np.vstack([*columns, rows]).T, -torque / size, "balance")
         for k in range(len(touches)):
-            cone = np.zeros((3, n + len(limits)))
+            cone = np.zeros((3, unknowns))
             cone[[0, 1, 2], [3 * k, 3 * k + 1, 3 * k + 2]] = coefficient, 1.0, 1.0
             program.add(BALL, cone, np.zeros(3), "friction")
-        signs = np.eye(n + len(limits))[[*range(0, n, 3), *range(n, n + len(limits))]]
+        signs = np.eye(unknowns)[[*range(0, n, 3), *range(n, unknowns)]]
         program.add(POSITIVE, signs, np.zeros(len(signs)), "push")
         found = program.maximise(np.zeros(program.size))
         return found.v * size if found.solved else None
 
-    names = tuple(problem.name(c) for c in touches)
-    if not piece or not len(torque):
-        rests = float(np.abs(torque).max(initial=0.0)) <= CLOSURE_TOL
-        return CoulombHold(0.0 if rests else math.inf, names, ())
+    def answer(coefficient: float, forces: np.ndarray | None) -> CoulombHold:
+        """Return forces of contacts, first those between facets, in the units of the pattern."""
+        known = np.zeros(unknowns) if forces is None else problem.scale * forces
+        each = known[: 3 * len(touches)].reshape(-1, 3)
+        unbalanced = torque if forces is None else torque - np.vstack([*columns, rows]).T @ forces
+        carried = [*each[:, 0], *known[3 * len(touches) :]]
+        contacts = []
+        for contact, force in zip([*touches, *limits], map(float, carried), strict=True):
+            who = problem.words(contact, state.x)
+            about = who.creases, who.facets, who.corners, who.side, who.place
+            contacts.append(ContactForce(who.type, force, (force, force), who.text, *about))
+        friction = (*np.hypot(each[:, 1], each[:, 2]).tolist(), *[0.0] * len(limits))
+        error = float(np.abs(unbalanced).max(initial=0.0)) / largest
+        angles = tuple(state.x.tolist())
+        return CoulombHold(problem.pattern, angles, coefficient, tuple(contacts), friction, error)
+
+    rests = bool(np.abs(torque).max(initial=0.0) <= BALANCED * largest)
+    if rests or not piece:
+        return answer(0.0 if rests else math.inf, None)
     low, high = 0.0, LARGEST
     forces = held(low)
     if forces is None:
         if (forces := held(high)) is None:
-            return CoulombHold(math.inf, names, ())
+            return answer(math.inf, None)
         for _ in range(HALVINGS):
             middle = 0.5 * (low + high)
             found = held(middle)
@@ -137,9 +203,7 @@ def _hold(state: State, piece: tuple[Contact, ...]) -> CoulombHold:
                 (low, middle, found) if found is not None else (middle, high, forces)
             )
         low = high
-    each = (problem.scale * forces[: 3 * len(touches)]).reshape(-1, 3)
-    pairs = tuple((float(f[0]), float(np.hypot(f[1], f[2]))) for f in each)
-    return CoulombHold(low, names, pairs)
+    return answer(low, forces)
 
 
 def _arms(touch: ContactPair, at: FoldedGeometry, size: int) -> tuple[np.ndarray, np.ndarray]:

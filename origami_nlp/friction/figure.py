@@ -1,4 +1,4 @@
-"""The figure of friction at hinges: how far each fold angle of each state reaches."""
+"""Figures of friction: how far each fold angle of each state reaches; a state that facets hold by friction."""
 
 from __future__ import annotations
 
@@ -6,7 +6,8 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from origami_nlp.arguments import check_type
-from origami_nlp.display import label_text
+from origami_nlp.display import contact_legend, draw_pattern_state, label_text
+from origami_nlp.friction.coulomb import CoulombHold
 from origami_nlp.friction.result import Friction
 
 MOST_STATES, MOST_CREASES = 6, 24
@@ -58,4 +59,32 @@ def draw_friction(found: Friction) -> Figure:
     most = max(found.torque)
     title = f"{found.label}: held by friction of {most:g} N m at most at each hinge"
     figure.suptitle(label_text(title), fontsize=10)
+    return figure
+
+
+def draw_coulomb(hold: CoulombHold) -> Figure:
+    """Draw the state, with the places where facets touch and what holds it.
+
+    Parameters
+    ----------
+    hold
+        Of `least_coulomb`.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        The folded sheet.
+
+    Raises
+    ------
+    OptionError
+        If `hold` is not of its type.
+    """
+    check_type("hold", hold, CoulombHold)
+    figure = Figure(figsize=(5.2, 4.6), layout="constrained", dpi=110)
+    axes = figure.subplots()
+    draw_pattern_state(axes, hold.pattern, np.array(hold.fold_angles), contacts=hold.contacts)
+    if marks := contact_legend(hold.contacts):
+        figure.legend(handles=marks, loc="outside lower center", ncols=2, fontsize=8, frameon=False)
+    figure.suptitle(label_text(f"{hold.pattern.title}:\n{hold.verdict}"), fontsize=9)
     return figure

@@ -3,18 +3,22 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 
 import numpy as np
 import pytest
 from scipy.optimize import linprog
+from typer.testing import CliRunner
 
 import origami_nlp as o
+from origami_nlp.cli import app
 from origami_nlp.errors import OptionError
 from origami_nlp.friction import least_coulomb
 from origami_nlp.kkt import State
 from origami_nlp.pattern import as_pattern, make_pattern
 from origami_nlp.pattern_problem import PatternProblem
 
+ROOT = Path(__file__).parents[2]
 SIDES = 96
 
 
@@ -46,7 +50,8 @@ def test_a_strip_that_stands_on_itself(widths, distance, rest):
         assert found.coefficient == math.inf
         return
     assert found.coefficient == pytest.approx(abs(along) / normal, rel=1e-6)
-    assert sum(n for n, _ in found.forces) == pytest.approx(normal, rel=1e-6)
+    assert sum(c.force for c in found.contacts) == pytest.approx(normal, rel=1e-6)
+    assert sum(found.friction) == pytest.approx(abs(along), rel=1e-6) and found.residual < 1e-7
 
 
 def motion(corners, moved):
@@ -165,3 +170,29 @@ def test_facets_that_may_lie_in_either_order_are_held_in_both(seed):
         assert all(holds(piece, found.coefficient * (1 + 2e-3)) for piece in pieces)
         less = found.coefficient * (1 - 2e-3)
         assert not less or not all(holds(piece, less) for piece in pieces)
+
+
+def test_the_command_asks_about_the_state_in_the_file(tmp_path):
+    file, target = ROOT / "docs" / "files" / "standing_strip.fold", tmp_path / "held.json"
+    run = CliRunner().invoke(app, ["friction", str(file), "--facets", "-o", str(target)])
+    assert run.exit_code == 0 and "corner 7 of facet 3 on facet 1" in run.output
+    found = o.load(target)
+    k, rest = np.array([1.0, 0.7]), np.array([2.9, 2.4])
+    phi = math.pi - math.acos(0.75)  # a triangle of sides 1, 1.5 and 1
+    x = np.array([-1.5 * math.sin(phi) - math.sin(2 * phi), -math.sin(2 * phi)])
+    y = np.array([1.5 * math.cos(phi) + math.cos(2 * phi), math.cos(2 * phi)])
+    normal, along = np.linalg.solve(np.stack([y, x], axis=1), k * (phi - rest))
+    assert found.coefficient == pytest.approx(abs(along) / normal, rel=1e-6)
+    assert found.draw().axes and f"{found.coefficient:.6g}" in found.verdict
+    for words, why in (("--state", "leave out"), ("--torque", "leave out")):
+        done = CliRunner().invoke(app, ["friction", str(file), "--facets", words, "1"])
+        assert isinstance(done.exception, OptionError) and why in str(done.exception)
+    done = CliRunner().invoke(app, ["friction", str(file.with_name("pattern.fold")), "--facets"])
+    assert "describes no folded state" in str(done.exception)
+
+
+def test_a_minimum_held_by_contact_needs_no_friction():
+    for minimum in o.find_minima("metasheet:3x3", effort="quick", escape=False).minima:
+        sheet = as_pattern("metasheet:3x3")
+        hold = least_coulomb(sheet, minimum.fold_angles)
+        assert hold.coefficient == 0 and hold.residual < 1e-7
