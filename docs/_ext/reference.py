@@ -34,8 +34,8 @@ TASKS = {
     "How a sheet moves": "analyze_mobility find_motion Mobility Motion",
     "Is a folded state real, in how many layer orders": "check layer_orders Validity LayerOrders",
     "Loads, snaps, barriers": (
-        "load_path actuate find_barriers find_modes find_contacts find_friction LoadPath Barriers Modes ContactReport "
-        "Friction Actuation"
+        "load_path actuate find_barriers find_modes find_contacts find_friction least_coulomb LoadPath Barriers Modes "
+        "ContactReport Friction CoulombHold Actuation"
     ),
     "Over a parameter": (
         "follow find_bifurcation_set sweep Atlas BifurcationSet ContinuationOptions"

@@ -56,10 +56,9 @@ class CoulombHold(Report):
     Examples
     --------
     >>> import origami_nlp as o
-    >>> from origami_nlp.friction import least_coulomb
     >>> sheet = o.examples.pattern("miura", 2, 2).with_springs(1.0, 0.8)
     >>> minimum = o.find_minima(sheet, escape=False).minima[0]
-    >>> least_coulomb(sheet, minimum.fold_angles).verdict
+    >>> o.least_coulomb(sheet, minimum.fold_angles).verdict
     'in equilibrium without friction between facets'
     """
 
@@ -121,6 +120,16 @@ def least_coulomb(pattern: Pattern, fold_angles: Sequence[float]) -> CoulombHold
     ------
     OptionError
         If the state is not closed, facets cross in it, or more pieces of the set of states meet there than are listed.
+
+    Examples
+    --------
+    Flat, a sheet whose springs want to fold it is held by no friction: no facets touch.
+
+    >>> import math
+    >>> import origami_nlp as o
+    >>> sheet = o.examples.pattern("miura", 2, 2)
+    >>> o.least_coulomb(sheet.with_springs(1.0, math.pi), sheet.reference).coefficient
+    inf
     """
     check_type("pattern", pattern, Pattern)
     problem = PatternProblem(pattern)

@@ -23,6 +23,7 @@ CLASSES = {
         *(
             o.Actuation,
             o.Friction,
+            o.CoulombHold,
             o.Barriers,
             o.CriticalPoints,
             o.Space,
