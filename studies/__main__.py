@@ -190,6 +190,10 @@ def maxima(
     depth: Annotated[
         int, typer.Option(metavar="N", help="Places are told apart to 2/2^N of a branch.")
     ] = 12,
+    within: Annotated[
+        str,
+        typer.Option(metavar="D", help="All vertices with A, B and C off by D at most [deg]."),
+    ] = "0",
 ) -> None:
     """Prove that no springs give the energy of a vertex three maxima on a branch, so that it has six states at most.
 
@@ -204,9 +208,22 @@ def maxima(
         values = []
     if len(values) != 4 or sum(values) != 360:
         raise OptionError(f"A,B,C,D = {sectors} must be four numbers [deg] that add up to 360")
+    try:
+        room = Decimal(within)
+    except ArithmeticError:
+        room = Decimal(-1)
+    if not 0 <= room <= 1:
+        raise OptionError(f"--within = {within} must be a number [deg] from 0 to 1")
     found = []
     for mode in (1, 2):
-        one = prove_branch(sectors.split(","), mode, pair_depth=depth, depth=depth, seconds=seconds)
+        one = prove_branch(
+            sectors.split(","),
+            mode,
+            tolerance=within,
+            pair_depth=depth,
+            depth=depth,
+            seconds=seconds,
+        )
         pairs, triples = one["open"]
         verdict = (
             "at most two maxima"
@@ -221,6 +238,11 @@ def maxima(
     if not any(one["open"][1] for one in found):
         out.say(
             "at most 6 stable states within fold limits, for all springs with rest angles within 180 degrees"
+            + (
+                f"; so for all vertices within {within} degrees, if the check agrees"
+                if room
+                else ""
+            )
         )
     out.write("json", lambda: {"branches": found})
 

@@ -23,9 +23,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from decimal import Decimal
 from fractions import Fraction
 from functools import cache
-from itertools import pairwise
+from itertools import pairwise, product
 from math import comb, factorial
 from time import process_time
 from typing import Any
@@ -52,6 +53,8 @@ MARGIN = 1e-6
 """Least sum over all w, over the largest multiplier, that is taken as positive in double precision."""
 
 
+WIDER = 2
+"""Boxes of sectors are taken so much larger, for a checker whose slopes are not as close."""
 HELD = 2e-4
 """The same at single places: pairs with less are left to boxes of three places, as halving them costs too much."""
 
@@ -75,13 +78,11 @@ def _tangents() -> Callable[..., Any]:
 class Branch:
     """A branch of a generic vertex.
 
-    sectors [deg], each within +-tolerance [deg]; mode: 1 or 2, as in the closed form; leader: the crease (1 to 4) that
-    reaches 180 degrees.
+    sectors [deg]; mode: 1 or 2, as in the closed form; leader: the crease (1 to 4) that reaches 180 degrees.
     """
 
     sectors: Sequence[float | str]
     mode: int
-    tolerance: float = 0.0
     leader: int = 0
     _known: dict[Cell, tuple[np.ndarray, np.ndarray]] = field(default_factory=dict, repr=False)
     _bounds: dict[Cell, np.ndarray] = field(default_factory=dict, repr=False)
@@ -89,7 +90,7 @@ class Branch:
     def __post_init__(self) -> None:
         from flint import arb
 
-        angles = [arb(str(a), str(self.tolerance)) * arb.pi() / 180 for a in self.sectors]
+        angles = [arb(str(a)) * arb.pi() / 180 for a in self.sectors]
         for shift in range(4):
             s = [angles[(i + shift) % 4].sin() for i in range(4)]
             self._q = (s[0] * s[3] / (s[1] * s[2]), s[0] * s[1] / (s[2] * s[3]))
@@ -179,6 +180,35 @@ class Branch:
         return np.c_[least[:, :last] + cost, cost - most[:, :last], least[:, last] - rest]
 
 
+@dataclass
+class Corners:
+    """The branches of the vertices at the corners of a box, the first three sectors +-tolerance [deg].
+
+    What is multiplied is all but linear in the sectors over such a box: where it is positive at the corners a check of
+    the whole box is likely to succeed, which is not decided here.
+    """
+
+    sectors: Sequence[float | str]
+    mode: int
+    tolerance: float | str
+    branches: list[Branch] = field(default_factory=list)
+
+    def __post_init__(self) -> None:
+        middle = [Decimal(str(a)) for a in self.sectors]
+        off = Decimal(str(self.tolerance)) * WIDER
+        signs: Any = product((-1, 1), repeat=3) if off else [(0, 0, 0)]
+        for some in signs:
+            moved = [a + s * off for a, s in zip(middle, (*some, -sum(some)), strict=True)]
+            self.branches.append(Branch([str(a) for a in moved], self.mode))
+            # bounds have room for so little
+            self.branches[-1]._bounds = self.branches[0]._bounds
+        self.leader = self.branches[0].leader
+
+    def columns(self, low: Fraction, high: Fraction, maxima: int) -> np.ndarray:
+        """Return those of all branches, [8 branches, 4 maxima - 1]."""
+        return np.concatenate([b.columns(low, high, maxima) for b in self.branches])
+
+
 def clusters(box: Box) -> list[tuple[int, int]]:
     """Return which places (first, last) are taken together: each alone, and neighbours that are near."""
     widest = max(high - low for low, high in box)
@@ -208,7 +238,7 @@ def mirrored(box: Box) -> bool:
 
 
 def _multipliers(
-    branch: Branch, box: Box, least: float, together: list[tuple[int, int]]
+    branch: Corners, box: Box, least: float, together: list[tuple[int, int]]
 ) -> list[int] | None:
     """Return integers x >= 0 with sum x (*) > 0 for all w, or None where the margin is below `least`."""
     columns = np.concatenate(
@@ -220,8 +250,8 @@ def _multipliers(
     count = scaled.shape[1]
     found = linprog(
         np.r_[np.zeros(count), -1],
-        np.c_[-scaled, np.ones(8)],
-        np.zeros(8),
+        np.c_[-scaled, np.ones(len(scaled))],
+        np.zeros(len(scaled)),
         bounds=[(0, 1)] * count + [(None, 1)],
     ).x
     if found is None or found[-1] < least:
@@ -235,7 +265,7 @@ def _multipliers(
 
 @dataclass
 class _Search:
-    branch: Branch
+    branch: Corners
     depth: int
     until: float
     least: int = 3
@@ -295,17 +325,19 @@ def prove_branch(
     sectors: Sequence[float | str],
     mode: int,
     *,
-    tolerance: float = 0.0,
+    tolerance: float | str = 0.0,
     pair_depth: int = 12,
     depth: int = 12,
     seconds: float = 600.0,
 ) -> dict[str, Any]:
     """Look for a proof that this branch has no three maxima; seconds of processor time for pairs, and for triples.
 
+    For all vertices whose first three sectors are within tolerance [deg] of those given.
+
     Returns a certificate: sectors, tolerance, mode, leader, stretch, near, trees of pairs and triples; for the reader
     the numbers of leaves and of open boxes, and the share of the triples of places that is excluded.
     """
-    branch = Branch(sectors, mode, tolerance)
+    branch = Corners(sectors, mode, tolerance)
     began = process_time()
     two = _Search(branch, pair_depth, began + seconds)
     pairs = two.grow((WHOLE, WHOLE))

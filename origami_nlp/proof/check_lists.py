@@ -39,6 +39,21 @@ def is_listed(angle: Any, said: float, radius: float) -> bool:
     return not _is_half_turn(angle) and bool(abs(angle - said) <= arb(radius) + STATED)
 
 
+def kinds_of(angles: Sequence[Any]) -> tuple[int, ...]:
+    """Return of each fold angle, found or listed, whether it is 0, +-180 degrees (+-2) or another (1).
+
+    Only states that agree in these can be one for `is_listed`: the others need not be compared.
+    """
+    half = [
+        abs(a) == math.pi if isinstance(a, float) else not a.is_zero() and _is_half_turn(a)
+        for a in angles
+    ]
+    return tuple(
+        (2 if a > 0 else -2) if turned else int(a != 0)
+        for a, turned in zip(angles, half, strict=True)
+    )
+
+
 def _is_half_turn(angle: Any) -> bool:
     return bool((abs(angle) - arb.pi()).contains(0))
 

@@ -23,11 +23,12 @@ from typing import Any, NamedTuple
 
 from flint import arb, arb_series, ctx
 
-from origami_nlp.proof.check_lists import STATED, is_listed, refuse_wide, within
+from origami_nlp.proof.check_lists import STATED, is_listed, kinds_of, refuse_wide, within
 from origami_nlp.proof.check_points import Refused
 from origami_nlp.proof.check_strip_sheet import FlatDisk, product_round
 from origami_nlp.proof.check_strips import BITS, TERMS
 from origami_nlp.proof.mesh_certificate import MeshCertificate
+from origami_nlp.proof.sheet_certificate import CertifiedState
 
 EXACT = 1e-12
 """Deviation from exact relations, beyond which a file is not of the sheet that is meant [rad]."""
@@ -427,18 +428,22 @@ class MeshCheck:
         Refused
             If one is not listed, or one that is was not found.
         """
-        left = list(enumerate(self.said.minima, start=1))
+        alike: dict[tuple[int, ...], list[tuple[int, CertifiedState]]] = {}
+        for number, one in enumerate(self.said.minima, start=1):
+            alike.setdefault(kinds_of(one.fold_angles), []).append((number, one))
         for folds in found:
+            some = alike.get(kinds_of(folds), [])
             near = [
                 k
-                for k, (_, m) in enumerate(left)
+                for k, (_, m) in enumerate(some)
                 if all(is_listed(a, x, m.radius) for a, x in zip(folds, m.fold_angles, strict=True))
             ]
             if near:
-                self.confirmed.append(left.pop(near[0])[0])
+                self.confirmed.append(some.pop(near[0])[0])
             elif not any(within(folds, one) for one in self.said.undecided):
                 angles = ", ".join(f"{math.degrees(float(f.mid())):.6g}" for f in folds)
                 raise Refused(f"a minimum is not listed: fold angles ({angles}) deg")
+        left = sorted((x for some in alike.values() for x in some), key=lambda x: x[0])
         if left and not self.open:
             raise Refused(f"minimum {left[0][0]} does not follow from the sheet and its springs")
         self.open = list(dict.fromkeys(self.open)) + [

@@ -228,7 +228,7 @@ def _inverse(key: Key) -> Key:
     return tuple((which, -power) for which, power in key)
 
 
-def as_folding_mesh(pattern: Pattern) -> tuple[FoldingMesh | None, str]:
+def as_folding_mesh(pattern: Pattern, modes: int = MOST_MODES) -> tuple[FoldingMesh | None, str]:
     """Return the mesh of a pattern, or None and why its states are not enumerated."""
     if not pattern.is_flat or pattern.corners[:, 2].any():
         return None, "the reference state is not flat"
@@ -290,20 +290,22 @@ def as_folding_mesh(pattern: Pattern) -> tuple[FoldingMesh | None, str]:
                 },
             )
         )
-    if math.prod(len(c.modes) for c in crossings) > MOST_MODES:
-        return None, f"{len(crossings)} vertices can fold in more than {MOST_MODES} ways"
+    if math.prod(len(c.modes) for c in crossings) > modes:
+        return None, f"{len(crossings)} vertices can fold in more than {modes} ways"
     return FoldingMesh(
         tuple(crossings), _rows(pattern.creases, crossings), factors, deviation, pattern.creases
     ), ""
 
 
-def why_no_mesh(pattern: Pattern) -> str:
+def why_no_mesh(pattern: Pattern, modes: int = MOST_MODES) -> str:
     """Return why not all closed states of a pattern are known as those of a mesh that folds flat; "" where they are.
 
     Parameters
     ----------
     pattern
         Of any number of vertices.
+    modes
+        Ways to fold all vertices, each by itself, that are gone through at most.
 
     Returns
     -------
@@ -323,7 +325,7 @@ def why_no_mesh(pattern: Pattern) -> str:
         return "creases have stops: proofs of meshes know fold limits of +-180 degrees only"
     if pattern.laws:
         return "creases have hinge laws: proofs of meshes know linear springs only"
-    return as_folding_mesh(pattern)[1]
+    return as_folding_mesh(pattern, modes)[1]
 
 
 Vector = tuple[Fraction, Fraction]

@@ -22,6 +22,7 @@ from origami_nlp.proof.balls import Ball
 from origami_nlp.proof.mesh_certificate import MeshCertificate
 from origami_nlp.proof.mesh_curves import CurveEnergy, CurveMinima, fold
 from origami_nlp.proof.mesh_states import (
+    MOST_MODES,
     Crossing,
     Curve,
     FoldingMesh,
@@ -104,7 +105,13 @@ class MeshProof:
         )
 
 
-def prove_mesh(pattern: Pattern, *, boxes: int = 1_000_000, until: float = math.inf) -> MeshProof:
+def prove_mesh(
+    pattern: Pattern,
+    *,
+    boxes: int = 1_000_000,
+    until: float = math.inf,
+    modes: int = MOST_MODES,
+) -> MeshProof:
     """Find every minimum of the energy of a mesh of vertices that fold flat, within fold limits, with a proof.
 
     Parameters
@@ -115,6 +122,8 @@ def prove_mesh(pattern: Pattern, *, boxes: int = 1_000_000, until: float = math.
         At most so many boxes of theta; what is left is undecided.
     until
         Stop then (`time.monotonic`).
+    modes
+        Ways to fold all vertices, each by itself, that are gone through at most.
 
     Returns
     -------
@@ -135,7 +144,7 @@ def prove_mesh(pattern: Pattern, *, boxes: int = 1_000_000, until: float = math.
     (6, 14, ())
     """
     pattern.check_plain_hinges("a proof")
-    mesh, why = as_folding_mesh(pattern)
+    mesh, why = as_folding_mesh(pattern, modes)
     if mesh is None:
         raise OptionError(
             f"pattern = {pattern.title}: no mesh that can be proved: {why or why_no_mesh(pattern)}"
@@ -203,6 +212,8 @@ class _Enumeration:
     def run(self) -> None:
         """Go through all products, and ask of each state that may be a minimum whether it is."""
         for modes in itertools.product(*(c.modes for c in self.mesh.crossings)):
+            if self._late():
+                return
             for product in self.mesh.products(modes):
                 if product is None:
                     self._leave(None, "whether a loop of vertices moves is not certain")
@@ -210,16 +221,22 @@ class _Enumeration:
                     self.products.add(product)
         places: dict[tuple[Place, ...], None] = {}
         for product in sorted(self.products, key=_order):
-            if time.monotonic() > self.until:
-                self._leave(None, "time was over")
-                return
             for found in self._candidates(product):
+                if self._late():
+                    return
                 places.setdefault(found)
         for curve, known in self.known.items():
             for low, high in known.open:
                 self._leave((curve, low, high), "where the energy is least along a curve")
         for one in places:
             self._judge(one)
+
+    def _late(self) -> bool:
+        """Whether the time is over: then all is left open."""
+        over = time.monotonic() > self.until
+        if over:
+            self._leave(None, "time was over")
+        return over
 
     def curve(self, curve: Curve) -> CurveMinima:
         """Return what is known of a curve."""
