@@ -20,7 +20,11 @@ from .figure import (
 from .find import follow as follow, follow_family as follow_family
 from .fold_out import write_frames as write_frames
 from .interactive import view_paths as view_paths
-from .judging import parts_of as parts_of
+from .judging import (
+    Touching as Touching,
+    breaking_eigenvalue as breaking_eigenvalue,
+    parts_of as parts_of,
+)
 from .parameter_range import (
     ParameterRange as ParameterRange,
     parse_parameter_range as parse_parameter_range,

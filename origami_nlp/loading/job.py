@@ -12,7 +12,9 @@ import numpy as np
 from origami_nlp.bifurcation import (
     ParameterRange,
     PathEvent,
+    Touching,
     branches_of,
+    breaking_eigenvalue,
     chains_of,
     joined,
     parts_of,
@@ -50,7 +52,6 @@ from origami_nlp.loading.stable_path import (
     walk,
 )
 from origami_nlp.loading.yielding import YieldingHinges
-from origami_nlp.modes import breaking_stiffness
 from origami_nlp.numerics import NEAR_SINGULAR_TOL, SETTLED, coarse
 
 MOST_SNAPS = 20
@@ -100,15 +101,13 @@ class FollowedLoad:
         self._given, self.home = (full, steps, until), home
         self.lazy = driver.lazy or home is not None or hinges is not None
         self._full = driver.full_line() if full else None
-        self._known: dict[int, tuple[Equilibrium, float]] = {}
+        self._known, self._touching = dict[Equilibrium, float](), Touching()
         functions = [("breaks-symmetry", self.across)] if self._full else []
         yields, line = (hinges.events, hinges.line(driver)) if hinges else ([], driver.line())
         self.spaces: dict[tuple[tuple[int, bool], ...], FollowedLoad] = {}
         self.web = BifurcationDiagram(
             line, low, high, steps=driver.steps(steps), functions=functions + yields,
-            stops=[type for type, _ in yields],
-            lazy=self.lazy,
-            until=until,
+            stops=[type for type, _ in yields], lazy=self.lazy, until=until,
         )  # fmt: skip
         self.ways: list[Run] = [] if home is None else home.ways
         self.falls: list[Fall] = [] if home is None else home.falls
@@ -152,10 +151,10 @@ class FollowedLoad:
         """Return the smallest eigenvalue across the symmetry; nan where it is not asked for."""
         if self._full is None:
             return math.nan
-        if id(frame) not in self._known:
-            value = breaking_stiffness(self._in_full_space(frame), self.driver.scene)  # type: ignore[union-attr]
-            self._known[id(frame)] = frame, value
-        return self._known[id(frame)][1]
+        if frame not in self._known:
+            given = self._full, self.driver.scene, self._touching  # type: ignore[union-attr]
+            self._known[frame] = breaking_eigenvalue(frame, *given)
+        return self._known[frame]
 
     def _in_full_space(self, frame: Equilibrium) -> State:
         assert self._full is not None
