@@ -3,11 +3,13 @@
 import csv
 import hashlib
 import json
+import time
 import tomllib
 
 import numpy as np
 import pytest
 
+from origami_nlp.errors import OutOfTime
 from studies import archive as of, counts
 from studies.archive import DICTIONARY, write_archive
 from tests.command_line import run
@@ -132,13 +134,30 @@ def test_the_page_has_the_numbers_of_the_recorded_run():
     ]
 
 
+def test_a_mesh_that_folds_flat_is_counted_by_its_proof_and_by_the_check():
+    """202 is what the search of minutes lists as well (docs/validation/proof.md)."""
+    found = counts.count_states("miura", 3, "fold-limits", 60.0)
+    assert (found.states, found.certified, found.complete) == (202, 202, "proved by curves")
+    late = counts.count_states("miura", 4, "fold-limits", 1e-3)
+    assert (late.states, late.complete, late.is_whole) == (0, "searched", False)
+    assert "time was over" in late.left_out
+
+
+def test_springs_of_a_sheet_keep_their_time():
+    with pytest.raises(OutOfTime, match=r"twists:4x4.*the time was over"):
+        counts.sheet("twists", 4, 1e-3)
+    began = time.monotonic()
+    late = counts.count_states("twists", 8, "full", 1.0)
+    assert time.monotonic() - began < 30 and not late.states and late.left_out
+
+
 def lines(recorded):
     """Rows of the table of the page."""
     out, seen = [], {(c["family"], c["size"]): {} for c in recorded}
     for c in recorded:
         whole = counts.SheetCount(**c).is_whole
         at_least = "" if whole else "at least "
-        proved = " (proved)" if c["complete"] == "proved" else ""
+        proved = " (proved)" if c["complete"].startswith("proved") else ""
         seen[c["family"], c["size"]][c["contact"]] = f"{at_least}{c['states']}{proved}"
     for family in counts.SIZES:
         for (name, size), both in seen.items():
