@@ -1,29 +1,39 @@
 """The boundary of the admissible set over a chart: contact boundaries traced by continuation, seeded by a grid.
 
 Admissibility is looked at on a grid of chart points; between every admissible cell and an excluded neighbour (or the
-edge of the chart) the boundary point is bisected to rounding, so that no piece of boundary that separates cells can be
-missed.  The contact that closes there is then held, and its zero set followed on the manifold of closed states
+edge of the chart) the boundary point is bisected, to rounding where a line starts from it, so that no piece of boundary
+that separates cells can be missed.  The contact that closes there is held, and its zero set followed on closed states
 (`continuation.trace`: closure and contact to `FOLLOWED` at every point) both ways, to where another contact
 closes.  Only geometry enters: the lines are the same for every stiffness (`with_energy` adds a scene's energy).
+
+Of lines that a symmetry of the vertex takes to one another, the paper turned over among them, one is traced.
 """
 
 from __future__ import annotations
 
 import itertools
 import math
-from dataclasses import dataclass, field
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from origami_nlp.chart.boundary_walk import STEPS, walk
+from origami_nlp.chart.boundary_walk import STEPS, closing_words, walk
 from origami_nlp.chart.chart import Chart, chart_of, chart_points
-from origami_nlp.chart.grid import allowed, chart_limits, crossings_of, distance_from
-from origami_nlp.continuation import BoundaryCurve, Point, boundary_of, correct, evaluate
+from origami_nlp.chart.grid import allowed, chart_limits, crossings_of, distance_from, last_allowed
+from origami_nlp.continuation import (
+    CLOSES_ANOTHER,
+    BoundaryCurve,
+    Point,
+    boundary_of,
+    correct,
+    evaluate,
+)
 from origami_nlp.errors import OptionError
 from origami_nlp.io import ShortRepr
 from origami_nlp.kkt import State, Stratum, lower_dimensional_at
-from origami_nlp.numerics import CONTACT_TOL, NEAR_CONTACT, NEAR_SINGULAR_TOL, SETTLED
-from origami_nlp.pattern import Scene
+from origami_nlp.numerics import CONTACT_TOL, FOLLOWED, NEAR_CONTACT, NEAR_SINGULAR_TOL, SETTLED
+from origami_nlp.pattern import Relabelling, Scene, symmetries
 from origami_nlp.problem import (
     Contact,
     Model,
@@ -120,27 +130,30 @@ def trace_boundary(scene: Scene, size: int = 161) -> Boundary:
     model = Model(scene)
     x0, x1, y0, y1 = chart_limits(chart)
     cell = ((x1 - x0) / size, (y1 - y0) / size)
+    moves = _moves(scene)
     lines: list[BoundaryLine] = []
-    crossings, missed = [], []
-    for branch in range(len(chart.signs)):
-        at, states = crossings_of(chart, branch, size)
-        crossings.append(at)
-        left = np.ones(len(at), dtype=bool)
-        tried = np.zeros(len(at), dtype=bool)
-        while (left & ~tried).any():
+    seeds = [crossings_of(chart, branch, size) for branch in range(len(chart.signs))]
+    crossings = tuple(inside for inside, _ in seeds)
+    left = [np.ones(len(at), dtype=bool) for at in crossings]
+    for branch, (inside, beyond) in enumerate(seeds):
+        tried = np.zeros(len(inside), dtype=bool)
+        while (left[branch] & ~tried).any():
             # from the middle of what is left: ends of lines are corners, where contacts are ambiguous
-            waiting = np.flatnonzero(left & ~tried)
+            waiting = np.flatnonzero(left[branch] & ~tried)
             k = int(waiting[len(waiting) // 2])
             tried[k] = True
-            line = _line_at(chart, model, branch, states[k])
-            if line is not None:
+            exact = last_allowed(chart, branch, inside[[k]], beyond[[k]])
+            (state,) = allowed(chart, branch, *exact.T)[1]
+            found = _line_at(chart, model, branch, state)
+            for line in _with_images(chart, model, found, moves):
                 lines.append(line)
-                left[left] = distance_from(at[left] / cell, line.points / cell) > NEAR
-        missed.append(at[left])
-    lines += _thin_lines(chart, model, lines, cell)
-    lines += _hidden_lines(chart, model, lines)
+                at, mine = crossings[line.branch], left[line.branch]
+                mine[mine] = distance_from(at[mine] / cell, line.points / cell) > NEAR
+    missed = tuple(at[mine] for at, mine in zip(crossings, left, strict=True))
+    lines += _thin_lines(chart, model, lines, cell, moves)
+    lines += _hidden_lines(chart, model, lines, moves)
     lines = [piece for line in lines for piece in _pieces(model, line, lines)]
-    return Boundary(tuple(lines), tuple(crossings), tuple(missed), cell)
+    return Boundary(tuple(lines), crossings, missed, cell)
 
 
 def with_energy(model: Model, line: BoundaryLine) -> BoundaryCurve:
@@ -222,18 +235,24 @@ def _line_at(
 ) -> BoundaryLine | None:
     """Trace the boundary through a bisected state [N]; None at a corner, or where no contact closes."""
     at = State(model, model.reduce(fold_angles), NEAR_CONTACT)
-    for row in dict.fromkeys(row for rows in at.pieces for row in rows):
-        start = correct(at.on((row,)))
+    # contacts that stay closed together are held together: the set of one may branch where that of all goes on
+    together = [rows for rows in at.pieces if len(rows) > 1]
+    for held in dict.fromkeys([*together, *((row,) for rows in at.pieces for row in rows)]):
+        start = correct(at.on(held))
         if start is None or np.abs(start.x - at.x).max() > NEAR_SINGULAR_TOL or start.refused:
             continue
-        line = _trace(chart, branch, start.on((row,)))
+        line = _trace(chart, branch, start.on(held))
         if line is not None:
             return line
     return None
 
 
 def _thin_lines(
-    chart: Chart, model: Model, lines: list[BoundaryLine], cell: tuple[float, float]
+    chart: Chart,
+    model: Model,
+    lines: list[BoundaryLine],
+    cell: tuple[float, float],
+    moves: Sequence[Relabelling],
 ) -> list[BoundaryLine]:
     """Trace the sets on the edge of the chart that exist only while several contacts stay closed."""
     x0, x1, y0, y1 = chart_limits(chart)
@@ -242,24 +261,30 @@ def _thin_lines(
     edges += [(x0 + t * (x1 - x0), np.full_like(t, y)) for y in (y0, y1)]
     found: list[BoundaryLine] = []
     for branch in range(len(chart.signs)):
-        for x, y in edges:
-            good, states = allowed(chart, branch, x, y)
-            for k in np.flatnonzero(good):
-                at = np.array([[x[k], y[k]]])
-                known = [ln for ln in (*lines, *found) if ln.branch == branch]
-                if any(distance_from(at / cell, ln.points / cell)[0] < NEAR for ln in known):
-                    continue
-                start = State(model, model.reduce(states[k]))
-                rows = lower_dimensional_at(start)
-                if not rows or start.refused:
-                    continue
-                line = _trace(chart, branch, start.on(rows))
-                if line is not None:
-                    found.append(line)
+        x, y = (np.concatenate(each) for each in zip(*edges, strict=True))
+        good, states = allowed(chart, branch, x, y)
+        at = np.stack([x, y], axis=-1) / cell
+
+        def clear(points: np.ndarray, by: list[BoundaryLine], branch: int = branch) -> np.ndarray:
+            known = [ln.points / cell for ln in by if ln.branch == branch]
+            return np.all([distance_from(points, line) >= NEAR for line in known], axis=0)
+
+        good[good] &= clear(at[good], lines)
+        for k in np.flatnonzero(good):
+            if found and not clear(at[[k]], found)[0]:
+                continue
+            start = State(model, model.reduce(states[k]))
+            rows = lower_dimensional_at(start)
+            if not rows or start.refused:
+                continue
+            line = _trace(chart, branch, start.on(rows))
+            found += _with_images(chart, model, line, moves)
     return found
 
 
-def _hidden_lines(chart: Chart, model: Model, lines: list[BoundaryLine]) -> list[BoundaryLine]:
+def _hidden_lines(
+    chart: Chart, model: Model, lines: list[BoundaryLine], moves: Sequence[Relabelling]
+) -> list[BoundaryLine]:
     """Trace from corners the contacts whose whole line is one point of the chart, which no cell sees."""
     found: list[BoundaryLine] = []
     for line in lines:
@@ -273,7 +298,7 @@ def _hidden_lines(chart: Chart, model: Model, lines: list[BoundaryLine]) -> list
                     continue
                 new = _trace(chart, line.branch, at.on((row,)))
                 if new is not None and new.length > SHORT:
-                    found.append(new)
+                    found += _with_images(chart, model, new, moves)
     return found
 
 
@@ -302,4 +327,68 @@ def _trace(chart: Chart, branch: int, held: Stratum) -> BoundaryLine | None:
     points = chart_points(chart, phi)
     return BoundaryLine(
         names, held.contacts, branch, points, phi, walked.s, walked.start, walked.end
+    )
+
+
+# ---------------------------------------------------------------- images
+
+
+def _moves(scene: Scene) -> list[Relabelling]:
+    """Return the symmetries of the vertex, its fold limits and the imposed symmetry, whatever the springs."""
+    plain = replace(
+        scene,
+        stiffness=(1.0,) * scene.degree,
+        rest_angles=(0.0,) * scene.degree,
+        symmetry=scene.group.name,
+        preload=(),
+        laws=(),
+        loads=(),
+    )
+    return symmetries(plain)
+
+
+def _with_images(
+    chart: Chart, model: Model, line: BoundaryLine | None, moves: Sequence[Relabelling]
+) -> Iterator[BoundaryLine]:
+    """Yield a line, if there is one, and the others that symmetries take it to."""
+    known = [] if line is None else [line]
+    yield from known
+    for move in moves if line else ():
+        states = move.back(known[0].fold_angles)
+        middle = states[None, len(states) // 2]
+        if any(distance_from(middle, ln.fold_angles)[0] < SHORT for ln in known):
+            continue  # it is there already, or the symmetry keeps the line
+        new = _image(chart, model, known[0], states)
+        if new is not None:
+            known.append(new)
+            yield new
+
+
+def _image(
+    chart: Chart, model: Model, line: BoundaryLine, states: np.ndarray
+) -> BoundaryLine | None:
+    """Return the line to whose states [m, N] a symmetry takes those of another; None where contacts are ambiguous."""
+    at = model.reduce(states)
+    middle = len(at) // 2
+    branches = {chart.locate(states[k])[0] for k in (middle // 2, middle, (middle + len(at)) // 2)}
+    each = dict.fromkeys(row for rows in State(model, at[middle]).pieces for row in rows)
+    m = model.equation_count
+    rows = [r for r in each if np.abs(model.constraints(at, (r,))[0][:, m:]).max() <= FOLLOWED]
+    rows = rows[: len(line.rows)]
+    ((branch, *more), *others) = branches
+    if more or others or len(rows) < len(line.rows):
+        return None
+    why = [
+        closing_words(State(model, x).on(tuple(rows))) if end.startswith(CLOSES_ANOTHER) else end
+        for end, x in ((line.start, at[0]), (line.end, at[-1]))
+    ]
+    return replace(
+        line,
+        contacts=tuple(map(model.name, rows)),
+        rows=tuple(rows),
+        branch=branch,
+        points=chart_points(chart, states),
+        fold_angles=states,
+        start=why[0],
+        end=why[1],
     )

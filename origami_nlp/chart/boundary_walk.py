@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from origami_nlp.continuation import (
+    CLOSES_ANOTHER,
     SINGULAR,
     ContinuationOptions,
     End,
@@ -66,9 +67,8 @@ def walk(held: Stratum) -> Walk | None:
     for side, point in ((0, found.frames[0]), (-1, found.frames[-1])):
         if why[side] not in (REFUSED, SINGULAR):
             continue
-        new = closing(point)
-        names = "; ".join(problem.name(contact) for contact in new)
-        why[side] = f"another contact closes ({names})" if new else SINGULAR
+        new = closing(point.stratum)
+        why[side] = closing_words(point.stratum)
         # the end itself, with all of them closed
         corner = correct(point.stratum.state.on((*held.contacts, *new))) if new else None
         if corner is not None and np.abs(corner.x - point.x).max() < NEAR_CONTACT:
@@ -81,6 +81,13 @@ def walk(held: Stratum) -> Walk | None:
     if len(s) < 3:
         return None
     return Walk(np.array(states), np.array(s) - s[0], why[0], why[1])
+
+
+def closing_words(held: Stratum) -> str:
+    """Say which contacts close besides those held where a line ends."""
+    new = closing(held)
+    names = "; ".join(held.state.problem.name(contact) for contact in new)
+    return f"{CLOSES_ANOTHER} ({names})" if new else SINGULAR
 
 
 def _corner(before: Point, after: Point) -> Point | None:

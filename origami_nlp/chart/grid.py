@@ -1,4 +1,4 @@
-"""Admissibility on a grid of chart points, and the boundary points between its cells, bisected to rounding."""
+"""Admissibility on a grid of chart points, and the boundary points between its cells, bisected."""
 
 from __future__ import annotations
 
@@ -15,6 +15,8 @@ if TYPE_CHECKING:
 
 BISECTIONS = 50
 """Halvings of the step between two cells: to rounding."""
+ROUGH = 12
+"""Halvings after which a point is next to a line or not: to some 1e-5 rad."""
 
 
 def chart_limits(chart: Chart) -> tuple[float, float, float, float]:
@@ -24,7 +26,10 @@ def chart_limits(chart: Chart) -> tuple[float, float, float, float]:
 
 
 def crossings_of(chart: Chart, branch: int, size: int) -> tuple[np.ndarray, np.ndarray]:
-    """Bisect between admissible cell centres and excluded neighbours; return points [k, 2], states [k, N]."""
+    """Return admissible points next to excluded ones, [k, 2] each, between cell centres that differ or up to the edge.
+
+    They are bisected to `ROUGH`; on the edge both are one.
+    """
     x0, x1, y0, y1 = chart_limits(chart)
     x = x0 + (x1 - x0) * (np.arange(size) + 0.5) / size
     y = y0 + (y1 - y0) * (np.arange(size) + 0.5) / size
@@ -44,18 +49,22 @@ def crossings_of(chart: Chart, branch: int, size: int) -> tuple[np.ndarray, np.n
     at_edge = allowed(chart, branch, beyond[:, 0], beyond[:, 1])[0]
     # admissible up to the edge of the chart: the edge itself is the boundary there
     inside = np.where(at_edge[:, None], beyond, inside)
-    inside = last_allowed(chart, branch, inside, beyond)
-    states = allowed(chart, branch, inside[:, 0], inside[:, 1])[1]
-    return inside, states
+    return _bisected(chart, branch, inside, beyond, ROUGH)
 
 
 def last_allowed(chart: Chart, branch: int, inside: np.ndarray, beyond: np.ndarray) -> np.ndarray:
     """Bisect between chart points with an admissible state and others [k, 2]: the last ones with one, to rounding."""
-    for _ in range(BISECTIONS):
+    return _bisected(chart, branch, inside, beyond, BISECTIONS)[0]
+
+
+def _bisected(
+    chart: Chart, branch: int, inside: np.ndarray, beyond: np.ndarray, halvings: int
+) -> tuple[np.ndarray, np.ndarray]:
+    for _ in range(halvings):
         middle = (inside + beyond) / 2
         ok = allowed(chart, branch, *middle.T)[0][:, None]
         inside, beyond = np.where(ok, middle, inside), np.where(ok, beyond, middle)
-    return inside
+    return inside, beyond
 
 
 def faces_of(chart: Chart, branch: int, lines: list[Any], least: float) -> MultiPolygon:

@@ -7,6 +7,7 @@ from .branch_segments import (
     SpecialPoint as SpecialPoint,
 )
 from .curve import (
+    CLOSES_ANOTHER as CLOSES_ANOTHER,
     BoundaryCurve as BoundaryCurve,
     HeldCurve as HeldCurve,
     Point as Point,

@@ -214,11 +214,11 @@ def trace_held(
     return trace(HeldCurve(held.state.problem, held.contacts, first.dimension), first, steps, ends)
 
 
-def closing(point: Point) -> tuple[Contact, ...]:
+def closing(held: Stratum) -> tuple[Contact, ...]:
     """Return the contacts besides the held ones that close where a curve ends."""
-    found = State(point.stratum.state.problem, point.x, NEAR_CONTACT).contacts
+    found = State(held.state.problem, held.state.x, NEAR_CONTACT).contacts
     new = (*found.base, *(contact for options in found.branches for contact in options[0]))
-    return tuple(c for c in dict.fromkeys(new) if c not in point.stratum.contacts)
+    return tuple(c for c in dict.fromkeys(new) if c not in held.contacts)
 
 
 CLOSES_ANOTHER = "another contact closes"
@@ -248,7 +248,7 @@ def follow_boundary(
     why = []
     for end, point in ((found.start, found.frames[0]), (found.end, found.frames[-1])):
         if end == CLOSES_ANOTHER:
-            names = "; ".join(problem.name(contact) for contact in closing(point))
+            names = "; ".join(problem.name(contact) for contact in closing(point.stratum))
             end += f" ({names or 'facets meet'})"
         why.append(end)
     return boundary_of(held.contacts, found.frames, found.s, found.signs, (why[0], why[1]))

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 def draw_minima(
-    result: MinimaResult, path: str | os.PathLike[str] | None = None, *, size: int = 401
+    result: MinimaResult, path: str | os.PathLike[str] | None = None, *, size: int = 257
 ) -> Figure:
     """Draw the minima of a search, and save the figure if a path is given.
 

@@ -14,6 +14,7 @@ from origami_nlp.chart import (
     Boundary,
     admissible_region,
     allowed,
+    boundary_lines,
     boundary_walk,
     chart_limits,
     chart_of,
@@ -81,6 +82,44 @@ def test_corners_met_by_newton_are_where_bisection_ends(monkeypatch, name):
     assert len(met.s) + 10 < len(bisected.s)  # halvings at either end
     assert (met.start, met.end) == (bisected.start, bisected.end)
     assert np.abs(met.states[[0, -1]] - bisected.states[[0, -1]]).max() < 1e-9
+
+
+@pytest.mark.parametrize(
+    "scene",
+    [
+        o.examples.degree6("pi/3", 1.0),
+        pytest.param(SCENES["octagon"], marks=pytest.mark.slow),
+        pytest.param(o.examples.degree6("5*pi/12", 1.0), marks=pytest.mark.slow),
+    ],
+)
+def test_lines_that_symmetries_give_are_those_that_are_traced(monkeypatch, scene):
+    given = trace_boundary(scene, 41)
+    monkeypatch.setattr(boundary_lines, "_moves", lambda scene: [])
+    traced = trace_boundary(scene, 41)
+    assert len(given.lines) == len(traced.lines) > 4
+    for line in given.lines:
+        middle = line.fold_angles[None, len(line.s) // 2]
+        (same,) = (ln for ln in traced.lines if distance_from(middle, ln.fold_angles)[0] < 1e-3)
+        # chords of 0.04 rad; tangential corners are known to 1e-5
+        assert same.length == pytest.approx(line.length, abs=3e-4)
+        assert distance_from(line.fold_angles, same.fold_angles).max() < 3e-4
+        assert (same.branch, same.thin, same.hidden) == (line.branch, line.thin, line.hidden)
+        assert set(same.contacts) == set(line.contacts)
+        apart = np.abs(line.fold_angles[0] - same.fold_angles[[0, -1]]).max(axis=1)
+        ends = (same.start, same.end)[:: 1 if apart[0] < apart[1] else -1]
+        for why, other in zip((line.start, line.end), ends, strict=True):
+            # at the flat state closure loses rank, and all contacts close
+            if not any(end.startswith("singular") for end in (why, other)):
+                # where some contacts depend on each other more or fewer of them are named
+                names = [set(end.partition("(")[2].rstrip(")").split("; ")) for end in (why, other)]
+                assert why == other or names[0] & names[1]
+
+
+def test_a_line_along_two_contacts_does_not_go_on_where_one_of_them_branches():
+    """Cells of other sizes start lines elsewhere: at (-pi/2, pi) that of crease 1 leaves the edge of the chart."""
+    found = [trace_boundary(SCENES["pi/3"], size) for size in (41, 61)]
+    lengths = [np.sort([line.length for line in each.lines]) for each in found]
+    assert len(lengths[0]) == 18 and lengths[0] == pytest.approx(lengths[1], abs=1e-3)
 
 
 @pytest.mark.slow
