@@ -6,7 +6,7 @@ from tests.documentation import shell
 from tests.documentation.pages import ROOT, blocks, name_of
 
 PAGES = sorted((ROOT / "docs" / "results").glob("*.md"))
-DEAR = {"vertices4", "motifs"}
+DEAR = {"vertices4", "motifs", "waterbombs"}
 
 
 @pytest.mark.parametrize(
