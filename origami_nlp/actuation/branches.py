@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from origami_nlp.actuation.cones import FlatMotion, cones, driven_nappe, subspace, ways
-from origami_nlp.actuation.driving import DrivenSet, driven_set
+from origami_nlp.actuation.driving import DrivenSet, driven_set, signed_set
 from origami_nlp.actuation.release import follows, release_along
 from origami_nlp.actuation.result import BranchWay, FlatBranch
 from origami_nlp.minima import JudgedState
@@ -116,6 +116,29 @@ def driven_alone(found: Sequence[FlatMotion], k: int, most: int | None = None) -
     if mine.side:
         return driven_nappe(k + 1, mine, rest, **more)
     return driven_set(k + 1, mine.basis, rest, **more)
+
+
+def driven_by_signs(found: Sequence[FlatMotion], signs: Sequence[int]) -> list[DrivenSet]:
+    """Find sizes of torques with given signs that start a branch alone, for each where there are any; none of cones.
+
+    Parameters
+    ----------
+    found
+        Of `flat_branches`.
+    signs
+        1, -1 or 0 on each crease.
+
+    Returns
+    -------
+    list of DrivenSet
+        See `signed_set`.
+    """
+    bases = [] if any(m.side for m in found) else [m.basis for m in found]
+    sets = []
+    for k, mine in enumerate(bases):
+        rest = [np.zeros((len(mine), 1)), *bases[:k], *bases[k + 1 :]]
+        sets.append(signed_set(k + 1, mine, np.column_stack(rest), signs))
+    return [one for one in sets if one is not None]
 
 
 def released(

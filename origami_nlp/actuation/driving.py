@@ -107,6 +107,57 @@ def driven_set(
     return _irreducible(branch, target, base)
 
 
+def signed_set(
+    branch: int, target: np.ndarray, others: np.ndarray, signs: Sequence[int]
+) -> DrivenSet | None:
+    """Find sizes of torques with given signs that start one branch alone.
+
+    Parameters
+    ----------
+    branch
+        Its number (1-based).
+    target, others
+        Flat velocities, as `driven_set` takes them.
+    signs
+        1 or -1 on each crease that bears a torque, 0 on the others, [n].
+
+    Returns
+    -------
+    DrivenSet or None
+        Those with the largest least size, over the largest; None where no sizes do.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from origami_nlp.actuation import signed_set
+    >>> one, other = np.array([[0.8], [0.6]]), np.array([[0.6], [0.8]])
+    >>> signed_set(1, one, other, (1, -1)).torques, signed_set(1, one, other, (1, 1))
+    ((1.0, -0.75), None)
+    """
+    from scipy.optimize import linprog  # heavy: where signs alone are stated
+
+    creases = np.flatnonzero(signs)
+    sign = np.array(signs, float)[creases]
+    rest, best = _span(others)[creases], None
+    size = len(creases)
+    for way in (*target.T, *-target.T):
+        work = way[creases] * sign
+        rows = np.vstack([np.c_[-np.eye(size), np.ones(size)], np.r_[-work, 1.0]])
+        equal = np.c_[rest.T * sign, np.zeros(rest.shape[1])] if rest.size else None
+        zero = None if equal is None else np.zeros(len(equal))
+        goal, bounds = np.r_[np.zeros(size), -1.0], [(0, 1)] * (size + 1)
+        found = linprog(goal, rows, np.zeros(size + 1), equal, zero, bounds, method="highs-ds")
+        if found.status == 0 and found.x[-1] > max(
+            SAME_DIRECTION, 0.0 if best is None else best[-1]
+        ):
+            best = found.x
+    if best is None:
+        return None
+    torques = np.round(best[:-1] * sign / best[:-1].max(), DIGITS)
+    work = float(np.linalg.norm(target[creases].T @ torques))
+    return DrivenSet(branch, tuple((creases + 1).tolist()), tuple(torques.tolist()), work, False)
+
+
 def _irreducible(branch: int, target: np.ndarray, base: np.ndarray) -> DrivenSet:
     """Leave out one crease after the other, those with the smallest torques first, as long as the others do."""
     kept = np.arange(len(target))

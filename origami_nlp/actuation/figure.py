@@ -105,7 +105,8 @@ def _draw_torques(axes: Axes, seen: Actuation) -> None:
         axes.text(middle[0], middle[1], words, bbox=PAPER, color=colour, **place)
     axes.set_aspect("equal")
     axes.axis("off")
-    axes.set_title("torques [N m]" if seen.loads else "fewest driven creases", fontsize=9)
+    fewest = "torques of these signs" if seen.signs else "fewest driven creases"
+    axes.set_title("torques [N m]" if seen.loads else fewest, fontsize=9)
 
 
 def _draw_graph(axes: Axes, seen: Actuation) -> None:

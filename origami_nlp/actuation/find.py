@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from origami_nlp.actuation.branches import driven_alone, released
+from origami_nlp.actuation.branches import driven_alone, driven_by_signs, released
 from origami_nlp.actuation.cones import FlatMotion
 from origami_nlp.actuation.driving import DrivenSet
 from origami_nlp.actuation.result import Actuation, FlatBranch
@@ -22,7 +22,9 @@ from origami_nlp.minima import JudgedState
 from origami_nlp.pattern import Pattern, Scene, as_origami, scene_pattern
 from origami_nlp.pattern_states import find_states
 
-Torques = Mapping[int, float]
+Torques = Mapping[int, float | str]
+SIGNS = {"+": 1, "-": -1}
+"""Torques of which only the sign is stated."""
 MOST_DRIVEN = 12
 """Branches for which the fewest driven creases are looked for."""
 
@@ -50,6 +52,7 @@ def actuate(
     torques
         On creases by their numbers (1-based) [N m], towards valley > 0; several of these: loads that are put on and
         taken off one after the other.  None: branches of the flat state, and the fewest creases that start one alone.
+        Signs alone, "+" or "-" on each crease: which branches torques of some sizes start alone (`relaxed` only).
     start
         ``"flat"``; a stable state without torques: its number (1-based), by energy, or itself; ``"all"``: all of them,
         with the graph of where each load leads from each.
@@ -82,9 +85,11 @@ def actuate(
     check_flag("relaxed", relaxed)
     if relaxed:
         pattern = pattern.with_springs(pattern.stiffness.tolist(), 0.0)
-    loads = tuple(
-        _load(pattern, t) for t in ([torques] if isinstance(torques, Mapping) else torques or ())
-    )
+    signs = _signs(pattern, torques, relaxed)
+    given = [torques] if isinstance(torques, Mapping) else torques or ()
+    loads = () if signs else tuple(_load(pattern, t) for t in given)
+    if signs and start != "flat":
+        raise OptionError("torques: signs alone act on the flat state, start = 'flat'")
     if not loads and start != "flat":
         raise OptionError("torques is missing: say what is to act on that state, {crease: torque}")
     if isinstance(start, str) and start not in ("flat", "all"):
@@ -109,7 +114,7 @@ def actuate(
                 else:
                     none = np.zeros(pattern.creases)
                     branches, reached = released(pattern, none, found, until, release=False)
-                driven = _driven_sets(found, branches)
+                driven = _driven_sets(found, branches, signs)
             except OutOfTime:
                 left_out.append(
                     "seconds: the time was over before branches of the flat state were followed"
@@ -120,6 +125,7 @@ def actuate(
     return Actuation(
         pattern, loads, tuple(branches), tuple(reached), tuple(driven),
         tuple(graph.states), tuple(graph.found), tuple(graph.walk), reason, (*left_out, *graph.left_out),
+        signs,
     )  # fmt: skip
 
 
@@ -174,8 +180,30 @@ def _load(pattern: Pattern, torques: Any) -> np.ndarray:
     return out
 
 
-def _driven_sets(found: Sequence[FlatMotion], branches: Sequence[FlatBranch]) -> list[DrivenSet]:
-    """Find the fewest creases that start a branch alone, of those that are started first."""
+def _signs(pattern: Pattern, torques: Any, relaxed: bool) -> tuple[int, ...]:
+    """Return the signs of torques on all creases; none where sizes are stated, or nothing is."""
+    if not isinstance(torques, Mapping) or not any(isinstance(t, str) for t in torques.values()):
+        return ()
+    if not all(isinstance(t, str) and t in SIGNS for t in torques.values()):
+        raise OptionError(
+            f"torques = {shown(torques)} must be numbers, or '+' or '-' on each crease"
+        )
+    if not relaxed and pattern.rest.any():
+        raise OptionError(
+            "torques: beside springs that work signs alone say nothing: springs at rest when flat (relaxed)"
+        )
+    out = [0] * pattern.creases
+    for crease, sign in torques.items():
+        out[check_whole("crease", crease, 1, pattern.creases) - 1] = SIGNS[sign]
+    return tuple(out)
+
+
+def _driven_sets(
+    found: Sequence[FlatMotion], branches: Sequence[FlatBranch], signs: Sequence[int]
+) -> list[DrivenSet]:
+    """Find the fewest creases that start a branch alone, of those that are started first; or sizes of torques."""
+    if signs:
+        return driven_by_signs(found, signs)
     order = sorted(range(len(found)), key=lambda k: branches[k].work <= 0)
     some = [
         driven_alone(found, k) for k in [k for k in order if branches[k].drivable][:MOST_DRIVEN]

@@ -16,6 +16,7 @@ from origami_nlp.actuation.driving import DrivenSet
 from origami_nlp.display import Details, Report, Section, Table, angle_columns
 from origami_nlp.io import ShortRepr
 from origami_nlp.minima import JudgedState
+from origami_nlp.numerics import coarse
 from origami_nlp.pattern import Pattern, listed
 from origami_nlp.pattern_problem import state_frame, states_to_fold
 
@@ -139,6 +140,9 @@ class Actuation(Report):
         Why branches were not enumerated; "" where they were.
     left_out
         What the time did not suffice for, in words.
+    signs
+        Signs of torques on each crease (0: none), where no sizes are stated; `driven` has sizes of such torques then
+        that start a branch alone.
 
     Examples
     --------
@@ -158,6 +162,7 @@ class Actuation(Report):
     walk: tuple[int, ...] = ()
     reason: str = ""
     left_out: tuple[str, ...] = ()
+    signs: tuple[int, ...] = ()
 
     PICTURE, SCHEMA = "draw_actuation", "origami-nlp/actuation/1"
     ALSO = ("unique",)
@@ -182,9 +187,13 @@ class Actuation(Report):
 
     @property
     def can_be_unique(self) -> bool | None:
-        """Whether torques exist for which the fold is unique; None where branches are not known."""
+        """Whether torques exist, of the signs stated, for which the fold is unique; None where that is not known."""
         if self.reason or not self.branches:
             return None
+        if self.signs:
+            if any(branch.kind == "cone" for branch in self.branches):
+                return None
+            return any(self.branches[d.branch - 1].kind == "line" for d in self.driven)
         if any(branch.drivable and branch.kind == "line" for branch in self.branches):
             return True
         if self.driven and any(self.branches[d.branch - 1].kind == "cone" for d in self.driven):
@@ -202,6 +211,13 @@ class Actuation(Report):
             return f"{name}: branches of the flat state are not enumerated: {self.reason}"
         if self.transitions:
             return f"{name}: {len(self.states)} states, {len(self.transitions)} transitions"
+        if self.signs:
+            if self.can_be_unique is None:
+                return f"{name}: not decided for torques of these signs: motions are a cone"
+            alone = [d.branch for d in self.driven if self.branches[d.branch - 1].kind == "line"]
+            if alone:
+                return f"{name}: torques of these signs fold it uniquely for some sizes, along branch {listed(alone)}"
+            return f"{name}: no unique fold by torques of these signs, whatever their sizes"
         if not self.loads:
             of = _many(len(self.branches), "branch")
             if self.can_be_unique is None:
@@ -238,11 +254,12 @@ class Actuation(Report):
                     _kind(b),
                     f"{b.work:.4g}",
                     _reached(b),
-                    _driven(self.driven, k) if b.drivable else "no torques start it alone",
+                    self._how(k, b),
                 ]
                 for k, b in self._shown()
             ]
-            heads = ["branch", "", "work\n[N m]", "reached", "fewest creases, torques"]
+            last = "torques of these signs" if self.signs else "fewest creases, torques"
+            heads = ["branch", "", "work\n[N m]", "reached", last]
             yield Table(heads, rows, self.verdict, "rlrLL", framed=False, narrow=True)
             if len(rows) < len(self.branches):
                 yield f"{len(self.branches) - len(rows)} more branches: -o FILE.json"
@@ -270,6 +287,20 @@ class Actuation(Report):
         certificates += [f"#{k}: {s.certificate}" for k, s in enumerate(self.states, start=1)]
         if certificates:
             yield Details(tuple(certificates), "Certificates of states")
+
+    def _how(self, k: int, branch: FlatBranch) -> str:
+        """Say how branch k is started alone; of signs also whether torques of all sizes start it."""
+        if not self.signs:
+            return _driven(self.driven, k) if branch.drivable else "no torques start it alone"
+        alone = next((d for d in self.driven if d.branch == k), None)
+        if alone is not None:
+            return f"alone by {listed(list(alone.creases))} ({', '.join(f'{t:.4g}' for t in alone.torques)})"
+        if branch.kind != "line":
+            return "not alone" if branch.kind == "family" else "not decided"
+        works = np.array(self.signs) * coarse(branch.velocities[:, 0])
+        if not works.any():
+            return "never"
+        return "always" if works.min() >= 0 or works.max() <= 0 else "by some, not alone"
 
     def _shown(self) -> list[tuple[int, FlatBranch]]:
         """Return the branches that are printed: those that are started first."""

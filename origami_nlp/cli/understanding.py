@@ -292,14 +292,18 @@ def load(
         return load_path(what, work, to=end, state=state, unload=unload, confirm=confirm, **search)
 
 
-def torques_of(text: str) -> dict[int, float]:
-    """Return what ``--torques`` says, crease by crease."""
+def torques_of(text: str) -> dict[int, float | str]:
+    """Return what ``--torques`` says, crease by crease: torques, or their signs."""
     try:
         pairs = [part.split("=") for part in text.split(",")]
-        found = {int(crease): float(torque) for crease, torque in pairs}
+        found: dict[int, Any] = {
+            int(crease): torque if torque in ("+", "-") else float(torque)
+            for crease, torque in pairs
+        }
     except ValueError:
         found = {}
-    if not found or len(found) < text.count("=") or not all(map(math.isfinite, found.values())):
+    sizes = [t for t in found.values() if not isinstance(t, str)]
+    if not found or len(found) < text.count("=") or not all(map(math.isfinite, sizes)):
         raise OptionError(
             f"--torques = {text!r} must name each crease once, with its torque: 1=0.02,3=-0.01"
         )
@@ -314,7 +318,8 @@ def actuate(
         list[str] | None,
         typer.Option(
             metavar="K=T,K=T",
-            help="Torque T [N m] on crease K, from 1, towards valley > 0; repeated: loads one after the other.",
+            help="Torque T [N m] on crease K, from 1, towards valley > 0; repeated: loads one after the other. "
+            "T = + or - on each: torques of some size.",
         ),
     ] = None,
     start: Annotated[
@@ -344,7 +349,13 @@ def actuate(
     loads = [torques_of(text) for text in torques or ()]
     what = scene.read_whole()
     with progress(f"{scene.name} actuated"):
-        return find(what, loads or None, start=begin, relaxed=relaxed, **search)
+        return find(
+            what,
+            loads[0] if len(loads) == 1 else loads or None,
+            start=begin,
+            relaxed=relaxed,
+            **search,
+        )
 
 
 @bounded

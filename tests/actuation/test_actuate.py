@@ -1,6 +1,7 @@
 """Torques on creases: what they start, against the lists of the sources, enumeration and descents of our own."""
 
 import json
+from itertools import combinations, product
 
 import numpy as np
 import pytest
@@ -95,6 +96,27 @@ def test_sets_that_are_not_gone_through_are_left_by_leaving_out():
         torques[np.array(found.creases) - 1] = found.torques
         assert np.abs(torques @ others).max() < 1e-9 and abs(torques @ target).item() > 1e-3
     assert driven_set(1, others @ [[1.0], [2.0]], others) is None
+
+
+def test_signs_alone_are_enough_where_some_sizes_work_on_one_branch_only():
+    """On two creases of a generic vertex: those of the vector without work on the other branch, and no others."""
+    scene = o.Scene(
+        o.Vertex.from_degrees((70, 95, 108, 87)), (0.02,) * 4, (0.0,) * 4, symmetry="none"
+    )
+    sheet = o.actuate(scene).pattern
+    mine = Sheet(sheet.corners, sheet.ends)
+    modes = [m[np.argsort(mine.rings[0][0])] for m in mine.modes()[0]]
+    for i, j in combinations(range(4), 2):
+        alone = {tuple(np.sign([s * m[j], -s * m[i]])) for m in modes for s in (1, -1)}
+        for pair in product((1, -1), repeat=2):
+            seen = o.actuate(scene, {i + 1: "-+"[pair[0] > 0], j + 1: "-+"[pair[1] > 0]})
+            assert seen.can_be_unique is (pair in alone) and seen.unique is None
+            for driven in seen.driven:
+                assert tuple(np.sign(driven.torques)) == pair
+                sizes = dict(zip(driven.creases, np.multiply(driven.torques, 0.01), strict=True))
+                assert o.actuate(scene, sizes).started == (driven.branch,)
+    assert o.actuate(scene, {1: "+"}).can_be_unique is False
+    assert "always" in str(o.actuate(scene, {1: "+"}))
 
 
 def ends_of(sheet, load, draws=50):
@@ -312,6 +334,9 @@ def test_what_is_not_enumerated_is_not_decided():
         (({1: 0.1}, {"start": "open"}), "start = 'open'"),
         (({1: 0.1}, {"start": 9}), "start = 9"),
         (([0.1], {}), "must be {crease: torque}"),
+        (({1: "+", 2: 0.1}, {}), "numbers, or '\\+' or '-'"),
+        (({1: "+"}, {}), "at rest when flat"),
+        (({1: "+"}, {"start": "all", "relaxed": True}), "signs alone act on the flat state"),
     ],
 )
 def test_wrong_arguments_are_named(asked, said):
@@ -337,6 +362,8 @@ def test_the_command_says_the_same_and_writes_it(tmp_path):
     again = o.load(out)
     assert again.unique and json.loads(out.read_text())["unique"] is True
     assert again.to_dict() == o.actuate("miura:2x2", {2: 0.01, 3: 0.01}, relaxed=True).to_dict()
+    signs = run("actuate", "miura:2x2", "--relaxed", "--torques", "2=+,3=-", "-o", out)
+    assert signs.code == 0 and o.load(out).signs == (0, 1, -1, 0)
     assert run("actuate", "miura:2x2", "--torques", "2").code == 2
     assert (
         run(
