@@ -64,11 +64,15 @@ def flat_branches(pattern: Pattern, until: float = math.inf) -> tuple[list[FlatM
     """
     problem = PatternProblem(pattern)
     problem.until = until
+    stops = problem.fold_limits.near(np.zeros(pattern.creases), SAME_DIRECTION)
+    several = "a stop of the flat state cuts motions of several degrees of freedom"
     cone = list_branches(pattern, None, problem.check_time)
     if cone.reason:
         if max((len(loop.creases) for loop in pattern.vertices), default=0) <= 4:
             return [], cone.reason
         found, reason = cones(pattern, problem.check_time)
+        if found and stops.any():
+            return [], several
         for motion in found:
             generic, _ = ways(motion, np.cos(GENERIC * np.arange(pattern.creases)))
             if not all(follows(problem, way) for way in generic):
@@ -80,8 +84,12 @@ def flat_branches(pattern: Pattern, until: float = math.inf) -> tuple[list[FlatM
         problem.check_time()
         if follows(problem, line):
             tidy = coarse(line)
-            lines.append(line * np.sign(tidy[first_largest(np.abs(tidy))]))
+            line = line * np.sign(tidy[first_largest(np.abs(tidy))])
+            ways_on = [way for way in (line, -line) if not held(way, stops)]
+            lines += ways_on[:1]
     lines.sort(key=lambda line: tuple((-coarse(line)).tolist()))
+    if cone.families and stops.any():
+        return [], several
     for basis in cone.families:
         generic = basis @ (basis.T @ np.cos(GENERIC * np.arange(len(basis))))
         if not follows(problem, generic):
@@ -90,6 +98,11 @@ def flat_branches(pattern: Pattern, until: float = math.inf) -> tuple[list[FlatM
                 f"motions of {basis.shape[1]} degrees of freedom are not closed to higher order",
             )
     return [subspace(basis) for basis in (*(line[:, None] for line in lines), *cone.families)], ""
+
+
+def held(way: np.ndarray, stops: np.ndarray) -> bool:
+    """Return whether stops of the flat state, -1, 0 or 1 of each crease [n], are in the way of velocities [n]."""
+    return bool((way * stops > SAME_DIRECTION).any())
 
 
 def driven_alone(found: Sequence[FlatMotion], k: int, most: int | None = None) -> DrivenSet | None:
@@ -192,10 +205,8 @@ def released(
             branches.append(FlatBranch(kind, basis, 0.0, drivable, side=motion.side))
             continue
         worth, blocked = float(some[0] @ force), ""
-        if any((way * limit > SAME_DIRECTION).any() for way in some):
+        if any(held(way, limit) for way in some):
             worth, blocked = 0.0, "a stop holds it"
-        elif motion.side and limit.any():
-            blocked = "not decided whether it is unique: a stop cuts the cone"
         elif not alone:
             blocked = "not decided whether it is unique: work is most in a continuum of directions"
         gone = []

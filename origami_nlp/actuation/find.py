@@ -19,6 +19,7 @@ from origami_nlp.actuation.transitions import TransitionGraph
 from origami_nlp.arguments import check_flag, check_number, check_until, check_whole, shown
 from origami_nlp.errors import OptionError, OutOfTime
 from origami_nlp.minima import JudgedState
+from origami_nlp.numerics import CONTACT_TOL
 from origami_nlp.pattern import Pattern, Scene, as_origami, scene_pattern
 from origami_nlp.pattern_states import find_states
 
@@ -106,7 +107,14 @@ def actuate(
             raise OptionError(
                 "start = 'flat': the sheet cannot lie flat; give the number of a stable state"
             )
-        if pattern.is_flat:
+        low, high = pattern.limit_angles
+        beyond = np.flatnonzero((low > CONTACT_TOL) | (high < -CONTACT_TOL))
+        if len(beyond) and start == "flat":
+            raise OptionError(
+                f"start = 'flat': the flat state is beyond the stop of crease {beyond[0] + 1}; give the number of a "
+                "stable state"
+            )
+        if pattern.is_flat and not len(beyond):
             try:
                 found, reason = graph.flat
                 if loads and start == "flat":

@@ -41,6 +41,8 @@ def _vertex(scene: Source, out: Output) -> None:
     stated = scene.read()
     model = str(Model(stated))
     out.say(_springs(stated))
+    for law in dict.fromkeys(filter(None, stated.laws)):
+        out.say(f"law {law}", highlight=False)
     for load in stated.loads:
         out.say(f"load: {load.words}, facet {stated.fixed_facet} fixed", highlight=False)
     out.say(model, highlight=False, soft_wrap=True)
@@ -52,17 +54,24 @@ def _springs(stated: Scene) -> Table:
     from origami_nlp.display import rows_table
 
     heads = ["crease", "sector to the next [deg]", "stiffness [N m/rad]", "rest angle [deg]"]
-    columns = [
-        [math.degrees(a) for a in stated.vertex.sector_angles],
-        stated.stiffness,
-        [math.degrees(a) for a in stated.rest_angles],
-    ]
+    sectors, rest = (
+        map(math.degrees, a) for a in (stated.vertex.sector_angles, stated.rest_angles)
+    )
+    columns = [[f"{v:.7g}" for v in row] for row in (sectors, stated.stiffness, rest)]
     if stated.preload:
-        heads, columns = [*heads, "preload [N m]"], [*columns, stated.preload]
-    rows = [
-        [str(i), *(f"{v:.7g}" for v in row)]
-        for i, row in enumerate(zip(*columns, strict=True), start=1)
-    ]
+        heads, columns = [*heads, "preload [N m]"], [*columns, [f"{m:.7g}" for m in stated.preload]]
+    if stated.limits:
+        pairs = [" to ".join(f"{math.degrees(a):.7g}" for a in pair) for pair in stated.limits]
+        heads, columns = [*heads, "stops [deg]"], [*columns, pairs]
+    if stated.laws:
+        none = [law is not None for law in stated.laws]
+        for k in (1, 2):  # the numbers of a law are in its line
+            columns[k] = ["" if n else v for n, v in zip(none, columns[k], strict=True)]
+        heads, columns = (
+            [*heads, "law"],
+            [*columns, [law.name if law else "" for law in stated.laws]],
+        )
+    rows = [[str(i), *row] for i, row in enumerate(zip(*columns, strict=True), start=1)]
     kept = f"symmetry {stated.group.name} ({stated.symmetry} asked)"
     title = f"{stated.label or 'vertex'}: degree {stated.degree}, {kept}, contact {stated.contact}"
     return rows_table(heads, rows, title)

@@ -213,7 +213,7 @@ def beside_flat(
 def _balance(system: BorderedSystem, first: list[np.ndarray]) -> float:
     """Return g' Q^-1 g over the sizes of g and Q^-1; nan where it does not decide.  first: w, for its sign."""
     forms = _forms(system, first)
-    if forms is None:
+    if forms is None or not forms[0].any():
         return np.nan
     g, q, _ = forms
     size = np.abs(np.linalg.eigvalsh(q))

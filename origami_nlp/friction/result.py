@@ -166,6 +166,7 @@ class Friction(Report):
             for _, why in region.exact or ():
                 if why != "friction is overcome":
                     yield f"#{region.number}: one end is where {why}"
+        tables = []
         for region in self.regions:
             if region.why or not region.modes:
                 continue
@@ -175,8 +176,10 @@ class Friction(Report):
                 [str(i), *(f"{math.degrees(v) + 0.0:.3f}" for v in row)]
                 for i, row in enumerate(each, start=1)
             ]
-            table = Table(heads, rows, f"#{region.number}: fold angles to first order", "rrrr")
-            yield Details((table,), f"fold angles of #{region.number}")
+            title = f"#{region.number}: fold angles to first order"
+            tables.append(Table(heads, rows, title, "rrrr"))
+        if tables:
+            yield Details(tuple(tables), "Fold angles")
 
     def _rows(self) -> Iterator[dict[str, object]]:
         for region in self.regions:

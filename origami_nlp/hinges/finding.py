@@ -8,6 +8,7 @@ from os import PathLike
 import numpy as np
 
 from origami_nlp.hinges.result import MUCH, HingeRest, MeasuredHinge
+from origami_nlp.numerics import INPUT_TOL, LEVEL
 from origami_nlp.pattern import HingeData, LawFit, fit_data, read_hinge_data, runs
 
 NOISY = 0.1
@@ -80,12 +81,14 @@ def _rests(found: LawFit) -> tuple[HingeRest, ...]:
     """Return wells, and ends that the hinge is pushed to."""
     law, x = found.law, found.angle
     low, high = law.breaks[0], law.breaks[-1]
+    level = LEVEL * float(law.extremes(low, high).max())
     inside = law.balanced[(law.balanced > low) & (law.balanced < high)]
     rests = law.rests(low, high)
     wells = [(a, "well" if low < a < high else "end of the data") for a in rests]
     out = []
     for number, (angle, kind) in enumerate(wells):
-        here = max(0.0, float(law.energy(np.array(angle))))
+        here = float(law.energy(np.array(angle)))
+        here = here if here > level else 0.0
         tops = []
         for side in (-1, 1):  # the hill to the next well, or all the way to the end
             other = number + side
@@ -105,7 +108,7 @@ def _rests(found: LawFit) -> tuple[HingeRest, ...]:
         ]
         out.append(
             HingeRest(
-                float(angle),
+                float(angle) if abs(angle) > INPUT_TOL else 0.0,
                 band / stiffness if kind == "well" else math.nan,
                 kind,
                 here,
@@ -128,10 +131,11 @@ def _notes(found: LawFit, rests: tuple[HingeRest, ...], data: HingeData) -> list
             f"the torque has one sign: there is no rest angle, the hinge is pushed to {end:.4g} degrees; fine with a "
             "stop there (limits_deg), else look whether the rig's zero was taken off"
         )
-    elif not wells:
+    elif len(rests) - len(wells) == 2:
+        inside = "beyond its wells " if wells else ""
         notes.append(
-            "the energy is greatest inside and the hinge is pushed to both ends: is the sign swapped?  torque is "
-            "dU/dphi, what holds the hinge at the angle; the hinge's own moment on its panels is the opposite"
+            f"{inside}the hinge is pushed to both ends of the data: is the sign swapped?  torque is dU/dphi, what "
+            "holds the hinge at the angle; the hinge's own moment on its panels is the opposite"
         )
     area, error = found.loop
     stored = float(np.ptp(found.law.energy(x)))

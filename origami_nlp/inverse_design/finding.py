@@ -106,7 +106,7 @@ def design(
     check_callback("progress", progress)
     _differ(targets)
     if isinstance(targets.origami, Pattern):
-        targets.origami.check_plain_hinges("design")
+        targets.origami.check_plain_hinges("design", stops=True)
         tolerant = ask.maximise == "tolerance" or ask.tolerance_percent is not None
         asked: dict[str, Any] = {"maximise": ask.maximise if ask.maximise != "margin" else None}
         asked |= {"tolerance_percent": ask.tolerance_percent if tolerant else None}

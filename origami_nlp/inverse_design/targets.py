@@ -15,7 +15,7 @@ from origami_nlp.arguments import check_angles, check_number, check_type, refuse
 from origami_nlp.errors import OptionError
 from origami_nlp.kkt import State, project
 from origami_nlp.numerics import CLOSURE_TOL, DESIGN_SNAP, OUTSIDE, ROUNDED
-from origami_nlp.pattern import Contact, Pattern, Scene, Vertex
+from origami_nlp.pattern import Contact, Limits, Pattern, Scene, Vertex
 from origami_nlp.pattern_problem import PatternProblem
 from origami_nlp.problem import Model
 
@@ -25,9 +25,13 @@ _OF_A_VERTEX = {
     "symmetry": "equal says which of its springs are equal",
     "mirror": "equal says which of its springs are equal",
     "preload": "its springs rest within [-pi, pi]",
+    "limits": "the pattern has its own (Pattern.with_limits, edges_origaminlp:limits of FOLD)",
+    "panels": "the pattern has its own limits (Pattern.with_limits, edges_origaminlp:limits of FOLD)",
     "barriers": "springs are made for barriers of one vertex",
 }
 """What is not for a pattern, and why."""
+OF_THE_SCENE = ("symmetry", "contact", "mirror", "limits", "panels")
+"""Attributes that are those of the scene to be made."""
 FAR = 0.1
 """Farthest that closure may move a fold angle that was asked for [rad]: N angles, each read to 2 deg, are off by
 2 sqrt(N) deg together, 5.7 deg for N = 8; what is farther is another state."""
@@ -132,6 +136,8 @@ class Targets:
     equal
         Of a pattern, which creases have equal springs: ``""`` none, ``"letters"`` all of one assignment, or a number
         for each crease, the same for equal ones.
+    limits, panels
+        Fold limits and thickness of panels of a vertex, as of a `Scene`; a pattern has its own limits.
     source
         What was read, as it was typed: a file, or an example; the report is titled by it.
     """
@@ -149,6 +155,8 @@ class Targets:
     highest: dict[str, float] = field(default_factory=dict)
     full_space: bool = True
     equal: str | tuple[int, ...] = ""
+    limits: Limits = ()
+    panels: tuple[float, float] | None = None
     source: str = field(default="", compare=False)
 
     def __post_init__(self) -> None:
@@ -217,6 +225,8 @@ class Targets:
             "mirror": self.mirror,
             "preload": self.preload or None,
             "barriers": self.barriers or None,
+            "limits": self.limits or None,
+            "panels": self.panels,
         }
         refuse("pattern", _OF_A_VERTEX, **given)
         if self.contact not in ("full", "fold-limits"):
@@ -253,15 +263,13 @@ class Targets:
     def blank(self) -> Scene:
         """The scene of a vertex with equal springs, for its geometry."""
         assert isinstance(self.origami, Vertex)
-        n = self.origami.degree
-        return Scene(
-            self.origami,
-            (1.0,) * n,
-            (0.0,) * n,
-            symmetry=self.symmetry,
-            contact=self.contact,
-            mirror=self.mirror,
-        )
+        return self._scene((1.0,) * self.origami.degree, (0.0,) * self.origami.degree)
+
+    def _scene(self, k: Sequence[float], rest: Sequence[float], **more: Any) -> Scene:
+        """Return the scene of the vertex with some springs."""
+        assert isinstance(self.origami, Vertex)
+        asked = {key: getattr(self, key) for key in OF_THE_SCENE}
+        return Scene(self.origami, tuple(k), tuple(rest), **asked, **more)
 
     @cached_property
     def model(self) -> Any:
@@ -286,16 +294,8 @@ class Targets:
             sprung = self.origami.with_springs(k.tolist(), rest.tolist())
             return replace(sprung, name=name or sprung.name)
         wound = np.abs(tau / k) > math.pi * (1 + ROUNDED)
-        return Scene(
-            self.origami,
-            tuple(k),
-            tuple(rest),
-            symmetry=self.symmetry,
-            contact=self.contact,
-            mirror=self.mirror,
-            name=name,
-            preload=tuple(np.where(wound, tau - k * rest, 0.0)) if wound.any() else (),
-        )
+        preload = tuple(np.where(wound, tau - k * rest, 0.0)) if wound.any() else ()
+        return self._scene(k, rest, name=name, preload=preload)
 
     @cached_property
     def free(self) -> Any:
@@ -373,6 +373,12 @@ def place(model: Any, target: Target) -> ClosedTarget:
         raise OptionError(
             f"{who}: fold angles break the symmetry {model.symmetry} by {math.degrees(broken):.3g} deg: "
             "write [model] symmetry = 'none'"
+        )
+    beyond = -model.fold_limits.room(x)
+    if beyond.max() > FAR:
+        raise OptionError(
+            f"{who}: a fold angle of {math.degrees(x[int(beyond.argmax())]):.6g} deg is beyond its stop by "
+            f"{math.degrees(beyond.max()):.3g} deg"
         )
     x = model.fold_limits.clip(x)
     near, residual = project(model, x)

@@ -13,11 +13,21 @@ from origami_nlp.arguments import check_number, check_whole, shown
 from origami_nlp.errors import OptionError
 from origami_nlp.inverse_design.targets import BarrierAsk, EnergyGap, Target, Targets
 from origami_nlp.io import check_tables, one_of, parse_toml, read_json, read_toml
-from origami_nlp.pattern import Pattern, Vertex, as_pattern, parse_angles, vertex_from_dict
+from origami_nlp.pattern import (
+    LIMIT_KEYS,
+    Pattern,
+    Vertex,
+    as_pattern,
+    parse_angles,
+    stated_limits,
+    thick_limits,
+    vertex_from_dict,
+)
 
 _KEYS = {
     "vertex": ("sector_angles", "sector_angles_deg", "directions", "flat", "normalize"),
     "pattern": ("example", "file", "equal"),
+    "creases": LIMIT_KEYS,
     "model": ("symmetry", "contact", "mirror", "name"),
     "states": (
         *("name", "fold_angles", "fold_angles_deg", "like", "margin", "tolerance_deg"),
@@ -106,6 +116,10 @@ def _targets(data: Mapping[str, Any], folder: Path, source: str) -> tuple[Target
     check_tables(data, _KEYS, "targets have", OptionError, ("states", "barriers"))
     origami, equal = _origami(data, folder)
     many = origami.creases if isinstance(origami, Pattern) else origami.degree
+    stops = stated_limits(data.get("creases", {}), many)
+    if isinstance(origami, Pattern) and stops:
+        limits = stops.get("limits", origami.limits)
+        origami, stops = origami.with_limits(thick_limits(limits, many, stops.get("panels"))), {}
     entries = data.get("states", [])
     states, gaps, highest = [], [], {}
     for i, entry in enumerate(entries, start=1):
@@ -147,6 +161,7 @@ def _targets(data: Mapping[str, Any], folder: Path, source: str) -> tuple[Target
         highest=highest,
         barriers=barriers,
         **equal,
+        **stops,
         **model,
         **more,
     )

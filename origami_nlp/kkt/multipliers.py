@@ -106,6 +106,7 @@ def find_multipliers(b: np.ndarray, c: np.ndarray, tolerance: float = STATIONARY
     if r == 0:
         return Multipliers(float(np.abs(c).max(initial=0.0)), True, np.zeros(0))
     # full column rank of B is linear independence of closure and contacts (LICQ; Nocedal & Wright, definition 12.4)
+    b = np.where(np.linalg.norm(b, axis=0) > INDEPENDENT, b, 0.0)  # what does not push anywhere
     u, singular, vt = np.linalg.svd(b, full_matrices=False)
     rank = int((singular > INDEPENDENT).sum())
     if rank == r:
@@ -120,6 +121,10 @@ def find_multipliers(b: np.ndarray, c: np.ndarray, tolerance: float = STATIONARY
     b, c = basis.T @ b, basis.T @ c
     found = nonnegative_least_squares(b, c)
     residual = max(missed, float(np.abs(b @ found - c).max(initial=0.0)))
+    most = float(np.abs(c).max(initial=0.0))
+    if INDEPENDENT * float(found.max(initial=0.0)) > most > tolerance * size:
+        # contacts that press so hard balance by slopes that count as zero
+        return Multipliers(max(residual, most), False, found)
     if residual > UNBALANCED * size:
         return Multipliers(residual, False, found)
     return Multipliers(residual, False, found, (b, rows), tolerance * size)

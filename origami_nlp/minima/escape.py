@@ -291,7 +291,7 @@ def with_escapes(
     states = np.array([model.reduce(np.array(m.fold_angles)) for m in minima])
     states = states.reshape(-1, model.size)
     energies = np.array([m.energy for m in minima])
-    isolated = [m.local_dimension == 0 for m in minima]
+    isolated = np.array([m.local_dimension == 0 for m in minima], dtype=bool)
     scale = energy_scale(np.array(model.scene.stiffness))
     # exact where every curve of states is known: barriers are then read off a finite graph
     found = None
@@ -346,11 +346,11 @@ def _exact(
     model: Model,
     passes: TracedPasses,
     energies: np.ndarray,
-    isolated: Sequence[bool],
+    isolated: np.ndarray,
     scale: float,
 ) -> list[Escape] | None:
     """Read barriers off the merge tree of curves; None where a minimum is on none of them."""
-    if not (passes.on_curves | np.array(isolated)).all():
+    if not (passes.on_curves | isolated).all():
         return None
     found = []
     listed = barriers(energies, passes.heights(), level_of(energies, scale), scale)
@@ -372,7 +372,7 @@ def _bounded(
     minima: Sequence[JudgedState],
     states: np.ndarray,
     energies: np.ndarray,
-    isolated: Sequence[bool],
+    isolated: np.ndarray,
     scale: float,
 ) -> list[Escape]:
     """Bound barriers by escape paths that descents show."""

@@ -213,9 +213,13 @@ def _add_roots(
     model = curves.model
     # |T_k| <= 1: no root where the constant is larger than the sum of all other coefficients
     may = np.abs(series[..., 0]) <= np.abs(series[..., 1:]).sum(axis=2) + LEVEL * scale
-    which, lifts = np.nonzero(may)
+    level = np.abs(series).max(axis=2) <= LEVEL * scale  # all along: one state stands for all
+    which, lifts = np.nonzero(may & ~level)
     k, where, slope = roots(series[which, lifts])
-    which, lifts = which[k], lifts[k]
+    which, lifts = (
+        np.append(a[k], b) for a, b in zip((which, lifts), np.nonzero(level), strict=True)
+    )
+    where, slope = (np.append(a, np.zeros(level.sum())) for a in (where, slope))
     driver = b.sections.driver[which]
     way = np.sign(np.take_along_axis(b.tangents[which, NODES // 2], driver[:, None], 1)[:, 0])
     # position runs with the driver, s with the tangent: `way` is the sign between them

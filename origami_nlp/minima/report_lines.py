@@ -18,7 +18,7 @@ from origami_nlp.minima.noise import survival_words
 from origami_nlp.minima.stability import isolated_foldings, number_words
 from origami_nlp.minima.summary import energy_words
 from origami_nlp.numerics import BALANCED, STATIONARY, residual_words
-from origami_nlp.pattern import Scene, listed
+from origami_nlp.pattern import Scene, listed, tapered_limit
 from origami_nlp.pattern_problem import PopSigns, SignVector
 
 if TYPE_CHECKING:
@@ -26,6 +26,8 @@ if TYPE_CHECKING:
 
 MOST_ANGLES = 24
 """Fold angles of a state up to which they are written out; those of larger ones are in the JSON."""
+MOST_UNDECIDED = 12
+"""States without a verdict that are named; there are many where whole sets of states are level."""
 FEW_ANGLES = 9
 """Fold angles that are written to a thousandth of a degree in one line; more, to a hundredth."""
 KIND_STYLE = {
@@ -73,10 +75,14 @@ def full_space_lines(f: FullSpace) -> list[str]:
 
 
 def undecided_lines(search: SearchReport) -> list[str]:
-    """Name the states that may be minima, but were neither certified nor refuted."""
+    """Name states that may be minima, but were neither certified nor refuted, the first of them."""
+    left = len(search.undecided) - MOST_UNDECIDED
     return [
-        f"not decided: energy {r.energy:.9g} J{_where(r)}: {r.certificate}"
-        for r in search.undecided
+        *(
+            f"not decided: energy {r.energy:.9g} J{_where(r)}: {r.certificate}"
+            for r in search.undecided[:MOST_UNDECIDED]
+        ),
+        *[f"not decided: {left} more states, in -o FILE.json"] * (left > 0),
     ]
 
 
@@ -209,15 +215,21 @@ def flag_lines(flags: ResultFlags) -> list[str]:
 
 
 def scene_lines(scene: Scene) -> list[str]:
-    """Say what is loaded, and how far sector angles were moved to make nearly special relations exact, if they were."""
-    found = scene.relations
-    if not found.made_exact:
-        return scene.load_lines
-    return [
-        *scene.load_lines,
-        f"sector angles moved by up to {found.moved:.1e} rad, so that {len(found.made_exact)} nearly special "
-        "relations hold exactly (origami-nlp inspect lists them)",
-    ]
+    """Say what is loaded, what is left out of panels, and how far sector angles were moved to make relations exact."""
+    lines, found = list(scene.load_lines), scene.relations
+    if scene.panels:
+        most = math.degrees(tapered_limit(*scene.panels))
+        lines.append(
+            f"panels {scene.panels[0]:g} mm thick, tapered beside their hinges: stops at {most:.4g} degrees; not "
+            "modelled: contact of panels that share no crease, corners at the vertex, shifted hinges (another "
+            "kinematics)"
+        )
+    if found.made_exact:
+        lines.append(
+            f"sector angles moved by up to {found.moved:.1e} rad, so that {len(found.made_exact)} nearly special "
+            "relations hold exactly (origami-nlp inspect lists them)"
+        )
+    return lines
 
 
 def kinds_table(

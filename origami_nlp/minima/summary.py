@@ -127,6 +127,9 @@ def verdict_words(
     if known["stable"] or not firm:
         why = "" if minima else _why_none(completeness, search)
         count = f"{known['stable']} stable state{'s' * (known['stable'] != 1)}"
+        if completeness and completeness.status == "proved" and not minima and not search.undecided:
+            # of what is bounded and closed one state has least energy
+            count = "no stable state, as no state closes within all limits and contacts"
         parts.append(f"not decided whether there is a stable state: {why}" if why else count)
     if n := known["unstable"]:
         verb = "is" if n == 1 else "are"
@@ -145,9 +148,11 @@ def verdict_words(
 
 
 def _why_none(completeness: Completeness | None, search: SearchReport) -> str:
-    """Say what kept a search of a pattern that found no minimum from deciding that there is none, if anything did."""
+    """Say what kept a search that found no minimum from deciding that there is none, if anything did."""
     if completeness and completeness.proved:
         return ""
+    if n := len(search.undecided):
+        return f"{n} state{'s'[: n > 1]} found, none certified"
     crossed = any(s.crossings for s in search.rejected)
     gave_up = getattr(search, "gave_up", {})
     if not gave_up and not search.left_out:

@@ -32,10 +32,14 @@ from .fold_file import (
     read_fold as read_fold,
 )
 from .fold_limits import (
+    LIMIT_KEYS as LIMIT_KEYS,
+    Limits as Limits,
     limit_angles as limit_angles,
     limit_words as limit_words,
     read_limits as read_limits,
+    stated_limits as stated_limits,
     tapered_limit as tapered_limit,
+    thick_limits as thick_limits,
 )
 from .fold_notes import listed as listed
 from .fold_rings import Oddity as Oddity, drawing_oddities as drawing_oddities

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -13,6 +14,8 @@ from origami_nlp.numerics import CONTACT_TOL, EPS, RESOLVED
 from origami_nlp.pattern.angles import parse_angles
 
 Limits = tuple[tuple[float, float], ...]
+LIMIT_KEYS = ("limits", "limits_deg", "thickness_mm", "taper_mm")
+"""Keys of tables of files that state fold limits, or panels that have them."""
 
 
 def read_limits(given: object, degree: int, *, degrees: bool = False) -> Limits:
@@ -76,6 +79,43 @@ def read_limits(given: object, degree: int, *, degrees: bool = False) -> Limits:
             )
         out.append((_at_flat(low), _at_flat(high)))
     return () if all(pair == (-math.pi, math.pi) for pair in out) else tuple(out)
+
+
+def stated_limits(table: Mapping[str, Any], degree: int) -> dict[str, Any]:
+    """Read `LIMIT_KEYS` of a table: what a scene takes as `limits` and `panels`; nothing where none is given.
+
+    Parameters
+    ----------
+    table
+        Of a file.
+    degree
+        Number of creases N.
+
+    Returns
+    -------
+    dict
+        Limits (`read_limits`), and thickness and taper (`read_panels`).
+
+    Raises
+    ------
+    SceneError, AngleError
+        If they do not fit, or one is given twice.
+    """
+    out: dict[str, Any] = {}
+    given = [key for key in LIMIT_KEYS[:2] if key in table]
+    if len(given) == 2:
+        raise SceneError("limits and limits_deg are the same: give one of them")
+    for key in given:
+        out["limits"] = read_limits(table[key], degree, degrees=key.endswith("_deg"))
+    thick = [key for key in LIMIT_KEYS[2:] if key in table]
+    if len(thick) == 1:
+        raise SceneError(
+            f"{thick[0]} = {shown(table[thick[0]])} stands alone: panels have a thickness_mm, and a taper_mm beside "
+            "their hinges, from which their stops follow; give both"
+        )
+    if thick:
+        out["panels"] = read_panels([table[key] for key in thick])
+    return out
 
 
 def edge_limits(given: object, edges: int, key: str, keep: np.ndarray) -> np.ndarray | None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from dataclasses import dataclass
 from itertools import pairwise
 from os import PathLike
@@ -131,8 +132,9 @@ class HingeData(ShortRepr):
 def read_hinge_data(source: str | PathLike[str]) -> HingeData:
     """Read measured torques from a table of text: columns angle_deg, torque_Nm and, if wanted, weight.
 
-    Columns are separated by commas, semicolons, tabs or spaces; ``#`` begins a remark.  Without a line of names the
-    columns are those, in this order.  Names may be angle_deg or angle_rad, torque_Nm or torque_Nmm, and weight.
+    Columns are separated by commas, semicolons, tabs or spaces; ``#`` begins a remark.  Without a line of names there
+    are angles [deg] and torques [N m] alone.  Names may be angle_deg or angle_rad, torque_Nm or torque_Nmm, and
+    weight, also written ``Angle [deg]``.  Decimal commas are read where semicolons or tabs separate the columns.
 
     Parameters
     ----------
@@ -156,41 +158,66 @@ def read_hinge_data(source: str | PathLike[str]) -> HingeData:
         f"hinge data {name!r}",
         SceneFileError,
     )
-    columns, rows = ["angle_deg", "torque_nm", "weight"], list[list[float]]()
+    columns, rows = ["angle_deg", "torque_nm"], list[tuple[int, list[str]]]()
     first = True
     for number, line in enumerate(text.splitlines(), start=1):
         cells = _cells(line.partition("#")[0])
         if not cells:
             continue
-        if first and not is_number(cells[0]):
-            columns, first = [cell.lower() for cell in cells], False
+        if first and not is_number(cells[0].replace(",", ".")):
+            columns, first = [_column(cell) for cell in cells], False
             _check_columns(columns, cells, name)
             continue
-        if first:
-            columns, first = columns[: max(2, len(cells))], False
+        first = False
         if len(cells) != len(columns):
+            commas = (
+                "; weights need a line of names, decimal commas semicolons or tabs between columns"
+            )
             raise SceneFileError(
                 f"hinge data {name!r}, line {number}: {len(cells)} columns, where {len(columns)} are expected: "
-                f"{', '.join(columns)}"
+                f"{', '.join(columns)}{commas * (len(columns) < len(cells) <= 2 * len(columns))}"
             )
-        for cell in cells:
-            if not is_number(cell):
-                raise SceneFileError(
-                    f"hinge data {name!r}, line {number}: {shown(cell)} is not a number (decimal point, no unit)"
-                )
-        rows.append([float(cell) for cell in cells])
+        rows.append((number, cells))
+    values = np.array([_numbers(row, name) for row in _with_points(rows)]).reshape(-1, len(columns))
     if len(rows) < FEWEST_ROWS:
         raise SceneFileError(
             f"hinge data {name!r}: {len(rows)} rows of numbers: a law needs {FEWEST_ROWS} at least"
         )
-    stated = dict(zip(columns, np.array(rows).T, strict=True))
+    stated = dict(zip(columns, values.T, strict=True))
     if "angle_deg" in stated and 0 < np.abs(stated["angle_deg"]).max() <= math.tau:
         raise SceneFileError(
             f"hinge data {name!r}: angles end at {np.abs(stated['angle_deg']).max():.4g} degrees: radians? name the "
             "column angle_rad; a range as narrow as this in degrees is stated in radians too"
         )
-    values = {key.partition("_")[0]: UNITS[key] * column for key, column in stated.items()}
-    return HingeData(values["angle"], values["torque"], values.get("weight", ()), name)
+    read = {key.partition("_")[0]: UNITS[key] * column for key, column in stated.items()}
+    return HingeData(read["angle"], read["torque"], read.get("weight", np.zeros(0)), name)
+
+
+def _column(cell: str) -> str:
+    """Return the name of a column, however it is written: ``Angle [deg]`` and ``torque (N mm)``, too."""
+    known = {key.replace("_", ""): key for key in UNITS}
+    return known.get(re.sub(r"[\W_]", "", cell.lower()), cell.lower())
+
+
+def _with_points(rows: list[tuple[int, list[str]]]) -> list[tuple[int, list[str]]]:
+    """Return rows with decimal points for decimal commas, where these cannot part thousands."""
+    some = [cell for _, cells in rows for cell in cells if "," in cell]
+    if not some or any("." in cell for _, cells in rows for cell in cells):
+        return rows
+    if all(re.fullmatch(r"[+-]?[1-9]\d{0,2}(,\d{3})+", cell) for cell in some):
+        return rows
+    return [(number, [cell.replace(",", ".") for cell in cells]) for number, cells in rows]
+
+
+def _numbers(row: tuple[int, list[str]], name: str) -> list[float]:
+    number, cells = row
+    for cell in cells:
+        if not is_number(cell):
+            raise SceneFileError(
+                f"hinge data {name!r}, line {number}: {shown(cell)} is not a number (no unit, no separator of "
+                "thousands, points or commas throughout)"
+            )
+    return [float(cell) for cell in cells]
 
 
 def _check_columns(columns: list[str], cells: list[str], name: str) -> None:

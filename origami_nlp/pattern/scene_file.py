@@ -15,7 +15,7 @@ from origami_nlp.errors import SceneFileError
 from origami_nlp.io import as_text, check_tables, one_of, parse_toml, read_limited
 from origami_nlp.numerics import INPUT_TOL
 from origami_nlp.pattern.angles import format_angle, parse_angles
-from origami_nlp.pattern.fold_limits import read_limits
+from origami_nlp.pattern.fold_limits import LIMIT_KEYS, stated_limits
 from origami_nlp.pattern.hinge_law import HingeLaw
 from origami_nlp.pattern.hinge_tables import law_to_dict, read_law
 from origami_nlp.pattern.scene import Scene
@@ -28,10 +28,7 @@ _KEYS: dict[str, tuple[str, ...]] = {
         "rest_angles",
         "rest_angles_deg",
         "preload",
-        "limits",
-        "limits_deg",
-        "thickness_mm",
-        "taper_mm",
+        *LIMIT_KEYS,
         "law",
     ),
     "model": (
@@ -45,8 +42,6 @@ _KEYS: dict[str, tuple[str, ...]] = {
     ),
     "loads": (),
 }
-PANELS = "thickness_mm", "taper_mm"
-"""Keys of thickness and taper of panels."""
 _LARGEST = 1_000_000  # bytes; a scene is a few hundred
 
 
@@ -208,17 +203,8 @@ def scene_from_dict(data: Mapping[str, Any], source: str = "") -> Scene:
             )
     if "stiffness" not in creases:
         raise SceneFileError("missing key in [creases]: give stiffness, one number a crease")
-    more = {"preload": creases["preload"]} if "preload" in creases else {}
-    if "limits" in creases or "limits_deg" in creases:
-        key = one_of(
-            creases,
-            "[creases]",
-            ("limits", "limits_deg"),
-            SceneFileError,
-        )
-        more["limits"] = read_limits(creases[key], vertex.degree, degrees=key.endswith("_deg"))
-    if "thickness_mm" in creases or "taper_mm" in creases:
-        more["panels"] = creases.get("thickness_mm"), creases.get("taper_mm")
+    more: dict[str, Any] = {"preload": creases["preload"]} if "preload" in creases else {}
+    more |= stated_limits(creases, vertex.degree)
     if "law" in creases:
         more["laws"] = _laws(creases["law"], of_laws, vertex.degree, source)
     elif of_laws:
@@ -314,7 +300,7 @@ def scene_to_dict(scene: Scene) -> dict[str, Any]:
             "stiffness": list(scene.stiffness),
             "rest_angles": [_exact(a) for a in scene.rest_angles],
             **({"preload": list(scene.preload)} if scene.preload else {}),
-            **(dict(zip(PANELS, scene.panels, strict=True)) if scene.panels else {}),
+            **(dict(zip(LIMIT_KEYS[2:], scene.panels, strict=True)) if scene.panels else {}),
             **({"law": [names[law] if law else "" for law in scene.laws]} if names else {}),
             **({"limits": [[_exact(a) for a in p] for p in scene.limits]} if scene.limits else {}),
         },

@@ -1,6 +1,8 @@
 """Torques on creases: what they start, against the lists of the sources, enumeration and descents of our own."""
 
 import json
+import math
+from dataclasses import replace
 from itertools import combinations, product
 
 import numpy as np
@@ -8,6 +10,7 @@ import pytest
 
 import origami_nlp as o
 from origami_nlp.actuation import driven_set
+from origami_nlp.errors import OptionError
 from origami_nlp.pattern import make_pattern
 from tests.command_line import run, scene_file
 from tests.computed_once import thinned
@@ -397,3 +400,27 @@ def test_the_examples_of_the_package_are_tilings_turned_about_midpoints():
     assert o.actuate(metasheet(3)[0]).can_be_unique
     i, j = np.meshgrid(np.arange(4.0), np.arange(4.0), indexing="ij")
     assert o.actuate(grid(np.stack([i, j], axis=2))).can_be_unique is False  # squares
+
+
+def test_stops_of_the_flat_state_are_in_the_way():
+    """Along a branch three creases fold one way and one the other (Kawasaki), and x and -x are both closed to first
+    order: a stop at 0 leaves one way, stops on all creases none."""
+    scene = o.Scene(o.Vertex.from_degrees((70, 80, 120, 90)), (1,) * 4, (0,) * 4, "none")
+    free = o.actuate(scene)
+    assert len(free.branches) == 2
+    for crease in range(4):
+        for pair in ((0.0, math.pi), (-math.pi, 0.0)):
+            limits = [(-math.pi, math.pi)] * 4
+            limits[crease] = pair
+            found = o.actuate(replace(scene, limits=limits))
+            assert len(found.branches) == 2
+            side = 1 if pair[0] == 0.0 else -1
+            assert all(side * b.velocities[crease, 0] > 0 for b in found.branches)
+    held = o.actuate(replace(scene, limits=(0.0, math.pi)))
+    assert not held.branches and held.can_be_unique is None
+    with pytest.raises(OptionError, match="beyond the stop of crease 3"):
+        o.actuate(replace(scene, limits=[(-1, 1), (-1, 1), (0.2, 1), (-1, 1)]))
+    six = o.Scene(
+        o.Vertex(("pi/3",) * 6), (1,) * 6, (0,) * 6, "none", limits=[(0, 3)] + [(-3, 3)] * 5
+    )
+    assert "a stop of the flat state cuts motions" in o.actuate(six).reason

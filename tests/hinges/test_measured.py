@@ -177,6 +177,11 @@ BAD = {
         "end at 3 degrees: radians\\? name the column angle_rad",
     ),
     "comma": (ROWS.replace(",", ";") + "\n35;0,35", "line 14: '0,35' is not a number"),
+    "commas": (ROWS.replace(".", ","), "line 1: 3 columns, where 2 .*decimal commas"),
+    "thousands": (
+        "angle_deg;torque_Nmm\n" + "\n".join(f"{a};1,{500 + a}" for a in range(-30, 31, 5)),
+        "line 2: '1,470' is not a number .*thousands",
+    ),
     "columns": (ROWS + "\n35, 1, 2, 3", "line 14: 4 columns, where 2"),
     "names": ("angle, moment\n" + ROWS, "columns angle, moment: name them angle_deg"),
     "twice": ("angle_deg, angle_rad, torque_Nm\n0,0,0", "name them"),
@@ -231,6 +236,24 @@ def test_units_and_separators_are_the_same_law(tmp_path):
     )
     a, b = o.fit_hinge(first), o.fit_hinge(second)
     assert np.allclose(a.torque, b.torque, atol=1e-14) and np.allclose(a.angle, b.angle)
+    # as spreadsheets of other countries write it
+    rows = [f"{a};{float(t)!r}" for a, t in zip(x, y, strict=True)]
+    for heads in ("angle_deg;torque_Nm", "Angle [deg]; Torque (N m)"):
+        third = tmp_path / "c.csv"
+        third.write_text("\n".join([heads, *rows]).replace(".", ","))
+        assert np.array_equal(o.fit_hinge(third).torque, a.torque)
+
+
+def test_nothing_that_rounding_leaves_is_printed():
+    """A well at 0, and two of equal energy: their numbers are 0, not 1e-17."""
+    x = np.radians(np.linspace(-120, 120, 41))
+    for sign, wells in ((1, 2), (-1, 1)):
+        found = o.fit_hinge(o.HingeData(x, np.round(sign * 0.01 * x * ((x / 1.05) ** 2 - 1), 6)))
+        rests = [rest for rest in found.rests if rest.kind == "well"]
+        assert len(rests) == wells
+        assert "e-1" not in str(found).partition("41 rows")[0]
+        # upside down it is pushed outwards beyond its well
+        assert any("sign swapped" in note for note in found.notes) == (sign < 0)
 
 
 def test_the_command_prints_and_writes(tmp_path):

@@ -168,3 +168,15 @@ def test_cones_and_unbounded_multipliers_are_those_of_linear_programmes(seed, n,
         for k in names
     ]
     assert unbounded(b).tolist() == grows
+
+
+@pytest.mark.parametrize(
+    ("b", "c"),
+    [
+        ([[1.0, 1e-13]], [-1.0]),  # a contact that pushes nowhere
+        ([[1.0, -1.0, 0.0], [0.0, 1e-10, -1.0]], [0.0, 1e-3]),  # two that all but cancel
+    ],
+)
+def test_what_counts_as_zero_balances_nothing(b, c):
+    b, c = np.array(b), np.array(c)
+    assert find_multipliers(b, c).residual >= np.abs(c).max()

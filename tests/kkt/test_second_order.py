@@ -10,13 +10,14 @@ import pytest
 from hypothesis import given, strategies as st
 from scipy.optimize import nnls
 
-from origami_nlp import Scene, Vertex, find_minima
+from origami_nlp import Model, Scene, State, Vertex, classify, find_minima
 from origami_nlp.kkt.second_order import (
     extreme_rays,
     generators,
     has_no_level_direction,
     level_directions,
 )
+from tests.independent.rotations import project
 
 
 def sampled(form: np.ndarray, rows: np.ndarray, rng: np.random.Generator) -> tuple[float, float]:
@@ -127,3 +128,23 @@ def test_generators_of_a_cone_with_lines(seed: int) -> None:
         if (rows @ d >= 0).all():
             factors, left = nnls(found.T, d)
             assert left < 1e-9 and (factors >= 0).all()
+
+
+@pytest.mark.parametrize("off", [0.0, 1.3e-13, -1.3e-13, 1e-12])
+def test_a_fold_limit_that_moves_to_second_order_alone_holds_nothing(off):
+    """Six equal sectors folded in half about creases 3 and 6, which are -pi: crease 3 can open, crease 6 then opens to
+    second order.  A torque of 0.3 N m opens crease 3; beside the state the slope of crease 6 is 1e-13, not 0."""
+    x = np.array([1.0, off, -math.pi, -off, -1.0, -math.pi])
+    torque = np.array([-0.3, -0.07, -0.3, -0.07, -0.3, -1.1])
+    scene = Scene(Vertex(("pi/3",) * 6), (1,) * 6, tuple(x - torque), "none", "fold-limits")
+    found = classify(State(Model(scene), x))
+    assert found.verdict == "not stationary"
+    # states beside it by closure alone: the energy falls in proportion to the distance
+    rng, sectors = np.random.default_rng(0), np.full(6, math.pi / 3)
+    for radius in (1e-3, 1e-4):
+        y = np.clip(x + radius * rng.normal(size=(2_000, 6)) / 2.5, -math.pi, math.pi)
+        y, residual = project(sectors, np.arange(6), y, np.zeros(6, bool))
+        inside = (residual < 1e-13) & (np.abs(y) <= math.pi).all(axis=1)
+        inside &= np.abs(y - x).max(axis=1) < 4 * radius
+        change = ((y - x) * (0.5 * (y - x) + torque)).sum(axis=1)
+        assert change[inside].min() < -0.03 * radius

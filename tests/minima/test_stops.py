@@ -11,7 +11,7 @@ import pytest
 import origami_nlp as o
 from origami_nlp import Scene, Vertex
 from origami_nlp.errors import OptionError, SceneError, SymmetryError
-from origami_nlp.pattern import tapered_limit
+from origami_nlp.pattern import table, tapered_limit
 from tests.independent import scan_four
 
 
@@ -126,6 +126,34 @@ def test_files_keep_stops(tmp_path):
 def test_wrong_limits_are_named(limits, why):
     with pytest.raises(SceneError, match=why):
         Scene(Vertex(("pi/2",) * 4), (1,) * 4, (0,) * 4, limits=limits)
+
+
+def test_stops_that_leave_no_state_are_said_to():
+    """Round a vertex of degree four one crease folds the other way (Kawasaki, Maekawa): no state has all above 0."""
+    v = Vertex.from_degrees((70, 80, 120, 90))
+    scene = Scene(v, (1, 2, 3, 2), (1.0, -0.5, 2.9, 0.8), "none", "full", limits=(0.3, 1.0))
+    found = o.find_minima(scene)
+    assert not found.minima and "no state closes within all limits" in found.verdict
+    x = scan_four.closed_states(np.array(v.sector_angles), 2_001)
+    assert not ((x >= 0.3) & (x <= 1.0)).all(axis=1).any()
+
+
+def test_what_is_not_decided_is_not_called_no_state():
+    """Slack hinges: whole sets of states are level with the flat one."""
+    x = np.array([-3.2, -2, -1, 1, 2, 3.2])
+    slack = table(np.clip(x, -math.pi, math.pi), [-1.0, -0.5, 0, 0, 0.5, 1.0])
+    v = Vertex.from_degrees((70, 80, 120, 90))
+    found = o.find_minima(Scene(v, (1,) * 4, (0,) * 4, "none", "full", laws=(slack,) * 4))
+    assert found.search.undecided and found.verdict.count("not decided whether there is a stable")
+    assert "0 stable states" not in str(found)
+
+
+def test_reports_say_what_thick_panels_leave_out():
+    v = Vertex.from_degrees((70, 80, 120, 90))
+    thick = Scene(v, (1,) * 4, (0.4, -0.5, 0.9, 0.8), "none", panels=(6.0, 10.0))
+    assert "not modelled: contact of panels that share no crease" in " ".join(
+        str(o.find_minima(thick, escape=False)).split()
+    )
 
 
 def test_what_does_not_know_stops_says_so():

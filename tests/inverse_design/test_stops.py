@@ -1,0 +1,105 @@
+"""Springs for states that rest on stops: the minima of an independent scan are among those that the design promises."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import origami_nlp as o
+from origami_nlp.errors import OptionError, SceneError
+from origami_nlp.inverse_design import Targets, design_with_library, parse_targets
+from origami_nlp.pattern import tapered_limit
+from tests.independent import scan_four
+from tests.inverse_design.test_library import three_states
+
+
+def drawn(rng):
+    """Two states of a random vertex, the first of which is to rest on a stop of one crease."""
+    while True:
+        asked = three_states(rng)
+        one, two = (np.array(s.fold_angles) for s in asked.states[:2])
+        c = int(rng.integers(4))
+        side = 1 if one[c] > 0 else -1
+        if side * (one[c] - two[c]) > 0.1 and abs(one[c]) > 0.1:  # the other is inside
+            limits = np.tile([-math.pi, math.pi], (4, 1))
+            limits[c, (side + 1) // 2] = one[c]
+            limits = tuple(map(tuple, limits.tolist()))
+            states = asked.states[:2]
+            return Targets(asked.origami, states, contact="fold-limits", limits=limits)
+
+
+def held(scene, targets):
+    """Which states the scan finds as minima, of the angles and energies of springs or laws alone."""
+    _, found = scan_four.minima(
+        scene.energy,
+        np.array(scene.vertex.sector_angles),
+        np.array(targets.limits).T,
+        scene.contact,
+        6_001,
+    )
+    off = [np.abs(found - np.array(s.fold_angles)).max(axis=1).min() for s in targets.states]
+    return np.array(off) < 2e-2
+
+
+@pytest.mark.parametrize("count", [2, pytest.param(15, marks=pytest.mark.slow)])
+def test_states_on_stops_are_held(count):
+    rng, made = np.random.default_rng(8), 0
+    for _ in range(count):
+        targets = drawn(rng)
+        found = o.design(targets)
+        if found.scene is None:
+            continue
+        made += 1
+        assert found.verified and found.scene.limits == targets.limits
+        assert held(found.scene, targets).all()
+        first = next(
+            m
+            for m in found.minima.minima
+            if np.allclose(m.fold_angles, targets.states[0].fold_angles, atol=1e-4)
+        )
+        # it presses: springs that only balance there would hold it without the stop as well
+        assert first.contacts[0].multiplier > 0
+        library = design_with_library(targets, escape=False)
+        assert library.verified and held(library.scene, targets).all()
+    assert made >= count / 2
+
+
+TEXT = """
+[vertex]
+sector_angles_deg = [70, 80, 120, 90]
+[creases]
+thickness_mm = 6
+taper_mm = 10
+[[states]]
+name = "one"
+fold_angles_deg = [106.928, -41.254, 115.0, 42.712]
+"""
+
+
+def test_stops_are_stated_in_files():
+    targets = parse_targets(TEXT)[0]
+    assert targets.panels == (6.0, 10.0)
+    made = targets.made(np.ones(4), np.zeros(4))
+    assert np.allclose(np.abs(made.limit_angles), tapered_limit(6.0, 10.0))
+    stops = TEXT.replace("thickness_mm = 6\ntaper_mm = 10", "limits_deg = [-60, 116]")
+    assert np.allclose(np.degrees(parse_targets(stops)[0].limits), [-60, 116])
+    for text, error, why in (
+        (stops.replace("116", "100"), OptionError, "115 deg is beyond its stop by 15 deg"),
+        (TEXT.replace("taper_mm = 10", ""), SceneError, "thickness_mm = 6 stands alone"),
+        (
+            TEXT.replace("thickness", "limits = [-1, 1]\nlimits_deg = [-9, 9]\nthickness"),
+            SceneError,
+            "give one",
+        ),
+    ):
+        with pytest.raises(error, match=why):
+            o.design(parse_targets(text)[0])
+    sheet = '[pattern]\nexample = "miura:2x2"\n[creases]\nlimits_deg = [-100, 100]\n'
+    state = "[[states]]\nname = 'a'\nfold_angles_deg = [0, 0, 0, 0]\n"
+    assert np.allclose(np.degrees(parse_targets(sheet + state)[0].origami.limits), [-100, 100])
+    pattern = parse_targets(sheet + state)[0]
+    with pytest.raises(OptionError, match="the pattern has its own"):
+        replace(pattern, limits=(-1.0, 1.0))
