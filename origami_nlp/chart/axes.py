@@ -139,7 +139,10 @@ def area_legend(chart: Landscape, outline: Outline, line: float = 1.1) -> list[A
     entries: list[Any] = [Line2D([], [], color=INK, linewidth=line, label=words)]
     if any(each.thin for each in lines):
         entries.append(Line2D([], [], **HANDLE | {"linewidth": 1.9 * line}, label="1-handle"))
-    return [*entries, patch("white", WHITE[chart.scene.contact])]
+    white = WHITE[chart.scene.contact]
+    if chart.scene.limits:
+        white = "facets cross, or stops" if chart.scene.contact == "full" else "beyond stops"
+    return [*entries, patch("white", white)]
 
 
 def _draw_energy(axes: Any, branch: EnergyBranch, region: Any, norm: Normalize, line: float) -> Any:

@@ -130,7 +130,6 @@ def landscape(scene: Scene, size: int = 401) -> Landscape:
     size = check_whole("size", size, 8, LARGEST_SIZE)
     chart = chart_of(scene)
     if chart is not None:
-        scene.check_plain_hinges("the energy landscape over a plane", laws=True)
         return (_degree6 if chart.kind == "degree6" else _wedge)(chart, size)
     group = scene.group
     variables = sum(ray.crease is not None for ray in group.rays)

@@ -1,7 +1,7 @@
 """The admissible part of a chart as polygons for pictures, whatever contact the scene asks for.
 
-With full contact its boundary is traced (`trace_boundary`).  Otherwise states end where closure has no solution or a
-fold angle passes pi: cells of a grid over which that changes are halved a few times, edges of the last ones bisected
+With full contact its boundary is traced (`trace_boundary`).  Otherwise, and where there are stops, states end where
+closure has no solution, a fold angle passes its limit or facets meet: cells of a grid over which that changes are halved a few times, edges of the last ones bisected
 to rounding, and the points joined within their cells.  Corners of polygons then lie on the boundary, and their sides
 leave it by less than a cell squared.
 """
@@ -37,7 +37,7 @@ class Outline:
     regions
         Admissible part of each branch, in the chart's coordinates [rad].
     boundary
-        Contact boundaries, where contact is full.
+        Contact boundaries, where contact is full and there are no stops.
     """
 
     regions: tuple[MultiPolygon, ...] = field(repr=False)
@@ -85,7 +85,7 @@ def _outline(scene: Scene) -> Outline:
     chart = chart_of(scene)
     assert chart is not None
     branches = range(len(chart.signs))
-    if scene.contact != "full":
+    if scene.contact != "full" or scene.limits:
         return Outline(tuple(_bisected_region(chart, k) for k in branches))
     boundary = trace_boundary(scene)
     return Outline(tuple(admissible_region(scene, boundary, k) for k in branches), boundary)

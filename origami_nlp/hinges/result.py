@@ -198,7 +198,7 @@ class MeasuredHinge(Report):
         )
         yield (
             f"Stiffness negative for certain: {falls + ' degrees' if falls else 'nowhere'}; its sign is not known on "
-            f"{100 * self.unsure:.2g} % of the range"
+            f"{round(100 * self.unsure, 2):g} % of the range"
         )
         if math.isnan(self.loop_area):
             yield "Loading and unloading: not both measured, what a cycle takes is not known"

@@ -80,7 +80,7 @@ class ExactLandscape(Report, Viewable):
     chart
         The energy on a grid over the coordinates of the chart.
     boundary
-        Contact boundaries; None where they are not traced (contact other than full).
+        Contact boundaries; None where they are not traced (contact other than full, stops).
     regions
         Admissible region of each branch of the chart (`shapely.MultiPolygon`); () where the boundary is not traced.
     places
@@ -154,7 +154,8 @@ class ExactLandscape(Report, Viewable):
             else f"; in the full space {not_unstable} not ruled out, {stable} stable (N_full)"
         )
         if self.boundary is None:
-            yield "boundary not traced: contact is not 'full'"
+            why = "there are stops" if self.result.scene.limits else "contact is not 'full'"
+            yield f"boundary not traced: {why}"
             return
         lines = self.boundary.lines
         handles, missed = sum(line.thin for line in lines), sum(map(len, self.boundary.missed))
@@ -221,7 +222,7 @@ def find_landscape(
     Returns
     -------
     ExactLandscape
-        Without boundary where the scene's contact is not ``"full"``.
+        Without boundary where the scene's contact is not ``"full"``, and where it has stops.
 
     Raises
     ------
@@ -246,7 +247,7 @@ def find_landscape(
         if chart.branches
         else ()
     )
-    if chart.kind != "area" or scene.contact != "full":
+    if chart.kind != "area" or scene.contact != "full" or scene.limits:
         return ExactLandscape(result, chart, None, (), places, ())
     boundary = boundary or trace_boundary(scene)
     # the grid colours; what it colours is cut by these polygons

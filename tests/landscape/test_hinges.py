@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -13,6 +14,7 @@ from origami_nlp import Scene, Vertex
 from origami_nlp.chart import landscape
 from origami_nlp.errors import OptionError
 from origami_nlp.pattern import double_well, linear
+from tests.independent.admissible import admissible
 
 
 def of_laws(plain):
@@ -32,8 +34,10 @@ def test_landscapes_show_the_energy_of_laws():
     by_hand = 0.5 * k * (phi - rest) ** 2
     by_hand[..., [0, 3]] = 0.1 * (phi[..., [0, 3]] ** 2 - 1) ** 2
     assert np.allclose(branch.energy, by_hand.sum(axis=-1), atol=1e-6, equal_nan=True)
-    with pytest.raises(OptionError, match="not decided with fold limits of their own"):
-        landscape(replace(wells, limits=(-1.0, 1.0)), 48)
+    (held,) = landscape(replace(wells, limits=(-1.0, 1.0)), 48).branches
+    within = (np.abs(phi) <= 1.0).all(axis=-1)
+    assert np.array_equal(np.isfinite(held.energy), within & np.isfinite(branch.energy))
+    assert np.allclose(held.energy[within], branch.energy[within], equal_nan=True)
 
 
 def test_curves_of_one_degree_of_freedom_end_at_stops():
@@ -77,3 +81,23 @@ def test_boundaries_over_factors_of_linear_laws_are_those_of_stiffnesses():
         order = np.argsort(mine[:, 1])
         along = CubicSpline(np.log(mine[order, 1]), np.log(mine[order, 0]))
         assert along(np.log(theirs[:, 1])) == pytest.approx(np.log(theirs[:, 0]), abs=1e-4)
+
+
+def test_landscapes_end_at_stops(tmp_path):
+    """The area of the states, against counting points of a grid by the closed form of the paper's chart."""
+    from origami_nlp.chart import chart_of, outline_of
+
+    scene = replace(o.examples.degree6("pi/3"), limits=np.radians((-70, 100)))
+    t = (np.arange(100) + 0.5) / 100 * 2 * math.pi - math.pi
+    for contact in ("fold-limits", "full"):
+        some = replace(scene, contact=contact)
+        region = outline_of(some).regions[0]
+        phi = chart_of(some).fold_angles(0, *np.meshgrid(t, t)).reshape(-1, 6)
+        phi = phi[((phi >= math.radians(-70)) & (phi <= math.radians(100))).all(axis=1)]
+        inside = admissible(np.array(some.vertex.sector_angles), phi, contact).sum()
+        assert region.area == pytest.approx(inside * (2 * math.pi / 100) ** 2, rel=0.02)
+    result = o.find_minima(scene, full=False, escape=False, max_starts=16)
+    found = o.find_landscape(result, size=41)
+    assert found.boundary is None and "there are stops" in str(found)
+    result.draw(tmp_path / "map.png")
+    assert found.view_content().panels

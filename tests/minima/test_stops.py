@@ -143,9 +143,11 @@ def test_what_is_not_decided_is_not_called_no_state():
     x = np.array([-3.2, -2, -1, 1, 2, 3.2])
     slack = table(np.clip(x, -math.pi, math.pi), [-1.0, -0.5, 0, 0, 0.5, 1.0])
     v = Vertex.from_degrees((70, 80, 120, 90))
-    found = o.find_minima(Scene(v, (1,) * 4, (0,) * 4, "none", "full", laws=(slack,) * 4))
-    assert found.search.undecided and found.verdict.count("not decided whether there is a stable")
-    assert "0 stable states" not in str(found)
+    scene = Scene(v, (1,) * 4, (0,) * 4, "none", "full", laws=(slack,) * 4)
+    found = o.find_minima(scene, escape=False, prove=False)
+    assert 0 < len(found.search.undecided) < 30  # one stands for each level piece of a curve
+    assert "not decided whether there is a stable" in found.verdict
+    assert "0 stable states" not in str(found) and "more states, in -o" in str(found)
 
 
 def test_reports_say_what_thick_panels_leave_out():
