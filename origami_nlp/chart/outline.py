@@ -1,9 +1,9 @@
 """The admissible part of a chart as polygons for pictures, whatever contact the scene asks for.
 
 With full contact its boundary is traced (`trace_boundary`).  Otherwise, and where there are stops, states end where
-closure has no solution, a fold angle passes its limit or facets meet: cells of a grid over which that changes are halved a few times, edges of the last ones bisected
-to rounding, and the points joined within their cells.  Corners of polygons then lie on the boundary, and their sides
-leave it by less than a cell squared.
+closure has no solution, a fold angle passes its limit or facets meet: cells of a grid over which that changes are
+halved a few times, edges of the last ones bisected to rounding, and the points joined within their cells.  Corners of
+polygons then lie on the boundary, and their sides leave it by less than a cell squared.
 """
 
 from __future__ import annotations
