@@ -13,7 +13,7 @@ from origami_nlp import Scene, Vertex, examples
 from origami_nlp.pattern import linear
 from tests.independent import search_slsqp
 from tests.kernels.answers import generic
-from tests.minima.test_hinge_laws import drawn
+from tests.minima.test_laws_scanned import drawn
 
 
 def compared(scene, energies, tie, starts, rng):

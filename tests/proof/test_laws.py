@@ -35,8 +35,8 @@ from origami_nlp.proof import (
 from origami_nlp.proof.law_torques import LawPieces
 from tests.computed_once import thinned
 from tests.independent import scan_four, search_slsqp
-from tests.minima.test_hinge_laws import agree, drawn
 from tests.minima.test_law_searches import five, six
+from tests.minima.test_laws_scanned import agree, drawn
 
 RNG = np.random.default_rng(5)
 KINKED = HingeLaw(
