@@ -12,6 +12,8 @@ from origami_nlp.errors import SceneError
 from origami_nlp.pattern import double_well, make_pattern, with_bending
 from tests.relabelled import relabelled
 
+ASKED = {"effort": "quick", "starts": 4, "escape": False, "prove": False}
+
 
 def test_quadrilaterals_get_their_short_diagonals():
     sheet = o.examples.pattern("miura", 2, 3).with_springs(1.0, 0.7).with_limits((-2.5, 2.5))
@@ -35,7 +37,7 @@ def test_states_tend_to_those_of_rigid_facets_like_one_over_the_stiffness():
     rigid = o.find_minima(sheet, prove=False, escape=False).minima[0]
     off, energies = [], []
     for stiffness in (1e1, 1e2, 1e3, 1e4):
-        soft = o.find_minima(with_bending(sheet, stiffness), starts=16, escape=False)
+        soft = o.find_minima(with_bending(sheet, stiffness), **ASKED)
         found = np.array([m.fold_angles[: sheet.creases] for m in soft.minima])
         apart = np.abs(found - rigid.fold_angles).max(axis=1)
         off.append(apart.min())
@@ -61,9 +63,6 @@ def cut(sheet, choices, stiffness):
     return make_pattern(sheet.corners, triangles, stiffness=springs, rest=rest)
 
 
-ASKED = {"starts": 4, "escape": False, "prove": False}
-
-
 def alone(sheet, choices):
     return o.find_minima(cut(sheet, choices, 5.0), **ASKED).minima[0].energy
 
@@ -76,13 +75,31 @@ def test_the_lowest_state_with_both_diagonals_is_that_of_the_best_choice_of_one_
     assert lowest.energy == pytest.approx(min(alone(sheet, c) for c in choices), abs=1e-9)
 
 
-def test_with_both_diagonals_a_facet_bends_about_one():
+def test_both_diagonals_are_cut_where_they_cross():
     sheet = o.examples.pattern("miura", 2, 2).with_springs(1.0, 0.8)
     both = with_bending(sheet, 5.0, "both")
     n = sheet.creases
     assert both.facets == 4 * sheet.facets and both.creases == n + 4 * sheet.facets
     assert np.allclose(both.stiffness[n:], 5.0 * both.lengths[n:])
     assert "halves of both diagonals" in both.notes[-1]
+    # a state of the sheet that bends about one diagonal each is a state of this one, with the same energy
+    for second in (False, True):
+        one = o.find_minima(cut(sheet, [second] * sheet.facets, 5.0), **ASKED)
+        folds = dict(
+            zip(map(tuple, one.pattern.ends.tolist()), one.minima[0].fold_angles, strict=True)
+        )
+        phi = [folds[tuple(e)] for e in sheet.ends.tolist()]
+        for corners in sheet.polygons:
+            whole = folds[tuple(sorted(corners[second::2]))]
+            phi += [whole if k in corners[second::2] else 0.0 for k in corners]
+        assert float(both.energy(np.array(phi))) == pytest.approx(one.minima[0].energy, rel=1e-9)
+
+
+@pytest.mark.slow
+def test_with_both_diagonals_a_facet_bends_about_one():
+    sheet = o.examples.pattern("miura", 2, 2).with_springs(1.0, 0.8)
+    both = with_bending(sheet, 5.0, "both")
+    n = sheet.creases
     lowest = o.find_minima(both, **ASKED).minima[0]
     assert lowest.verdict == "minimum"
     # of each facet the halves of one diagonal fold together, the others do not
