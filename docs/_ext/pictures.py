@@ -162,6 +162,23 @@ def drawn_periods(name: str) -> None:
     figure.savefig(FOLDER / f"{name}.png", dpi=100)
 
 
+def drawn_tubes(name: str) -> None:
+    """Draw both states of a cylinder of Yoshimura's pattern, six copies round."""
+    cell = o.examples.pattern("yoshimura", 1, 1, cell=True, rolled=6)
+    found = o.find_minima(cell, effort="quick", escape=False)
+    states = [
+        (
+            f"{m.energy:.4f} J a cell, radius {tube.radius:.3g}, rings {abs(tube.advances[1]) / 2:.4f} apart",
+            m.phi,
+        )
+        for m, tube in zip(found.minima, found.lattices, strict=True)
+    ]
+    figure = draw_states(
+        found.pattern, states, "yoshimura:1x1 --cell --rolled 6: two rows of cells"
+    )
+    figure.savefig(FOLDER / f"{name}.png", dpi=100)
+
+
 def drawn_waterbombs(name: str) -> None:
     """Draw the energy of waterbomb bases along both curves of their symmetric states."""
     figure = Figure(figsize=(6, 3.4), layout="constrained")
@@ -283,6 +300,7 @@ PICTURES: dict[str, Callable[[str], None]] = {
     "square_twist": own,
     "measured_hinge": own,
     "periodic_miura": drawn_periods,
+    "rolled_yoshimura": drawn_tubes,
     "waterbomb_curves": drawn_waterbombs,
     **{
         f"space_{end}": own

@@ -15,7 +15,7 @@ import typer
 from origami_nlp.arguments import did_you_mean
 from origami_nlp.cli import options as o
 from origami_nlp.cli.output import Output, writes
-from origami_nlp.cli.source import note_normalized
+from origami_nlp.cli.source import cell_options, note_normalized
 from origami_nlp.cli.timed import bounded
 from origami_nlp.errors import OptionError
 
@@ -135,6 +135,7 @@ def example(
         typer.Option(metavar="full|fold-limits|none", help="full, fold-limits or none."),
     ] = None,
     cell: o.Cell = None,
+    rolled: o.Rolled = None,
 ) -> None:
     """Print the scene file of a known vertex, or of a design its targets; -o FILE.fold writes the crease pattern.
 
@@ -162,7 +163,7 @@ def example(
     given: dict[str, Any] = {key: value for key, value in options.items() if value is not None}
     made: Callable[[], str]
     if name in HINGE_EXAMPLES:
-        if given or cell:
+        if given or cell or rolled:
             raise OptionError(f"{name!r} has no options: edit the file")
         kind, other, ending = (
             ("fold", "scene", ".fold") if name == "bistable-strip" else ("scene", "fold", ".toml")
@@ -177,10 +178,11 @@ def example(
         out.refuse("targets are written as TOML: end the name in .toml", "fold")
         made = partial(EXAMPLES.__getitem__, name)
     elif out.files("fold") and not out.files("scene"):
-        repeats = bool(cell)
-        out.write("fold", lambda: examples.crease_pattern(word, *cells, cell=repeats, **given))
+        repeats = cell_options(cell, rolled)
+        given |= repeats
+        out.write("fold", lambda: examples.crease_pattern(word, *cells, **given))
         return
-    elif cell:
+    elif cell or rolled:
         raise OptionError("--cell: a cell that repeats is a crease pattern: give -o FILE.fold")
     else:
         if ":" in name and not out.files("fold"):

@@ -329,6 +329,17 @@ Cell = Annotated[
         show_default=False,
     ),
 ]
+Rolled = Annotated[
+    str | None,
+    typer.Option(
+        "--rolled",
+        metavar="N",
+        **_OF_FOLD,
+        help="Of --cell: so many copies lead once round a closed tube, N along the first lattice vector, or P,Q along "
+        "both; 0: copies may curl.",
+        show_default=False,
+    ),
+]
 Bend = Annotated[
     float | None,
     typer.Option(

@@ -32,7 +32,8 @@ SPRINGS = {
     "rest_from": o.FoldRestFrom,
 }
 """Springs that a FOLD file leaves open: for the commands that come first, and `inspect`, which writes them down."""
-PER_LENGTH = {"per_length": o.PerLength, "bend": o.Bend, "diagonal": o.Diagonal, "cell": o.Cell}
+CELLS = {"cell": o.Cell, "rolled": o.Rolled}
+PER_LENGTH = {"per_length": o.PerLength, "bend": o.Bend, "diagonal": o.Diagonal, **CELLS}
 """What a command that takes springs and whole patterns has besides."""
 
 
@@ -83,8 +84,8 @@ class Source:
         if self.is_example:
             from origami_nlp.pattern import examples
 
-            cell = bool(self.given.get("cell"))
-            return json.dumps(examples.crease_pattern(self.name, cell=cell)).encode()
+            cells = cell_options(**{name: self.given.get(name) for name in CELLS})
+            return json.dumps(examples.crease_pattern(self.name, **cells)).encode()
         if self.name != "-" and not Path(self.name).suffix and not Path(self.name).exists():
             from origami_nlp.pattern import examples
 
@@ -172,10 +173,11 @@ class Source:
             if option in self.given:
                 more = "leave it out" if option == "vertex" else "name it with --vertex"
                 raise OptionError(f"--{option} is for one vertex, not for a pattern: {more}")
-        if self.given.get("cell") and not self.is_example:
-            raise OptionError(
-                f"--cell: {self.name!r} is no example; the lattice vectors of a FOLD file are its origaminlp:lattice"
-            )
+        for option, key in (("cell", "lattice"), ("rolled", "rolled")):
+            if self.given.get(option) and not self.is_example:
+                raise OptionError(
+                    f"--{option}: {self.name!r} is no example; what a FOLD file states is its origaminlp:{key}"
+                )
         options = self._spring_options()
         options.pop("contact", None)
         if "per_length" in self.given and isinstance(options.get("stiffness"), str):
@@ -220,6 +222,21 @@ class Source:
         )
 
 
+def cell_options(cell: bool | None, rolled: str | None) -> dict[str, Any]:
+    """Return what a cell that repeats is made with."""
+    if rolled is None:
+        return {"cell": bool(cell)}
+    if not cell:
+        raise OptionError("--rolled is for cells that repeat: give --cell as well")
+    try:
+        copies = [int(n) for n in rolled.split(",")]
+    except ValueError:
+        raise OptionError(
+            f"--rolled = {rolled!r} must be a number of copies, such as 6, or 6,2"
+        ) from None
+    return {"cell": True, "rolled": copies if len(copies) > 1 else copies[0]}
+
+
 def spring_options(**given: Any) -> dict[str, Any]:
     """Return the options of FOLD files that were given, those about springs checked and in radians."""
     options = {name: value for name, value in given.items() if value is not None}
@@ -239,7 +256,7 @@ def takes_scene(
     argument: of `options`, such as ``SceneFile``.  whole: it takes whole patterns as well.  springs: it takes
     springs for FOLD files that leave them open.
     """
-    of_patterns: dict[str, Any] = PER_LENGTH if springs else {"cell": o.Cell}
+    of_patterns: dict[str, Any] = PER_LENGTH if springs else CELLS
     options = FOLD_OPTIONS | (SPRINGS if springs else {}) | (of_patterns if whole else {})
 
     def decorate(command: Callable[..., None]) -> Callable[..., None]:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -19,10 +18,7 @@ from origami_nlp.minima.stability import isolated_foldings, number_words
 from origami_nlp.minima.summary import energy_words
 from origami_nlp.numerics import BALANCED, STATIONARY, residual_words
 from origami_nlp.pattern import Scene, listed, tapered_limit
-from origami_nlp.pattern_problem import PopSigns, SignVector
-
-if TYPE_CHECKING:
-    from origami_nlp.pattern_problem import FoldedLattice
+from origami_nlp.pattern_problem import FoldedLattice, FoldedTube, PopSigns, SignVector
 
 MOST_ANGLES = 24
 """Fold angles of a state up to which they are written out; those of larger ones are in the JSON."""
@@ -130,14 +126,18 @@ def survival_lines(minima: Sequence[JudgedState], is_pattern: bool, lies: bool) 
 
 
 def lattice_table(
-    lattices: Sequence[FoldedLattice], numbers: Sequence[int] = (), first: str = "#"
+    lattices: Sequence[FoldedLattice | FoldedTube], numbers: Sequence[int] = (), first: str = "#"
 ) -> Table:
-    """Return the folded lattice of states of a cell and how each gives way, a row each; numbers: theirs."""
+    """Return the folded lattice of states of a cell, or their tubes, and how each gives way, a row each."""
+    each = [str(k) for k in numbers or range(1, len(lattices) + 1)]
+    if isinstance(lattices[0], FoldedTube):
+        return _tube_table([x for x in lattices if isinstance(x, FoldedTube)], each, first)
     heads = [first, "a", "b", "angle\n[deg]", "Poisson\nalong a", "along b"]
     heads += ["stiffness\nalong a", "along b\n[N m/length^2]"]
     rows: list[list[Cell]] = []
-    for number, one in zip(numbers or range(1, len(lattices) + 1), lattices, strict=False):
-        row: list[Cell] = [str(number), *(energy_words(x, max(one.lengths)) for x in one.lengths)]
+    for number, one in zip(each, lattices, strict=False):
+        assert isinstance(one, FoldedLattice)
+        row: list[Cell] = [number, *(energy_words(x, max(one.lengths)) for x in one.lengths)]
         row.append("-" if math.isnan(one.angle) else f"{math.degrees(one.angle):.6g}")
         row += ["-" if math.isnan(x) else f"{x:.6g}" for x in one.poisson]
         row += [
@@ -147,6 +147,21 @@ def lattice_table(
         rows.append(row)
     title = "lattice vectors a and b of a cell; a force along one of them, the other free"
     return Table(heads, rows, title, "rrrrrrrr", framed=False, narrow=True)
+
+
+def _tube_table(tubes: Sequence[FoldedTube], numbers: Sequence[str], first: str) -> Table:
+    """Return the table of cells that are rolled up."""
+    heads = [first, "radius", "from", "to", "turn\nalong a", "along b\n[deg]"]
+    heads += ["advance\nalong a", "along b", "length\na cell"]
+    rows: list[list[Cell]] = []
+    for number, one in zip(numbers, tubes, strict=False):
+        places = one.radius, *one.radii, *one.advances, one.length
+        size = max((abs(x) for x in places if math.isfinite(x)), default=1.0)
+        said = ["-" if math.isnan(x) else energy_words(x, size) for x in places]
+        turns = ["-" if math.isnan(x) else f"{math.degrees(x):.6g}" for x in one.turns]
+        rows.append([number, *said[:3], *turns, *said[3:]])
+    title = "copies of a cell lie round an axis: the next along a or b is turned about it and advanced along it"
+    return Table(heads, rows, title, "r" * len(heads), framed=False, narrow=True)
 
 
 def sign_lines(pops: PopSigns, signs: Sequence[str], search: SearchReport) -> Iterator[str]:

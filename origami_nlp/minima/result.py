@@ -70,7 +70,7 @@ from origami_nlp.problem import Model
 
 if TYPE_CHECKING:
     from origami_nlp.chart import Landscape
-    from origami_nlp.pattern_problem import FoldedLattice
+    from origami_nlp.pattern_problem import FoldedLattice, FoldedTube
 
 SUCCESS = "Solve_Succeeded"
 """What IPOPT says where it converged."""
@@ -251,11 +251,11 @@ class MinimaResult(Report, Viewable):
         return self.signs if self.is_pattern and len(self.sign_vertices) <= MOST_SIGNS else ()
 
     @cached_property
-    def lattices(self) -> tuple[FoldedLattice, ...]:
-        """Of a cell that repeats its folded lattice in each minimum, and how it gives way; else nothing."""
+    def lattices(self) -> tuple[FoldedLattice | FoldedTube, ...]:
+        """Of a cell that repeats its folded lattice, or tube, in each minimum, and how it gives way; else nothing."""
         if not isinstance(self.origami, Pattern) or self.origami.cell is None:
             return ()
-        lattice = pattern_problem.Lattice(self.origami)
+        lattice = pattern_problem.measured_cell(self.origami)
         return tuple(lattice.at(self.state_of(m)) for m in self.minima)
 
     @property

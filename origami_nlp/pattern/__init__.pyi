@@ -92,7 +92,11 @@ from .labels import (
     group_equivalent_vertices as group_equivalent_vertices,
     symmetries as symmetries,
 )
-from .lattice_stated import LATTICE_KEY as LATTICE_KEY
+from .lattice_stated import (
+    LATTICE_KEY as LATTICE_KEY,
+    ROLLED_KEY as ROLLED_KEY,
+    check_rolled as check_rolled,
+)
 from .loads import (
     DeadLoads as DeadLoads,
     Load as Load,

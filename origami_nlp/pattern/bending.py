@@ -97,7 +97,9 @@ def with_bending(pattern: Pattern, stiffness: float, diagonal: str = "short") ->
     def of(values: np.ndarray, new: Any) -> dict[tuple[int, int], Any]:
         return dict(zip(sides, values.tolist(), strict=True)) | dict.fromkeys(cuts, new)
 
-    make = partial(make_cell, lattice=pattern.cell.lattice) if pattern.cell else make_pattern
+    make: Any = make_pattern
+    if (cell := pattern.cell) is not None:
+        make = partial(make_cell, lattice=cell.lattice, rolled=cell.rolled)
     which, others = (
         (f"{diagonal} diagonals", ABOUT_OTHERS) if diagonal != "both" else (HALVES, ABOUT_BOTH)
     )

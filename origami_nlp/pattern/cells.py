@@ -3,7 +3,9 @@
 Corners and sides of the cell that are a lattice vector apart are one: corners on its outline become interior vertices,
 opposite sides one crease.  Two more closed walks generate all others, from a facet to its copy along either lattice
 vector: of a folded sheet that is flat on the large scale they turn nothing (the product of the folds is the identity),
-and their translations are the lattice vectors of the folded state.
+and their translations are the lattice vectors of the folded state.  Where all vertices close both motions commute, so
+that they are screws about one axis else: left free, copies curl; p times one and q times the other, one after the
+other, are the identity of a tube that is closed once round.
 """
 
 from __future__ import annotations
@@ -19,7 +21,7 @@ import scipy as sp
 
 from origami_nlp.errors import FoldFileError
 from origami_nlp.numerics import INPUT_TOL, PLACES, groups
-from origami_nlp.pattern.lattice_stated import LATTICE_KEY
+from origami_nlp.pattern.lattice_stated import LATTICE_KEY, ROLLED_KEY
 from origami_nlp.pattern.loops import Loop
 from origami_nlp.pattern.polygons import Side, side
 from origami_nlp.pattern.sheet import Pattern, make_pattern
@@ -56,6 +58,11 @@ class Cell:
         Number of the crease of each side with its sense, by its key.
     letters
         One a crease.
+    rolled
+        Copies along either vector that lead once round a tube, the first positive; (0, 0): copies may curl; None: they
+        stay in a plane.
+    walks
+        From a facet to its copy along either lattice vector.
 
     Examples
     --------
@@ -73,6 +80,22 @@ class Cell:
     joins: tuple[Side, ...]
     crease: dict[Key, int] = field(default_factory=dict)
     letters: str = ""
+    rolled: Copy | None = None
+    walks: tuple[Loop, ...] = ()
+
+    @property
+    def tube(self) -> Copy | None:
+        """Copies once round; None where it is no tube."""
+        return self.rolled if self.rolled and any(self.rolled) else None
+
+    def around(self, copy: Copy) -> Copy:
+        """Return the same copy of a tube with the least number of turns round it, a half at most."""
+        if self.tube is None:
+            return copy
+        (i, j), (p, q) = copy, self.tube
+        # along the tube's vector, half of it to either side; whole numbers
+        turns = -((p * p + q * q - 2 * (i * p + j * q)) // (2 * (p * p + q * q)))
+        return i - turns * p, j - turns * q
 
     def key(self, a: int, b: int) -> Key:
         """Return the key of the side of the cell from corner a to corner b."""
@@ -132,7 +155,8 @@ class Cell:
     def copies(self) -> tuple[Copy, ...]:
         """Those of `sheet`, in order: one that is ahead of another is so by the same lattice vectors anywhere."""
         rings = range(-self._rings, self._rings + 1)
-        return tuple((i, j) for i in rings for j in rings)
+        every = ((i, j) for i in rings for j in rings)
+        return tuple(copy for copy in every if copy == self.around(copy))
 
     @property
     def home(self) -> int:
@@ -145,8 +169,14 @@ class Cell:
 
     @cached_property
     def tiles(self) -> tuple[Pattern, np.ndarray]:
-        """Two by two copies as an open sheet for pictures, and which crease of the cell each of its creases is."""
-        return self.lay([(0, 0), (1, 0), (0, 1), (1, 1)])
+        """Two by two copies, or once round a tube, as an open sheet for pictures, and which crease each crease is."""
+        if self.tube is None:
+            return self.lay([(0, 0), (1, 0), (0, 1), (1, 1)])
+        p, q = self.tube
+        most = p + abs(q)
+        every = ((i, j) for j in range(-most, most + 1) for i in range(-most, most + 1))
+        band = 2 * max(p, abs(q))
+        return self.lay(c for c in every if c == self.around(c) and 0 <= p * c[1] - q * c[0] < band)
 
     @property
     def sheet(self) -> Pattern:
@@ -174,6 +204,7 @@ def make_cell(
     name: str = "",
     notes: Sequence[str] = (),
     orders: Sequence[tuple[int, int, int]] = (),
+    rolled: Copy | None = None,
     **of_sides: Any,
 ) -> Pattern:
     """Build the pattern of a cell that repeats from polygons that share sides, those of its copies among them.
@@ -188,11 +219,13 @@ def make_cell(
         Both lattice vectors, [2, 2] or [2, 3].
     joins, numbers, name, notes, orders, of_sides
         As for `make_pattern`; of two sides that are one crease one may be left out.
+    rolled
+        Copies along either vector that lead once round a tube, as `check_rolled` returns them.
 
     Returns
     -------
     Pattern
-        Its creases are those of a cell, each once, and it has `generators`.
+        Its creases are those of a cell, each once; it has `generators`, or a hole where it is a tube.
 
     Raises
     ------
@@ -246,7 +279,7 @@ def make_cell(
         crease[key] = crease[_back(key)] = k
     sides = [first[key] for key in order]
     letters = "".join(values.get("assignment", {}).get(s, "U") for s in sides)
-    cell = replace(cell, crease=crease, letters=letters.replace("B", "U"))
+    cell = replace(cell, crease=crease, letters=letters.replace("B", "U"), rolled=rolled)
     # springs of a pattern with these creases, checked and completed as any other's
     both = np.array(sides, int).reshape(-1, 2)
     facet = alone.facet_of
@@ -275,8 +308,11 @@ def make_cell(
         limits=(),
         cell=cell,
     )
-    vertices, generators = _walks(whole, cell)
-    whole = replace(whole, vertices=vertices, generators=generators)
+    vertices, walks = _walks(whole, cell)
+    cell = replace(cell, walks=walks)
+    holes = (_once_round(cell, cell.tube),) if cell.tube else ()
+    generators = walks if rolled is None else ()
+    whole = replace(whole, cell=cell, vertices=vertices, generators=generators, holes=holes)
     whole = whole.with_springs(whole.stiffness.tolist())
     stops = values.get("limits")
     return whole.with_limits([stops[s] for s in sides]) if stops else whole
@@ -390,6 +426,7 @@ def _walks(whole: Pattern, cell: Cell) -> tuple[tuple[Loop, ...], tuple[Loop, ..
     if not set(first.tolist()) <= around.keys():
         raise FoldFileError(
             f"{LATTICE_KEY}: the cell reaches round copies of itself: cut it into a more compact one"
+            + f", or give {ROLLED_KEY} more copies" * bool(cell.tube)
         )
     vertices = [walk(around[v].creases, around[v].signs, v) for v in first.tolist()]
     many = len(cell.polygons)
@@ -399,6 +436,23 @@ def _walks(whole: Pattern, cell: Cell) -> tuple[tuple[Loop, ...], tuple[Loop, ..
         steps = _path(sheet, int(sheet.facet_of[many * cell.home]), end)
         generators.append(walk([c for c, _ in steps], [s for _, s in steps], -1))
     return tuple(vertices), tuple(generators)
+
+
+def _once_round(cell: Cell, tube: Copy) -> Loop:
+    """Return the walk along p copies of the first vector, then q of the second."""
+    steps: list[tuple[int, int, Copy]] = []
+    at = [0, 0]
+    for way, many in enumerate(tube):
+        loop = cell.walks[way]
+        one = list(zip(loop.creases, loop.signs, loop.shifts, strict=True))
+        for _ in range(abs(many)):
+            at[way] -= many < 0
+            turn = one if many > 0 else [(c, -s, shift) for c, s, shift in reversed(one)]
+            steps += [(c, s, (i + at[0], j + at[1])) for c, s, (i, j) in turn]
+            at[way] += many > 0
+    creases, signs, shifts = zip(*steps, strict=True)
+    moved = (np.array(tube) @ cell.lattice).tolist()
+    return Loop(creases, signs, -1, shifts, tuple(moved))
 
 
 def _path(sheet: Pattern, start: int, end: int) -> list[tuple[int, int]]:

@@ -6,7 +6,7 @@ import inspect
 import json
 import math
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from functools import wraps
 from typing import Any
 
@@ -28,6 +28,7 @@ from origami_nlp.pattern.example_vertices import (
     yoshimura as yoshimura,
 )
 from origami_nlp.pattern.fold_file import parse_fold
+from origami_nlp.pattern.lattice_stated import ROLLED_KEY, check_rolled
 from origami_nlp.pattern.pattern_file import frame_pattern
 from origami_nlp.pattern.scene import Contact, Scene
 from origami_nlp.pattern.sheet import Pattern
@@ -363,13 +364,14 @@ def pattern(
     columns: int | None = None,
     *,
     cell: bool = False,
+    rolled: int | Sequence[int] | None = None,
     **options: Any,
 ) -> Pattern:
     """Make the crease pattern of an example as a sheet of rigid facets, all its vertices coupled.
 
     Parameters
     ----------
-    name, rows, columns, cell, options
+    name, rows, columns, cell, rolled, options
         As for `crease_pattern`.
 
     Returns
@@ -389,7 +391,7 @@ def pattern(
     Pattern('metasheet': 16 facets, 24 creases, 9 interior vertices)
     """
     typed = name if ":" in name else ""
-    drawn = crease_pattern(name, rows, columns, cell=cell, **options)
+    drawn = crease_pattern(name, rows, columns, cell=cell, rolled=rolled, **options)
     (frame,) = parse_fold(json.dumps(drawn), source=typed)
     return frame_pattern(frame)
 
@@ -400,6 +402,7 @@ def crease_pattern(
     columns: int | None = None,
     *,
     cell: bool = False,
+    rolled: int | Sequence[int] | None = None,
     **options: Any,
 ) -> dict[str, Any]:
     """Draw the crease pattern of an example, with the springs of its scene on every mountain and valley.
@@ -413,6 +416,9 @@ def crease_pattern(
         Cells of a pattern in `SIZES`, 1 to 100.
     cell
         A cell that repeats, of so many rows and columns of what repeats in the pattern; of one if no size is given.
+    rolled
+        How many copies of a cell lead once round a tube: along the first lattice vector, or two numbers along either;
+        0: copies may curl; None: they stay in a plane.
     options
         Of its function, as for `by_name`.
 
@@ -442,6 +448,9 @@ def crease_pattern(
         raise OptionError(
             f"{name} does not repeat: cells of {', '.join(example_patterns.UNITS)} do"
         )
+    round_ = check_rolled(rolled, "rolled")
+    if round_ is not None and not cell:
+        raise OptionError("rolled is for cells that repeat: give cell as well")
     if name in WITH_SPRINGS and options:
         raise OptionError(f"{name} has no option {next(iter(options))}: it has rows and columns")
     if name not in BY_NAME and name not in WITH_SPRINGS:  # a plug-in draws its own pattern
@@ -462,6 +471,5 @@ def crease_pattern(
         check_whole(label, least if value is None else value, 1, MOST_CELLS)
         for label, value, least in zip(("rows", "columns"), (rows, columns), default, strict=True)
     ]
-    if scene is None:
-        return example_patterns.sheet_to_fold(name, WITH_SPRINGS[name], *size, cell=cell)
-    return example_patterns.sheet_to_fold(name, scene, *size, cell=cell)
+    made = example_patterns.sheet_to_fold(name, scene or WITH_SPRINGS[name], *size, cell=cell)
+    return made if round_ is None else made | {ROLLED_KEY: list(round_)}

@@ -24,7 +24,7 @@ from origami_nlp.pattern.fold_limits import edge_limits
 from origami_nlp.pattern.fold_notes import compare_signs, flattened, in_radians, once
 from origami_nlp.pattern.fold_source import STDIN, check_total, decode_source
 from origami_nlp.pattern.hinges_stated import LAW_KEY, LAWS_KEY, Laws, edge_laws
-from origami_nlp.pattern.lattice_stated import LATTICE_KEY, read_lattice
+from origami_nlp.pattern.lattice_stated import LATTICE_KEY, ROLLED_KEY, check_rolled, read_lattice
 
 LARGEST = 50_000_000
 """Bytes; the largest published crease patterns are a few MB."""
@@ -38,7 +38,7 @@ _LEGACY = {"edges_foldAngles": "edges_foldAngle", "edges_assignments": "edges_as
 _READ = (
     *"vertices_coords edges_vertices faces_vertices faceOrders edges_assignment edges_foldAngle".split(),
     *(*_LEGACY, STIFFNESS_KEY, REST_KEY, PRELOAD_KEY, LIMITS_KEY, LOADS_KEY, FIXED_KEY, ERROR_KEY),
-    *f"{LAW_KEY} {LAWS_KEY} {LATTICE_KEY} frame_classes frame_unit frame_title file_title".split(),
+    *f"{LAW_KEY} {LAWS_KEY} {LATTICE_KEY} {ROLLED_KEY} frame_classes frame_unit frame_title file_title".split(),
 )
 
 
@@ -91,6 +91,8 @@ class Frame:
         ``origaminlp:coordinateError``: how far vertices may be off; 0 where the file does not say.
     lattice
         ``origaminlp:lattice``: vectors by which the frame, a cell, repeats, [2, 2] or [2, 3]; None where it does not.
+    rolled
+        ``origaminlp:rolled``: copies of a cell once round a tube; (0, 0): they may curl; None: they stay in a plane.
     limits
         Fold limits (low, high), [E, 2] [rad], +-pi where not given; None where the file gives none.
     laws
@@ -122,6 +124,7 @@ class Frame:
     laws: Laws = field(default=(), repr=False)
     error: float = 0.0
     lattice: np.ndarray | None = None
+    rolled: tuple[int, int] | None = None
 
     def place(self, vertex: int) -> str:
         """Return where a vertex is, as the file has it."""
@@ -333,6 +336,7 @@ def _frame(data: dict[str, Any], number: int) -> Frame:
         error=error,
         limits=edge_limits(data.get(LIMITS_KEY), m, LIMITS_KEY, keep),
         lattice=read_lattice(data.get(LATTICE_KEY)),
+        rolled=check_rolled(data.get(ROLLED_KEY)),
         laws=edge_laws(data, m, keep),
     )
 

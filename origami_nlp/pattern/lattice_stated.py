@@ -1,4 +1,4 @@
-"""The lattice that a FOLD file states for a cell that repeats."""
+"""The lattice that a FOLD file states for a cell that repeats, and how it is rolled up."""
 
 from __future__ import annotations
 
@@ -26,3 +26,43 @@ def read_lattice(value: object) -> np.ndarray | None:
             f"{LATTICE_KEY} = {shown(value)} must be two vectors, such as [[2, 0], [0, 2]]"
         )
     return np.array(rows, float)
+
+
+ROLLED_KEY = "origaminlp:rolled"
+"""Copies of a cell once round a tube, along either lattice vector; 0, 0: copies may curl."""
+LEAST_ROUND, MOST_ROUND = 3, 100
+
+
+def check_rolled(value: object, name: str = ROLLED_KEY) -> tuple[int, int] | None:
+    """Return how many copies of a cell along either lattice vector lead once round a tube.
+
+    Parameters
+    ----------
+    value
+        One number, along the first vector, or two; 0: no tube, copies may curl; None: they stay in a plane.
+    name
+        What is said to be wrong.
+
+    Raises
+    ------
+    FoldFileError
+        If it is neither.
+
+    Examples
+    --------
+    >>> from origami_nlp.pattern import check_rolled
+    >>> check_rolled(6), check_rolled([0, 5]), check_rolled(None)
+    ((6, 0), (0, 5), None)
+    """
+    if value is None:
+        return None
+    given: list[object] = [*value] if isinstance(value, list | tuple) else [value, 0]
+    pair = [n for n in given if isinstance(n, int) and not isinstance(n, bool)]
+    good = len(pair) == len(given) == 2
+    if not good or (any(pair) and not LEAST_ROUND <= max(map(abs, pair)) <= MOST_ROUND):
+        raise FoldFileError(
+            f"{name} = {shown(value)} must be the number of copies once round a tube, {LEAST_ROUND} to {MOST_ROUND}, "
+            "such as 6 along the first lattice vector, or [0, 6] along the second; 0: copies may curl"
+        )
+    p, q = pair
+    return (-p, -q) if p < 0 or (p == 0 and q < 0) else (p, q)

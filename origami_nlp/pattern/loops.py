@@ -26,12 +26,16 @@ class Loop:
         The interior vertex, or -1 for a hole.
     shifts
         Of a walk to a copy of a cell that repeats: lattice vectors by which each crease is moved, [d]; else empty.
+    moved
+        Of a walk once round a tube: from where it begins to where it ends in the reference state; it turns by 360
+        degrees where it closes.  Else empty.
     """
 
     creases: tuple[int, ...]
     signs: tuple[int, ...]
     vertex: int
     shifts: tuple[tuple[int, int], ...] = ()
+    moved: tuple[float, ...] = ()
 
 
 class Loops:

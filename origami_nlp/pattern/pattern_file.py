@@ -168,7 +168,9 @@ def frame_pattern(
     drawn = {frame.assignment[e] for e in at} & set("MV")
     if drawn and are_silent(frame, at) and not frame.folded and rest_angle == math.pi:
         sheet.notes.append(LETTERS_ONLY)
-    make = make_pattern if frame.lattice is None else partial(make_cell, lattice=frame.lattice)
+    make = make_pattern
+    if frame.lattice is not None:
+        make = partial(make_cell, lattice=frame.lattice, rolled=frame.rolled)
     made = make(
         sheet.corners,
         sheet.polygons,

@@ -68,7 +68,7 @@ class Pattern:
     vertices
         A `Loop` for each interior vertex.
     holes
-        A `Loop` for each hole; a cell that repeats has none.
+        A `Loop` for each hole; of a tube that once round it.
     joined
         Pairs of pieces that an edge joins to one facet.
     name
@@ -86,8 +86,8 @@ class Pattern:
         A `HingeLaw` for each crease, or None for its linear spring, [n]; () where all are linear.  Where there is a law
         `stiffness` is its mean size and `rest` its lowest angle.
     generators, cell
-        Of a cell that repeats, a `Loop` from a facet to its copy along either lattice vector, and its `Cell`; else
-        empty, and None.
+        Of a cell that repeats in a plane, a `Loop` from a facet to its copy along either lattice vector, and of any
+        cell its `Cell`; else empty, and None.
 
     Examples
     --------
@@ -165,6 +165,11 @@ class Pattern:
     def is_flat(self) -> bool:
         """Whether the reference state is a flat sheet."""
         return not self.reference.any()
+
+    @property
+    def lies_flat(self) -> bool:
+        """Whether the reference state is a flat sheet that closes: that of a tube does not."""
+        return self.is_flat and not any(hole.moved for hole in self.holes)
 
     @cached_property
     def stated(self) -> np.ndarray | None:
@@ -353,6 +358,9 @@ class Pattern:
     def __repr__(self) -> str:
         many, cell = len(self.holes), self.cell is not None
         holes = f", {many} hole{'s' * (many > 1)}" if many else ""
+        if cell and self.cell.rolled:
+            p, q = self.cell.rolled
+            holes = f", round a tube by {p} and {q} copies" if any((p, q)) else ", free to curl"
         facets = f"{'cell of ' * cell}{self.facets} facets, {self.creases} creases"
         inside = f"{len(self.vertices)} {'interior ' * (not cell)}vertices"
         return f"Pattern({self.name!r}: {facets}, {inside}{holes})"

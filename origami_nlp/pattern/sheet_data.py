@@ -41,6 +41,7 @@ class _Stated:
     orders: tuple[tuple[int, int, int], ...]
     limits: tuple[tuple[float, float], ...] = ()
     lattice: tuple[tuple[float, ...], ...] = ()
+    rolled: tuple[int, int] | None = None
 
 
 def pattern_to_dict(pattern: Pattern) -> dict[str, Any]:
@@ -80,9 +81,10 @@ def pattern_to_dict(pattern: Pattern) -> dict[str, Any]:
         orders=p.orders,
         limits=p.limits,
         lattice=tuple(map(tuple, p.cell.lattice.tolist())) if p.cell else (),
+        rolled=p.cell.rolled if p.cell else None,
     )
     data: dict[str, Any] = to_plain(stated)
-    for key in ("limits", "lattice"):
+    for key in ("limits", "lattice", "rolled"):
         if not data[key]:
             del data[key]
     if p.laws:
@@ -120,7 +122,9 @@ def pattern_from_dict(data: Any) -> Pattern:
         return dict(zip(said.creases, values, strict=True))
 
     try:
-        make = partial(make_cell, lattice=said.lattice) if said.lattice else make_pattern
+        make: Any = make_pattern
+        if said.lattice:
+            make = partial(make_cell, lattice=said.lattice, rolled=said.rolled)
         made = make(
             said.corners,
             list(said.polygons),

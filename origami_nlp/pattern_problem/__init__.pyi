@@ -36,7 +36,6 @@ from .labels import (
 from .lattice import (
     FoldedLattice as FoldedLattice,
     Lattice as Lattice,
-    folded_lattice as folded_lattice,
 )
 from .layers import (
     Layers as Layers,
@@ -56,12 +55,19 @@ from .pop_signs import (
 from .posed import independent_rows as independent_rows, pose as pose
 from .poses import MOVES as MOVES, Poses as Poses
 from .problem import PatternProblem as PatternProblem
+from .screws import Screws as Screws, find_screws as find_screws
 from .sign_vectors import (
     SignConflict as SignConflict,
     SignVector as SignVector,
     VertexCones as VertexCones,
 )
 from .stacks import Stack as Stack, Unclear as Unclear
+from .tube import (
+    FoldedTube as FoldedTube,
+    Tube as Tube,
+    folded_lattice as folded_lattice,
+    measured_cell as measured_cell,
+)
 from .work import (
     DeadForce as DeadForce,
     Pull as Pull,

@@ -3,7 +3,8 @@
 Facets move rigidly from their reference state.  A walk crosses crease i with direction b_i through the point p_i,
 turning by delta_i = phi_i less the reference angle; round a loop these turns must cancel: the product of the
 quaternions (cos delta_i/2, sin delta_i/2 b_i) has no vector part, and round a hole the product of the motions has no
-translation either.  With c_i the axis where the turns before it have brought it, and o_i a point on it,
+translation either: once round a tube that by which the reference state, laid out, is off, and a turn of 360 degrees.
+With c_i the axis where the turns before it have brought it, and o_i a point on it,
 
     dq/dphi_i = 1/2 c_i q,                      d2q/dphi_i dphi_j = 1/4 c_i c_j q           (i <= j in the walk),
     dt/dphi_i = c_i x (t - o_i),                d2t/dphi_i dphi_j = c_i x (c_j x (t - o_j)).
@@ -41,7 +42,8 @@ UNITS = np.array(
 class _Group:
     """Loops of the same length d: creases [K, d], axes and points of the reference state [K, d, 3], first rows [K].
 
-    `products` are the matrices q -> q (0, axis), [K, d, 4, 4].
+    `products` are the matrices q -> q (0, axis), [K, d, 4, 4]; q begins with `start` [K], -1 round a tube, where
+    `moved` [K, 3] is added to the translation.
     """
 
     creases: np.ndarray
@@ -50,6 +52,8 @@ class _Group:
     products: np.ndarray
     points: np.ndarray | None
     rows: np.ndarray
+    start: np.ndarray
+    moved: np.ndarray
 
 
 @dataclass(frozen=True, eq=False)
@@ -142,6 +146,7 @@ class Closure:
         points = p.corners[p.ends[creases, 0]] if hole else None
         if points is not None and p.cell:
             points = points + np.array([loop.shifts for _, loop in members]) @ p.cell.lattice
+        moved = np.array([loop.moved or (0.0, 0.0, 0.0) for _, loop in members])
         return _Group(
             creases,
             signs,
@@ -149,6 +154,8 @@ class Closure:
             np.einsum("kdi,iab->kdab", axes, UNITS),
             points,
             np.array([row for row, _ in members], int),
+            np.array([-1.0 if loop.moved else 1.0 for _, loop in members]),
+            moved,
         )
 
     @cached_property
@@ -160,7 +167,8 @@ class Closure:
         """Return the loops, one after the other, as arrays.
 
         Of each turn, [E]: `crease`, the loop that it is `of`, signed `axis` and `point` [E, 3]; of each loop, [L]: the
-        `first` turn, the end of all in addition, and how many `rows`.  `reference` angles are [n].
+        `first` turn, the end of all in addition, how many `rows`, `start` and `moved` [L, 3].  `reference` angles are
+        [n].
         """
         every = [(g, k) for g in self._groups for k in range(len(g.creases))]
         long = np.array([g.creases.shape[1] for g, _ in every], int)
@@ -177,6 +185,8 @@ class Closure:
             "first": np.cumsum([0, *long]),
             "rows": np.array([3 if g.points is None else 6 for g, _ in every], int),
             "reference": self.pattern.reference,
+            "start": np.concatenate([*(g.start for g in self._groups), np.zeros(0)]),
+            "moved": np.concatenate([*(g.moved for g in self._groups), np.zeros((0, 3))]),
         }
 
     def _turn(self, g: _Group, phi: np.ndarray, reference: np.ndarray) -> _Turned:
@@ -184,7 +194,7 @@ class Closure:
         cos, sin = np.cos(half)[..., None], np.sin(half)[..., None]
         count, d = g.creases.shape
         q, turned = np.empty((count, d + 1, 4)), np.empty((count, d, 4))  # q_i and q_i (0, axis)
-        q[:, 0] = 1.0, 0.0, 0.0, 0.0
+        q[:, 0, 0], q[:, 0, 1:] = g.start, 0.0
         for i in range(d):
             # q (cos + sin b) = cos q + sin (q b)
             turned[:, i] = np.einsum("kab,kb->ka", g.products[:, i], q[:, i])
@@ -213,7 +223,7 @@ class Closure:
             out[g.rows[:, None] + np.arange(3)] = s.q[:, 1:]
             if s.t is not None:
                 # over the sheet's size, so that rows of translation are angles like those of rotation
-                out[g.rows[:, None] + np.arange(3, 6)] = s.t / self.size
+                out[g.rows[:, None] + np.arange(3, 6)] = (s.t + g.moved) / self.size
         return out
 
     def at_many(self, phi: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
@@ -232,6 +242,8 @@ class Closure:
                 np.concatenate([g.products] * many),
                 None,
                 g.rows,
+                np.concatenate([g.start] * many),
+                np.concatenate([g.moved] * many),
             )
             at = self._turn(flat, phi.ravel(), np.tile(self.pattern.reference, many))
             values[:, (g.rows[:, None] + np.arange(3)).ravel()] = at.q[:, 1:].reshape(many, -1)

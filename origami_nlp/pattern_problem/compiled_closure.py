@@ -18,7 +18,7 @@ LONGEST = 0.5
 MOST_WORK = 4e7
 """Rows times the square of the band up to which its factors are formed in C: beyond, sparse ones take less."""
 SIZES = "n m loops pairs band".split()
-FLOATS = "axis point reference".split()
+FLOATS = "axis point reference start moved".split()
 INTS = "first crease of rows place one other".split()
 WORK = "c o q t value j l d".split()
 

@@ -11,11 +11,10 @@ from origami_nlp.numerics import DEEP, INSIDE, NONZERO, OUTSIDE, cross, unit_nor
 from origami_nlp.pattern import Pattern
 from origami_nlp.pattern_problem.compiled_facets import crossings_among
 from origami_nlp.pattern_problem.poses import Poses
+from origami_nlp.pattern_problem.screws import MOST_COPIES, find_screws, near_copies
 
 MOST_LISTED = 300
 """Convex pieces up to which each pair is looked at in C: beyond, pairs are found by sorting and sweeping."""
-MOST_COPIES = 10_000
-"""Of a cell, within reach of it, that are asked whether they come near."""
 
 
 class PatternCrossings:
@@ -145,16 +144,18 @@ class PatternCrossings:
     def unseen(self, phi: np.ndarray) -> str:
         """Return why facets of a cell might touch copies that are not looked at; "" where none is within reach."""
         far = self._beyond(phi)
-        if far is not None and not len(far[0]):
+        if far is not None and separated(far[1], far[2], self.size * DEEP).all():
             return ""
         return "not decided: facets may reach copies of the cell that are not looked at"
 
     def _beyond(self, phi: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray] | None:
         """Return pieces whose boxes meet those of copies that are not placed; None where these are too many.
 
-        Pairs [K, 2], the translations of the second of each [K, 3], and the pieces of the cell [P, q, 3].
+        Pairs [K, 2], the first of each as it is placed, and the second in that copy, [K, q, 3].
         """
         assert self.cell is not None
+        if self.cell.rolled is not None:
+            return self._round_axis(phi)
         a, b = self.lattice(phi)
         normal = np.cross(a, b)
         area = float(np.linalg.norm(normal))
@@ -177,7 +178,32 @@ class PatternCrossings:
                 over = (low[:, None] <= high + moved) & (low + moved <= high[:, None])
                 pairs.append(np.argwhere(over.all(axis=2)))
                 moves.append(np.tile(moved, (len(pairs[-1]), 1)))
-        return np.concatenate(pairs), np.concatenate(moves), x
+        at = np.concatenate(pairs)
+        return at, x[at[:, 0]], x[at[:, 1]] + np.concatenate(moves)[:, None]
+
+    def _round_axis(self, phi: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray] | None:
+        """Do so for copies round a tube; of a sheet that curls freely only those that are placed count."""
+        assert self.cell is not None
+        own = self.placed(phi)[self.cell.copy_of[self.polygon] == self.cell.home]
+        pairs, others = [np.zeros((0, 2), int)], [own[:0]]
+        if not self.cell.tube:
+            return pairs[0], own[:0], own[:0]
+        screws = find_screws(self.poses, phi)
+        if screws is None:
+            return None
+        x, room = screws.seen(own), self.size * DEEP
+        low, high = x.min(axis=1) - room, x.max(axis=1) + room
+        copies = near_copies(self.cell, screws, float(np.ptp(x[..., 2])) + 2 * room)
+        if copies is None:
+            return None
+        for copy in set(copies) - set(self.cell.copies):
+            y = screws.moved(x, copy)
+            below, above = y.min(axis=1) - room, y.max(axis=1) + room
+            over = (low[:, None] <= above) & (below <= high[:, None])
+            pairs.append(np.argwhere(over.all(axis=2)))
+            others.append(y[pairs[-1][:, 1]])
+        at = np.concatenate(pairs)
+        return at, x[at[:, 0]], np.concatenate(others)
 
     def placed(self, phi: np.ndarray) -> np.ndarray:
         """Return the corners of the convex pieces in space, [P, q, 3]."""
@@ -203,8 +229,7 @@ class PatternCrossings:
         """
         pairs, _ = self._crossing(phi)
         if self.cell and (far := self._beyond(phi)) is not None and len(far[0]):
-            (a, b), x = far[0].T, far[2]
-            hit = cross_each_other(x[a], x[b] + far[1][:, None], DEEP * self.size)
+            hit = cross_each_other(far[1], far[2], DEEP * self.size)
             # such copies have no number: the facets of the cell stand for them
             pairs = np.vstack([pairs, far[0][hit] + self.own_pieces])
         low, high = np.sort(self.facet[pairs], axis=1).T
@@ -288,6 +313,35 @@ def cross_each_other(a: np.ndarray, b: np.ndarray, deep: float) -> np.ndarray:
         Of bool, [K].
     """
     return np.asarray(_intersected(a, b)[0] > deep)
+
+
+def separated(a: np.ndarray, b: np.ndarray, room: float) -> np.ndarray:
+    """Return whether a plane between two convex polygons has more than `room` on its way from one to the other.
+
+    If any has, one has that is parallel to a polygon, to a side of each, or to a side and across its polygon.
+
+    Parameters
+    ----------
+    a, b
+        Corners, [K, q, 3], padded by repeating the first.
+    room
+        Length.
+
+    Returns
+    -------
+    numpy.ndarray
+        Of bool, [K].
+    """
+    normals = [unit_normals(x)[:, None] for x in (a, b)]
+    sides = [np.roll(x, -1, axis=1) - x for x in (a, b)]
+    pairs = cross(sides[0][:, :, None], sides[1][:, None])
+    both = pairs.reshape(len(a), a.shape[1] * b.shape[1], 3)
+    axes = [*normals, both, *(cross(n, e) for n, e in zip(normals, sides, strict=True))]
+    axis = np.concatenate(axes, axis=1)
+    axis /= np.maximum(np.linalg.norm(axis, axis=2, keepdims=True), NONZERO)
+    seen, other = (np.einsum("kmi,kqi->kmq", axis, x) for x in (a, b))
+    gap = np.maximum(seen.min(axis=2) - other.max(axis=2), other.min(axis=2) - seen.max(axis=2))
+    return np.asarray((gap > room).any(axis=1))
 
 
 def intersect(a: np.ndarray, b: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -18,6 +18,7 @@ from origami_nlp.pattern import (
     LATTICE_KEY,
     LIMITS_KEY,
     REST_KEY,
+    ROLLED_KEY,
     STIFFNESS_KEY,
     Pattern,
     Scene,
@@ -127,6 +128,7 @@ def pattern_to_fold(pattern: Pattern, frames: Iterable[dict[str, Any]] = ()) -> 
         **laws_to_fold(p.laws, len(others)),
         **({LIMITS_KEY: [*np.degrees(p.limits).tolist(), *none]} if p.limits else {}),
         **({LATTICE_KEY: p.cell.lattice[:, :2].tolist()} if p.cell else {}),
+        **({ROLLED_KEY: list(p.cell.rolled)} if p.cell and p.cell.rolled is not None else {}),
         "file_frames": list(frames),
     }
 
@@ -159,6 +161,7 @@ def pattern_frame(
     x = Poses(pattern).corners(phi)[: len(pattern.corners)]  # of a cell without its neighbours
     x = np.where(np.isnan(x), pattern.corners, x)  # vertices of no facet stay
     layers = order_layers(PatternProblem(pattern), phi)
+    planar = pattern.cell is not None and pattern.cell.rolled is None
     return {
         "frame_title": title,
         "frame_classes": ["foldedForm"],
@@ -169,7 +172,7 @@ def pattern_frame(
         "edges_assignment": [*letters, *_letters(pattern)],
         "edges_foldAngle": _degrees(phi, len(pattern.other_sides)),
         "faceOrders": [list(order) for order in layers.orders],
-        **({LATTICE_KEY: PatternCrossings(pattern).lattice(phi).tolist()} if pattern.cell else {}),
+        **({LATTICE_KEY: PatternCrossings(pattern).lattice(phi).tolist()} if planar else {}),
         **{f"origaminlp:{name}": value for name, value in more.items()},
     }
 

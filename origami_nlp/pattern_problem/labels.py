@@ -73,6 +73,8 @@ class CanonicalLabelling:
         rank[self.order] = np.arange(len(self.order))
 
         def begun(loop: Loop) -> Loop:
+            if loop.moved:  # round a tube it begins in the cell itself
+                return loop
             first = int(rank[list(loop.creases)].argmin()) + self.mirrored
             turn = [*range(first, len(loop.creases)), *range(first)]
             creases, signs = (tuple(x[i] for i in turn) for x in (loop.creases, loop.signs))
@@ -173,6 +175,8 @@ def _lattice_images(
         moved = lattice @ turn.T @ back
         if np.abs(moved - np.round(moved)).max() > PLACES:
             continue
+        if (tube := pattern.cell.tube) and not _keeps(tube, np.round(moved)):
+            continue
         places = (middle - middle[0]) @ turn.T + middle[c]
         off, to = tree.query(_inside(places @ back))
         along = bars @ turn.T
@@ -184,6 +188,12 @@ def _lattice_images(
         if off.max() <= PLACES and apart.max() <= near and one_to_one and not trivial:
             images[(*to.tolist(), signs[2])] = to, signs[2]
     return tuple(images.values())
+
+
+def _keeps(tube: tuple[int, int], moved: np.ndarray) -> bool:
+    """Return whether a symmetry that takes lattice vectors to rows of `moved` goes round a tube as before, or back."""
+    to = np.array(tube) @ moved
+    return bool((to == tube).all() or (-to == tube).all())
 
 
 def _inside(share: np.ndarray) -> np.ndarray:

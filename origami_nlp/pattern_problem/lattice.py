@@ -20,7 +20,6 @@ from origami_nlp.kkt import State
 from origami_nlp.numerics import CARRIES, INDEPENDENT, INSIDE, RANK, cross
 from origami_nlp.pattern import Pattern
 from origami_nlp.pattern_problem.closure import Closure
-from origami_nlp.pattern_problem.problem import PatternProblem
 from origami_nlp.problem import Contact
 
 
@@ -88,9 +87,9 @@ class Lattice:
     """
 
     def __init__(self, pattern: Pattern) -> None:
-        if pattern.cell is None:
+        if pattern.cell is None or pattern.cell.rolled is not None:
             raise OptionError(
-                f"pattern = {pattern!r} is a sheet by itself: only a cell that repeats has a lattice"
+                f"pattern = {pattern!r} is no cell that repeats in a plane: only such a cell has a lattice"
             )
         self.cell, self.pattern = pattern.cell, pattern
         # walks along it move by translations, as those round holes would
@@ -190,41 +189,3 @@ class Lattice:
         if np.linalg.cond(inside) > 1 / INDEPENDENT:
             return None
         return np.asarray(z @ np.linalg.solve(inside, pull)) / scale
-
-
-def folded_lattice(pattern: Pattern, fold_angles: np.ndarray) -> FoldedLattice:
-    """Return the lattice of a closed state of a cell that repeats, and how it gives way.
-
-    Parameters
-    ----------
-    pattern
-        The cell.
-    fold_angles
-        Of the state, [n] [rad].
-
-    Returns
-    -------
-    FoldedLattice
-        With Poisson's ratio and stiffness where the springs hold the state, or a force along either vector would.
-
-    Raises
-    ------
-    OptionError
-        If the pattern does not repeat, or the state does not close.
-
-    Examples
-    --------
-    >>> import numpy as np, origami_nlp as o
-    >>> from origami_nlp.pattern_problem import PatternProblem, folded_lattice
-    >>> cell = o.examples.pattern("miura", 1, 1, cell=True)
-    >>> phi, _ = PatternProblem(cell).project(0.8 * cell.signs)
-    >>> [round(x, 4) for x in folded_lattice(cell, phi).poisson]
-    [-0.4038, -2.4762]
-    """
-    lattice, problem = Lattice(pattern), PatternProblem(pattern)
-    phi = np.asarray(fold_angles, float)
-    if not problem.closure.closes(phi):
-        raise OptionError(
-            f"fold_angles do not close (by {problem.residual(phi):.1e}): project them first"
-        )
-    return lattice.at(State(problem, phi))

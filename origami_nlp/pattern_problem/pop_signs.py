@@ -226,8 +226,9 @@ def flat_with(
         sums = angle_sums(pattern)
         memo[()] = [at for at in rings if abs(sums[at] - 2 * math.pi) <= INPUT_TOL]
     while before < (before := int(flat.sum())):
-        part = groups(pattern.facets, np.column_stack([pattern.left, pattern.right])[flat])
-        flat |= part[pattern.left] == part[pattern.right]
+        if pattern.cell is None or pattern.cell.rolled is None:  # copies of a facet are parallel
+            part = groups(pattern.facets, np.column_stack([pattern.left, pattern.right])[flat])
+            flat |= part[pattern.left] == part[pattern.right]
         for at in memo[()]:
             folds = at, *(k for k in rings[at].creases if not flat[k])
             if folds not in memo:

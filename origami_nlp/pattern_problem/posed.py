@@ -74,7 +74,8 @@ def pose(problem: PatternProblem, rows: np.ndarray, touches: Sequence[ContactPai
     loops = [_loop(problem, turns, loop)[:3] for loop in turning]
     for loop in problem.pattern.holes:
         whole = _loop(problem, turns, loop)
-        loops.append(ca.vertcat(whole[:3], whole[3:] / size))
+        moved = ca.DM(loop.moved or (0.0, 0.0, 0.0))
+        loops.append(ca.vertcat(whole[:3], (whole[3:] + moved) / size))
     closure = ca.vertcat(ca.SX(0, 1), *loops)
     gaps = [_gap(problem, turns, touch) / problem.crossings.size for touch in touches]
     free = np.full(len(gaps), math.inf)
@@ -85,14 +86,17 @@ def pose(problem: PatternProblem, rows: np.ndarray, touches: Sequence[ContactPai
 
 def _loop(problem: PatternProblem, turns: ca.SX, loop: Loop) -> ca.SX:
     """Return where the folds round a loop lead: vector part of the turn, and shift, [6]."""
-    q, shift = quat.IDENTITY, ca.SX.zeros(3)
-    for crease, sign in zip(loop.creases, loop.signs, strict=True):
-        fold, point = _fold(problem.pattern, turns[crease], crease, sign)
+    q, shift, p = quat.IDENTITY, ca.SX.zeros(3), problem.pattern
+    copies = loop.shifts or ((0, 0),) * len(loop.creases)
+    for crease, sign, copy in zip(loop.creases, loop.signs, copies, strict=True):
+        fold, point = _fold(p, turns[crease], crease, sign)
+        if p.cell:
+            point = (point + np.array(copy) @ p.cell.lattice).tolist()
         after = quat.multiply(q, fold)
         # as in `closure`: the axis passes through `point`
         shift += ca.vertcat(*quat.rotate(q, point)) - ca.vertcat(*quat.rotate(after, point))
         q = after
-    return ca.vertcat(*q[1:], shift)
+    return ca.vertcat(*(-x if loop.moved else x for x in q[1:]), shift)
 
 
 def _fold(p: Pattern, turn: ca.SX, crease: int, sign: float) -> tuple[Any, list[float]]:

@@ -94,7 +94,7 @@ class PatternProblem(PatternContacts, Energies):
     @cached_property
     def flattened(self) -> np.ndarray | None:
         """The corners where the sheet lies flat, [V, 3]; None where it does not."""
-        if self.pattern.is_flat:
+        if self.pattern.lies_flat:
             return self.pattern.corners
         zero = np.zeros(self.size)
         return None if self.residual(zero) > CLOSURE_TOL else self.crossings.poses.corners(zero)

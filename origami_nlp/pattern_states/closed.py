@@ -43,7 +43,7 @@ def close(problem: PatternProblem, start: np.ndarray) -> np.ndarray | None:
         if residual <= CLOSURE_TOL and within and problem.closure.lifts_to_one(phi):
             return phi
     flat = np.zeros(problem.size)
-    beside = problem.pattern.is_flat and bool(np.abs(phi).max() < BESIDE_FLAT)
+    beside = problem.pattern.lies_flat and bool(np.abs(phi).max() < BESIDE_FLAT)
     return flat if beside and limits.inside(flat).all() else None
 
 

@@ -201,7 +201,7 @@ def follow_from_flat(
         None where there is no such curve, or the flat state is too far.
     """
     size, limits = float(np.linalg.norm(phi)), problem.fold_limits
-    flat = problem.pattern.is_flat and bool((limits.low == -limits.high).all())
+    flat = problem.pattern.lies_flat and bool((limits.low == -limits.high).all())
     if not flat or not 0 < size <= NEAR_FLAT * step * math.sqrt(problem.size):
         return None
     curve = ClosedStates(problem)

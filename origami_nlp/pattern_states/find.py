@@ -208,7 +208,7 @@ class _Search(FromMinima):
         """Search, with so many random starts in a row that find nothing new, and so many of them at most."""
         for start in Given(self.problem.pattern).states():
             self.part(Given.name, self.explore, start, Given.name)
-        if pattern.is_flat:
+        if pattern.lies_flat:
             self.part("branch directions of the flat state", self.from_crossroads)
         if len(pattern.vertices) == 1 and not (pattern.holes or pattern.cell):
             self.part("the search for single vertices", self.round_the_vertex, seed)
@@ -409,7 +409,7 @@ class _Search(FromMinima):
         """Close a start; None, and counted, where that fails or leads back to the flat state."""
         phi = close(self.problem, start)
         near = phi is not None and bool(np.abs(phi).max() < BESIDE_FLAT)
-        flat = near and self.problem.pattern.is_flat
+        flat = near and self.problem.pattern.lies_flat
         self.tally.open += phi is None
         self.tally.flat += flat
         return None if flat else phi
@@ -437,7 +437,7 @@ class _Search(FromMinima):
         problem = self.problem
         # of laws that fall wells may be beside it
         convex = all(law is None or law.monotone for law in problem.pattern.laws)
-        if not (problem.pattern.is_flat and convex) or np.abs(phi).max() > 2 * OUT:
+        if not (problem.pattern.lies_flat and convex) or np.abs(phi).max() > 2 * OUT:
             return False
         here, there = (float(problem.torque(x) @ problem.along(x, phi)) for x in (phi, -phi))
         return here > 0 and (there > 0 or abs(here + there) <= SETTLED * here)

@@ -41,7 +41,7 @@ def list_branches(
     nothing = np.zeros((0, n))
     if phi is None:
         phi = pattern.reference
-        if not pattern.is_flat:
+        if not pattern.lies_flat:
             return TangentCone(nothing, (), "the reference state is not flat")
     if pattern.holes:
         return TangentCone(nothing, (), "ways round holes are not enumerated")
@@ -97,7 +97,7 @@ def list_flat_folded(
     """
     n = pattern.creases
     none = np.zeros((0, n))
-    if not pattern.is_flat:
+    if not pattern.lies_flat:
         return FlatFolded(none, "the reference state is not flat")
     if pattern.holes:
         return FlatFolded(none, "states folded round holes are not enumerated")

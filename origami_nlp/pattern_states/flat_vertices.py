@@ -119,7 +119,9 @@ def list_flat_vertices(
             left = min(SECONDS, until - time.monotonic())
             if progress is not None:
                 progress(f"states with vertex {vertex} flat")
-            listed = _states(pattern, flat, left) if search and pattern.is_flat and left > 0 else ()
+            listed = (
+                _states(pattern, flat, left) if search and pattern.lies_flat and left > 0 else ()
+            )
             some = sorted(filter(terrain.is_admissible, listed), key=pattern.energy)
             least, states = least_flat_energy(pattern, flat), np.array(some).reshape(-1, len(flat))
             known = FlatVertex(vertex, flat, least, states, np.asarray(pattern.energy(states)))
@@ -202,7 +204,7 @@ def ways_down(
                 at.append(vertex)
             else:
                 tops.append((x, [vertex]))
-    if problem.pattern.is_flat and not any(not x.any() for x, _ in tops):
+    if problem.pattern.lies_flat and not any(not x.any() for x, _ in tops):
         tops.append((np.zeros(problem.size), list(range(len(flat_vertices)))))
     symmetries, gone = find_labels(problem.pattern).symmetries(problem.pattern), list[np.ndarray]()
     for top, vertices in tops:

@@ -96,7 +96,7 @@ class FromMinima(Parts):
     def sign(self, pattern: Pattern) -> None:
         """Ask which signs of vertices occur; start by those that no minimum has, unless branches are enumerated."""
         problem, enumerated = self.problem, self.tally.lines or self.tally.families
-        if not (self.contact and problem.pattern.is_flat and problem.size <= MOST_DENSE):
+        if not (self.contact and problem.pattern.lies_flat and problem.size <= MOST_DENSE):
             return
         minima = np.array([s.phi for s in self.minima]).reshape(-1, problem.size)
         family = Signed(problem, self.labels, minima, pattern)
@@ -118,7 +118,7 @@ class FromMinima(Parts):
     def fold_vertices(self, most: int) -> None:
         """Start from each vertex folded flat, the others as flat as closure lets them be."""
         problem = self.problem
-        if problem.pattern.is_flat and problem.size <= MOST_DENSE and not self.tally.flat_folded:
+        if problem.pattern.lies_flat and problem.size <= MOST_DENSE and not self.tally.flat_folded:
             for start in islice(FoldedVertices(problem, self.labels, self.contact).states(), most):
                 problem.check_time()
                 self._start_apart(FoldedVertices.name, start)

@@ -134,7 +134,11 @@ class Mobility(Report):
             yield f"note: {note}"
         ranks = [
             ("closure equations", str(self.closure_rows), "3 a vertex, 6 a hole"),
-            ("rank, flat", _number(self.rank_flat), "" if p.is_flat else "reference: folded form"),
+            (
+                "rank, flat",
+                _number(self.rank_flat),
+                "" if p.lies_flat else "reference: folded form",
+            ),
             ("rank, folded", _number(self.rank_folded), "degrees of freedom: creases less this"),
         ]
         yield Details((_table(ranks, ""), MODELLED), "Closure equations, ranks, model")

@@ -23,9 +23,10 @@ from origami_nlp.numerics import CLOSURE_TOL, NEAR_SINGULAR_TOL
 from origami_nlp.pattern import Pattern, as_pattern, listed
 from origami_nlp.pattern_problem import (
     FoldedLattice,
-    Lattice,
+    FoldedTube,
     PatternProblem,
     PopSigns,
+    measured_cell,
     order_layers,
 )
 from origami_nlp.pattern_states.curve import ClosureCurve, follow_curve
@@ -85,11 +86,12 @@ class Motion(Report, Viewable):
     layers: str = ""
 
     @cached_property
-    def lattices(self) -> tuple[FoldedLattice, ...]:
-        """Of a cell that repeats the lattice at each state, and with one degree of freedom how it gives way there."""
+    def lattices(self) -> tuple[FoldedLattice | FoldedTube, ...]:
+        """Of a cell that repeats the lattice or tube at each state, and with one freedom how it gives way there."""
         if self.pattern.cell is None:
             return ()
-        lattice, problem = Lattice(self.pattern), PatternProblem(self.pattern, contact=False)
+        lattice = measured_cell(self.pattern)
+        problem = PatternProblem(self.pattern, contact=False)
         return tuple(lattice.at(State(problem, phi)) for phi in self.fold_angles)
 
     def view_content(self) -> Content:

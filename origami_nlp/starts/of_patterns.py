@@ -138,7 +138,7 @@ def families_in_turn(
     """Return the families of random starts of a pattern, from which one start each is drawn in turn."""
     limits = problem.fold_limits
     anywhere = Uniform(labels, limits)
-    grown = Grown(problem, labels) if problem.pattern.is_flat else anywhere
+    grown = Grown(problem, labels) if problem.pattern.lies_flat else anywhere
     return grown, anywhere, UniformFolded(labels, limits)
 
 

@@ -33,7 +33,7 @@ static void rotate(const double *q, const double *v, double *out) {
 /* Turn along every loop: axes c [E, 3], of holes points o [E, 3], q [L, 4] and t [L, 3]; values [m] by places. */
 static void turn(const Loops *p, const double *phi, Place *at) {
   for (int64_t l = 0; l < p->loops; l++) {
-    double q[4] = {1.0, 0.0, 0.0, 0.0}, *t = at->t + 3 * l;
+    double q[4] = {p->start[l], 0.0, 0.0, 0.0}, *t = at->t + 3 * l;
     int hole = p->rows[l] == 6;
     t[0] = t[1] = t[2] = 0.0;
     for (int64_t e = p->first[l]; e < p->first[l + 1]; e++) {
@@ -54,7 +54,7 @@ static void turn(const Loops *p, const double *phi, Place *at) {
     double *value = at->value + p->place[l];
     for (int i = 0; i < 4; i++) at->q[4 * l + i] = q[i];
     for (int i = 0; i < 3; i++) value[i] = q[1 + i];
-    for (int i = 0; i < 3 && hole; i++) value[3 + i] = t[i] / p->size;
+    for (int i = 0; i < 3 && hole; i++) value[3 + i] = (t[i] + p->moved[3 * l + i]) / p->size;
   }
 }
 
