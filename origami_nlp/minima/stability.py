@@ -160,7 +160,12 @@ def not_asked_words(origami: Scene | Pattern, minima: Sequence[JudgedState]) -> 
 
 
 def imposed_words(origami: Scene | Pattern) -> str:
-    """Say that states which break an imposed symmetry are not listed, and how to search for them; else nothing."""
+    """Say that states which break an imposed symmetry are not listed, or what a cell that curls stands for."""
+    if isinstance(origami, Pattern) and origami.cell and origami.cell.rolled == (0, 0):
+        return (
+            "copies curl freely: states of a piece of the sheet, in which contact is with copies within "
+            f"{max(origami.cell.copies)[0]} lattice vectors alone"
+        )
     if not isinstance(origami, Scene) or not is_symmetric(origami):
         return ""
     return (
