@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -18,7 +19,10 @@ from origami_nlp.minima.stability import isolated_foldings, number_words
 from origami_nlp.minima.summary import energy_words
 from origami_nlp.numerics import BALANCED, STATIONARY, residual_words
 from origami_nlp.pattern import Scene, listed, tapered_limit
-from origami_nlp.pattern_problem import FoldedLattice, FoldedTube, PopSigns, SignVector
+from origami_nlp.pattern_problem import PopSigns, SignVector
+
+if TYPE_CHECKING:
+    from origami_nlp.pattern_problem import FoldedLattice, FoldedTube
 
 MOST_ANGLES = 24
 """Fold angles of a state up to which they are written out; those of larger ones are in the JSON."""
@@ -129,6 +133,8 @@ def lattice_table(
     lattices: Sequence[FoldedLattice | FoldedTube], numbers: Sequence[int] = (), first: str = "#"
 ) -> Table:
     """Return the folded lattice of states of a cell, or their tubes, and how each gives way, a row each."""
+    from origami_nlp.pattern_problem import FoldedLattice, FoldedTube  # only cells need them
+
     each = [str(k) for k in numbers or range(1, len(lattices) + 1)]
     if isinstance(lattices[0], FoldedTube):
         return _tube_table([x for x in lattices if isinstance(x, FoldedTube)], each, first)
