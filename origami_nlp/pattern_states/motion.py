@@ -87,7 +87,7 @@ class Motion(Report, Viewable):
 
     @cached_property
     def lattices(self) -> tuple[FoldedLattice | FoldedTube, ...]:
-        """Of a cell that repeats the lattice or tube at each state, and with one freedom how it gives way there."""
+        """Of a cell that repeats the lattice or tube at each state; of one degree of freedom also how it gives way."""
         if self.pattern.cell is None:
             return ()
         lattice = measured_cell(self.pattern)
