@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import sys
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
@@ -248,6 +249,20 @@ class Group(typer.Typer):
             pretty_exceptions_enable=False,
             rich_markup_mode=None,  # rich takes "[rad]" for markup and drops it
         )
+
+    def __call__(self, *args: Any, **kwargs: Any) -> Any:
+        """Run the command that is called; of the others, whose options nobody asks for, no parser is made."""
+        called, completes = sys.argv[1:2], any(key.endswith("_COMPLETE") for key in os.environ)
+        every = self.registered_commands
+        mine = [one for one in every if [one.name] == called]
+        if completes or not mine:
+            return super().__call__(*args, **kwargs)
+        groups = self.registered_groups
+        self.registered_commands, self.registered_groups = mine, []
+        try:
+            return super().__call__(*args, **kwargs)
+        finally:
+            self.registered_commands, self.registered_groups = every, groups
 
     def add(self, *commands: Callable[..., None], under: str = "Commands") -> None:
         """Add commands under the names of their functions, and a heading."""

@@ -34,7 +34,8 @@ from origami_nlp.minima.descents import Descents
 from origami_nlp.minima.minimum import JudgedState
 from origami_nlp.minima.one_dof import CandidateMinima
 from origami_nlp.minima.traced_passes import TracedPasses, traced_passes
-from origami_nlp.numerics import CLOSURE_TOL, FOLLOWED, NONZERO, RESOLVED, SHALLOW
+from origami_nlp.numerics import CLOSURE_TOL, DUPLICATE_TOL, FOLLOWED, NONZERO, RESOLVED, SHALLOW
+from origami_nlp.pattern import Relabelling, symmetries
 from origami_nlp.problem import Contact, Model
 from origami_nlp.starts import Samples
 
@@ -382,13 +383,18 @@ def _bounded(
     elif model.size > MOST_VARIABLES:
         why = f"more than {MOST_VARIABLES} variables: escape paths are not sought"
     loose = [k for k in range(len(minima)) if not isolated[k]]
-    sought = [] if why else loose[:MOST_STATES]
+    images = _images(model, states)
+    sought = [] if why else [k for k in loose if k not in images][:MOST_STATES]
     modes = [_modes(model, m) for m in minima]
     ways = escape_paths(VertexTerrain(model, states, modes), sought) if sought else {}
+    for k, (first, move, to) in images.items():
+        if way := ways.get(first):
+            top = _moved(model, move, way.top)
+            ways[k] = way._replace(top=top, to=int(to[way.to]) if way.to >= 0 else -1)
     reported = {k: Escape(math.inf, ALONE, NOTHING_NEAR) for k in np.flatnonzero(isolated).tolist()}
 
     def unknown(k: int) -> str:
-        if not why and k not in sought:
+        if not why and images.get(k, (k,))[0] not in sought:
             return f"more than {MOST_STATES} minima: sought for those of lowest energy"
         if not why and len(loose) == 1:
             return "no other state is known that it could be left for"
@@ -401,6 +407,28 @@ def _bounded(
     return [
         replace(e, top=tuple(model.expand(np.array(e.top)).tolist())) if e.top else e for e in found
     ]
+
+
+def _images(model: Model, states: np.ndarray) -> dict[int, tuple[int, Relabelling, np.ndarray]]:
+    """Return which states [M, n] are images of earlier ones: of which, by which symmetry, and where that takes each.
+
+    Symmetries are those of creases and springs that take all states to one another.
+    """
+    found: dict[int, tuple[int, Relabelling, np.ndarray]] = {}
+    for move in symmetries(model.scene) if len(states) > 1 else ():
+        apart = np.abs(_moved(model, move, states)[:, None] - states).max(axis=2)
+        to = apart.argmin(axis=1)
+        if len(set(to.tolist())) < len(to) or apart.min(axis=1).max() > DUPLICATE_TOL:
+            continue
+        for first, k in enumerate(to.tolist()):
+            if first < k and first not in found and k not in found:
+                found[k] = first, move, to
+    return found
+
+
+def _moved(model: Model, move: Relabelling, x: np.ndarray) -> np.ndarray:
+    """Return the states, in the model's variables [..., n], to which a symmetry takes others."""
+    return np.asarray(model.reduce(move.back(model.expand(x))))
 
 
 def _modes(model: Model, minimum: JudgedState) -> list[np.ndarray]:

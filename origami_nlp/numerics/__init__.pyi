@@ -20,7 +20,6 @@ from .factors import (
     Matrix as Matrix,
     Normal as Normal,
     dense as dense,
-    shortest_solution as shortest_solution,
 )
 from .groups import groups as groups, pairs_within as pairs_within
 from .linear import (
@@ -30,6 +29,7 @@ from .linear import (
     nonnegative_least_squares as nonnegative_least_squares,
     null_space as null_space,
     refined as refined,
+    shortest_solution as shortest_solution,
     unbounded as unbounded,
 )
 from .merge_tree import Merge as Merge, MergeTree as MergeTree, merge_tree as merge_tree

@@ -34,8 +34,6 @@ SYMMETRIC: dict[str, Any] = {
 LONG = 1e3
 """Rows that are longer count as rows of length 1: rounding of their squares would come near `WEIGHT`.  Those of closure
 are no longer than some units; gaps between sides that are all but parallel are."""
-SMALL = 24
-"""Rows or columns up to which systems are solved by singular values: they take no longer."""
 STALLS = 0.9
 """Corrections that shrink no faster are rounding."""
 
@@ -178,42 +176,6 @@ class Normal:
 @lru_cache(maxsize=4)
 def _damping(m: int) -> sp.sparse.csr_array:
     return sp.sparse.csr_array(WEIGHT * sp.sparse.eye_array(m))
-
-
-def shortest_solution(matrix: np.ndarray, right: np.ndarray, below: float) -> np.ndarray:
-    """Return the shortest x that minimises the length of A x - b.
-
-    By singular values of small A; a complete orthogonal factorisation of larger ones takes a quarter of the time (Golub
-    and Van Loan, Matrix Computations, section 5.5).
-
-    Parameters
-    ----------
-    matrix, right
-        A, [m, n], and b, [m].
-    below
-        Singular values below this share of the largest are left out.
-
-    Returns
-    -------
-    numpy.ndarray
-        Shape [n].
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from origami_nlp.numerics import shortest_solution
-    >>> shortest_solution(np.array([[1.0, 1.0]]), np.array([2.0]), 1e-10).round(12).tolist()
-    [1.0, 1.0]
-    """
-    m, n = matrix.shape
-    if min(m, n) <= SMALL:
-        small: np.ndarray = np.linalg.lstsq(matrix, right, rcond=below)[0]
-        return small
-    b = np.zeros((max(m, n), 1))
-    b[:m, 0] = right
-    work = 64 * (m + n)
-    _, x, _, _, _ = sp.linalg.lapack.dgelsy(matrix, b, np.zeros(n, np.int32), below, work)
-    return np.ascontiguousarray(x[:n, 0])
 
 
 def dense(matrix: Matrix) -> np.ndarray:

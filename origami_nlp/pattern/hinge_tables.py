@@ -11,8 +11,6 @@ import numpy as np
 
 from origami_nlp.arguments import check_number, shown
 from origami_nlp.errors import OptionError, SceneError
-from origami_nlp.pattern.hinge_data import read_hinge_data
-from origami_nlp.pattern.hinge_fit import FITS, fit_data, straight_on
 from origami_nlp.pattern.hinge_law import HingeLaw
 from origami_nlp.pattern.hinge_types import (
     detent,
@@ -100,6 +98,8 @@ def read_law(given: object, name: str, folder: Path | None = None) -> HingeLaw:
             raise SceneError(
                 f"laws.{name}: extrapolate = {shown(given[EXTRAPOLATE])} must be 'linear': straight on from both ends"
             )
+        from origami_nlp.pattern.hinge_fit import straight_on  # of measured laws: seldom needed
+
         rest = {key: value for key, value in given.items() if key != EXTRAPOLATE}
         return straight_on(read_law(rest, name, folder), -math.pi, math.pi)
     if changed := [key for key in CHANGED if key in given]:
@@ -153,6 +153,9 @@ def read_law(given: object, name: str, folder: Path | None = None) -> HingeLaw:
 
 def _measured(given: Mapping[str, Any], name: str, folder: Path | None) -> HingeLaw:
     """Fit the law to a table of measured torques."""
+    from origami_nlp.pattern.hinge_data import read_hinge_data
+    from origami_nlp.pattern.hinge_fit import FITS, fit_data
+
     if wrong := sorted(set(given) - {"data", "fit"}):
         raise SceneError(
             f"laws.{name} of data: unknown {', '.join(map(str, wrong))}; it has data, fit, extrapolate"

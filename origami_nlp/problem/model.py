@@ -29,6 +29,9 @@ from origami_nlp.problem.touching import (
 MOST_COMPILED = 24
 """Creases up to which the functions of a vertex without symmetry and gaps are compiled; above, closed forms do."""
 
+MOST_ANSWERED = 4096
+"""States whose admissibility is kept."""
+
 
 @dataclass(frozen=True, eq=False)
 class Local:
@@ -94,7 +97,8 @@ class Model(PosedProblem):
         return compile_structure(self.structure)
 
     def __getstate__(self) -> dict[str, Any]:
-        return {k: v for k, v in self.__dict__.items() if k not in ("functions", "_kept")}
+        left = {k: v for k, v in self.__dict__.items() if k not in ("functions", "_kept")}
+        return left | {"_answered": {}}
 
     def loaded(self, load: np.ndarray) -> Model:
         """Return the same problem with load . phi less of energy; it shares the compiled functions.
@@ -408,6 +412,14 @@ class Model(PosedProblem):
         str
             The reason; "" where the state is admissible.
         """
+        known, key = self._answered, (x.tobytes(), tolerance, self.parameters.sectors.tobytes())
+        if key not in known:
+            if len(known) >= MOST_ANSWERED:
+                known.clear()
+            known[key] = self._refuses(x, tolerance)
+        return known[key]
+
+    def _refuses(self, x: np.ndarray, tolerance: float) -> str:
         if not self.lifts_to_one(x):
             return "closes with q = -1: not a sheet of paper"
         if not self.fold_limits.inside(x, tolerance).all():

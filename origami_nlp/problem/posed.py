@@ -107,6 +107,8 @@ class PosedProblem(Energies, PrettyRepr):
     def __init__(self, scene: Scene) -> None:
         check_type("scene", scene, Scene)
         self.scene = scene
+        # what `Model.refuses` said: geometry alone decides, and problems with other springs or loads share it
+        self._answered: dict[tuple[bytes, float, bytes], str] = {}
         group = scene.group
         creases = [ray.crease for ray in group.rays if ray.crease is not None]
         gaps, pairs, self.left_out = enumerate_gaps(scene)

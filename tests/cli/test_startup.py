@@ -8,11 +8,11 @@ import pytest
 import typer
 
 from origami_nlp import examples, format_scene
-from origami_nlp.cli import app
+from origami_nlp.cli import app, group
 from tests.command_line import run
 
 HEAVY = (
-    "numpy scipy.sparse scipy.linalg scipy.spatial scipy.special "
+    "numpy scipy scipy.sparse scipy.linalg scipy.spatial scipy.special "
     "matplotlib casadi sympy pydantic shapely cattrs rich.console"
 ).split()
 
@@ -67,7 +67,7 @@ def test_a_figure_is_what_loads_matplotlib(scene, tmp_path):
     words = ["minima", scene, "--prove", 0, "--effort", "quick", "--max-starts", 16]
     _, modules = loaded(*words, "-o", picture)
     assert picture.exists()
-    assert modules == {"numpy", "casadi", "rich.console", "matplotlib", "shapely"}
+    assert modules == {"numpy", "scipy", "casadi", "rich.console", "matplotlib", "shapely"}
 
 
 @pytest.mark.parametrize(
@@ -92,3 +92,18 @@ def test_a_number_is_read_as_typer_reads_it(text):
 def test_what_is_missing_is_said_as_before():
     done = run("minima")
     assert done.code == 2 and "missing argument" in done.err and "ORIGAMI" in done.err
+
+
+def test_parsers_are_made_of_the_command_that_is_called_alone(monkeypatch):
+    made = []
+    take = group._Command.__init__
+
+    def note(self, *args, **kwargs):
+        made.append(kwargs["name"])
+        take(self, *args, **kwargs)
+
+    monkeypatch.setattr(group._Command, "__init__", note)
+    assert run("minima", "--help").code == 0 and made == ["minima"]
+    # who asks for all of them, or for none that there is, is informed of all
+    assert run("--help").code == 0 and len(made) > 20
+    assert "no such command" in run("minimum").err
