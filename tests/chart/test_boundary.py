@@ -117,7 +117,7 @@ def test_lines_that_symmetries_give_are_those_that_are_traced(monkeypatch, scene
 
 def test_a_line_along_two_contacts_does_not_go_on_where_one_of_them_branches():
     """Cells of other sizes start lines elsewhere: at (-pi/2, pi) that of crease 1 leaves the edge of the chart."""
-    found = [trace_boundary(SCENES["pi/3"], size) for size in (41, 61)]
+    found = [boundary("pi/3"), trace_boundary(SCENES["pi/3"], 61)]
     lengths = [np.sort([line.length for line in each.lines]) for each in found]
     assert len(lengths[0]) == 18 and lengths[0] == pytest.approx(lengths[1], abs=1e-3)
 

@@ -104,7 +104,7 @@ def test_beyond_a_pitchfork_the_path_goes_on_to_the_snap(name, creases, to, symm
     # one stiffness vanishes at the pitchfork and at the snap, none at states between them, nor behind
     ends = [(first.points[-1].t, first.points[-1].fold_angles), (snap.t, snap.before)]
     last = first.points[-1].t
-    inner = (first.points[3], *second.points[::8])
+    inner = (first.points[3], *second.points[::4])
     inner = [(p.t, p.fold_angles) for p in inner if min(abs(p.t - last), abs(snap.t - p.t)) > 1e-3]
     for t, phi in ends:
         balance, soft = stiffness(scene, creases, t, np.array(phi))
