@@ -13,7 +13,7 @@ from origami_nlp.arguments import check_whole
 from origami_nlp.continuation import ContinuationOptions, ParameterLine, SpecialPoint
 from origami_nlp.errors import OptionError
 from origami_nlp.kkt import Classification, State, classify
-from origami_nlp.loading.driver import CUT, SIDE, STEPS, LoadSearch
+from origami_nlp.loading.driver import CUT, SIDE, LoadSearch
 from origami_nlp.minima import JudgedState
 from origami_nlp.numerics import DUPLICATE_TOL, NEARLY
 from origami_nlp.pattern import Pattern, most_torque
@@ -115,7 +115,7 @@ class PatternDriver:
 
     def steps(self, steps: ContinuationOptions | None) -> ContinuationOptions:
         """Return the steps of the tracer, whose lengths are stated as root mean squares over creases."""
-        rms, size = steps or STEPS, math.sqrt(self.pattern.creases)
+        rms, size = steps or ContinuationOptions(), math.sqrt(self.pattern.creases)
         return replace(rms, first=size * rms.first, longest=size * rms.longest)
 
     def begin(self, state: Any, search: LoadSearch) -> tuple[PatternDriver, int, np.ndarray]:
