@@ -23,7 +23,7 @@ from origami_nlp.pattern import Scene, dead_loads, most_torque
 from origami_nlp.problem import Model, Parameters
 
 STEPS = ContinuationOptions(longest=0.2)
-"""Of vertices: such that curves look smooth, by how far they turn; longer steps where they hardly do meet the same events."""
+"""Of vertices: such that curves look smooth, by how far they turn; where they hardly do longer steps meet the same."""
 BRANCHES = ("branching", "breaks-symmetry")
 """Events at which states lose stability without a limit point."""
 OFF_BRANCH = 1e-3
