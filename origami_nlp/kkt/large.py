@@ -21,6 +21,7 @@ from origami_nlp.kkt.state import State
 from origami_nlp.numerics import (
     CLOSURE_TOL,
     CURVED,
+    EPS,
     LEVEL,
     STATIONARY,
     nonnegative_least_squares,
@@ -30,8 +31,9 @@ from origami_nlp.problem import Contact, Sparse
 if TYPE_CHECKING:
     import scipy as sp
 
-PENALTY = 1e4
-"""Weight rho."""
+PENALTIES = (1e4, 1e7, 1e10)
+"""Weights rho, of which one that shows it is enough: where closure has small singular values s, rho s^2 is to be more
+than curvature across the null space, but rounding of rho J'J is to be less than that along it."""
 DRAWN = 10
 """Directions that are tried beside the steepest one."""
 
@@ -130,24 +132,33 @@ def smallest_curvature(h: sp.sparse.sparray, j: sp.sparse.sparray) -> tuple[floa
     Returns
     -------
     smallest : float
-        The smallest eigenvalue of H + rho J'J, less its residual; nan where Lanczos' method does not converge.
+        The smallest eigenvalue of H + rho J'J, less its residual and rounding, for the weight that shows most; nan
+        where Lanczos' method does not converge.
     way : numpy.ndarray
         Its vector, [n].
     """
     import scipy as sp
 
-    # Finsler: on the kernel of J the penalty adds nothing, so that what is positive with it is positive there
-    whole = (
-        sp.sparse.csc_array(h) + PENALTY * sp.sparse.csc_array(j).T @ sp.sparse.csc_array(j)
-    ).tocsc()
     # below every eigenvalue (Gershgorin; J'J adds none below), the closest one is the smallest
     below = -float(np.abs(sp.sparse.csr_array(h)).sum(axis=1).max()) - 1.0
-    n = whole.shape[0]
-    try:
-        values, vectors = sp.sparse.linalg.eigsh(whole, k=1, sigma=below, which="LM", v0=np.ones(n))
-    except sp.sparse.linalg.ArpackNoConvergence:
-        return math.nan, np.zeros(n)
-    vector = vectors[:, 0]
-    # an eigenvalue lies within the residual of a unit vector's Rayleigh quotient
-    left = float(np.linalg.norm(whole @ vector - values[0] * vector))
-    return float(values[0] - left), vector
+    n = h.shape[0]
+    found = math.nan, np.zeros(n)
+    square = sp.sparse.csc_array(j).T @ sp.sparse.csc_array(j)
+    for penalty in PENALTIES:
+        # Finsler: on the kernel of J the penalty adds nothing, so that what is positive with it is positive there
+        whole = (sp.sparse.csc_array(h) + penalty * square).tocsc()
+        try:
+            values, vectors = sp.sparse.linalg.eigsh(
+                whole, k=1, sigma=below, which="LM", v0=np.ones(n)
+            )
+        except sp.sparse.linalg.ArpackNoConvergence:
+            continue
+        vector = vectors[:, 0]
+        # an eigenvalue lies within the residual of a unit vector's Rayleigh quotient, and within what rounding altered
+        left = float(np.linalg.norm(whole @ vector - values[0] * vector))
+        left += EPS * float(np.abs(whole).sum(axis=1).max())
+        if not values[0] - left <= found[0]:
+            found = float(values[0] - left), vector
+        if found[0] > CURVED:
+            break
+    return found

@@ -106,11 +106,11 @@ class Choices:
         kept: dict[frozenset[int], tuple[tuple[Contact, ...], ...]] = {}
         for branch in branches:
             kept.setdefault(frozenset(self.said(option) for option in branch), branch)
+        options = set().union(*kept)
+        within = {o: {held for held in options if held & o == o} for o in options}
         for said in reversed(list(kept)):
-            others = (other for other in kept if other != said)
-            if any(
-                all(any(_holds(o, option) for option in said) for o in other) for other in others
-            ):
+            holding = set().union(*(within[o] for o in said))
+            if any(other <= holding and other != said for other in kept):
                 del kept[said]
         return tuple(kept.values())
 
@@ -142,9 +142,14 @@ def _holds(held: int, said: int) -> bool:
 
 
 def _half_spaces(normals: np.ndarray) -> list[int]:
-    """Return for each unit normal [r, t] the first one that agrees with it."""
-    same = np.abs(normals[:, None] - normals[None]).max(axis=2, initial=0.0) <= INDEPENDENT
-    return same.argmax(axis=1).tolist() if len(normals) else []
+    """Number unit normals [r, t], those that agree with an earlier one as it."""
+    out, many = np.full(len(normals), -1), 0
+    for k, normal in enumerate(normals):
+        if out[k] < 0:
+            left = np.flatnonzero(out < 0)
+            out[left[np.abs(normals[left] - normal).max(axis=1, initial=0.0) <= INDEPENDENT]] = many
+            many += 1
+    return out.tolist()
 
 
 def _by_levers(branches: Branches, lever: dict[Contact, float]) -> Branches:

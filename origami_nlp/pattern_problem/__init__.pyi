@@ -17,6 +17,7 @@ from .crossings import (
 )
 from .equations import (
     MOST_DENSE as MOST_DENSE,
+    MOST_KEPT as MOST_KEPT,
     PatternEquations as PatternEquations,
 )
 from .faces import CoplanarContact as CoplanarContact, Faces as Faces

@@ -87,17 +87,23 @@ def without_passing(
         Choices, each a tuple of options: all gaps of one option at least stay open.
     """
     over = [c[0] if c[0].type == "vertex-face" else None for c in found]
+    # corners over one facet: before each the others
+    same: dict[object, list[int]] = {}
     out: list[tuple[tuple[ContactPair, ...], ...]] = []
     joined: set[int] = set()
     for k, one in enumerate(over):
-        for m in range(k):
+        if one is None:
+            continue
+        before = same.setdefault(one.key, [])
+        for m in before:
             other = over[m]
-            if one is None or other is None or one.sign == other.sign or one.key != other.key:
+            if other is None or one.sign == other.sign:
                 continue
             sides = {*found[k][1].corners[:2], *found[m][1].corners[:2]}
             if len(sides) == 3 and any(ring >= sides for ring in features.rings):
                 joined |= {k, m}
                 out.append((*((one, t) for t in found[m][1:]), *((other, t) for t in found[k][1:])))
+        before.append(k)
     rest = [tuple((t,) for t in c) for k, c in enumerate(found) if k not in joined]
     return rest + out
 

@@ -140,9 +140,13 @@ class ContactPair:
             normal, off = _across(p[1] - p[0], p[3] - p[2]), p[2] - p[0]
         return self.sign * float(off @ normal) / float(np.linalg.norm(normal))
 
+    def creases(self, at: FoldedGeometry) -> np.ndarray:
+        """Return the creases of the walk from one facet to the other, [k]."""
+        return at.poses.own([c for c, _ in at.poses.path(*self.facets)])
+
     def slopes(self, at: FoldedGeometry) -> tuple[np.ndarray, np.ndarray]:
         """Return the creases of the walk and the derivative of the gap by each, [k] and [k]."""
-        creases = at.poses.own([c for c, _ in at.poses.path(*self.facets)])
+        creases = self.creases(at)
         return creases, self.row(at)[creases]
 
     def bends(self, at: FoldedGeometry) -> np.ndarray:

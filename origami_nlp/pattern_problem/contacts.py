@@ -85,6 +85,7 @@ class PatternContacts(PatternEquations):
         self.origin = np.zeros(3)
         self._touches: list[tuple[ContactPair, ContactPair]] = []
         self._numbers: dict[ContactPair, int] = {}
+        self._contacts: dict[ContactPair, Contact] = {}
 
     @property
     def limits(self) -> tuple[Contact, ...]:
@@ -124,12 +125,15 @@ class PatternContacts(PatternEquations):
 
     def contact_of(self, touch: ContactPair) -> Contact:
         """Return the contact of a touch."""
+        if (known := self._contacts.get(touch)) is not None:
+            return known
         # one number for both sides, whichever facet passed on which: a curve of states keeps its contacts by number
         same = replace(touch, sign=1.0)
         number = self._numbers.setdefault(same, len(self._touches))
         if number == len(self._touches):
             self._touches.append((same, replace(same, sign=-1.0)))
-        return Contact("gap", number, 1 if touch.sign > 0 else -1)
+        contact = self._contacts[touch] = Contact("gap", number, 1 if touch.sign > 0 else -1)
+        return contact
 
     def touch(self, contact: Contact) -> ContactPair:
         """Return the touch of a contact."""

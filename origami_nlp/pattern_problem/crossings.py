@@ -282,7 +282,8 @@ class PatternCrossings:
 
 def boxes_that_meet(low: np.ndarray, high: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return the pairs of boxes [K, 3] that have a point in common, by sorting and sweeping."""
-    axis = int(np.ptp(low, axis=0).argmax())
+    # the widest axis first
+    axis, *others = np.argsort(-np.ptp(low, axis=0), kind="stable").tolist()
     order = np.argsort(low[:, axis], kind="stable")
     # along the axis on which boxes are spread most, each box meets those that begin before it ends
     ends = np.searchsorted(low[order, axis], high[order, axis], side="right")
@@ -290,8 +291,10 @@ def boxes_that_meet(low: np.ndarray, high: np.ndarray) -> tuple[np.ndarray, np.n
     i = np.repeat(np.arange(len(order)), many)
     j = np.arange(len(i)) - np.repeat(np.cumsum(many) - many, many) + i + 1
     a, b = order[i], order[j]
-    near = ((low[a] <= high[b]) & (low[b] <= high[a])).all(axis=1)
-    return a[near], b[near]
+    for k in others:  # of those that meet on the axes before
+        near = (low[a, k] <= high[b, k]) & (low[b, k] <= high[a, k])
+        a, b = a[near], b[near]
+    return a, b
 
 
 def cross_each_other(a: np.ndarray, b: np.ndarray, deep: float) -> np.ndarray:

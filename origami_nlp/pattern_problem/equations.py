@@ -46,6 +46,8 @@ from origami_nlp.problem import FoldLimits, HingeLaws, Parameters
 
 MOST_DENSE = 400
 """Creases up to which kernels are formed by a singular value decomposition; sparse factors beyond."""
+MOST_KEPT = 3
+"""States of which what was computed is kept: that of a step, and those which a line search tries."""
 
 
 class PatternEquations:
@@ -78,7 +80,7 @@ class PatternEquations:
         self.fold_limits = FoldLimits(*pattern.limit_angles)
         self._end = [math.inf]
         self._last: tuple[bytes, list[int], Normal] | None = None
-        self._seen: dict[str, tuple[bytes, Any]] = {}
+        self._seen: dict[str, dict[bytes, Any]] = {}
         # of closure alone: shared with the same pattern under other loads
         self._decomposed: dict[bytes, NullSpaces] = {}
 
@@ -104,11 +106,13 @@ class PatternEquations:
             raise OutOfTime
 
     def kept(self, what: str, x: np.ndarray, make: Any) -> Any:
-        """Return what is asked for several times of one state."""
-        key = x.tobytes()
-        if what not in self._seen or self._seen[what][0] != key:
-            self._seen[what] = key, make()
-        return self._seen[what][1]
+        """Return what is asked for several times of one state, and again after states beside it: of the last few."""
+        key, seen = x.tobytes(), self._seen.setdefault(what, {})
+        found = seen.pop(key) if key in seen else make()
+        if len(seen) == MOST_KEPT:
+            del seen[next(iter(seen))]
+        seen[key] = found
+        return found
 
     def placed(self, x: np.ndarray) -> FoldedGeometry:
         """Return the facets in space at a state."""

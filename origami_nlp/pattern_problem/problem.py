@@ -17,6 +17,7 @@ import scipy as sp
 from origami_nlp.io import pick
 from origami_nlp.numerics import CLOSURE_TOL, CONTACT_TOL, OUTSIDE, Matrix, dense
 from origami_nlp.pattern import Pattern
+from origami_nlp.pattern_problem.contact_pairs import ContactPair
 from origami_nlp.pattern_problem.contacts import PatternContacts
 from origami_nlp.pattern_problem.layers import Layers, order_layers
 from origami_nlp.pattern_problem.meeting_features import touches_at
@@ -183,13 +184,20 @@ class PatternProblem(PatternContacts, Energies):
     def _bent(self, x: np.ndarray, forces: np.ndarray, contacts: Sequence[Contact]) -> np.ndarray:
         """Hessian of forces . openings, [n, n]."""
         h = np.zeros((self.size, self.size))
+        known: dict[Contact, np.ndarray] = self.kept("bends", x, dict)
         for force, contact in zip(forces, contacts, strict=True):
             if force and not contact.is_limit:
-                touch, place = self.touch(contact), self.placed(x)
-                creases, _ = touch.slopes(place)
-                # openings are gaps over the sheet's size; a walk may cross copies of one crease
-                bent = force / self.crossings.size * touch.bends(place)
-                np.add.at(h, np.ix_(creases, creases), bent)
+                if contact not in known:
+                    known[contact] = self._bends(x, self.touch(contact))
+                h += force * known[contact]
+        return h
+
+    def _bends(self, x: np.ndarray, touch: ContactPair) -> np.ndarray:
+        """Hessian of an opening, [n, n]: of a gap over the sheet's size."""
+        place, h = self.placed(x), np.zeros((self.size, self.size))
+        creases = touch.creases(place)
+        # a walk may cross copies of one crease
+        np.add.at(h, np.ix_(creases, creases), touch.bends(place) / self.crossings.size)
         return h
 
     def loops(self, x: np.ndarray) -> list[LoopClosure]:

@@ -29,6 +29,11 @@ from origami_nlp.pattern_problem import PatternProblem
 
 TRUST = 0.3
 """First and largest step [rad]."""
+WEIGHTS = (1e-10, 1e-13)
+"""Of multipliers in sparse systems of steps: along a singular value s of closure a step leaves it by a share of
+weight over s^2.  The second one, which takes more elimination, where the first lets it leave."""
+LEAVES = 1e-8
+"""Share of a step by which it may leave closure to first order."""
 STILL = 1e-12
 """Reduced torque over the mean stiffness at which a descent has arrived."""
 MOST_SPECTRAL = 60
@@ -214,8 +219,20 @@ def _steps(
                 return np.asarray(z @ (slope / np.where(tiny, NONZERO, curvature)))
 
             return spectral
-    unit = np.eye(len(left)) if isinstance(h, np.ndarray) else sp.sparse.eye_array(len(left))
-    return lambda shift: Factor(h + shift * unit, j).solve(left, np.zeros(j.shape[0]))[0]
+    if isinstance(h, np.ndarray):
+        unit, none = np.eye(len(left)), np.zeros(j.shape[0])
+        return lambda shift: Factor(h + shift * unit, j).solve(left, none)[0]
+
+    def along_closure(shift: float) -> np.ndarray:
+        matrix = h + shift * sp.sparse.eye_array(len(left))
+        for weight in WEIGHTS:
+            factor = Factor(matrix, j, weight=weight)
+            d, change = factor.solve(left, np.zeros(j.shape[0]))
+            if np.abs(j @ d).max(initial=0.0) <= LEAVES * np.abs(d).max(initial=0.0):
+                return d
+        return d + factor.solve(left - matrix @ d - j.T @ change, -(j @ d))[0]
+
+    return along_closure
 
 
 def _capped(d: np.ndarray, radius: float) -> np.ndarray:

@@ -47,7 +47,7 @@ from origami_nlp.pattern_states.curves import TracedCurve, TracedCurves
 from origami_nlp.pattern_states.descent import Descended, descend
 from origami_nlp.pattern_states.escape import with_escapes
 from origami_nlp.pattern_states.flat_folded import escape_paths, list_branches, list_flat_folded
-from origami_nlp.pattern_states.from_minima import FromMinima
+from origami_nlp.pattern_states.from_minima import IMAGES, FromMinima, are_among
 from origami_nlp.pattern_states.interpolant import ON_CURVE, wells
 from origami_nlp.pattern_states.judgement import (
     judge,
@@ -220,7 +220,7 @@ class _Search(FromMinima):
         self.part(Signed.name, self.sign, pattern)
         self.part(FoldedVertices.name, self.fold_vertices, asked.most_folded * starts)
         self.go_on(asked, starts)
-        self.part("images of minima under symmetries", self.add_images)
+        self.part(IMAGES, self.add_images)
 
     def settle(self, phi: np.ndarray) -> None:
         """Go downhill from a state that all but closes, on either side of saddles, and judge what is reached."""
@@ -237,7 +237,7 @@ class _Search(FromMinima):
                 self.add(judge_end(self.problem, end.phi, self.contact))
             if (
                 self.contact
-                and (held := contact_descent_off(self.problem, end.path, self.is_minimum))
+                and (held := contact_descent_off(self.problem, end.path, self.known_minima))
                 is not None
             ):
                 self.contact_descent(held)
@@ -250,7 +250,7 @@ class _Search(FromMinima):
         if not end.arrived and end.why != UNTOLD:
             self.tally.gave_up[end.why] += 1
             return
-        if end.arrived and self.is_minimum(end.phi):
+        if end.arrived and are_among(end.phi[None], self.known_minima).any():
             self.known(end.phi)
             return
         state = judge(self.problem, end.phi)
@@ -449,7 +449,7 @@ class _Search(FromMinima):
             self.attempt(self._settle_well, well)
         if traced.stretches is None:
             return
-        for end in contact_descents_along(self.problem, traced.stretches, self.is_minimum):
+        for end in contact_descents_along(self.problem, traced.stretches, self.known_minima):
             self.attempt(self.contact_descent, end)
 
     def _settle_well(self, well: np.ndarray) -> None:

@@ -19,6 +19,7 @@ from origami_nlp.pattern_states.contact_descents import contact_descent
 from origami_nlp.pattern_states.descent import Descended
 from origami_nlp.pattern_states.parts import Parts
 from origami_nlp.starts import (
+    MOST_SIGNED,
     POPPED,
     PUSHED,
     Combined,
@@ -32,6 +33,7 @@ from origami_nlp.starts import (
     hinge_rests,
 )
 
+IMAGES = "images of minima under symmetries"
 ONE_START = 0.1
 """Two minima combined that are no further from another start of that kind [rad] are not started from."""
 
@@ -46,6 +48,7 @@ class FromMinima(Parts):
         super().__init__()
         self._gone: dict[str, list[np.ndarray]] = {}
         self._counts: dict[str, Counter[str]] = defaultdict(Counter)
+        self._mirrored = 0
 
     @abstractmethod
     def settle(self, phi: np.ndarray) -> None:
@@ -61,12 +64,11 @@ class FromMinima(Parts):
     @abstractmethod
     def _enter(self, phi: np.ndarray) -> None: ...
 
-    def is_minimum(self, phi: np.ndarray) -> bool:
-        """Return whether a state is a minimum that is known."""
-        return any(
-            s.verdict == "minimum" and np.abs(phi - s.phi).max() <= 10 * DUPLICATE_TOL
-            for s in self.judged
-        )
+    @property
+    def known_minima(self) -> np.ndarray:
+        """Their fold angles, [m, n]."""
+        known = [s.phi for s in self.judged if s.verdict == "minimum"]
+        return np.array(known).reshape(-1, self.problem.size)
 
     @property
     def minima(self) -> list[JudgedState]:
@@ -83,20 +85,27 @@ class FromMinima(Parts):
             and self.problem.size <= MOST_DENSE
             and not self.problem.crossings.find(phi)
         ):
-            self.contact_descent(contact_descent(self.problem, phi, True, self.is_minimum))
+            self.contact_descent(contact_descent(self.problem, phi, True, self.known_minima))
         else:
             self._enter(phi)
 
     def add_images(self) -> None:
-        """Judge images of minima under symmetries of the sheet with its springs."""
+        """Judge images of minima under symmetries of the sheet with its springs; once of each."""
+        new = self.judged[self._mirrored :]
         for symmetry in self._symmetries:
-            for state in [s for s in self.judged if s.verdict == "minimum"]:
+            for state in [s for s in new if s.verdict == "minimum"]:
                 self.attempt(self.settle, image(symmetry, state.phi))
+        self._mirrored += len(new)
 
     def sign(self, pattern: Pattern) -> None:
-        """Ask which signs of vertices occur; start by those that no minimum has, unless branches are enumerated."""
+        """Ask which signs of vertices occur; start by those that no minimum has, unless branches are enumerated.
+
+        Of drawn signs only starts are wanted.
+        """
         problem, enumerated = self.problem, self.tally.lines or self.tally.families
         if not (self.contact and problem.pattern.lies_flat and problem.size <= MOST_DENSE):
+            return
+        if enumerated and len(PopSigns(problem.pattern).vertices) > MOST_SIGNED:
             return
         minima = np.array([s.phi for s in self.minima]).reshape(-1, problem.size)
         family = Signed(problem, self.labels, minima, pattern)
@@ -127,6 +136,7 @@ class FromMinima(Parts):
         """Start from minima, and from what that leads to, until nothing new comes; `starts` multiplies limits."""
         longest, known = options.most_on * starts, None
         while known != (known := self.count()):
+            self.part(IMAGES, self.add_images)
             self.part(OtherWells.name, self.snap, options.most_popped * starts, longest)
             self.part(Popped.name, self.pop, options.most_popped * starts, longest)
             self.part(Combined.name, self.combine, options.most_combined * starts, longest)
@@ -216,7 +226,7 @@ class FromMinima(Parts):
             states = np.array([s.phi for s in self.minima if s.phi.any() and s.dof >= least])
             states = states.reshape(-1, self.problem.size)
             waiting = (
-                (k, phi) for k, done in enumerate(gone) for phi in states[~_are_among(states, done)]
+                (k, phi) for k, done in enumerate(gone) for phi in states[~are_among(states, done)]
             )
             if (first := next(waiting, None)) is None:
                 return
@@ -224,7 +234,7 @@ class FromMinima(Parts):
             images = [image(symmetry, phi) for symmetry in self._symmetries]
             gone[k] = np.vstack([gone[k], phi, *images])
             for start in ways[k](phi).states():
-                if _are_among(start[None], states).any():
+                if are_among(start[None], states).any():
                     continue
                 if counts["idle"] == most or counts["made"] == longest:
                     self.tally.cut = (*self.tally.cut, name)
@@ -235,7 +245,7 @@ class FromMinima(Parts):
                 counts["idle"] += self.count() == before
 
 
-def _are_among(states: np.ndarray, others: np.ndarray) -> np.ndarray:
+def are_among(states: np.ndarray, others: np.ndarray) -> np.ndarray:
     """Return which of some states [s, n] are among others [o, n]."""
     apart = np.abs(states[:, None] - others).max(axis=2, initial=0.0)
     return (apart <= 10 * DUPLICATE_TOL).any(axis=1)

@@ -41,7 +41,7 @@ class SearchOptions:
     judging
         Share of a time limit that is kept for judging the ends of descents.
     in_a_row
-        Random starts in a row that find nothing new, then the search ends.
+        Random starts in a row that find nothing new, then no more are made.
     most_drawn
         Random starts in all, over `in_a_row`.
     most_popped
@@ -85,11 +85,11 @@ class SearchOptions:
     fewest_for_moments: int = 16
     most_batched: int = 24
     judging: float = 0.3
-    in_a_row: int = 40
+    in_a_row: int = 60
     most_drawn: int = 10
-    most_popped: int = 2
+    most_popped: int = 1
     most_pushed: int = 0
-    most_combined: int = 1
+    most_combined: int = 2
     most_on: int = 50
     most_folded: int = 0
     most_traced: int = 250

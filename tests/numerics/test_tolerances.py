@@ -39,7 +39,8 @@ BESIDE_THE_TABLE = {
         continuation/curve.STEPS friction/hinges.STEPS continuation/flat.ARRIVED continuation/flat.BESIDE_FLAT
         continuation/one_sided_branches.TRIALS continuation/diagram.STEPS pattern_states/curve.SHORTEST
         pattern_states/curve.STEP pattern_states/curves.LONG
-        pattern_problem/pop_signs.JUMPS pattern_states/contact_descents.REACH
+        pattern_problem/pop_signs.JUMPS pattern_states/contact_descents.APART
+        pattern_states/contact_descents.NEAR pattern_states/contact_descents.REACH
          pattern_states/contact_descents.SMALLER pattern_states/terrain.FIRST space/cells.RADIUS
          space/mesh.DIFFERENCE
         inverse_design/unwanted_minima.FIRST inverse_design/unwanted_minima.SHORT starts/batch_closure.QUADRATIC
@@ -50,7 +51,7 @@ BESIDE_THE_TABLE = {
         critical/strata.LOOSE pattern_problem/compiled_closure.FALLS pattern_problem/stacks.GRID kkt/escape.CERTAIN
         kkt/neighbourhood.GOES kkt/descent_witness.DOWN minima/curve.ROUGH minima/one_dof.FALLS
         minima/recursive_newton.LEAST_PIVOT continuation/events.POLE pattern_states/branch_points.FORMS
-        pattern_states/descent.FAR_FROM_SINGULAR pattern_states/interpolant.ON_CURVE
+        pattern_states/descent.FAR_FROM_SINGULAR pattern_states/descent.LEAVES pattern_states/interpolant.ON_CURVE
         inverse_design/infeasibility.WEIGHTY pattern_states/closed.SOFT
         inverse_design/robustness.ENDED starts/moments.SHORTEST_SHARE pattern_problem/sign_vectors.MARGIN
     """,
@@ -107,6 +108,7 @@ BESIDE_THE_TABLE = {
     """,
     "room for rounding": """
         paper/cone/phase_curves.ON_LINE paper/cone/roots.FREE paper/cone/roots.WIDER paper/cone/rules.SLACK
+        numerics/factors.BACKWARD
     """,
     "torque, curvature and error left in explored states, which are polished": """
         minima/curve.ACCURACY kkt/descent.RISE minima/descent_rules.FLAT_SLOPE minima/descent_rules.SADDLE
@@ -114,6 +116,7 @@ BESIDE_THE_TABLE = {
     """,
     "weights of rows and steps": """
         pattern/coordinate_repair.LIGHT pattern/coordinate_repair.SOFT kkt/descent.SOFTEST numerics/factors.WEIGHT
+        pattern_states/descent.WEIGHTS
     """,
 }
 """Small constants that stand elsewhere, by what they are."""

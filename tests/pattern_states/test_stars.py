@@ -6,11 +6,12 @@ import tracemalloc
 import numpy as np
 import pytest
 
-from origami_nlp.kkt import State
+from origami_nlp.kkt import State, smallest_curvature
 from origami_nlp.numerics import dense
 from origami_nlp.pattern import Pattern, make_pattern
 from origami_nlp.pattern_problem import PatternProblem
-from origami_nlp.pattern_states import find_states
+from origami_nlp.pattern_states import descend, find_states, judge
+from origami_nlp.starts import Given
 from tests.patterns import wheel
 
 
@@ -67,3 +68,22 @@ def test_choices_of_modes_at_stars_are_given_up_in_little_memory() -> None:
     tracemalloc.stop()
     assert "choices of modes stay open" in cone.reason
     assert peak < 300e6
+
+
+def test_a_star_beyond_dense_algebra_is_decided() -> None:
+    """403 creases: closure has singular values down to 6e-4, beside which a small penalty does not show curvature."""
+    pattern = _sprung(_stars(7, 10))
+    problem = PatternProblem(pattern)
+    assert pattern.creases == 403 and problem.sparse
+    start, _ = problem.project(next(iter(Given(pattern).states())))
+    end = descend(problem, start)
+    state = judge(problem, end.phi, contact=False)
+    assert end.arrived and end.steps < 40 and state.verdict == "minimum"
+    # curvature along an orthonormal basis of the kernel from NumPy alone
+    j = problem.closure.jacobian(end.phi)
+    h = problem.hessian(end.phi, problem.multipliers(end.phi)[0])
+    _, values, vt = np.linalg.svd(dense(j))
+    z = vt[(values > 1e-7).sum() :].T
+    assert np.abs(z.T @ problem.torque(end.phi)).max() < 1e-11
+    bound, _ = smallest_curvature(h, j)
+    assert 0 < bound <= np.linalg.eigvalsh(z.T @ dense(h) @ z)[0]
