@@ -255,7 +255,8 @@ class Group(typer.Typer):
         called, completes = sys.argv[1:2], any(key.endswith("_COMPLETE") for key in os.environ)
         every = self.registered_commands
         mine = [one for one in every if [one.name] == called]
-        if completes or not mine:
+        # without options of its own a group of one command would be that command, which nobody names
+        if completes or not mine or self.registered_callback is None:
             return super().__call__(*args, **kwargs)
         groups = self.registered_groups
         self.registered_commands, self.registered_groups = mine, []

@@ -104,6 +104,18 @@ def test_parsers_are_made_of_the_command_that_is_called_alone(monkeypatch):
 
     monkeypatch.setattr(group._Command, "__init__", note)
     assert run("minima", "--help").code == 0 and made == ["minima"]
+    # a group without options of its own, as that of the benchmarks
+    other = group.Group("two commands")
+
+    def first() -> None:
+        """Say one."""
+        print("one")
+
+    def second() -> None:
+        """Say two."""
+
+    other.add(first, second)
+    assert run("first", commands=other).out == "one\n"
     # who asks for all of them, or for none that there is, is informed of all
     assert run("--help").code == 0 and len(made) > 20
     assert "no such command" in run("minimum").err
