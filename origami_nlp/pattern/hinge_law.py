@@ -20,7 +20,7 @@ import numpy as np
 from origami_nlp.arguments import check_number
 from origami_nlp.errors import SceneError
 from origami_nlp.io import ShortRepr
-from origami_nlp.numerics import INPUT_TOL, LEVEL, RESOLVED
+from origami_nlp.numerics import EPS, INPUT_TOL, LEVEL, RESOLVED
 
 MOST_PIECES, MOST_KNOTS = 2_000, 32
 """Of one law; and at so many of its knots curves are cut, more or less."""
@@ -112,6 +112,11 @@ class HingeLaw(ShortRepr):
         energy.c[-1] -= energy(inside).min()
         return energy
 
+    @cached_property
+    def _rounding(self) -> float:
+        """What energies at rest are off by [J]: they are sums over pieces."""
+        return 64 * EPS * float(np.abs(self._energy(np.array(self.breaks))).max())
+
     @property
     def origin(self) -> tuple[HingeLaw, float, float]:
         """The law U, the factor s and the angle d [rad] of which this is s U(phi - d); itself, 1 and 0 at first."""
@@ -124,7 +129,8 @@ class HingeLaw(ShortRepr):
 
     def energy(self, phi: np.ndarray) -> np.ndarray:
         """Energy at fold angles [...] [J], 0 at the least; the torque goes on straight beyond the ends."""
-        return np.asarray(self._energy(phi))
+        energy = np.asarray(self._energy(phi))
+        return np.where(np.abs(energy) <= self._rounding, 0.0, energy)
 
     def torque(self, phi: np.ndarray) -> np.ndarray:
         """Torque dU/dphi at fold angles [...] [N m]."""

@@ -209,7 +209,9 @@ def stationary(problem: PatternProblem, curve: Interpolant) -> list[tuple[int, f
     found = []
     if problem.pattern.laws:
         slopes = _sampled_slopes(problem, curve)
-        for step, k in zip(*np.nonzero(slopes[:, :-1] * slopes[:, 1:] < 0), strict=True):
+        one, two = np.sign(slopes[:, :-1]), np.sign(slopes[:, 1:])
+        # a slope that is 0 at a sample belongs to what comes before it
+        for step, k in zip(*np.nonzero((one != 0) & (one != two)), strict=True):
             a, b = slopes[step, k], slopes[step, k + 1]
             found.append((int(step), float((k + a / (a - b)) / (slopes.shape[1] - 1)), bool(b > a)))
         return found

@@ -10,8 +10,9 @@ from typing import Any
 import numpy as np
 
 from origami_nlp.errors import OutOfTime
+from origami_nlp.kkt import project
 from origami_nlp.minima import JudgedState, PatternSearchReport, chao1
-from origami_nlp.numerics import CLOSURE_TOL, DUPLICATE_TOL, rank
+from origami_nlp.numerics import CLOSURE_TOL, DUPLICATE_TOL, LEVEL, NEAR_SINGULAR_TOL, rank
 from origami_nlp.pattern_problem import CanonicalLabelling, PatternProblem
 from origami_nlp.pattern_states.curves import TracedCurves
 from origami_nlp.pattern_states.judgement import singular_beside
@@ -107,12 +108,30 @@ class Parts:
             self.tally.open += 1
         elif near is not None and self.known(near):  # not distinguished from what was judged
             self.tally.stalled += 1
-        elif not self.known(state.phi, state.verdict):
+        elif not self.known(state.phi, state.verdict) and not self._level_with_known(state):
             self.judged.append(state)
             self._reach(len(self.judged) - 1)
             if state.verdict == "minimum" and self.found is not None:
                 self.found(state.energy, state.phi.copy())
             self.say()
+
+    def _level_with_known(self, state: JudgedState) -> bool:
+        """Return whether a minimum is one that is known: beside it, and level with it and with what is between.
+
+        Where hinges have no stiffness at the bottom of a well, descents end somewhere near it.
+        """
+        if state.verdict != "minimum" or not self.problem.pattern.laws:
+            return False
+        for k, s in enumerate(self.judged):
+            if s.verdict != "minimum" or np.abs(state.phi - s.phi).max() > NEAR_SINGULAR_TOL:
+                continue
+            level = LEVEL * max(abs(s.energy), self.problem.scale)
+            between, residual = project(self.problem, 0.5 * (s.phi + state.phi))
+            other, middle = (self.problem.energy_change(s.phi, x) for x in (state.phi, between))
+            if residual <= CLOSURE_TOL and abs(other) <= level and middle <= level:
+                self._reach(k)
+                return True
+        return False
 
     def by_energy(self) -> list[JudgedState]:
         """Return what was judged, by energy; states of one energy in an order that labels do not change."""

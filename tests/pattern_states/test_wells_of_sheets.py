@@ -10,10 +10,11 @@ import pytest
 
 import origami_nlp as o
 from origami_nlp import examples
-from origami_nlp.pattern import detent, linear, sum_of
+from origami_nlp.pattern import detent, linear, polynomial, sum_of
 from tests.independent.rigid import Rigid
 from tests.independent.search_sheets import minima, sheet_of
 from tests.independent.strips import Strip
+from tests.minima.test_hinge_laws import strip
 from tests.minima.test_tops_of_wells import balanced
 
 NEAR, LOWER = 0.06, 1e-5
@@ -110,3 +111,16 @@ def test_a_sheet_with_detents_has_the_minima_of_another_search():
     """Among them: both straight lines in their second wells, to opposite sides, which descents seldom reach."""
     theirs, others = compared(4_000)
     assert len(theirs) >= 20 and not others
+
+
+def test_wells_without_stiffness_are_listed_once():
+    """Quartic wells: descents end 1e-4 rad beside the bottom, where torques are rounding; such a search did not end."""
+    law = polynomial([0.0, 0.0, 1.0], 0.5)
+    for creases in (2, 3):
+        found = o.find_minima(strip(creases).with_laws([law] * creases), escape=False)
+        assert len(found.minima) == 1
+        assert np.abs(found.minima[0].phi - 0.5).max() < 1e-3
+    # at the bottom itself nothing is certified; its energy is 0, not what rounding leaves
+    found = o.find_minima(strip(1).with_laws([law]), escape=False)
+    assert "not decided whether there is a stable state" in found.verdict
+    assert [s.energy for s in found.search.undecided] == [0.0]
