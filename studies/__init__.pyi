@@ -1,5 +1,6 @@
 from . import section5_table as section5_table
 from .archive import write_archive as write_archive
+from .at_most_four import candidates as candidates, draw_boxes as draw_boxes
 from .at_most_six import prove_branch as prove_branch
 from .audit import audit_candidates as audit_candidates
 from .audit_table import (

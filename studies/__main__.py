@@ -247,6 +247,27 @@ def maxima(
     out.write("json", lambda: {"branches": found})
 
 
+@writes("json", "figure")
+def one_maximum(
+    out: Output,
+    width: Annotated[
+        int, typer.Option(metavar="N", help="Boxes of sectors of 1/N degree.", min=1, max=8)
+    ] = 1,
+) -> None:
+    """List boxes of vertices of degree 4 likely to have one maximum a branch, whatever the springs: four states.
+
+    In double precision, at the middle of each box; the check in tests/independent/one_maximum proves boxes.
+    """
+    from fractions import Fraction
+
+    from studies import candidates, draw_boxes
+
+    found = list(candidates(Fraction(1, width)))
+    out.say(f"{len(found)} boxes of 1/{width} degree, mirror images not counted")
+    out.write("json", lambda: {"width": f"1/{width}", "boxes": found})
+    out.write("figure", draw_boxes, found, Fraction(1, width))
+
+
 def archive(
     folder: Annotated[Path, typer.Argument(metavar="DIR", help="Where to; made if it is missing.")],
 ) -> None:
@@ -262,7 +283,7 @@ def archive(
 app = Group(
     "What only readers of the source paper need: its figures, candidates, grids and numbers."
 )
-app.add(reproduce, audit, grid, fractions, limits, counts, maxima, archive)
+app.add(reproduce, audit, grid, fractions, limits, counts, maxima, one_maximum, archive)
 
 if __name__ == "__main__":
     main(app)

@@ -11,6 +11,8 @@ import hashlib
 import io
 import json
 from collections.abc import Callable, Iterator
+from fractions import Fraction
+from itertools import product
 from pathlib import Path
 from typing import Any
 
@@ -30,6 +32,8 @@ from studies.most_states import branch
 
 COUNTS = Path(__file__).resolve().parents[1] / "docs" / "counts.json"
 """The recorded run of `python -m studies counts`."""
+BOXES = COUNTS.with_name("at_most_four.json")
+"""Boxes of vertices with four stable states at most, each proved (tests/independent/one_maximum)."""
 VERTICES: dict[str, tuple[tuple[float, ...], tuple[float, ...], tuple[float, ...], str]] = {
     "six": ((62, 100, 119, 79), (0.02, 0.0186, 0.0129, 0.0135), (-180, -141, 180, 180), "full"),
     "six-limits": (
@@ -91,6 +95,19 @@ DICTIONARY = (
     ("curves.csv", "t", "", "parameter of the closed form: 0 flat, -1 and 1 at the fold limit"),
     ("curves.csv", "fold_angles", "deg", "of the closed state"),
     ("curves.csv", "energy", "J", "of the springs"),
+    ("waterbombs.csv", "creases", "", "2n equal sectors, mountains and valleys in turn"),
+    ("waterbombs.csv", "curve", "", "1 or 2: the two curves through the flat state"),
+    ("waterbombs.csv", "mountain", "deg", "fold of all mountains"),
+    ("waterbombs.csv", "valley", "deg", "fold of all valleys"),
+    ("at_most_four.csv", "width", "deg", "of a box of sectors"),
+    ("at_most_four.csv", "first", "deg", "sector between the leading creases, at least"),
+    ("at_most_four.csv", "second", "deg", "the next sector, at least"),
+    (
+        "at_most_four.csv",
+        "fourth",
+        "deg",
+        "the last sector, at least; the third is what is left of 360",
+    ),
 )
 """File, column, unit and meaning of each column of each table."""
 Report = Callable[[str], object]
@@ -146,6 +163,8 @@ def write_archive(folder: Path, report: Report = lambda _: None) -> list[Path]:
         "branches": list(_branches()),
         "twists": list(_twists()),
         "curves": list(_curves()),
+        "waterbombs": list(_waterbombs()),
+        "at_most_four": list(_boxes()),
     }
     for name, rows in tables.items():
         write(f"{name}.csv", _csv([c for f, c, *_ in DICTIONARY if f == f"{name}.csv"], rows))
@@ -234,7 +253,28 @@ def _curves() -> Iterator[list[object]]:
             yield ["six", mode, f"{t:.9f}", _degrees(phi), _digits(energy)]
 
 
-def _degrees(phi: np.ndarray) -> str:
+def _waterbombs() -> Iterator[list[object]]:
+    """Closed states of waterbomb bases with all symmetries, by tan(v/4) = -(1 +- sin a)/cos a tan(m/4)."""
+    for n, curve in product((3, 4, 6), (1, 2)):
+        ratio = (1 + (-1) ** (curve + 1) * np.sin(np.pi / n)) / np.cos(np.pi / n)
+        most = min(1.0, 1 / ratio)
+        for share in np.linspace(-1, 1, 21):
+            mountain = 4 * np.arctan(most * share)
+            yield [
+                2 * n,
+                curve,
+                *_degrees([mountain, -4 * np.arctan(ratio * most * share)]).split(),
+            ]
+
+
+def _boxes() -> Iterator[list[object]]:
+    stated = json.loads(BOXES.read_text())
+    width = Fraction(stated["width"])
+    for box in stated["boxes"]:
+        yield [float(width), *(float(k * width) for k in box)]
+
+
+def _degrees(phi: np.ndarray | list[float]) -> str:
     return " ".join(f"{round(d, 6) + 0.0:.6f}" for d in np.degrees(phi))
 
 

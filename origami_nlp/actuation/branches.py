@@ -193,6 +193,7 @@ def released(
     limit = problem.fold_limits.near(np.zeros(pattern.creases), SAME_DIRECTION)
     branches, reached = [], list[JudgedState]()
     for k, motion in enumerate(found):
+        problem.check_time()  # sheets have thousands of branches
         basis = motion.basis
         kind: Any = "cone" if motion.side else "line" if basis.shape[1] == 1 else "family"
         drivable = bool(motion.side) or driven_alone(found, k, 0) is not None

@@ -9,6 +9,7 @@ import tomllib
 import numpy as np
 import pytest
 
+from origami_nlp.actuation import actuate
 from origami_nlp.errors import OutOfTime
 from studies import archive as of, counts
 from studies.archive import DICTIONARY, write_archive
@@ -45,19 +46,31 @@ def check(folder):
     for state in states:
         assert state["certificate"]
         phi = np.radians([float(d) for d in state["fold_angles"].split()])
-        sheet, k, rest = stated(folder / "scenes", state["scene"])
+        sheet, k, rest = scene_of(folder / "scenes", state["scene"])
         assert np.abs(sheet.closure(phi)[0]).max() < 1e-6
         assert float(state["energy"]) == pytest.approx(float(k @ (phi - rest) ** 2) / 2, rel=1e-6)
     for row in rows(folder / "curves.csv"):
         phi = np.radians([float(d) for d in row["fold_angles"].split()])
-        sheet, k, rest = stated(folder / "scenes", row["scene"])
+        sheet, k, rest = scene_of(folder / "scenes", row["scene"])
         assert np.abs(sheet.closure(phi)[0]).max() < 1e-6
         assert float(row["energy"]) == pytest.approx(float(k @ (phi - rest) ** 2) / 2, rel=1e-6)
+    for row in rows(folder / "waterbombs.csv"):
+        n = int(row["creases"])
+        at = np.arange(n) * 2 * np.pi / n
+        corners = np.vstack([[0.0, 0.0], np.column_stack([np.cos(at), np.sin(at)])])
+        phi = np.radians([float(row["mountain"]), float(row["valley"])] * (n // 2))
+        assert np.abs(phi).max() < np.pi + 1e-6
+        assert np.abs(Sheet(corners, [(0, i + 1) for i in range(n)]).closure(phi)[0]).max() < 1e-6
+    stated = json.loads(of.BOXES.read_text())["boxes"]
+    assert [
+        [float(r[c]) for c in ("first", "second", "fourth")]
+        for r in rows(folder / "at_most_four.csv")
+    ] == stated
     assert rows(folder / "counts.csv")
     return found
 
 
-def stated(folder, name):
+def scene_of(folder, name):
     if (folder / f"{name}.toml").exists():
         scene = tomllib.loads((folder / f"{name}.toml").read_text())
         a = np.array([angle(x) for x in scene["vertex"]["sector_angles"]])
@@ -149,6 +162,13 @@ def test_springs_of_a_sheet_keep_their_time():
     began = time.monotonic()
     late = counts.count_states("twists", 8, "full", 1.0)
     assert time.monotonic() - began < 30 and not late.states and late.left_out
+
+
+@pytest.mark.slow
+def test_thousands_of_branches_are_compared_within_the_time():
+    began = time.process_time()
+    seen = actuate(counts.twists(5), seconds=10.0)
+    assert time.process_time() - began < 15 and seen.left_out and seen.unique is None
 
 
 def lines(recorded):
