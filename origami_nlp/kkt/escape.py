@@ -29,6 +29,8 @@ OPEN: Final = "not determined"
 ALONE: Final = "isolated"
 SECTIONS, ROUNDS = 9, 2
 """States that a step is cut at in one round, and rounds: a step is cut to a hundredth."""
+DESCENTS = 64
+"""Descents from states along rays that are made at once."""
 MOST_CONFIRMED = 5
 """Escape paths from a state that are gone down carefully, the one of the least height first."""
 
@@ -148,10 +150,10 @@ def escape_paths_of_each(
     confirmed: int = MOST_CONFIRMED,
 ) -> Iterator[tuple[int, Iterator[EscapePath]]]:
     """Yield escape paths of states by number, as `escape_paths`: all that are gone down, the lowest beginning first."""
-    partings = _partings(terrain, which)
-    _sharpen(terrain, [p for parts in partings.values() for p in parts[:confirmed]], sections)
+    partings = _partings(terrain, which, confirmed)
+    _sharpen(terrain, [p for parts in partings.values() for p in parts], sections)
     for k, parts in partings.items():
-        found = (_way(terrain, part) for part in sorted(parts[:confirmed], key=_rank))
+        found = (_way(terrain, part) for part in sorted(parts, key=_rank))
         yield k, filter(None, found)
 
 
@@ -169,22 +171,49 @@ class _Parting:
     height: float
 
 
-def _partings(terrain: Terrain, which: Sequence[int]) -> dict[int, list[_Parting]]:
-    """Return where descents along rays begin to end elsewhere, by state, the lowest first."""
+def _partings(terrain: Terrain, which: Sequence[int], most: int) -> dict[int, list[_Parting]]:
+    """Return where descents along rays begin to end elsewhere, by state: the `most` lowest, the lowest first.
+
+    Descents are made from low states before high ones: what lies above the `most` lowest is not descended from.
+    """
     rays = [(k, ray) for k, ray in terrain.rays(which) if len(ray) > 1]
-    starts = [(k, x) for k, ray in rays for x in ray[1:]]
+    tops = [np.maximum.accumulate(terrain.rise(k, ray)) for k, ray in rays]
+    ranks = [coarse(top[:, None])[:, 0] for top in tops]
+    lower = [np.flatnonzero(terrain.are_lower(k, ray)) for k, ray in rays]
+    # of each ray: its first state that is known to be away, and the first that may be, or its length
+    first = [
+        int(some[0]) if len(some) else len(ray) for some, (_, ray) in zip(lower, rays, strict=True)
+    ]
+    begin = [1] * len(rays)
+    for k in dict.fromkeys(k for k, _ in rays):
+        mine = [r for r, (of, _) in enumerate(rays) if of == k]
+        while some := _next_descents(ranks, first, begin, mine, most):
+            away = _away(terrain, [(k, rays[r][1][i]) for r, i in some])
+            for (r, i), gone in zip(some, away.tolist(), strict=True):
+                begin[r] = i + 1
+                first[r] = min(first[r], i) if gone else first[r]
     out: dict[int, list[_Parting]] = {}
-    away = iter(_away(terrain, starts).tolist())
-    for k, ray in rays:
-        gone = [False, *(next(away) for _ in ray[1:])]
-        if True not in gone:
-            continue
-        first = gone.index(True)
-        top = float(terrain.rise(k, ray[: first + 1]).max())
-        before = list(ray[:first])
-        part = _Parting(k, before, before[-1], ray[first], top)
-        out.setdefault(k, []).append(part)
-    return {k: sorted(parts, key=_rank) for k, parts in out.items()}
+    for (k, ray), top, at in zip(rays, tops, first, strict=True):
+        if at < len(ray):
+            part = _Parting(k, list(ray[:at]), ray[at - 1], ray[at], float(top[at]))
+            out.setdefault(k, []).append(part)
+    return {k: sorted(parts, key=_rank)[:most] for k, parts in out.items()}
+
+
+def _next_descents(
+    ranks: Sequence[np.ndarray],
+    first: Sequence[int],
+    begin: Sequence[int],
+    mine: Sequence[int],
+    most: int,
+) -> list[tuple[int, int]]:
+    """Return the lowest states (ray, place) of one state's rays that may be among the `most` lowest partings."""
+    known = sorted(ranks[r][first[r]] for r in mine if first[r] < len(ranks[r]))
+    bar = known[most - 1] if len(known) >= most else math.inf
+    some = [
+        (ranks[r][i], r, i) for r in mine for i in range(begin[r], first[r]) if ranks[r][i] <= bar
+    ]
+    return [(r, i) for _, r, i in sorted(some)[:DESCENTS]]
 
 
 def _rank(part: _Parting) -> float:
@@ -202,8 +231,10 @@ def _away(terrain: Terrain, starts: Sequence[tuple[int, np.ndarray]]) -> np.ndar
     todo = np.flatnonzero(~away).tolist()
     if len(todo):
         ends = terrain.land(np.array([starts[i][1] for i in todo]))
-        for i, end in zip(todo, ends, strict=True):
-            away[i] = np.isfinite(end).all() and terrain.is_way(starts[i][0], end)
+        left = np.flatnonzero(~away)
+        for k in dict.fromkeys(of[left].tolist()):
+            mine = of[left] == k
+            away[left[mine]] = terrain.are_ways(k, ends[mine])
     return away
 
 

@@ -126,16 +126,25 @@ class Terrain(ABC):
         """Whether a state [n] has less energy than state k, by more than rounding."""
         return bool(self.are_lower(k, x))
 
-    def is_way(self, k: int, end: np.ndarray) -> bool:
-        """Whether an end is another state, of no more energy; of any for a state than which none listed has less."""
+    def are_ways(self, k: int, ends: np.ndarray) -> np.ndarray:
+        """Which ends [S, n] are another state, of no more energy; of any for a state than which none listed has less.
+
+        nan is none.
+        """
         at = self.minima[k]
-        if np.abs(end - at).max() <= NEAR_SINGULAR_TOL:
-            return False
-        # known to `NEAR_SINGULAR_TOL` only: that is no more energy as well as can be determined
-        slack = (self.slope(end) + self.slope(at)) * NEAR_SINGULAR_TOL
+        apart = np.abs(ends - at).max(axis=-1) > NEAR_SINGULAR_TOL
         others = np.arange(len(self.minima)) != k
-        lowest = not (self.rise(k, self.minima[others]) <= self.noise[k]).any()
-        return lowest or bool(self.rise(k, end) <= slack)
+        if not (self.rise(k, self.minima[others]) <= self.noise[k]).any():
+            return np.asarray(apart)
+        # known to `NEAR_SINGULAR_TOL` only: that is no more energy as well as can be determined
+        slopes = np.linalg.norm(self.torque(ends), axis=-1)
+        return np.asarray(
+            apart & (self.rise(k, ends) <= (slopes + self.slope(at)) * NEAR_SINGULAR_TOL)
+        )
+
+    def is_way(self, k: int, end: np.ndarray) -> bool:
+        """Whether an end [n] is one, as `are_ways`."""
+        return bool(self.are_ways(k, end))
 
     def others(self, k: int) -> np.ndarray:
         """The other states that are nearest to one, [S, n]."""

@@ -15,7 +15,8 @@ from origami_nlp.starts import SLOTS, Samples
 def project_many(
     descents: Descents,
     x: np.ndarray,
-    contacts: Sequence[Contact] = (),
+    choices: Sequence[tuple[Contact, ...]],
+    of: np.ndarray,
     frozen: np.ndarray | None = None,
     steps: int = PROJECTED,
 ) -> tuple[np.ndarray, np.ndarray]:
@@ -27,7 +28,9 @@ def project_many(
         Of the model, compiled or not.
     x
         States, shape [K, n] [rad].
-    contacts, frozen, steps
+    choices, of
+        Contacts, and for each state the number of those that it holds, shape [K].
+    frozen, steps
         As for `kkt.project`.
 
     Returns
@@ -35,18 +38,22 @@ def project_many(
     x, residual
         As those of `kkt.project`.
     """
-    gaps = [c for c in contacts if not c.is_limit]
-    if descents.compiled is None or len(gaps) > SLOTS:
-        return project(descents.model, x, contacts, frozen=frozen, steps=steps)
-    s = Samples.on(held(x, contacts), None if frozen is None else frozen)
-    s.at_limit[:, [c.index for c in contacts if c.is_limit]] = 1
-    for k, gap in enumerate(gaps):
-        s.slots[:, k], s.sides[:, k] = gap.index, gap.side
-    y, residual, known = descents.compiled.project(s, steps)
-    left = np.flatnonzero(~known)
-    if len(left):
-        still = None if frozen is None else frozen[left]
-        y[left], residual[left] = project(
-            descents.model, x[left], contacts, frozen=still, steps=steps
-        )
+    y, residual, known = np.array(x, dtype=float), np.zeros(len(x)), np.zeros(len(x), dtype=bool)
+    kinds = [(choices[c], np.flatnonzero(of == c)) for c in np.unique(of).tolist()]
+    few = all(sum(not c.is_limit for c in rows) <= SLOTS for rows, _ in kinds)
+    if descents.compiled is not None and few:
+        s = Samples.on(y, frozen)
+        for rows, which in kinds:
+            for slot, gap in enumerate(c for c in rows if not c.is_limit):
+                s.slots[which, slot], s.sides[which, slot] = gap.index, gap.side
+            s.at_limit[which[:, None], [c.index for c in rows if c.is_limit]] = 1
+            s.x[which] = held(y[which], rows)
+        y, residual, known = descents.compiled.project(s, steps)
+    for rows, which in kinds:
+        left = which[~known[which]]
+        if len(left):
+            still = None if frozen is None else frozen[left]
+            y[left], residual[left] = project(
+                descents.model, x[left], rows, frozen=still, steps=steps
+            )
     return y, residual

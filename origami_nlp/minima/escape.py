@@ -73,7 +73,7 @@ class VertexTerrain(Terrain):
     def _held(self, a: np.ndarray, b: np.ndarray) -> tuple[Contact, ...]:
         """Contacts that two states both hold."""
         one, two = (self._contacts(x) for x in (a, b))
-        return tuple(c for c in one if c in two)
+        return one if one is two else tuple(c for c in one if c in two)
 
     def _contacts(self, x: np.ndarray) -> tuple[Contact, ...]:
         key = x.tobytes()
@@ -94,18 +94,24 @@ class VertexTerrain(Terrain):
             unit, modes = np.eye(len(x)), self._modes[k]
             along = [*unit, *-unit, *modes, *(-mode for mode in modes)]
             jobs.append((k, np.array(along), np.array([flat, *self.others(k)])))
-        out = self._walk(jobs, ())
-        for job in jobs:
-            if held := self._contacts(self.minima[job[0]]):
-                out += self._walk([job], held)
+        held = {k: self._contacts(self.minima[k]) for k in which}
+        holds = [job for job in jobs if held[job[0]]]
+        out = self._walk([*jobs, *holds], [()] * len(jobs) + [held[k] for k, _, _ in holds])
         return out + over_flat(out)
 
     def _walk(
-        self, jobs: Sequence[tuple[int, np.ndarray, np.ndarray]], held: tuple[Contact, ...]
+        self,
+        jobs: Sequence[tuple[int, np.ndarray, np.ndarray]],
+        held: Sequence[tuple[Contact, ...]],
     ) -> list[tuple[int, np.ndarray]]:
-        """Walk from minima along directions, and towards targets, as far as states close and are admissible."""
+        """Walk from minima along directions, and towards targets, as far as states close and are admissible.
+
+        held: contacts that stay closed, of each job.
+        """
         model, none = self.model, np.zeros((0, self.model.size))
-        owner = np.concatenate([[k] * (len(a) + len(t)) for k, a, t in jobs]).astype(int)
+        many = [len(a) + len(t) for _, a, t in jobs]
+        owner = np.repeat([k for k, _, _ in jobs], many)
+        rows = np.repeat(np.arange(len(jobs)), many)
         at = self.minima[owner].copy()
         aimed = np.concatenate([np.r_[np.zeros(len(a)), np.ones(len(t))] for _, a, t in jobs]) > 0
         goal = np.concatenate([none, *(part for _, a, t in jobs for part in (a, t))])
@@ -122,7 +128,7 @@ class VertexTerrain(Terrain):
             # nothing beside it: at the flat state closure has no rank, and rounding would choose a side
             want[arrives] = goal[live][arrives]
             still = (goal[live] != 0) & driven[live, None]
-            y, residual = project_many(self._descents, want, held, still, MOST_STEPS)
+            y, residual = project_many(self._descents, want, held, rows[live], still, MOST_STEPS)
             y = model.fold_limits.clip(y)
             moved = np.linalg.norm(y - at[live], axis=1)
             good = (
@@ -149,37 +155,35 @@ class VertexTerrain(Terrain):
         """States between two, with the contacts held that both hold."""
         held = self._held(a, b)
         longest = np.full(len(shares), np.abs(b - a).max())
-        x = self._closed_at(a + shares[:, None] * (b - a), longest, held)
+        x = self._closed_at(a + shares[:, None] * (b - a), longest, [held] * len(shares))
         # facets that lie on each other along the whole step have one order in it
         return None if x is None or (held and self.model.refuses(x[len(x) // 2])) else x
 
     def middles(self, a: np.ndarray, b: np.ndarray) -> np.ndarray | None:
         """States half way from each of a to each of b, [S, n], as `between`; None where one is lacking."""
         held = [self._held(y, z) for y, z in zip(a, b, strict=True)]
-        out = np.empty_like(a)
-        for rows in dict.fromkeys(held):
-            some = [i for i, h in enumerate(held) if h == rows]
-            step = b[some] - a[some]
-            x = self._closed_at(a[some] + 0.5 * step, np.abs(step).max(axis=1), rows)
-            if x is None or (rows and any(self.model.refuses(y) for y in x)):
-                return None
-            out[some] = x
-        return out
+        step = b - a
+        x = self._closed_at(a + 0.5 * step, np.abs(step).max(axis=1), held)
+        if x is None or any(h and self.model.refuses(y) for h, y in zip(held, x, strict=True)):
+            return None
+        return x
 
     def _closed_at(
-        self, want: np.ndarray, longest: np.ndarray, held: tuple[Contact, ...]
+        self, want: np.ndarray, longest: np.ndarray, held: Sequence[tuple[Contact, ...]]
     ) -> np.ndarray | None:
-        """Close states [S, n] with contacts held, moved by `longest` [S] at most; None where one is no state."""
+        """Close states [S, n], what each holds held, moved by `longest` [S] at most; None where one is no state."""
         model = self.model
-        x, residual = project_many(self._descents, want, held)
+        number = {rows: i for i, rows in enumerate(dict.fromkeys(held))}
+        of = np.array([number[rows] for rows in held])
+        x, residual = project_many(self._descents, want, list(number), of)
         x = model.fold_limits.clip(x)
         long = (np.abs(x - want).max(axis=1) > longest + CLOSURE_TOL).any()
         if long or (residual > FOLLOWED).any() or (np.abs(model.closure(x)[0]) > CLOSURE_TOL).any():
             return None
         if not model.admissible(x).all():
             return None
-        for y in x:  # what a step holds, its middle holds
-            self._closed[y.tobytes()] = held
+        for y, rows in zip(x, held, strict=True):  # what a step holds, its middle holds
+            self._closed[y.tobytes()] = rows
         return x
 
     def land(self, states: np.ndarray) -> np.ndarray:

@@ -20,7 +20,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Hashable
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, Protocol
@@ -79,6 +79,16 @@ class Enclosed:
     size: int
     laws: LawTorques | None = None
 
+    @property
+    def geometry(self) -> tuple[Hashable, ...]:
+        """All that rows hang on but springs and laws."""
+        raise NotImplementedError
+
+    @property
+    def springs(self) -> np.ndarray:
+        """Stiffness over the largest, and rest angles, [2, n, 1]."""
+        raise NotImplementedError
+
     def enclosed(self, angles: Angles) -> tuple[Affine, Affine]:
         """Enclose closure, and minors and twins, over boxes."""
         raise NotImplementedError
@@ -115,10 +125,11 @@ class Enclosed:
 class Sprung(Protocol):
     """Springs, laws and twins of a piece."""
 
-    stiffness: np.ndarray
-    rest: np.ndarray
     laws: LawTorques | None
     twin_rule: tuple[CollinearPair, ...]
+
+    @property
+    def springs(self) -> np.ndarray: ...  # noqa: D102
 
 
 class VertexForms(Enclosed):
@@ -151,7 +162,7 @@ class VertexForms(Enclosed):
         laws: LawTorques | None = None,
     ) -> None:
         n = self.size = len(sectors)
-        self.laws = laws
+        self.laws, self.whole = laws, whole
         self.stiffness = np.asarray(stiffness, dtype=float)
         self.rest = np.asarray(rest, dtype=float)
         self.sectors = np.asarray(sectors, dtype=float)
@@ -180,6 +191,16 @@ class VertexForms(Enclosed):
         self.minor_creases = tuple(map(tuple, self.fours.tolist()))
         self.twin_rule = collinear_creases_of_loop(self.sectors, doubt)
         self.twins = tuple(t.creases for t in self.twin_rule)
+
+    @property
+    def geometry(self) -> tuple[Hashable, ...]:
+        """All that rows hang on but springs and laws."""
+        return self.sectors.tobytes(), self.whole
+
+    @property
+    def springs(self) -> np.ndarray:
+        """Stiffness over the largest, and rest angles, [2, n, 1]."""
+        return springs_of(self.stiffness, self.rest)
 
     def _pose_triples(self) -> None:
         """Choose for each triple of creases the middle one and how many creases on each side the others are."""
@@ -357,8 +378,13 @@ def torques(
     if angles.torque is not None:
         centre, lean, error = angles.torque
         return centre, lean, error, error
-    k = (piece.stiffness / piece.stiffness.max())[:, None]
-    return k * (angles.middle - piece.rest[:, None]), k * angles.half, None, 8 * k
+    k, rest = piece.springs if angles.springs is None else angles.springs
+    return k * (angles.middle - rest), k * angles.half, None, 8 * k
+
+
+def springs_of(stiffness: np.ndarray, rest: np.ndarray) -> np.ndarray:
+    """Return stiffness [n] over its largest, and rest angles [n], as [2, n, 1]."""
+    return np.stack([stiffness / stiffness.max(), rest])[:, :, None]
 
 
 def with_twins_asked(

@@ -18,6 +18,7 @@ from __future__ import annotations
 
 import itertools
 import math
+from collections.abc import Hashable
 from fractions import Fraction
 
 import numpy as np
@@ -40,6 +41,7 @@ from origami_nlp.proof.chains import (
     SECTORS,
     Enclosed,
     Sprung,
+    springs_of,
     taken,
     torques,
     with_twins,
@@ -95,6 +97,16 @@ class WedgeForms(Enclosed):
         self.twin_rule = collinear_creases_of_wedge(self.sectors, crease, doubt)
         self.twins = tuple(t.creases for t in self.twin_rule)
         self.ray_of = [r for r, c in enumerate(crease) if c is not None]
+
+    @property
+    def geometry(self) -> tuple[Hashable, ...]:
+        """All that rows hang on but springs and laws."""
+        return self.order, self.sectors.tobytes(), tuple(self.crease)
+
+    @property
+    def springs(self) -> np.ndarray:
+        """Stiffness over the largest, and rest angles, [2, n, 1]."""
+        return springs_of(self.stiffness, self.rest)
 
     def turns(self, angles: Angles) -> Turn:
         """Turns of the creases, half as far on a mirror, [n, K]."""

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import itertools
 import math
+from collections.abc import Hashable
 
 import numpy as np
 
@@ -27,6 +28,7 @@ from origami_nlp.proof.angles import Angles
 from origami_nlp.proof.chains import (
     SECTORS,
     Enclosed,
+    springs_of,
     taken,
     with_twins,
     with_twins_asked,
@@ -83,6 +85,16 @@ class PeriodForms(Enclosed):
                     found[min(a, b), max(a, b), closed] = twin.sign
         self.twin_rule = tuple(CollinearPair((a, b), sign, c) for (a, b, c), sign in found.items())
         self.twins = tuple(t.creases for t in self.twin_rule)
+
+    @property
+    def geometry(self) -> tuple[Hashable, ...]:
+        """All that rows hang on but springs and laws."""
+        return self.order, self.level, self.sectors.tobytes()
+
+    @property
+    def springs(self) -> np.ndarray:
+        """Stiffness over the largest, and rest angles, [2, n, 1]."""
+        return springs_of(self.stiffness, self.rest)
 
     def enclosed(self, angles: Angles) -> tuple[Affine, Affine]:
         """Enclose closure, and minors and twins, over boxes."""

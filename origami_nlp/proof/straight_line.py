@@ -4,13 +4,14 @@ The rows of a scene are computed with `Traced` numbers in place of arrays of box
 noted is the computation itself: each operation on doubles, rounded once, in the order of NumPy's; so what `affine`
 proves of its rounding (bounds of sums in any order, and of products) holds of it.  Left out is what changes no value:
 operations on numbers that are known (done at once, in the same doubles), products with 0 and 1 and sums with 0, which
-are exact for what is finite, and what was computed before.  Sines and cosines are NumPy's: they are arguments.
+are exact for what is finite, and what was computed before.  Sines and cosines are NumPy's: they are arguments.  So are
+springs: a vertex is noted once, whatever its springs are.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import fields
+from collections.abc import Callable, Hashable
+from dataclasses import dataclass, fields
 from typing import Any, Protocol
 
 import numpy as np
@@ -29,6 +30,11 @@ class EnclosedRows(Protocol):
 
     size: int
     laws: LawTorques | None
+
+    @property
+    def geometry(self) -> tuple[Hashable, ...]: ...  # noqa: D102
+    @property
+    def springs(self) -> np.ndarray: ...  # noqa: D102
 
     def enclosed(self, angles: Angles) -> tuple[Affine, Affine]: ...  # noqa: D102
 
@@ -145,7 +151,47 @@ def _traced_angles(n: int, laws: bool) -> tuple[Angles, dict[tuple[Any, ...], Tr
     middle, half, sines, share = (rows(k) for k in (n, n, 2, 1))
     whole, halves = (Turn(*(rows(n) for _ in fields(Turn))) for _ in range(2))
     torque = np.stack([rows(n) for _ in range(3)]) if laws else None
-    return Angles(middle, half, whole, halves, sines, share[0], torque), tape
+    springs = None if laws else np.stack([rows(n) for _ in range(2)])
+    return Angles(middle, half, whole, halves, sines, share[0], torque, springs), tape
+
+
+@dataclass(frozen=True, eq=False)
+class Noted:
+    """What rows compute, whatever the springs are.
+
+    Attributes
+    ----------
+    ops, slots
+        As `_allocated`.
+    shapes
+        Of closure and of minors and twins: centre, slopes and error of each, but for the boxes.
+    known
+        Numbers of results that do not hang on the box, and their values.
+    count
+        Results.
+    """
+
+    ops: np.ndarray
+    slots: np.ndarray
+    shapes: tuple[tuple[int, ...], ...]
+    known: tuple[tuple[int, float], ...]
+    count: int
+
+
+def noted(forms: EnclosedRows) -> Noted:
+    """Note what rows compute."""
+    angles, tape = _traced_angles(forms.size, forms.laws is not None)
+    shapes, results = list[tuple[int, ...]](), list[Any]()
+    for form in forms.enclosed(angles):
+        for part in (form.centre, form.slopes, form.error):
+            shapes.append(part.shape[:-1])
+            results += part.ravel().tolist()
+    wanted: dict[int, list[int]] = {}
+    for i, v in enumerate(results):
+        if type(v) is Traced:
+            wanted.setdefault(v.at, []).append(i)
+    known = tuple((i, v) for i, v in enumerate(results) if type(v) is not Traced)
+    return Noted(*_allocated(list(tape), wanted), tuple(shapes), known, len(results))
 
 
 class StraightLine:
@@ -160,43 +206,41 @@ class StraightLine:
     """
 
     def __init__(self, run: Any, forms: EnclosedRows) -> None:
-        self._run = run
-        angles, tape = _traced_angles(forms.size, forms.laws is not None)
-        self._shapes: list[tuple[int, ...]] = []
-        results: list[Any] = []
-        for form in forms.enclosed(angles):
-            for part in (form.centre, form.slopes, form.error):
-                self._shapes.append(part.shape[:-1])
-                results += part.ravel().tolist()
-        self._known = [(i, v) for i, v in enumerate(results) if type(v) is not Traced]
-        self._count = len(results)
-        wanted: dict[int, list[int]] = {}
-        for i, v in enumerate(results):
-            if type(v) is Traced:
-                wanted.setdefault(v.at, []).append(i)
-        self._ops, self._slots = _allocated(list(tape), wanted)
+        key = type(forms), forms.laws is None, forms.geometry
+        if key not in _NOTED:
+            if len(_NOTED) >= MOST_KEPT:
+                _NOTED.pop(next(iter(_NOTED)), None)
+            _NOTED[key] = noted(forms)
+        self._run, self._noted = run, _NOTED[key]
+        self._slots = self._noted.slots.copy()  # it works in them: threads have their own
+        self._springs = forms.springs.reshape(-1, 1) if forms.laws is None else np.zeros((0, 1))
 
     def __call__(self, angles: Angles) -> tuple[Affine, Affine]:
         """Enclose closure, and minors and twins, over boxes."""
-        given = np.concatenate(_arguments(angles))
-        boxes = given.shape[1]
-        out = np.empty((self._count, boxes))
-        for i, value in self._known:
+        boxes, own, made = angles.middle.shape[1], self._springs, self._noted
+        given = np.concatenate([*_arguments(angles), np.broadcast_to(own, (len(own), boxes))])
+        out = np.empty((made.count, boxes))
+        for i, value in made.known:
             out[i] = value
         self._run(
-            len(self._ops),
-            self._ops.ctypes.data,
+            len(made.ops),
+            made.ops.ctypes.data,
             self._slots.ctypes.data,
             given.ctypes.data,
             out.ctypes.data,
             boxes,
         )
         parts, first = [], 0
-        for shape in self._shapes:
+        for shape in made.shapes:
             count = int(np.prod(shape))
             parts.append(out[first : first + count].reshape(*shape, boxes))
             first += count
         return Affine(*parts[:3]), Affine(*parts[3:])
+
+
+MOST_KEPT = 64
+"""Vertices, with what touches, of which it is kept what their rows compute."""
+_NOTED: dict[tuple[Hashable, ...], Noted] = {}
 
 
 def _allocated(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Hashable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -134,6 +134,16 @@ class TouchedWedge(Enclosed):
         if axis and len(a) == 2 and piece.size == 3 and abs(a[0] - a[1]) <= SUMMED:
             self.kite = Kite(a[0], 0 if touches[0].kind == "start" else 2, 3)
 
+    @property
+    def geometry(self) -> tuple[Hashable, ...]:
+        """All that rows hang on but springs and laws."""
+        return *self.piece.geometry, tuple((t.kind, t.rays) for t in self.touches)
+
+    @property
+    def springs(self) -> np.ndarray:
+        """Stiffness over the largest, and rest angles, [2, n, 1]."""
+        return self.piece.springs
+
     def asked(self, pins: np.ndarray, flat: np.ndarray) -> np.ndarray:
         """Return whether the minor holds on the strata of boxes, [R, K]."""
         return np.tile((pins == 0).all(axis=0), (self.minor_count, 1))
@@ -213,6 +223,11 @@ class TouchedVertex(VertexForms):
         if self.minor_count:
             critical = [self._minor(angles, slopes[0])]
         return concatenated(closure), stacked(critical, boxes, n)
+
+    @property
+    def geometry(self) -> tuple[Hashable, ...]:
+        """All that rows hang on but springs and laws."""
+        return *super().geometry, self.touches
 
     def _chain(self, angles: Angles, j: int, k: int, way: int) -> list[Affine]:
         """Enclose the rays j+1 .. k, or j .. k backwards, seen from the first: [3, K] each in n variables."""

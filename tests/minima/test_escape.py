@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from origami_nlp import Scene, Vertex, examples, find_barriers, find_minima, load
-from origami_nlp.kkt import ALONE, BOUND, TRACED, TREE, State, energy_scale, project
+from origami_nlp.kkt import ALONE, BOUND, TRACED, TREE, State, energy_scale, escape_paths, project
 from origami_nlp.minima.escape import VertexTerrain, with_escapes
 from origami_nlp.numerics import CLOSURE_TOL, SHALLOW
 from tests.computed_once import panel_result
@@ -339,3 +339,32 @@ def test_softest_stiffness_is_that_of_its_mode():
 
 if __name__ == "__main__":
     PAGE.write_text(page())
+
+
+@pytest.mark.parametrize("number", [4, 10])
+def test_descents_that_are_left_out_change_no_escape_path(number, monkeypatch):
+    # the lowest partings of all rays, descended from state by state: nothing of the order in which that is done
+    result = panel_result(examples.panels()[number])
+    model = result.model
+    x = np.array([model.reduce(np.array(m.fold_angles)) for m in result.minima])
+    modes = [[] for _ in x]
+    loose = [k for k, m in enumerate(result.minima) if m.local_dimension != 0]
+    terrain = VertexTerrain(model, x, modes)
+    lowest = {k: [] for k in loose}
+    for k, ray in terrain.rays(loose):
+        rise = terrain.rise(k, ray)
+        for i in range(1, len(ray)):
+            end = terrain.land(ray[i : i + 1])[0]
+            if terrain.is_lower(k, ray[i]) or (np.isfinite(end).all() and terrain.is_way(k, end)):
+                lowest[k].append(float(rise[: i + 1].max()))
+                break
+    seen = {}
+    monkeypatch.setattr(
+        "origami_nlp.kkt.escape._sharpen",
+        lambda terrain, parts, sections: seen.update({id(p): p for p in parts}),
+    )
+    escape_paths(VertexTerrain(model, x, modes), loose, confirmed=1)
+    for k in loose:
+        heights = sorted(p.height for p in seen.values() if p.k == k)
+        assert heights == pytest.approx(sorted(lowest[k])[:1], rel=1e-9)
+    assert sum(map(len, lowest.values())) > len(seen) > 1  # some were left out

@@ -70,6 +70,44 @@ def test_enclosures_are_those_of_numpy(scene):
     assert seen > 500
 
 
+@pytest.mark.parametrize("scene", [SCENES[0], SCENES[6], TURNED], ids=["D", "none", "C"])
+def test_a_vertex_is_noted_once_and_each_has_its_own_springs(scene):
+    rng = np.random.default_rng(2)
+    programs = []
+    # springs that keep the symmetry: 1 and 0 are the numbers that tracing would leave out
+    for k, rest in ((1.0, 0.0), (3.0, 0.7)):
+        stiffness = tuple(np.array(scene.stiffness) ** k)
+        sprung = replace(
+            scene, stiffness=stiffness, rest_angles=tuple(rest * np.array(scene.rest_angles))
+        )
+        for forms in forms_of(sprung):
+            program = straight_line(forms)
+            if program is None:
+                pytest.skip("no C compiler, or it is switched off")
+            programs.append(program)
+            angles = Angles.over(*random_boxes(rng, forms.size, 0.1))
+            for one, other in zip(program(angles), forms.enclosed(angles), strict=True):
+                off = np.abs(one.centre - other.centre)
+                assert (off <= SAME * other.magnitude()).all() and (off <= other.error).all()
+    half = len(programs) // 2
+    for one, other in zip(programs[:half], programs[half:], strict=True):
+        assert one._noted is other._noted and one._slots is not other._slots
+
+
+def test_other_sectors_are_noted_anew():
+    forms = [
+        next(forms_of(replace(TURNED, vertex=Vertex.from_degrees((70 + d, 50 - d) * 3))))
+        for d in (0, 1)
+    ]
+    programs = [straight_line(f) for f in forms]
+    if None in programs:
+        pytest.skip("no C compiler, or it is switched off")
+    assert programs[0]._noted is not programs[1]._noted
+    angles = Angles.over(*random_boxes(np.random.default_rng(3), forms[0].size, 0.1))
+    values = [p(angles)[0].centre for p in programs]
+    assert np.abs(values[0] - values[1]).max() > 1e-3
+
+
 @pytest.mark.parametrize("number", thinned(range(len(PANELS)), 3))
 def test_panels_are_proved_the_same(number, monkeypatch):
     assert_same(PANELS[number], monkeypatch)
