@@ -29,8 +29,6 @@ OPEN: Final = "not determined"
 ALONE: Final = "isolated"
 SECTIONS, ROUNDS = 9, 2
 """States that a step is cut at in one round, and rounds: a step is cut to a hundredth."""
-DESCENTS = 64
-"""Descents from states along rays that are made at once."""
 MOST_CONFIRMED = 5
 """Escape paths from a state that are gone down carefully, the one of the least height first."""
 
@@ -172,26 +170,21 @@ class _Parting:
 
 
 def _partings(terrain: Terrain, which: Sequence[int], most: int) -> dict[int, list[_Parting]]:
-    """Return where descents along rays begin to end elsewhere, by state: the `most` lowest, the lowest first.
-
-    Descents are made from low states before high ones: what lies above the `most` lowest is not descended from.
-    """
+    """Return where descents along rays begin to end elsewhere, by state: the `most` lowest, the lowest first."""
     rays = [(k, ray) for k, ray in terrain.rays(which) if len(ray) > 1]
     tops = [np.maximum.accumulate(terrain.rise(k, ray)) for k, ray in rays]
     ranks = [coarse(top[:, None])[:, 0] for top in tops]
     lower = [np.flatnonzero(terrain.are_lower(k, ray)) for k, ray in rays]
-    # of each ray: its first state that is known to be away, and the first that may be, or its length
+    # of each ray: its first state that is known to be away, or its length, and the first that was not descended from
     first = [
-        int(some[0]) if len(some) else len(ray) for some, (_, ray) in zip(lower, rays, strict=True)
+        int(some[0]) if len(some) else len(r) for some, (_, r) in zip(lower, rays, strict=True)
     ]
     begin = [1] * len(rays)
-    for k in dict.fromkeys(k for k, _ in rays):
-        mine = [r for r, (of, _) in enumerate(rays) if of == k]
-        while some := _next_descents(ranks, first, begin, mine, most):
-            away = _away(terrain, [(k, rays[r][1][i]) for r, i in some])
-            for (r, i), gone in zip(some, away.tolist(), strict=True):
-                begin[r] = i + 1
-                first[r] = min(first[r], i) if gone else first[r]
+    while some := _next_descents(terrain, [k for k, _ in rays], ranks, first, begin, most):
+        away = _away(terrain, [(rays[r][0], rays[r][1][i]) for r, i in some])
+        for (r, i), gone in zip(some, away.tolist(), strict=True):
+            begin[r] = i + 1
+            first[r] = min(first[r], i) if gone else first[r]
     out: dict[int, list[_Parting]] = {}
     for (k, ray), top, at in zip(rays, tops, first, strict=True):
         if at < len(ray):
@@ -201,19 +194,25 @@ def _partings(terrain: Terrain, which: Sequence[int], most: int) -> dict[int, li
 
 
 def _next_descents(
+    terrain: Terrain,
+    of: Sequence[int],
     ranks: Sequence[np.ndarray],
     first: Sequence[int],
     begin: Sequence[int],
-    mine: Sequence[int],
     most: int,
 ) -> list[tuple[int, int]]:
-    """Return the lowest states (ray, place) of one state's rays that may be among the `most` lowest partings."""
-    known = sorted(ranks[r][first[r]] for r in mine if first[r] < len(ranks[r]))
-    bar = known[most - 1] if len(known) >= most else math.inf
-    some = [
-        (ranks[r][i], r, i) for r in mine for i in range(begin[r], first[r]) if ranks[r][i] <= bar
-    ]
-    return [(r, i) for _, r, i in sorted(some)[:DESCENTS]]
+    """Return states (ray, place) to descend from next: of rays of each state the lowest, up to its `most` partings."""
+    out: list[tuple[int, int]] = []
+    if terrain.together is None:
+        return [(r, i) for r, rank in enumerate(ranks) for i in range(begin[r], len(rank))]
+    for k in dict.fromkeys(of):
+        mine = [r for r, owner in enumerate(of) if owner == k]
+        known = sorted(ranks[r][first[r]] for r in mine if first[r] < len(ranks[r]))
+        bar = known[most - 1] if len(known) >= most else math.inf
+        left = ((ranks[r][i], r, i) for r in mine for i in range(begin[r], first[r]))
+        some = sorted(state for state in left if state[0] <= bar)
+        out += [(r, i) for _, r, i in some[: terrain.together]]
+    return out
 
 
 def _rank(part: _Parting) -> float:

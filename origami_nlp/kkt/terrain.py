@@ -55,7 +55,12 @@ class Terrain(ABC):
         Energies over a state that are not distinguished from nothing.
     worth
         Heights above this are made lower where a pass shows how.
+    together
+        Descents from states along the rays of one state that are made at once, from low ones before high ones; None:
+        all, ray by ray, where there are only so many descents.
     """
+
+    together: int | None = None
 
     def __init__(self, problem: Problem, minima: np.ndarray, scale: float) -> None:
         self.problem, self.minima = problem, minima

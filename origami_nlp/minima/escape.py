@@ -61,6 +61,8 @@ MOST_SHORT = 200
 class VertexTerrain(Terrain):
     """Minima of a model with descents between them: what `kkt.escape_paths` walks on."""
 
+    together = 64
+
     def __init__(self, model: Model, minima: np.ndarray, modes: Sequence[list[np.ndarray]]) -> None:
         super().__init__(model, minima, energy_scale(np.array(model.scene.stiffness)))
         self.model, self._modes = model, modes
