@@ -40,7 +40,7 @@ from origami_nlp.problem import Contact, Model
 from origami_nlp.starts import Samples
 
 MOST_STATES = 8
-"""Minima, images of one another counted once, out of which ways are sought: those of lowest energy."""
+"""Minima out of which ways are sought: those of lowest energy."""
 MOST_VARIABLES = 12
 """Variables up to which escape paths are sought."""
 SMALLEST, LARGEST = 1e-3, 0.25
@@ -390,17 +390,19 @@ def _bounded(
         why = f"more than {MOST_VARIABLES} variables: escape paths are not sought"
     loose = [k for k in range(len(minima)) if not isolated[k]]
     images = _images(model, states)
-    sought = [] if why else [k for k in loose if k not in images][:MOST_STATES]
+    lowest = [] if why else loose[:MOST_STATES]
+    sought = [k for k in lowest if k not in images]
     modes = [_modes(model, m) for m in minima]
     ways = escape_paths(VertexTerrain(model, states, modes), sought) if sought else {}
-    for k, (first, move, to) in images.items():
-        if way := ways.get(first):
+    # an image may be that of an image: earlier ones first
+    for k, (first, move, to) in sorted(images.items(), key=lambda item: item[0]):
+        if k in lowest and (way := ways.get(first)):
             top = _moved(model, move, way.top)
             ways[k] = way._replace(top=top, to=int(to[way.to]) if way.to >= 0 else -1)
     reported = {k: Escape(math.inf, ALONE, NOTHING_NEAR) for k in np.flatnonzero(isolated).tolist()}
 
     def unknown(k: int) -> str:
-        if not why and images.get(k, (k,))[0] not in sought:
+        if not why and k not in lowest:
             return f"more than {MOST_STATES} minima: sought for those of lowest energy"
         if not why and len(loose) == 1:
             return "no other state is known that it could be left for"
