@@ -95,7 +95,7 @@ class _SymmetricSolve:
     """Solves a sparse symmetric system: without exchange of rows and refined once, with it if an error is left.
 
     A quasi-definite matrix, as of positive curvature with closure, has such factors in any order (Vanderbei, SIAM J.
-    Optim. 5, 1995); of others, and of small weights, they grow, which the backward error tells.
+    Optim. 5, 1995); of others, and of small weights, they grow, which the backward error shows.
     """
 
     def __init__(self, matrix: sp.sparse.csc_array) -> None:
