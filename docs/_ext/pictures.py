@@ -14,6 +14,7 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Callable
+from fractions import Fraction
 from pathlib import Path
 
 import matplotlib
@@ -278,6 +279,15 @@ def counted(name: str) -> None:
     )
 
 
+def boxed(name: str) -> None:
+    """Draw the boxes of vertices that are proved to have four states at most."""
+    from studies import draw_boxes
+
+    data = json.loads((FOLDER.parent / "at_most_four.json").read_text())
+    boxes = [(one, two, four) for one, two, four in data["boxes"]]
+    draw_boxes(boxes, Fraction(data["width"])).savefig(FOLDER / f"{name}.png", dpi=150)
+
+
 def recorded(name: str) -> None:
     """Draw the times of a recorded run."""
     from benchmarks import PatternBench, draw_coverage, draw_patterns
@@ -297,6 +307,7 @@ PICTURES: dict[str, Callable[[str], None]] = {
     "birds_foot": own,
     "actuated": own,
     "sheet_counts": counted,
+    "at_most_four": boxed,
     "square_twist": own,
     "measured_hinge": own,
     "periodic_miura": drawn_periods,

@@ -240,7 +240,22 @@ def read_panels(given: object) -> tuple[float, float] | None:
 
 
 def thick_limits(limits: Limits, degree: int, panels: tuple[float, float] | None) -> Limits:
-    """Narrow fold limits to those of tapered panels (`tapered_limit`)."""
+    """Narrow fold limits to those of tapered panels (`tapered_limit`).
+
+    Parameters
+    ----------
+    limits
+        Of `read_limits` [rad]; () for 180 degrees.
+    degree
+        Number of creases.
+    panels
+        Thickness and taper [mm], of `read_panels`; None: paper.
+
+    Returns
+    -------
+    tuple
+        Of `read_limits`: the narrower ones of both.
+    """
     if panels is None:
         return limits
     most = tapered_limit(*panels)

@@ -43,6 +43,11 @@ def check_rolled(value: object, name: str = ROLLED_KEY) -> tuple[int, int] | Non
     name
         What is said to be wrong.
 
+    Returns
+    -------
+    tuple or None
+        Copies along either vector, the first number that is not 0 positive.
+
     Raises
     ------
     FoldFileError

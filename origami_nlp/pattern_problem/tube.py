@@ -72,13 +72,11 @@ class Tube:
     Examples
     --------
     >>> import origami_nlp as o
-    >>> from origami_nlp.kkt import State
-    >>> from origami_nlp.pattern_problem import PatternProblem, Tube
-    >>> cell = o.examples.pattern("miura", 1, 1, cell=True, rolled=[0, 8])
-    >>> problem = PatternProblem(cell)
-    >>> phi, _ = problem.project(0.5 * cell.signs)
-    >>> round(Tube(cell).at(State(problem, phi)).length, 6)
-    0.25
+    >>> from origami_nlp.pattern_problem import Tube
+    >>> cell = o.examples.pattern("yoshimura", 1, 1, cell=True, rolled=6)
+    >>> result = o.find_minima(cell, effort="quick", escape=False)
+    >>> round(Tube(cell).at(result.state_of(result.minima[0])).radius, 6)
+    2.0
     """
 
     def __init__(self, pattern: Pattern) -> None:
