@@ -242,8 +242,8 @@ def as_folding_mesh(pattern: Pattern, modes: int = MOST_MODES) -> tuple[FoldingM
     for v in pattern.vertices:
         if len(v.creases) != 4:
             return None, f"vertex {v.vertex} has not four creases"
-        u = _directions(pattern, v.vertex, v.creases)
-        turns = [_cross(u[i], u[(i + 1) % 4]) for i in range(4)]
+        u = directions(pattern, v.vertex, v.creases)
+        turns = [cross(u[i], u[(i + 1) % 4]) for i in range(4)]
         if min(turns) <= 0 <= max(turns):
             return None, f"vertex {v.vertex} has a sector of 180 degrees or more"
         sense = 1 if turns[0] > 0 else -1
@@ -253,14 +253,14 @@ def as_folding_mesh(pattern: Pattern, modes: int = MOST_MODES) -> tuple[FoldingM
                 None,
                 f"vertex {v.vertex} does not fold flat: opposite sectors sum to {off:.2g} rad off 180 degrees",
             )
-        bent = [_cross(u[i], u[i + 2]) for i in (0, 1)]
+        bent = [cross(u[i], u[i + 2]) for i in (0, 1)]
         lines = []
         for i in (0, 1):
-            cosine = _dot(u[i], u[i + 2])
+            cosine = dot(u[i], u[i + 2])
             away = float(abs(bent[i]) / abs(cosine)) if cosine < 0 else math.inf
             lines.append(away <= CLOSURE_TOL)
             deviation = max(deviation, away * lines[-1])
-            size = _dot(u[i], u[i]) * _dot(u[i + 2], u[i + 2])
+            size = dot(u[i], u[i]) * dot(u[i + 2], u[i + 2])
             cosines.append((cosine, size))
         deviation = max(deviation, off)
         drafts.append((v.creases, [sense * (1 if b > 0 else -1) for b in bent], lines))
@@ -331,24 +331,27 @@ def why_no_mesh(pattern: Pattern, modes: int = MOST_MODES) -> str:
 Vector = tuple[Fraction, Fraction]
 
 
-def _directions(pattern: Pattern, vertex: int, creases: Sequence[int]) -> list[Vector]:
+def directions(pattern: Pattern, vertex: int, creases: Sequence[int]) -> list[Vector]:
+    """Return where creases of a vertex go from it, exactly."""
     place = pattern.corners[:, :2].tolist()
     away = [int(pattern.ends[c].sum()) - vertex for c in creases]
     (x, y) = map(Fraction, place[vertex])
     return [(Fraction(place[w][0]) - x, Fraction(place[w][1]) - y) for w in away]
 
 
-def _cross(a: Vector, b: Vector) -> Fraction:
+def cross(a: Vector, b: Vector) -> Fraction:
+    """Return a x b."""
     return a[0] * b[1] - a[1] * b[0]
 
 
-def _dot(a: Vector, b: Vector) -> Fraction:
+def dot(a: Vector, b: Vector) -> Fraction:
+    """Return a . b."""
     return a[0] * b[0] + a[1] * b[1]
 
 
 def _sector_sum(u: Sequence[Vector]) -> float:
     """Return by how much the first and third sector miss 180 degrees [rad]."""
-    (x, y), (z, w) = ((_dot(u[i], u[i + 1]), _cross(u[i], u[i + 1])) for i in (0, 2))
+    (x, y), (z, w) = ((dot(u[i], u[i + 1]), cross(u[i], u[i + 1])) for i in (0, 2))
     real, imaginary = x * z - y * w, x * w + y * z
     return float(abs(imaginary) / -real) if real < 0 else math.pi
 

@@ -65,7 +65,7 @@ class StripEnergy:
     def __init__(self, strip: Strip, pattern: Pattern, signs: np.ndarray) -> None:
         self.strip, self.signs = strip, signs
         self.k, self.rest = pattern.stiffness, pattern.rest
-        self.across = [c for v in strip.corners for c in (v.creases[1], v.creases[3])]
+        self.across = strip.across
         laws = pattern.laws or (None,) * pattern.creases
         self.laws = [None if law is None else LawPieces(law, 0.0, 1.0) for law in laws]
         self.stops = [
@@ -85,8 +85,8 @@ class StripEnergy:
         """Return what is known over boxes on curves of these numbers."""
         middle, half = variables(lower, upper)
         signs = self.signs[:, curve]
-        at = StripStates(self.strip, signs, exact(middle))
-        box = StripStates(self.strip, signs, Ball(middle, half))
+        at = self.strip.states(signs, exact(middle))
+        box = self.strip.states(signs, Ball(middle, half), at)
         # phi = phi(middle) + phi' (theta - middle)
         angles = {c: a.widened(box.slopes[c].value.magnitude * half) for c, a in at.angles.items()}
         return ThetaBoxes(self, at, box, angles, half)
@@ -300,7 +300,9 @@ def kinds_of_boxes(
     rates = [boxes.box.slopes[c].value for c in energy.across]
     moving = np.array([r.sign for r in rates])
     once = np.array([(r.sign != 0) & (r.magnitude * boxes.half < 1) for r in rates])
-    known = (once | ~passing).all(axis=0) & ~(passing[::2] & passing[1::2]).any(axis=0)
+    known = (once | ~passing).all(axis=0)
+    for one, other in energy.strip.beside:
+        known &= ~(passing[one] & passing[other])
     ahead, behind = (boxes.slope(boxes.lifted(s * moving, passing))[0].sign for s in (1.0, -1.0))
     # several at once: each reaches its limit or is past it, none leaves one or is still to come to it
     together = ~(passing & boxes.leaving(moving)).any(axis=0) & (upper - lower <= TOGETHER)
@@ -309,7 +311,7 @@ def kinds_of_boxes(
     beyond, stops, met, opening = boxes.stops()
     reached = met.any(axis=0) & ~beyond
     kind[reached & (kind == LIMIT)] = OPEN
-    kind[beyond] = OUTSIDE
+    kind[beyond | boxes.box.outside] = OUTSIDE
     bits = 2.0 ** np.arange(len(energy.across))
     status = np.full(len(curve), APART)
     asked = np.flatnonzero((kind != OPEN) & (kind != OUTSIDE))

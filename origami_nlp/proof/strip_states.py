@@ -80,6 +80,20 @@ class Strip:
         """Creases along the row, [k + 1]."""
         return [c.creases[0] for c in self.corners] + [self.corners[-1].creases[2]]
 
+    @property
+    def across(self) -> list[int]:
+        """Creases across the row, those of a vertex together, [2 k]."""
+        return [c for v in self.corners for c in (v.creases[1], v.creases[3])]
+
+    @property
+    def beside(self) -> list[tuple[int, int]]:
+        """Pairs of those at one vertex, by their places in `across`."""
+        return [(2 * i, 2 * i + 1) for i in range(len(self.corners))]
+
+    def states(self, signs: np.ndarray, theta: Ball, at: StripStates | None = None) -> StripStates:
+        """Return states over boxes of theta, on curves with these signs, [k + 1, K]."""
+        return StripStates(self, signs, theta)
+
 
 def as_strip(pattern: Pattern) -> tuple[Strip | None, str]:
     """Return the vertices of a pattern in a row, or None and why the pattern is no strip that can be proved.
@@ -103,7 +117,7 @@ def as_strip(pattern: Pattern) -> tuple[Strip | None, str]:
         order = _row(rounds, end, first)
         if order is None:
             continue
-        corners = [_corner(pattern, pattern.vertices[v].vertex, c) for v, c in order]
+        corners = [corner_of(pattern, pattern.vertices[v].vertex, c) for v, c in order]
         bad = next((w for _, _, w in corners if w), "")
         if bad:
             reasons.append(bad)
@@ -141,10 +155,15 @@ def why_no_strip(pattern: Pattern) -> str:
     >>> why_no_strip(o.examples.pattern("miura", 2, 3))
     'vertex 2 is symmetric about the row'
     """
+    return why_no_stop(pattern) or as_strip(pattern)[1]
+
+
+def why_no_stop(pattern: Pattern) -> str:
+    """Return which crease has a stop where all curves meet; "" where none has."""
     if any(0.0 in pair for pair in pattern.limits):
         crease = next(i for i, pair in enumerate(pattern.limits, start=1) if 0.0 in pair)
         return f"crease {crease} has a stop at 0 degrees, where all curves meet"
-    return as_strip(pattern)[1]
+    return ""
 
 
 def _row(
@@ -163,7 +182,9 @@ def _row(
     return order if sorted(v for v, _ in order) == list(range(len(rounds))) else None
 
 
-def _corner(pattern: Pattern, vertex: int, ring: tuple[int, ...]) -> tuple[Corner, Fraction, str]:
+def corner_of(
+    pattern: Pattern, vertex: int, ring: tuple[int, ...]
+) -> tuple[Corner, Fraction, str]:
     """Return a vertex, q of its row, and why it is refused."""
     place = pattern.corners[:, :2]
     away = [int(pattern.ends[c].sum()) - vertex for c in ring]
@@ -266,53 +287,87 @@ class StripStates:
                 rate = cosine * high.inverse_root() * (rho + rho)
                 product = rho * s * high.value.root()
             self.angles[crease], self.slopes[crease] = angle + angle, rate
-            row.append(_Fold(low + low, high + high, product + product, rate))
+            row.append(Fold(low + low, high + high, product + product, rate))
         for corner, before, after in zip(strip.corners, row[:-1], row[1:], strict=True):
-            for crease, turn in ((1, False), (3, True)):
-                sides = [side.turned if turn else side for side in corner.sides]
-                (x, y, f), (v, w, g) = (_part(*p) for p in zip(sides, (before, after), strict=True))
-                # phi = arg(-conj(zA zB))
-                self.angles[corner.creases[crease]] = argument(y * w - x * v, x * w + y * v)
-                self.slopes[corner.creases[crease]] = -(f + g)
+            for crease, (angle, rate) in zip((1, 3), other_folds(corner, before, after), strict=True):
+                self.angles[corner.creases[crease]] = angle
+                self.slopes[corner.creases[crease]] = rate
+
+    @property
+    def outside(self) -> np.ndarray:
+        """Where no state closes within fold limits, known without asking the vertices: nowhere, [K]."""
+        return np.zeros(self.narrow.shape, bool)
 
     def closes(self) -> np.ndarray:
         """Return which vertices come back turned by no full turn, [k, K]; asked of boxes that are narrow (`narrow`)."""
-        found = []
-        for corner in self.strip.corners:
-            q = np.zeros((4, len(self.narrow)))
-            q[0] = 1.0
-            for crease, (x, y) in zip(corner.creases, corner.directions, strict=True):
-                half = 0.5 * np.broadcast_to(self.angles[crease].centre, self.narrow.shape)
-                r, i, j = np.cos(half), np.sin(half) * x, np.sin(half) * y
-                a, b, c, d = q
-                # q (r + i I + j J)
-                q = np.array(
-                    [
-                        a * r - b * i - c * j,
-                        a * i + b * r - d * j,
-                        a * j + c * r + d * i,
-                        d * r + b * j - c * i,
-                    ]
-                )
-            found.append(q[0] > 0)
-        return np.array(found)
+        return closing(self.strip.corners, self.angles, self.narrow.shape)
 
     @property
     def narrow(self) -> np.ndarray:
         """Whether all fold angles are known to within so little that four of them are no quarter of a turn, [K]."""
-        return np.all([a.radius < NARROW for a in self.angles.values()], axis=0)
+        return is_narrow(self.angles)
 
 
-class _Fold(NamedTuple):
-    """A fold phi of the row: 1 - cos phi, 1 + cos phi, sin phi and phi'."""
+def is_narrow(angles: dict[int, Ball]) -> np.ndarray:
+    """Return whether all fold angles are known to within so little that four of them are no quarter of a turn, [K]."""
+    return np.all([a.radius < NARROW for a in angles.values()], axis=0)
+
+
+def closing(
+    corners: Sequence[Corner], angles: dict[int, Ball], shape: tuple[int, ...]
+) -> np.ndarray:
+    """Return which vertices come back turned by no full turn, [k, K], from the middles of fold angles."""
+    found = []
+    for corner in corners:
+        q = np.zeros((4, *shape))
+        q[0] = 1.0
+        for crease, (x, y) in zip(corner.creases, corner.directions, strict=True):
+            half = 0.5 * np.broadcast_to(angles[crease].centre, shape)
+            r, i, j = np.cos(half), np.sin(half) * x, np.sin(half) * y
+            a, b, c, d = q
+            # q (r + i I + j J)
+            q = np.array(
+                [
+                    a * r - b * i - c * j,
+                    a * i + b * r - d * j,
+                    a * j + c * r + d * i,
+                    d * r + b * j - c * i,
+                ]
+            )
+        found.append(q[0] > 0)
+    return np.array(found)
+
+
+class Fold(NamedTuple):
+    """A fold phi over boxes: 1 - cos phi, 1 + cos phi, sin phi and phi'."""
 
     low: Jet
     high: Jet
     sine: Ball
     rate: Jet
 
+    @classmethod
+    def of(cls, angle: Ball, rate: Jet) -> Fold:
+        """Return it from phi and phi'."""
+        half = exact(0.5) * angle
+        s, c = half.sine(), half.cosine()
+        sine = exact(2.0) * s * c
+        turn = sine * rate.value
+        return cls(Jet(exact(2.0) * s * s, turn), Jet(exact(2.0) * c * c, -turn), sine, rate)
 
-def _part(side: Side, fold: _Fold) -> tuple[Ball, Ball, Jet]:
+
+def other_folds(corner: Corner, before: Fold, after: Fold) -> list[tuple[Ball, Jet]]:
+    """Return the second and fourth fold of a vertex, each with its rate, from the first and third."""
+    found = []
+    for turn in (False, True):
+        sides = [side.turned if turn else side for side in corner.sides]
+        (x, y, f), (v, w, g) = (_part(*p) for p in zip(sides, (before, after), strict=True))
+        # phi = arg(-conj(zA zB))
+        found.append((argument(y * w - x * v, x * w + y * v), -(f + g)))
+    return found
+
+
+def _part(side: Side, fold: Fold) -> tuple[Ball, Ball, Jet]:
     """Return z = sin b cos c + cos b sin c cos phi + i sin c sin phi, and the derivative of its argument."""
     product = side.sin_b * side.sin_c
     # sin^2 D = (1 + cos D) (1 - cos D): sums of what is positive

@@ -141,14 +141,46 @@ def prove_strip(
     signs = np.array([(1, *rest) for rest in itertools.product((1, -1), repeat=k)], float).T
     energy = StripEnergy(strip, pattern, signs)
     facets = StripContact(pattern) if contact else None
+    ends, curves, examined = along_curves(energy, facets, boxes, until)
+    with np.errstate(all="ignore"):
+        minima = ends.minima()
+    seconds = time.process_time() - started
+    return StripProof(
+        signs.shape[1],
+        tuple(minima),
+        ends.maxima,
+        tuple(ends.open),
+        examined,
+        seconds,
+        contact,
+        tuple(strip.row),
+        tuple(curves),
+    )
+
+
+def along_curves(
+    energy: StripEnergy, facets: StripContact | None, most: int, until: float
+) -> tuple[CurveEnds, list[CertifiedCurve], int]:
+    """Cut curves into boxes of theta in which the energy is known.
+
+    Returns
+    -------
+    ends : CurveEnds
+        Where it is least.
+    curves : list of CertifiedCurve
+        What is claimed of each box.
+    boxes : int
+        How many were examined: so many at most, until then (`time.monotonic`).
+    """
+    many = energy.signs.shape[1]
     touches: dict[tuple[float, float, float], tuple[FacetTouch | StopTouch, ...]] = {}
-    curve = np.repeat(np.arange(signs.shape[1]), len(FIRST) - 1)
-    lower, upper = (np.tile(ends, signs.shape[1]) for ends in (FIRST[:-1], FIRST[1:]))
+    curve = np.repeat(np.arange(many), len(FIRST) - 1)
+    lower, upper = (np.tile(ends, many) for ends in (FIRST[:-1], FIRST[1:]))
     cover: list[np.ndarray] = []
     examined = 0
     with np.errstate(all="ignore"):
         while len(curve):
-            stop = examined + len(curve) > boxes or time.monotonic() > until
+            stop = examined + len(curve) > most or time.monotonic() > until
             examined += len(curve)
             found = kinds_of_boxes(energy, curve, lower, upper, facets, touches)
             # at a limit facets may be flat on others: asked of the state at last (`_limit_contact`)
@@ -168,23 +200,11 @@ def prove_strip(
         order = np.lexsort((boxes_of[1], boxes_of[0]))
         ends = CurveEnds(energy, facets, touches)
         curves = []
-        for number in range(signs.shape[1]):
+        for number in range(many):
             own = [ThetaStretch(*b) for b in boxes_of[:, order].T.tolist() if b[0] == number]
             ends.along(own)
-            curves.append(_claims(signs[:, number], own, touches))
-        minima = ends.minima()
-    seconds = time.process_time() - started
-    return StripProof(
-        signs.shape[1],
-        tuple(minima),
-        ends.maxima,
-        tuple(ends.open),
-        examined,
-        seconds,
-        contact,
-        tuple(strip.row),
-        tuple(curves),
-    )
+            curves.append(_claims(energy.signs[:, number], own, touches))
+    return ends, curves, examined
 
 
 def _claims(

@@ -1,0 +1,234 @@
+"""Meshes of flat vertices of degree four that need not fold flat: their vertices, and in which signs they fold.
+
+Round a vertex with unit vectors u_1..u_4 along its creases let w_i = cot(phi_i/2) and [ij] = u_i x u_j.  The product of
+the quaternions s_i (w_i + u_i) is +-1 where (w_1 + u_1)(w_2 + u_2) is -[12]/[34] times (w_4 - u_4)(w_3 - u_3).  In the
+plane of the sheet that is
+
+    [13] w_2 + [23] w_1 + [12] w_3 = 0,    and so for every three creases that follow each other;
+
+the product is 1, no full turn, where an odd number of folds are negative.  With 1 + w_3^2 = (1 + w_1^2)/q
+(`strip_states`) that leaves two curves through the flat state, phi_3 of the sign of phi_1 (mode 1) or of the other
+(mode -1).  No fold is 0 off the flat state unless opposite creases are in one line, which is refused.  So a mode says
+the signs of all folds: in mode 1 those of w_2 and w_4 are opposite; in mode -1, at flat, |w_3| = sqrt(x) |w_1| with
+x = [23][34]/([12][41]), so that w_2 has the sign of ([12][34] - [23][41]) w_1 / [13], and w_4 the same.
+
+Vertices with equal sectors are congruent: where they are in one mode, and one fold is the same but for its sign, all are.
+So each mesh comes with classes of equal sectors, of which relations that hold identically are made (`quad_states`).
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import NamedTuple
+
+from origami_nlp.numerics import CLOSURE_TOL
+from origami_nlp.pattern import Pattern
+from origami_nlp.proof.affine import UNIT
+from origami_nlp.proof.balls import Ball, exact, rational
+from origami_nlp.proof.mesh_states import Vector, cross, directions, dot
+from origami_nlp.proof.strip_states import Corner, Side, corner_of, why_no_stop
+
+MOST_VERTICES = 12
+"""Of a mesh: 4,096 choices of modes."""
+
+
+class QuadVertex(NamedTuple):
+    """A vertex of degree four, seen from each of its creases.
+
+    Attributes
+    ----------
+    creases
+        In order round it.
+    corners
+        From each crease.
+    squares
+        q of the row from each crease: sin^2(phi/2) of the crease opposite is q sin^2(phi/2); None where q is 1.
+    sectors
+        Classes of the sectors, from each crease to the next.
+    signs
+        Of each mode, 1 and -1: of all folds, the first one positive.
+    """
+
+    creases: tuple[int, ...]
+    corners: tuple[Corner, ...]
+    squares: tuple[Ball | None, ...]
+    sectors: tuple[int, ...]
+    signs: dict[int, tuple[int, ...]]
+
+
+@dataclass(frozen=True)
+class QuadMesh:
+    """A mesh of such vertices that hangs together.
+
+    Attributes
+    ----------
+    vertices
+        Each after one that shares a crease with it.
+    creases
+        How many.
+    deviation
+        By how much sectors of the file that are taken as equal differ [rad]; 0 where none do.
+    """
+
+    vertices: tuple[QuadVertex, ...]
+    creases: int
+    deviation: float
+
+    def signs(self, modes: tuple[int, ...]) -> dict[int, int] | None:
+        """Return the signs of folds of the first vertices in these modes; None where they contradict each other."""
+        found: dict[int, int] = {}
+        for vertex, mode in zip(self.vertices, modes, strict=False):
+            own = dict(zip(vertex.creases, vertex.signs[mode], strict=True))
+            known = next((c for c in vertex.creases if c in found), None)
+            turn = 1 if known is None else found[known] * own[known]
+            for c, s in own.items():
+                if found.setdefault(c, turn * s) != turn * s:
+                    return None
+        return found
+
+
+def why_no_quad_mesh(pattern: Pattern) -> str:
+    """Return why not all closed states of a pattern are known as those of a mesh of degree four; "" where they are.
+
+    Parameters
+    ----------
+    pattern
+        Of any number of vertices.
+
+    Returns
+    -------
+    str
+        The first vertex that is in the way, and why.
+
+    Examples
+    --------
+    >>> import origami_nlp as o
+    >>> from origami_nlp.proof import why_no_quad_mesh
+    >>> why_no_quad_mesh(o.examples.pattern("metasheet", 3, 3))
+    ''
+    >>> why_no_quad_mesh(o.examples.pattern("miura", 3, 3))
+    'at vertex 3 opposite creases are in one line'
+    """
+    return why_no_stop(pattern) or as_quad_mesh(pattern)[1]
+
+
+def as_quad_mesh(pattern: Pattern) -> tuple[QuadMesh | None, str]:
+    """Return the mesh of a pattern, or None and why its states are not enumerated."""
+    if not pattern.is_flat or pattern.corners[:, 2].any():
+        return None, "the reference state is not flat"
+    if pattern.cell:
+        return None, "it is a cell that repeats"
+    if pattern.holes or not pattern.vertices:
+        return None, "the pattern has a hole" if pattern.holes else "no vertex is inside"
+    if len(pattern.vertices) > MOST_VERTICES:
+        return None, f"{len(pattern.vertices)} vertices (at most {MOST_VERTICES})"
+    drafts = []
+    for v in pattern.vertices:
+        if len(v.creases) != 4:
+            return None, f"vertex {v.vertex} has not four creases"
+        u = directions(pattern, v.vertex, v.creases)
+        turns = [cross(u[i], u[(i + 1) % 4]) for i in range(4)]
+        if min(turns) <= 0 <= max(turns):
+            return None, f"vertex {v.vertex} has a sector of 180 degrees or more"
+        for i in (0, 1):
+            if abs(cross(u[i], u[i + 2])) <= Fraction(CLOSURE_TOL) * abs(dot(u[i], u[i + 2])):
+                return None, f"at vertex {v.vertex} opposite creases are in one line"
+        rings = [v.creases[i:] + v.creases[:i] for i in range(4)]
+        seen = [corner_of(pattern, v.vertex, ring)[:2] for ring in rings]
+        drafts.append((v.creases, seen, u))
+    order = _in_order([d[0] for d in drafts])
+    around = {c for d in drafts for c in d[0]}
+    if len(order) < len(drafts) or len(around) < pattern.creases:
+        return None, "vertices do not hang together, or a crease is none of theirs"
+    classes = _Classes()
+    numbers = [classes.of(u) for _, _, u in drafts]
+    room = 4 * classes.deviation + 16 * UNIT * bool(classes.deviation)
+    vertices = [_vertex(*drafts[i], numbers[i], room) for i in order]
+    return QuadMesh(tuple(vertices), pattern.creases, classes.deviation), ""
+
+
+def _vertex(
+    creases: tuple[int, ...],
+    seen: list[tuple[Corner, Fraction]],
+    u: list[Vector],
+    sectors: tuple[int, ...],
+    room: float,
+) -> QuadVertex:
+    corners = tuple(_widened(corner, room) for corner, _ in seen)
+    squares = []
+    for i, (corner, (_, q)) in enumerate(zip(corners, seen, strict=True)):
+        near, far = corner.sides
+        ball = near.sin_b * near.sin_c * (far.sin_b * far.sin_c).inverse()
+        own = sorted((sectors[i - 1], sectors[i]))
+        one = q == 1 or own == sorted((sectors[(i + 1) % 4], sectors[(i + 2) % 4]))
+        squares.append(None if one else ball if room else rational(q))
+    return QuadVertex(creases, corners, tuple(squares), sectors, _signs(u))
+
+
+def _signs(u: list[Vector]) -> dict[int, tuple[int, ...]]:
+    """Return the signs of folds in both modes, the first one positive."""
+    sense = _sign(cross(u[0], u[1]))
+    c = [sense * cross(u[i], u[(i + 1) % 4]) for i in range(4)]
+    across = _sign(sense * cross(u[0], u[2]))
+    # w_2 [13] = -([23] w_1 + [12] w_3), w_4 [13] = [34] w_1 + [41] w_3
+    beside = _sign(c[0] * c[2] - c[1] * c[3]) * across
+    return {1: (1, -across, 1, across), -1: (1, beside, -1, beside)}
+
+
+def _widened(corner: Corner, room: float) -> Corner:
+    if not room:
+        return corner
+    sides = (Side(*(b.widened(exact(room).centre) for b in side)) for side in corner.sides)
+    return corner._replace(sides=tuple(sides))
+
+
+class _Classes:
+    """Sectors that are equal, but for rounding."""
+
+    def __init__(self) -> None:
+        self.known: list[Vector] = []
+        self.deviation = 0.0
+
+    def of(self, u: list[Vector]) -> tuple[int, ...]:
+        """Return the classes of the sectors between directions."""
+        found = []
+        for a, b in zip(u, u[1:] + u[:1], strict=True):
+            sector = dot(a, b), abs(cross(a, b))
+            off = [_between(sector, other) for other in self.known]
+            number = next((i for i, x in enumerate(off) if x <= CLOSURE_TOL), len(off))
+            if number == len(off):
+                self.known.append(sector)
+            else:
+                self.deviation = max(self.deviation, off[number])
+            found.append(number)
+        return tuple(found)
+
+
+def modes_of(mesh: QuadMesh) -> Iterator[tuple[int, ...]]:
+    """Yield all choices of a mode at each vertex that do not contradict each other in signs."""
+    for modes in itertools.product((1, -1), repeat=len(mesh.vertices)):
+        if mesh.signs(modes) is not None:
+            yield modes
+
+
+def _between(a: Vector, b: Vector) -> float:
+    """Return the angle between directions, 0 where they are parallel exactly [rad]."""
+    along = dot(a, b)
+    return float(abs(cross(a, b)) / along) if along > 0 else math.pi
+
+
+def _sign(x: Fraction) -> int:
+    return (x > 0) - (x < 0)
+
+
+def _in_order(rounds: list[tuple[int, ...]]) -> list[int]:
+    """Return vertices, each after one that shares a crease with it."""
+    order = [0]
+    for v in order:
+        beside = (w for w, ring in enumerate(rounds) if set(ring) & set(rounds[v]))
+        order += [w for w in beside if w not in order]
+    return order
