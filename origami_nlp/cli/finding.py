@@ -112,7 +112,7 @@ def minima(
 
 
 def _check_provable(pattern: Pattern, file: str) -> None:
-    from origami_nlp.proof import why_no_mesh, why_no_strip
+    from origami_nlp.proof import why_no_mesh, why_no_quad_mesh, why_no_strip
 
     if (why := why_no_strip(pattern)) and (other := why_no_mesh(pattern)):
         raise OptionError(
@@ -155,22 +155,27 @@ def _write_pattern_certificate(result: MinimaResult, boxes: int, file: str) -> N
         certificate_of_mesh,
         certificate_of_strip,
         prove_mesh,
+        prove_quad_mesh,
         prove_strip,
+        why_no_quad_mesh,
         why_no_strip,
         why_no_strip_contact,
         write_certificate,
     )
 
-    if why_no_strip(result.pattern):
-        mesh = prove_mesh(result.pattern, boxes=boxes)
-        write_certificate(certificate_of_mesh(result.pattern, mesh), file)
-        return
     contact = getattr(result.search, "contact", "full") == "full"
-    proof = prove_strip(
-        result.pattern,
-        contact=contact and not why_no_strip_contact(result.pattern),
-        boxes=boxes,
-    )
+    facets = contact and not why_no_strip_contact(result.pattern)
+    generic = not why_no_quad_mesh(result.pattern)
+    if why_no_strip(result.pattern):
+        if generic and facets:
+            raise OptionError(
+                "--certificate: the check knows meshes within fold limits; it is written for --contact fold-limits"
+            )
+        prover = prove_quad_mesh if generic else prove_mesh
+        mesh = prover(result.pattern, boxes=boxes)
+        write_certificate(certificate_of_mesh(result.pattern, mesh, generic=generic), file)
+        return
+    proof = prove_strip(result.pattern, contact=facets, boxes=boxes)
     write_certificate(certificate_of_strip(result.pattern, proof), file)
 
 

@@ -1,4 +1,4 @@
-"""A proof of all minima of a strip, or of a mesh whose vertices fold flat, held against what a search found."""
+"""A proof of all minima of a strip or of a mesh of vertices of degree four, held against what a search found."""
 
 from __future__ import annotations
 
@@ -19,16 +19,21 @@ from origami_nlp.pattern_states.judgement import judge, judge_end, singular_besi
 from origami_nlp.proof import (
     MeshProof,
     ProofOptions,
+    QuadProof,
     StripProof,
     prove_mesh,
+    prove_quad_mesh,
     prove_strip,
     why_no_mesh,
+    why_no_quad_mesh,
     why_no_strip,
     why_no_strip_contact,
 )
 
 FEW = 3
-"""Vertices in a row up to which a proof is tried unasked, one fewer with contact; of a mesh, fewer than that."""
+"""Vertices in a row up to which a proof is tried unasked, one fewer with contact; that fold flat, fewer than that."""
+FEW_ROUND = 4
+"""Vertices of a mesh that need not fold flat up to which a proof is tried unasked."""
 UNASKED = 20_000
 """Boxes of a proof that nobody asked for: it costs about as much as the search."""
 
@@ -40,6 +45,8 @@ def is_tried(pattern: Pattern, wanted: bool | float | ProofOptions | None, conta
     many = len(pattern.vertices)
     if not why_no_strip(pattern):
         return many <= FEW - contact
+    if not why_no_quad_mesh(pattern):
+        return many <= FEW_ROUND and not contact
     return many < FEW and not contact and not why_no_mesh(pattern)
 
 
@@ -80,9 +87,13 @@ def prove_list(
     added : list of JudgedState
         What the proof found, and was judged.
     """
-    why, other = why_no_strip(pattern), why_no_mesh(pattern)
-    if why and other:
-        return Completeness("not-proved", f"no strip: {why}; no mesh that folds flat: {other}"), []
+    why = why_no_strip(pattern)
+    flat, generic = why_no_mesh(pattern), why_no_quad_mesh(pattern)
+    if why and flat and generic:
+        return Completeness(
+            "not-proved",
+            f"no strip: {why}; no mesh that folds flat: {flat}; no other mesh: {generic}",
+        ), []
     options = wanted if isinstance(wanted, ProofOptions) else ProofOptions()
     if wanted is None:
         options = replace(options, boxes=UNASKED)
@@ -90,16 +101,19 @@ def prove_list(
     if isinstance(wanted, float | int) and not isinstance(wanted, bool):
         seconds = float(wanted)
     until = min(problem.until, time.monotonic() + seconds)
-    if why:
+    facets = contact and not why_no_strip_contact(pattern)
+    if why and generic:
         mesh = prove_mesh(pattern, boxes=options.boxes, until=until)
         return hold_against(mesh, problem, known, contact)
-    facets = contact and not why_no_strip_contact(pattern)
+    if why:
+        quads = prove_quad_mesh(pattern, contact=facets, boxes=options.boxes, until=until)
+        return hold_against(quads, problem, known, contact)
     proof = prove_strip(pattern, contact=facets, boxes=options.boxes, until=until)
     return hold_against(proof, problem, known, contact)
 
 
 def hold_against(
-    proof: StripProof | MeshProof,
+    proof: StripProof | MeshProof | QuadProof,
     problem: PatternProblem,
     known: Sequence[JudgedState],
     contact: bool,
@@ -158,7 +172,7 @@ def hold_against(
         many = len(proof.undecided)
         reasons.append(f"{many} interval{'s' * (many != 1)} of the curves not decided")
     if contact and not proof.contact:
-        why = why_no_strip_contact(problem.pattern) if isinstance(proof, StripProof) else "a mesh"
+        why = "a mesh" if isinstance(proof, MeshProof) else why_no_strip_contact(problem.pattern)
         reasons.append(
             f"all minima within fold limits are proved, {len(proof.minima)} on {proof.curves} curves; "
             f"{why}: states that touching facets hold are not enumerated"
@@ -181,7 +195,7 @@ def hold_against(
 
 
 def _where_rank_is_lost(
-    proof: StripProof | MeshProof,
+    proof: StripProof | MeshProof | QuadProof,
     problem: PatternProblem,
     phi: np.ndarray,
     known: Sequence[JudgedState],

@@ -34,6 +34,8 @@ from .meshes import (
     prove_mesh as prove_mesh,
 )
 from .options import ProofOptions as ProofOptions
+from .quad_meshes import QuadProof as QuadProof, prove_quad_mesh as prove_quad_mesh
+from .quad_sheets import why_no_quad_mesh as why_no_quad_mesh
 from .result import Cluster as Cluster, Proof as Proof, ProvedCriticalPoint as ProvedCriticalPoint
 from .singular import Isolation as Isolation, isolated as isolated
 from .strip_certificate import (

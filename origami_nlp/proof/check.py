@@ -184,9 +184,10 @@ def _check_sheet(
 
     from origami_nlp.proof.check_mesh import MeshCheck
     from origami_nlp.proof.check_points import Refused
+    from origami_nlp.proof.check_quads import QuadCheck
     from origami_nlp.proof.check_strips import BITS, StripCheck
 
-    check: StripCheck | MeshCheck
+    check: StripCheck | MeshCheck | QuadCheck
     if isinstance(said, StripCertificate):
         check = StripCheck(said, progress)
         about = [
@@ -196,6 +197,13 @@ def _check_sheet(
             about.append(
                 "facets round a vertex that closes with q = +1 do not cross, being convex (shown in `docs`, not here)"
             )
+    elif said.generic:
+        check = QuadCheck(said, progress)
+        about = [
+            f"the sheet: its equal sectors are equal, exactly (the file: {said.deviation:.2g} rad)",
+            "the statement: cotangents of half the folds round a flat vertex of degree four, from the product of four "
+            "quaternions",
+        ]
     else:
         check = MeshCheck(said, progress)
         about = [
@@ -209,7 +217,7 @@ def _check_sheet(
     except Refused as problem:
         refused = str(problem)
     # of a strip all that are listed, or it is refused
-    found = check.confirmed if isinstance(check, MeshCheck) else range(1, len(said.minima) + 1)
+    found = check.confirmed if isinstance(check, MeshCheck | QuadCheck) else range(1, len(said.minima) + 1)
     return Check(
         refused,
         () if refused else tuple(found),

@@ -9,6 +9,7 @@ from typing import Any
 from flint import arb
 
 from origami_nlp.proof.check_points import Refused
+from origami_nlp.proof.mesh_certificate import MeshCertificate
 from origami_nlp.proof.sheet_certificate import CertifiedState, OpenInterval
 
 STATED = 1e-11
@@ -64,3 +65,60 @@ def within(folds: Sequence[Any], one: OpenInterval) -> bool:
         bool(low - STATED <= a) and bool(a <= high + STATED)
         for a, low, high in zip(folds, one.lower, one.upper, strict=True)
     )
+
+
+class ListCheck:
+    """A check that finds the minima of a mesh again.
+
+    Attributes
+    ----------
+    said
+        The certificate.
+    open
+        What the check leaves open, a line each.
+    confirmed
+        Minima of the list that were found, from 1.
+    maxima
+        Of the energy, inside curves.
+    counts
+        What was gone through.
+    """
+
+    def __init__(self, said: MeshCertificate) -> None:
+        self.said = said
+        self.open: list[str] = []
+        self.confirmed: list[int] = []
+        self.maxima = 0
+        self.counts: dict[str, int] = {}
+
+    def hold(self, found: list[list[Any]]) -> None:
+        """Hold the minima that were found against those that are listed.
+
+        Raises
+        ------
+        Refused
+            If one is not listed, or one that is was not found.
+        """
+        alike: dict[tuple[int, ...], list[tuple[int, CertifiedState]]] = {}
+        for number, one in enumerate(self.said.minima, start=1):
+            alike.setdefault(kinds_of(one.fold_angles), []).append((number, one))
+        for folds in found:
+            some = alike.get(kinds_of(folds), [])
+            near = [
+                k
+                for k, (_, m) in enumerate(some)
+                if all(is_listed(a, x, m.radius) for a, x in zip(folds, m.fold_angles, strict=True))
+            ]
+            if near:
+                self.confirmed.append(some.pop(near[0])[0])
+            elif not any(within(folds, one) for one in self.said.undecided):
+                angles = ", ".join(f"{math.degrees(float(f.mid())):.6g}" for f in folds)
+                raise Refused(f"a minimum is not listed: fold angles ({angles}) deg")
+        left = sorted((x for some in alike.values() for x in some), key=lambda x: x[0])
+        if left and not self.open:
+            raise Refused(f"minimum {left[0][0]} does not follow from the sheet and its springs")
+        self.open = list(dict.fromkeys(self.open)) + [
+            one.reason for one in self.said.undecided if not self.open
+        ]
+        self.open += [f"minimum {number} of the list: not found again" for number, _ in left]
+        self.confirmed.sort()

@@ -23,12 +23,11 @@ from typing import Any, NamedTuple
 
 from flint import arb, arb_series, ctx
 
-from origami_nlp.proof.check_lists import STATED, is_listed, kinds_of, refuse_wide, within
+from origami_nlp.proof.check_lists import STATED, ListCheck, refuse_wide
 from origami_nlp.proof.check_points import Refused
 from origami_nlp.proof.check_strip_sheet import FlatDisk, product_round
 from origami_nlp.proof.check_strips import BITS, TERMS
 from origami_nlp.proof.mesh_certificate import MeshCertificate
-from origami_nlp.proof.sheet_certificate import CertifiedState
 
 EXACT = 1e-12
 """Deviation from exact relations, beyond which a file is not of the sheet that is meant [rad]."""
@@ -55,7 +54,7 @@ class RowGroup(NamedTuple):
     creases: tuple[tuple[int, int, int, tuple[tuple[int, int], ...]], ...]
 
 
-class MeshCheck:
+class MeshCheck(ListCheck):
     """Find again what a certificate claims.
 
     Parameters
@@ -67,10 +66,8 @@ class MeshCheck:
     """
 
     def __init__(self, said: MeshCertificate, progress: Callable[[int, int], object]) -> None:
-        self.said, self.progress = said, progress
-        self.open: list[str] = []
-        self.confirmed: list[int] = []
-        self.maxima = 0
+        super().__init__(said)
+        self.progress = progress
         self.counts = {"sets": 0, "curves": 0}
         self._zeros: dict[RowGroup, list[tuple[int, Any]]] = {}
 
@@ -91,7 +88,7 @@ class MeshCheck:
             for done, kinds in enumerate(itertools.product(range(3), repeat=len(self.rows))):
                 found += list(self._set(kinds))
                 self.progress(done + 1, total)
-            self._lists(found)
+            self.hold(found)
         finally:
             ctx.prec, ctx.cap = before
 
@@ -419,38 +416,6 @@ class MeshCheck:
             a, *rest = product_round(crossing, folds)
             if not all(abs(x) < STATED for x in (a - 1, *rest)):
                 raise Refused("states of the statement do not close")
-
-    def _lists(self, found: list[list[Any]]) -> None:
-        """Hold the minima that were found against those that are listed.
-
-        Raises
-        ------
-        Refused
-            If one is not listed, or one that is was not found.
-        """
-        alike: dict[tuple[int, ...], list[tuple[int, CertifiedState]]] = {}
-        for number, one in enumerate(self.said.minima, start=1):
-            alike.setdefault(kinds_of(one.fold_angles), []).append((number, one))
-        for folds in found:
-            some = alike.get(kinds_of(folds), [])
-            near = [
-                k
-                for k, (_, m) in enumerate(some)
-                if all(is_listed(a, x, m.radius) for a, x in zip(folds, m.fold_angles, strict=True))
-            ]
-            if near:
-                self.confirmed.append(some.pop(near[0])[0])
-            elif not any(within(folds, one) for one in self.said.undecided):
-                angles = ", ".join(f"{math.degrees(float(f.mid())):.6g}" for f in folds)
-                raise Refused(f"a minimum is not listed: fold angles ({angles}) deg")
-        left = sorted((x for some in alike.values() for x in some), key=lambda x: x[0])
-        if left and not self.open:
-            raise Refused(f"minimum {left[0][0]} does not follow from the sheet and its springs")
-        self.open = list(dict.fromkeys(self.open)) + [
-            one.reason for one in self.said.undecided if not self.open
-        ]
-        self.open += [f"minimum {number} of the list: not found again" for number, _ in left]
-        self.confirmed.sort()
 
 
 def _plus(one: Counter[int], two: Counter[int], times: int) -> Counter[int]:

@@ -6,7 +6,7 @@ claimed is the list; the check finds all closed states and their minima again.  
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 from origami_nlp.errors import CertificateError
@@ -34,11 +34,14 @@ class MeshCertificate(StatedSheet):
         All of them, within fold limits; angles that are 0 or +-pi are so exactly.
     undecided
         What is left open.
+    generic
+        Whether vertices need not fold flat: then the deviation is of equal sectors alone.
     """
 
     deviation: Finite
     minima: tuple[CertifiedState, ...]
     undecided: tuple[OpenInterval, ...]
+    generic: bool = field(default=False, metadata={"omit": True})
 
 
 def mesh_to_dict(certificate: MeshCertificate) -> dict[str, Any]:

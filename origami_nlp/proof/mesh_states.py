@@ -247,7 +247,7 @@ def as_folding_mesh(pattern: Pattern, modes: int = MOST_MODES) -> tuple[FoldingM
         if min(turns) <= 0 <= max(turns):
             return None, f"vertex {v.vertex} has a sector of 180 degrees or more"
         sense = 1 if turns[0] > 0 else -1
-        off = _sector_sum(u)
+        off = sector_sum(u)
         if off > CLOSURE_TOL:
             return (
                 None,
@@ -349,7 +349,7 @@ def dot(a: Vector, b: Vector) -> Fraction:
     return a[0] * b[0] + a[1] * b[1]
 
 
-def _sector_sum(u: Sequence[Vector]) -> float:
+def sector_sum(u: Sequence[Vector]) -> float:
     """Return by how much the first and third sector miss 180 degrees [rad]."""
     (x, y), (z, w) = ((dot(u[i], u[i + 1]), cross(u[i], u[i + 1])) for i in (0, 2))
     real, imaginary = x * z - y * w, x * w + y * z

@@ -12,6 +12,7 @@ import math
 import time
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 
@@ -166,7 +167,25 @@ def prove_mesh(
     )
 
 
-def certificate_of_mesh(pattern: Pattern, proof: MeshProof) -> MeshCertificate:
+class ProvedMesh(Protocol):
+    """What a certificate has of a proof."""
+
+    @property
+    def minima(self) -> Sequence[MeshMinimum]:
+        """Each once."""
+
+    @property
+    def undecided(self) -> Sequence[tuple[np.ndarray, np.ndarray, str]]:
+        """What is left open."""
+
+    @property
+    def deviation(self) -> float:
+        """By how much the sectors of the file differ from what is taken as exact [rad]."""
+
+
+def certificate_of_mesh(
+    pattern: Pattern, proof: ProvedMesh, *, generic: bool = False
+) -> MeshCertificate:
     """Return the proof of a mesh in the form that is written to a file and checked.
 
     Parameters
@@ -174,7 +193,9 @@ def certificate_of_mesh(pattern: Pattern, proof: MeshProof) -> MeshCertificate:
     pattern
         The mesh.
     proof
-        Of it.
+        Of it, within fold limits.
+    generic
+        Whether it is one of vertices that need not fold flat (`prove_quad_mesh`).
 
     Returns
     -------
@@ -184,8 +205,9 @@ def certificate_of_mesh(pattern: Pattern, proof: MeshProof) -> MeshCertificate:
     Raises
     ------
     OptionError
-        If a facet is of several pieces: the check knows none.
+        If a facet is of several pieces, or there are stops or hinge laws: the check knows none.
     """
+    pattern.check_plain_hinges("the certificate of a mesh")
     return MeshCertificate(
         **stated_sheet(pattern),
         deviation=proof.deviation,
@@ -194,6 +216,7 @@ def certificate_of_mesh(pattern: Pattern, proof: MeshProof) -> MeshCertificate:
             OpenInterval(tuple(low.tolist()), tuple(high.tolist()), why)
             for low, high, why in proof.undecided
         ),
+        generic=generic,
     )
 
 

@@ -218,8 +218,7 @@ class _Search:
     def _drive(self) -> int:
         """Return which of two opposite creases of the first vertex folds more."""
         first = self.mesh.vertices[0]
-        square = first.squares[0]
-        return first.creases[2 if square is not None and square.centre > 1 else 0]
+        return first.creases[2 if first.squares[0].centre > 1 else 0]
 
     def _scan(self, curve: QuadCurve, left: list[Interval] | None) -> Iterator[Interval]:
         """Yield where all loops of a curve may close, but for theta = 0: roots of one of them, and what stays open."""

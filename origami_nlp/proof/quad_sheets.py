@@ -8,7 +8,8 @@ plane of the sheet that is
 
 the product is 1, no full turn, where an odd number of folds are negative.  With 1 + w_3^2 = (1 + w_1^2)/q
 (`strip_states`) that leaves two curves through the flat state, phi_3 of the sign of phi_1 (mode 1) or of the other
-(mode -1).  No fold is 0 off the flat state unless opposite creases are in one line, which is refused.  So a mode says
+(mode -1).  No fold is 0 off the flat state unless opposite creases are in one line, and no two are at 180 degrees unless the vertex
+folds flat (q = 1): both are refused.  So a mode says
 the signs of all folds: in mode 1 those of w_2 and w_4 are opposite; in mode -1, at flat, |w_3| = sqrt(x) |w_1| with
 x = [23][34]/([12][41]), so that w_2 has the sign of ([12][34] - [23][41]) w_1 / [13], and w_4 the same.
 
@@ -25,11 +26,13 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import NamedTuple
 
+import numpy as np
+
 from origami_nlp.numerics import CLOSURE_TOL
 from origami_nlp.pattern import Pattern
 from origami_nlp.proof.affine import UNIT
 from origami_nlp.proof.balls import Ball, exact, rational
-from origami_nlp.proof.mesh_states import Vector, cross, directions, dot
+from origami_nlp.proof.mesh_states import Vector, cross, directions, dot, sector_sum
 from origami_nlp.proof.strip_states import Corner, Side, corner_of, why_no_stop
 
 MOST_VERTICES = 12
@@ -46,7 +49,7 @@ class QuadVertex(NamedTuple):
     corners
         From each crease.
     squares
-        q of the row from each crease: sin^2(phi/2) of the crease opposite is q sin^2(phi/2); None where q is 1.
+        q of the row from each crease: sin^2(phi/2) of the crease opposite is q sin^2(phi/2).
     sectors
         Classes of the sectors, from each crease to the next.
     signs
@@ -55,7 +58,7 @@ class QuadVertex(NamedTuple):
 
     creases: tuple[int, ...]
     corners: tuple[Corner, ...]
-    squares: tuple[Ball | None, ...]
+    squares: tuple[Ball, ...]
     sectors: tuple[int, ...]
     signs: dict[int, tuple[int, ...]]
 
@@ -111,7 +114,7 @@ def why_no_quad_mesh(pattern: Pattern) -> str:
     >>> why_no_quad_mesh(o.examples.pattern("metasheet", 3, 3))
     ''
     >>> why_no_quad_mesh(o.examples.pattern("miura", 3, 3))
-    'at vertex 3 opposite creases are in one line'
+    'vertex 3 folds flat'
     """
     return why_no_stop(pattern) or as_quad_mesh(pattern)[1]
 
@@ -134,13 +137,23 @@ def as_quad_mesh(pattern: Pattern) -> tuple[QuadMesh | None, str]:
         turns = [cross(u[i], u[(i + 1) % 4]) for i in range(4)]
         if min(turns) <= 0 <= max(turns):
             return None, f"vertex {v.vertex} has a sector of 180 degrees or more"
+        if sector_sum(u) <= CLOSURE_TOL:
+            return None, f"vertex {v.vertex} folds flat"
         for i in (0, 1):
             if abs(cross(u[i], u[i + 2])) <= Fraction(CLOSURE_TOL) * abs(dot(u[i], u[i + 2])):
                 return None, f"at vertex {v.vertex} opposite creases are in one line"
         rings = [v.creases[i:] + v.creases[:i] for i in range(4)]
         seen = [corner_of(pattern, v.vertex, ring)[:2] for ring in rings]
         drafts.append((v.creases, seen, u))
-    order = _in_order([d[0] for d in drafts])
+    # the most sensitive first: least is done to its folds before
+    bends = [
+        min(
+            float(cross(u[i], u[i + 2]) ** 2 / (dot(u[i], u[i]) * dot(u[i + 2], u[i + 2])))
+            for i in (0, 1)
+        )
+        for _, _, u in drafts
+    ]
+    order = _in_order([d[0] for d in drafts], int(np.argmin(bends)))
     around = {c for d in drafts for c in d[0]}
     if len(order) < len(drafts) or len(around) < pattern.creases:
         return None, "vertices do not hang together, or a crease is none of theirs"
@@ -160,12 +173,10 @@ def _vertex(
 ) -> QuadVertex:
     corners = tuple(_widened(corner, room) for corner, _ in seen)
     squares = []
-    for i, (corner, (_, q)) in enumerate(zip(corners, seen, strict=True)):
+    for corner, (_, q) in zip(corners, seen, strict=True):
         near, far = corner.sides
         ball = near.sin_b * near.sin_c * (far.sin_b * far.sin_c).inverse()
-        own = sorted((sectors[i - 1], sectors[i]))
-        one = q == 1 or own == sorted((sectors[(i + 1) % 4], sectors[(i + 2) % 4]))
-        squares.append(None if one else ball if room else rational(q))
+        squares.append(ball if room else rational(q))
     return QuadVertex(creases, corners, tuple(squares), sectors, _signs(u))
 
 
@@ -225,9 +236,9 @@ def _sign(x: Fraction) -> int:
     return (x > 0) - (x < 0)
 
 
-def _in_order(rounds: list[tuple[int, ...]]) -> list[int]:
-    """Return vertices, each after one that shares a crease with it."""
-    order = [0]
+def _in_order(rounds: list[tuple[int, ...]], first: int) -> list[int]:
+    """Return vertices, each but the first after one that shares a crease with it."""
+    order = [first]
     for v in order:
         beside = (w for w, ring in enumerate(rounds) if set(ring) & set(rounds[v]))
         order += [w for w in beside if w not in order]

@@ -36,7 +36,7 @@ class Step(NamedTuple):
 
     nodes: tuple[int, int, int, int]
     corner: Corner
-    square: Ball | None
+    square: Ball
     mode: int
 
 
@@ -211,17 +211,12 @@ class QuadStates:
         """Return the folds that follow from one: of the next crease, the one opposite, the last."""
         angle, rate = self.nodes[step.nodes[0]]
         first = Fold.of(angle, rate)
-        if step.square is None:
-            third = angle if step.mode > 0 else -angle, rate if step.mode > 0 else -rate
-            second = Fold.of(*third)
-        else:
-            third, second = self._opposite(step, first)
+        third, second = self._opposite(step, first)
         both = other_folds(step.corner, first, second)
         return [both[0], third, both[1]]
 
     def _opposite(self, step: Step, first: Fold) -> tuple[tuple[Ball, Jet], Fold]:
         """Return the fold opposite: sin(phi/2) = mode sqrt(q) sin(phi_1/2)."""
-        assert step.square is not None
         q = step.square
         kappa = exact(float(step.mode)) * q.root()
         # the half-angles are within a quarter turn: of phi_1 the sign is known where the formula may be a turn off
