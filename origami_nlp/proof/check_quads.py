@@ -210,11 +210,15 @@ class QuadCheck(ListCheck):
         ]
 
     def _states(
-        self, links: Sequence[Link], drive: int, theta: Any
+        self, links: Sequence[Link], theta: Any, at: dict[int, Any] | None = None
     ) -> tuple[dict[int, Any], list[Any], bool]:
-        """Return z of creases as series, what differs round loops, and whether a root is certainly not real."""
+        """Return z of creases as series, what differs round loops, and whether a root is certainly not real.
+
+        From those in the middle of theta they are known better, by the mean value theorem.
+        """
         x = arb_series([arb(theta), 1], 3)
-        s, zs = x.sin(), {drive: x.cos()}
+        s, zs = x.sin(), {self.drive: x.cos()}
+        away = theta - arb(theta).mid()
         square = s * s
         loops: list[Any] = []
         for vertex, p, sign in links:
@@ -230,10 +234,14 @@ class QuadCheck(ListCheck):
                 (p + 3) % 4: (k[(p + 3) % 4] * opposite + k[(p + 2) % 4] * z) / c,
             }
             for i, value in own.items():
-                if vertex.creases[i] in zs:
-                    loops.append(value - zs[vertex.creases[i]])
-                else:
-                    zs[vertex.creases[i]] = value
+                crease = vertex.creases[i]
+                if crease in zs:
+                    loops.append(value - zs[crease])
+                    continue
+                moved = at[crease][0] + value[1] * away if at and crease in at else value[0]
+                if moved.is_finite() and moved.rad() < value[0].rad():
+                    value = arb_series([moved, value[1], value[2]], 3)
+                zs[crease] = value
         return zs, loops, False
 
     def _is_even(self, links: Sequence[Link], zs: dict[int, Any]) -> bool:
@@ -262,12 +270,12 @@ class QuadCheck(ListCheck):
         """Return whether no state closes in an interval; a difference that is steep there, and the sign of its slope."""
         self.counts["intervals"] += 1
         theta = arb(low).union(arb(high))
-        zs, loops, unreal = self._states(links, self.drive, theta)
-        if unreal or self._is_even(links, zs):
-            return True, 0, 0
         middle = theta.mid()
         away = theta - middle
-        at = self._states(links, self.drive, middle)[1]
+        known, at, _ = self._states(links, middle)
+        zs, loops, unreal = self._states(links, theta, known)
+        if unreal or self._is_even(links, zs):
+            return True, 0, 0
         for one, here in itertools.zip_longest(loops, at):
             if _sign(one[0]) or (here is not None and _sign(here[0] + one[1] * away)):
                 return True, 0, 0
@@ -305,7 +313,7 @@ class QuadCheck(ListCheck):
                 yield self._narrowed(links, loop, low, high, slope)
 
     def _difference(self, links: Sequence[Link], loop: int, theta: float) -> int:
-        loops = self._states(links, self.drive, arb(theta))[1]
+        loops = self._states(links, arb(theta))[1]
         return _sign(loops[loop][0]) if len(loops) > loop else 0
 
     def _narrowed(
@@ -322,7 +330,7 @@ class QuadCheck(ListCheck):
         """Add the two states in an interval in which the only loop closes once, or leave it open."""
         links = self._links(signs)
         theta = arb(low).union(arb(high))
-        zs, loops, unreal = self._states(links, self.drive, theta)
+        zs, loops, unreal = self._states(links, theta)
         if unreal or self._is_even(links, zs):
             return
         name = f"theta in [{low:.9g}, {high:.9g}]"
@@ -341,7 +349,7 @@ class QuadCheck(ListCheck):
     def _identically(self, signs: tuple[int, ...]) -> Along | None:
         """Return the curve along which all loops of these vertices close identically; None where they do not."""
         links = self._links(signs)
-        zs, loops, unreal = self._states(links, self.drive, arb(1) / 128)
+        zs, loops, unreal = self._states(links, arb(1) / 128)
         if unreal or not all(_sign(z[0]) for z in zs.values()) or self._is_even(links, zs):
             return None
         if any(abs(g[0]) > CLOSES for g in loops):
