@@ -112,7 +112,7 @@ def minima(
 
 
 def _check_provable(pattern: Pattern, file: str) -> None:
-    from origami_nlp.proof import why_no_mesh, why_no_quad_mesh, why_no_strip
+    from origami_nlp.proof import why_no_mesh, why_no_strip
 
     if (why := why_no_strip(pattern)) and (other := why_no_mesh(pattern)):
         raise OptionError(

@@ -217,7 +217,11 @@ def _check_sheet(
     except Refused as problem:
         refused = str(problem)
     # of a strip all that are listed, or it is refused
-    found = check.confirmed if isinstance(check, MeshCheck | QuadCheck) else range(1, len(said.minima) + 1)
+    found = (
+        check.confirmed
+        if isinstance(check, MeshCheck | QuadCheck)
+        else range(1, len(said.minima) + 1)
+    )
     return Check(
         refused,
         () if refused else tuple(found),

@@ -15,7 +15,6 @@ set of rows that are 0, or at +-180 degrees, and can move together is asked whet
 from __future__ import annotations
 
 import itertools
-import math
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from fractions import Fraction

@@ -1,9 +1,10 @@
 """All minima of a mesh of vertices of degree four, with cycles or without, that need not fold flat (`quad_states`).
 
-A mode is chosen at each vertex in turn, and theta, from 0 to 90 degrees, is cut into boxes: those go in which no state
-closes within fold limits, or a loop does not close.  Where a loop moves steeply it closes once, if the signs at the ends
-say so: a rigid state, that stands alone.  At theta = 0 every loop closes: there is no other state in a box round it
-where a loop is steep.  Where all loops close identically a curve is left, whose minima are those of a strip's curves.
+A mode is chosen at each vertex in turn, and theta, from 0 to 90 degrees, is cut into boxes: those go in which no
+state closes within fold limits, or a loop does not close.  Where a loop moves steeply it closes once, if the signs at
+the ends say so: a rigid state, that stands alone.  At theta = 0 every loop closes: there is no other state in a box
+round it where a loop is steep.  Where all loops close identically a curve is left, whose minima are those of a
+strip's curves.
 """
 
 from __future__ import annotations
@@ -32,11 +33,13 @@ FULL_TURN = math.nextafter(2 * math.pi, 0.0)
 """Not above 2 pi, which is between two doubles."""
 FIRST = np.array([0.0, 0.01, 0.1, 0.4, 1.0, BEYOND])
 """Where the first boxes end [rad]."""
+MANY = 16
+"""Parts that boxes are cut into where they are fewer: it costs what two do."""
 ALIKE = 1e-6
 """Folds that differ by less reach 180 degrees together, when one is chosen to say where a curve ends [rad]."""
 
 
-class Interval(NamedTuple):
+class ThetaInterval(NamedTuple):
     """Theta between two numbers: where a rigid state is, once, or what is left open."""
 
     low: float
@@ -138,7 +141,7 @@ def prove_quad_mesh(
     if contact and (why := why_no_strip_contact(pattern)):
         raise OptionError(f"pattern = {pattern.title}: no mesh whose contact can be proved: {why}")
     started = time.process_time()
-    search = _Search(mesh, pattern, StripContact(pattern) if contact else None, boxes, until)
+    search = _QuadSearch(mesh, pattern, StripContact(pattern) if contact else None, boxes, until)
     with np.errstate(all="ignore"):
         search.run()
     return QuadProof(
@@ -155,7 +158,7 @@ def prove_quad_mesh(
     )
 
 
-class _Search:
+class _QuadSearch:
     """All choices of modes, what closes in each, and its minima."""
 
     def __init__(
@@ -184,7 +187,7 @@ class _Search:
             flat = np.zeros(self.mesh.creases)
             self.open.append((flat, flat, "the flat state is a minimum of some of its curves only"))
 
-    def _choose(self, modes: tuple[int, ...], left: list[Interval] | None) -> None:
+    def _choose(self, modes: tuple[int, ...], left: list[ThetaInterval] | None) -> None:
         """Go through all modes of the vertices after these; theta is in what is left, anywhere if that is None."""
         if len(modes) == len(self.mesh.vertices):
             self.choices += 1
@@ -220,7 +223,7 @@ class _Search:
         first = self.mesh.vertices[0]
         return first.creases[2 if first.squares[0].centre > 1 else 0]
 
-    def _scan(self, curve: QuadCurve, left: list[Interval] | None) -> Iterator[Interval]:
+    def _scan(self, curve: QuadCurve, left: list[ThetaInterval] | None) -> Iterator[ThetaInterval]:
         """Yield where all loops of a curve may close, but for theta = 0: roots of one of them, and what stays open."""
         if left is None:
             low, high = FIRST[:-1], FIRST[1:]
@@ -241,14 +244,15 @@ class _Search:
             last = ~gone & ~alone & narrow
             kept += zip(low[last].tolist(), high[last].tolist(), strict=True)
             split = ~gone & ~alone & ~narrow
-            middle = middle[split]
-            low, high = np.r_[low[split], middle], np.r_[middle, high[split]]
+            parts = MANY if np.count_nonzero(split) < MANY else 2
+            ends = np.linspace(low[split], high[split], parts + 1)
+            low, high = ends[:-1].ravel(), ends[1:].ravel()
         for a, b, sign in _joined(sorted(steep)):
             yield from _root(curve, a, b, sign)
         for a, b, _ in _joined([(*one, 0) for one in sorted(kept)]):
-            yield Interval(a, b, False)
+            yield ThetaInterval(a, b, False)
 
-    def _rigid(self, curve: QuadCurve, one: Interval) -> None:
+    def _rigid(self, curve: QuadCurve, one: ThetaInterval) -> None:
         """Add the two states of an interval of theta, one the other's mirror image, or leave it open."""
         low, high = np.array([one.low]), np.array([one.high])
         middle, half = variables(low, high)
@@ -275,7 +279,9 @@ class _Search:
             inside = (room[0] < -radius) & (room[1] > radius)
             beyond = (room[0] > radius) | (room[1] < -radius)
             if facets != APART or not (inside | beyond).all():
-                self.open.append((side * phi - radius, side * phi + radius, "contact at a rigid state"))
+                self.open.append(
+                    (side * phi - radius, side * phi + radius, "contact at a rigid state")
+                )
             elif inside.all():
                 self.rigid += 1
                 self.minima.append(MeshMinimum(side * phi, float(radius.max())))
@@ -324,7 +330,7 @@ class _Search:
         number = int(np.argmax(most >= most.max() - ALIKE))
         return min(c for c, n in curve.node.items() if n == number)
 
-    def _leave(self, curve: QuadCurve, one: Interval, why: str) -> None:
+    def _leave(self, curve: QuadCurve, one: ThetaInterval, why: str) -> None:
         low, high = np.array([one.low]), np.array([one.high])
         middle, half = variables(low, high)
         box = curve.states(np.zeros(0), Ball(middle, half))
@@ -374,11 +380,11 @@ def _joined(pieces: list[tuple[float, float, int]]) -> list[tuple[float, float, 
     return found
 
 
-def _root(curve: QuadCurve, low: float, high: float, sign: int) -> Iterator[Interval]:
+def _root(curve: QuadCurve, low: float, high: float, sign: int) -> Iterator[ThetaInterval]:
     """Yield where the first loop closes in an interval in which its mismatch grows (1) or falls."""
     ends = [_mismatch_at(curve, x) for x in (low, high)]
     if not all(ends):
-        yield Interval(low, high, False)
+        yield ThetaInterval(low, high, False)
     elif ends[0] != ends[1]:
         a, b = low, high
         for _ in range(60):
@@ -393,7 +399,7 @@ def _root(curve: QuadCurve, low: float, high: float, sign: int) -> Iterator[Inte
             if not new[1] - new[0] < 0.9 * (b - a):
                 break
             a, b = new
-        yield Interval(a, b, True)
+        yield ThetaInterval(a, b, True)
 
 
 def _first(ball: Ball) -> tuple[np.ndarray, np.ndarray]:

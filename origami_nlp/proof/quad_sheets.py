@@ -1,20 +1,21 @@
 """Meshes of flat vertices of degree four that need not fold flat: their vertices, and in which signs they fold.
 
-Round a vertex with unit vectors u_1..u_4 along its creases let w_i = cot(phi_i/2) and [ij] = u_i x u_j.  The product of
-the quaternions s_i (w_i + u_i) is +-1 where (w_1 + u_1)(w_2 + u_2) is -[12]/[34] times (w_4 - u_4)(w_3 - u_3).  In the
-plane of the sheet that is
+Round a vertex with unit vectors u_1..u_4 along its creases let w_i = cot(phi_i/2) and [ij] = u_i x u_j.  The product
+of the quaternions s_i (w_i + u_i) is +-1 where (w_1 + u_1)(w_2 + u_2) is -[12]/[34] times (w_4 - u_4)(w_3 - u_3).  In
+the plane of the sheet that is
 
     [13] w_2 + [23] w_1 + [12] w_3 = 0,    and so for every three creases that follow each other;
 
 the product is 1, no full turn, where an odd number of folds are negative.  With 1 + w_3^2 = (1 + w_1^2)/q
 (`strip_states`) that leaves two curves through the flat state, phi_3 of the sign of phi_1 (mode 1) or of the other
-(mode -1).  No fold is 0 off the flat state unless opposite creases are in one line, and no two are at 180 degrees unless the vertex
-folds flat (q = 1): both are refused.  So a mode says
-the signs of all folds: in mode 1 those of w_2 and w_4 are opposite; in mode -1, at flat, |w_3| = sqrt(x) |w_1| with
-x = [23][34]/([12][41]), so that w_2 has the sign of ([12][34] - [23][41]) w_1 / [13], and w_4 the same.
+(mode -1).  No fold is 0 off the flat state unless opposite creases are in one line, and no two are at 180 degrees
+unless the vertex folds flat (q = 1): both are refused.  So a mode says the signs of all folds: in mode 1 those of w_2
+and w_4 are opposite; in mode -1, at flat, |w_3| = sqrt(x) |w_1| with x = [23][34]/([12][41]), so that w_2 has the
+sign of ([12][34] - [23][41]) w_1 / [13], and w_4 the same.
 
-Vertices with equal sectors are congruent: where they are in one mode, and one fold is the same but for its sign, all are.
-So each mesh comes with classes of equal sectors, of which relations that hold identically are made (`quad_states`).
+Vertices with equal sectors are congruent: where they are in one mode, and one fold is the same but for its sign, all
+are. So each mesh comes with classes of equal sectors, of which relations that hold identically are made
+(`quad_states`).
 """
 
 from __future__ import annotations
@@ -114,7 +115,7 @@ def why_no_quad_mesh(pattern: Pattern) -> str:
     >>> why_no_quad_mesh(o.examples.pattern("metasheet", 3, 3))
     ''
     >>> why_no_quad_mesh(o.examples.pattern("miura", 3, 3))
-    'vertex 3 folds flat'
+    'vertex 2 folds flat'
     """
     return why_no_stop(pattern) or as_quad_mesh(pattern)[1]
 
@@ -193,8 +194,8 @@ def _signs(u: list[Vector]) -> dict[int, tuple[int, ...]]:
 def _widened(corner: Corner, room: float) -> Corner:
     if not room:
         return corner
-    sides = (Side(*(b.widened(exact(room).centre) for b in side)) for side in corner.sides)
-    return corner._replace(sides=tuple(sides))
+    near, far = (Side(*(b.widened(exact(room).centre) for b in side)) for side in corner.sides)
+    return corner._replace(sides=(near, far))
 
 
 class _Classes:

@@ -1,17 +1,18 @@
 """Closed states of a mesh of vertices of degree four, along one fold: what follows from it vertex by vertex.
 
-One crease has phi = 2 theta; a vertex of which one fold is known gives the other three (`strip_states`), in a mode each.
-Where a vertex has several known folds, it closes a loop: the folds that it gives are those known, or the state does not
-close.  Two vertices in one mode, with equal sectors (in either order) from creases with one fold but for its sign, have
-all folds in common: such folds are one number here, and a loop closes identically where it asks for nothing else.
+One crease has phi = 2 theta; a vertex of which one fold is known gives the other three (`strip_states`), in a mode
+each. Where a vertex has several known folds, it closes a loop: the folds that it gives are those known, or the state
+does not close.  Two vertices in one mode, with equal sectors (in either order) from creases with one fold but for its
+sign, have all folds in common: such folds are one number here, and a loop closes identically where it asks for
+nothing else.
 
-Within fold limits the sign of each fold is known for theta > 0: where the formula gives another one, or a sine above 1,
-no state of these modes closes.  The states that do are those from the flat one to some theta.  In mode 1 the fold across
-has 1/sin^2(phi_2/2) = A + B X + C sqrt((X - r_1)(X - r_3)) with X = 1/sin^2(phi_1/2) and B, C > 0, which grows with X; in
-mode -1 the root has the sign -, that is convex and least where phi_2 or phi_4 is at 180 degrees; and where phi_1 or phi_3
-is, both w_2 and w_4 have the sign of w_3 or w_1, so that just one of them has passed 0 on the way: from there an even
-number of folds is negative.  So folds of a vertex grow together until one of them is at 180 degrees, and do not close
-after that; and those of a tree of vertices as well.
+Within fold limits the sign of each fold is known for theta > 0: where the formula gives another one, or a sine above
+1, no state of these modes closes.  The states that do are those from the flat one to some theta.  In mode 1 the fold
+across has 1/sin^2(phi_2/2) = A + B X + C sqrt((X - r_1)(X - r_3)) with X = 1/sin^2(phi_1/2) and B, C > 0, which grows
+with X; in mode -1 the root has the sign -, that is convex and least where phi_2 or phi_4 is at 180 degrees; and where
+phi_1 or phi_3 is, both w_2 and w_4 have the sign of w_3 or w_1, so that just one of them has passed 0 on the way:
+from there an even number of folds is negative.  So folds of a vertex grow together until one of them is at 180
+degrees, and do not close after that; and those of a tree of vertices as well.
 """
 
 from __future__ import annotations
@@ -31,7 +32,7 @@ HALF_TURN = math.nextafter(math.pi, 0.0)
 """Not above pi, which is between two doubles."""
 
 
-class Step(NamedTuple):
+class VertexStep(NamedTuple):
     """A vertex from one known fold: nodes (numbers of folds) of its creases, the known one first, q and the mode."""
 
     nodes: tuple[int, int, int, int]
@@ -40,7 +41,7 @@ class Step(NamedTuple):
     mode: int
 
 
-class Loop(NamedTuple):
+class FoldLoop(NamedTuple):
     """Two folds, as numbers, that are one where a loop closes, up to a sign that is known."""
 
     one: int
@@ -72,8 +73,8 @@ class QuadCurve:
     signs: dict[int, int]
     node: dict[int, int] = field(default_factory=dict)
     sense: list[int] = field(default_factory=list)
-    steps: list[Step] = field(default_factory=list)
-    loops: list[Loop] = field(default_factory=list)
+    steps: list[VertexStep] = field(default_factory=list)
+    loops: list[FoldLoop] = field(default_factory=list)
 
     def __post_init__(self) -> None:
         turn = self.signs[self.drive]
@@ -108,14 +109,14 @@ class QuadCurve:
             at = dict(zip(way, nodes, strict=True))
             vertex = self.mesh.vertices[v]
             mode = self.modes[v] * (-1) ** p
-            self.steps.append(Step(nodes, vertex.corners[p], vertex.squares[p], mode))  # type: ignore[arg-type]
+            self.steps.append(VertexStep(nodes, vertex.corners[p], vertex.squares[p], mode))  # type: ignore[arg-type]
             for i in range(4):
                 key, way = self._seen(v, i, at[i])
                 self._known[key] = tuple(at[j] for j in way)
         for i, number in at.items():
             known = self.node.setdefault(creases[i], number)
             if known != number:
-                self.loops.append(Loop(number, known, self.sense[number] * self.sense[known]))
+                self.loops.append(FoldLoop(number, known, self.sense[number] * self.sense[known]))
 
     def _seen(
         self, v: int, p: int, number: int
@@ -170,7 +171,7 @@ class QuadStates:
         self._half = theta.radius
         self._theta_is_flat = (theta.centre == 0) & (theta.radius == 0)
         self.outside = np.zeros(theta.centre.shape, bool)
-        self.inside = np.abs(theta.centre) <= 0.5 * math.pi
+        self.inside = np.abs(theta.centre) <= math.nextafter(0.5 * math.pi, math.inf)
         self.nodes: list[tuple[Ball, Jet]] = [(theta + theta, Jet(exact(2.0) + zero, zero))]
         self._middle = at
         self._tell(0)
@@ -196,7 +197,9 @@ class QuadStates:
             return state
         moved = self._middle.nodes[number][0].widened(rate.value.magnitude * self._half)
         better = self._middle.inside & (moved.radius < angle.radius)
-        return Ball(*(np.where(better, *x) for x in zip(_pair(moved), _pair(angle), strict=True))), rate
+        return Ball(
+            *(np.where(better, *x) for x in zip(_pair(moved), _pair(angle), strict=True))
+        ), rate
 
     def _tell(self, number: int) -> None:
         """Note where a fold has another sign than it can have."""
@@ -207,7 +210,7 @@ class QuadStates:
         if number:
             self.inside = self.inside & ((right > 0) | (self._theta_is_flat & (angle.centre == 0)))
 
-    def _step(self, step: Step) -> list[tuple[Ball, Jet]]:
+    def _step(self, step: VertexStep) -> list[tuple[Ball, Jet]]:
         """Return the folds that follow from one: of the next crease, the one opposite, the last."""
         angle, rate = self.nodes[step.nodes[0]]
         first = Fold.of(angle, rate)
@@ -215,7 +218,7 @@ class QuadStates:
         both = other_folds(step.corner, first, second)
         return [both[0], third, both[1]]
 
-    def _opposite(self, step: Step, first: Fold) -> tuple[tuple[Ball, Jet], Fold]:
+    def _opposite(self, step: VertexStep, first: Fold) -> tuple[tuple[Ball, Jet], Fold]:
         """Return the fold opposite: sin(phi/2) = mode sqrt(q) sin(phi_1/2)."""
         q = step.square
         kappa = exact(float(step.mode)) * q.root()
@@ -239,9 +242,7 @@ class QuadStates:
         opposite = argument(root, product)
         turn = rate * cosine * Jet(exact(0.5) * high.value, high.slope * exact(0.5)).inverse_root()
         turn = turn * kappa
-        return (opposite + opposite, turn), Fold(
-            low, high, exact(2.0) * product * root, turn
-        )
+        return (opposite + opposite, turn), Fold(low, high, exact(2.0) * product * root, turn)
 
     def mismatch(self) -> list[Jet]:
         """Return by how much the folds of each loop differ, modulo a full turn, and its slope."""

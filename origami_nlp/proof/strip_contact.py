@@ -32,7 +32,7 @@ from origami_nlp.proof.ball_vectors import (
     stacked,
 )
 from origami_nlp.proof.balls import Ball, Jet, exact, rational
-from origami_nlp.proof.strip_states import StripStates
+from origami_nlp.proof.strip_states import FoldStates
 
 UNKNOWN, APART, CROSSING, TOUCHING = range(4)
 """Of facets over a box: nothing; all apart; two cross; two are apart on one side of a state."""
@@ -125,7 +125,7 @@ class StripContact:
         self._walk = [(*step, _turning(pattern, *step[2:])) for step in _walk(pattern)]
 
     def facets(
-        self, at: StripStates, box: StripStates, angles: dict[int, Ball], half: np.ndarray
+        self, at: FoldStates, box: FoldStates, angles: dict[int, Ball], half: np.ndarray
     ) -> Facets:
         """Return the facets in the middle of boxes and over them; fold angles over the boxes are given."""
         middle = [x.value for x in self.corners(at, at.angles)]
@@ -134,7 +134,7 @@ class StripContact:
         over = [Jet(m.widened(s.magnitude * half), s) for m, s in zip(middle, slopes, strict=True)]
         return Facets(middle, over)
 
-    def corners(self, states: StripStates, angles: dict[int, Ball]) -> list[Jet]:
+    def corners(self, states: FoldStates, angles: dict[int, Ball]) -> list[Jet]:
         """Return the corners of each polygon in space, [3, q, K]; one facet stays where it is."""
         place = exact(self.pattern.corners.T[:, :, None])
         many = len(states.narrow)
@@ -248,7 +248,7 @@ class StripContact:
                 return True
         return False
 
-    def gaps(self, touches: tuple[FacetTouch, ...], states: StripStates) -> Ball:
+    def gaps(self, touches: tuple[FacetTouch, ...], states: FoldStates) -> Ball:
         """Return all g at single states, [touches, K]."""
         x = self.corners(states, states.angles)
         found = [

@@ -24,7 +24,7 @@ from origami_nlp.proof.strip_contact import (
     FacetTouch,
     StripContact,
 )
-from origami_nlp.proof.strip_states import Strip, StripStates
+from origami_nlp.proof.strip_states import FoldCurves, FoldStates
 
 HALF_TURN = math.nextafter(math.pi, 0.0)
 """Not above pi, which is between two doubles."""
@@ -62,7 +62,7 @@ class StopTouch(NamedTuple):
 class StripEnergy:
     """The energy's derivatives U' and U'' along curves with these signs, [k + 1, curves], over boxes of theta."""
 
-    def __init__(self, strip: Strip, pattern: Pattern, signs: np.ndarray) -> None:
+    def __init__(self, strip: FoldCurves, pattern: Pattern, signs: np.ndarray) -> None:
         self.strip, self.signs = strip, signs
         self.k, self.rest = pattern.stiffness, pattern.rest
         self.across = strip.across
@@ -91,11 +91,11 @@ class StripEnergy:
         angles = {c: a.widened(box.slopes[c].value.magnitude * half) for c, a in at.angles.items()}
         return ThetaBoxes(self, at, box, angles, half)
 
-    def first(self, states: StripStates, angles: dict[int, Ball]) -> Ball:
+    def first(self, states: FoldStates, angles: dict[int, Ball]) -> Ball:
         """Return U' = sum k (phi - rest) phi'."""
         return total(self.torque(c, phi) * states.slopes[c].value for c, phi in angles.items())
 
-    def second(self, states: StripStates, angles: dict[int, Ball]) -> Ball:
+    def second(self, states: FoldStates, angles: dict[int, Ball]) -> Ball:
         """Return U'' = sum k (phi'^2 + (phi - rest) phi'')."""
         return total(
             self._stiffness(c, phi) * states.slopes[c].value * states.slopes[c].value
@@ -137,8 +137,8 @@ class ThetaBoxes:
     """States in the middle of boxes and over them, and all fold angles over them."""
 
     energy: StripEnergy
-    at: StripStates
-    box: StripStates
+    at: FoldStates
+    box: FoldStates
     angles: dict[int, Ball]
     half: np.ndarray
 

@@ -27,7 +27,7 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import NamedTuple
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
@@ -90,7 +90,7 @@ class Strip:
         """Pairs of those at one vertex, by their places in `across`."""
         return [(2 * i, 2 * i + 1) for i in range(len(self.corners))]
 
-    def states(self, signs: np.ndarray, theta: Ball, at: StripStates | None = None) -> StripStates:
+    def states(self, signs: np.ndarray, theta: Ball, at: FoldStates | None = None) -> StripStates:
         """Return states over boxes of theta, on curves with these signs, [k + 1, K]."""
         return StripStates(self, signs, theta)
 
@@ -182,9 +182,7 @@ def _row(
     return order if sorted(v for v, _ in order) == list(range(len(rounds))) else None
 
 
-def corner_of(
-    pattern: Pattern, vertex: int, ring: tuple[int, ...]
-) -> tuple[Corner, Fraction, str]:
+def corner_of(pattern: Pattern, vertex: int, ring: tuple[int, ...]) -> tuple[Corner, Fraction, str]:
     """Return a vertex, q of its row, and why it is refused."""
     place = pattern.corners[:, :2]
     away = [int(pattern.ends[c].sum()) - vertex for c in ring]
@@ -263,6 +261,44 @@ def _side(
     )
 
 
+class FoldStates(Protocol):
+    """States of curves over boxes of theta, [K]."""
+
+    @property
+    def angles(self) -> dict[int, Ball]:
+        """phi of each crease, modulo a full turn."""
+
+    @property
+    def slopes(self) -> dict[int, Jet]:
+        """phi' of each crease, with phi''."""
+
+    @property
+    def outside(self) -> np.ndarray:
+        """Where no state closes within fold limits, known without asking the vertices."""
+
+    @property
+    def narrow(self) -> np.ndarray:
+        """Whether all fold angles are known to within so little that four of them are no quarter of a turn."""
+
+    def closes(self) -> np.ndarray:
+        """Return which vertices come back turned by no full turn, [k, K]; asked of boxes that are narrow."""
+
+
+class FoldCurves(Protocol):
+    """Curves of closed states."""
+
+    @property
+    def across(self) -> list[int]:
+        """Creases that may reach +-180 degrees before the curve ends."""
+
+    @property
+    def beside(self) -> list[tuple[int, int]]:
+        """Pairs of those at one vertex, by their places in `across`."""
+
+    def states(self, signs: np.ndarray, theta: Ball, at: Any = None) -> FoldStates:
+        """Return states over boxes of theta, on curves with these signs; those in the middles may help."""
+
+
 class StripStates:
     """States of a strip over boxes of theta, on curves with these signs, [k + 1, K]."""
 
@@ -289,7 +325,9 @@ class StripStates:
             self.angles[crease], self.slopes[crease] = angle + angle, rate
             row.append(Fold(low + low, high + high, product + product, rate))
         for corner, before, after in zip(strip.corners, row[:-1], row[1:], strict=True):
-            for crease, (angle, rate) in zip((1, 3), other_folds(corner, before, after), strict=True):
+            for crease, (angle, rate) in zip(
+                (1, 3), other_folds(corner, before, after), strict=True
+            ):
                 self.angles[corner.creases[crease]] = angle
                 self.slopes[corner.creases[crease]] = rate
 
