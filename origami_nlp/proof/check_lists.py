@@ -37,7 +37,9 @@ def is_listed(angle: Any, said: float, radius: float) -> bool:
     """Return whether a fold angle is what is listed: 0 exactly, at +-180 degrees exactly, or to within a radius."""
     if angle.is_zero() or abs(said) == math.pi or not said:
         return bool(angle.is_zero() and not said) or bool(said * angle > 0 and _is_half_turn(angle))
-    return not _is_half_turn(angle) and bool(abs(angle - said) <= arb(radius) + STATED)
+    # of a sheet that is known to within a deviation the fold is known to within what that makes of it
+    near = arb(said, radius + STATED).overlaps(angle) and angle.rad() <= WIDEST
+    return not _is_half_turn(angle) and bool(near)
 
 
 def kinds_of(angles: Sequence[Any]) -> tuple[int, ...]:

@@ -273,7 +273,7 @@ class _QuadSearch:
             corners = self.facets.facets(at, box, box.angles, half)
             facets = int(self.facets.over(corners, box.angles, high - low)[0][0])
         for side in (1.0, -1.0):
-            room = side * (self.pattern.limit_angles - side * phi) * side
+            room = self.pattern.limit_angles - side * phi
             if facets == CROSSING:
                 continue
             inside = (room[0] < -radius) & (room[1] > radius)

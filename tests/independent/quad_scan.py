@@ -41,7 +41,7 @@ def of_vertex(u, first, side):
 
 
 def scan(pattern, theta):
-    """Yield, for each way to fold all vertices, all folds [creases, K] and by how much loops do not close [K]."""
+    """Yield, for each way to fold all vertices, all folds [creases, K] and by how much a loop does not close [K]."""
     place = pattern.corners
     rounds = []
     for v in pattern.vertices:
@@ -61,7 +61,8 @@ def scan(pattern, theta):
             found = of_vertex(np.roll(u, -at, axis=0), folds[creases[at]], side)
             for c, phi in zip(np.roll(creases, -at).tolist(), found, strict=True):
                 if c in folds:
-                    off = np.maximum(off, np.abs(phi - folds[c]))
+                    away = phi - folds[c]
+                    off = np.where(np.abs(away) > np.abs(off), away, off)
                 else:
                     folds[c] = phi
         # a turn about a vertex too much: an even number of folds is negative
