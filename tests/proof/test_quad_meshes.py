@@ -60,7 +60,7 @@ def proved(make, seed):
     return sheet, prove_quad_mesh(sheet, boxes=30_000)
 
 
-def rigid_states(pattern, steps=6_000):
+def rigid_states(pattern, steps):
     """Where loops of the scan close between others that do not, both of two mirror images [2 m, n]."""
     theta = np.linspace(0.01, 0.5 * math.pi - 1e-6, steps)
     found = []
@@ -108,7 +108,7 @@ def test_generic_meshes_have_flat_and_rigid_states_alone(seed):
     for minimum in proof.minima:
         assert np.abs(rigid.open(minimum.fold_angles)).max() < 1e-9
         assert minimum.radius < 1e-9
-    assert same_states(beside, rigid_states(sheet), 1e-3)
+    assert same_states(beside, rigid_states(sheet, 60_000 if seed == 37 else 6_000), 1e-3)
     found = check_proof(certificate_of_mesh(sheet, proof, generic=True))
     if seed != 44:
         assert found.lines[0].startswith("checked: complete")
