@@ -112,12 +112,14 @@ def minima(
 
 
 def _check_provable(pattern: Pattern, file: str) -> None:
-    from origami_nlp.proof import why_no_mesh, why_no_strip
+    from origami_nlp.proof import why_no_mesh, why_no_quad_mesh, why_no_strip
 
-    if (why := why_no_strip(pattern)) and (other := why_no_mesh(pattern)):
+    reasons = why_no_strip(pattern), why_no_mesh(pattern), why_no_quad_mesh(pattern)
+    if all(reasons):
+        strip, flat, other = reasons
         raise OptionError(
-            f"--certificate = {file!r}: the list of a pattern is proved of strips ({why}) and of meshes "
-            f"whose vertices fold flat ({other})"
+            f"--certificate = {file!r}: the list of a pattern is proved of strips ({strip}), of meshes "
+            f"whose vertices fold flat ({flat}), and of those of which none does ({other})"
         )
 
 

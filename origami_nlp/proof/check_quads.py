@@ -48,7 +48,7 @@ from origami_nlp.proof.check_strip_sheet import FlatDisk, product_round
 from origami_nlp.proof.check_strips import BITS, TERMS
 from origami_nlp.proof.mesh_certificate import MeshCertificate
 
-CLOSES = 1e-9
+LOOP_TOL = 1e-9
 """What is left of the product of quaternions at a state, at most."""
 
 
@@ -330,7 +330,7 @@ class QuadCheck(ListCheck):
         zs, loops, unreal = self._states(links, arb(SMALL))
         if unreal or not all(sign_of(z[0]) for z in zs.values()) or self._is_even(links, zs):
             return None
-        if any(abs(g[0]) > CLOSES for g in loops):
+        if any(abs(g[0]) > LOOP_TOL for g in loops):
             return None
         return one_curve(links, self.drive, zs)
 
@@ -371,5 +371,5 @@ class QuadCheck(ListCheck):
         """Refuse a state of the statement round a vertex of which facets do not come back."""
         for vertex in self.order:
             a, *rest = product_round(vertex, folds)
-            if not all(abs(x) < CLOSES for x in (a - 1, *rest)):
+            if not all(abs(x) < LOOP_TOL for x in (a - 1, *rest)):
                 raise Refused("states of the statement do not close")

@@ -99,7 +99,7 @@ BESIDE_THE_TABLE = {
         proof/boxes.WIDER proof/compiled_boxes.EXACT proof/check_bounds.BLUNT
         proof/check_forms.THIN proof/complete.LOW proof/complete.NEAR
         proof/flat.NARROW proof/flat.RADII proof/roots.FAR proof/roots.SHARES proof/roots.WITHIN
-        proof/check_mesh.EXACT proof/check_quads.CLOSES
+        proof/check_mesh.EXACT proof/check_quads.LOOP_TOL
         proof/quad_meshes.FIRST proof/quad_meshes.ALIKE proof/check_lists.STATED proof/check_lists.WIDEST
         proof/check_strips.STATED proof/law_torques.SMOOTH proof/singular.RADII proof/mirror_domains.SHORTEST
     """,
