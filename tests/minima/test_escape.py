@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from origami_nlp import Scene, Vertex, examples, find_barriers, find_minima, load
+from origami_nlp import Model, Scene, Vertex, examples, find_barriers, find_minima, load
 from origami_nlp.kkt import ALONE, BOUND, TRACED, TREE, State, energy_scale, escape_paths, project
 from origami_nlp.minima.escape import VertexTerrain, with_escapes
 from origami_nlp.numerics import CLOSURE_TOL, SHALLOW
@@ -368,3 +368,16 @@ def test_descents_that_are_left_out_change_no_escape_path(number, monkeypatch):
         heights = sorted(p.height for p in seen.values() if p.k == k)
         assert heights == pytest.approx(sorted(lowest[k])[:1], rel=1e-9)
     assert sum(map(len, lowest.values())) > len(seen) > 1  # some were left out
+
+
+def test_what_an_escape_path_leads_to_has_an_order_of_layers():
+    """Beside folded books gaps alone let flaps change places: such paths climbed 2e-8 J and led nowhere real."""
+    scene = replace(examples.degree6("pi/3", ratio=1), symmetry="none")
+    result = find_minima(scene, effort="quick", prove=False, escape=False)
+    model = Model(scene)
+    books = [m for m in result.minima if len([c for c in m.contacts if c.is_limit]) == 4]
+    assert books
+    states = np.array([model.reduce(np.array(m.fold_angles)) for m in books[-2:]])
+    terrain = VertexTerrain(model, states, [[] for _ in states])
+    for way in escape_paths(terrain, range(len(states))).values():
+        assert not [x for x in way.states if model.refuses(x)]
