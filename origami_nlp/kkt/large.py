@@ -102,11 +102,14 @@ def lower_beside(state: State, branch: BranchJudgement) -> DescentWitness | None
             moved = float(np.abs(y - x).max())
             if residual > CLOSURE_TOL or not 0.1 * step <= moved <= 3 * step:
                 continue
-            if not p.fold_limits.inside(y).all() or p.energy_change(x, y) >= -noise:
+            change = p.energy_change(x, y)
+            if change > noise:  # it rises first: what is lower further on lies behind that
+                break
+            if not p.fold_limits.inside(y).all() or change >= -noise:
                 continue
             if p.refuses(y):
                 break
-            return DescentWitness(d, step, -p.energy_change(x, y), y)
+            return DescentWitness(d, step, -change, y)
     return None
 
 
