@@ -164,7 +164,7 @@ def draw_boxes(boxes: Sequence[Box], width: Fraction, slices: Sequence[int] = (4
     looks = [("#e8e8e8", "other numberings"), ("#c9c9c9", "two maxima are not excluded here")]
     looks += [
         ("#a8c8e8", "one maximum a branch, in double precision"),
-        ("#1f4e8c", "proved: four states"),
+        ("#1f4e8c", "proved: at most four states"),
     ]
     marks = [Patch(color=colour, label=words) for colour, words in looks]
     figure.legend(handles=marks, loc="outside lower center", ncols=2, fontsize=8, frameon=False)
