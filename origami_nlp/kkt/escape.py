@@ -333,7 +333,8 @@ def _way_by(terrain: Terrain, part: _Parting, path_down: DescentPath) -> EscapeP
     k = part.k
     down = path_down(part.high, lambda x: terrain.is_lower(k, x))
     lower = terrain.is_lower(k, down[-1])
-    if lower and terrain.problem.refuses(down[-1]):  # gaps alone do not see that layers have no order
+    # gaps alone do not see that layers have no order
+    if lower and terrain.problem.refuses(down[-1]):
         return None
     # it went on until it was lower: where that leads is what descents in batches say
     # lower than the state: any state that this descends to has been reached without climbing
