@@ -264,8 +264,12 @@ BAD_CALLS = {
         "name two parameters",
     ),
     "certificate of a pattern": (
-        ["minima", "metasheet:3x3", "--certificate", "a"],
+        ["minima", "waterbomb:2x2", "--certificate", "a"],
         "certificate = 'a': the list of a pattern is proved of strips (",
+    ),
+    "certificate of a mesh with contact": (
+        ["minima", "metasheet:3x3", "--effort", "quick", "--certificate", "a"],
+        "it is written for --contact fold-limits",
     ),
     "stiffness of a pattern": (["minima", "miura:2x2", "--stiffness", -1], "--stiffness = -1"),
     "rest state unknown": ([*PHASE, "--degree", 8, "--rest", "mine"], "rest"),
