@@ -91,7 +91,7 @@ def minima(
     if not isinstance(stated, Scene):
         options["contact"] = scene.whole_contact
         if certificate is not None:
-            _check_provable(stated, certificate)
+            _check_provable(stated, certificate, scene.whole_contact or "full")
     stopped = False
     try:
         result = search(stated, scene.name, verbose=verbose, **options)
@@ -111,8 +111,14 @@ def minima(
         raise KeyboardInterrupt
 
 
-def _check_provable(pattern: Pattern, file: str) -> None:
-    from origami_nlp.proof import why_no_mesh, why_no_quad_mesh, why_no_strip
+def _check_provable(pattern: Pattern, file: str, contact: str) -> None:
+    """Refuse a certificate that cannot be, before anything is searched for."""
+    from origami_nlp.proof import (
+        why_no_mesh,
+        why_no_quad_mesh,
+        why_no_strip,
+        why_no_strip_contact,
+    )
 
     reasons = why_no_strip(pattern), why_no_mesh(pattern), why_no_quad_mesh(pattern)
     if all(reasons):
@@ -120,6 +126,11 @@ def _check_provable(pattern: Pattern, file: str) -> None:
         raise OptionError(
             f"--certificate = {file!r}: the list of a pattern is proved of strips ({strip}), of meshes "
             f"whose vertices fold flat ({flat}), and of those of which none does ({other})"
+        )
+    generic = reasons[0] and not reasons[2]
+    if generic and contact == "full" and not why_no_strip_contact(pattern):
+        raise OptionError(
+            "--certificate: the check knows meshes within fold limits; it is written for --contact fold-limits"
         )
 
 
@@ -165,18 +176,14 @@ def _write_pattern_certificate(result: MinimaResult, boxes: int, file: str) -> N
         write_certificate,
     )
 
-    contact = getattr(result.search, "contact", "full") == "full"
-    facets = contact and not why_no_strip_contact(result.pattern)
-    generic = not why_no_quad_mesh(result.pattern)
     if why_no_strip(result.pattern):
-        if generic and facets:
-            raise OptionError(
-                "--certificate: the check knows meshes within fold limits; it is written for --contact fold-limits"
-            )
+        generic = not why_no_quad_mesh(result.pattern)
         prover = prove_quad_mesh if generic else prove_mesh
         mesh = prover(result.pattern, boxes=boxes)
         write_certificate(certificate_of_mesh(result.pattern, mesh, generic=generic), file)
         return
+    contact = getattr(result.search, "contact", "full") == "full"
+    facets = contact and not why_no_strip_contact(result.pattern)
     proof = prove_strip(result.pattern, contact=facets, boxes=boxes)
     write_certificate(certificate_of_strip(result.pattern, proof), file)
 
