@@ -39,3 +39,4 @@ from .sheets import (
     find_panels as find_panels,
     sheet_table as sheet_table,
 )
+from .two_maxima import draw_two_maxima as draw_two_maxima

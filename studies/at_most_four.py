@@ -48,10 +48,11 @@ def _slope(a: np.ndarray) -> np.ndarray:
     return np.concatenate([k * a[1:], 0 * a[:1]])
 
 
-def gammas(sectors: np.ndarray, branch: int) -> np.ndarray:
-    """Return the widest room for gamma at each place, negative where there is none, [B, places].
+def folds(sectors: np.ndarray, branch: int) -> list[tuple[np.ndarray, np.ndarray]]:
+    """Return half the slope and half the fold of each crease, the leading one first, as power series in theta.
 
     sectors: [B, 4] rad, numbered so that creases 1 and 2 reach 180 degrees; branch: 0 or 1, which of them does.
+    Each [`ORDER`, B, places].
     """
     s1, s2, s3, s4 = np.sin(sectors.T)[:, :, None]
     q, other, tanh2 = s1 * s4 / (s2 * s3), s1 * s2 / (s3 * s4), s1 * s3 / (s2 * s4)
@@ -64,7 +65,7 @@ def gammas(sectors: np.ndarray, branch: int) -> np.ndarray:
     cosine = np.broadcast_to(np.cos(PLACES + k * np.pi / 2) / factorial, shape)
 
     def rate(a: np.ndarray, b: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Half the slope of a fold with tan(phi/2) = sin/(a + b cos), and the fold itself."""
+        """Of a fold with tan(phi/2) = sin/(a + b cos)."""
         below = b * cosine
         below[0] += a
         top = a * cosine
@@ -76,20 +77,37 @@ def gammas(sectors: np.ndarray, branch: int) -> np.ndarray:
     b2 = np.sqrt((1 - other) / (1 - tanh2))
     b4 = b2 / np.sqrt(other)
     zero, tanh = 0 * q, np.sqrt(tanh2)
-    along = rate(np.sqrt((1 - q) / q), zero)[0]
-    low, high = np.full(shape[1:], -np.inf), np.full(shape[1:], np.inf)
-    for a, b in ((zero, np.sqrt(1 - q)), (tanh * b2, b2), (b4, tanh * b4)):
-        slope, fold = rate(a, b)
+    opposite = np.sqrt((1 - q) / q), zero
+    leading, one, two = (zero, np.sqrt(1 - q)), (tanh * b2, b2), (b4, tanh * b4)
+    return [rate(*ab) for ab in (leading, one, opposite, two)]
+
+
+def gammas(sectors: np.ndarray, branch: int) -> np.ndarray:
+    """Return the widest room for gamma at each place, negative where there is none, [B, places].
+
+    sectors, branch: as `folds`.
+    """
+    leading, one, (along, _), two = folds(sectors, branch)
+    rows = []
+    for slope, fold in (leading, one, two):
         for limit in (np.pi / 2, -np.pi / 2):
             from_rest = fold.copy()
             from_rest[0] -= limit
             g = _over(_times(from_rest, slope), along)
             for _ in range(2):
                 g = _over(_slope(g), along)
-            with np.errstate(all="ignore"):
-                ratio = -g[1] / g[0]
-            low = np.where(g[0] > 0, np.maximum(low, ratio), low)
-            high = np.where(g[0] < 0, np.minimum(high, ratio), high)
+            rows.append((g[0], g[1]))
+    return room(rows)
+
+
+def room(rows: list[tuple[np.ndarray, np.ndarray]]) -> np.ndarray:
+    """Return the widest room for gamma with g' + gamma g > 0 for all (g, g'), negative where there is none."""
+    low, high = np.array(-np.inf), np.array(np.inf)
+    for g, more in rows:
+        with np.errstate(all="ignore"):
+            ratio = -more / g
+        low = np.where(g > 0, np.maximum(low, ratio), low)
+        high = np.where(g < 0, np.minimum(high, ratio), high)
     return np.asarray(high - low)
 
 

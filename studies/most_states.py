@@ -175,3 +175,21 @@ def _exchange(
                 high = a[j + 1] if j + 1 < len(a) else GRID
                 a[j] = low + int(np.argmax(s[j] * slope[low:high]))
     return margin, springs
+
+
+def twice_on_a_half(
+    sectors: np.ndarray, mode: int, *, starts: int = 8, seed: int = 0
+) -> tuple[float, np.ndarray | None]:
+    """Look for springs at rest within 180 degrees with two maxima between the flat state and the limit of a branch.
+
+    Returns the largest margin found, and the springs as in `Found`.
+    """
+    rng, grid = np.random.default_rng(seed), _grid(GRID)
+    grid = grid[grid > 0]
+    rows, signs = _rows(sectors, mode, grid), np.array([1.0, -1.0, 1.0, -1.0])
+    best: tuple[float, np.ndarray | None] = (-np.inf, None)
+    assert rows is not None
+    for _ in range(starts):
+        at = np.sort(rng.choice(len(grid), 4, replace=False))
+        best = max(best, _exchange([rows], [at], [signs], np.pi), key=lambda found: found[0])
+    return best

@@ -288,6 +288,14 @@ def boxed(name: str) -> None:
     draw_boxes(boxes, Fraction(data["width"])).savefig(FOLDER / f"{name}.png", dpi=150)
 
 
+def grown(name: str) -> None:
+    """Draw the boxes of vertices that are proved to have six states at most."""
+    from studies import draw_two_maxima
+
+    data = json.loads((FOLDER.parent / "at_most_six.json").read_text())
+    draw_two_maxima("".join(data["tree"])).savefig(FOLDER / f"{name}.png", dpi=150)
+
+
 def recorded(name: str) -> None:
     """Draw the times of a recorded run."""
     from benchmarks import PatternBench, draw_coverage, draw_patterns
@@ -308,6 +316,7 @@ PICTURES: dict[str, Callable[[str], None]] = {
     "actuated": own,
     "sheet_counts": counted,
     "at_most_four": boxed,
+    "at_most_six": grown,
     "square_twist": own,
     "measured_hinge": own,
     "periodic_miura": drawn_periods,

@@ -190,6 +190,60 @@ def _check_span(statement: Any) -> Verdict:
 
 
 _D = (1 - _Q) * (1 + X**2) + (2 + 2 * _Q) * X
+_P, _C, _TAU, _BETA = sp.symbols("p c tau beta", positive=True)
+_NEAR = (_C + _TAU) ** 2 + _BETA * (1 - _C**2)
+_FAR = 1 - _Q * _C**2
+SPEEDS = (1 / _FAR, (1 + _TAU * _C) / _NEAR, _C / _FAR, (_C + _TAU) / _NEAR)
+"""Speeds of the four folds over theta, tan(theta/2) = t, up to constants > 0: c = cos(theta), tau = tanh(d)."""
+
+
+def _check_speeds(statement: tuple[Any, ...]) -> Verdict:
+    """Mode I: the ratio of each to the slope of the closed form must be a positive constant."""
+    cosine, tau = (1 - _T**2) / (1 + _T**2), (E**2 - 1) / (E**2 + 1)
+    values = {_C: cosine, _TAU: tau, _BETA: (1 - tau**2) / (1 - _P)}
+    cases = []
+    for crease, stated in enumerate(statement, 1):
+        tangent = half_tangent(crease, _Q if crease % 2 else _P, E, _T)
+        slope = sp.diff(tangent, _T) / (1 + tangent**2) * (1 + _T**2)
+        ratio = sp.simplify(slope / stated.subs(values, simultaneous=True))
+        some = {_T: sp.Rational(1, 3), _Q: sp.Rational(1, 2), _P: sp.Rational(1, 3), E: 2}
+        constant = sp.simplify(sp.diff(ratio, _T)) == 0 and ratio.subs(some).is_positive
+        cases.append((f"crease {crease}", bool(constant)))
+    return by_cases(
+        cases,
+        "d phi/d theta = 2 tan'(1 + t^2)/2/(1 + tan^2): linear functions of c over two denominators; c falls from 1 "
+        "at the flat state to 0 at the limit. Mode II is mode I with the pairs of creases exchanged.",
+        "rational functions",
+    )
+
+
+_U, _V = sp.symbols("u w", positive=True)
+
+
+def _check_convexity(statement: Any) -> Verdict:
+    """The second derivative of f/u by v/u, from Wronskians; and what a common factor does to these."""
+    s = sp.Symbol("s")
+    f, u, v, g = (sp.Function(name)(s) for name in "fuvg")
+
+    def wronskian(*some: Any) -> Any:
+        return sp.Matrix([[sp.diff(x, s, k) for x in some] for k in range(len(some))]).det()
+
+    two, three = wronskian(u, v), wronskian(u, v, f)
+    slope = sp.diff(f / u, s) / sp.diff(v / u, s)
+    second = sp.diff(slope, s) / sp.diff(v / u, s)
+    stated = statement.subs({_U: u, _V: two}, simultaneous=True) * three
+    scaled = wronskian(g * u, g * v, g * f) - g**3 * three
+    return by_cases(
+        [
+            ("second derivative of f/u by v/u", sp.simplify(second - stated) == 0),
+            ("W(gu, gv, gf) = g^3 W(u, v, f)", sp.expand(scaled) == 0),
+        ],
+        "Where u > 0 and W(u, v) > 0, f/u is convex as a function of v/u where W(u, v, f) > 0. With "
+        "h = W(u, v, f)/W(u, v) and a factor g > 0 common to u, v and f, h' + gamma h > 0 says the same with another "
+        "gamma.",
+        "derivatives of functions",
+    )
+
 
 CLAIMS: list[Claim] = [
     Claim(
@@ -273,6 +327,32 @@ CLAIMS: list[Claim] = [
         r"\det=4\operatorname{Res}(D_a,D_b)",
         _check_span,
         damaged=(0, 2),
+        origin=_OWN,
+    ),
+    Claim(
+        "d4.speeds",
+        "derivation, degree 4",
+        "Speeds of the four folds over an angle from flat (0) to the limit (90 degrees)",
+        SPEEDS,
+        r"\frac{1}{1-qc^2},\ \frac{1+\tau c}{R},\ \frac{c}{1-qc^2},\ \frac{c+\tau}{R},\ "
+        r"R=(c+\tau)^2+\beta(1-c^2),\ \beta=\frac{1-\tau^2}{1-q'}",
+        _check_speeds,
+        damaged=(
+            (SPEEDS[2], SPEEDS[1], SPEEDS[0], SPEEDS[3]),
+            (*SPEEDS[:3], SPEEDS[3].subs(_BETA, 1 - _BETA)),
+        ),
+        form=row(*[formula(_Q, _C, _TAU, _BETA)] * 4),
+        origin=_OWN,
+    ),
+    Claim(
+        "d4.one-turn",
+        "derivation, degree 4",
+        "Where a slope over a speed is convex, as a function of the ratio of two speeds",
+        _U**3 / _V**3,
+        r"\frac{d^2(f/u)}{d(v/u)^2}=\frac{u^3}{W(u,v)^3}W(u,v,f)",
+        _check_convexity,
+        damaged=(_U**2 / _V**3, -(_U**3) / _V**3),
+        form=formula(_U, _V),
         origin=_OWN,
     ),
 ]
