@@ -448,7 +448,7 @@ def critical(
             found = find_critical_points(stated, seed=seed)
             if compare:
                 found = compare_minima(found, search_minima(stated, given, seed=seed, escape=False))
-            shape = (stated.vertex, stated.group.name, stated.mirror)
+            shape = (stated.vertex, stated.group.name, stated.mirror, stated.limits)
             if shape not in euler:
                 report(text=f"{name}: space")
                 euler[shape] = find_space(stated).euler_characteristic

@@ -9,7 +9,6 @@ exist only while two contacts stay closed, are edges too: no state beside them b
 from __future__ import annotations
 
 import itertools
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -55,8 +54,7 @@ def trace_edges(model: Problem, rng: np.random.Generator, seeds: int = SEEDS) ->
     edges: list[Edge] = []
     rows = (*model.limits, *model.gaps)
     for position, row in enumerate(rows):
-        start = rng.uniform(-math.pi, math.pi, (seeds, model.size))
-        x, residual = project(model, start, (row,))
+        x, residual = project(model, drawn(model, rng, seeds), (row,))
         x = x[(residual <= CLOSURE_TOL) & model.admissible(x)]
         # where an earlier contact is closed as well, this curve is that contact's
         earlier, _ = model.local(x).openings(rows[:position])
@@ -69,6 +67,12 @@ def trace_edges(model: Problem, rng: np.random.Generator, seeds: int = SEEDS) ->
             traced = np.concatenate([traced, _dense(curve), np.full((1, model.size), np.nan)])
             edges += _cut(model, row, curve, tangent, loop)
     return tuple(edges)
+
+
+def drawn(model: Problem, rng: np.random.Generator, many: int) -> np.ndarray:
+    """Draw states uniformly between the fold limits, not closed, [many, n]."""
+    limits = model.fold_limits
+    return rng.uniform(limits.low, limits.high, (many, model.size))
 
 
 def _distance(points: np.ndarray, x: np.ndarray) -> float:
@@ -119,15 +123,15 @@ class _Line:
 
     def inside(self, points: Sequence[_At]) -> int:
         """How many of the points, from the first on, are within the bounds of all fold angles."""
-        over = np.abs([p.x for p in points]) - self.model.bound
-        over[:, [self.row.index] if self.row.is_limit else []] = -1
-        good = over.max(axis=1) <= CONTACT_TOL
+        inside = self.model.fold_limits.inside(np.array([p.x for p in points]), CONTACT_TOL)
+        inside[:, [self.row.index] if self.row.is_limit else []] = True
+        good = inside.all(axis=1)
         return len(points) if good.all() else int(np.argmin(good))
 
     def at_bound(self, a: _At, b: _At) -> _At:
         """Return the point between a and b at which a fold angle reaches its bound."""
-        v = int((np.abs(b.x) - self.model.bound).argmax())
-        limit = Contact("limit", v, 1 if b.x[v] > 0 else -1)
+        v = int(self.model.fold_limits.room(b.x).argmin())
+        limit = self.model.fold_limits.contact(v, b.x[v])
         return _At(_meet(self.model, a.x, b.x, self.row, limit), b.tangent)
 
 

@@ -96,7 +96,6 @@ def find_critical_points(
     """
     scene = as_scene(scene, "a search for all critical points", "find_minima takes a pattern")
     scene.check_no_forces("critical points")
-    scene.check_plain_hinges("critical points", laws=True)
     if result is not None:
         check_type("result", result, MinimaResult)
     check_whole("samples", samples, 1, MOST_SAMPLES)

@@ -40,6 +40,8 @@ def kkt_newton(model: Problem, start: np.ndarray, rows: tuple[Contact, ...] = ()
     multipliers = np.zeros((len(x), r))
     reached = np.zeros(len(x), dtype=bool)
     for _ in range(MOST_STEPS):
+        if not len(todo):
+            break
         y = x[todo]
         pull = model.parameters.torque(y)
         f, jac = model.constraints(y, rows)
@@ -68,8 +70,6 @@ def kkt_newton(model: Problem, start: np.ndarray, rows: tuple[Contact, ...] = ()
         reached[todo[settled]] = True
         inside = (np.abs(x[todo]) <= model.bound + 1.0).all(axis=1)
         todo = todo[good & ~settled & inside]
-        if not len(todo):
-            break
     return KktPoints(x[reached], multipliers[reached], residual[reached])
 
 

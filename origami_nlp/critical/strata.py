@@ -1,24 +1,23 @@
 """The pieces of the admissible set X of a scene with two symmetric degrees of freedom: faces, edges, vertices.
 
-They depend on sector angles, symmetry and contact only, not on stiffness and rest angles, and are found once for
+They depend on sector angles, symmetry, contact and stops only, not on stiffness and rest angles, and are found once for
 all energies on the same geometry.
 """
 
 from __future__ import annotations
 
 import itertools
-import math
 from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
 
-from origami_nlp.critical.edges import Edge, trace_edges
+from origami_nlp.critical.edges import Edge, drawn, trace_edges
 from origami_nlp.critical.link import RADII, Link, closed_rows, link_of
 from origami_nlp.errors import OptionError
 from origami_nlp.kkt import State, project
 from origami_nlp.numerics import CLOSURE_TOL, FOLLOWED, OUTSIDE, RANK, SETTLED, distinct
-from origami_nlp.pattern import Scene, Vertex
+from origami_nlp.pattern import Limits, Scene, Vertex
 from origami_nlp.problem import Model, Problem
 from origami_nlp.starts import flat_foldings
 
@@ -66,7 +65,6 @@ def strata_of(scene: Scene, *, samples: int = FACE_SAMPLES, seed: int = 0) -> St
         If the scene has not two symmetric degrees of freedom, or its contact is not ``"full"``: X is not compact
         without contact, and its boundary is another one with fold limits only.
     """
-    scene.check_plain_hinges("strata of the admissible set", laws=True)
     model = Model(scene)
     if model.dof != 2:
         raise OptionError(
@@ -77,18 +75,18 @@ def strata_of(scene: Scene, *, samples: int = FACE_SAMPLES, seed: int = 0) -> St
         raise OptionError(
             f"contact = {scene.contact!r}: critical points are found with contact = 'full'"
         )
-    return _strata(scene.vertex, scene.group.name, scene.mirror, samples, seed)
+    return _strata(scene.vertex, scene.group.name, scene.mirror, scene.limits, samples, seed)
 
 
 @lru_cache(maxsize=32)
 def _strata(
-    vertex: Vertex, symmetry: str, mirror: int | None, samples: int, seed: int
+    vertex: Vertex, symmetry: str, mirror: int | None, limits: Limits, samples: int, seed: int
 ) -> StratifiedSet:
     """Find the strata with springs that have the symmetry of the vertex: all equal."""
     n = vertex.degree
-    model = Model(Scene(vertex, (1.0,) * n, (0.0,) * n, symmetry, "full", mirror))
+    model = Model(Scene(vertex, (1.0,) * n, (0.0,) * n, symmetry, "full", mirror, limits=limits))
     rng = np.random.default_rng(seed)
-    cloud, residual = project(model, rng.uniform(-math.pi, math.pi, (samples, model.size)))
+    cloud, residual = project(model, drawn(model, rng, samples))
     cloud = cloud[(residual <= CLOSURE_TOL) & model.admissible(cloud)]
     edges = trace_edges(model, rng)
     ends = [x for edge in edges if not edge.loop for x in (edge.x[0], edge.x[-1])]
@@ -133,8 +131,7 @@ def _corners(model: Problem, rng: np.random.Generator) -> list[np.ndarray]:
     for pair in itertools.combinations((*model.limits, *model.gaps), 2):
         if pair[0].is_limit and pair[1].is_limit and pair[0].index == pair[1].index:
             continue
-        start = rng.uniform(-math.pi, math.pi, (CORNER_SEEDS, model.size))
-        x, residual = project(model, start, pair)
+        x, residual = project(model, drawn(model, rng, CORNER_SEEDS), pair)
         # Newton onto closure and two contacts: isolated where all gradients are independent
         x = x[(residual <= FOLLOWED) & model.admissible(x)]
         if not len(x):

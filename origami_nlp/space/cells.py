@@ -16,21 +16,19 @@ import numpy as np
 from origami_nlp.chart import admissible
 from origami_nlp.folding import check_admissible
 from origami_nlp.numerics import CONTACT_TOL, FOLLOWED, OUTSIDE, groups
-from origami_nlp.space.chain import WRAPPED
 from origami_nlp.space.mesh import (
-    BORDER_P,
-    BORDER_Q,
     CUT,
     HEIGHT,
-    OTHER,
     SEAM,
     DoubleCover,
     MeshError,
     beside,
+    curved_walls,
     edges_of,
     has,
     pull,
     several,
+    straight_walls,
 )
 
 WITNESSES = 3
@@ -90,8 +88,8 @@ def _with_sign(wedge: np.ndarray, sign: np.ndarray) -> np.ndarray:
 
 
 def _sides(cover: DoubleCover) -> np.ndarray:
-    """Side of each curved wall on which a triangle lies: the value farthest from 0 of its vertices, [F, 3]."""
-    return _farthest(cover.values[cover.triangles])  # of [F, 3 vertices, 3 walls]
+    """Side of each curved wall on which a triangle lies: the value farthest from 0 of its vertices, [F, walls]."""
+    return _farthest(cover.values[cover.triangles])  # of [F, 3 vertices, walls]
 
 
 def _farthest(values: np.ndarray) -> np.ndarray:
@@ -103,6 +101,8 @@ def _farthest(values: np.ndarray) -> np.ndarray:
 def _good_triangles(cover: DoubleCover, side: np.ndarray) -> np.ndarray:
     """Decide each face by examining states inside it, shape [F]."""
     vertex, orbit = cover.chain.scene.vertex, cover.chain.orbit
+    if not len(cover.triangles):  # all beyond stops
+        return np.zeros(0, dtype=bool)
     face = _faces(cover, side)
     wedge, clearance, triangle = _inner_states(cover, side)
     verdict = np.zeros(face.max() + 1, dtype=bool)
@@ -116,6 +116,8 @@ def _good_triangles(cover: DoubleCover, side: np.ndarray) -> np.ndarray:
             if side[triangle[order[start]], 0] < 0:
                 continue  # beyond the last mirror
             raise MeshError("a face of the space is thinner than rounding: use a larger size")
+        if not cover.chain.limits.inside(wedge[best]).all():
+            continue  # beyond a stop
         # next to where two walls meet, facets cross by products of small angles
         said = [
             check_admissible(vertex, wedge[m][orbit], tolerance=FOLLOWED).admissible for m in best
@@ -142,7 +144,7 @@ def _inner_states(
     point, sides = np.concatenate(middles), np.tile(side, (count, 1))
     states = chain.points(point, np.tile(leaf, count))
     inside = sides[:, 0] > 0
-    for k, wrapped in enumerate(WRAPPED[chain.kind]):
+    for k, wrapped in enumerate(chain.wrapped):
         far = (np.abs(sides[:, k]) > math.pi / 2) & wrapped
         # the state must be on the side of the wall on which its triangle is
         inside &= far | (states.walls[:, k] * sides[:, k] > 0)
@@ -155,7 +157,7 @@ def _faces(cover: DoubleCover, side: np.ndarray) -> np.ndarray:
     """Number the connected pieces into which the walls divide the surface, for each triangle."""
     one, two = beside(cover.triangles).T
     apart = np.zeros(len(one), dtype=bool)
-    for k, wrapped in enumerate(WRAPPED[cover.chain.kind]):
+    for k, wrapped in enumerate(cover.chain.wrapped):
         differ = side[one, k] * side[two, k] < 0
         if wrapped:
             # an angle modulo 2 pi: from +3 to -3 it passes pi, and not the wall at 0
@@ -174,10 +176,9 @@ def _edges_alone(
     leaf = _farthest(cover.leaf[edges])
     common = cover.on[edges[:, 0]] & cover.on[edges[:, 1]]
     middle = cover.base[edges].mean(axis=1)
-    for bit in (HEIGHT, CUT, OTHER, SEAM):
-        here = has(common, bit)
+    for bit in (*curved_walls(cover.chain), SEAM):
         # a straight border stays straight
-        free = here & ~has(common, BORDER_P) & ~has(common, BORDER_Q)
+        free = has(common, bit) & (common & straight_walls(cover.chain) == 0)
         middle[free] = pull(cover.chain, middle[free], leaf[free], bit)
     points = cover.chain.points(middle, leaf)
     wedge = points.wedge
@@ -194,9 +195,8 @@ def _edges_alone(
         state = _with_sign(wedge, np.where(cut, s, 0))
         ends = np.where(has(cover.on[edges], CUT), s, 0)
         alone = mine & ~np.isin(_edge_keys(edges, ends), used)
-        phi = state[:, cover.chain.orbit]
-        phi = np.where(np.abs(phi) > math.pi, np.sign(phi) * math.pi, phi)
-        alone &= (np.abs(state) <= math.pi + CONTACT_TOL).all(axis=1)
+        phi = cover.chain.limits.clip(state)[:, cover.chain.orbit]
+        alone &= cover.chain.limits.inside(state, CONTACT_TOL).all(axis=1)
         alone[alone] = admissible(cover.chain.scene, phi[alone])
         alone[alone] = [_passes(cover, p) for p in phi[alone]]
         found.append(edges[alone])
@@ -225,7 +225,8 @@ def check_lower_dimensional(cells: Cells) -> None:
             states = cover.chain.points(base, leaf).wedge
             near = np.abs(states - cells.wedge[inner]).max(axis=1) < 0.1  # no jump from +pi to -pi
             near &= cover.chain.fold_margin(base) > 0
-            near &= np.abs(states).max(axis=1) < math.pi - CONTACT_TOL  # not on the handle itself
+            # not on the handle itself
+            near &= cover.chain.limits.room(states).min(axis=1) > CONTACT_TOL
             states = states[near][:, cover.chain.orbit]
             states = states[admissible(cover.chain.scene, states)]
             vertex = cover.chain.scene.vertex
@@ -252,9 +253,8 @@ def _vertices_alone(cover: DoubleCover, used: np.ndarray) -> np.ndarray:
         key = who * 3 + s + 1
         who = who[~np.isin(key, used)]
         state = _with_sign(cover.wedge[who], np.full(len(who), s))
-        phi = state[:, cover.chain.orbit]
-        inside = (np.abs(phi) <= math.pi + CONTACT_TOL).all(axis=1)
-        phi = np.clip(phi, -math.pi, math.pi)
+        inside = cover.chain.limits.inside(state, CONTACT_TOL).all(axis=1)
+        phi = cover.chain.limits.clip(state)[:, cover.chain.orbit]
         inside[inside] = admissible(cover.chain.scene, phi[inside])
         inside[inside] = [_passes(cover, p) for p in phi[inside]]
         keys.append(who[inside] * 3 + s + 1)

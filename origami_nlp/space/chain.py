@@ -27,6 +27,7 @@ from origami_nlp.chart import chart_of, crease_number
 from origami_nlp.errors import OptionError
 from origami_nlp.numerics import quaternion as quat
 from origami_nlp.pattern import Scene
+from origami_nlp.problem import FoldLimits
 
 
 @dataclass(frozen=True)
@@ -46,7 +47,11 @@ class HalfChain:
     reach
         Half widths of the base rectangle [rad], its borders being walls (fold angle at +-pi, or crease 1 on the axis).
     walls
-        Names of the walls, in the order of `Points.walls`.
+        Names of the walls: two borders of the base, then in the order of `Points.walls`.
+    limits
+        Fold limits of a wedge state.
+    stops
+        Those before facets meet: variable and angle [rad].
     """
 
     scene: Scene
@@ -57,6 +62,13 @@ class HalfChain:
     up: np.ndarray
     reach: tuple[float, float]
     walls: tuple[str, ...]
+    limits: FoldLimits
+    stops: tuple[tuple[int, float], ...]
+
+    @property
+    def wrapped(self) -> tuple[bool, ...]:
+        """Which of the first three of `Points.walls` are angles modulo 2 pi."""
+        return WRAPPED[self.kind] + (True,) * len(self.stops)
 
     @cached_property
     def orbit(self) -> list[int]:
@@ -129,7 +141,17 @@ class HalfChain:
             wedge = np.stack([base[..., 1], inner, 2 * half], axis=-1)
             other = np.cos(place)  # crease 3 on its own side of the axis
         cut = np.where(inner >= 0, inner - math.pi, inner + math.pi)
-        return Points(wedge, np.stack([y, cut, other], axis=-1))
+        stops = [self._beyond(wedge, v, at) for v, at in self.stops]
+        return Points(wedge, np.stack([y, cut, other, *stops], axis=-1))
+
+    def _beyond(self, wedge: np.ndarray, variable: int, at: float) -> np.ndarray:
+        """How far a fold angle is above that of a stop; the inner one goes on from +pi to -pi."""
+        off = wedge[..., variable] - at
+        if variable == self.size - 2:
+            off = np.where(
+                off > math.pi, off - math.tau, np.where(off < -math.pi, off + math.tau, off)
+            )
+        return np.asarray(off)
 
 
 @dataclass(frozen=True)
@@ -137,9 +159,9 @@ class Points:
     """States of a chain.
 
     wedge: fold angles of the chain [V, k]; the inner one in [-pi, pi], the last in (-2 pi, 2 pi).
-    walls: values of the curved walls [V, 3], a wall where they vanish: height y over the last mirror (the last fold
-        angle is +-pi there), the inner fold angle off +-pi (wrapped), and, for degree 6, the angle from crease 1 to
-        crease 4 (wrapped), for wedges the cosine of crease 3's elevation.
+    walls: values of the curved walls [V, 3 + stops], a wall where they vanish: height y over the last mirror (the last
+        fold angle is +-pi there), the inner fold angle off +-pi (wrapped), and, for degree 6, the angle from crease 1
+        to crease 4 (wrapped), for wedges the cosine of crease 3's elevation; then fold angles off their stops.
     """
 
     wedge: np.ndarray
@@ -147,7 +169,7 @@ class Points:
 
 
 WRAPPED = {"degree6": (False, True, True), "wedge": (False, True, False)}
-"""Which of `Points.walls` are angles modulo 2 pi: a change of sign at +-pi does not count."""
+"""Which of the first three of `Points.walls` are angles modulo 2 pi."""
 
 
 def chain_of(scene: Scene) -> HalfChain:
@@ -178,14 +200,20 @@ def chain_of(scene: Scene) -> HalfChain:
         raise OptionError(f'contact = "{scene.contact}": the admissible space needs "full"')
     group = scene.group
     sectors = tuple(ray.sector for ray in group.rays[:-1])
-    names = [f"phi_{crease_number(scene, r)} = +-pi" for r in range(len(sectors) + 1)]
+    creases = [crease_number(scene, r) for r in range(len(sectors) + 1)]
+    names = [f"phi_{crease} = +-pi" for crease in creases]
+    limits = FoldLimits(*scene.limit_angles[:, np.array(creases) - 1])
+    at_stops = [c for c in limits.both if c.at != math.pi]
+    stops = tuple((c.index, c.side * c.at) for c in at_stops)
+    stop_names = tuple(f"phi_{creases[c.index]} = {c.where}" for c in at_stops)
     first, last = crease_number(scene, 0), crease_number(scene, len(sectors))
     up = np.array([0.0, 0.0, 1.0])
     if chart.kind == "degree6":
         touch = f"creases {first} and {last} on each other"
-        walls = (names[0], names[1], names[3], names[2], touch)
+        walls = (names[0], names[1], names[3], names[2], touch, *stop_names)
         along, normal = np.array([1.0, 0.0, 0.0]), np.array([0.0, 1.0, 0.0])
-        return HalfChain(scene, chart.kind, sectors, normal, along, up, (math.pi, math.pi), walls)
+        reach = (math.pi, math.pi)
+        return HalfChain(scene, chart.kind, sectors, normal, along, up, reach, walls, limits, stops)
     c, s = math.cos(math.pi / group.order), math.sin(math.pi / group.order)
     if group.order == 2:
         c, s = 0.0, 1.0
@@ -195,6 +223,8 @@ def chain_of(scene: Scene) -> HalfChain:
         names[2],
         names[1],
         f"crease {last} on the axis",
+        *stop_names,
     )
     normal, along = np.array([s, -c, 0.0]), np.array([c, s, 0.0])
-    return HalfChain(scene, chart.kind, sectors, normal, along, up, (math.pi / 2, math.pi), walls)
+    reach = (math.pi / 2, math.pi)
+    return HalfChain(scene, chart.kind, sectors, normal, along, up, reach, walls, limits, stops)

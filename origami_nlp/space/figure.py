@@ -20,9 +20,10 @@ from origami_nlp.space.topology import edges_of, surface_pieces
 
 LOBES = ("#9ecae1", "#fdd0a2", "#c7e9c0", "#dadaeb", "#d9d9d9")
 """Fill of the pieces of surface (light versions of a colour-blind-safe set)."""
-WALLS = (*INKS[:4], INKS[6])
-"""Lines of the contacts that bound X."""
-DASHES: tuple[Any, ...] = ("-", (0, (6, 1.5)), (0, (2, 1)), (0, (6, 1.5, 1.5, 1.5)), "-")
+WALLS = (*INKS[:4], INKS[6], INKS[7])
+"""Lines of the contacts that bound X: those of `HalfChain.walls` by themselves, then all stops."""
+STOPS = 5
+DASHES: tuple[Any, ...] = ("-", (0, (6, 1.5)), (0, (2, 1)), (0, (6, 1.5, 1.5, 1.5)), "-", "-")
 """Of these lines, so that they differ in grey too."""
 
 
@@ -65,15 +66,14 @@ def _lobe_colours(mesh: SpaceMesh) -> list[str]:
 
 
 def _border(mesh: SpaceMesh) -> tuple[np.ndarray, np.ndarray]:
-    """Edges that border one triangle [B, 2], and the contact each lies on [B]."""
+    """Edges that border one triangle [B, 2], and the contact each lies on [B], `STOPS` for any stop."""
     edges, of_triangle = edges_of(mesh.triangles)
     uses = np.bincount(of_triangle.ravel(), minlength=len(edges))
     edges = edges[uses == 1]
     common = mesh.on[edges[:, 0]] & mesh.on[edges[:, 1]]
-    order = (0, 1, 2, 3, 4)
     wall = np.full(len(edges), -1)
-    for k in reversed(order):
-        wall[(common >> k) & 1 == 1] = k
+    for k in reversed(range(len(mesh.walls))):
+        wall[(common >> k) & 1 == 1] = min(k, STOPS)
     return edges, wall
 
 
@@ -96,7 +96,7 @@ def _draw_chart(axis: Axes, space: Space, colour: list[str]) -> set[int]:
         )
     )
     edges, wall = _border(mesh)
-    for k in range(5):
+    for k in range(len(WALLS)):
         lines = _chained(xy[edges[wall == k]])
         # families over one point, and border pieces that the chart draws as a point, have no length
         axis.add_collection(
@@ -150,7 +150,7 @@ def _draw_solid(axis, space: Space, colour: list[str]) -> set[int]:  # type: ign
         )
         axis.add_collection3d(shade)
     edges, wall = _border(mesh)
-    for k in range(5):
+    for k in range(len(WALLS)):
         lines = _chained(xyz[edges[wall == k]])
         if lines:
             look = {"colors": WALLS[k], "lw": 1.2, "ls": DASHES[k]}
@@ -201,7 +201,7 @@ def _legend(figure: Figure, space: Space, colour: list[str], used: set[int]) -> 
     entries: list[Line2D | Patch] = [
         Patch(fc=c, label=f"surface {k}") for k, c in enumerate(LOBES, start=1) if c in colour
     ]
-    for k, name in enumerate(space.mesh.walls):
+    for k, name in enumerate((*space.mesh.walls[:STOPS], "at a stop")):
         if k in used:
             text = re.sub(r"phi_(\d+)", lambda m: "φ" + subscript(int(m[1])), name)
             entries.append(

@@ -55,7 +55,6 @@ def find_space(scene: Scene, *, rings: int = SIZE) -> Space:
     scene = as_scene(
         scene, "the admissible space", "find_motion follows a pattern of one degree of freedom"
     )
-    scene.check_plain_hinges("the admissible space", laws=True)
     size = check_whole("rings", rings, *SIZES)
     chain = chain_of(scene)
     # walls may pass a mesh of one size so closely that another one is needed
@@ -73,7 +72,9 @@ def find_space(scene: Scene, *, rings: int = SIZE) -> Space:
     pieces = topology.parts(count, cells.triangles, cells.extra_edges)
     mesh = _mesh(chain, cells)
     components = tuple(
-        Component(part.dimension, part.euler, part.holes, part.closed_surfaces, _sample(mesh, part))
+        Component(
+            part.dimension, part.euler, part.holes, part.closed_surfaces, _sample(chain, mesh, part)
+        )
         for part in pieces
     )
     pinch = tuple(_pinch_point(mesh, spot) for spot in _spots(cells))
@@ -124,11 +125,13 @@ def _chart(chain: HalfChain, cells: Cells) -> tuple[np.ndarray, np.ndarray]:
     return chart, branch
 
 
-def _sample(mesh: SpaceMesh, part: topology.ComplexComponent) -> tuple[float, ...]:
-    """The state of a component that keeps farthest from phi = +-pi and from the flat state."""
+def _sample(
+    chain: HalfChain, mesh: SpaceMesh, part: topology.ComplexComponent
+) -> tuple[float, ...]:
+    """The state of a component that keeps farthest from fold limits and from the flat state."""
     wedge = mesh.wedge[part.vertices]
     # any state of the component would do: one far from contacts and from flat can be distinguished in a picture
-    room = np.minimum(math.pi - np.abs(wedge).max(axis=1), np.abs(wedge).max(axis=1))
+    room = np.minimum(chain.limits.room(wedge).min(axis=1), np.abs(wedge).max(axis=1))
     free = mesh.on[part.vertices] == 0
     best = part.vertices[np.argmax(np.where(free, room, room - 2 * math.pi))]
     return tuple(mesh.fold_angles[best].tolist())

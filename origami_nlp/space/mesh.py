@@ -15,20 +15,20 @@ from typing import NamedTuple
 import numpy as np
 
 from origami_nlp.errors import OrigamiError
-from origami_nlp.numerics import NONZERO, OUTSIDE, ROUNDED
-from origami_nlp.space.chain import WRAPPED, HalfChain
+from origami_nlp.numerics import EPS, NONZERO, OUTSIDE, ROUNDED
+from origami_nlp.space.chain import HalfChain
 
 ON = 1000 * ROUNDED
 """Walls whose value at a vertex is smaller are taken to pass through it: values are good to about `ROUNDED`."""
 ON_SEAM = ROUNDED
 """The same for the seam, which is seen through a square root."""
 BISECTIONS = 52
-BORDER_P, BORDER_Q, HEIGHT, CUT, OTHER, SEAM = range(6)
-"""Bits of `DoubleCover.on`: the five walls in the order of `HalfChain.walls`, then the seam where the two leaves
-meet."""
+BORDER_P, BORDER_Q, HEIGHT, CUT, OTHER = range(5)
+"""Bits of `DoubleCover.on`: the walls in the order of `HalfChain.walls`, after these five the stops."""
+SEAM = 60
+"""The bit of the seam, where the two leaves meet: behind all walls."""
 
 
-STRAIGHT = 1 << BORDER_P | 1 << BORDER_Q
 LONGEST, SHORTENINGS = 16.0, 6
 """Edges longer than LONGEST / size [rad, largest fold angle] are divided, this often: next to the seam states change
 with the square root of the base point."""
@@ -49,7 +49,7 @@ class DoubleCover:
 
     base [V, 2], leaf [V] (0 on the seam): coordinates of the vertices on the chain.
     on [V]: bit mask of the walls (and the seam) that pass through a vertex.
-    triangles [F, 3].  values [V, 3]: `Points.walls`, exactly 0 where `on` says so.  wedge [V, k]: fold angles.
+    triangles [F, 3].  values [V, 3 + stops]: `Points.walls`, exactly 0 where `on` says so.  wedge [V, k]: fold angles.
     """
 
     chain: HalfChain
@@ -95,25 +95,41 @@ def mesh_cover(chain: HalfChain, size: int) -> DoubleCover:
     for k in (0, 1):
         on |= np.where(np.abs(base[:, k]) == chain.reach[k], 1 << k, 0)
     surface = Surface(base, on, np.zeros(len(base), dtype=np.int64), triangles)
-    for bit in (HEIGHT, SEAM):
+    straight = [bit for bit in curved_walls(chain) if straight_walls(chain) >> bit & 1]
+    for bit in (*straight, HEIGHT, SEAM):
         surface = _split(chain, surface, bit)
     margin = chain.fold_margin(surface.base)
     margin[has(surface.on, SEAM)] = 0.0
     corners = margin[surface.triangles]
     surface = _double(surface, (corners >= 0).all(axis=1) & (corners > 0).any(axis=1))
-    for bit in (CUT, OTHER):
+    for bit in (CUT, *(b for b in curved_walls(chain)[3:] if b not in straight), OTHER):
         surface = _split(chain, surface, bit)
     for _ in range(SHORTENINGS):
         surface = _shorten(chain, surface, LONGEST / size)
     base, on, leaf, triangles = _compact(surface)
     points = chain.points(base, leaf)
     values, wedge = points.walls, points.wedge
-    for column, bit in enumerate((HEIGHT, CUT, OTHER)):
+    for column, bit in enumerate(curved_walls(chain)):
         on |= np.where(np.abs(values[:, column]) <= ON, 1 << bit, 0)
         values[has(on, bit), column] = 0.0
     flat = has(on, HEIGHT)  # the last fold angle is +-pi there, from the side the state is on
     wedge[flat, -1] = np.copysign(math.pi, wedge[flat, -1])
+    for bit, (v, at) in enumerate(chain.stops, start=OTHER + 1):
+        wedge[has(on, bit), v] = at
     return DoubleCover(chain, base, leaf, on, triangles, values, wedge)
+
+
+def curved_walls(chain: HalfChain) -> range:
+    """Bits of the walls that are found by their values, in the order of `Points.walls`."""
+    return range(HEIGHT, OTHER + 1 + len(chain.stops))
+
+
+def straight_walls(chain: HalfChain) -> int:
+    """Bit mask of the walls that are straight in the base: its borders, and stops of its fold angles."""
+    stops = (
+        1 << bit for bit, (v, _) in enumerate(chain.stops, start=OTHER + 1) if v < chain.size - 2
+    )
+    return sum(stops, 1 << BORDER_P | 1 << BORDER_Q)
 
 
 def polar_mesh(reach: tuple[float, float], size: int) -> tuple[np.ndarray, np.ndarray]:
@@ -172,11 +188,22 @@ def wall_function(chain: HalfChain, bit: int) -> Evaluate:
 def _split(chain: HalfChain, surface: Surface, bit: int) -> Surface:
     """Cut every triangle along a wall or the seam."""
     function = wall_function(chain, bit)
-    wrapped = bit in (CUT, OTHER) and WRAPPED[chain.kind][bit - HEIGHT]
+    wrapped = bit in curved_walls(chain) and chain.wrapped[bit - HEIGHT]
     period = math.pi if wrapped else math.inf
     for _ in range(LOOKS):
-        surface = _refine(surface, function, period)
-    return _cut(chain, surface, bit, function, period)
+        surface = _refine(chain, surface, function, period)
+    surface = _cut(chain, surface, bit, function, period)
+    return _nearby(chain, surface, *chain.stops[bit - OTHER - 1]) if OTHER < bit < SEAM else surface
+
+
+def _nearby(chain: HalfChain, surface: Surface, variable: int, at: float) -> Surface:
+    """Drop the triangles of whose corners none is on this side of a stop, in a fold angle that is not +-pi."""
+    phi = chain.points(surface.base, surface.leaf).wedge[:, variable]
+    limits = chain.limits
+    beyond = phi > at + ON if at == limits.high[variable] else phi < at - ON
+    if variable == chain.size - 2:
+        beyond &= ~has(surface.on, CUT)
+    return surface._replace(triangles=surface.triangles[~beyond[surface.triangles].all(axis=1)])
 
 
 def _cut(
@@ -200,7 +227,7 @@ def _cut(
     )
 
 
-def _refine(surface: Surface, function: Evaluate, period: float) -> Surface:
+def _refine(chain: HalfChain, surface: Surface, function: Evaluate, period: float) -> Surface:
     """Give edges that a wall crosses twice, as far as a few samples show, a vertex in between."""
     base, on = surface.base, surface.on
     a, b = edges_of(surface.triangles)[0].T
@@ -220,7 +247,7 @@ def _refine(surface: Surface, function: Evaluate, period: float) -> Surface:
         return surface
     a, b, t = a[twice], b[twice], where[twice, None]
     place = base[a] + t * (base[b] - base[a])
-    return surface.divided(look[twice], place, on[a] & on[b] & STRAIGHT, leaf[twice])
+    return surface.divided(look[twice], place, on[a] & on[b] & straight_walls(chain), leaf[twice])
 
 
 def edges_of(triangles: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -275,7 +302,9 @@ def _find_roots(
 ) -> np.ndarray:
     """Bisect between base points a and b [E, 2]; edges that follow curved walls stay on them."""
     low, high = np.zeros(len(a)), np.ones(len(a))
-    curved = [bit for bit in (HEIGHT, CUT, OTHER, SEAM) if has(common, bit).any()]
+    straight = straight_walls(chain)
+    curved = [bit for bit in (*curved_walls(chain), SEAM) if not straight >> bit & 1]
+    curved = [bit for bit in curved if has(common, bit).any()]
 
     def at(t: np.ndarray) -> np.ndarray:
         point = a + t[:, None] * (b - a)
@@ -298,6 +327,8 @@ def pull(chain: HalfChain, base: np.ndarray, leaf: np.ndarray, bit: int) -> np.n
     h = DIFFERENCE
     for _ in range(6):
         value = function(base, leaf)
+        if np.abs(value).max(initial=0.0) <= EPS:
+            break
         gradient = np.stack(
             [
                 (function(base + step, leaf) - function(base - step, leaf)) / (2 * h)
@@ -340,7 +371,7 @@ def _shorten(chain: HalfChain, surface: Surface, longest: float) -> Surface:
     apart[:, -2] = np.minimum(apart[:, -2], 2 * math.pi - apart[:, -2])
     common = on[a] & on[b]
     # edges that follow curved walls would have to be pulled back onto them: those stay
-    long = np.flatnonzero((apart.max(axis=1) > longest) & (common & ~STRAIGHT == 0))
+    long = np.flatnonzero((apart.max(axis=1) > longest) & (common & ~straight_walls(chain) == 0))
     a, b = a[long], b[long]
     seam_a, seam_b = has(on[a], SEAM), has(on[b], SEAM)
     # next to the seam states go as the square root of the base point: a quarter of the way is half of it

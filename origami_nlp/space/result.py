@@ -301,7 +301,7 @@ def _picture_joins(
 ) -> tuple[tuple[tuple[float, float], tuple[tuple[float, ...], ...]], ...]:
     """Chart points with states that X does not connect over the disc of radius `NEARBY` around the point."""
     place = _places(mesh)
-    low, high = np.full((2, place.max() + 1, mesh.wedge.shape[1]), -math.inf)
+    low, high = np.full((2, place.max(initial=-1) + 1, mesh.wedge.shape[1]), -math.inf)
     low = -low
     np.minimum.at(low, place, mesh.wedge)
     np.maximum.at(high, place, mesh.wedge)
@@ -321,4 +321,4 @@ def _picture_joins(
 
 def _picture_components(mesh: SpaceMesh) -> int:
     place = _places(mesh)
-    return int(groups(int(place.max()) + 1, place[mesh.edges]).max()) + 1
+    return int(groups(int(place.max(initial=-1)) + 1, place[mesh.edges]).max(initial=-1)) + 1

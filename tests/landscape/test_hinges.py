@@ -12,7 +12,6 @@ from scipy.interpolate import CubicSpline
 import origami_nlp as o
 from origami_nlp import Scene, Vertex
 from origami_nlp.chart import landscape
-from origami_nlp.errors import OptionError
 from origami_nlp.pattern import double_well, linear
 from tests.independent.admissible import admissible
 
@@ -54,8 +53,6 @@ def test_the_admissible_space_knows_no_springs():
     plain = o.examples.degree6("pi/3")
     one, two = (o.find_space(s, rings=8) for s in (plain, of_laws(plain)))
     assert (one.holes, one.euler_characteristic) == (two.holes, two.euler_characteristic)
-    with pytest.raises(OptionError, match="fold limits"):
-        o.find_space(replace(plain, limits=(-1.0, 1.0)), rings=8)
 
 
 def test_boundaries_over_factors_of_linear_laws_are_those_of_stiffnesses():

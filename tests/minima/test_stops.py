@@ -10,7 +10,7 @@ import pytest
 
 import origami_nlp as o
 from origami_nlp import Scene, Vertex
-from origami_nlp.errors import OptionError, SceneError, SymmetryError
+from origami_nlp.errors import SceneError, SymmetryError
 from origami_nlp.pattern import table, tapered_limit
 from tests.independent import scan_four
 
@@ -156,10 +156,3 @@ def test_reports_say_what_thick_panels_leave_out():
     assert "not modelled: contact of panels that share no crease" in " ".join(
         str(o.find_minima(thick, escape=False)).split()
     )
-
-
-def test_what_does_not_know_stops_says_so():
-    scene = replace(o.examples.degree6("pi/3"), limits=(-2, 2))
-    for asked in (o.find_critical_points, o.find_space):
-        with pytest.raises(OptionError, match="fold limits of their own"):
-            asked(scene)

@@ -1,0 +1,128 @@
+"""The admissible space between stops: against pixels of the chart, and against the Morse count of critical points."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy import ndimage
+
+import origami_nlp as o
+from origami_nlp.chart import chart_of
+from origami_nlp.numerics import groups
+from tests.independent.admissible import admissible
+
+N = 361
+
+
+def stopped(seed, without_flat=False):
+    """A random symmetric vertex of degree 6 or 8 with stops; without_flat: one of which keeps it from being flat."""
+    rng = np.random.default_rng(seed)
+    eight = seed % 3 == 0 and not without_flat
+    alpha = float(rng.uniform(0.2, 1.4) if eight else rng.uniform(0.4, 1.3))
+    scene = (o.examples.degree8 if eight else o.examples.degree6)(alpha)
+    of, k = np.array(scene.group.orbit), max(scene.group.orbit) + 1
+    low, high = -rng.uniform(0.3, 3.1, k), rng.uniform(0.3, 3.1, k)
+    low[rng.random(k) < 0.25], high[rng.random(k) < 0.25] = -math.pi, math.pi
+    if without_flat:
+        low[rng.integers(1, 3)] = 0.15  # of phi_2 or phi_3: nor the families over (0, 0)
+    rest, limits = (
+        rng.uniform(-1.5, 1.5, k)[of],
+        zip(low[of].tolist(), high[of].tolist(), strict=True),
+    )
+    return replace(
+        scene, rest_angles=tuple(rest.tolist()), limits=tuple(limits), symmetry=scene.group.name
+    )
+
+
+def check_pixels(scene):
+    """Pieces of a scene without its flat state, and their areas in the (phi_2, phi_3) plane."""
+    mesh = o.find_space(scene, rings=24).mesh
+    t = (np.arange(N) + 0.5) / N * math.tau - math.pi
+    phi = chart_of(scene).fold_angles(0, *np.meshgrid(t, t)).reshape(-1, 6)
+    low, high = scene.limit_angles
+    inside = ((phi >= low) & (phi <= high)).all(axis=1)
+    inside[inside] = admissible(np.array(scene.vertex.sector_angles), phi[inside], "full")
+    label, many = ndimage.label(inside.reshape(N, N))
+    pixels = np.bincount(label.ravel())[1:] * (math.tau / N) ** 2
+    a, b, c = (mesh.chart[mesh.triangles[:, i]] for i in range(3))
+    u, v = b - a, c - a
+    area = 0.5 * np.abs(u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0])
+    piece = groups(len(mesh.wedge), mesh.edges)[mesh.triangles[:, 0]]
+    ours = np.array([area[piece == k].sum() for k in np.unique(piece)])
+    # what is smaller than some pixels is not seen by them
+    seen = 20 * (math.tau / N) ** 2
+    ours, pixels = (np.sort(v[v > seen]) for v in (ours, pixels))
+    assert ours == pytest.approx(pixels, rel=0.03, abs=0.05), many
+
+
+def check_count(scene, rings=16):
+    """The Euler characteristic is the Morse count, which asks another way; the minima are those of the search."""
+    space = o.find_space(scene, rings=rings)
+    low, high = scene.limit_angles
+    assert ((space.mesh.fold_angles >= low) & (space.mesh.fold_angles <= high)).all()
+    for k, name in enumerate(space.mesh.walls):
+        here = space.mesh.on >> k & 1 == 1
+        if name.endswith("(stop)"):
+            crease, angle = name.removeprefix("phi_").split(" degrees")[0].split(" = ")
+            at = space.mesh.fold_angles[here, int(crease) - 1]
+            assert np.allclose(at, math.radians(float(angle)), rtol=0, atol=1e-5)
+            assert len(set(at.tolist())) <= 1
+    found = o.find_critical_points(scene)
+    assert found.morse_sum == space.euler_characteristic
+    assert max((p.residual for p in found.points), default=0.0) < 1e-12
+    return found
+
+
+@pytest.mark.parametrize("seed", [1])
+def test_pieces_are_those_of_pixels(seed):
+    check_pixels(stopped(seed, without_flat=True))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(2, 40, 3))
+def test_pieces_of_many_are_those_of_pixels(seed):
+    check_pixels(stopped(seed, without_flat=True))
+
+
+def test_critical_points_count_the_euler_characteristic():
+    scene = stopped(8)
+    found = check_count(scene)
+    search = o.find_minima(scene, escape=False, prove=False, full=False)
+    assert o.critical.compare_minima(found, search).comparison.agree
+    held = [p for p in found.minima if any("(stop)" in name for name in p.contacts)]
+    assert held and all(min(p.multipliers) > 0 for p in held)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(1, 41))
+def test_critical_points_of_many_count_the_euler_characteristic(seed):
+    scene = stopped(seed, without_flat=seed % 4 == 1)
+    found = check_count(scene, rings=24)
+    search = o.find_minima(scene, effort="thorough", escape=False, prove=False, full=False)
+    assert not o.critical.compare_minima(found, search).comparison.only_search
+
+
+def test_stops_that_are_not_reached_change_nothing():
+    plain = o.examples.degree6("pi/3")
+    most = np.abs(o.find_space(plain, rings=8).mesh.fold_angles).max(axis=0)
+    assert most.max() == math.pi
+    with_stops = replace(plain, limits=((-math.pi, math.pi - 1e-12),) * 6)
+    assert o.find_space(with_stops, rings=8).signature == o.find_space(plain, rings=8).signature
+
+
+def test_a_space_may_be_empty(tmp_path):
+    scene = replace(o.examples.degree6("pi/4"), limits=(0.3, 1.7))
+    space = o.find_space(scene, rings=33)
+    assert space.components == () and space.euler_characteristic == 0
+    assert "0 component(s)" in str(space)
+    space.draw(tmp_path / "empty.png")
+    assert o.find_critical_points(scene).morse_sum == 0
+
+
+def test_where_only_a_book_is_left_the_space_is_a_handle():
+    """All creases valley: the paper folds in half alone, and the stops that hold it are its contacts."""
+    space = o.find_space(replace(o.examples.degree6("pi/4"), limits=(0.0, 2.0)), rings=16)
+    (handle,) = space.handles
+    assert np.allclose(handle.fold_angles[:, [1, 2, 4, 5]], 0.0, atol=1e-12)
+    assert {0.0, 2.0} == {float(v) for v in handle.fold_angles[[0, -1], 0]}
