@@ -20,16 +20,19 @@ from origami_nlp.errors import OptionError
 from origami_nlp.minima import MinimaResult, find_minima_of_each
 from origami_nlp.numerics import RESOLVED
 from origami_nlp.pattern import (
+    LAW_NUMBER,
     LAW_PLACES,
     HingeLaw,
+    LawCourse,
     Scene,
     Vertex,
     check_law_place,
     law_at,
+    law_course,
     with_symmetry_of,
 )
 from origami_nlp.pattern_problem import state_frame, states_to_fold
-from origami_nlp.problem import Model, Parameters
+from origami_nlp.problem import Model, Moving, Parameters
 
 SAMPLES = 17
 """Scenes of a family that are posed before it is followed, to see whether it is smooth."""
@@ -56,11 +59,14 @@ class Family:
         t (in ln t where `ParameterRange.log`).
     samples
         How many scenes are posed before it is followed, to see whether it is smooth.
+    course
+        The hinge law that t is a number of, if it is.
     """
 
     parameter: ParameterRange
     scene_of: Callable[[float], Scene] = field(repr=False)
     samples: int = field(default=SAMPLES, repr=False)
+    course: LawCourse | None = field(default=None, repr=False)
 
     def scene(self, t: float) -> Scene:
         """Return the scene at t, named after it."""
@@ -92,14 +98,24 @@ class Family:
         where = np.linspace(low, high, self.samples)
         scenes = [self.sampled(parameter.t_of(float(s))) for s in where]
         names = [f"{parameter.name} = {parameter.t_of(float(s)):.6g}" for s in where]
-        posed = same_problem([Model(scene) for scene in scenes], parameter.name, names)
+        models = [Model(scene) for scene in scenes]
+        posed = same_problem(models, parameter.name, names, moving=self.course is not None)
         self._check(posed, where)
-        line = line_between(posed[0], posed[-1], high - low).from_here(-low)
+        line = self.with_moving(line_between(posed[0], posed[-1], high - low), low)
         first, last = (np.array(scenes[k].vertex.sector_angles) for k in (0, -1))
         if (first != last).any():
             change = (last - first) / (high - low)
             line = replace(line, sector_angles=first - low * change, sector_change=change)
         return line
+
+    def with_moving(self, line: ParameterLine, low: float) -> ParameterLine:
+        """Return a line from the lower end with s = t, or ln t, and the laws that it moves through."""
+        line = line.from_here(-low)
+        laws = line.direction.laws
+        if self.course is None or laws is None:
+            return line
+        laws = replace(laws, moving=Moving(self.course, 0.0))
+        return replace(line, direction=replace(line.direction, laws=laws))
 
     def winding(self, s: float) -> float:
         """Return the energy that it took to wind preloaded springs at s, which states on the line do not count."""
@@ -155,13 +171,16 @@ class Family:
             )
 
 
-def same_problem(models: list[Model], name: str, names: list[str]) -> list[Model]:
+def same_problem(
+    models: list[Model], name: str, names: list[str], *, moving: bool = False
+) -> list[Model]:
     """Return models with the structure and scale of the one that has most contacts.
 
     Raises
     ------
     OptionError
-        If some have another symmetry, or contacts that this one has not; name: of the parameter, names: of the scenes.
+        If some have another symmetry, or contacts that this one has not, or, unless they move, hinge laws; name: of the
+        parameter, names: of the scenes.
     """
     whole = max(models, key=lambda m: len(m.structure.gaps))
     gaps = set(whole.structure.gaps)
@@ -172,11 +191,8 @@ def same_problem(models: list[Model], name: str, names: list[str]) -> list[Model
                 f"{where}: symmetry {group} or the facets that may touch are not those of other scenes over {name}: "
                 "state the symmetry, or follow a shorter range"
             )
-        if _laws_of(model) != _laws_of(whole):
-            raise OptionError(
-                f"{where}: hinge laws are others than elsewhere over {name}: law_scale[1] and law_shift[1] are "
-                "followed over, numbers within a law are for sweeps"
-            )
+        if not moving and _laws_of(model) != _laws_of(whole):
+            raise OptionError(f"{where}: hinge laws are others than elsewhere over {name}")
     return [_posed_as(whole, model) for model in models]
 
 
@@ -238,6 +254,11 @@ def family_of(scene: Scene, parameter: ParameterRange) -> Family:
         return Family(parameter, _over_alpha(base))
     if parameter.name == "loads" and base.loads:
         return Family(parameter, _over_places(base, [("loads", k) for k in range(len(base.loads))]))
+    if LAW_NUMBER.fullmatch(parameter.name):
+        course = law_course(base.laws, parameter.name, parameter.low, parameter.high)
+        return Family(
+            parameter, lambda t: replace(base, laws=course.moved(base.laws, t)), course=course
+        )
     places = []
     for name in parameter.name.split("+"):
         match = PLACE.fullmatch(name.strip())
@@ -245,8 +266,8 @@ def family_of(scene: Scene, parameter: ParameterRange) -> Family:
         if match is None or not 1 <= int(match[4]) <= most:
             raise OptionError(
                 f"parameter = {parameter.name!r} is no parameter of the scene: write ratio, alpha, stiffness[1], "
-                f"rest_angles[1], preload[1], torque[1], sector_angles[1], law_scale[1] or law_shift[1], with "
-                f"entries 1 to {base.degree}"
+                f"rest_angles[1], preload[1], torque[1], sector_angles[1], law_scale[1], law_shift[1] or "
+                f"laws.NAME.energy, with entries 1 to {base.degree}"
                 + (f", or loads, loads[1] to loads[{len(base.loads)}]" if base.loads else "")
                 + meant_by(name)
             )

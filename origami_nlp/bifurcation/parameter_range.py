@@ -5,8 +5,9 @@ Names are those of sweep files: ``ratio``, ``alpha``, ``creases.stiffness[1]``, 
 by ``+`` take the same value.  ``rest_angles_deg[1]`` and ``sector_angles_deg[1]`` are the
 same in degrees.  ``torque[1]`` is added to the preload of a crease; ``loads`` is the factor of all forces
 that the scene states, ``loads[1]`` that of one.  ``law_scale[1]`` multiplies the hinge law of a crease as it is stated
-(of wells and detents that is their depth), ``law_shift[1]`` moves it towards valley.  Of patterns they are those of
-`pattern.with_places`.
+(of wells and detents that is their depth), ``law_shift[1]`` moves it towards valley; ``laws.NAME.width`` and
+``laws.NAME.sum[2].energy`` are numbers that a law is stated with, of all creases that have it.  Of patterns
+they are those of `pattern.with_places`.
 """
 
 from __future__ import annotations
@@ -18,7 +19,7 @@ from dataclasses import dataclass
 
 from origami_nlp.arguments import did_you_mean
 from origami_nlp.errors import AngleError, OptionError
-from origami_nlp.pattern import parse_angle
+from origami_nlp.pattern import LAW_NUMBER, parse_angle
 
 UNITS = {
     "ratio": "",
@@ -35,6 +36,8 @@ UNITS = {
     "law_shift": "rad",
 }
 """Of what can be followed over."""
+LAW_UNITS = {"energy": "J", "stiffness": "N m/rad", "coefficients": "N m"}
+"""Of numbers of laws that are no angles; coefficients [N m/rad, N m/rad^2, ...]."""
 PLACE = re.compile(
     r"(?:(?:creases\.)?(stiffness|rest_angles|preload|torque|law_scale|law_shift)|(?:vertex\.)?(sector_angles)|(loads))\[(\d{1,4})\]"
 )
@@ -42,7 +45,9 @@ _OF_A_PATTERN = re.compile(
     r"(?:creases|mountains|valleys)\.(stiffness|rest_angles|law_scale|law_shift)|(?:vertices\.)?([xy])\[\d{1,6}\]"
 )
 _DEGREES = re.compile(r"(.*?)\s*deg")
-_IN_DEGREES = re.compile(r"(rest_angles|sector_angles|law_shift)_deg\[")
+_IN_DEGREES = re.compile(
+    r"(rest_angles|sector_angles|law_shift|^laws\..*\.(?:at|width|centre|rest))_deg(\[|$)"
+)
 
 
 @dataclass(frozen=True)
@@ -132,7 +137,7 @@ def parse_parameter_range(text: str) -> ParameterRange:
     if len(kinds) > 1:
         raise OptionError(f"parameter = {text!r}: what takes the same value must be of one kind")
     (kind,) = kinds
-    log, unit = kind in ("ratio", "stiffness", "law_scale"), UNITS.get(kind, "rad")
+    log, unit = kind in ("ratio", "stiffness", "law_scale"), unit_of(kind)
     a, b = values
     if not a < b:
         raise OptionError(
@@ -147,8 +152,21 @@ NEARBY = 1.3
 """A value without a range stands for the range from that share of it to that multiple; angles, and zero: 0.2 about."""
 
 
+def unit_of(kind: str) -> str:
+    """Return the unit of a kind of parameter (`kind_of`)."""
+    if kind.startswith(LAW):
+        return LAW_UNITS.get(kind.removeprefix(LAW), "rad")
+    return UNITS.get(kind, "rad")
+
+
+LAW = "laws."
+"""Before the kind of a number of a hinge law."""
+
+
 def kind_of(name: str) -> str:
-    """Return what a parameter is, a key of `UNITS`; the name itself where it is not one."""
+    """Return what a parameter is: a key of `UNITS`, `LAW` and a number of a law, or the name itself where none."""
+    if number := LAW_NUMBER.fullmatch(name.strip()):
+        return LAW + number["key"]
     match = PLACE.fullmatch(name.strip()) or _OF_A_PATTERN.fullmatch(name.strip())
     return next(v for v in match.groups()[:3] if v) if match else name.strip()
 
@@ -166,7 +184,7 @@ def parse_nearby(text: str) -> ParameterRange:
     if ":" in value or not value:
         return parse_parameter_range(text)
     name, (t,) = _stated(name.strip(), value)
-    if t and UNITS.get(kind_of(name), "rad") != "rad":
+    if t and unit_of(kind_of(name)) != "rad":
         low, high = sorted((t / NEARBY, t * NEARBY))
         return parse_parameter_range(f"{name}={low!r}:{high!r}")
     return parse_parameter_range(f"{name}={t - 0.2!r}:{t + 0.2!r}")
@@ -176,7 +194,7 @@ def _stated(name: str, *ends: str) -> tuple[str, list[float]]:
     """Return a name and values in radians: with ``_deg`` in the name, as in scene files, numbers are degrees."""
     if not _IN_DEGREES.search(name):
         return name, [_number(text, name) for text in ends]
-    plain = _IN_DEGREES.sub(r"\1[", name)
+    plain = _IN_DEGREES.sub(r"\1\2", name)
     return plain, [_number(text.removesuffix("deg") + "deg", name) for text in map(str.strip, ends)]
 
 
@@ -187,6 +205,6 @@ def _number(text: str, name: str) -> float:
     try:
         return parse_angle(text.strip(), name)
     except AngleError:
-        if UNITS.get(kind_of(name.partition("+")[0]), "rad") == "rad":
+        if unit_of(kind_of(name.partition("+")[0])) == "rad":
             raise
         raise OptionError(f"parameter: {name} = {text.strip()!r} must be a finite number") from None

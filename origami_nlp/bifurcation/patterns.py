@@ -21,7 +21,15 @@ from origami_nlp.bifurcation.parameter_range import ParameterRange, meant_by
 from origami_nlp.continuation import STEPS, ContinuationOptions, ParameterLine, line_between
 from origami_nlp.errors import OptionError
 from origami_nlp.minima import MinimaResult
-from origami_nlp.pattern import Pattern, as_pattern, check_law_place, examples, with_places
+from origami_nlp.pattern import (
+    LAW_NUMBER,
+    Pattern,
+    as_pattern,
+    check_law_place,
+    examples,
+    law_course,
+    with_places,
+)
 from origami_nlp.pattern_problem import PatternProblem
 from origami_nlp.pattern_states import find_states
 from origami_nlp.problem import Contact
@@ -109,6 +117,10 @@ class PatternLine:
         """Return the change of s along itself, [1]: the problems know the rest."""
         return np.ones(1)
 
+    def moved_torque(self, p: Any, s: float, x: np.ndarray) -> float:
+        """Return 0: no law moves beside vertices."""
+        return 0.0
+
 
 @dataclass(frozen=True, eq=False)
 class PatternFamily(Family):
@@ -151,7 +163,7 @@ class PatternFamily(Family):
         whole = PatternProblem(first)
         posed = [PatternProblem(one).numbered_as(whole) for one in made]
         self._check(posed, where)
-        return line_between(posed[0], posed[-1], high - low, weight).from_here(-low)
+        return self.with_moving(line_between(posed[0], posed[-1], high - low, weight), low)
 
     @property
     def steps(self) -> ContinuationOptions:
@@ -212,6 +224,13 @@ def pattern_family(stated: Any, parameter: ParameterRange) -> PatternFamily:
         check_law_place(problem.laws, "ratio")
         k = stiffness_over_ratio(problem.stiffness, problem.rest)
         return PatternFamily(parameter, lambda t: problem.with_springs(k(t)))  # type: ignore[arg-type, return-value]
+    if LAW_NUMBER.fullmatch(parameter.name):
+        course = law_course(problem.laws, parameter.name, parameter.low, parameter.high)
+        return PatternFamily(
+            parameter,
+            lambda t: problem.with_laws(course.moved(problem.laws, t)),  # type: ignore[arg-type, return-value]
+            course=course,
+        )
     try:
         with_places(problem, dict.fromkeys(names, parameter.low))
     except OptionError as error:

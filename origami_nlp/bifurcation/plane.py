@@ -12,7 +12,7 @@ from origami_nlp.bifurcation.parameter_range import ParameterRange
 from origami_nlp.continuation import ParameterLine
 from origami_nlp.errors import OptionError
 from origami_nlp.numerics import RESOLVED
-from origami_nlp.pattern import DeadLoads, Scene
+from origami_nlp.pattern import LAW_NUMBER, DeadLoads, Scene
 from origami_nlp.problem import Model, Parameters
 
 GRID = 7
@@ -33,6 +33,14 @@ class Plane:
 
     scene: Scene
     parameters: tuple[ParameterRange, ParameterRange]
+
+    def __post_init__(self) -> None:
+        for parameter in self.parameters:
+            if LAW_NUMBER.fullmatch(parameter.name):
+                raise OptionError(
+                    f"{parameter.name}: a number within a hinge law is followed over alone; of two parameters "
+                    "law_scale[1] and law_shift[1] can be"
+                )
 
     def family(self, value: float, axis: int = 0) -> Family:
         """Return the scenes over the first parameter (axis 0) or the second at one value of the other."""

@@ -1,8 +1,8 @@
 """A line of parameters: which problem belongs to each value of one number s.
 
 Sector angles, rest angles, loads and shifts of hinge laws are linear in s, stiffnesses and factors of laws log-linear,
-so that a ratio of stiffnesses r is followed in s = ln r.  Several lines can be added: two parameters, or several
-creases at once.
+so that a ratio of stiffnesses r is followed in s = ln r; a law may move with a number that it is stated with.
+Several lines can be added: two parameters, or several creases at once.
 """
 
 from __future__ import annotations
@@ -84,7 +84,17 @@ class ParameterLine:
         sectors = None
         if self.sector_angles is not None and self.sector_change is not None:
             sectors = self.sector_angles + s * self.sector_change
-        return replace(self, start=here.parameters, sector_angles=sectors)
+        d = self.direction
+        if d.laws is not None:
+            d = replace(d, laws=d.laws.from_here(s))
+        return replace(self, start=here.parameters, direction=d, sector_angles=sectors)
+
+    def moved_torque(self, p: Problem, s: float, x: np.ndarray) -> np.ndarray | float:
+        """Return how torques of the problem p at s change at a state [n] by laws that move: `slope` has the rest."""
+        change, laws = self.direction.laws, p.parameters.laws
+        if change is None or change.moving is None or laws is None:
+            return 0.0
+        return change.moving.rate(laws, s, x)
 
 
 def line_between(a: Problem, b: Problem, length: float, weight: float = 0.3) -> ParameterLine:

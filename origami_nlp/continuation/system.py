@@ -86,6 +86,7 @@ class BorderedSystem:
         self.all_multipliers = full
         self.hessian = self._curvature(full)
         torque, moved = p.drift(x, full, hold.contacts, line.slope(s))
+        torque = torque + line.moved_torque(p, s, self.x)
         self.drift = torque / root / line.weight
         moved = moved if kept == m else np.concatenate([moved[:m][rows], moved[m:]])
         self.moved = moved / line.weight

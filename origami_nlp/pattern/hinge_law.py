@@ -40,6 +40,8 @@ class HingeLaw(ShortRepr):
         What reports call it.
     made_from
         The law, the factor and the angle [rad] that `times` and `shifted` made it with.
+    stated
+        Its type and the numbers of that (`hinge_types`), or ``"sum"`` and the laws; None where pieces are all there is.
 
     Attributes
     ----------
@@ -62,6 +64,7 @@ class HingeLaw(ShortRepr):
     coefficients: tuple[tuple[float, ...], ...]
     name: str = "law"
     made_from: tuple[HingeLaw, float, float] | None = field(default=None, compare=False)
+    stated: tuple[str, Any] | None = field(default=None, compare=False)
 
     def __post_init__(self) -> None:
         if self.made_from:  # of one that was checked

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -148,7 +149,7 @@ def read_law(given: object, name: str, folder: Path | None = None) -> HingeLaw:
         raise SceneError(
             f"laws.{name} of type {kind!r}: its entries must be numbers ({error})"
         ) from None
-    return HingeLaw(made.breaks, made.coefficients, name)
+    return replace(made, name=name)
 
 
 def _measured(given: Mapping[str, Any], name: str, folder: Path | None) -> HingeLaw:

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -23,30 +24,121 @@ MOST_WELLS = 32
 """Of a detent, a turn."""
 
 
-def _hermite(x: np.ndarray, torque: np.ndarray, slope: np.ndarray, name: str) -> HingeLaw:
+def _hermite(
+    x: np.ndarray, torque: np.ndarray, slope: np.ndarray, name: str, stated: Any = None
+) -> HingeLaw:
     from scipy.interpolate import CubicHermiteSpline
 
     c = CubicHermiteSpline(x, torque, slope).c.T
-    return HingeLaw(tuple(x.tolist()), tuple(map(tuple, c.tolist())), name)
+    return HingeLaw(tuple(x.tolist()), tuple(map(tuple, c.tolist())), name, stated=stated)
+
+
+Formula = tuple[np.ndarray, np.ndarray]
+"""Torque and stiffness at fold angles."""
+
+
+def _linear(x: np.ndarray, stiffness: Any, rest: Any) -> Formula:
+    return stiffness * (x - rest), stiffness * np.ones_like(x)
+
+
+def _polynomial(x: np.ndarray, rest: Any, **coefficients: Any) -> Formula:
+    p = np.polynomial.Polynomial([0.0, *coefficients.values()])
+    return p(x - rest), p.deriv()(x - rest)
+
+
+def _well(x: np.ndarray, energy: Any, at: Any, width: Any) -> Formula:
+    d = (x - at) / width
+    steep = energy / width * np.exp(-0.5 * d**2)
+    return steep * d, steep / width * (1 - d**2)
+
+
+def _double_well(x: np.ndarray, energy: Any, at: Any, centre: Any) -> Formula:
+    d = (x - centre) / at
+    return 4 * energy / at * d * (d**2 - 1), 4 * energy / at**2 * (3 * d**2 - 1)
+
+
+def _detent(x: np.ndarray, energy: Any, wells: int, centre: Any) -> Formula:
+    turn = wells * (x - centre)
+    return 0.5 * energy * wells * np.sin(turn), 0.5 * energy * wells**2 * np.cos(turn)
+
+
+def _one_sided(x: np.ndarray, stiffness: Any, start: float, width: float) -> Formula:
+    side = math.copysign(1.0, start)
+    d = np.clip(side * np.real(x) - abs(start), 0.0, None)
+    bent = np.where(d < width, 0.5 * d**2 / width, d - 0.5 * width)
+    return side * stiffness * bent, stiffness * np.clip(d / width, 0.0, 1.0)
+
+
+FORMULAS: dict[str, Callable[..., Formula]] = {
+    "linear": _linear,
+    "polynomial": _polynomial,
+    "well": _well,
+    "double well": _double_well,
+    "detent": _detent,
+    "one-sided": _one_sided,
+}
+"""Of types: torque and stiffness, analytic in each number of `CONTINUOUS`."""
+CONTINUOUS = {
+    "linear": ("stiffness", "rest"),
+    "polynomial": ("coefficients", "rest"),
+    "well": ("energy", "at", "width"),
+    "double well": ("energy", "at", "centre"),
+    "detent": ("energy", "centre"),
+    "one-sided": ("stiffness",),
+}
+"""Numbers of types over which laws are followed: the kinks of a one-sided spring move with its others."""
+
+
+def pieces_for(every: Sequence[Callable[[np.ndarray], Formula]], name: str, x: np.ndarray) -> Any:
+    """Return breaks within which cubics follow all formulas: pieces are halved that are not within `AS_STATED`.
+
+    Parameters
+    ----------
+    every
+        Formulas.
+    name
+        Of the law.
+    x
+        Breaks to begin with [rad].
+
+    Returns
+    -------
+    numpy.ndarray
+        Breaks [B + 1] [rad].
+
+    Raises
+    ------
+    SceneError
+        If a torque is not finite, or there were too many.
+    """
+    while len(x) <= MOST_PIECES:
+        between = x[:-1, None] + np.array([0.2, 0.5, 0.7]) * np.diff(x)[:, None]
+        off = np.zeros(len(between), dtype=bool)
+        for formula in every:
+            exact = formula(between)[0]
+            if not np.isfinite(exact).all():
+                raise SceneError(f"hinge law {name!r}: its torque is not finite everywhere")
+            away = np.abs(_hermite(x, *formula(x), name).torque(between) - exact).max(axis=1)
+            off |= away > AS_STATED * np.abs(exact).max()
+        if not off.any():
+            return x
+        x = np.unique(np.concatenate([x, 0.5 * (x[:-1] + x[1:])[off]]))
+    raise SceneError(f"hinge law {name!r} bends too sharply for {MOST_PIECES} pieces")
+
+
+def first_breaks(width: float) -> np.ndarray:
+    """Return equal pieces for what bends over a width [rad], [B + 1]."""
+    return np.linspace(-math.pi, math.pi, 2 ** max(1, math.ceil(math.log2(math.tau / width))) + 1)
 
 
 def _sampled(
-    torque: Any, slope: Any, name: str, width: float = math.tau, more: Sequence[float] = ()
+    kind: str, numbers: dict[str, Any], width: float = math.tau, more: Sequence[float] = ()
 ) -> HingeLaw:
-    """Return the law of a formula that bends over `width`: pieces are halved that are not within `AS_STATED` of it."""
-    x = np.linspace(-math.pi, math.pi, 2 ** max(1, math.ceil(math.log2(math.tau / width))) + 1)
-    x = np.unique(np.concatenate([x, [a for a in more if abs(a) < math.pi]]))
-    while len(x) <= MOST_PIECES:
-        law = _hermite(x, torque(x), slope(x), name)
-        between = x[:-1, None] + np.array([0.2, 0.5, 0.7]) * np.diff(x)[:, None]
-        exact = torque(between)
-        if not np.isfinite(exact).all():
-            raise SceneError(f"hinge law {name!r}: its torque is not finite everywhere")
-        off = np.abs(law.torque(between) - exact).max(axis=1) > AS_STATED * np.abs(exact).max()
-        if not off.any():
-            return law
-        x = np.unique(np.concatenate([x, 0.5 * (x[:-1] + x[1:])[off]]))
-    raise SceneError(f"hinge law {name!r} bends too sharply for {MOST_PIECES} pieces")
+    """Return the law of a type whose torque bends over `width`, and at the angles `more`."""
+    x = np.unique(np.concatenate([first_breaks(width), [a for a in more if abs(a) < math.pi]]))
+    formula = partial(FORMULAS[kind], **numbers)
+    x = pieces_for([formula], kind, x)
+    return _hermite(x, *formula(x), kind, (kind, numbers))
 
 
 def linear(stiffness: float, rest: float = 0.0) -> HingeLaw:
@@ -70,7 +162,7 @@ def linear(stiffness: float, rest: float = 0.0) -> HingeLaw:
         If a number does not fit.
     """
     k, rest = check_number("stiffness", stiffness, 0.0), check_number("rest", rest)
-    return _sampled(lambda x: k * (x - rest), lambda x: np.full_like(x, k), "linear")
+    return _sampled("linear", {"stiffness": k, "rest": rest})
 
 
 def polynomial(coefficients: Sequence[float], rest: float = 0.0) -> HingeLaw:
@@ -93,9 +185,11 @@ def polynomial(coefficients: Sequence[float], rest: float = 0.0) -> HingeLaw:
     SceneError, OptionError
         If a number does not fit.
     """
-    given = [check_number(f"coefficients[{i}]", c) for i, c in enumerate(coefficients, start=1)]
-    p, rest = np.polynomial.Polynomial([0.0, *given]), check_number("rest", rest)
-    return _sampled(lambda x: p(x - rest), lambda x: p.deriv()(x - rest), "polynomial")
+    given = {
+        f"coefficients[{i}]": check_number(f"coefficients[{i}]", c)
+        for i, c in enumerate(coefficients, start=1)
+    }
+    return _sampled("polynomial", {"rest": check_number("rest", rest), **given})
 
 
 def well(energy: float, at: float, width: float) -> HingeLaw:
@@ -123,15 +217,7 @@ def well(energy: float, at: float, width: float) -> HingeLaw:
     e, w = check_number("energy", energy), check_number("width", width, WIDTHS[0], WIDTHS[1])
     at = check_number("at", at, -math.pi, math.pi)
 
-    def torque(x: np.ndarray) -> np.ndarray:
-        d = (x - at) / w
-        return e / w * d * np.exp(-0.5 * d**2)
-
-    def slope(x: np.ndarray) -> np.ndarray:
-        d = (x - at) / w
-        return e / w**2 * (1 - d**2) * np.exp(-0.5 * d**2)
-
-    return _sampled(torque, slope, "well", w)
+    return _sampled("well", {"energy": e, "at": at, "width": w}, w)
 
 
 def double_well(energy: float, at: float, centre: float = 0.0) -> HingeLaw:
@@ -159,15 +245,7 @@ def double_well(energy: float, at: float, centre: float = 0.0) -> HingeLaw:
     e, w = check_number("energy", energy, 0.0), check_number("at", at, WIDTHS[0], math.pi)
     centre = check_number("centre", centre)
 
-    def torque(x: np.ndarray) -> np.ndarray:
-        d = (x - centre) / w
-        return 4 * e / w * d * (d**2 - 1)
-
-    def slope(x: np.ndarray) -> np.ndarray:
-        d = (x - centre) / w
-        return 4 * e / w**2 * (3 * d**2 - 1)
-
-    return _sampled(torque, slope, "double well")
+    return _sampled("double well", {"energy": e, "at": w, "centre": centre})
 
 
 def detent(energy: float, wells: int, centre: float = 0.0) -> HingeLaw:
@@ -193,13 +271,8 @@ def detent(energy: float, wells: int, centre: float = 0.0) -> HingeLaw:
         If a number does not fit.
     """
     e, w = check_number("energy", energy, 0.0), check_whole("wells", wells, 1, MOST_WELLS)
-    check_number("centre", centre)
-    return _sampled(
-        lambda x: 0.5 * e * w * np.sin(w * (x - centre)),
-        lambda x: 0.5 * e * w**2 * np.cos(w * (x - centre)),
-        "detent",
-        math.pi / w,
-    )
+    centre = check_number("centre", centre)
+    return _sampled("detent", {"energy": e, "wells": w, "centre": centre}, math.pi / w)
 
 
 def one_sided(stiffness: float, start: float, width: float = math.radians(2.0)) -> HingeLaw:
@@ -231,19 +304,8 @@ def one_sided(stiffness: float, start: float, width: float = math.radians(2.0)) 
     side = math.copysign(1.0, start)
     w = check_number("width", width, RESOLVED, 1.0)
 
-    def inside(x: np.ndarray) -> np.ndarray:
-        return np.clip(side * x - abs(start), 0.0, None)
-
-    def torque(x: np.ndarray) -> np.ndarray:
-        d = inside(x)
-        return side * k * np.where(d < w, 0.5 * d**2 / w, d - 0.5 * w)
-
-    return _sampled(
-        torque,
-        lambda x: k * np.clip(inside(x) / w, 0.0, 1.0),
-        "one-sided",
-        more=(start, start + side * w),
-    )
+    numbers = {"stiffness": k, "start": start, "width": w}
+    return _sampled("one-sided", numbers, more=(start, start + side * w))
 
 
 def table(angle: Sequence[float], torque: Sequence[float], name: str = "table") -> HingeLaw:
@@ -317,4 +379,38 @@ def sum_of(laws: Sequence[HingeLaw], name: str = "sum") -> HingeLaw:
         starts = np.array(law.breaks)[own]
         pieces = np.array(law.coefficients)[own]
         c += moved_cubic(pieces.T, x[:-1] - starts).T
-    return HingeLaw(tuple(x.tolist()), tuple(map(tuple, c.tolist())), name)
+    stated = "sum", tuple(laws)
+    return HingeLaw(tuple(x.tolist()), tuple(map(tuple, c.tolist())), name, stated=stated)
+
+
+def of_type(kind: str, numbers: dict[str, Any]) -> HingeLaw:
+    """Return the law of a type with other numbers (`HingeLaw.stated`).
+
+    Parameters
+    ----------
+    kind
+        A key of `FORMULAS`.
+    numbers
+        All of them.
+
+    Returns
+    -------
+    HingeLaw
+        As the function of that name makes it.
+
+    Raises
+    ------
+    SceneError, OptionError
+        If a number does not fit.
+    """
+    if kind == "polynomial":
+        rest = {k: v for k, v in numbers.items() if k != "rest"}
+        return polynomial(list(rest.values()), numbers["rest"])
+    makers: dict[str, Callable[..., HingeLaw]] = {
+        "linear": linear,
+        "well": well,
+        "double well": double_well,
+        "detent": detent,
+        "one-sided": one_sided,
+    }
+    return makers[kind](**numbers)

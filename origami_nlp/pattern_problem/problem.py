@@ -331,6 +331,7 @@ class PatternProblem(PatternContacts, Energies):
         same = p.laws is parameters.laws or (
             p.laws is not None
             and parameters.laws is not None
+            and p.laws.laws == parameters.laws.laws
             and np.array_equal(p.laws.vector, parameters.laws.vector)
         )
         if not (
